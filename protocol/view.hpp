@@ -1,0 +1,106 @@
+// A view: everything that decides a picture of a cloud, and nothing else. The same words are a URL query, a JSON
+// object and command-line flags (PROTOCOL.md, "One vocabulary for a view").
+//
+// Plain values without I/O. Coordinates are the file's own: right-handed, Z up, doubles, the file's unit.
+// Angles are degrees here, as on the wire; the renderer works in radians.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <glm/vec3.hpp>
+#include <map>
+#include <optional>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "protocol/error.hpp"
+
+namespace scancast {
+
+enum class Projection : std::uint8_t { Perspective, Orthographic };
+
+struct Camera {
+    Projection projection = Projection::Perspective;
+    glm::dvec3 eye{0, -1, 0};
+    glm::dvec3 target{0, 0, 0};
+    glm::dvec3 up{0, 0, 1};
+    double fov = 60;                 ///< full vertical field of view in degrees, in (0, 180); perspective only
+    double viewHeight = 1;           ///< height of the picture in cloud units; orthographic only
+    std::optional<double> near;      ///< cloud units along the view direction; nullopt = automatic
+    std::optional<double> far;
+    /// World → view, column-major, OpenGL convention (looks down -z); replaces eye, target and up.
+    std::optional<std::array<double, 16>> viewMatrix;
+    bool operator==(const Camera&) const = default;
+};
+
+enum class ColorSource : std::uint8_t { Rgb, Intensity, Elevation, Classification, Normal, Depth, Lod, Flat };
+enum class Shading : std::uint8_t { Unlit, Phong, EyeDome };
+
+using Rgb8 = std::array<std::uint8_t, 3>;
+
+struct Background {
+    enum class Kind : std::uint8_t { Color, Gradient, Transparent };
+    Kind kind = Kind::Gradient;
+    Rgb8 top{58, 66, 78};      ///< the only colour of Kind::Color
+    Rgb8 bottom{22, 25, 30};   ///< Gradient only
+    bool operator==(const Background&) const = default;
+};
+
+/// A method's own parameter (`param.NAME=VALUE`); what is legal is the method's to say (renderer/method/method.hpp).
+using ParameterValue = std::variant<bool, double, std::string>;
+using ParameterValues = std::map<std::string, ParameterValue>;
+
+/// An axis-aligned box in file coordinates.
+struct ClipBox {
+    glm::dvec3 min, max;
+    bool operator==(const ClipBox&) const = default;
+};
+
+struct Style {
+    std::string method = "paraboloid";
+    ParameterValues parameters;
+    ColorSource color = ColorSource::Rgb;
+    Rgb8 flatColor{255, 255, 255};                     ///< for ColorSource::Flat (`color=#rrggbb`)
+    std::string colormap = "viridis";                  ///< viridis, turbo or grey
+    std::optional<std::array<double, 2>> range;        ///< values at the colour map's ends; nullopt = the cloud's
+    std::optional<std::vector<std::uint8_t>> classes;  ///< draw these classifications only
+    std::optional<ClipBox> clip;                       ///< draw inside this box only
+    std::optional<Shading> shading;                    ///< nullopt = the method's default
+    Background background;
+    bool operator==(const Style&) const = default;
+};
+
+enum class Subsampling : std::uint8_t { S444, S422, S420 };
+
+struct Quality {
+    std::optional<double> detail;         ///< τ, projected sample spacing in px; nullopt = the method's own; ≥ 0
+    std::optional<std::uint64_t> budget;  ///< samples drawn at most; nullopt = no budget
+    std::optional<int> samples;           ///< anti-aliasing frames averaged, 1–64; nullopt = 4 (1 while moving)
+    int jpegQuality = 90;                 ///< 1–100 (`quality`)
+    Subsampling subsampling = Subsampling::S420;
+    bool operator==(const Quality&) const = default;
+};
+
+struct View {
+    Camera camera;
+    int width = 1280;   ///< px, 1–16384
+    int height = 720;
+    Style style;
+    Quality quality;
+    bool operator==(const View&) const = default;
+};
+
+inline constexpr int maxPictureSide = 16384;
+inline constexpr int defaultSamples = 4;
+
+/// Whether a picture can be made of it. InvalidArgument for values outside their range (field names the word),
+/// ImpossibleView for eye = target, NaN, up parallel to the view direction, near ≥ far, fov outside (0, 180).
+Expected<void> validate(const View& view);
+
+std::string_view name(Projection);
+std::string_view name(ColorSource);  ///< "flat" for Flat; on the wire that one is #rrggbb
+std::string_view name(Shading);
+std::string_view name(Subsampling);  ///< "4:2:0"
+
+}  // namespace scancast

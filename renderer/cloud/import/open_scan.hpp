@@ -1,0 +1,24 @@
+// Opens any scan file by what it is: LAS in process, PLY and PCD through an importer process (decision 5:
+// third-party parsers never run inside the server).
+// Pipeline: file → **import** → octree.
+#pragma once
+
+#include <filesystem>
+#include <memory>
+
+#include "renderer/cloud/point_batch.hpp"
+
+namespace scancast {
+
+struct ImportOptions {
+    /// Where scancast-import-* programs are; empty = beside the running program, then on PATH.
+    std::filesystem::path importerDirectory;
+    std::uint64_t importerMemoryLimit = std::uint64_t(16) << 30;  ///< bytes of address space
+    int importerTimeoutSeconds = 600;                             ///< without any new byte
+};
+
+/// Errors name the file, the byte offset where there is one, and the reason: NotFound, Io, Unsupported (with the
+/// formats that are), Malformed, Truncated, Empty, Importer.
+Expected<std::unique_ptr<PointSource>> openScan(const std::filesystem::path& file, const ImportOptions& options = {});
+
+}  // namespace scancast

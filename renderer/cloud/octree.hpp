@@ -1,0 +1,71 @@
+// The hierarchy of a cloud in memory: nodes with bounds and spacing, each with a run of samples.
+// Pipeline: import → **octree** → select. Immutable once built; read from any thread.
+// Source: 001_c3e54385a9f0e90c "modified QSplat" (split at the average, averaged inner samples); methods.md §6.
+//
+// A node's samples *replace* its parent's: drawing a node instead of its ancestor shows the same surface, finer.
+// Leaves hold the scan's own points; inner nodes hold averages over one cell size per level, halved level by level.
+#pragma once
+
+#include <cstdint>
+#include <glm/vec3.hpp>
+#include <span>
+#include <vector>
+
+#include "renderer/cloud/sample.hpp"
+
+namespace scancast {
+
+inline constexpr std::uint32_t noNode = 0xffffffffu;
+
+/// Cone around all normals below a node, for back-face culling; halfAngle ≥ π = unknown, never culled.
+struct NormalCone {
+    glm::vec3 axis{0, 0, 1};
+    float halfAngle = 3.2f;
+};
+
+struct Node {
+    glm::dvec3 boxMin;             ///< cloud-relative; the corner that sample positions count from
+    glm::dvec3 step;               ///< cloud units per quantisation step, per axis; > 0
+    glm::dvec3 boxMax;             ///< tight around the node's own samples *and* everything below it
+    glm::dvec3 center;             ///< bounding sphere of everything below it and its own samples
+    double radius;
+    float spacing;                 ///< typical distance between neighbouring samples of this node, cloud units, > 0
+    NormalCone cone;
+    std::uint32_t parent = noNode;
+    std::uint32_t firstChild = noNode;  ///< children stand side by side: firstChild … firstChild + childCount - 1
+    std::uint8_t childCount = 0;        ///< 0 = leaf
+    std::uint8_t level = 0;             ///< root = 0
+    std::uint32_t sampleCount = 0;
+    std::uint64_t firstSample = 0;      ///< index of the run in the octree's sample store
+    std::uint64_t points = 0;           ///< scan points below this node
+
+    bool isLeaf() const { return childCount == 0; }
+};
+
+/// Nodes in breadth-first order, root at 0. Same input → same nodes and samples, on any number of threads.
+class Octree {
+  public:
+    Octree() = default;
+    Octree(std::vector<Node> nodes, std::vector<Sample> samples)
+        : nodes_(std::move(nodes)), samples_(std::move(samples)) {}
+
+    std::span<const Node> nodes() const { return nodes_; }
+    const Node& node(std::uint32_t index) const { return nodes_[index]; }
+    /// The node's samples. Everything is resident for now; with the residency room this becomes a pinned block.
+    std::span<const Sample> run(const Node& n) const {
+        return std::span(samples_).subspan(n.firstSample, n.sampleCount);
+    }
+    std::uint64_t sampleCount() const { return samples_.size(); }
+    std::uint64_t bytes() const { return nodes_.size() * sizeof(Node) + samples_.size() * sizeof(Sample); }
+
+  private:
+    std::vector<Node> nodes_;
+    std::vector<Sample> samples_;
+};
+
+/// Sample position, cloud-relative.
+inline glm::dvec3 position(const Node& n, const Sample& s) {
+    return n.boxMin + n.step * glm::dvec3(s.x, s.y, s.z);
+}
+
+}  // namespace scancast

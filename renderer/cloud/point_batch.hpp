@@ -1,0 +1,72 @@
+// Points as they come out of a scan: what every reader produces and the octree builder consumes.
+// Pipeline: file → **import** → octree. Column-wise; columns that the scan lacks stay empty.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <glm/vec3.hpp>
+#include <limits>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "protocol/error.hpp"
+
+namespace scancast {
+
+/// Which columns a scan has, besides position.
+struct Attributes {
+    bool color = false;
+    bool intensity = false;
+    bool classification = false;
+    bool normal = false;
+    bool operator==(const Attributes&) const = default;
+};
+
+/// What is known of a scan before its first point is read.
+struct ScanHeader {
+    std::string format;                   ///< for people: "LAS 1.2, point format 3"
+    std::optional<std::uint64_t> points;  ///< as declared; nullopt = not known until read
+    Attributes attributes;
+    /// The file's own grid: position = gridOrigin + integer * gridStep. 0 = floating point, no grid.
+    glm::dvec3 gridStep{0};
+    glm::dvec3 gridOrigin{0};
+    std::optional<std::array<glm::dvec3, 2>> bounds;  ///< declared min, max; a hint, not to be trusted
+    std::string crsWkt;                               ///< empty = unknown
+    std::optional<int> crsEpsg;
+};
+
+struct PointBatch {
+    std::vector<glm::dvec3> position;                  ///< file coordinates; finite (readers drop and count others)
+    std::vector<std::array<std::uint8_t, 3>> color;    ///< sRGB
+    std::vector<std::uint16_t> intensity;              ///< full range of the file, 0–65535
+    std::vector<std::uint8_t> classification;          ///< ASPRS class
+    std::vector<glm::vec3> normal;                     ///< unit length, or 0 where the scan has none
+
+    std::size_t size() const { return position.size(); }
+    void clear() {
+        position.clear();
+        color.clear();
+        intensity.clear();
+        classification.clear();
+        normal.clear();
+    }
+};
+
+/// A scan being read, front to back, once. Owned and used by one thread.
+class PointSource {
+  public:
+    static constexpr std::size_t batchPoints = 65536;
+
+    virtual ~PointSource() = default;
+    virtual const ScanHeader& header() const = 0;
+    /// Replaces the batch with the next points (at most batchPoints). False at the end: then the batch is empty and
+    /// the whole scan was sound. A file that is damaged, truncated or empty ends with an error instead.
+    virtual Expected<bool> read(PointBatch& batch) = 0;
+    /// Points left out so far because a coordinate was NaN or infinite.
+    virtual std::uint64_t droppedPoints() const = 0;
+    /// How far the source is, for progress: bytes read of the total (0 = unknown).
+    virtual std::array<std::uint64_t, 2> bytesRead() const { return {0, 0}; }
+};
+
+}  // namespace scancast

@@ -1,0 +1,24 @@
+// Pictures to bytes: JPEG by TurboJPEG, PNG by libspng. Pure functions; any thread.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "protocol/view.hpp"
+#include "renderer/image/frame.hpp"
+
+namespace scancast {
+
+using Bytes = std::vector<std::uint8_t>;
+
+/// Baseline JPEG; alpha is dropped. Same frame, quality and subsampling → same bytes.
+Expected<Bytes> encodeJpeg(const Frame& frame, int quality, Subsampling subsampling);
+/// 8-bit PNG; RGBA when `alpha`, else RGB.
+Expected<Bytes> encodePng(const Frame& frame, bool alpha);
+
+/// For tests and clients: RGBA, no depth. Malformed or Truncated with the library's reason.
+Expected<Frame> decodeJpeg(std::span<const std::uint8_t> bytes);
+Expected<Frame> decodePng(std::span<const std::uint8_t> bytes);
+
+}  // namespace scancast

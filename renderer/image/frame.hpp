@@ -1,0 +1,33 @@
+// A rendered picture and what it cost. Pipeline: device → **frame** → encode. A plain value, row 0 is the top.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace scancast {
+
+struct StageTime {
+    std::string name;      ///< "select", "nearest", "resolve", "eyedome", "average", "encode"
+    double milliseconds = 0;
+};
+
+struct FrameStats {
+    std::vector<StageTime> stages;      ///< in the order in which they ran; one entry per name
+    std::uint64_t samplesDrawn = 0;     ///< in the cut (of one anti-aliasing frame)
+    std::uint64_t pointsShown = 0;      ///< scan points that they stand for
+    std::uint32_t nodesVisited = 0, nodesCulled = 0;
+    double spacingReached = 0;          ///< px
+    std::string method, device;
+    /// Adds to the stage of that name, or appends it.
+    void add(std::string_view stage, double milliseconds);
+};
+
+struct Frame {
+    int width = 0, height = 0;
+    std::vector<std::uint8_t> rgba;     ///< width·height·4, straight alpha; 255 everywhere unless transparent
+    std::vector<float> depth;           ///< width·height linear depth, cloud units; +infinity = background
+    FrameStats stats;
+};
+
+}  // namespace scancast

@@ -1,0 +1,28 @@
+// From a view to a frame: the renderer's front door. Chooses the cut, lists the method's passes, hands them to the
+// device, tile by tile where the picture is larger than a screen.
+//
+// Reads like the pipeline: validate → viewpoint → select → passes → draw. Called on the device's thread.
+#pragma once
+
+#include <memory>
+#include <stop_token>
+
+#include "renderer/cloud/cloud.hpp"
+#include "renderer/device/device.hpp"
+
+namespace scancast {
+
+struct RenderOptions {
+    bool bruteForce = false;  ///< every leaf sample, no selection, no culling
+};
+
+/// Draws the view at the quality it names (nullopt in `quality` = full: method's own τ, no budget, 4 samples).
+/// The same cloud, view, and device give the same bytes, always. Errors: those of validate(); NotFound for a method;
+/// InvalidArgument for its parameters; Unsupported when the cloud lacks what the style needs; the device's.
+Expected<Frame> render(Device& device, const Cloud& cloud, const View& view, const RenderOptions& options = {},
+                       std::stop_token stop = {});
+
+/// All the checks of render() that need no device and no time: for servers that answer 400 before queueing.
+Expected<void> checkStyle(const Cloud& cloud, const View& view);
+
+}  // namespace scancast

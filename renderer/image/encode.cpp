@@ -1,0 +1,155 @@
+#include "renderer/image/encode.hpp"
+
+#include <spng.h>
+#include <turbojpeg.h>
+
+#include <cstdlib>
+#include <memory>
+
+namespace scancast {
+
+namespace {
+
+struct TurboDeleter {
+    void operator()(void* handle) const { tjDestroy(handle); }
+};
+using Turbo = std::unique_ptr<void, TurboDeleter>;
+
+struct TurboBufferDeleter {
+    void operator()(unsigned char* buffer) const { tjFree(buffer); }
+};
+
+struct SpngDeleter {
+    void operator()(spng_ctx* context) const { spng_ctx_free(context); }
+};
+using Spng = std::unique_ptr<spng_ctx, SpngDeleter>;
+
+struct FreeDeleter {
+    void operator()(void* memory) const { std::free(memory); }
+};
+
+int turboSubsampling(Subsampling subsampling) {
+    switch (subsampling) {
+        case Subsampling::S444:
+            return TJSAMP_444;
+        case Subsampling::S422:
+            return TJSAMP_422;
+        case Subsampling::S420:
+            break;
+    }
+    return TJSAMP_420;
+}
+
+std::size_t pixelCount(const Frame& frame) {
+    return static_cast<std::size_t>(frame.width) * static_cast<std::size_t>(frame.height);
+}
+
+bool sound(const Frame& frame) {
+    return frame.width > 0 && frame.height > 0 && frame.rgba.size() == pixelCount(frame) * 4;
+}
+
+tl::unexpected<Error> pngFailure(ErrorCode code, int status) {
+    return fail(code, std::string("PNG: ") + spng_strerror(status));
+}
+
+/// A decoder must not be made to allocate what a few hostile bytes promise.
+constexpr std::uint64_t maxDecodedPixels = std::uint64_t(maxPictureSide) * maxPictureSide;
+
+}  // namespace
+
+Expected<Bytes> encodeJpeg(const Frame& frame, int quality, Subsampling subsampling) {
+    if (!sound(frame)) return fail(ErrorCode::Internal, "JPEG: the frame has no pixels");
+    if (quality < 1 || quality > 100) {
+        return fail(ErrorCode::InvalidArgument, "quality must be from 1 (small) to 100 (fine)", "quality");
+    }
+    const Turbo encoder(tjInitCompress());
+    if (!encoder) return fail(ErrorCode::Internal, std::string("JPEG: ") + tjGetErrorStr2(nullptr));
+    unsigned char* raw = nullptr;
+    unsigned long size = 0;
+    const int failed = tjCompress2(encoder.get(), frame.rgba.data(), frame.width, 0, frame.height, TJPF_RGBX,
+                                   &raw, &size, turboSubsampling(subsampling), quality, 0);
+    const std::unique_ptr<unsigned char, TurboBufferDeleter> buffer(raw);
+    if (failed) return fail(ErrorCode::Internal, std::string("JPEG: ") + tjGetErrorStr2(encoder.get()));
+    return Bytes(raw, raw + size);
+}
+
+Expected<Bytes> encodePng(const Frame& frame, bool alpha) {
+    if (!sound(frame)) return fail(ErrorCode::Internal, "PNG: the frame has no pixels");
+    const Spng encoder(spng_ctx_new(SPNG_CTX_ENCODER));
+    if (!encoder) return fail(ErrorCode::ResourceLimit, "PNG: out of memory");
+    spng_set_option(encoder.get(), SPNG_ENCODE_TO_BUFFER, 1);
+    // Level 3 with the up filter: pictures of points hardly compress further, and cost four times as long.
+    spng_set_option(encoder.get(), SPNG_IMG_COMPRESSION_LEVEL, 3);
+    spng_set_option(encoder.get(), SPNG_FILTER_CHOICE, SPNG_FILTER_CHOICE_UP);
+    spng_ihdr header{};
+    header.width = static_cast<std::uint32_t>(frame.width);
+    header.height = static_cast<std::uint32_t>(frame.height);
+    header.bit_depth = 8;
+    header.color_type = alpha ? SPNG_COLOR_TYPE_TRUECOLOR_ALPHA : SPNG_COLOR_TYPE_TRUECOLOR;
+    if (const int status = spng_set_ihdr(encoder.get(), &header))
+        return pngFailure(ErrorCode::Internal, status);
+
+    Bytes rgb;
+    const Bytes* pixels = &frame.rgba;
+    if (!alpha) {
+        rgb.reserve(pixelCount(frame) * 3);
+        for (std::size_t i = 0; i < frame.rgba.size(); i += 4) {
+            rgb.insert(rgb.end(), frame.rgba.begin() + static_cast<std::ptrdiff_t>(i),
+                       frame.rgba.begin() + static_cast<std::ptrdiff_t>(i + 3));
+        }
+        pixels = &rgb;
+    }
+    if (const int status = spng_encode_image(encoder.get(), pixels->data(), pixels->size(), SPNG_FMT_PNG,
+                                             SPNG_ENCODE_FINALIZE)) {
+        return pngFailure(ErrorCode::Internal, status);
+    }
+    std::size_t size = 0;
+    int status = 0;
+    const std::unique_ptr<void, FreeDeleter> buffer(spng_get_png_buffer(encoder.get(), &size, &status));
+    if (!buffer) return pngFailure(ErrorCode::Internal, status);
+    const auto* begin = static_cast<const std::uint8_t*>(buffer.get());
+    return Bytes(begin, begin + size);
+}
+
+Expected<Frame> decodeJpeg(std::span<const std::uint8_t> bytes) {
+    const Turbo decoder(tjInitDecompress());
+    if (!decoder) return fail(ErrorCode::Internal, std::string("JPEG: ") + tjGetErrorStr2(nullptr));
+    Frame frame;
+    int subsampling = 0, colorSpace = 0;
+    if (tjDecompressHeader3(decoder.get(), bytes.data(), bytes.size(), &frame.width, &frame.height,
+                            &subsampling, &colorSpace) ||
+        pixelCount(frame) > maxDecodedPixels) {
+        return fail(ErrorCode::Malformed,
+                    std::string("not a JPEG picture: ") + tjGetErrorStr2(decoder.get()));
+    }
+    frame.rgba.resize(pixelCount(frame) * 4);
+    if (tjDecompress2(decoder.get(), bytes.data(), bytes.size(), frame.rgba.data(), frame.width, 0,
+                      frame.height, TJPF_RGBA, 0)) {
+        return fail(ErrorCode::Truncated,
+                    std::string("damaged JPEG picture: ") + tjGetErrorStr2(decoder.get()));
+    }
+    return frame;
+}
+
+Expected<Frame> decodePng(std::span<const std::uint8_t> bytes) {
+    const Spng decoder(spng_ctx_new(0));
+    if (!decoder) return fail(ErrorCode::ResourceLimit, "PNG: out of memory");
+    spng_set_image_limits(decoder.get(), maxPictureSide, maxPictureSide);
+    if (const int status = spng_set_png_buffer(decoder.get(), bytes.data(), bytes.size())) {
+        return pngFailure(ErrorCode::Malformed, status);
+    }
+    spng_ihdr header{};
+    if (const int status = spng_get_ihdr(decoder.get(), &header))
+        return pngFailure(ErrorCode::Malformed, status);
+    Frame frame;
+    frame.width = static_cast<int>(header.width);
+    frame.height = static_cast<int>(header.height);
+    frame.rgba.resize(pixelCount(frame) * 4);
+    if (const int status = spng_decode_image(decoder.get(), frame.rgba.data(), frame.rgba.size(),
+                                             SPNG_FMT_RGBA8, SPNG_DECODE_TRNS)) {
+        return pngFailure(ErrorCode::Truncated, status);
+    }
+    return frame;
+}
+
+}  // namespace scancast

@@ -1,7 +1,7 @@
 // What went wrong, in one shape for every room: a code to act on, a sentence to read.
 //
-// Failures that can happen at run time travel as Expected<T>; programming errors assert. A message is one plain
-// English sentence that names the thing (file, offset, parameter) and, where there is one, the way out.
+// Failures that can happen at run time travel as Expected<T>; programming errors assert. A message is one
+// plain English sentence that names the thing (file, offset, parameter) and, where there is one, the way out.
 #pragma once
 
 #include <cstdint>

@@ -1,5 +1,5 @@
-// A view: everything that decides a picture of a cloud, and nothing else. The same words are a URL query, a JSON
-// object and command-line flags (PROTOCOL.md, "One vocabulary for a view").
+// A view: everything that decides a picture of a cloud, and nothing else. The same words are a URL query, a
+// JSON object and command-line flags (PROTOCOL.md, "One vocabulary for a view").
 //
 // Plain values without I/O. Coordinates are the file's own: right-handed, Z up, doubles, the file's unit.
 // Angles are degrees here, as on the wire; the renderer works in radians.
@@ -25,9 +25,9 @@ struct Camera {
     glm::dvec3 eye{0, -1, 0};
     glm::dvec3 target{0, 0, 0};
     glm::dvec3 up{0, 0, 1};
-    double fov = 60;                 ///< full vertical field of view in degrees, in (0, 180); perspective only
-    double viewHeight = 1;           ///< height of the picture in cloud units; orthographic only
-    std::optional<double> near;      ///< cloud units along the view direction; nullopt = automatic
+    double fov = 60;             ///< full vertical field of view in degrees, in (0, 180); perspective only
+    double viewHeight = 1;       ///< height of the picture in cloud units; orthographic only
+    std::optional<double> near;  ///< cloud units along the view direction; nullopt = automatic
     std::optional<double> far;
     /// World → view, column-major, OpenGL convention (looks down -z); replaces eye, target and up.
     std::optional<std::array<double, 16>> viewMatrix;
@@ -42,12 +42,13 @@ using Rgb8 = std::array<std::uint8_t, 3>;
 struct Background {
     enum class Kind : std::uint8_t { Color, Gradient, Transparent };
     Kind kind = Kind::Gradient;
-    Rgb8 top{58, 66, 78};      ///< the only colour of Kind::Color
-    Rgb8 bottom{22, 25, 30};   ///< Gradient only
+    Rgb8 top{58, 66, 78};     ///< the only colour of Kind::Color
+    Rgb8 bottom{22, 25, 30};  ///< Gradient only
     bool operator==(const Background&) const = default;
 };
 
-/// A method's own parameter (`param.NAME=VALUE`); what is legal is the method's to say (renderer/method/method.hpp).
+/// A method's own parameter (`param.NAME=VALUE`); what is legal is the method's to say
+/// (renderer/method/method.hpp).
 using ParameterValue = std::variant<bool, double, std::string>;
 using ParameterValues = std::map<std::string, ParameterValue>;
 
@@ -61,9 +62,9 @@ struct Style {
     std::string method = "paraboloid";
     ParameterValues parameters;
     ColorSource color = ColorSource::Rgb;
-    Rgb8 flatColor{255, 255, 255};                     ///< for ColorSource::Flat (`color=#rrggbb`)
-    std::string colormap = "viridis";                  ///< viridis, turbo or grey
-    std::optional<std::array<double, 2>> range;        ///< values at the colour map's ends; nullopt = the cloud's
+    Rgb8 flatColor{255, 255, 255};               ///< for ColorSource::Flat (`color=#rrggbb`)
+    std::string colormap = "viridis";            ///< viridis, turbo or grey
+    std::optional<std::array<double, 2>> range;  ///< values at the colour map's ends; nullopt = the cloud's
     std::optional<std::vector<std::uint8_t>> classes;  ///< draw these classifications only
     std::optional<ClipBox> clip;                       ///< draw inside this box only
     std::optional<Shading> shading;                    ///< nullopt = the method's default
@@ -74,17 +75,17 @@ struct Style {
 enum class Subsampling : std::uint8_t { S444, S422, S420 };
 
 struct Quality {
-    std::optional<double> detail;         ///< τ, projected sample spacing in px; nullopt = the method's own; ≥ 0
+    std::optional<double> detail;  ///< τ, projected sample spacing in px; nullopt = the method's own; ≥ 0
     std::optional<std::uint64_t> budget;  ///< samples drawn at most; nullopt = no budget
-    std::optional<int> samples;           ///< anti-aliasing frames averaged, 1–64; nullopt = 4 (1 while moving)
-    int jpegQuality = 90;                 ///< 1–100 (`quality`)
+    std::optional<int> samples;  ///< anti-aliasing frames averaged, 1–64; nullopt = 4 (1 while moving)
+    int jpegQuality = 90;        ///< 1–100 (`quality`)
     Subsampling subsampling = Subsampling::S420;
     bool operator==(const Quality&) const = default;
 };
 
 struct View {
     Camera camera;
-    int width = 1280;   ///< px, 1–16384
+    int width = 1280;  ///< px, 1–16384
     int height = 720;
     Style style;
     Quality quality;
@@ -94,8 +95,9 @@ struct View {
 inline constexpr int maxPictureSide = 16384;
 inline constexpr int defaultSamples = 4;
 
-/// Whether a picture can be made of it. InvalidArgument for values outside their range (field names the word),
-/// ImpossibleView for eye = target, NaN, up parallel to the view direction, near ≥ far, fov outside (0, 180).
+/// Whether a picture can be made of it. InvalidArgument for values outside their range (field names the
+/// word), ImpossibleView for eye = target, NaN, up parallel to the view direction, near ≥ far, fov outside
+/// (0, 180).
 Expected<void> validate(const View& view);
 
 std::string_view name(Projection);

@@ -1,0 +1,86 @@
+// What a server says about its clouds and methods: the bodies of GET /clouds, /clouds/{id} and /methods.
+//
+// Plain values; the server fills them in and prints them, clients parse them. Any thread.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <glm/vec3.hpp>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "protocol/view.hpp"
+
+namespace scancast {
+
+struct AttributeInfo {
+    std::string name;                            ///< "rgb", "intensity", "classification", "normal"
+    std::optional<std::array<double, 2>> range;  ///< smallest and largest value, where that means something
+    bool operator==(const AttributeInfo&) const = default;
+};
+
+struct MirrorInfo {
+    glm::dvec3 center{0}, normal{0, 0, 1}, up{0, 1, 0};  ///< file coordinates; unit vectors
+    double width = 0, height = 0;                        ///< cloud units
+    bool operator==(const MirrorInfo&) const = default;
+};
+
+struct CloudInfo {
+    std::string id;  ///< names the cloud in URLs and messages
+    std::string title;
+    std::string format;    ///< "LAS 1.2, point format 3"
+    std::string revision;  ///< changes whenever a picture of it could
+    std::uint64_t points = 0;
+    std::uint64_t droppedPoints = 0;     ///< not in the picture: NaN or infinite coordinates
+    std::array<glm::dvec3, 2> bounds{};  ///< min, max in file coordinates
+    glm::dvec3 origin{0};
+    double spacing = 0;  ///< typical distance of neighbouring points, cloud units
+    std::vector<AttributeInfo> attributes;
+    std::vector<std::uint8_t> classes;  ///< classifications that occur
+    std::string crsWkt;                 ///< empty = unknown
+    std::optional<int> crsEpsg;
+    std::vector<MirrorInfo> mirrors;
+    std::uint64_t bytesResident = 0;
+    View view;  ///< a good first view of it
+    bool operator==(const CloudInfo&) const = default;
+};
+
+struct ParameterInfo {
+    std::string name;  ///< as in `param.NAME=VALUE`
+    std::string type;  ///< "number", "boolean" or "choice"
+    ParameterValue defaultValue = 0.0;
+    double min = 0, max = 0;           ///< number: inclusive
+    std::vector<std::string> choices;  ///< choice
+    std::string unit;                  ///< "px"; may be empty
+    std::string meaning;
+    bool operator==(const ParameterInfo&) const = default;
+};
+
+struct MethodInfo {
+    std::string name;
+    std::string title;
+    std::string summary;
+    std::string source;              ///< the paper
+    std::vector<std::string> needs;  ///< attributes that a cloud must have: "normal"; often none
+    double defaultDetail = 1;        ///< τ, px
+    Shading defaultShading = Shading::Unlit;
+    std::vector<ParameterInfo> parameters;
+    bool operator==(const MethodInfo&) const = default;
+};
+
+nlohmann::json toJson(const CloudInfo& info);
+nlohmann::json toJson(const MethodInfo& info);
+/// `{"clouds": […]}` and `{"methods": […]}`: the bodies of the two lists.
+nlohmann::json toJson(const std::vector<CloudInfo>& clouds);
+nlohmann::json toJson(const std::vector<MethodInfo>& methods);
+
+/// Lenient, for clients: unknown members are skipped. Malformed, with the JSON path as field, for missing or
+/// mistyped members and for views that are none.
+Expected<CloudInfo> cloudInfoFromJson(const nlohmann::json& value);
+Expected<MethodInfo> methodInfoFromJson(const nlohmann::json& value);
+Expected<std::vector<CloudInfo>> cloudListFromJson(const nlohmann::json& value);
+Expected<std::vector<MethodInfo>> methodListFromJson(const nlohmann::json& value);
+
+}  // namespace scancast

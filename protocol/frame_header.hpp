@@ -1,0 +1,70 @@
+// The binary header in front of every picture on the WebSocket. PROTOCOL.md, "Frames", is its reference for
+// readers.
+//
+// Fixed little-endian layout; a reader takes the fields it knows and skips `headerLength` bytes to the
+// picture, so later versions may append fields. Pure functions; any thread. Pipeline: encode → **frame
+// header** → net → client.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <string_view>
+
+#include "protocol/error.hpp"
+
+namespace scancast {
+
+enum class Codec : std::uint8_t { Jpeg = 1 };
+
+struct FrameHeader {
+    Codec codec = Codec::Jpeg;
+    bool moving = false;              ///< drawn while views arrive, at whatever quality the wanted fps allows
+    bool still = false;               ///< a step of refinement since views stopped
+    bool final = false;               ///< the full-quality still; nothing follows until something changes
+    std::uint32_t pictureLength = 0;  ///< bytes of the picture behind the header
+    std::uint64_t frameId = 0;        ///< counts a session's frames from 1; what `ack` names
+    std::uint64_t seq = 0;            ///< of the `view` that this frame shows; 0 = none yet
+    std::uint32_t width = 0, height = 0;
+    std::uint32_t renderMicroseconds = 0, encodeMicroseconds = 0;
+    bool operator==(const FrameHeader&) const = default;
+};
+
+/// Where each field lies; the one description that writer, reader and PROTOCOL.md's test share.
+struct FrameHeaderField {
+    std::string_view name;
+    std::size_t offset, size;
+};
+inline constexpr std::array<FrameHeaderField, 13> frameHeaderFields{{
+    {"magic", 0, 4},           // "SCFR"
+    {"version", 4, 2},         // 1
+    {"headerLength", 6, 2},    // 48; larger when fields are appended
+    {"codec", 8, 1},           // 1 = JPEG
+    {"flags", 9, 1},           // bit 0 moving, bit 1 still, bit 2 final; other bits 0, ignored by readers
+    {"reserved", 10, 2},       // 0, ignored by readers
+    {"pictureLength", 12, 4},  // bytes behind the header
+    {"frameId", 16, 8},
+    {"seq", 24, 8},
+    {"width", 32, 4},
+    {"height", 36, 4},
+    {"renderMicroseconds", 40, 4},
+    {"encodeMicroseconds", 44, 4},
+}};
+inline constexpr std::size_t frameHeaderLength = 48;
+inline constexpr std::uint16_t frameHeaderVersion = 1;
+
+/// The 48 bytes that go in front of the picture.
+std::array<std::uint8_t, frameHeaderLength> printFrameHeader(const FrameHeader& header);
+
+/// One received message, taken apart.
+struct ParsedFrame {
+    FrameHeader header;
+    std::span<const std::uint8_t> picture;  ///< inside the message that was parsed
+};
+
+/// Truncated when bytes are missing; Malformed for another magic, sides outside 1–16384, a header length
+/// below 48, or bytes behind the picture; Unsupported for an unknown version or codec.
+Expected<ParsedFrame> parseFrame(std::span<const std::uint8_t> message);
+
+}  // namespace scancast

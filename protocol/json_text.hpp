@@ -1,0 +1,26 @@
+// JSON text in and out, within limits: every JSON byte that reaches the program from outside passes here.
+//
+// Pure functions without state; any thread. Pipeline: socket → **parseJson** → messages and views.
+#pragma once
+
+#include <nlohmann/json.hpp>
+#include <string>
+#include <string_view>
+
+#include "protocol/error.hpp"
+
+namespace scancast {
+
+/// Arrays and objects inside each other, at most.
+inline constexpr int maxJsonDepth = 32;
+
+/// Malformed for what is no JSON (with the byte where it stops being some), numbers beyond a double, invalid
+/// UTF-8, nesting deeper than maxJsonDepth, or one key twice in an object. The caller limits the length of
+/// `text`.
+Expected<nlohmann::json> parseJson(std::string_view text);
+
+/// Compact text, keys in alphabetical order, numbers as short as reads back exactly. Never throws: bytes that
+/// are no UTF-8 are replaced.
+std::string printJson(const nlohmann::json& value);
+
+}  // namespace scancast

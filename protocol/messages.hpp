@@ -1,0 +1,163 @@
+// The text messages of the WebSocket, both ways: `{"type": …}` (PROTOCOL.md, "WebSocket").
+//
+// Plain structs, parsed and printed by pure functions; any thread. Pipeline: net → **messages** → session.
+// Messages from a client are read strictly: an unknown field is an error, because a typo must not pass
+// silently (`ack` and `ping` excepted). Messages from a server are read leniently, so that servers may add
+// fields.
+#pragma once
+
+#include <cstdint>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <variant>
+#include <vector>
+
+#include "protocol/error.hpp"
+#include "protocol/problem.hpp"
+
+namespace scancast {
+
+inline constexpr std::string_view webSocketPath = "/api/v1/stream";
+inline constexpr std::string_view webSocketProtocol = "scancast.v1";
+inline constexpr std::size_t maxMessageBytes = 64 * 1024;  ///< of a client's message; the caller's to enforce
+inline constexpr int maxUnacknowledgedFrames = 2;
+
+/// Close codes that the server sends (RFC 6455 and its registry).
+enum class CloseCode : std::uint16_t {
+    Normal = 1000,
+    GoingAway = 1001,        ///< the server shuts down
+    ProtocolError = 1002,    ///< wrong subprotocol or version
+    UnsupportedData = 1003,  ///< a binary message, or a first message that is no hello
+    InvalidPayload = 1007,   ///< text that is no JSON
+    PolicyViolation = 1008,  ///< not allowed; acknowledging frames that were never sent
+    MessageTooBig = 1009,
+    TryAgainLater = 1013,  ///< all sessions are taken
+};
+
+namespace messages {
+
+// ---- client → server
+// -------------------------------------------------------------------------------------------
+
+/// First message of a session. Everything is optional.
+struct Hello {
+    std::string cloud;                 ///< id; empty = the server's first cloud
+    std::optional<int> width, height;  ///< px of the picture, 1–16384
+    double pixelRatio = 1;  ///< how many of those px make one CSS px, 0.25–8; the server only takes note
+    double fps = 30;        ///< wanted while moving, 1–240
+    std::string resume;     ///< token of an earlier welcome
+    bool operator==(const Hello&) const = default;
+};
+
+/// The wish to see something else. `changes` is any subset of a view (protocol/view_json.hpp), applied to the
+/// view that the session has now; it is checked when it is applied.
+struct ViewChange {
+    std::uint64_t seq = 0;  ///< chosen by the client, echoed in frames that show this view
+    std::optional<std::string>
+        cloud;  ///< switches to another cloud; the base is then that cloud's default view
+    nlohmann::json changes = nlohmann::json::object();
+    bool operator==(const ViewChange&) const = default;
+};
+
+/// How far quality may fall while moving; what is not given stays as it was.
+struct QualityLimits {
+    std::optional<double> fps;            ///< wanted while moving, 1–240
+    std::optional<double> minResolution;  ///< of the full width and height, 0.1–1; at first 0.5
+    std::optional<double> maxDetail;      ///< τ in px, 0–64; at first 2
+    std::optional<int> minQuality;        ///< of JPEG, 1–100; at first 40
+    bool operator==(const QualityLimits&) const = default;
+};
+
+/// What lies under a pixel? Named so that clients can be written; answered with a problem for now.
+struct Pick {
+    std::uint64_t seq = 0;
+    double x = 0, y = 0;  ///< px from the top left corner of the picture
+    bool operator==(const Pick&) const = default;
+};
+
+struct Ack {
+    std::uint64_t frame = 0;  ///< the newest frame that arrived whole; acknowledges all before it
+    bool operator==(const Ack&) const = default;
+};
+
+struct Ping {
+    std::uint64_t id = 0;  ///< echoed by pong
+    bool operator==(const Ping&) const = default;
+};
+
+// ---- server → client
+// -------------------------------------------------------------------------------------------
+
+/// The answer to hello, before any frame.
+struct Welcome {
+    struct Limits {
+        std::uint64_t maxMessageBytes = scancast::maxMessageBytes;
+        std::uint64_t maxPixels = 0;  ///< of a picture
+        int maxUnacknowledged = maxUnacknowledgedFrames;
+        bool operator==(const Limits&) const = default;
+    };
+    std::string session;               ///< id of the session, no secret
+    std::string resume;                ///< token; empty when sessions cannot be resumed
+    std::string cloud;                 ///< id of the cloud shown
+    std::vector<std::string> methods;  ///< names; GET /api/v1/methods has the rest
+    Limits limits;
+    nlohmann::json view;  ///< complete default view of the cloud, at the session's size
+    bool operator==(const Welcome&) const = default;
+};
+
+/// What the last frames cost; sent now and then, at most once a second.
+struct Stats {
+    struct Stage {
+        std::string name;  ///< "select", "nearest", "resolve", …, "encode"
+        double milliseconds = 0;
+        bool operator==(const Stage&) const = default;
+    };
+    std::uint64_t frame = 0;  ///< the frame that these numbers are of
+    std::uint64_t seq = 0;
+    double fps = 0;                         ///< frames sent during the last second
+    double detail = 0;                      ///< τ in use, px
+    std::uint64_t samples = 0, points = 0;  ///< drawn, and the scan points that they stand for
+    std::uint64_t dropped = 0;              ///< views of this session that a later one overtook
+    std::vector<Stage> stages;
+    bool operator==(const Stats&) const = default;
+};
+
+/// A message was refused; the session is as it was before.
+struct ProblemReport {
+    std::optional<std::uint64_t> seq;  ///< of the refused view, when it had one
+    Problem problem;
+    bool operator==(const ProblemReport&) const = default;
+};
+
+/// The last words before the server closes.
+struct Bye {
+    CloseCode code = CloseCode::Normal;
+    std::string reason;
+    bool operator==(const Bye&) const = default;
+};
+
+struct Pong {
+    std::uint64_t id = 0;
+    bool operator==(const Pong&) const = default;
+};
+
+}  // namespace messages
+
+using ClientMessage = std::variant<messages::Hello, messages::ViewChange, messages::QualityLimits,
+                                   messages::Pick, messages::Ack, messages::Ping>;
+using ServerMessage =
+    std::variant<messages::Welcome, messages::Stats, messages::ProblemReport, messages::Bye, messages::Pong>;
+
+/// Malformed when the text is no JSON object; InvalidArgument, with the JSON path as field, for everything
+/// else.
+Expected<ClientMessage> parseClientMessage(std::string_view text);
+std::string printMessage(const ClientMessage& message);
+
+/// Malformed for anything that no server of this protocol version sends; Unsupported for an unknown `type`,
+/// which a client may skip.
+Expected<ServerMessage> parseServerMessage(std::string_view text);
+std::string printMessage(const ServerMessage& message);
+
+}  // namespace scancast

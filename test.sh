@@ -54,5 +54,5 @@ if [ "$quick" = no ]; then
 
     say "== tsan: scheduler and stream"
     build tsan --target scancast_tsan_tests
-    run tsan -L '^tsan$'
+    run tsan
 fi

@@ -1,0 +1,190 @@
+// `scancast render`: a picture of a scan without a server, and the stopwatch of the renderer.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <glm/gtc/matrix_transform.hpp>
+#include <map>
+#include <nlohmann/json.hpp>
+
+#include "renderer/cloud/import/open_scan.hpp"
+#include "renderer/image/encode.hpp"
+#include "renderer/render.hpp"
+#include "server/commands/command.hpp"
+#include "server/commands/progress_bar.hpp"
+#include "server/commands/view_flags.hpp"
+
+namespace scancast {
+
+namespace {
+
+namespace fs = std::filesystem;
+using Clock = std::chrono::steady_clock;
+
+struct RenderArguments {
+    std::string file, output, stats;
+    DeviceOptions device;
+    RenderOptions render;
+    WordValues words;
+    int repeat = 1;
+    double orbit = 0;  ///< degrees around the target between repeated frames
+};
+
+/// What each repetition cost, stage by stage.
+struct Timings {
+    std::vector<double> whole;
+    std::vector<std::string> order;
+    std::map<std::string, std::vector<double>> stages;
+
+    void add(double wholeMs, const FrameStats& stats) {
+        whole.push_back(wholeMs);
+        for (const auto& stage : stats.stages) {
+            if (!stages.contains(stage.name)) order.push_back(stage.name);
+            stages[stage.name].push_back(stage.milliseconds);
+        }
+    }
+};
+
+double median(std::vector<double> values) {
+    if (values.empty()) return 0;
+    const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+    std::nth_element(values.begin(), middle, values.end());
+    return *middle;
+}
+
+std::string statsJson(const Timings& timings, const Frame& frame, const Cloud& cloud) {
+    nlohmann::ordered_json json;
+    json["frames"] = timings.whole.size();
+    json["medianMs"] = median(timings.whole);
+    json["points"] = cloud.points;
+    json["samples"] = frame.stats.samplesDrawn;
+    json["spacingPx"] = frame.stats.spacingReached;
+    json["device"] = frame.stats.device;
+    json["stages"] = nlohmann::ordered_json::array();
+    for (const auto& name : timings.order) {
+        json["stages"].push_back({{"name", name}, {"medianMs", median(timings.stages.at(name))}});
+    }
+    return json.dump();
+}
+
+/// The eye turned about the axis through the target that points up.
+void orbitBy(Camera& camera, double degrees) {
+    const glm::dmat4 turn = glm::rotate(glm::dmat4(1), glm::radians(degrees), camera.up);
+    camera.eye = camera.target + glm::dvec3(turn * glm::dvec4(camera.eye - camera.target, 0));
+}
+
+bool isJpeg(const fs::path& file) {
+    return file.extension() == ".jpg" || file.extension() == ".jpeg";
+}
+
+Expected<Bytes> encode(const Frame& frame, const View& view, const fs::path& file) {
+    if (isJpeg(file)) return encodeJpeg(frame, view.quality.jpegQuality, view.quality.subsampling);
+    return encodePng(frame, view.style.background.kind == Background::Kind::Transparent);
+}
+
+Expected<void> write(const fs::path& file, const Bytes& bytes) {
+    std::ofstream out(file, std::ios::binary);
+    out.write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
+    out.close();
+    if (!out)
+        return fail(ErrorCode::Io, "cannot write " + file.string() + ": is the folder there, the disk full?");
+    return {};
+}
+
+Expected<void> checkArguments(const RenderArguments& arguments) {
+    const fs::path output(arguments.output);
+    if (!arguments.output.empty() && !isJpeg(output) && output.extension() != ".png") {
+        return fail(ErrorCode::InvalidArgument,
+                    "the picture's name must end in .png, .jpg or .jpeg, not '" + arguments.output + "'");
+    }
+    if (arguments.output.empty() && arguments.stats.empty()) {
+        return fail(ErrorCode::InvalidArgument,
+                    "nothing to do: name a picture (-o FILE.png) or ask for --stats json");
+    }
+    return {};
+}
+
+Expected<std::shared_ptr<const Cloud>> load(const RenderArguments& arguments) {
+    auto source = openScan(arguments.file);
+    if (!source) return tl::unexpected(source.error());
+    BuildOptions options;
+    options.title = fs::path(arguments.file).filename().string();
+    options.threads = arguments.device.threads;
+    ProgressBar bar;
+    return buildCloud(**source, options, bar.sink());
+}
+
+Expected<void> runRender(const RenderArguments& arguments) {
+    if (auto sound = checkArguments(arguments); !sound) return sound;
+    auto device = createDevice(arguments.device);
+    if (!device) return tl::unexpected(device.error());
+    auto cloud = load(arguments);
+    if (!cloud) return tl::unexpected(cloud.error());
+    auto view = applyWords(defaultView(**cloud), arguments.words);
+    if (!view) return tl::unexpected(view.error());
+
+    Timings timings;
+    Frame frame;
+    Bytes bytes;
+    for (int i = 0; i < arguments.repeat; ++i) {
+        const auto start = Clock::now();
+        auto drawn = render(**device, **cloud, *view, arguments.render);
+        if (!drawn) return tl::unexpected(drawn.error());
+        frame = std::move(*drawn);
+        const auto rendered = Clock::now();
+        auto encoded =
+            encode(frame, *view, arguments.output.empty() ? fs::path("x.jpg") : fs::path(arguments.output));
+        if (!encoded) return tl::unexpected(encoded.error());
+        bytes = std::move(*encoded);
+        const auto end = Clock::now();
+        frame.stats.add("encode", std::chrono::duration<double, std::milli>(end - rendered).count());
+        timings.add(std::chrono::duration<double, std::milli>(end - start).count(), frame.stats);
+        if (arguments.orbit != 0 && i + 1 < arguments.repeat) orbitBy(view->camera, arguments.orbit);
+    }
+    if (!arguments.output.empty()) {
+        if (auto written = write(arguments.output, bytes); !written) return written;
+    }
+    if (!arguments.stats.empty()) fmt::print("{}\n", statsJson(timings, frame, **cloud));
+    return {};
+}
+
+}  // namespace
+
+void addRender(CLI::App& app, int& exitCode) {
+    auto* command = app.add_subcommand("render", "Draw one picture of a scan, without a server");
+    command->footer(
+        "Examples:\n"
+        "  scancast render church.las -o church.png\n"
+        "  scancast render church.las -o top.jpg --projection orthographic --eye 0,0,100 --target 0,0,0 --up "
+        "0,1,0\n"
+        "  scancast render church.las --repeat 50 --stats json --samples 1 --method point");
+    auto arguments = std::make_shared<RenderArguments>();
+    command->add_option("file", arguments->file, "The scan: LAS, PLY or PCD")->required();
+    command->add_option("-o,--output", arguments->output, "The picture to write: .png, .jpg or .jpeg");
+    command->add_option("--backend", arguments->device.backend, "auto, cpu, egl or osmesa")
+        ->capture_default_str();
+    command->add_option("--egl-device", arguments->device.eglDevice,
+                        "Which GPU, as scancast --list-backends numbers them");
+    command->add_option("--threads", arguments->device.threads, "CPU threads; 0 = all. Changes no pixel")
+        ->check(CLI::Range(0, 1024));
+    command->add_flag("--brute-force", arguments->render.bruteForce,
+                      "Draw every point of the scan: no level of detail, no culling");
+    command->add_option("--repeat", arguments->repeat, "Draw it N times, reusing nothing, and report medians")
+        ->check(CLI::Range(1, 1000000));
+    command->add_option("--orbit", arguments->orbit,
+                        "Turn by this many degrees about the target between repetitions");
+    command->add_option("--stats", arguments->stats, "Print times, as json, on standard output")
+        ->check(CLI::IsMember({"json"}));
+    addViewFlags(*command, arguments->words);
+    command->callback([arguments, &exitCode] {
+        if (auto done = runRender(*arguments); !done) {
+            fmt::print(stderr, "scancast render: {}\n", done.error().message);
+            exitCode = 1;
+        }
+    });
+}
+
+}  // namespace scancast

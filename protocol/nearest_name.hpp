@@ -16,6 +16,6 @@ std::string unknownName(std::string_view path, std::string_view name,
                         std::span<const std::string_view> known);
 
 /// A piece of outside text as it may stand in a message: quoted, printable, at most 60 characters.
-std::string quoted(std::string_view text);
+std::string quoteText(std::string_view text);
 
 }  // namespace scancast

@@ -1,0 +1,86 @@
+#include "protocol/json_text.hpp"
+
+#include <set>
+#include <vector>
+
+#include "protocol/nearest_name.hpp"
+
+namespace scancast {
+namespace {
+
+/// Checked before parsing, so that hostile nesting costs one pass over the text and no memory.
+Expected<void> checkDepth(std::string_view text) {
+    int depth = 0;
+    bool inString = false;
+    for (std::size_t i = 0; i < text.size(); ++i) {
+        const char c = text[i];
+        if (inString) {
+            if (c == '\\')
+                ++i;
+            else if (c == '"')
+                inString = false;
+        } else if (c == '"') {
+            inString = true;
+        } else if (c == '{' || c == '[') {
+            if (++depth > maxJsonDepth)
+                return fail(ErrorCode::Malformed, "the JSON nests deeper than " +
+                                                      std::to_string(maxJsonDepth) + " levels at byte " +
+                                                      std::to_string(i));
+        } else if (c == '}' || c == ']') {
+            --depth;
+        }
+    }
+    return {};
+}
+
+/// The library keeps the last of two equal keys; whoever sends both means neither for certain.
+struct RepeatedKey {
+    std::vector<std::set<std::string>> open;
+    std::string found;
+
+    void operator()(nlohmann::json::parse_event_t event, const nlohmann::json& value) {
+        using Event = nlohmann::json::parse_event_t;
+        if (event == Event::object_start) open.emplace_back();
+        if (event == Event::object_end && !open.empty()) open.pop_back();
+        if (event == Event::key && !open.empty() && !open.back().insert(value.get<std::string>()).second &&
+            found.empty())
+            found = value.get<std::string>();
+    }
+};
+
+/// "[json.exception.parse_error.101] parse error at line 1, column 3: …" without the library's tag.
+std::string reason(const std::exception& error) {
+    std::string_view what = error.what();
+    if (const auto end = what.find("] "); what.starts_with('[') && end != std::string_view::npos)
+        what.remove_prefix(end + 2);
+    constexpr std::size_t longest = 200;  // the library quotes what it read last, however long that is
+    return what.size() > longest ? std::string(what.substr(0, longest)) + "…" : std::string(what);
+}
+
+}  // namespace
+
+Expected<nlohmann::json> parseJson(std::string_view text) {
+    if (auto depth = checkDepth(text); !depth) return tl::unexpected(depth.error());
+    RepeatedKey repeated;
+    try {
+        auto value = nlohmann::json::parse(
+            text.begin(), text.end(),
+            [&](int /*depth*/, nlohmann::json::parse_event_t event, nlohmann::json& parsed) {
+                repeated(event, parsed);
+                return true;
+            });
+        if (!repeated.found.empty())
+            return fail(ErrorCode::Malformed,
+                        "the JSON has the key " + quoteText(repeated.found) + " twice in one object",
+                        repeated.found);
+        return value;
+    } catch (const nlohmann::json::exception& error) {
+        return fail(ErrorCode::Malformed, "not JSON: " + reason(error));
+    }
+}
+
+std::string printJson(const nlohmann::json& value) {
+    return value.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+}
+
+}  // namespace scancast

@@ -14,9 +14,14 @@ Ramp interpolate(const std::array<Rgb8, N>& anchors) {
         const double t = i / 255.0 * (N - 1);
         const int k = std::min(static_cast<int>(t), static_cast<int>(N) - 2);
         const double u = t - k;
+        // Beyond the ends the curve goes on straight.
+        const auto anchor = [&](int j, std::size_t c) {
+            return static_cast<double>(anchors[static_cast<std::size_t>(j)][c]);
+        };
         const auto at = [&](int j, std::size_t c) {
-            return static_cast<double>(
-                anchors[static_cast<std::size_t>(std::clamp(j, 0, static_cast<int>(N) - 1))][c]);
+            constexpr int last = static_cast<int>(N) - 1;
+            if (j < 0) return 2 * anchor(0, c) - anchor(1, c);
+            return j > last ? 2 * anchor(last, c) - anchor(last - 1, c) : anchor(j, c);
         };
         for (std::size_t c = 0; c < 3; ++c) {
             const double p0 = at(k - 1, c), p1 = at(k, c), p2 = at(k + 1, c), p3 = at(k + 2, c);

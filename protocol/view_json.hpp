@@ -15,7 +15,9 @@ namespace scancast {
 ///  automatic one;
 ///  - eye, target or up end the use of a viewMatrix, and the other way round; both in one object are an
 ///  error;
-///  - another method than the base's drops the base's parameters; `param` adds to those that remain.
+///  - `method` starts from that method's defaults: the base's parameters are dropped. `param` alone adds to
+///  them, and
+///    null removes one.
 /// Errors: InvalidArgument whose field is the JSON path ("camera.fov"), for unknown fields, wrong types and
 /// values out of range; ImpossibleView as validate() says it.
 Expected<View> applyJson(const View& base, const nlohmann::json& changes);

@@ -1,0 +1,164 @@
+// server → client: read leniently, printed whole.
+#include "protocol/json_fields.hpp"
+#include "protocol/json_text.hpp"
+#include "protocol/messages.hpp"
+#include "protocol/nearest_name.hpp"
+
+namespace scancast {
+namespace {
+
+using namespace messages;
+using nlohmann::json;
+
+constexpr std::size_t longestText = 4096;
+
+/// Reads each entry of an array of strings or objects; absent is empty.
+template <class Use>
+void eachEntry(FieldReader& fields, std::string_view key, std::size_t most, Use use) {
+    const auto* array = fields.findValue(key);
+    if (!array) return;
+    if (!array->is_array() || array->size() > most)
+        return fields.error(key, "expected an array of at most " + std::to_string(most));
+    for (const auto& item : *array) use(item);
+}
+
+Expected<ServerMessage> finish(FieldReader& fields, ServerMessage message) {
+    if (auto sound = fields.finishLenient(); !sound) return tl::unexpected(sound.error());
+    return message;
+}
+
+Expected<ServerMessage> readWelcome(FieldReader& fields) {
+    Welcome welcome;
+    if (fields.require("session")) fields.text("session", welcome.session);
+    fields.text("resume", welcome.resume);
+    if (fields.require("cloud")) fields.text("cloud", welcome.cloud);
+    eachEntry(fields, "methods", 256, [&](const json& item) {
+        if (item.is_string())
+            welcome.methods.push_back(item.get<std::string>());
+        else
+            fields.error("methods", "expected names");
+    });
+    if (const auto* object = fields.findValue("limits")) {
+        FieldReader limits(*object, "limits", ErrorCode::Malformed);
+        limits.integer("maxMessageBytes", welcome.limits.maxMessageBytes, 0, UINT64_MAX);
+        limits.integer("maxPixels", welcome.limits.maxPixels, 0, UINT64_MAX);
+        limits.integer("maxUnacknowledged", welcome.limits.maxUnacknowledged, 1, 1024);
+        if (auto sound = limits.finishLenient(); !sound) fields.error(sound.error());
+    }
+    if (const auto* view = fields.require("view")) {
+        if (view->is_object())
+            welcome.view = *view;
+        else
+            fields.error("view", "expected an object");
+    }
+    return finish(fields, std::move(welcome));
+}
+
+Expected<ServerMessage> readStats(FieldReader& fields) {
+    Stats stats;
+    fields.integer("frame", stats.frame, 0, UINT64_MAX);
+    fields.integer("seq", stats.seq, 0, UINT64_MAX);
+    fields.number("fps", stats.fps);
+    fields.number("detail", stats.detail);
+    fields.integer("samples", stats.samples, 0, UINT64_MAX);
+    fields.integer("points", stats.points, 0, UINT64_MAX);
+    fields.integer("dropped", stats.dropped, 0, UINT64_MAX);
+    eachEntry(fields, "stages", 64, [&](const json& item) {
+        auto& stage = stats.stages.emplace_back();
+        FieldReader entry(item, "stages", ErrorCode::Malformed);
+        entry.text("name", stage.name);
+        entry.number("milliseconds", stage.milliseconds);
+        if (auto sound = entry.finishLenient(); !sound) fields.error(sound.error());
+    });
+    return finish(fields, std::move(stats));
+}
+
+Expected<ServerMessage> readProblem(FieldReader& fields) {
+    ProblemReport report;
+    fields.integer("seq", report.seq, 0, UINT64_MAX);
+    if (const auto* object = fields.require("problem")) {
+        if (auto problem = problemFromJson(*object))
+            report.problem = std::move(*problem);
+        else
+            fields.error(problem.error());
+    }
+    return finish(fields, std::move(report));
+}
+
+Expected<ServerMessage> readBye(FieldReader& fields) {
+    Bye bye;
+    std::uint16_t code = 1000;
+    fields.integer("code", code, 1000, 4999);
+    bye.code = static_cast<CloseCode>(code);
+    fields.text("reason", bye.reason, longestText);
+    return finish(fields, std::move(bye));
+}
+
+Expected<ServerMessage> readPong(FieldReader& fields) {
+    Pong pong;
+    fields.integer("id", pong.id, 0, UINT64_MAX);
+    return finish(fields, pong);
+}
+
+json print(const Welcome& welcome) {
+    return {{"type", "welcome"},
+            {"session", welcome.session},
+            {"resume", welcome.resume},
+            {"cloud", welcome.cloud},
+            {"methods", welcome.methods},
+            {"limits",
+             {{"maxMessageBytes", welcome.limits.maxMessageBytes},
+              {"maxPixels", welcome.limits.maxPixels},
+              {"maxUnacknowledged", welcome.limits.maxUnacknowledged}}},
+            {"view", welcome.view.is_object() ? welcome.view : json::object()}};
+}
+
+json print(const Stats& stats) {
+    json stages = json::array();
+    for (const auto& stage : stats.stages)
+        stages.push_back({{"name", stage.name}, {"milliseconds", stage.milliseconds}});
+    return {{"type", "stats"},        {"frame", stats.frame},     {"seq", stats.seq},
+            {"fps", stats.fps},       {"detail", stats.detail},   {"samples", stats.samples},
+            {"points", stats.points}, {"dropped", stats.dropped}, {"stages", stages}};
+}
+
+json print(const ProblemReport& report) {
+    json object = {{"type", "problem"}, {"problem", toJson(report.problem)}};
+    if (report.seq) object["seq"] = *report.seq;
+    return object;
+}
+
+json print(const Bye& bye) {
+    return {{"type", "bye"}, {"code", static_cast<int>(bye.code)}, {"reason", bye.reason}};
+}
+
+json print(const Pong& pong) {
+    return {{"type", "pong"}, {"id", pong.id}};
+}
+
+}  // namespace
+
+Expected<ServerMessage> parseServerMessage(std::string_view text) {
+    const auto object = parseJson(text);
+    if (!object) return tl::unexpected(object.error());
+    FieldReader fields(*object, {}, ErrorCode::Malformed);
+    std::string type;
+    if (!fields.require("type") || !fields.text("type", type)) {
+        const auto wrong = fields.finishLenient();
+        return tl::unexpected(wrong.error());
+    }
+    if (type == "welcome") return readWelcome(fields);
+    if (type == "stats") return readStats(fields);
+    if (type == "problem") return readProblem(fields);
+    if (type == "bye") return readBye(fields);
+    if (type == "pong") return readPong(fields);
+    return fail(ErrorCode::Unsupported,
+                "the server sent a message of type " + quoteText(type) + ", which this program does not know",
+                "type");
+}
+
+std::string printMessage(const ServerMessage& message) {
+    return printJson(std::visit([](const auto& m) { return print(m); }, message));
+}
+
+}  // namespace scancast

@@ -5,11 +5,9 @@
 #pragma once
 
 #include <span>
-#include <string>
 #include <string_view>
-#include <utility>
-#include <vector>
 
+#include "protocol/query.hpp"
 #include "protocol/view.hpp"
 
 namespace scancast {
@@ -23,8 +21,6 @@ struct ViewWord {
     std::string_view example;  ///< a legal value: "12.5,-3,1.7" ("sizePx=5" for param.NAME)
 };
 
-using WordValues = std::vector<std::pair<std::string, std::string>>;
-
 /// All of them, in the order in which help should show them.
 std::span<const ViewWord> viewWords();
 
@@ -36,12 +32,5 @@ Expected<void> applyWord(View& view, std::string_view word, std::string_view val
 /// base's value, so `eye` alone moves the eye and goes on looking at the base's target. The order of words is
 /// of no importance; a word given twice is an error, and so is viewMatrix beside eye, target or up.
 Expected<View> applyWords(const View& base, const WordValues& words);
-
-/// Splits `a=1&b=%2C` (without the question mark) and decodes %XX; `+` stays a plus. InvalidArgument for an
-/// escape that is none, control characters, more than 256 words or more than 16 KiB.
-Expected<WordValues> parseQuery(std::string_view query);
-
-/// The other direction: everything but letters, digits and `-._~,:` is escaped.
-std::string printQuery(const WordValues& words);
 
 }  // namespace scancast

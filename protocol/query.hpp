@@ -1,0 +1,25 @@
+// The query of a URL, taken apart and put together.
+//
+// Pure functions; any thread. Pipeline: URL → **parseQuery** → applyWords → the view.
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "protocol/error.hpp"
+
+namespace scancast {
+
+/// Words with their values, in the order in which they were given.
+using WordValues = std::vector<std::pair<std::string, std::string>>;
+
+/// Splits `a=1&b=%2C` (without the question mark) and decodes %XX; `+` stays a plus. InvalidArgument for an
+/// escape that is none, control characters, more than 256 words or more than 16 KiB.
+Expected<WordValues> parseQuery(std::string_view query);
+
+/// The other direction: everything but letters, digits and `-._~,:` is escaped.
+std::string printQuery(const WordValues& words);
+
+}  // namespace scancast

@@ -35,7 +35,9 @@ struct SplatSize {
 };
 
 /// nearest: order = d + gain·(1-w)·R with R = (p/2)/q(d), the world radius of the clamped size. Key =
-/// bits(order) << 32 | payload; the payload is 8 bits of the fragment's distance to the splat's centre above RGB8.
+/// bits(order) << 32 | payload; the payload is 8 bits of the fragment's distance to the splat's centre above RGB8
+/// (b << 16 | g << 8 | r). With dx, dy px from the projected centre to the pixel's: the 8 bits are
+/// trunc(127.5 · (dx² + dy²) / max(p/2, 1/2)²), which is monotone in the distance. A square covers -p/2 < dx, dy ≤ p/2.
 struct NearestPass {
     Footprint footprint = Footprint::Circle;
     Profile profile = Profile::Paraboloid;

@@ -1,0 +1,82 @@
+// resolveParameters: what a request gave → what a method needs, or a sentence that says why not.
+#include <algorithm>
+#include <cstdio>
+
+#include "protocol/nearest_name.hpp"
+#include "renderer/method/method.hpp"
+
+namespace scancast {
+namespace {
+
+std::string printed(double value) {
+    char text[32];
+    std::snprintf(text, sizeof text, "%.6g", value);
+    return text;
+}
+
+std::string listed(const std::vector<std::string>& names) {
+    std::string out;
+    for (std::size_t i = 0; i < names.size(); ++i) {
+        if (i > 0) out += i + 1 == names.size() ? " or " : ", ";
+        out += names[i];
+    }
+    return out;
+}
+
+Error unknownParameter(const Method& method, const std::string& name) {
+    std::vector<std::string_view> known;
+    for (const Parameter& p : method.parameters) known.push_back(p.name);
+    const std::string field = "param." + name.substr(0, 60);
+    const std::string where = "method '" + method.name + "', parameter";
+    if (known.empty()) {
+        return Error{ErrorCode::InvalidArgument, where + " " + quoteText(name) + ": it takes no parameters",
+                     field};
+    }
+    return Error{ErrorCode::InvalidArgument, unknownName(where, name, known), field};
+}
+
+/// Empty where the value is legal, else what it must be.
+std::string whatIsWrong(const Parameter& p, const ParameterValue& value) {
+    switch (p.type) {
+        case Parameter::Type::Number: {
+            const double* number = std::get_if<double>(&value);
+            if (number != nullptr && *number >= p.min && *number <= p.max) return {};
+            std::string text = "must be a number from " + printed(p.min) + " to " + printed(p.max);
+            if (!p.unit.empty()) text += " " + p.unit;
+            return number == nullptr ? text : text + ", not " + printed(*number);
+        }
+        case Parameter::Type::Boolean:
+            return std::holds_alternative<bool>(value) ? std::string() : "must be true or false";
+        case Parameter::Type::Choice: {
+            const std::string* choice = std::get_if<std::string>(&value);
+            if (choice != nullptr && std::ranges::find(p.choices, *choice) != p.choices.end()) return {};
+            const std::string text = "must be " + listed(p.choices);
+            return choice == nullptr ? text : text + ", not " + quoteText(*choice);
+        }
+    }
+    return "has a type that this program does not know";
+}
+
+}  // namespace
+
+Expected<ParameterValues> resolveParameters(const Method& method, const ParameterValues& given) {
+    for (const auto& [name, value] : given) {
+        if (std::ranges::find(method.parameters, name, &Parameter::name) == method.parameters.end()) {
+            return tl::unexpected<Error>(unknownParameter(method, name));
+        }
+    }
+    ParameterValues values;
+    for (const Parameter& p : method.parameters) {
+        const auto found = given.find(p.name);
+        const ParameterValue& value = found == given.end() ? p.defaultValue : found->second;
+        if (const std::string wrong = whatIsWrong(p, value); !wrong.empty()) {
+            return fail(ErrorCode::InvalidArgument,
+                        "Parameter '" + p.name + "' of method '" + method.name + "' " + wrong + ".",
+                        "param." + p.name);
+        }
+        values.emplace(p.name, value);
+    }
+    return values;
+}
+
+}  // namespace scancast

@@ -1,0 +1,127 @@
+#include "renderer/method/sprites.hpp"
+
+#include <algorithm>
+#include <utility>
+
+namespace scancast {
+namespace {
+
+constexpr auto paper = "High-Quality Point-Based Rendering Using Fast Single-Pass Interpolation, 2015";
+
+Parameter number(std::string name, double value, double min, double max, std::string unit,
+                 std::string meaning) {
+    Parameter p;
+    p.name = std::move(name);
+    p.defaultValue = value;
+    p.min = min;
+    p.max = max;
+    p.unit = std::move(unit);
+    p.meaning = std::move(meaning);
+    return p;
+}
+
+std::vector<Parameter> sizeParameters() {
+    return {
+        number("sizePx", 0, 0, 256, "px",
+               "Fixed size of every point on screen; 0 takes the size from the world."),
+        number("scale", 1, 0.01, 100, "", "Factor on the world radius of every point, where sizePx is 0."),
+        number("minPx", 1, 0, 256, "px", "Points never become smaller than this, where sizePx is 0."),
+        number("maxPx", 50, 1, 256, "px", "Points never become larger than this, where sizePx is 0."),
+    };
+}
+
+Parameter gainParameter() {
+    return number(
+        "gain", 2, 0, 16, "",
+        "How far the border lies behind the centre, in world radii; more separates neighbours on steep "
+        "surfaces, 0 gives a flat point.");
+}
+
+Parameter footprintParameter() {
+    Parameter p;
+    p.name = "footprint";
+    p.type = Parameter::Type::Choice;
+    p.defaultValue = std::string("circle");
+    p.choices = {"circle", "square"};
+    p.meaning = "Outline of a point on screen; squares close larger holes.";
+    return p;
+}
+
+double numberOf(const ParameterValues& values, const char* name) {
+    return std::get<double>(values.at(name));
+}
+
+SplatSize sizeOf(const ParameterValues& values) {
+    SplatSize size;
+    size.sizePx = static_cast<float>(numberOf(values, "sizePx"));
+    size.scale = static_cast<float>(numberOf(values, "scale"));
+    size.minPx = static_cast<float>(numberOf(values, "minPx"));
+    size.maxPx = std::max(static_cast<float>(numberOf(values, "maxPx")), size.minPx);
+    return size;
+}
+
+/// Every sprite is one `nearest`, its resolve, and what the shading adds.
+PassList spritePasses(const NearestPass& nearest, Shading shading) {
+    PassList list{nearest, ResolvePass{}};
+    if (shading == Shading::EyeDome) list.push_back(EyeDomePass{});
+    return list;
+}
+
+template <Footprint footprint, Profile profile>
+PassList passesOf(const Method&, const ParameterValues& values, Shading shading) {
+    NearestPass pass;
+    pass.footprint = footprint;
+    pass.profile = profile;
+    if constexpr (footprint == Footprint::Pixel) {
+        pass.size.sizePx = 1;
+    } else {
+        pass.size = sizeOf(values);
+    }
+    pass.gain = 0;
+    if constexpr (profile != Profile::Flat) pass.gain = static_cast<float>(numberOf(values, "gain"));
+    if (const auto choice = values.find("footprint"); choice != values.end()) {
+        if (std::get<std::string>(choice->second) == "square") pass.footprint = Footprint::Square;
+    }
+    return spritePasses(pass, shading);
+}
+
+template <Footprint footprint, Profile profile>
+Method sprite(std::string name, std::string title, std::string summary) {
+    Method m;
+    m.name = std::move(name);
+    m.title = std::move(title);
+    m.summary = std::move(summary);
+    m.source = paper;
+    m.passes = passesOf<footprint, profile>;
+    if constexpr (footprint != Footprint::Pixel) m.parameters = sizeParameters();
+    if constexpr (profile != Profile::Flat) m.parameters.push_back(gainParameter());
+    if constexpr (profile == Profile::Paraboloid || profile == Profile::Cone) {
+        m.parameters.push_back(footprintParameter());
+    }
+    return m;
+}
+
+}  // namespace
+
+std::vector<Method> spriteMethods() {
+    using enum Footprint;
+    return {
+        sprite<Circle, Profile::Paraboloid>("paraboloid", "Paraboloids",
+                                            "Closes holes and keeps lettering and edges sharp: neighbours "
+                                            "meet half-way, along straight lines."),
+        sprite<Circle, Profile::Cone>(
+            "cone", "Cones",
+            "As paraboloids, with pointed centres; borders between neighbours at different "
+            "depths are curved."),
+        sprite<Circle, Profile::Sphere>("sphere", "Spheres",
+                                        "As paraboloids, round: points look like balls from close by."),
+        sprite<Circle, Profile::Flat>("circle", "Circles",
+                                      "Flat discs facing the viewer: the nearer one hides the other."),
+        sprite<Square, Profile::Flat>("square", "Squares",
+                                      "Flat squares facing the viewer, as most viewers draw points."),
+        sprite<Pixel, Profile::Flat>("point", "Pixels",
+                                     "One pixel a point: the fastest, and the scan as it is."),
+    };
+}
+
+}  // namespace scancast

@@ -1,0 +1,22 @@
+# The files of the page, in client/web/, that the server carries inside its binary. The first one answers `/`.
+set(SCANCAST_WEB_FILES
+    index.html
+    style.css
+    panel.css
+    favicon.svg
+    main.js
+    camera.js
+    camera_input.js
+    catalog.js
+    connection.js
+    controls.js
+    frame_header.js
+    hud.js
+    overlays.js
+    parameter_fields.js
+    picture.js
+    session.js
+    vectors.js
+    view_hash.js
+    view_state.js
+    view_words.js)

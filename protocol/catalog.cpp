@@ -76,7 +76,7 @@ void readClasses(FieldReader& fields, std::vector<std::uint8_t>& out) {
     if (!list->is_array() || list->size() > 256)
         return fields.error("classes", "expected an array of class numbers");
     for (const auto& item : *list) {
-        if (!item.is_number_unsigned() || item.get<std::uint64_t>() > 255)
+        if (!item.is_number_integer() || item < 0 || item > 255)
             return fields.error("classes", "expected whole numbers from 0 to 255");
         out.push_back(item.get<std::uint8_t>());
     }

@@ -124,9 +124,9 @@ bool FieldReader::readInteger(std::string_view key, std::uint64_t& out, std::uin
     if (!field) return false;
     bool sound = false;
     std::uint64_t value = 0;
-    if (field->is_number_unsigned()) {
-        value = field->get<std::uint64_t>();
-        sound = true;
+    if (field->is_number_integer()) {  // of either signedness: values made by programs are often signed
+        sound = field->is_number_unsigned() || field->get<std::int64_t>() >= 0;
+        value = sound ? field->get<std::uint64_t>() : 0;
     } else if (field->is_number_float()) {
         // 1280.0 is what some languages make of 1280; beyond 2^53 a double is no longer sure of its integers.
         const auto real = field->get<double>();

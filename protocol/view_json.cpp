@@ -78,7 +78,7 @@ void readClasses(FieldReader& fields, std::optional<std::vector<std::uint8_t>>& 
         return fields.error("classes", "expected null or an array of at most 256 class numbers");
     std::vector<std::uint8_t> result;
     for (const auto& item : *array) {
-        if (!item.is_number_unsigned() || item.get<std::uint64_t>() > 255)
+        if (!item.is_number_integer() || item < 0 || item > 255)
             return fields.error("classes", "a class is a whole number from 0 to 255");
         result.push_back(item.get<std::uint8_t>());
     }

@@ -1,0 +1,240 @@
+#include "protocol/view_words.hpp"
+
+#include <gtest/gtest.h>
+
+#include <set>
+
+#include "protocol/view_json.hpp"
+#include "sample_views.hpp"
+
+namespace scancast {
+namespace {
+
+View applied(const WordValues& words, const View& base = {}) {
+    const auto view = applyWords(base, words);
+    if (view) return *view;
+    ADD_FAILURE() << view.error().message;
+    return base;
+}
+
+Error refused(const WordValues& words, const View& base = {}) {
+    const auto view = applyWords(base, words);
+    if (!view) return view.error();
+    ADD_FAILURE() << "accepted " << printQuery(words);
+    return {};
+}
+
+TEST(ViewWords, TableIsComplete) {
+    std::set<std::string_view> names, flags;
+    for (const auto& word : viewWords()) {
+        EXPECT_TRUE(names.insert(word.word).second) << word.word;
+        EXPECT_TRUE(flags.insert(word.flag).second) << word.flag;
+        EXPECT_TRUE(word.flag.starts_with("--")) << word.flag;
+        EXPECT_TRUE(word.meaning.ends_with(".")) << word.meaning;
+        EXPECT_FALSE(word.value.empty());
+        if (word.word == "param.NAME") continue;
+        // A flag is the word in kebab case.
+        std::string kebab = "--";
+        for (const char c : word.word)
+            kebab += c >= 'A' && c <= 'Z' ? std::string{'-', char(c - 'A' + 'a')} : std::string(1, c);
+        EXPECT_EQ(word.flag, kebab);
+    }
+}
+
+TEST(ViewWords, EveryExampleChangesAView) {
+    // A base that differs from every example, so that a word that did nothing would show.
+    const auto base = test::richView();
+    for (const auto& word : viewWords()) {
+        std::string name(word.word), value(word.example);
+        if (name == "param.NAME") {
+            name = "param." + value.substr(0, value.find('='));
+            value = value.substr(value.find('=') + 1);
+        }
+        View view = base;
+        const auto result = applyWord(view, name, value);
+        ASSERT_TRUE(result) << name << ": " << result.error().message;
+        if (name != "subsampling") {
+            EXPECT_NE(view, base) << name;
+        }
+        EXPECT_TRUE(validate(view)) << name;
+    }
+}
+
+TEST(ViewWords, WordsAndJsonMeanTheSame) {
+    const auto words = applied({{"eye", "1,2,3"},
+                                {"target", "0,0,1"},
+                                {"up", "0,1,0"},
+                                {"fov", "45"},
+                                {"near", "0.5"},
+                                {"far", "auto"},
+                                {"width", "640"},
+                                {"height", "480"},
+                                {"method", "cone"},
+                                {"param.sizePx", "5"},
+                                {"param.smooth", "true"},
+                                {"param.footprint", "square"},
+                                {"color", "#ff8800"},
+                                {"colormap", "grey"},
+                                {"range", "-1,1e3"},
+                                {"classes", "6,2"},
+                                {"clip", "0,0,0,1,2,3"},
+                                {"shading", "phong"},
+                                {"background", "#010203,#040506"},
+                                {"detail", "2"},
+                                {"budget", "1000"},
+                                {"samples", "8"},
+                                {"quality", "50"},
+                                {"subsampling", "4:2:2"}});
+    const auto json =
+        applyJson(View{}, nlohmann::json::parse(R"({"camera": {"eye": [1,2,3], "target": [0,0,1],
+        "up": [0,1,0], "fov": 45, "near": 0.5, "far": null}, "width": 640, "height": 480, "method": "cone",
+        "param": {"sizePx": 5, "smooth": true, "footprint": "square"}, "color": "#ff8800", "colormap": "grey",
+        "range": [-1, 1e3], "classes": [2, 6], "clip": {"min": [0,0,0], "max": [1,2,3]}, "shading": "phong",
+        "background": ["#010203", "#040506"], "detail": 2, "budget": 1000, "samples": 8, "quality": 50,
+        "subsampling": "4:2:2"})"));
+    ASSERT_TRUE(json) << json.error().message;
+    EXPECT_EQ(words, *json);
+}
+
+TEST(ViewWords, OneWordKeepsTheRest) {
+    auto expected = test::richView();
+    expected.camera.eye = {1, 2, 3};
+    EXPECT_EQ(applied({{"eye", "1,2,3"}}, test::richView()), expected);
+    EXPECT_EQ(applied({}, test::richView()), test::richView());
+}
+
+TEST(ViewWords, OrderIsOfNoImportance) {
+    EXPECT_EQ(applied({{"param.sizePx", "5"}, {"method", "cone"}}),
+              applied({{"method", "cone"}, {"param.sizePx", "5"}}));
+    EXPECT_EQ(applied({{"method", "cone"}, {"param.sizePx", "5"}}, test::richView()).style.parameters,
+              (ParameterValues{{"sizePx", 5.0}}));
+}
+
+TEST(ViewWords, AutoClears) {
+    const auto view = applied({{"near", "auto"},
+                               {"far", "auto"},
+                               {"range", "auto"},
+                               {"classes", "auto"},
+                               {"clip", "auto"},
+                               {"shading", "auto"},
+                               {"detail", "auto"},
+                               {"budget", "auto"},
+                               {"samples", "auto"}},
+                              test::richView());
+    EXPECT_FALSE(view.camera.near || view.camera.far || view.style.range || view.style.classes ||
+                 view.style.clip || view.style.shading || view.quality.detail || view.quality.budget ||
+                 view.quality.samples);
+    EXPECT_EQ(applied({{"classes", "none"}}).style.classes, std::vector<std::uint8_t>{});
+}
+
+TEST(ViewWords, EyeEndsAMatrixAndBothAreRefused) {
+    EXPECT_EQ(applied({{"eye", "9,9,9"}}, test::matrixView()).camera.viewMatrix, std::nullopt);
+    EXPECT_EQ(refused({{"viewMatrix", "1,0,0,0,0,1,0,0,0,0,1,0,0,0,0,1"}, {"up", "0,1,0"}}).field,
+              "viewMatrix");
+}
+
+TEST(ViewWords, WrongOnesNameTheWord) {
+    const std::vector<std::pair<std::string, std::string>> cases{{"eye", ""},
+                                                                 {"eye", "1,2"},
+                                                                 {"eye", "1,2,3,4"},
+                                                                 {"eye", "1,2,x"},
+                                                                 {"eye", "1, 2,3"},
+                                                                 {"eye", "1,,3"},
+                                                                 {"eye", "1e999,0,0"},
+                                                                 {"viewMatrix", "1,2,3"},
+                                                                 {"projection", "isometric"},
+                                                                 {"fov", "sixty"},
+                                                                 {"fov", "60deg"},
+                                                                 {"near", "none"},
+                                                                 {"width", "0"},
+                                                                 {"width", "-5"},
+                                                                 {"width", "99999"},
+                                                                 {"width", "1e3"},
+                                                                 {"height", ""},
+                                                                 {"method", ""},
+                                                                 {"param.", "1"},
+                                                                 {"param.a b", "1"},
+                                                                 {"color", "mauve"},
+                                                                 {"color", "#12"},
+                                                                 {"colormap", "jet"},
+                                                                 {"range", "1"},
+                                                                 {"range", "2,1"},
+                                                                 {"classes", "256"},
+                                                                 {"classes", "2,,3"},
+                                                                 {"clip", "0,0,0"},
+                                                                 {"clip", "1,0,0,0,1,1"},
+                                                                 {"shading", "flat"},
+                                                                 {"background", "blue"},
+                                                                 {"background", "#000000,"},
+                                                                 {"detail", "-1"},
+                                                                 {"budget", "0"},
+                                                                 {"budget", "99999999999999999999"},
+                                                                 {"samples", "0"},
+                                                                 {"samples", "4.5"},
+                                                                 {"quality", "101"},
+                                                                 {"subsampling", "411"}};
+    for (const auto& [word, value] : cases) {
+        const auto error = refused({{word, value}});
+        EXPECT_EQ(error.code, ErrorCode::InvalidArgument) << word << "=" << value << ": " << error.message;
+        EXPECT_EQ(error.field, word.starts_with("param.") ? "param" : word) << value << ": " << error.message;
+    }
+}
+
+TEST(ViewWords, ImpossibleViewsAreAnotherError) {
+    EXPECT_EQ(refused({{"eye", "nan,0,0"}}).code, ErrorCode::ImpossibleView);
+    EXPECT_EQ(refused({{"eye", "inf,0,0"}}).code, ErrorCode::ImpossibleView);
+    EXPECT_EQ(refused({{"eye", "0,0,0"}, {"target", "0,0,0"}}).code, ErrorCode::ImpossibleView);
+    EXPECT_EQ(refused({{"fov", "180"}}).field, "fov");
+}
+
+TEST(ViewWords, UnknownAndRepeatedWordsAreRefused) {
+    EXPECT_EQ(refused({{"fvo", "60"}}).message, "fvo: unknown; did you mean fov?");
+    EXPECT_EQ(refused({{"view-height", "60"}}).message, "view-height: unknown; did you mean viewHeight?");
+    EXPECT_EQ(refused({{"fov", "60"}, {"fov", "60"}}).message, "\"fov\" is given twice");
+    EXPECT_FALSE(applyWords({}, WordValues(257, {"fov", "60"})));
+}
+
+TEST(ViewWords, AnErrorLeavesTheViewAlone) {
+    View view = test::richView();
+    for (const auto& [word, value] :
+         {std::pair{"eye", "1,2"}, {"color", "mauve"}, {"clip", "1"}, {"nope", "1"}})
+        EXPECT_FALSE(applyWord(view, word, value));
+    EXPECT_EQ(view, test::richView());
+}
+
+TEST(Query, DecodesAndSplits) {
+    const auto words = parseQuery("eye=1%2C2,3&color=%23FF8800&flag&empty=&a=b=c&&x=1+1");
+    ASSERT_TRUE(words) << words.error().message;
+    EXPECT_EQ(*words, (WordValues{{"eye", "1,2,3"},
+                                  {"color", "#FF8800"},
+                                  {"flag", ""},
+                                  {"empty", ""},
+                                  {"a", "b=c"},
+                                  {"x", "1+1"}}));
+    EXPECT_TRUE(parseQuery("")->empty());
+}
+
+TEST(Query, RefusesWhatIsNone) {
+    for (const auto* query : {"a=%", "a=%2", "a=%zz", "a=%00", "a=%0a", "%1f=1"}) {
+        const auto words = parseQuery(query);
+        ASSERT_FALSE(words) << query;
+        EXPECT_EQ(words.error().code, ErrorCode::InvalidArgument);
+    }
+    EXPECT_FALSE(parseQuery("a\nb=1"));
+    EXPECT_FALSE(parseQuery(std::string(16 * 1024 + 1, 'x')));
+    std::string many;
+    for (int i = 0; i < 257; ++i) many += "a=1&";
+    EXPECT_FALSE(parseQuery(many));
+}
+
+TEST(Query, RoundTripOfEveryPrintableByte) {
+    std::string value;
+    for (int c = 0x20; c < 0x100; ++c)
+        if (c != 0x7F) value += static_cast<char>(c);
+    const WordValues words{{"eye", "1,2,3"}, {value, value}};
+    EXPECT_EQ(*parseQuery(printQuery(words)), words);
+    EXPECT_EQ(printQuery({{"eye", "1,-2,3.5"}, {"color", "#ff8800"}}), "eye=1,-2,3.5&color=%23ff8800");
+}
+
+}  // namespace
+}  // namespace scancast

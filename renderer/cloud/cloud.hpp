@@ -1,7 +1,7 @@
 // A cloud being served: octree plus what people want to know about it. Immutable; shared between threads.
 //
-// Positions in the octree are relative to `origin` (float64, a round number near the cloud's minimum corner), so
-// that UTM coordinates do not jitter: file coordinate = origin + relative.
+// Positions in the octree are relative to `origin` (float64, a round number near the cloud's minimum corner),
+// so that UTM coordinates do not jitter: file coordinate = origin + relative.
 #pragma once
 
 #include <array>
@@ -26,20 +26,20 @@ struct Mirror {
 };
 
 struct Cloud {
-    std::string title;                      ///< for people; the file's name by default
-    std::string format;                     ///< where it came from: "LAS 1.2, point format 3"
+    std::string title;   ///< for people; the file's name by default
+    std::string format;  ///< where it came from: "LAS 1.2, point format 3"
     glm::dvec3 origin{0};
-    std::array<glm::dvec3, 2> bounds{};     ///< min, max in file coordinates, of the points really read
-    std::uint64_t points = 0;               ///< points of the scan that are in the octree
-    std::uint64_t droppedPoints = 0;        ///< left out: NaN or infinite coordinates
+    std::array<glm::dvec3, 2> bounds{};  ///< min, max in file coordinates, of the points really read
+    std::uint64_t points = 0;            ///< points of the scan that are in the octree
+    std::uint64_t droppedPoints = 0;     ///< left out: NaN or infinite coordinates
     Attributes attributes;
     std::array<std::uint16_t, 2> intensityRange{0, 65535};
     std::array<std::uint64_t, 256> classCounts{};
     std::string crsWkt;
     std::optional<int> crsEpsg;
-    double spacing = 0;                     ///< s0, typical distance of neighbouring points, cloud units
+    double spacing = 0;  ///< s0, typical distance of neighbouring points, cloud units
     std::vector<Mirror> mirrors;
-    std::string revision;                   ///< hex digest of everything that pictures depend on
+    std::string revision;  ///< hex digest of everything that pictures depend on
     Octree octree;
 
     /// Looks at the whole cloud from the south-east, 30° down, with Z up.
@@ -48,12 +48,13 @@ struct Cloud {
 
 struct BuildOptions {
     std::string title;
-    int threads = 0;                        ///< 0 = all cores; the result does not depend on it
-    std::uint32_t leafPoints = 16384;       ///< a leaf holds at most this many points
+    int threads = 0;                   ///< 0 = all cores; the result does not depend on it
+    std::uint32_t leafPoints = 16384;  ///< a leaf holds at most this many points
 };
 
-/// Reads a scan to its end and builds its octree in memory, in parallel. Takes ownership of nothing; `source` is
-/// exhausted afterwards. Errors: the source's own; Empty when no point is left; ResourceLimit when memory runs out.
+/// Reads a scan to its end and builds its octree in memory, in parallel. Takes ownership of nothing; `source`
+/// is exhausted afterwards. Errors: the source's own; Empty when no point is left; ResourceLimit when memory
+/// runs out.
 Expected<std::shared_ptr<const Cloud>> buildCloud(PointSource& source, const BuildOptions& options,
                                                   const ProgressSink& progress = {});
 

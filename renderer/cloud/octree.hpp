@@ -1,9 +1,11 @@
 // The hierarchy of a cloud in memory: nodes with bounds and spacing, each with a run of samples.
 // Pipeline: import → **octree** → select. Immutable once built; read from any thread.
-// Source: 001_c3e54385a9f0e90c "modified QSplat" (split at the average, averaged inner samples); methods.md §6.
+// Source: 001_c3e54385a9f0e90c "modified QSplat" (split at the average, averaged inner samples); methods.md
+// §6.
 //
-// A node's samples *replace* its parent's: drawing a node instead of its ancestor shows the same surface, finer.
-// Leaves hold the scan's own points; inner nodes hold averages over one cell size per level, halved level by level.
+// A node's samples *replace* its parent's: drawing a node instead of its ancestor shows the same surface,
+// finer. Leaves hold the scan's own points; inner nodes hold averages over one cell size per level, halved
+// level by level.
 #pragma once
 
 #include <cstdint>
@@ -24,20 +26,21 @@ struct NormalCone {
 };
 
 struct Node {
-    glm::dvec3 boxMin;             ///< cloud-relative; the corner that sample positions count from
-    glm::dvec3 step;               ///< cloud units per quantisation step, per axis; > 0
-    glm::dvec3 boxMax;             ///< tight around the node's own samples *and* everything below it
-    glm::dvec3 center;             ///< bounding sphere of everything below it and its own samples
+    glm::dvec3 boxMin;  ///< cloud-relative; the corner that sample positions count from
+    glm::dvec3 step;    ///< cloud units per quantisation step, per axis; > 0
+    glm::dvec3 boxMax;  ///< tight around the node's own samples *and* everything below it
+    glm::dvec3 center;  ///< bounding sphere of everything below it and its own samples
     double radius;
-    float spacing;                 ///< typical distance between neighbouring samples of this node, cloud units, > 0
+    float spacing;  ///< typical distance between neighbouring samples of this node, cloud units, > 0
     NormalCone cone;
     std::uint32_t parent = noNode;
-    std::uint32_t firstChild = noNode;  ///< children stand side by side: firstChild … firstChild + childCount - 1
-    std::uint8_t childCount = 0;        ///< 0 = leaf
-    std::uint8_t level = 0;             ///< root = 0
+    std::uint32_t firstChild =
+        noNode;                   ///< children stand side by side: firstChild … firstChild + childCount - 1
+    std::uint8_t childCount = 0;  ///< 0 = leaf
+    std::uint8_t level = 0;       ///< root = 0
     std::uint32_t sampleCount = 0;
-    std::uint64_t firstSample = 0;      ///< index of the run in the octree's sample store
-    std::uint64_t points = 0;           ///< scan points below this node
+    std::uint64_t firstSample = 0;  ///< index of the run in the octree's sample store
+    std::uint64_t points = 0;       ///< scan points below this node
 
     bool isLeaf() const { return childCount == 0; }
 };
@@ -51,7 +54,8 @@ class Octree {
 
     std::span<const Node> nodes() const { return nodes_; }
     const Node& node(std::uint32_t index) const { return nodes_[index]; }
-    /// The node's samples. Everything is resident for now; with the residency room this becomes a pinned block.
+    /// The node's samples. Everything is resident for now; with the residency room this becomes a pinned
+    /// block.
     std::span<const Sample> run(const Node& n) const {
         return std::span(samples_).subspan(n.firstSample, n.sampleCount);
     }

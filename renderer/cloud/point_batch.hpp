@@ -37,11 +37,11 @@ struct ScanHeader {
 };
 
 struct PointBatch {
-    std::vector<glm::dvec3> position;                  ///< file coordinates; finite (readers drop and count others)
-    std::vector<std::array<std::uint8_t, 3>> color;    ///< sRGB
-    std::vector<std::uint16_t> intensity;              ///< full range of the file, 0–65535
-    std::vector<std::uint8_t> classification;          ///< ASPRS class
-    std::vector<glm::vec3> normal;                     ///< unit length, or 0 where the scan has none
+    std::vector<glm::dvec3> position;  ///< file coordinates; finite (readers drop and count others)
+    std::vector<std::array<std::uint8_t, 3>> color;  ///< sRGB
+    std::vector<std::uint16_t> intensity;            ///< full range of the file, 0–65535
+    std::vector<std::uint8_t> classification;        ///< ASPRS class
+    std::vector<glm::vec3> normal;                   ///< unit length, or 0 where the scan has none
 
     std::size_t size() const { return position.size(); }
     void clear() {
@@ -60,8 +60,9 @@ class PointSource {
 
     virtual ~PointSource() = default;
     virtual const ScanHeader& header() const = 0;
-    /// Replaces the batch with the next points (at most batchPoints). False at the end: then the batch is empty and
-    /// the whole scan was sound. A file that is damaged, truncated or empty ends with an error instead.
+    /// Replaces the batch with the next points (at most batchPoints). False at the end: then the batch is
+    /// empty and the whole scan was sound. A file that is damaged, truncated or empty ends with an error
+    /// instead.
     virtual Expected<bool> read(PointBatch& batch) = 0;
     /// Points left out so far because a coordinate was NaN or infinite.
     virtual std::uint64_t droppedPoints() const = 0;

@@ -12,12 +12,12 @@ namespace scancast {
 /// Position: node.boxMin + node.step * (x, y, z), cloud-relative. Every field is little-endian.
 struct Sample {
     std::uint16_t x, y, z;
-    std::uint16_t intensity;        ///< the file's own 0–65535
-    std::uint8_t r, g, b;           ///< sRGB
-    std::uint8_t classification;    ///< ASPRS class
-    std::uint16_t normal;           ///< octahedral 8 + 8; noNormal = none
-    std::uint8_t logRadius;         ///< surfel radius (next issue's preprocessing); 0 = none: use the node's spacing
-    std::uint8_t ellipse;           ///< axis ratio (high 3 bits) and angle (low 5 bits); 0 = circle
+    std::uint16_t intensity;      ///< the file's own 0–65535
+    std::uint8_t r, g, b;         ///< sRGB
+    std::uint8_t classification;  ///< ASPRS class
+    std::uint16_t normal;         ///< octahedral 8 + 8; noNormal = none
+    std::uint8_t logRadius;  ///< surfel radius (next issue's preprocessing); 0 = none: use the node's spacing
+    std::uint8_t ellipse;    ///< axis ratio (high 3 bits) and angle (low 5 bits); 0 = circle
 };
 static_assert(sizeof(Sample) == 16 && alignof(Sample) == 2);
 static_assert(offsetof(Sample, intensity) == 6 && offsetof(Sample, r) == 8 && offsetof(Sample, normal) == 12);

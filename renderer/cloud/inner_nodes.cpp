@@ -1,0 +1,105 @@
+#include <tbb/task_group.h>
+
+#include <algorithm>
+#include <glm/common.hpp>
+
+#include "renderer/cloud/build_node.hpp"
+#include "renderer/cloud/spacing.hpp"
+
+namespace scancast {
+
+namespace {
+
+std::uint64_t cellsBelow(const BuildNode& node, int rung) {
+    std::uint64_t n = 0;
+    for (const auto& child : node.children) n += child->content.cells.cells(rung);
+    return n;
+}
+
+/// The cell size: the finest rung, not below any child's, that leaves at most two samples of five (and at
+/// most three quarters of a full leaf), so that every level is markedly coarser than the one below it and
+/// nodes hold thousands of samples wherever the tree is deep. Few samples (an eighth of a leaf) need not be
+/// made fewer. A cell is at least 32 lattice steps wide: positions are then exact to 0.05 of the spacing.
+int chooseRung(const BuildNode& node, const InnerLattice& lattice, const OctreeInput& input) {
+    int rung = std::max(0, lattice.rung + 5);
+    std::uint64_t below = 0;
+    for (const auto& child : node.children) {
+        rung = std::max(rung, child->content.rung);
+        below += child->content.samples.size();
+    }
+    const std::uint64_t full = std::max(input.leafPoints, 16u);
+    const std::uint64_t most = std::min(full * 3 / 4, std::max(below * 2 / 5, full / 8));
+    while (rung < gridBits && cellsBelow(node, rung) > most) ++rung;
+    return rung;
+}
+
+AverageList averageChildren(BuildNode& node, int rung, const Attributes& attributes) {
+    AverageList runs{.rung = rung, .averages = {}, .votes = {}};
+    std::vector<std::size_t> starts;
+    for (auto& child : node.children) {
+        starts.push_back(runs.averages.size());
+        if (child->isLeaf())
+            appendCells(std::span<const BuildPoint>(child->points), attributes, runs);
+        else
+            appendCells(child->averages, attributes, runs);
+        child->averages = {};
+    }
+    return merge(runs, starts, attributes);
+}
+
+void fillSamples(BuildNode& node, const InnerLattice& lattice, const OctreeInput& input) {
+    const Grid& grid = input.grid;
+    const glm::dvec3 boxLow = grid.toFile(node.box.min) - input.origin;
+    std::vector<glm::vec3> local;
+    local.reserve(node.averages.averages.size());
+    node.content.samples.reserve(node.averages.averages.size());
+    for (const Average& average : node.averages.averages) {
+        const glm::dvec3 offset = meanPosition(average, node.box.min) * grid.step;
+        local.emplace_back(offset);
+        Sample s = meanAttributes(average, node.averages);
+        const auto q = lattice.quantise(boxLow + offset);
+        s.x = q[0], s.y = q[1], s.z = q[2];
+        node.content.samples.push_back(s);
+    }
+    // Cells that are all filled are a cell apart; where the scan is sparse or oblique to them, the gaps
+    // decide.
+    node.content.spacing = std::max(grid.cellSize(node.averages.rung), estimateSpacing(local));
+}
+
+void fill(BuildNode& node, const OctreeInput& input) {
+    std::vector<Bounds> below;
+    glm::dvec3 low(1e300), high(-1e300);
+    for (const auto& child : node.children) {
+        below.push_back(child->content.bounds);
+        low = glm::min(low, child->content.bounds.low);
+        high = glm::max(high, child->content.bounds.high);
+    }
+    const InnerLattice lattice = innerLattice(low, high, input.grid);
+    NodeContent& content = node.content;
+    content.rung = chooseRung(node, lattice, input);
+    node.averages = averageChildren(node, content.rung, input.attributes);
+    content.corner = lattice.corner;
+    content.step = lattice.step;
+    fillSamples(node, lattice, input);
+    const auto& list = node.averages.averages;
+    content.cells.addFirst();
+    for (std::size_t i = 1; i < list.size(); ++i)
+        content.cells.addStep(list[i - 1].cell, list[i].cell, content.rung);
+    content.bounds = boundsOf(content.samples, content.corner, content.step, below);
+}
+
+}  // namespace
+
+void fillInner(BuildNode& node, const OctreeInput& input, ProgressMeter& progress) {
+    if (node.isLeaf()) {
+        progress.add(node.points.size());
+        return;
+    }
+    tbb::task_group group;
+    for (auto& child : node.children)
+        group.run([&child, &input, &progress] { fillInner(*child, input, progress); });
+    group.wait();
+    fill(node, input);
+}
+
+}  // namespace scancast

@@ -1,0 +1,98 @@
+#include "renderer/cloud/leaf.hpp"
+
+#include <algorithm>
+#include <tuple>
+
+#include "renderer/cloud/spacing.hpp"
+
+namespace scancast {
+
+namespace {
+
+bool wholeLess(const BuildPoint& a, const BuildPoint& b) {
+    const auto key = [](const BuildPoint& p) {
+        return std::tuple(p.position(), p.color, p.intensity, p.classification, p.normal);
+    };
+    return key(a) < key(b);
+}
+
+/// Returns the rung of the key: points in one cell of 2^rung steps are sorted by their whole content.
+int sortPoints(std::span<BuildPoint> points, const GridBox& box) {
+    if (box.isPoint()) {
+        std::sort(points.begin(), points.end(), wholeLess);
+        return 0;
+    }
+    int rung = 0;
+    for (int a = 0; a < 3; ++a)
+        while ((box.max[a] >> rung) - (box.min[a] >> rung) > 65535) ++rung;
+    thread_local std::vector<std::uint64_t> keys;
+    thread_local std::vector<BuildPoint> copy;
+    keys.resize(points.size());
+    for (std::size_t i = 0; i < points.size(); ++i) {
+        const GridPosition p = points[i].position();
+        keys[i] = mortonKey(p[0] >> rung, p[1] >> rung, p[2] >> rung) << 16 | i;
+    }
+    std::sort(keys.begin(), keys.end());
+    copy.assign(points.begin(), points.end());
+    std::size_t same = 0;
+    for (std::size_t i = 0; i < keys.size(); ++i) {
+        points[i] = copy[keys[i] & 65535];
+        if (i + 1 < keys.size() && keys[i] >> 16 == keys[i + 1] >> 16) continue;
+        if (i > same)
+            std::sort(points.begin() + std::ptrdiff_t(same), points.begin() + std::ptrdiff_t(i + 1),
+                      wholeLess);
+        same = i + 1;
+    }
+    return rung;
+}
+
+double spacingOf(std::span<const BuildPoint> points, const GridBox& box, const Grid& grid) {
+    thread_local std::vector<glm::vec3> local;
+    local.resize(points.size());
+    for (std::size_t i = 0; i < points.size(); ++i)
+        for (int a = 0; a < 3; ++a)
+            local[i][a] = float(double(points[i].axis(a) - box.min[a]) * grid.step[a]);
+    return estimateSpacing(local);
+}
+
+/// 0.05 of the spacing is what positions may be coarse by (methods.md §6).
+bool fineEnough(const LeafLattice& lattice, double spacing) {
+    return lattice.exact || std::max({lattice.step.x, lattice.step.y, lattice.step.z}) <= 0.05 * spacing;
+}
+
+Sample toSample(const BuildPoint& p, const LeafLattice& lattice) {
+    const auto q = lattice.quantise(p);
+    return {.x = q[0],
+            .y = q[1],
+            .z = q[2],
+            .intensity = p.intensity,
+            .r = p.color[0],
+            .g = p.color[1],
+            .b = p.color[2],
+            .classification = p.classification,
+            .normal = p.normal,
+            .logRadius = 0,
+            .ellipse = 0};
+}
+
+}  // namespace
+
+std::optional<NodeContent> makeLeaf(std::span<BuildPoint> points, const GridBox& box, const Grid& grid,
+                                    const glm::dvec3& origin) {
+    const LeafLattice lattice = leafLattice(box, grid, origin);
+    NodeContent leaf;
+    leaf.corner = lattice.corner;
+    leaf.step = lattice.step;
+    leaf.rung = sortPoints(points, box);
+    leaf.spacing = box.isPoint() ? 0 : spacingOf(points, box, grid);
+    if (!box.isPoint() && !fineEnough(lattice, leaf.spacing)) return std::nullopt;
+    leaf.samples.resize(points.size());
+    for (std::size_t i = 0; i < points.size(); ++i) leaf.samples[i] = toSample(points[i], lattice);
+    leaf.cells.addFirst();
+    for (std::size_t i = 1; i < points.size(); ++i)
+        leaf.cells.addStep(points[i - 1].position(), points[i].position());
+    leaf.bounds = boundsOf(leaf.samples, leaf.corner, leaf.step, {});
+    return leaf;
+}
+
+}  // namespace scancast

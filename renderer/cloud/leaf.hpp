@@ -1,0 +1,30 @@
+// A leaf: the scan's own points in Morton order, quantised. Pipeline: splitter → **leaf** → averages.
+#pragma once
+
+#include <optional>
+
+#include "renderer/cloud/lattice.hpp"
+#include "renderer/cloud/morton.hpp"
+
+namespace scancast {
+
+/// What the builder knows of a node that is finished but for its place in the octree.
+struct NodeContent {
+    glm::dvec3 corner{0}, step{1};
+    Bounds bounds;
+    double spacing = 0;  ///< 0 = not known: one sample, or all at one place
+    int rung = 0;        ///< coarser nodes may merge samples in cells of 2^rung steps and larger
+    CellCount cells;
+    std::vector<Sample> samples;
+};
+
+/// Sorts the points in place into an order that depends only on what they are, and makes a leaf of them.
+/// Nothing, when 16 bits an axis are too coarse for points this close together: the set has to be split
+/// further.
+std::optional<NodeContent> makeLeaf(std::span<BuildPoint> points, const GridBox& box, const Grid& grid,
+                                    const glm::dvec3& origin);
+
+/// The largest leaf: 16 bits of the sorting key hold the point's number. Only equal points may be more.
+inline constexpr std::uint32_t mostLeafPoints = 65536;
+
+}  // namespace scancast

@@ -1,0 +1,23 @@
+// How far apart the samples of one node are: the number that decides when a node is fine enough for a view,
+// and how large its splats must be to close the surface. Pipeline: part of the octree builder. Pure function.
+#pragma once
+
+#include <glm/vec3.hpp>
+#include <span>
+
+namespace scancast {
+
+/// The pitch of a square grid whose gaps are as large as those between these samples; 0 when there are fewer
+/// than two distinct ones. On a square grid it is the pitch itself; randomly placed samples count as a
+/// coarser grid than as many regular ones, and scan lines as a grid of nearly the distance between lines, for
+/// what matters is the largest gap: discs of this radius close the surface, and drawing fewer samples would
+/// open it.
+///
+/// For 64 samples, evenly spaced in the order given, the neighbourhood is flattened into its tangent plane,
+/// and the sample's Voronoi cell there reaches as far as the middle of the largest gap beside it. Cells that
+/// are open, at the border of the set, do not count unless nearly all are. Takes a high quantile: holes are
+/// where samples are sparsest. Samples should be in an order that keeps neighbours together (Morton): it is
+/// then faster.
+double estimateSpacing(std::span<const glm::vec3> samples);
+
+}  // namespace scancast

@@ -1,0 +1,19 @@
+// The plane that a handful of points lie nearest to. Pure function, in double precision and in a fixed order
+// of operations. The next issue's surfels use it for every point.
+#pragma once
+
+#include <array>
+#include <glm/vec3.hpp>
+#include <span>
+
+namespace scancast {
+
+struct TangentPlane {
+    glm::dvec3 first{1, 0, 0}, second{0, 1, 0};  ///< principal directions, unit length
+    std::array<double, 3> variance{0, 0, 0};     ///< along first, second and the normal; descending
+};
+
+/// Of the offsets and the origin they count from, about their common centroid.
+TangentPlane tangentPlane(std::span<const glm::vec3> offsets);
+
+}  // namespace scancast

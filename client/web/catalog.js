@@ -1,0 +1,52 @@
+// What the server says about its clouds and methods, over HTTP.
+
+const patienceMs = 10_000;
+
+/** An answer that is an error, in words that a person can read. */
+export class ServerProblem extends Error {
+  constructor(problem) {
+    super(problem.detail || problem.title || 'The server could not do that.');
+    this.title = problem.title ?? 'The server refused';
+    this.status = problem.status ?? 0;
+  }
+}
+
+/** The problem in a failed answer, whatever its body is. */
+export async function problemOf(response) {
+  let problem = {};
+  try {
+    problem = await response.json();
+  } catch {
+    // No JSON: a proxy's own page, or nothing at all.
+  }
+  return new ServerProblem({
+    status: response.status,
+    title: problem.title ?? `The server answered ${response.status}`,
+    detail: problem.detail,
+  });
+}
+
+async function getJson(path) {
+  const response = await fetch(path, { signal: AbortSignal.timeout(patienceMs), cache: 'no-cache' });
+  if (!response.ok) throw await problemOf(response);
+  return response.json();
+}
+
+const listOf = (value) => (Array.isArray(value) ? value : []);
+
+/** { clouds, pending }: those that can be looked at, and those that are loading or failed. */
+export async function fetchClouds() {
+  const body = await getJson('/api/v1/clouds');
+  return { clouds: listOf(body.clouds), pending: listOf(body.pending) };
+}
+
+/** { methods, colors, colormaps, shadings }. */
+export async function fetchMethods() {
+  const body = await getJson('/api/v1/methods');
+  return {
+    methods: listOf(body.methods),
+    colors: listOf(body.colors),
+    colormaps: listOf(body.colormaps),
+    shadings: listOf(body.shadings),
+  };
+}

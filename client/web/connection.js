@@ -1,0 +1,145 @@
+// One WebSocket to the stream, subprotocol scancast.v1: messages out, messages and frames in. It lives from open to
+// close; session.js makes a new one when it is lost.
+
+import { FrameError, parseFrame } from './frame_header.js';
+
+const welcomePatienceMs = 10_000;
+const pingEveryMs = 15_000;
+const congestedBytes = 16 * 1024;
+
+/** Why a connection ended, for people. */
+export function closeWords(code, reason) {
+  const words = {
+    1001: 'The server is shutting down.',
+    1002: 'The server speaks another version; reload the page.',
+    1008: 'The server does not allow this connection.',
+    1013: 'All places on the server are taken.',
+  };
+  return reason || words[code] || 'The server does not answer.';
+}
+
+export class Connection {
+  #socket;
+  #handlers;
+  #timers = [];
+  #lastSeq;
+  #heard = 0;
+  #bye = '';
+  #closed = false;
+  #welcomed = false;
+  #hello;
+
+  /**
+   * `hello` is the first message; `firstSeq` the number that the first view gets. Handlers: welcome(message),
+   * frame(frame), problem(message), stats(message), closed(words), the last one exactly once.
+   */
+  constructor(url, hello, firstSeq, handlers) {
+    this.#handlers = handlers;
+    this.#hello = hello;
+    this.#lastSeq = firstSeq - 1;
+    this.#socket = new WebSocket(url, ['scancast.v1']);
+    this.#socket.binaryType = 'arraybuffer';
+    this.#socket.onopen = () => this.#send({ type: 'hello', ...hello });
+    this.#socket.onmessage = (event) => this.#received(event.data);
+    this.#socket.onclose = (event) => this.#end(closeWords(event.code, event.reason || this.#bye));
+    this.#timers.push(setTimeout(() => this.#end('The server does not answer.'), welcomePatienceMs));
+  }
+
+  get nextSeq() {
+    return this.#lastSeq + 1;
+  }
+
+  /** What was sent is still on its way out: better wait and send something newer. */
+  get congested() {
+    return this.#socket.bufferedAmount > congestedBytes;
+  }
+
+  sendView(changes) {
+    this.#lastSeq += 1;
+    this.#send({ type: 'view', seq: this.#lastSeq, ...changes });
+    return this.#lastSeq;
+  }
+
+  acknowledge(frame) {
+    this.#send({ type: 'ack', frame });
+  }
+
+  /** Ends it without a word to the handlers. */
+  abandon() {
+    this.#handlers = undefined;
+    this.#end('');
+  }
+
+  #send(message) {
+    if (this.#socket.readyState === WebSocket.OPEN) this.#socket.send(JSON.stringify(message));
+  }
+
+  #received(data) {
+    this.#heard = performance.now();
+    if (typeof data === 'string') this.#text(data);
+    else this.#frame(data);
+  }
+
+  #frame(data) {
+    try {
+      this.#handlers?.frame(parseFrame(data));
+    } catch (error) {
+      if (!(error instanceof FrameError)) throw error;
+      this.#end(`The server sent something strange: ${error.message}.`);
+    }
+  }
+
+  #text(data) {
+    let message;
+    try {
+      message = JSON.parse(data);
+    } catch {
+      this.#end('The server sent something that is no message.');
+      return;
+    }
+    if (message.type === 'welcome') {
+      this.#welcomed = true;
+      this.#stopTimers();
+      this.#timers.push(setInterval(() => this.#checkPulse(), pingEveryMs));
+      this.#handlers?.welcome(message);
+    } else if (message.type === 'problem') {
+      if (this.#welcomed) this.#handlers?.problem(message);
+      else this.#refusedAtTheDoor(message.problem);
+    } else if (message.type === 'stats') {
+      this.#handlers?.stats(message);
+    } else if (message.type === 'bye') {
+      this.#bye = closeWords(message.code, message.reason);
+    }
+  }
+
+  /** The size may be more than this server draws, and only its welcome says how much that is: ask for less, once. */
+  #refusedAtTheDoor(problem) {
+    if (problem?.status !== 413 || this.#hello.width === undefined) {
+      this.#end(problem?.detail || 'The server refused the connection.');
+      return;
+    }
+    const { width, height, ...rest } = this.#hello;
+    this.#hello = rest;
+    this.#send({ type: 'hello', ...rest });
+  }
+
+  /** A cable that was pulled closes nothing: ask, and give up when two questions stay unanswered. */
+  #checkPulse() {
+    if (performance.now() - this.#heard > 2.5 * pingEveryMs) this.#end('The server does not answer any more.');
+    else this.#send({ type: 'ping', id: Math.round(performance.now()) });
+  }
+
+  #stopTimers() {
+    // clearTimeout and clearInterval take either kind.
+    this.#timers.splice(0).forEach(clearTimeout);
+  }
+
+  #end(words) {
+    if (this.#closed) return;
+    this.#closed = true;
+    this.#stopTimers();
+    this.#socket.close();
+    this.#handlers?.closed(words);
+    this.#handlers = undefined;
+  }
+}

@@ -1,0 +1,179 @@
+// The settings panel: what is shown and how. Shows a view, and says what of it the user changed; it keeps no view of
+// its own, and everything it offers comes from the server's lists.
+
+import { parameterFields } from './parameter_fields.js';
+
+const find = (id) => document.getElementById(id);
+
+const colorNames = {
+  rgb: 'As scanned', intensity: 'Intensity', elevation: 'Height', classification: 'Classification', normal: 'Direction of the surface',
+  depth: 'Distance', lod: 'Level of detail',
+};
+const shadingNames = { unlit: 'None', phong: 'From the viewer', eyedome: 'Shaded edges' };
+const colormapNames = { viridis: 'Viridis', turbo: 'Turbo', grey: 'Grey' };
+const withRamp = ['intensity', 'elevation', 'depth', 'lod'];
+const dusk = JSON.stringify(['#3a424e', '#16191e']);
+
+const named = (names, key) => names[key] ?? key.charAt(0).toUpperCase() + key.slice(1);
+
+function fill(select, options) {
+  select.replaceChildren(
+    ...options.map(({ value, label, disabled = false }) => Object.assign(new Option(label, value), { disabled })),
+  );
+}
+
+export class Controls {
+  #catalog;
+  #view = {};
+  #cloud;
+  #fields;
+  #fieldsOf;
+  #on;
+
+  /** `on` has style(changes), cloud(id) and reset(). */
+  constructor(on) {
+    this.#on = on;
+    find('controls').addEventListener('submit', (event) => event.preventDefault());
+    find('cloud').addEventListener('change', (event) => on.cloud(event.target.value));
+    find('method').addEventListener('change', (event) => on.style({ method: event.target.value, param: {} }));
+    find('color').addEventListener('change', () => this.#colorChosen());
+    find('flat-color').addEventListener('input', (event) => on.style({ color: event.target.value }));
+    find('colormap').addEventListener('change', (event) => on.style({ colormap: event.target.value }));
+    for (const id of ['range-low', 'range-high']) find(id).addEventListener('change', () => this.#rangeChosen());
+    find('shading').addEventListener('change', (event) => on.style({ shading: event.target.value || null }));
+    find('background').addEventListener('change', () => this.#backgroundChosen());
+    find('background-color').addEventListener('input', (event) => on.style({ background: event.target.value }));
+    find('detail').addEventListener('change', (event) => {
+      on.style({ detail: event.target.value === '' ? null : Number(event.target.value) });
+    });
+    find('reset-style').addEventListener('click', () => on.reset());
+  }
+
+  setCatalog(catalog) {
+    this.#catalog = catalog;
+    this.#fieldsOf = undefined;
+    this.setClouds(catalog);
+    fill(find('method'), catalog.methods.map((method) => ({ value: method.name, label: method.title || method.name })));
+    fill(find('colormap'), catalog.colormaps.map((map) => ({ value: map, label: named(colormapNames, map) })));
+    fill(find('shading'), [
+      { value: '', label: 'As the method likes it' },
+      ...catalog.shadings.map((shading) => ({ value: shading, label: named(shadingNames, shading) })),
+    ]);
+  }
+
+  setClouds({ clouds, pending }) {
+    const select = find('cloud');
+    const chosen = select.value;
+    fill(select, [
+      ...clouds.map((cloud) => ({ value: cloud.id, label: cloud.title || cloud.id })),
+      ...pending.map((cloud) => ({
+        value: cloud.id,
+        label: `${cloud.title || cloud.id} (${cloud.state === 'failed' ? 'could not be loaded' : 'loading…'})`,
+        disabled: true,
+      })),
+    ]);
+    if (chosen) select.value = chosen;
+  }
+
+  /** Shows the view that is wanted of this cloud. */
+  show(view, cloud) {
+    if (!this.#catalog) return;
+    if (cloud !== this.#cloud) this.#showCloud(cloud);
+    this.#view = view;
+    find('cloud').value = cloud.id;
+    this.#showMethod(view);
+    this.#showColor(view);
+    find('shading').value = view.shading ?? '';
+    this.#showBackground(view.background);
+    this.#showDetail(view.detail);
+  }
+
+  #has(attribute) {
+    return (this.#cloud?.attributes ?? []).some((one) => one.name === attribute);
+  }
+
+  #showCloud(cloud) {
+    this.#cloud = cloud;
+    const mayLack = ['rgb', 'intensity', 'classification', 'normal'];
+    fill(find('color'), [
+      ...this.#catalog.colors.map((color) => {
+        const lacks = mayLack.includes(color) && !this.#has(color);
+        return { value: color, label: named(colorNames, color) + (lacks ? ' (not in this cloud)' : ''), disabled: lacks };
+      }),
+      { value: 'flat', label: 'One colour…' },
+    ]);
+    for (const option of find('method').options) {
+      const method = this.#catalog.methods.find((one) => one.name === option.value);
+      const lacking = (method?.needs ?? []).filter((need) => !this.#has(need));
+      option.disabled = lacking.length > 0;
+      option.textContent = (method?.title || option.value) + (lacking.length > 0 ? ` (needs ${lacking.join(', ')})` : '');
+    }
+  }
+
+  #showMethod(view) {
+    const method = this.#catalog.methods.find((one) => one.name === view.method);
+    find('method').value = view.method;
+    if (this.#fieldsOf !== view.method) {
+      this.#fieldsOf = view.method;
+      find('method-summary').textContent = method?.summary ?? '';
+      this.#fields = parameterFields(method?.parameters ?? [], (name, value) => {
+        this.#on.style({ param: { ...this.#view.param, [name]: value } });
+      });
+      find('parameters').replaceChildren(...this.#fields.nodes);
+    }
+    this.#fields.show(view.param);
+  }
+
+  #showColor(view) {
+    const flat = view.color?.startsWith('#');
+    find('color').value = flat ? 'flat' : view.color;
+    find('flat-color').hidden = !flat;
+    if (flat) find('flat-color').value = view.color;
+    find('ramp').hidden = !withRamp.includes(view.color);
+    find('colormap').value = view.colormap;
+    find('ramp-preview').className = `ramp-${view.colormap}`;
+    const usual = (this.#cloud?.attributes ?? []).find((one) => one.name === view.color)?.range;
+    ['range-low', 'range-high'].forEach((id, i) => {
+      const input = find(id);
+      input.placeholder = usual ? String(Number(usual[i].toPrecision(6))) : ['lowest', 'highest'][i];
+      if (document.activeElement !== input) input.value = view.range ? view.range[i] : '';
+    });
+  }
+
+  #showBackground(background) {
+    const select = find('background');
+    const value = background === null || JSON.stringify(background) === dusk ? 'dusk' : background;
+    const listed = [...select.options].some((option) => option.value === value);
+    const custom = !listed || (select.value === 'custom' && value !== 'dusk');
+    select.value = custom ? 'custom' : value;
+    find('background-color').hidden = !custom;
+    if (typeof value === 'string' && value.startsWith('#')) find('background-color').value = value;
+  }
+
+  #showDetail(detail) {
+    const select = find('detail');
+    const value = typeof detail === 'number' ? String(detail) : '';
+    // A link may ask for something between the steps.
+    if (![...select.options].some((option) => option.value === value)) select.append(new Option(`${value} px`, value));
+    select.value = value;
+  }
+
+  #colorChosen() {
+    const { value } = find('color');
+    // The ends of one attribute's ramp mean nothing to another.
+    this.#on.style({ color: value === 'flat' ? find('flat-color').value : value, range: null });
+  }
+
+  #rangeChosen() {
+    const usual = (this.#cloud?.attributes ?? []).find((one) => one.name === this.#view.color)?.range ?? [0, 1];
+    const typed = ['range-low', 'range-high'].map((id) => find(id).valueAsNumber);
+    if (typed.every(Number.isNaN)) this.#on.style({ range: null });
+    else this.#on.style({ range: typed.map((value, i) => (Number.isNaN(value) ? usual[i] : value)) });
+  }
+
+  #backgroundChosen() {
+    const { value } = find('background');
+    if (value === 'custom') this.#on.style({ background: find('background-color').value });
+    else this.#on.style({ background: value === 'dusk' ? null : value });
+  }
+}

@@ -1,0 +1,124 @@
+// The line in the corner: whether the picture moves or is sharp, how fast, and, opened, the figures behind it.
+
+import { element } from './parameter_fields.js';
+
+const find = (id) => document.getElementById(id);
+const windowMs = 1000;
+
+/** 1234567 → "1.2 million". */
+export function amount(value) {
+  if (!Number.isFinite(value)) return '–';
+  const steps = [[1e9, 'billion'], [1e6, 'million']];
+  for (const [size, word] of steps) {
+    if (value >= size) return `${(value / size).toPrecision(value >= 100 * size ? 3 : 2)} ${word}`;
+  }
+  return Math.round(value).toLocaleString('en');
+}
+
+const milliseconds = (value) => (Number.isFinite(value) ? `${value < 10 ? value.toFixed(1) : Math.round(value)} ms` : '–');
+
+/** What happened to frames: how many a second, and how long from a wish to its picture. Pure but for the clock given. */
+export class FrameClock {
+  #asked = new Map();
+  #drawn = [];
+  latency = NaN;
+
+  asked(seq, now) {
+    this.#asked.set(seq, now);
+    // A server that never answers must not make this grow.
+    if (this.#asked.size > 512) this.#asked.delete(this.#asked.keys().next().value);
+  }
+
+  /** The first picture of a wish tells the latency; refinements of the same one do not. */
+  drawn(seq, now) {
+    const asked = this.#asked.get(seq);
+    if (asked !== undefined) this.latency = now - asked;
+    for (const key of this.#asked.keys()) {
+      if (key <= seq) this.#asked.delete(key);
+    }
+    this.#drawn.push(now);
+    this.#trim(now);
+  }
+
+  #trim(now) {
+    while (this.#drawn.length > 0 && now - this.#drawn[0] > windowMs) this.#drawn.shift();
+  }
+
+  framesPerSecond(now) {
+    this.#trim(now);
+    return this.#drawn.length;
+  }
+
+  /** For a new connection. */
+  reset() {
+    this.#asked.clear();
+  }
+}
+
+const stateWords = { connecting: 'Connecting…', moving: 'Moving', refining: 'Refining', sharp: 'Sharp', waiting: 'Waiting', lost: 'Connection lost' };
+
+export class Hud {
+  clock = new FrameClock();
+  #frame;
+  #stats;
+  #state = 'connecting';
+
+  constructor() {
+    find('hud').addEventListener('toggle', () => this.#render());
+    setInterval(() => this.#render(), 500);
+  }
+
+  setState(state) {
+    this.#state = state;
+    this.#render();
+  }
+
+  frame(frame) {
+    this.#frame = frame;
+    this.clock.drawn(frame.seq, performance.now());
+    this.setState(frame.final ? 'sharp' : frame.still ? 'refining' : 'moving');
+  }
+
+  stats(stats) {
+    this.#stats = stats;
+    this.#render();
+  }
+
+  #render() {
+    const hud = find('hud');
+    hud.dataset.state = this.#state;
+    const words = stateWords[this.#state] ?? this.#state;
+    // Screen readers hear every change of a status: only real ones, and not each burst of frames.
+    if (find('hud-state').textContent !== words) find('hud-state').textContent = words;
+    find('hud-brief').textContent = this.#brief();
+    if (hud.open) find('hud-figures').replaceChildren(...this.#figures());
+  }
+
+  #brief() {
+    if (!this.#frame || this.#state === 'lost' || this.#state === 'connecting') return '';
+    if (this.#state === 'moving') {
+      return `${this.clock.framesPerSecond(performance.now())} frames/s · ${milliseconds(this.clock.latency)}`;
+    }
+    return this.#stats ? `${amount(this.#stats.samples)} samples` : '';
+  }
+
+  #figures() {
+    const frame = this.#frame;
+    const stats = this.#stats;
+    const rows = [['Frames a second', this.clock.framesPerSecond(performance.now())]];
+    rows.push(['From view to picture', milliseconds(this.clock.latency)]);
+    if (frame) {
+      rows.push(['Picture', `${frame.width} × ${frame.height}`]);
+      rows.push(['Rendering', milliseconds(frame.renderMicroseconds / 1000)]);
+      rows.push(['Encoding', milliseconds(frame.encodeMicroseconds / 1000)]);
+      rows.push(['Size', `${Math.round(frame.picture.length / 1024)} KiB`]);
+    }
+    if (stats) {
+      rows.push(['Samples drawn', amount(stats.samples)]);
+      rows.push(['… for scan points', amount(stats.points)]);
+      if (stats.detail > 0) rows.push(['Detail', `${stats.detail.toPrecision(2)} px`]);
+      for (const stage of (stats.stages ?? []).slice(0, 12)) rows.push([`· ${stage.name}`, milliseconds(stage.milliseconds)]);
+    }
+    return rows.flatMap(([term, value]) => [element('dt', { textContent: term }), element('dd', { textContent: value })]);
+  }
+}

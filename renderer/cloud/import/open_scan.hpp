@@ -17,8 +17,9 @@ struct ImportOptions {
     int importerTimeoutSeconds = 600;                             ///< without any new byte
 };
 
-/// Errors name the file, the byte offset where there is one, and the reason: NotFound, Io, Unsupported (with the
-/// formats that are), Malformed, Truncated, Empty, Importer.
-Expected<std::unique_ptr<PointSource>> openScan(const std::filesystem::path& file, const ImportOptions& options = {});
+/// Errors name the file, the byte offset where there is one, and the reason: NotFound, Io, Unsupported (with
+/// the formats that are), Malformed, Truncated, Empty, Importer.
+Expected<std::unique_ptr<PointSource>> openScan(const std::filesystem::path& file,
+                                                const ImportOptions& options = {});
 
 }  // namespace scancast

@@ -1,0 +1,66 @@
+// A running importer program, as a source of bytes: its standard output.
+// Pipeline: file → **importer process** → point stream → points. Owned and used by one thread.
+//
+// Never a shell: fixed argv. The process has its own group, limits on address space and processor time, no
+// core dumps, no descriptors but its three, and a small environment. It is killed and waited for when this
+// object goes.
+#pragma once
+
+#include <sys/types.h>
+
+#include <chrono>
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "renderer/cloud/import/byte_source.hpp"
+#include "renderer/cloud/import/open_scan.hpp"
+
+namespace scancast {
+
+class ImporterProcess final : public ByteSource {
+  public:
+    /// Starts `PROGRAM FILE`, with the file's absolute path. Errors: Importer when it cannot be started.
+    static Expected<std::unique_ptr<ImporterProcess>> start(const std::filesystem::path& program,
+                                                            const std::filesystem::path& file,
+                                                            const ImportOptions& options);
+    ~ImporterProcess() override;
+    ImporterProcess(const ImporterProcess&) = delete;
+    ImporterProcess& operator=(const ImporterProcess&) = delete;
+
+    /// Errors: Importer when it has been silent for too long.
+    Expected<std::size_t> read(std::span<std::byte> into) override;
+
+    /// After read() came to the end: how the program ended when that was not well - "crashed (signal 11,
+    /// Segmentation fault)", "ended with exit status 3: out of paper". nullopt for exit status 0. Waits a
+    /// moment for its end.
+    std::optional<std::string> badEnd();
+
+    pid_t pid() const { return pid_; }
+
+  private:
+    using Clock = std::chrono::steady_clock;
+    ImporterProcess(pid_t pid, UniqueFd output, UniqueFd errors, std::chrono::seconds silence)
+        : pid_(pid), output_(std::move(output)), errors_(std::move(errors)), silence_(silence) {}
+
+    bool waitForBytes(Clock::time_point deadline, bool& outputReady);
+    void readErrors();
+    bool reap(Clock::time_point deadline);
+    void kill();
+
+    pid_t pid_;
+    UniqueFd output_, errors_;
+    std::chrono::seconds silence_;
+    bool ended_ = false;  ///< standard output is closed
+    bool reaped_ = false;
+    int status_ = 0;         ///< as waitpid gives it, once reaped
+    std::string errorText_;  ///< the end of what it said on standard error; bounded
+};
+
+/// Where a program is: options.importerDirectory if set, otherwise beside the running program, then on PATH.
+/// Error: Importer, with the places that were looked at.
+Expected<std::filesystem::path> findImporter(const std::string& program, const ImportOptions& options);
+
+}  // namespace scancast

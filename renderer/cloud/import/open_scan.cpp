@@ -1,0 +1,76 @@
+#include "renderer/cloud/import/open_scan.hpp"
+
+#include <fcntl.h>
+#include <sys/stat.h>
+
+#include <array>
+#include <cerrno>
+#include <system_error>
+
+#include "renderer/cloud/import/byte_source.hpp"
+#include "renderer/cloud/import/importer_source.hpp"
+#include "renderer/cloud/import/las_source.hpp"
+#include "renderer/cloud/import/scan_format.hpp"
+
+namespace scancast {
+
+namespace {
+
+constexpr const char* pclImporter = "scancast-import-pcl";
+
+Expected<UniqueFd> openRegularFile(const std::string& name) {
+    // O_NONBLOCK: opening a named pipe without a writer must not hang; for regular files it means nothing.
+    UniqueFd fd(::open(name.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOCTTY));
+    if (!fd) {
+        const int error = errno;
+        if (error == ENOENT || error == ENOTDIR)
+            return fail(ErrorCode::NotFound, name + ": there is no such file");
+        return fail(ErrorCode::Io, name + " cannot be opened: " + std::generic_category().message(error));
+    }
+    struct stat info {};
+    if (::fstat(fd.get(), &info) != 0)
+        return fail(ErrorCode::Io, name + ": " + std::generic_category().message(errno));
+    if (S_ISDIR(info.st_mode))
+        return fail(ErrorCode::Unsupported, name +
+                                                " is a directory; give the scan files in it, for example " +
+                                                name + (name.ends_with('/') ? "" : "/") + "scan.las");
+    if (!S_ISREG(info.st_mode))
+        return fail(ErrorCode::Unsupported, name + " is a device, a pipe or a socket, not a file");
+    return fd;
+}
+
+}  // namespace
+
+Expected<std::unique_ptr<PointSource>> openScan(const std::filesystem::path& file,
+                                                const ImportOptions& options) {
+    const auto name = file.string();
+    auto fd = openRegularFile(name);
+    if (!fd) return tl::unexpected(fd.error());
+    auto bytes = FileByteSource::create(std::move(*fd), name);
+    if (!bytes) return tl::unexpected(bytes.error());
+
+    std::array<std::byte, identifyBytes> start{};
+    const auto got = (*bytes)->readAt(0, start);
+    if (!got) return tl::unexpected(got.error());
+    if (*got == 0) return fail(ErrorCode::Empty, name + " is an empty file (0 bytes)");
+    const auto identified = identifyScan(std::span(start).first(*got), file.extension().string());
+    switch (identified.format) {
+        case ScanFormat::Las: {
+            auto source = LasSource::create(std::move(*bytes), name);
+            if (!source) return tl::unexpected(source.error());
+            return std::unique_ptr<PointSource>(std::move(*source));
+        }
+        case ScanFormat::Ply:
+        case ScanFormat::Pcd: {
+            auto source = ImporterSource::create(pclImporter, file, *(*bytes)->size(), options);
+            if (!source) return tl::unexpected(source.error());
+            return std::unique_ptr<PointSource>(std::move(*source));
+        }
+        case ScanFormat::Unknown:
+            break;
+    }
+    return fail(ErrorCode::Unsupported,
+                name + ", byte 0: " + identified.reason + ". " + std::string(readableFormats()) + ".");
+}
+
+}  // namespace scancast

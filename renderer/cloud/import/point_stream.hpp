@@ -1,0 +1,51 @@
+// The point stream's layout (POINT_STREAM.md): header, records, bounds. Pure functions on bytes.
+// Pipeline: importer process → **point stream** → points.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "protocol/error.hpp"
+#include "renderer/cloud/point_batch.hpp"
+
+namespace scancast::point_stream {
+
+inline constexpr std::array<std::uint8_t, 8> magic{'S', 'C', 'A', 'N', 'P', 'T', 'S', 0x1a};
+inline constexpr std::uint16_t version = 1;
+inline constexpr std::size_t headerBytes = 136;
+inline constexpr std::size_t longestFormat = 256;
+inline constexpr std::size_t longestWkt = 65536;
+inline constexpr std::size_t longestFailure = 4096;
+inline constexpr std::size_t recordHeadBytes = 8;
+inline constexpr std::uint32_t chunkPoints = 65536;
+static_assert(chunkPoints == PointSource::batchPoints);
+
+inline constexpr std::array<char, 4> chunkTag{'C', 'H', 'N', 'K'};
+inline constexpr std::array<char, 4> doneTag{'D', 'O', 'N', 'E'};
+inline constexpr std::array<char, 4> failTag{'F', 'A', 'I', 'L'};
+
+/// Bytes of one point in a chunk.
+std::size_t pointBytes(const Attributes& attributes);
+
+/// Header and its two texts; texts that are too long are cut.
+std::vector<std::byte> encodeHeader(const ScanHeader& header);
+
+/// How the rest of the header is to be read.
+struct DecodedHeader {
+    ScanHeader header;
+    std::uint32_t formatBytes = 0;
+    std::uint32_t wktBytes = 0;
+};
+/// `bytes`: headerBytes of them. Errors (Importer) without a file's name.
+Expected<DecodedHeader> decodeHeader(std::span<const std::byte> bytes);
+
+/// Code of a FAIL record and back; an unknown number is Importer.
+std::uint32_t failureCode(ErrorCode code);
+ErrorCode failureCode(std::uint32_t number);
+
+}  // namespace scancast::point_stream

@@ -1,0 +1,17 @@
+// Text out of a file or an importer, made safe to print, log and put into JSON. Pure functions.
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <string_view>
+
+namespace scancast {
+
+/// Printable ASCII and line breaks as they are, everything else as '?'; cut at `longest` bytes and at the
+/// first NUL; no white space at either end. Outside text is never trusted to be UTF-8.
+std::string printableText(std::string_view text, std::size_t longest);
+
+/// "1,234,567" for messages.
+std::string grouped(unsigned long long number);
+
+}  // namespace scancast

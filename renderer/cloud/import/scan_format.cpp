@@ -1,0 +1,114 @@
+#include "renderer/cloud/import/scan_format.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cstdio>
+
+namespace scancast {
+
+namespace {
+
+using namespace std::string_view_literals;
+
+struct Signature {
+    std::string_view bytes;
+    std::string_view reason;
+};
+
+// Files that people do try to open, and what helps.
+constexpr Signature known[] = {
+    {"version https://git-lfs"sv,
+     "a Git LFS pointer, not the scan itself: fetch the scan with \"git lfs pull\""sv},
+    {"ASTM-E57"sv, "an E57 file: E57 comes with a later release; convert it to LAS or PLY first"sv},
+    {"PK\x03\x04"sv, "a ZIP archive: unpack it first"sv},
+    {"\x1f\x8b"sv, "compressed with gzip: unpack it first, for example with \"gunzip\""sv},
+    {"BZh"sv, "compressed with bzip2: unpack it first, for example with \"bunzip2\""sv},
+    {"\xfd"
+     "7zXZ"sv,
+     "compressed with xz: unpack it first, for example with \"unxz\""sv},
+    {"\x28\xb5\x2f\xfd"sv, "compressed with zstd: unpack it first, for example with \"unzstd\""sv},
+    {"7z\xbc\xaf"sv, "a 7-Zip archive: unpack it first"sv},
+    {"\xff\xd8\xff"sv, "a JPEG picture"sv},
+    {"\x89PNG"sv, "a PNG picture"sv},
+    {"%PDF"sv, "a PDF document"sv},
+    {"\x7f"
+     "ELF"sv,
+     "a program"sv},
+    {"glTF"sv, "a glTF model: convert it to PLY first"sv},
+    {"<!DOCTYPE"sv, "a web page: the download did not yield the scan"sv},
+    {"<html"sv, "a web page: the download did not yield the scan"sv},
+};
+
+bool isText(std::string_view start) {
+    return std::all_of(start.begin(), start.end(), [](char c) {
+        const auto byte = static_cast<unsigned char>(c);
+        return byte >= 0x20 ? byte != 0x7f : (c == '\n' || c == '\r' || c == '\t');
+    });
+}
+
+std::string_view firstWord(std::string_view line) {
+    const auto begin = line.find_first_not_of(" \t");
+    if (begin == std::string_view::npos) return {};
+    return line.substr(begin, line.find_first_of(" \t", begin) - begin);
+}
+
+/// PCD: lines of "KEYWORD values", perhaps after comments. VERSION or FIELDS comes first; old files say
+/// COLUMNS.
+bool isPcd(std::string_view start) {
+    while (!start.empty()) {
+        const auto end = start.find_first_of("\r\n");
+        const auto line = start.substr(0, end);
+        if (line.starts_with("# .PCD")) return true;
+        const auto word = firstWord(line);
+        if (word == "VERSION" || word == "FIELDS" || word == "COLUMNS") return true;
+        if (!word.empty() && !word.starts_with('#')) return false;
+        if (end == std::string_view::npos) return false;
+        start.remove_prefix(end + 1);
+    }
+    return false;
+}
+
+/// "ply", perhaps trailing blanks, end of line.
+bool isPly(std::string_view start) {
+    if (!start.starts_with("ply")) return false;
+    const auto end = start.find_first_not_of(" \t", 3);
+    return end != std::string_view::npos && (start[end] == '\n' || start[end] == '\r');
+}
+
+std::string textReason(std::string_view extension) {
+    if (extension == ".pcd")
+        return "it is text without a PCD header (lines such as \"FIELDS x y z\" are missing)";
+    if (extension == ".ply") return "it is text without a PLY header (the first line is not \"ply\")";
+    return "it is text; text formats (XYZ, PTS, PTX, CSV) come with a later release";
+}
+
+std::string firstBytes(std::string_view start) {
+    std::string text = "its content is not that of a point cloud (it starts with the bytes";
+    for (const char c : start.substr(0, 4)) {
+        std::array<char, 4> hex{};
+        std::snprintf(hex.data(), hex.size(), " %02x", static_cast<unsigned>(static_cast<unsigned char>(c)));
+        text += hex.data();
+    }
+    return text + ")";
+}
+
+}  // namespace
+
+std::string_view readableFormats() {
+    return "Scancast reads LAS 1.0-1.4 (uncompressed), PLY (ascii and binary) and PCD (ascii, binary and "
+           "binary_compressed)";
+}
+
+Identified identifyScan(std::span<const std::byte> bytes, std::string_view extension) {
+    const std::string_view start(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+    if (start.starts_with("LASF")) return {ScanFormat::Las, {}};
+    if (isPly(start)) return {ScanFormat::Ply, {}};
+    for (const auto& signature : known)
+        if (start.starts_with(signature.bytes))
+            return {ScanFormat::Unknown, "it is " + std::string(signature.reason)};
+    if (isPcd(start)) return {ScanFormat::Pcd, {}};
+    if (isText(start)) return {ScanFormat::Unknown, textReason(extension)};
+    return {ScanFormat::Unknown, firstBytes(start)};
+}
+
+}  // namespace scancast

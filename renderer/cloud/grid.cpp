@@ -6,13 +6,6 @@
 
 namespace scancast {
 
-void GridBox::add(const GridBox& b) {
-    for (int a = 0; a < 3; ++a) {
-        min[a] = std::min(min[a], b.min[a]);
-        max[a] = std::max(max[a], b.max[a]);
-    }
-}
-
 double Grid::cellSize(int rung) const {
     return std::ldexp(std::max({step.x, step.y, step.z}), rung);
 }

@@ -6,6 +6,7 @@
 // gets a cubic one of a power of two, fine enough that 32-bit floats survive.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <glm/vec3.hpp>
@@ -24,7 +25,12 @@ struct GridBox {
     GridPosition min{~std::uint64_t(0), ~std::uint64_t(0), ~std::uint64_t(0)};
     GridPosition max{0, 0, 0};
 
-    void add(const GridBox& b);
+    void add(const GridBox& b) {
+        for (int a = 0; a < 3; ++a) {
+            min[a] = std::min(min[a], b.min[a]);
+            max[a] = std::max(max[a], b.max[a]);
+        }
+    }
     void add(const GridPosition& p) { add(GridBox{p, p}); }
     bool isPoint() const { return min == max; }
 };

@@ -69,6 +69,11 @@ void gather(std::span<const glm::vec3> samples, std::span<const Block> blocks, s
     }
 }
 
+struct Neighbourhood {
+    TangentPlane plane;
+    float radius;  ///< everything nearer than this was found
+};
+
 class Neighbourhoods {
   public:
     explicit Neighbourhoods(std::span<const glm::vec3> samples)
@@ -81,25 +86,29 @@ class Neighbourhoods {
     bool empty() const { return !(largest_ > 0); }
 
     /// Neighbours enough to see the surface around a sample: at least `fewest`, and more while they lie on
-    /// one line (a scan line whose neighbours are farther than its points). Returns the radius that holds
-    /// them.
-    float find(std::size_t at, std::vector<glm::vec3>& out) {
+    /// one line (a scan line whose neighbours are farther than its points).
+    Neighbourhood find(std::size_t at, std::vector<glm::vec3>& out) {
         float radius = guess_ > 0 ? guess_ : firstGuess(at);
         float tooMany = std::numeric_limits<float>::infinity();
+        bool line = false;
+        TangentPlane plane;
         for (int tries = 0; tries < 40; ++tries) {
             gather(samples_, blocks_, at, radius, out);
             if (out.size() > most) {
                 tooMany = radius;
                 radius *= 0.6f;
-            } else if (radius < largest_ && (out.size() < fewest || isLine(out)) &&
-                       radius * 1.35f < tooMany) {
-                radius *= 1.35f;
-            } else {
-                break;
+                continue;
             }
+            plane = tangentPlane(out);
+            const bool isLine = plane.variance[1] * 16 < plane.variance[0];
+            if (radius >= largest_ || (out.size() >= fewest && !isLine) || radius * 1.35f >= tooMany) break;
+            line = line || (out.size() >= fewest && isLine);
+            radius *= 1.35f;
         }
-        guess_ = radius;
-        return radius;
+        // The next neighbourhood is probably like this one; where lines are, it needs as many again.
+        const float wanted = std::sqrt(1.5f * float(fewest) / float(std::max<std::size_t>(out.size(), 1)));
+        guess_ = line ? radius : radius * std::clamp(wanted, 0.5f, 1.5f);
+        return {plane, radius};
     }
 
   private:
@@ -109,21 +118,16 @@ class Neighbourhoods {
         return size > 0 ? size : largest_ * 1e-3f;
     }
 
-    static bool isLine(std::span<const glm::vec3> offsets) {
-        const TangentPlane plane = tangentPlane(offsets);
-        return plane.variance[1] * 16 < plane.variance[0];
-    }
-
     std::span<const glm::vec3> samples_;
     std::vector<Block> blocks_;
     float largest_ = 0, guess_ = 0;
 };
 
 /// How far the Voronoi cell of the origin among these neighbours reaches; nothing where it is open.
-std::optional<double> cellReach(std::span<const glm::vec3> offsets, double radius) {
-    const TangentPlane plane = tangentPlane(offsets);
-    std::vector<glm::dvec2> flat;
-    flat.reserve(offsets.size());
+std::optional<double> cellReach(std::span<const glm::vec3> offsets, const TangentPlane& plane,
+                                double radius) {
+    thread_local std::vector<glm::dvec2> flat;
+    flat.clear();
     for (const glm::vec3& o : offsets)
         flat.emplace_back(glm::dot(glm::dvec3(o), plane.first), glm::dot(glm::dvec3(o), plane.second));
     std::sort(flat.begin(), flat.end(),
@@ -166,9 +170,9 @@ double estimateSpacing(std::span<const glm::vec3> samples) {
     std::vector<glm::vec3> offsets;
     const std::size_t count = std::min(samples.size(), queries);
     for (std::size_t i = 0; i < count; ++i) {
-        const float radius = neighbourhoods.find((2 * i + 1) * samples.size() / (2 * count), offsets);
+        const auto [plane, radius] = neighbourhoods.find((2 * i + 1) * samples.size() / (2 * count), offsets);
         if (offsets.empty()) continue;
-        if (const auto reach = cellReach(offsets, radius))
+        if (const auto reach = cellReach(offsets, plane, radius))
             closed.push_back(*reach);
         else
             open.push_back(lineReach(offsets));

@@ -1,0 +1,65 @@
+// The clouds being served: a name for each, and how far its loading is.
+//
+// Owned by the server. *Thread safety*: every function may be called from any thread; what is returned is a
+// copy, and the clouds themselves are immutable and shared.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "protocol/problem.hpp"
+
+namespace scancast {
+
+struct Cloud;
+
+enum class CloudState : std::uint8_t { Loading, Ready, Failed };
+std::string_view name(CloudState state);
+
+struct CatalogEntry {
+    std::string id;     ///< the name in URLs
+    std::string title;  ///< for people
+    CloudState state = CloudState::Loading;
+    std::string stage;                   ///< while loading: "reading", "sorting" …
+    std::optional<double> progress;      ///< while loading: 0–1 of the stage, where that is known
+    std::shared_ptr<const Cloud> cloud;  ///< set exactly when Ready
+};
+
+/// Turns any name into an id: letters, digits, '.', '_' and '-' stay, runs of anything else become one '-'.
+/// Never empty, never starting with a dot, at most 64 characters.
+std::string cloudIdFor(std::string_view stem);
+
+class Catalog {
+  public:
+    /// A new entry, Loading. Its id is cloudIdFor(title), with "-2", "-3" … behind it where that is taken.
+    std::string add(std::string_view title);
+    void setProgress(std::string_view id, std::string_view stage, std::uint64_t done, std::uint64_t total);
+    void setReady(std::string_view id, std::shared_ptr<const Cloud> cloud);
+    void setFailed(std::string_view id);
+
+    /// In the order in which they were added.
+    std::vector<CatalogEntry> list() const;
+    std::optional<CatalogEntry> find(std::string_view id) const;
+    /// The cloud, if it is Ready. 404 when there is none of that name or it could not be loaded, 503 while it
+    /// is loading.
+    tl::expected<std::shared_ptr<const Cloud>, Problem> cloud(std::string_view id) const;
+    /// The first cloud that is Ready, else the first one at all; empty when there is none.
+    std::string defaultId() const;
+    /// Nothing is Loading and at least one cloud is Ready.
+    bool settled() const;
+    std::uint64_t pointsResident() const;
+
+  private:
+    CatalogEntry* findLocked(std::string_view id);
+    const CatalogEntry* findLocked(std::string_view id) const;
+
+    mutable std::mutex mutex_;
+    std::vector<CatalogEntry> entries_;  // a handful; searched in line
+};
+
+}  // namespace scancast

@@ -1,0 +1,120 @@
+// `scancast serve`: loads scans and serves pictures of them until it is told to stop.
+#include <fmt/format.h>
+#include <spdlog/spdlog.h>
+
+#include <cstdio>
+#include <cstdlib>
+
+#include "server/commands/command.hpp"
+#include "server/commands/progress_bar.hpp"
+#include "server/commands/serve_options.hpp"
+#include "server/commands/shutdown_signals.hpp"
+#include "server/loader.hpp"
+#include "server/log.hpp"
+#include "server/server.hpp"
+
+namespace scancast {
+namespace {
+
+constexpr std::chrono::milliseconds shutdownPatience{5000};
+
+int failure(const Error& error) {
+    std::fprintf(stderr, "scancast serve: %s\n", error.message.c_str());
+    return 1;
+}
+
+LoaderOptions loaderOptions(const ServeOptions& options, ProgressBar& bar) {
+    LoaderOptions loading;
+    loading.threads = options.device.threads;
+    loading.onProgress = [&bar](const std::string&, const Progress& progress) { bar.report(progress); };
+    loading.onLoaded = [&bar](const LoadedCloud& loaded) {
+        bar.clear();
+        const auto left = loaded.cloud.droppedPoints;
+        spdlog::info("{}: {} points in {} nodes, ready after {:.1f} s{}", loaded.id, loaded.cloud.points,
+                     loaded.cloud.octree.nodes().size(), loaded.seconds,
+                     left == 0 ? "" : fmt::format(" ({} points without finite coordinates left out)", left));
+    };
+    loading.onFailed = [&bar](const Error& error) {
+        bar.clear();
+        spdlog::error("{}", error.message);
+    };
+    return loading;
+}
+
+// Tells of the device once, when it is open. False when there is none: then nothing can be served.
+bool reportDevice(Server& server, bool& reported) {
+    if (reported) return true;
+    const DeviceStatus device = server.scheduler().device();
+    if (device.state == DeviceStatus::State::Opening) return true;
+    reported = true;
+    if (device.state == DeviceStatus::State::Failed) {
+        spdlog::error("{}", device.error.message);
+        return false;
+    }
+    spdlog::info("drawing with {} ({} {})", device.info.name, device.info.renderer, device.info.version);
+    return true;
+}
+
+// Until a signal comes (0), or there is nothing to serve with or from (1).
+int waitForTheEnd(Server& server, const Loader& loader, std::size_t files, ShutdownSignals& signals) {
+    bool deviceReported = false;
+    while (signals.wait(std::chrono::milliseconds(100)) == 0) {
+        if (!reportDevice(server, deviceReported)) return 1;
+        if (loader.finished() && loader.failed() == files) {
+            spdlog::error("None of the files could be loaded; there is nothing to serve.");
+            return 1;
+        }
+    }
+    return 0;
+}
+
+// Everybody is told and given time; a second signal, or the end of patience, ends the process as it is.
+void leave(Server& server, Loader& loader, ShutdownSignals& signals, int exitCode) {
+    using Clock = std::chrono::steady_clock;
+    const auto end = Clock::now() + shutdownPatience;
+    const int before = signals.wait(std::chrono::milliseconds(0));
+    spdlog::info("shutting down");
+    server.shutDown();
+    loader.requestStop();
+    while (!server.waitForClients(std::chrono::milliseconds(0)) || !loader.finished()) {
+        if (signals.wait(std::chrono::milliseconds(20)) > before || Clock::now() >= end) {
+            spdlog::warn("not everything had ended in time");
+            spdlog::default_logger()->flush();
+            std::_Exit(exitCode);
+        }
+    }
+}
+
+int serve(const ServeOptions& options) {
+    if (auto log = setUpLog(options.logLevel, options.logFormat); !log) return failure(log.error());
+    if (auto sound = check(options); !sound) return failure(sound.error());
+    ShutdownSignals signals;
+    auto server = Server::create(options.server, devicePainter(options.device));
+    if (!server) return failure(server.error());
+    std::printf("Open %s\n", (*server)->url().c_str());
+    std::fflush(stdout);
+    if (options.insecure && !isLoopbackHost(options.server.host)) {
+        spdlog::warn("--insecure: everybody who can reach {} may see the clouds", options.server.host);
+    }
+    ProgressBar bar(stderr,
+                    options.logFormat == "json" ? ProgressBar::Style::Quiet : ProgressBar::Style::Automatic);
+    Loader loader(options.files, (*server)->catalog(), loaderOptions(options, bar));
+    const int exitCode = waitForTheEnd(**server, loader, options.files.size(), signals);
+    bar.clear();
+    leave(**server, loader, signals, exitCode);
+    return exitCode;
+}
+
+}  // namespace
+
+void addServe(CLI::App& app, int& exitCode) {
+    auto options = std::make_shared<ServeOptions>();
+    CLI::App* command = app.add_subcommand("serve", "Serve scans to browsers and programs");
+    command->footer(
+        "Every option can come from the environment too: --max-pixels is SCANCAST_MAX_PIXELS.\n"
+        "Example: scancast serve town.las room.ply --port 9000");
+    addServeFlags(*command, *options);
+    command->callback([options, &exitCode] { exitCode = serve(*options); });
+}
+
+}  // namespace scancast

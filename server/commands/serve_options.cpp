@@ -1,0 +1,77 @@
+#include "server/commands/serve_options.hpp"
+
+#include "server/net/origin_check.hpp"
+
+namespace scancast {
+
+bool isLoopbackHost(const std::string& host) {
+    return host == "localhost" || host == "::1" || host.rfind("127.", 0) == 0;
+}
+
+void addServeFlags(CLI::App& app, ServeOptions& options) {
+    app.add_option("FILE", options.files, "Scans to serve: LAS, PLY, PCD")->type_name("");
+    const auto flag = [&](const char* name, auto& value, const char* environment, const char* meaning) {
+        return app.add_option(name, value, meaning)->envname(environment)->capture_default_str();
+    };
+    flag("--host", options.server.host, "SCANCAST_HOST",
+         "Address to listen on; another than this machine's own needs --insecure")
+        ->type_name("ADDRESS");
+    flag("--port", options.server.port, "SCANCAST_PORT", "Port to listen on; 0 takes a free one")
+        ->type_name("PORT")
+        ->check(CLI::Range(0, 65535));
+    flag("--backend", options.device.backend, "SCANCAST_BACKEND", "What draws: auto, cpu, egl or osmesa")
+        ->type_name("NAME")
+        ->check(CLI::IsMember({"auto", "cpu", "egl", "osmesa"}));
+    flag("--egl-device", options.device.eglDevice, "SCANCAST_EGL_DEVICE",
+         "Which EGL device, as --list-backends counts; -1 = the best")
+        ->type_name("N");
+    flag("--threads", options.device.threads, "SCANCAST_THREADS",
+         "Threads for drawing and loading; 0 = all cores")
+        ->type_name("N")
+        ->check(CLI::Range(0, 1024));
+    flag("--max-pixels", options.server.limits.maxPixels, "SCANCAST_MAX_PIXELS", "Largest picture, in pixels")
+        ->type_name("N")
+        ->check(CLI::Range(std::uint64_t(1), std::uint64_t(maxPictureSide) * maxPictureSide));
+    flag("--max-sessions", options.server.limits.maxSessions, "SCANCAST_MAX_SESSIONS",
+         "Streams at the same time")
+        ->type_name("N")
+        ->check(CLI::Range(1, 100000));
+    app.add_option("--allowed-origin", options.server.allowedOrigins,
+                   "Another website whose pages may use this server; may be repeated")
+        ->type_name("ORIGIN")
+        ->envname("SCANCAST_ALLOWED_ORIGIN")
+        ->allow_extra_args(false)
+        ->take_all();
+    app.add_flag("--insecure", options.insecure,
+                 "Let everybody who can reach the address in, without a token")
+        ->envname("SCANCAST_INSECURE");
+    flag("--log-level", options.logLevel, "SCANCAST_LOG_LEVEL", "debug, info, warn, error or off")
+        ->type_name("LEVEL");
+    flag("--log-format", options.logFormat, "SCANCAST_LOG_FORMAT", "text, or json for one object a line")
+        ->type_name("FORMAT");
+}
+
+Expected<void> check(const ServeOptions& options) {
+    if (options.files.empty()) {
+        return fail(ErrorCode::InvalidArgument,
+                    "Nothing to serve: name at least one scan. Without one at hand, make a town: "
+                    "scancast generate town --points 2000000 -o town.las && scancast serve town.las");
+    }
+    const std::string& host = options.server.host;
+    if (!isLoopbackHost(host) && !options.insecure) {
+        return fail(ErrorCode::InvalidArgument,
+                    "--host " + host +
+                        " can be reached from other machines, and this version has no access tokens yet. If "
+                        "everybody who "
+                        "can reach that address may see the clouds, add --insecure; if not, keep 127.0.0.1 "
+                        "and forward the "
+                        "port: ssh -L 8080:127.0.0.1:8080 THIS-MACHINE",
+                    "host");
+    }
+    for (const std::string& origin : options.server.allowedOrigins) {
+        if (auto sound = checkAllowedOrigin(origin); !sound) return sound;
+    }
+    return {};
+}
+
+}  // namespace scancast

@@ -1,0 +1,33 @@
+// What `scancast serve` can be told, and the rules between the options. Flag > environment (SCANCAST_…) >
+// default; the configuration file will stand between the last two.
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <filesystem>
+#include <vector>
+
+#include "renderer/device/device.hpp"
+#include "server/server.hpp"
+
+namespace scancast {
+
+struct ServeOptions {
+    std::vector<std::filesystem::path> files;
+    ServerOptions server;
+    DeviceOptions device;
+    bool insecure = false;
+    std::string logLevel = "info";
+    std::string logFormat = "text";
+};
+
+/// `options` must outlive the parse.
+void addServeFlags(CLI::App& app, ServeOptions& options);
+
+/// What no single flag can know. InvalidArgument: no file, an address that needs --insecure, an origin that
+/// is none.
+Expected<void> check(const ServeOptions& options);
+
+/// "localhost", 127.x.x.x, "::1".
+bool isLoopbackHost(const std::string& host);
+
+}  // namespace scancast

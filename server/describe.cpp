@@ -1,0 +1,119 @@
+#include "server/describe.hpp"
+
+#include "renderer/image/colormap.hpp"
+#include "renderer/render.hpp"
+
+namespace scancast {
+namespace {
+
+std::vector<AttributeInfo> attributesOf(const Cloud& cloud) {
+    std::vector<AttributeInfo> list;
+    if (cloud.attributes.color) list.push_back({"rgb", std::nullopt});
+    if (cloud.attributes.intensity) {
+        list.push_back({"intensity", std::array<double, 2>{double(cloud.intensityRange[0]),
+                                                           double(cloud.intensityRange[1])}});
+    }
+    if (cloud.attributes.classification) list.push_back({"classification", std::nullopt});
+    if (cloud.attributes.normal) list.push_back({"normal", std::nullopt});
+    list.push_back({"elevation", std::array<double, 2>{cloud.bounds[0].z, cloud.bounds[1].z}});
+    return list;
+}
+
+std::string_view name(Parameter::Type type) {
+    switch (type) {
+        case Parameter::Type::Number:
+            return "number";
+        case Parameter::Type::Boolean:
+            return "boolean";
+        case Parameter::Type::Choice:
+            return "choice";
+    }
+    return "number";
+}
+
+nlohmann::json pendingJson(const CatalogEntry& entry) {
+    nlohmann::json json{{"id", entry.id}, {"title", entry.title}, {"state", name(entry.state)}};
+    if (!entry.stage.empty()) json["stage"] = entry.stage;
+    if (entry.progress) json["progress"] = *entry.progress;
+    return json;
+}
+
+}  // namespace
+
+CloudInfo describe(const std::string& id, const Cloud& cloud) {
+    CloudInfo info;
+    info.id = id;
+    info.title = cloud.title;
+    info.format = cloud.format;
+    info.revision = cloud.revision;
+    info.points = cloud.points;
+    info.droppedPoints = cloud.droppedPoints;
+    info.bounds = cloud.bounds;
+    info.origin = cloud.origin;
+    info.spacing = cloud.spacing;
+    info.attributes = attributesOf(cloud);
+    if (cloud.attributes.classification) {
+        for (std::size_t c = 0; c < cloud.classCounts.size(); ++c) {
+            if (cloud.classCounts[c] > 0) info.classes.push_back(std::uint8_t(c));
+        }
+    }
+    info.crsWkt = cloud.crsWkt;
+    info.crsEpsg = cloud.crsEpsg;
+    for (const Mirror& mirror : cloud.mirrors) {
+        info.mirrors.push_back({mirror.center, mirror.normal, mirror.up, mirror.width, mirror.height});
+    }
+    info.bytesResident = cloud.octree.bytes();
+    info.view = defaultView(cloud);
+    return info;
+}
+
+MethodInfo describe(const Method& method) {
+    MethodInfo info;
+    info.name = method.name;
+    info.title = method.title;
+    info.summary = method.summary;
+    info.source = method.source;
+    info.defaultDetail = method.defaultDetail;
+    info.defaultShading = method.defaultShading;
+    for (const Parameter& parameter : method.parameters) {
+        info.parameters.push_back({parameter.name, std::string(name(parameter.type)), parameter.defaultValue,
+                                   parameter.min, parameter.max, parameter.choices, parameter.unit,
+                                   parameter.meaning});
+    }
+    return info;
+}
+
+nlohmann::json cloudJson(const CatalogEntry& entry) {
+    if (!entry.cloud) return pendingJson(entry);
+    nlohmann::json json = toJson(describe(entry.id, *entry.cloud));
+    json["state"] = name(entry.state);
+    return json;
+}
+
+nlohmann::json cloudListJson(const std::vector<CatalogEntry>& entries) {
+    nlohmann::json ready = nlohmann::json::array();
+    nlohmann::json pending = nlohmann::json::array();
+    for (const CatalogEntry& entry : entries) (entry.cloud ? ready : pending).push_back(cloudJson(entry));
+    return {{"clouds", std::move(ready)}, {"pending", std::move(pending)}};
+}
+
+nlohmann::json methodListJson() {
+    std::vector<MethodInfo> list;
+    for (const Method& method : methods()) list.push_back(describe(method));
+    nlohmann::json json = toJson(list);
+    // Colour sources and maps belong to no method; clients build their menus from one answer.
+    json["colors"] = nlohmann::json::array();
+    for (ColorSource source :
+         {ColorSource::Rgb, ColorSource::Intensity, ColorSource::Elevation, ColorSource::Classification,
+          ColorSource::Normal, ColorSource::Depth, ColorSource::Lod}) {
+        json["colors"].push_back(name(source));
+    }
+    json["colormaps"] = nlohmann::json::array();
+    for (std::string_view map : colormapNames()) json["colormaps"].push_back(map);
+    json["shadings"] = nlohmann::json::array();
+    for (Shading shading : {Shading::Unlit, Shading::Phong, Shading::EyeDome})
+        json["shadings"].push_back(name(shading));
+    return json;
+}
+
+}  // namespace scancast

@@ -1,0 +1,39 @@
+// `scancast`: one program, one subcommand for each thing that it does.
+#include <CLI/CLI.hpp>
+#include <cstdio>
+
+#include "renderer/device/device.hpp"
+#include "server/commands/command.hpp"
+#include "server/server.hpp"
+
+namespace {
+
+void listBackends() {
+    for (const scancast::DeviceInfo& device : scancast::listDevices()) {
+        std::printf("%-8s %s %s %s%s\n", device.name.c_str(), device.vendor.c_str(), device.renderer.c_str(),
+                    device.version.c_str(), device.hardware ? "  (hardware)" : "");
+    }
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+    CLI::App app{"Scancast holds huge scanned point clouds in memory and shows any view of them."};
+    app.set_version_flag("--version", "scancast " + std::string(scancast::scancastVersion()));
+    app.footer("Example: scancast serve town.las   (then open http://127.0.0.1:8080/)");
+    bool backends = false;
+    app.add_flag("--list-backends", backends, "Say what could draw on this machine, best first");
+    app.require_subcommand(0, 1);
+    int exitCode = 0;
+    scancast::addServe(app, exitCode);
+    scancast::addRender(app, exitCode);
+    scancast::addGenerate(app, exitCode);
+    CLI11_PARSE(app, argc, argv);
+    if (backends) {
+        listBackends();
+    } else if (app.get_subcommands().empty()) {
+        std::fputs(app.help().c_str(), stderr);
+        exitCode = 1;
+    }
+    return exitCode;
+}

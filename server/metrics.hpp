@@ -1,0 +1,49 @@
+// What the server counts, and its text for Prometheus (`/metrics`). Names and units are those of PROTOCOL.md.
+//
+// Owned by the server; one per process. *Thread safety*: every function may be called from any thread.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <string_view>
+
+namespace scancast {
+
+/// Why a picture that somebody wished for was never shown.
+enum class DropReason : std::uint8_t {
+    Overwritten,  ///< a newer view of the same session came first (latest wins)
+    Abandoned,    ///< a still that a new view interrupted
+    Deadline,     ///< waited or rendered for too long
+    Failed,       ///< the renderer reported an error
+    Gone,         ///< the client left
+};
+
+class Metrics {
+  public:
+    /// `version` and the names of what was built become labels of scancast_build_info.
+    explicit Metrics(std::string_view version);
+    ~Metrics();
+    Metrics(const Metrics&) = delete;
+    Metrics& operator=(const Metrics&) = delete;
+
+    void frameRendered(std::string_view method, double seconds);
+    void frameEncoded(double seconds, std::uint64_t bytes);
+    /// A frame went to a stream; `viewToFrameSeconds` counts from the arrival of the view that it shows.
+    void frameSent(double viewToFrameSeconds);
+    void frameDropped(DropReason reason);
+    void sessionOpened();
+    void sessionClosed();
+    void setPointsResident(std::uint64_t points);
+    /// `route` is a pattern ("/api/v1/clouds/{id}"), never what a client sent.
+    void httpRequest(std::string_view route, int code);
+
+    /// Prometheus text exposition format 0.0.4.
+    std::string text() const;
+
+  private:
+    struct Families;
+    std::unique_ptr<Families> families_;
+};
+
+}  // namespace scancast

@@ -1,0 +1,237 @@
+#include "server/net/api.hpp"
+
+#include <algorithm>
+#include <cstdio>
+#include <utility>
+
+#include "protocol/view_words.hpp"
+#include "renderer/render.hpp"
+#include "server/describe.hpp"
+#include "server/net/negotiate.hpp"
+#include "server/net/page.hpp"
+
+namespace scancast {
+namespace {
+
+std::vector<std::string> values(const HttpRequest& request, std::string_view name) {
+    std::vector<std::string> list;
+    for (const auto& [key, value] : request.headers) {
+        if (key == name) list.push_back(value);
+    }
+    return list;
+}
+
+// Browsers say where a request comes from even where they send no Origin: <img> and <script> of another site
+// could otherwise make this server work. Following a link to the page is fine.
+Expected<void> checkFetchSite(const HttpRequest& request, const OriginRules& rules) {
+    const std::string site = request.header("sec-fetch-site");
+    if (site.empty() || site == "same-origin" || site == "none") return {};
+    if (request.header("sec-fetch-mode") == "navigate" && request.header("sec-fetch-dest") == "document")
+        return {};
+    if (isAllowedOrigin(request.header("origin"), rules)) return {};
+    return fail(ErrorCode::Unsupported,
+                "Pages of another site may not use this server; --allowed-origin would let them.");
+}
+
+std::string serverTiming(const Picture& picture) {
+    double select = 0;
+    for (const StageTime& stage : picture.stats.stages) {
+        if (stage.name == "select") select += stage.milliseconds;
+    }
+    char text[128];
+    std::snprintf(text, sizeof text, "select;dur=%.2f, render;dur=%.2f, encode;dur=%.2f", select,
+                  picture.renderMs - select, picture.encodeMs);
+    return text;
+}
+
+HttpResponse pictureResponse(PictureFormat format, const std::string& tag) {
+    HttpResponse response;
+    response.set("Content-Type", format == PictureFormat::Png ? "image/png" : "image/jpeg")
+        .set("ETag", tag)
+        .set("Cache-Control", "no-cache")
+        .set("Vary", "Accept");
+    return response;
+}
+
+}  // namespace
+
+Api::Api(ApiOptions options, const Catalog& catalog, Scheduler& scheduler, Metrics& metrics)
+    : options_(std::move(options)), catalog_(catalog), scheduler_(scheduler), metrics_(metrics) {}
+
+tl::expected<Routed, HttpResponse> Api::admit(const HttpRequest& request) const {
+    const auto refuse = [](const Problem& problem) { return tl::unexpected(problemResponse(problem)); };
+    const OriginRules& rules = options_.origins;
+    if (auto host = checkHost(values(request, "host"), rules); !host) {
+        return refuse(
+            problemOf(host.error().code == ErrorCode::InvalidArgument ? 400 : 403, host.error().message));
+    }
+    if (auto origin = checkOrigin(values(request, "origin"), request.header("host"), rules); !origin) {
+        return refuse(problemOf(403, origin.error().message));
+    }
+    if (auto site = checkFetchSite(request, rules); !site)
+        return refuse(problemOf(403, site.error().message));
+    auto routed = route(request.target);
+    if (!routed) return refuse(routed.error());
+    if (routed->route == Route::Asset && findAsset(routed->path) == nullptr) {
+        return refuse(problemOf(
+            404, "Nothing is served at this address; the page is at /, the API at /api/v1/clouds."));
+    }
+    if (request.method != "GET" && request.method != "HEAD") {
+        HttpResponse response =
+            problemResponse(problemOf(405, "Only GET and HEAD are understood here.", routed->path));
+        response.set("Allow", "GET, HEAD");
+        return tl::unexpected(std::move(response));
+    }
+    return std::move(*routed);
+}
+
+void Api::complete(const HttpRequest& request, std::string_view routePattern, HttpResponse& response) const {
+    response.set("X-Content-Type-Options", "nosniff").set("Server", "scancast/" + options_.version);
+    const std::string origin = request.header("origin");
+    if (isAllowedOrigin(origin, options_.origins)) {
+        response.set("Access-Control-Allow-Origin", origin).set("Vary", "Origin");
+        response.set("Access-Control-Expose-Headers", "ETag, Server-Timing");
+    }
+    metrics_.httpRequest(routePattern, response.status);
+}
+
+void Api::answer(const HttpRequest& request, const Routed& routed, Respond respond) const {
+    switch (routed.route) {
+        case Route::Asset:
+            return respond(asset(request, routed));
+        case Route::Health:
+            return respond(textResponse(200, "ok\n"));
+        case Route::Ready:
+            return respond(ready());
+        case Route::Metrics:
+            return respond(metricsText());
+        case Route::Clouds:
+            return respond(jsonResponse(cloudListJson(catalog_.list())));
+        case Route::Cloud:
+            return respond(cloud(routed));
+        case Route::Methods:
+            return respond(jsonResponse(methodListJson()));
+        case Route::SnapshotJpeg:
+        case Route::SnapshotPng:
+            return snapshot(request, routed, std::move(respond));
+        case Route::Stream:
+            break;
+    }
+    HttpResponse response = problemResponse(problemOf(426, "This address is a WebSocket.", routed.path));
+    response.set("Upgrade", "websocket");
+    respond(std::move(response));
+}
+
+HttpResponse Api::asset(const HttpRequest& request, const Routed& routed) const {
+    const Asset* asset = findAsset(routed.path);
+    const std::string tag = contentTag(asset->bytes);
+    HttpResponse response;
+    response.set("ETag", tag).set("Cache-Control", "no-cache");
+    response.set("Content-Security-Policy", std::string(contentSecurityPolicy))
+        .set("Referrer-Policy", "no-referrer");
+    if (matchesAny(request.header("if-none-match"), tag)) {
+        response.status = 304;
+        return response;
+    }
+    response.set("Content-Type", std::string(contentTypeOf(asset->path)));
+    response.text = std::string(asset->bytes);
+    return response;
+}
+
+HttpResponse Api::ready() const {
+    const DeviceStatus device = scheduler_.device();
+    if (device.state == DeviceStatus::State::Failed) {
+        return problemResponse(problemOf(503, "No rendering device: " + device.error.message, "/readyz"));
+    }
+    if (device.state == DeviceStatus::State::Opening) {
+        return problemResponse(problemOf(503, "The rendering device is being opened.", "/readyz"));
+    }
+    if (!catalog_.settled())
+        return problemResponse(problemOf(503, "Clouds are still being loaded.", "/readyz"));
+    return textResponse(200, "ready\n");
+}
+
+HttpResponse Api::cloud(const Routed& routed) const {
+    const auto entry = catalog_.find(routed.cloud);
+    if (entry && entry->state != CloudState::Failed) return jsonResponse(cloudJson(*entry));
+    Problem problem = catalog_.cloud(routed.cloud).error();
+    problem.instance = routed.path;
+    return problemResponse(problem);
+}
+
+HttpResponse Api::metricsText() const {
+    metrics_.setPointsResident(catalog_.pointsResident());
+    HttpResponse response = textResponse(200, metrics_.text());
+    response.headers.front().second = "text/plain; version=0.0.4; charset=utf-8";
+    return response;
+}
+
+// The base is the cloud's default view at the asked size, because its camera depends on the picture's shape.
+tl::expected<View, Problem> Api::snapshotView(const Cloud& cloud, const Routed& routed) const {
+    const auto refuse = [&](const Error& error) { return tl::unexpected(problemOf(error, routed.path)); };
+    const auto words = parseQuery(routed.query);
+    if (!words) return refuse(words.error());
+    View size;
+    for (const auto& [word, value] : *words) {
+        if (word != "width" && word != "height") continue;
+        if (auto set = applyWord(size, word, value); !set) return refuse(set.error());
+    }
+    const auto side = [](int px) { return std::clamp(px, 1, maxPictureSide); };
+    const auto view = applyWords(defaultView(cloud, side(size.width), side(size.height)), *words);
+    if (!view) return refuse(view.error());
+    if (std::uint64_t(view->width) * std::uint64_t(view->height) > options_.maxPixels) {
+        return refuse(Error{ErrorCode::ResourceLimit,
+                            "A picture of " + std::to_string(view->width) + " x " +
+                                std::to_string(view->height) +
+                                " pixels is larger than this server draws; the limit is " +
+                                std::to_string(options_.maxPixels) + " pixels.",
+                            "width"});
+    }
+    if (auto sound = checkView(cloud, *view); !sound) return refuse(sound.error());
+    return *view;
+}
+
+void Api::snapshot(const HttpRequest& request, const Routed& routed, Respond respond) const {
+    const auto refuse = [&](Problem problem) {
+        problem.instance = routed.path;
+        respond(problemResponse(problem));
+    };
+    const auto format = routed.route == Route::SnapshotPng ? PictureFormat::Png : PictureFormat::Jpeg;
+    auto cloud = catalog_.cloud(routed.cloud);
+    if (!cloud) return refuse(std::move(cloud.error()));
+    if (const char* type = format == PictureFormat::Png ? "image/png" : "image/jpeg";
+        !accepts(request.header("accept"), type)) {
+        return refuse(problemOf(
+            406, std::string("This address answers with ") + type + ", which the Accept header rules out."));
+    }
+    auto view = snapshotView(**cloud, routed);
+    if (!view) return refuse(std::move(view.error()));
+    const DeviceStatus device = scheduler_.device();
+    if (device.state != DeviceStatus::State::Ready) {
+        return refuse(problemOf(503, "The rendering device is not available."));
+    }
+    const std::string tag = pictureTag(**cloud, *view, format, device.info, options_.version);
+    if (matchesAny(request.header("if-none-match"), tag)) {
+        HttpResponse response = pictureResponse(format, tag);
+        response.status = 304;
+        return respond(std::move(response));
+    }
+    if (request.method == "HEAD") {  // the tag is known without the picture, its length is not
+        HttpResponse response = pictureResponse(format, tag);
+        response.bodyUnknown = true;
+        return respond(std::move(response));
+    }
+    PictureOrder order{std::move(*cloud), std::move(*view), format, false};
+    auto done = [respond, tag, format, path = routed.path](Expected<Picture> picture) {
+        if (!picture) return respond(problemResponse(problemOf(picture.error(), path)));
+        HttpResponse response = pictureResponse(format, tag);
+        response.set("Server-Timing", serverTiming(*picture));
+        response.bytes = picture->bytes;
+        respond(std::move(response));
+    };
+    if (auto queued = scheduler_.snapshot(std::move(order), std::move(done)); !queued) {
+        refuse(problemOf(503, queued.error().message));
+    }
+}
+
+}  // namespace scancast

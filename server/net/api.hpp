@@ -1,0 +1,52 @@
+// What each route answers. Knows requests and responses, but no sockets.
+//
+// Owned by the server, which outlives every connection. *Thread safety*: every function may be called from
+// any thread. Pipeline: http session → router → **api** → catalog, scheduler.
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+#include "server/catalog.hpp"
+#include "server/metrics.hpp"
+#include "server/net/http_message.hpp"
+#include "server/net/origin_check.hpp"
+#include "server/net/router.hpp"
+#include "server/scheduler/scheduler.hpp"
+
+namespace scancast {
+
+struct ApiOptions {
+    std::string version;
+    std::uint64_t maxPixels = 0;  ///< of a picture
+    OriginRules origins;
+};
+
+class Api {
+  public:
+    /// The three outlive the API.
+    Api(ApiOptions options, const Catalog& catalog, Scheduler& scheduler, Metrics& metrics);
+
+    /// Everything that can be refused before anything is done: Host, Origin, path, method.
+    tl::expected<Routed, HttpResponse> admit(const HttpRequest& request) const;
+    /// Answers an admitted request, at once or when its picture is done. Not for a WebSocket's upgrade.
+    void answer(const HttpRequest& request, const Routed& routed, Respond respond) const;
+    /// Counts a response and puts the headers on it that all of them carry. Goes over every response,
+    /// refusals too.
+    void complete(const HttpRequest& request, std::string_view routePattern, HttpResponse& response) const;
+
+  private:
+    HttpResponse asset(const HttpRequest& request, const Routed& routed) const;
+    HttpResponse ready() const;
+    HttpResponse cloud(const Routed& routed) const;
+    HttpResponse metricsText() const;
+    void snapshot(const HttpRequest& request, const Routed& routed, Respond respond) const;
+    tl::expected<View, Problem> snapshotView(const Cloud& cloud, const Routed& routed) const;
+
+    const ApiOptions options_;
+    const Catalog& catalog_;
+    Scheduler& scheduler_;
+    Metrics& metrics_;
+};
+
+}  // namespace scancast

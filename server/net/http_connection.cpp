@@ -1,0 +1,200 @@
+#include <utility>  // before Beast: Boost 1.74 forgets it
+
+#include "server/net/http_connection.hpp"
+
+#include <boost/asio/dispatch.hpp>
+#include <boost/asio/post.hpp>
+#include <boost/beast/core/flat_buffer.hpp>
+#include <boost/beast/core/tcp_stream.hpp>
+#include <boost/beast/http/empty_body.hpp>
+#include <boost/beast/http/parser.hpp>
+#include <boost/beast/http/read.hpp>
+#include <boost/beast/http/span_body.hpp>
+#include <boost/beast/http/write.hpp>
+#include <boost/beast/websocket/rfc6455.hpp>
+#include <optional>
+
+#include "server/net/stream_connection.hpp"
+
+namespace scancast {
+namespace {
+
+namespace asio = boost::asio;
+namespace beast = boost::beast;
+namespace http = boost::beast::http;
+using boost::system::error_code;
+
+std::string lowerCase(beast::string_view text) {
+    std::string result(text);
+    for (char& c : result) {
+        if (c >= 'A' && c <= 'Z') c = char(c - 'A' + 'a');
+    }
+    return result;
+}
+
+HttpRequest plain(const http::request<http::empty_body>& request) {
+    HttpRequest result;
+    result.method = std::string(request.method_string());
+    result.target = std::string(request.target());
+    for (const auto& field : request) {
+        result.headers.emplace_back(lowerCase(field.name_string()), std::string(field.value()));
+    }
+    return result;
+}
+
+class HttpConnection final : public Connection, public std::enable_shared_from_this<HttpConnection> {
+  public:
+    HttpConnection(asio::ip::tcp::socket socket, NetContext& context)
+        : stream_(std::move(socket)), context_(context), buffer_(2 * context.limits.maxHeaderBytes) {}
+    ~HttpConnection() override { context_.connections.remove(this); }
+
+    void run() {
+        asio::dispatch(stream_.get_executor(), [self = shared_from_this()] { self->readHead(); });
+    }
+
+    void shutDown() override {
+        asio::post(stream_.get_executor(), [weak = weak_from_this()] {
+            const auto self = weak.lock();
+            if (!self) return;
+            self->leaving_ = true;
+            if (!self->answering_) self->stream_.close();
+        });
+    }
+
+  private:
+    void readHead() {
+        answering_ = false;
+        if (leaving_) return closeGently();
+        parser_.emplace();
+        parser_->header_limit(context_.limits.maxHeaderBytes);
+        // One deadline for the whole head: a client that sends a byte now and then gains nothing.
+        stream_.expires_after(context_.limits.requestTimeout);
+        http::async_read_header(
+            stream_, buffer_, *parser_,
+            [self = shared_from_this()](error_code ec, std::size_t) { self->onHead(ec); });
+    }
+
+    void onHead(error_code ec) {
+        if (ec == http::error::end_of_stream) return closeGently();
+        if (ec == http::error::header_limit || ec == http::error::buffer_overflow) {
+            return refuse(431, "The head of the request is longer than this server reads.");
+        }
+        // Errors of the parser are about what was sent; all others are about the connection, which is gone.
+        if (ec.category() == http::make_error_code(http::error::bad_method).category() &&
+            ec != http::error::partial_message) {
+            return refuse(400, "This is not an HTTP/1.1 request: " + ec.message() + ".");
+        }
+        if (ec) return;
+        const auto& head = parser_->get();
+        request_ = plain(head);
+        keepAlive_ = head.keep_alive() && !parser_->content_length().value_or(0) && !parser_->chunked();
+        version_ = head.version();
+        answering_ = true;
+        stream_.expires_never();
+        answer();
+    }
+
+    void answer() {
+        auto routed = context_.api.admit(request_);
+        if (!routed) return write(std::move(routed.error()), "refused");
+        const bool upgrade = beast::websocket::is_upgrade(parser_->get());
+        if (routed->route == Route::Stream && upgrade) {
+            context_.metrics.httpRequest(pattern(Route::Stream), 101);
+            context_.connections.remove(this);
+            return startStream(std::move(stream_), parser_->release(), context_);
+        }
+        // The answer may come from the scheduler's threads; it is written on the strand.
+        context_.api.answer(request_, *routed,
+                            [self = shared_from_this(), route = routed->route](HttpResponse response) {
+                                asio::post(self->stream_.get_executor(),
+                                           [self, route, response = std::move(response)]() mutable {
+                                               self->write(std::move(response), pattern(route));
+                                           });
+                            });
+    }
+
+    void refuse(int status, std::string detail) {
+        request_ = {};
+        keepAlive_ = false;
+        version_ = 11;
+        write(problemResponse(problemOf(status, std::move(detail))), "refused");
+    }
+
+    void write(HttpResponse response, std::string_view route) {
+        response_ = std::move(response);
+        context_.api.complete(request_, route, response_);
+        keepAlive_ = keepAlive_ && !leaving_;
+        const auto body = response_.body();
+        stream_.expires_after(context_.limits.writeTimeout + std::chrono::seconds(body.size() / 65536));
+        auto onWritten = [self = shared_from_this()](error_code ec, std::size_t) { self->onWritten(ec); };
+        if (request_.method == "HEAD" || response_.status == 304) {
+            bodyless_.emplace(http::int_to_status(unsigned(response_.status)), version_);
+            fill(*bodyless_);
+            if (response_.status != 304 && !response_.bodyUnknown) bodyless_->content_length(body.size());
+            http::async_write(stream_, *bodyless_, std::move(onWritten));
+        } else {
+            message_.emplace(http::int_to_status(unsigned(response_.status)), version_);
+            fill(*message_);
+            message_->body() = {body.data(), body.size()};
+            message_->content_length(body.size());
+            http::async_write(stream_, *message_, std::move(onWritten));
+        }
+    }
+
+    template <class Message>
+    void fill(Message& message) {
+        message.result(unsigned(response_.status));
+        message.reason(
+            beast::string_view(reasonPhrase(response_.status).data(), reasonPhrase(response_.status).size()));
+        for (const auto& [name, value] : response_.headers) message.insert(name, value);
+        message.keep_alive(keepAlive_);
+    }
+
+    void onWritten(error_code ec) {
+        message_.reset();
+        bodyless_.reset();
+        response_ = {};
+        if (ec) return;
+        if (keepAlive_) return readHead();
+        closeGently();
+    }
+
+    // Closing with unread input would reset the connection and could take the answer with it: what the client
+    // still sends is read and thrown away for a moment.
+    void closeGently() {
+        error_code ignored;
+        stream_.socket().shutdown(asio::ip::tcp::socket::shutdown_send, ignored);
+        stream_.expires_after(std::chrono::seconds(2));
+        discard(256 * 1024);
+    }
+
+    void discard(std::size_t allowance) {
+        buffer_.clear();
+        stream_.async_read_some(buffer_.prepare(context_.limits.maxHeaderBytes),
+                                [self = shared_from_this(), allowance](error_code ec, std::size_t n) {
+                                    if (!ec && n < allowance) self->discard(allowance - n);
+                                });
+    }
+
+    beast::tcp_stream stream_;
+    NetContext& context_;
+    beast::flat_buffer buffer_;
+    std::optional<http::request_parser<http::empty_body>> parser_;
+    HttpRequest request_;
+    unsigned version_ = 11;
+    bool keepAlive_ = false;
+    bool answering_ = false;
+    bool leaving_ = false;
+    HttpResponse response_;  // kept while it is written: the messages below point into it
+    std::optional<http::response<http::span_body<const char>>> message_;
+    std::optional<http::response<http::empty_body>> bodyless_;
+};
+
+}  // namespace
+
+void startHttp(asio::ip::tcp::socket socket, NetContext& context) {
+    const auto connection = std::make_shared<HttpConnection>(std::move(socket), context);
+    if (context.connections.add(connection, context.limits.maxConnections)) connection->run();
+}
+
+}  // namespace scancast

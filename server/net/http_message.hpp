@@ -1,0 +1,48 @@
+// An HTTP request and its answer as plain values: what the routes work with, so that they know nothing of
+// sockets and only http_session.cpp and the like include Beast.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "protocol/problem.hpp"
+
+namespace scancast {
+
+struct HttpRequest {
+    std::string method;  ///< "GET"
+    std::string target;  ///< path and query as sent
+    std::vector<std::pair<std::string, std::string>>
+        headers;  ///< names in lower case, in the order of arrival
+
+    /// All values of that name (lower case), joined by ", "; empty when there is none.
+    std::string header(std::string_view name) const;
+    std::size_t count(std::string_view name) const;
+};
+
+struct HttpResponse {
+    int status = 200;
+    std::vector<std::pair<std::string, std::string>> headers;
+    std::string text;                                        ///< the body, unless `bytes` is set
+    std::shared_ptr<const std::vector<std::uint8_t>> bytes;  ///< a picture, shared
+    bool bodyUnknown = false;  ///< answer to HEAD whose length nobody has worked out: no Content-Length
+
+    std::string_view body() const;
+    HttpResponse& set(std::string name, std::string value);
+    /// nullptr when there is none of that name (as written).
+    const std::string* find(std::string_view name) const;
+};
+
+/// Called once; from any thread.
+using Respond = std::function<void(HttpResponse)>;
+
+HttpResponse problemResponse(const Problem& problem);
+HttpResponse jsonResponse(const nlohmann::json& body);
+HttpResponse textResponse(int status, std::string text);
+
+}  // namespace scancast

@@ -1,0 +1,71 @@
+#include <utility>  // before Asio: Boost 1.74 forgets it
+
+#include "server/net/listener.hpp"
+
+#include <boost/asio/post.hpp>
+#include <boost/asio/strand.hpp>
+
+#include "server/net/http_connection.hpp"
+
+namespace scancast {
+
+namespace asio = boost::asio;
+using boost::system::error_code;
+
+Listener::Listener(asio::io_context& io, NetContext& context)
+    : io_(io), context_(context), acceptor_(asio::make_strand(io)), pause_(acceptor_.get_executor()) {}
+
+Expected<std::shared_ptr<Listener>> Listener::create(asio::io_context& io, const std::string& host,
+                                                     std::uint16_t port, NetContext& context) {
+    error_code ec;
+    asio::ip::tcp::resolver resolver(io);
+    const auto found = resolver.resolve(host, std::to_string(port), asio::ip::tcp::resolver::passive, ec);
+    if (ec || found.empty()) {
+        return fail(ErrorCode::InvalidArgument,
+                    "--host " + host + ": there is no such address here (" + ec.message() + ").", "host");
+    }
+    const asio::ip::tcp::endpoint endpoint = *found.begin();
+    const std::shared_ptr<Listener> listener(new Listener(io, context));
+    auto& acceptor = listener->acceptor_;
+    acceptor.open(endpoint.protocol(), ec);
+    if (!ec) acceptor.set_option(asio::socket_base::reuse_address(true), ec);
+    if (!ec) acceptor.bind(endpoint, ec);
+    if (!ec) acceptor.listen(asio::socket_base::max_listen_connections, ec);
+    if (!ec) listener->port_ = acceptor.local_endpoint(ec).port();
+    if (ec) {
+        return fail(ErrorCode::Io, "Cannot listen on " + host + " port " + std::to_string(port) + ": " +
+                                       ec.message() +
+                                       ". Another port may be free: --port 0 takes any that is.");
+    }
+    return listener;
+}
+
+void Listener::run() {
+    asio::post(acceptor_.get_executor(), [self = shared_from_this()] { self->accept(); });
+}
+
+void Listener::close() {
+    asio::post(acceptor_.get_executor(), [self = shared_from_this()] {
+        error_code ignored;
+        self->acceptor_.close(ignored);
+        self->pause_.cancel();
+    });
+}
+
+void Listener::accept() {
+    if (!acceptor_.is_open()) return;
+    acceptor_.async_accept(asio::make_strand(io_), [self = shared_from_this()](error_code ec, auto socket) {
+        if (!self->acceptor_.is_open()) return;
+        if (!ec) {
+            error_code ignored;
+            socket.set_option(asio::ip::tcp::no_delay(true), ignored);
+            startHttp(std::move(socket), self->context_);
+            return self->accept();
+        }
+        // Out of file descriptors, most likely: a pause instead of a spin.
+        self->pause_.expires_after(std::chrono::milliseconds(100));
+        self->pause_.async_wait([self](error_code) { self->accept(); });
+    });
+}
+
+}  // namespace scancast

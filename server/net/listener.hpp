@@ -1,0 +1,38 @@
+// Accepts connections and hands each to its own strand. Pipeline: **listener** → http connection.
+//
+// Owned by the server. *Thread safety*: close() may be called from any thread; everything else happens on the
+// listener's own strand.
+#pragma once
+
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/ip/tcp.hpp>
+#include <boost/asio/steady_timer.hpp>
+#include <memory>
+#include <string>
+
+#include "server/net/net_context.hpp"
+
+namespace scancast {
+
+class Listener : public std::enable_shared_from_this<Listener> {
+  public:
+    /// Binds and listens, but accepts nothing before run(). `host` is a name or an address; port 0 takes a
+    /// free one. Errors: InvalidArgument, Io; both say what to do.
+    static Expected<std::shared_ptr<Listener>> create(boost::asio::io_context& io, const std::string& host,
+                                                      std::uint16_t port, NetContext& context);
+    void run();
+    void close();
+    std::uint16_t port() const { return port_; }
+
+  private:
+    Listener(boost::asio::io_context& io, NetContext& context);
+    void accept();
+
+    boost::asio::io_context& io_;
+    NetContext& context_;
+    boost::asio::ip::tcp::acceptor acceptor_;
+    boost::asio::steady_timer pause_;
+    std::uint16_t port_ = 0;
+};
+
+}  // namespace scancast

@@ -1,0 +1,26 @@
+// Conditional requests and content negotiation: ETag, If-None-Match, Accept. Pure functions; any thread.
+#pragma once
+
+#include <string>
+#include <string_view>
+
+#include "renderer/cloud/cloud.hpp"
+#include "server/scheduler/picture.hpp"
+
+namespace scancast {
+
+/// Strong ETag, with its quotes, of a picture: the same exactly when the bytes are. Made of the cloud's
+/// revision, the canonical view, the format, the device and the program's version.
+std::string pictureTag(const Cloud& cloud, const View& view, PictureFormat format, const DeviceInfo& device,
+                       std::string_view version);
+/// Strong ETag of any bytes.
+std::string contentTag(std::string_view bytes);
+
+/// RFC 9110, 13.1.2: a list of tags or `*`, weak comparison. A malformed list matches nothing.
+bool matchesAny(std::string_view ifNoneMatch, std::string_view tag);
+
+/// RFC 9110, 12.5.1: whether the Accept header allows "image/jpeg". Empty allows everything; of the ranges
+/// that fit, the most specific one decides.
+bool accepts(std::string_view accept, std::string_view mediaType);
+
+}  // namespace scancast

@@ -1,0 +1,36 @@
+#include "server/net/net_context.hpp"
+
+#include <vector>
+
+namespace scancast {
+
+bool ConnectionRegister::add(const std::shared_ptr<Connection>& connection, std::size_t limit) {
+    const std::lock_guard lock(mutex_);
+    if (shuttingDown_ || connections_.size() >= limit) return false;
+    connections_.emplace(connection.get(), connection);
+    return true;
+}
+
+void ConnectionRegister::remove(const Connection* connection) {
+    const std::lock_guard lock(mutex_);
+    connections_.erase(connection);
+}
+
+void ConnectionRegister::shutDownAll() {
+    std::vector<std::weak_ptr<Connection>> all;
+    {
+        const std::lock_guard lock(mutex_);
+        shuttingDown_ = true;
+        for (const auto& [key, connection] : connections_) all.push_back(connection);
+    }
+    for (const auto& weak : all) {
+        if (const auto connection = weak.lock()) connection->shutDown();
+    }
+}
+
+std::size_t ConnectionRegister::size() const {
+    const std::lock_guard lock(mutex_);
+    return connections_.size();
+}
+
+}  // namespace scancast

@@ -1,0 +1,71 @@
+// What connections share: limits, the routes, and the register of who is connected, so that a shutdown
+// reaches all.
+//
+// Owned by the server, which outlives every connection. *Thread safety*: every function may be called from
+// any thread.
+#pragma once
+
+#include <atomic>
+#include <chrono>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <mutex>
+#include <unordered_map>
+
+#include "server/catalog.hpp"
+#include "server/metrics.hpp"
+#include "server/net/api.hpp"
+#include "server/scheduler/scheduler.hpp"
+
+namespace scancast {
+
+struct NetLimits {
+    std::size_t maxConnections = 512;          ///< beyond, a connection is closed at once
+    std::size_t maxSessions = 64;              ///< streams; beyond, 1013
+    std::uint64_t maxPixels = 64'000'000;      ///< of a picture
+    std::uint32_t maxHeaderBytes = 16 * 1024;  ///< of a request
+    std::size_t maxQueuedTexts = 64;           ///< that a stream's client does not read; beyond, 1008
+    std::chrono::milliseconds requestTimeout{
+        15000};  ///< for a whole request head, and for the pause between two
+    std::chrono::milliseconds writeTimeout{30000};  ///< for an answer, plus a second for every 64 KiB
+    std::chrono::milliseconds helloTimeout{10000};
+    std::chrono::milliseconds quiet{150};          ///< without a new view before the final still
+    std::chrono::milliseconds idleTimeout{40000};  ///< of a stream; a ping is sent at half of it
+    std::chrono::milliseconds closeTimeout{5000};  ///< for a closing handshake
+};
+
+/// Anything that is connected and can be asked to leave.
+class Connection {
+  public:
+    virtual ~Connection() = default;
+    /// Says goodbye and closes; posts, returns at once.
+    virtual void shutDown() = 0;
+};
+
+class ConnectionRegister {
+  public:
+    /// False, and nothing is registered, when `limit` connections are there or everything shuts down.
+    bool add(const std::shared_ptr<Connection>& connection, std::size_t limit);
+    void remove(const Connection* connection);
+    void shutDownAll();
+    std::size_t size() const;
+
+  private:
+    mutable std::mutex mutex_;
+    std::unordered_map<const Connection*, std::weak_ptr<Connection>> connections_;
+    bool shuttingDown_ = false;
+};
+
+struct NetContext {
+    NetLimits limits;
+    const Api& api;
+    const Catalog& catalog;
+    Scheduler& scheduler;
+    Metrics& metrics;
+    ConnectionRegister connections{};
+    std::atomic<std::size_t> sessions{0};
+    std::atomic<std::uint64_t> lastSession{0};
+};
+
+}  // namespace scancast

@@ -1,0 +1,46 @@
+// Which route a request is for. Pure functions; any thread.
+// Pipeline: http session → **router** → api.
+#pragma once
+
+#include <string>
+#include <string_view>
+
+#include "protocol/error.hpp"
+#include "protocol/problem.hpp"
+
+namespace scancast {
+
+enum class Route : std::uint8_t {
+    Asset,  ///< the page and what belongs to it
+    Health,
+    Ready,
+    Metrics,
+    Clouds,
+    Cloud,
+    Methods,
+    SnapshotJpeg,
+    SnapshotPng,
+    Stream,
+};
+
+/// As it is named in metrics: "/api/v1/clouds/{id}".
+std::string_view pattern(Route route);
+
+struct Routed {
+    Route route = Route::Asset;
+    std::string path;   ///< decoded
+    std::string query;  ///< as sent, without the question mark
+    std::string cloud;  ///< decoded id; it is only ever looked up in the catalog
+};
+
+inline constexpr std::size_t maxTargetLength = 8192;
+
+/// Problems: 400 for a path that is malformed, 404 for one that is not served, 414 for a target that is too
+/// long. Whether an asset of that name exists is the page's to say. Paths under /api/v1 are served without
+/// that prefix too.
+tl::expected<Routed, Problem> route(std::string_view target);
+
+/// "%2F" → "/"; InvalidArgument for an escape that is none, and for control characters.
+Expected<std::string> percentDecode(std::string_view text);
+
+}  // namespace scancast

@@ -1,0 +1,22 @@
+// One WebSocket: carries a stream session's messages and frames, keeps its time, and connects it with the
+// scheduler.
+//
+// Lives on the strand of its socket, kept alive by its own pending read. Writes one message at a time from a
+// bounded queue. Pipeline: http connection → **stream connection** → session, scheduler.
+#pragma once
+
+#include <utility>  // before Beast: Boost 1.74 forgets it
+
+#include <boost/beast/core/tcp_stream.hpp>
+#include <boost/beast/http/empty_body.hpp>
+#include <boost/beast/http/message.hpp>
+
+#include "server/net/net_context.hpp"
+
+namespace scancast {
+
+/// Accepts the upgrade that `request` asks for (Host and Origin are checked already).
+void startStream(boost::beast::tcp_stream stream,
+                 boost::beast::http::request<boost::beast::http::empty_body> request, NetContext& context);
+
+}  // namespace scancast

@@ -1,0 +1,133 @@
+// Who is rendered next. One render thread owns the device; sessions and snapshot requests put wishes in, and
+// encoding runs beside the next frame's rendering.
+//
+// - A session has a mailbox of size one: a newer wish overwrites the one that waits (latest wins).
+// - Mailboxes take turns; all snapshots together are one more participant, first come first served.
+// - The queue of snapshots is bounded, and each has a deadline that counts waiting and rendering.
+//
+// Owned by the server, which outlives every session. *Thread safety*: every public function may be called
+// from any thread; callbacks come from the scheduler's threads, or from inside the call, and must only post.
+// Place in the pipeline: stream, net → **scheduler** → render, encode → stream, net.
+#pragma once
+
+#include <chrono>
+#include <condition_variable>
+#include <cstdint>
+#include <deque>
+#include <map>
+#include <mutex>
+#include <optional>
+#include <stop_token>
+#include <thread>
+
+#include "server/metrics.hpp"
+#include "server/scheduler/picture.hpp"
+
+namespace scancast {
+
+struct SchedulerOptions {
+    std::size_t maxSnapshots = 64;                      ///< waiting at most; one more is refused
+    std::chrono::milliseconds snapshotDeadline{30000};  ///< from the request to the finished picture
+};
+
+/// How the device is doing.
+struct DeviceStatus {
+    enum class State : std::uint8_t { Opening, Ready, Failed };
+    State state = State::Opening;
+    DeviceInfo info;  ///< Ready
+    Error error;      ///< Failed
+};
+
+class Scheduler {
+  public:
+    using Clock = std::chrono::steady_clock;
+    using MailboxId = std::uint64_t;
+
+    /// Starts the threads; the device is opened on the render thread, and wishes may come in before it is.
+    Scheduler(OpenPainter openPainter, const SchedulerOptions& options, Metrics& metrics);
+    /// stop(), then wait().
+    ~Scheduler();
+    Scheduler(const Scheduler&) = delete;
+    Scheduler& operator=(const Scheduler&) = delete;
+
+    DeviceStatus device() const;
+    /// Waits until the device is open or has failed, or the time is up.
+    DeviceStatus waitForDevice(std::chrono::milliseconds patience) const;
+
+    MailboxId openMailbox();
+    /// Forgets the waiting wish and stops the running one: the client is gone.
+    void closeMailbox(MailboxId mailbox);
+    /// Puts a wish in, overwriting one that waits there (whose `done` gets Cancelled), and stops the
+    /// session's own running still.
+    void wish(MailboxId mailbox, PictureOrder order, PictureDone done);
+    /// As wish(), but only if one waits there to be overwritten; otherwise nothing happens and the answer is
+    /// false.
+    bool replaceWaiting(MailboxId mailbox, PictureOrder order, PictureDone done);
+    /// Drops the session's waiting wish and stops its running still.
+    void abandon(MailboxId mailbox);
+
+    /// Queues a picture that everybody waits for. ResourceLimit when the queue is full or the server is
+    /// stopping; then `done` is not called.
+    Expected<void> snapshot(PictureOrder order, PictureDone done);
+
+    /// Cancels everything and refuses more. Returns at once.
+    void stop();
+    /// After stop(): waits for the threads; no callback comes afterwards. Not from two threads at once.
+    void wait();
+
+  private:
+    struct Wish {
+        PictureOrder order;
+        PictureDone done;
+        Clock::time_point deadline = Clock::time_point::max();
+        MailboxId mailbox = 0;
+    };
+    struct Running {
+        MailboxId mailbox = 0;
+        bool interruptible = false;
+        Clock::time_point deadline;
+        std::stop_source stop;
+        bool late = false;      ///< stopped by its deadline
+        bool orphaned = false;  ///< its mailbox is gone
+    };
+    struct Rendered {
+        Wish wish;
+        Frame frame;
+        double renderMs = 0;
+    };
+
+    static constexpr MailboxId snapshots = 0;  // the participant that stands for all snapshots
+    static constexpr std::size_t maxEncoding = 2;
+
+    void renderLoop();
+    void encodeLoop();
+    void deadlineLoop();
+    void openDevice(std::optional<Painter>& painter);
+    std::optional<Wish> takeNext(std::unique_lock<std::mutex>& lock);
+    void paintOne(const std::optional<Painter>& painter, Wish wish);
+    void finish(Wish& wish, Expected<Picture> result, std::optional<DropReason> dropped);
+    void stopRunning(MailboxId mailbox, bool alsoMoving);
+
+    const OpenPainter openPainter_;
+    const SchedulerOptions options_;
+    Metrics& metrics_;
+
+    mutable std::mutex mutex_;
+    std::condition_variable work_;            // turns_, encoding_ shrank, stopping_
+    std::condition_variable encodeWork_;      // encoding_ grew, stopping_
+    std::condition_variable deadlines_;       // snapshots_, running_, stopping_
+    mutable std::condition_variable opened_;  // device_
+    DeviceStatus device_;
+    std::map<MailboxId, std::optional<Wish>> mailboxes_;
+    MailboxId lastMailbox_ = 0;
+    std::deque<Wish> snapshots_;
+    std::deque<MailboxId> turns_;  // who has something waiting, in the order in which they are served
+    std::optional<Running> running_;
+    std::deque<Rendered> encoding_;
+    bool rendering_ = true;  // the render thread may still add to encoding_
+    bool stopping_ = false;
+
+    std::thread renderThread_, encodeThread_, deadlineThread_;
+};
+
+}  // namespace scancast

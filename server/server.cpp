@@ -1,0 +1,107 @@
+#include <utility>  // before Asio: Boost 1.74 forgets it
+
+#include "server/server.hpp"
+
+#include <boost/asio/executor_work_guard.hpp>
+#include <boost/asio/io_context.hpp>
+#include <thread>
+
+#include "server/net/api.hpp"
+#include "server/net/listener.hpp"
+
+namespace scancast {
+namespace {
+
+namespace asio = boost::asio;
+
+ApiOptions apiOptions(const ServerOptions& options) {
+    return {std::string(scancastVersion()), options.limits.maxPixels, {options.host, options.allowedOrigins}};
+}
+
+class RunningServer final : public Server {
+  public:
+    RunningServer(const ServerOptions& options, OpenPainter openPainter)
+        : options_(options),
+          metrics_(scancastVersion()),
+          scheduler_(std::move(openPainter), options.scheduler, metrics_),
+          api_(apiOptions(options), catalog_, scheduler_, metrics_),
+          context_{options.limits, api_, catalog_, scheduler_, metrics_},
+          io_(std::max(1, options.netThreads)),
+          work_(asio::make_work_guard(io_)) {}
+
+    ~RunningServer() override {
+        shutDown();
+        work_.reset();
+        io_.stop();
+        for (std::thread& thread : threads_) thread.join();
+        // Pictures post into io_, so the scheduler's threads end before it; connections that are left live in
+        // io_'s handlers and end with it, while everything that they refer to (declared before it) still
+        // exists.
+        scheduler_.wait();
+    }
+
+    Expected<void> start() {
+        auto listener = Listener::create(io_, options_.host, options_.port, context_);
+        if (!listener) return tl::unexpected(std::move(listener.error()));
+        listener_ = std::move(*listener);
+        listener_->run();
+        for (int i = 0; i < std::max(1, options_.netThreads); ++i) {
+            threads_.emplace_back([this] { io_.run(); });
+        }
+        return {};
+    }
+
+    Catalog& catalog() override { return catalog_; }
+    Scheduler& scheduler() override { return scheduler_; }
+    std::uint16_t port() const override { return listener_->port(); }
+    std::size_t connections() const override { return context_.connections.size(); }
+
+    std::string url() const override {
+        const std::string& host = options_.host;
+        const bool everywhere = host == "0.0.0.0" || host == "::";
+        const bool v6 = host.find(':') != std::string::npos;
+        const std::string shown = everywhere ? "localhost" : v6 ? "[" + host + "]" : host;
+        return "http://" + shown + ":" + std::to_string(port()) + "/";
+    }
+
+    void shutDown() override {
+        if (listener_) listener_->close();
+        context_.connections.shutDownAll();
+        scheduler_.stop();
+    }
+
+    bool waitForClients(std::chrono::milliseconds patience) override {
+        const auto end = std::chrono::steady_clock::now() + patience;
+        while (connections() > 0) {
+            if (std::chrono::steady_clock::now() >= end) return false;
+            std::this_thread::sleep_for(std::chrono::milliseconds(10));
+        }
+        return true;
+    }
+
+  private:
+    const ServerOptions options_;
+    Metrics metrics_;
+    Catalog catalog_;
+    Scheduler scheduler_;
+    Api api_;
+    NetContext context_;
+    asio::io_context io_;
+    asio::executor_work_guard<asio::io_context::executor_type> work_;
+    std::shared_ptr<Listener> listener_;
+    std::vector<std::thread> threads_;
+};
+
+}  // namespace
+
+Expected<std::unique_ptr<Server>> Server::create(const ServerOptions& options, OpenPainter openPainter) {
+    auto server = std::make_unique<RunningServer>(options, std::move(openPainter));
+    if (auto started = server->start(); !started) return tl::unexpected(std::move(started.error()));
+    return server;
+}
+
+std::string_view scancastVersion() {
+    return SCANCAST_VERSION;
+}
+
+}  // namespace scancast

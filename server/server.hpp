@@ -1,0 +1,52 @@
+// The server as one object: catalog, scheduler, API and listener, wired together; what `serve` runs and what
+// the integration tests talk to.
+//
+// Owned by whoever runs it. *Thread safety*: every function may be called from any thread, except
+// destruction.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "server/catalog.hpp"
+#include "server/metrics.hpp"
+#include "server/net/net_context.hpp"
+#include "server/scheduler/scheduler.hpp"
+
+namespace scancast {
+
+struct ServerOptions {
+    std::string host = "127.0.0.1";
+    std::uint16_t port = 8080;  ///< 0 = any free one
+    std::vector<std::string> allowedOrigins;
+    int netThreads = 2;
+    NetLimits limits;
+    SchedulerOptions scheduler;
+};
+
+class Server {
+  public:
+    /// Listens when it returns; the device is being opened then. Errors: those of Listener::create().
+    static Expected<std::unique_ptr<Server>> create(const ServerOptions& options, OpenPainter openPainter);
+    /// shutDown(), then ends whatever is left.
+    virtual ~Server() = default;
+
+    virtual Catalog& catalog() = 0;
+    virtual Scheduler& scheduler() = 0;
+    virtual std::uint16_t port() const = 0;
+    /// To open in a browser: "http://127.0.0.1:8080/".
+    virtual std::string url() const = 0;
+    virtual std::size_t connections() const = 0;
+    /// First step of the end: accepts nothing more, tells every client, cancels every picture. Returns at
+    /// once.
+    virtual void shutDown() = 0;
+    /// Second step: whether all clients had left before the time was up.
+    virtual bool waitForClients(std::chrono::milliseconds patience) = 0;
+};
+
+/// This program's version: "0.1.0".
+std::string_view scancastVersion();
+
+}  // namespace scancast

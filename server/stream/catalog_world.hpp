@@ -1,0 +1,25 @@
+// The server as a stream session sees it: its catalog and its methods. Stateless; any thread.
+#pragma once
+
+#include "server/catalog.hpp"
+#include "server/stream/session.hpp"
+
+namespace scancast {
+
+class CatalogWorld final : public StreamWorld {
+  public:
+    /// The catalog outlives this.
+    explicit CatalogWorld(const Catalog& catalog) : catalog_(catalog) {}
+    std::string defaultCloud() const override { return catalog_.defaultId(); }
+    tl::expected<std::shared_ptr<const Cloud>, Problem> cloud(std::string_view id) const override {
+        return catalog_.cloud(id);
+    }
+    Expected<void> check(const Cloud& cloud, const View& view) const override;
+    double ownDetail(const View& view) const override;
+    std::vector<std::string> methodNames() const override;
+
+  private:
+    const Catalog& catalog_;
+};
+
+}  // namespace scancast

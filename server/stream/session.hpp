@@ -1,0 +1,145 @@
+// One client's stream as a state machine: messages and finished pictures in, messages, frames and orders out.
+// No sockets, no threads, no clock of its own: the caller says what time it is.
+//
+//   hello → welcome → (view → moving frames → quiet → final still)*
+//
+// Owned by a WebSocket connection, which calls it from its strand only. Place in the pipeline: net →
+// **session** → scheduler → session → net.
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <deque>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "protocol/frame_header.hpp"
+#include "protocol/messages.hpp"
+#include "protocol/problem.hpp"
+#include "server/metrics.hpp"
+#include "server/scheduler/picture.hpp"
+#include "server/stream/quality.hpp"
+
+namespace scancast {
+
+/// What a session tells the world. Called from inside the session's functions; must not call back into it.
+class StreamPort {
+  public:
+    virtual ~StreamPort() = default;
+    virtual void sendText(std::string text) = 0;
+    /// One binary message: the header, then the picture.
+    virtual void sendFrame(const FrameHeader& header, std::shared_ptr<const Bytes> picture) = 0;
+    /// Into the scheduler's mailbox; the result comes back through pictureDone() with this order's number.
+    virtual void order(std::uint64_t number, PictureOrder order) = 0;
+    /// Overwrites the wish that waits in the mailbox, if one does.
+    virtual bool replaceWaiting(std::uint64_t number, PictureOrder order) = 0;
+    /// Empties the mailbox and stops a running still.
+    virtual void abandon() = 0;
+    /// After everything sent so far. Nothing is called on the port afterwards.
+    virtual void close(CloseCode code, std::string reason) = 0;
+};
+
+/// What a session may know of the server.
+class StreamWorld {
+  public:
+    virtual ~StreamWorld() = default;
+    virtual std::string defaultCloud() const = 0;
+    virtual tl::expected<std::shared_ptr<const Cloud>, Problem> cloud(std::string_view id) const = 0;
+    /// The checks that need no device: method, parameters, what the cloud has.
+    virtual Expected<void> check(const Cloud& cloud, const View& view) const = 0;
+    /// τ of a full picture of this view, px.
+    virtual double ownDetail(const View& view) const = 0;
+    virtual std::vector<std::string> methodNames() const = 0;
+};
+
+struct SessionOptions {
+    std::string id;
+    std::uint64_t maxPixels = 0;           ///< of a picture
+    std::chrono::milliseconds quiet{150};  ///< without a new view before the still is made
+    std::chrono::milliseconds helloPatience{10000};
+    std::chrono::milliseconds statsInterval{1000};
+};
+
+class StreamSession {
+  public:
+    using Clock = std::chrono::steady_clock;
+    using Time = Clock::time_point;
+
+    /// The three outlive the session.
+    StreamSession(SessionOptions options, const StreamWorld& world, StreamPort& port, Metrics& metrics,
+                  Time now);
+
+    void text(std::string_view message, Time now);
+    void binary();
+    void pictureDone(std::uint64_t number, Expected<Picture> result, Time now);
+    /// Call at wakeAt(), or any time.
+    void tick(Time now);
+    std::optional<Time> wakeAt() const;
+    /// The server shuts down.
+    void goAway();
+    bool closed() const { return state_ == State::Closed; }
+
+  private:
+    enum class State : std::uint8_t { Greeting, Open, Closed };
+
+    struct Order {
+        std::uint64_t number = 0, seq = 0;
+        Time viewTime;
+        bool final = false;
+        double effort = 1, detail = 1;
+    };
+    /// Everything that a `view` message may change, changed all at once or not at all.
+    struct Scene {
+        std::string cloudId;
+        std::shared_ptr<const Cloud> cloud;
+        View view;
+        std::uint64_t seq = 0;
+    };
+
+    void handle(const messages::Hello& hello, Time now);
+    void handle(const messages::ViewChange& change, Time now);
+    void handle(const messages::QualityLimits& quality, Time now);
+    void handle(const messages::Pick& pick, Time now);
+    void handle(const messages::Ack& ack, Time now);
+    void handle(const messages::Ping& ping, Time now);
+
+    tl::expected<Scene, Problem> openScene(const std::string& cloudId, int width, int height) const;
+    tl::expected<Scene, Problem> sceneAfter(const messages::ViewChange& change) const;
+    Expected<void> checkScene(const Scene& scene) const;
+    void refuse(Problem problem, std::optional<std::uint64_t> seq);
+    void pump(Time now);
+    void place(const Order& order);
+    Order nextOrder(bool final);
+    PictureOrder pictureOf(const Order& order) const;
+    void deliver(const Order& order, Picture picture, Time now);
+    void sendStats(const Order& order, const Picture& picture, Time now);
+    void close(CloseCode code, std::string reason);
+    std::size_t unacknowledged() const { return std::size_t(lastFrame_ - ackedFrame_); }
+
+    const SessionOptions options_;
+    const StreamWorld& world_;
+    StreamPort& port_;
+    Metrics& metrics_;
+
+    State state_ = State::Greeting;
+    Time opened_;
+    Scene scene_;
+    MovingLimits limits_;
+    double effort_ = 1;
+
+    bool fresh_ = false;        // a view came for which nothing has been ordered
+    bool finalWanted_ = false;  // the still of the scene has not been ordered, or came to nothing
+    Time viewTime_;             // arrival of the newest view
+    std::deque<Order>
+        outstanding_;  // in the scheduler's hands, oldest first; the last one may still be waiting
+    std::uint64_t lastOrder_ = 0;
+    std::uint64_t lastFrame_ = 0, ackedFrame_ = 0;
+    std::deque<Time> sentTimes_;  // of the last second, for fps
+    Time nextStats_;
+    std::uint64_t overtaken_ = 0;
+};
+
+}  // namespace scancast

@@ -38,6 +38,9 @@ Problem problemOf(const Error& error, std::string instance = {});
 /// For what HTTP itself refuses (401, 403, 405, 406, 415 …): type about:blank, title the reason phrase.
 Problem problemOf(int status, std::string detail, std::string instance = {});
 
+/// For clients: the error that a server meant, by the problem's type, else by its status.
+Error errorOf(const Problem& problem);
+
 nlohmann::json toJson(const Problem& problem);
 /// Lenient, for clients: unknown members are skipped, missing ones keep their defaults. Malformed when it is
 /// no object.

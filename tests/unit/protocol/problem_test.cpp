@@ -52,6 +52,20 @@ TEST(Problem, RoundTrip) {
     EXPECT_EQ(problemOf(405, "").title, "Method Not Allowed");
 }
 
+TEST(Problem, ErrorsComeBackOnTheOtherSide) {
+    for (int code = 0; code <= static_cast<int>(ErrorCode::Internal); ++code) {
+        const Error sent{static_cast<ErrorCode>(code), "why", "fov"};
+        const auto received = errorOf(problemOf(sent));
+        EXPECT_EQ(received.code, sent.code);
+        EXPECT_EQ(received.message, "why");
+        EXPECT_EQ(received.field, "fov");
+    }
+    EXPECT_EQ(errorOf(problemOf(404, "gone")).code, ErrorCode::NotFound);
+    EXPECT_EQ(errorOf(problemOf(403, "")).message, "Forbidden");
+    EXPECT_EQ(errorOf(problemOf(403, "")).code, ErrorCode::InvalidArgument);
+    EXPECT_EQ(errorOf(problemOf(502, "")).code, ErrorCode::Internal);
+}
+
 TEST(Problem, ForeignOnesAreReadLeniently) {
     const auto problem =
         problemFromJson(nlohmann::json::parse(R"({"title": "Busy", "retry": 5, "errors": null})"));

@@ -1,0 +1,66 @@
+#include "client/cpp/http_get.hpp"
+
+#include "client/cpp/timed_io.hpp"
+
+#include <boost/beast/core/flat_buffer.hpp>
+#include <boost/beast/http.hpp>
+
+#include "client/cpp/refusal.hpp"
+
+namespace scancast::client {
+namespace {
+
+namespace beast = boost::beast;
+namespace http = beast::http;
+
+constexpr std::uint64_t longestAnswer = std::uint64_t{1} << 30u;
+
+using Body = http::vector_body<std::uint8_t>;
+
+http::request<http::empty_body> requestOf(const ServerUrl& url, const std::string& target,
+                                          const std::string& ifNoneMatch) {
+    http::request<http::empty_body> request(http::verb::get, target, 11);
+    request.set(http::field::host, url.authority());
+    request.set(http::field::user_agent, "scancast-client");
+    request.set(http::field::connection, "close");
+    if (!ifNoneMatch.empty()) request.set(http::field::if_none_match, ifNoneMatch);
+    return request;
+}
+
+Expected<HttpAnswer> answerOf(http::response<Body> response, const ServerUrl& url) {
+    const auto field = [&](auto name) { return std::string(response[name]); };
+    HttpAnswer answer{static_cast<int>(response.result_int()), field(http::field::content_type),
+                      field(http::field::etag), field("Server-Timing"), std::move(response.body())};
+    if (answer.status < 400) return answer;
+    const std::string_view text(reinterpret_cast<const char*>(answer.body.data()), answer.body.size());
+    return tl::unexpected(refusal(url, answer.status, answer.contentType, text));
+}
+
+}  // namespace
+
+Expected<HttpAnswer> httpGet(const ServerUrl& url, const std::string& target, const std::string& ifNoneMatch,
+                             const Timeouts& timeouts) {
+    boost::asio::io_context io;
+    beast::tcp_stream stream(io);
+    if (auto open = connectUntil(io, stream, url, Clock::now() + timeouts.connect); !open)
+        return tl::unexpected(open.error());
+    const auto deadline = Clock::now() + timeouts.answer;
+    const auto close = [&] {
+        ErrorCodeOfBoost ignored;  // nothing is sent after this
+        stream.socket().close(ignored);
+    };
+    const auto request = requestOf(url, target, ifNoneMatch);
+    if (const auto error = runUntil(
+            io, deadline, [&](auto handler) { http::async_write(stream, request, handler); }, close))
+        return tl::unexpected(networkError(error, url, "sending a request"));
+    beast::flat_buffer buffer;
+    http::response_parser<Body> parser;
+    parser.body_limit(longestAnswer);
+    if (const auto error = runUntil(
+            io, deadline, [&](auto handler) { http::async_read(stream, buffer, parser, handler); }, close))
+        return tl::unexpected(networkError(error, url, "reading the answer"));
+    close();
+    return answerOf(parser.release(), url);
+}
+
+}  // namespace scancast::client

@@ -1,0 +1,28 @@
+// One HTTP GET: connect, ask, read the answer, close. Boost.Beast stays in the .cpp.
+//
+// A free function that blocks its thread until the answer, an error, or the deadline.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "client/cpp/server_url.hpp"
+#include "client/cpp/timeouts.hpp"
+
+namespace scancast::client {
+
+struct HttpAnswer {
+    int status = 0;
+    std::string contentType, etag, serverTiming;
+    std::vector<std::uint8_t> body;
+};
+
+/// `target` is the path with its query; `accept` may be empty, and so may `ifNoneMatch` (an ETag with its
+/// quotes). Answers with a status of 400 or above become errors: the problem that their body describes, else
+/// the status. Errors besides: Io (refused, closed), NotFound (host), DeadlineExceeded, Malformed (no HTTP),
+/// ResourceLimit (more than 1 GiB).
+Expected<HttpAnswer> httpGet(const ServerUrl& url, const std::string& target, const std::string& ifNoneMatch,
+                             const Timeouts& timeouts);
+
+}  // namespace scancast::client

@@ -1,0 +1,73 @@
+#include "client/cpp/server.hpp"
+
+#include <array>
+
+#include "client/cpp/http_get.hpp"
+#include "protocol/json_text.hpp"
+
+namespace scancast::client {
+namespace {
+
+constexpr std::string_view cloudsPath = "/api/v1/clouds";
+
+Expected<nlohmann::json> getJson(const Server& server, const std::string& target) {
+    const auto answer = httpGet(server.url(), target, {}, server.timeouts());
+    if (!answer) return tl::unexpected(answer.error());
+    auto value = parseJson({reinterpret_cast<const char*>(answer->body.data()), answer->body.size()});
+    if (!value)
+        return fail(ErrorCode::Malformed, server.url().authority() + target + ": " + value.error().message +
+                                              "; is it a Scancast server?");
+    return value;
+}
+
+/// Says where an answer came from that is JSON, but not of the shape that it should have.
+auto from(const Server& server, const std::string& target) {
+    return [where = server.url().authority() + target](Error error) {
+        error.message = where + ": " + error.message;
+        return error;
+    };
+}
+
+std::string cloudPath(const std::string& id) {
+    // An id is one segment of a path: "a/../b" must not become another route.
+    const auto word = printQuery({{id, {}}});
+    return std::string(cloudsPath) + "/" + word.substr(0, word.size() - 1);
+}
+
+bool startsWith(const std::vector<std::uint8_t>& bytes, std::initializer_list<std::uint8_t> magic) {
+    return bytes.size() >= magic.size() && std::equal(magic.begin(), magic.end(), bytes.begin());
+}
+
+}  // namespace
+
+Expected<std::vector<CloudInfo>> Server::clouds() const {
+    const std::string target(cloudsPath);
+    return getJson(*this, target).and_then(cloudListFromJson).map_error(from(*this, target));
+}
+
+Expected<CloudInfo> Server::cloud(const std::string& id) const {
+    const auto target = cloudPath(id);
+    return getJson(*this, target).and_then(cloudInfoFromJson);
+}
+
+Expected<std::vector<MethodInfo>> Server::methods() const {
+    return getJson(*this, "/api/v1/methods").and_then(methodListFromJson);
+}
+
+Expected<Snapshot> Server::snapshot(const std::string& cloud, const WordValues& words, PictureFormat format,
+                                    const std::string& etag) const {
+    const bool jpeg = format == PictureFormat::Jpeg;
+    auto target = cloudPath(cloud) + (jpeg ? "/snapshot.jpg" : "/snapshot.png");
+    if (!words.empty()) target.append("?").append(printQuery(words));
+    auto answer = httpGet(url_, target, etag, timeouts_);
+    if (!answer) return tl::unexpected(answer.error());
+    if (answer->status == 304) return Snapshot{{}, etag, {}, true};
+    const bool picture = jpeg ? startsWith(answer->body, {0xFF, 0xD8, 0xFF})
+                              : startsWith(answer->body, {0x89, 'P', 'N', 'G', '\r', '\n', 0x1A, '\n'});
+    if (answer->status != 200 || !picture)
+        return fail(ErrorCode::Malformed, url_.authority() + " answered " + std::to_string(answer->status) +
+                                              " without a picture; is it a Scancast server?");
+    return Snapshot{std::move(answer->body), answer->etag, answer->serverTiming, false};
+}
+
+}  // namespace scancast::client

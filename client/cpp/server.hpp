@@ -1,0 +1,49 @@
+// What a server can be asked over HTTP: its clouds, its methods, pictures.
+//
+// A small value; each call opens a connection of its own, blocks until the answer or the deadline, and may be
+// made from any thread.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "client/cpp/server_url.hpp"
+#include "client/cpp/timeouts.hpp"
+#include "protocol/catalog.hpp"
+#include "protocol/query.hpp"
+
+namespace scancast::client {
+
+enum class PictureFormat : std::uint8_t { Jpeg, Png };
+
+struct Snapshot {
+    std::vector<std::uint8_t> bytes;  ///< the JPEG or PNG; empty when notModified
+    std::string etag;                 ///< names exactly these bytes; hand it back to ask whether they changed
+    std::string serverTiming;         ///< selection, render and encode, as the server tells them
+    bool notModified = false;         ///< the picture is still that of the given ETag
+};
+
+class Server {
+  public:
+    explicit Server(ServerUrl url, Timeouts timeouts = {}) : url_(std::move(url)), timeouts_(timeouts) {}
+
+    const ServerUrl& url() const { return url_; }
+    const Timeouts& timeouts() const { return timeouts_; }
+
+    /// Errors of all calls: those of the network (http_get.hpp), Malformed for answers that are not what they
+    /// should be, and whatever the server refuses with.
+    Expected<std::vector<CloudInfo>> clouds() const;
+    Expected<CloudInfo> cloud(const std::string& id) const;
+    Expected<std::vector<MethodInfo>> methods() const;
+    /// A picture of full quality. `words` are those of PROTOCOL.md; what is not given is the cloud's default.
+    Expected<Snapshot> snapshot(const std::string& cloud, const WordValues& words,
+                                PictureFormat format = PictureFormat::Jpeg,
+                                const std::string& etag = {}) const;
+
+  private:
+    ServerUrl url_;
+    Timeouts timeouts_;
+};
+
+}  // namespace scancast::client

@@ -1,0 +1,201 @@
+#include "client/cpp/stream.hpp"
+
+#include "client/cpp/timed_io.hpp"
+
+#include <boost/beast/core/flat_buffer.hpp>
+#include <boost/beast/websocket.hpp>
+
+#include "client/cpp/refusal.hpp"
+#include "protocol/nearest_name.hpp"
+#include "protocol/view_json.hpp"
+
+namespace scancast::client {
+namespace {
+
+namespace beast = boost::beast;
+namespace http = beast::http;
+namespace websocket = beast::websocket;
+
+constexpr std::size_t longestMessage = std::size_t{512} << 20u;  // a picture of 16384 × 16384 px at its worst
+
+Error goodbye(std::uint16_t code, std::string_view reason) {
+    const auto kind = code == static_cast<std::uint16_t>(CloseCode::TryAgainLater) ? ErrorCode::ResourceLimit
+                      : code == static_cast<std::uint16_t>(CloseCode::GoingAway)   ? ErrorCode::Cancelled
+                                                                                   : ErrorCode::Io;
+    std::string message = "the server closed the session";
+    if (!reason.empty()) message += ": " + std::string(reason);
+    return {kind, message + " (close code " + std::to_string(code) + ")", {}};
+}
+
+}  // namespace
+
+class Stream::Connection {
+  public:
+    Connection(ServerUrl url, const Timeouts& timeouts)
+        : url_(std::move(url)), timeouts_(timeouts), socket_(io_) {
+        socket_.read_message_max(longestMessage);
+        socket_.auto_fragment(false);
+    }
+
+    Expected<void> open() {
+        const auto deadline = Clock::now() + timeouts_.connect;
+        if (auto connected = connectUntil(io_, socket_.next_layer(), url_, deadline); !connected)
+            return connected;
+        return handshake();
+    }
+
+    Expected<void> send(const ClientMessage& message) {
+        const auto text = printMessage(message);
+        socket_.text(true);
+        const auto error =
+            run([&](auto handler) { socket_.async_write(boost::asio::buffer(text), handler); });
+        if (error) return tl::unexpected(lost(error, "sending a message"));
+        return {};
+    }
+
+    /// One whole message; it stays valid until the next call.
+    Expected<std::span<const std::uint8_t>> read() {
+        buffer_.clear();
+        const auto error = run([&](auto handler) { socket_.async_read(buffer_, handler); });
+        if (error) return tl::unexpected(lost(error, "waiting for the next message"));
+        const auto data = buffer_.cdata();
+        return std::span(static_cast<const std::uint8_t*>(data.data()), data.size());
+    }
+
+    bool gotText() const { return socket_.got_text(); }
+
+    Expected<void> close() {
+        const auto error =
+            run([&](auto handler) { socket_.async_close(websocket::close_code::normal, handler); });
+        if (error && error != websocket::error::closed && error != boost::asio::error::eof)
+            return tl::unexpected(lost(error, "closing the session"));
+        return {};
+    }
+
+    messages::Welcome welcome;
+
+  private:
+    template <class Start>
+    ErrorCodeOfBoost run(Start start) {
+        return runUntil(io_, Clock::now() + timeouts_.answer, start, [this] {
+            ErrorCodeOfBoost ignored;  // the session is over either way
+            socket_.next_layer().socket().close(ignored);
+        });
+    }
+
+    Expected<void> handshake() {
+        socket_.set_option(websocket::stream_base::decorator([](websocket::request_type& request) {
+            request.set(http::field::user_agent, "scancast-client");
+            request.set(http::field::sec_websocket_protocol, std::string(webSocketProtocol));
+        }));
+        websocket::response_type response;
+        const auto error = run([&](auto handler) {
+            socket_.async_handshake(response, url_.authority(), std::string(webSocketPath), handler);
+        });
+        if (error == websocket::error::upgrade_declined)
+            return tl::unexpected(refusal(url_, static_cast<int>(response.result_int()),
+                                          std::string(response[http::field::content_type]), response.body()));
+        if (error) return tl::unexpected(networkError(error, url_, "opening the stream"));
+        const std::string agreed(response[http::field::sec_websocket_protocol]);
+        if (agreed != webSocketProtocol)
+            return fail(ErrorCode::Unsupported,
+                        url_.authority() + " speaks " +
+                            (agreed.empty() ? "no subprotocol" : "subprotocol " + quoteText(agreed)) +
+                            " where this client needs scancast.v1: is it a Scancast server of this version?");
+        return {};
+    }
+
+    Error lost(const ErrorCodeOfBoost& error, std::string_view doing) const {
+        if (error == websocket::error::closed) {
+            const auto& reason = socket_.reason();
+            return goodbye(reason.code, std::string_view(reason.reason.data(), reason.reason.size()));
+        }
+        return networkError(error, url_, doing);
+    }
+
+    ServerUrl url_;
+    Timeouts timeouts_;
+    boost::asio::io_context io_;
+    websocket::stream<beast::tcp_stream> socket_;
+    beast::flat_buffer buffer_;
+};
+
+Stream::Stream(std::unique_ptr<Connection> connection) : connection_(std::move(connection)) {}
+Stream::Stream(Stream&&) noexcept = default;
+Stream& Stream::operator=(Stream&&) noexcept = default;
+Stream::~Stream() = default;
+
+Expected<Stream> Stream::open(const ServerUrl& url, const messages::Hello& hello, const Timeouts& timeouts) {
+    auto connection = std::make_unique<Connection>(url, timeouts);
+    if (auto opened = connection->open(); !opened) return tl::unexpected(opened.error());
+    if (auto sent = connection->send(hello); !sent) return tl::unexpected(sent.error());
+    const auto text = connection->read();
+    if (!text) return tl::unexpected(text.error());
+    if (!connection->gotText())
+        return fail(ErrorCode::Malformed, url.authority() + " sent a frame before its welcome");
+    const auto message = parseServerMessage({reinterpret_cast<const char*>(text->data()), text->size()});
+    if (!message) return tl::unexpected(message.error());
+    if (const auto* problem = std::get_if<messages::ProblemReport>(&*message))
+        return tl::unexpected(errorOf(problem->problem));
+    if (const auto* bye = std::get_if<messages::Bye>(&*message))
+        return tl::unexpected(goodbye(static_cast<std::uint16_t>(bye->code), bye->reason));
+    const auto* welcome = std::get_if<messages::Welcome>(&*message);
+    if (!welcome) return fail(ErrorCode::Malformed, url.authority() + " did not answer hello with a welcome");
+    connection->welcome = *welcome;
+    return Stream(std::move(connection));
+}
+
+const messages::Welcome& Stream::welcome() const {
+    return connection_->welcome;
+}
+
+Expected<void> Stream::sendView(std::uint64_t seq, const View& view) {
+    return send(messages::ViewChange{seq, std::nullopt, toJson(view)});
+}
+
+Expected<void> Stream::send(const ClientMessage& message) {
+    return connection_->send(message);
+}
+
+Expected<void> Stream::ack(const FrameHeader& header) {
+    return send(messages::Ack{header.frameId});
+}
+
+Expected<StreamEvent> Stream::receive() {
+    for (;;) {
+        const auto bytes = connection_->read();
+        if (!bytes) return tl::unexpected(bytes.error());
+        if (!connection_->gotText()) {
+            const auto frame = parseFrame(*bytes);
+            if (!frame) return tl::unexpected(frame.error());
+            return ReceivedFrame{frame->header, {frame->picture.begin(), frame->picture.end()}};
+        }
+        auto message = parseServerMessage({reinterpret_cast<const char*>(bytes->data()), bytes->size()});
+        if (!message) {
+            if (message.error().code == ErrorCode::Unsupported) continue;  // a newer server's message
+            return tl::unexpected(message.error());
+        }
+        if (auto* stats = std::get_if<messages::Stats>(&*message)) return std::move(*stats);
+        if (auto* problem = std::get_if<messages::ProblemReport>(&*message)) return std::move(*problem);
+        if (auto* pong = std::get_if<messages::Pong>(&*message)) return *pong;
+        if (const auto* bye = std::get_if<messages::Bye>(&*message))
+            return tl::unexpected(goodbye(static_cast<std::uint16_t>(bye->code), bye->reason));
+        return fail(ErrorCode::Malformed, "the server said welcome twice");
+    }
+}
+
+Expected<ReceivedFrame> Stream::receiveFrame() {
+    for (;;) {
+        auto event = receive();
+        if (!event) return tl::unexpected(event.error());
+        if (auto* frame = std::get_if<ReceivedFrame>(&*event)) return std::move(*frame);
+        if (const auto* report = std::get_if<messages::ProblemReport>(&*event))
+            return tl::unexpected(errorOf(report->problem));
+    }
+}
+
+Expected<void> Stream::close() {
+    return connection_->close();
+}
+
+}  // namespace scancast::client

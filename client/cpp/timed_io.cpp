@@ -1,0 +1,88 @@
+#include "client/cpp/timed_io.hpp"
+
+#include <boost/asio/ip/address.hpp>
+#include <boost/beast/core/error.hpp>
+#include <boost/beast/http/error.hpp>
+#include <boost/beast/websocket/error.hpp>
+
+namespace scancast::client {
+namespace {
+
+using tcp = boost::asio::ip::tcp;
+using Endpoints = std::vector<tcp::endpoint>;
+
+Expected<Endpoints> resolveUntil(boost::asio::io_context& io, const ServerUrl& url,
+                                 Clock::time_point deadline) {
+    ErrorCodeOfBoost error;
+    if (const auto address = boost::asio::ip::make_address(url.host, error); !error)
+        return Endpoints{{address, url.port}};
+    tcp::resolver resolver(io);
+    Endpoints endpoints;
+    error = runUntil(
+        io, deadline,
+        [&](auto handler) {
+            resolver.async_resolve(
+                url.host, std::to_string(url.port),
+                [&endpoints, handler](ErrorCodeOfBoost e, const tcp::resolver::results_type& found) mutable {
+                    for (const auto& entry : found) endpoints.push_back(entry.endpoint());
+                    handler(e);
+                });
+        },
+        [&] { resolver.cancel(); });
+    if (error) return tl::unexpected(networkError(error, url, "looking up the host"));
+    return endpoints;
+}
+
+}  // namespace
+
+Expected<void> connectUntil(boost::asio::io_context& io, boost::beast::tcp_stream& stream,
+                            const ServerUrl& url, Clock::time_point deadline) {
+    const auto endpoints = resolveUntil(io, url, deadline);
+    if (!endpoints) return tl::unexpected(endpoints.error());
+    auto& socket = stream.socket();
+    const auto close = [&] {
+        ErrorCodeOfBoost ignored;  // closing a socket that never opened cannot be wrong
+        socket.close(ignored);
+    };
+    const auto error = runUntil(
+        io, deadline, [&](auto handler) { boost::asio::async_connect(socket, *endpoints, handler); }, close);
+    if (error) {
+        close();
+        return tl::unexpected(networkError(error, url, "connecting"));
+    }
+    ErrorCodeOfBoost ignored;  // only speed depends on it
+    socket.set_option(tcp::no_delay(true), ignored);
+    return {};
+}
+
+Error networkError(const ErrorCodeOfBoost& error, const ServerUrl& url, std::string_view doing) {
+    namespace asio = boost::asio;
+    namespace beast = boost::beast;
+    const auto server = url.authority();
+    const auto whileDoing = " while " + std::string(doing);
+    if (error == asio::error::connection_refused)
+        return {ErrorCode::Io, "nothing listens at " + server + ": start one with `scancast serve FILE`", {}};
+    if (error == asio::error::host_not_found || error == asio::error::host_not_found_try_again ||
+        error == asio::error::no_data)
+        return {ErrorCode::NotFound, "there is no host named " + url.host, {}};
+    if (error == asio::error::timed_out || error == beast::error::timeout)
+        return {ErrorCode::DeadlineExceeded, server + " did not answer in time" + whileDoing, {}};
+    if (error == asio::error::eof || error == asio::error::connection_reset ||
+        error == asio::error::broken_pipe || error == beast::http::error::end_of_stream ||
+        error == beast::http::error::partial_message)
+        return {ErrorCode::Io, server + " closed the connection" + whileDoing, {}};
+    if (error == beast::http::error::body_limit || error == beast::http::error::header_limit ||
+        error == beast::websocket::error::message_too_big || error == beast::error::timeout)
+        return {ErrorCode::ResourceLimit, server + " sent more than this client accepts" + whileDoing, {}};
+    if (error.category() == beast::http::make_error_code(beast::http::error::bad_version).category())
+        return {ErrorCode::Malformed,
+                server + " does not speak HTTP (" + error.message() + "): is it a Scancast server?",
+                {}};
+    if (error.category() == beast::websocket::make_error_code(beast::websocket::error::closed).category())
+        return {ErrorCode::Malformed,
+                server + " broke the WebSocket protocol (" + error.message() + ")" + whileDoing,
+                {}};
+    return {ErrorCode::Io, server + ": " + error.message() + whileDoing, {}};
+}
+
+}  // namespace scancast::client

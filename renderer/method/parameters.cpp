@@ -23,10 +23,18 @@ std::string listed(const std::vector<std::string>& names) {
     return out;
 }
 
+/// A name as it may stand in a field: outside bytes need not be text.
+std::string printable(std::string_view name) {
+    std::string out(name.substr(0, 60));
+    std::ranges::replace_if(
+        out, [](char c) { return c <= ' ' || c > '~'; }, '?');
+    return out;
+}
+
 Error unknownParameter(const Method& method, const std::string& name) {
     std::vector<std::string_view> known;
     for (const Parameter& p : method.parameters) known.push_back(p.name);
-    const std::string field = "param." + name.substr(0, 60);
+    const std::string field = "param." + printable(name);
     const std::string where = "method '" + method.name + "', parameter";
     if (known.empty()) {
         return Error{ErrorCode::InvalidArgument, where + " " + quoteText(name) + ": it takes no parameters",

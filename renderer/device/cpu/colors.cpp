@@ -1,0 +1,79 @@
+#include "renderer/device/cpu/colors.hpp"
+
+#include <cmath>
+
+namespace scancast::cpu {
+namespace {
+
+/// A unit vector's colour: -1 … 1 → 0 … 255 per axis. No normal is mid grey.
+std::vector<std::uint32_t> normalColors() {
+    std::vector<std::uint32_t> colors(65536);
+    for (std::uint32_t code = 0; code < 65536; ++code) {
+        const glm::vec3 n = decodeNormal(static_cast<std::uint16_t>(code));
+        const auto channel = [](float v) {
+            return static_cast<std::uint8_t>(
+                std::lround((std::fmin(std::fmax(v, -1.0f), 1.0f) * 0.5f + 0.5f) * 255));
+        };
+        colors[code] = packed({channel(n.x), channel(n.y), channel(n.z)});
+    }
+    return colors;
+}
+
+Coloring coloringOf(ColorSource source) {
+    switch (source) {
+        case ColorSource::Rgb:
+            return Coloring::Rgb;
+        case ColorSource::Intensity:
+            return Coloring::Intensity;
+        case ColorSource::Elevation:
+            return Coloring::Elevation;
+        case ColorSource::Classification:
+            return Coloring::Classification;
+        case ColorSource::Normal:
+            return Coloring::Normal;
+        case ColorSource::Depth:
+            return Coloring::Depth;
+        case ColorSource::Lod:
+        case ColorSource::Flat:
+            return Coloring::Constant;
+    }
+    return Coloring::Rgb;
+}
+
+}  // namespace
+
+void setColors(const ColorRule& rule, const SampleFilter& filter, ColorTables& tables, SplatPass& pass) {
+    pass.coloring = coloringOf(rule.source);
+    for (std::size_t i = 0; i < 256; ++i) tables.ramp[i] = packed(rule.ramp[i]);
+    pass.ramp = tables.ramp.data();
+    if (pass.coloring == Coloring::Normal && tables.normals.empty()) tables.normals = normalColors();
+    pass.normals = tables.normals.data();
+    // A range of no width puts everything at the ramp's beginning.
+    const double width = rule.high - rule.low;
+    pass.colorLow = static_cast<float>(rule.low);
+    pass.colorScale = std::isnormal(width) ? static_cast<float>(255.0 / width) : 0.0f;
+    if (filter.classes) {
+        for (std::size_t i = 0; i < 256; ++i) tables.classes[i] = (*filter.classes)[i] ? 1 : 0;
+        pass.classes = tables.classes.data();
+    }
+}
+
+std::vector<std::uint32_t> backgroundRows(const Background& background, int firstRow, int rows, int height) {
+    std::vector<std::uint32_t> out(static_cast<std::size_t>(rows), 0);
+    if (background.kind == Background::Kind::Transparent) return out;
+    const bool gradient = background.kind == Background::Kind::Gradient;
+    for (int i = 0; i < rows; ++i) {
+        // Pixel centres at +0.5: weights in halves of a row.
+        const int below = gradient ? 2 * (firstRow + i) + 1 : 0;
+        const int above = 2 * height - below;
+        Rgb8 color;
+        for (std::size_t c = 0; c < 3; ++c) {
+            color[c] = static_cast<std::uint8_t>(
+                (background.top[c] * above + background.bottom[c] * below + height) / (2 * height));
+        }
+        out[static_cast<std::size_t>(i)] = packed(color) | 0xff000000u;
+    }
+    return out;
+}
+
+}  // namespace scancast::cpu

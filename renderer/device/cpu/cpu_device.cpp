@@ -1,0 +1,108 @@
+#include "renderer/device/cpu/cpu_device.hpp"
+
+#include <tbb/global_control.h>
+#include <tbb/task_arena.h>
+
+#include <cstdlib>
+#include <new>
+#include <string>
+#include <thread>
+
+#include "renderer/device/cpu/picture.hpp"
+#include "renderer/device/cpu/simd_level.hpp"
+
+namespace scancast {
+namespace {
+
+constexpr int maxThreads = 1024;
+/// A window of this many pixels needs about 1.5 GB with anti-aliasing.
+constexpr std::int64_t maxWindowPixels = std::int64_t{1} << 26;
+/// Sums of frames are 16 bits a channel.
+constexpr std::size_t maxFrames = 256;
+
+Expected<void> check(const Drawing& d) {
+    const Window& w = d.window;
+    if (d.viewpoint == nullptr || d.cut == nullptr || d.jitter.empty()) {
+        return fail(ErrorCode::Internal, "A drawing needs a viewpoint, a cut and at least one frame.");
+    }
+    if (w.width < 1 || w.height < 1 || w.x < 0 || w.y < 0 || w.width > d.viewpoint->width - w.x ||
+        w.height > d.viewpoint->height - w.y) {
+        return fail(ErrorCode::InvalidArgument, "The window to draw lies outside the picture of " +
+                                                    std::to_string(d.viewpoint->width) + " x " +
+                                                    std::to_string(d.viewpoint->height) + " pixels.");
+    }
+    if (std::int64_t{w.width} * w.height > maxWindowPixels) {
+        return fail(ErrorCode::ResourceLimit, "A window of " + std::to_string(w.width) + " x " +
+                                                  std::to_string(w.height) +
+                                                  " pixels is too large to draw at once; draw it in parts.");
+    }
+    if (d.jitter.size() > maxFrames) {
+        return fail(ErrorCode::ResourceLimit,
+                    "At most " + std::to_string(maxFrames) + " frames can be averaged into one picture.");
+    }
+    return {};
+}
+
+class CpuDevice final : public Device {
+  public:
+    CpuDevice(int threads, const cpu::SimdLevel& level)
+        : threads_(threads), level_(level), control_(allowThreads(threads)), arena_(threads) {
+        for (int i = 0; i < threads; ++i) buffers_.keys.push_back(std::make_unique<std::vector<cpu::Key>>());
+    }
+
+    DeviceInfo info() const override {
+        const std::string level(level_.name);
+        DeviceInfo info;
+        info.name = std::string("cpu");
+        info.vendor = std::string("Scancast");
+        info.renderer = std::string("x86-64-").append(level).append(", threads: ").append(std::to_string(threads_));
+        info.version = std::string("1");
+        info.identity = info.name;
+        return info;
+    }
+
+    Expected<Frame> draw(const Drawing& drawing, std::stop_token stop) override {
+        if (auto checked = check(drawing); !checked) return tl::unexpected(checked.error());
+        const auto plan = cpu::planPasses(drawing.passes);
+        if (!plan) return tl::unexpected(plan.error());
+        try {
+            return cpu::Picture(drawing, *plan, *level_.kernels, threads_, arena_, buffers_, std::move(stop))
+                .draw();
+        } catch (const std::bad_alloc&) {
+            return fail(ErrorCode::ResourceLimit,
+                        "There is not enough memory to draw this picture; ask for a smaller one.");
+        }
+    }
+
+  private:
+    /// The library starts no more threads than there are cores unless told to.
+    static std::unique_ptr<tbb::global_control> allowThreads(int threads) {
+        if (threads <= static_cast<int>(std::thread::hardware_concurrency())) return nullptr;
+        return std::make_unique<tbb::global_control>(tbb::global_control::max_allowed_parallelism,
+                                                     static_cast<std::size_t>(threads));
+    }
+
+    const int threads_;
+    const cpu::SimdLevel& level_;
+    std::unique_ptr<tbb::global_control> control_;
+    tbb::task_arena arena_;
+    cpu::Buffers buffers_;
+};
+
+}  // namespace
+
+Expected<std::unique_ptr<Device>> createCpuDevice(int threads) {
+    if (threads < 0 || threads > maxThreads) {
+        return fail(ErrorCode::InvalidArgument,
+                    "The cpu device takes 1 to " + std::to_string(maxThreads) +
+                        " threads, or 0 for all cores, not " + std::to_string(threads) + ".",
+                    "threads");
+    }
+    if (threads == 0) threads = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
+    const char* forced = std::getenv("SCANCAST_SIMD");
+    const auto level = cpu::chooseSimdLevel(forced != nullptr ? forced : "");
+    if (!level) return tl::unexpected(level.error());
+    return std::make_unique<CpuDevice>(std::min(threads, maxThreads), **level);
+}
+
+}  // namespace scancast

@@ -1,0 +1,155 @@
+// First half of a splat pass: samples → places on the picture, depths and colours, a block at a time, as
+// structures of arrays that the compiler vectorises. Part of kernels.cpp.
+#pragma once
+
+#include "renderer/device/cpu/kernels/vectors.hpp"
+
+namespace scancast::cpu {
+namespace {
+
+inline constexpr int blockSize = 256;
+/// Loops run to a multiple of this: masked tails instead of scalar remainders.
+inline constexpr int tailStep = 16;
+
+struct Block {
+    int count = 0;   ///< samples
+    int padded = 0;  ///< count up to a multiple of tailStep; the samples beyond are not drawable
+    alignas(64) std::uint32_t words[4][blockSize];
+    alignas(64) float x[blockSize], y[blockSize];  ///< px in the whole picture
+    alignas(64) float depth[blockSize];
+    alignas(64) float half[blockSize];             ///< half the splat's size, px
+    alignas(64) std::int32_t drawable[blockSize];  ///< 0 or -1
+    alignas(64) std::uint32_t color[blockSize];
+};
+
+/// Four samples at a time: rows of words → columns.
+inline void transposeSamples(const SplatRun& run, std::uint32_t first, Block& b) {
+    const int whole = b.count & ~3;
+    const SampleWords* const samples = run.samples + first;
+    const auto sample = [samples](int i) { return load<Ints4>(samples + i); };
+    for (int i = 0; i < whole; i += 4) {
+        const Ints4 s0 = sample(i), s1 = sample(i + 1), s2 = sample(i + 2), s3 = sample(i + 3);
+        const Ints4 low01 = __builtin_shufflevector(s0, s1, 0, 4, 1, 5);
+        const Ints4 low23 = __builtin_shufflevector(s2, s3, 0, 4, 1, 5);
+        const Ints4 high01 = __builtin_shufflevector(s0, s1, 2, 6, 3, 7);
+        const Ints4 high23 = __builtin_shufflevector(s2, s3, 2, 6, 3, 7);
+        store<Ints4>(b.words[0] + i, __builtin_shufflevector(low01, low23, 0, 1, 4, 5));
+        store<Ints4>(b.words[1] + i, __builtin_shufflevector(low01, low23, 2, 3, 6, 7));
+        store<Ints4>(b.words[2] + i, __builtin_shufflevector(high01, high23, 0, 1, 4, 5));
+        store<Ints4>(b.words[3] + i, __builtin_shufflevector(high01, high23, 2, 3, 6, 7));
+    }
+    for (int i = whole; i < b.padded; ++i) {
+        const Ints4 s = i < b.count ? sample(i) : Ints4{0, 0, 0, 0};
+        for (int w = 0; w < 4; ++w) b.words[w][i] = static_cast<std::uint32_t>(s[w]);
+    }
+}
+
+/// Places, depths and sizes. What is not drawable keeps finite numbers, so that nothing later needs care.
+template <bool perspective>
+void place(const SplatPass& pass, const SplatRun& run, Block& b) {
+    const auto& m = run.toPicture;
+    // Far outside any picture, and still exact as an integer.
+    constexpr float outside = 1 << 20;
+    for (int i = 0; i < b.padded; ++i) {
+        const float sx = static_cast<float>(static_cast<std::int32_t>(b.words[0][i] & 0xffff));
+        const float sy = static_cast<float>(static_cast<std::int32_t>(b.words[0][i] >> 16));
+        const float sz = static_cast<float>(static_cast<std::int32_t>(b.words[1][i] & 0xffff));
+        const float depth = m[2][0] * sx + (m[2][1] * sy + (m[2][2] * sz + m[2][3]));
+        const float across = m[0][0] * sx + (m[0][1] * sy + (m[0][2] * sz + m[0][3]));
+        const float down = m[1][0] * sx + (m[1][1] * sy + (m[1][2] * sz + m[1][3]));
+        const bool seen = (depth >= pass.near) & (depth <= pass.far) & (i < b.count);
+        const float d = seen ? depth : 1.0f;
+        const float inverse = perspective ? 1.0f / d : 1.0f;
+        float x = pass.centerX + across * inverse;
+        float y = pass.centerY + down * inverse;
+        x = x < -outside ? -outside : x;
+        x = x > outside ? outside : x;
+        y = y < -outside ? -outside : y;
+        y = y > outside ? outside : y;
+        float size = run.sizeFactor * inverse;
+        size = size < pass.minPx ? pass.minPx : size;
+        size = size > pass.maxPx ? pass.maxPx : size;
+        b.x[i] = x;
+        b.y[i] = y;
+        b.depth[i] = d;
+        b.half[i] = 0.5f * size;
+        b.drawable[i] = seen ? -1 : 0;
+    }
+}
+
+inline void filterByClass(const SplatPass& pass, Block& b) {
+    for (int i = 0; i < b.padded; ++i) {
+        b.drawable[i] &= -static_cast<std::int32_t>(pass.classes[b.words[2][i] >> 24]);
+    }
+}
+
+inline void filterByClip(const SplatRun& run, Block& b) {
+    for (int i = 0; i < b.padded; ++i) {
+        const std::int32_t x = static_cast<std::int32_t>(b.words[0][i] & 0xffff);
+        const std::int32_t y = static_cast<std::int32_t>(b.words[0][i] >> 16);
+        const std::int32_t z = static_cast<std::int32_t>(b.words[1][i] & 0xffff);
+        const bool inside = (x >= run.clipMin[0]) & (x <= run.clipMax[0]) & (y >= run.clipMin[1]) &
+                            (y <= run.clipMax[1]) & (z >= run.clipMin[2]) & (z <= run.clipMax[2]);
+        b.drawable[i] &= inside ? -1 : 0;
+    }
+}
+
+/// Colour of a value on the ramp: the nearest of 256 entries.
+inline std::uint32_t rampColor(const std::uint32_t* ramp, float index) {
+    index = index < 0.0f ? 0.0f : index;
+    index = index > 255.0f ? 255.0f : index;
+    return ramp[static_cast<std::int32_t>(index + 0.5f)];
+}
+
+inline void colorize(const SplatPass& pass, const SplatRun& run, Block& b) {
+    const auto* const words = b.words;
+    switch (pass.coloring) {
+        case Coloring::Rgb:
+            for (int i = 0; i < b.padded; ++i) b.color[i] = words[2][i] & 0xffffff;
+            return;
+        case Coloring::Constant:
+            for (int i = 0; i < b.padded; ++i) b.color[i] = run.color;
+            return;
+        case Coloring::Intensity:
+            for (int i = 0; i < b.padded; ++i) {
+                const float value = static_cast<float>(static_cast<std::int32_t>(words[1][i] >> 16));
+                b.color[i] = rampColor(pass.ramp, (value - pass.colorLow) * pass.colorScale);
+            }
+            return;
+        case Coloring::Elevation:
+            for (int i = 0; i < b.padded; ++i) {
+                const float z = static_cast<float>(static_cast<std::int32_t>(words[1][i] & 0xffff));
+                b.color[i] = rampColor(pass.ramp, z * run.elevationStep + run.elevationBase);
+            }
+            return;
+        case Coloring::Classification:
+            for (int i = 0; i < b.padded; ++i) b.color[i] = pass.ramp[words[2][i] >> 24];
+            return;
+        case Coloring::Normal:
+            for (int i = 0; i < b.padded; ++i) b.color[i] = pass.normals[words[3][i] & 0xffff];
+            return;
+        case Coloring::Depth:
+            for (int i = 0; i < b.padded; ++i) {
+                b.color[i] = rampColor(pass.ramp, (b.depth[i] - pass.colorLow) * pass.colorScale);
+            }
+            return;
+    }
+}
+
+inline void loadBlock(const SplatPass& pass, const SplatRun& run, std::uint32_t first, Block& b) {
+    const std::uint32_t left = run.count - first;
+    b.count = left < blockSize ? static_cast<int>(left) : blockSize;
+    b.padded = (b.count + tailStep - 1) & ~(tailStep - 1);
+    transposeSamples(run, first, b);
+    if (pass.perspective) {
+        place<true>(pass, run, b);
+    } else {
+        place<false>(pass, run, b);
+    }
+    if (pass.classes != nullptr) filterByClass(pass, b);
+    if (run.clipped) filterByClip(run, b);
+    colorize(pass, run, b);
+}
+
+}  // namespace
+}  // namespace scancast::cpu

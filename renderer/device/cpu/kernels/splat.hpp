@@ -1,0 +1,280 @@
+// Second half of a splat pass: placed samples → keys. Three ways, chosen by the largest splat of a run:
+//   up to 1 px          one key a sample, computed for a whole block, then stored one by one;
+//   up to guardPx       rows of 4 or 8 keys at once, as many rows as the largest splat has, no clipping: what
+//   hangs
+//                       over the tile's border falls into its guard band;
+//   larger              row by row, chunk by chunk, clipped to the tile.
+// All three give the same keys. Part of kernels.cpp.
+#pragma once
+
+#include "renderer/device/cpu/kernels/project.hpp"
+
+namespace scancast::cpu {
+namespace {
+
+/// 8 bits of distance for a splat of half-size h: trunc(distanceScale(h) · squared distance in px); pass.hpp.
+inline float distanceScale(float half) {
+    const float h = half < 0.5f ? 0.5f : half;
+    return 127.5f / (h * h);
+}
+
+inline Key keyOf(std::int32_t orderBits, std::uint32_t payload) {
+    return static_cast<Key>(static_cast<std::uint64_t>(static_cast<std::uint32_t>(orderBits)) << 32 |
+                            payload);
+}
+
+void splatPixels(const Block& b, const KeyTile& tile) {
+    alignas(64) Key keys[blockSize];
+    alignas(64) std::int32_t places[blockSize];
+    const std::int32_t unused = static_cast<std::int32_t>(tile.unused - tile.keys);
+    for (int i = 0; i < b.padded; ++i) {
+        const float column = __builtin_floorf(b.x[i]);
+        const float row = __builtin_floorf(b.y[i]);
+        const float dx = (column + 0.5f) - b.x[i];
+        const float dy = (row + 0.5f) - b.y[i];
+        const std::int32_t left = static_cast<std::int32_t>(column) - tile.x;
+        const std::int32_t top = static_cast<std::int32_t>(row) - tile.y;
+        const bool inside =
+            (left >= 0) & (left < tile.width) & (top >= 0) & (top < tile.height) & (b.drawable[i] != 0);
+        const std::int32_t distance = static_cast<std::int32_t>((dx * dx + dy * dy) * 510.0f);
+        const std::uint32_t payload = static_cast<std::uint32_t>(distance) << 24 | b.color[i];
+        std::int32_t order;
+        __builtin_memcpy(&order, &b.depth[i], sizeof order);
+        keys[i] = keyOf(order, payload);
+        places[i] = inside ? top * tile.stride + left : unused + (i & (unusedKeys - 1));
+    }
+    Key* const target = tile.keys;
+    for (int i = 0; i < b.count; ++i) {
+        Key& now = target[places[i]];
+        now = keys[i] < now ? keys[i] : now;
+    }
+}
+
+/// Splats of a block that reach into the tile, with all that a row needs, packed.
+struct Splats {
+    int count = 0;
+    alignas(64) float x[blockSize], y[blockSize], depth[blockSize], half[blockSize];
+    alignas(64) float rise[blockSize];      ///< how fast the order grows; its unit is the profile's
+    alignas(64) float distance[blockSize];  ///< distanceScale
+    alignas(64) std::uint32_t color[blockSize];
+};
+
+template <Shape shape>
+inline constexpr bool isFlat = shape == Shape::FlatSquare || shape == Shape::FlatCircle;
+template <Shape shape>
+inline constexpr bool isSquare =
+    shape == Shape::FlatSquare || shape == Shape::ParaboloidSquare || shape == Shape::ConeSquare;
+template <Shape shape>
+inline constexpr bool isCone = shape == Shape::ConeSquare || shape == Shape::ConeCircle;
+template <Shape shape>
+inline constexpr bool isSphere = shape == Shape::SphereCircle;
+
+void collectSplats(const Block& b, const KeyTile& tile, Splats& s) {
+    const float left = static_cast<float>(tile.x), right = static_cast<float>(tile.x + tile.width);
+    const float top = static_cast<float>(tile.y), bottom = static_cast<float>(tile.y + tile.height);
+    alignas(64) std::int32_t wanted[blockSize];
+    for (int i = 0; i < b.padded; ++i) {
+        const float h = b.half[i] < 0.5f ? 0.5f : b.half[i];
+        const bool reaches =
+            (b.x[i] + h >= left) & (b.x[i] - h <= right) & (b.y[i] + h >= top) & (b.y[i] - h <= bottom);
+        wanted[i] = b.drawable[i] & (reaches ? 1 : 0);
+    }
+    int n = 0;
+    for (int i = 0; i < b.count; ++i) {
+        s.x[n] = b.x[i];
+        s.y[n] = b.y[i];
+        s.depth[n] = b.depth[i];
+        s.half[n] = b.half[i];
+        s.color[n] = b.color[i];
+        n += wanted[i];
+    }
+    s.count = n;
+}
+
+/// The order's growth: gain · R in units of (px/h)², px/h or 1.
+template <Shape shape>
+void shapeSplats(const SplatPass& pass, Splats& s) {
+    for (int i = 0; i < s.count; ++i) {
+        const float h = s.half[i];
+        const float radius =
+            pass.perspective ? (h * pass.radiusPerPixel) * s.depth[i] : h * pass.radiusPerPixel;
+        const float depthOfBorder = pass.gain * radius;
+        if constexpr (isSphere<shape>) {
+            s.rise[i] = depthOfBorder;
+        } else if constexpr (isCone<shape>) {
+            s.rise[i] = depthOfBorder / h;
+        } else {
+            s.rise[i] = depthOfBorder / (h * h);
+        }
+        s.distance[i] = distanceScale(h);
+    }
+}
+
+/// What a row of fragments needs of its splat, in every lane. `dx` is per lane: px from the centre to the
+/// pixel's.
+template <Shape shape, int lanes>
+struct Fragments {
+    Float<lanes> dx, dx2, y, depth, half, half2, rise, distance;
+    Int<lanes> color;
+
+    Fragments(const Splats& s, int i) {
+        const Float<lanes> zero{};
+        y = zero + s.y[i];
+        depth = zero + s.depth[i];
+        half = zero + s.half[i];
+        half2 = half * half;
+        rise = zero + s.rise[i];
+        distance = zero + s.distance[i];
+        color = Int<lanes>{} + static_cast<std::int32_t>(s.color[i]);
+    }
+
+    /// Starts a row of lanes at this column of the picture.
+    void startColumns(float column, float centerX) {
+        dx = (column + 0.5f + laneNumbers<lanes>()) - centerX;
+        dx2 = dx * dx;
+    }
+
+    void draw(Key* place, float row) const {
+        const Float<lanes> dy = (Float<lanes>{} + (row + 0.5f)) - y;
+        const Float<lanes> s = dx2 + dy * dy;
+        Int<lanes> covered;
+        if constexpr (isSquare<shape>) {
+            covered = (dx > -half) & (dx <= half) & (dy > -half) & (dy <= half);
+        } else {
+            covered = s <= half2;
+        }
+        Float<lanes> order = depth;
+        if constexpr (isSphere<shape>) {
+            const Float<lanes> rest = Float<lanes>{} + 1.0f - s / half2;
+            const Float<lanes> bounded = rest > 0.0f ? rest : Float<lanes>{};
+            order = depth + rise * (Float<lanes>{} + 1.0f - squareRoot<lanes>(bounded));
+        } else if constexpr (isCone<shape>) {
+            order = depth + rise * squareRoot<lanes>(s);
+        } else if constexpr (!isFlat<shape>) {
+            order = depth + rise * s;
+        }
+        const Int<lanes> bits = covered ? reinterpret_cast<Int<lanes>>(order) : Int<lanes>{} + 0x7fffffff;
+        storeNearest(place, bits, payload(s));
+    }
+
+    /// The pixel of the centre, covered whatever the footprint, at the centre's depth.
+    void drawCenter(Key* place, float row) const {
+        const Float<lanes> dy = (Float<lanes>{} + (row + 0.5f)) - y;
+        const Int<lanes> center = (dx > -0.5f) & (dx <= 0.5f);
+        const Int<lanes> bits = center ? reinterpret_cast<Int<lanes>>(depth) : Int<lanes>{} + 0x7fffffff;
+        storeNearest(place, bits, payload(dx2 + dy * dy));
+    }
+
+    /// Where a lane is not covered its payload means nothing, but it must stay an integer.
+    Int<lanes> payload(Float<lanes> s) const {
+        const Float<lanes> d = s * distance;
+        const Float<lanes> bounded = d < 255.0f ? d : Float<lanes>{} + 255.0f;
+        return (__builtin_convertvector(bounded, Int<lanes>) << 24) | color;
+    }
+};
+
+/// First row or column that a splat covers; never beyond the one that holds its centre.
+inline float firstPixel(float center, float half) {
+    const float first = __builtin_ceilf((center - half) - 0.5f);
+    const float middle = __builtin_floorf(center);
+    return first < middle ? first : middle;
+}
+
+/// Splats up to guardPx: `rows` rows of `chunks` × `lanes` pixels each.
+template <Shape shape, int lanes, int chunks>
+void splatSmall(const Splats& s, int rows, const KeyTile& tile) {
+    const std::int64_t stride = tile.stride;
+    for (int i = 0; i < s.count; ++i) {
+        Fragments<shape, lanes> f(s, i);
+        const float column = firstPixel(s.x[i], s.half[i]);
+        const float row = firstPixel(s.y[i], s.half[i]);
+        const float centerRow = __builtin_floorf(s.y[i]);
+        Key* const first = tile.keys + (static_cast<std::int32_t>(row) - tile.y) * stride +
+                           (static_cast<std::int32_t>(column) - tile.x);
+        Key* const center =
+            first + (static_cast<std::int32_t>(centerRow) - static_cast<std::int32_t>(row)) * stride;
+        for (int c = 0; c < chunks; ++c) {
+            f.startColumns(column + static_cast<float>(c * lanes), s.x[i]);
+            Key* place = first + c * lanes;
+            float r = row;
+            for (int j = 0; j < rows; ++j, place += stride, r += 1.0f) f.draw(place, r);
+            f.drawCenter(center + c * lanes, centerRow);
+        }
+    }
+}
+
+template <Shape shape>
+void splatLarge(const Splats& s, const KeyTile& tile) {
+    constexpr int lanes = wideLanes;
+    for (int i = 0; i < s.count; ++i) {
+        Fragments<shape, lanes> f(s, i);
+        const float h = s.half[i];
+        const std::int32_t right = tile.x + tile.width, bottom = tile.y + tile.height;
+        std::int32_t x0 = static_cast<std::int32_t>(firstPixel(s.x[i], h));
+        std::int32_t x1 = static_cast<std::int32_t>(__builtin_floorf(s.x[i] + h + 0.5f));
+        std::int32_t y0 = static_cast<std::int32_t>(firstPixel(s.y[i], h));
+        std::int32_t y1 = static_cast<std::int32_t>(__builtin_floorf(s.y[i] + h + 0.5f));
+        x0 = x0 < tile.x ? tile.x : x0;
+        y0 = y0 < tile.y ? tile.y : y0;
+        x1 = x1 < right - 1 ? x1 : right - 1;
+        y1 = y1 < bottom - 1 ? y1 : bottom - 1;
+        const std::int32_t centerRow = static_cast<std::int32_t>(__builtin_floorf(s.y[i]));
+        for (std::int32_t x = x0; x <= x1; x += lanes) {
+            f.startColumns(static_cast<float>(x), s.x[i]);
+            for (std::int32_t y = y0; y <= y1; ++y) {
+                Key* const place =
+                    tile.keys + static_cast<std::int64_t>(y - tile.y) * tile.stride + (x - tile.x);
+                f.draw(place, static_cast<float>(y));
+                if (y == centerRow) f.drawCenter(place, static_cast<float>(y));
+            }
+        }
+    }
+}
+
+template <Shape shape>
+void splatShape(const SplatPass& pass, const SplatRun& run, const KeyTile& tile) {
+    Block block;
+    if (run.largestPx <= 1.0f) {
+        for (std::uint32_t first = 0; first < run.count; first += blockSize) {
+            loadBlock(pass, run, first, block);
+            splatPixels(block, tile);
+        }
+        return;
+    }
+    Splats splats;
+    const int rows = static_cast<int>(__builtin_ceilf(run.largestPx < guardPx ? run.largestPx : guardPx));
+    for (std::uint32_t first = 0; first < run.count; first += blockSize) {
+        loadBlock(pass, run, first, block);
+        collectSplats(block, tile, splats);
+        shapeSplats<shape>(pass, splats);
+        if (rows <= 4) {
+            splatSmall<shape, 4, 1>(splats, rows, tile);
+        } else if (run.largestPx <= guardPx) {
+            splatSmall<shape, wideLanes, 8 / wideLanes>(splats, rows, tile);
+        } else {
+            splatLarge<shape>(splats, tile);
+        }
+    }
+}
+
+void splat(const SplatPass& pass, const SplatRun& run, const KeyTile& tile) {
+    switch (pass.shape) {
+        case Shape::FlatSquare:
+            return splatShape<Shape::FlatSquare>(pass, run, tile);
+        case Shape::FlatCircle:
+            return splatShape<Shape::FlatCircle>(pass, run, tile);
+        case Shape::ParaboloidSquare:
+            return splatShape<Shape::ParaboloidSquare>(pass, run, tile);
+        case Shape::ParaboloidCircle:
+            return splatShape<Shape::ParaboloidCircle>(pass, run, tile);
+        case Shape::ConeSquare:
+            return splatShape<Shape::ConeSquare>(pass, run, tile);
+        case Shape::ConeCircle:
+            return splatShape<Shape::ConeCircle>(pass, run, tile);
+        case Shape::SphereCircle:
+            return splatShape<Shape::SphereCircle>(pass, run, tile);
+    }
+}
+
+}  // namespace
+}  // namespace scancast::cpu

@@ -1,0 +1,27 @@
+// Cuts the area to draw into tiles of about equal work, each drawn by one thread alone: so no pixel needs an
+// atomic operation, a tile's keys stay in that core's cache, and drawing, resolving and clearing happen there
+// in one go. A run that lies across a border is drawn in both tiles; the cuts follow the work, so that many
+// cores find tiles wherever the samples are. Pictures do not depend on the tiles. Pure function.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "renderer/device/cpu/prepare.hpp"
+
+namespace scancast::cpu {
+
+struct Tile {
+    Rect area;
+    std::vector<std::uint32_t> runs;  ///< indices, in the order given
+    double work = 0;
+};
+
+/// A tile has at most this many pixels: its keys fit a core's cache.
+inline constexpr int maxTilePixels = 64 * 1024;
+
+/// At least `wanted` tiles, as far as tiles do not become tiny; heaviest first. They cover `area` exactly.
+std::vector<Tile> cutIntoTiles(const Rect& area, std::span<const PreparedRun> runs, int wanted);
+
+}  // namespace scancast::cpu

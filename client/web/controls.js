@@ -56,7 +56,7 @@ export class Controls {
     fill(find('method'), catalog.methods.map((method) => ({ value: method.name, label: method.title || method.name })));
     fill(find('colormap'), catalog.colormaps.map((map) => ({ value: map, label: named(colormapNames, map) })));
     fill(find('shading'), [
-      { value: '', label: 'As the method likes it' },
+      { value: '', label: 'Automatic' },
       ...catalog.shadings.map((shading) => ({ value: shading, label: named(shadingNames, shading) })),
     ]);
   }
@@ -120,6 +120,7 @@ export class Controls {
         this.#on.style({ param: { ...this.#view.param, [name]: value } });
       });
       find('parameters').replaceChildren(...this.#fields.nodes);
+      find('tuning').hidden = this.#fields.nodes.length === 0;
     }
     this.#fields.show(view.param);
   }

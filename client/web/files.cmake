@@ -16,6 +16,7 @@ set(SCANCAST_WEB_FILES
     parameter_fields.js
     picture.js
     session.js
+    share.js
     vectors.js
     view_hash.js
     view_state.js

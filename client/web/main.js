@@ -3,15 +3,14 @@
 
 import { between, fit, fromProtocol, radiusOf, standardView, toProtocol } from './camera.js';
 import { CameraInput } from './camera_input.js';
-import { problemOf } from './catalog.js';
 import { Controls } from './controls.js';
 import { amount, Hud } from './hud.js';
 import { Overlays } from './overlays.js';
 import { Picture } from './picture.js';
 import { Session } from './session.js';
-import { parseHash, printHash } from './view_hash.js';
+import { copyLink, savePicture } from './share.js';
+import { parseHash } from './view_hash.js';
 import { ViewState } from './view_state.js';
-import { snapshotUrl } from './view_words.js';
 
 const find = (id) => document.getElementById(id);
 const styleKeys = ['method', 'param', 'color', 'colormap', 'range', 'shading', 'background', 'detail'];
@@ -274,37 +273,6 @@ function showPanel(open) {
 }
 const togglePanel = () => showPanel(document.body.classList.contains('panel-closed'));
 
-async function copyLink() {
-  if (!cloud) return;
-  history.replaceState(null, '', printHash(cloud.id, state.wanted));
-  try {
-    await navigator.clipboard.writeText(location.href);
-    overlays.toast('Link copied', 'It shows this very view.', 'done');
-  } catch {
-    // Without https, or without permission, the clipboard is out of reach; the address bar is not.
-    overlays.toast('The link is in the address bar', 'Copy it from there: it shows this very view.', 'done');
-  }
-}
-
-async function savePicture() {
-  if (!cloud) return;
-  const button = find('save-picture');
-  button.disabled = true;
-  try {
-    const { width, height } = picture.size;
-    const response = await fetch(snapshotUrl(cloud.id, state.wanted, width, height));
-    if (!response.ok) throw await problemOf(response);
-    const url = URL.createObjectURL(await response.blob());
-    Object.assign(document.createElement('a'), { href: url, download: `${cloud.id}.png` }).click();
-    setTimeout(() => URL.revokeObjectURL(url), 10_000);
-    overlays.toast('Picture saved', `${cloud.id}.png, ${width} × ${height}`, 'done');
-  } catch (error) {
-    overlays.toast(error.title ?? 'The picture could not be saved', error.title ? error.message : 'The server does not answer.');
-  } finally {
-    button.disabled = false;
-  }
-}
-
 const shortcuts = {
   f: () => showStandardView('fit'), Home: () => showStandardView('fit'),
   1: () => showStandardView('top'), 2: () => showStandardView('front'), 3: () => showStandardView('side'),
@@ -327,8 +295,15 @@ for (const button of document.querySelectorAll('[data-view]')) {
 find('look-around').addEventListener('click', toggleLooking);
 find('orthographic').addEventListener('click', toggleProjection);
 find('toggle-panel').addEventListener('click', togglePanel);
-find('copy-link').addEventListener('click', copyLink);
-find('save-picture').addEventListener('click', savePicture);
+find('copy-link').addEventListener('click', () => {
+  if (cloud) copyLink(cloud.id, state.wanted, overlays);
+});
+find('save-picture').addEventListener('click', async ({ currentTarget: button }) => {
+  if (!cloud) return;
+  button.disabled = true;
+  await savePicture(cloud.id, state.wanted, picture.size, overlays);
+  button.disabled = false;
+});
 addEventListener('hashchange', () => {
   const next = parseHash(location.hash);
   if (!next || !cloud) return;

@@ -86,8 +86,10 @@ export function parameterFields(parameters, change) {
     if (!make) continue;
     const id = `parameter-${parameter.name}`;
     const field = make(parameter, id, (value) => change(parameter.name, value));
-    const label = element('label', { htmlFor: id, textContent: labelOf(parameter), title: parameter.meaning ?? '' });
-    nodes.push(element('div', { className: `parameter ${parameter.type}`, title: parameter.meaning ?? '' }, label, field.node));
+    const meaning = parameter.meaning ?? '';
+    const label = element('label', { htmlFor: id, textContent: labelOf(parameter) });
+    const note = element('p', { className: 'note', textContent: meaning });
+    nodes.push(element('div', { className: `parameter ${parameter.type}`, title: meaning }, label, field.node, note));
     shows.push((values) => field.show(values[parameter.name] ?? parameter.default));
   }
   return { nodes, show: (values) => shows.forEach((show) => show(values ?? {})) };

@@ -1,0 +1,73 @@
+// Starts Debian's Chromium without a window and with a fresh profile, and talks to pages as a user would.
+
+import { existsSync } from 'node:fs';
+
+const flags = [
+  '--no-sandbox', '--disable-gpu', '--disable-quic', '--no-first-run', '--disable-background-networking',
+  '--disable-component-update', '--disable-sync', '--disable-dev-shm-usage',
+];
+
+async function playwright() {
+  try {
+    return (await import('playwright-core')).chromium;
+  } catch {
+    throw new Error('playwright-core is missing. Run: (cd tests/browser && npm ci --ignore-scripts)');
+  }
+}
+
+export async function startBrowser() {
+  const executablePath = process.env.SCANCAST_CHROMIUM ?? '/usr/bin/chromium';
+  if (!existsSync(executablePath)) throw new Error(`There is no ${executablePath}. Run: apt-get install chromium`);
+  // A profile of its own, new and empty, is what launch() makes.
+  return (await playwright()).launch({ executablePath, headless: true, args: flags });
+}
+
+/** A page that remembers everything the console complained of. `options` as for newContext. */
+export async function openPage(browser, url, options = {}) {
+  const context = await browser.newContext({ viewport: { width: 960, height: 600 }, ...options });
+  const page = await context.newPage();
+  page.complaints = [];
+  page.on('console', (message) => {
+    if (message.type() === 'error' || message.type() === 'warning') page.complaints.push(message.text());
+  });
+  page.on('pageerror', (error) => page.complaints.push(String(error)));
+  await page.goto(url);
+  return page;
+}
+
+/** Waits until the picture of the newest wish is there in full quality. */
+export async function waitUntilSharp(page, timeout = 20_000) {
+  await page.waitForFunction(() => {
+    const { asked, shown } = document.getElementById('picture').dataset;
+    return document.getElementById('hud').dataset.state === 'sharp' && asked !== undefined && asked === shown;
+  }, undefined, { timeout, polling: 50 });
+}
+
+/** The canvas's pixels, thinned out, as one array of numbers. */
+export function pixels(page) {
+  return page.evaluate(() => {
+    const canvas = document.getElementById('picture');
+    const { data } = canvas.getContext('2d').getImageData(0, 0, canvas.width, canvas.height);
+    const thin = [];
+    for (let i = 0; i < data.length; i += 4 * 7) thin.push(data[i], data[i + 1], data[i + 2]);
+    return thin;
+  });
+}
+
+/** Share of the pixels that differ by more than what JPEG may do to them. */
+export function differing(a, b, tolerance = 24) {
+  if (a.length !== b.length) return 1;
+  let count = 0;
+  for (let i = 0; i < a.length; i += 3) {
+    if (Math.max(Math.abs(a[i] - b[i]), Math.abs(a[i + 1] - b[i + 1]), Math.abs(a[i + 2] - b[i + 2])) > tolerance) ++count;
+  }
+  return count / (a.length / 3);
+}
+
+/** Pixels that are no plain background: how much of the picture the cloud covers, wherever the gradient is dark. */
+export function drag(page, from, to, button = 'left') {
+  return page.mouse.move(from[0], from[1])
+    .then(() => page.mouse.down({ button }))
+    .then(() => page.mouse.move(to[0], to[1], { steps: 8 }))
+    .then(() => page.mouse.up({ button }));
+}

@@ -1,0 +1,253 @@
+// A server that is not one: serves the page and plays the protocol with pictures of 8 px blocks, so that tests can make
+// it slow, make it refuse, make it vanish, at will. What the real server does is tested against the real server.
+//
+//   node tests/browser/support/fake_server.mjs     serves the page on a port of its choice, for working on the page
+
+import { createServer } from 'node:http';
+import { readFileSync } from 'node:fs';
+import { extname, join, normalize } from 'node:path';
+import { fileURLToPath } from 'node:url';
+
+import { fromProtocol, project } from '../../../client/web/camera.js';
+import { blockJpeg } from './block_jpeg.mjs';
+import { TestSocket } from './web_socket.mjs';
+
+const webRoot = fileURLToPath(new URL('../../../client/web/', import.meta.url));
+const types = { '.html': 'text/html; charset=utf-8', '.js': 'text/javascript', '.css': 'text/css', '.svg': 'image/svg+xml' };
+export const policy =
+  "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' blob: data:; connect-src 'self'; worker-src 'self'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'";
+
+const size = (name, meaning, min, max, value, unit = 'px') => ({ name, type: 'number', default: value, min, max, unit, meaning });
+export const methods = [
+  {
+    name: 'paraboloid', title: 'Paraboloids', summary: 'Closes holes and keeps lettering and edges sharp.', source: 'test',
+    needs: [], defaultDetail: 1, defaultShading: 'unlit',
+    parameters: [
+      size('sizePx', 'Fixed size of every point on screen; 0 takes the size from the world.', 0, 256, 0),
+      size('scale', 'Factor on the world radius of every point.', 0.01, 100, 1, ''),
+      { name: 'footprint', type: 'choice', default: 'circle', choices: ['circle', 'square'], meaning: 'Outline of a point.' },
+      { name: 'smooth', type: 'boolean', default: false, meaning: 'Only here to show what a yes or no looks like.' },
+    ],
+  },
+  { name: 'point', title: 'Points', summary: 'One pixel each.', source: 'test', needs: [], defaultDetail: 1, defaultShading: 'unlit', parameters: [] },
+  { name: 'surfel', title: 'Surfels', summary: 'Discs along the surface.', source: 'test', needs: ['normal'], defaultDetail: 1, defaultShading: 'phong', parameters: [] },
+];
+
+function makeCloud(id, title, halfHeight, attributes) {
+  return {
+    id, title, format: 'made up', revision: '1', points: 1_234_567, droppedPoints: 0,
+    bounds: { min: [-10, -10, -halfHeight], max: [10, 10, halfHeight] }, origin: [0, 0, 0], spacing: 0.01, attributes,
+    classes: [], mirrors: [], bytesResident: 1, state: 'ready',
+    view: {
+      camera: { type: 'perspective', eye: [14, -22, 12], target: [0, 0, 0], up: [0, 0, 1], fov: 60, near: null, far: null },
+      width: 1280, height: 720, method: 'paraboloid', param: {}, color: attributes[0].name, colormap: 'viridis', range: null,
+      classes: null, clip: null, shading: null, background: ['#3a424e', '#16191e'], detail: null, budget: null, samples: null,
+      quality: 90, subsampling: '4:2:0',
+    },
+  };
+}
+
+export const clouds = [
+  makeCloud('ring', 'A ring of stones', 3, [{ name: 'rgb' }, { name: 'elevation', range: [-3, 3] }]),
+  makeCloud('helix', 'Helix', 10, [{ name: 'intensity', range: [0, 255] }, { name: 'elevation', range: [-10, 10] }]),
+];
+
+const pointsOf = {
+  ring: Array.from({ length: 900 }, (_, i) => {
+    const a = i * 2.399963, t = (i / 900) * 2 * Math.PI;
+    return [(7 + 3 * Math.cos(a)) * Math.cos(t), (7 + 3 * Math.cos(a)) * Math.sin(t), 3 * Math.sin(a)];
+  }),
+  helix: Array.from({ length: 900 }, (_, i) => [10 * Math.cos(i / 40), 10 * Math.sin(i / 40), i / 45 - 10]),
+};
+
+function colorOf(view, point, bounds) {
+  if (view.color.startsWith('#')) return [1, 3, 5].map((at) => parseInt(view.color.slice(at, at + 2), 16));
+  const t = (point[2] - bounds.min[2]) / (bounds.max[2] - bounds.min[2]);
+  if (view.color === 'elevation') return [60 + 180 * t, 200 - 60 * t, 90];
+  return [120 + 110 * t, 110 + 80 * t, 100 - 40 * t];
+}
+
+/** Draws points as blocks, nearest last; the method only changes how large they are. */
+function draw(cloud, view, width, height) {
+  const camera = fromProtocol(view.camera);
+  const blocks = new Map();
+  const reach = view.method === 'point' ? 0 : 1;
+  const projected = pointsOf[cloud.id]
+    .map((point) => ({ point, at: project(camera, point, { width, height }) }))
+    .filter(({ at }) => at !== undefined)
+    .sort((a, b) => b.at.depth - a.at.depth);
+  for (const { point, at } of projected) {
+    for (let dx = 0; dx <= reach; ++dx) {
+      for (let dy = 0; dy <= reach; ++dy) {
+        blocks.set(`${Math.floor(at.x / 8) + dx},${Math.floor(at.y / 8) + dy}`, colorOf(view, point, cloud.bounds));
+      }
+    }
+  }
+  const rows = height / 8;
+  return blockJpeg(width, height, (column, row) => {
+    const t = row / rows;
+    return blocks.get(`${column},${row}`) ?? [58 - 36 * t, 66 - 41 * t, 78 - 48 * t];
+  });
+}
+
+function headerOf({ frameId, seq, width, height, flags, length }) {
+  const header = Buffer.alloc(48);
+  header.write('SCFR');
+  header.writeUInt16LE(1, 4);
+  header.writeUInt16LE(48, 6);
+  header[8] = 1;
+  header[9] = flags;
+  header.writeUInt32LE(length, 12);
+  header.writeBigUInt64LE(BigInt(frameId), 16);
+  header.writeBigUInt64LE(BigInt(seq), 24);
+  header.writeUInt32LE(width, 32);
+  header.writeUInt32LE(height, 36);
+  header.writeUInt32LE(3200, 40);
+  header.writeUInt32LE(1100, 44);
+  return header;
+}
+
+const problem = (status, title, detail) => ({ type: 'about:blank', title, status, detail, errors: [] });
+
+/** One client: latest wins, at most two frames unacknowledged, a final still when views stop. */
+class FakeSession {
+  constructor(server, socket) {
+    this.server = server;
+    this.socket = socket;
+    this.frameId = 0;
+    this.acked = 0;
+    socket.onText = (text) => this.received(JSON.parse(text));
+    socket.onClose = () => {
+      clearTimeout(this.timer);
+      server.sessions.delete(this);
+    };
+  }
+
+  received(message) {
+    this.server.received.push(message);
+    if (message.type === 'hello') this.greet(message);
+    if (message.type === 'view') this.change(message);
+    if (message.type === 'ack') {
+      this.acked = Math.max(this.acked, message.frame);
+      this.pump();
+    }
+    if (message.type === 'ping') this.socket.sendText(JSON.stringify({ type: 'pong', id: message.id }));
+  }
+
+  greet({ cloud, width = 1280, height = 720 }) {
+    this.cloud = this.server.clouds.find((one) => one.id === cloud) ?? this.server.clouds[0];
+    this.view = { ...this.cloud.view, width, height };
+    this.seq = 0;
+    this.socket.sendText(JSON.stringify({
+      type: 'welcome', session: 'test', resume: '', cloud: this.cloud.id, methods: methods.map((method) => method.name),
+      limits: { maxMessageBytes: 65536, maxPixels: 8_300_000, maxUnacknowledged: 2 }, view: this.view,
+    }));
+    this.want(false);
+  }
+
+  change({ type, seq, cloud, ...changes }) {
+    const next = cloud && cloud !== this.cloud.id ? this.server.clouds.find((one) => one.id === cloud) : this.cloud;
+    if (changes.method && !methods.some((method) => method.name === changes.method)) {
+      const detail = `method: there is no method "${changes.method}"; did you mean paraboloid?`;
+      this.socket.sendText(JSON.stringify({ type: 'problem', seq, problem: problem(404, 'Not found', detail) }));
+      return;
+    }
+    const { width, height } = this.view;
+    this.view = { ...(next === this.cloud ? this.view : { ...next.view, width, height }), ...changes };
+    this.cloud = next;
+    this.seq = seq;
+    this.want(true);
+  }
+
+  want(moving) {
+    this.moving = moving;
+    this.finalWanted = true;
+    this.changedAt = Date.now();
+    this.pump();
+  }
+
+  pump() {
+    if (this.timer || this.frameId - this.acked >= 2) return;
+    const quiet = Date.now() - this.changedAt > 150 || this.seq === 0;
+    if (!this.moving && !this.finalWanted) return;
+    const delay = this.moving ? this.server.frameDelay : quiet ? this.server.frameDelay : 160;
+    this.timer = setTimeout(() => {
+      this.timer = undefined;
+      const final = !this.moving;
+      if (final) this.finalWanted = false;
+      this.moving = false;
+      this.send(final);
+      this.pump();
+    }, delay);
+  }
+
+  send(final) {
+    const scale = final ? 1 : 0.5;
+    const width = Math.round(this.view.width * scale), height = Math.round(this.view.height * scale);
+    const picture = draw(this.cloud, this.view, width, height);
+    this.sendFrame(final, picture, width, height);
+    this.socket.sendText(JSON.stringify({
+      type: 'stats', frame: this.frameId, seq: this.seq, fps: 30, detail: 1, samples: 812_345, points: 1_100_000, dropped: 0,
+      stages: [{ name: 'select', milliseconds: 0.4 }, { name: 'nearest', milliseconds: 2.1 }, { name: 'encode', milliseconds: 1.1 }],
+    }));
+  }
+
+  sendFrame(final, picture, width, height, id = ++this.frameId) {
+    const flags = final ? 6 : 1;
+    this.socket.sendBinary(headerOf({ frameId: id, seq: this.seq, width, height, flags, length: picture.length }), picture);
+  }
+}
+
+export class FakeServer {
+  clouds = clouds;
+  pending = [];
+  frameDelay = 12;
+  received = []; // every message of every client
+  sessions = new Set();
+  #http;
+
+  /** Returns the URL; `port` 0 takes a free one. */
+  async start(port = 0) {
+    this.#http = createServer((request, response) => this.#answer(request, response));
+    this.#http.on('upgrade', (request, socket) => this.sessions.add(new FakeSession(this, new TestSocket(request, socket))));
+    await new Promise((done) => this.#http.listen(port, '127.0.0.1', done));
+    this.port = this.#http.address().port;
+    return `http://127.0.0.1:${this.port}/`;
+  }
+
+  async stop() {
+    for (const session of this.sessions) session.socket.destroy();
+    this.#http.closeAllConnections();
+    await new Promise((done) => this.#http.close(done));
+  }
+
+  #answer(request, response) {
+    const { pathname, searchParams } = new URL(request.url, 'http://localhost');
+    const reply = (status, type, body) => {
+      response.writeHead(status, { 'Content-Type': type, 'Content-Security-Policy': policy, 'X-Content-Type-Options': 'nosniff' });
+      response.end(body);
+    };
+    const json = (body) => reply(200, 'application/json', JSON.stringify(body));
+    if (pathname === '/api/v1/clouds') return json({ clouds: this.clouds, pending: this.pending });
+    if (pathname === '/api/v1/methods') {
+      return json({
+        methods, colors: ['rgb', 'intensity', 'elevation', 'classification', 'normal', 'depth', 'lod'],
+        colormaps: ['viridis', 'turbo', 'grey'], shadings: ['unlit', 'phong', 'eyedome'],
+      });
+    }
+    if (pathname.endsWith('/snapshot.png')) {
+      this.received.push({ type: 'snapshot', words: Object.fromEntries(searchParams) });
+      return reply(503, 'application/problem+json', JSON.stringify(problem(503, 'Not now', 'This test server draws no snapshots.')));
+    }
+    const file = normalize(pathname === '/' ? '/index.html' : pathname);
+    try {
+      return reply(200, types[extname(file)] ?? 'application/octet-stream', readFileSync(join(webRoot, file)));
+    } catch {
+      return reply(404, 'application/problem+json', JSON.stringify(problem(404, 'Not Found', `There is no ${file}.`)));
+    }
+  }
+}
+
+if (process.argv[1] === fileURLToPath(import.meta.url)) {
+  console.log(`The page, with pretended clouds: ${await new FakeServer().start()}`);
+}

@@ -1,0 +1,230 @@
+// Oracles: geometry that holds for every camera - a rotation keeps lengths, a point that is held stays where it is -
+// tried on many seeded random cameras.
+
+import assert from 'node:assert/strict';
+import { describe, it } from 'node:test';
+
+import * as cam from '../../../client/web/camera.js';
+import { dot, length, subtract } from '../../../client/web/vectors.js';
+import { manyCameras, random } from '../support/cameras.mjs';
+
+const size = { width: 1200, height: 800 };
+const near = (actual, wanted, tolerance, what) =>
+  assert.ok(Math.abs(actual - wanted) <= tolerance, `${what}: ${actual} instead of ${wanted}`);
+const sameVector = (a, b, tolerance, what) => near(length(subtract(a, b)), 0, tolerance, what);
+
+describe('orbit', () => {
+  it('keeps the distance from eye to target, and the target', () => {
+    for (const camera of manyCameras()) {
+      const next = cam.orbit(camera, 137, -52, size);
+      assert.deepEqual(next.target, camera.target);
+      near(length(subtract(cam.eyeOf(next), next.target)), camera.distance, camera.distance * 1e-9, 'distance');
+    }
+  });
+
+  it('never turns over at the pole: up stays up, however far one drags', () => {
+    for (const camera of manyCameras()) {
+      for (const dy of [1e5, -1e5]) {
+        const next = cam.orbit(camera, 0, dy, size);
+        assert.ok(cam.axes(next).up[2] >= -1e-12, 'the picture stands on its head');
+        assert.equal(Math.abs(next.elevation), Math.PI / 2);
+        // And back again: no dead way at the pole.
+        assert.ok(Math.abs(cam.orbit(next, 0, -Math.sign(dy) * 10, size).elevation) < Math.PI / 2);
+      }
+    }
+  });
+
+  it('takes the near side along with the hand', () => {
+    // A point between eye and target moves to the right when the hand drags to the right.
+    for (const camera of manyCameras()) {
+      if (Math.abs(camera.elevation) > 1.2) continue;
+      const eye = cam.eyeOf(camera);
+      const point = camera.target.map((value, i) => value + (eye[i] - value) * 0.3);
+      const before = cam.project(camera, point, size);
+      assert.ok(cam.project(cam.orbit(camera, 20, 0, size), point, size).x > before.x);
+      assert.ok(cam.project(cam.orbit(camera, 0, 20, size), point, size).y > before.y);
+    }
+  });
+});
+
+describe('axes', () => {
+  it('are orthonormal and right-handed', () => {
+    for (const camera of manyCameras()) {
+      const { right, up, back } = cam.axes(camera);
+      for (const axis of [right, up, back]) near(length(axis), 1, 1e-12, 'length');
+      near(dot(right, up), 0, 1e-12, 'right · up');
+      near(dot(up, back), 0, 1e-12, 'up · back');
+      const cross = [right[1] * up[2] - right[2] * up[1], right[2] * up[0] - right[0] * up[2], right[0] * up[1] - right[1] * up[0]];
+      sameVector(cross, back, 1e-12, 'right × up');
+    }
+  });
+});
+
+describe('pan', () => {
+  it('keeps the point that was taken under the cursor', () => {
+    for (const camera of manyCameras()) {
+      const from = { x: 300, y: 610 }, to = { x: 777, y: 123 };
+      const point = cam.pointUnderCursor(camera, from, size);
+      const seen = cam.project(cam.pan(camera, from, to, size), point, size);
+      near(seen.x, to.x, 1e-4, 'x');
+      near(seen.y, to.y, 1e-4, 'y');
+    }
+  });
+});
+
+describe('zoom', () => {
+  it('keeps the point under the cursor where it is, also when the target moves ahead', () => {
+    for (const camera of manyCameras()) {
+      for (const factor of [0.5, 0.9, 1.7]) {
+        for (const closest of [1e-6, camera.distance * 0.8]) {
+          const cursor = { x: 1000, y: 77 };
+          const point = cam.pointUnderCursor(camera, cursor, size);
+          const seen = cam.project(cam.zoom(camera, factor, cursor, size, closest), point, size);
+          near(seen.x, cursor.x, 1e-3, 'x');
+          near(seen.y, cursor.y, 1e-3, 'y');
+        }
+      }
+    }
+  });
+
+  it('changes the size of what is at the target by the factor', () => {
+    for (const camera of manyCameras()) {
+      near(cam.heightAtTarget(cam.zoom(camera, 0.25, { x: 600, y: 400 }, size)) / cam.heightAtTarget(camera), 0.25, 1e-9, 'height');
+    }
+  });
+
+  it('never gets stuck: a hundred notches at the nearest distance still move the eye', () => {
+    const start = { ...manyCameras()[0], projection: 'perspective' };
+    let camera = start;
+    for (let i = 0; i < 100; ++i) camera = cam.zoom(camera, 0.8, { x: 600, y: 400 }, size, start.distance);
+    assert.equal(camera.distance, start.distance);
+    assert.ok(length(subtract(cam.eyeOf(camera), cam.eyeOf(start))) > 10 * start.distance);
+  });
+
+  it('ignores factors that are none', () => {
+    const [camera] = manyCameras();
+    for (const factor of [0, -1, NaN, Infinity]) assert.equal(cam.zoom(camera, factor, { x: 1, y: 1 }, size), camera);
+  });
+});
+
+describe('look', () => {
+  it('keeps the eye where it is', () => {
+    for (const camera of manyCameras()) {
+      const eye = cam.eyeOf(camera);
+      sameVector(cam.eyeOf(cam.look(camera, 91, -37, size)), eye, camera.distance * 1e-9 + length(eye) * 1e-9, 'eye');
+    }
+  });
+});
+
+describe('move', () => {
+  it('walks where one looks: what lay ahead is reached', () => {
+    for (const camera of manyCameras()) {
+      const next = cam.move(camera, { ahead: camera.distance });
+      sameVector(cam.eyeOf(next), camera.target, camera.distance * 1e-8 + length(camera.target) * 1e-9, 'eye');
+    }
+  });
+});
+
+describe('fit', () => {
+  it('shows every corner, and at least one of them near the border', () => {
+    const next = random(7);
+    for (const camera of manyCameras()) {
+      const min = [0, 1, 2].map(() => next() * 100 - 50);
+      const bounds = { min, max: min.map((value) => value + 0.1 + next() * 80) };
+      const fitted = cam.fit(camera, bounds, size);
+      let farthest = 0;
+      for (let i = 0; i < 8; ++i) {
+        const corner = [0, 1, 2].map((axis) => bounds[i & (1 << axis) ? 'max' : 'min'][axis]);
+        const seen = cam.project(fitted, corner, size);
+        assert.ok(seen && seen.x >= 0 && seen.x <= size.width && seen.y >= 0 && seen.y <= size.height, 'a corner is cut off');
+        farthest = Math.max(farthest, Math.abs(seen.x - 600) / 600, Math.abs(seen.y - 400) / 400);
+      }
+      assert.ok(farthest > 0.8, `the cloud is lost in the picture: ${farthest}`);
+    }
+  });
+
+  it('standard views look along the axes, north up', () => {
+    const bounds = { min: [0, 0, 0], max: [4, 6, 2] };
+    const [camera] = manyCameras();
+    sameVector(cam.axes(cam.standardView(camera, 'top', bounds, size)).back, [0, 0, 1], 1e-12, 'top');
+    sameVector(cam.axes(cam.standardView(camera, 'top', bounds, size)).up, [0, 1, 0], 1e-12, 'north');
+    sameVector(cam.axes(cam.standardView(camera, 'front', bounds, size)).right, [1, 0, 0], 1e-12, 'front');
+    sameVector(cam.axes(cam.standardView(camera, 'side', bounds, size)).right, [0, 1, 0], 1e-12, 'side');
+  });
+});
+
+describe('between', () => {
+  it('starts and ends where it should and turns by the shorter way', () => {
+    const [a] = manyCameras();
+    const from = { ...a, azimuth: 3 }, to = { ...a, azimuth: -3, distance: a.distance * 4 };
+    near(cam.between(from, to, 0).azimuth, 3, 1e-12, 'start');
+    near(cam.between(from, to, 1).azimuth, -3, 1e-12, 'end');
+    assert.ok(Math.abs(cam.between(from, to, 0.5).azimuth) > 3);
+    near(cam.between(from, to, 0.5).distance, a.distance * 2, a.distance * 1e-9, 'half-way in the logarithm');
+  });
+});
+
+describe('protocol', () => {
+  it('round trip: what is written is read back', () => {
+    for (const camera of manyCameras()) {
+      const back = cam.fromProtocol(cam.toProtocol(camera));
+      sameVector(back.target, camera.target, 0, 'target');
+      // An orthographic camera has no field of view on the wire; what it shows is told by the height.
+      near(cam.heightAtTarget(back) / cam.heightAtTarget(camera), 1, 1e-6, 'height at the target');
+      if (camera.projection === 'perspective') near(back.distance / camera.distance, 1, 1e-6, 'distance');
+      near(back.elevation, camera.elevation, 1e-6, 'elevation');
+      near(Math.cos(back.azimuth - camera.azimuth), 1, 1e-9, 'azimuth');
+      assert.equal(back.projection, camera.projection);
+    }
+  });
+
+  it('at the poles too, where only the up direction tells the azimuth', () => {
+    for (const elevation of [Math.PI / 2, -Math.PI / 2]) {
+      for (const azimuth of [-3, -1.5, 0, 0.4, 2.9]) {
+        const camera = { target: [1, 2, 3], azimuth, elevation, distance: 5, fov: 60, projection: 'perspective' };
+        const wire = cam.toProtocol(camera);
+        assert.ok(Math.abs(dot(wire.up, [0, 0, 1])) < 1e-9, 'up is parallel to the view');
+        near(cam.fromProtocol(wire).azimuth, azimuth, 1e-6, 'azimuth');
+      }
+    }
+  });
+
+  it('an orthographic eye stands outside the cloud, so that nothing of it is cut off', () => {
+    const bounds = { min: [-50, -50, -50], max: [50, 50, 50] };
+    for (const camera of manyCameras().map((one) => ({ ...one, projection: 'orthographic', distance: 0.01 }))) {
+      const { eye, target } = cam.toProtocol(camera, bounds);
+      const ahead = subtract(target, eye);
+      for (let i = 0; i < 8; ++i) {
+        const corner = [0, 1, 2].map((axis) => (i & (1 << axis) ? 50 : -50));
+        assert.ok(dot(subtract(corner, eye), ahead) > 0, 'a corner lies behind the eye');
+      }
+    }
+  });
+
+  it('reads no nonsense', () => {
+    const good = { eye: [1, 2, 3], target: [0, 0, 0] };
+    assert.ok(cam.fromProtocol(good));
+    for (const bad of [undefined, null, {}, { eye: [1, 2], target: [0, 0, 0] }, { eye: [0, 0, 0], target: [0, 0, 0] },
+      { eye: [NaN, 0, 0], target: [0, 0, 0] }, { eye: ['1', '2', '3'], target: [0, 0, 0] }, { eye: [1e300, 0, 0], target: [1e299, 0, 0] }]) {
+      assert.equal(cam.fromProtocol(bad), undefined);
+    }
+  });
+});
+
+describe('NaN', () => {
+  it('never gets in, whatever a broken event carries', () => {
+    const isSound = (camera) => [...camera.target, camera.azimuth, camera.elevation, camera.distance].every(Number.isFinite);
+    const bounds = { min: [0, 0, 0], max: [NaN, 1, 1] };
+    for (const camera of manyCameras().slice(0, 5)) {
+      for (const bad of [NaN, Infinity, -Infinity, undefined]) {
+        const cursor = { x: bad, y: 5 };
+        const results = [
+          cam.orbit(camera, bad, 1, size), cam.look(camera, 1, bad, size), cam.pan(camera, cursor, { x: 0, y: 0 }, size),
+          cam.zoom(camera, 0.5, cursor, size), cam.zoom(camera, bad, { x: 1, y: 1 }, size), cam.move(camera, { ahead: bad }),
+          cam.fit(camera, bounds, size), cam.orbit(camera, 1, 1, { width: 0, height: 0 }), cam.between(camera, camera, bad),
+        ];
+        for (const result of results) assert.ok(isSound(result), JSON.stringify(result));
+      }
+    }
+  });
+});

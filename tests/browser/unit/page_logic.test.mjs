@@ -1,0 +1,104 @@
+// The small pure pieces around the page.
+
+import assert from 'node:assert/strict';
+import { describe, it } from 'node:test';
+
+import { wheelPixels } from '../../../client/web/camera_input.js';
+import { closeWords } from '../../../client/web/connection.js';
+import { amount, FrameClock } from '../../../client/web/hud.js';
+import { labelOf, sliderScale } from '../../../client/web/parameter_fields.js';
+import { pictureSize } from '../../../client/web/picture.js';
+import { backOff } from '../../../client/web/session.js';
+
+describe('pictureSize', () => {
+  it('respects the device pixel ratio up to 2, and never asks for more pixels than allowed', () => {
+    assert.deepEqual(pictureSize(390, 844, 3), { width: 780, height: 1688, ratio: 2 });
+    assert.deepEqual(pictureSize(1000, 500, 1), { width: 1000, height: 500, ratio: 1 });
+    for (const [width, height, ratio, limit] of [[5000, 3000, 2, 0], [1920, 1080, 2, 1e6], [30, 9000, 1, 1e5]]) {
+      const size = pictureSize(width, height, ratio, limit);
+      assert.ok(size.width * size.height <= (limit || 3840 * 2160));
+      assert.ok(Math.abs(size.width / size.height / (width / height) - 1) < 0.05, 'another shape');
+    }
+    for (const ratio of [0, NaN, undefined, -1]) assert.ok(pictureSize(300, 300, ratio).width >= 16);
+  });
+});
+
+describe('sliderScale', () => {
+  it('round trip, monotone, from end to end', () => {
+    for (const parameter of [{ min: 0, max: 1 }, { min: 0, max: 256 }, { min: 0.01, max: 100 }, { min: -5, max: 5 }]) {
+      const { toValue, toSlider } = sliderScale(parameter);
+      assert.equal(toValue(0), parameter.min);
+      assert.ok(Math.abs(toValue(1) - parameter.max) < 1e-9);
+      let last = -Infinity;
+      for (let t = 0; t <= 1; t += 0.05) {
+        assert.ok(toValue(t) > last);
+        last = toValue(t);
+        assert.ok(Math.abs(toSlider(last) - t) < 1e-9);
+      }
+      assert.ok(toSlider(parameter.max * 10) <= 1 && toSlider(parameter.min - 10) >= 0);
+    }
+    assert.equal(sliderScale({ min: 2, max: 2 }).toValue(0.7), 2);
+  });
+
+  it('a factor of 1 stands in the middle of 0.01 … 100', () => {
+    assert.ok(Math.abs(sliderScale({ min: 0.01, max: 100 }).toValue(0.5) - 1) < 1e-9);
+  });
+});
+
+describe('words for people', () => {
+  it('name parameters', () => {
+    assert.equal(labelOf({ name: 'sizePx', unit: 'px' }), 'Size');
+    assert.equal(labelOf({ name: 'minPx', unit: 'px' }), 'Smallest');
+    assert.equal(labelOf({ name: 'edgeSharpness' }), 'Edge sharpness');
+  });
+
+  it('say amounts', () => {
+    assert.deepEqual([999, 12345, 1_234_567, 123_456_789, 2.5e9, NaN].map(amount),
+      ['999', '12,345', '1.2 million', '123 million', '2.5 billion', '–']);
+  });
+
+  it('say why a connection ended', () => {
+    assert.match(closeWords(1013, ''), /taken/);
+    assert.equal(closeWords(1008, 'No.'), 'No.');
+    assert.match(closeWords(1006, ''), /does not answer/);
+  });
+});
+
+describe('FrameClock', () => {
+  it('measures from the wish to its first picture and counts frames of the last second', () => {
+    const clock = new FrameClock();
+    clock.asked(1, 100);
+    clock.asked(2, 110);
+    clock.drawn(2, 150);
+    assert.equal(clock.latency, 40);
+    clock.drawn(2, 400); // a refinement
+    assert.equal(clock.latency, 40);
+    assert.equal(clock.framesPerSecond(500), 2);
+    assert.equal(clock.framesPerSecond(1200), 1);
+  });
+
+  it('does not grow while nothing comes back', () => {
+    const clock = new FrameClock();
+    for (let seq = 1; seq <= 5000; ++seq) clock.asked(seq, seq);
+    clock.drawn(1, 6000); // long forgotten
+    assert.ok(Number.isNaN(clock.latency));
+  });
+});
+
+describe('backOff', () => {
+  it('grows, is bounded, and spreads', () => {
+    assert.equal(backOff(0, 1), 500);
+    assert.equal(backOff(2, 1), 2000);
+    assert.equal(backOff(50, 1), 10_000);
+    assert.equal(backOff(50, 0), 7500);
+  });
+});
+
+describe('wheelPixels', () => {
+  it('takes lines and pages for pixels, and no jump beyond reason', () => {
+    assert.equal(wheelPixels({ deltaMode: 0, deltaY: 100 }, 800), 100);
+    assert.equal(wheelPixels({ deltaMode: 1, deltaY: 3 }, 800), 99);
+    assert.equal(wheelPixels({ deltaMode: 2, deltaY: -1 }, 800), -400);
+    assert.equal(wheelPixels({ deltaMode: 0, deltaY: 1e6 }, 800), 400);
+  });
+});

@@ -1,0 +1,91 @@
+import assert from 'node:assert/strict';
+import { describe, it } from 'node:test';
+
+import { pointUnderCursor, project, toProtocol } from '../../../client/web/camera.js';
+import { parseHash, printHash } from '../../../client/web/view_hash.js';
+import { printQuery, snapshotUrl, wordsOf } from '../../../client/web/view_words.js';
+import { manyCameras, random } from '../support/cameras.mjs';
+
+const style = {
+  method: 'paraboloid', param: { sizePx: 5.5, footprint: 'square', smooth: true }, color: 'elevation', colormap: 'turbo',
+  range: [-3, 25.25], shading: 'eyedome', background: ['#102030', '#000000'], detail: 0.5,
+};
+
+describe('the hash', () => {
+  it('round trip: a link shows what its sender saw', () => {
+    for (const camera of manyCameras()) {
+      const read = parseHash(printHash('town', { camera: toProtocol(camera), ...style }));
+      assert.equal(read.cloud, 'town');
+      assert.deepEqual(read.style, style);
+      // Twelve digits of each number survive: the same points appear at the same places of the picture.
+      const size = { width: 1000, height: 1000 };
+      for (const cursor of [{ x: 500, y: 500 }, { x: 30, y: 900 }]) {
+        const seen = project(read.camera, pointUnderCursor(camera, cursor, size), size);
+        assert.ok(Math.hypot(seen.x - cursor.x, seen.y - cursor.y) < 1e-3);
+      }
+    }
+  });
+
+  it('one colour, one background, and what the server is left to choose', () => {
+    const view = { ...style, color: '#ff8800', background: '#ffffff', range: null, shading: null, detail: null, param: {} };
+    const read = parseHash(printHash('a.b-c_d', view));
+    assert.equal(read.cloud, 'a.b-c_d');
+    assert.deepEqual(read.style, { method: 'paraboloid', param: {}, color: '#ff8800', colormap: 'turbo', background: '#ffffff' });
+    assert.equal(read.camera, undefined);
+  });
+
+  it('is undefined when there is none, or one beyond all measure', () => {
+    for (const hash of ['', '#', undefined, null, 7, `#cloud=${'x'.repeat(5000)}`]) assert.equal(parseHash(hash), undefined);
+  });
+
+  it('leaves out what is hostile or broken, and keeps the rest', () => {
+    const hostile = [
+      '#cloud=../../etc/passwd&method=<script>alert(1)</script>&color=cone', '#cloud=%00&eye=1,2,3&target=1,2,3',
+      '#eye=NaN,0,0&target=0,0,0', '#eye=1e999,0,0&target=0,0,0', '#eye=1,2&target=0,0,0', '#eye=0x10,0,0&target=0,0,0',
+      '#%E0%A4%A=1&method=%E0%A4%A', '#range=5,1', '#range=1', '#detail=-1', '#detail=1e9', '#background=javascript:alert(1)',
+      '#background=red,green,blue', '#method=cone&param.__proto__=1&param.constructor=2&param.sizePx=1e999', '#====&&&=&a', '#color=%23zzzzzz',
+      '#colormap=url(x)', '#shading=a%20b',
+    ];
+    for (const hash of hostile) {
+      const read = parseHash(hash);
+      assert.equal(read.camera, undefined, hash);
+      assert.equal(read.cloud, undefined, hash);
+      const { method, param, color, ...others } = read.style;
+      assert.deepEqual(others, {}, hash);
+      assert.ok(method === undefined || method === 'cone', hash);
+      assert.deepEqual({ ...param, constructor: undefined }, { constructor: undefined }, hash);
+      assert.equal({}.sizePx, undefined);
+    }
+  });
+
+  it('survives random damage to a good one', () => {
+    const next = random(5);
+    const good = printHash('town', { camera: toProtocol(manyCameras()[0]), ...style });
+    for (let round = 0; round < 2000; ++round) {
+      const characters = [...good];
+      for (let i = 0; i < 5; ++i) characters[Math.floor(next() * characters.length)] = String.fromCharCode(Math.floor(next() * 300));
+      const read = parseHash(characters.join(''));
+      if (read?.camera) assert.ok([...read.camera.target, read.camera.distance, read.camera.azimuth].every(Number.isFinite));
+    }
+  });
+});
+
+describe('the words of a snapshot', () => {
+  it('say the view in the vocabulary', () => {
+    const camera = { type: 'orthographic', eye: [1, 2, 3], target: [0, 0, 0.1 + 0.2], up: [0, 0, 1], viewHeight: 25 };
+    assert.equal(
+      snapshotUrl('my town', { camera, ...style }, 800, 600),
+      '/api/v1/clouds/my%20town/snapshot.png?eye=1,2,3&target=0,0,0.3&up=0,0,1&projection=orthographic&viewHeight=25' +
+        '&method=paraboloid&param.sizePx=5.5&param.footprint=square&param.smooth=true&color=elevation&colormap=turbo' +
+        '&range=-3,25.25&shading=eyedome&background=102030,000000&detail=0.5&width=800&height=600',
+    );
+  });
+
+  it('say nothing of what is null', () => {
+    assert.equal(printQuery(wordsOf({ method: 'cone', param: { gain: null }, range: null, shading: null, detail: null })), 'method=cone');
+  });
+
+  it('escape what means something in a URL', () => {
+    assert.equal(printQuery([['a&b', 'c=d#e+f']]), 'a%26b=c%3Dd%23e%2Bf');
+  });
+});

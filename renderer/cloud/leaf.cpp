@@ -16,22 +16,57 @@ bool wholeLess(const BuildPoint& a, const BuildPoint& b) {
     return key(a) < key(b);
 }
 
-/// Returns the rung of the key: points in one cell of 2^rung steps are sorted by their whole content.
+/// Morton keys of 48 bits for positions in a box: 15 bits an axis and, above them, the rank of the block of
+/// 2^15 cells a side that the position lies in. A box no wider than a block touches two of them an axis, at
+/// most.
+class KeyMaker {
+  public:
+    explicit KeyMaker(const GridBox& box) {
+        for (int a = 0; a < 3; ++a)
+            while ((box.max[a] >> rung_) - (box.min[a] >> rung_) >= 1u << bits) ++rung_;
+        for (int a = 0; a < 3; ++a) firstBlock_[a] = box.min[a] >> rung_ >> bits;
+        std::array<unsigned, 8> order{0, 1, 2, 3, 4, 5, 6, 7};
+        std::sort(order.begin(), order.end(),
+                  [&](unsigned a, unsigned b) { return mortonLess(block(a), block(b)); });
+        for (unsigned i = 0; i < 8; ++i) rank_[order[i]] = i;
+    }
+
+    /// Positions in one cell of 2^rung steps have the same key.
+    int rung() const { return rung_; }
+
+    std::uint64_t key(const GridPosition& p) const {
+        constexpr std::uint64_t within = (1u << bits) - 1;
+        const GridPosition c{p[0] >> rung_, p[1] >> rung_, p[2] >> rung_};
+        unsigned which = 0;
+        for (int a = 0; a < 3; ++a) which |= unsigned((c[a] >> bits) - firstBlock_[a]) << a;
+        return rank_[which] << (3 * bits) | mortonKey(c[0] & within, c[1] & within, c[2] & within);
+    }
+
+  private:
+    static constexpr int bits = 15;
+
+    GridPosition block(unsigned which) const {
+        return {firstBlock_[0] + (which & 1), firstBlock_[1] + (which >> 1 & 1),
+                firstBlock_[2] + (which >> 2)};
+    }
+
+    int rung_ = 0;
+    GridPosition firstBlock_{};
+    std::array<std::uint64_t, 8> rank_{};
+};
+
+/// Returns the rung down to which the points are in Morton order; within a cell of it, by their whole
+/// content.
 int sortPoints(std::span<BuildPoint> points, const GridBox& box) {
     if (box.isPoint()) {
         std::sort(points.begin(), points.end(), wholeLess);
         return 0;
     }
-    int rung = 0;
-    for (int a = 0; a < 3; ++a)
-        while ((box.max[a] >> rung) - (box.min[a] >> rung) > 65535) ++rung;
+    const KeyMaker maker(box);
     thread_local std::vector<std::uint64_t> keys;
     thread_local std::vector<BuildPoint> copy;
     keys.resize(points.size());
-    for (std::size_t i = 0; i < points.size(); ++i) {
-        const GridPosition p = points[i].position();
-        keys[i] = mortonKey(p[0] >> rung, p[1] >> rung, p[2] >> rung) << 16 | i;
-    }
+    for (std::size_t i = 0; i < points.size(); ++i) keys[i] = maker.key(points[i].position()) << 16 | i;
     std::sort(keys.begin(), keys.end());
     copy.assign(points.begin(), points.end());
     std::size_t same = 0;
@@ -43,7 +78,7 @@ int sortPoints(std::span<BuildPoint> points, const GridBox& box) {
                       wholeLess);
         same = i + 1;
     }
-    return rung;
+    return maker.rung();
 }
 
 double spacingOf(std::span<const BuildPoint> points, const GridBox& box, const Grid& grid) {

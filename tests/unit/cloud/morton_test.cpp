@@ -1,0 +1,61 @@
+#include "renderer/cloud/morton.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <set>
+#include <vector>
+
+#include "tests/support/synthetic_source.hpp"
+
+namespace scancast {
+namespace {
+
+GridPosition scattered(std::uint64_t i) {
+    const auto axis = [&](std::uint64_t stream) {
+        // Many bit lengths, so that differences on every level occur.
+        const int bits = 1 + int(test::uniform(i, stream + 3) * 41);
+        return std::uint64_t(test::uniform(i, stream) * double(std::uint64_t(1) << bits));
+    };
+    return {axis(1), axis(2), axis(3)};
+}
+
+std::string interleaved(const GridPosition& p) {
+    std::string key;
+    for (int bit = gridBits - 1; bit >= 0; --bit)
+        for (int a = 2; a >= 0; --a) key.push_back(p[a] >> bit & 1 ? '1' : '0');
+    return key;
+}
+
+TEST(Morton, OrderIsThatOfInterleavedBits) {
+    for (std::uint64_t i = 0; i < 20'000; ++i) {
+        const GridPosition a = scattered(i), b = scattered(i + 1);
+        ASSERT_EQ(mortonLess(a, b), interleaved(a) < interleaved(b));
+        ASSERT_FALSE(mortonLess(a, a));
+    }
+}
+
+TEST(Morton, KeysAreInTheSameOrder) {
+    for (std::uint64_t i = 0; i < 20'000; ++i) {
+        GridPosition a = scattered(i), b = scattered(i + 1);
+        for (int axis = 0; axis < 3; ++axis) a[axis] &= 0xffff, b[axis] &= 0xffff;
+        ASSERT_EQ(mortonKey(a[0], a[1], a[2]) < mortonKey(b[0], b[1], b[2]), mortonLess(a, b));
+    }
+}
+
+TEST(Morton, CellCountEqualsCountingCells) {
+    std::vector<GridPosition> positions;
+    for (std::uint64_t i = 0; i < 5000; ++i) positions.push_back(scattered(i));
+    std::sort(positions.begin(), positions.end(), mortonLess);
+    CellCount count;
+    count.addFirst();
+    for (std::size_t i = 1; i < positions.size(); ++i) count.addStep(positions[i - 1], positions[i]);
+    for (int rung = 0; rung <= gridBits; ++rung) {
+        std::set<GridPosition> cells;
+        for (const GridPosition& p : positions) cells.insert({p[0] >> rung, p[1] >> rung, p[2] >> rung});
+        EXPECT_EQ(count.cells(rung), cells.size()) << rung;
+    }
+}
+
+}  // namespace
+}  // namespace scancast

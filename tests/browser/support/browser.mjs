@@ -43,15 +43,16 @@ export async function waitUntilSharp(page, timeout = 20_000) {
   }, undefined, { timeout, polling: 50 });
 }
 
-/** The canvas's pixels, thinned out, as one array of numbers. */
-export function pixels(page) {
-  return page.evaluate(() => {
+/** The canvas's pixels, thinned out, as bytes r, g, b, r, …. */
+export async function pixels(page) {
+  const text = await page.evaluate(() => {
     const canvas = document.getElementById('picture');
     const { data } = canvas.getContext('2d').getImageData(0, 0, canvas.width, canvas.height);
-    const thin = [];
-    for (let i = 0; i < data.length; i += 4 * 7) thin.push(data[i], data[i + 1], data[i + 2]);
-    return thin;
+    let thin = '';
+    for (let i = 0; i < data.length; i += 4 * 7) thin += String.fromCharCode(data[i], data[i + 1], data[i + 2]);
+    return btoa(thin);
   });
+  return Buffer.from(text, 'base64');
 }
 
 /** Share of the pixels that differ by more than what JPEG may do to them. */
@@ -64,10 +65,16 @@ export function differing(a, b, tolerance = 24) {
   return count / (a.length / 3);
 }
 
-/** Pixels that are no plain background: how much of the picture the cloud covers, wherever the gradient is dark. */
-export function drag(page, from, to, button = 'left') {
-  return page.mouse.move(from[0], from[1])
-    .then(() => page.mouse.down({ button }))
-    .then(() => page.mouse.move(to[0], to[1], { steps: 8 }))
-    .then(() => page.mouse.up({ button }));
+export async function drag(page, from, to, button = 'left') {
+  await page.mouse.move(...from);
+  await page.mouse.down({ button });
+  await page.mouse.move(...to, { steps: 8 });
+  await page.mouse.up({ button });
 }
+
+const serverAway = /ERR_CONNECTION|ERR_EMPTY_RESPONSE|ERR_SOCKET|WebSocket connection to .* failed/;
+const ownReading = /willReadFrequently/; // pixels() reads the canvas; the page never does
+
+/** What the console said that is not the browser's own complaint about a server that is away. */
+export const seriousComplaints = (page) =>
+  page.complaints.filter((text) => !serverAway.test(text) && !ownReading.test(text));

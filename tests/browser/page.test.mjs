@@ -1,0 +1,210 @@
+// The page against the real server, used as a person uses it. SCANCAST_PROGRAM names the server's program; CTest sets it.
+//
+// Oracle of most of these: pictures are deterministic, so the same view is the same pixels, and another view is not.
+
+import assert from 'node:assert/strict';
+import { readFileSync } from 'node:fs';
+import { after, before, describe, it } from 'node:test';
+
+import { differing, drag, openPage, pixels, seriousComplaints, startBrowser, waitUntilSharp } from './support/browser.mjs';
+import { RealServer } from './support/real_server.mjs';
+import { writeScans } from './support/scans.mjs';
+
+const program = process.env.SCANCAST_PROGRAM;
+if (!program) throw new Error('Set SCANCAST_PROGRAM, such as SCANCAST_PROGRAM=build/release/bin/scancast');
+
+const changedAtLeast = 0.004; // of the pixels; a view that moved changes far more
+const sameAtMost = 0.0005;
+
+describe('the page', { timeout: 240_000 }, () => {
+  let scans, server, browser, url;
+
+  before(async () => {
+    scans = writeScans();
+    server = new RealServer(program, scans.files);
+    url = await server.start();
+    browser = await startBrowser();
+  });
+  after(async () => {
+    await browser?.close();
+    await server?.stop();
+    scans?.remove();
+  });
+
+  /** A page with a sharp picture, closed again after `use`; nothing serious may stand in its console. */
+  async function withPage(use, options, address = url) {
+    const page = await openPage(browser, address, options);
+    try {
+      await waitUntilSharp(page);
+      await use(page);
+      assert.deepEqual(seriousComplaints(page), []);
+    } finally {
+      await page.context().close();
+    }
+  }
+
+  /** Runs `act`, waits for the final still, and returns how much of the picture changed. */
+  async function changeBy(page, act) {
+    const earlier = await pixels(page);
+    const asked = await page.getAttribute('#picture', 'data-asked');
+    await act();
+    await page.waitForFunction((before) => document.getElementById('picture').dataset.asked !== before, asked, { timeout: 5000 });
+    await waitUntilSharp(page);
+    return differing(earlier, await pixels(page));
+  }
+
+  it('shows the cloud, its name and how to get around', () => withPage(async (page) => {
+    const picture = await pixels(page);
+    const orange = picture.filter((_, i) => i % 3 === 0 && picture[i] > 150 && picture[i + 2] < 110).length;
+    assert.ok(orange > 0.02 * (picture.length / 3), 'the ring is not to be seen');
+    assert.match(await page.textContent('h1'), /ring/);
+    assert.match(await page.textContent('#cloud-facts'), /60,000 points/);
+    assert.ok(await page.isVisible('#hint'));
+    assert.ok(!(await page.isVisible('#cover')));
+    assert.match(await page.title(), /ring/);
+  }));
+
+  it('dragging turns it, and then it becomes sharp', () => withPage(async (page) => {
+    assert.ok(await changeBy(page, () => drag(page, [300, 300], [420, 260])) > changedAtLeast);
+    assert.equal(await page.textContent('#hud-state'), 'Sharp');
+  }));
+
+  it('right-dragging pans, the wheel zooms, a double-click goes there, F shows everything again', () => withPage(async (page) => {
+    await changeBy(page, () => page.keyboard.press('f'));
+    const whole = await pixels(page);
+    assert.ok(await changeBy(page, () => drag(page, [300, 300], [380, 330], 'right')) > changedAtLeast);
+    assert.ok(await changeBy(page, () => page.mouse.wheel(0, -300)) > changedAtLeast);
+    assert.ok(await changeBy(page, () => page.mouse.dblclick(350, 320)) > changedAtLeast);
+    await changeBy(page, () => page.keyboard.press('f'));
+    await page.waitForTimeout(400); // the flight
+    await waitUntilSharp(page);
+    assert.ok(differing(whole, await pixels(page)) <= sameAtMost, 'F is not where it was');
+  }));
+
+  it('is used by keys alone: walking, turning, standard views, parallel projection', () => withPage(async (page) => {
+    for (const key of ['ArrowLeft', 'w', '+', '1', '2', '3', 'o']) {
+      assert.ok(await changeBy(page, () => page.keyboard.press(key, { delay: 150 })) > changedAtLeast, key);
+      await page.waitForTimeout(350);
+      await waitUntilSharp(page);
+    }
+    assert.equal(await page.getAttribute('#orthographic', 'aria-pressed'), 'true');
+  }));
+
+  it('method, its parameters, colour, light and background all change the picture', () => withPage(async (page) => {
+    const methods = await page.$$eval('#method option', (options) => options.map((option) => option.value));
+    assert.ok(methods.includes('point') && methods.includes('paraboloid'), methods.join());
+    assert.ok(await changeBy(page, () => page.selectOption('#color', 'elevation')) > changedAtLeast, 'elevation');
+    assert.ok(await changeBy(page, () => page.selectOption('#colormap', 'turbo')) > changedAtLeast, 'turbo');
+    assert.ok(await changeBy(page, async () => {
+      await page.fill('#range-high', '0');
+      await page.press('#range-high', 'Enter');
+    }) > changedAtLeast, 'range');
+    assert.ok(await changeBy(page, () => page.selectOption('#color', 'flat')) > changedAtLeast, 'one colour');
+    assert.ok(await changeBy(page, () => page.selectOption('#shading', 'eyedome')) > changedAtLeast, 'edges');
+    assert.ok(await changeBy(page, () => page.selectOption('#background', '#ffffff')) > changedAtLeast, 'white');
+    await page.click('#tuning summary');
+    assert.ok(await changeBy(page, async () => {
+      await page.fill('#parameter-sizePx', '14');
+      await page.press('#parameter-sizePx', 'Enter');
+    }) > changedAtLeast, 'size');
+    assert.ok(await changeBy(page, () => page.selectOption('#method', 'point')) > changedAtLeast, 'point');
+    await changeBy(page, () => page.click('#reset-style'));
+    assert.equal(await page.inputValue('#method'), 'paraboloid');
+    assert.equal(await page.inputValue('#color'), 'rgb');
+  }));
+
+  it('another cloud comes with its name and its own view', () => withPage(async (page) => {
+    await page.waitForFunction(() => ![...document.querySelectorAll('#cloud option')].some((option) => option.disabled));
+    assert.ok(await changeBy(page, () => page.selectOption('#cloud', 'corner')) > changedAtLeast);
+    assert.match(await page.textContent('h1'), /corner/);
+  }));
+
+  it('a copied link shows the very same picture after a reload, to the pixel', () => withPage(async (page) => {
+    await page.waitForFunction(() => ![...document.querySelectorAll('#cloud option')].some((option) => option.disabled));
+    await changeBy(page, () => page.selectOption('#cloud', 'corner'));
+    await changeBy(page, () => drag(page, [300, 300], [350, 340]));
+    await changeBy(page, () => page.selectOption('#method', 'cone'));
+    await changeBy(page, () => page.selectOption('#color', 'elevation'));
+    const sent = await pixels(page);
+    await page.click('#copy-link');
+    await page.waitForSelector('#toast:not([hidden])');
+    assert.match(page.url(), /#cloud=corner&eye=.*method=cone/);
+    await page.reload();
+    await waitUntilSharp(page);
+    assert.ok(differing(sent, await pixels(page)) <= sameAtMost);
+    assert.equal(await page.inputValue('#method'), 'cone');
+  }));
+
+  it('saves the picture in full quality and full size', () => withPage(async (page) => {
+    const [download] = await Promise.all([page.waitForEvent('download'), page.click('#save-picture')]);
+    assert.equal(download.suggestedFilename(), 'ring.png');
+    const png = readFileSync(await download.path());
+    assert.equal(png.toString('latin1', 1, 4), 'PNG');
+    assert.deepEqual([png.readUInt32BE(16), png.readUInt32BE(20)], [960, 600]);
+  }));
+
+  it('a method that does not exist is explained in words, and the picture comes all the same', async () => {
+    const address = `${url}#cloud=ring&method=parabloid`;
+    await withPage(async (page) => {
+      await page.waitForSelector('#toast:not([hidden])');
+      assert.match(await page.textContent('#toast'), /parabloid/);
+      assert.ok(await page.isVisible('#toast'));
+      assert.equal(await page.inputValue('#method'), 'paraboloid');
+    }, {}, address);
+  });
+
+  it('follows the size of its window', () => withPage(async (page) => {
+    await page.setViewportSize({ width: 700, height: 500 });
+    await page.waitForFunction(() => document.getElementById('picture').width === 700, undefined, { timeout: 5000 });
+    await page.waitForTimeout(300);
+    await waitUntilSharp(page);
+    const figures = await page.evaluate(() => {
+      document.getElementById('hud').open = true;
+      return new Promise((done) => { setTimeout(() => done(document.getElementById('hud-figures').textContent), 700); });
+    });
+    assert.match(figures, /700 × 500/);
+  }));
+
+  it('shows its help on ?, and Escape closes it', () => withPage(async (page) => {
+    await page.keyboard.press('?');
+    assert.ok(await page.isVisible('#help'));
+    await page.keyboard.press('Escape');
+    assert.ok(!(await page.isVisible('#help')));
+  }));
+
+  it('fits a phone: fingers orbit, pan and pinch, nothing runs out of the screen', () => withPage(async (page) => {
+    assert.equal(await page.evaluate(() => document.getElementById('picture').width), 780, 'two pixels for each CSS pixel');
+    assert.ok(await page.evaluate(() => document.documentElement.scrollWidth <= innerWidth));
+    for (const selector of ['.views', '.actions', '#hud', '#hint']) {
+      const box = await page.locator(selector).boundingBox();
+      assert.ok(box && box.x >= 0 && box.x + box.width <= 390 && box.y + box.height <= 844, selector);
+    }
+    const cdp = await page.context().newCDPSession(page);
+    const touch = (type, ...touchPoints) => cdp.send('Input.dispatchTouchEvent', { type, touchPoints });
+    assert.ok(await changeBy(page, async () => {
+      await touch('touchStart', { x: 150, y: 400, id: 1 });
+      for (let i = 1; i <= 5; ++i) await touch('touchMove', { x: 150 + 16 * i, y: 400 + 6 * i, id: 1 });
+      await touch('touchEnd');
+    }) > changedAtLeast, 'one finger');
+    assert.ok(await changeBy(page, async () => {
+      await touch('touchStart', { x: 170, y: 400, id: 1 }, { x: 230, y: 420, id: 2 });
+      for (let i = 1; i <= 5; ++i) await touch('touchMove', { x: 170 - 12 * i, y: 400, id: 1 }, { x: 230 + 12 * i, y: 420, id: 2 });
+      await touch('touchEnd');
+    }) > changedAtLeast, 'two fingers');
+    await page.tap('#toggle-panel');
+    assert.ok(await page.isVisible('#method'));
+  }, { viewport: { width: 390, height: 844 }, deviceScaleFactor: 3, hasTouch: true, isMobile: true }));
+
+  it('says when the connection is lost, and comes back to the same view by itself', () => withPage(async (page) => {
+    await changeBy(page, () => drag(page, [300, 300], [420, 260]));
+    const seen = await pixels(page);
+    await server.stop('SIGKILL');
+    await page.waitForFunction(() => document.getElementById('cover-title').textContent === 'Connection lost');
+    assert.ok(await page.isVisible('#cover-retry'));
+    assert.ok(differing(seen, await pixels(page)) <= sameAtMost, 'the last picture is gone');
+    await server.start();
+    await page.waitForSelector('#cover', { state: 'hidden', timeout: 20_000 });
+    await waitUntilSharp(page);
+    assert.ok(differing(seen, await pixels(page)) <= sameAtMost, 'another view came back');
+  }));
+});

@@ -1,0 +1,59 @@
+// `scancast serve` as a child process, to be stopped and started again at the same address.
+
+import { spawn } from 'node:child_process';
+
+const startMs = 20_000;
+const stopMs = 10_000;
+
+export class RealServer {
+  #program;
+  #files;
+  #child;
+  #log = '';
+  port = 0;
+
+  constructor(program, files) {
+    this.#program = program;
+    this.#files = files;
+  }
+
+  /** Returns the URL that it prints. */
+  async start() {
+    this.#child = spawn(this.#program, ['serve', ...this.#files, '--port', String(this.port)], { stdio: ['ignore', 'pipe', 'pipe'] });
+    this.#child.stderr.on('data', (data) => { this.#log = (this.#log + data).slice(-4000); });
+    const url = await new Promise((done, failed) => {
+      const timer = setTimeout(() => failed(this.#error('said no address in time')), startMs);
+      let text = '';
+      this.#child.stdout.on('data', (data) => {
+        text += data;
+        const found = /Open (http:\S+)/.exec(text);
+        if (!found) return;
+        clearTimeout(timer);
+        done(found[1]);
+      });
+      this.#child.on('error', failed);
+      this.#child.on('exit', (code) => {
+        clearTimeout(timer);
+        failed(this.#error(`ended with ${code}`));
+      });
+    });
+    this.port = Number(new URL(url).port);
+    return url;
+  }
+
+  /** Politely; `signal` SIGKILL makes it vanish. Resolves to the exit code, null after a signal. */
+  async stop(signal = 'SIGTERM') {
+    const child = this.#child;
+    if (!child || child.exitCode !== null || child.signalCode !== null) return child?.exitCode;
+    const ended = new Promise((done) => child.once('exit', done));
+    child.kill(signal);
+    const timer = setTimeout(() => child.kill('SIGKILL'), stopMs);
+    const code = await ended;
+    clearTimeout(timer);
+    return code;
+  }
+
+  #error(what) {
+    return new Error(`${this.#program} serve ${what}. Its log ends with:\n${this.#log}`);
+  }
+}

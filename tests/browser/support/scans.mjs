@@ -1,0 +1,69 @@
+// Two small scans, written by hand as LAS 1.2 with colours (point format 2), so that these tests need nothing but the
+// server that they test.
+
+import { mkdtempSync, rmSync, writeFileSync } from 'node:fs';
+import { tmpdir } from 'node:os';
+import { join } from 'node:path';
+
+import { random } from './cameras.mjs';
+
+const headerLength = 227;
+const recordLength = 26;
+const step = 0.001;
+
+/** `points`: arrays of x, y, z, r, g, b with colours 0–255. */
+export function lasBytes(points) {
+  const bytes = Buffer.alloc(headerLength + points.length * recordLength);
+  bytes.write('LASF');
+  bytes[24] = 1;
+  bytes[25] = 2;
+  bytes.writeUInt16LE(headerLength, 94);
+  bytes.writeUInt32LE(headerLength, 96); // offset to the points
+  bytes[104] = 2;
+  bytes.writeUInt16LE(recordLength, 105);
+  bytes.writeUInt32LE(points.length, 107);
+  bytes.writeUInt32LE(points.length, 111);
+  for (let axis = 0; axis < 3; ++axis) {
+    const values = points.map((point) => point[axis]);
+    bytes.writeDoubleLE(step, 131 + 8 * axis);
+    bytes.writeDoubleLE(values.reduce((a, b) => Math.max(a, b)), 179 + 16 * axis);
+    bytes.writeDoubleLE(values.reduce((a, b) => Math.min(a, b)), 187 + 16 * axis);
+  }
+  points.forEach((point, i) => {
+    const at = headerLength + i * recordLength;
+    for (let axis = 0; axis < 3; ++axis) bytes.writeInt32LE(Math.round(point[axis] / step), at + 4 * axis);
+    bytes.writeUInt16LE(Math.round(20 + 200 * (point[3] / 255)), at + 12); // intensity
+    bytes[at + 14] = 0b001001; // first return of one
+    bytes[at + 15] = 1;
+    for (let channel = 0; channel < 3; ++channel) bytes.writeUInt16LE(point[3 + channel] * 257, at + 20 + 2 * channel);
+  });
+  return bytes;
+}
+
+/** A ring, orange above and blue below. */
+function ring(count) {
+  const next = random(11);
+  return Array.from({ length: count }, () => {
+    const a = next() * 2 * Math.PI, b = next() * 2 * Math.PI;
+    const z = 3 * Math.sin(b);
+    return [(7 + 3 * Math.cos(b)) * Math.cos(a), (7 + 3 * Math.cos(b)) * Math.sin(a), z, z > 0 ? 240 : 50, 140, z > 0 ? 40 : 220];
+  });
+}
+
+/** Three walls of a room, green. */
+function corner(count) {
+  const next = random(12);
+  return Array.from({ length: count }, (_, i) => {
+    const point = [next() * 8, next() * 8, next() * 5];
+    point[i % 3] = i % 3 === 1 ? 8 : 0;
+    return [...point, 40 + 30 * (i % 3), 200 - 50 * (i % 3), 90];
+  });
+}
+
+export function writeScans() {
+  const folder = mkdtempSync(join(tmpdir(), 'scancast-browser-'));
+  const files = { ring: join(folder, 'ring.las'), corner: join(folder, 'corner.las') };
+  writeFileSync(files.ring, lasBytes(ring(60_000)));
+  writeFileSync(files.corner, lasBytes(corner(40_000)));
+  return { files: Object.values(files), remove: () => rmSync(folder, { recursive: true, force: true }) };
+}

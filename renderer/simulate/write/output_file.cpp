@@ -1,0 +1,117 @@
+#include "renderer/simulate/write/output_file.hpp"
+
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstring>
+#include <utility>
+
+namespace scancast {
+namespace {
+
+constexpr std::size_t bufferBytes = std::size_t(1) << 20;
+
+}  // namespace
+
+Expected<OutputFile> OutputFile::create(const std::string& path) {
+    OutputFile out;
+    out.path_ = path;
+    out.buffer_.reserve(bufferBytes);
+    if (path == "-") {
+        out.path_ = "standard output";
+        out.file_ = STDOUT_FILENO;
+        return out;
+    }
+    struct stat status {};
+    const bool exists = stat(path.c_str(), &status) == 0;
+    if (exists && S_ISDIR(status.st_mode)) {
+        errno = EISDIR;
+        return out.failure("write");
+    }
+    const bool inPlace = exists && !S_ISREG(status.st_mode);
+    if (!inPlace) out.temporary_ = path + ".partial-" + std::to_string(getpid());
+    const int flags = O_WRONLY | O_CLOEXEC | (inPlace ? 0 : O_CREAT | O_TRUNC);
+    out.file_ = open(inPlace ? path.c_str() : out.temporary_.c_str(), flags, 0666);
+    if (out.file_ < 0) {
+        auto error = out.failure("create");
+        out.temporary_.clear();
+        return error;
+    }
+    out.owned_ = true;
+    out.seekable_ = !inPlace;
+    return out;
+}
+
+OutputFile::OutputFile(OutputFile&& other) noexcept
+    : path_(std::move(other.path_)),
+      temporary_(std::exchange(other.temporary_, {})),
+      file_(std::exchange(other.file_, -1)),
+      owned_(std::exchange(other.owned_, false)),
+      seekable_(other.seekable_),
+      buffer_(std::move(other.buffer_)),
+      written_(other.written_) {}
+
+OutputFile::~OutputFile() {
+    if (owned_) close(file_);
+    if (!temporary_.empty()) unlink(temporary_.c_str());
+}
+
+tl::unexpected<Error> OutputFile::failure(const char* what) const {
+    const int reason = errno;
+    const std::string why = reason == EPIPE ? "its reader went away" : std::strerror(reason);
+    return fail(ErrorCode::Io, std::string("Cannot ") + what + " " + path_ + ": " + why + ".");
+}
+
+Expected<void> OutputFile::writeAll(std::span<const std::byte> bytes) {
+    while (!bytes.empty()) {
+        const ssize_t done = ::write(file_, bytes.data(), bytes.size());
+        if (done < 0 && errno == EINTR) continue;
+        if (done < 0) return failure("write");
+        bytes = bytes.subspan(std::size_t(done));
+    }
+    return {};
+}
+
+Expected<void> OutputFile::flush() {
+    auto done = writeAll(buffer_);
+    buffer_.clear();
+    return done;
+}
+
+Expected<void> OutputFile::write(std::span<const std::byte> bytes) {
+    written_ += bytes.size();
+    if (buffer_.size() + bytes.size() > bufferBytes)
+        if (auto done = flush(); !done) return done;
+    if (bytes.size() >= bufferBytes) return writeAll(bytes);
+    buffer_.insert(buffer_.end(), bytes.begin(), bytes.end());
+    return {};
+}
+
+Expected<void> OutputFile::overwrite(std::uint64_t offset, std::span<const std::byte> bytes) {
+    if (auto done = flush(); !done) return done;
+    while (!bytes.empty()) {
+        const ssize_t done = pwrite(file_, bytes.data(), bytes.size(), off_t(offset));
+        if (done < 0 && errno == EINTR) continue;
+        if (done < 0) return failure("write");
+        offset += std::uint64_t(done);
+        bytes = bytes.subspan(std::size_t(done));
+    }
+    return {};
+}
+
+Expected<void> OutputFile::finish() {
+    if (auto done = flush(); !done) return done;
+    if (owned_) {
+        owned_ = false;
+        if (close(file_) != 0) return failure("write");
+    }
+    if (!temporary_.empty()) {
+        if (std::rename(temporary_.c_str(), path_.c_str()) != 0) return failure("create");
+        temporary_.clear();
+    }
+    return {};
+}
+
+}  // namespace scancast

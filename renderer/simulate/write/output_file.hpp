@@ -1,0 +1,46 @@
+// Where a scan is written: a file that appears under its name only when it is complete, or standard output.
+// Owner: a point writer; one thread.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "protocol/error.hpp"
+
+namespace scancast {
+
+class OutputFile {
+  public:
+    /// "-" is standard output. A regular file is written beside its final name and renamed by finish(); what
+    /// is not finished is removed again. Devices and pipes are written in place. Errors: Io, with the
+    /// system's reason.
+    static Expected<OutputFile> create(const std::string& path);
+    OutputFile(OutputFile&& other) noexcept;
+    OutputFile& operator=(OutputFile&&) = delete;
+    ~OutputFile();
+
+    Expected<void> write(std::span<const std::byte> bytes);
+    /// Replaces bytes written before. Only where seekable() is true.
+    Expected<void> overwrite(std::uint64_t offset, std::span<const std::byte> bytes);
+    Expected<void> finish();
+
+    bool seekable() const { return seekable_; }
+    std::uint64_t bytesWritten() const { return written_; }
+
+  private:
+    OutputFile() = default;
+    Expected<void> flush();
+    Expected<void> writeAll(std::span<const std::byte> bytes);
+    tl::unexpected<Error> failure(const char* what) const;
+
+    std::string path_, temporary_;  ///< temporary_ is empty for what is written in place
+    int file_ = -1;
+    bool owned_ = false, seekable_ = false;
+    std::vector<std::byte> buffer_;
+    std::uint64_t written_ = 0;
+};
+
+}  // namespace scancast

@@ -1,0 +1,222 @@
+// `scancast generate`: a simulated scan, streamed to a file or to standard output.
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <atomic>
+#include <charconv>
+#include <chrono>
+#include <csignal>
+#include <cstdio>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "renderer/simulate/scene.hpp"
+#include "renderer/simulate/write/point_count.hpp"
+#include "renderer/simulate/write/point_writer.hpp"
+#include "server/commands/command.hpp"
+#include "server/commands/progress_bar.hpp"
+
+namespace scancast {
+namespace {
+
+struct GenerateArguments {
+    std::string scene, points = "1M", output, format, order = "scan", origin;
+    std::uint64_t seed = 1;
+    double noise = 1;
+    int threads = 0;
+    bool quiet = false;
+};
+
+/// Ctrl-C ends the loop, so that the unfinished file is removed as after any other failure.
+std::atomic<bool> interrupted = false;
+static_assert(std::atomic<bool>::is_always_lock_free);
+
+extern "C" void onInterrupt(int) {
+    interrupted = true;
+}
+
+Expected<glm::dvec3> parseOrigin(const std::string& text) {
+    glm::dvec3 origin(0);
+    const char *at = text.data(), *end = text.data() + text.size();
+    for (int axis = 0; axis < 3; ++axis) {
+        const auto [next, problem] = std::from_chars(at, end, origin[axis]);
+        const bool separated = axis == 2 ? next == end : next != end && *next == ',';
+        if (problem != std::errc() || !separated)
+            return fail(ErrorCode::InvalidArgument,
+                        "--origin: '" + text + "' is not X,Y,Z; for example --origin 389500,5819800,34",
+                        "origin");
+        at = next + 1;
+    }
+    return origin;
+}
+
+Expected<ScanFormat> chooseFormat(const GenerateArguments& arguments, std::uint64_t points) {
+    ScanFormat format = ScanFormat::Ply;
+    if (arguments.format == "las14") return ScanFormat::Las14;
+    if (arguments.format == "las") {
+        format = ScanFormat::Las12;
+    } else if (arguments.format.empty() && arguments.output != "-") {
+        const auto named = formatOfName(arguments.output);
+        if (!named && arguments.output.rfind("/dev/", 0) != 0)
+            return fail(ErrorCode::InvalidArgument,
+                        "The name '" + arguments.output +
+                            "' does not tell the format; end it in .ply or .las, or give --format.",
+                        "format");
+        format = named.value_or(ScanFormat::Ply);
+    }
+    if (format == ScanFormat::Las12 && points > UINT32_MAX) format = ScanFormat::Las14;
+    return format;
+}
+
+nlohmann::json mirrorsJson(const std::vector<Mirror>& mirrors) {
+    const auto vector = [](const glm::dvec3& v) { return nlohmann::json{v.x, v.y, v.z}; };
+    auto list = nlohmann::json::array();
+    for (const Mirror& mirror : mirrors)
+        list.push_back(
+            {{"center", vector(mirror.center)},
+             {"normal", vector(mirror.normal)},
+             {"up", vector(mirror.up)},
+             {"width", mirror.width},
+             {"height", mirror.height},
+             {"tint", fmt::format("#{:02x}{:02x}{:02x}", mirror.tint[0], mirror.tint[1], mirror.tint[2])}});
+    return {{"mirrors", list}};
+}
+
+Expected<void> writeMirrors(const SceneOptions& options, const std::string& scan) {
+    const std::vector<Mirror> mirrors = sceneMirrors(options);
+    if (mirrors.empty() || scan == "-" || scan.rfind("/dev/", 0) == 0) return {};
+    auto file = OutputFile::create(scan + ".mirrors.json");
+    if (!file) return tl::unexpected(file.error());
+    const std::string text = mirrorsJson(mirrors).dump(2) + "\n";
+    if (auto done = file->write(std::as_bytes(std::span(text))); !done) return done;
+    return file->finish();
+}
+
+Expected<SceneOptions> sceneOptions(const GenerateArguments& arguments) {
+    SceneOptions options;
+    options.scene = arguments.scene;
+    options.seed = arguments.seed;
+    options.noise = arguments.noise;
+    options.threads = arguments.threads;
+    options.order = arguments.order == "random" ? PointOrder::Random : PointOrder::Scan;
+    const auto points = parsePointCount(arguments.points);
+    if (!points) return tl::unexpected(points.error());
+    options.points = *points;
+    if (!arguments.origin.empty()) {
+        const auto origin = parseOrigin(arguments.origin);
+        if (!origin) return tl::unexpected(origin.error());
+        options.origin = *origin;
+    }
+    return options;
+}
+
+/// Moves all points from the source to the writer; returns how many.
+Expected<std::uint64_t> pump(PointSource& source, PointWriter& writer, std::uint64_t total,
+                             const ProgressSink& progress) {
+    PointBatch batch;
+    std::uint64_t done = 0;
+    progress({"generating", 0, total, "points"});
+    while (true) {
+        const auto more = source.read(batch);
+        if (!more) return tl::unexpected(more.error());
+        if (!*more) return done;
+        if (auto written = writer.write(batch); !written) return tl::unexpected(written.error());
+        done += batch.size();
+        progress({"generating", done, total, "points"});
+        if (interrupted) return fail(ErrorCode::Cancelled, "Interrupted; the unfinished file was removed.");
+    }
+}
+
+Expected<void> generate(const GenerateArguments& arguments) {
+    if (arguments.output == "-" && isatty(STDOUT_FILENO))
+        return fail(ErrorCode::InvalidArgument,
+                    "A scan is binary data, not for a terminal; give a file with -o FILE or pipe it on.",
+                    "output");
+    const auto options = sceneOptions(arguments);
+    if (!options) return tl::unexpected(options.error());
+    const auto format = chooseFormat(arguments, options->points);
+    if (!format) return tl::unexpected(format.error());
+    const auto start = std::chrono::steady_clock::now();
+    auto source = simulate(*options);
+    if (!source) return tl::unexpected(source.error());
+    auto output = OutputFile::create(arguments.output);
+    if (!output) return tl::unexpected(output.error());
+    auto writer = createPointWriter(*format, std::move(*output), (*source)->header());
+    if (!writer) return tl::unexpected(writer.error());
+
+    ProgressBar bar(stderr, arguments.quiet ? ProgressBar::Style::Quiet : ProgressBar::Style::Automatic);
+    const auto points = pump(**source, **writer, options->points, bar.sink());
+    if (!points) return tl::unexpected(points.error());
+    if (auto done = (*writer)->finish(); !done) return done;
+    if (auto done = writeMirrors(*options, arguments.output); !done) return done;
+    bar.clear();
+    if (!arguments.quiet) {
+        const std::chrono::duration<double> took = std::chrono::steady_clock::now() - start;
+        fmt::print(stderr, "{}: {} points, {:.1f} MB, {:.1f} s\n",
+                   arguments.output == "-" ? "standard output" : arguments.output, *points,
+                   double((*writer)->bytesWritten()) / 1e6, took.count());
+    }
+    return {};
+}
+
+constexpr const char* examples =
+    "Examples:\n"
+    "  scancast generate town --points 20M -o town.las         # points about 6 cm apart\n"
+    "  scancast generate room --points 3M -o room.ply          # and room.ply.mirrors.json\n"
+    "  scancast generate sphere --points 1.5e6 --order random --noise 0 -o sphere.ply\n"
+    "  scancast generate town --points 1G --format las -o - | gzip > town.las.gz\n";
+
+}  // namespace
+
+void addGenerate(CLI::App& app, int& exitCode) {
+    const auto arguments = std::make_shared<GenerateArguments>();
+    CLI::App* command =
+        app.add_subcommand("generate", "Make a simulated scan of any size, as a PLY or LAS file");
+    std::string sceneHelp = "What is scanned:";
+    for (const SceneInfo& scene : scenes()) sceneHelp += fmt::format("\n  {}: {}", scene.name, scene.summary);
+    command->add_option("scene", arguments->scene, sceneHelp)->required()->type_name("SCENE");
+    command->add_option("-n,--points", arguments->points, "How many points: 20M, 500k, 1.5e6, 2_000_000")
+        ->capture_default_str()
+        ->type_name("N");
+    command->add_option("-o,--output", arguments->output, "File to write; - for standard output")
+        ->required()
+        ->type_name("FILE");
+    command
+        ->add_option(
+            "--format", arguments->format,
+            "ply, las (1.2, point format 2) or las14 (1.4, point format 7); by default what the file's name "
+            "says, on standard output ply")
+        ->check(CLI::IsMember({"ply", "las", "las14"}))
+        ->type_name("FORMAT");
+    command->add_option("--seed", arguments->seed, "Another number, other points of the same scene")
+        ->capture_default_str();
+    command->add_option("--order", arguments->order, "scan: as the scanner turns; random: shuffled")
+        ->check(CLI::IsMember({"scan", "random"}))
+        ->capture_default_str()
+        ->type_name("ORDER");
+    command->add_option("--noise", arguments->noise, "Times the scene's own noise (2 mm); 0 = exact surfaces")
+        ->check(CLI::Range(0.0, 1000.0))
+        ->capture_default_str()
+        ->type_name("FACTOR");
+    command
+        ->add_option("--origin", arguments->origin,
+                     "Added to all coordinates; by default 0,0,0, for the town a place in UTM")
+        ->type_name("X,Y,Z");
+    command
+        ->add_option("--threads", arguments->threads, "0 = all cores; the file is the same with any number")
+        ->check(CLI::Range(0, 4096))
+        ->capture_default_str()
+        ->type_name("N");
+    command->add_flag("-q,--quiet", arguments->quiet, "No progress on standard error");
+    command->footer(examples);
+    command->callback([arguments, &exitCode] {
+        std::signal(SIGPIPE, SIG_IGN);  // a closed pipe is an error to report, not a death
+        std::signal(SIGINT, onInterrupt);
+        std::signal(SIGTERM, onInterrupt);
+        const auto done = generate(*arguments);
+        exitCode = done ? 0 : 1;
+        if (!done) fmt::print(stderr, "scancast generate: {}\n", done.error().message);
+    });
+}
+
+}  // namespace scancast

@@ -59,6 +59,7 @@ struct DeviceInfo {
     std::string vendor, renderer, version;
     bool hardware = false; ///< a real GPU
     std::string identity;  ///< what pictures may depend on, for ETags: "cpu" or the driver
+    int eglDevice = -1;    ///< egl, as listed: what --egl-device calls it
 };
 
 class Device {

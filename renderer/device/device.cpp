@@ -1,0 +1,61 @@
+// Chooses a device by its backend's name and lists those that would open here.
+#include "renderer/device/device.hpp"
+
+#include <spdlog/spdlog.h>
+
+#include <algorithm>
+
+#include "renderer/device/cpu/cpu_device.hpp"
+#include "renderer/device/gl/gl_device.hpp"
+
+namespace scancast {
+namespace {
+
+Expected<std::unique_ptr<Device>> createBest(int threads) {
+    auto gpu = createHardwareEglDevice();
+    if (gpu) return gpu;
+    spdlog::debug("Drawing on the CPU: {}", gpu.error().message);
+    return createCpuDevice(threads);
+}
+
+}  // namespace
+
+Expected<std::unique_ptr<Device>> createDevice(const DeviceOptions& options) {
+    if (options.eglDevice >= 0 && options.backend != "egl" && options.backend != "auto")
+        return fail(
+            ErrorCode::InvalidArgument,
+            "--egl-device chooses among EGL's devices; it needs --backend=egl, not " + options.backend + ".",
+            "egl-device");
+    if (options.backend == "cpu") return createCpuDevice(options.threads);
+    if (options.backend == "osmesa") return createOsmesaDevice();
+    if (options.backend == "egl" || (options.backend == "auto" && options.eglDevice >= 0))
+        return createEglDevice(options.eglDevice);
+    if (options.backend == "auto") return createBest(options.threads);
+    return fail(
+        ErrorCode::InvalidArgument,
+        "There is no backend \"" + options.backend +
+            "\": choose auto, cpu, egl or osmesa, for example --backend=cpu. --list-backends shows what "
+            "works here.",
+        "backend");
+}
+
+std::vector<DeviceInfo> listDevices() {
+    std::vector<DeviceInfo> infos = listGlDevices();
+    DeviceInfo cpu;
+    if (auto device = createCpuDevice(0)) {
+        cpu = (*device)->info();
+    } else {
+        cpu.name = "cpu";
+        cpu.version = device.error().message;
+    }
+    infos.push_back(std::move(cpu));
+    // GPUs come first, then the processor, then OpenGL on the processor, then what does not open.
+    const auto rank = [](const DeviceInfo& info) {
+        const bool opens = !info.renderer.empty();
+        return !opens ? 3 : info.hardware ? 0 : info.name == "cpu" ? 1 : 2;
+    };
+    std::ranges::stable_sort(infos, {}, rank);
+    return infos;
+}
+
+}  // namespace scancast

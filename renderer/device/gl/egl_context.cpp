@@ -1,0 +1,159 @@
+#include "renderer/device/gl/egl_context.hpp"
+
+#include <algorithm>
+
+#include "renderer/device/gl/egl_library.hpp"
+
+namespace scancast::gl {
+namespace {
+
+class EglContext final : public Context {
+  public:
+    static Expected<std::unique_ptr<Context>> create(const EglFunctions& egl, EGLenum platform,
+                                                     void* native) {
+        auto display = openDisplay(egl, platform, native);
+        if (!display) return tl::unexpected(display.error());
+        const EGLDisplay handle = (*display)->display;
+        const char* const extensions = egl.QueryString(handle, EGL_EXTENSIONS);
+        for (const char* needed :
+             {"EGL_KHR_create_context", "EGL_KHR_surfaceless_context", "EGL_KHR_no_config_context"}) {
+            if (!listsExtension(extensions, needed) &&
+                !(std::string_view(needed) == "EGL_KHR_no_config_context" &&
+                  listsExtension(extensions, "EGL_MESA_configless_context")))
+                return fail(ErrorCode::DeviceUnavailable,
+                            std::string("The EGL driver lacks ") + needed + ": update it.");
+        }
+        if (!egl.BindAPI(EGL_OPENGL_API))
+            return eglFailure(egl, "eglBindAPI(EGL_OPENGL_API)",
+                              "The driver has OpenGL ES only; desktop OpenGL 4.5 is needed.");
+        constexpr EGLint attributes[] = {EGL_CONTEXT_MAJOR_VERSION_KHR,
+                                         4,
+                                         EGL_CONTEXT_MINOR_VERSION_KHR,
+                                         5,
+                                         EGL_CONTEXT_OPENGL_PROFILE_MASK_KHR,
+                                         EGL_CONTEXT_OPENGL_CORE_PROFILE_BIT_KHR,
+                                         EGL_CONTEXT_FLAGS_KHR,
+                                         EGL_CONTEXT_OPENGL_DEBUG_BIT_KHR,
+                                         EGL_NONE};
+        const EGLContext context = egl.CreateContext(handle, EGL_NO_CONFIG_KHR, EGL_NO_CONTEXT, attributes);
+        if (context == EGL_NO_CONTEXT)
+            return eglFailure(
+                egl, "eglCreateContext(OpenGL 4.5 core)",
+                "The driver is too old or its OpenGL part is missing (Debian: apt install "
+                "libgl1-mesa-dri; NVIDIA in a container: NVIDIA_DRIVER_CAPABILITIES=graphics).");
+        std::unique_ptr<EglContext> made(new EglContext(egl, std::move(*display), context));
+        auto current = Current::enter(*made);
+        if (!current) return tl::unexpected(current.error());
+        auto functions = loadFunctions(egl.GetProcAddress);
+        if (!functions) return tl::unexpected(functions.error());
+        made->functions_ = *functions;
+        return made;
+    }
+
+    ~EglContext() override { egl_.DestroyContext(display_->display, context_); }
+
+    const char* backend() const override { return "egl"; }
+
+  protected:
+    Expected<void> makeCurrent() override {
+        egl_.BindAPI(EGL_OPENGL_API);
+        if (!egl_.MakeCurrent(display_->display, EGL_NO_SURFACE, EGL_NO_SURFACE, context_)) {
+            Error error = eglFailure(egl_, "eglMakeCurrent without a surface", "").value();
+            error.code = ErrorCode::DeviceLost;
+            return tl::unexpected(std::move(error));
+        }
+        return {};
+    }
+    void release() override {
+        egl_.MakeCurrent(display_->display, EGL_NO_SURFACE, EGL_NO_SURFACE, EGL_NO_CONTEXT);
+    }
+
+  private:
+    EglContext(const EglFunctions& egl, std::shared_ptr<EglDisplayHandle> display, EGLContext context)
+        : egl_(egl), display_(std::move(display)), context_(context) {}
+
+    const EglFunctions& egl_;
+    std::shared_ptr<EglDisplayHandle> display_;
+    EGLContext context_;
+};
+
+constexpr const char* noDevices =
+    "EGL finds no device. Install a driver (Debian: apt install libegl-mesa0 libgl1-mesa-dri), or give the "
+    "container "
+    "its GPU (the NVIDIA container runtime with NVIDIA_DRIVER_CAPABILITIES=graphics,utility, or /dev/dri).";
+
+Expected<std::vector<EGLDeviceEXT>> deviceHandles(const EglFunctions& egl) {
+    if (!egl.QueryDevices)
+        return fail(
+            ErrorCode::DeviceUnavailable,
+            "This libEGL cannot list devices (no EGL_EXT_device_enumeration); leave --egl-device out.");
+    EGLint count = 0;
+    if (!egl.QueryDevices(0, nullptr, &count)) return eglFailure(egl, "eglQueryDevicesEXT", noDevices);
+    std::vector<EGLDeviceEXT> handles(static_cast<std::size_t>(std::clamp(count, 0, 1024)));
+    if (handles.empty()) return fail(ErrorCode::DeviceUnavailable, noDevices);
+    if (!egl.QueryDevices(static_cast<EGLint>(handles.size()), handles.data(), &count))
+        return eglFailure(egl, "eglQueryDevicesEXT", noDevices);
+    handles.resize(static_cast<std::size_t>(std::clamp(count, 0, static_cast<EGLint>(handles.size()))));
+    return handles;
+}
+
+EglDevice describe(const EglFunctions& egl, EGLDeviceEXT handle, int index) {
+    EglDevice device;
+    device.index = index;
+    if (!egl.QueryDeviceString) return device;
+    const char* const extensions = egl.QueryDeviceString(handle, EGL_EXTENSIONS);
+    device.software = listsExtension(extensions, "EGL_MESA_device_software");
+    if (listsExtension(extensions, "EGL_EXT_device_drm")) {
+        if (const char* node = egl.QueryDeviceString(handle, EGL_DRM_DEVICE_FILE_EXT)) device.node = node;
+    }
+    return device;
+}
+
+Expected<std::unique_ptr<Context>> createBest(const EglFunctions& egl) {
+    std::string reasons;
+    const auto handles = deviceHandles(egl);
+    if (handles) {
+        for (const bool software : {false, true}) {
+            for (std::size_t i = 0; i < handles->size(); ++i) {
+                if (describe(egl, (*handles)[i], static_cast<int>(i)).software != software) continue;
+                auto context = EglContext::create(egl, EGL_PLATFORM_DEVICE_EXT, (*handles)[i]);
+                if (context) return context;
+                reasons += "Device " + std::to_string(i) + ": " + context.error().message + " ";
+            }
+        }
+    } else {
+        reasons = handles.error().message + " ";
+    }
+    auto context = EglContext::create(egl, EGL_PLATFORM_SURFACELESS_MESA, nullptr);
+    if (context) return context;
+    return fail(ErrorCode::DeviceUnavailable, reasons + "Surfaceless platform: " + context.error().message);
+}
+
+}  // namespace
+
+Expected<std::vector<EglDevice>> listEglDevices() {
+    const auto egl = eglLibrary();
+    if (!egl) return tl::unexpected(egl.error());
+    const auto handles = deviceHandles(**egl);
+    if (!handles) return tl::unexpected(handles.error());
+    std::vector<EglDevice> devices;
+    for (std::size_t i = 0; i < handles->size(); ++i)
+        devices.push_back(describe(**egl, (*handles)[i], static_cast<int>(i)));
+    return devices;
+}
+
+Expected<std::unique_ptr<Context>> createEglContext(int device) {
+    const auto egl = eglLibrary();
+    if (!egl) return tl::unexpected(egl.error());
+    if (device < 0) return createBest(**egl);
+    const auto handles = deviceHandles(**egl);
+    if (!handles) return tl::unexpected(handles.error());
+    if (static_cast<std::size_t>(device) >= handles->size())
+        return fail(ErrorCode::DeviceUnavailable,
+                    "There is no EGL device " + std::to_string(device) + "; EGL lists 0 to " +
+                        std::to_string(handles->size() - 1) + " here. See --list-backends.",
+                    "egl-device");
+    return EglContext::create(**egl, EGL_PLATFORM_DEVICE_EXT, (*handles)[static_cast<std::size_t>(device)]);
+}
+
+}  // namespace scancast::gl

@@ -1,0 +1,52 @@
+// libEGL, opened at run time: the functions that this room calls, its errors by name, and displays that are
+// closed when the last context on them goes. Any thread.
+#pragma once
+
+#define EGL_NO_PLATFORM_SPECIFIC_TYPES
+#include <EGL/egl.h>
+#include <EGL/eglext.h>
+
+#include <memory>
+#include <string>
+
+#include "protocol/error.hpp"
+
+namespace scancast::gl {
+
+struct EglFunctions {
+    PFNEGLGETPROCADDRESSPROC GetProcAddress = nullptr;
+    PFNEGLGETERRORPROC GetError = nullptr;
+    PFNEGLQUERYSTRINGPROC QueryString = nullptr;
+    PFNEGLINITIALIZEPROC Initialize = nullptr;
+    PFNEGLTERMINATEPROC Terminate = nullptr;
+    PFNEGLBINDAPIPROC BindAPI = nullptr;
+    PFNEGLCREATECONTEXTPROC CreateContext = nullptr;
+    PFNEGLDESTROYCONTEXTPROC DestroyContext = nullptr;
+    PFNEGLMAKECURRENTPROC MakeCurrent = nullptr;
+    // Extensions; null where libEGL lacks them.
+    PFNEGLGETPLATFORMDISPLAYEXTPROC GetPlatformDisplay = nullptr;
+    PFNEGLQUERYDEVICESEXTPROC QueryDevices = nullptr;
+    PFNEGLQUERYDEVICESTRINGEXTPROC QueryDeviceString = nullptr;
+};
+
+/// The process's libEGL. DeviceUnavailable says what to install.
+Expected<const EglFunctions*> eglLibrary();
+
+/// DeviceUnavailable: "WHAT: CALL failed with EGL_BAD_ALLOC. HINT"; reads the thread's last EGL error.
+tl::unexpected<Error> eglFailure(const EglFunctions& egl, const std::string& call, const std::string& hint);
+
+/// Whether a space-separated list names the extension.
+bool listsExtension(const char* list, std::string_view extension);
+
+/// An initialised display. EGL gives the whole process one handle per device, so it is shared, and terminated
+/// when its last user goes.
+struct EglDisplayHandle {
+    const EglFunctions& egl;
+    EGLDisplay display;
+    ~EglDisplayHandle();
+};
+/// `platform` EGL_PLATFORM_DEVICE_EXT with a device, or EGL_PLATFORM_SURFACELESS_MESA with nullptr.
+Expected<std::shared_ptr<EglDisplayHandle>> openDisplay(const EglFunctions& egl, EGLenum platform,
+                                                        void* native);
+
+}  // namespace scancast::gl

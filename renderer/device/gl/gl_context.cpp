@@ -1,0 +1,49 @@
+#include "renderer/device/gl/gl_context.hpp"
+
+#include <spdlog/spdlog.h>
+
+#include <array>
+#include <string_view>
+
+namespace scancast::gl {
+namespace {
+
+std::string text(const GlFunctions& gl, GLenum what) {
+    const GLubyte* bytes = gl.GetString(what);
+    return bytes ? reinterpret_cast<const char*>(bytes) : "";
+}
+
+void APIENTRY onMessage(GLenum, GLenum type, GLuint id, GLenum severity, GLsizei length,
+                        const GLchar* message, const void*) {
+    const std::string_view words(message, length >= 0 ? static_cast<std::size_t>(length) : 0);
+    if (type == GL_DEBUG_TYPE_ERROR || severity == GL_DEBUG_SEVERITY_HIGH)
+        spdlog::error("OpenGL driver, message {}: {}", id, words);
+    else
+        spdlog::debug("OpenGL driver, message {}: {}", id, words);
+}
+
+}  // namespace
+
+Expected<DriverStrings> describeDriver(const GlFunctions& gl) {
+    DriverStrings driver{text(gl, GL_VENDOR), text(gl, GL_RENDERER), text(gl, GL_VERSION)};
+    constexpr std::array rasterisers{"llvmpipe", "softpipe",    "swrast",
+                                     "SWR",      "SwiftShader", "Software Rasterizer"};
+    for (const char* name : rasterisers) driver.software |= driver.renderer.find(name) != std::string::npos;
+
+    GLint major = 0, minor = 0;
+    gl.GetIntegerv(GL_MAJOR_VERSION, &major);
+    gl.GetIntegerv(GL_MINOR_VERSION, &minor);
+    if (major * 10 + minor < 45)
+        return fail(ErrorCode::DeviceUnavailable, "The driver \"" + driver.renderer + "\" offers OpenGL " +
+                                                      std::to_string(major) + "." + std::to_string(minor) +
+                                                      "; 4.5 is needed.");
+    return driver;
+}
+
+void logDriverMessages(const GlFunctions& gl) {
+    gl.Enable(GL_DEBUG_OUTPUT);
+    gl.DebugMessageCallback(&onMessage, nullptr);
+    gl.DebugMessageControl(GL_DONT_CARE, GL_DONT_CARE, GL_DEBUG_SEVERITY_NOTIFICATION, 0, nullptr, GL_FALSE);
+}
+
+}  // namespace scancast::gl

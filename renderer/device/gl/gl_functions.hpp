@@ -1,0 +1,66 @@
+// The OpenGL functions that this room calls, and no others: loaded from one context's own GetProcAddress, so
+// that OSMesa and a vendor's libGL can live in one process. Owned by a context, used on its thread while it
+// is current.
+#pragma once
+
+#include <GL/glcorearb.h>
+
+#include "protocol/error.hpp"
+
+namespace scancast::gl {
+
+// X(PFN type's middle, name without "gl")
+#define SCANCAST_GL_FUNCTIONS(X)                        \
+    X(ATTACHSHADER, AttachShader)                       \
+    X(BINDBUFFERBASE, BindBufferBase)                   \
+    X(CLEARNAMEDBUFFERSUBDATA, ClearNamedBufferSubData) \
+    X(CLIENTWAITSYNC, ClientWaitSync)                   \
+    X(COMPILESHADER, CompileShader)                     \
+    X(CREATEBUFFERS, CreateBuffers)                     \
+    X(CREATEPROGRAM, CreateProgram)                     \
+    X(CREATESHADER, CreateShader)                       \
+    X(DEBUGMESSAGECALLBACK, DebugMessageCallback)       \
+    X(DEBUGMESSAGECONTROL, DebugMessageControl)         \
+    X(DELETEBUFFERS, DeleteBuffers)                     \
+    X(DELETEPROGRAM, DeleteProgram)                     \
+    X(DELETESHADER, DeleteShader)                       \
+    X(DELETESYNC, DeleteSync)                           \
+    X(DISPATCHCOMPUTE, DispatchCompute)                 \
+    X(ENABLE, Enable)                                   \
+    X(FENCESYNC, FenceSync)                             \
+    X(GETERROR, GetError)                               \
+    X(GETGRAPHICSRESETSTATUS, GetGraphicsResetStatus)   \
+    X(GETINTEGER64V, GetInteger64v)                     \
+    X(GETINTEGERV, GetIntegerv)                         \
+    X(GETNAMEDBUFFERSUBDATA, GetNamedBufferSubData)     \
+    X(GETPROGRAMINFOLOG, GetProgramInfoLog)             \
+    X(GETPROGRAMIV, GetProgramiv)                       \
+    X(GETSHADERINFOLOG, GetShaderInfoLog)               \
+    X(GETSHADERIV, GetShaderiv)                         \
+    X(GETSTRING, GetString)                             \
+    X(LINKPROGRAM, LinkProgram)                         \
+    X(MAPNAMEDBUFFERRANGE, MapNamedBufferRange)         \
+    X(MEMORYBARRIER, MemoryBarrier)                     \
+    X(NAMEDBUFFERSTORAGE, NamedBufferStorage)           \
+    X(NAMEDBUFFERSUBDATA, NamedBufferSubData)           \
+    X(SHADERSOURCE, ShaderSource)                       \
+    X(UNIFORM1UI, Uniform1ui)                           \
+    X(UNMAPNAMEDBUFFER, UnmapNamedBuffer)               \
+    X(USEPROGRAM, UseProgram)
+
+struct GlFunctions {
+#define SCANCAST_GL_MEMBER(type, name) PFNGL##type##PROC name = nullptr;
+    SCANCAST_GL_FUNCTIONS(SCANCAST_GL_MEMBER)
+#undef SCANCAST_GL_MEMBER
+};
+
+using GlProc = void (*)();
+using GetProcAddress = GlProc (*)(const char*);
+
+/// DeviceUnavailable names the first function that the driver lacks.
+Expected<GlFunctions> loadFunctions(GetProcAddress getProcAddress);
+
+/// "GL_OUT_OF_MEMORY" …
+const char* glErrorName(GLenum error);
+
+}  // namespace scancast::gl

@@ -1,0 +1,137 @@
+#include "renderer/device/gl/gl_handles.hpp"
+
+#include <algorithm>
+
+#include "renderer/device/gl/shader_source.hpp"
+
+namespace scancast::gl {
+namespace {
+
+constexpr std::size_t smallestBuffer = 256;
+constexpr GLuint64 longestWaitNs = 10'000'000'000;
+
+/// A shader object while its program is being linked.
+struct Shader {
+    const GlFunctions& gl;
+    GLuint name;
+    explicit Shader(const GlFunctions& functions) : gl(functions), name(gl.CreateShader(GL_COMPUTE_SHADER)) {}
+    Shader(const Shader&) = delete;
+    Shader& operator=(const Shader&) = delete;
+    ~Shader() { gl.DeleteShader(name); }
+};
+
+std::string logOf(GLuint name, PFNGLGETSHADERIVPROC get, PFNGLGETSHADERINFOLOGPROC getLog) {
+    GLint length = 0;
+    get(name, GL_INFO_LOG_LENGTH, &length);
+    std::string log(static_cast<std::size_t>(std::clamp(length, 0, 1 << 20)), '\0');
+    if (!log.empty()) getLog(name, static_cast<GLsizei>(log.size()), &length, log.data());
+    log.resize(std::min(log.size(), static_cast<std::size_t>(std::max(length, 0))));
+    return log;
+}
+
+}  // namespace
+
+Buffer::~Buffer() {
+    if (name_) gl_->DeleteBuffers(1, &name_);
+}
+
+Expected<void> Buffer::reserve(std::size_t bytes) {
+    if (bytes <= capacity_ && name_) return {};
+    if (name_) gl_->DeleteBuffers(1, &name_);
+    capacity_ = 0;
+    gl_->CreateBuffers(1, &name_);
+    const std::size_t size = std::max(bytes, smallestBuffer);
+    gl_->NamedBufferStorage(name_, static_cast<GLsizeiptr>(size), nullptr,
+                            use_ == Use::Uploads ? GL_MAP_WRITE_BIT : GL_DYNAMIC_STORAGE_BIT);
+    auto made = checkErrors(
+        *gl_, std::string("making room for the ") + what_ + " (" + std::to_string(size) + " bytes)");
+    if (made) capacity_ = size;
+    return made;
+}
+
+Expected<void> Buffer::write(std::span<const std::byte> bytes) {
+    if (auto room = reserve(bytes.size()); !room) return room;
+    if (!bytes.empty())
+        gl_->NamedBufferSubData(name_, 0, static_cast<GLsizeiptr>(bytes.size()), bytes.data());
+    return {};
+}
+
+void Buffer::clear(std::size_t words, std::uint32_t value) {
+    gl_->ClearNamedBufferSubData(name_, GL_R32UI, 0, static_cast<GLsizeiptr>(words * 4), GL_RED_INTEGER,
+                                 GL_UNSIGNED_INT, &value);
+}
+
+void Buffer::read(std::span<std::byte> out) const {
+    gl_->GetNamedBufferSubData(name_, 0, static_cast<GLsizeiptr>(out.size()), out.data());
+}
+
+Expected<std::byte*> Buffer::map(std::size_t bytes) {
+    if (auto room = reserve(bytes); !room) return tl::unexpected(room.error());
+    void* const mapped = gl_->MapNamedBufferRange(name_, 0, static_cast<GLsizeiptr>(bytes),
+                                                  GL_MAP_WRITE_BIT | GL_MAP_INVALIDATE_BUFFER_BIT);
+    if (mapped) return static_cast<std::byte*>(mapped);
+    if (auto checked = checkErrors(*gl_, "glMapNamedBufferRange"); !checked)
+        return tl::unexpected(checked.error());
+    return fail(ErrorCode::ResourceLimit,
+                std::string("glMapNamedBufferRange gave no memory for the ") + what_ + ".");
+}
+
+Expected<void> Buffer::unmap() {
+    if (gl_->UnmapNamedBuffer(name_)) return {};
+    return fail(ErrorCode::DeviceLost,
+                std::string("glUnmapNamedBuffer: the content of the ") + what_ + " was lost.");
+}
+
+Expected<Program> Program::compile(const GlFunctions& gl, const std::string& name,
+                                   const std::string& source) {
+    Program program(gl, gl.CreateProgram());
+    const Shader shader(gl);
+    const char* const text = source.c_str();
+    gl.ShaderSource(shader.name, 1, &text, nullptr);
+    gl.CompileShader(shader.name);
+    GLint ok = GL_FALSE;
+    gl.GetShaderiv(shader.name, GL_COMPILE_STATUS, &ok);
+    if (!ok)
+        return fail(ErrorCode::Internal, "The driver does not compile the shader " + name + ":\n" +
+                                             logOf(shader.name, gl.GetShaderiv, gl.GetShaderInfoLog) + "\n" +
+                                             withLineNumbers(source));
+    gl.AttachShader(program.name_, shader.name);
+    gl.LinkProgram(program.name_);
+    gl.GetProgramiv(program.name_, GL_LINK_STATUS, &ok);
+    if (!ok)
+        return fail(ErrorCode::Internal, "The driver does not link the shader " + name + ":\n" +
+                                             logOf(program.name_, gl.GetProgramiv, gl.GetProgramInfoLog));
+    return program;
+}
+
+Program::~Program() {
+    if (name_) gl_->DeleteProgram(name_);
+}
+
+Expected<void> waitForGpu(const GlFunctions& gl) {
+    const GLsync fence = gl.FenceSync(GL_SYNC_GPU_COMMANDS_COMPLETE, 0);
+    const GLenum result =
+        fence ? gl.ClientWaitSync(fence, GL_SYNC_FLUSH_COMMANDS_BIT, longestWaitNs) : GL_WAIT_FAILED;
+    if (fence) gl.DeleteSync(fence);
+    if (result == GL_ALREADY_SIGNALED || result == GL_CONDITION_SATISFIED) return {};
+    if (auto checked = checkErrors(gl, "waiting for the GPU"); !checked) return checked;
+    return fail(ErrorCode::DeviceLost,
+                "glClientWaitSync: the GPU did not finish a slice of work within ten seconds.");
+}
+
+Expected<void> checkErrors(const GlFunctions& gl, const std::string& during) {
+    const GLenum first = gl.GetError();
+    if (gl.GetGraphicsResetStatus() != GL_NO_ERROR || first == GL_CONTEXT_LOST)
+        return fail(ErrorCode::DeviceLost, "The GPU was reset while " + during + ".");
+    if (first == GL_NO_ERROR) return {};
+    // A second look at most finds the next error; a broken driver must not hold us here.
+    for (int i = 0; i < 16 && gl.GetError() != GL_NO_ERROR; ++i) {
+    }
+    if (first == GL_OUT_OF_MEMORY)
+        return fail(ErrorCode::ResourceLimit,
+                    "The GPU has no memory left (GL_OUT_OF_MEMORY) while " + during + ".");
+    return fail(ErrorCode::Internal,
+                std::string("OpenGL reports ") + glErrorName(first) + " while " + during + ".");
+}
+
+}  // namespace scancast::gl

@@ -1,0 +1,93 @@
+// Move-only owners of OpenGL objects, and waiting. Everything here is called, and destroyed, inside a Current
+// scope of the context whose functions were given.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <string>
+#include <utility>
+
+#include "renderer/device/gl/gl_context.hpp"
+
+namespace scancast::gl {
+
+/// A buffer that grows and is used again from frame to frame.
+class Buffer {
+  public:
+    enum class Use : std::uint8_t {
+        Device,   ///< small writes by write(), work on the GPU, read back by read()
+        Uploads,  ///< filled as a whole through map()
+    };
+
+    Buffer(const GlFunctions& gl, const char* what, Use use = Use::Device)
+        : gl_(&gl), what_(what), use_(use) {}
+    Buffer(Buffer&& other) noexcept
+        : gl_(other.gl_),
+          what_(other.what_),
+          use_(other.use_),
+          name_(std::exchange(other.name_, 0)),
+          capacity_(std::exchange(other.capacity_, 0)) {}
+    Buffer& operator=(Buffer&&) = delete;
+    ~Buffer();
+
+    /// Makes room for `bytes`; what was in it is lost where it has to grow. ResourceLimit when there is no
+    /// memory.
+    Expected<void> reserve(std::size_t bytes);
+    /// reserve() and fill from the start.
+    Expected<void> write(std::span<const std::byte> bytes);
+    /// Sets the first `words` 32-bit words.
+    void clear(std::size_t words, std::uint32_t value);
+    /// Reads from the start; waits for the GPU.
+    void read(std::span<std::byte> out) const;
+    /// For Use::Uploads: hands `fill` the mapped first `bytes`, whose old content is gone.
+    template <class Fill>
+    Expected<void> fill(std::size_t bytes, const Fill& fillMapped) {
+        auto mapped = map(bytes);
+        if (!mapped) return tl::unexpected(mapped.error());
+        fillMapped(std::span(*mapped, bytes));
+        return unmap();
+    }
+
+    void bindStorage(unsigned binding) const {
+        gl_->BindBufferBase(GL_SHADER_STORAGE_BUFFER, binding, name_);
+    }
+    void bindUniform(unsigned binding) const { gl_->BindBufferBase(GL_UNIFORM_BUFFER, binding, name_); }
+
+  private:
+    Expected<std::byte*> map(std::size_t bytes);
+    Expected<void> unmap();
+
+    const GlFunctions* gl_;
+    const char* what_;  ///< for people: "sample page"
+    Use use_;
+    GLuint name_ = 0;
+    std::size_t capacity_ = 0;
+};
+
+/// A linked compute program.
+class Program {
+  public:
+    /// Internal, with the driver's log and the numbered source, when it does not compile.
+    static Expected<Program> compile(const GlFunctions& gl, const std::string& name,
+                                     const std::string& source);
+    Program(Program&& other) noexcept : gl_(other.gl_), name_(std::exchange(other.name_, 0)) {}
+    Program& operator=(Program&&) = delete;
+    ~Program();
+
+    void use() const { gl_->UseProgram(name_); }
+
+  private:
+    Program(const GlFunctions& gl, GLuint name) : gl_(&gl), name_(name) {}
+    const GlFunctions* gl_;
+    GLuint name_;
+};
+
+/// Waits until everything asked of the GPU so far is done. DeviceLost when that takes more than ten seconds:
+/// slices of work are milliseconds long.
+Expected<void> waitForGpu(const GlFunctions& gl);
+
+/// What went wrong since the last look: ResourceLimit, DeviceLost, Internal.
+Expected<void> checkErrors(const GlFunctions& gl, const std::string& during);
+
+}  // namespace scancast::gl

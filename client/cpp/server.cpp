@@ -1,6 +1,6 @@
 #include "client/cpp/server.hpp"
 
-#include <array>
+#include <algorithm>
 
 #include "client/cpp/http_get.hpp"
 #include "protocol/json_text.hpp"
@@ -20,12 +20,15 @@ Expected<nlohmann::json> getJson(const Server& server, const std::string& target
     return value;
 }
 
-/// Says where an answer came from that is JSON, but not of the shape that it should have.
-auto from(const Server& server, const std::string& target) {
-    return [where = server.url().authority() + target](Error error) {
-        error.message = where + ": " + error.message;
-        return error;
-    };
+/// GETs JSON and takes it apart; what is not of the shape that it should have is told with its address.
+template <class Parse>
+auto getParsed(const Server& server, const std::string& target, Parse parse)
+    -> decltype(parse(nlohmann::json())) {
+    const auto value = getJson(server, target);
+    if (!value) return tl::unexpected(value.error());
+    auto parsed = parse(*value);
+    if (!parsed) parsed.error().message = server.url().authority() + target + ": " + parsed.error().message;
+    return parsed;
 }
 
 std::string cloudPath(const std::string& id) {
@@ -41,17 +44,15 @@ bool startsWith(const std::vector<std::uint8_t>& bytes, std::initializer_list<st
 }  // namespace
 
 Expected<std::vector<CloudInfo>> Server::clouds() const {
-    const std::string target(cloudsPath);
-    return getJson(*this, target).and_then(cloudListFromJson).map_error(from(*this, target));
+    return getParsed(*this, std::string(cloudsPath), cloudListFromJson);
 }
 
 Expected<CloudInfo> Server::cloud(const std::string& id) const {
-    const auto target = cloudPath(id);
-    return getJson(*this, target).and_then(cloudInfoFromJson);
+    return getParsed(*this, cloudPath(id), cloudInfoFromJson);
 }
 
 Expected<std::vector<MethodInfo>> Server::methods() const {
-    return getJson(*this, "/api/v1/methods").and_then(methodListFromJson);
+    return getParsed(*this, "/api/v1/methods", methodListFromJson);
 }
 
 Expected<Snapshot> Server::snapshot(const std::string& cloud, const WordValues& words, PictureFormat format,

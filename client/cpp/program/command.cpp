@@ -1,0 +1,55 @@
+#include "client/cpp/program/command.hpp"
+
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
+#include <fstream>
+
+namespace scancast::client {
+
+void ServerFlags::addTo(CLI::App& app) {
+    app.add_option("URL", url, "The server, such as http://127.0.0.1:8080/")->required();
+    app.add_option("--connect-timeout", connectSeconds, "Seconds to wait for a connection")
+        ->type_name("SECONDS")
+        ->check(CLI::Range(0.001, 86400.0))
+        ->capture_default_str();
+    app.add_option("--timeout", answerSeconds, "Seconds to wait for each answer or frame")
+        ->type_name("SECONDS")
+        ->check(CLI::Range(0.001, 86400.0))
+        ->capture_default_str();
+}
+
+Expected<Server> ServerFlags::server() const {
+    const auto parsed = parseServerUrl(url);
+    if (!parsed) return tl::unexpected(parsed.error());
+    const auto milliseconds = [](double seconds) {
+        return std::chrono::milliseconds(static_cast<std::int64_t>(seconds * 1000) + 1);
+    };
+    return Server(*parsed, Timeouts{milliseconds(connectSeconds), milliseconds(answerSeconds)});
+}
+
+int report(const Expected<void>& result) {
+    if (result) return 0;
+    std::fprintf(stderr, "scancast-client: %s\n", result.error().message.c_str());
+    return 1;
+}
+
+Expected<std::string> chooseCloud(const Server& server, const std::string& given) {
+    if (!given.empty()) return given;
+    const auto clouds = server.clouds();
+    if (!clouds) return tl::unexpected(clouds.error());
+    if (clouds->empty()) return fail(ErrorCode::NotFound, server.url().authority() + " has no clouds");
+    return clouds->front().id;
+}
+
+Expected<void> writeFile(const std::string& path, const std::vector<std::uint8_t>& bytes) {
+    errno = 0;
+    std::ofstream file(path, std::ios::binary | std::ios::trunc);
+    file.write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
+    file.close();
+    if (file) return {};
+    return fail(ErrorCode::Io, "cannot write " + path +
+                                   (errno != 0 ? std::string(": ") + std::strerror(errno) : std::string()));
+}
+
+}  // namespace scancast::client

@@ -1,0 +1,35 @@
+// The subcommands of `scancast-client`. Each file in this folder adds one, with its help and its example.
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <memory>
+
+#include "client/cpp/server.hpp"
+
+namespace scancast::client {
+
+/// Each adds its subcommand to `app`; when it is the one called, its callback runs it and sets `exitCode`
+/// (0 = done, 1 = failed with an error on standard error).
+void addSnapshot(CLI::App& app, int& exitCode);
+void addOrbit(CLI::App& app, int& exitCode);
+void addInfo(CLI::App& app, int& exitCode);
+
+/// What every subcommand needs to know.
+struct ServerFlags {
+    std::string url;
+    double connectSeconds = 5, answerSeconds = 60;
+
+    void addTo(CLI::App& app);
+    Expected<Server> server() const;
+};
+
+/// Runs a subcommand: prints the error, if it ends with one, and returns the exit code.
+int report(const Expected<void>& result);
+
+/// The cloud's id as given, or the server's first cloud.
+Expected<std::string> chooseCloud(const Server& server, const std::string& given);
+
+/// The whole file or an Io error that names it.
+Expected<void> writeFile(const std::string& path, const std::vector<std::uint8_t>& bytes);
+
+}  // namespace scancast::client

@@ -1,0 +1,19 @@
+// `scancast-client`: pictures and facts from a Scancast server, without a browser.
+#include "client/cpp/program/command.hpp"
+
+int main(int argc, char** argv) {
+    CLI::App app{"Pictures and facts from a Scancast server"};
+    app.footer(
+        "Examples:\n"
+        "  scancast-client info http://127.0.0.1:8080/\n"
+        "  scancast-client snapshot http://127.0.0.1:8080/ --method cone -o town.jpg\n"
+        "  scancast-client orbit http://127.0.0.1:8080/ --frames 36 -o frames/\n"
+        "Each subcommand has a --help of its own.");
+    app.require_subcommand(1);
+    int exitCode = 0;
+    scancast::client::addSnapshot(app, exitCode);
+    scancast::client::addOrbit(app, exitCode);
+    scancast::client::addInfo(app, exitCode);
+    CLI11_PARSE(app, argc, argv);
+    return exitCode;
+}

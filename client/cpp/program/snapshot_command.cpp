@@ -1,0 +1,66 @@
+// `scancast-client snapshot`: one picture of full quality, by HTTP.
+#include <cstdio>
+
+#include "client/cpp/program/command.hpp"
+#include "client/cpp/program/view_flags.hpp"
+
+namespace scancast::client {
+namespace {
+
+struct SnapshotFlags {
+    ServerFlags server;
+    ViewFlags view;
+    std::string cloud, output, etag;
+};
+
+Expected<PictureFormat> formatOf(const std::string& path) {
+    const auto ends = [&](std::string_view suffix) { return path.ends_with(suffix); };
+    if (ends(".jpg") || ends(".jpeg") || ends(".JPG")) return PictureFormat::Jpeg;
+    if (ends(".png") || ends(".PNG")) return PictureFormat::Png;
+    return fail(ErrorCode::InvalidArgument,
+                "the name " + path + " does not end in .jpg or .png, so its format is not known");
+}
+
+Expected<void> run(const SnapshotFlags& flags) {
+    const auto format = formatOf(flags.output);
+    if (!format) return tl::unexpected(format.error());
+    const auto words = flags.view.words();
+    if (!words) return tl::unexpected(words.error());
+    const auto server = flags.server.server();
+    if (!server) return tl::unexpected(server.error());
+    const auto cloud = chooseCloud(*server, flags.cloud);
+    if (!cloud) return tl::unexpected(cloud.error());
+    const auto picture = server->snapshot(*cloud, *words, *format, flags.etag);
+    if (!picture) return tl::unexpected(picture.error());
+    if (picture->notModified) {
+        std::printf("%s is still the same: nothing written\n", cloud->c_str());
+        return {};
+    }
+    if (auto written = writeFile(flags.output, picture->bytes); !written) return written;
+    std::printf("%s: %zu bytes of %s, ETag %s\n", flags.output.c_str(), picture->bytes.size(), cloud->c_str(),
+                picture->etag.c_str());
+    return {};
+}
+
+}  // namespace
+
+void addSnapshot(CLI::App& app, int& exitCode) {
+    const auto flags = std::make_shared<SnapshotFlags>();
+    auto& command = *app.add_subcommand("snapshot", "Fetch one picture of full quality");
+    flags->server.addTo(command);
+    command.add_option("-o,--output", flags->output, "The picture to write; its ending chooses JPEG or PNG")
+        ->type_name("FILE.jpg|FILE.png")
+        ->required();
+    command.add_option("--cloud", flags->cloud, "Id of the cloud; the server's first one when not given")
+        ->type_name("ID");
+    command.add_option("--if-none-match", flags->etag, "Write nothing when the picture still has this ETag")
+        ->type_name("ETAG");
+    flags->view.addTo(command);
+    command.footer(
+        "What is not given is the cloud's default view. Example:\n"
+        "  scancast-client snapshot http://127.0.0.1:8080/ --cloud town --eye 10,0,2 --color elevation "
+        "--width 1920 --height 1080 -o town.jpg");
+    command.callback([flags, &exitCode] { exitCode = report(run(*flags)); });
+}
+
+}  // namespace scancast::client

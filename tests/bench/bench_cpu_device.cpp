@@ -7,6 +7,7 @@
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
+#include <ctime>
 #include <string>
 
 #include "renderer/device/cpu/cpu_device.hpp"
@@ -64,7 +65,7 @@ void measure(Device& device, const test::AnalyticCloud& cloud, const char* name,
     const Method& method = *findMethod(name);
     const PassList passes = method.passes(method, resolveParameters(method, parameters).value(), shading);
     const glm::dvec2 jitter{0, 0};
-    std::vector<double> times;
+    std::vector<double> times, cpuTimes;
     std::map<std::string, std::vector<double>> stages;
     for (int i = 0; i < repeat + 3; ++i) {
         // A different side each time, as in an orbit; the sphere fills the picture's height.
@@ -77,6 +78,7 @@ void measure(Device& device, const test::AnalyticCloud& cloud, const char* name,
         d.passes = passes;
         d.window = {0, 0, 1280, 720};
         d.jitter = {&jitter, 1};
+        const std::clock_t cpuStart = std::clock();
         const auto start = std::chrono::steady_clock::now();
         const auto frame = device.draw(d, {});
         const double ms =
@@ -87,6 +89,7 @@ void measure(Device& device, const test::AnalyticCloud& cloud, const char* name,
         }
         if (i < 3) continue;
         times.push_back(ms);
+        cpuTimes.push_back(1000.0 * double(std::clock() - cpuStart) / CLOCKS_PER_SEC);
         for (const StageTime& s : frame->stats.stages) stages[s.name].push_back(s.milliseconds);
     }
     const auto median = [](std::vector<double> v) {
@@ -99,9 +102,9 @@ void measure(Device& device, const test::AnalyticCloud& cloud, const char* name,
         std::snprintf(text, sizeof text, " %g px", std::get<double>(size->second));
         label += text;
     }
-    std::printf("%-18s %8.1f Mpts/s %8.2f ms  (best %.2f)", label.c_str(),
+    std::printf("%-18s %8.1f Mpts/s %8.2f ms  (best %.2f, cpu %.2f)", label.c_str(),
                 double(cloud.cut().samples) / median(times) / 1000, median(times),
-                *std::ranges::min_element(times));
+                *std::ranges::min_element(times), *std::ranges::min_element(cpuTimes));
     for (const auto& [stage, ms] : stages) std::printf("  %s %.2f", stage.c_str(), median(ms));
     std::printf("\n");
 }

@@ -11,15 +11,16 @@ inline constexpr int blockSize = 256;
 /// Loops run to a multiple of this: masked tails instead of scalar remainders.
 inline constexpr int tailStep = 16;
 
-struct Block {
+/// Aligned as a whole: an alignment on an array's elements keeps the compiler from vectorising.
+struct alignas(64) Block {
+    std::uint32_t words[4][blockSize];
+    float x[blockSize], y[blockSize];  ///< px in the whole picture
+    float depth[blockSize];
+    float half[blockSize];             ///< half the splat's size, px
+    std::int32_t drawable[blockSize];  ///< 0 or -1
+    std::uint32_t color[blockSize];
     int count = 0;   ///< samples
     int padded = 0;  ///< count up to a multiple of tailStep; the samples beyond are not drawable
-    alignas(64) std::uint32_t words[4][blockSize];
-    alignas(64) float x[blockSize], y[blockSize];  ///< px in the whole picture
-    alignas(64) float depth[blockSize];
-    alignas(64) float half[blockSize];             ///< half the splat's size, px
-    alignas(64) std::int32_t drawable[blockSize];  ///< 0 or -1
-    alignas(64) std::uint32_t color[blockSize];
 };
 
 /// Four samples at a time: rows of words → columns.
@@ -49,31 +50,26 @@ template <bool perspective>
 void place(const SplatPass& pass, const SplatRun& run, Block& b) {
     const auto& m = run.toPicture;
     // Far outside any picture, and still exact as an integer.
-    constexpr float outside = 1 << 20;
-    for (int i = 0; i < b.padded; ++i) {
-        const float sx = static_cast<float>(static_cast<std::int32_t>(b.words[0][i] & 0xffff));
-        const float sy = static_cast<float>(static_cast<std::int32_t>(b.words[0][i] >> 16));
-        const float sz = static_cast<float>(static_cast<std::int32_t>(b.words[1][i] & 0xffff));
-        const float depth = m[2][0] * sx + (m[2][1] * sy + (m[2][2] * sz + m[2][3]));
-        const float across = m[0][0] * sx + (m[0][1] * sy + (m[0][2] * sz + m[0][3]));
-        const float down = m[1][0] * sx + (m[1][1] * sy + (m[1][2] * sz + m[1][3]));
-        const bool seen = (depth >= pass.near) & (depth <= pass.far) & (i < b.count);
-        const float d = seen ? depth : 1.0f;
-        const float inverse = perspective ? 1.0f / d : 1.0f;
-        float x = pass.centerX + across * inverse;
-        float y = pass.centerY + down * inverse;
-        x = x < -outside ? -outside : x;
-        x = x > outside ? outside : x;
-        y = y < -outside ? -outside : y;
-        y = y > outside ? outside : y;
-        float size = run.sizeFactor * inverse;
-        size = size < pass.minPx ? pass.minPx : size;
-        size = size > pass.maxPx ? pass.maxPx : size;
-        b.x[i] = x;
-        b.y[i] = y;
-        b.depth[i] = d;
-        b.half[i] = 0.5f * size;
-        b.drawable[i] = seen ? -1 : 0;
+    const FloatW outside = all(1048576.0f);
+    const IntW count = all(b.count);
+    IntW number = toInt(laneNumbers<wideLanes>());
+    for (int i = 0; i < b.padded; i += wideLanes, number += wideLanes) {
+        const IntW xy = load<IntW>(b.words[0] + i), zi = load<IntW>(b.words[1] + i);
+        const FloatW sx = toFloat(xy & 0xffff), sy = toFloat((xy >> 16) & 0xffff), sz = toFloat(zi & 0xffff);
+        const FloatW depth = m[2][0] * sx + (m[2][1] * sy + (m[2][2] * sz + m[2][3]));
+        const FloatW across = m[0][0] * sx + (m[0][1] * sy + (m[0][2] * sz + m[0][3]));
+        const FloatW down = m[1][0] * sx + (m[1][1] * sy + (m[1][2] * sz + m[1][3]));
+        const IntW seen = (depth >= pass.near) & (depth <= pass.far) & (number < count);
+        const FloatW d = seen ? depth : all(1.0f);
+        const FloatW inverse = perspective ? 1.0f / d : all(1.0f);
+        const FloatW x = pass.centerX + across * inverse;
+        const FloatW y = pass.centerY + down * inverse;
+        const FloatW size = smaller(larger(run.sizeFactor * inverse, all(pass.minPx)), all(pass.maxPx));
+        store(b.x + i, smaller(larger(x, -outside), outside));
+        store(b.y + i, smaller(larger(y, -outside), outside));
+        store(b.depth + i, d);
+        store(b.half + i, 0.5f * size);
+        store(b.drawable + i, seen);
     }
 }
 

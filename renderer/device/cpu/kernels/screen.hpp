@@ -32,19 +32,23 @@ bool hidden(const KeyTile& tile, int x0, int y0, int x1, int y1, std::int32_t or
 void resolve(const KeyTile& tile, const PixelTile& out) {
     for (int y = 0; y < tile.height; ++y) {
         const Key* const keys = tile.keys + static_cast<std::int64_t>(y) * tile.stride;
-        std::uint32_t* const rgba = out.rgba + static_cast<std::int64_t>(y) * out.stride;
-        const std::uint32_t background = out.background[y];
-        for (int x = 0; x < tile.width; ++x) {
-            const bool covered = keys[x] < static_cast<Key>(infiniteOrder) << 32;
-            const std::uint32_t color = static_cast<std::uint32_t>(keys[x]) | 0xff000000u;
-            rgba[x] = covered ? color : background;
-        }
-        if (out.depth == nullptr) continue;
-        float* const depth = out.depth + static_cast<std::int64_t>(y) * out.stride;
-        for (int x = 0; x < tile.width; ++x) {
-            const std::int32_t order = static_cast<std::int32_t>(keys[x] >> 32);
-            const std::int32_t bits = order < infiniteOrder ? order : infiniteOrder;
-            __builtin_memcpy(&depth[x], &bits, sizeof bits);
+        const std::int64_t first = static_cast<std::int64_t>(y) * out.stride;
+        const IntW background = all(static_cast<std::int32_t>(out.background[y]));
+        const IntW opaque = all(static_cast<std::int32_t>(0xff000000u));
+        for (int x = 0; x < tile.width; x += wideLanes) {
+            // Keys may be read beyond the row's end, into the guard band; pixels may not be written there.
+            const int lanes = tile.width - x < wideLanes ? tile.width - x : wideLanes;
+            IntW order, payload;
+            loadKeys(keys + x, order, payload);
+            const IntW rgba = order < infiniteOrder ? (payload | opaque) : background;
+            const IntW depth = order < infiniteOrder ? order : all(infiniteOrder);
+            if (lanes == wideLanes) {
+                store(out.rgba + first + x, rgba);
+                if (out.depth != nullptr) store(out.depth + first + x, depth);
+            } else {
+                storeSome(out.rgba + first + x, rgba, lanes);
+                if (out.depth != nullptr) storeSome(out.depth + first + x, depth, lanes);
+            }
         }
     }
 }
@@ -66,17 +70,15 @@ inline float log2Of(float value) {
 }
 
 /// 2^x for x ≤ 0, by Taylor's series on [-1/2, 1/2]; relative error below 3e-7, 0 below -120.
-inline float exp2Of(float x) {
-    const float bounded = x < -120.0f ? -120.0f : x;
-    const float whole = __builtin_floorf(bounded + 0.5f);
-    const float f = bounded - whole;
-    const float tail = 0.0013333558f + f * 0.00015403530f;
-    const float p =
+inline FloatW exp2Of(FloatW x) {
+    const FloatW bounded = larger(x, all(-120.0f));
+    const FloatW whole = floorOf(bounded + 0.5f);
+    const FloatW f = bounded - whole;
+    const FloatW tail = 0.0013333558f + f * 0.00015403530f;
+    const FloatW p =
         1.0f + f * (0.69314718f + f * (0.24022651f + f * (0.055504109f + f * (0.0096181291f + f * tail))));
-    const std::int32_t bits = (static_cast<std::int32_t>(whole) + 127) * (1 << 23);
-    float scale;
-    __builtin_memcpy(&scale, &bits, sizeof scale);
-    return x < -120.0f ? 0.0f : p * scale;
+    const IntW bits = (toInt(whole) + 127) << 23;
+    return x < -120.0f ? all(0.0f) : p * reinterpret_cast<FloatW>(bits);
 }
 
 void logDepth(const float* depth, float* out, int count) {
@@ -87,28 +89,38 @@ void logDepth(const float* depth, float* out, int count) {
     }
 }
 
+/// What the eight neighbours rise above a pixel, summed; a background neighbour, at +infinity, adds nothing.
+inline FloatW riseOfNeighbours(const float* center, FloatW own, const EyeDome& e, int lanes) {
+    FloatW sum{};
+    for (int k = 0; k < 8; ++k) {
+        const float* const place = center + e.offsets[k];
+        const FloatW other = lanes == wideLanes ? load<FloatW>(place) : loadSome<FloatW>(place, lanes);
+        sum += larger(own - other, all(0.0f));
+    }
+    return sum;
+}
+
+inline IntW shaded(IntW rgba, FloatW shade) {
+    IntW out = rgba & static_cast<std::int32_t>(0xff000000u);
+    for (int shift = 0; shift < 24; shift += 8) {
+        out |= toInt(toFloat((rgba >> shift) & 255) * shade + 0.5f) << shift;
+    }
+    return out;
+}
+
 void eyeDome(const EyeDome& e) {
     for (int y = 0; y < e.height; ++y) {
-        const float* const center = e.logDepth + static_cast<std::int64_t>(y) * e.logStride;
-        const std::uint32_t* const rgba = e.rgba + static_cast<std::int64_t>(y) * e.stride;
+        const float* const logs = e.logDepth + static_cast<std::int64_t>(y) * e.logStride;
+        const std::uint32_t* const colors = e.rgba + static_cast<std::int64_t>(y) * e.stride;
         std::uint32_t* const out = e.out + static_cast<std::int64_t>(y) * e.outStride;
-        for (int x = 0; x < e.width; ++x) {
-            float sum = 0;
-            const float own = center[x];
-            const bool background = own > 3.4e38f;
-            const float from = background ? 0.0f : own;
-            for (int k = 0; k < 8; ++k) {
-                // A background neighbour lies at +infinity: it adds nothing.
-                const float rise = from - center[x + e.offsets[k]];
-                sum += rise > 0.0f ? rise : 0.0f;
-            }
-            const float shade = exp2Of(-(e.factor * sum));
-            std::uint32_t shaded = rgba[x] & 0xff000000u;
-            for (int c = 0; c < 24; c += 8) {
-                const float channel = static_cast<float>(static_cast<std::int32_t>(rgba[x] >> c & 255));
-                shaded |= static_cast<std::uint32_t>(static_cast<std::int32_t>(channel * shade + 0.5f)) << c;
-            }
-            out[x] = background ? rgba[x] : shaded;
+        for (int x = 0; x < e.width; x += wideLanes) {
+            const int lanes = e.width - x < wideLanes ? e.width - x : wideLanes;
+            const FloatW own = loadSome<FloatW>(logs + x, lanes);
+            const IntW background = own > 3.4e38f;
+            const FloatW sum = riseOfNeighbours(logs + x, background ? all(0.0f) : own, e, lanes);
+            const FloatW shade = exp2Of(-(e.factor * sum));
+            const IntW rgba = loadSome<IntW>(colors + x, lanes);
+            storeSome(out + x, background ? rgba : shaded(rgba, shade), lanes);
         }
     }
 }

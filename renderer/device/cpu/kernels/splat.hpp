@@ -18,45 +18,39 @@ inline float distanceScale(float half) {
     return 127.5f / (h * h);
 }
 
-inline Key keyOf(std::int32_t orderBits, std::uint32_t payload) {
-    return static_cast<Key>(static_cast<std::uint64_t>(static_cast<std::uint32_t>(orderBits)) << 32 |
-                            payload);
-}
+struct alignas(64) PixelKeys {
+    Key keys[blockSize];
+    std::int32_t places[blockSize];
+};
 
 void splatPixels(const Block& b, const KeyTile& tile) {
-    alignas(64) Key keys[blockSize];
-    alignas(64) std::int32_t places[blockSize];
-    const std::int32_t unused = static_cast<std::int32_t>(tile.unused - tile.keys);
-    for (int i = 0; i < b.padded; ++i) {
-        const float column = __builtin_floorf(b.x[i]);
-        const float row = __builtin_floorf(b.y[i]);
-        const float dx = (column + 0.5f) - b.x[i];
-        const float dy = (row + 0.5f) - b.y[i];
-        const std::int32_t left = static_cast<std::int32_t>(column) - tile.x;
-        const std::int32_t top = static_cast<std::int32_t>(row) - tile.y;
-        const bool inside =
-            (left >= 0) & (left < tile.width) & (top >= 0) & (top < tile.height) & (b.drawable[i] != 0);
-        const std::int32_t distance = static_cast<std::int32_t>((dx * dx + dy * dy) * 510.0f);
-        const std::uint32_t payload = static_cast<std::uint32_t>(distance) << 24 | b.color[i];
-        std::int32_t order;
-        __builtin_memcpy(&order, &b.depth[i], sizeof order);
-        keys[i] = keyOf(order, payload);
-        places[i] = inside ? top * tile.stride + left : unused + (i & (unusedKeys - 1));
+    PixelKeys p;
+    IntW unused = static_cast<std::int32_t>(tile.unused - tile.keys) + toInt(laneNumbers<wideLanes>());
+    for (int i = 0; i < b.padded; i += wideLanes) {
+        const FloatW x = load<FloatW>(b.x + i), y = load<FloatW>(b.y + i);
+        const FloatW column = floorOf(x), row = floorOf(y);
+        const FloatW dx = (column + 0.5f) - x, dy = (row + 0.5f) - y;
+        const IntW left = toInt(column) - tile.x, top = toInt(row) - tile.y;
+        const IntW inside =
+            (left >= 0) & (left < tile.width) & (top >= 0) & (top < tile.height) & load<IntW>(b.drawable + i);
+        const IntW distance = toInt((dx * dx + dy * dy) * 510.0f);
+        storeKeys(p.keys + i, load<IntW>(b.depth + i), (distance << 24) | load<IntW>(b.color + i));
+        store(p.places + i, inside ? top * tile.stride + left : unused + (i & (unusedKeys - 1)));
     }
     Key* const target = tile.keys;
     for (int i = 0; i < b.count; ++i) {
-        Key& now = target[places[i]];
-        now = keys[i] < now ? keys[i] : now;
+        Key& now = target[p.places[i]];
+        now = p.keys[i] < now ? p.keys[i] : now;
     }
 }
 
 /// Splats of a block that reach into the tile, with all that a row needs, packed.
-struct Splats {
+struct alignas(64) Splats {
+    float x[blockSize], y[blockSize], depth[blockSize], half[blockSize];
+    float rise[blockSize];      ///< how fast the order grows; its unit is the profile's
+    float distance[blockSize];  ///< distanceScale
+    std::uint32_t color[blockSize];
     int count = 0;
-    alignas(64) float x[blockSize], y[blockSize], depth[blockSize], half[blockSize];
-    alignas(64) float rise[blockSize];      ///< how fast the order grows; its unit is the profile's
-    alignas(64) float distance[blockSize];  ///< distanceScale
-    alignas(64) std::uint32_t color[blockSize];
 };
 
 template <Shape shape>
@@ -72,7 +66,7 @@ inline constexpr bool isSphere = shape == Shape::SphereCircle;
 void collectSplats(const Block& b, const KeyTile& tile, Splats& s) {
     const float left = static_cast<float>(tile.x), right = static_cast<float>(tile.x + tile.width);
     const float top = static_cast<float>(tile.y), bottom = static_cast<float>(tile.y + tile.height);
-    alignas(64) std::int32_t wanted[blockSize];
+    std::int32_t wanted[blockSize];
     for (int i = 0; i < b.padded; ++i) {
         const float h = b.half[i] < 0.5f ? 0.5f : b.half[i];
         const bool reaches =

@@ -91,5 +91,67 @@ inline Float<lanes> squareRoot(Float<lanes> v) {
     return out;
 }
 
+using FloatW = Float<wideLanes>;
+using IntW = Int<wideLanes>;
+
+inline FloatW all(float v) {
+    return FloatW{} + v;
+}
+inline IntW all(std::int32_t v) {
+    return IntW{} + v;
+}
+inline FloatW toFloat(IntW v) {
+    return __builtin_convertvector(v, FloatW);
+}
+/// Towards zero; for |v| < 2^31.
+inline IntW toInt(FloatW v) {
+    return __builtin_convertvector(v, IntW);
+}
+inline FloatW smaller(FloatW a, FloatW b) {
+    return a < b ? a : b;
+}
+inline FloatW larger(FloatW a, FloatW b) {
+    return a > b ? a : b;
+}
+inline FloatW floorOf(FloatW v) {
+    const FloatW whole = toFloat(toInt(v));
+    return whole > v ? whole - 1.0f : whole;
+}
+
+/// order << 32 | payload, lane by lane, to an array.
+inline void storeKeys(Key* place, IntW order, IntW payload) {
+#if SCANCAST_SIMD_LEVEL >= 3
+    store(place, __builtin_shufflevector(payload, order, 0, 8, 1, 9, 2, 10, 3, 11));
+    store(place + 4, __builtin_shufflevector(payload, order, 4, 12, 5, 13, 6, 14, 7, 15));
+#else
+    store(place, __builtin_shufflevector(payload, order, 0, 4, 1, 5));
+    store(place + 2, __builtin_shufflevector(payload, order, 2, 6, 3, 7));
+#endif
+}
+
+inline void loadKeys(const Key* place, IntW& order, IntW& payload) {
+    const IntW first = load<IntW>(place), second = load<IntW>(place + wideLanes / 2);
+#if SCANCAST_SIMD_LEVEL >= 3
+    payload = __builtin_shufflevector(first, second, 0, 2, 4, 6, 8, 10, 12, 14);
+    order = __builtin_shufflevector(first, second, 1, 3, 5, 7, 9, 11, 13, 15);
+#else
+    payload = __builtin_shufflevector(first, second, 0, 2, 4, 6);
+    order = __builtin_shufflevector(first, second, 1, 3, 5, 7);
+#endif
+}
+
+/// The first `count` lanes only; the others are 0.
+template <class Vector>
+inline Vector loadSome(const void* place, int count) {
+    Vector v{};
+    __builtin_memcpy(&v, place, static_cast<unsigned>(count) * 4);
+    return v;
+}
+
+template <class Vector>
+inline void storeSome(void* place, Vector v, int count) {
+    __builtin_memcpy(place, &v, static_cast<unsigned>(count) * 4);
+}
+
 }  // namespace
 }  // namespace scancast::cpu

@@ -1,5 +1,6 @@
 // How fast a scan becomes an octree, and a view a cut. Prints one line a measurement.
-// Usage: bench_octree [million points = 20] [threads = 0 (all)] [ground|ball]
+// Usage: bench_octree [million points = 20] [threads = 0 (all)] [scene = town; ground, ball or a scene of the
+// simulator]
 #include <sys/resource.h>
 
 #include <chrono>
@@ -10,6 +11,7 @@
 
 #include "renderer/cloud/cloud.hpp"
 #include "renderer/select/select.hpp"
+#include "renderer/simulate/scene.hpp"
 #include "tests/support/synthetic_source.hpp"
 
 using namespace scancast;
@@ -25,6 +27,15 @@ double peakMegabytes() {
     rusage usage{};
     getrusage(RUSAGE_SELF, &usage);
     return double(usage.ru_maxrss) / 1024;
+}
+
+Expected<std::unique_ptr<PointSource>> open(const std::string& scene, std::uint64_t points) {
+    if (scene == "ground") return std::make_unique<test::SyntheticSource>(points, test::ground, Attributes{});
+    if (scene == "ball") return std::make_unique<test::SyntheticSource>(points, test::ball, Attributes{});
+    SceneOptions options;
+    options.scene = scene;
+    options.points = points;
+    return simulate(options);
 }
 
 void describe(const Cloud& cloud) {
@@ -62,15 +73,17 @@ void benchSelect(const Cloud& cloud, double detail) {
 
 int main(int argc, char** argv) {
     const double millions = argc > 1 ? std::atof(argv[1]) : 20;
-    const std::string shape = argc > 3 ? argv[3] : "ground";
     BuildOptions options;
     options.threads = argc > 2 ? std::atoi(argv[2]) : 0;
-    test::SyntheticSource source(std::uint64_t(millions * 1e6), shape == "ball" ? test::ball : test::ground,
-                                 {});
+    const auto source = open(argc > 3 ? argv[3] : "town", std::uint64_t(millions * 1e6));
+    if (!source) {
+        std::fprintf(stderr, "%s\n", source.error().message.c_str());
+        return 1;
+    }
     const auto start = Clock::now();
     std::string stage;
     auto stageStart = start;
-    const auto cloud = buildCloud(source, options, [&](const Progress& p) {
+    const auto cloud = buildCloud(**source, options, [&](const Progress& p) {
         if (p.total != p.done || stage == p.stage) return;
         stage = p.stage;
         std::printf("%s: %.2f s\n", stage.c_str(), secondsSince(stageStart));

@@ -1,0 +1,56 @@
+#include "server/describe.hpp"
+
+#include <gtest/gtest.h>
+
+#include "tests/support/fake_painter.hpp"
+
+namespace scancast {
+namespace {
+
+// Oracle: the protocol's own strict reader gets back what was described.
+TEST(Describe, CloudsComeBackThroughTheProtocol) {
+    Catalog catalog;
+    catalog.setReady(catalog.add("tiny"), test::tinyCloud(3));
+    catalog.add("still loading");
+    const auto list = cloudListFromJson(cloudListJson(catalog.list()));
+    ASSERT_TRUE(list) << list.error().message;
+    ASSERT_EQ(list->size(), 1U);
+    EXPECT_EQ(list->front().id, "tiny");
+    EXPECT_EQ(list->front().points, 3U);
+    EXPECT_EQ(list->front().classes, std::vector<std::uint8_t>{2});
+    EXPECT_EQ(list->front().bounds[1], glm::dvec3(10, 10, 5));
+    EXPECT_GT(list->front().bytesResident, 0U);
+}
+
+TEST(Describe, PendingCloudsSayHowFarTheyAre) {
+    Catalog catalog;
+    const auto id = catalog.add("town");
+    catalog.setProgress(id, "reading", 1, 2);
+    const auto json = cloudListJson(catalog.list());
+    EXPECT_TRUE(json["clouds"].empty());
+    EXPECT_EQ(json["pending"][0], (nlohmann::json{{"id", "town"},
+                                                  {"title", "town"},
+                                                  {"state", "loading"},
+                                                  {"stage", "reading"},
+                                                  {"progress", 0.5}}));
+}
+
+TEST(Describe, EveryMethodWithEveryParameter) {
+    const auto json = methodListJson();
+    const auto list = methodListFromJson(json);
+    ASSERT_TRUE(list) << list.error().message;
+    ASSERT_EQ(list->size(), methods().size());
+    for (std::size_t i = 0; i < list->size(); ++i) {
+        EXPECT_EQ((*list)[i].name, methods()[i].name);
+        ASSERT_EQ((*list)[i].parameters.size(), methods()[i].parameters.size());
+        for (std::size_t p = 0; p < (*list)[i].parameters.size(); ++p) {
+            EXPECT_EQ((*list)[i].parameters[p].defaultValue, methods()[i].parameters[p].defaultValue);
+            EXPECT_FALSE((*list)[i].parameters[p].meaning.empty());
+        }
+    }
+    EXPECT_EQ(json["colors"].size(), 7U);
+    EXPECT_FALSE(json["colormaps"].empty());
+}
+
+}  // namespace
+}  // namespace scancast

@@ -1,0 +1,93 @@
+#include "server/stream/quality.hpp"
+
+#include <gtest/gtest.h>
+
+namespace scancast {
+namespace {
+
+// What a frame costs in the model that the functions are built on: points ~ 1/τ², pixels ~ resolution².
+double modelCost(const MovingPlan& plan, double ownDetail) {
+    return (ownDetail / plan.detail) * (ownDetail / plan.detail) * plan.resolution * plan.resolution;
+}
+
+TEST(Quality, FullEffortIsTheViewItselfWithOneSample) {
+    View wanted;
+    wanted.width = 801;
+    wanted.height = 603;
+    wanted.quality.samples = 16;
+    const View moving = movingView(wanted, 1.3, 1, {});
+    View expected = wanted;
+    expected.quality.samples = 1;
+    expected.quality.detail = 1.3;
+    EXPECT_EQ(moving, expected);
+}
+
+TEST(Quality, NeverBelowTheLimits) {
+    const MovingLimits limits;
+    for (double detail : {0.0, 0.5, 1.0, 2.0, 7.0}) {
+        for (double effort : {1e-9, 0.01, 0.1, 0.3, 0.9}) {
+            const MovingPlan plan = planMoving(effort, detail, limits);
+            EXPECT_LE(plan.detail, std::max(limits.maxDetail, detail)) << detail << " " << effort;
+            EXPECT_GE(plan.detail, detail);
+            EXPECT_GE(plan.resolution, limits.minResolution);
+            EXPECT_LE(plan.resolution, 1);
+        }
+    }
+}
+
+TEST(Quality, DetailPaysBeforeResolution) {
+    const MovingPlan plan = planMoving(0.5, 1, {});
+    EXPECT_GT(plan.detail, 1);
+    EXPECT_EQ(plan.resolution, 1);
+    const MovingPlan poor = planMoving(0.1, 1, {});
+    EXPECT_EQ(poor.detail, 2);
+    EXPECT_LT(poor.resolution, 1);
+}
+
+TEST(Quality, LeastEffortIsEverythingAtItsLimit) {
+    const MovingLimits limits;
+    const MovingPlan plan = planMoving(leastEffort(1, limits), 1, limits);
+    EXPECT_EQ(plan.detail, limits.maxDetail);
+    EXPECT_EQ(plan.resolution, limits.minResolution);
+}
+
+// Oracle: a renderer that behaves as the model says must end at the wanted time, or at the limits when that
+// is not enough, whatever its speed.
+TEST(Quality, SettlesAtTheWantedRateOfAModelRenderer) {
+    const MovingLimits limits;
+    for (double fullMs : {5.0, 40.0, 80.0, 200.0, 2000.0}) {
+        double effort = 1;
+        double frameMs = 0;
+        for (int frame = 0; frame < 60; ++frame) {
+            frameMs = fullMs * modelCost(planMoving(effort, 1, limits), 1);
+            effort = nextEffort(effort, frameMs, 1, limits);
+        }
+        const double floorMs = fullMs * leastEffort(1, limits);
+        const double wantedMs = 1000 / limits.fps;
+        if (fullMs <= 0.9 * wantedMs) {
+            EXPECT_EQ(effort, 1) << fullMs;
+        } else if (floorMs >= wantedMs) {
+            EXPECT_DOUBLE_EQ(frameMs, floorMs);
+        } else {
+            // Resolution moves in steps of an eighth, so the time may be off by the square of one.
+            EXPECT_LT(frameMs, wantedMs * 1.35) << fullMs;
+            EXPECT_GT(frameMs, wantedMs * 0.5) << fullMs;
+        }
+    }
+}
+
+TEST(Quality, FallsAtOnceAndRisesSlowly) {
+    EXPECT_LT(nextEffort(1, 120, 1, {}), 0.3);
+    EXPECT_DOUBLE_EQ(nextEffort(0.4, 0.001, 1, {}), 0.5);
+}
+
+TEST(Quality, TinyPicturesStayPictures) {
+    View wanted;
+    wanted.width = wanted.height = 1;
+    const View moving = movingView(wanted, 1, 1e-6, {});
+    EXPECT_EQ(moving.width, 1);
+    EXPECT_EQ(moving.height, 1);
+}
+
+}  // namespace
+}  // namespace scancast

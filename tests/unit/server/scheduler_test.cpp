@@ -1,0 +1,325 @@
+#include "server/scheduler/scheduler.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <future>
+
+#include "tests/support/fake_painter.hpp"
+
+namespace scancast {
+namespace {
+
+using test::FakePainter;
+
+// Results as they come in, from whatever thread.
+class Results {
+  public:
+    PictureDone collect(int label) {
+        return [this, label](Expected<Picture> result) {
+            const std::lock_guard lock(mutex_);
+            labels_.push_back(label);
+            codes_.push_back(result ? std::nullopt : std::optional(result.error().code));
+            changed_.notify_all();
+        };
+    }
+    bool waitFor(std::size_t count) {
+        std::unique_lock lock(mutex_);
+        return changed_.wait_for(lock, FakePainter::patience, [&] { return labels_.size() >= count; });
+    }
+    std::vector<int> labels() const {
+        const std::lock_guard lock(mutex_);
+        return labels_;
+    }
+    /// How the order of that label ended: nullopt = with a picture.
+    std::optional<ErrorCode> code(int label) const {
+        const std::lock_guard lock(mutex_);
+        for (std::size_t i = 0; i < labels_.size(); ++i) {
+            if (labels_[i] == label) return codes_[i];
+        }
+        ADD_FAILURE() << "order " << label << " never ended";
+        return ErrorCode::Internal;
+    }
+
+  private:
+    mutable std::mutex mutex_;
+    std::condition_variable changed_;
+    std::vector<int> labels_;
+    std::vector<std::optional<ErrorCode>> codes_;
+};
+
+class SchedulerTest : public ::testing::Test {
+  protected:
+    PictureOrder order(int width, bool interruptible = false) const {
+        PictureOrder order;
+        order.cloud = cloud;
+        order.view.width = width;  // tells pictures apart
+        order.view.height = 8;
+        order.interruptible = interruptible;
+        return order;
+    }
+    std::vector<int> begunWidths() const {
+        std::vector<int> widths;
+        for (const auto& painted : painter.begun()) widths.push_back(painted.view.width);
+        return widths;
+    }
+    std::string metric(const std::string& line) const {
+        const std::string text = metrics.text();
+        const auto at = text.find(line);
+        return at == std::string::npos ? "" : text.substr(at, text.find('\n', at) - at);
+    }
+
+    std::shared_ptr<const Cloud> cloud = test::tinyCloud();
+    FakePainter painter;
+    Metrics metrics{"test"};
+    Results results;
+};
+
+TEST_F(SchedulerTest, ASnapshotBecomesAJpegOfItsSize) {
+    Scheduler scheduler(painter.open(), {}, metrics);
+    Picture picture;
+    std::promise<void> ready;
+    ASSERT_TRUE(scheduler.snapshot(order(24), [&](Expected<Picture> result) {
+        ASSERT_TRUE(result) << result.error().message;
+        picture = std::move(*result);
+        ready.set_value();
+    }));
+    ASSERT_EQ(ready.get_future().wait_for(FakePainter::patience), std::future_status::ready);
+    EXPECT_EQ(picture.width, 24);
+    // Oracle: the decoder is another library function than the encoder's caller.
+    const auto decoded = decodeJpeg(*picture.bytes);
+    ASSERT_TRUE(decoded);
+    EXPECT_EQ(decoded->width, 24);
+    EXPECT_EQ(decoded->height, 8);
+    EXPECT_EQ(picture.stats.stages.back().name, "encode");
+}
+
+TEST_F(SchedulerTest, TheLatestWishWinsAndOverwrittenOnesAreCounted) {
+    painter.closeGate();
+    Scheduler scheduler(painter.open(), {}, metrics);
+    const auto mailbox = scheduler.openMailbox();
+    scheduler.wish(mailbox, order(1), results.collect(1));
+    ASSERT_TRUE(painter.waitBegun(1));
+    for (int i = 2; i <= 10; ++i) scheduler.wish(mailbox, order(i), results.collect(i));
+    painter.openGate();
+    ASSERT_TRUE(results.waitFor(10));
+    EXPECT_EQ(begunWidths(), (std::vector<int>{1, 10}));
+    EXPECT_EQ(results.code(1), std::nullopt);
+    EXPECT_EQ(results.code(10), std::nullopt);
+    for (int i = 2; i <= 9; ++i) EXPECT_EQ(results.code(i), ErrorCode::Cancelled);
+    EXPECT_EQ(metric("scancast_frames_dropped_total{reason=\"overwritten\"}"),
+              "scancast_frames_dropped_total{reason=\"overwritten\"} 8");
+}
+
+TEST_F(SchedulerTest, SessionsTakeTurnsHoweverMuchOneOfThemWishes) {
+    painter.closeGate();
+    Scheduler scheduler(painter.open(), {}, metrics);
+    const auto busy = scheduler.openMailbox();
+    const auto calm = scheduler.openMailbox();
+    scheduler.wish(busy, order(100), results.collect(100));
+    ASSERT_TRUE(painter.waitBegun(1));
+    scheduler.wish(busy, order(101), results.collect(101));
+    scheduler.wish(calm, order(200), results.collect(200));
+    // From here on the busy session has a new wish waiting whenever one of its own begins.
+    for (std::size_t round = 0; round < 4; ++round) {
+        const int next = int(round) + 1;
+        painter.let(1);
+        ASSERT_TRUE(painter.waitBegun(2 * round + 2));
+        scheduler.wish(busy, order(101 + next), results.collect(101 + next));
+        painter.let(1);
+        ASSERT_TRUE(painter.waitBegun(2 * round + 3));
+        scheduler.wish(calm, order(200 + next), results.collect(200 + next));
+    }
+    painter.openGate();
+    ASSERT_TRUE(results.waitFor(11));
+    const auto begun = begunWidths();
+    // Strict alternation: after each picture of one session comes one of the other.
+    for (std::size_t i = 1; i + 1 < begun.size(); ++i) {
+        EXPECT_NE(begun[i] / 100, begun[i + 1] / 100) << "at " << i;
+    }
+}
+
+TEST_F(SchedulerTest, SnapshotsAreOneParticipantAmongSessions) {
+    painter.closeGate();
+    Scheduler scheduler(painter.open(), {}, metrics);
+    const auto mailbox = scheduler.openMailbox();
+    for (int i = 0; i < 5; ++i) ASSERT_TRUE(scheduler.snapshot(order(10 + i), results.collect(10 + i)));
+    ASSERT_TRUE(painter.waitBegun(1));
+    scheduler.wish(mailbox, order(99), results.collect(99));
+    painter.openGate();
+    ASSERT_TRUE(results.waitFor(6));
+    const auto begun = begunWidths();
+    // The session came after five snapshots, one of which was begun; it waits for one more at most.
+    EXPECT_TRUE(begun[1] == 99 || begun[2] == 99) << ::testing::PrintToString(begun);
+}
+
+TEST_F(SchedulerTest, TheSnapshotQueueIsBounded) {
+    painter.closeGate();
+    SchedulerOptions options;
+    options.maxSnapshots = 3;
+    Scheduler scheduler(painter.open(), options, metrics);
+    ASSERT_TRUE(scheduler.snapshot(order(1), results.collect(1)));
+    ASSERT_TRUE(painter.waitBegun(1));  // begun, so it waits no more
+    for (int i = 2; i <= 4; ++i) ASSERT_TRUE(scheduler.snapshot(order(i), results.collect(i)));
+    const auto refused = scheduler.snapshot(order(5), results.collect(5));
+    ASSERT_FALSE(refused);
+    EXPECT_EQ(refused.error().code, ErrorCode::ResourceLimit);
+    painter.openGate();
+    ASSERT_TRUE(results.waitFor(4));
+    EXPECT_EQ(begunWidths(), (std::vector<int>{1, 2, 3, 4}));
+}
+
+TEST_F(SchedulerTest, DeadlinesEndWaitingAndRenderingSnapshots) {
+    painter.closeGate();
+    SchedulerOptions options;
+    options.snapshotDeadline = std::chrono::milliseconds(50);
+    Scheduler scheduler(painter.open(), options, metrics);
+    ASSERT_TRUE(scheduler.snapshot(order(1), results.collect(1)));
+    ASSERT_TRUE(scheduler.snapshot(order(2), results.collect(2)));
+    ASSERT_TRUE(results.waitFor(2));  // the gate stays closed: only the deadline can end them
+    EXPECT_EQ(results.code(1), ErrorCode::DeadlineExceeded);
+    EXPECT_EQ(results.code(2), ErrorCode::DeadlineExceeded);
+    // The device is free again.
+    painter.openGate();
+    const auto mailbox = scheduler.openMailbox();
+    scheduler.wish(mailbox, order(3), results.collect(3));
+    ASSERT_TRUE(results.waitFor(3));
+    EXPECT_EQ(results.code(3), std::nullopt);
+}
+
+TEST_F(SchedulerTest, ANewViewStopsTheSessionsOwnStillAtOnce) {
+    painter.closeGate();
+    Scheduler scheduler(painter.open(), {}, metrics);
+    const auto mailbox = scheduler.openMailbox();
+    scheduler.wish(mailbox, order(1, true), results.collect(1));
+    ASSERT_TRUE(painter.waitBegun(1));
+    scheduler.wish(mailbox, order(2), results.collect(2));
+    ASSERT_TRUE(painter.waitBegun(2));  // the gate is closed, so the still can only have been stopped
+    painter.openGate();
+    ASSERT_TRUE(results.waitFor(2));
+    EXPECT_EQ(results.code(1), ErrorCode::Cancelled);
+    EXPECT_EQ(results.code(2), std::nullopt);
+    EXPECT_EQ(painter.cancelled(), 1);
+}
+
+TEST_F(SchedulerTest, NeitherMovingFramesNorStillsOfOthersAreStopped) {
+    painter.closeGate();
+    Scheduler scheduler(painter.open(), {}, metrics);
+    const auto mine = scheduler.openMailbox();
+    const auto other = scheduler.openMailbox();
+    scheduler.wish(mine, order(1), results.collect(1));
+    ASSERT_TRUE(painter.waitBegun(1));
+    scheduler.wish(mine, order(2, true), results.collect(2));
+    painter.let(1);
+    ASSERT_TRUE(painter.waitBegun(2));
+    scheduler.wish(other, order(3), results.collect(3));
+    painter.openGate();
+    ASSERT_TRUE(results.waitFor(3));
+    EXPECT_EQ(painter.cancelled(), 0);
+    for (int label : {1, 2, 3}) EXPECT_EQ(results.code(label), std::nullopt);
+}
+
+TEST_F(SchedulerTest, ReplaceWaitingOnlyReplaces) {
+    painter.closeGate();
+    Scheduler scheduler(painter.open(), {}, metrics);
+    const auto mailbox = scheduler.openMailbox();
+    EXPECT_FALSE(scheduler.replaceWaiting(mailbox, order(1), results.collect(1)));
+    scheduler.wish(mailbox, order(2), results.collect(2));
+    ASSERT_TRUE(painter.waitBegun(1));
+    EXPECT_FALSE(scheduler.replaceWaiting(mailbox, order(3), results.collect(3)));
+    scheduler.wish(mailbox, order(4), results.collect(4));
+    EXPECT_TRUE(scheduler.replaceWaiting(mailbox, order(5), results.collect(5)));
+    painter.openGate();
+    ASSERT_TRUE(results.waitFor(3));
+    EXPECT_EQ(begunWidths(), (std::vector<int>{2, 5}));
+    EXPECT_EQ(results.code(4), ErrorCode::Cancelled);
+}
+
+TEST_F(SchedulerTest, AClosedMailboxStopsEverythingOfItsSession) {
+    painter.closeGate();
+    Scheduler scheduler(painter.open(), {}, metrics);
+    const auto mailbox = scheduler.openMailbox();
+    scheduler.wish(mailbox, order(1), results.collect(1));
+    ASSERT_TRUE(painter.waitBegun(1));
+    scheduler.wish(mailbox, order(2), results.collect(2));
+    scheduler.closeMailbox(mailbox);
+    ASSERT_TRUE(results.waitFor(2));
+    EXPECT_EQ(results.code(1), ErrorCode::Cancelled);
+    EXPECT_EQ(results.code(2), ErrorCode::Cancelled);
+    scheduler.wish(mailbox, order(3), results.collect(3));
+    ASSERT_TRUE(results.waitFor(3));
+    EXPECT_EQ(results.code(3), ErrorCode::Cancelled);
+}
+
+TEST_F(SchedulerTest, StopEndsEveryOrderExactlyOnce) {
+    painter.closeGate();
+    constexpr int sessions = 8;
+    constexpr int snapshots = 20;
+    {
+        Scheduler scheduler(painter.open(), {}, metrics);
+        for (int i = 0; i < sessions; ++i)
+            scheduler.wish(scheduler.openMailbox(), order(i + 1), results.collect(i));
+        for (int i = 0; i < snapshots; ++i) {
+            ASSERT_TRUE(scheduler.snapshot(order(50), results.collect(sessions + i)));
+        }
+        ASSERT_TRUE(painter.waitBegun(1));
+        scheduler.stop();
+        EXPECT_FALSE(scheduler.snapshot(order(9), results.collect(999)));
+    }
+    auto labels = results.labels();
+    std::sort(labels.begin(), labels.end());
+    ASSERT_EQ(labels.size(), std::size_t(sessions + snapshots));
+    for (int i = 0; i < sessions + snapshots; ++i) EXPECT_EQ(labels[std::size_t(i)], i);
+}
+
+TEST_F(SchedulerTest, WithoutADeviceEveryOrderFailsWithItsReason) {
+    Scheduler scheduler(
+        []() -> Expected<Painter> { return fail(ErrorCode::DeviceUnavailable, "no EGL here"); }, {}, metrics);
+    const auto status = scheduler.waitForDevice(FakePainter::patience);
+    EXPECT_EQ(status.state, DeviceStatus::State::Failed);
+    EXPECT_EQ(status.error.message, "no EGL here");
+    ASSERT_TRUE(scheduler.snapshot(order(1), results.collect(1)));
+    ASSERT_TRUE(results.waitFor(1));
+    EXPECT_EQ(results.code(1), ErrorCode::DeviceUnavailable);
+}
+
+TEST_F(SchedulerTest, AnErrorOrExceptionOfTheRendererFailsOnePictureOnly) {
+    painter.failWith(Error{ErrorCode::Unsupported, "no normals", {}});
+    Scheduler scheduler(painter.open(), {}, metrics);
+    ASSERT_TRUE(scheduler.snapshot(order(1), results.collect(1)));
+    ASSERT_TRUE(results.waitFor(1));
+    EXPECT_EQ(results.code(1), ErrorCode::Unsupported);
+    painter.failWith(std::nullopt);
+    PictureOrder broken = order(2);
+    broken.view.width = -1;  // the fake's vector throws
+    ASSERT_TRUE(scheduler.snapshot(broken, results.collect(2)));
+    ASSERT_TRUE(scheduler.snapshot(order(3), results.collect(3)));
+    ASSERT_TRUE(results.waitFor(3));
+    EXPECT_EQ(results.code(2), ErrorCode::Internal);
+    EXPECT_EQ(results.code(3), std::nullopt);
+}
+
+TEST_F(SchedulerTest, ManyThreadsAtOnce) {
+    Scheduler scheduler(painter.open(), {}, metrics);
+    constexpr int threads = 4;
+    constexpr int each = 200;
+    std::vector<std::thread> crowd;
+    for (int t = 0; t < threads; ++t) {
+        crowd.emplace_back([&, t] {
+            const auto mailbox = scheduler.openMailbox();
+            for (int i = 0; i < each; ++i) {
+                scheduler.wish(mailbox, order(4 + t, i % 3 == 0), results.collect(t * each + i));
+                if (i % 7 == 0) scheduler.abandon(mailbox);
+            }
+            scheduler.closeMailbox(mailbox);
+        });
+    }
+    for (auto& thread : crowd) thread.join();
+    ASSERT_TRUE(results.waitFor(threads * each));
+    auto labels = results.labels();
+    std::sort(labels.begin(), labels.end());
+    EXPECT_EQ(std::unique(labels.begin(), labels.end()) - labels.begin(), threads * each);
+}
+
+}  // namespace
+}  // namespace scancast

@@ -1,0 +1,74 @@
+#include "server/commands/serve_options.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cstdlib>
+
+namespace scancast {
+namespace {
+
+ServeOptions parsed(std::vector<std::string> arguments) {
+    ServeOptions options;
+    CLI::App app;
+    addServeFlags(app, options);
+    std::reverse(arguments.begin(), arguments.end());
+    app.parse(arguments);
+    return options;
+}
+
+TEST(ServeOptions, Defaults) {
+    const ServeOptions options = parsed({"town.las"});
+    EXPECT_EQ(options.server.host, "127.0.0.1");
+    EXPECT_EQ(options.server.port, 8080);
+    EXPECT_TRUE(check(options));
+}
+
+TEST(ServeOptions, FlagBeforeEnvironmentBeforeDefault) {
+    setenv("SCANCAST_PORT", "9001", 1);
+    EXPECT_EQ(parsed({"a.las"}).server.port, 9001);
+    EXPECT_EQ(parsed({"a.las", "--port", "9002"}).server.port, 9002);
+    unsetenv("SCANCAST_PORT");
+    EXPECT_EQ(parsed({"a.las"}).server.port, 8080);
+}
+
+TEST(ServeOptions, FilesAndOriginsMayBeMany) {
+    const auto options =
+        parsed({"--allowed-origin", "https://a.example", "x.las", "y.ply", "--allowed-origin", "http://b:1"});
+    EXPECT_EQ(options.files.size(), 2U);
+    EXPECT_EQ(options.server.allowedOrigins.size(), 2U);
+    EXPECT_TRUE(check(options));
+}
+
+TEST(ServeOptions, BadValuesAreRefusedByTheParser) {
+    for (const char* port : {"-1", "65536", "http"}) {
+        EXPECT_THROW(parsed({"a.las", "--port", port}), CLI::ParseError) << port;
+    }
+    EXPECT_THROW(parsed({"a.las", "--backend", "vulkan"}), CLI::ParseError);
+    EXPECT_THROW(parsed({"a.las", "--max-pixels", "0"}), CLI::ParseError);
+}
+
+TEST(ServeOptions, OtherAddressesNeedInsecure) {
+    for (const char* host : {"0.0.0.0", "192.168.1.7", "scans.example.org", "::"}) {
+        const auto refused = check(parsed({"a.las", "--host", host}));
+        ASSERT_FALSE(refused) << host;
+        EXPECT_THAT(refused.error().message, ::testing::HasSubstr("--insecure"));
+        EXPECT_TRUE(check(parsed({"a.las", "--host", host, "--insecure"}))) << host;
+    }
+    for (const char* host : {"localhost", "127.0.0.2", "::1"})
+        EXPECT_TRUE(check(parsed({"a.las", "--host", host}))) << host;
+}
+
+TEST(ServeOptions, NothingToServeNamesTheWayOut) {
+    const auto refused = check(parsed({}));
+    ASSERT_FALSE(refused);
+    EXPECT_THAT(refused.error().message, ::testing::HasSubstr("scancast generate town"));
+}
+
+TEST(ServeOptions, AnOriginMustBeOne) {
+    EXPECT_FALSE(check(parsed({"a.las", "--allowed-origin", "viewer.example"})));
+}
+
+}  // namespace
+}  // namespace scancast

@@ -1,9 +1,10 @@
 // The camera: a point that is looked at, the direction from which, and the distance. Pure functions from one camera
 // to the next; none of them changes its argument, and none of them ever returns a camera with NaN in it.
 //
-//   { target: [x, y, z], azimuth, elevation, distance, fov, projection }
+//   { target: [x, y, z], azimuth, elevation, distance, fov, projection, upAxis }
 //
-// Right-handed, Z up, the cloud's own coordinates. `azimuth` and `elevation` are the direction from the target to the
+// Right-handed, the cloud's own coordinates. Z is up, or Y where `upAxis` is 'y', as it is in scans of things that
+// were modelled rather than surveyed. `azimuth` and `elevation` are the direction from the target to the
 // eye, in radians; elevation stays within ±90°, which is why the picture never turns over at the pole. `fov` is the
 // full vertical field of view in degrees. An orthographic camera sees the same height at its target as a perspective
 // one, so that switching between the two keeps the size of what is looked at.
@@ -21,6 +22,10 @@ export const defaultFov = 60;
 const clamp = (value, low, high) => Math.min(high, Math.max(low, value));
 const radians = (degrees) => (degrees * Math.PI) / 180;
 const halfTangent = (camera) => Math.tan(radians(camera.fov) / 2);
+
+/** From a frame in which Z is up to the cloud's, and back. */
+const toCloud = (v, upAxis) => (upAxis === 'y' ? [v[0], v[2], -v[1]] : v);
+const toUpright = (v, upAxis) => (upAxis === 'y' ? [v[0], -v[2], v[1]] : v);
 
 const isSound = (camera) =>
   areNumbers(camera.target) &&
@@ -42,9 +47,9 @@ export function axes(camera) {
   const sinA = Math.sin(camera.azimuth), cosA = Math.cos(camera.azimuth);
   const sinE = Math.sin(camera.elevation), cosE = Math.cos(camera.elevation);
   return {
-    right: [-sinA, cosA, 0],
-    up: [-sinE * cosA, -sinE * sinA, cosE],
-    back: [cosE * cosA, cosE * sinA, sinE],
+    right: toCloud([-sinA, cosA, 0], camera.upAxis),
+    up: toCloud([-sinE * cosA, -sinE * sinA, cosE], camera.upAxis),
+    back: toCloud([cosE * cosA, cosE * sinA, sinE], camera.upAxis),
   };
 }
 
@@ -118,10 +123,11 @@ export function zoom(camera, factor, cursor, size, closest = leastDistance) {
   return changed(camera, { distance, target: subtract(eye, scale(axes(camera).back, distance)) });
 }
 
-/** Moves eye and target together: `steps` to the right, up (along Z) and ahead, in cloud units. */
+/** Moves eye and target together: `steps` to the right, up (against gravity) and ahead, in cloud units. */
 export function move(camera, steps) {
   const { right, back } = axes(camera);
-  const shift = add(add(scale(right, steps.right ?? 0), [0, 0, steps.up ?? 0]), scale(back, -(steps.ahead ?? 0)));
+  const upwards = toCloud([0, 0, steps.up ?? 0], camera.upAxis);
+  const shift = add(add(scale(right, steps.right ?? 0), upwards), scale(back, -(steps.ahead ?? 0)));
   return changed(camera, { target: add(camera.target, shift) });
 }
 
@@ -183,7 +189,7 @@ export function toProtocol(camera, bounds) {
   const common = {
     eye: add(camera.target, scale(back, distance)),
     target: [...camera.target],
-    up: atPole ? up : [0, 0, 1],
+    up: atPole ? up : toCloud([0, 0, 1], camera.upAxis),
   };
   return orthographic
     ? { type: 'orthographic', ...common, viewHeight: heightAtTarget(camera) }
@@ -191,14 +197,14 @@ export function toProtocol(camera, bounds) {
 }
 
 /** Reads what toProtocol() writes, and every other upright look-at camera; undefined for anything else. */
-export function fromProtocol(wire) {
+export function fromProtocol(wire, upAxis = 'z') {
   if (!wire || !areNumbers(wire.eye) || !areNumbers(wire.target)) return undefined;
-  const offset = subtract(wire.eye, wire.target);
+  const offset = toUpright(subtract(wire.eye, wire.target), upAxis);
   const distance = length(offset);
   if (!(distance > 0)) return undefined;
   const elevation = Math.asin(clamp(offset[2] / distance, -1, 1));
   const atPole = quarterTurn - Math.abs(elevation) < poleZone;
-  const up = areNumbers(wire.up) ? wire.up : [0, 0, 1];
+  const up = areNumbers(wire.up) ? toUpright(wire.up, upAxis) : [0, 0, 1];
   // At the pole the eye says nothing about the azimuth, but the picture's up direction does.
   const azimuth =
     atPole && Math.hypot(up[0], up[1]) > 1e-9
@@ -213,6 +219,7 @@ export function fromProtocol(wire) {
     distance: orthographic && wire.viewHeight > 0 ? wire.viewHeight / (2 * Math.tan(radians(fov) / 2)) : distance,
     fov,
     projection: orthographic ? 'orthographic' : 'perspective',
+    upAxis,
   };
   return isSound(camera) ? changed(camera, {}) : undefined;
 }

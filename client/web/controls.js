@@ -30,11 +30,12 @@ export class Controls {
   #fieldsOf;
   #on;
 
-  /** `on` has style(changes), cloud(id) and reset(). */
+  /** `on` has style(changes), cloud(id), upAxis('z' or 'y') and reset(). */
   constructor(on) {
     this.#on = on;
     find('controls').addEventListener('submit', (event) => event.preventDefault());
     find('cloud').addEventListener('change', (event) => on.cloud(event.target.value));
+    find('up-axis').addEventListener('change', (event) => on.upAxis(event.target.value));
     find('method').addEventListener('change', (event) => on.style({ method: event.target.value, param: {} }));
     find('color').addEventListener('change', () => this.#colorChosen());
     find('flat-color').addEventListener('input', (event) => on.style({ color: event.target.value }));

@@ -65,6 +65,11 @@ const picture = new Picture(canvas, (size) => {
 const controls = new Controls({
   style: changeStyle,
   cloud: (id) => openCloud(id),
+  upAxis: (axis) => {
+    if (!cloud) return;
+    changeCamera(usualCamera(cloud, axis));
+    showCameraButtons();
+  },
   reset: () => changeStyle(usualStyle(cloud)),
 });
 const input = new CameraInput(canvas, {
@@ -86,9 +91,9 @@ const boundsOf = () => cloud?.bounds ?? unitBox;
 const usualStyle = (of) => Object.fromEntries(styleKeys.map((key) => [key, of?.view?.[key] ?? null]));
 
 /** The whole cloud, from where the server would look at it, but fitted to this window. */
-function usualCamera(of) {
+function usualCamera(of, upAxis = 'z') {
   const theirs = fromProtocol(of.view?.camera) ?? fromProtocol({ eye: [1, -2, 1], target: [0, 0, 0] });
-  return fit(theirs, of.bounds, picture.cssSize);
+  return fit({ ...theirs, upAxis }, of.bounds, picture.cssSize);
 }
 
 function welcome(message) {
@@ -222,7 +227,7 @@ function showProblem({ seq, problem }) {
   if (!state.refused(seq, sound)) return;
   const was = catalog.clouds.find((one) => one.id === state.wanted.cloud);
   if (was) cloud = was;
-  camera = fromProtocol(state.wanted.camera) ?? camera;
+  camera = fromProtocol(state.wanted.camera, camera.upAxis) ?? camera;
   controls.show(state.wanted, cloud);
   showTitle();
   wake();
@@ -237,12 +242,13 @@ function showTitle() {
   canvas.setAttribute('aria-label', `The point cloud ${title}`);
   const { min, max } = boundsOf();
   const extent = [0, 1, 2].map((i) => Number((max[i] - min[i]).toPrecision(3)).toLocaleString('en')).join(' × ');
-  const facts = [`${amount(cloud.points)} points`, extent, cloud.format].filter(Boolean);
+  const facts = [`${amount(cloud.points)} points`, extent, cloud.format?.split(',')[0]].filter(Boolean);
   find('cloud-facts').textContent = facts.join(' · ');
 }
 
 function showCameraButtons() {
   find('orthographic').setAttribute('aria-pressed', String(camera?.projection === 'orthographic'));
+  find('up-axis').value = camera?.upAxis ?? 'z';
 }
 
 function toggleProjection() {
@@ -296,7 +302,7 @@ find('look-around').addEventListener('click', toggleLooking);
 find('orthographic').addEventListener('click', toggleProjection);
 find('toggle-panel').addEventListener('click', togglePanel);
 find('copy-link').addEventListener('click', () => {
-  if (cloud) copyLink(cloud.id, state.wanted, overlays);
+  if (cloud) copyLink(cloud.id, state.wanted, camera.upAxis, overlays);
 });
 find('save-picture').addEventListener('click', async ({ currentTarget: button }) => {
   if (!cloud) return;
@@ -308,7 +314,10 @@ addEventListener('hashchange', () => {
   const next = parseHash(location.hash);
   if (!next || !cloud) return;
   if (next.cloud && next.cloud !== cloud.id) openCloud(next.cloud);
-  if (next.camera) goTo(next.camera);
+  if (next.camera) {
+    goTo(next.camera);
+    find('up-axis').value = next.camera.upAxis;
+  }
   changeStyle(next.style);
 });
 

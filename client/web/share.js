@@ -5,8 +5,8 @@ import { printHash } from './view_hash.js';
 import { snapshotUrl } from './view_words.js';
 
 /** Puts the view behind the # of the address, and the address into the clipboard. */
-export async function copyLink(cloud, view, overlays) {
-  history.replaceState(null, '', printHash(cloud, view));
+export async function copyLink(cloud, view, upAxis, overlays) {
+  history.replaceState(null, '', printHash(cloud, view, upAxis));
   try {
     await navigator.clipboard.writeText(location.href);
     overlays.toast('Link copied', 'It shows this very view.', 'done');

@@ -13,7 +13,11 @@ const parameterName = /^[A-Za-z0-9]{1,64}$/;
 const color = /^#?[0-9a-f]{6}$/i;
 const plainNumber = /^[+-]?(\d+\.?\d*|\.\d+)(e[+-]?\d+)?$/i;
 
-export const printHash = (cloud, view) => `#${printQuery([['cloud', cloud], ...wordsOf(view)])}`;
+/** `upAxis` is the page's own word: it changes how one moves on, not what the picture shows. */
+export function printHash(cloud, view, upAxis) {
+  const own = upAxis === 'y' ? [['upAxis', 'y']] : [];
+  return `#${printQuery([['cloud', cloud], ...wordsOf(view), ...own])}`;
+}
 
 function pairsOf(hash) {
   const pairs = new Map();
@@ -45,7 +49,7 @@ function readCamera(pairs) {
     fov: readNumber(pairs.get('fov')),
     viewHeight: readNumber(pairs.get('viewHeight')),
   };
-  return fromProtocol(wire);
+  return fromProtocol(wire, pairs.get('upAxis') === 'y' ? 'y' : 'z');
 }
 
 function readParameters(pairs) {

@@ -70,7 +70,6 @@ describe('the page', { timeout: 240_000 }, () => {
   }));
 
   it('right-dragging pans, the wheel zooms, a double-click goes there, F shows everything again', () => withPage(async (page) => {
-    await changeBy(page, () => page.keyboard.press('f'));
     const whole = await pixels(page);
     assert.ok(await changeBy(page, () => drag(page, [300, 300], [380, 330], 'right')) > changedAtLeast);
     assert.ok(await changeBy(page, () => page.mouse.wheel(0, -300)) > changedAtLeast);
@@ -141,6 +140,16 @@ describe('the page', { timeout: 240_000 }, () => {
     const png = readFileSync(await download.path());
     assert.equal(png.toString('latin1', 1, 4), 'PNG');
     assert.deepEqual([png.readUInt32BE(16), png.readUInt32BE(20)], [960, 600]);
+  }));
+
+  it('a scan whose Y axis is up is stood upright, and a link remembers it', () => withPage(async (page) => {
+    assert.ok(await changeBy(page, () => page.selectOption('#up-axis', 'y')) > changedAtLeast);
+    const upright = await pixels(page);
+    await page.click('#copy-link');
+    await page.reload();
+    await waitUntilSharp(page);
+    assert.ok(differing(upright, await pixels(page)) <= sameAtMost);
+    assert.equal(await page.inputValue('#up-axis'), 'y');
   }));
 
   it('a method that does not exist is explained in words, and the picture comes all the same', async () => {

@@ -40,13 +40,15 @@ export function lasBytes(points) {
   return bytes;
 }
 
-/** A ring, orange above and blue below. */
+/** A ring, orange above and blue below, in five stretches of different brightness: it looks different from everywhere. */
 function ring(count) {
   const next = random(11);
   return Array.from({ length: count }, () => {
     const a = next() * 2 * Math.PI, b = next() * 2 * Math.PI;
     const z = 3 * Math.sin(b);
-    return [(7 + 3 * Math.cos(b)) * Math.cos(a), (7 + 3 * Math.cos(b)) * Math.sin(a), z, z > 0 ? 240 : 50, 140, z > 0 ? 40 : 220];
+    const light = [1, 0.75, 0.95, 0.65, 0.85][Math.floor((a / (2 * Math.PI)) * 5)];
+    const color = (z > 0 ? [240, 140, 40] : [50, 140, 220]).map((value) => Math.round(value * light));
+    return [(7 + 3 * Math.cos(b)) * Math.cos(a), (7 + 3 * Math.cos(b)) * Math.sin(a), z, ...color];
   });
 }
 

@@ -26,7 +26,7 @@ describe('orbit', () => {
     for (const camera of manyCameras()) {
       for (const dy of [1e5, -1e5]) {
         const next = cam.orbit(camera, 0, dy, size);
-        assert.ok(cam.axes(next).up[2] >= -1e-12, 'the picture stands on its head');
+        assert.ok(cam.axes(next).up[camera.upAxis === 'y' ? 1 : 2] >= -1e-12, 'the picture stands on its head');
         assert.equal(Math.abs(next.elevation), Math.PI / 2);
         // And back again: no dead way at the pole.
         assert.ok(Math.abs(cam.orbit(next, 0, -Math.sign(dy) * 10, size).elevation) < Math.PI / 2);
@@ -150,6 +150,10 @@ describe('fit', () => {
     sameVector(cam.axes(cam.standardView(camera, 'top', bounds, size)).up, [0, 1, 0], 1e-12, 'north');
     sameVector(cam.axes(cam.standardView(camera, 'front', bounds, size)).right, [1, 0, 0], 1e-12, 'front');
     sameVector(cam.axes(cam.standardView(camera, 'side', bounds, size)).right, [0, 1, 0], 1e-12, 'side');
+    // Where Y is up, the front is the side that one sees looking along -Z: the way modellers turn their things.
+    const modelled = cam.axes(cam.standardView({ ...camera, upAxis: 'y' }, 'front', bounds, size));
+    sameVector(modelled.back, [0, 0, 1], 1e-12, 'front, Y up');
+    sameVector(modelled.up, [0, 1, 0], 1e-12, 'front, Y up');
   });
 });
 
@@ -167,7 +171,7 @@ describe('between', () => {
 describe('protocol', () => {
   it('round trip: what is written is read back', () => {
     for (const camera of manyCameras()) {
-      const back = cam.fromProtocol(cam.toProtocol(camera));
+      const back = cam.fromProtocol(cam.toProtocol(camera), camera.upAxis);
       sameVector(back.target, camera.target, 0, 'target');
       // An orthographic camera has no field of view on the wire; what it shows is told by the height.
       near(cam.heightAtTarget(back) / cam.heightAtTarget(camera), 1, 1e-6, 'height at the target');

@@ -14,9 +14,10 @@ const style = {
 describe('the hash', () => {
   it('round trip: a link shows what its sender saw', () => {
     for (const camera of manyCameras()) {
-      const read = parseHash(printHash('town', { camera: toProtocol(camera), ...style }));
+      const read = parseHash(printHash('town', { camera: toProtocol(camera), ...style }, camera.upAxis));
       assert.equal(read.cloud, 'town');
       assert.deepEqual(read.style, style);
+      assert.equal(read.camera.upAxis, camera.upAxis);
       // Twelve digits of each number survive: the same points appear at the same places of the picture.
       const size = { width: 1000, height: 1000 };
       for (const cursor of [{ x: 500, y: 500 }, { x: 30, y: 900 }]) {

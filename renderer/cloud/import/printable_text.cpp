@@ -17,6 +17,13 @@ std::string printableText(std::string_view text, std::size_t longest) {
     return result;
 }
 
+std::string quotedText(std::string_view text) {
+    std::string result("\"");
+    result += printableText(text, 40);
+    result += '"';
+    return result;
+}
+
 std::string grouped(unsigned long long number) {
     auto digits = std::to_string(number);
     for (auto at = static_cast<std::ptrdiff_t>(digits.size()) - 3; at > 0; at -= 3)

@@ -11,6 +11,9 @@ namespace scancast {
 /// first NUL; no white space at either end. Outside text is never trusted to be UTF-8.
 std::string printableText(std::string_view text, std::size_t longest);
 
+/// A word of the file in quotation marks, for messages: printable, at most 40 bytes of it.
+std::string quotedText(std::string_view text);
+
 /// "1,234,567" for messages.
 std::string grouped(unsigned long long number);
 

@@ -1,0 +1,14 @@
+// PCD to point stream: header checked here, points decoded by PCL.
+#pragma once
+
+#include <string>
+
+#include "protocol/error.hpp"
+#include "renderer/cloud/import/point_stream_writer.hpp"
+
+namespace scancast::import_pcl {
+
+/// Writes the whole stream but a failure record. Errors without the file's name.
+Expected<void> importPcd(const std::string& file, PointStreamWriter& writer);
+
+}  // namespace scancast::import_pcl

@@ -1,0 +1,48 @@
+// A PLY file's header, checked before PCL sees the file: PCL trusts what it says. Pure functions.
+// The format: http://paulbourke.net/dataformats/ply/
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "importers/pcl/point_fields.hpp"
+#include "protocol/error.hpp"
+
+namespace scancast::import_pcl {
+
+enum class PlyFormat : std::uint8_t { Ascii, BinaryLittleEndian, BinaryBigEndian };
+
+struct PlyProperty {
+    std::string name;
+    ScalarType type = ScalarType::Float32;
+    std::optional<ScalarType> listSize;  ///< set for lists: the type of the number of items
+};
+
+struct PlyElement {
+    std::string name;
+    std::uint64_t count = 0;
+    std::vector<PlyProperty> properties;
+};
+
+struct PlyHeader {
+    PlyFormat format = PlyFormat::Ascii;
+    std::uint64_t bytes = 0;  ///< the first element starts here
+    std::vector<PlyElement> elements;
+    std::uint64_t vertices = 0;
+    PointFields fields;  ///< of the element "vertex"
+    /// Name of the property by meaning; only where `fields` has it.
+    std::array<std::string, meanings> propertyOf{};
+};
+
+/// Longest header that is read.
+inline constexpr std::size_t longestPlyHeader = 1 << 20;
+
+/// `start`: the first bytes of the file, up to longestPlyHeader. `fileBytes`: the file's size, against which
+/// the promised vertices are checked. Errors: Malformed, Truncated, Unsupported, Empty; without the file's
+/// name.
+Expected<PlyHeader> checkPlyHeader(std::string_view start, std::uint64_t fileBytes);
+
+}  // namespace scancast::import_pcl

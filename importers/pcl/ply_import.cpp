@@ -1,0 +1,146 @@
+#include "importers/pcl/ply_import.hpp"
+
+#include <pcl/io/ply/ply_parser.h>
+
+#include <fstream>
+#include <functional>
+#include <system_error>
+
+#include "importers/pcl/ply_header.hpp"
+#include "importers/pcl/point_converter.hpp"
+#include "renderer/cloud/import/printable_text.hpp"
+
+namespace scancast::import_pcl {
+
+namespace {
+
+namespace ply = pcl::io::ply;
+
+/// Leaves PCL's parser in the middle: it has no other way to be stopped.
+struct Stop {};
+
+/// One run of PCL's parser over the file, which calls `vertex` for every vertex.
+class VertexPass {
+  public:
+    using Vertex = std::function<Expected<void>(const RawPoint&)>;
+
+    VertexPass(const PlyHeader& header, Vertex vertex) : header_(header), vertex_(std::move(vertex)) {}
+
+    Expected<void> run(const std::string& file);
+
+  private:
+    template <class T>
+    void listen(ply::ply_parser::scalar_property_definition_callbacks_type& callbacks);
+    void endVertex();
+
+    const PlyHeader& header_;
+    Vertex vertex_;
+    RawPoint point_{};
+    std::uint64_t vertices_ = 0;
+    std::size_t errorLine_ = 0;
+    Expected<void> result_;
+};
+
+template <class T>
+void VertexPass::listen(ply::ply_parser::scalar_property_definition_callbacks_type& callbacks) {
+    ply::ply_parser::at<T>(callbacks) = [this](const std::string& element,
+                                               const std::string& property) -> std::function<void(T)> {
+        const auto meaning = meaningOf(property);
+        if (element != "vertex" || !meaning) return {};
+        const auto index = static_cast<std::size_t>(*meaning);
+        if (header_.propertyOf[index] != property) return {};
+        double& value = point_[index];
+        if (*meaning != Meaning::PackedColor) return [&value](T v) { value = static_cast<double>(v); };
+        return [&value](T v) {
+            std::uint32_t bits = 0;
+            static_assert(sizeof(T) <= sizeof(double));
+            std::memcpy(&bits, &v, std::min(sizeof v, sizeof bits));
+            value = bits;
+        };
+    };
+}
+
+void VertexPass::endVertex() {
+    ++vertices_;
+    result_ = vertex_(point_);
+    if (!result_ || vertices_ == header_.vertices) throw Stop{};
+}
+
+Expected<void> VertexPass::run(const std::string& file) {
+    ply::ply_parser parser;
+    parser.error_callback([this](std::size_t line, const std::string&) { errorLine_ = line; });
+    parser.element_definition_callback([this](const std::string& element, std::size_t) {
+        ply::ply_parser::begin_element_callback_type begin = [] {};
+        ply::ply_parser::end_element_callback_type end = [] {};
+        if (element == "vertex") end = [this] { endVertex(); };
+        return std::make_tuple(begin, end);
+    });
+    ply::ply_parser::scalar_property_definition_callbacks_type callbacks;
+    listen<ply::int8>(callbacks);
+    listen<ply::uint8>(callbacks);
+    listen<ply::int16>(callbacks);
+    listen<ply::uint16>(callbacks);
+    listen<ply::int32>(callbacks);
+    listen<ply::uint32>(callbacks);
+    listen<ply::float32>(callbacks);
+    listen<ply::float64>(callbacks);
+    parser.scalar_property_definition_callbacks(callbacks);
+    try {
+        parser.parse(file);
+    } catch (const Stop&) {
+        return result_;
+    }
+    std::string where =
+        header_.format == PlyFormat::Ascii && errorLine_ > 0 ? " (line " + grouped(errorLine_) + ")" : "";
+    return fail(ErrorCode::Truncated, "it breaks off within vertex " + grouped(vertices_ + 1) + " of " +
+                                          grouped(header_.vertices) + where);
+}
+
+std::string formatText(PlyFormat format) {
+    switch (format) {
+        case PlyFormat::Ascii:
+            return "PLY, ascii";
+        case PlyFormat::BinaryLittleEndian:
+            return "PLY, binary little-endian";
+        default:
+            return "PLY, binary big-endian";
+    }
+}
+
+Expected<PlyHeader> readHeader(const std::string& file) {
+    std::ifstream stream(file, std::ios::binary | std::ios::ate);
+    if (!stream) return fail(ErrorCode::Io, "it cannot be opened: " + std::generic_category().message(errno));
+    const auto size = static_cast<std::uint64_t>(stream.tellg());
+    std::string start(std::min<std::uint64_t>(size, longestPlyHeader), '\0');
+    stream.seekg(0);
+    stream.read(start.data(), static_cast<std::streamsize>(start.size()));
+    start.resize(static_cast<std::size_t>(stream.gcount()));
+    return checkPlyHeader(start, size);
+}
+
+}  // namespace
+
+Expected<void> importPly(const std::string& file, PointStreamWriter& writer) {
+    const auto header = readHeader(file);
+    if (!header) return tl::unexpected(header.error());
+
+    ValueRanges ranges;
+    if (needsRanges(header->fields)) {
+        VertexPass measure(*header, [&](const RawPoint& point) -> Expected<void> {
+            ranges.take(point, header->fields);
+            return {};
+        });
+        if (auto ok = measure.run(file); !ok) return ok;
+    }
+    ScanHeader scan;
+    scan.format = formatText(header->format);
+    scan.points = header->vertices;
+    scan.attributes = header->fields.attributes();
+    if (auto ok = writer.writeHeader(scan); !ok) return ok;
+    PointConverter converter(header->fields, ranges, writer);
+    VertexPass send(*header, [&](const RawPoint& point) { return converter.add(point); });
+    if (auto ok = send.run(file); !ok) return ok;
+    return converter.finish();
+}
+
+}  // namespace scancast::import_pcl

@@ -1,0 +1,157 @@
+// What is not a cloud, damaged, or empty: an error that names the file and the reason. The files are real
+// ones.
+#include <gmock/gmock.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "renderer/cloud/import/open_scan.hpp"
+#include "tests/support/test_data.hpp"
+#include "tests/unit/import/scan_summary.hpp"
+#include "tests/unit/import/temporary_folder.hpp"
+
+namespace scancast::test {
+
+using ::testing::HasSubstr;
+
+namespace {
+
+ImportOptions options() {
+    return {.importerDirectory = SCANCAST_BIN_DIR};
+}
+
+void expectError(const std::filesystem::path& file, ErrorCode code, const char* reason) {
+    const auto scan = summarizeOpened(openScan(file, options()));
+    ASSERT_FALSE(scan) << file;
+    EXPECT_EQ(name(scan.error().code), name(code)) << scan.error().message;
+    EXPECT_THAT(scan.error().message, HasSubstr(file.string()));
+    EXPECT_THAT(scan.error().message, HasSubstr(reason));
+}
+
+struct BadScan {
+    const char* file;
+    ErrorCode code;
+    const char* reason;
+};
+
+void PrintTo(const BadScan& scan, std::ostream* out) {
+    *out << scan.file;
+}
+
+const BadScan badScans[] = {
+    {"bad/1.2-no-points.las", ErrorCode::Truncated,
+     "ends at byte 229: its header promises 1,065 points, there are 0"},
+    {"bad/garbage_nVariableLength.las", ErrorCode::Truncated, "promises 719 points, there are 718"},
+    {"bad/no-points.las", ErrorCode::Empty, "without points"},
+    {"bad/broken_coder.laz", ErrorCode::Unsupported, "LAZ comes with a later release"},
+    {"bad/broken_size.laz", ErrorCode::Unsupported, "decompress it to LAS"},
+    {"laz/Megaplot.laz", ErrorCode::Unsupported, "LAZ comes with a later release"},
+    {"copc/1.2-with-color.copc.laz", ErrorCode::Unsupported, "LAZ comes with a later release"},
+    {"bad/lfs-pointer.laz", ErrorCode::Unsupported, "a Git LFS pointer, not the scan itself"},
+    {"bad/badheader.txt", ErrorCode::Unsupported,
+     "text formats (XYZ, PTS, PTX, CSV) come with a later release"},
+    {"text/autzen.pts", ErrorCode::Unsupported, "Scancast reads LAS 1.0-1.4"},
+    {"bad/missingheader.pcd", ErrorCode::Unsupported, "text without a PCD header"},
+    {"bad/no_vertex.ply", ErrorCode::Malformed, "declares no vertices"},
+    {"bad/corrupt_crc.e57", ErrorCode::Unsupported, "E57 comes with a later release"},
+    {"e57/bunnyFloat.e57", ErrorCode::Unsupported, "E57 comes with a later release"},
+    {"ply/pdal-sized_dims.ply", ErrorCode::Malformed, "no property \"z\""},
+    {"ply/pdal-unsized_dims.ply", ErrorCode::Malformed, "no property \"z\""},
+};
+
+class BadScans : public ::testing::TestWithParam<BadScan> {};
+
+}  // namespace
+
+TEST_P(BadScans, AreRefusedByReason) {
+    const auto& bad = GetParam();
+    REQUIRE_TEST_DATA(bad.file);
+    expectError(testData(bad.file), bad.code, bad.reason);
+}
+
+INSTANTIATE_TEST_SUITE_P(All, BadScans, ::testing::ValuesIn(badScans), fileAsTestName<BadScan>);
+
+// Damage beside the points costs no point: these three have sound records in the places that their headers
+// give.
+TEST(DamagedBesideThePoints, IsRead) {
+    for (const auto& [file, points] : {std::pair("bad/bad_vlr_count.las", 10),
+                                       {"bad/malformed_extrabytes.las", 10},
+                                       {"bad/gps-time-nan.las", 1}}) {
+        REQUIRE_TEST_DATA(file);
+        const auto scan = summarizeOpened(openScan(testData(file), options()));
+        ASSERT_TRUE(scan) << scan.error().message;
+        EXPECT_EQ(scan->points, static_cast<std::uint64_t>(points)) << file;
+    }
+}
+
+TEST(NotAScan, MissingFile) {
+    expectError("/nowhere/scan.las", ErrorCode::NotFound, "no such file");
+}
+
+TEST(NotAScan, Directory) {
+    const TemporaryFolder folder;
+    expectError(folder.path(), ErrorCode::Unsupported, "is a directory");
+}
+
+TEST(NotAScan, EmptyFile) {
+    const TemporaryFolder folder;
+    for (const char* name : {"a.las", "a.ply", "a"})
+        expectError(folder.write(name, ""), ErrorCode::Empty, "is an empty file (0 bytes)");
+}
+
+TEST(NotAScan, Devices) {
+    expectError("/dev/zero", ErrorCode::Unsupported, "is a device");
+    expectError("/dev/null", ErrorCode::Unsupported, "is a device");
+}
+
+// Opening a pipe that nobody writes to would wait for ever.
+TEST(NotAScan, NamedPipe) {
+    const TemporaryFolder folder;
+    const auto pipe = folder.path() / "pipe.las";
+    ASSERT_EQ(::mkfifo(pipe.c_str(), 0600), 0);
+    expectError(pipe, ErrorCode::Unsupported, "a pipe");
+}
+
+TEST(NotAScan, UnreadableFile) {
+    const TemporaryFolder folder;
+    const auto file = folder.write("a.las", "LASF");
+    ::chmod(file.c_str(), 0);
+    // The administrator may read everything: be nobody for a moment.
+    const auto user = ::geteuid();
+    constexpr uid_t nobody = 65534;
+    if (user == 0) {
+        ASSERT_EQ(::seteuid(nobody), 0);
+    }
+    expectError(file, ErrorCode::Io, "cannot be opened: Permission denied");
+    ASSERT_EQ(::seteuid(user), 0);
+}
+
+TEST(NotAScan, OtherThings) {
+    const TemporaryFolder folder;
+    using namespace std::string_literals;
+    for (const auto& [content, reason] : {std::pair("\x89PNG\r\n\x1a\n"s, "a PNG picture"),
+                                          {"\x1f\x8b\x08\x00"s, "gunzip"},
+                                          {"PK\x03\x04 "s, "a ZIP archive"},
+                                          {"<!DOCTYPE html>"s, "a web page"},
+                                          {"\x01\x02\x03"s, "starts with the bytes 01 02 03"},
+                                          {"ply"s, "Scancast reads"},
+                                          {"1 2 3\n4 5 6\n"s, "it is text"},
+                                          {std::string(5000, '\0'), "starts with the bytes 00 00 00 00"}})
+        expectError(folder.write("scan.las", content), ErrorCode::Unsupported, reason);
+}
+
+// The name says nothing: a LAS file called .ply is a LAS file.
+TEST(Formats, GoByContent) {
+    REQUIRE_TEST_DATA("las/las11-pdrf1.las");
+    REQUIRE_TEST_DATA("ply/pdal-simple_text.ply");
+    const TemporaryFolder folder;
+    for (const auto& [from, to] : {std::pair("las/las11-pdrf1.las", "a.ply"),
+                                   {"ply/pdal-simple_text.ply", "a.las"},
+                                   {"pcd/bun0.pcd", "no extension"}}) {
+        std::filesystem::copy_file(testData(from), folder.path() / to);
+        std::filesystem::permissions(folder.path() / to, std::filesystem::perms::owner_all);
+        const auto scan = summarizeOpened(openScan(folder.path() / to, options()));
+        EXPECT_TRUE(scan) << scan.error().message;
+    }
+}
+
+}  // namespace scancast::test

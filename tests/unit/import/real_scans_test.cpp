@@ -1,0 +1,153 @@
+// Every real LAS, PLY and PCD scan gives the number of points, bounds, columns and ranges that an independent
+// program found in it (SOURCES.md, beside the scans): that program shares no code with these readers.
+#include <gmock/gmock.h>
+
+#include <optional>
+#include <sstream>
+
+#include "renderer/cloud/import/open_scan.hpp"
+#include "tests/support/test_data.hpp"
+#include "tests/unit/import/real_scans.hpp"
+#include "tests/unit/import/scan_summary.hpp"
+
+namespace scancast::test {
+
+namespace {
+
+/// Half a unit of the last printed digit, and a little for the rounding of the unit's own.
+double tolerance(const std::string& printed) {
+    const auto exponent = printed.find('e');
+    const auto mantissa = printed.substr(0, exponent);
+    const auto point = mantissa.find('.');
+    const double unit = point == std::string::npos ? 1 : std::pow(10.0, -double(mantissa.size() - point - 1));
+    const double scale =
+        exponent == std::string::npos ? 1 : std::pow(10.0, std::stod(printed.substr(exponent + 1)));
+    return 0.51 * unit * scale;
+}
+
+/// The numbers of "a x b x c; min d e f".
+std::vector<std::string> numbers(const char* box) {
+    std::vector<std::string> result;
+    std::istringstream words(box);
+    for (std::string word; words >> word;) {
+        if (word == "x" || word == "min") continue;
+        if (word.back() == ';') word.pop_back();
+        result.push_back(word);
+    }
+    return result;
+}
+
+class RealScans : public ::testing::TestWithParam<RealScan> {};
+
+ImportOptions options() {
+    return {.importerDirectory = SCANCAST_BIN_DIR};
+}
+
+}  // namespace
+
+TEST_P(RealScans, GiveWhatIsInThem) {
+    const auto& expected = GetParam();
+    REQUIRE_TEST_DATA(expected.file);
+    auto source = openScan(testData(expected.file), options());
+    ASSERT_TRUE(source) << source.error().message;
+    const auto& header = (*source)->header();
+    EXPECT_EQ(header.format, expected.format);
+    EXPECT_EQ(header.points, expected.points);
+    const std::string columns = expected.columns;
+    const auto has = [&](char c) { return columns.find(c) != std::string::npos; };
+    EXPECT_EQ(header.attributes, (Attributes{has('c'), has('i'), has('k'), has('n')}));
+
+    const auto summary = summarize(**source);
+    ASSERT_TRUE(summary) << summary.error().message;
+    EXPECT_EQ(summary->points, expected.points - expected.dropped);
+    EXPECT_EQ((*source)->droppedPoints(), expected.dropped);
+    const auto box = numbers(expected.box);
+    ASSERT_EQ(box.size(), 6U);
+    for (int i = 0; i < 3; ++i) {
+        const auto& size = box[static_cast<std::size_t>(i)];
+        const auto& min = box[static_cast<std::size_t>(i) + 3];
+        EXPECT_NEAR(summary->max[i] - summary->min[i], std::stod(size), tolerance(size));
+        EXPECT_NEAR(summary->min[i], std::stod(min), tolerance(min));
+    }
+    if (expected.intensity[0] >= 0) {
+        EXPECT_EQ(summary->intensity, expected.intensity);
+    }
+    if (*expected.classes != '\0') {
+        std::set<int> classes;
+        std::istringstream list(expected.classes);
+        for (std::string word; std::getline(list, word, ',');) classes.insert(std::stoi(word));
+        // SOURCES.md names at most the 14 lowest classes of a file.
+        constexpr std::size_t mostNamed = 14;
+        auto found = summary->classes;
+        while (classes.size() == mostNamed && found.size() > mostNamed) found.erase(std::prev(found.end()));
+        EXPECT_EQ(found, classes);
+    }
+    // Colours above 255 are 16-bit ones, of which the high byte is kept.
+    if (expected.rgbMax >= 0) {
+        EXPECT_EQ(summary->colorMax, expected.rgbMax > 255 ? expected.rgbMax >> 8 : expected.rgbMax);
+    }
+    if (has('n')) {
+        EXPECT_EQ(summary->normals, summary->points);
+    }
+}
+
+INSTANTIATE_TEST_SUITE_P(All, RealScans, ::testing::ValuesIn(realScans), fileAsTestName<RealScan>);
+
+// The same survey in three containers: columns that went different ways must meet.
+TEST(RealScansAgree, AutzenAsLasAndAsPcd) {
+    REQUIRE_TEST_DATA("las/las12-pdrf2-color.las");
+    REQUIRE_TEST_DATA("pcd/autzen-utm.pcd");
+    const auto las = summarizeOpened(openScan(testData("las/las12-pdrf2-color.las"), options()));
+    const auto pcd = summarizeOpened(openScan(testData("pcd/autzen-utm.pcd"), options()));
+    ASSERT_TRUE(las && pcd);
+    EXPECT_EQ(las->first.intensity, pcd->first.intensity);
+    EXPECT_EQ(las->first.classification, pcd->first.classification);
+    EXPECT_EQ(las->first.color, pcd->first.color);
+    for (std::size_t i = 0; i < las->first.size(); ++i)
+        for (int k = 0; k < 3; ++k) EXPECT_NEAR(las->first.position[i][k], pcd->first.position[i][k], 1e-6);
+}
+
+TEST(RealScansAgree, GuanyinInBothByteOrders) {
+    REQUIRE_TEST_DATA("ply/guanyin-statue.ply");
+    REQUIRE_TEST_DATA("ply/guanyin-half-big-endian.ply");
+    const auto whole = summarizeOpened(openScan(testData("ply/guanyin-statue.ply"), options()));
+    const auto half = summarizeOpened(openScan(testData("ply/guanyin-half-big-endian.ply"), options()));
+    ASSERT_TRUE(whole && half);
+    for (std::size_t i = 0; 2 * i < whole->first.size(); ++i) {
+        ASSERT_EQ(whole->first.position[2 * i], half->first.position[i]);
+        ASSERT_EQ(whole->first.color[2 * i], half->first.color[i]);
+    }
+}
+
+// 4-byte floats cannot hold these northings to better than 0.25 m; the text gives centimetres.
+TEST(RealScansAgree, TextCoordinatesKeepTheirDigits) {
+    REQUIRE_TEST_DATA("pcd/utm17_space.pcd");
+    for (const char* file : {"pcd/utm17_space.pcd", "pcd/utm17_comma.pcd"}) {
+        const auto scan = summarizeOpened(openScan(testData(file), options()));
+        ASSERT_TRUE(scan) << scan.error().message;
+        EXPECT_EQ(scan->first.position[0], glm::dvec3(289814.15, 4320978.61, 170.76));
+        EXPECT_EQ(scan->first.position[9], glm::dvec3(289818.50, 4320980.59, 170.58));
+    }
+}
+
+TEST(RealScansAgree, CoordinateReferenceSystems) {
+    struct Crs {
+        const char* file;
+        std::optional<int> epsg;
+        const char* wkt;  ///< a part of it; empty = none
+    };
+    for (const auto& [file, epsg, wkt] :
+         {Crs{"las/las10-pdrf0.las", 32128, ""}, Crs{"las/certainty3d-feet.las", 2229, ""},
+          Crs{"las/las14-pdrf6-wkt.las", 32104, "Foot_US"}, Crs{"las/las14-pdrf7-color.las", 4326, ""},
+          Crs{"las/lonlat-pdrf0.las", 4326, ""}, Crs{"las/permutation-1.2_3.las", 26915, ""},
+          Crs{"las/las14-pdrf6.las", std::nullopt, "US survey foot"},
+          Crs{"las/sample_c.las", std::nullopt, ""}}) {
+        REQUIRE_TEST_DATA(file);
+        const auto source = openScan(testData(file), options());
+        ASSERT_TRUE(source) << source.error().message;
+        EXPECT_EQ((*source)->header().crsEpsg, epsg) << file;
+        EXPECT_THAT((*source)->header().crsWkt, ::testing::HasSubstr(wkt)) << file;
+    }
+}
+
+}  // namespace scancast::test

@@ -12,6 +12,7 @@
 #include <boost/beast/http/span_body.hpp>
 #include <boost/beast/http/write.hpp>
 #include <boost/beast/websocket/rfc6455.hpp>
+#include <limits>
 #include <optional>
 
 #include "server/net/stream_connection.hpp"
@@ -67,6 +68,7 @@ class HttpConnection final : public Connection, public std::enable_shared_from_t
         if (leaving_) return closeGently();
         parser_.emplace();
         parser_->header_limit(context_.limits.maxHeaderBytes);
+        parser_->body_limit(std::numeric_limits<std::uint64_t>::max());  // bodies are never read
         // One deadline for the whole head: a client that sends a byte now and then gains nothing.
         stream_.expires_after(context_.limits.requestTimeout);
         http::async_read_header(

@@ -93,7 +93,7 @@ TEST_F(ApiTest, Refusals) {
         {"/api/v1/clouds/tiny/snapshot.jpg?width=99999", 400, "width"},
         {"/api/v1/clouds/tiny/snapshot.jpg?width=2000&height=2000", 413, "width"},
         {"/api/v1/clouds/tiny/snapshot.jpg?eye=1,1,1&target=1,1,1", 422, ""},
-        {"/api/v1/clouds/tiny/snapshot.jpg?method=teapot", 404, ""},
+        {"/api/v1/clouds/tiny/snapshot.jpg?method=teapot", 400, "method"},
         {"/api/v1/clouds/other/snapshot.jpg", 404, "cloud"},
         {"/api/v1/clouds/..%2Ftiny", 404, "cloud"},
         {"/nothing.js", 404, ""},

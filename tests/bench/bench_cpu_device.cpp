@@ -1,7 +1,7 @@
 // How fast the cpu device draws the sphere of the targets: POINTS points of a unit sphere, 1280 x 720, from
 // cut to RGBA and depth in memory. Prints a table: million points a second, and milliseconds per stage.
 //
-//   bench_cpu_device [--points N] [--threads N] [--repeat N] [--leaf N] [--unordered]
+//   bench_cpu_device [--points N] [--threads N] [--repeat N] [--leaf N] [--unordered] [--only METHOD]
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
@@ -24,6 +24,7 @@ struct Options {
     int repeat = 25;
     std::uint32_t leaf = 16384;
     bool unordered = false;
+    std::string only;
 };
 
 Options parse(int argc, char** argv) {
@@ -38,6 +39,8 @@ Options parse(int argc, char** argv) {
             o.repeat = std::max(1, static_cast<int>(value()));
         else if (std::strcmp(argv[i], "--leaf") == 0)
             o.leaf = std::max(1u, static_cast<std::uint32_t>(value()));
+        else if (std::strcmp(argv[i], "--only") == 0 && i + 1 < argc)
+            o.only = argv[++i];
         else if (std::strcmp(argv[i], "--unordered") == 0)
             o.unordered = true;
         else {
@@ -121,13 +124,16 @@ int main(int argc, char** argv) {
     std::printf("%s, %llu points, 1280 x 720\n", (*device)->info().renderer.c_str(),
                 static_cast<unsigned long long>(options.points));
     const test::AnalyticCloud cloud = sphere(options);
-    measure(**device, cloud, "point", {}, Shading::Unlit, options.repeat);
+    const auto wanted = [&](const char* name) { return options.only.empty() || options.only == name; };
+    if (wanted("point")) measure(**device, cloud, "point", {}, Shading::Unlit, options.repeat);
     for (const char* name : {"square", "circle", "paraboloid", "cone", "sphere"}) {
+        if (!wanted(name)) continue;
         for (const double px : {2.0, 3.0, 5.0, 9.0}) {
             measure(**device, cloud, name, {{"sizePx", px}}, Shading::Unlit, options.repeat);
         }
     }
-    measure(**device, cloud, "paraboloid", {}, Shading::Unlit, options.repeat);
+    if (wanted("paraboloid")) measure(**device, cloud, "paraboloid", {}, Shading::Unlit, options.repeat);
+    if (!options.only.empty()) return 0;
     std::printf("with eye-dome lighting:\n");
     measure(**device, cloud, "point", {}, Shading::EyeDome, options.repeat);
     return 0;

@@ -23,7 +23,7 @@ std::int64_t nanoseconds(Clock::duration d) {
 /// Samples between two looks at the stop token: under a millisecond.
 constexpr std::uint32_t sliceSamples = 16384;
 /// More tiles than threads, so that all threads end at about the same time.
-constexpr int tilesPerThread = 6;
+constexpr int tilesPerThread = 3;
 
 int reachOf(const std::optional<EyeDomePass>& eyeDome) {
     return eyeDome ? static_cast<int>(std::ceil(std::clamp(eyeDome->radiusPx, 0.0f, 64.0f))) : 0;
@@ -154,6 +154,8 @@ void Picture::drawRuns(const Tile& tile, const SplatPass& pass, const KeyTile& k
             continue;
         }
         SplatRun slice = prepared.run;
+        slice.crossesTile =
+            part.width() < prepared.bounds.width() || part.height() < prepared.bounds.height();
         for (std::uint32_t first = 0; first < prepared.run.count; first += sliceSamples) {
             if (stop_.stop_requested()) return;
             slice.samples = prepared.run.samples + first;

@@ -62,6 +62,7 @@ struct SplatRun {
     float elevationStep = 0, elevationBase = 0;  ///< colour index of Coloring::Elevation = z · step + base
     float sizeFactor = 0;                        ///< p = clamp(sizeFactor (/ d in perspective), minPx, maxPx)
     float largestPx = 0;                         ///< no splat of the run is larger
+    bool crossesTile = true;                     ///< some of it lies in other tiles
     bool clipped = false;
     std::int32_t clipMin[3] = {},
                  clipMax[3] = {};  ///< integers of the samples inside the clip box, inclusive

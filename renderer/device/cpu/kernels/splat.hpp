@@ -7,16 +7,12 @@
 // All three give the same keys. Part of kernels.cpp.
 #pragma once
 
+#include "renderer/device/cpu/kernels/bounds.hpp"
 #include "renderer/device/cpu/kernels/project.hpp"
+#include "renderer/device/cpu/kernels/screen.hpp"
 
 namespace scancast::cpu {
 namespace {
-
-/// 8 bits of distance for a splat of half-size h: trunc(distanceScale(h) · squared distance in px); pass.hpp.
-inline float distanceScale(float half) {
-    const float h = half < 0.5f ? 0.5f : half;
-    return 127.5f / (h * h);
-}
 
 struct alignas(64) PixelKeys {
     Key keys[blockSize];
@@ -44,12 +40,12 @@ void splatPixels(const Block& b, const KeyTile& tile) {
     }
 }
 
-/// Splats of a block that reach into the tile, with all that a row needs, packed.
+/// The splats of a block that reach into the tile, and what their rows need beside what the block says.
 struct alignas(64) Splats {
-    float x[blockSize], y[blockSize], depth[blockSize], half[blockSize];
     float rise[blockSize];      ///< how fast the order grows; its unit is the profile's
     float distance[blockSize];  ///< distanceScale
-    std::uint32_t color[blockSize];
+    std::int32_t reaches[blockSize];
+    std::uint16_t list[blockSize];
     int count = 0;
 };
 
@@ -66,41 +62,38 @@ inline constexpr bool isSphere = shape == Shape::SphereCircle;
 void collectSplats(const Block& b, const KeyTile& tile, Splats& s) {
     const float left = static_cast<float>(tile.x), right = static_cast<float>(tile.x + tile.width);
     const float top = static_cast<float>(tile.y), bottom = static_cast<float>(tile.y + tile.height);
-    std::int32_t wanted[blockSize];
-    for (int i = 0; i < b.padded; ++i) {
-        const float h = b.half[i] < 0.5f ? 0.5f : b.half[i];
-        const bool reaches =
-            (b.x[i] + h >= left) & (b.x[i] - h <= right) & (b.y[i] + h >= top) & (b.y[i] - h <= bottom);
-        wanted[i] = b.drawable[i] & (reaches ? 1 : 0);
+    for (int i = 0; i < b.padded; i += wideLanes) {
+        const FloatW h = larger(load<FloatW>(b.half + i), all(0.5f));
+        const FloatW x = load<FloatW>(b.x + i), y = load<FloatW>(b.y + i);
+        const IntW reaches = (x + h >= left) & (x - h <= right) & (y + h >= top) & (y - h <= bottom);
+        store(s.reaches + i, reaches & load<IntW>(b.drawable + i));
     }
     int n = 0;
     for (int i = 0; i < b.count; ++i) {
-        s.x[n] = b.x[i];
-        s.y[n] = b.y[i];
-        s.depth[n] = b.depth[i];
-        s.half[n] = b.half[i];
-        s.color[n] = b.color[i];
-        n += wanted[i];
+        s.list[n] = static_cast<std::uint16_t>(i);
+        n -= s.reaches[i];
     }
     s.count = n;
 }
 
 /// The order's growth: gain · R in units of (px/h)², px/h or 1.
 template <Shape shape>
-void shapeSplats(const SplatPass& pass, Splats& s) {
-    for (int i = 0; i < s.count; ++i) {
-        const float h = s.half[i];
-        const float radius =
-            pass.perspective ? (h * pass.radiusPerPixel) * s.depth[i] : h * pass.radiusPerPixel;
-        const float depthOfBorder = pass.gain * radius;
+void shapeSplats(const SplatPass& pass, const Block& b, Splats& s) {
+    for (int i = 0; i < b.padded; i += wideLanes) {
+        const FloatW h = load<FloatW>(b.half + i);
+        FloatW radius = h * pass.radiusPerPixel;
+        if (pass.perspective) radius = radius * load<FloatW>(b.depth + i);
+        const FloatW depthOfBorder = pass.gain * radius;
         if constexpr (isSphere<shape>) {
-            s.rise[i] = depthOfBorder;
+            store(s.rise + i, depthOfBorder);
         } else if constexpr (isCone<shape>) {
-            s.rise[i] = depthOfBorder / h;
+            store(s.rise + i, depthOfBorder / h);
         } else {
-            s.rise[i] = depthOfBorder / (h * h);
+            store(s.rise + i, depthOfBorder / (h * h));
         }
-        s.distance[i] = distanceScale(h);
+        // 8 bits of distance: trunc(this · squared distance in px); pass.hpp.
+        const FloatW atLeastAPixel = larger(h, all(0.5f));
+        store(s.distance + i, 127.5f / (atLeastAPixel * atLeastAPixel));
     }
 }
 
@@ -111,15 +104,15 @@ struct Fragments {
     Float<lanes> dx, dx2, y, depth, half, half2, rise, distance;
     Int<lanes> color;
 
-    Fragments(const Splats& s, int i) {
+    Fragments(const Block& b, const Splats& s, int i) {
         const Float<lanes> zero{};
-        y = zero + s.y[i];
-        depth = zero + s.depth[i];
-        half = zero + s.half[i];
+        y = zero + b.y[i];
+        depth = zero + b.depth[i];
+        half = zero + b.half[i];
         half2 = half * half;
         rise = zero + s.rise[i];
         distance = zero + s.distance[i];
-        color = Int<lanes>{} + static_cast<std::int32_t>(s.color[i]);
+        color = Int<lanes>{} + static_cast<std::int32_t>(b.color[i]);
     }
 
     /// Starts a row of lanes at this column of the picture.
@@ -176,19 +169,19 @@ inline float firstPixel(float center, float half) {
 
 /// Splats up to guardPx: `rows` rows of `chunks` × `lanes` pixels each.
 template <Shape shape, int lanes, int chunks>
-void splatSmall(const Splats& s, int rows, const KeyTile& tile) {
+void splatSmall(const Block& b, const Splats& s, int rows, const KeyTile& tile) {
     const std::int64_t stride = tile.stride;
-    for (int i = 0; i < s.count; ++i) {
-        Fragments<shape, lanes> f(s, i);
-        const float column = firstPixel(s.x[i], s.half[i]);
-        const float row = firstPixel(s.y[i], s.half[i]);
-        const float centerRow = __builtin_floorf(s.y[i]);
+    for (int n = 0; n < s.count; ++n) {
+        const int i = s.list[n];
+        Fragments<shape, lanes> f(b, s, i);
+        const float column = firstPixel(b.x[i], b.half[i]);
+        const float row = firstPixel(b.y[i], b.half[i]);
+        const float centerRow = __builtin_floorf(b.y[i]);
         Key* const first = tile.keys + (static_cast<std::int32_t>(row) - tile.y) * stride +
                            (static_cast<std::int32_t>(column) - tile.x);
-        Key* const center =
-            first + (static_cast<std::int32_t>(centerRow) - static_cast<std::int32_t>(row)) * stride;
+        Key* const center = first + static_cast<std::int32_t>(centerRow - row) * stride;
         for (int c = 0; c < chunks; ++c) {
-            f.startColumns(column + static_cast<float>(c * lanes), s.x[i]);
+            f.startColumns(column + static_cast<float>(c * lanes), b.x[i]);
             Key* place = first + c * lanes;
             float r = row;
             for (int j = 0; j < rows; ++j, place += stride, r += 1.0f) f.draw(place, r);
@@ -198,55 +191,68 @@ void splatSmall(const Splats& s, int rows, const KeyTile& tile) {
 }
 
 template <Shape shape>
-void splatLarge(const Splats& s, const KeyTile& tile) {
+void splatLarge(const Block& b, const Splats& s, const KeyTile& tile) {
     constexpr int lanes = wideLanes;
-    for (int i = 0; i < s.count; ++i) {
-        Fragments<shape, lanes> f(s, i);
-        const float h = s.half[i];
-        const std::int32_t right = tile.x + tile.width, bottom = tile.y + tile.height;
-        std::int32_t x0 = static_cast<std::int32_t>(firstPixel(s.x[i], h));
-        std::int32_t x1 = static_cast<std::int32_t>(__builtin_floorf(s.x[i] + h + 0.5f));
-        std::int32_t y0 = static_cast<std::int32_t>(firstPixel(s.y[i], h));
-        std::int32_t y1 = static_cast<std::int32_t>(__builtin_floorf(s.y[i] + h + 0.5f));
+    const std::int32_t right = tile.x + tile.width, bottom = tile.y + tile.height;
+    for (int n = 0; n < s.count; ++n) {
+        const int i = s.list[n];
+        Fragments<shape, lanes> f(b, s, i);
+        const float x = b.x[i], y = b.y[i], h = b.half[i];
+        std::int32_t x0 = static_cast<std::int32_t>(firstPixel(x, h));
+        std::int32_t x1 = static_cast<std::int32_t>(__builtin_floorf(x + h + 0.5f));
+        std::int32_t y0 = static_cast<std::int32_t>(firstPixel(y, h));
+        std::int32_t y1 = static_cast<std::int32_t>(__builtin_floorf(y + h + 0.5f));
         x0 = x0 < tile.x ? tile.x : x0;
         y0 = y0 < tile.y ? tile.y : y0;
         x1 = x1 < right - 1 ? x1 : right - 1;
         y1 = y1 < bottom - 1 ? y1 : bottom - 1;
-        const std::int32_t centerRow = static_cast<std::int32_t>(__builtin_floorf(s.y[i]));
-        for (std::int32_t x = x0; x <= x1; x += lanes) {
-            f.startColumns(static_cast<float>(x), s.x[i]);
-            for (std::int32_t y = y0; y <= y1; ++y) {
-                Key* const place =
-                    tile.keys + static_cast<std::int64_t>(y - tile.y) * tile.stride + (x - tile.x);
-                f.draw(place, static_cast<float>(y));
-                if (y == centerRow) f.drawCenter(place, static_cast<float>(y));
+        const std::int32_t centerRow = static_cast<std::int32_t>(__builtin_floorf(y));
+        for (std::int32_t column = x0; column <= x1; column += lanes) {
+            f.startColumns(static_cast<float>(column), x);
+            Key* place = tile.keys + static_cast<std::int64_t>(y0 - tile.y) * tile.stride + (column - tile.x);
+            for (std::int32_t row = y0; row <= y1; ++row, place += tile.stride) {
+                f.draw(place, static_cast<float>(row));
+                if (row == centerRow) f.drawCenter(place, static_cast<float>(row));
             }
         }
     }
 }
 
 template <Shape shape>
+void splatBlock(const SplatPass& pass, const SplatRun& run, const Block& block, const KeyTile& tile) {
+    Splats splats;
+    collectSplats(block, tile, splats);
+    shapeSplats<shape>(pass, block, splats);
+    if (run.largestPx > guardPx) return splatLarge<shape>(block, splats, tile);
+    const int rows = static_cast<int>(__builtin_ceilf(run.largestPx));
+    if (rows <= 4) return splatSmall<shape, 4, 1>(block, splats, rows, tile);
+    splatSmall<shape, wideLanes, 8 / wideLanes>(block, splats, rows, tile);
+}
+
+/// Whether a block can be left out: it lies in other tiles, or behind what is drawn already.
+bool leftOut(const SplatPass& pass, const SplatRun& run, std::uint32_t first, int count,
+             const KeyTile& tile) {
+    const BlockBounds bounds = blockBounds(pass, run, first, count);
+    if (!bounds.known) return false;
+    std::int32_t box[4];
+    if (!clampToTile(bounds, tile, box)) return true;
+    std::int32_t order;
+    __builtin_memcpy(&order, &bounds.depth, sizeof order);
+    return hidden(tile, box[0], box[1], box[2], box[3], order);
+}
+
+template <Shape shape>
 void splatShape(const SplatPass& pass, const SplatRun& run, const KeyTile& tile) {
     Block block;
-    if (run.largestPx <= 1.0f) {
-        for (std::uint32_t first = 0; first < run.count; first += blockSize) {
-            loadBlock(pass, run, first, block);
-            splatPixels(block, tile);
-        }
-        return;
-    }
-    Splats splats;
-    const int rows = static_cast<int>(__builtin_ceilf(run.largestPx < guardPx ? run.largestPx : guardPx));
     for (std::uint32_t first = 0; first < run.count; first += blockSize) {
+        const std::uint32_t left = run.count - first;
+        const int count = left < blockSize ? static_cast<int>(left) : blockSize;
+        if ((run.largestPx > 1.0f || run.crossesTile) && leftOut(pass, run, first, count, tile)) continue;
         loadBlock(pass, run, first, block);
-        collectSplats(block, tile, splats);
-        shapeSplats<shape>(pass, splats);
-        if (rows <= 4) {
-            splatSmall<shape, 4, 1>(splats, rows, tile);
-        } else if (run.largestPx <= guardPx) {
-            splatSmall<shape, wideLanes, 8 / wideLanes>(splats, rows, tile);
+        if (run.largestPx <= 1.0f) {
+            splatPixels(block, tile);
         } else {
-            splatLarge<shape>(splats, tile);
+            splatBlock<shape>(pass, run, block, tile);
         }
     }
 }

@@ -1,0 +1,152 @@
+// scancast-client as people run it: arguments in, files and sentences out.
+#include <gtest/gtest.h>
+#include <sys/wait.h>
+
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <set>
+
+#include "protocol/json_text.hpp"
+#include "tests/unit/client/fake_session.hpp"
+
+namespace scancast::client {
+namespace {
+
+struct Outcome {
+    int exitCode = -1;
+    std::string output;  ///< standard output and standard error
+};
+
+Outcome run(const std::string& arguments) {
+    const auto command = "timeout 60 '" SCANCAST_BIN_DIR "/scancast-client' " + arguments + " 2>&1";
+    auto* pipe = popen(command.c_str(), "r");
+    Outcome outcome;
+    if (!pipe) return outcome;
+    char piece[4096];
+    for (std::size_t n = 0; (n = fread(piece, 1, sizeof piece, pipe)) > 0;) outcome.output.append(piece, n);
+    const int status = pclose(pipe);
+    outcome.exitCode = WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+    return outcome;
+}
+
+std::string contents(const std::filesystem::path& path) {
+    std::ifstream file(path, std::ios::binary);
+    return {std::istreambuf_iterator<char>(file), {}};
+}
+
+class Program : public testing::Test {
+  protected:
+    void SetUp() override {
+        const auto* test = testing::UnitTest::GetInstance()->current_test_info();
+        folder_ =
+            std::filesystem::path(testing::TempDir()) / (std::string("scancast_client_") + test->name());
+        std::filesystem::remove_all(folder_);
+        std::filesystem::create_directories(folder_);
+    }
+    void TearDown() override { std::filesystem::remove_all(folder_); }
+
+    std::filesystem::path folder_;
+};
+
+TEST_F(Program, HelpHasExamplesAndEveryFlag) {
+    const auto help = run("--help");
+    EXPECT_EQ(help.exitCode, 0);
+    for (const auto* name : {"snapshot", "orbit", "info", "http://127.0.0.1:8080/"})
+        EXPECT_NE(help.output.find(name), std::string::npos) << name;
+    for (const auto* command : {"snapshot", "orbit"}) {
+        const auto text = run(std::string(command) + " --help").output;
+        for (const auto* flag : {"--eye", "--view-height", "--param NAME=VALUE", "--subsampling", "Example"})
+            EXPECT_NE(text.find(flag), std::string::npos) << command << " " << flag;
+    }
+    EXPECT_NE(run("").exitCode, 0);
+    EXPECT_NE(run("snapshot").exitCode, 0);
+}
+
+TEST_F(Program, SnapshotWritesThePicture) {
+    auto script = test::fakeLists();
+    script.answers["/api/v1/clouds/town/snapshot.jpg"] = {200, "image/jpeg", "\xFF\xD8\xFF!", "\"e\""};
+    const test::FakeServer fake(script);
+    const auto file = folder_ / "a.jpg";
+    const auto outcome = run("snapshot --eye -1,2,3 --param sizePx=5 --param smooth=true " + fake.text() +
+                             " --color '#ff8800' -o " + file.string());
+    EXPECT_EQ(outcome.exitCode, 0) << outcome.output;
+    EXPECT_EQ(contents(file), "\xFF\xD8\xFF!");
+    EXPECT_TRUE(fake.requests().back().starts_with(
+        "GET /api/v1/clouds/town/snapshot.jpg?eye=-1,2,3&color=%23ff8800&param.sizePx=5&param.smooth=true "))
+        << fake.requests().back();
+}
+
+TEST_F(Program, ErrorsAreSentencesAndExitCodeOne) {
+    const auto nobody = "http://" + test::nobodysUrl().authority();
+    for (const auto& [arguments, sentence] : std::vector<std::pair<std::string, std::string>>{
+             {"info " + nobody, "start one with `scancast serve FILE`"},
+             {"info nonsense", "write something like http://127.0.0.1:8080/"},
+             {"info https://localhost/", "TLS"},
+             {"snapshot " + nobody + " -o picture.bmp", "does not end in .jpg or .png"},
+             {"snapshot " + nobody + " --param size -o a.jpg", "NAME=VALUE"}}) {
+        const auto outcome = run(arguments);
+        EXPECT_EQ(outcome.exitCode, 1) << arguments << ": " << outcome.output;
+        EXPECT_TRUE(outcome.output.starts_with("scancast-client: ")) << outcome.output;
+        EXPECT_NE(outcome.output.find(sentence), std::string::npos) << outcome.output;
+    }
+}
+
+TEST_F(Program, UnwritableOutputIsNamed) {
+    auto script = test::fakeLists();
+    script.answers["/api/v1/clouds/town/snapshot.jpg"] = {200, "image/jpeg", "\xFF\xD8\xFF!", ""};
+    const test::FakeServer fake(script);
+    const auto outcome =
+        run("snapshot " + fake.text() + " -o " + (folder_ / "no" / "such" / "a.jpg").string());
+    EXPECT_EQ(outcome.exitCode, 1);
+    EXPECT_NE(outcome.output.find("cannot write " + folder_.string()), std::string::npos) << outcome.output;
+}
+
+TEST_F(Program, InfoListsAndPrintsJson) {
+    const test::FakeServer fake(test::fakeLists());
+    const auto text = run("info " + fake.text());
+    EXPECT_EQ(text.exitCode, 0) << text.output;
+    EXPECT_NE(text.output.find("cloud town: A town"), std::string::npos) << text.output;
+    EXPECT_NE(text.output.find("method point: Points"), std::string::npos) << text.output;
+    const auto json = parseJson(run("info --json " + fake.text()).output);
+    ASSERT_TRUE(json) << json.error().message;
+    EXPECT_EQ(*cloudListFromJson(*json), std::vector{test::fakeCloud()});
+    EXPECT_EQ(*methodListFromJson(*json), std::vector{test::fakeMethod()});
+}
+
+TEST_F(Program, OrbitWritesOneStillPerStepAllDifferent) {
+    auto script = test::fakeLists();
+    script.session = test::fakeSession;
+    const test::FakeServer fake(script);
+    const auto outcome =
+        run("orbit " + fake.text() + " --frames 36 --method point -o " + (folder_ / "frames").string());
+    ASSERT_EQ(outcome.exitCode, 0) << outcome.output;
+    EXPECT_NE(outcome.output.find("36 frames of town"), std::string::npos) << outcome.output;
+    EXPECT_NE(outcome.output.find("frames/s"), std::string::npos) << outcome.output;
+    std::set<std::string> pictures;
+    for (int i = 1; i <= 36; ++i) {
+        const auto name = "frame-0" + std::string(i < 10 ? "0" : "") + std::to_string(i) + ".jpg";
+        const auto picture = contents(folder_ / "frames" / name);
+        EXPECT_TRUE(pictures.insert(picture).second) << name;
+        // The fake's pictures are views: complete JSON means a final still, for moving ones have a word
+        // behind it.
+        const auto view = parseJson(picture);
+        ASSERT_TRUE(view) << name << ": " << picture;
+        EXPECT_EQ((*view)["method"], "point");
+        EXPECT_EQ((*view)["camera"]["target"], nlohmann::json({1.0, 1.0, 1.0}));
+    }
+}
+
+TEST_F(Program, OrbitWhileMovingTakesTheFirstFrame) {
+    auto script = test::fakeLists();
+    script.session = test::fakeSession;
+    const test::FakeServer fake(script);
+    const auto outcome =
+        run("orbit --moving --quiet --frames 3 --target 0,0,0 " + fake.text() + " -o " + folder_.string());
+    ASSERT_EQ(outcome.exitCode, 0) << outcome.output;
+    EXPECT_TRUE(contents(folder_ / "frame-003.jpg").ends_with(" moving"));
+    EXPECT_EQ(outcome.output.find("frame 1 of"), std::string::npos) << outcome.output;
+}
+
+}  // namespace
+}  // namespace scancast::client

@@ -141,12 +141,16 @@ const corners = (bounds) =>
 export const centerOf = (bounds) => mix(bounds.min, bounds.max, 0.5);
 export const radiusOf = (bounds) => length(subtract(bounds.max, bounds.min)) / 2;
 
-/** Shows all of `bounds` from the direction that the camera has, as large as it fits, with a little air around it. */
-export function fit(camera, bounds, size, margin = 1.06) {
+/**
+ * Shows all of `bounds` from the direction that the camera has, as large as it fits, with a little air around it. `free`
+ * is the part in the middle of the picture that nothing lies over.
+ */
+export function fit(camera, bounds, size, free = size, margin = 1.06) {
   const { right, up, back } = axes(camera);
   const target = centerOf(bounds);
-  const tanY = halfTangent(camera);
-  const tanX = (tanY * size.width) / size.height;
+  const tanOfPixels = halfTangent(camera) / size.height;
+  const tanX = tanOfPixels * free.width;
+  const tanY = tanOfPixels * free.height;
   let distance = leastDistance;
   for (const corner of corners(bounds)) {
     const offset = subtract(corner, target);
@@ -164,8 +168,8 @@ const directions = {
 };
 
 /** The whole cloud from "top" (north is up), "front" (from the south) or "side" (from the east). */
-export const standardView = (camera, name, bounds, size) =>
-  fit(changed(camera, directions[name] ?? {}), bounds, size);
+export const standardView = (camera, name, bounds, size, free = size) =>
+  fit(changed(camera, directions[name] ?? {}), bounds, size, free);
 
 /** A camera on the way from one to another, t in 0–1; turns by the shorter way. */
 export function between(from, to, t) {

@@ -16,6 +16,7 @@ const find = (id) => document.getElementById(id);
 const styleKeys = ['method', 'param', 'color', 'colormap', 'range', 'shading', 'background', 'detail'];
 const flightMs = 260;
 const calm = matchMedia('(prefers-reduced-motion: reduce)');
+const narrow = matchMedia('(max-width: 700px)');
 
 const canvas = find('picture');
 const state = new ViewState();
@@ -90,10 +91,17 @@ const boundsOf = () => cloud?.bounds ?? unitBox;
 /** The style in which the server would show the cloud by itself. */
 const usualStyle = (of) => Object.fromEntries(styleKeys.map((key) => [key, of?.view?.[key] ?? null]));
 
+/** The part of the window that a fitted cloud should fill: free of panel and buttons, but for little windows. */
+function freeSize() {
+  const { width, height } = picture.cssSize;
+  const panel = narrow.matches ? 0 : find('panel').offsetWidth + 20;
+  return { width: Math.max(width - 2 * panel, 0.7 * width), height: Math.max(height - 160, 0.7 * height) };
+}
+
 /** The whole cloud, from where the server would look at it, but fitted to this window. */
 function usualCamera(of, upAxis = 'z') {
   const theirs = fromProtocol(of.view?.camera) ?? fromProtocol({ eye: [1, -2, 1], target: [0, 0, 0] });
-  return fit({ ...theirs, upAxis }, of.bounds, picture.cssSize);
+  return fit({ ...theirs, upAxis }, of.bounds, picture.cssSize, freeSize());
 }
 
 function welcome(message) {
@@ -267,11 +275,9 @@ function toggleLooking() {
 
 function showStandardView(name) {
   if (!camera || !cloud) return;
-  const size = picture.cssSize;
-  goTo(name === 'fit' ? fit(camera, boundsOf(), size) : standardView(camera, name, boundsOf(), size));
+  const room = [boundsOf(), picture.cssSize, freeSize()];
+  goTo(name === 'fit' ? fit(camera, ...room) : standardView(camera, name, ...room));
 }
-
-const narrow = matchMedia('(max-width: 700px)');
 
 function showPanel(open) {
   document.body.classList.toggle('panel-closed', !open);

@@ -143,6 +143,19 @@ describe('fit', () => {
     }
   });
 
+  it('keeps out of what lies over the picture', () => {
+    const bounds = { min: [0, 0, 0], max: [3, 2, 1] };
+    const free = { width: 600, height: 500 };
+    for (const camera of manyCameras()) {
+      const fitted = cam.fit(camera, bounds, size, free);
+      for (let i = 0; i < 8; ++i) {
+        const corner = [0, 1, 2].map((axis) => bounds[i & (1 << axis) ? 'max' : 'min'][axis]);
+        const seen = cam.project(fitted, corner, size);
+        assert.ok(Math.abs(seen.x - 600) <= 300 && Math.abs(seen.y - 400) <= 250, 'a corner is covered');
+      }
+    }
+  });
+
   it('standard views look along the axes, north up', () => {
     const bounds = { min: [0, 0, 0], max: [4, 6, 2] };
     const [camera] = manyCameras();

@@ -1,0 +1,257 @@
+// Device against device: the cpu device and the gl device share no code beyond the interface, so where both
+// draw the same picture, a fault would have to be made twice. Asked for: at least 45 dB and 99 % identical
+// pixels.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <tuple>
+
+#include "renderer/method/method.hpp"
+#include "tests/oracle/gl/gl_backends.hpp"
+#include "tests/support/analytic_cut.hpp"
+
+namespace scancast::test {
+namespace {
+
+struct Agreement {
+    double psnr = std::numeric_limits<double>::infinity();
+    double identical = 1;       ///< share of pixels with the same four bytes
+    double identicalDepth = 1;  ///< share of pixels with the same bits
+    double covered = 0;         ///< share of pixels that show a sample, first picture
+};
+
+Agreement compare(const Frame& a, const Frame& b) {
+    Agreement result;
+    const std::size_t pixels = a.depth.size();
+    double squares = 0;
+    std::size_t same = 0, sameDepth = 0, covered = 0;
+    for (std::size_t i = 0; i < pixels; ++i) {
+        bool equal = true;
+        for (std::size_t c = 4 * i; c < 4 * i + 4; ++c) {
+            const double difference = static_cast<double>(a.rgba[c]) - b.rgba[c];
+            squares += difference * difference;
+            equal &= a.rgba[c] == b.rgba[c];
+        }
+        same += equal;
+        sameDepth += a.depth[i] == b.depth[i];
+        covered += std::isfinite(a.depth[i]);
+    }
+    const double n = static_cast<double>(pixels);
+    if (squares > 0) result.psnr = 10 * std::log10(255.0 * 255.0 * 4 * n / squares);
+    result.identical = static_cast<double>(same) / n;
+    result.identicalDepth = static_cast<double>(sameDepth) / n;
+    result.covered = static_cast<double>(covered) / n;
+    return result;
+}
+
+/// A noisily coloured ball before a tilted wall, a few points behind the eye and far outside the picture, and
+/// every attribute that a colour or a filter asks for.
+AnalyticCloud scene() {
+    Numbers numbers(7);
+    std::vector<AnalyticPoint> points;
+    const auto add = [&](glm::dvec3 position, glm::vec3 normal) {
+        points.push_back({position, numbers.color(), static_cast<std::uint16_t>(numbers.next()),
+                          static_cast<std::uint8_t>(numbers.next() % 20), encodeNormal(normal)});
+    };
+    for (int i = 0; i < 30000; ++i) {
+        const glm::dvec3 n = numbers.onSphere();
+        add(n, glm::vec3(n));
+    }
+    for (int i = 0; i < 30000; ++i) {
+        const double x = numbers.uniform(-4, 4), z = numbers.uniform(-3, 3);
+        add({x, 2 + 0.5 * x, z}, {0.447f, -0.894f, 0});
+    }
+    for (int i = 0; i < 200; ++i) add(numbers.onSphere() * numbers.uniform(5, 50), {0, 0, 1});
+    return AnalyticCloud(points, 0.03);
+}
+
+const AnalyticCloud& sharedScene() {
+    static const AnalyticCloud cloud = scene();
+    return cloud;
+}
+
+constexpr int width = 403, height = 301;  // no multiple of any work group
+
+Viewpoint viewpoint(Projection projection) {
+    return projection == Projection::Perspective
+               ? lookAt({0.3, -4, 1}, {0, 0, 0}, width, height, 50)
+               : lookAtOrthographic({0.3, -4, 1}, {0, 0, 0}, width, height, 3.5);
+}
+
+ColorRule ramped(ColorSource source, double low, double high) {
+    ColorRule rule;
+    rule.source = source;
+    rule.low = low;
+    rule.high = high;
+    rule.flat = {10, 200, 90};
+    for (int i = 0; i < 256; ++i)
+        rule.ramp[static_cast<std::size_t>(i)] = {static_cast<std::uint8_t>(i),
+                                                  static_cast<std::uint8_t>(255 - i),
+                                                  static_cast<std::uint8_t>(i * 7)};
+    return rule;
+}
+
+/// Draws on both devices and holds them to the promise.
+void expectAgreement(Device& gl, Device& cpu, const Drawing& drawing) {
+    const auto a = gl.draw(drawing, {});
+    const auto b = cpu.draw(drawing, {});
+    ASSERT_TRUE(a) << a.error().message;
+    ASSERT_TRUE(b) << b.error().message;
+    ASSERT_EQ(a->rgba.size(), b->rgba.size());
+    ASSERT_EQ(a->depth.size(), b->depth.size());
+    const Agreement agreement = compare(*a, *b);
+    EXPECT_GE(agreement.psnr, 45);
+    EXPECT_GE(agreement.identical, 0.99);
+    EXPECT_GE(agreement.identicalDepth, 0.99);
+    EXPECT_GT(agreement.covered, 0.02) << "a picture of nothing proves nothing";
+    std::printf("    %.1f dB, %.4f %% of the pixels and %.4f %% of the depths identical, %.0f %% covered\n",
+                agreement.psnr, 100 * agreement.identical, 100 * agreement.identicalDepth,
+                100 * agreement.covered);
+}
+
+struct MethodCase {
+    const char* method;
+    ParameterValues parameters;
+    const char* label;
+};
+void PrintTo(const MethodCase& c, std::ostream* out) {
+    *out << c.label;
+}
+
+const MethodCase methodCases[] = {
+    {"point", {}, "point"},
+    {"square", {}, "square"},
+    {"circle", {}, "circle"},
+    {"paraboloid", {}, "paraboloid"},
+    {"cone", {}, "cone"},
+    {"sphere", {}, "sphere"},
+    {"paraboloid", {{"sizePx", 5.0}}, "paraboloid5px"},
+    {"sphere", {{"sizePx", 23.0}}, "sphere23px"},
+    {"cone", {{"sizePx", 4.0}, {"footprint", std::string("square")}}, "coneOnSquares"},
+    {"paraboloid", {{"sizePx", 6.5}, {"footprint", std::string("square")}}, "paraboloidOnSquares"},
+};
+
+using AgreementCase = std::tuple<std::string, MethodCase, Projection>;
+class DeviceAgreement : public testing::TestWithParam<AgreementCase> {};
+
+PassList passesOf(const char* name, const ParameterValues& given, Shading shading) {
+    const Method* method = findMethod(name);
+    if (!method) throw std::runtime_error(std::string("no method ") + name);
+    const auto values = resolveParameters(*method, given);
+    if (!values) throw std::runtime_error(values.error().message);
+    return method->passes(*method, *values, shading);
+}
+
+TEST_P(DeviceAgreement, Method) {
+    const auto& [backend, method, projection] = GetParam();
+    REQUIRE_DEVICE(gl, backend);
+    REQUIRE_DEVICE(cpu, "cpu");
+    const Viewpoint from = viewpoint(projection);
+    for (const Shading shading : {Shading::Unlit, Shading::EyeDome}) {
+        const PassList passes = passesOf(method.method, method.parameters, shading);
+        expectAgreement(*gl, *cpu, drawingOf(from, sharedScene().cut(), passes));
+    }
+}
+
+INSTANTIATE_TEST_SUITE_P(Gl, DeviceAgreement,
+                         testing::Combine(testing::Values("egl", "osmesa"), testing::ValuesIn(methodCases),
+                                          testing::Values(Projection::Perspective, Projection::Orthographic)),
+                         [](const testing::TestParamInfo<AgreementCase>& c) {
+                             return std::get<0>(c.param) + "_" + std::get<1>(c.param).label + "_" +
+                                    std::string(name(std::get<2>(c.param)));
+                         });
+
+class DrawingAgreement : public testing::TestWithParam<std::string> {
+  protected:
+    void check(const Drawing& drawing) {
+        REQUIRE_DEVICE(gl, GetParam());
+        REQUIRE_DEVICE(cpu, "cpu");
+        expectAgreement(*gl, *cpu, drawing);
+    }
+    const Viewpoint from_ = viewpoint(Projection::Perspective);
+    const PassList passes_ = passesOf("paraboloid", {}, Shading::Unlit);
+    const PassList lit_ = passesOf("paraboloid", {}, Shading::EyeDome);
+    Drawing drawing_ = drawingOf(from_, sharedScene().cut(), passes_);
+};
+INSTANTIATE_TEST_SUITE_P(Gl, DrawingAgreement, testing::Values("egl", "osmesa"),
+                         [](const testing::TestParamInfo<std::string>& c) { return c.param; });
+
+TEST_P(DrawingAgreement, EveryColorSource) {
+    const ColorRule rules[] = {
+        ramped(ColorSource::Rgb, 0, 1),           ramped(ColorSource::Intensity, 5000, 60000),
+        ramped(ColorSource::Elevation, -1, 2),    ramped(ColorSource::Classification, 0, 0),
+        ramped(ColorSource::Normal, 0, 0),        ramped(ColorSource::Depth, 3, 7),
+        ramped(ColorSource::Lod, 0, 0),           ramped(ColorSource::Flat, 0, 0),
+        ramped(ColorSource::Elevation, 0.5, 0.5),
+    };
+    for (const ColorRule& rule : rules) {
+        SCOPED_TRACE(std::string(name(rule.source)));
+        drawing_.color = rule;
+        check(drawing_);
+    }
+}
+
+TEST_P(DrawingAgreement, Filters) {
+    drawing_.filter.classes.emplace();
+    for (std::size_t c = 0; c < 256; c += 3) (*drawing_.filter.classes)[c] = true;
+    check(drawing_);
+    drawing_.filter.clip = ClipBox{{-0.5, -1, -0.4}, {0.75, 3, 0.9}};
+    check(drawing_);
+}
+
+TEST_P(DrawingAgreement, Backgrounds) {
+    for (const auto kind :
+         {Background::Kind::Color, Background::Kind::Gradient, Background::Kind::Transparent}) {
+        drawing_.background.kind = kind;
+        check(drawing_);
+    }
+}
+
+TEST_P(DrawingAgreement, WindowsAndNearAndFar) {
+    Viewpoint cut = from_;
+    cut.near = 3.3;
+    cut.far = 5;
+    drawing_.viewpoint = &cut;
+    drawing_.window = {97, 61, 203, 105};
+    check(drawing_);
+    drawing_.passes = lit_;
+    check(drawing_);
+}
+
+TEST_P(DrawingAgreement, AveragedFramesOnTransparency) {
+    const glm::dvec2 jitter[] = {{0.25, -0.1}, {-0.375, 0.4}, {0.01, 0.2}};
+    drawing_.jitter = jitter;
+    drawing_.passes = lit_;
+    drawing_.background.kind = Background::Kind::Transparent;
+    check(drawing_);
+}
+
+/// Far from the origin floats are coarse: what is not composed in double would jitter by pixels.
+TEST_P(DrawingAgreement, FarFromTheOrigin) {
+    Numbers numbers(11);
+    std::vector<AnalyticPoint> points;
+    const glm::dvec3 offset(81234.5, -60321.25, 912.75);
+    for (int i = 0; i < 40000; ++i) points.push_back({offset + numbers.onSphere(), numbers.color()});
+    const AnalyticCloud cloud(points, 0.03);
+    const Viewpoint from = lookAt(offset + glm::dvec3(0.3, -4, 1), offset, width, height, 50);
+    drawing_.viewpoint = &from;
+    drawing_.cut = &cloud.cut();
+    check(drawing_);
+}
+
+/// Several runs a page, chunks that end early, runs larger than a chunk.
+TEST_P(DrawingAgreement, RunsOfEverySize) {
+    Numbers numbers(3);
+    std::vector<AnalyticPoint> points;
+    for (int i = 0; i < 30011; ++i) points.push_back({numbers.onSphere(), numbers.color()});
+    for (const std::uint32_t leaf : {1000u, 1025u, 30011u}) {
+        const AnalyticCloud cloud(points, 0.03, leaf);
+        drawing_.cut = &cloud.cut();
+        check(drawing_);
+    }
+}
+
+}  // namespace
+}  // namespace scancast::test

@@ -1,14 +1,14 @@
 # Runs Node's test runner on FILES, after saying, command included, what is missing for it.
 # cmake -DNODE=… "-DFILES=a.test.mjs;b.test.mjs" -DNEEDS_BROWSER=0|1 -P run_node.cmake
 if(NOT NODE OR NODE MATCHES "NOTFOUND")
-  message(FATAL_ERROR "Node.js is missing. Run: apt-get install nodejs npm   and configure the build again")
+  message(FATAL_ERROR "Node.js is missing. Run this, and configure the build again:\n  apt-get install nodejs npm\n")
 endif()
 if(NEEDS_BROWSER)
   if(NOT EXISTS "${CMAKE_CURRENT_LIST_DIR}/node_modules/playwright-core/package.json")
-    message(FATAL_ERROR "playwright-core is missing. Run: (cd tests/browser && npm ci --ignore-scripts)")
+    message(FATAL_ERROR "playwright-core is missing. Run this in the project's folder:\n  (cd tests/browser && npm ci --ignore-scripts)\n")
   endif()
   if("$ENV{SCANCAST_CHROMIUM}" STREQUAL "" OR NOT EXISTS "$ENV{SCANCAST_CHROMIUM}")
-    message(FATAL_ERROR "Chromium is missing. Run: apt-get install chromium   and configure the build again")
+    message(FATAL_ERROR "Chromium is missing. Run this, and configure the build again:\n  apt-get install chromium\n")
   endif()
 endif()
 execute_process(COMMAND "${NODE}" --test ${FILES} WORKING_DIRECTORY "${CMAKE_CURRENT_LIST_DIR}" RESULT_VARIABLE result)

@@ -4,8 +4,10 @@
 // §6.
 //
 // A node's samples *replace* its parent's: drawing a node instead of its ancestor shows the same surface,
-// finer. Leaves hold the scan's own points; inner nodes hold averages over one cell size per level, halved
-// level by level.
+// finer. Leaves hold the scan's own points; inner nodes hold averages over cells. Cell sizes form one ladder
+// for the whole cloud, halved from rung to rung and anchored globally; where points are evenly dense, a rung
+// is a level. A node's rung is chosen so that it holds thousands of samples where dense and sparse regions
+// share the tree, too.
 #pragma once
 
 #include <cstdint>
@@ -31,7 +33,10 @@ struct Node {
     glm::dvec3 boxMax;  ///< tight around the node's own samples *and* everything below it
     glm::dvec3 center;  ///< bounding sphere of everything below it and its own samples
     double radius;
-    float spacing;  ///< typical distance between neighbouring samples of this node, cloud units, > 0
+    /// Pitch, cloud units, of a square grid whose gaps are as large as those between this node's samples
+    /// (spacing.hpp): discs of this radius close the surface. > 0; an inner node's is at least its cell size
+    /// unless its parent's is smaller, and no node's is above its parent's.
+    float spacing;
     NormalCone cone;
     std::uint32_t parent = noNode;
     std::uint32_t firstChild =

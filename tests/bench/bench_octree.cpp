@@ -44,6 +44,8 @@ void describe(const Cloud& cloud) {
         (n.isLeaf() ? leaves : inner) += 1;
         innerSamples += n.isLeaf() ? 0 : n.sampleCount;
     }
+    const glm::dvec3 size = cloud.bounds[1] - cloud.bounds[0];
+    std::printf("cloud: %.4g × %.4g × %.4g\n", size.x, size.y, size.z);
     std::printf(
         "octree: %llu leaves, %llu inner nodes with %.0f samples on average, %.2f samples a point, s0 %.4g\n",
         (unsigned long long)leaves, (unsigned long long)inner,

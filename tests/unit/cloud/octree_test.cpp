@@ -181,6 +181,26 @@ TEST(Octree, InnerNodesHoldThousandsOfSamples) {
     }
 }
 
+TEST(Octree, NodesStayModestWhereDensitiesDifferAHundredfold) {
+    // A finely scanned ball of radius 0.1 in a coarsely scanned landscape 200 wide.
+    SyntheticSource source(600'000,
+                           [](std::uint64_t i, std::uint64_t n) {
+                               ScanPoint p = i % 2 ? test::ball(i, n) : test::ground(i, n);
+                               if (i % 2) p.position = p.position * 0.01 + glm::dvec3(120, 70, 2);
+                               return p;
+                           },
+                           {});
+    const auto cloud = test::build(source, 4096);
+    ASSERT_TRUE(cloud);
+    test::checkStructure(*cloud, 4096);
+    for (const Node& n : cloud->octree.nodes()) {
+        if (!n.isLeaf()) {
+            EXPECT_LE(n.sampleCount, 4096u);
+        }
+    }
+    EXPECT_LT(cloud->octree.sampleCount(), cloud->points * 3 / 2);
+}
+
 TEST(Octree, IsTheSameOnAnyNumberOfThreadsAndInAnyOrder) {
     const tbb::global_control allow(tbb::global_control::max_allowed_parallelism, 8);
     const Attributes everything{.color = true, .intensity = true, .classification = true, .normal = true};

@@ -95,14 +95,15 @@ TEST(Viewpoint, FrustumContainsExactlyWhatProjectsIntoThePicture) {
         const auto planes = v.frustum();
         int inside = 0;
         for (int i = 0; i < 20000; ++i) {
-            const glm::dvec3 p{(i * 7919 % 1000) * 0.08 - 40, (i * 104729 % 1000) * 0.06 - 25,
-                               (i * 1299709 % 1000) * 0.05 - 25};
+            // A scrambled lattice whose points lie on none of the planes.
+            const glm::dvec3 p{i * 7919 % 1000 * 0.0801 - 40.003, i * 104729 % 997 * 0.0601 - 25.007,
+                               i * 1299709LL % 991 * 0.0501 - 25.011};
             const auto pixel = projected(v, p);
             const bool visible =
                 pixel.z > 2 && pixel.z < 30 && pixel.x > 0 && pixel.x < 200 && pixel.y > 0 && pixel.y < 100;
             bool contained = true;
             for (const auto& plane : planes) contained &= glm::dot(glm::dvec3(plane), p) + plane.w >= 0;
-            EXPECT_EQ(visible, contained) << p.x << ' ' << p.y << ' ' << p.z;
+            ASSERT_EQ(visible, contained) << p.x << ' ' << p.y << ' ' << p.z;
             inside += visible;
         }
         EXPECT_GT(inside, 100);

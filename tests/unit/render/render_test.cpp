@@ -1,0 +1,200 @@
+// The front door with a device that only takes notes: what is asked of devices, and what is refused before.
+#include "renderer/render.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <limits>
+
+#include "renderer/method/method.hpp"
+
+namespace scancast {
+namespace {
+
+using testing::HasSubstr;
+
+/// Draws each pixel as a function of its place in the whole picture, so that a tile pasted wrongly shows.
+class NotingDevice : public Device {
+  public:
+    DeviceInfo info() const override { return {"noting", "", "", "", false, "noting"}; }
+
+    Expected<Frame> draw(const Drawing& drawing, std::stop_token stop) override {
+        if (stop.stop_requested()) return fail(ErrorCode::Cancelled, "cancelled");
+        windows.push_back(drawing.window);
+        jitter.assign(drawing.jitter.begin(), drawing.jitter.end());
+        passes.assign(drawing.passes.begin(), drawing.passes.end());
+        color = drawing.color;
+        cutSamples = drawing.cut->samples;
+        const Window& w = drawing.window;
+        Frame frame{w.width, w.height, {}, {}, {}};
+        for (int y = w.y; y < w.y + w.height; ++y) {
+            for (int x = w.x; x < w.x + w.width; ++x) {
+                for (const int value : {x, y, x + y, 255})
+                    frame.rgba.push_back(static_cast<std::uint8_t>(value));
+                frame.depth.push_back(static_cast<float>(x) + static_cast<float>(y) * 0.5f);
+            }
+        }
+        frame.stats.add("nearest", 1);
+        return frame;
+    }
+
+    std::vector<Window> windows;
+    std::vector<glm::dvec2> jitter;
+    std::vector<Pass> passes;
+    ColorRule color;
+    std::uint64_t cutSamples = 0;
+};
+
+/// One leaf of four samples at the corners of a 2 × 2 square around the origin, far from file zero.
+Cloud fourPoints() {
+    Cloud cloud;
+    cloud.origin = {500'000, 4'000'000, 100};
+    cloud.bounds = {cloud.origin + glm::dvec3(-1, -1, 0), cloud.origin + glm::dvec3(1, 1, 2)};
+    cloud.points = 4;
+    cloud.attributes.intensity = true;
+    cloud.intensityRange = {10, 200};
+    cloud.spacing = 1;
+    Node node{};
+    node.boxMin = {-1, -1, 0};
+    node.boxMax = {1, 1, 2};
+    node.step = glm::dvec3(2.0 / 65535);
+    node.center = {0, 0, 1};
+    node.radius = 2;
+    node.spacing = 1;
+    node.sampleCount = 4;
+    node.points = 4;
+    std::vector<Sample> samples(4);
+    for (std::size_t i = 0; i < 4; ++i) {
+        samples[i].x = i & 1 ? 65535 : 0;
+        samples[i].y = i & 2 ? 65535 : 0;
+    }
+    cloud.octree = Octree({node}, samples);
+    return cloud;
+}
+
+View fromAbove(const Cloud& cloud, int width = 64, int height = 48) {
+    View view;
+    view.width = width;
+    view.height = height;
+    view.camera.eye = cloud.origin + glm::dvec3(0, -5, 5);
+    view.camera.target = cloud.origin;
+    view.style.color = ColorSource::Elevation;
+    return view;
+}
+
+TEST(Render, APosterIsDrawnInTilesThatFitTogether) {
+    const Cloud cloud = fourPoints();
+    NotingDevice device;
+    View view = fromAbove(cloud, 5000, 2500);
+    view.style.shading = Shading::EyeDome;
+    const auto frame = render(device, cloud, view);
+    ASSERT_TRUE(frame) << frame.error().message;
+    EXPECT_EQ(device.windows.size(), 6u);
+    for (const auto& window : device.windows) {
+        EXPECT_LE(window.width, 2048 + 16);
+        EXPECT_TRUE(window.x >= 0 && window.y >= 0 && window.x + window.width <= 5000 &&
+                    window.y + window.height <= 2500);
+    }
+    // Every pixel must hold the value of its own place.
+    for (int y = 0; y < 2500; y += 7) {
+        for (int x = 0; x < 5000; x += 3) {
+            const auto i = static_cast<std::size_t>(y) * 5000 + static_cast<std::size_t>(x);
+            ASSERT_EQ(frame->rgba[i * 4], static_cast<std::uint8_t>(x)) << x << ' ' << y;
+            ASSERT_EQ(frame->rgba[i * 4 + 1], static_cast<std::uint8_t>(y)) << x << ' ' << y;
+            ASSERT_EQ(frame->depth[i], static_cast<float>(x) + static_cast<float>(y) * 0.5f);
+        }
+    }
+    // Eye-dome lighting looks at neighbours, so inner tiles are drawn with a margin.
+    EXPECT_GT(device.windows[1].width, 2048);
+}
+
+TEST(Render, AntiAliasingDoesNotMoveThePicture) {
+    const Cloud cloud = fourPoints();
+    NotingDevice device;
+    View view = fromAbove(cloud);
+    for (const int samples : {1, 4, 16}) {
+        view.quality.samples = samples;
+        ASSERT_TRUE(render(device, cloud, view));
+        ASSERT_EQ(device.jitter.size(), static_cast<std::size_t>(samples));
+        glm::dvec2 mean(0);
+        for (const auto& shift : device.jitter) {
+            EXPECT_LT(std::max(std::abs(shift.x), std::abs(shift.y)), 0.75);
+            mean += shift;
+        }
+        EXPECT_NEAR(mean.x, 0, 1e-12);
+        EXPECT_NEAR(mean.y, 0, 1e-12);
+    }
+    view.quality.samples.reset();
+    ASSERT_TRUE(render(device, cloud, view));
+    EXPECT_EQ(device.jitter.size(), 4u);
+}
+
+TEST(Render, ElevationRangeIsInFileCoordinates) {
+    const Cloud cloud = fourPoints();
+    NotingDevice device;
+    View view = fromAbove(cloud);
+    ASSERT_TRUE(render(device, cloud, view));
+    EXPECT_NEAR(device.color.low, 0, 1e-9);
+    EXPECT_NEAR(device.color.high, 2, 1e-9);
+    view.style.range = {{100.5, 101.5}};
+    ASSERT_TRUE(render(device, cloud, view));
+    EXPECT_NEAR(device.color.low, 0.5, 1e-9);
+    EXPECT_NEAR(device.color.high, 1.5, 1e-9);
+}
+
+TEST(Render, ColoursThatTheCloudLacksAreRefusedWithThoseItHas) {
+    const Cloud cloud = fourPoints();
+    View view = fromAbove(cloud);
+    view.style.color = ColorSource::Rgb;
+    const auto checked = checkView(cloud, view);
+    ASSERT_FALSE(checked);
+    EXPECT_EQ(checked.error().code, ErrorCode::Unsupported);
+    EXPECT_EQ(checked.error().field, "color");
+    EXPECT_THAT(checked.error().message, HasSubstr("intensity"));
+}
+
+TEST(Render, TheDefaultViewCanBeDrawn) {
+    const Cloud cloud = fourPoints();
+    NotingDevice device;
+    const View view = defaultView(cloud, 320, 200);
+    EXPECT_EQ(view.style.color, ColorSource::Intensity);
+    const auto frame = render(device, cloud, view);
+    ASSERT_TRUE(frame) << frame.error().message;
+    EXPECT_EQ(device.cutSamples, 4u);
+    EXPECT_EQ(frame->stats.samplesDrawn, 4u);
+    EXPECT_EQ(frame->stats.stages.front().name, "select");
+}
+
+TEST(Render, UnknownMethodNamesTheKnownOnes) {
+    const Cloud cloud = fourPoints();
+    View view = fromAbove(cloud);
+    view.style.method = "splat";
+    const auto checked = checkView(cloud, view);
+    ASSERT_FALSE(checked);
+    EXPECT_THAT(checked.error().message, HasSubstr("paraboloid"));
+}
+
+TEST(Render, EveryMethodDrawsWithItsDefaults) {
+    const Cloud cloud = fourPoints();
+    NotingDevice device;
+    for (const auto& method : methods()) {
+        View view = fromAbove(cloud);
+        view.style.method = method.name;
+        const auto frame = render(device, cloud, view);
+        ASSERT_TRUE(frame) << method.name << ": " << frame.error().message;
+        EXPECT_FALSE(device.passes.empty());
+    }
+}
+
+TEST(Render, AnAbandonedFrameIsCancelled) {
+    const Cloud cloud = fourPoints();
+    NotingDevice device;
+    std::stop_source stop;
+    stop.request_stop();
+    const auto frame = render(device, cloud, fromAbove(cloud), {}, stop.get_token());
+    ASSERT_FALSE(frame);
+    EXPECT_EQ(frame.error().code, ErrorCode::Cancelled);
+}
+
+}  // namespace
+}  // namespace scancast

@@ -89,9 +89,12 @@ struct PatchCells {
     std::vector<std::uint32_t> occluders;
 };
 
-bool insideOccluder(const Model& model, glm::vec3 at) {
+/// Whether what lies just before the surface is inside a body: ground under a house, walls between two
+/// houses.
+bool insideOccluder(const Model& model, const SurfacePoint& point) {
+    const glm::vec3 at = glm::vec3(point.position) + point.normal * 0.4F;
     return std::ranges::any_of(model.occluders, [&](const Occluder& body) {
-        return body.planeCount > 0 && body.distance(at + glm::vec3(0, 0, 0.5F)) < -0.05F;
+        return body.planeCount > 0 && body.distance(at) < -0.05F;
     });
 }
 
@@ -111,7 +114,7 @@ PatchCells cutPatch(const Model& model, std::uint32_t index, std::uint32_t colum
         for (std::uint32_t column = 0; column < columns; ++column) {
             Cell cell{.patch = index, .column = std::uint16_t(column), .row = std::uint16_t(row)};
             const SurfacePoint center = patch.at((column + 0.5) / columns, (row + 0.5) / rows);
-            if (patch.hideInside && insideOccluder(model, center.position)) continue;
+            if (patch.hideInside && insideOccluder(model, center)) continue;
             glm::dvec3 seen = center.position;
             if (patch.mirror >= 0) {
                 const Mirror& mirror = model.mirrors[std::size_t(patch.mirror)];

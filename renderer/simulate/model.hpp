@@ -25,6 +25,7 @@ struct SurfacePoint {
     glm::vec3 color{0.5F};     ///< sRGB, 0 … 1, before light
     float reflectance = 0.5F;  ///< in the scanner's infrared, 0 … 1
     float openness = 1;  ///< how much of the sky the material itself leaves free: recesses, joints, leaves
+    float sunlit = 1;    ///< part of the sun or lamp that the material itself lets through
     std::uint8_t classification = 0;
     PointRandom* random = nullptr;
 
@@ -66,9 +67,10 @@ class Patch {
     double lengthU = 0, lengthV = 0;  ///< metres, for cutting into cells and for the material's coordinates
     double density = 1;               ///< points a square metre, relative
     const Material* material = nullptr;
-    bool hasNormal = true;    ///< false: foliage and the like, where a normal means nothing
-    bool hideInside = false;  ///< cells inside an occluder get no points: the ground under a house
-    int mirror = -1;          ///< index of the mirror in which this patch is seen, or -1
+    bool hasNormal = true;  ///< false: foliage and the like, where a normal means nothing
+    bool hideInside =
+        false;        ///< cells inside an occluder get no points: the ground under a house, walls between two
+    int mirror = -1;  ///< index of the mirror in which this patch is seen, or -1
 };
 
 /// What keeps light away: a convex body (planes n·x ≤ w) or a ball of leaves.

@@ -51,9 +51,10 @@ glm::vec3 Sampler::lit(const Cell& cell, const Patch& patch, const SurfacePoint&
         towards = way / std::max(reach, 1e-3F);
         strength = 1 / (1 + reach * reach / (light.lampReach * light.lampReach));
     }
-    float direct = std::max(0.0F, glm::dot(point.normal, towards));
+    float direct = point.sunlit * std::max(0.0F, glm::dot(point.normal, towards));
     if (!patch.hasNormal)
-        direct = 0.35F + 0.65F * std::clamp(0.5F + 0.5F * glm::dot(point.normal, towards), 0.0F, 1.0F);
+        direct = point.sunlit *
+                 (0.35F + 0.65F * std::clamp(0.5F + 0.5F * glm::dot(point.normal, towards), 0.0F, 1.0F));
     for (int i = 0; direct > 0 && i < cell.shadowCount; ++i)
         if (model_.occluders[cells_.occluder(cell.firstOccluder + std::uint32_t(i))].blocks(tested, towards,
                                                                                             reach))

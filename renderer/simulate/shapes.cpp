@@ -65,7 +65,7 @@ Model makePlane() {
     sign.board = glm::vec3(0.96F);
     sign.rim = rgb(0x1d3557);
     sign.rimWidth = 0.015;
-    sign.lines = {{"SCANCAST", 0.15, 0.21, rgb(0x1d3557)},
+    sign.lines = {{"SCANCAST", 0.14, 0.215, rgb(0x1d3557)},
                   {"POINTS BY THE BILLION", 0.05, 0.115, rgb(0xc1121f)},
                   {"ABCDEFGHIJKLM 0123456789", 0.03, 0.045, rgb(0x222222)}};
     // The panel lies in the plane, so the chart is laid around it.

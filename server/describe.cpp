@@ -15,7 +15,6 @@ std::vector<AttributeInfo> attributesOf(const Cloud& cloud) {
     }
     if (cloud.attributes.classification) list.push_back({"classification", std::nullopt});
     if (cloud.attributes.normal) list.push_back({"normal", std::nullopt});
-    list.push_back({"elevation", std::array<double, 2>{cloud.bounds[0].z, cloud.bounds[1].z}});
     return list;
 }
 

@@ -42,6 +42,12 @@ void finish() {
     for (;;) ::pause();
 }
 
+/// Ends by the signal itself: a sanitizer would catch it and make an exit status of it.
+void dieOf(int signal) {
+    ::signal(signal, SIG_DFL);
+    ::raise(signal);
+}
+
 void good() {
     header(10);
     points(10);
@@ -78,14 +84,14 @@ void bigAllocation() {
 const std::map<std::string, std::function<void()>> behaviours{
     {"good", good},
     {"inspect", inspect},
-    {"crash", [] { ::raise(SIGSEGV); }},
+    {"crash", [] { dieOf(SIGSEGV); }},
     {"crash-midway",
      [] {
          header(10);
          points(5);
-         ::raise(SIGSEGV);
+         dieOf(SIGSEGV);
      }},
-    {"abort", [] { ::abort(); }},
+    {"abort", [] { dieOf(SIGABRT); }},
     {"status",
      [] {
          std::fputs("first line\nthe scanner is out of paper\n", stderr);

@@ -1,0 +1,20 @@
+// Any bytes at all as a PLY or PCD header: an error, or a header whose promises fit into the file.
+#include <cstdlib>
+#include <string_view>
+
+#include "importers/pcl/pcd_header.hpp"
+#include "importers/pcl/ply_header.hpp"
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+    using namespace scancast::import_pcl;
+    const std::string_view start(reinterpret_cast<const char*>(data), size);
+    if (const auto ply = checkPlyHeader(start, size)) {
+        // Three coordinates of at least a byte each, in text two (the last may lack its blank).
+        if (ply->bytes > size || ply->vertices == 0 || ply->vertices > size / 3) std::abort();
+    }
+    if (const auto pcd = checkPcdHeader(start, size)) {
+        if (pcd->bytes > size || pcd->points == 0) std::abort();
+        if (pcd->data != PcdData::BinaryCompressed && pcd->points > size / 3) std::abort();
+    }
+    return 0;
+}

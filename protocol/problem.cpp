@@ -147,17 +147,29 @@ Error errorOf(const Problem& problem) {
     if (!problem.errors.empty()) error.field = problem.errors.front().parameter;
     for (int code = 0; code <= static_cast<int>(ErrorCode::Internal); ++code) {
         error.code = static_cast<ErrorCode>(code);
-        if (problem.type.starts_with(typePrefix) && problem.type.substr(typePrefix.size()) == name(error.code))
+        if (problem.type.starts_with(typePrefix) &&
+            problem.type.substr(typePrefix.size()) == name(error.code))
             return error;
     }
     switch (problem.status) {
-        case 404: error.code = ErrorCode::NotFound; break;
+        case 404:
+            error.code = ErrorCode::NotFound;
+            break;
         case 413:
-        case 429: error.code = ErrorCode::ResourceLimit; break;
-        case 422: error.code = ErrorCode::ImpossibleView; break;
-        case 503: error.code = ErrorCode::DeviceUnavailable; break;
-        case 504: error.code = ErrorCode::DeadlineExceeded; break;
-        default: error.code = problem.status < 500 ? ErrorCode::InvalidArgument : ErrorCode::Internal;
+        case 429:
+            error.code = ErrorCode::ResourceLimit;
+            break;
+        case 422:
+            error.code = ErrorCode::ImpossibleView;
+            break;
+        case 503:
+            error.code = ErrorCode::DeviceUnavailable;
+            break;
+        case 504:
+            error.code = ErrorCode::DeadlineExceeded;
+            break;
+        default:
+            error.code = problem.status < 500 ? ErrorCode::InvalidArgument : ErrorCode::Internal;
     }
     return error;
 }

@@ -1,6 +1,7 @@
 // `scancast-client orbit`: once around a cloud over the live stream, every step written as a JPEG.
 #include <unistd.h>
 
+#include <algorithm>
 #include <chrono>
 #include <cstdio>
 #include <filesystem>
@@ -60,6 +61,7 @@ Expected<ReceivedFrame> frameOf(Stream& stream, std::uint64_t seq, bool anyQuali
 struct Start {
     View view;          ///< the first step
     glm::dvec3 center;  ///< walked around
+    glm::dvec3 axis;    ///< the cloud's own upward direction, whichever way the picture is held
 };
 
 Expected<Start> startOf(const OrbitFlags& flags, const CloudInfo& cloud) {
@@ -73,8 +75,8 @@ Expected<Start> startOf(const OrbitFlags& flags, const CloudInfo& cloud) {
     const bool targetGiven =
         std::any_of(words->begin(), words->end(), [](const auto& w) { return w.first == "target"; });
     const auto center = targetGiven ? view->camera.target : (cloud.bounds[0] + cloud.bounds[1]) * 0.5;
-    Start start{*view, center};
-    start.view.camera = orbitedCamera(view->camera, center, 0);
+    Start start{*view, center, cloud.view.camera.viewMatrix ? glm::dvec3(0, 0, 1) : cloud.view.camera.up};
+    start.view.camera = orbitedCamera(view->camera, center, start.axis, 0);
     if (auto sound = validate(start.view); !sound) return tl::unexpected(sound.error());
     return start;
 }
@@ -108,7 +110,7 @@ Expected<void> run(const OrbitFlags& flags) {
     for (int i = 0; i < flags.frames; ++i) {
         const auto seq = static_cast<std::uint64_t>(i) + 1;
         auto view = start->view;
-        view.camera = orbitedCamera(start->view.camera, start->center, 360.0 * i / flags.frames);
+        view.camera = orbitedCamera(start->view.camera, start->center, start->axis, 360.0 * i / flags.frames);
         if (auto sent = stream->sendView(seq, view); !sent) return sent;
         const auto frame = frameOf(*stream, seq, flags.moving);
         if (!frame) return tl::unexpected(frame.error());
@@ -144,9 +146,9 @@ void addOrbit(CLI::App& app, int& exitCode) {
     command.add_flag("--quiet", flags->quiet, "No progress on standard error");
     flags->view.addTo(command);
     command.footer(
-        "The way leads around the middle of the cloud, or around --target when it is given, at the distance "
-        "and\n"
-        "height of --eye. Example:\n"
+        "The way leads around the vertical line through the middle of the cloud, or through --target when it "
+        "is\n"
+        "given, at the distance and height of --eye. Example:\n"
         "  scancast-client orbit http://127.0.0.1:8080/ --frames 36 --method paraboloid -o frames/");
     command.callback([flags, &exitCode] { exitCode = report(run(*flags)); });
 }

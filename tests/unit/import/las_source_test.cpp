@@ -130,16 +130,17 @@ TEST(LasSource, ManyBatches) {
     }
 }
 
-// A single number above 255, wherever it is, makes the file a 16-bit one.
+// A single number above 255, wherever it is and in whichever channel, makes the file a 16-bit one.
 TEST(LasSource, OneBrightPointDecidesTheColourDepth) {
-    for (const std::size_t bright : {std::size_t(0), std::size_t(70001), std::size_t(149999)}) {
-        LasFile file = sample(2, 2, 1, 150000);
-        for (auto& p : file.points) p.red = p.green = p.blue = 200;
-        file.points[bright].blue = 256;
-        const auto scan = readAll(file.bytes());
-        ASSERT_TRUE(scan);
-        EXPECT_EQ(scan->colorMax, 1);  // 200 of 65,535 is black
-    }
+    for (const std::size_t bright : {std::size_t(0), std::size_t(70001), std::size_t(149999)})
+        for (const auto channel : {&LasPoint::red, &LasPoint::green, &LasPoint::blue}) {
+            LasFile file = sample(2, 2, 1, 150000);
+            for (auto& p : file.points) p.red = p.green = p.blue = 200;
+            file.points[bright].*channel = 256;
+            const auto scan = readAll(file.bytes());
+            ASSERT_TRUE(scan);
+            EXPECT_EQ(scan->colorMax, 1);  // 200 of 65,535 is black
+        }
 }
 
 TEST(LasSource, ContradictoryColoursOfAPipeAreAnError) {

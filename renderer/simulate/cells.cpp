@@ -89,13 +89,12 @@ struct PatchCells {
     std::vector<std::uint32_t> occluders;
 };
 
-/// Whether what lies just before the surface is inside a body: ground under a house, walls between two
+/// Whether what lies just before the surface is inside a building: ground under a house, walls between two
 /// houses.
 bool insideOccluder(const Model& model, const SurfacePoint& point) {
     const glm::vec3 at = glm::vec3(point.position) + point.normal * 0.4F;
-    return std::ranges::any_of(model.occluders, [&](const Occluder& body) {
-        return body.planeCount > 0 && body.distance(at) < -0.05F;
-    });
+    return std::ranges::any_of(
+        model.occluders, [&](const Occluder& body) { return body.solid && body.distance(at) < -0.05F; });
 }
 
 PatchCells cutPatch(const Model& model, std::uint32_t index, std::uint32_t columns, std::uint32_t rows) {
@@ -197,6 +196,8 @@ CellTable CellTable::build(const Model& model, std::uint64_t points) {
         const double share = double(table.grid_[cell.patch].columns) * table.grid_[cell.patch].rows;
         cumulative.push_back(cumulative.back() + patch.area() * patch.density / share);
     }
+    // Hidden cells have been left out, so that the rest lies a little closer than estimated.
+    table.spacing_ = std::sqrt(cumulative.back() / double(points));
     table.first_.reserve(cumulative.size());
     for (const double sum : cumulative)
         table.first_.push_back(std::min(points, std::uint64_t(double(points) * (sum / cumulative.back()))));

@@ -78,7 +78,8 @@ struct Occluder {
     std::array<glm::vec4, 7> planes{};
     int planeCount = 0;  ///< 0 = ball
     glm::vec3 center{0};
-    float radius = 0;  ///< of the ball, or of a ball around the body
+    float radius = 0;    ///< of the ball, or of a ball around the body
+    bool solid = false;  ///< a building: nothing inside it, and no ground under it, is ever scanned
 
     static Occluder box(glm::vec3 low, glm::vec3 high);
     static Occluder leaves(glm::vec3 center, float radius);

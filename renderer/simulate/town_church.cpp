@@ -156,12 +156,14 @@ void addChurch(Model& model, glm::dvec3 center) {
     nave.planeCount = 4;  // keep the four walls; the box's top and bottom give way to the roof
     nave.addPlane(glm::normalize(glm::vec3(-rise, 0, width / 2)), low + up * wall);
     nave.addPlane(glm::normalize(glm::vec3(rise, 0, width / 2)), low + glm::dvec3(width, 0, wall));
+    nave.solid = true;
     model.occluders.push_back(nave);
     // The tower in front of it.
     constexpr double side = 6.4, height = 21, spire = 11;
     const glm::dvec3 foot = center + glm::dvec3(-side / 2, -length / 2 - side + 0.6, 0);
     addWalls(model, foot, {side, side, height}, {1, 1, 1, 1}, 11.2, 14.6);
     model.occluders.push_back(Occluder::box(foot, foot + glm::dvec3(side, side, height)));
+    model.occluders.back().solid = true;
     const glm::dvec3 rim = foot + glm::dvec3(-0.35, -0.35, height),
                      apex = foot + glm::dvec3(side / 2, side / 2, height + spire);
     const double w = side + 0.7;

@@ -108,10 +108,10 @@ void addRoof(Model& model, const HouseStyle& style, glm::dvec3 corner, glm::dvec
     model
         .add(Patch::trapezoid(base + back * depth, -back * depth,
                               back * (depth / 2) + up * rise - back * depth, 0),
-             gable, 0.6)
+             gable, 0.9)
         .hideInside = true;
     Patch& farGable = model.add(
-        Patch::trapezoid(base + along * width, back * depth, back * (depth / 2) + up * rise, 0), gable, 0.6);
+        Patch::trapezoid(base + along * width, back * depth, back * (depth / 2) + up * rise, 0), gable, 0.9);
     farGable.hideInside = true;
 }
 
@@ -225,14 +225,15 @@ void addHouse(Model& model, const HouseStyle& given, glm::dvec3 corner, glm::dve
     body.addPlane(glm::normalize(up * (depth / 2) + back * rise), farCorner + up * top);
     body.center = (corner + farCorner) * 0.5 + up * (top + rise) * 0.5;
     body.radius = float(glm::length(glm::dvec3(width, depth, top + rise)) / 2);
+    body.solid = true;
     model.occluders.push_back(body);
 
     addWall(model, style, corner, along, width, true, 1, style.columns);
     HouseStyle plainBack = style;
     plainBack.shop.clear();
     addWall(model, plainBack, farCorner, -along, width, false, backDensity, style.columns);
-    addWall(model, plainBack, corner + back * depth, -back, depth, false, 0.6, 3);
-    addWall(model, plainBack, corner + along * width, back, depth, false, 0.6, 3);
+    addWall(model, plainBack, corner + back * depth, -back, depth, false, 0.95, 3);
+    addWall(model, plainBack, corner + along * width, back, depth, false, 0.95, 3);
     addRoof(model, style, corner, along, back, width, depth, rise);
     const double angle = std::atan2(along.y, along.x), place = hashUnit(int(style.salt), 4, 33);
     addChimney(model, style,

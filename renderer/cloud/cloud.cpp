@@ -106,25 +106,34 @@ Camera Cloud::defaultCamera(double aspect) const {
     const glm::dvec3 back(std::cos(down) * std::sin(turn), -std::cos(down) * std::cos(turn), std::sin(down));
     const glm::dvec3 right = glm::normalize(glm::cross(glm::dvec3(0, 0, 1), back));
     const glm::dvec3 up = glm::cross(back, right);
-    const double tanUp = std::tan(camera.fov * std::numbers::pi / 360);
+    const double margin = 1.08;
+    const double tanUp = std::tan(camera.fov * std::numbers::pi / 360) / margin;
     const double tanRight = tanUp * (aspect > 0 && std::isfinite(aspect) ? aspect : 1.0);
 
+    // Every corner bounds the eye from four sides: in the camera's axes, |corner.x - eye.x| ≤ tan · (eye.z -
+    // corner.z). The tightest pair per axis meets where that axis just fills the picture; the farther of the
+    // two distances wins.
     const glm::dvec3 middle = (bounds[0] + bounds[1]) * 0.5, half = (bounds[1] - bounds[0]) * 0.5;
-    double distance = 0;
+    double rightMost = 0, leftMost = 0, topMost = 0, bottomMost = 0, widest = 0;
     for (int corner = 0; corner < 8; ++corner) {
         const glm::dvec3 c = half * glm::dvec3(corner & 1 ? 1 : -1, corner & 2 ? 1 : -1, corner & 4 ? 1 : -1);
-        const double beside =
-            std::max(std::abs(glm::dot(c, right)) / tanRight, std::abs(glm::dot(c, up)) / tanUp);
-        distance = std::max(distance, beside + glm::dot(c, back));
+        const double x = glm::dot(c, right), y = glm::dot(c, up), z = glm::dot(c, back);
+        rightMost = std::max(rightMost, z + x / tanRight);
+        leftMost = std::max(leftMost, z - x / tanRight);
+        topMost = std::max(topMost, z + y / tanUp);
+        bottomMost = std::max(bottomMost, z - y / tanUp);
+        widest = std::max({widest, std::abs(y), std::abs(x) * tanUp / tanRight});
     }
+    const double offsetRight = tanRight * (rightMost - leftMost) / 2,
+                 offsetUp = tanUp * (topMost - bottomMost) / 2;
+    const double fitting = std::max(rightMost + leftMost, topMost + bottomMost) / 2;
     // A cloud of one point has no size; it is looked at from a distance at which the eye differs from the
     // target.
-    const double magnitude = glm::length(middle);
-    distance = std::max({distance * 1.05, spacing * 10, magnitude * 1e-9, 1e-9});
-    camera.target = middle;
-    camera.eye = middle + back * distance;
+    const double distance = std::max({fitting, spacing * 10, glm::length(middle) * 1e-9, 1e-9});
+    camera.target = middle + right * offsetRight + up * offsetUp;
+    camera.eye = camera.target + back * distance;
     camera.up = {0, 0, 1};
-    camera.viewHeight = 2 * tanUp * distance;
+    camera.viewHeight = std::max(2 * margin * (widest + std::abs(offsetUp)), distance * 1e-3);
     return camera;
 }
 

@@ -77,22 +77,25 @@ class EglContext final : public Context {
     EGLContext context_;
 };
 
-constexpr const char* noDevices =
-    "EGL finds no device. Install a driver (Debian: apt install libegl-mesa0 libgl1-mesa-dri), or give the "
-    "container "
-    "its GPU (the NVIDIA container runtime with NVIDIA_DRIVER_CAPABILITIES=graphics,utility, or /dev/dri).";
+constexpr const char* driverHint =
+    "Install a driver (Debian: apt install libegl-mesa0 libgl1-mesa-dri), or give the container its GPU (the "
+    "NVIDIA "
+    "container runtime with NVIDIA_DRIVER_CAPABILITIES=graphics,utility, or /dev/dri for other GPUs).";
 
 Expected<std::vector<EGLDeviceEXT>> deviceHandles(const EglFunctions& egl) {
     if (!egl.QueryDevices)
         return fail(
             ErrorCode::DeviceUnavailable,
-            "This libEGL cannot list devices (no EGL_EXT_device_enumeration); leave --egl-device out.");
+            std::string("eglQueryDevicesEXT is not offered: libEGL found no driver that lists devices. ") +
+                driverHint);
     EGLint count = 0;
-    if (!egl.QueryDevices(0, nullptr, &count)) return eglFailure(egl, "eglQueryDevicesEXT", noDevices);
+    if (!egl.QueryDevices(0, nullptr, &count)) return eglFailure(egl, "eglQueryDevicesEXT", driverHint);
     std::vector<EGLDeviceEXT> handles(static_cast<std::size_t>(std::clamp(count, 0, 1024)));
-    if (handles.empty()) return fail(ErrorCode::DeviceUnavailable, noDevices);
+    if (handles.empty())
+        return fail(ErrorCode::DeviceUnavailable,
+                    std::string("eglQueryDevicesEXT finds no device. ") + driverHint);
     if (!egl.QueryDevices(static_cast<EGLint>(handles.size()), handles.data(), &count))
-        return eglFailure(egl, "eglQueryDevicesEXT", noDevices);
+        return eglFailure(egl, "eglQueryDevicesEXT", driverHint);
     handles.resize(static_cast<std::size_t>(std::clamp(count, 0, static_cast<EGLint>(handles.size()))));
     return handles;
 }

@@ -6,6 +6,7 @@
 
 #include "tests/oracle/gl/gl_backends.hpp"
 #include "tests/support/analytic_cut.hpp"
+#include "tests/support/reference_renderer.hpp"
 
 namespace scancast::test {
 namespace {
@@ -109,6 +110,60 @@ TEST_P(GlPicture, EqualParaboloidsShowTheVoronoiDiagram) {
     }
     ASSERT_GT(covered, side * side / 2);
     EXPECT_GE(right, 0.995 * covered);
+}
+
+/// Oracle: p × p pixel centres lie in any half-open square of p px, also where its border runs through some.
+TEST_P(GlPicture, SquaresOfWholePixelsCoverTheirArea) {
+    REQUIRE_DEVICE(gl, GetParam());
+    for (const double shift : {0.0, 0.5, 0.3}) {
+        const std::vector<AnalyticPoint> one{{{15 + shift, 10, 15 + shift}}};
+        const AnalyticCloud cloud(one, 1);
+        const Viewpoint from = lookAtOrthographic({15, 0, 15}, {15, 1, 15}, 30, 30, 30);
+        for (const int side : {1, 2, 3, 4, 5, 8, 12}) {
+            const PassList squares{
+                NearestPass{Footprint::Square, Profile::Flat, {static_cast<float>(side), 1, 1, 50}, 0},
+                ResolvePass{}};
+            const auto frame = gl->draw(onBlack(from, cloud.cut(), squares), {});
+            ASSERT_TRUE(frame) << frame.error().message;
+            EXPECT_EQ(std::ranges::count_if(frame->depth, [](float d) { return std::isfinite(d); }),
+                      side * side);
+        }
+    }
+}
+
+/// Oracle: the reference renderer, in double and sharing no code with any device. Its order and a float's
+/// differ by rounding; its winner, where another sample is as near to within rounding.
+TEST_P(GlPicture, EverySpriteIsTheReferences) {
+    REQUIRE_DEVICE(gl, GetParam());
+    Numbers numbers(21);
+    std::vector<AnalyticPoint> ball;
+    for (int i = 0; i < 3000; ++i) ball.push_back({numbers.onSphere(), numbers.color()});
+    const AnalyticCloud cloud(ball, 0.05);
+    const Viewpoint views[] = {lookAt({0.3, -3, 1}, {0, 0, 0}, 160, 120),
+                               lookAtOrthographic({0.3, -3, 1}, {0, 0, 0}, 160, 120, 2.5)};
+    for (const Viewpoint& from : views) {
+        for (const Profile profile : {Profile::Flat, Profile::Paraboloid, Profile::Cone, Profile::Sphere}) {
+            const PassList sprites{NearestPass{Footprint::Circle, profile, {}, 2}, ResolvePass{}};
+            const Drawing drawing = onBlack(from, cloud.cut(), sprites);
+            const auto frame = gl->draw(drawing, {});
+            ASSERT_TRUE(frame) << frame.error().message;
+            const ReferencePicture expected = referenceNearest(drawing);
+            int covered = 0, right = 0;
+            for (int y = 0; y < frame->height; ++y) {
+                for (int x = 0; x < frame->width; ++x) {
+                    const ReferenceFragment& fragment = expected.at(x, y);
+                    if (!std::isfinite(fragment.order)) continue;
+                    ++covered;
+                    const float depth = frame->depth[static_cast<std::size_t>(y * frame->width + x)];
+                    right += at(*frame, x, y) == fragment.color && std::abs(depth - fragment.order) < 1e-5;
+                }
+            }
+            ASSERT_GT(covered, 4000);
+            EXPECT_GE(right, 0.995 * covered);
+            EXPECT_NEAR(std::ranges::count_if(frame->depth, [](float d) { return std::isfinite(d); }),
+                        covered, 3);
+        }
+    }
 }
 
 TEST_P(GlPicture, AnEmptyCutIsBackground) {

@@ -1,6 +1,6 @@
 // First half of a splat pass: a sample's words -> place on the picture, depth, size, colour. Operation by operation
 // what the cpu device computes (kernels/project.hpp), in the same order, so that both draw the same picture.
-// Variants: PERSPECTIVE 0 or 1, COLORING (see place_sample's users), CLASSES 0 or 1, CLIPPED 0 or 1.
+// Variants: PERSPECTIVE 0 or 1, COLORING (one of COLOR_...), CLASSES 0 or 1, CLIPPED 0 or 1.
 
 struct Splat {
     bool drawn;

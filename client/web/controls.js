@@ -93,6 +93,13 @@ export class Controls {
     return (this.#cloud?.attributes ?? []).some((one) => one.name === attribute);
   }
 
+  /** The values at the ramp's ends when nobody chose others, where they are known. */
+  #usualRange(color) {
+    const bounds = this.#cloud?.bounds;
+    if (color === 'elevation' && bounds) return [bounds.min[2], bounds.max[2]];
+    return (this.#cloud?.attributes ?? []).find((one) => one.name === color)?.range;
+  }
+
   #showCloud(cloud) {
     this.#cloud = cloud;
     const mayLack = ['rgb', 'intensity', 'classification', 'normal'];
@@ -134,7 +141,7 @@ export class Controls {
     find('ramp').hidden = !withRamp.includes(view.color);
     find('colormap').value = view.colormap;
     find('ramp-preview').className = `ramp-${view.colormap}`;
-    const usual = (this.#cloud?.attributes ?? []).find((one) => one.name === view.color)?.range;
+    const usual = this.#usualRange(view.color);
     ['range-low', 'range-high'].forEach((id, i) => {
       const input = find(id);
       input.placeholder = usual ? String(Number(usual[i].toPrecision(6))) : ['lowest', 'highest'][i];
@@ -167,10 +174,11 @@ export class Controls {
   }
 
   #rangeChosen() {
-    const usual = (this.#cloud?.attributes ?? []).find((one) => one.name === this.#view.color)?.range ?? [0, 1];
+    const usual = this.#usualRange(this.#view.color) ?? [NaN, NaN];
     const typed = ['range-low', 'range-high'].map((id) => find(id).valueAsNumber);
+    const range = typed.map((value, i) => (Number.isNaN(value) ? usual[i] : value));
     if (typed.every(Number.isNaN)) this.#on.style({ range: null });
-    else this.#on.style({ range: typed.map((value, i) => (Number.isNaN(value) ? usual[i] : value)) });
+    else if (!range.some(Number.isNaN)) this.#on.style({ range }); // else the other end is still to come
   }
 
   #backgroundChosen() {

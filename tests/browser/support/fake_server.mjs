@@ -48,8 +48,8 @@ function makeCloud(id, title, halfHeight, attributes) {
 }
 
 export const clouds = [
-  makeCloud('ring', 'A ring of stones', 3, [{ name: 'rgb' }, { name: 'elevation', range: [-3, 3] }]),
-  makeCloud('helix', 'Helix', 10, [{ name: 'intensity', range: [0, 255] }, { name: 'elevation', range: [-10, 10] }]),
+  makeCloud('ring', 'A ring of stones', 3, [{ name: 'rgb' }]),
+  makeCloud('helix', 'Helix', 10, [{ name: 'intensity', range: [0, 255] }]),
 ];
 
 const pointsOf = {

@@ -84,7 +84,10 @@ class StreamConnection final : public Connection,
 
     void shutDown() override {
         asio::post(ws_.get_executor(), [weak = weak_from_this()] {
-            if (const auto self = weak.lock(); self && self->session_) self->session_->goAway();
+            const auto self = weak.lock();
+            if (!self) return;
+            if (self->session_) return self->session_->goAway();
+            beast::get_lowest_layer(self->ws_).close();  // still shaking hands, or refused already
         });
     }
 

@@ -148,7 +148,7 @@ TEST_F(ProgramTest, ServeSnapshotInfoAndOrbit) {
     EXPECT_EQ(frame->height, 100);
 
     ASSERT_EQ(run({"scancast-client", "orbit", url, "--frames", "6", "--width", "160", "--height", "120",
-                   "-o", file("orbit"), "--color", "normal"}),
+                   "-o", file("orbit")}),
               0)
         << lastError;
     std::set<std::string> pictures;

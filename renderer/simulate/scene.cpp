@@ -1,5 +1,6 @@
 #include "renderer/simulate/scene.hpp"
 
+#include <tbb/info.h>
 #include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
 #include <tbb/task_group.h>
@@ -58,13 +59,19 @@ std::array<glm::dvec3, 2> boundsOf(const Model& model, double noise) {
     return {low - margin, high + margin};
 }
 
+/// More threads than cores gain nothing, and oneTBB complains about them.
+int workers(int asked) {
+    const int cores = tbb::info::default_concurrency();
+    return asked > 0 ? std::min(asked, cores) : cores;
+}
+
 class SimulatedScan final : public PointSource {
   public:
     SimulatedScan(Model model, const SceneOptions& options)
         : model_(std::move(model)),
           options_(options),
           origin_(options.origin.value_or(model_.defaultOrigin)),
-          arena_(options.threads > 0 ? options.threads : tbb::task_arena::automatic),
+          arena_(workers(options.threads)),
           sampler_(
               arena_.execute([&] { return Sampler(model_, options.points, options.seed, options.noise); })),
           shuffle_(options.points, mixBits(options.seed, 0x5caff1eULL)) {

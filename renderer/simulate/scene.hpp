@@ -27,7 +27,7 @@ struct SceneOptions {
     PointOrder order = PointOrder::Scan;
     double noise = 1;  ///< factor on the scene's own range noise; 0 = exact surface
     /// Added to every coordinate; by default 0, but for the town a place in UTM.
-    std::optional<glm::dvec3> origin;
+    std::optional<glm::dvec3> origin = std::nullopt;
     int threads = 0;  ///< 0 = all cores; the points do not depend on it
 };
 

@@ -18,8 +18,9 @@ struct Tile {
     double work = 0;
 };
 
-/// A tile has at most this many pixels: 2 MB of keys. Smaller ones fit the second-level cache but cost more than they
-/// save, as more runs lie across borders (measured at 2 million points: 64 Ki pixels 11.6 ms, 256 Ki 8.1 ms).
+/// A tile has at most this many pixels: 2 MB of keys. Smaller ones fit the second-level cache but cost more
+/// than they save, as more runs lie across borders (measured at 2 million points: 64 Ki pixels 11.6 ms, 256
+/// Ki 8.1 ms).
 inline constexpr int maxTilePixels = 256 * 1024;
 
 /// At least `wanted` tiles, as far as tiles do not become tiny; heaviest first. They cover `area` exactly.

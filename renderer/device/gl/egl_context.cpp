@@ -13,7 +13,7 @@ class EglContext final : public Context {
                                                      void* native) {
         auto display = openDisplay(egl, platform, native);
         if (!display) return tl::unexpected(display.error());
-        const EGLDisplay handle = (*display)->display;
+        const EGLDisplay handle = *display;
         const char* const extensions = egl.QueryString(handle, EGL_EXTENSIONS);
         for (const char* needed :
              {"EGL_KHR_create_context", "EGL_KHR_surfaceless_context", "EGL_KHR_no_config_context"}) {
@@ -41,7 +41,7 @@ class EglContext final : public Context {
                 egl, "eglCreateContext(OpenGL 4.5 core)",
                 "The driver is too old or its OpenGL part is missing (Debian: apt install "
                 "libgl1-mesa-dri; NVIDIA in a container: NVIDIA_DRIVER_CAPABILITIES=graphics).");
-        std::unique_ptr<EglContext> made(new EglContext(egl, std::move(*display), context));
+        std::unique_ptr<EglContext> made(new EglContext(egl, handle, context));
         auto current = Current::enter(*made);
         if (!current) return tl::unexpected(current.error());
         auto functions = loadFunctions(egl.GetProcAddress);
@@ -50,30 +50,28 @@ class EglContext final : public Context {
         return made;
     }
 
-    ~EglContext() override { egl_.DestroyContext(display_->display, context_); }
+    ~EglContext() override { egl_.DestroyContext(display_, context_); }
 
     const char* backend() const override { return "egl"; }
 
   protected:
     Expected<void> makeCurrent() override {
         egl_.BindAPI(EGL_OPENGL_API);
-        if (!egl_.MakeCurrent(display_->display, EGL_NO_SURFACE, EGL_NO_SURFACE, context_)) {
+        if (!egl_.MakeCurrent(display_, EGL_NO_SURFACE, EGL_NO_SURFACE, context_)) {
             Error error = eglFailure(egl_, "eglMakeCurrent without a surface", "").value();
             error.code = ErrorCode::DeviceLost;
             return tl::unexpected(std::move(error));
         }
         return {};
     }
-    void release() override {
-        egl_.MakeCurrent(display_->display, EGL_NO_SURFACE, EGL_NO_SURFACE, EGL_NO_CONTEXT);
-    }
+    void release() override { egl_.MakeCurrent(display_, EGL_NO_SURFACE, EGL_NO_SURFACE, EGL_NO_CONTEXT); }
 
   private:
-    EglContext(const EglFunctions& egl, std::shared_ptr<EglDisplayHandle> display, EGLContext context)
-        : egl_(egl), display_(std::move(display)), context_(context) {}
+    EglContext(const EglFunctions& egl, EGLDisplay display, EGLContext context)
+        : egl_(egl), display_(display), context_(context) {}
 
     const EglFunctions& egl_;
-    std::shared_ptr<EglDisplayHandle> display_;
+    EGLDisplay display_;
     EGLContext context_;
 };
 

@@ -2,8 +2,7 @@
 
 #include <dlfcn.h>
 
-#include <map>
-#include <mutex>
+#include <type_traits>
 
 namespace scancast::gl {
 namespace {
@@ -75,7 +74,6 @@ Expected<EglFunctions> openLibrary() {
     load(egl.GetError, "eglGetError", true);
     load(egl.QueryString, "eglQueryString", true);
     load(egl.Initialize, "eglInitialize", true);
-    load(egl.Terminate, "eglTerminate", true);
     load(egl.BindAPI, "eglBindAPI", true);
     load(egl.CreateContext, "eglCreateContext", true);
     load(egl.DestroyContext, "eglDestroyContext", true);
@@ -91,16 +89,6 @@ Expected<EglFunctions> openLibrary() {
     if (listsExtension(client, "EGL_EXT_device_base") || listsExtension(client, "EGL_EXT_device_query"))
         load(egl.QueryDeviceString, "eglQueryDeviceStringEXT", false);
     return egl;
-}
-
-/// Displays in use, by EGL's handle; guarded by its mutex, which also orders eglInitialize and eglTerminate.
-struct OpenDisplays {
-    std::mutex mutex;
-    std::map<EGLDisplay, std::weak_ptr<EglDisplayHandle>> handles;
-};
-OpenDisplays& openDisplays() {
-    static OpenDisplays displays;
-    return displays;
 }
 
 }  // namespace
@@ -122,18 +110,7 @@ bool listsExtension(const char* list, std::string_view extension) {
     return padded.find(std::string(" ").append(extension).append(" ")) != std::string::npos;
 }
 
-EglDisplayHandle::~EglDisplayHandle() {
-    OpenDisplays& open = openDisplays();
-    const std::lock_guard lock(open.mutex);
-    const auto found = open.handles.find(display);
-    // Somebody may have opened the display anew since the last user let go of this handle.
-    if (found == open.handles.end() || !found->second.expired()) return;
-    open.handles.erase(found);
-    egl.Terminate(display);
-}
-
-Expected<std::shared_ptr<EglDisplayHandle>> openDisplay(const EglFunctions& egl, EGLenum platform,
-                                                        void* native) {
+Expected<EGLDisplay> openDisplay(const EglFunctions& egl, EGLenum platform, void* native) {
     const bool surfaceless = platform == EGL_PLATFORM_SURFACELESS_MESA;
     const std::string call = surfaceless ? "eglGetPlatformDisplay(EGL_PLATFORM_SURFACELESS_MESA)"
                                          : "eglGetPlatformDisplay(EGL_PLATFORM_DEVICE_EXT)";
@@ -144,22 +121,16 @@ Expected<std::shared_ptr<EglDisplayHandle>> openDisplay(const EglFunctions& egl,
                     call + " is not offered: libEGL lacks " + extension +
                         ". Install a driver that has it (Debian: apt install libegl-mesa0 libgl1-mesa-dri).");
 
-    OpenDisplays& open = openDisplays();
-    const std::lock_guard lock(open.mutex);
     const EGLDisplay display = egl.GetPlatformDisplay(platform, native, nullptr);
     if (display == EGL_NO_DISPLAY) return eglFailure(egl, call, "");
-    if (auto handle = open.handles[display].lock()) return handle;
-    if (!egl.Initialize(display, nullptr, nullptr)) {
-        open.handles.erase(display);
+    // Initialising a display again does nothing.
+    if (!egl.Initialize(display, nullptr, nullptr))
         return eglFailure(
             egl, "eglInitialize after " + call,
             "Its driver could not start. In a container, give it the GPU: the NVIDIA container "
             "runtime with NVIDIA_DRIVER_CAPABILITIES=graphics,utility, or /dev/dri for other GPUs, "
             "readable by this user; without a GPU: apt install libgl1-mesa-dri.");
-    }
-    const std::shared_ptr<EglDisplayHandle> handle(new EglDisplayHandle{egl, display});
-    open.handles[display] = handle;
-    return handle;
+    return display;
 }
 
 }  // namespace scancast::gl

@@ -6,8 +6,8 @@
 #include <EGL/egl.h>
 #include <EGL/eglext.h>
 
-#include <memory>
 #include <string>
+#include <string_view>
 
 #include "protocol/error.hpp"
 
@@ -18,7 +18,6 @@ struct EglFunctions {
     PFNEGLGETERRORPROC GetError = nullptr;
     PFNEGLQUERYSTRINGPROC QueryString = nullptr;
     PFNEGLINITIALIZEPROC Initialize = nullptr;
-    PFNEGLTERMINATEPROC Terminate = nullptr;
     PFNEGLBINDAPIPROC BindAPI = nullptr;
     PFNEGLCREATECONTEXTPROC CreateContext = nullptr;
     PFNEGLDESTROYCONTEXTPROC DestroyContext = nullptr;
@@ -38,15 +37,10 @@ tl::unexpected<Error> eglFailure(const EglFunctions& egl, const std::string& cal
 /// Whether a space-separated list names the extension.
 bool listsExtension(const char* list, std::string_view extension);
 
-/// An initialised display. EGL gives the whole process one handle per device, so it is shared, and terminated
-/// when its last user goes.
-struct EglDisplayHandle {
-    const EglFunctions& egl;
-    EGLDisplay display;
-    ~EglDisplayHandle();
-};
-/// `platform` EGL_PLATFORM_DEVICE_EXT with a device, or EGL_PLATFORM_SURFACELESS_MESA with nullptr.
-Expected<std::shared_ptr<EglDisplayHandle>> openDisplay(const EglFunctions& egl, EGLenum platform,
-                                                        void* native);
+/// An initialised display; `platform` is EGL_PLATFORM_DEVICE_EXT with a device, or
+/// EGL_PLATFORM_SURFACELESS_MESA with nullptr. Never terminated: EGL has one display per device for the whole
+/// process, so one user's end would be everybody's, and terminating the last unloads the driver, which
+/// drivers do not survive well.
+Expected<EGLDisplay> openDisplay(const EglFunctions& egl, EGLenum platform, void* native);
 
 }  // namespace scancast::gl

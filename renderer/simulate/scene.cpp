@@ -160,12 +160,15 @@ class SimulatedScan final : public PointSource {
             batch.classification[slot] = point.classification;
             batch.normal[slot] = point.normal;
         };
+        std::vector<std::pair<std::uint64_t, std::uint32_t>> order(count);
         if (options_.order == PointOrder::Random) {
-            for (std::size_t i = 0; i < count; ++i) put(i, sampler_.point(shuffle_(unit.first + i)));
+            // Made in the order of the cells, which caches like, and put where the shuffle wants them.
+            for (std::size_t i = 0; i < count; ++i) order[i] = {shuffle_(unit.first + i), std::uint32_t(i)};
+            std::ranges::sort(order);
+            for (const auto& [index, slot] : order) put(slot, sampler_.point(index));
             return;
         }
         std::vector<ScanPoint> points(count);
-        std::vector<std::pair<std::uint64_t, std::uint32_t>> order(count);
         for (std::size_t i = 0; i < count; ++i) {
             points[i] = sampler_.point(unit.first + i);
             order[i] = {points[i].beam, std::uint32_t(i)};

@@ -36,7 +36,7 @@ double typicalSpacing(const Octree& octree) {
     std::uint64_t points = 0;
     for (const Node& n : octree.nodes()) {
         if (!n.isLeaf()) continue;
-        leaves.emplace_back(n.spacing, n.points);
+        leaves.emplace_back(n.meanSpacing, n.points);
         points += n.points;
     }
     std::sort(leaves.begin(), leaves.end());

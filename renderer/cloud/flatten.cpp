@@ -11,8 +11,8 @@ namespace {
 
 /// A node never claims to be coarser than its parent: what is drawn below a node stays within the bounds that
 /// its own spacing grew. A node that knows no spacing (all its points at one place) takes its parent's.
-float settleSpacing(double own, const Node* parent, const Grid& grid) {
-    const float largest = parent ? parent->spacing : std::numeric_limits<float>::max();
+float settleSpacing(double own, const Node* parent, float Node::*spacing, const Grid& grid) {
+    const float largest = parent ? parent->*spacing : std::numeric_limits<float>::max();
     if (own > 0) return std::clamp(float(own), std::numeric_limits<float>::min(), largest);
     if (parent) return largest;
     double step = 0;
@@ -29,7 +29,8 @@ Node toNode(const BuildNode& from, const Node* parent, const Grid& grid) {
     node.boxMax = c.bounds.high;
     node.center = c.bounds.center;
     node.radius = c.bounds.radius;
-    node.spacing = settleSpacing(c.spacing, parent, grid);
+    node.spacing = settleSpacing(c.spacing, parent, &Node::spacing, grid);
+    node.meanSpacing = std::min(node.spacing, settleSpacing(c.meanSpacing, parent, &Node::meanSpacing, grid));
     node.childCount = std::uint8_t(from.children.size());
     node.level = std::uint8_t(from.level);
     node.sampleCount = std::uint32_t(c.samples.size());

@@ -17,9 +17,11 @@ std::uint64_t cellsBelow(const BuildNode& node, int rung) {
 }
 
 /// The cell size: the finest rung, not below any child's, that leaves at most two samples of five (and at
-/// most three quarters of a full leaf), so that every level is markedly coarser than the one below it and
-/// nodes hold thousands of samples wherever the tree is deep. Few samples (an eighth of a leaf) need not be
-/// made fewer. A cell is at least 32 lattice steps wide: positions are then exact to 0.05 of the spacing.
+/// most twice a full leaf), so that every level is markedly coarser than the one below it and nodes hold
+/// thousands of samples wherever the tree is deep. Steps must not be larger than that: what lies between two
+/// levels is drawn at the finer one, and a step of three costs a view of a town half as many samples again.
+/// Few samples (an eighth of a leaf) need not be made fewer. A cell is at least 32 lattice steps wide:
+/// positions are then exact to 0.05 of the spacing.
 int chooseRung(const BuildNode& node, const InnerLattice& lattice, const OctreeInput& input) {
     int rung = std::max(0, lattice.rung + 5);
     std::uint64_t below = 0;
@@ -28,7 +30,7 @@ int chooseRung(const BuildNode& node, const InnerLattice& lattice, const OctreeI
         below += child->content.samples.size();
     }
     const std::uint64_t full = std::max(input.leafPoints, 16u);
-    const std::uint64_t most = std::min(full * 3 / 4, std::max(below * 2 / 5, full / 8));
+    const std::uint64_t most = std::min(full * 2, std::max(below * 2 / 5, full / 8));
     while (rung < gridBits && cellsBelow(node, rung) > most) ++rung;
     return rung;
 }
@@ -63,7 +65,9 @@ void fillSamples(BuildNode& node, const InnerLattice& lattice, const OctreeInput
     }
     // Cells that are all filled are a cell apart; where the scan is sparse or oblique to them, the gaps
     // decide.
-    node.content.spacing = std::max(grid.cellSize(node.averages.rung), estimateSpacing(local));
+    const Spacing spacing = estimateSpacing(local);
+    node.content.spacing = std::max(grid.cellSize(node.averages.rung), spacing.closing);
+    node.content.meanSpacing = spacing.mean > 0 ? spacing.mean : node.content.spacing;
 }
 
 void fill(BuildNode& node, const OctreeInput& input) {

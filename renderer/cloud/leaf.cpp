@@ -81,7 +81,7 @@ int sortPoints(std::span<BuildPoint> points, const GridBox& box) {
     return maker.rung();
 }
 
-double spacingOf(std::span<const BuildPoint> points, const GridBox& box, const Grid& grid) {
+Spacing spacingOf(std::span<const BuildPoint> points, const GridBox& box, const Grid& grid) {
     thread_local std::vector<glm::vec3> local;
     local.resize(points.size());
     for (std::size_t i = 0; i < points.size(); ++i)
@@ -119,7 +119,9 @@ std::optional<NodeContent> makeLeaf(std::span<BuildPoint> points, const GridBox&
     leaf.corner = lattice.corner;
     leaf.step = lattice.step;
     leaf.rung = sortPoints(points, box);
-    leaf.spacing = box.isPoint() ? 0 : spacingOf(points, box, grid);
+    const Spacing spacing = box.isPoint() ? Spacing{} : spacingOf(points, box, grid);
+    leaf.spacing = spacing.closing;
+    leaf.meanSpacing = spacing.mean;
     if (!box.isPoint() && !fineEnough(lattice, leaf.spacing)) return std::nullopt;
     leaf.samples.resize(points.size());
     for (std::size_t i = 0; i < points.size(); ++i) leaf.samples[i] = toSample(points[i], lattice);

@@ -12,8 +12,9 @@ namespace scancast {
 struct NodeContent {
     glm::dvec3 corner{0}, step{1};
     Bounds bounds;
-    double spacing = 0;  ///< 0 = not known: one sample, or all at one place
-    int rung = 0;        ///< coarser nodes may merge samples in cells of 2^rung steps and larger
+    double spacing = 0;      ///< closes the surface; 0 = not known: one sample, or all at one place
+    double meanSpacing = 0;  ///< √(surface per sample); 0 = not known
+    int rung = 0;            ///< coarser nodes may merge samples in cells of 2^rung steps and larger
     CellCount cells;
     std::vector<Sample> samples;
 };

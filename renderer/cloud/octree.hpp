@@ -37,6 +37,9 @@ struct Node {
     /// (spacing.hpp): discs of this radius close the surface. > 0; an inner node's is at least its cell size
     /// unless its parent's is smaller, and no node's is above its parent's.
     float spacing;
+    /// √(surface per sample): the typical distance between neighbours, what τ is compared with; > 0, ≤
+    /// spacing.
+    float meanSpacing;
     NormalCone cone;
     std::uint32_t parent = noNode;
     std::uint32_t firstChild =

@@ -41,6 +41,7 @@ void addNode(Digest& add, const Node& n) {
     add(n.center);
     add(n.radius);
     add(n.spacing);
+    add(n.meanSpacing);
     for (int a = 0; a < 3; ++a) add(n.cone.axis[a]);
     add(n.cone.halfAngle);
     add(n.parent);

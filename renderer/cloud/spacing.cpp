@@ -123,9 +123,14 @@ class Neighbourhoods {
     float largest_ = 0, guess_ = 0;
 };
 
-/// How far the Voronoi cell of the origin among these neighbours reaches; nothing where it is open.
-std::optional<double> cellReach(std::span<const glm::vec3> offsets, const TangentPlane& plane,
-                                double radius) {
+struct CellSize {
+    double reach, area;
+};
+
+/// How far the Voronoi cell of the origin among these neighbours reaches, and its area; nothing where it is
+/// open.
+std::optional<CellSize> cellSize(std::span<const glm::vec3> offsets, const TangentPlane& plane,
+                                 double radius) {
     thread_local std::vector<glm::dvec2> flat;
     flat.clear();
     for (const glm::vec3& o : offsets)
@@ -138,7 +143,7 @@ std::optional<double> cellReach(std::span<const glm::vec3> offsets, const Tangen
         cell.cut(f);
     }
     if (cell.isOpen()) return std::nullopt;
-    return std::sqrt(cell.squaredReach());
+    return CellSize{std::sqrt(cell.squaredReach()), cell.area()};
 }
 
 /// What stands for the reach where cells are open: half the way to the second nearest, as along a line.
@@ -162,23 +167,30 @@ double quantileOf(std::vector<double>& values) {
 
 }  // namespace
 
-double estimateSpacing(std::span<const glm::vec3> samples) {
-    if (samples.size() < 2) return 0;
+Spacing estimateSpacing(std::span<const glm::vec3> samples) {
+    if (samples.size() < 2) return {};
     Neighbourhoods neighbourhoods(samples);
-    if (neighbourhoods.empty()) return 0;
+    if (neighbourhoods.empty()) return {};
     std::vector<double> closed, open;
+    double area = 0;
     std::vector<glm::vec3> offsets;
     const std::size_t count = std::min(samples.size(), queries);
     for (std::size_t i = 0; i < count; ++i) {
         const auto [plane, radius] = neighbourhoods.find((2 * i + 1) * samples.size() / (2 * count), offsets);
         if (offsets.empty()) continue;
-        if (const auto reach = cellReach(offsets, plane, radius))
-            closed.push_back(*reach);
-        else
+        if (const auto cell = cellSize(offsets, plane, radius)) {
+            closed.push_back(cell->reach);
+            area += cell->area;
+        } else {
             open.push_back(lineReach(offsets));
+        }
     }
-    std::vector<double>& reaches = closed.size() * 4 >= count ? closed : open;
-    return reaches.empty() ? 0 : quantileOf(reaches) * pitchPerReach;
+    const bool isSurface = closed.size() * 4 >= count;
+    std::vector<double>& reaches = isSurface ? closed : open;
+    if (reaches.empty()) return {};
+    const double closing = quantileOf(reaches) * pitchPerReach;
+    const double mean = isSurface ? std::sqrt(area / static_cast<double>(closed.size())) : closing;
+    return {std::min(mean, closing), closing};
 }
 
 }  // namespace scancast

@@ -35,6 +35,15 @@ void VoronoiCell::cut(const glm::dvec2& neighbour) {
         squaredReach_ = std::max(squaredReach_, glm::dot(corners_[i].at, corners_[i].at));
 }
 
+double VoronoiCell::area() const {
+    double twice = 0;
+    for (int i = 0; i < count_; ++i) {
+        const glm::dvec2 &a = corners_[i].at, &b = corners_[(i + 1) % count_].at;
+        twice += a.x * b.y - a.y * b.x;
+    }
+    return twice / 2;
+}
+
 bool VoronoiCell::isOpen() const {
     return std::any_of(corners_.begin(), corners_.begin() + count_, [](const Corner& c) { return c.square; });
 }

@@ -14,6 +14,7 @@ class VoronoiCell {
     void cut(const glm::dvec2& neighbour);
     /// Square of the distance of the cell's farthest corner.
     double squaredReach() const { return squaredReach_; }
+    double area() const;
     /// Whether part of the square's border is left: the cell is not bounded by neighbours alone.
     bool isOpen() const;
 

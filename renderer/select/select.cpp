@@ -87,9 +87,9 @@ class Selection {
   private:
     /// Sample spacing as it appears in the picture, px, where the node comes nearest to the eye.
     double projected(const Node& n) const {
-        if (viewpoint_.projection == Projection::Orthographic) return n.spacing * viewpoint_.q(1);
+        if (viewpoint_.projection == Projection::Orthographic) return n.meanSpacing * viewpoint_.q(1);
         const double distance = glm::length(n.center - eye_) - n.radius;
-        return n.spacing *
+        return n.meanSpacing *
                viewpoint_.q(std::max({viewpoint_.near, distance, std::numeric_limits<double>::min()}));
     }
 

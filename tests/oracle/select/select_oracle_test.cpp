@@ -122,7 +122,7 @@ std::set<std::uint32_t> refineByHand(const Octree& o, const Viewpoint& viewpoint
             const Node& n = o.node(i);
             samples += n.sampleCount;
             const double distance = glm::length(n.center - viewpoint.eye()) - n.radius;
-            const double px = n.spacing * viewpoint.q(std::max(viewpoint.near, distance));
+            const double px = n.meanSpacing * viewpoint.q(std::max(viewpoint.near, distance));
             if (!n.isLeaf() && px > spacing)
                 spacing = px, coarsest = i;  // the set is ordered: ties to the smaller
         }

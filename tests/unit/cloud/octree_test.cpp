@@ -177,7 +177,7 @@ TEST(Octree, InnerNodesHoldThousandsOfSamples) {
     for (const Node& n : cloud->octree.nodes()) {
         if (n.isLeaf()) continue;
         EXPECT_GE(n.sampleCount, 1000u);
-        EXPECT_LE(n.sampleCount, 12288u + 8u);
+        EXPECT_LE(n.sampleCount, 2 * 16384u + 8u);  // twice a full leaf
     }
 }
 
@@ -195,7 +195,7 @@ TEST(Octree, NodesStayModestWhereDensitiesDifferAHundredfold) {
     test::checkStructure(*cloud, 4096);
     for (const Node& n : cloud->octree.nodes()) {
         if (!n.isLeaf()) {
-            EXPECT_LE(n.sampleCount, 4096u);
+            EXPECT_LE(n.sampleCount, 2 * 4096u);
         }
     }
     EXPECT_LT(cloud->octree.sampleCount(), cloud->points * 3 / 2);

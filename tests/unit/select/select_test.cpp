@@ -59,7 +59,7 @@ TEST_F(Select, RefinesUntilTheSpacingIsSmallEnough) {
         const Cut cut = select(cloud_->octree, viewpoint_, options);
         for (const CutRun& run : cut.runs) {
             const double distance = glm::length(run.node->center - viewpoint_.eye()) - run.node->radius;
-            const double px = run.node->spacing * viewpoint_.q(std::max(viewpoint_.near, distance));
+            const double px = run.node->meanSpacing * viewpoint_.q(std::max(viewpoint_.near, distance));
             EXPECT_TRUE(px <= detail || run.node->isLeaf());
             EXPECT_LE(px, cut.spacingReached * (1 + 1e-12));
         }

@@ -1,5 +1,5 @@
-// How long work tells how far it is. Reported from any thread, at most a few times a second; the receiver decides
-// whether it becomes a bar on a terminal, a line in a log or a number in an answer.
+// How long work tells how far it is. Reported from any thread, at most a few times a second; the receiver
+// decides whether it becomes a bar on a terminal, a line in a log or a number in an answer.
 #pragma once
 
 #include <cstdint>
@@ -9,7 +9,7 @@
 namespace scancast {
 
 struct Progress {
-    std::string_view stage;   ///< "reading", "sorting", "averaging"
+    std::string_view stage;  ///< "reading", "sorting", "averaging"
     std::uint64_t done = 0;
     std::uint64_t total = 0;  ///< 0 = not known
     std::string_view unit = "points";

@@ -3,6 +3,7 @@
 // equal depths.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "renderer/device/cpu/cpu_device.hpp"
@@ -89,6 +90,25 @@ TEST(Reference, EverySpriteInOrthographicProjection) {
     const AnalyticCloud cloud = room();
     const Viewpoint view = lookAtOrthographic({-8, -5, 3}, {1, 2, 0.5}, 317, 203, 9);
     for (const Case& c : cases()) compare(view, cloud.cut(), c, *device);
+}
+
+// Right because a half-open square of n × n px contains n² pixel centres wherever it lies, also where its
+// centre is one.
+TEST(Reference, SquaresOfWholeSizesHaveTheirArea) {
+    const auto device = createCpuDevice(1);
+    ASSERT_TRUE(device);
+    const AnalyticPoint white{};
+    const AnalyticCloud cloud({&white, 1}, 1);
+    const Viewpoint view = lookAtOrthographic({0, -10, 0}, {0, 0, 0}, 65, 65, 65);
+    for (int px = 1; px <= 50; ++px) {
+        for (const Profile profile : {Profile::Flat, Profile::Paraboloid, Profile::Cone}) {
+            const Scene scene(view, cloud.cut(), sprite(Footprint::Square, profile, float(px)));
+            const Frame frame = mustDraw(**device, scene.drawing);
+            const auto covered =
+                std::count_if(frame.depth.begin(), frame.depth.end(), [](float d) { return !std::isinf(d); });
+            EXPECT_EQ(covered, px * px) << px << " px, profile " << int(profile);
+        }
+    }
 }
 
 TEST(Reference, ColoursAndFilters) {

@@ -160,9 +160,12 @@ struct Fragments {
     }
 };
 
-/// First row or column that a splat covers; never beyond the one that holds its centre.
-inline float firstPixel(float center, float half) {
-    const float first = __builtin_ceilf((center - half) - 0.5f);
+/// First row or column that a splat covers; never beyond the one that holds its centre. A square does not
+/// cover what lies exactly on its lower border (pass.hpp), so that a whole even size is that many pixels.
+template <Shape shape>
+float firstPixel(float center, float half) {
+    const float border = (center - half) - 0.5f;
+    const float first = isSquare<shape> ? __builtin_floorf(border) + 1.0f : __builtin_ceilf(border);
     const float middle = __builtin_floorf(center);
     return first < middle ? first : middle;
 }
@@ -174,8 +177,8 @@ void splatSmall(const Block& b, const Splats& s, int rows, const KeyTile& tile) 
     for (int n = 0; n < s.count; ++n) {
         const int i = s.list[n];
         Fragments<shape, lanes> f(b, s, i);
-        const float column = firstPixel(b.x[i], b.half[i]);
-        const float row = firstPixel(b.y[i], b.half[i]);
+        const float column = firstPixel<shape>(b.x[i], b.half[i]);
+        const float row = firstPixel<shape>(b.y[i], b.half[i]);
         const float centerRow = __builtin_floorf(b.y[i]);
         Key* const first = tile.keys + (static_cast<std::int32_t>(row) - tile.y) * stride +
                            (static_cast<std::int32_t>(column) - tile.x);
@@ -198,9 +201,9 @@ void splatLarge(const Block& b, const Splats& s, const KeyTile& tile) {
         const int i = s.list[n];
         Fragments<shape, lanes> f(b, s, i);
         const float x = b.x[i], y = b.y[i], h = b.half[i];
-        std::int32_t x0 = static_cast<std::int32_t>(firstPixel(x, h));
+        std::int32_t x0 = static_cast<std::int32_t>(firstPixel<shape>(x, h));
         std::int32_t x1 = static_cast<std::int32_t>(__builtin_floorf(x + h + 0.5f));
-        std::int32_t y0 = static_cast<std::int32_t>(firstPixel(y, h));
+        std::int32_t y0 = static_cast<std::int32_t>(firstPixel<shape>(y, h));
         std::int32_t y1 = static_cast<std::int32_t>(__builtin_floorf(y + h + 0.5f));
         x0 = x0 < tile.x ? tile.x : x0;
         y0 = y0 < tile.y ? tile.y : y0;

@@ -14,6 +14,7 @@
 #include <set>
 #include <thread>
 
+#include "protocol/frame_header.hpp"
 #include "renderer/image/encode.hpp"
 #include "tests/integration/raw_client.hpp"
 #include "tests/support/test_data.hpp"
@@ -172,6 +173,35 @@ TEST_F(ProgramTest, RenderAndServeGiveTheSameBytesOnAnyNumberOfThreads) {
             << lastError;
         EXPECT_EQ(contents(folder / "r.jpg"), served) << threads << " threads";
     }
+}
+
+// With the real device: anti-aliased, in passes, interrupted by views before it, and still the snapshot's
+// bytes.
+TEST_F(ProgramTest, TheFinalStillOfAStreamIsTheSnapshot) {
+    generate("ball.las");
+    const auto server = serve({file("ball.las")});
+    RawWebSocket stream(port);
+    stream.text(R"({"type":"hello","width":240,"height":160})");
+    for (int seq = 1; seq <= 20; ++seq) {
+        stream.text(R"({"type":"view","method":"cone","camera":{"target":[0,0,0],"eye":[3,2,)" +
+                    std::to_string(seq) + R"(]},"seq":)" + std::to_string(seq) + "}");
+    }
+    FrameHeader header;
+    std::string picture;
+    while (!(header.final && header.seq == 20)) {
+        const WsMessage message = stream.receiveKind(WsMessage::Kind::Binary);
+        ASSERT_EQ(message.kind, WsMessage::Kind::Binary) << "no final still came";
+        const auto parsed = parseFrame(
+            {reinterpret_cast<const std::uint8_t*>(message.payload.data()), message.payload.size()});
+        ASSERT_TRUE(parsed) << parsed.error().message;
+        header = parsed->header;
+        picture.assign(parsed->picture.begin(), parsed->picture.end());
+        stream.text(R"({"type":"ack","frame":)" + std::to_string(header.frameId) + "}");
+    }
+    EXPECT_EQ(picture, request(port,
+                               "/api/v1/clouds/ball/snapshot.jpg?width=240&height=160&method=cone"
+                               "&eye=3,2,20&target=0,0,0")
+                           .body);
 }
 
 TEST_F(ProgramTest, ABadFileIsNamedAndTheOthersAreServed) {

@@ -10,8 +10,10 @@ namespace {
 
 void listBackends() {
     for (const scancast::DeviceInfo& device : scancast::listDevices()) {
-        std::printf("%-8s %s %s %s%s\n", device.name.c_str(), device.vendor.c_str(), device.renderer.c_str(),
-                    device.version.c_str(), device.hardware ? "  (hardware)" : "");
+        std::printf("%-8s", device.name.c_str());
+        for (const std::string& part : {device.vendor, device.renderer, device.version})
+            if (!part.empty()) std::printf(" %s", part.c_str());
+        std::printf("%s\n", device.hardware ? "  (hardware)" : "");
     }
 }
 

@@ -98,9 +98,12 @@ function freeSize() {
   return { width: Math.max(width - 2 * panel, 0.7 * width), height: Math.max(height - 160, 0.7 * height) };
 }
 
+/** The axis that the server takes for up, which it tells by its default view. */
+const usualUpAxis = (of) => (Math.abs(of.view?.camera?.up?.[1] ?? 0) > 0.5 ? 'y' : 'z');
+
 /** The whole cloud, from where the server would look at it, but fitted to this window. */
-function usualCamera(of, upAxis = 'z') {
-  const theirs = fromProtocol(of.view?.camera) ?? fromProtocol({ eye: [1, -2, 1], target: [0, 0, 0] });
+function usualCamera(of, upAxis = usualUpAxis(of)) {
+  const theirs = fromProtocol(of.view?.camera, usualUpAxis(of)) ?? fromProtocol({ eye: [1, -2, 1], target: [0, 0, 0] });
   return fit({ ...theirs, upAxis }, of.bounds, picture.cssSize, freeSize());
 }
 

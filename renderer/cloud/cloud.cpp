@@ -48,6 +48,14 @@ double typicalSpacing(const Octree& octree) {
     return 0;
 }
 
+/// Models, unlike surveys, are mostly made with Y up, and set down on the plane y = 0 around the origin.
+bool standsOnXZ(const std::array<glm::dvec3, 2>& bounds) {
+    const glm::dvec3 size = bounds[1] - bounds[0];
+    const auto standsOn = [&](int axis) { return std::abs(bounds[0][axis]) <= 0.02 * size[axis]; };
+    const auto straddles = [&](int axis) { return bounds[0][axis] < 0 && bounds[1][axis] > 0; };
+    return standsOn(1) && !standsOn(2) && straddles(0) && straddles(2);
+}
+
 Expected<std::shared_ptr<const Cloud>> build(PointSource& source, const BuildOptions& options,
                                              const ProgressSink& progress) {
     const ScanHeader header = source.header();
@@ -103,8 +111,12 @@ Camera Cloud::defaultCamera(double aspect) const {
     Camera camera;
     const double down = std::numbers::pi / 6, turn = std::numbers::pi / 4;
     // From the target to the eye: south is -y, east is +x.
-    const glm::dvec3 back(std::cos(down) * std::sin(turn), -std::cos(down) * std::cos(turn), std::sin(down));
-    const glm::dvec3 right = glm::normalize(glm::cross(glm::dvec3(0, 0, 1), back));
+    const double south = std::cos(down) * std::cos(turn), east = std::cos(down) * std::sin(turn);
+    const bool yIsUp = standsOnXZ(bounds);
+    camera.up = yIsUp ? glm::dvec3(0, 1, 0) : glm::dvec3(0, 0, 1);
+    const glm::dvec3 back =
+        yIsUp ? glm::dvec3(east, std::sin(down), south) : glm::dvec3(east, -south, std::sin(down));
+    const glm::dvec3 right = glm::normalize(glm::cross(camera.up, back));
     const glm::dvec3 up = glm::cross(back, right);
     const double margin = 1.08;
     const double tanUp = std::tan(camera.fov * std::numbers::pi / 360) / margin;
@@ -132,7 +144,6 @@ Camera Cloud::defaultCamera(double aspect) const {
     const double distance = std::max({fitting, spacing * 10, glm::length(middle) * 1e-9, 1e-9});
     camera.target = middle + right * offsetRight + up * offsetUp;
     camera.eye = camera.target + back * distance;
-    camera.up = {0, 0, 1};
     camera.viewHeight = std::max(2 * margin * (widest + std::abs(offsetUp)), distance * 1e-3);
     return camera;
 }

@@ -42,7 +42,7 @@ struct Cloud {
     std::string revision;  ///< hex digest of everything that pictures depend on
     Octree octree;
 
-    /// Looks at the whole cloud from the south-east, 30° down, with Z up.
+    /// Looks at the whole cloud from the south-east, 30° down. Z is up, but for models that plainly stand on y = 0.
     Camera defaultCamera(double aspect) const;
 };
 

@@ -51,7 +51,7 @@ bool reportDevice(Server& server, bool& reported) {
         spdlog::error("{}", device.error.message);
         return false;
     }
-    spdlog::info("drawing with {} ({} {})", device.info.name, device.info.renderer, device.info.version);
+    spdlog::info("drawing with {} ({})", device.info.name, device.info.renderer);
     return true;
 }
 

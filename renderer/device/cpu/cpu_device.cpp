@@ -57,7 +57,6 @@ class CpuDevice final : public Device {
         info.vendor = std::string("Scancast");
         info.renderer =
             std::string("x86-64-").append(level).append(", threads: ").append(std::to_string(threads_));
-        info.version = std::string("1");
         info.identity = info.name;
         return info;
     }

@@ -151,6 +151,22 @@ TEST(Cloud, TheDefaultCameraSeesAllOfItFromTheSouthEast) {
     }
 }
 
+TEST(Cloud, AModelThatStandsOnXZIsSeenUpright) {
+    // A column of unit height on the plane y = 0 around the origin; the same one floating is a scan like any
+    // other.
+    const auto up = [](double foot) {
+        SyntheticSource source(1000,
+                               [foot](std::uint64_t i, std::uint64_t) {
+                                   return ScanPoint{.position = {i % 10 * 0.02 - 0.09, foot + i % 101 * 0.01,
+                                                                 i % 7 * 0.02 - 0.06}};
+                               },
+                               {});
+        return test::build(source)->defaultCamera(1).up;
+    };
+    EXPECT_EQ(up(0), glm::dvec3(0, 1, 0));
+    EXPECT_EQ(up(0.5), glm::dvec3(0, 0, 1));
+}
+
 TEST(Cloud, ACloudOfOnePointHasACameraToo) {
     SyntheticSource source(1, [](auto, auto) { return ScanPoint{.position = {471000, 4602888, 16}}; }, {});
     const auto cloud = test::build(source);

@@ -12,6 +12,9 @@ namespace {
 constexpr std::array<double, 10> edgesX{-140, -73, -66.5, -28.5, -22, 22, 28.5, 66.5, 73, 140};
 constexpr std::array<double, 10> edgesY{-140, -67, -60.5, -24.5, -18, 18, 24.5, 60.5, 67, 140};
 constexpr double pavementWidth = 2.5, kerbWidth = 0.22, cornerRadius = 3.5;
+/// How far a kerb's face leans back: points are even as seen from above, so a steeper face would be a gap in
+/// them.
+constexpr double kerbFace = 0.12;
 constexpr std::uint8_t groundClass = 2, roadClass = 11;
 
 /// The block that a coordinate belongs to, in the middle of streets the nearer one.
@@ -51,9 +54,7 @@ class GroundMaterial final : public Material {
             road(point, x, y, d);
             return;
         }
-        // The kerb's face leans by a hand's breadth, so that a scan from above has points on it, too.
-        constexpr double face = 0.05;
-        point.position.z += pavementHeight * std::min(1.0, -d / face);
+        point.position.z += pavementHeight * std::min(1.0, -d / kerbFace);
         if (d > -kerbWidth) {
             kerb(point, d, x + y);
         } else if (d > -pavementWidth) {
@@ -126,7 +127,7 @@ class GroundMaterial final : public Material {
         const int stone = int(std::floor(run / 0.9));
         const float tone =
             0.66F + 0.08F * (hashUnit(stone, 0, 6) - 0.5F) + 0.03F * (point.random->unit() - 0.5F);
-        point.color = glm::vec3(tone, tone * 0.985F, tone * 0.95F) * (d > -0.05 ? 0.8F : 1.0F);
+        point.color = glm::vec3(tone, tone * 0.985F, tone * 0.95F) * (d > -kerbFace ? 0.8F : 1.0F);
         point.reflectance = 0.5F;
     }
 

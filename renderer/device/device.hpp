@@ -1,8 +1,8 @@
 // The interface of a rendering device: runs a list of passes over a cut. Two exist, `cpu` and `gl` (by EGL or
 // OSMesa); each is the other's oracle. Pipeline: select → method's passes on **device** → frame.
 //
-// Owned by one thread, the render thread: every call comes from the thread that created it. A device may use more
-// threads inside; its pictures do not depend on how many.
+// Owned by one thread, the render thread: every call comes from the thread that created it. A device may use
+// more threads inside; its pictures do not depend on how many.
 #pragma once
 
 #include <array>
@@ -27,8 +27,8 @@ namespace scancast {
 struct ColorRule {
     ColorSource source = ColorSource::Rgb;
     Rgb8 flat{255, 255, 255};
-    /// 256 colours; index = clamp((value - low) / (high - low)) · 255 for intensity, elevation (cloud-relative z) and
-    /// depth; classification and lod index it directly.
+    /// 256 colours; index = clamp((value - low) / (high - low)) · 255 for intensity, elevation
+    /// (cloud-relative z) and depth; classification and lod index it directly.
     std::array<Rgb8, 256> ramp{};
     double low = 0, high = 1;
 };
@@ -50,16 +50,16 @@ struct Drawing {
     ColorRule color;
     SampleFilter filter;
     Background background;
-    Window window;                                 ///< what to draw; the frame has its size
-    std::span<const glm::dvec2> jitter;            ///< one sub-pixel shift (px) per anti-aliasing frame; at least one
+    Window window;                       ///< what to draw; the frame has its size
+    std::span<const glm::dvec2> jitter;  ///< one sub-pixel shift (px) per anti-aliasing frame; at least one
 };
 
 struct DeviceInfo {
-    std::string name;      ///< "cpu", "egl", "osmesa"
+    std::string name;  ///< "cpu", "egl", "osmesa"
     std::string vendor, renderer, version;
-    bool hardware = false; ///< a real GPU
-    std::string identity;  ///< what pictures may depend on, for ETags: "cpu" or the driver
-    int eglDevice = -1;    ///< egl, as listed: what --egl-device calls it
+    bool hardware = false;  ///< a real GPU
+    std::string identity;   ///< what pictures may depend on, for ETags: "cpu" or the driver
+    int eglDevice = -1;     ///< egl, as listed: what --egl-device calls it
 };
 
 class Device {
@@ -67,8 +67,9 @@ class Device {
     virtual ~Device() = default;
     virtual DeviceInfo info() const = 0;
     /// Draws one picture: for each jitter all passes, then the integer mean of the frames (colour weighted by
-    /// coverage; depth is that of the first). Checks `stop` every few milliseconds: Cancelled leaves no trace.
-    /// Errors: Cancelled, ResourceLimit (picture or cut too large for the device), Unsupported, DeviceLost.
+    /// coverage; depth is that of the first). Checks `stop` every few milliseconds: Cancelled leaves no
+    /// trace. Errors: Cancelled, ResourceLimit (picture or cut too large for the device), Unsupported,
+    /// DeviceLost.
     virtual Expected<Frame> draw(const Drawing& drawing, std::stop_token stop) = 0;
 };
 

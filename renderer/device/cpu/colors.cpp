@@ -19,31 +19,10 @@ std::vector<std::uint32_t> normalColors() {
     return colors;
 }
 
-Coloring coloringOf(ColorSource source) {
-    switch (source) {
-        case ColorSource::Rgb:
-            return Coloring::Rgb;
-        case ColorSource::Intensity:
-            return Coloring::Intensity;
-        case ColorSource::Elevation:
-            return Coloring::Elevation;
-        case ColorSource::Classification:
-            return Coloring::Classification;
-        case ColorSource::Normal:
-            return Coloring::Normal;
-        case ColorSource::Depth:
-            return Coloring::Depth;
-        case ColorSource::Lod:
-        case ColorSource::Flat:
-            return Coloring::Constant;
-    }
-    return Coloring::Rgb;
-}
-
 }  // namespace
 
 void setColors(const ColorRule& rule, const SampleFilter& filter, ColorTables& tables, SplatPass& pass) {
-    pass.coloring = coloringOf(rule.source);
+    pass.coloring = splatColoring(rule.source);
     for (std::size_t i = 0; i < 256; ++i) tables.ramp[i] = packed(rule.ramp[i]);
     pass.ramp = tables.ramp.data();
     if (pass.coloring == Coloring::Normal && tables.normals.empty()) tables.normals = normalColors();

@@ -7,14 +7,9 @@
 
 #include "renderer/device/cpu/kernels/kernels.hpp"
 #include "renderer/device/device.hpp"
+#include "renderer/device/splat_plan.hpp"
 
 namespace scancast::cpu {
-
-/// r | g << 8 | b << 16.
-inline std::uint32_t packed(const Rgb8& c) {
-    return static_cast<std::uint32_t>(c[0]) | static_cast<std::uint32_t>(c[1]) << 8 |
-           static_cast<std::uint32_t>(c[2]) << 16;
-}
 
 /// Tables that a SplatPass points into; outlives the passes.
 struct ColorTables {

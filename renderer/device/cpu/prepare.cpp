@@ -5,29 +5,12 @@
 #include <cfloat>
 #include <cmath>
 
+#include "renderer/device/splat_plan.hpp"
+
 namespace scancast::cpu {
 namespace {
 
 static_assert(sizeof(Sample) == sizeof(SampleWords));
-
-/// Beyond this, floats of the kernels could overflow; nothing real is that large.
-constexpr double largestCoefficient = 1e24;
-constexpr float farthest = 1e30f;
-
-Shape shapeOf(Footprint footprint, Profile profile) {
-    const bool square = footprint != Footprint::Circle;
-    switch (profile) {
-        case Profile::Flat:
-            return square ? Shape::FlatSquare : Shape::FlatCircle;
-        case Profile::Paraboloid:
-            return square ? Shape::ParaboloidSquare : Shape::ParaboloidCircle;
-        case Profile::Cone:
-            return square ? Shape::ConeSquare : Shape::ConeCircle;
-        case Profile::Sphere:
-            return Shape::SphereCircle;  // not defined outside its circle (methods.md §3)
-    }
-    return Shape::FlatSquare;
-}
 
 /// View-space rows of a node: what its samples' integers are multiplied with, and the constant.
 struct ViewRows {
@@ -141,12 +124,12 @@ double cyclesPerSample(const SplatPass& pass, float largestPx) {
 
 SplatPass preparePass(const Viewpoint& viewpoint, const NearestPass& nearest) {
     SplatPass pass;
-    pass.shape = shapeOf(nearest.footprint, nearest.profile);
+    pass.shape = splatShape(nearest.footprint, nearest.profile);
     pass.perspective = viewpoint.projection == Projection::Perspective;
     pass.centerX = static_cast<float>(viewpoint.width * 0.5);
     pass.centerY = static_cast<float>(viewpoint.height * 0.5);
     pass.near = std::max(static_cast<float>(viewpoint.near), FLT_MIN);
-    pass.far = std::min(static_cast<float>(viewpoint.far), farthest);
+    pass.far = std::min(static_cast<float>(viewpoint.far), farthestDepth);
     // A size of nothing would divide by nothing; the centre's pixel is drawn anyway.
     const auto bounded = [](float px) { return px > 1e-3f ? std::min(px, 16384.0f) : 1e-3f; };
     if (nearest.footprint == Footprint::Pixel) {

@@ -5,53 +5,10 @@
 #include <cfloat>
 #include <cmath>
 
+#include "renderer/device/splat_plan.hpp"
+
 namespace scancast::gl {
 namespace {
-
-/// Beyond this, floats of the shaders could overflow; nothing real is that large.
-constexpr double largestCoefficient = 1e24;
-constexpr float farthest = 1e30f;
-
-std::uint32_t packed(const Rgb8& c) {
-    return static_cast<std::uint32_t>(c[0]) | static_cast<std::uint32_t>(c[1]) << 8 |
-           static_cast<std::uint32_t>(c[2]) << 16;
-}
-
-Shape shapeOf(Footprint footprint, Profile profile) {
-    const bool square = footprint != Footprint::Circle;
-    switch (profile) {
-        case Profile::Flat:
-            return square ? Shape::FlatSquare : Shape::FlatCircle;
-        case Profile::Paraboloid:
-            return square ? Shape::ParaboloidSquare : Shape::ParaboloidCircle;
-        case Profile::Cone:
-            return square ? Shape::ConeSquare : Shape::ConeCircle;
-        case Profile::Sphere:
-            return Shape::SphereCircle;  // not defined outside its circle (methods.md §3)
-    }
-    return Shape::FlatSquare;
-}
-
-Coloring coloringOf(ColorSource source) {
-    switch (source) {
-        case ColorSource::Rgb:
-            return Coloring::Rgb;
-        case ColorSource::Intensity:
-            return Coloring::Intensity;
-        case ColorSource::Elevation:
-            return Coloring::Elevation;
-        case ColorSource::Classification:
-            return Coloring::Classification;
-        case ColorSource::Normal:
-            return Coloring::Normal;
-        case ColorSource::Depth:
-            return Coloring::Depth;
-        case ColorSource::Lod:
-        case ColorSource::Flat:
-            return Coloring::PerRun;
-    }
-    return Coloring::Rgb;
-}
 
 struct PassNames {
     NearestPass nearest;
@@ -104,7 +61,7 @@ PassParams passParams(const Viewpoint& viewpoint, const NearestPass& nearest, co
     PassParams pass;
     pass.view = {static_cast<float>(viewpoint.width * 0.5), static_cast<float>(viewpoint.height * 0.5),
                  std::max(static_cast<float>(viewpoint.near), FLT_MIN),
-                 std::min(static_cast<float>(viewpoint.far), farthest)};
+                 std::min(static_cast<float>(viewpoint.far), farthestDepth)};
     pass.area = area;
     // A size of nothing would divide by nothing; the centre's pixel is drawn anyway.
     const auto bounded = [](float px) { return px > 1e-3f ? std::min(px, 16384.0f) : 1e-3f; };
@@ -303,8 +260,8 @@ Expected<DrawPlan> planDrawing(const Drawing& d, const GlLimits& limits) {
     plan.window = {d.window.x, d.window.y, d.window.width, d.window.height};
     plan.center = {d.viewpoint->width * 0.5, d.viewpoint->height * 0.5};
     plan.pass = passParams(*d.viewpoint, names->nearest, d.color, area);
-    plan.variant = {shapeOf(names->nearest.footprint, names->nearest.profile),
-                    coloringOf(d.color.source),
+    plan.variant = {splatShape(names->nearest.footprint, names->nearest.profile),
+                    splatColoring(d.color.source),
                     d.viewpoint->projection == Projection::Perspective,
                     plan.pass.size.y <= 1,
                     d.filter.classes.has_value(),

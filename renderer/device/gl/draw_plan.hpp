@@ -11,21 +11,14 @@
 #include "renderer/device/device.hpp"
 #include "renderer/device/gl/gl_layouts.hpp"
 #include "renderer/device/gl/shader_source.hpp"
+#include "renderer/device/splat_kind.hpp"
 
 namespace scancast::gl {
 
-/// What shaders are compiled for; the rest is parameters.
-enum class Shape : std::uint8_t {
-    FlatSquare,
-    FlatCircle,
-    ParaboloidSquare,
-    ParaboloidCircle,
-    ConeSquare,
-    ConeCircle,
-    SphereCircle,
-};
-enum class Coloring : std::uint8_t { Rgb, PerRun, Intensity, Elevation, Classification, Normal, Depth };
+using Shape = SplatShape;
+using Coloring = SplatColoring;
 
+/// What shaders are compiled for; the rest is parameters.
 struct NearestVariant {
     Shape shape = Shape::FlatSquare;
     Coloring coloring = Coloring::Rgb;

@@ -11,6 +11,8 @@
 
 #include <cstdint>
 
+#include "renderer/device/splat_kind.hpp"
+
 namespace scancast::cpu {
 
 /// Samples are read as four 32-bit words: x | y << 16, z | intensity << 16, rgb | class << 24, normal | ….
@@ -22,18 +24,8 @@ inline constexpr Key emptyKey = 0x7fffffffffffffff;
 /// Bits of +infinity; an order at or above it means "no splat here".
 inline constexpr std::int32_t infiniteOrder = 0x7f800000;
 
-/// What a splat looks like: footprint and profile together, as far as they are drawn differently.
-enum class Shape : std::uint8_t {
-    FlatSquare,
-    FlatCircle,
-    ParaboloidSquare,
-    ParaboloidCircle,
-    ConeSquare,
-    ConeCircle,
-    SphereCircle,
-};
-
-enum class Coloring : std::uint8_t { Rgb, Constant, Intensity, Elevation, Classification, Normal, Depth };
+using Shape = SplatShape;
+using Coloring = SplatColoring;
 
 /// Everything that holds for a whole `nearest` pass.
 struct SplatPass {
@@ -55,7 +47,7 @@ struct SplatPass {
 struct SplatRun {
     const SampleWords* samples = nullptr;
     std::uint32_t count = 0;
-    std::uint32_t color = 0;  ///< Coloring::Constant
+    std::uint32_t color = 0;  ///< Coloring::PerRun
     /// Rows times (x, y, z, 1) of a sample's integers: horizontal and vertical place, px (· d in
     /// perspective), and depth.
     float toPicture[3][4] = {};

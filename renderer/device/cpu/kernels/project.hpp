@@ -103,7 +103,7 @@ inline void colorize(const SplatPass& pass, const SplatRun& run, Block& b) {
         case Coloring::Rgb:
             for (int i = 0; i < b.padded; ++i) b.color[i] = words[2][i] & 0xffffff;
             return;
-        case Coloring::Constant:
+        case Coloring::PerRun:
             for (int i = 0; i < b.padded; ++i) b.color[i] = run.color;
             return;
         case Coloring::Intensity:

@@ -16,7 +16,7 @@ std::uint64_t cellsBelow(const BuildNode& node, int rung) {
     return n;
 }
 
-/// The cell size: the finest rung, not below any child's, that leaves at most two samples of five (and at
+/// The cell size: the finest rung, not below any child's, that leaves at most every second sample (and at
 /// most twice a full leaf), so that every level is markedly coarser than the one below it and nodes hold
 /// thousands of samples wherever the tree is deep. Steps must not be larger than that: what lies between two
 /// levels is drawn at the finer one, and a step of three costs a view of a town half as many samples again.
@@ -30,7 +30,7 @@ int chooseRung(const BuildNode& node, const InnerLattice& lattice, const OctreeI
         below += child->content.samples.size();
     }
     const std::uint64_t full = std::max(input.leafPoints, 16u);
-    const std::uint64_t most = std::min(full * 2, std::max(below * 2 / 5, full / 8));
+    const std::uint64_t most = std::min(full * 2, std::max(below / 2, full / 8));
     while (rung < gridBits && cellsBelow(node, rung) > most) ++rung;
     return rung;
 }

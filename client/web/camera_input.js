@@ -92,7 +92,7 @@ export class CameraInput {
   #down(event) {
     if (!this.#view.camera || this.#pointers.size >= 2) return;
     event.preventDefault(); // no text selection, no auto-scroll with the middle button
-    this.#element.focus({ preventScroll: true });
+    this.#element.focus({ preventScroll: true, focusVisible: false });
     this.#element.setPointerCapture(event.pointerId);
     const sideways = event.button === 2 || event.button === 1 || event.shiftKey;
     this.#pointers.set(event.pointerId, { ...this.#cursor(event), sideways });

@@ -57,6 +57,7 @@ class CpuDevice final : public Device {
         info.vendor = std::string("Scancast");
         info.renderer =
             std::string("x86-64-").append(level).append(", threads: ").append(std::to_string(threads_));
+        info.version = std::string("kernels 1");
         info.identity = info.name;
         return info;
     }

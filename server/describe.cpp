@@ -61,7 +61,7 @@ CloudInfo describe(const std::string& id, const Cloud& cloud) {
     for (const Mirror& mirror : cloud.mirrors) {
         info.mirrors.push_back({mirror.center, mirror.normal, mirror.up, mirror.width, mirror.height});
     }
-    info.bytesResident = cloud.octree.bytes();
+    info.bytesResident = cloud.octree.bytesResident();
     info.view = defaultView(cloud);
     return info;
 }

@@ -25,7 +25,16 @@ struct Mirror {
     Rgb8 tint{255, 255, 255};
 };
 
-struct Cloud {
+/// A kept column and the range of its values (scaled).
+struct KeptColumn {
+    Column column;
+    std::array<double, 2> range{0, 0};
+    bool operator==(const KeptColumn&) const = default;
+};
+
+/// Everything about a cloud but its octree: what `info` tells and what the cloud file keeps beside its
+/// blocks.
+struct CloudFacts {
     std::string title;   ///< for people; the file's name by default
     std::string format;  ///< where it came from: "LAS 1.2, point format 3"
     glm::dvec3 origin{0};
@@ -37,12 +46,19 @@ struct Cloud {
     std::array<std::uint64_t, 256> classCounts{};
     std::string crsWkt;
     std::optional<int> crsEpsg;
-    double spacing = 0;  ///< s0, typical distance of neighbouring points, cloud units
+    double spacing = 0;     ///< s0, typical distance of neighbouring points, cloud units
+    bool surfels = false;   ///< samples carry radius, ellipse and a normal
+    bool oriented = false;  ///< normals point to the side that was scanned; else their sign says nothing
+    std::vector<KeptColumn> columns;
     std::vector<Mirror> mirrors;
     std::string revision;  ///< hex digest of everything that pictures depend on
+};
+
+struct Cloud : CloudFacts {
     Octree octree;
 
-    /// Looks at the whole cloud from the south-east, 30° down. Z is up, but for models that plainly stand on y = 0.
+    /// Looks at the whole cloud from the south-east, 30° down. Z is up, but for models that plainly stand on
+    /// y = 0.
     Camera defaultCamera(double aspect) const;
 };
 

@@ -12,10 +12,12 @@
 
 #include <cstdint>
 #include <glm/vec3.hpp>
+#include <memory>
 #include <span>
 #include <vector>
 
 #include "renderer/cloud/sample.hpp"
+#include "renderer/cloud/sample_store.hpp"
 
 namespace scancast {
 
@@ -53,26 +55,30 @@ struct Node {
     bool isLeaf() const { return childCount == 0; }
 };
 
-/// Nodes in breadth-first order, root at 0. Same input → same nodes and samples, on any number of threads.
+/// Nodes in breadth-first order, root at 0, and the store that their samples are in. Same input → same nodes
+/// and samples, on any number of threads.
 class Octree {
   public:
     Octree() = default;
-    Octree(std::vector<Node> nodes, std::vector<Sample> samples)
-        : nodes_(std::move(nodes)), samples_(std::move(samples)) {}
+    /// Everything in memory, in the order of firstSample.
+    Octree(std::vector<Node> nodes, std::vector<Sample> samples);
+    /// Samples come from a store that knows these nodes by their index.
+    Octree(std::vector<Node> nodes, std::shared_ptr<SampleStore> store);
 
     std::span<const Node> nodes() const { return nodes_; }
     const Node& node(std::uint32_t index) const { return nodes_[index]; }
-    /// The node's samples. Everything is resident for now; with the residency room this becomes a pinned
-    /// block.
-    std::span<const Sample> run(const Node& n) const {
-        return std::span(samples_).subspan(n.firstSample, n.sampleCount);
-    }
-    std::uint64_t sampleCount() const { return samples_.size(); }
-    std::uint64_t bytes() const { return nodes_.size() * sizeof(Node) + samples_.size() * sizeof(Sample); }
+    /// The node's samples, loaded if need be and kept while the result lives. For tools and tests, which want
+    /// whole clouds; drawing goes through provide() (renderer/residency). Errors: the store's.
+    Expected<SampleRun> run(std::uint32_t index) const { return store_->load(index); }
+    SampleStore& store() const { return *store_; }
+    std::uint64_t sampleCount() const { return sampleCount_; }
+    /// Of the nodes and of what is in memory of the samples.
+    std::uint64_t bytesResident() const;
 
   private:
     std::vector<Node> nodes_;
-    std::vector<Sample> samples_;
+    std::shared_ptr<SampleStore> store_;
+    std::uint64_t sampleCount_ = 0;
 };
 
 /// Sample position, cloud-relative.

@@ -3,11 +3,14 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <glm/vec3.hpp>
 #include <limits>
 #include <optional>
+#include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "protocol/error.hpp"
@@ -23,6 +26,35 @@ struct Attributes {
     bool operator==(const Attributes&) const = default;
 };
 
+enum class ColumnType : std::uint8_t {
+    Int8,
+    Uint8,
+    Int16,
+    Uint16,
+    Int32,
+    Uint32,
+    Int64,
+    Uint64,
+    Float32,
+    Float64
+};
+/// 1, 2, 4 or 8.
+std::size_t bytesOf(ColumnType type);
+/// "int8" … "float64".
+std::string_view name(ColumnType type);
+
+/// What a scan knows of its points beyond the sample: GPS time, returns, a file's extra bytes. Kept beside
+/// the samples on request, never drawn. Value = offset + scale · stored number.
+struct Column {
+    std::string name;  ///< "gps_time", "return_number" …, or the file's own word
+    ColumnType type = ColumnType::Float64;
+    double scale = 1, offset = 0;
+    std::string description;  ///< for people; may be empty
+    bool operator==(const Column&) const = default;
+};
+/// Of one row: the columns packed one behind the other, little-endian, in the order given.
+std::size_t rowBytes(std::span<const Column> columns);
+
 /// What is known of a scan before its first point is read.
 struct ScanHeader {
     std::string format;                   ///< for people: "LAS 1.2, point format 3"
@@ -34,6 +66,8 @@ struct ScanHeader {
     std::optional<std::array<glm::dvec3, 2>> bounds;  ///< declared min, max; a hint, not to be trusted
     std::string crsWkt;                               ///< empty = unknown
     std::optional<int> crsEpsg;
+    std::vector<Column> columns;              ///< what `rows` holds; empty unless asked for (ImportOptions)
+    std::optional<glm::dvec3> scannerOrigin;  ///< file coordinates, where the file says it; orients normals
 };
 
 struct PointBatch {
@@ -42,6 +76,7 @@ struct PointBatch {
     std::vector<std::uint16_t> intensity;            ///< full range of the file, 0–65535
     std::vector<std::uint8_t> classification;        ///< ASPRS class
     std::vector<glm::vec3> normal;                   ///< unit length, or 0 where the scan has none
+    std::vector<std::byte> rows;                     ///< size() rows of rowBytes(header.columns)
 
     std::size_t size() const { return position.size(); }
     void clear() {
@@ -50,6 +85,7 @@ struct PointBatch {
         intensity.clear();
         classification.clear();
         normal.clear();
+        rows.clear();
     }
 };
 

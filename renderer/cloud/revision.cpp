@@ -75,10 +75,10 @@ std::string revisionOf(const Cloud& cloud) {
         add(m.height);
         for (const std::uint8_t c : m.tint) add(c);
     }
-    for (const Node& n : cloud.octree.nodes()) {
-        addNode(add, n);
-        const std::span<const Sample> run = cloud.octree.run(n);
-        add.bytes(run.data(), run.size_bytes());
+    for (std::uint32_t i = 0; i < cloud.octree.nodes().size(); ++i) {
+        addNode(add, cloud.octree.node(i));
+        const auto run = cloud.octree.store().find(i);
+        add.bytes(run->samples.data(), run->samples.size_bytes());
     }
     return add.hex();
 }

@@ -102,7 +102,9 @@ class Selection {
 
     void draw(std::uint32_t index) {
         const Node& n = octree_.node(index);
-        cut_.runs.push_back({.node = &n, .nodeIndex = index, .samples = octree_.run(n), .firstOrdinal = 0});
+        const auto run = octree_.store().find(index);
+        cut_.runs.push_back(
+            {.node = &n, .nodeIndex = index, .samples = run->samples, .firstOrdinal = 0});
         cut_.points += n.points;
         cut_.spacingReached = std::max(cut_.spacingReached, projected(n));
     }

@@ -17,9 +17,16 @@ inline std::shared_ptr<const Cloud> build(PointSource& source, std::uint32_t lea
     return cloud ? *cloud : nullptr;
 }
 
+/// Of a node of this octree.
+inline std::vector<Sample> samples(const Octree& octree, const Node& n) {
+    const auto run = octree.run(std::uint32_t(&n - octree.nodes().data()));
+    EXPECT_TRUE(run) << run.error().message;
+    return run ? std::vector<Sample>(run->samples.begin(), run->samples.end()) : std::vector<Sample>();
+}
+
 inline std::vector<glm::dvec3> positions(const Octree& octree, const Node& n) {
     std::vector<glm::dvec3> out;
-    for (const Sample& s : octree.run(n)) out.push_back(position(n, s));
+    for (const Sample& s : samples(octree, n)) out.push_back(position(n, s));
     return out;
 }
 

@@ -28,7 +28,7 @@ void gather(const Cloud& cloud, std::uint32_t index, std::vector<Gathered>& out)
         for (std::uint32_t c = 0; c < n.childCount; ++c) gather(cloud, n.firstChild + c, out);
         return;
     }
-    for (const Sample& s : cloud.octree.run(n)) {
+    for (const Sample& s : test::samples(cloud.octree, n)) {
         const glm::dvec3 p = (position(n, s) + cloud.origin - cloud.bounds[0]) / gridStep;
         out.push_back({{std::llround(p.x), std::llround(p.y), std::llround(p.z)}, s});
     }
@@ -91,7 +91,7 @@ TEST(Averages, AreTheMeansOfThePointsInTheirCells) {
         const Cells cells = intoCells(points, rung);
         ASSERT_EQ(cells.size(), n.sampleCount);
         EXPECT_GE(double(n.spacing), std::ldexp(gridStep, rung) * 0.999);
-        for (const Sample& s : cloud->octree.run(n)) {
+        for (const Sample& s : test::samples(cloud->octree, n)) {
             const glm::dvec3 p = (position(n, s) + cloud->origin - cloud->bounds[0]) / gridStep;
             // Rounding may carry a mean over its cell's border: look at the neighbours too.
             const glm::dvec3 tolerance = n.step / gridStep * 0.5 + 1e-3;
@@ -136,7 +136,7 @@ TEST(Averages, AFineCheckerboardTurnsGrey) {
     const Node& root = cloud->octree.node(0);
     ASSERT_FALSE(root.isLeaf());
     double sum = 0;
-    for (const Sample& s : cloud->octree.run(root)) {
+    for (const Sample& s : test::samples(cloud->octree, root)) {
         EXPECT_NEAR(s.r, 127.5, 0.5);  // cells of even sides: exactly half of the points are white
         sum += s.r;
     }
@@ -160,7 +160,7 @@ TEST(Averages, TwoSidesOfAThinWallStayTwoSamples) {
     const auto cloud = test::build(source, 1024);
     ASSERT_TRUE(cloud);
     for (const Node& n : cloud->octree.nodes())
-        for (const Sample& s : cloud->octree.run(n)) {
+        for (const Sample& s : test::samples(cloud->octree, n)) {
             const glm::vec3 normal = decodeNormal(s.normal);
             ASSERT_GT(std::abs(normal.y), 0.95);
             ASSERT_EQ(s.r, normal.y < 0 ? 255 : 0);

@@ -1,0 +1,40 @@
+// The cloud file (CLOUD_FILE.md): an octree on disk. Opens by its index alone, in milliseconds at any size;
+// blocks are read one by one, checked before they are decoded. Nothing is memory-mapped: a truncated file is
+// an error, not a signal. Pipeline: ingest → **cloud file** → residency.
+//
+// *Thread safety*: a CloudFile may be read from any number of threads.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "renderer/cloud/cloud.hpp"
+#include "renderer/cloud/file/block_place.hpp"
+
+namespace scancast {
+
+class CloudFile {
+  public:
+    /// Errors name the file, the offset and the reason: NotFound, Io, Unsupported (not a cloud file, another
+    /// version), Truncated, Malformed.
+    static Expected<std::shared_ptr<const CloudFile>> open(const std::filesystem::path& path);
+    virtual ~CloudFile() = default;
+
+    virtual const std::filesystem::path& path() const = 0;
+    virtual std::uint64_t bytes() const = 0;  ///< size on disk
+    virtual const CloudFacts& facts() const = 0;
+    virtual std::span<const StoredNode> nodes() const = 0;
+    /// One node's samples. Errors: Malformed or Truncated, naming node and place; Io.
+    virtual Expected<std::vector<Sample>> samples(std::uint32_t node) const = 0;
+    /// One node's rows of facts().columns, in the order of its samples; inner nodes and clouds without have
+    /// none.
+    virtual Expected<std::vector<std::byte>> rows(std::uint32_t node) const = 0;
+};
+
+/// Whether a file with these first bytes is (meant to be) a cloud file.
+bool isCloudFile(std::span<const std::byte> start);
+
+}  // namespace scancast

@@ -1,0 +1,34 @@
+// Writes a cloud file front to back, beside its final name: the name appears when everything is written and
+// safe on disk, or never. Pipeline: octree builder → **writer** → cloud file. Owned and used by one thread,
+// except where said.
+#pragma once
+
+#include <cstddef>
+#include <filesystem>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "renderer/cloud/cloud.hpp"
+#include "renderer/cloud/file/block_place.hpp"
+
+namespace scancast {
+
+class CloudFileWriter {
+  public:
+    /// Creates `<path>.partial`. What an earlier run left there is overwritten, unless that run still writes
+    /// (it holds a lock): InvalidArgument. Errors: Io, NotFound (no such folder).
+    static Expected<std::unique_ptr<CloudFileWriter>> create(const std::filesystem::path& path);
+    /// Removes the partial file unless finish() succeeded.
+    virtual ~CloudFileWriter() = default;
+
+    /// Errors: Io; ResourceLimit for a full disk, naming the place and the bytes.
+    virtual Expected<BlockPlace> append(std::span<const std::byte> block) = 0;
+    /// A block appended earlier, checked.
+    virtual Expected<std::vector<std::byte>> readBack(const BlockPlace& place) const = 0;
+    virtual std::uint64_t bytesWritten() const = 0;
+    /// Index, information, header; synced; renamed over `path`. Nodes in breadth-first order, root at 0.
+    virtual Expected<void> finish(const CloudFacts& facts, std::span<const StoredNode> nodes) = 0;
+};
+
+}  // namespace scancast

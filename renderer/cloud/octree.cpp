@@ -1,0 +1,32 @@
+#include "renderer/cloud/octree.hpp"
+
+namespace scancast {
+
+namespace {
+
+std::vector<std::uint64_t> firstOfRuns(const std::vector<Node>& nodes, std::uint64_t end) {
+    std::vector<std::uint64_t> first;
+    first.reserve(nodes.size() + 1);
+    for (const Node& n : nodes) first.push_back(n.firstSample);
+    first.push_back(end);
+    return first;
+}
+
+}  // namespace
+
+Octree::Octree(std::vector<Node> nodes, std::vector<Sample> samples)
+    : nodes_(std::move(nodes)), sampleCount_(samples.size()) {
+    auto first = firstOfRuns(nodes_, samples.size());
+    store_ = memoryStore(std::move(samples), std::move(first));
+}
+
+Octree::Octree(std::vector<Node> nodes, std::shared_ptr<SampleStore> store)
+    : nodes_(std::move(nodes)), store_(std::move(store)) {
+    for (const Node& n : nodes_) sampleCount_ += n.sampleCount;
+}
+
+std::uint64_t Octree::bytesResident() const {
+    return nodes_.size() * sizeof(Node) + (store_ ? store_->bytesResident() : 0);
+}
+
+}  // namespace scancast

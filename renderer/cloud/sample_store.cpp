@@ -1,0 +1,36 @@
+#include "renderer/cloud/sample_store.hpp"
+
+#include <limits>
+
+namespace scancast {
+
+namespace {
+
+class MemoryStore final : public SampleStore {
+  public:
+    MemoryStore(std::vector<Sample> samples, std::vector<std::uint64_t> first)
+        : samples_(std::move(samples)), first_(std::move(first)) {}
+
+    // Whoever asks holds the octree, and with it this store: nothing needs to be kept.
+    std::optional<SampleRun> find(std::uint32_t node) override { return run(node); }
+    Expected<SampleRun> load(std::uint32_t node, std::stop_token) override { return run(node); }
+    void request(std::vector<Wish>) override {}
+    std::uint64_t capacity() const override { return std::numeric_limits<std::uint64_t>::max(); }
+    std::uint64_t bytesResident() const override { return samples_.size() * sizeof(Sample); }
+
+  private:
+    SampleRun run(std::uint32_t node) const {
+        return {std::span(samples_).subspan(first_[node], first_[node + 1] - first_[node]), nullptr};
+    }
+
+    const std::vector<Sample> samples_;
+    const std::vector<std::uint64_t> first_;
+};
+
+}  // namespace
+
+std::shared_ptr<SampleStore> memoryStore(std::vector<Sample> samples, std::vector<std::uint64_t> first) {
+    return std::make_shared<MemoryStore>(std::move(samples), std::move(first));
+}
+
+}  // namespace scancast

@@ -1,0 +1,49 @@
+// Where an octree's samples are: all in memory, or in a cloud file of which blocks come and go
+// (renderer/residency). Pipeline: octree → **sample store** → cut → device.
+//
+// *Thread safety*: every function may be called from any thread.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <span>
+#include <stop_token>
+#include <vector>
+
+#include "protocol/error.hpp"
+#include "renderer/cloud/sample.hpp"
+
+namespace scancast {
+
+/// The samples of one node, in memory as long as this lives.
+struct SampleRun {
+    std::span<const Sample> samples;
+    std::shared_ptr<const void> keep;
+};
+
+/// A node whose samples somebody would like to have; larger = sooner.
+struct Wish {
+    std::uint32_t node = 0;
+    double urgency = 0;
+};
+
+class SampleStore {
+  public:
+    virtual ~SampleStore() = default;
+    /// What is in memory now; never waits. Marks it as used.
+    virtual std::optional<SampleRun> find(std::uint32_t node) = 0;
+    /// Loads it if need be, and waits for that. Errors: Malformed, Truncated, Io for a damaged block;
+    /// Cancelled.
+    virtual Expected<SampleRun> load(std::uint32_t node, std::stop_token stop = {}) = 0;
+    /// Loads these in the background, most urgent first; takes the place of all earlier wishes. Never waits.
+    virtual void request(std::vector<Wish> wishes) = 0;
+    /// Most samples that one picture may hold on to at once.
+    virtual std::uint64_t capacity() const = 0;
+    virtual std::uint64_t bytesResident() const = 0;
+};
+
+/// Everything in memory: run i is samples[first[i]] … samples[first[i + 1] - 1].
+std::shared_ptr<SampleStore> memoryStore(std::vector<Sample> samples, std::vector<std::uint64_t> first);
+
+}  // namespace scancast

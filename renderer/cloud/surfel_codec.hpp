@@ -1,0 +1,31 @@
+// A surfel in a sample's four bytes: octahedral normal, log radius, ellipse. Pure functions.
+//
+// logRadius counts steps of a fixed ratio around the node's spacing (error ≤ 1.2 %); ellipse holds b/a in 3
+// bits and the major axis' angle in 5 bits, in the tangent frame that tangentFrame() builds from the
+// *decoded* normal.
+#pragma once
+
+#include <glm/vec3.hpp>
+
+#include "renderer/cloud/sample.hpp"
+#include "renderer/cloud/surfels.hpp"
+
+namespace scancast {
+
+inline constexpr std::uint8_t noRadius = 0;         ///< not known: the node's spacing stands in
+inline constexpr std::uint8_t outlierRadius = 255;  ///< an outlier: not drawn by surfel methods
+/// The k-th neighbour's distance over the neighbours' average distance: how `major` follows from `radius`.
+inline constexpr float majorPerRadius = 1.5f;
+
+/// Right-handed, continuous but for one direction; the same arithmetic in every device.
+struct TangentFrame {
+    glm::vec3 first, second;
+};
+TangentFrame tangentFrame(glm::vec3 normal);
+
+/// Sets normal (unless the surfel has none), logRadius and ellipse; nothing else of the sample.
+void encodeSurfel(const Surfel& surfel, float nodeSpacing, Sample& sample);
+/// The normal stays what `sample` says, (0,0,0) where it has none.
+Surfel decodeSurfel(const Sample& sample, float nodeSpacing);
+
+}  // namespace scancast

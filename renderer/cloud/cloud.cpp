@@ -84,7 +84,7 @@ Expected<std::shared_ptr<const Cloud>> build(PointSource& source, const BuildOpt
                                      .grid = grid,
                                      .origin = cloud->origin,
                                      .attributes = header.attributes,
-                                     .leafPoints = options.leafPoints},
+                                     .leafPoints = options.shape.leafPoints},
                                     progress);
     });
     cloud->spacing = typicalSpacing(cloud->octree);

@@ -31,6 +31,7 @@ Node toNode(const BuildNode& from, const Node* parent, const Grid& grid) {
     node.radius = c.bounds.radius;
     node.spacing = settleSpacing(c.spacing, parent, &Node::spacing, grid);
     node.meanSpacing = std::min(node.spacing, settleSpacing(c.meanSpacing, parent, &Node::meanSpacing, grid));
+    node.radiusUnit = std::max(float(c.spacing), std::numeric_limits<float>::min());
     node.childCount = std::uint8_t(from.children.size());
     node.level = std::uint8_t(from.level);
     node.sampleCount = std::uint32_t(c.samples.size());

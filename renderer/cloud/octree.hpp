@@ -42,6 +42,8 @@ struct Node {
     /// √(surface per sample): the typical distance between neighbours, what τ is compared with; > 0, ≤
     /// spacing.
     float meanSpacing;
+    /// What logRadius counts from (surfel_codec.hpp): this node's own spacing, before its parent's bounded it; > 0.
+    float radiusUnit = 1;
     NormalCone cone;
     std::uint32_t parent = noNode;
     std::uint32_t firstChild =

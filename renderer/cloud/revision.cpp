@@ -42,6 +42,7 @@ void addNode(Digest& add, const Node& n) {
     add(n.radius);
     add(n.spacing);
     add(n.meanSpacing);
+    add(n.radiusUnit);
     for (int a = 0; a < 3; ++a) add(n.cone.axis[a]);
     add(n.cone.halfAngle);
     add(n.parent);

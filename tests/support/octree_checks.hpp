@@ -12,7 +12,7 @@ namespace scancast::test {
 
 inline std::shared_ptr<const Cloud> build(PointSource& source, std::uint32_t leafPoints = 512,
                                           int threads = 0) {
-    auto cloud = buildCloud(source, {.title = "test", .threads = threads, .leafPoints = leafPoints});
+    auto cloud = buildCloud(source, {.title = "test", .threads = threads, .shape = {.leafPoints = leafPoints}});
     EXPECT_TRUE(cloud) << cloud.error().message;
     return cloud ? *cloud : nullptr;
 }

@@ -15,6 +15,9 @@ struct ImportOptions {
     std::filesystem::path importerDirectory;
     std::uint64_t importerMemoryLimit = std::uint64_t(16) << 30;  ///< bytes of address space
     int importerTimeoutSeconds = 600;                             ///< without any new byte
+    /// Keep what does not fit the sample (GPS time, returns, extra bytes, spare text columns) as
+    /// ScanHeader::columns.
+    bool keepAttributes = false;
 };
 
 /// Errors name the file, the byte offset where there is one, and the reason: NotFound, Io, Unsupported (with

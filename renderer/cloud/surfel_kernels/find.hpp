@@ -1,0 +1,190 @@
+// Finding the nearest neighbours: for a group of queries that stand together by sharing their candidates, and
+// for a single one from the root of the boxes. Included by surfel_kernels.cpp only.
+#pragma once
+
+#include "renderer/cloud/surfel_kernels/surfel_kernels.hpp"
+
+namespace scancast::surfel {
+namespace {
+
+constexpr float infinity = __builtin_inff();
+
+struct Box {
+    float low[3], high[3];
+};
+
+/// Squared distances from a box to the eight of a block. Subtraction, square and sum round monotonically, so
+/// none is larger than the squared distance, as computed, between points inside.
+inline void distancesTo(const BoxBlock& block, const Box& box, float (&squared)[blockBoxes]) {
+    for (int i = 0; i < blockBoxes; ++i) {
+        float sum = 0;
+        for (int a = 0; a < 3; ++a) {
+            const float below = block.low[a][i] - box.high[a], above = box.low[a] - block.high[a][i];
+            float d = below > above ? below : above;
+            d = d > 0 ? d : 0;
+            sum += d * d;
+        }
+        squared[i] = sum;
+    }
+}
+
+struct Entry {
+    std::uint32_t block;
+    int level;
+};
+
+/// Calls visit(leaf) for each leaf within a squared distance of a box, until it returns false.
+template <class Visit>
+inline void leavesWithin(const IndexView& index, const Box& box, float limit, Visit&& visit) {
+    Entry stack[maxLevels * blockBoxes];
+    int top = 0;
+    stack[top++] = {0, index.levels - 1};
+    while (top > 0) {
+        const Entry e = stack[--top];
+        float squared[blockBoxes];
+        distancesTo(index.blocks[index.levelBegin[e.level] + e.block], box, squared);
+        unsigned hits = 0;
+        for (int i = 0; i < blockBoxes; ++i) hits |= unsigned(squared[i] <= limit) << i;
+        if (e.level > 0) {
+            for (; hits != 0; hits &= hits - 1)
+                stack[top++] = {e.block * blockBoxes + unsigned(__builtin_ctz(hits)), e.level - 1};
+        } else {
+            for (; hits != 0; hits &= hits - 1)
+                if (!visit(e.block * blockBoxes + unsigned(__builtin_ctz(hits)))) return;
+        }
+    }
+}
+
+/// Copies the points of all leaves near a box; -1 where there are too many. Padded with points at infinity.
+inline int gather(const IndexView& index, const Box& box, float limit, Workspace& w) {
+    int n = 0;
+    bool fits = true;
+    leavesWithin(index, box, limit, [&](std::uint32_t leaf) {
+        const std::uint32_t begin = index.leafBegin[leaf], end = index.leafBegin[leaf + 1];
+        fits = n + int(end - begin) <= capacity;
+        if (!fits) return false;
+        for (std::uint32_t i = begin; i < end; ++i, ++n) {
+            w.x[n] = index.x[i];
+            w.y[n] = index.y[i];
+            w.z[n] = index.z[i];
+        }
+        return true;
+    });
+    if (!fits) return -1;
+    for (int i = 0; i < 16; ++i) w.x[n + i] = w.y[n + i] = w.z[n + i] = infinity;
+    return n;
+}
+
+inline bool positionLess(float ax, float ay, float az, float bx, float by, float bz) {
+    if (ax != bx) return ax < bx;
+    if (ay != by) return ay < by;
+    return az < bz;
+}
+
+/// Equal distances go by position: so the order does not depend on the order of the points.
+inline void sortPicks(Workspace& w, int n) {
+    for (int i = 1; i < n; ++i) {
+        const int p = w.pick[i];
+        int j = i;
+        for (; j > 0; --j) {
+            const int q = w.pick[j - 1];
+            if (w.squared[q] < w.squared[p] || (w.squared[q] == w.squared[p] &&
+                                                positionLess(w.x[q], w.y[q], w.z[q], w.x[p], w.y[p], w.z[p])))
+                break;
+            w.pick[j] = q;
+        }
+        w.pick[j] = p;
+    }
+}
+
+/// Of n gathered points those within `limit` of a place, in order, into w.pick; how many.
+inline int rankWithin(Workspace& w, int n, const float (&at)[3], float limit) {
+    const int padded = (n + 15) & ~15;
+    for (int i = 0; i < padded; ++i) {
+        const float dx = w.x[i] - at[0], dy = w.y[i] - at[1], dz = w.z[i] - at[2];
+        w.squared[i] = dx * dx + dy * dy + dz * dz;
+    }
+    int m = 0;
+    for (int i = 0; i < padded; ++i) {
+        w.rank[m] = i;
+        w.near[m] = w.squared[i];
+        m += w.squared[i] <= limit;
+    }
+    for (int i = 0; i < 16; ++i) w.near[m + i] = infinity;
+    // A point's rank is how many are nearer. Where two are equally far, ranks repeat and their sum falls
+    // short.
+    int sum = 0;
+    for (int block = 0; block < m; block += 16) {
+        int rank[16] = {};
+        for (int j = 0; j < m; ++j)
+            for (int l = 0; l < 16; ++l) rank[l] += w.near[j] < w.near[block + l];
+        const int end = m - block < 16 ? m - block : 16;
+        for (int l = 0; l < end; ++l) {
+            w.pick[rank[l]] = w.rank[block + l];
+            sum += rank[l];
+        }
+    }
+    if (2 * sum != m * (m - 1)) {
+        for (int i = 0; i < m; ++i) w.pick[i] = w.rank[i];
+        sortPicks(w, m);
+    }
+    return m;
+}
+
+/// Keeps the nearest `wanted` in order in w.best.
+inline void offer(const IndexView& index, std::uint32_t p, float squared, int wanted, int& found,
+                  Workspace& w) {
+    const auto less = [&](int j) {
+        const std::uint32_t q = w.best[j];
+        return squared < w.bestSquared[j] ||
+               (squared == w.bestSquared[j] &&
+                positionLess(index.x[p], index.y[p], index.z[p], index.x[q], index.y[q], index.z[q]));
+    };
+    if (found == wanted && !less(found - 1)) return;
+    int j = found < wanted ? found++ : found - 1;
+    for (; j > 0 && less(j - 1); --j) {
+        w.best[j] = w.best[j - 1];
+        w.bestSquared[j] = w.bestSquared[j - 1];
+    }
+    w.best[j] = p;
+    w.bestSquared[j] = squared;
+}
+
+struct Descent {
+    std::uint32_t block;
+    int level;
+    float squared;
+};
+
+/// The nearest `wanted` points to a place, the point there included, from the root: exact whatever the
+/// distribution.
+inline int searchFromRoot(const IndexView& index, const float (&at)[3], int wanted, Workspace& w) {
+    const Box box{{at[0], at[1], at[2]}, {at[0], at[1], at[2]}};
+    Descent stack[maxLevels * blockBoxes];
+    int top = 0, found = 0;
+    stack[top++] = {0, index.levels - 1, 0};
+    while (top > 0) {
+        const Descent d = stack[--top];
+        if (found == wanted && d.squared > w.bestSquared[found - 1]) continue;
+        if (d.level < 0) {
+            for (std::uint32_t i = index.leafBegin[d.block]; i < index.leafBegin[d.block + 1]; ++i) {
+                const float dx = index.x[i] - at[0], dy = index.y[i] - at[1], dz = index.z[i] - at[2];
+                offer(index, i, dx * dx + dy * dy + dz * dz, wanted, found, w);
+            }
+            continue;
+        }
+        float squared[blockBoxes];
+        distancesTo(index.blocks[index.levelBegin[d.level] + d.block], box, squared);
+        const int first = top;
+        for (int i = 0; i < blockBoxes; ++i) {
+            if (!(squared[i] < infinity)) continue;
+            int j = top++;
+            for (; j > first && stack[j - 1].squared < squared[i]; --j) stack[j] = stack[j - 1];
+            stack[j] = {d.block * blockBoxes + unsigned(i), d.level - 1, squared[i]};
+        }
+    }
+    return found;
+}
+
+}  // namespace
+}  // namespace scancast::surfel

@@ -28,12 +28,11 @@ constexpr std::size_t errorTextBytes = 4096;
 constexpr int pipeBytes = 1 << 20;
 constexpr auto endGrace = 2s;  // between the end of its output and the end of the process
 
-// The address sanitizer reserves terabytes of address space at once: a limit would stop the importer at its
-// start.
+// The sanitizers reserve terabytes at once: a limit would stop the importer at its start.
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-constexpr bool limitsAddressSpace = false;
+constexpr bool limitsMemory = false;
 #else
-constexpr bool limitsAddressSpace = true;
+constexpr bool limitsMemory = true;
 #endif
 
 std::string systemReason(int error) {
@@ -84,7 +83,7 @@ struct SpawnArguments {
 };
 
 /// Spawning shares the parent's memory until exec: forking a server that holds gigabytes would copy its page
-/// tables and stall rendering. The price is that limits are set from outside, an instant after the start.
+/// tables and stall rendering.
 Expected<pid_t> spawn(std::vector<std::string> arguments, int output, int errors) {
     SpawnArguments spawn;
     ::posix_spawn_file_actions_addopen(&spawn.actions, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
@@ -111,15 +110,33 @@ Expected<pid_t> spawn(std::vector<std::string> arguments, int output, int errors
     return pid;
 }
 
-void limit(pid_t pid, __rlimit_resource what, std::uint64_t most) {
-    const rlimit bound{most, most};
-    ::prlimit(pid, what, &bound, nullptr);
-}
-
 /// The processor time allowed: far more than reading takes, so that only a program that runs in circles meets
 /// it.
 std::uint64_t processorSeconds(const ImportOptions& options) {
     return 60 + 12 * static_cast<std::uint64_t>(std::max(1, options.importerTimeoutSeconds));
+}
+
+/// The limits have to hold before the program's first instruction, and posix_spawn cannot set them: the shell
+/// does, and becomes the program. Its script is always the same text; numbers, program and file are its
+/// arguments, never part of it. A limit that cannot be set is one that is tighter already.
+constexpr const char* limitsThenProgram =
+    "{ ulimit -c 0; ulimit -t \"$1\"; [ -z \"$3\" ] || ulimit \"$2\" \"$3\"; } 2>/dev/null; "
+    "program=$4; shift 4; exec \"$program\" \"$@\"";
+constexpr int shellFoundNoProgram = 127;
+constexpr int shellCannotRunProgram = 126;
+
+std::vector<std::string> limitedCommand(const ImporterProgram& importer, const std::string& program,
+                                        const std::string& file, const ImportOptions& options) {
+    const bool limited = limitsMemory && options.importerMemoryLimit > 0;
+    return {"/bin/sh",
+            "-c",
+            limitsThenProgram,
+            "scancast",
+            std::to_string(processorSeconds(options)),
+            importer.memory == ImporterProgram::Memory::Data ? "-d" : "-v",
+            limited ? std::to_string(std::max<std::uint64_t>(1, options.importerMemoryLimit / 1024)) : "",
+            program,
+            file};
 }
 
 std::string lastLine(const std::string& text) {
@@ -130,9 +147,11 @@ std::string lastLine(const std::string& text) {
 
 }  // namespace
 
-Expected<std::unique_ptr<ImporterProcess>> ImporterProcess::start(const std::filesystem::path& program,
+Expected<std::unique_ptr<ImporterProcess>> ImporterProcess::start(const ImporterProgram& importer,
                                                                   const std::filesystem::path& file,
                                                                   const ImportOptions& options) {
+    const auto program = findImporter(importer.name, options);
+    if (!program) return tl::unexpected(program.error());
     auto output = makePipe();
     if (!output) return tl::unexpected(output.error());
     auto errors = makePipe();
@@ -144,12 +163,9 @@ Expected<std::unique_ptr<ImporterProcess>> ImporterProcess::start(const std::fil
     std::error_code ignored;
     // An absolute path can never be taken for an option.
     const auto path = std::filesystem::absolute(file, ignored);
-    const auto pid = spawn({program.string(), path.string()}, output->write.get(), errors->write.get());
+    const auto pid = spawn(limitedCommand(importer, program->string(), path.string(), options),
+                           output->write.get(), errors->write.get());
     if (!pid) return tl::unexpected(pid.error());
-    limit(*pid, RLIMIT_CORE, 0);
-    limit(*pid, RLIMIT_CPU, processorSeconds(options));
-    if (limitsAddressSpace && options.importerMemoryLimit > 0)
-        limit(*pid, RLIMIT_AS, options.importerMemoryLimit);
     return std::unique_ptr<ImporterProcess>(
         new ImporterProcess(*pid, std::move(output->read), std::move(errors->read),
                             std::chrono::seconds(std::max(1, options.importerTimeoutSeconds))));
@@ -243,6 +259,8 @@ std::optional<std::string> ImporterProcess::badEnd() {
     }
     if (WIFEXITED(status_) && WEXITSTATUS(status_) != 0) {
         const auto words = lastLine(errorText_);
+        if (WEXITSTATUS(status_) == shellFoundNoProgram || WEXITSTATUS(status_) == shellCannotRunProgram)
+            return "cannot be started" + (words.empty() ? "" : ": " + words);
         return "ended with exit status " + std::to_string(WEXITSTATUS(status_)) +
                (words.empty() ? "" : ": " + words);
     }

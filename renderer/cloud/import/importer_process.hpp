@@ -1,9 +1,10 @@
 // A running importer program, as a source of bytes: its standard output.
 // Pipeline: file → **importer process** → point stream → points. Owned and used by one thread.
 //
-// Never a shell: fixed argv. The process has its own group, limits on address space and processor time, no
-// core dumps, no descriptors but its three, and a small environment. It is killed and waited for when this
-// object goes.
+// The process has its own group, limits on memory and processor time that hold before it starts, no core
+// dumps, no descriptors but its three, and a small environment. A fixed shell script sets the limits and
+// becomes the program; nothing from outside is ever part of that script. The process is killed and waited for
+// when this object goes.
 #pragma once
 
 #include <sys/types.h>
@@ -20,10 +21,21 @@
 
 namespace scancast {
 
+/// A program that reads scans, and how it is limited.
+struct ImporterProgram {
+    /// What importerMemoryLimit bounds. Node.js reserves tens of gigabytes of addresses that it never
+    /// touches: there it can only be what is really written to.
+    enum class Memory : std::uint8_t { AddressSpace, Data };
+
+    std::string name;  ///< such as "scancast-import-pcl"
+    Memory memory = Memory::AddressSpace;
+};
+
 class ImporterProcess final : public ByteSource {
   public:
-    /// Starts `PROGRAM FILE`, with the file's absolute path. Errors: Importer when it cannot be started.
-    static Expected<std::unique_ptr<ImporterProcess>> start(const std::filesystem::path& program,
+    /// Starts `PROGRAM FILE`, with the file's absolute path. Errors: Importer when there is no such program;
+    /// one that the system refuses to run shows in badEnd().
+    static Expected<std::unique_ptr<ImporterProcess>> start(const ImporterProgram& importer,
                                                             const std::filesystem::path& file,
                                                             const ImportOptions& options);
     ~ImporterProcess() override;
@@ -34,8 +46,8 @@ class ImporterProcess final : public ByteSource {
     Expected<std::size_t> read(std::span<std::byte> into) override;
 
     /// After read() came to the end: how the program ended when that was not well - "crashed (signal 11,
-    /// Segmentation fault)", "ended with exit status 3: out of paper". nullopt for exit status 0. Waits a
-    /// moment for its end.
+    /// Segmentation fault)", "ended with exit status 3: out of paper", "cannot be started: …". nullopt for
+    /// exit status 0. Waits a moment for its end.
     std::optional<std::string> badEnd();
 
     pid_t pid() const { return pid_; }

@@ -23,18 +23,16 @@ class SharedBytes final : public ByteSource {
 
 }  // namespace
 
-Expected<std::unique_ptr<ImporterSource>> ImporterSource::create(const std::string& program,
+Expected<std::unique_ptr<ImporterSource>> ImporterSource::create(const ImporterProgram& program,
                                                                  const std::filesystem::path& file,
                                                                  std::uint64_t fileBytes,
                                                                  const ImportOptions& options) {
-    std::unique_ptr<ImporterSource> source(new ImporterSource(program, file.string()));
+    std::unique_ptr<ImporterSource> source(new ImporterSource(program.name, file.string()));
     const auto named = [&](Error error) {
         error.message = file.string() + ": " + error.message;
         return tl::unexpected(std::move(error));
     };
-    const auto path = findImporter(program, options);
-    if (!path) return named(path.error());
-    auto process = ImporterProcess::start(*path, file, options);
+    auto process = ImporterProcess::start(program, file, options);
     if (!process) return named(process.error());
     source->process_ = std::move(*process);
 
@@ -59,6 +57,9 @@ Error ImporterSource::explain(const Error& error, ImporterProcess& process) cons
     const auto where = " while reading " + name_;
     const auto sent = reader_ ? reader_->bytesRead()[0] : 0;
     if (const auto end = process.badEnd()) {
+        // A program that could not even start says nothing about the file.
+        if (sent == 0 && end->starts_with("cannot be started"))
+            return {error.code, name_ + ": " + program_ + " " + *end, {}};
         const auto after = sent > 0 ? " (after " + grouped(sent) + " bytes of points)" : "";
         return {error.code, program_ + " " + *end + where + after + ": the file is probably damaged", {}};
     }

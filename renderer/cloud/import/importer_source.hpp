@@ -13,9 +13,8 @@ namespace scancast {
 
 class ImporterSource final : public PointSource {
   public:
-    /// `program`: a name such as "scancast-import-pcl". `fileBytes`: the file's size, which bounds what it
-    /// can hold.
-    static Expected<std::unique_ptr<ImporterSource>> create(const std::string& program,
+    /// `fileBytes`: the file's size, which bounds what it can hold.
+    static Expected<std::unique_ptr<ImporterSource>> create(const ImporterProgram& program,
                                                             const std::filesystem::path& file,
                                                             std::uint64_t fileBytes,
                                                             const ImportOptions& options);

@@ -10,13 +10,15 @@
 #include "renderer/cloud/import/byte_source.hpp"
 #include "renderer/cloud/import/importer_source.hpp"
 #include "renderer/cloud/import/las_source.hpp"
+#include "renderer/cloud/import/ptx_source.hpp"
 #include "renderer/cloud/import/scan_format.hpp"
+#include "renderer/cloud/import/text_source.hpp"
 
 namespace scancast {
 
 namespace {
 
-constexpr const char* pclImporter = "scancast-import-pcl";
+const ImporterProgram pclImporter{.name = "scancast-import-pcl"};
 
 Expected<UniqueFd> openRegularFile(const std::string& name) {
     // O_NONBLOCK: opening a named pipe without a writer must not hang; for regular files it means nothing.
@@ -39,6 +41,20 @@ Expected<UniqueFd> openRegularFile(const std::string& name) {
     return fd;
 }
 
+/// ".PTS" and ".pts" say the same.
+std::string extensionOf(const std::filesystem::path& file) {
+    auto extension = file.extension().string();
+    for (char& c : extension)
+        if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
+    return extension;
+}
+
+template <class Source>
+Expected<std::unique_ptr<PointSource>> opened(Expected<std::unique_ptr<Source>> source) {
+    if (!source) return tl::unexpected(source.error());
+    return std::unique_ptr<PointSource>(std::move(*source));
+}
+
 }  // namespace
 
 Expected<std::unique_ptr<PointSource>> openScan(const std::filesystem::path& file,
@@ -53,7 +69,8 @@ Expected<std::unique_ptr<PointSource>> openScan(const std::filesystem::path& fil
     const auto got = (*bytes)->readAt(0, start);
     if (!got) return tl::unexpected(got.error());
     if (*got == 0) return fail(ErrorCode::Empty, name + " is an empty file (0 bytes)");
-    const auto identified = identifyScan(std::span(start).first(*got), file.extension().string());
+    const auto extension = extensionOf(file);
+    const auto identified = identifyScan(std::span(start).first(*got), extension);
     switch (identified.format) {
         case ScanFormat::Las: {
             auto source = LasSource::create(std::move(*bytes), name);
@@ -66,6 +83,12 @@ Expected<std::unique_ptr<PointSource>> openScan(const std::filesystem::path& fil
             if (!source) return tl::unexpected(source.error());
             return std::unique_ptr<PointSource>(std::move(*source));
         }
+        case ScanFormat::Text:
+            return opened(TextSource::create(
+                std::move(*bytes), name,
+                {.pts = extension == ".pts", .keepAttributes = options.keepAttributes}));
+        case ScanFormat::Ptx:
+            return opened(PtxSource::create(std::move(*bytes), name));
         case ScanFormat::Unknown:
             break;
     }

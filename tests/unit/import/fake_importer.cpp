@@ -1,5 +1,6 @@
 // An importer that misbehaves as the first word of its file says; for tests of the process runner.
 #include <signal.h>
+#include <sys/mman.h>
 #include <sys/resource.h>
 #include <unistd.h>
 
@@ -63,8 +64,6 @@ void inspect() {
     if (::getpgrp() != ::getpid()) _exit(12);
     char byte = 0;
     if (::read(STDIN_FILENO, &byte, 1) != 0) _exit(13);
-    // Limits are set from outside, an instant after the start.
-    ::usleep(100000);
     rlimit limit{};
     ::getrlimit(RLIMIT_CORE, &limit);
     if (limit.rlim_cur != 0) _exit(14);
@@ -79,6 +78,14 @@ void bigAllocation() {
     const std::vector<char> big(std::size_t(3) << 30);
     points(big.empty() ? 0 : 10);
     finish();
+}
+
+/// The same, never to be written to.
+void reserve() {
+    if (::mmap(nullptr, std::size_t(3) << 30, PROT_NONE, MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1,
+               0) == MAP_FAILED)
+        _exit(16);
+    good();
 }
 
 const std::map<std::string, std::function<void()>> behaviours{
@@ -161,6 +168,7 @@ const std::map<std::string, std::function<void()>> behaviours{
          (void)!writer.writeFailure({scancast::ErrorCode::Truncated, "it ends at byte 7", {}});
      }},
     {"allocate", bigAllocation},
+    {"reserve", reserve},
 };
 
 }  // namespace

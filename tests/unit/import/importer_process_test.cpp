@@ -20,7 +20,7 @@ class FakeImporter : public ::testing::Test {
   protected:
     Expected<std::unique_ptr<ImporterSource>> open(const std::string& behaviour) {
         file_ = folder_.write("scan of " + behaviour + ".pcd", behaviour);
-        return ImporterSource::create("fake-importer", file_, std::filesystem::file_size(file_), options_);
+        return ImporterSource::create(program_, file_, std::filesystem::file_size(file_), options_);
     }
 
     void expectError(const std::string& behaviour, ErrorCode code, const char* reason) {
@@ -40,6 +40,7 @@ class FakeImporter : public ::testing::Test {
 
     TemporaryFolder folder_;
     std::filesystem::path file_;
+    ImporterProgram program_{.name = "fake-importer"};
     ImportOptions options_{.importerDirectory = SCANCAST_FAKE_IMPORTERS, .importerTimeoutSeconds = 1};
 };
 
@@ -84,8 +85,7 @@ TEST_F(FakeImporter, ChildrenOfTheImporterEndWithIt) {
     pid_t group = 0;
     {
         const auto file = folder_.write("a", "child-hangs");
-        auto process = ImporterProcess::start(
-            std::filesystem::path(SCANCAST_FAKE_IMPORTERS) / "fake-importer", file, options_);
+        auto process = ImporterProcess::start(program_, file, options_);
         ASSERT_TRUE(process);
         group = (*process)->pid();
         std::array<std::byte, 136> header{};
@@ -139,6 +139,17 @@ TEST_F(FakeImporter, MemoryIsLimited) {
     options_.importerMemoryLimit = std::uint64_t(1) << 30;
     options_.importerTimeoutSeconds = 30;
     expectError("allocate", ErrorCode::Importer, "crashed (signal 6");
+    program_.memory = ImporterProgram::Memory::Data;
+    expectError("allocate", ErrorCode::Importer, "crashed (signal 6");
+    // What is only reserved is not written to: Node.js starts under this limit, not under that of addresses.
+    EXPECT_TRUE(summarizeOpened(open("reserve")));
+    program_.memory = ImporterProgram::Memory::AddressSpace;
+    expectError("reserve", ErrorCode::Importer, "ended with exit status 16");
+}
+
+TEST_F(FakeImporter, MemoryIsUnlimitedWhenToldSo) {
+    options_.importerMemoryLimit = 0;
+    EXPECT_TRUE(summarizeOpened(open("reserve")));
 }
 
 TEST_F(FakeImporter, MissingProgram) {
@@ -153,12 +164,31 @@ TEST_F(FakeImporter, ProgramThatCannotBeStarted) {
     expectError("good", ErrorCode::Importer, "cannot be started");
 }
 
+// A shell starts the program: nothing in a path may mean anything to it.
+TEST_F(FakeImporter, PathsAreNeverCommands) {
+    const std::string hostile = "$(touch broken) `touch broken`; touch broken & 'a' \"b\" * \\ \n-c";
+    const auto folder = folder_.path() / hostile;
+    std::filesystem::create_directory(folder);
+    std::filesystem::create_symlink(std::filesystem::path(SCANCAST_FAKE_IMPORTERS) / "fake-importer",
+                                    folder / hostile);
+    const auto before = std::filesystem::current_path();
+    std::filesystem::current_path(folder_.path());
+    options_.importerDirectory = folder;
+    program_.name = hostile;
+    const auto file = folder_.write(hostile + ".pcd", "good");
+    const auto scan = summarizeOpened(ImporterSource::create(program_, file, 4, options_));
+    std::filesystem::current_path(before);
+    ASSERT_TRUE(scan) << scan.error().message;
+    EXPECT_EQ(scan->points, 10U);
+    EXPECT_FALSE(std::filesystem::exists(folder_.path() / "broken"));
+}
+
 // A file name that looks like an option reaches the program as an absolute path.
 TEST_F(FakeImporter, FileNamesAreNotOptions) {
     const auto file = folder_.write("--help", "good");
     const auto before = std::filesystem::current_path();
     std::filesystem::current_path(folder_.path());
-    const auto scan = summarizeOpened(ImporterSource::create("fake-importer", "--help", 4, options_));
+    const auto scan = summarizeOpened(ImporterSource::create(program_, "--help", 4, options_));
     std::filesystem::current_path(before);
     EXPECT_TRUE(scan) << scan.error().message;
 }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <glm/geometric.hpp>
 
 #include "renderer/cloud/morton.hpp"
 
@@ -52,7 +53,7 @@ class Votes {
     std::vector<std::uint8_t> seen_;
 };
 
-void add(Average& sum, const BuildPoint& p, const Attributes& attributes, const std::vector<Vote>&,
+void add(Average& sum, const BuildPoint& p, int sign, const AverageRules& rules, const std::vector<Vote>&,
          Votes& votes) {
     for (int a = 0; a < 3; ++a) {
         sum.position[a] += p.axis(a);
@@ -60,27 +61,37 @@ void add(Average& sum, const BuildPoint& p, const Attributes& attributes, const 
     }
     sum.count += 1;
     sum.intensity += p.intensity;
-    if (attributes.normal) {
+    if (rules.attributes.normal) {
         const NormalSum n = normalOf(p);
-        for (int a = 0; a < 3; ++a) sum.normal[a] += n[a];
+        for (int a = 0; a < 3; ++a) sum.normal[a] += sign * n[a];
     }
-    if (attributes.classification) votes.add(p.classification, 1);
+    if (rules.attributes.classification) votes.add(p.classification, 1);
 }
 
-void add(Average& sum, const Average& other, const Attributes& attributes,
+void add(Average& sum, const Average& other, int sign, const AverageRules& rules,
          const std::vector<Vote>& otherVotes, Votes& votes) {
     for (int a = 0; a < 3; ++a) {
         sum.position[a] += other.position[a];
         sum.color[a] += other.color[a];
-        sum.normal[a] += other.normal[a];
+        sum.normal[a] += sign * other.normal[a];
     }
     sum.count += other.count;
     sum.intensity += other.intensity;
-    if (attributes.classification)
+    if (rules.attributes.classification)
         for (std::uint32_t i = 0; i < other.votes; ++i) {
             const Vote& v = otherVotes[other.firstVote + i];
             votes.add(v.classification, v.count);
         }
+}
+
+// How far the farthest position averaged into a thing is from a point; grid steps count from `from`.
+
+float reachFrom(const glm::dvec3& mean, const BuildPoint& p, const GridPosition& from, const glm::dvec3& step) {
+    const glm::dvec3 offset(double(p.axis(0) - from[0]), double(p.axis(1) - from[1]), double(p.axis(2) - from[2]));
+    return float(glm::length((offset - mean) * step));
+}
+float reachFrom(const glm::dvec3& mean, const Average& a, const GridPosition& from, const glm::dvec3& step) {
+    return float(glm::length((meanPosition(a, from) - mean) * step)) + a.reach;
 }
 
 /// The direction that all normals of a cell lie about when n and -n are the same: one step of the power
@@ -102,8 +113,10 @@ class SignFreeAxis {
     /// random.
     bool opposite(const NormalSum& s) const {
         const glm::dvec3 n{double(s[0]), double(s[1]), double(s[2])};
-        const double dot = n.x * axis_.x + n.y * axis_.y + n.z * axis_.z;
-        return dot < -0.1 * length_ * std::sqrt(n.x * n.x + n.y * n.y + n.z * n.z);
+        return glm::dot(n, axis_) < -0.1 * length_ * glm::length(n);
+    }
+    bool behind(const NormalSum& s) const {
+        return glm::dot(glm::dvec3(double(s[0]), double(s[1]), double(s[2])), axis_) < 0;
     }
 
   private:
@@ -124,51 +137,66 @@ const Average& at(const Average* a) {
 
 /// One run of things in one cell → one sample or two.
 template <class Things>
-void averageRun(Things run, const GridPosition& cell, const Attributes& attributes,
+void averageRun(Things run, const GridPosition& cell, const AverageRules& rules,
                 const std::vector<Vote>& theirVotes, AverageList& out) {
     thread_local std::array<Votes, 2> votes;
     std::array<Average, 2> sides;
     sides[0].cell = sides[1].cell = cell;
+    const bool looks = rules.attributes.normal && run.size() > 1;
     SignFreeAxis axis;
-    if (attributes.normal && run.size() > 1) {
+    if (looks) {
         for (const auto& thing : run) axis.add(normalOf(at(thing)));
         axis.finish();
     }
+    const auto sideOf = [&](const auto& thing) -> std::size_t {
+        return looks && rules.oriented && axis.opposite(normalOf(at(thing)));
+    };
     for (const auto& thing : run) {
-        const std::size_t side = attributes.normal && run.size() > 1 && axis.opposite(normalOf(at(thing)));
-        add(sides[side], at(thing), attributes, theirVotes, votes[side]);
+        const std::size_t side = sideOf(thing);
+        const int sign = looks && !rules.oriented && axis.behind(normalOf(at(thing))) ? -1 : 1;
+        add(sides[side], at(thing), sign, rules, theirVotes, votes[side]);
+    }
+    if (rules.reach) {
+        const GridPosition from{cell[0] << out.rung, cell[1] << out.rung, cell[2] << out.rung};
+        std::array<glm::dvec3, 2> mean;
+        for (std::size_t side = 0; side < 2; ++side)
+            if (sides[side].count > 0) mean[side] = meanPosition(sides[side], from);
+        for (const auto& thing : run) {
+            const std::size_t side = sideOf(thing);
+            sides[side].reach = std::max(sides[side].reach, reachFrom(mean[side], at(thing), from, rules.gridStep));
+        }
     }
     for (std::size_t side = 0; side < 2; ++side) {
         if (sides[side].count == 0) continue;
-        if (attributes.classification) votes[side].writeTo(sides[side], out.votes);
+        if (rules.attributes.classification) votes[side].writeTo(sides[side], out.votes);
         out.averages.push_back(sides[side]);
     }
 }
 
 template <class Things>
-void averageRuns(Things things, int ownRung, const Attributes& attributes,
+void averageRuns(Things things, int ownRung, const AverageRules& rules,
                  const std::vector<Vote>& theirVotes, AverageList& out) {
     for (std::size_t first = 0; first < things.size();) {
         const GridPosition cell = cellOf(at(things[first]), ownRung, out.rung);
         std::size_t last = first + 1;
         while (last < things.size() && cellOf(at(things[last]), ownRung, out.rung) == cell) ++last;
-        averageRun(things.subspan(first, last - first), cell, attributes, theirVotes, out);
+        averageRun(things.subspan(first, last - first), cell, rules, theirVotes, out);
         first = last;
     }
 }
 
 }  // namespace
 
-void appendCells(std::span<const BuildPoint> points, const Attributes& attributes, AverageList& list) {
-    averageRuns(points, 0, attributes, {}, list);
+void appendCells(std::span<const BuildPoint> points, const AverageRules& rules, AverageList& list) {
+    averageRuns(points, 0, rules, {}, list);
 }
 
-void appendCells(const AverageList& finer, const Attributes& attributes, AverageList& list) {
-    averageRuns(std::span(finer.averages), finer.rung, attributes, finer.votes, list);
+void appendCells(const AverageList& finer, const AverageRules& rules, AverageList& list) {
+    averageRuns(std::span(finer.averages), finer.rung, rules, finer.votes, list);
 }
 
 AverageList merge(const AverageList& runs, std::span<const std::size_t> starts,
-                  const Attributes& attributes) {
+                  const AverageRules& rules) {
     std::vector<const Average*> order(runs.averages.size());
     for (std::size_t i = 0; i < order.size(); ++i) order[i] = &runs.averages[i];
     const auto less = [](const Average* a, const Average* b) { return mortonLess(a->cell, b->cell); };
@@ -181,7 +209,7 @@ AverageList merge(const AverageList& runs, std::span<const std::size_t> starts,
 
     AverageList merged{.rung = runs.rung, .averages = {}, .votes = {}};
     merged.averages.reserve(order.size());
-    averageRuns(std::span(std::as_const(order)), runs.rung, attributes, runs.votes, merged);
+    averageRuns(std::span(std::as_const(order)), runs.rung, rules, runs.votes, merged);
     return merged;
 }
 

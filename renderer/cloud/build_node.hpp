@@ -2,32 +2,32 @@
 #pragma once
 
 #include <memory>
+#include <span>
+#include <vector>
 
 #include "renderer/cloud/average.hpp"
+#include "renderer/cloud/file/block_place.hpp"
 #include "renderer/cloud/leaf.hpp"
-#include "renderer/cloud/octree_builder.hpp"
-#include "renderer/cloud/progress_meter.hpp"
+#include "renderer/cloud/workspace.hpp"
 
 namespace scancast {
 
 struct BuildNode {
-    std::span<BuildPoint> points;  ///< everything below
+    std::span<BuildPoint> points;         ///< everything below, while its chunk is in memory
+    std::vector<BuildPoint> keptPoints;   ///< a leaf's, until its parent in another chunk has averaged them
+    std::uint64_t pointCount = 0;
     GridBox box;
     int level = 0;
     NodeContent content;
-    AverageList averages;  ///< of an inner node, until its parent has used it
+    AverageList averages;       ///< of an inner node, until its parent has used it
+    Workspace::Buffer setAside; ///< an inner node's samples and reaches, between averaging and finishing
+    StoredNode stored;          ///< what is known of it for the file
+    std::uint64_t sampleHash = 0;
+    BuildNode* parent = nullptr;
+    std::size_t finishedChildren = 0;
     std::vector<std::unique_ptr<BuildNode>> children;
 
     bool isLeaf() const { return children.empty(); }
 };
-
-/// Splits a node into leaves and finishes those.
-void grow(BuildNode& node, const OctreeInput& input, ProgressMeter& progress);
-
-/// Fills the inner nodes, children first.
-void fillInner(BuildNode& node, const OctreeInput& input, ProgressMeter& progress);
-
-/// Puts finished nodes side by side in breadth-first order; takes their samples.
-Octree flatten(BuildNode& root, const Grid& grid);
 
 }  // namespace scancast

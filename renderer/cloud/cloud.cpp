@@ -1,52 +1,20 @@
 #include "renderer/cloud/cloud.hpp"
 
 #include <spdlog/fmt/fmt.h>
-#include <tbb/task_arena.h>
 
 #include <algorithm>
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <new>
 #include <numbers>
+#include <thread>
 
-#include "renderer/cloud/octree_builder.hpp"
+#include "renderer/cloud/cloud_builder.hpp"
 #include "renderer/cloud/revision.hpp"
-#include "renderer/cloud/staging.hpp"
 
 namespace scancast {
 
 namespace {
-
-/// The minimum corner, rounded down to a power of ten not above the cloud's size: short to write, and exact.
-glm::dvec3 roundOrigin(const std::array<glm::dvec3, 2>& bounds) {
-    const glm::dvec3 size = bounds[1] - bounds[0];
-    const double largest = std::max({size.x, size.y, size.z});
-    const int digits = largest > 0 ? std::clamp(int(std::floor(std::log10(largest))), -6, 15) : 0;
-    const double unit = std::pow(10.0, std::abs(digits));
-    glm::dvec3 origin;
-    for (int a = 0; a < 3; ++a)
-        origin[a] =
-            digits >= 0 ? std::floor(bounds[0][a] / unit) * unit : std::floor(bounds[0][a] * unit) / unit;
-    return origin + 0.0;  // no -0
-}
-
-/// Median of the leaves' spacings, each leaf counting as many times as it has points.
-double typicalSpacing(const Octree& octree) {
-    std::vector<std::pair<float, std::uint64_t>> leaves;
-    std::uint64_t points = 0;
-    for (const Node& n : octree.nodes()) {
-        if (!n.isLeaf()) continue;
-        leaves.emplace_back(n.meanSpacing, n.points);
-        points += n.points;
-    }
-    std::sort(leaves.begin(), leaves.end());
-    std::uint64_t below = 0;
-    for (const auto& [spacing, count] : leaves) {
-        below += count;
-        if (2 * below >= points) return spacing;
-    }
-    return 0;
-}
 
 /// Models, unlike surveys, are mostly made with Y up, and set down on the plane y = 0 around the origin.
 bool standsOnXZ(const std::array<glm::dvec3, 2>& bounds) {
@@ -58,37 +26,21 @@ bool standsOnXZ(const std::array<glm::dvec3, 2>& bounds) {
 
 Expected<std::shared_ptr<const Cloud>> build(PointSource& source, const BuildOptions& options,
                                              const ProgressSink& progress) {
-    const ScanHeader header = source.header();
-    ProgressMeter reading(progress, "reading", header.points.value_or(0));
-    auto scan = stage(source, reading);
-    if (!scan) return tl::unexpected(scan.error());
-
+    Workspace workspace(Workspace::unlimited, {});
+    const int lanes = options.threads > 0 ? options.threads : int(std::thread::hardware_concurrency());
+    auto built = buildFrom(source, options.shape,
+                           {.workspace = workspace, .file = nullptr, .threads = options.threads, .lanes = lanes},
+                           progress, {});
+    if (!built) return tl::unexpected(built.error());
     auto cloud = std::make_shared<Cloud>();
+    static_cast<CloudFacts&>(*cloud) = std::move(built->facts);
     cloud->title = options.title;
-    cloud->format = header.format;
-    cloud->bounds = scan->bounds;
-    cloud->origin = roundOrigin(scan->bounds);
-    cloud->points = scan->points;
-    cloud->droppedPoints = scan->droppedPoints;
-    cloud->attributes = header.attributes;
-    cloud->intensityRange = scan->intensityRange;
-    cloud->classCounts = scan->classCounts;
-    cloud->crsWkt = header.crsWkt;
-    cloud->crsEpsg = header.crsEpsg;
-
-    tbb::task_arena arena(options.threads > 0 ? options.threads : tbb::task_arena::automatic);
-    arena.execute([&] {
-        const Grid grid = chooseGrid(*scan, header);
-        const auto points = unstage(*scan, header, grid);
-        cloud->octree = buildOctree({.points = std::span(points.get(), cloud->points),
-                                     .grid = grid,
-                                     .origin = cloud->origin,
-                                     .attributes = header.attributes,
-                                     .leafPoints = options.shape.leafPoints},
-                                    progress);
-    });
-    cloud->spacing = typicalSpacing(cloud->octree);
-    cloud->revision = revisionOf(*cloud);
+    cloud->mirrors = options.mirrors;
+    cloud->revision = revisionOf(*cloud, built->octree);
+    std::vector<Node> nodes;
+    nodes.reserve(built->octree.nodes.size());
+    for (const StoredNode& n : built->octree.nodes) nodes.push_back(n.node);
+    cloud->octree = Octree(std::move(nodes), std::move(built->octree.samples));
     return cloud;
 }
 

@@ -10,6 +10,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <stop_token>
 #include <string>
 #include <vector>
@@ -39,6 +40,12 @@ struct IngestReport {
 
 /// The least that memoryLimit may be.
 inline constexpr std::uint64_t leastIngestMemory = std::uint64_t(512) << 20;
+
+struct DiskNeeds {
+    std::uint64_t file = 0, scratch = 0;  ///< bytes, estimated from above
+};
+/// Nothing where the scan does not say how many points it has.
+std::optional<DiskNeeds> diskNeeds(const ScanHeader& header, const IngestOptions& options);
 
 /// Reads all sources, one after the other, into one cloud. Errors: the sources' own; Empty; InvalidArgument (limit too
 /// small, sources in different coordinate systems); ResourceLimit (disk too full: refused before reading where the

@@ -1,10 +1,8 @@
-#include <tbb/task_group.h>
-
 #include <algorithm>
 #include <glm/common.hpp>
 
-#include "renderer/cloud/build_node.hpp"
 #include "renderer/cloud/spacing.hpp"
+#include "renderer/cloud/subtree.hpp"
 
 namespace scancast {
 
@@ -29,24 +27,26 @@ int chooseRung(const BuildNode& node, const InnerLattice& lattice, const OctreeI
         rung = std::max(rung, child->content.rung);
         below += child->content.samples.size();
     }
-    const std::uint64_t full = std::max(input.leafPoints, 16u);
+    const std::uint64_t full = std::max(input.shape.leafPoints, 16u);
     const std::uint64_t most = std::min(full * 2, std::max(below / 2, full / 8));
     while (rung < gridBits && cellsBelow(node, rung) > most) ++rung;
     return rung;
 }
 
-AverageList averageChildren(BuildNode& node, int rung, const Attributes& attributes) {
+AverageList averageChildren(BuildNode& node, int rung, const AverageRules& rules) {
     AverageList runs{.rung = rung, .averages = {}, .votes = {}};
     std::vector<std::size_t> starts;
     for (auto& child : node.children) {
         starts.push_back(runs.averages.size());
         if (child->isLeaf())
-            appendCells(std::span<const BuildPoint>(child->points), attributes, runs);
+            appendCells(std::span<const BuildPoint>(child->points), rules, runs);
         else
-            appendCells(child->averages, attributes, runs);
+            appendCells(child->averages, rules, runs);
         child->averages = {};
+        child->points = {};
+        child->keptPoints = {};
     }
-    return merge(runs, starts, attributes);
+    return merge(runs, starts, rules);
 }
 
 void fillSamples(BuildNode& node, const InnerLattice& lattice, const OctreeInput& input) {
@@ -62,6 +62,7 @@ void fillSamples(BuildNode& node, const InnerLattice& lattice, const OctreeInput
         const auto q = lattice.quantise(boxLow + offset);
         s.x = q[0], s.y = q[1], s.z = q[2];
         node.content.samples.push_back(s);
+        if (input.shape.surfels) node.content.reaches.push_back(average.reach);
     }
     // Cells that are all filled are a cell apart; where the scan is sparse or oblique to them, the gaps
     // decide.
@@ -70,18 +71,27 @@ void fillSamples(BuildNode& node, const InnerLattice& lattice, const OctreeInput
     node.content.meanSpacing = spacing.mean > 0 ? spacing.mean : node.content.spacing;
 }
 
-void fill(BuildNode& node, const OctreeInput& input) {
+}  // namespace
+
+void fillInner(BuildNode& node, const OctreeInput& input) {
     std::vector<Bounds> below;
+    node.pointCount = 0;
     glm::dvec3 low(1e300), high(-1e300);
     for (const auto& child : node.children) {
         below.push_back(child->content.bounds);
+        node.box.add(child->box);
+        node.pointCount += child->pointCount;
         low = glm::min(low, child->content.bounds.low);
         high = glm::max(high, child->content.bounds.high);
     }
     const InnerLattice lattice = innerLattice(low, high, input.grid);
     NodeContent& content = node.content;
     content.rung = chooseRung(node, lattice, input);
-    node.averages = averageChildren(node, content.rung, input.attributes);
+    const AverageRules rules{.attributes = input.attributes,
+                             .oriented = input.oriented,
+                             .reach = input.shape.surfels,
+                             .gridStep = input.grid.step};
+    node.averages = averageChildren(node, content.rung, rules);
     content.corner = lattice.corner;
     content.step = lattice.step;
     fillSamples(node, lattice, input);
@@ -90,20 +100,6 @@ void fill(BuildNode& node, const OctreeInput& input) {
     for (std::size_t i = 1; i < list.size(); ++i)
         content.cells.addStep(list[i - 1].cell, list[i].cell, content.rung);
     content.bounds = boundsOf(content.samples, content.corner, content.step, below);
-}
-
-}  // namespace
-
-void fillInner(BuildNode& node, const OctreeInput& input, ProgressMeter& progress) {
-    if (node.isLeaf()) {
-        progress.add(node.points.size());
-        return;
-    }
-    tbb::task_group group;
-    for (auto& child : node.children)
-        group.run([&child, &input, &progress] { fillInner(*child, input, progress); });
-    group.wait();
-    fill(node, input);
 }
 
 }  // namespace scancast

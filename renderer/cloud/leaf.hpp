@@ -1,7 +1,10 @@
 // A leaf: the scan's own points in Morton order, quantised. Pipeline: splitter → **leaf** → averages.
 #pragma once
 
+#include <algorithm>
+#include <limits>
 #include <optional>
+#include <vector>
 
 #include "renderer/cloud/lattice.hpp"
 #include "renderer/cloud/morton.hpp"
@@ -17,7 +20,14 @@ struct NodeContent {
     int rung = 0;            ///< coarser nodes may merge samples in cells of 2^rung steps and larger
     CellCount cells;
     std::vector<Sample> samples;
+    std::vector<float> reaches;  ///< of an inner node's samples, with surfels: Average::reach
+    NormalCone cone;             ///< of the node's own samples
 };
+
+/// What a node's radii count from (Node::radiusUnit).
+inline float radiusUnit(double spacing) {
+    return std::max(float(spacing), std::numeric_limits<float>::min());
+}
 
 /// Sorts the points in place into an order that depends only on what they are, and makes a leaf of them.
 /// Nothing, when 16 bits an axis are too coarse for points this close together: the set has to be split

@@ -11,8 +11,9 @@ namespace scancast {
 
 class ProgressMeter {
   public:
-    ProgressMeter(const ProgressSink& sink, std::string_view stage, std::uint64_t total)
-        : sink_(sink), stage_(stage), total_(total) {}
+    ProgressMeter(const ProgressSink& sink, std::string_view stage, std::uint64_t total,
+                  std::string_view unit = "points")
+        : sink_(sink), stage_(stage), unit_(unit), total_(total) {}
 
     /// Thread-safe. Whoever finds the last report a quarter of a second old makes the next one.
     void add(std::uint64_t done) {
@@ -34,10 +35,10 @@ class ProgressMeter {
   private:
     using Clock = std::chrono::steady_clock;
 
-    void report(std::uint64_t done) { sink_(Progress{.stage = stage_, .done = done, .total = total_}); }
+    void report(std::uint64_t done) { sink_(Progress{.stage = stage_, .done = done, .total = total_, .unit = unit_}); }
 
     const ProgressSink& sink_;
-    std::string_view stage_;
+    std::string_view stage_, unit_;
     std::uint64_t total_;
     std::atomic<std::uint64_t> done_{0};
     std::atomic<Clock::rep> due_{0};

@@ -5,7 +5,6 @@
 
 #include <memory>
 #include <new>
-#include <span>
 
 namespace scancast {
 
@@ -56,7 +55,7 @@ void addNode(Digest& add, const Node& n) {
 
 }  // namespace
 
-std::string revisionOf(const Cloud& cloud) {
+std::string revisionOf(const CloudFacts& cloud, const BuiltOctree& octree) {
     Digest add;
     add(cloud.origin);
     add(cloud.bounds[0]);
@@ -76,10 +75,11 @@ std::string revisionOf(const Cloud& cloud) {
         add(m.height);
         for (const std::uint8_t c : m.tint) add(c);
     }
-    for (std::uint32_t i = 0; i < cloud.octree.nodes().size(); ++i) {
-        addNode(add, cloud.octree.node(i));
-        const auto run = cloud.octree.store().find(i);
-        add.bytes(run->samples.data(), run->samples.size_bytes());
+    add(cloud.surfels);
+    add(cloud.oriented);
+    for (std::size_t i = 0; i < octree.nodes.size(); ++i) {
+        addNode(add, octree.nodes[i].node);
+        add(octree.sampleHashes[i]);
     }
     return add.hex();
 }

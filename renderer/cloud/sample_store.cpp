@@ -14,7 +14,16 @@ class MemoryStore final : public SampleStore {
     // Whoever asks holds the octree, and with it this store: nothing needs to be kept.
     std::optional<SampleRun> find(std::uint32_t node) override { return run(node); }
     Expected<SampleRun> load(std::uint32_t node, std::stop_token) override { return run(node); }
-    void request(std::vector<Wish>) override {}
+    std::vector<Expected<SampleRun>> loadAll(std::span<const std::uint32_t> nodes,
+                                             std::stop_token) override {
+        std::vector<Expected<SampleRun>> runs;
+        runs.reserve(nodes.size());
+        for (const std::uint32_t node : nodes) runs.emplace_back(run(node));
+        return runs;
+    }
+    void request(std::uint64_t, std::vector<Wish>) override {}
+    bool whole() const override { return true; }
+    bool damaged(std::uint32_t) const override { return false; }
     std::uint64_t capacity() const override { return std::numeric_limits<std::uint64_t>::max(); }
     std::uint64_t bytesResident() const override { return samples_.size() * sizeof(Sample); }
 

@@ -36,8 +36,17 @@ class SampleStore {
     /// Loads it if need be, and waits for that. Errors: Malformed, Truncated, Io for a damaged block;
     /// Cancelled.
     virtual Expected<SampleRun> load(std::uint32_t node, std::stop_token stop = {}) = 0;
-    /// Loads these in the background, most urgent first; takes the place of all earlier wishes. Never waits.
-    virtual void request(std::vector<Wish> wishes) = 0;
+    /// Loads all of these, several at a time, and waits until every one has its answer, in the order asked for:
+    /// its samples or what load() would say. Once `stop` is requested, what is missing is Cancelled.
+    virtual std::vector<Expected<SampleRun>> loadAll(std::span<const std::uint32_t> nodes,
+                                                     std::stop_token stop = {}) = 0;
+    /// Loads these in the background, most urgent first; takes the place of all earlier wishes of the same
+    /// requester. Requesters take turns, whatever their urgencies. Never waits.
+    virtual void request(std::uint64_t requester, std::vector<Wish> wishes) = 0;
+    /// Everything is in memory and stays there.
+    virtual bool whole() const = 0;
+    /// It was tried, and its block cannot be read.
+    virtual bool damaged(std::uint32_t node) const = 0;
     /// Most samples that one picture may hold on to at once.
     virtual std::uint64_t capacity() const = 0;
     virtual std::uint64_t bytesResident() const = 0;

@@ -80,8 +80,8 @@ struct Shape {
 struct BuildOptions {
     std::string title;
     int threads = 0;  ///< 0 = all cores; the result does not depend on it
-    Shape shape;
-    std::vector<Mirror> mirrors;
+    Shape shape{};
+    std::vector<Mirror> mirrors{};
 };
 
 /// Reads a scan to its end and builds its octree in memory, in parallel. Takes ownership of nothing; `source`

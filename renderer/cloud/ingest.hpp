@@ -26,7 +26,7 @@ struct IngestOptions {
     std::string title;              ///< empty = the output's stem
     int threads = 0;                ///< 0 = all cores
     std::uint64_t memoryLimit = 0;  ///< bytes; 0 = half of the machine's memory
-    Shape shape;
+    Shape shape{};
     std::vector<Mirror> mirrors;
 };
 

@@ -54,10 +54,11 @@ void emitLane(const Run& run, const Neighbourhoods& n, int lane, int l, int m, c
     s.neighbours = m;
     s.reach2 = n.reach2[lane];
     for (int i = 0; i < 3; ++i) {
-        s.axis[i] = d.v[i][l];
-        s.normal[i] = straightLine ? 0 : d.v[6 + i][l];
+        s.axis[i] = d.axis[0][i][l];
+        s.normal[i] = straightLine ? 0 : d.axis[2][i][l];
     }
-    s.ratio = a.m[0][l] > 0 && a.m[1][l] > 0 ? a.m[1][l] / a.m[0][l] : 0;
+    const double longest = a.diagonal[0][l], across = a.diagonal[1][l];
+    s.ratio = longest > 0 && across > 0 ? across / longest : 0;
     s.radius = float(radius);
     run.emit(run.context, s);
 }
@@ -72,17 +73,19 @@ void flush(const Run& run, int level) {
     for (int first = 0; first < count; first += chunk) {
         Matrices a;
         Directions d;
-        Lanes radius;
         covariance(n, first, m, a);
         principal(a, d);
+        Lanes radius;
         averageDistance(n, first, m, radius);
+        const Lanes(&variance)[3] = a.diagonal;
         for (int l = 0; l < chunk && first + l < count; ++l) {
-            if (a.m[1][l] < lineRatio * a.m[0][l] && run.canDouble(level)) {
+            if (variance[1][l] < lineRatio * variance[0][l] && run.canDouble(level)) {
                 again[agains++] = n.point[first + l];
                 continue;
             }
             const double grain = roundingUnit * n.magnitude[first + l];
-            const bool isLine = !(a.m[1][l] > straight * a.m[0][l]) || a.m[1][l] <= 2 * grain * grain;
+            const bool isLine =
+                !(variance[1][l] > straight * variance[0][l]) || variance[1][l] <= 2 * grain * grain;
             emitLane(run, n, first + l, l, m, a, d, radius[l], isLine);
         }
     }

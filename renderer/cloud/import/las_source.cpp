@@ -32,7 +32,8 @@ LasSource::LasSource(std::unique_ptr<ByteSource> bytes, std::string name, LasHea
         alwaysFinite_ = alwaysFinite_ && std::isfinite(std::abs(las_.offset[i]) + 0x1p31 * las_.scale[i]);
 }
 
-Expected<std::unique_ptr<LasSource>> LasSource::create(std::unique_ptr<ByteSource> bytes, std::string name) {
+Expected<std::unique_ptr<LasSource>> LasSource::create(std::unique_ptr<ByteSource> bytes, std::string name,
+                                                       [[maybe_unused]] bool keepAttributes) {
     std::array<std::byte, lasHeaderBytes> start{};
     const auto got = readFully(*bytes, start);
     if (!got) return tl::unexpected(got.error());

@@ -18,8 +18,10 @@ namespace scancast {
 
 class LasSource final : public PointSource {
   public:
-    /// `bytes` stands at the start of the file; `name` is what messages call it.
-    static Expected<std::unique_ptr<LasSource>> create(std::unique_ptr<ByteSource> bytes, std::string name);
+    /// `bytes` stands at the start of the file; `name` is what messages call it. `keepAttributes`: fill
+    /// ScanHeader::columns and PointBatch::rows.
+    static Expected<std::unique_ptr<LasSource>> create(std::unique_ptr<ByteSource> bytes, std::string name,
+                                                       bool keepAttributes = false);
 
     const ScanHeader& header() const override { return scan_; }
     Expected<bool> read(PointBatch& batch) override;

@@ -4,6 +4,8 @@
 #include <array>
 #include <cstdio>
 
+#include "renderer/cloud/import/text_head.hpp"
+
 namespace scancast {
 
 namespace {
@@ -36,6 +38,9 @@ constexpr Signature known[] = {
      "a program"sv},
     {"glTF"sv, "a glTF model: convert it to PLY first"sv},
     {"<!DOCTYPE"sv, "a web page: the download did not yield the scan"sv},
+    {"OFF\n"sv, "an OFF mesh: convert it to PLY first"sv},
+    {"COFF\n"sv, "an OFF mesh: convert it to PLY first"sv},
+    {"solid "sv, "an STL mesh: convert it to PLY first"sv},
     {"<html"sv, "a web page: the download did not yield the scan"sv},
 };
 
@@ -75,11 +80,16 @@ bool isPly(std::string_view start) {
     return end != std::string_view::npos && (start[end] == '\n' || start[end] == '\r');
 }
 
-std::string textReason(std::string_view extension) {
+Identified identifyText(std::string_view start, std::string_view extension) {
     if (extension == ".pcd")
-        return "it is text without a PCD header (lines such as \"FIELDS x y z\" are missing)";
-    if (extension == ".ply") return "it is text without a PLY header (the first line is not \"ply\")";
-    return "it is text; text formats (XYZ, PTS, PTX, CSV) come with a later release";
+        return {ScanFormat::Unknown,
+                "it is text without a PCD header (lines such as \"FIELDS x y z\" are missing)"};
+    if (extension == ".ply")
+        return {ScanFormat::Unknown, "it is text without a PLY header (the first line is not \"ply\")"};
+    if (looksLikePtx(start)) return {ScanFormat::Ptx, {}};
+    if (looksLikePoints(start)) return {extension == ".ptx" ? ScanFormat::Ptx : ScanFormat::Text, {}};
+    return {ScanFormat::Unknown,
+            "it is text, but not of points (most of its first lines have no three numbers)"};
 }
 
 std::string firstBytes(std::string_view start) {
@@ -95,8 +105,8 @@ std::string firstBytes(std::string_view start) {
 }  // namespace
 
 std::string_view readableFormats() {
-    return "Scancast reads LAS 1.0-1.4 (uncompressed), PLY (ascii and binary) and PCD (ascii, binary and "
-           "binary_compressed)";
+    return "Scancast reads LAS 1.0-1.4 (uncompressed), PLY (ascii and binary), PCD (ascii, binary and "
+           "binary_compressed) and text (XYZ, TXT, CSV, PTS, PTX)";
 }
 
 Identified identifyScan(std::span<const std::byte> bytes, std::string_view extension) {
@@ -107,7 +117,7 @@ Identified identifyScan(std::span<const std::byte> bytes, std::string_view exten
         if (start.starts_with(signature.bytes))
             return {ScanFormat::Unknown, "it is " + std::string(signature.reason)};
     if (isPcd(start)) return {ScanFormat::Pcd, {}};
-    if (isText(start)) return {ScanFormat::Unknown, textReason(extension)};
+    if (isText(start)) return identifyText(start, extension);
     return {ScanFormat::Unknown, firstBytes(start)};
 }
 

@@ -13,7 +13,14 @@ namespace scancast {
 /// How many first bytes identifyScan() wants to see.
 inline constexpr std::size_t identifyBytes = 4096;
 
-enum class ScanFormat : std::uint8_t { Unknown, Las, Ply, Pcd };
+enum class ScanFormat : std::uint8_t {
+    Unknown,
+    Las,
+    Ply,
+    Pcd,
+    Text,  ///< lines of points: XYZ, TXT, CSV, PTS
+    Ptx
+};
 
 struct Identified {
     ScanFormat format = ScanFormat::Unknown;

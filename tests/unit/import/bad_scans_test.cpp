@@ -47,9 +47,7 @@ const BadScan badScans[] = {
     {"laz/Megaplot.laz", ErrorCode::Unsupported, "LAZ comes with a later release"},
     {"copc/1.2-with-color.copc.laz", ErrorCode::Unsupported, "LAZ comes with a later release"},
     {"bad/lfs-pointer.laz", ErrorCode::Unsupported, "a Git LFS pointer, not the scan itself"},
-    {"bad/badheader.txt", ErrorCode::Unsupported,
-     "text formats (XYZ, PTS, PTX, CSV) come with a later release"},
-    {"text/autzen.pts", ErrorCode::Unsupported, "Scancast reads LAS 1.0-1.4"},
+    {"bad/badheader.txt", ErrorCode::Malformed, "line 1: two columns are called \"X\""},
     {"bad/missingheader.pcd", ErrorCode::Unsupported, "text without a PCD header"},
     {"bad/no_vertex.ply", ErrorCode::Malformed, "declares no vertices"},
     {"bad/corrupt_crc.e57", ErrorCode::Unsupported, "E57 comes with a later release"},
@@ -128,14 +126,16 @@ TEST(NotAScan, UnreadableFile) {
 TEST(NotAScan, OtherThings) {
     const TemporaryFolder folder;
     using namespace std::string_literals;
-    for (const auto& [content, reason] : {std::pair("\x89PNG\r\n\x1a\n"s, "a PNG picture"),
-                                          {"\x1f\x8b\x08\x00"s, "gunzip"},
-                                          {"PK\x03\x04 "s, "a ZIP archive"},
-                                          {"<!DOCTYPE html>"s, "a web page"},
-                                          {"\x01\x02\x03"s, "starts with the bytes 01 02 03"},
-                                          {"ply"s, "Scancast reads"},
-                                          {"1 2 3\n4 5 6\n"s, "it is text"},
-                                          {std::string(5000, '\0'), "starts with the bytes 00 00 00 00"}})
+    for (const auto& [content, reason] :
+         {std::pair("\x89PNG\r\n\x1a\n"s, "a PNG picture"),
+          {"\x1f\x8b\x08\x00"s, "gunzip"},
+          {"PK\x03\x04 "s, "a ZIP archive"},
+          {"<!DOCTYPE html>"s, "a web page"},
+          {"\x01\x02\x03"s, "starts with the bytes 01 02 03"},
+          {"ply"s, "Scancast reads"},
+          {"{\n  \"points\": [1, 2, 3]\n}\n"s, "it is text, but not of points"},
+          {"Dear all,\n\nthe 3 scans of 2024 are 12 GB.\n"s, "Scancast reads"},
+          {std::string(5000, '\0'), "starts with the bytes 00 00 00 00"}})
         expectError(folder.write("scan.las", content), ErrorCode::Unsupported, reason);
 }
 

@@ -11,7 +11,7 @@ struct RealScan {
     const char* file;
     const char* format;
     std::uint64_t points;          ///< declared
-    std::uint64_t dropped;         ///< NaN
+    std::uint64_t dropped;         ///< NaN, and in PTX no echo
     const char* columns;           ///< c colour, i intensity, k classification, n normal
     const char* box;               ///< "size x y z; min x y z", rounded as printed
     std::array<int, 2> intensity;  ///< {-1, -1} = scaled, not compared
@@ -126,6 +126,29 @@ inline const RealScan realScans[] = {
      "83.400 x 74.880 x 28.700; min 674521.92 1206740.08 627.53", {103, 2687}, "2,3,4,5,6,11,14,31", 54272},
     {"las/warsaw_small.las", "LAS 1.2, point format 3", 3000, 0, "cik",
      "33.490 x 32.770 x 19.850; min 639913.26 485143.14 84.700", {67, 62657}, "0,2,3,4,5", 53760},
+    {"text/autzen.pts", "PTS: x y z intensity red green blue", 10, 0, "ci",
+     "23.560 x 376.40 x 84.220; min 636102.84 848968.80 427.92", {800, 42410}, "", 128},
+    {"text/bunny_8.pts", "PTS: x y z", 9, 0, "",
+     "0.101 x 0.039 x 0.035; min -0.068 0.113 0.002", {-1, -1}, "", -1},
+    {"text/kitten.xyz", "text: x y z nx ny nz", 5210, 0, "n",
+     "0.651 x 0.999 x 0.591; min -0.325 -0.500 -0.296", {-1, -1}, "", -1},
+    {"text/lion-110k.pts", "PTS: x y z intensity red green blue", 110000, 0, "ci",
+     "3.900 x 2.840 x 2.850; min -4.840 1.040 -3.450", {6417, 65535}, "", 255},
+    {"text/poste_france.xyz", "text: x y z", 9031, 0, "",
+     "165.08 x 167.45 x 116.32; min -91.106 -90.341 -38.543", {-1, -1}, "", -1},
+    {"text/radar.xyz", "text: x y z", 20950, 0, "",
+     "199.33 x 199.15 x 199.98; min -99.739 -99.996 -100.00", {-1, -1}, "", -1},
+    {"text/test.pts", "PTS: x y z intensity red green blue", 19, 0, "ci",
+     "29.031 x 22.527 x 1.991; min -25.050 -24.534 -2.001", {10418, 17812}, "", 97},
+    // SOURCES.md has these before the transform; after it, apart from this program: row vector times matrix.
+    {"text/1.2-with-color.ptx", "PTX: x y z intensity red green blue", 1065, 0, "ci",
+     "3362.70 x 4635.73 x 179.79; min 635619.85 848899.70 406.59", {0, 4064}, "", 249},
+    {"text/complex-transform.ptx", "PTX: x y z intensity red green blue", 12, 8, "ci",
+     "0.000048 x 0.005251 x 0.003046; min -3.034407 -3.173781 -1.825115", {32102, 32446}, "", 38},
+    {"text/multiple-and-transform.ptx", "PTX: x y z intensity", 8, 0, "i",
+     "312.860 x 115.650 x 21.000; min 636699.380 848991.010 425.390", {288, 2288}, "", -1},
+    {"text/no-color.ptx", "PTX: x y z intensity", 15, 0, "i",
+     "1217.000 x 399.770 x 37.790; min 635795.240 848991.010 408.600", {16, 3312}, "", -1},
 };
 // clang-format on
 

@@ -1,4 +1,4 @@
-// Every real LAS, PLY and PCD scan gives the number of points, bounds, columns and ranges that an independent
+// Every real scan gives the number of points, bounds, columns and ranges that an independent
 // program found in it (SOURCES.md, beside the scans): that program shares no code with these readers.
 #include <gmock/gmock.h>
 
@@ -52,7 +52,9 @@ TEST_P(RealScans, GiveWhatIsInThem) {
     ASSERT_TRUE(source) << source.error().message;
     const auto& header = (*source)->header();
     EXPECT_EQ(header.format, expected.format);
-    EXPECT_EQ(header.points, expected.points);
+    // A text does not say how many points it has: a count is that of one scan of several.
+    const bool text = std::string_view(expected.file).starts_with("text/");
+    EXPECT_EQ(header.points, text ? std::nullopt : std::optional(expected.points));
     const std::string columns = expected.columns;
     const auto has = [&](char c) { return columns.find(c) != std::string::npos; };
     EXPECT_EQ(header.attributes, (Attributes{has('c'), has('i'), has('k'), has('n')}));

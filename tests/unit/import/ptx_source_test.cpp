@@ -1,0 +1,105 @@
+// PTX written here. Oracle: the transform by hand.
+#include "renderer/cloud/import/ptx_source.hpp"
+
+#include <gmock/gmock.h>
+
+#include "tests/unit/import/text_scan.hpp"
+
+namespace scancast::test {
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+
+namespace {
+
+std::string head(int columns, int rows, const std::string& matrix = "1 0 0 0\n0 1 0 0\n0 0 1 0\n0 0 0 1\n") {
+    return std::to_string(columns) + "\n" + std::to_string(rows) + "\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n" + matrix;
+}
+
+// A quarter turn about z, then off to 500,000 4,000,000 100.
+const std::string turned = "0 1 0 0\n-1 0 0 0\n0 0 1 0\n500000 4000000 100 1\n";
+
+Expected<PointBatch> readPtx(const std::string& text, bool seekable = true) {
+    auto source = PtxSource::create(bytesOf(text, seekable), "a.ptx");
+    if (!source) return tl::unexpected(source.error());
+    return readAll(**source);
+}
+
+void expectError(const std::string& text, ErrorCode code, const char* reason) {
+    const auto scan = readPtx(text);
+    ASSERT_FALSE(scan) << text;
+    EXPECT_EQ(name(scan.error().code), name(code)) << scan.error().message;
+    EXPECT_THAT(scan.error().message, HasSubstr("a.ptx"));
+    EXPECT_THAT(scan.error().message, HasSubstr(reason));
+}
+
+}  // namespace
+
+// x turns to y: (1, 2, 3) becomes (-2, 1, 3) plus the translation, exact in doubles.
+TEST(PtxSource, TransformsInDoublePrecision) {
+    for (const bool seekable : {true, false}) {
+        auto source =
+            PtxSource::create(bytesOf(head(2, 1, turned) + "1 2 3 0.5\n0.001 0 0 1\n", seekable), "a.ptx");
+        ASSERT_TRUE(source) << source.error().message;
+        EXPECT_EQ((*source)->header().scannerOrigin, glm::dvec3(500000, 4000000, 100));
+        const auto points = readAll(**source);
+        ASSERT_TRUE(points) << points.error().message;
+        EXPECT_THAT(points->position,
+                    ElementsAre(glm::dvec3(499998, 4000001, 103), glm::dvec3(500000, 4000000.001, 100)));
+        EXPECT_THAT(points->intensity, ElementsAre(32768, 65535));
+        EXPECT_EQ((*source)->header().scannerOrigin, glm::dvec3(500000, 4000000, 100));
+    }
+}
+
+TEST(PtxSource, SeveralScansAndDirectionsWithoutEcho) {
+    auto source =
+        PtxSource::create(bytesOf(head(1, 3) + "0 0 0 0.5 0 0 0\n1 2 3 0.5 10 20 30\n0 0 0 0 0 0 0\n\n" +
+                                  head(0, 5) + head(1, 1, turned) + "0 0 1 0.25 1 2 3\n\n"),
+                          "a.ptx");
+    ASSERT_TRUE(source) << source.error().message;
+    const auto points = readAll(**source);
+    ASSERT_TRUE(points) << points.error().message;
+    EXPECT_THAT(points->position, ElementsAre(glm::dvec3(1, 2, 3), glm::dvec3(500000, 4000000, 101)));
+    EXPECT_EQ(points->color[0], (std::array<std::uint8_t, 3>{10, 20, 30}));
+    EXPECT_EQ((*source)->droppedPoints(), 2U);
+    EXPECT_EQ((*source)->header().scannerOrigin, std::nullopt) << "two scanners: no one place";
+}
+
+TEST(PtxSource, ColumnsOfAPoint) {
+    for (const auto& [row, attributes] :
+         {std::pair("1 2 3", Attributes{}),
+          {"1 2 3 0.5", Attributes{.intensity = true}},
+          {"1 2 3 9 8 7", Attributes{.color = true}},
+          {"1 2 3 0.5 9 8 7", Attributes{.color = true, .intensity = true}}}) {
+        auto source = PtxSource::create(bytesOf(head(1, 1) + row), "a.ptx");
+        ASSERT_TRUE(source) << source.error().message;
+        EXPECT_EQ((*source)->header().attributes, attributes);
+        EXPECT_TRUE(readAll(**source));
+    }
+    expectError(head(1, 1) + "1 2 3 4 5\n", ErrorCode::Malformed, "the first point has 5 columns");
+}
+
+TEST(PtxSource, WhatCannotBeUnderstood) {
+    expectError(head(2, 2) + "1 2 3\n4 5 6\n", ErrorCode::Truncated,
+                "line 12: the file ends: its scan 1 promises 4 points, there are 2");
+    expectError(head(2, 2), ErrorCode::Truncated, "promises 4 points, there are none");
+    expectError(head(1, 1) + "1 2 3\n4 5 6\n", ErrorCode::Malformed,
+                "line 12: \"4 5 6\" should be the number of columns");
+    expectError("1\n1\n0 0 0\n", ErrorCode::Truncated, "where the scanner's x axis of a scan should follow");
+    expectError("1\n-1\n0 0 0\n", ErrorCode::Malformed, "line 2: \"-1\" should be the number of rows");
+    expectError("4294967296\n1\n", ErrorCode::Malformed, "line 1");
+    expectError(head(1, 1, "1 0 0 0\n0 1 0 0\n0 0 1\n0 0 0 1\n") + "1 2 3\n", ErrorCode::Malformed,
+                "line 9: \"0 0 1\" should be a row of the matrix: 4 numbers");
+    expectError(head(1, 1, "1 0 0 0\n0 1 0 0\n0 0 1 7\n0 0 0 1\n") + "1 2 3\n", ErrorCode::Malformed,
+                "line 9: the fourth number of the matrix's row 3 must be 0");
+    expectError(head(1, 1, "1 0 0 0\n0 1 0 0\n0 1 0 0\n0 0 0 1\n") + "1 2 3\n", ErrorCode::Malformed,
+                "flattens all points");
+    expectError(head(1, 1, "1 0 0 0\n0 nan 0 0\n0 1 0 0\n0 0 0 1\n") + "1 2 3\n", ErrorCode::Malformed,
+                "line 8");
+    expectError(head(1, 2) + "0 0 0\n0 0 0\n", ErrorCode::Empty, "none of the 2 directions");
+    expectError(head(1, 2) + "1 2 3 0.5\n1 2 3\n", ErrorCode::Malformed,
+                "line 12: there are 3 columns, but 4");
+    expectError(head(1, 1) + "1 2 x\n", ErrorCode::Malformed, "line 11: column 3: \"x\" is not a number");
+}
+
+}  // namespace scancast::test

@@ -1,10 +1,12 @@
 #include "renderer/render.hpp"
 
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <limits>
 
 #include "renderer/method/method.hpp"
+#include "renderer/residency/provide.hpp"
 #include "renderer/style.hpp"
 
 namespace scancast {
@@ -71,6 +73,21 @@ int screenMargin(const PassList& passes) {
     return margin;
 }
 
+/// nullopt = as many as there are.
+std::optional<std::uint64_t> mostSamples(const Cloud& cloud) {
+    if (cloud.octree.nodes().empty() || cloud.octree.store().whole()) return std::nullopt;
+    return cloud.octree.store().capacity();
+}
+
+Expected<void> checkBruteForce(const Cloud& cloud) {
+    const auto most = mostSamples(cloud);
+    if (!most || cloud.points <= *most) return {};
+    return fail(ErrorCode::ResourceLimit, "every point of this cloud does not fit the memory limit: it has " +
+                                              std::to_string(cloud.points) + ", and " +
+                                              std::to_string(*most) +
+                                              " fit; raise the limit, or draw without --brute-force");
+}
+
 Expected<Plan> plan(const Cloud& cloud, const View& view) {
     const Method* method = findMethod(view.style.method);
     if (!method) {
@@ -94,6 +111,10 @@ Expected<Plan> plan(const Cloud& cloud, const View& view) {
     Plan plan{method->passes(*method, *parameters, shading), *viewpoint, *color, {}, 0};
     plan.selection.detail = view.quality.detail.value_or(method->defaultDetail);
     plan.selection.budget = view.quality.budget;
+    // A picture holds on to its samples while it is drawn: no more of them than the memory limit allows.
+    if (const auto most = mostSamples(cloud);
+        most && (!plan.selection.budget || *plan.selection.budget > *most))
+        plan.selection.budget = most;
     growBySplats(plan.passes, plan.selection);
     plan.margin = screenMargin(plan.passes);
     return plan;
@@ -148,7 +169,24 @@ Expected<Frame> drawTiles(Device& device, Drawing drawing, int margin, const std
     return picture;
 }
 
+/// The runs that a picture from `camera` would draw; none where no such picture can be made.
+Cut cutFrom(const Cloud& cloud, View view, const Camera& camera, const SelectOptions& selection) {
+    view.camera = camera;
+    const auto viewpoint = Viewpoint::create(view, cloud.origin, cloud.bounds);
+    return viewpoint ? select(cloud.octree, *viewpoint, selection) : Cut();
+}
+
 }  // namespace
+
+struct PreparedView {
+    Plan plan;
+    Cut cut;
+    SampleFilter filter;
+    Background background;
+    std::string method;
+    int samples = 1;
+    double selectMs = 0, provideMs = 0;
+};
 
 View defaultView(const Cloud& cloud, int width, int height) {
     View view;
@@ -164,38 +202,76 @@ Expected<void> checkView(const Cloud& cloud, const View& view) {
     return {};
 }
 
-Expected<Frame> render(Device& device, const Cloud& cloud, const View& view, const RenderOptions& options,
-                       std::stop_token stop) {
+Expected<std::shared_ptr<const PreparedView>> prepare(const Cloud& cloud, const View& view,
+                                                      const RenderOptions& options, std::stop_token stop) {
     auto planned = plan(cloud, view);
     if (!planned) return tl::unexpected(planned.error());
-
-    const auto start = Clock::now();
+    if (options.bruteForce) {
+        if (auto fits = checkBruteForce(cloud); !fits) return tl::unexpected(fits.error());
+    }
+    auto prepared = std::make_shared<PreparedView>();
+    auto start = Clock::now();
     planned->selection.bruteForce = options.bruteForce;
-    const Cut cut = select(cloud.octree, planned->viewpoint, planned->selection);
-    const double selectMs = millisecondsSince(start);
+    Cut wanted = select(cloud.octree, planned->viewpoint, planned->selection);
+    Cut soon;
+    if (options.ahead && !options.wait && mostSamples(cloud))
+        soon = cutFrom(cloud, view, *options.ahead, planned->selection);
+    prepared->selectMs = millisecondsSince(start);
 
-    const auto jitter = jitterSequence(view.quality.samples.value_or(defaultSamples));
+    start = Clock::now();
+    auto cut = provide(cloud.octree, std::move(wanted),
+                       {.wait = options.wait, .requester = options.requester, .ahead = soon.runs}, stop);
+    if (!cut) return tl::unexpected(cut.error());
+    prepared->provideMs = millisecondsSince(start);
+    prepared->cut = std::move(*cut);
+    prepared->plan = std::move(*planned);
+    prepared->filter = sampleFilter(cloud, view.style);
+    prepared->background = view.style.background;
+    prepared->method = view.style.method;
+    prepared->samples = view.quality.samples.value_or(defaultSamples);
+    return prepared;
+}
+
+std::uint64_t samplesMissing(const PreparedView& prepared) {
+    return prepared.cut.samplesMissing;
+}
+
+Expected<Frame> draw(Device& device, const PreparedView& prepared, std::stop_token stop) {
+    const Cut& cut = prepared.cut;
+    const auto jitter = jitterSequence(prepared.samples);
     Drawing drawing;
-    drawing.viewpoint = &planned->viewpoint;
+    drawing.viewpoint = &prepared.plan.viewpoint;
     drawing.cut = &cut;
-    drawing.passes = planned->passes;
-    drawing.color = planned->color;
-    drawing.filter = sampleFilter(cloud, view.style);
-    drawing.background = view.style.background;
+    drawing.passes = prepared.plan.passes;
+    drawing.color = prepared.plan.color;
+    drawing.filter = prepared.filter;
+    drawing.background = prepared.background;
     drawing.jitter = jitter;
-    auto frame = drawTiles(device, drawing, planned->margin, stop);
+    auto frame = drawTiles(device, drawing, prepared.plan.margin, stop);
     if (!frame) return frame;
 
     FrameStats& stats = frame->stats;
-    stats.stages.insert(stats.stages.begin(), {"select", selectMs});
+    const std::array<StageTime, 2> before{StageTime{"select", prepared.selectMs},
+                                          StageTime{"provide", prepared.provideMs}};
+    stats.stages.insert(stats.stages.begin(), before.begin(), before.end());
     stats.samplesDrawn = cut.samples;
     stats.pointsShown = cut.points;
     stats.nodesVisited = cut.nodesVisited;
     stats.nodesCulled = cut.nodesCulled;
     stats.spacingReached = cut.spacingReached;
-    stats.method = view.style.method;
+    stats.nodesMissing = cut.nodesMissing;
+    stats.samplesMissing = cut.samplesMissing;
+    stats.nodesDamaged = cut.nodesDamaged;
+    stats.method = prepared.method;
     stats.device = device.info().name;
     return frame;
+}
+
+Expected<Frame> render(Device& device, const Cloud& cloud, const View& view, const RenderOptions& options,
+                       std::stop_token stop) {
+    const auto prepared = prepare(cloud, view, options, stop);
+    if (!prepared) return tl::unexpected(prepared.error());
+    return draw(device, **prepared, std::move(stop));
 }
 
 }  // namespace scancast

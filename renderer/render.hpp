@@ -1,10 +1,13 @@
 // From a view to a frame: the renderer's front door. Chooses the cut, lists the method's passes, hands them
 // to the device, tile by tile where the picture is larger than a screen.
 //
-// Reads like the pipeline: check → viewpoint → select → passes → draw. Called on the device's thread.
+// Reads like the pipeline: check → viewpoint → select → provide → passes → draw. What touches a device is
+// called on the device's thread.
 #pragma once
 
+#include <cstdint>
 #include <memory>
+#include <optional>
 #include <stop_token>
 
 #include "renderer/cloud/cloud.hpp"
@@ -14,6 +17,12 @@ namespace scancast {
 
 struct RenderOptions {
     bool bruteForce = false;  ///< every leaf sample, no selection, no culling
+    /// Blocks of a cloud file that are not in memory are waited for; else ancestors are drawn for them, and
+    /// they are requested.
+    bool wait = true;
+    std::uint64_t requester = 0;  ///< on whose behalf (renderer/residency/provide.hpp)
+    std::optional<Camera>
+        ahead;  ///< where the camera will be soon; its blocks are requested, too; without wait
 };
 
 /// Where a client starts: the cloud's default camera, coloured by the best attribute that the cloud has.
@@ -24,9 +33,24 @@ View defaultView(const Cloud& cloud, int width = 1280, int height = 720);
 /// Unsupported when the cloud lacks what the style needs.
 Expected<void> checkView(const Cloud& cloud, const View& view);
 
+/// A view of a cloud with everything decided, and the samples that it draws in memory: they stay there as
+/// long as this lives. The cloud must outlive it. Immutable.
+struct PreparedView;
+
+/// The part of render() that needs no device. From any thread; with options.wait it may take as long as
+/// loading does. Errors: those of checkView(); Cancelled; ResourceLimit when brute force would exceed the
+/// memory limit.
+Expected<std::shared_ptr<const PreparedView>> prepare(const Cloud& cloud, const View& view,
+                                                      const RenderOptions& options = {},
+                                                      std::stop_token stop = {});
+/// Drawn by ancestors, for now: 0 after waiting.
+std::uint64_t samplesMissing(const PreparedView& prepared);
+/// The rest of render(). Errors: the device's.
+Expected<Frame> draw(Device& device, const PreparedView& prepared, std::stop_token stop = {});
+
 /// Draws the view at the quality it names (nullopt in `quality` = full: method's own τ, no budget, 4
-/// samples). The same cloud, view and device give the same bytes, always. Errors: those of checkView() and of
-/// the device.
+/// samples). With wait, the same cloud, view, device and memory limit give the same bytes, always. Errors:
+/// those of checkView() and of the device.
 Expected<Frame> render(Device& device, const Cloud& cloud, const View& view,
                        const RenderOptions& options = {}, std::stop_token stop = {});
 

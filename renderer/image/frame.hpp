@@ -18,6 +18,9 @@ struct FrameStats {
     std::uint64_t pointsShown = 0;      ///< scan points that they stand for
     std::uint32_t nodesVisited = 0, nodesCulled = 0;
     double spacingReached = 0;          ///< px
+    std::uint32_t nodesMissing = 0;     ///< drawn by ancestors, because their blocks were not in memory
+    std::uint64_t samplesMissing = 0;   ///< in those
+    std::uint32_t nodesDamaged = 0;     ///< drawn by ancestors, because their blocks cannot be read
     std::string method, device;
     /// Adds to the stage of that name, or appends it.
     void add(std::string_view stage, double milliseconds);

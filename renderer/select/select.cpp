@@ -6,6 +6,7 @@
 #include <glm/geometric.hpp>
 #include <glm/mat4x4.hpp>
 #include <limits>
+#include <numbers>
 #include <queue>
 
 namespace scancast {
@@ -63,6 +64,26 @@ class GrownFrustum {
 // Half a pixel of anti-aliasing jitter, and half for the pixel that holds the splat's centre.
 constexpr double alwaysGrowPx = 1;
 
+/// Whether every surface element with a normal in the node's cone and a place in its sphere is seen from
+/// behind: no direction of sight to the sphere leans more than asin(R/D) from the one to its centre, no
+/// normal more than the half-angle from the axis (methods.md §6).
+bool facesAway(const Node& n, const Viewpoint& viewpoint, const glm::dvec3& eye) {
+    constexpr double rightAngle = std::numbers::pi / 2;
+    constexpr double slack = 1e-4;  // devices turn normals in single precision
+    double spread = n.cone.halfAngle + slack;
+    glm::dvec3 sight = viewpoint.direction();
+    if (viewpoint.projection == Projection::Perspective) {
+        sight = n.center - eye;
+        const double distance = glm::length(sight);
+        if (!(distance > n.radius)) return false;
+        spread += std::asin(n.radius / distance);
+        sight /= distance;
+    }
+    if (!(spread < rightAngle)) return false;
+    const double cosine = glm::dot(glm::normalize(glm::dvec3(n.cone.axis)), sight);
+    return cosine > std::cos(rightAngle - spread);
+}
+
 class Selection {
   public:
     Selection(const Octree& octree, const Viewpoint& viewpoint, const SelectOptions& options)
@@ -80,7 +101,7 @@ class Selection {
             refineWithinBudget(*options_.budget);
         else
             refineAll();
-        number();
+        number(cut_);
         return std::move(cut_);
     }
 
@@ -95,18 +116,25 @@ class Selection {
 
     bool culled(const Node& n) {
         ++cut_.nodesVisited;
-        if (!options_.cull || !frustum_.misses(n, options_.growSpacings * n.spacing)) return false;
-        ++cut_.nodesCulled;
-        return true;
+        if (options_.cull && frustum_.misses(n, options_.growSpacings * n.spacing)) {
+            ++cut_.nodesCulled;
+            return true;
+        }
+        if (options_.cullBackFaces && facesAway(n, viewpoint_, eye_)) {
+            ++cut_.nodesCulled;
+            ++cut_.nodesFacingAway;
+            return true;
+        }
+        return false;
     }
 
     void draw(std::uint32_t index) {
         const Node& n = octree_.node(index);
-        const auto run = octree_.store().find(index);
-        cut_.runs.push_back(
-            {.node = &n, .nodeIndex = index, .samples = run->samples, .firstOrdinal = 0});
-        cut_.points += n.points;
-        cut_.spacingReached = std::max(cut_.spacingReached, projected(n));
+        CutRun run;
+        run.node = &n;
+        run.nodeIndex = index;
+        run.projected = projected(n);
+        cut_.runs.push_back(run);
     }
 
     bool wantsRefining(const Node& n, double spacing) const {
@@ -187,13 +215,6 @@ class Selection {
         return children;
     }
 
-    void number() {
-        for (CutRun& run : cut_.runs) {
-            run.firstOrdinal = std::uint32_t(cut_.samples);
-            cut_.samples += run.samples.size();
-        }
-    }
-
     const Octree& octree_;
     const Viewpoint& viewpoint_;
     const SelectOptions& options_;
@@ -203,6 +224,17 @@ class Selection {
 };
 
 }  // namespace
+
+void number(Cut& cut) {
+    cut.samples = cut.points = 0;
+    cut.spacingReached = 0;
+    for (CutRun& run : cut.runs) {
+        run.firstOrdinal = std::uint32_t(cut.samples);
+        cut.samples += run.node->sampleCount;
+        cut.points += run.node->points;
+        cut.spacingReached = std::max(cut.spacingReached, run.projected);
+    }
+}
 
 Cut select(const Octree& octree, const Viewpoint& viewpoint, const SelectOptions& options) {
     return Selection(octree, viewpoint, options).run();

@@ -1,8 +1,9 @@
-// Selection: cloud + viewpoint → cut, the runs of samples to draw. A pure function with counters.
-// Pipeline: octree → **select** → device. Source: 001_c3e54385a9f0e90c, Algorithm 3; methods.md §6.
+// Selection: cloud + viewpoint → cut, the nodes to draw. A pure function of the nodes' geometry, with counters;
+// it touches no sample. Pipeline: octree → **select** → residency (which fills in the samples) → device. Source: 001_c3e54385a9f0e90c, Algorithm 3; methods.md §6.
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <span>
 #include <vector>
@@ -20,25 +21,38 @@ struct SelectOptions {
     double growPx = 1;
     double growSpacings = 0;
     bool cull = true;
+    /// Leaves out nodes whose normals all face away from the eye: for methods that do not draw such samples, and
+    /// clouds whose normals are oriented.
+    bool cullBackFaces = false;
     bool bruteForce = false;               ///< every leaf sample; no selection, no culling
 };
 
 struct CutRun {
     const Node* node = nullptr;
     std::uint32_t nodeIndex = noNode;
-    std::span<const Sample> samples;
+    std::span<const Sample> samples;       ///< empty until provide() (renderer/residency) fills it in
+    double projected = 0;                  ///< spacing as it appears in the picture, px, at most
     std::uint32_t firstOrdinal = 0;        ///< ordinal in the cut of samples[0]; ordinals are dense
 };
 
-/// Runs ordered by node index, so ordinals depend on the view alone, not on threads or time. Points into the octree.
+/// Runs ordered by node index, so ordinals depend on the view alone, not on threads or time. Points into the octree,
+/// and into blocks that it keeps in memory as long as it lives.
 struct Cut {
     std::vector<CutRun> runs;
     std::uint64_t samples = 0;
     std::uint64_t points = 0;              ///< scan points that the drawn nodes stand for
     std::uint32_t nodesVisited = 0, nodesCulled = 0, nodesRefined = 0;
+    std::uint32_t nodesFacingAway = 0;     ///< of those culled
     double spacingReached = 0;             ///< largest projected spacing drawn, px
     bool budgetReached = false;
+    std::uint32_t nodesMissing = 0;        ///< drawn by an ancestor, or not at all, because they are not in memory (yet)
+    std::uint64_t samplesMissing = 0;      ///< in those
+    std::uint32_t nodesDamaged = 0;        ///< likewise, because their blocks cannot be read; not counted as missing
+    std::vector<std::shared_ptr<const void>> keep;  ///< what `samples` point into
 };
+
+/// Of all runs, from their nodes: firstOrdinal, and the cut's samples, points and spacingReached.
+void number(Cut& cut);
 
 Cut select(const Octree& octree, const Viewpoint& viewpoint, const SelectOptions& options);
 

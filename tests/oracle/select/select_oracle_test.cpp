@@ -79,7 +79,7 @@ TEST_P(Cuts, CulledShowTheSameAsNotCulled) {
             const bool isKept = kept.contains(run.nodeIndex);
             found += isKept;
             if (isKept) continue;
-            for (const Sample& s : run.samples)
+            for (const Sample& s : test::samples(cloud_->octree, *run.node))
                 ASSERT_FALSE(touches(viewpoint, position(*run.node, s), options.growPx,
                                      options.growSpacings * run.node->spacing))
                     << "view " << v << ", node " << run.nodeIndex;
@@ -150,6 +150,86 @@ TEST_P(Cuts, ABudgetGoesToTheCoarsestNodesFirst) {
         for (const CutRun& run : cut.runs) drawn.insert(run.nodeIndex);
         ASSERT_EQ(drawn, refineByHand(o, viewpoint, options.detail, *options.budget)) << "view " << v;
     }
+}
+
+/// A ball with normals, seen from a number's direction and distance, outside and inside, in both projections.
+Viewpoint lookAtBall(const Cloud& cloud, std::uint64_t number) {
+    View view = test::randomView(cloud, number);
+    view.camera.target = glm::dvec3(0);
+    const glm::dvec3 from(test::uniform(number, 1) - 0.5, test::uniform(number, 2) - 0.5,
+                          test::uniform(number, 3) - 0.5);
+    view.camera.eye = glm::normalize(from) * (5 + 60 * test::uniform(number, 4));
+    return Viewpoint::create(view, cloud.origin, cloud.bounds).value();
+}
+
+std::shared_ptr<const Cloud> ballWithNormals() {
+    test::SyntheticSource source(60'000, test::ball, {.normal = true});
+    return test::build(source, 300);
+}
+
+// Right because it decodes every normal of every culled node and asks whether its front is turned to the eye,
+// which knows nothing of cones and spheres.
+TEST(BackFaces, CulledNodesShowNoFront) {
+    const auto cloud = ballWithNormals();
+    ASSERT_TRUE(cloud);
+    std::uint64_t facingAway = 0;
+    for (std::uint64_t v = 0; v < views; ++v) {
+        const Viewpoint viewpoint = lookAtBall(*cloud, v);
+        SelectOptions options;
+        options.detail = 1 + double(v % 5);
+        options.cull = false;
+        const Cut all = select(cloud->octree, viewpoint, options);
+        options.cullBackFaces = true;
+        const Cut culled = select(cloud->octree, viewpoint, options);
+        std::set<std::uint32_t> kept;
+        for (const CutRun& run : culled.runs) kept.insert(run.nodeIndex);
+        facingAway += culled.nodesFacingAway;
+        for (const CutRun& run : all.runs) {
+            if (kept.contains(run.nodeIndex)) continue;
+            for (const Sample& s : test::samples(cloud->octree, *run.node)) {
+                const glm::dvec3 sight = viewpoint.projection == Projection::Orthographic
+                                             ? viewpoint.direction()
+                                             : position(*run.node, s) - viewpoint.eye();
+                ASSERT_GT(glm::dot(sight, glm::dvec3(decodeNormal(s.normal))), 0)
+                    << "view " << v << ", node " << run.nodeIndex;
+            }
+        }
+    }
+    EXPECT_GT(facingAway, views);
+}
+
+// Right because a convex body's far half lies behind its near half: of a closed ball, no sample of a culled
+// node is the nearest one on its line of sight; the ball's own equation says where that is.
+TEST(BackFaces, CulledNodesLieBehindTheFront) {
+    const auto cloud = ballWithNormals();
+    ASSERT_TRUE(cloud);
+    std::uint64_t tested = 0;
+    for (std::uint64_t v = 0; v < views; ++v) {
+        const Viewpoint viewpoint = lookAtBall(*cloud, v);
+        const bool parallel = viewpoint.projection == Projection::Orthographic;
+        const glm::dvec3 eye = viewpoint.eye();
+        if (!parallel && glm::length(eye + cloud->origin) < 11)
+            continue;  // inside, every wall is a back face
+        SelectOptions options;
+        options.detail = 2;
+        options.cull = false;
+        const Cut all = select(cloud->octree, viewpoint, options);
+        options.cullBackFaces = true;
+        std::set<std::uint32_t> kept;
+        for (const CutRun& run : select(cloud->octree, viewpoint, options).runs) kept.insert(run.nodeIndex);
+        for (const CutRun& run : all.runs) {
+            if (kept.contains(run.nodeIndex)) continue;
+            for (const Sample& s : test::samples(cloud->octree, *run.node)) {
+                const glm::dvec3 p = position(*run.node, s) + cloud->origin;
+                const glm::dvec3 sight =
+                    parallel ? viewpoint.direction() : glm::normalize(p - eye - cloud->origin);
+                // The line p + t·sight meets the sphere once more, nearer to the eye, at t = -2 p·sight.
+                ASSERT_GT(glm::dot(p, sight), 0) << "view " << v << ", node " << run.nodeIndex;
+                ++tested;
+            }
+        }
+    }
+    EXPECT_GT(tested, 10'000u);
 }
 
 INSTANTIATE_TEST_SUITE_P(Clouds, Cuts, testing::Bool(),

@@ -1,0 +1,116 @@
+#include "renderer/residency/block_table.hpp"
+
+namespace scancast {
+
+std::shared_ptr<BlockTable::Cloud> BlockTable::add(std::shared_ptr<const CloudFile> file,
+                                                   std::uint64_t pinnedBytes) {
+    auto cloud = std::make_shared<Cloud>();
+    cloud->id = ++lastId_;
+    cloud->file = std::move(file);
+    cloud->slots.resize(cloud->file->nodes().size());
+    std::uint64_t pinned = 0;
+    for (std::uint32_t node = 0; node < cloud->slots.size(); ++node) {
+        pinned += bytesOf(*cloud, node);
+        if (node > 0 && pinned > pinnedBytes) break;
+        cloud->slots[node].pinned = true;
+        pinnedBytes_ += bytesOf(*cloud, node);
+    }
+    clouds_.emplace(cloud->id, cloud);
+    return cloud;
+}
+
+void BlockTable::remove(Cloud& cloud) {
+    cloud.removed = true;
+    for (std::uint32_t node = 0; node < cloud.slots.size(); ++node) {
+        Slot& slot = cloud.slots[node];
+        if (slot.pinned) pinnedBytes_ -= bytesOf(cloud, node);
+        if (slot.state == BlockState::Resident && !slot.pinned) order_.erase(slot.place);
+        slot = {};
+    }
+    cloud.bytes = 0;
+    clouds_.erase(cloud.id);
+}
+
+std::shared_ptr<BlockTable::Cloud> BlockTable::find(std::uint64_t id) const {
+    const auto at = clouds_.find(id);
+    return at == clouds_.end() ? nullptr : at->second;
+}
+
+// Ancestors that were touched at the same instant need not be touched again: nothing came between.
+void BlockTable::touch(Cloud& cloud, std::uint32_t node, Time now) {
+    const auto nodes = cloud.file->nodes();
+    for (bool first = true; node != noNode; node = nodes[node].node.parent, first = false) {
+        Slot& slot = cloud.slots[node];
+        if (!first && slot.usedAt == now) return;
+        slot.usedAt = now;
+        if (slot.state == BlockState::Resident && !slot.pinned)
+            order_.splice(order_.begin(), order_, slot.place);
+    }
+}
+
+std::shared_ptr<const Block> BlockTable::use(Cloud& cloud, std::uint32_t node, Time now) {
+    touch(cloud, node, now);
+    return cloud.slots[node].block;
+}
+
+BlockState BlockTable::state(Cloud& cloud, std::uint32_t node, Time now) {
+    Slot& slot = cloud.slots[node];
+    if (slot.state == BlockState::Damaged) {
+        const Damage& damage = cloud.damage.at(node);
+        const bool mayPass =
+            damage.error.code == ErrorCode::Io || damage.error.code == ErrorCode::ResourceLimit;
+        if (mayPass && now >= damage.at + retryAfter) slot.state = BlockState::Absent;
+    }
+    return slot.state;
+}
+
+bool BlockTable::evictOne(bool must, Time now) {
+    for (std::size_t left = order_.size(); left > 0; --left) {
+        const Place last = order_.back();
+        Slot& slot = last.cloud->slots[last.node];
+        if (slot.block.use_count() > 1) {  // only the table hands out copies, under the cache's lock
+            slot.usedAt = now;
+            order_.splice(order_.begin(), order_, slot.place);
+            continue;
+        }
+        if (!must && slot.usedAt > now - grace_) return false;
+        order_.pop_back();
+        last.cloud->bytes -= slot.block->bytes();
+        slot.block.reset();
+        slot.state = BlockState::Absent;
+        ++evicted_;
+        return true;
+    }
+    return false;
+}
+
+std::shared_ptr<Block> BlockTable::beginLoad(Cloud& cloud, std::uint32_t node, bool must, Time now) {
+    const std::uint64_t needed = bytesOf(cloud, node);
+    while (bytes() + needed > limit_) {
+        if (evictOne(must, now)) continue;
+        if (!must) return nullptr;
+        break;
+    }
+    cloud.slots[node].state = BlockState::Loading;
+    return std::make_shared<Block>(meter_, needed);
+}
+
+void BlockTable::finishLoad(Cloud& cloud, std::uint32_t node, std::shared_ptr<const Block> block, Time now) {
+    if (cloud.removed) return;
+    Slot& slot = cloud.slots[node];
+    cloud.bytes += block->bytes();
+    slot.block = std::move(block);
+    slot.state = BlockState::Resident;
+    slot.usedAt = now;
+    if (slot.pinned) return;
+    order_.push_front({&cloud, node});
+    slot.place = order_.begin();
+}
+
+void BlockTable::failLoad(Cloud& cloud, std::uint32_t node, Error error, Time now) {
+    if (cloud.removed) return;
+    cloud.slots[node].state = BlockState::Damaged;
+    cloud.damage.insert_or_assign(node, Damage{std::move(error), now});
+}
+
+}  // namespace scancast

@@ -1,0 +1,33 @@
+// From the nodes that selection wants to the samples that are drawn: what is in memory, ancestors for what is
+// not, and wishes for the rest. Pipeline: select → **provide** → device.
+//
+// *Thread safety*: may be called from any thread.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <stop_token>
+
+#include "renderer/select/select.hpp"
+
+namespace scancast {
+
+struct ProvideOptions {
+    /// Loads what is missing, several blocks at a time, and returns exactly what is wanted (but for damaged
+    /// blocks). Else what is in memory is drawn, and the rest requested.
+    bool wait = true;
+    /// On whose behalf blocks are requested: the newest call's wishes take the place of the earlier ones'.
+    std::uint64_t requester = 0;
+    /// Runs that the next pictures may want, requested behind everything that is missing now. Without wait
+    /// only.
+    std::span<const CutRun> ahead{};
+};
+
+/// Every leaf below a wanted node is covered by it or by exactly one ancestor: nodes without samples are
+/// replaced by the nearest ancestor that has some, which also takes the place of everything else below it. A
+/// node none of whose ancestors has any is left out. The cut keeps its samples in memory as long as it lives.
+/// Errors: Cancelled.
+Expected<Cut> provide(const Octree& octree, Cut wanted, const ProvideOptions& options = {},
+                      std::stop_token stop = {});
+
+}  // namespace scancast

@@ -1,0 +1,252 @@
+#include "renderer/residency/provide.hpp"
+
+#include <gtest/gtest.h>
+
+#include <map>
+#include <set>
+
+#include "tests/support/fake_cloud_file.hpp"
+
+namespace scancast {
+namespace {
+
+/// A store of which a test says what is in it.
+class ToyStore final : public SampleStore {
+  public:
+    explicit ToyStore(const test::FakeCloudFile& file) : file_(file) {}
+
+    std::optional<SampleRun> find(std::uint32_t node) override {
+        if (!resident.contains(node)) return std::nullopt;
+        return run(node);
+    }
+    Expected<SampleRun> load(std::uint32_t node, std::stop_token stop) override {
+        return std::move(loadAll(std::span(&node, 1), stop).front());
+    }
+    std::vector<Expected<SampleRun>> loadAll(std::span<const std::uint32_t> nodes,
+                                             std::stop_token stop) override {
+        std::vector<Expected<SampleRun>> runs;
+        for (const std::uint32_t node : nodes) {
+            if (stop.stop_requested())
+                runs.emplace_back(fail(ErrorCode::Cancelled, "stopped"));
+            else if (broken.contains(node))
+                runs.emplace_back(fail(ErrorCode::Malformed, "broken"));
+            else
+                runs.emplace_back(run(node));
+        }
+        return runs;
+    }
+    void request(std::uint64_t who, std::vector<Wish> list) override {
+        requester = who, wishes = std::move(list);
+    }
+    bool whole() const override { return false; }
+    bool damaged(std::uint32_t node) const override { return broken.contains(node); }
+    std::uint64_t capacity() const override { return 1'000'000; }
+    std::uint64_t bytesResident() const override { return 0; }
+
+    std::set<std::uint32_t> resident, broken;
+    std::vector<Wish> wishes;
+    std::uint64_t requester = 0;
+
+  private:
+    SampleRun run(std::uint32_t node) {
+        auto& samples = made_[node];
+        if (samples.empty()) samples = *file_.samples(node);
+        return {samples, std::make_shared<int>(0)};
+    }
+    const test::FakeCloudFile& file_;
+    std::map<std::uint32_t, std::vector<Sample>> made_;
+};
+
+class Provide : public testing::Test {
+  protected:
+    void SetUp() override {
+        store_ = std::make_shared<ToyStore>(file_);
+        octree_ = test::octreeOf(file_, store_);
+        ASSERT_GT(octree_.nodes().size(), 200u);
+    }
+
+    /// A cut as selection makes them: refined here and there, and without what is not seen.
+    Cut randomCut(std::uint64_t number) const {
+        Cut cut;
+        std::vector<std::uint32_t> queue{0};
+        for (std::size_t at = 0; at < queue.size(); ++at) {
+            const Node& n = octree_.node(queue[at]);
+            if (!n.isLeaf() && test::uniform(queue[at], 7 * number) < 0.8) {
+                for (std::uint32_t c = 0; c < n.childCount; ++c)
+                    if (test::uniform(n.firstChild + c, 7 * number + 1) < 0.9)
+                        queue.push_back(n.firstChild + c);
+                continue;
+            }
+            CutRun run;
+            run.node = &n;
+            run.nodeIndex = queue[at];
+            run.projected = 1 + test::uniform(queue[at], 7 * number + 2);
+            cut.runs.push_back(run);
+        }
+        number_(cut);
+        return cut;
+    }
+    static void number_(Cut& cut) { number(cut); }
+
+    void makeResident(std::uint64_t number, double share) {
+        store_->resident.clear();
+        for (std::uint32_t n = 0; n < octree_.nodes().size(); ++n)
+            if (test::uniform(n, 7 * number + 3) < share) store_->resident.insert(n);
+    }
+
+    test::FakeCloudFile file_{3, 6, 4};
+    std::shared_ptr<ToyStore> store_;
+    Octree octree_;
+};
+
+// Right because it walks up from every leaf, as the selection's oracle does: what the wanted cut showed once
+// is shown once, by the wanted node or by its nearest ancestor that has samples, or, without any such, not at
+// all.
+TEST_F(Provide, EveryLeafOnceWhateverIsInMemory) {
+    for (std::uint64_t i = 0; i < 600; ++i) {
+        makeResident(i, std::array{0.02, 0.3, 0.6, 0.95}[i % 4]);
+        if (i % 2) store_->resident.insert(0);
+        const Cut wanted = randomCut(i);
+        const auto given = provide(octree_, wanted, {.wait = false});
+        ASSERT_TRUE(given);
+        std::set<std::uint32_t> asked, drawn;
+        for (const CutRun& run : wanted.runs) asked.insert(run.nodeIndex);
+        std::uint32_t ordinal = 0, before = 0;
+        for (const CutRun& run : given->runs) {
+            ASSERT_TRUE(store_->resident.contains(run.nodeIndex));
+            ASSERT_TRUE(drawn.insert(run.nodeIndex).second);
+            ASSERT_TRUE(&run == given->runs.data() || run.nodeIndex > before);
+            before = run.nodeIndex;
+            ASSERT_EQ(run.node, &octree_.node(run.nodeIndex));
+            ASSERT_EQ(run.samples.size(), run.node->sampleCount);
+            ASSERT_EQ(run.samples[0].x, run.nodeIndex);
+            ASSERT_EQ(run.firstOrdinal, ordinal);
+            ordinal += run.node->sampleCount;
+        }
+        ASSERT_EQ(given->samples, ordinal);
+        std::uint32_t missing = 0;
+        for (const CutRun& run : wanted.runs) missing += !store_->resident.contains(run.nodeIndex);
+        EXPECT_EQ(given->nodesMissing, missing);
+        EXPECT_EQ(given->samplesMissing, missing * 4u);
+        for (std::uint32_t leaf = 0; leaf < octree_.nodes().size(); ++leaf) {
+            if (!octree_.node(leaf).isLeaf()) continue;
+            std::uint32_t want = noNode, nearest = noNode;
+            int times = 0;
+            for (std::uint32_t up = leaf; up != noNode; up = octree_.node(up).parent) {
+                if (asked.contains(up)) want = up;
+                times += drawn.contains(up);
+                if (want != noNode && nearest == noNode && store_->resident.contains(up)) nearest = up;
+            }
+            if (want == noNode) {
+                ASSERT_LE(times, 1);  // culled: an ancestor that stands in for a neighbour may show it
+            } else {
+                ASSERT_EQ(times, nearest == noNode ? 0 : 1) << "case " << i << ", leaf " << leaf;
+            }
+        }
+    }
+}
+
+TEST_F(Provide, WishesAreWhatIsMissingCoarserFirst) {
+    for (std::uint64_t i = 0; i < 100; ++i) {
+        makeResident(i, 0.4);
+        const Cut wanted = randomCut(i);
+        ASSERT_TRUE(provide(octree_, wanted, {.wait = false, .requester = 42}));
+        EXPECT_EQ(store_->requester, 42u);
+        std::set<std::uint32_t> due;
+        for (const CutRun& run : wanted.runs)
+            for (std::uint32_t up = run.nodeIndex; up != noNode && !store_->resident.contains(up);
+                 up = octree_.node(up).parent)
+                due.insert(up);
+        std::set<std::uint32_t> wished;
+        for (const Wish& wish : store_->wishes) {
+            const std::uint32_t up = octree_.node(wish.node).parent;
+            if (up != noNode && due.contains(up)) {
+                ASSERT_TRUE(wished.contains(up)) << "a node before its parent";
+            }
+            ASSERT_TRUE(wished.insert(wish.node).second);
+        }
+        EXPECT_EQ(wished, due);
+    }
+}
+
+TEST_F(Provide, NothingMissingTakesBackEarlierWishes) {
+    makeResident(1, 0.5);
+    ASSERT_TRUE(provide(octree_, randomCut(1), {.wait = false}));
+    ASSERT_FALSE(store_->wishes.empty());
+    makeResident(1, 1.1);
+    ASSERT_TRUE(provide(octree_, randomCut(1), {.wait = false}));
+    EXPECT_TRUE(store_->wishes.empty());
+}
+
+TEST_F(Provide, WhatIsAheadComesBehindWhatIsMissing) {
+    makeResident(5, 0.5);
+    const Cut wanted = randomCut(5), ahead = randomCut(6);
+    ASSERT_TRUE(provide(octree_, wanted, {.wait = false}));
+    const auto now = store_->wishes;
+    ASSERT_TRUE(provide(octree_, wanted, {.wait = false, .ahead = ahead.runs}));
+    ASSERT_GT(store_->wishes.size(), now.size());
+    for (std::size_t i = 0; i < now.size(); ++i) EXPECT_EQ(store_->wishes[i].node, now[i].node);
+    EXPECT_LT(store_->wishes[now.size()].urgency, 0);
+}
+
+TEST_F(Provide, WaitingGivesExactlyWhatIsWanted) {
+    for (std::uint64_t i = 0; i < 50; ++i) {
+        makeResident(i, 0.5);
+        const Cut wanted = randomCut(i);
+        const auto given = provide(octree_, wanted);
+        ASSERT_TRUE(given);
+        ASSERT_EQ(given->runs.size(), wanted.runs.size());
+        for (std::size_t r = 0; r < wanted.runs.size(); ++r) {
+            EXPECT_EQ(given->runs[r].nodeIndex, wanted.runs[r].nodeIndex);
+            EXPECT_EQ(given->runs[r].firstOrdinal, wanted.runs[r].firstOrdinal);
+            EXPECT_EQ(given->runs[r].samples[0].x, wanted.runs[r].nodeIndex);
+        }
+        EXPECT_EQ(given->keep.size(), wanted.runs.size());
+        EXPECT_EQ(given->nodesMissing, 0u);
+        EXPECT_EQ(given->spacingReached, wanted.spacingReached);
+    }
+}
+
+TEST_F(Provide, ADamagedBlockIsReplacedByItsParent) {
+    for (const bool wait : {true, false}) {
+        makeResident(9, wait ? 0.5 : 1.1);
+        const Cut wanted = randomCut(9);
+        const std::uint32_t broken = wanted.runs.back().nodeIndex, parent = octree_.node(broken).parent;
+        ASSERT_NE(parent, noNode);
+        store_->broken = {broken};
+        store_->resident.erase(broken);
+        const auto given = provide(octree_, wanted, {.wait = wait});
+        ASSERT_TRUE(given);
+        EXPECT_EQ(given->nodesDamaged, 1u);
+        EXPECT_EQ(given->nodesMissing, 0u);
+        std::set<std::uint32_t> drawn;
+        for (const CutRun& run : given->runs) drawn.insert(run.nodeIndex);
+        EXPECT_TRUE(drawn.contains(parent));
+        for (const CutRun& run : wanted.runs)
+            EXPECT_EQ(drawn.contains(run.nodeIndex), octree_.node(run.nodeIndex).parent != parent);
+    }
+}
+
+TEST_F(Provide, ADamagedRootIsNotTheEnd) {
+    store_->broken = {0};
+    Cut wanted;
+    CutRun run;
+    run.node = &octree_.node(0);
+    run.nodeIndex = 0;
+    wanted.runs.push_back(run);
+    const auto given = provide(octree_, wanted);
+    ASSERT_TRUE(given);
+    EXPECT_TRUE(given->runs.empty());
+    EXPECT_EQ(given->nodesDamaged, 1u);
+}
+
+TEST_F(Provide, ACancelledWaitIsAnError) {
+    std::stop_source stop;
+    stop.request_stop();
+    const auto given = provide(octree_, randomCut(1), {}, stop.get_token());
+    ASSERT_FALSE(given);
+    EXPECT_EQ(given.error().code, ErrorCode::Cancelled);
+}
+
+}  // namespace
+}  // namespace scancast

@@ -2,6 +2,8 @@
 // for a single one from the root of the boxes. Included by surfel_kernels.cpp only.
 #pragma once
 
+#include <immintrin.h>
+
 #include "renderer/cloud/surfel_kernels/surfel_kernels.hpp"
 
 namespace scancast::surfel {
@@ -97,19 +99,59 @@ inline void sortPicks(Workspace& w, int n) {
     }
 }
 
-/// Of n gathered points those within `limit` of a place, in order, into w.pick; how many.
-inline int rankWithin(Workspace& w, int n, const float (&at)[3], float limit) {
-    const int padded = (n + 15) & ~15;
-    for (int i = 0; i < padded; ++i) {
+/// Squared distances of the n gathered points from a place.
+inline void measure(Workspace& w, int n, const float (&at)[3]) {
+    for (int i = 0; i < ((n + 15) & ~15); ++i) {
         const float dx = w.x[i] - at[0], dy = w.y[i] - at[1], dz = w.z[i] - at[2];
         w.squared[i] = dx * dx + dy * dy + dz * dz;
     }
+}
+
+/// Which of n measured points lie within `limit`: their distances into w.near, their numbers into w.found.
+inline int keepWithin(Workspace& w, int n, float limit) {
     int m = 0;
-    for (int i = 0; i < padded; ++i) {
-        w.rank[m] = i;
-        w.near[m] = w.squared[i];
-        m += w.squared[i] <= limit;
+#if SCANCAST_SIMD_LEVEL == 4
+    const __m512 most = _mm512_set1_ps(limit);
+    __m512i number = _mm512_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15);
+    for (int i = 0; i < n; i += 16) {
+        const __m512 squared = _mm512_loadu_ps(w.squared + i);
+        const __mmask16 keep = _mm512_cmp_ps_mask(squared, most, _CMP_LE_OQ);
+        _mm512_storeu_ps(w.near + m, _mm512_maskz_compress_ps(keep, squared));
+        _mm512_storeu_si512(w.found + m, _mm512_maskz_compress_epi32(keep, number));
+        m += __builtin_popcount(keep);
+        number = _mm512_add_epi32(number, _mm512_set1_epi32(16));
     }
+#elif SCANCAST_SIMD_LEVEL == 3
+    const __m256 most = _mm256_set1_ps(limit);
+    __m256i number = _mm256_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7);
+    for (int i = 0; i < n; i += 8) {
+        const __m256 squared = _mm256_loadu_ps(w.squared + i);
+        const unsigned keep = unsigned(_mm256_movemask_ps(_mm256_cmp_ps(squared, most, _CMP_LE_OQ)));
+        const std::uint64_t bytes = _pdep_u64(keep, 0x0101010101010101u) * 255;
+        const __m256i lanes =
+            _mm256_cvtepu8_epi32(_mm_cvtsi64_si128(std::int64_t(_pext_u64(0x0706050403020100u, bytes))));
+        _mm256_storeu_ps(w.near + m, _mm256_permutevar8x32_ps(squared, lanes));
+        _mm256_storeu_si256(reinterpret_cast<__m256i*>(w.found + m),
+                            _mm256_permutevar8x32_epi32(number, lanes));
+        m += __builtin_popcount(keep);
+        number = _mm256_add_epi32(number, _mm256_set1_epi32(8));
+    }
+#else
+    const __m128 most = _mm_set1_ps(limit);
+    for (int i = 0; i < n; i += 4) {
+        unsigned keep = unsigned(_mm_movemask_ps(_mm_cmple_ps(_mm_loadu_ps(w.squared + i), most)));
+        for (; keep != 0; keep &= keep - 1, ++m) {
+            w.found[m] = i + __builtin_ctz(keep);
+            w.near[m] = w.squared[w.found[m]];
+        }
+    }
+#endif
+    return m;
+}
+
+/// Of n measured points those within `limit`, in order, into w.pick; how many.
+inline int rankWithin(Workspace& w, int n, float limit) {
+    const int m = keepWithin(w, n, limit);
     for (int i = 0; i < 16; ++i) w.near[m + i] = infinity;
     // A point's rank is how many are nearer. Where two are equally far, ranks repeat and their sum falls
     // short.
@@ -120,12 +162,12 @@ inline int rankWithin(Workspace& w, int n, const float (&at)[3], float limit) {
             for (int l = 0; l < 16; ++l) rank[l] += w.near[j] < w.near[block + l];
         const int end = m - block < 16 ? m - block : 16;
         for (int l = 0; l < end; ++l) {
-            w.pick[rank[l]] = w.rank[block + l];
+            w.pick[rank[l]] = w.found[block + l];
             sum += rank[l];
         }
     }
     if (2 * sum != m * (m - 1)) {
-        for (int i = 0; i < m; ++i) w.pick[i] = w.rank[i];
+        for (int i = 0; i < m; ++i) w.pick[i] = w.found[i];
         sortPicks(w, m);
     }
     return m;

@@ -19,6 +19,9 @@ constexpr double lineRatio = 1.0 / 16;    ///< λ2/λ1 below which more neighbou
 constexpr double straight = 1e-9;         ///< λ2/λ1 below which there is no surface
 constexpr double roundingUnit = 0x1p-24;  ///< of a float coordinate, relative
 
+// Squared distances, from the last point to the next, and from the last group to the next.
+constexpr float likelyGrowth = 1.3f, groupGrowth = 2.0f;
+
 struct Run {
     const IndexView& index;
     int k;
@@ -145,6 +148,14 @@ Box boxOf(const IndexView& index, const std::uint32_t* points, int count) {
     return b;
 }
 
+/// The nearest `wanted` of the gathered points, first among those within a likely distance. False where there
+/// are not that many within the limit, beyond which nothing was gathered.
+bool findNearest(Workspace& w, int gathered, const float (&at)[3], int wanted, float likely, float limit) {
+    measure(w, gathered, at);
+    return (likely < limit && rankWithin(w, gathered, likely) >= wanted) ||
+           rankWithin(w, gathered, limit) >= wanted;
+}
+
 /// Neighbours of points that stand together: everything within the guessed distance of their box is gathered
 /// once. Whoever's k-th neighbour is farther than that searches from the root.
 void solveGroup(const Run& run, int level, const std::uint32_t* points, int count) {
@@ -153,19 +164,19 @@ void solveGroup(const Run& run, int level, const std::uint32_t* points, int coun
     const float limit = w.guess[level];
     int gathered = -1;
     if (limit > 0) gathered = gather(run.index, boxOf(run.index, points, count), limit, w);
-    float reach = 0;
+    float reach = 0, last = limit;
     for (int i = 0; i < count; ++i) {
         const std::uint32_t p = points[i];
         const float at[3] = {run.index.x[p], run.index.y[p], run.index.z[p]};
-        if (gathered > m && rankWithin(w, gathered, at, limit) > m)
+        if (gathered > m && findNearest(w, gathered, at, m + 1, last * likelyGrowth, limit))
             addCandidates(run, level, p, at, m);
         else
             addSearched(run, level, p, at, m);
         const Neighbourhoods& n = w.waiting[level];
-        const float r = n.reach2[n.count - 1];
-        reach = r > reach ? r : reach;
+        last = n.reach2[n.count - 1];
+        reach = last > reach ? last : reach;
     }
-    w.guess[level] = reach * 1.2f;
+    w.guess[level] = reach * groupGrowth;
     if (w.waiting[level].count >= batchLanes - groupSize) flush(run, level);
 }
 

@@ -50,7 +50,7 @@ struct Neighbourhoods {
 struct Workspace {
     float x[capacity + 16], y[capacity + 16], z[capacity + 16], squared[capacity + 16];
     float near[capacity + 16];
-    int pick[capacity + 16], rank[capacity + 16];
+    int pick[capacity + 16], found[capacity + 16];
     std::uint32_t best[maxNeighbours + 1];  ///< of a search from the root
     float bestSquared[maxNeighbours + 1];
     float guess[doublings];  ///< squared radius that probably suffices for the next group

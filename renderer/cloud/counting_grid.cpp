@@ -11,7 +11,10 @@ CellTable::CellTable(std::size_t expected) {
 }
 
 std::size_t CellTable::slotOf(CellKey key) const {
-    std::size_t at = (key * 0x9e3779b97f4a7c15ull) >> shift_;
+    // Each size hashes in its own way: walking one table while filling a smaller one would else meet the keys in the
+    // order of their places, and crowd them.
+    const std::uint64_t factor = 0x9e3779b97f4a7c15ull ^ (shift_ * 0x5851f42d4c957f2cull);
+    std::size_t at = (key * factor) >> shift_;
     while (slots_[at].key != key && slots_[at].key != empty) at = (at + 1) & (slots_.size() - 1);
     return at;
 }

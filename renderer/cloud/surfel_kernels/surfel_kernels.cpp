@@ -20,7 +20,7 @@ constexpr double straight = 1e-9;         ///< λ2/λ1 below which there is no s
 constexpr double roundingUnit = 0x1p-24;  ///< of a float coordinate, relative
 
 // Squared distances, from the last point to the next, and from the last group to the next.
-constexpr float likelyGrowth = 1.3f, groupGrowth = 2.0f;
+constexpr float likelyGrowth = 1.3f, groupGrowth = 1.8f;
 
 struct Run {
     const IndexView& index;

@@ -1,0 +1,124 @@
+// Surfels per second, of ours and of the references, and how well they agree, side by side.
+//   bench_surfels --with ours,nanoflann,pcl --threads 2 town 2000000      (a scene of the simulator)
+//   bench_surfels --with ours,pcl scan.las
+// The reference is PCL (NormalEstimationOMP over its kd-tree), which the program itself does not link. Points
+// are distinct, and in Morton order, as the octree builder hands them over. Ours includes radii, axes,
+// outliers and doublings; PCL gives normals alone.
+#include <oneapi/tbb/global_control.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cstdio>
+#include <cstdlib>
+#include <filesystem>
+#include <string>
+
+#include "renderer/cloud/import/open_scan.hpp"
+#include "renderer/cloud/spatial_sort.hpp"
+#include "renderer/simulate/scene.hpp"
+#include "tests/support/compare_surfels.hpp"
+#include "tests/support/scan_points.hpp"
+
+using namespace scancast;
+
+namespace {
+
+struct Settings {
+    std::string with = "ours,nanoflann,pcl", scan = "town";
+    std::uint64_t points = 1'000'000;
+    int threads = 2, neighbours = 10;
+};
+
+Settings parse(int argc, char** argv) {
+    Settings s;
+    int place = 0;
+    for (int i = 1; i < argc; ++i) {
+        const std::string word = argv[i];
+        if (word == "--with" && i + 1 < argc)
+            s.with = argv[++i];
+        else if (word == "--threads" && i + 1 < argc)
+            s.threads = std::max(1, std::atoi(argv[++i]));
+        else if (word == "-k" && i + 1 < argc)
+            s.neighbours = std::max(1, std::atoi(argv[++i]));
+        else if (place++ == 0)
+            s.scan = word;
+        else
+            s.points = std::uint64_t(std::atof(word.c_str()));
+    }
+    return s;
+}
+
+Expected<std::unique_ptr<PointSource>> open(const Settings& s) {
+    if (std::filesystem::exists(s.scan)) return openScan(s.scan, {.importerDirectory = SCANCAST_BIN_DIR});
+    SceneOptions options;
+    options.scene = s.scan;
+    options.points = s.points;
+    return simulate(options);
+}
+
+std::vector<glm::vec3> inMortonOrder(const std::vector<glm::vec3>& points) {
+    const SpatialOrder sorted = spatialOrder(points);
+    std::vector<glm::vec3> distinct;
+    for (std::size_t i = 0; i + 1 < sorted.firstOf.size(); ++i)
+        distinct.push_back(points[sorted.order[sorted.firstOf[i]]]);
+    return distinct;
+}
+
+void print(const char* name, std::size_t points, double seconds) {
+    std::printf("%-10s %8.3f s  %6.2f million/s", name, seconds, double(points) / seconds / 1e6);
+}
+
+void printReference(const char* name, const std::vector<Surfel>& ours, const test::ReferenceSurfels& theirs) {
+    print(name, theirs.surfels.size(), theirs.seconds);
+    const test::Agreement a = test::compare(ours, theirs.surfels);
+    std::printf("  agrees: %.3f %% of normals within 1°, %.3f %% of radii within 1 %%, of %.1f %% compared\n",
+                100 * a.share(a.normals), 100 * a.share(a.radii),
+                100 * double(a.compared) / double(ours.size()));
+}
+
+void describe(const std::vector<Surfel>& surfels) {
+    std::vector<float> reach;
+    std::size_t outliers = 0, directionless = 0;
+    for (const Surfel& s : surfels) {
+        outliers += s.outlier;
+        directionless += s.normal == glm::vec3(0);
+        if (s.radius > 0) reach.push_back(s.major / s.radius);
+    }
+    if (reach.empty()) return;
+    std::sort(reach.begin(), reach.end());
+    const auto quantile = [&](double q) { return double(reach[std::size_t(q * double(reach.size() - 1))]); };
+    std::printf("major/radius: 5 %% %.3f, median %.3f, 95 %% %.3f; %zu outliers, %zu without a normal\n",
+                quantile(0.05), quantile(0.5), quantile(0.95), outliers, directionless);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+    const Settings settings = parse(argc, argv);
+    const auto source = open(settings);
+    const auto read = source ? test::readPositions(**source) : tl::unexpected(source.error());
+    if (!read) {
+        std::fprintf(stderr, "%s\n", read.error().message.c_str());
+        return 1;
+    }
+    const std::vector<glm::vec3> points = inMortonOrder(*read);
+    std::printf("%zu points, %zu distinct; k = %d, %d threads\n", read->size(), points.size(),
+                settings.neighbours, settings.threads);
+    const tbb::global_control limit(tbb::global_control::max_allowed_parallelism,
+                                    std::size_t(settings.threads));
+    std::vector<Surfel> ours(points.size());
+    const auto has = [&](const char* name) { return settings.with.find(name) != std::string::npos; };
+    const auto start = std::chrono::steady_clock::now();
+    estimateSurfels(points, {.neighbours = settings.neighbours}, ours);
+    const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    if (has("ours")) {
+        print("ours", points.size(), seconds);
+        std::printf("\n");
+    }
+    if (has("nanoflann"))
+        printReference("nanoflann", ours,
+                       test::surfelsByNanoflann(points, settings.neighbours, settings.threads));
+    if (has("pcl"))
+        printReference("pcl", ours, test::surfelsByPcl(points, settings.neighbours, settings.threads));
+    describe(ours);
+}

@@ -86,8 +86,10 @@ void add(Average& sum, const Average& other, int sign, const AverageRules& rules
 
 // How far the farthest position averaged into a thing is from a point; grid steps count from `from`.
 
-float reachFrom(const glm::dvec3& mean, const BuildPoint& p, const GridPosition& from, const glm::dvec3& step) {
-    const glm::dvec3 offset(double(p.axis(0) - from[0]), double(p.axis(1) - from[1]), double(p.axis(2) - from[2]));
+float reachFrom(const glm::dvec3& mean, const BuildPoint& p, const GridPosition& from,
+                const glm::dvec3& step) {
+    const glm::dvec3 offset(double(p.axis(0) - from[0]), double(p.axis(1) - from[1]),
+                            double(p.axis(2) - from[2]));
     return float(glm::length((offset - mean) * step));
 }
 float reachFrom(const glm::dvec3& mean, const Average& a, const GridPosition& from, const glm::dvec3& step) {
@@ -163,7 +165,8 @@ void averageRun(Things run, const GridPosition& cell, const AverageRules& rules,
             if (sides[side].count > 0) mean[side] = meanPosition(sides[side], from);
         for (const auto& thing : run) {
             const std::size_t side = sideOf(thing);
-            sides[side].reach = std::max(sides[side].reach, reachFrom(mean[side], at(thing), from, rules.gridStep));
+            sides[side].reach =
+                std::max(sides[side].reach, reachFrom(mean[side], at(thing), from, rules.gridStep));
         }
     }
     for (std::size_t side = 0; side < 2; ++side) {
@@ -174,8 +177,8 @@ void averageRun(Things run, const GridPosition& cell, const AverageRules& rules,
 }
 
 template <class Things>
-void averageRuns(Things things, int ownRung, const AverageRules& rules,
-                 const std::vector<Vote>& theirVotes, AverageList& out) {
+void averageRuns(Things things, int ownRung, const AverageRules& rules, const std::vector<Vote>& theirVotes,
+                 AverageList& out) {
     for (std::size_t first = 0; first < things.size();) {
         const GridPosition cell = cellOf(at(things[first]), ownRung, out.rung);
         std::size_t last = first + 1;
@@ -195,8 +198,7 @@ void appendCells(const AverageList& finer, const AverageRules& rules, AverageLis
     averageRuns(std::span(finer.averages), finer.rung, rules, finer.votes, list);
 }
 
-AverageList merge(const AverageList& runs, std::span<const std::size_t> starts,
-                  const AverageRules& rules) {
+AverageList merge(const AverageList& runs, std::span<const std::size_t> starts, const AverageRules& rules) {
     std::vector<const Average*> order(runs.averages.size());
     for (std::size_t i = 0; i < order.size(); ++i) order[i] = &runs.averages[i];
     const auto less = [](const Average* a, const Average* b) { return mortonLess(a->cell, b->cell); };

@@ -3,8 +3,8 @@
 //
 // A cell of 2^rung grid steps, anchored at the grid's 0, gives one sample; two where normals point to
 // opposite sides (a thin wall): they are averaged sign-free first, and what points more than 90° away from
-// that direction - with a margin for noise - becomes the second sample. Normals without an orientation are turned
-// to one side instead.
+// that direction - with a margin for noise - becomes the second sample. Normals without an orientation are
+// turned to one side instead.
 #pragma once
 
 #include <span>

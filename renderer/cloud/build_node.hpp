@@ -13,15 +13,15 @@
 namespace scancast {
 
 struct BuildNode {
-    std::span<BuildPoint> points;         ///< everything below, while its chunk is in memory
-    std::vector<BuildPoint> keptPoints;   ///< a leaf's, until its parent in another chunk has averaged them
+    std::span<BuildPoint> points;        ///< everything below, while its chunk is in memory
+    std::vector<BuildPoint> keptPoints;  ///< a leaf's, until its parent in another chunk has averaged them
     std::uint64_t pointCount = 0;
     GridBox box;
     int level = 0;
     NodeContent content;
-    AverageList averages;       ///< of an inner node, until its parent has used it
-    Workspace::Buffer setAside; ///< an inner node's samples and reaches, between averaging and finishing
-    StoredNode stored;          ///< what is known of it for the file
+    AverageList averages;        ///< of an inner node, until its parent has used it
+    Workspace::Buffer setAside;  ///< an inner node's samples and reaches, between averaging and finishing
+    StoredNode stored;           ///< what is known of it for the file
     std::uint64_t sampleHash = 0;
     BuildNode* parent = nullptr;
     std::size_t finishedChildren = 0;

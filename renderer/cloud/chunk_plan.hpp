@@ -1,6 +1,7 @@
-// How a cloud is divided into chunks that fit in memory: the top of the octree, split at counting-grid boundaries
-// nearest the average, and which chunk every cell belongs to. Pipeline: counting grid → **chunk plan** → chunks.
-// Source: methods.md §6 (out of core, above chunk size). Pure function; the result depends on the counts alone.
+// How a cloud is divided into chunks that fit in memory: the top of the octree, split at counting-grid
+// boundaries nearest the average, and which chunk every cell belongs to. Pipeline: counting grid → **chunk
+// plan** → chunks. Source: methods.md §6 (out of core, above chunk size). Pure function; the result depends
+// on the counts alone.
 #pragma once
 
 #include <cstdint>
@@ -40,8 +41,8 @@ struct ChunkPlan {
     std::vector<Destination> destinations;
 };
 
-/// Sets above chunkPoints are split; one cell is never. With `halo`, a chunk's halo is all points in the cells around
-/// it; cells are taken so large that an occupied one holds 64 points on average.
+/// Sets above chunkPoints are split; one cell is never. With `halo`, a chunk's halo is all points in the
+/// cells around it; cells are taken so large that an occupied one holds 64 points on average.
 ChunkPlan planChunks(const CellFrame& frame, std::vector<CountedCell> cells, const Grid& grid,
                      std::uint64_t chunkPoints, bool halo);
 

@@ -88,9 +88,12 @@ class Sorter {
             Filling& to = *fillings_[c];
             const std::uint64_t at = to.nextPoint.fetch_add(list.points.size());
             const std::uint64_t haloAt = to.nextHalo.fetch_add(list.halo.size());
-            auto done = to.chunk.pointBytes.write(at * sizeof(BuildPoint), std::as_bytes(std::span(list.points)));
+            auto done =
+                to.chunk.pointBytes.write(at * sizeof(BuildPoint), std::as_bytes(std::span(list.points)));
             if (done) done = to.chunk.rowBytes.write(at * rowBytes_, list.rows);
-            if (done) done = to.chunk.haloBytes.write(haloAt * sizeof(BuildPoint), std::as_bytes(std::span(list.halo)));
+            if (done)
+                done = to.chunk.haloBytes.write(haloAt * sizeof(BuildPoint),
+                                                std::as_bytes(std::span(list.halo)));
             if (!done) return done;
             list = {};
         }
@@ -116,8 +119,9 @@ class Sorter {
     std::vector<std::uint32_t> used_;
 };
 
-Expected<std::vector<Chunk>> distribute(PointPortions& portions, const ChunkPlan& plan, const ChunkOptions& options,
-                                        Workspace& workspace, ProgressMeter& progress, const std::stop_token& stop) {
+Expected<std::vector<Chunk>> distribute(PointPortions& portions, const ChunkPlan& plan,
+                                        const ChunkOptions& options, Workspace& workspace,
+                                        ProgressMeter& progress, const std::stop_token& stop) {
     std::vector<std::unique_ptr<Filling>> fillings;
     for (const ChunkPlan::Chunk& planned : plan.chunks) {
         Chunk& chunk = fillings.emplace_back(std::make_unique<Filling>())->chunk;
@@ -138,7 +142,8 @@ Expected<std::vector<Chunk>> distribute(PointPortions& portions, const ChunkPlan
         if (error.failed() || stop.stop_requested()) return;
         thread_local PointPortions::Portion portion;
         Sorter& sorter = sorters.local();
-        for (std::size_t i = g * portionsAtOnce; i < std::min((g + 1) * portionsAtOnce, portions.size()); ++i) {
+        for (std::size_t i = g * portionsAtOnce; i < std::min((g + 1) * portionsAtOnce, portions.size());
+             ++i) {
             if (auto read = portions.read(i, portion); !read) return error.set(read.error());
             portions.release(i);
             sorter.add(portion);
@@ -189,7 +194,8 @@ class ChunkPortions final : public PointPortions {
         const std::uint64_t first = index * each, n = std::min(each, chunk_.points - first);
         into.points.resize(n);
         into.rows.resize(n * rowBytes_);
-        if (auto done = chunk_.pointBytes.read(first * sizeof(BuildPoint), std::as_writable_bytes(std::span(into.points)));
+        if (auto done = chunk_.pointBytes.read(first * sizeof(BuildPoint),
+                                               std::as_writable_bytes(std::span(into.points)));
             !done)
             return done;
         return chunk_.rowBytes.read(first * rowBytes_, into.rows);
@@ -225,9 +231,10 @@ void growTop(const PlanNode& from, BuildNode& to, std::vector<BuildNode*>& place
 
 }  // namespace
 
-Expected<std::vector<Chunk>> divide(PointPortions& portions, std::uint64_t points, const GridBox& box, BuildNode& root,
-                                    const Grid& grid, const ChunkOptions& options, Workspace& workspace,
-                                    ProgressMeter& progress, const std::stop_token& stop) {
+Expected<std::vector<Chunk>> divide(PointPortions& portions, std::uint64_t points, const GridBox& box,
+                                    BuildNode& root, const Grid& grid, const ChunkOptions& options,
+                                    Workspace& workspace, ProgressMeter& progress,
+                                    const std::stop_token& stop) {
     if (points <= options.chunkPoints) return takeWhole(portions, points, root, options, workspace);
     auto counted = count(portions, box, stop);
     if (!counted) return tl::unexpected(counted.error());
@@ -252,7 +259,8 @@ Expected<std::vector<Chunk>> divide(PointPortions& portions, std::uint64_t point
         if (ownBox->isPoint() && chunk.points > mostAtOnePlace)
             return fail(ErrorCode::ResourceLimit,
                         fmt::format("{} points lie at exactly one place; that is no scan.", chunk.points));
-        auto finer = divide(own, chunk.points, *ownBox, *chunk.root, grid, options, workspace, progress, stop);
+        auto finer =
+            divide(own, chunk.points, *ownBox, *chunk.root, grid, options, workspace, progress, stop);
         if (!finer) return finer;
         std::move(finer->begin(), finer->end(), std::back_inserter(fitting));
     }

@@ -1,5 +1,5 @@
-// Chunks: sets of neighbouring points, each small enough to become a subtree in memory. Pipeline: staging → counting
-// grid → chunk plan → **chunks** → octree builder.
+// Chunks: sets of neighbouring points, each small enough to become a subtree in memory. Pipeline: staging →
+// counting grid → chunk plan → **chunks** → octree builder.
 #pragma once
 
 #include <cstddef>
@@ -46,12 +46,13 @@ struct ChunkOptions {
     bool halo = false;
 };
 
-/// Counts and divides points that lie in `box`, and grows the top of the tree below `root`. Chunks that are still too
-/// large, because their points crowd in one cell, are divided again. In the order of the tree. Uses the caller's TBB
-/// arena. Errors: the portions' and the workspace's; ResourceLimit for very many points at exactly one place;
-/// Cancelled.
-Expected<std::vector<Chunk>> divide(PointPortions& portions, std::uint64_t points, const GridBox& box, BuildNode& root,
-                                    const Grid& grid, const ChunkOptions& options, Workspace& workspace,
-                                    ProgressMeter& progress, const std::stop_token& stop);
+/// Counts and divides points that lie in `box`, and grows the top of the tree below `root`. Chunks that are
+/// still too large, because their points crowd in one cell, are divided again. In the order of the tree. Uses
+/// the caller's TBB arena. Errors: the portions' and the workspace's; ResourceLimit for very many points at
+/// exactly one place; Cancelled.
+Expected<std::vector<Chunk>> divide(PointPortions& portions, std::uint64_t points, const GridBox& box,
+                                    BuildNode& root, const Grid& grid, const ChunkOptions& options,
+                                    Workspace& workspace, ProgressMeter& progress,
+                                    const std::stop_token& stop);
 
 }  // namespace scancast

@@ -134,17 +134,16 @@ Expected<BuiltCloud> buildFrom(PointSource& source, const Shape& shape, const Bu
         ProgressMeter sorting(progress, "sorting", scan->points);
         const ChunkOptions chunking{
             .chunkPoints = shape.chunkPoints, .rowBytes = input.rowBytes, .halo = shape.surfels};
-        auto chunks = divide(portions, scan->points, boxOf(*scan, grid), root, grid, chunking, room.workspace, sorting,
-                             stop);
+        auto chunks = divide(portions, scan->points, boxOf(*scan, grid), root, grid, chunking, room.workspace,
+                             sorting, stop);
         if (!chunks) {
             octree = tl::unexpected(chunks.error());
             return;
         }
         sorting.finish();
         scan->batches.clear();
-        ProgressMeter building(progress, "building", scan->points), finishing(progress, "finishing", 0, "nodes");
-        octree = buildOctree(root, std::move(*chunks), input, room.lanes, room.workspace, room.file,
-                             {building, finishing}, stop);
+        octree = buildOctree(root, std::move(*chunks), input, room.lanes, room.workspace, room.file, progress,
+                             stop);
     });
     if (!octree) return tl::unexpected(octree.error());
     cloud.octree = std::move(*octree);

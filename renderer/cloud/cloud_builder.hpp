@@ -1,5 +1,5 @@
-// From a scan to a cloud: the way that buildCloud() and ingest() share. Reads like the pipeline: stage → choose the
-// grid → divide into chunks → build the octree → tell its facts.
+// From a scan to a cloud: the way that buildCloud() and ingest() share. Reads like the pipeline: stage →
+// choose the grid → divide into chunks → build the octree → tell its facts.
 #pragma once
 
 #include <stop_token>

@@ -38,8 +38,8 @@ struct CountedCell {
 class CellTable {
   public:
     explicit CellTable(std::size_t expected = 0);
-    std::uint64_t& operator[](CellKey key);             ///< 0 when new
-    const std::uint64_t* find(CellKey key) const;       ///< null when there is none
+    std::uint64_t& operator[](CellKey key);        ///< 0 when new
+    const std::uint64_t* find(CellKey key) const;  ///< null when there is none
     std::size_t size() const { return size_; }
     template <class Use>
     void forEach(Use use) const {

@@ -86,19 +86,22 @@ class Finisher {
     };
 
     /// From the root down; a window of nodes at once, in parallel.
-    Expected<void> finishInner(Numbered& tree, ProgressMeter& progress, const std::stop_token& stop) {
+    Expected<void> finishInner(Numbered& tree, const ProgressSink& sink, const std::stop_token& stop) {
         std::vector<std::uint32_t> inner;
         for (std::uint32_t i = 0; i < tree.order.size(); ++i)
             if (!tree.order[i]->isLeaf()) inner.push_back(i);
+        ProgressMeter progress(sink, "finishing", inner.size(), "nodes");
         for (std::size_t first = 0; first < inner.size(); first += window) {
             std::vector<Inner> work(std::min(window, inner.size() - first));
             for (std::size_t i = 0; i < work.size(); ++i) work[i].node = tree.order[inner[first + i]];
-            tbb::parallel_for(std::size_t(0), work.size(), [&](std::size_t i) { work[i].result = finish(work[i]); });
+            tbb::parallel_for(std::size_t(0), work.size(),
+                              [&](std::size_t i) { work[i].result = finish(work[i]); });
             for (std::size_t i = 0; i < work.size(); ++i)
                 if (auto stored = store(work[i], tree.nodes[inner[first + i]]); !stored) return stored;
             progress.add(work.size());
             if (stop.stop_requested()) return fail(ErrorCode::Cancelled, "Building the cloud was abandoned.");
         }
+        progress.finish();
         return {};
     }
 
@@ -120,7 +123,8 @@ class Finisher {
     Expected<std::vector<float>> reachesOf(const BuildNode& node) const {
         if (!file_) return node.content.reaches;
         std::vector<float> reaches(node.stored.node.sampleCount);
-        if (auto read = node.setAside.read(reaches.size() * sizeof(Sample), std::as_writable_bytes(std::span(reaches)));
+        if (auto read = node.setAside.read(reaches.size() * sizeof(Sample),
+                                           std::as_writable_bytes(std::span(reaches)));
             !read)
             return tl::unexpected(read.error());
         return reaches;
@@ -135,7 +139,8 @@ class Finisher {
             const auto reaches = reachesOf(node);
             if (!reaches) return tl::unexpected(reaches.error());
             const auto find = [this](const BuildNode& n) { return samplesOf(n); };
-            if (auto done = addInnerSurfels(node, *reaches, root_, input_, find, work.samples); !done) return done;
+            if (auto done = addInnerSurfels(node, *reaches, root_, input_, find, work.samples); !done)
+                return done;
         }
         node.content.cone = coneOfSamples(work.samples);
         node.sampleHash = XXH3_64bits(work.samples.data(), work.samples.size() * sizeof(Sample));
@@ -165,7 +170,8 @@ void joinCones(Numbered& tree) {
     for (std::size_t i = tree.nodes.size(); i-- > 0;) {
         Node& node = tree.nodes[i].node;
         std::vector<NormalCone> cones{tree.order[i]->content.cone};
-        for (std::uint32_t c = 0; c < node.childCount; ++c) cones.push_back(tree.nodes[node.firstChild + c].node.cone);
+        for (std::uint32_t c = 0; c < node.childCount; ++c)
+            cones.push_back(tree.nodes[node.firstChild + c].node.cone);
         node.cone = join(cones);
     }
 }
@@ -183,12 +189,11 @@ NormalCone coneOfSamples(std::span<const Sample> samples) {
 }
 
 Expected<BuiltOctree> finishTree(BuildNode& root, const OctreeInput& input, CloudFileWriter* file,
-                                 ProgressMeter& progress, const std::stop_token& stop) {
+                                 const ProgressSink& progress, const std::stop_token& stop) {
     Numbered tree = number(root, input.grid);
     if (auto done = Finisher(root, input, file).finishInner(tree, progress, stop); !done)
         return tl::unexpected(done.error());
     joinCones(tree);
-    progress.finish();
 
     BuiltOctree built;
     for (const BuildNode* node : tree.order) built.sampleHashes.push_back(node->sampleHash);
@@ -198,7 +203,8 @@ Expected<BuiltOctree> finishTree(BuildNode& root, const OctreeInput& input, Clou
     built.samples.resize(last.firstSample + last.sampleCount);
     tbb::parallel_for(std::size_t(0), tree.order.size(), [&](std::size_t i) {
         auto& own = tree.order[i]->content.samples;
-        std::copy(own.begin(), own.end(), built.samples.begin() + std::ptrdiff_t(built.nodes[i].node.firstSample));
+        std::copy(own.begin(), own.end(),
+                  built.samples.begin() + std::ptrdiff_t(built.nodes[i].node.firstSample));
         own = {};
     });
     return built;

@@ -1,14 +1,16 @@
-// The last step of building: nodes get their numbers, inner nodes their surfels, everything its normal cone; inner
-// samples go to the file, or all samples side by side in memory. Pipeline: filled tree → **finish** → octree.
+// The last step of building: nodes get their numbers, inner nodes their surfels, everything its normal cone;
+// inner samples go to the file, or all samples side by side in memory. Pipeline: filled tree → **finish** →
+// octree.
 #pragma once
 
 #include "renderer/cloud/octree_builder.hpp"
 
 namespace scancast {
 
-/// Breadth first. Leaves are in the file already, where there is one. Errors: the file's and the workspace's; Cancelled.
+/// Breadth first. Leaves are in the file already, where there is one. Errors: the file's and the workspace's;
+/// Cancelled.
 Expected<BuiltOctree> finishTree(BuildNode& root, const OctreeInput& input, CloudFileWriter* file,
-                                 ProgressMeter& progress, const std::stop_token& stop);
+                                 const ProgressSink& progress, const std::stop_token& stop);
 
 /// Around the samples' own normals.
 NormalCone coneOfSamples(std::span<const Sample> samples);

@@ -56,20 +56,23 @@ std::optional<std::uint64_t> freeBytes(const fs::path& folder) {
 }
 
 bool sameDisk(const fs::path& a, const fs::path& b) {
-    struct statvfs first {}, second {};
-    return ::statvfs(a.c_str(), &first) == 0 && ::statvfs(b.c_str(), &second) == 0 && first.f_fsid == second.f_fsid;
+    struct statvfs first {
+    }, second{};
+    return ::statvfs(a.c_str(), &first) == 0 && ::statvfs(b.c_str(), &second) == 0 &&
+           first.f_fsid == second.f_fsid;
 }
 
 Expected<void> checkRoom(const fs::path& folder, std::uint64_t needed, std::string_view what) {
     const auto there = freeBytes(folder);
     if (!there || *there >= needed) return {};
-    return fail(ErrorCode::ResourceLimit,
-                fmt::format("{} needs about {} in {}, where {} are free; free some space or choose another folder.",
-                            what, gigabytes(needed), folder.string(), gigabytes(*there)));
+    return fail(
+        ErrorCode::ResourceLimit,
+        fmt::format("{} needs about {} in {}, where {} are free; free some space or choose another folder.",
+                    what, gigabytes(needed), folder.string(), gigabytes(*there)));
 }
 
-/// Refuses before reading what could not be finished. Estimates from above: a point is 22 bytes in the file at most,
-/// and waits in at most 28 bytes (staged and divided, minus what has been given back meanwhile).
+/// Refuses before reading what could not be finished. Estimates from above: a point is 22 bytes in the file
+/// at most, and waits in at most 28 bytes (staged and divided, minus what has been given back meanwhile).
 Expected<void> checkDisk(const DiskNeeds& needs, const fs::path& outputFolder, const fs::path& scratch) {
     if (sameDisk(outputFolder, scratch))
         return checkRoom(outputFolder, needs.file + needs.scratch, "The cloud file with its temporary files");
@@ -93,7 +96,8 @@ Expected<IngestReport> build(std::vector<std::unique_ptr<PointSource>> sources, 
     auto source = manyScans(std::move(sources));
     if (!source) return tl::unexpected(source.error());
 
-    const fs::path outputFolder = options.output.has_parent_path() ? options.output.parent_path() : fs::path(".");
+    const fs::path outputFolder =
+        options.output.has_parent_path() ? options.output.parent_path() : fs::path(".");
     const fs::path scratch = options.scratch.empty() ? outputFolder : options.scratch;
     const int threads = options.threads > 0 ? options.threads : int(std::thread::hardware_concurrency());
     const MemoryPlan memory = planMemory(*limit, threads, options.shape);
@@ -105,15 +109,16 @@ Expected<IngestReport> build(std::vector<std::unique_ptr<PointSource>> sources, 
     Workspace workspace(memory.workspace, scratch);
     auto built = buildFrom(
         **source, options.shape,
-        {.workspace = workspace, .file = file->get(), .threads = options.threads, .lanes = memory.lanes}, progress,
-        stop);
+        {.workspace = workspace, .file = file->get(), .threads = options.threads, .lanes = memory.lanes},
+        progress, stop);
     if (!built) return tl::unexpected(built.error());
     IngestReport report;
     report.facts = std::move(built->facts);
     report.facts.title = options.title.empty() ? options.output.stem().string() : options.title;
     report.facts.mirrors = options.mirrors;
     report.facts.revision = revisionOf(report.facts, built->octree);
-    if (auto done = (*file)->finish(report.facts, built->octree.nodes); !done) return tl::unexpected(done.error());
+    if (auto done = (*file)->finish(report.facts, built->octree.nodes); !done)
+        return tl::unexpected(done.error());
 
     const Node& last = built->octree.nodes.back().node;
     report.nodes = built->octree.nodes.size();
@@ -133,7 +138,8 @@ std::optional<DiskNeeds> diskNeeds(const ScanHeader& header, const IngestOptions
     const std::uint64_t inMemory = planMemory(limit, threads, options.shape).workspace;
     const std::uint64_t row = rowBytes(header.columns);
     const std::uint64_t waiting = *header.points * (std::max(stagedBytes, chunkBytes) + 4 + row);
-    return DiskNeeds{.file = *header.points * (fileBytes + row), .scratch = waiting > inMemory ? waiting - inMemory : 0};
+    return DiskNeeds{.file = *header.points * (fileBytes + row),
+                     .scratch = waiting > inMemory ? waiting - inMemory : 0};
 }
 
 Expected<IngestReport> ingest(std::vector<std::unique_ptr<PointSource>> sources, const IngestOptions& options,
@@ -141,7 +147,8 @@ Expected<IngestReport> ingest(std::vector<std::unique_ptr<PointSource>> sources,
     try {
         return build(std::move(sources), options, progress, stop);
     } catch (const std::bad_alloc&) {
-        return fail(ErrorCode::ResourceLimit, "The machine has not enough memory; give a smaller --memory-limit.");
+        return fail(ErrorCode::ResourceLimit,
+                    "The machine has not enough memory; give a smaller --memory-limit.");
     } catch (const std::exception& e) {
         return fail(ErrorCode::Internal, fmt::format("The cloud could not be built: {}.", e.what()));
     }

@@ -1,10 +1,11 @@
 // From scans to a cloud file, out of core: `scancast ingest` without the command line.
-// Pipeline: import → staging → chunks → octree builder → **cloud file**. Called on any thread; uses a TBB arena of its
-// own.
+// Pipeline: import → staging → chunks → octree builder → **cloud file**. Called on any thread; uses a TBB
+// arena of its own.
 //
-// Memory stays within IngestOptions::memoryLimit however large the cloud; what does not fit waits in unnamed temporary
-// files, which vanish with the process, whatever ends it. The file's bytes depend on the points and on the options that
-// shape the octree alone: neither on threads, nor on the memory limit, nor on the order of the points.
+// Memory stays within IngestOptions::memoryLimit however large the cloud; what does not fit waits in unnamed
+// temporary files, which vanish with the process, whatever ends it. The file's bytes depend on the points and
+// on the options that shape the octree alone: neither on threads, nor on the memory limit, nor on the order
+// of the points.
 #pragma once
 
 #include <cstdint>
@@ -47,9 +48,10 @@ struct DiskNeeds {
 /// Nothing where the scan does not say how many points it has.
 std::optional<DiskNeeds> diskNeeds(const ScanHeader& header, const IngestOptions& options);
 
-/// Reads all sources, one after the other, into one cloud. Errors: the sources' own; Empty; InvalidArgument (limit too
-/// small, sources in different coordinate systems); ResourceLimit (disk too full: refused before reading where the
-/// sources say how many points they have); Io; Cancelled. No output file is left by any of them.
+/// Reads all sources, one after the other, into one cloud. Errors: the sources' own; Empty; InvalidArgument
+/// (limit too small, sources in different coordinate systems); ResourceLimit (disk too full: refused before
+/// reading where the sources say how many points they have); Io; Cancelled. No output file is left by any of
+/// them.
 Expected<IngestReport> ingest(std::vector<std::unique_ptr<PointSource>> sources, const IngestOptions& options,
                               const ProgressSink& progress = {}, std::stop_token stop = {});
 

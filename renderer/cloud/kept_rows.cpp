@@ -17,7 +17,10 @@ int compare(const BuildPoint& a, const BuildPoint& b) {
 }  // namespace
 
 KeptRows::KeptRows(std::span<const BuildPoint> points, std::span<const std::byte> rows, std::size_t rowBytes)
-    : points_(points.begin(), points.end()), rows_(rows.begin(), rows.end()), rowBytes_(rowBytes), order_(points.size()) {
+    : points_(points.begin(), points.end()),
+      rows_(rows.begin(), rows.end()),
+      rowBytes_(rowBytes),
+      order_(points.size()) {
     static_assert(std::has_unique_object_representations_v<BuildPoint>);
     std::iota(order_.begin(), order_.end(), 0u);
     tbb::parallel_sort(order_.begin(), order_.end(), [&](std::uint32_t a, std::uint32_t b) {
@@ -32,9 +35,9 @@ std::vector<std::byte> KeptRows::rowsOf(std::span<const BuildPoint> leaf) const 
     auto next = order_.end();
     for (std::size_t i = 0; i < leaf.size(); ++i) {
         if (i == 0 || compare(leaf[i], leaf[i - 1]) != 0)
-            next = std::lower_bound(order_.begin(), order_.end(), leaf[i], [&](std::uint32_t a, const BuildPoint& p) {
-                return compare(points_[a], p) < 0;
-            });
+            next = std::lower_bound(
+                order_.begin(), order_.end(), leaf[i],
+                [&](std::uint32_t a, const BuildPoint& p) { return compare(points_[a], p) < 0; });
         const auto found = row(*next++);
         out.insert(out.end(), found.begin(), found.end());
     }

@@ -1,6 +1,6 @@
-// Rows of kept columns, brought into the order that the octree gives the points. Points of a chunk are told apart by
-// what they are; among equal ones, rows stand in the order of their bytes, so that the result does not depend on the
-// order in which points were read.
+// Rows of kept columns, brought into the order that the octree gives the points. Points of a chunk are told
+// apart by what they are; among equal ones, rows stand in the order of their bytes, so that the result does
+// not depend on the order in which points were read.
 #pragma once
 
 #include <cstddef>
@@ -16,7 +16,8 @@ class KeptRows {
     /// One row of rowBytes per point. Copies both: the builder reorders points in place.
     KeptRows(std::span<const BuildPoint> points, std::span<const std::byte> rows, std::size_t rowBytes);
 
-    /// The rows of a leaf's points, in their order. Equal points must stand together, and all of them be there.
+    /// The rows of a leaf's points, in their order. Equal points must stand together, and all of them be
+    /// there.
     std::vector<std::byte> rowsOf(std::span<const BuildPoint> leaf) const;
 
   private:

@@ -127,11 +127,12 @@ Expected<std::unique_ptr<PointSource>> manyScans(std::vector<std::unique_ptr<Poi
     for (std::size_t a = 0; a < sources.size(); ++a)
         for (std::size_t b = 0; b < a; ++b)
             if (contradict(sources[a]->header(), sources[b]->header()))
-                return fail(ErrorCode::InvalidArgument,
-                            fmt::format("The scans use different coordinate reference systems (number {}: {}; number "
-                                        "{}: {}); bring them into one first.",
-                                        b + 1, describeCrs(sources[b]->header()), a + 1,
-                                        describeCrs(sources[a]->header())));
+                return fail(
+                    ErrorCode::InvalidArgument,
+                    fmt::format("The scans use different coordinate reference systems (number {}: {}; number "
+                                "{}: {}); bring them into one first.",
+                                b + 1, describeCrs(sources[b]->header()), a + 1,
+                                describeCrs(sources[a]->header())));
     return std::make_unique<ManyScans>(std::move(sources));
 }
 

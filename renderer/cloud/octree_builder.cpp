@@ -31,12 +31,12 @@ struct Work {
     Expected<void> result;
 };
 
-/// One run of the builder: chunk after chunk becomes a subtree, several at once; what is finished leaves in the order
-/// of the tree.
+/// One run of the builder: chunk after chunk becomes a subtree, several at once; what is finished leaves in
+/// the order of the tree.
 class TreeBuilder {
   public:
-    TreeBuilder(const OctreeInput& input, Workspace& workspace, CloudFileWriter* file, ProgressMeter& progress,
-                const std::stop_token& stop)
+    TreeBuilder(const OctreeInput& input, Workspace& workspace, CloudFileWriter* file,
+                ProgressMeter& progress, const std::stop_token& stop)
         : input_(input), workspace_(workspace), file_(file), progress_(progress), stop_(stop) {}
 
     Expected<void> run(std::vector<Chunk> chunks, int lanes) {
@@ -46,7 +46,8 @@ class TreeBuilder {
             std::size_t(std::max(lanes, 1)),
             tbb::make_filter<void, Work*>(tbb::filter_mode::serial_in_order,
                                           [&](tbb::flow_control& control) -> Work* {
-                                              if (next == chunks.size() || failed_ || stop_.stop_requested()) {
+                                              if (next == chunks.size() || failed_ ||
+                                                  stop_.stop_requested()) {
                                                   control.stop();
                                                   return nullptr;
                                               }
@@ -66,7 +67,8 @@ class TreeBuilder {
                     if (result) result = settle(*work);
                     if (!result) failed_ = true;
                 }));
-        if (result && stop_.stop_requested()) return fail(ErrorCode::Cancelled, "Building the cloud was abandoned.");
+        if (result && stop_.stop_requested())
+            return fail(ErrorCode::Cancelled, "Building the cloud was abandoned.");
         return result;
     }
 
@@ -97,13 +99,14 @@ class TreeBuilder {
             std::vector<std::byte> haloSpace;
             const auto halo = chunk.haloBytes.view(haloSpace);
             if (!halo) return tl::unexpected(halo.error());
-            addLeafSurfels(root,
-                           std::span(reinterpret_cast<const BuildPoint*>(halo->data()), std::size_t(chunk.halo)),
-                           input_);
+            addLeafSurfels(
+                root, std::span(reinterpret_cast<const BuildPoint*>(halo->data()), std::size_t(chunk.halo)),
+                input_);
         }
         chunk.haloBytes.clear();
         chunk.rowBytes.clear();
-        tbb::parallel_for(std::size_t(0), leaves.size(), [&](std::size_t i) { finishLeaf(*leaves[i], work.blocks[i]); });
+        tbb::parallel_for(std::size_t(0), leaves.size(),
+                          [&](std::size_t i) { finishLeaf(*leaves[i], work.blocks[i]); });
         fillBelow(root, input_);
         return {};
     }
@@ -115,7 +118,8 @@ class TreeBuilder {
             return {};
         }
         work.loaded.resize(chunk.points);
-        if (auto read = chunk.pointBytes.read(0, std::as_writable_bytes(std::span(work.loaded))); !read) return read;
+        if (auto read = chunk.pointBytes.read(0, std::as_writable_bytes(std::span(work.loaded))); !read)
+            return read;
         chunk.pointBytes.clear();
         chunk.root->points = work.loaded;
         return {};
@@ -203,13 +207,16 @@ class TreeBuilder {
 
 }  // namespace
 
-Expected<BuiltOctree> buildOctree(BuildNode& root, std::vector<Chunk> chunks, const OctreeInput& input, int lanes,
-                                  Workspace& workspace, CloudFileWriter* file, OctreeStages stages,
-                                  const std::stop_token& stop) {
-    TreeBuilder builder(input, workspace, file, stages.building, stop);
+Expected<BuiltOctree> buildOctree(BuildNode& root, std::vector<Chunk> chunks, const OctreeInput& input,
+                                  int lanes, Workspace& workspace, CloudFileWriter* file,
+                                  const ProgressSink& progress, const std::stop_token& stop) {
+    std::uint64_t points = 0;
+    for (const Chunk& chunk : chunks) points += chunk.points;
+    ProgressMeter building(progress, "building", points);
+    TreeBuilder builder(input, workspace, file, building, stop);
     if (auto built = builder.run(std::move(chunks), lanes); !built) return tl::unexpected(built.error());
-    stages.building.finish();
-    return finishTree(root, input, file, stages.finishing, stop);
+    building.finish();
+    return finishTree(root, input, file, progress, stop);
 }
 
 }  // namespace scancast

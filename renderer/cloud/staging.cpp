@@ -150,8 +150,9 @@ void learnColumns(const PointBatch& batch, std::span<const Column> columns, Stag
     for (std::size_t c = 0; c < columns.size(); ++c) {
         auto& [low, high] = scan.columnRanges[c];
         for (std::size_t i = 0; i < batch.size(); ++i) {
-            const double v = columns[c].offset +
-                             columns[c].scale * numberAt(batch.rows.data() + i * stride + at, columns[c].type);
+            const double v =
+                columns[c].offset +
+                columns[c].scale * numberAt(batch.rows.data() + i * stride + at, columns[c].type);
             if (v < low) low = v;  // NaN is in no range
             if (v > high) high = v;
         }
@@ -258,8 +259,8 @@ void placeOnGrid(const StagedBatch& batch, std::span<const std::byte> bytes, con
     const auto* own = reinterpret_cast<const OwnPosition*>(bytes.data());
     const auto* single = reinterpret_cast<const glm::vec3*>(bytes.data());
     const auto* full = reinterpret_cast<const glm::dvec3*>(bytes.data());
-    const auto* rest = reinterpret_cast<const StagedBatch::Rest*>(bytes.data() +
-                                                                  batch.points * bytesOf(batch.positions));
+    const auto* rest =
+        reinterpret_cast<const StagedBatch::Rest*>(bytes.data() + batch.points * bytesOf(batch.positions));
     for (std::size_t i = 0; i < batch.points; ++i) {
         BuildPoint& p = out[i];
         p.intensity = rest[i].intensity;
@@ -275,7 +276,8 @@ void placeOnGrid(const StagedBatch& batch, std::span<const std::byte> bytes, con
             const glm::dvec3 q(own[i][0], own[i][1], own[i][2]);
             p.setPosition(onGrid(header.gridOrigin + header.gridStep * q, grid));
         } else {
-            p.setPosition(onGrid(batch.positions == Positions::Single ? glm::dvec3(single[i]) : full[i], grid));
+            p.setPosition(
+                onGrid(batch.positions == Positions::Single ? glm::dvec3(single[i]) : full[i], grid));
         }
     }
 }

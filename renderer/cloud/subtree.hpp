@@ -10,8 +10,8 @@ namespace scancast {
 /// Splits a node's points into leaves and finishes those, but for surfels.
 void grow(BuildNode& node, const OctreeInput& input);
 
-/// Estimates the surfels of all leaves below a chunk's root; `halo` are points of other chunks nearby. Puts them into
-/// samples, and the normals into the points, so that they are averaged.
+/// Estimates the surfels of all leaves below a chunk's root; `halo` are points of other chunks nearby. Puts
+/// them into samples, and the normals into the points, so that they are averaged.
 void addLeafSurfels(BuildNode& root, std::span<const BuildPoint> halo, const OctreeInput& input);
 
 /// Fills the inner nodes below and including this one, children first.

@@ -18,13 +18,15 @@ namespace {
 Error diskError(int number, const std::filesystem::path& folder, const char* what) {
     if (number == ENOSPC || number == EDQUOT || number == EFBIG)
         return {ErrorCode::ResourceLimit,
-                fmt::format("The disk of the temporary folder {} is full; free some space, or choose another folder "
-                            "with --scratch.",
-                            folder.string()),
+                fmt::format(
+                    "The disk of the temporary folder {} is full; free some space, or choose another folder "
+                    "with --scratch.",
+                    folder.string()),
                 {}};
-    return {ErrorCode::Io,
-            fmt::format("A temporary file in {} cannot be {}: {}.", folder.string(), what, std::strerror(number)),
-            {}};
+    return {
+        ErrorCode::Io,
+        fmt::format("A temporary file in {} cannot be {}: {}.", folder.string(), what, std::strerror(number)),
+        {}};
 }
 
 }  // namespace
@@ -82,7 +84,8 @@ class Scratch {
 };
 
 Workspace::Workspace(std::uint64_t memory, std::filesystem::path folder)
-    : left_(static_cast<std::int64_t>(std::min<std::uint64_t>(memory, std::numeric_limits<std::int64_t>::max()))),
+    : left_(static_cast<std::int64_t>(
+          std::min<std::uint64_t>(memory, std::numeric_limits<std::int64_t>::max()))),
       folder_(std::move(folder)) {}
 
 Workspace::~Workspace() = default;
@@ -114,11 +117,14 @@ Expected<Workspace::Buffer> Workspace::allocate(std::uint64_t bytes) {
     }
     buffer.place_ = (*file)->reserve(bytes);
     const std::uint64_t now = onDisk_ += bytes;
-    for (std::uint64_t most = mostOnDisk_; now > most && !mostOnDisk_.compare_exchange_weak(most, now);) {}
+    for (std::uint64_t most = mostOnDisk_; now > most && !mostOnDisk_.compare_exchange_weak(most, now);) {
+    }
     return buffer;
 }
 
-Workspace::Buffer::Buffer(Buffer&& other) noexcept { *this = std::move(other); }
+Workspace::Buffer::Buffer(Buffer&& other) noexcept {
+    *this = std::move(other);
+}
 
 Workspace::Buffer& Workspace::Buffer::operator=(Buffer&& other) noexcept {
     if (this == &other) return *this;
@@ -130,7 +136,9 @@ Workspace::Buffer& Workspace::Buffer::operator=(Buffer&& other) noexcept {
     return *this;
 }
 
-Workspace::Buffer::~Buffer() { clear(); }
+Workspace::Buffer::~Buffer() {
+    clear();
+}
 
 void Workspace::Buffer::clear() {
     if (!home_) return;

@@ -1,7 +1,8 @@
-// Room for what a build sets aside: in memory while there is some left, then in an unnamed temporary file, which
-// vanishes with the process, whatever ends it. Used by staging, chunks and inner samples.
+// Room for what a build sets aside: in memory while there is some left, then in an unnamed temporary file,
+// which vanishes with the process, whatever ends it. Used by staging, chunks and inner samples.
 //
-// *Thread safety*: a Workspace and its Buffers may be used from any thread; writes to one buffer must not overlap.
+// *Thread safety*: a Workspace and its Buffers may be used from any thread; writes to one buffer must not
+// overlap.
 #pragma once
 
 #include <atomic>
@@ -24,7 +25,8 @@ class Workspace {
   public:
     static constexpr std::uint64_t unlimited = std::numeric_limits<std::uint64_t>::max();
 
-    /// `memory`: bytes that buffers may hold in memory; the temporary file is made in `folder` when they need more.
+    /// `memory`: bytes that buffers may hold in memory; the temporary file is made in `folder` when they need
+    /// more.
     Workspace(std::uint64_t memory, std::filesystem::path folder);
     ~Workspace();
     Workspace(const Workspace&) = delete;

@@ -40,7 +40,8 @@ glm::dvec3 positionOf(const Sample& s, const NodeContent& content) {
 }  // namespace
 
 Expected<void> addInnerSurfels(const BuildNode& node, std::span<const float> reaches, const BuildNode& root,
-                               const OctreeInput& input, const SamplesOf& samplesOf, std::span<Sample> samples) {
+                               const OctreeInput& input, const SamplesOf& samplesOf,
+                               std::span<Sample> samples) {
     const NodeContent& content = node.content;
     std::vector<glm::vec3> offsets;
     for (const Sample& s : samples) offsets.emplace_back(positionOf(s, content) - content.bounds.low);

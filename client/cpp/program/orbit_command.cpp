@@ -5,6 +5,7 @@
 #include <chrono>
 #include <cstdio>
 #include <filesystem>
+#include <vector>
 
 #include "client/cpp/orbit_path.hpp"
 #include "client/cpp/program/command.hpp"
@@ -106,21 +107,27 @@ Expected<void> run(const OrbitFlags& flags) {
     if (!stream) return tl::unexpected(stream.error());
 
     Progress progress(flags.frames, flags.quiet);
-    const auto begin = std::chrono::steady_clock::now();
+    using Clock = std::chrono::steady_clock;
+    std::vector<double> milliseconds;
+    const auto begin = Clock::now();
     for (int i = 0; i < flags.frames; ++i) {
         const auto seq = static_cast<std::uint64_t>(i) + 1;
+        const auto asked = Clock::now();
         auto view = start->view;
         view.camera = orbitedCamera(start->view.camera, start->center, start->axis, 360.0 * i / flags.frames);
         if (auto sent = stream->sendView(seq, view); !sent) return sent;
         const auto frame = frameOf(*stream, seq, flags.moving);
         if (!frame) return tl::unexpected(frame.error());
+        milliseconds.push_back(std::chrono::duration<double, std::milli>(Clock::now() - asked).count());
         if (auto written = writeFile(fileName(flags, i + 1), frame->jpeg); !written) return written;
         progress.step(i + 1);
     }
-    const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - begin;
+    const std::chrono::duration<double> seconds = Clock::now() - begin;
     if (auto closed = stream->close(); !closed) return closed;
-    std::printf("%d frames of %s in %.2f s: %.1f frames/s, %dx%d, in %s\n", flags.frames, cloud->id.c_str(),
-                seconds.count(), flags.frames / seconds.count(), start->view.width, start->view.height,
+    std::sort(milliseconds.begin(), milliseconds.end());
+    std::printf("%d frames of %s in %.2f s: %.1f frames/s, median %.1f ms, slowest %.1f ms, %dx%d, in %s\n",
+                flags.frames, cloud->id.c_str(), seconds.count(), flags.frames / seconds.count(),
+                milliseconds[milliseconds.size() / 2], milliseconds.back(), start->view.width, start->view.height,
                 flags.output.c_str());
     return {};
 }

@@ -40,7 +40,9 @@ while [ $# -gt 0 ]; do
 done
 
 ensure_packages build
-build release --target scancast scancast-client scancast-import-pcl
+[ "$install" = no ] || npm_modules importers/laz ||
+    say "NOTE: npm could not install laz-perf: LAZ and Potree cannot be read until (cd importers/laz && npm ci --ignore-scripts) works."
+build release --target scancast scancast-client scancast-import-pcl scancast-import-laz
 [ "$build_only" = no ] || exit 0
 
 bin=$root/build/release/bin

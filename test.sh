@@ -36,8 +36,8 @@ while [ $# -gt 0 ]; do
 done
 
 ensure_packages build test
-(cd "$root/tests/browser" && as_caller npm ci --ignore-scripts --no-audit --no-fund --loglevel=error >&2) ||
-    die "npm could not install what the browser tests need"
+npm_modules importers/laz || die "npm could not install what reads LAZ and Potree"
+npm_modules tests/browser || die "npm could not install what the browser tests need"
 
 [ -d "$root/../shared/data" ] || say "NOTE: ../shared/data is missing: tests on real scans will be skipped."
 

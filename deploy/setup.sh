@@ -63,6 +63,13 @@ ensure_packages() {
             apt-get install -y -qq --no-install-recommends $missing >&2; } || die "installing packages failed"
 }
 
+# npm_modules FOLDER: installs what FOLDER/package-lock.json lists, unless that is there already.
+npm_modules() {
+    local folder=$root/$1
+    [ ! "$folder/node_modules/.package-lock.json" -nt "$folder/package-lock.json" ] || return 0
+    (cd "$folder" && as_caller npm ci --ignore-scripts --no-audit --no-fund --loglevel=error >&2)
+}
+
 # Compilers that see Boost.Beast or PCL want about 2 GB each.
 build_jobs() {
     local cores gigabytes

@@ -12,6 +12,7 @@ namespace {
 
 // Offsets in the public header block, ASPRS LAS 1.4 R15, table 3.
 enum At : std::size_t {
+    atEncoding = 6,
     atMajor = 24,
     atMinor = 25,
     atHeaderSize = 94,
@@ -47,8 +48,7 @@ Expected<void> checkPointFormat(int format, const std::string& name) {
         return fail(
             ErrorCode::Unsupported,
             name +
-                " is LAZ (compressed LAS): LAZ comes with a later release; decompress it to LAS first, "
-                "for example with \"laszip -i scan.laz -o scan.las\"");
+                " is LAZ (compressed LAS), which is read from files only: save it to a file and open that");
     if (format <= 10) return {};
     return fail(ErrorCode::Unsupported, name + ", byte 104: point format " + std::to_string(format) +
                                             " is not known here; point formats 0 to 10 are");
@@ -124,6 +124,7 @@ Expected<LasHeader> parseLasHeader(std::span<const std::byte> bytes, const std::
                              std::to_string(least));
     if (auto ok = readGrid(data, name, header); !ok) return tl::unexpected(ok.error());
 
+    header.adjustedTime = (loadLe<std::uint16_t>(data + atEncoding) & 1) != 0;
     header.vlrs = loadLe<std::uint32_t>(data + atVlrCount);
     header.points = loadLe<std::uint32_t>(data + atLegacyPoints);
     if (header.minorVersion >= 4) {

@@ -19,6 +19,7 @@ namespace scancast {
 namespace {
 
 const ImporterProgram pclImporter{.name = "scancast-import-pcl"};
+const ImporterProgram lazImporter{.name = "scancast-import-laz", .memory = ImporterProgram::Memory::Data};
 
 Expected<UniqueFd> openRegularFile(const std::string& name) {
     // O_NONBLOCK: opening a named pipe without a writer must not hang; for regular files it means nothing.
@@ -73,20 +74,19 @@ Expected<std::unique_ptr<PointSource>> openScan(const std::filesystem::path& fil
     const auto identified = identifyScan(std::span(start).first(*got), extension);
     switch (identified.format) {
         case ScanFormat::Las: {
-            auto source = LasSource::create(std::move(*bytes), name);
+            auto source = LasSource::create(std::move(*bytes), name, options.keepAttributes);
             if (!source) return tl::unexpected(source.error());
             return std::unique_ptr<PointSource>(std::move(*source));
         }
+        case ScanFormat::Laz:
+            return opened(ImporterSource::create(lazImporter, file, *(*bytes)->size(), options));
         case ScanFormat::Ply:
-        case ScanFormat::Pcd: {
-            auto source = ImporterSource::create(pclImporter, file, *(*bytes)->size(), options);
-            if (!source) return tl::unexpected(source.error());
-            return std::unique_ptr<PointSource>(std::move(*source));
-        }
+        case ScanFormat::Pcd:
+            return opened(ImporterSource::create(pclImporter, file, *(*bytes)->size(), options));
         case ScanFormat::Text:
-            return opened(TextSource::create(
-                std::move(*bytes), name,
-                {.pts = extension == ".pts", .keepAttributes = options.keepAttributes}));
+            return opened(
+                TextSource::create(std::move(*bytes), name,
+                                   {.pts = extension == ".pts", .keepAttributes = options.keepAttributes}));
         case ScanFormat::Ptx:
             return opened(PtxSource::create(std::move(*bytes), name));
         case ScanFormat::Unknown:

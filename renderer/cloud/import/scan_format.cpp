@@ -92,6 +92,12 @@ Identified identifyText(std::string_view start, std::string_view extension) {
             "it is text, but not of points (most of its first lines have no three numbers)"};
 }
 
+/// LASzip marks a compressed file by the two highest bits of the point format.
+bool isLaz(std::string_view start) {
+    constexpr std::size_t atPointFormat = 104;
+    return start.size() > atPointFormat && (static_cast<unsigned char>(start[atPointFormat]) & 0xc0) != 0;
+}
+
 std::string firstBytes(std::string_view start) {
     std::string text = "its content is not that of a point cloud (it starts with the bytes";
     for (const char c : start.substr(0, 4)) {
@@ -105,13 +111,14 @@ std::string firstBytes(std::string_view start) {
 }  // namespace
 
 std::string_view readableFormats() {
-    return "Scancast reads LAS 1.0-1.4 (uncompressed), PLY (ascii and binary), PCD (ascii, binary and "
+    return "Scancast reads LAS and LAZ 1.0-1.4 (COPC included), PLY (ascii and binary), PCD (ascii, binary "
+           "and "
            "binary_compressed) and text (XYZ, TXT, CSV, PTS, PTX)";
 }
 
 Identified identifyScan(std::span<const std::byte> bytes, std::string_view extension) {
     const std::string_view start(reinterpret_cast<const char*>(bytes.data()), bytes.size());
-    if (start.starts_with("LASF")) return {ScanFormat::Las, {}};
+    if (start.starts_with("LASF")) return {isLaz(start) ? ScanFormat::Laz : ScanFormat::Las, {}};
     if (isPly(start)) return {ScanFormat::Ply, {}};
     for (const auto& signature : known)
         if (start.starts_with(signature.bytes))

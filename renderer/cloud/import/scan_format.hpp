@@ -16,6 +16,7 @@ inline constexpr std::size_t identifyBytes = 4096;
 enum class ScanFormat : std::uint8_t {
     Unknown,
     Las,
+    Laz,  ///< compressed LAS, COPC included
     Ply,
     Pcd,
     Text,  ///< lines of points: XYZ, TXT, CSV, PTS

@@ -235,7 +235,7 @@ TEST(LasSource, RefusesWhatMakesPointsDoubtful) {
     expectError(changed(25, std::uint8_t(5)), ErrorCode::Unsupported, "LAS version 1.5");
     expectError(changed(24, std::uint8_t(2)), ErrorCode::Unsupported, "LAS version 2.2");
     expectError(changed(104, std::uint8_t(11)), ErrorCode::Unsupported, "point format 11");
-    expectError(changed(104, std::uint8_t(0x83)), ErrorCode::Unsupported, "LAZ comes with a later release");
+    expectError(changed(104, std::uint8_t(0x83)), ErrorCode::Unsupported, "LAZ (compressed LAS), which is read from files only");
     expectError(changed(107, std::uint32_t(0)), ErrorCode::Empty, "without points");
     const auto beyond = readAll(changed(96, std::uint32_t(4000000000)));
     ASSERT_FALSE(beyond);

@@ -43,6 +43,30 @@ ImportOptions options() {
     return {.importerDirectory = SCANCAST_BIN_DIR};
 }
 
+/// All points of a scan, one behind the other: sources cut them into batches as they like.
+PointBatch allPoints(PointSource& source) {
+    PointBatch all, batch;
+    const auto append = [](auto& to, const auto& from) { to.insert(to.end(), from.begin(), from.end()); };
+    while (source.read(batch).value_or(false)) {
+        append(all.position, batch.position);
+        append(all.color, batch.color);
+        append(all.intensity, batch.intensity);
+        append(all.classification, batch.classification);
+        append(all.normal, batch.normal);
+    }
+    return all;
+}
+
+void expectSamePoints(PointSource& one, PointSource& other) {
+    const auto a = allPoints(one);
+    const auto b = allPoints(other);
+    EXPECT_GT(a.size(), 0U);
+    EXPECT_TRUE(a.position == b.position);
+    EXPECT_TRUE(a.color == b.color);
+    EXPECT_TRUE(a.intensity == b.intensity);
+    EXPECT_TRUE(a.classification == b.classification);
+}
+
 }  // namespace
 
 TEST_P(RealScans, GiveWhatIsInThem) {
@@ -107,6 +131,22 @@ TEST(RealScansAgree, AutzenAsLasAndAsPcd) {
     EXPECT_EQ(las->first.color, pcd->first.color);
     for (std::size_t i = 0; i < las->first.size(); ++i)
         for (int k = 0; k < 3; ++k) EXPECT_NEAR(las->first.position[i][k], pcd->first.position[i][k], 1e-6);
+}
+
+// Compression loses nothing: every column of every point, and what the header says of the grid.
+TEST(RealScansAgree, LasAndLaz) {
+    for (const auto& [laz, las] : {std::pair("laz/autzen_trim.laz", "las/autzen_trim.las"),
+                                   {"laz/pdrf2-color.laz", "las/las12-pdrf2-color.las"},
+                                   {"laz/pdrf8-1.4.laz", "las/pdrf8-1.4.las"}}) {
+        REQUIRE_TEST_DATA(laz);
+        REQUIRE_TEST_DATA(las);
+        auto one = openScan(testData(laz), options());
+        auto other = openScan(testData(las), options());
+        ASSERT_TRUE(one && other);
+        EXPECT_EQ((*one)->header().gridStep, (*other)->header().gridStep) << laz;
+        EXPECT_EQ((*one)->header().gridOrigin, (*other)->header().gridOrigin) << laz;
+        expectSamePoints(**one, **other);
+    }
 }
 
 TEST(RealScansAgree, GuanyinInBothByteOrders) {

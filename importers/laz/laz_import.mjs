@@ -1,0 +1,74 @@
+// A LAZ file to the point stream: header, records, chunk table, colours, then every chunk through the workers.
+import { grouped, unsupported } from './failure.mjs';
+import { FileBytes } from './file_bytes.mjs';
+import { colorDepth, lasColumns } from './las_columns.mjs';
+import { longestHeader, parseLasHeader } from './las_header.mjs';
+import { readRecords } from './las_records.mjs';
+import { parseLaszipRecord } from './laszip_record.mjs';
+import { readChunks } from './chunk_table.mjs';
+import { WorkerPool } from './worker_pool.mjs';
+
+// Places across the file where a first look at the colours is taken; any 16-bit file is found out by it.
+const firstLooks = 16;
+const firstLookPoints = 256;
+
+const workerUrl = new URL('./decode_worker.mjs', import.meta.url);
+
+/// All that is known of a LAZ file before a point is decoded: { las, records, chunks }.
+export function openLaz(path, options) {
+  const file = new FileBytes(path);
+  try {
+    const las = parseLasHeader(file.readSome(0, longestHeader), options);
+    if (!las.compressed) throw unsupported('byte 104: it is LAS, not LAZ; Scancast reads that without this program');
+    const records = readRecords(file, las);
+    const { chunkPoints } = parseLaszipRecord(records.laszip, las);
+    return { las, records, chunks: readChunks(file, las, chunkPoints) };
+  } finally {
+    file.close();
+  }
+}
+
+const what = (chunk) => `the chunk of ${grouped(chunk.points)} points at byte ${grouped(chunk.at)}`;
+
+/// `pieces`: [{ path, las, chunk }]. The same rule as for LAS: 8 bits only if no number in the whole scan is above 255.
+export async function judgeColors(pool, pieces) {
+  if (!pieces.some(({ las }) => lasColumns(las).color)) return colorDepth.unknown;
+  const looks = (chosen, most) => chosen.map((piece) => ({ kind: 'look', what: what(piece.chunk), most, ...piece }));
+  let depth = colorDepth.unknown;
+  const take = (piece) => {
+    depth = Math.max(depth, piece.depth);
+    return depth !== colorDepth.sixteenBits;
+  };
+  const step = Math.max(1, Math.floor(pieces.length / firstLooks));
+  await pool.run(looks(pieces.filter((_, i) => i % step === 0), firstLookPoints), take);
+  if (depth !== colorDepth.sixteenBits) await pool.run(looks(pieces, Infinity), take);
+  return depth;
+}
+
+/// Decodes the pieces in their order into `writer`.
+export function writePieces(pool, pieces, depth, writer) {
+  const jobs = pieces.map((piece) => ({ kind: 'decode', what: what(piece.chunk), depth, ...piece }));
+  return pool.run(jobs, (part) => writer.chunk(part.buffer, part.points, part.dropped));
+}
+
+export async function importLaz(path, writer) {
+  const { las, records, chunks } = openLaz(path);
+  const pieces = chunks.map((chunk) => ({ path, las, chunk }));
+  const pool = new WorkerPool(workerUrl, pieces.length);
+  try {
+    const depth = await judgeColors(pool, pieces);
+    writer.header({
+      format: `LAZ 1.${las.minor}, point format ${las.pointFormat}`,
+      points: las.points,
+      columns: lasColumns(las),
+      bounds: las.bounds,
+      gridStep: las.scale,
+      gridOrigin: las.offset,
+      wkt: records.wkt,
+      epsg: records.epsg,
+    });
+    await writePieces(pool, pieces, depth, writer);
+  } finally {
+    await pool.close();
+  }
+}

@@ -9,9 +9,10 @@
 
 namespace {
 
-void read(std::span<const std::byte> bytes, bool seekable) {
+void read(std::span<const std::byte> bytes, bool seekable, bool keepAttributes) {
     using namespace scancast;
-    auto source = LasSource::create(std::make_unique<MemoryByteSource>(bytes, seekable), "fuzz.las");
+    auto source =
+        LasSource::create(std::make_unique<MemoryByteSource>(bytes, seekable), "fuzz.las", keepAttributes);
     if (!source) {
         if (source.error().message.empty()) std::abort();
         return;
@@ -26,6 +27,8 @@ void read(std::span<const std::byte> bytes, bool seekable) {
             if (!std::isfinite(p.x + p.y + p.z) &&
                 !(std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z)))
                 std::abort();
+        if (batch.rows.size() % batch.size() != 0) std::abort();
+        if (batch.rows.size() < batch.size() * (*source)->header().columns.size()) std::abort();
         points += batch.size();
         // A record has at least 20 bytes: more points than that cannot be in there.
         if (points * 20 > bytes.size()) std::abort();
@@ -37,7 +40,7 @@ void read(std::span<const std::byte> bytes, bool seekable) {
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
     const auto bytes = std::as_bytes(std::span(data, size));
     (void)scancast::identifyScan(bytes.first(std::min(size, scancast::identifyBytes)), ".las");
-    read(bytes, true);
-    read(bytes, false);
+    read(bytes, true, true);
+    read(bytes, false, false);
     return 0;
 }

@@ -1,8 +1,6 @@
 #include "renderer/cloud/import/las_crs.hpp"
 
 #include <algorithm>
-#include <cstring>
-#include <string_view>
 
 #include "renderer/cloud/import/bytes.hpp"
 #include "renderer/cloud/import/printable_text.hpp"
@@ -11,7 +9,6 @@ namespace scancast {
 
 namespace {
 
-constexpr std::size_t vlrHeaderBytes = 54;
 constexpr int wktRecord = 2112;
 constexpr int geoKeyRecord = 34735;
 constexpr std::uint16_t projectedKey = 3072;
@@ -36,11 +33,6 @@ std::optional<int> geoKey(std::span<const std::byte> directory, std::uint16_t wa
 
 }  // namespace
 
-bool isProjection(std::span<const std::byte> userId) {
-    constexpr std::string_view wanted("LASF_Projection\0", 16);
-    return userId.size() >= wanted.size() && std::memcmp(userId.data(), wanted.data(), wanted.size()) == 0;
-}
-
 void readProjectionRecord(int recordId, std::span<const std::byte> content, LasCrs& crs) {
     if (recordId == wktRecord && crs.wkt.empty() && content.size() <= longestCrsWkt)
         crs.wkt =
@@ -48,20 +40,6 @@ void readProjectionRecord(int recordId, std::span<const std::byte> content, LasC
     if (recordId == geoKeyRecord && !crs.epsg) {
         crs.epsg = geoKey(content, projectedKey);
         if (!crs.epsg) crs.epsg = geoKey(content, geographicKey);
-    }
-}
-
-void readVlrs(std::span<const std::byte> bytes, std::uint64_t count, LasCrs& crs) {
-    for (std::uint64_t i = 0; i < count && bytes.size() >= vlrHeaderBytes; ++i) {
-        // reserved (2), user id (16), record id (2), length after this header (2), description (32)
-        const int recordId = loadLe<std::uint16_t>(bytes.data() + 18);
-        const std::size_t length = loadLe<std::uint16_t>(bytes.data() + 20);
-        const bool projection = isProjection(bytes.subspan(2, 16));
-        bytes = bytes.subspan(vlrHeaderBytes);
-        if (length > bytes.size())
-            return;  // runs into the points: its length is wrong, and so is all that follows
-        if (projection) readProjectionRecord(recordId, bytes.first(length), crs);
-        bytes = bytes.subspan(length);
     }
 }
 

@@ -19,14 +19,7 @@ struct LasCrs {
 /// Longest WKT that is taken over; longer ones are not CRS descriptions.
 inline constexpr std::size_t longestCrsWkt = 65536;
 
-/// Reads the records of `bytes`, the part of the file between header and points, into `crs`. `count` as
-/// declared.
-void readVlrs(std::span<const std::byte> bytes, std::uint64_t count, LasCrs& crs);
-
 /// One record's content, by its number within the user id "LASF_Projection". Keeps what `crs` has already.
 void readProjectionRecord(int recordId, std::span<const std::byte> content, LasCrs& crs);
-
-/// True for the 16-byte user id field of the records that describe the CRS.
-bool isProjection(std::span<const std::byte> userId);
 
 }  // namespace scancast

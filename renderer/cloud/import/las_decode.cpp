@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 
 #include "renderer/cloud/import/bytes.hpp"
 
@@ -41,6 +42,18 @@ void keep(Column& column, const std::vector<std::uint8_t>& good) {
     column.resize(to);
 }
 
+void keepRows(std::vector<std::byte>& rows, const std::vector<std::uint8_t>& good) {
+    if (rows.empty()) return;
+    const auto bytes = rows.size() / good.size();
+    std::size_t to = 0;
+    for (std::size_t from = 0; from < good.size(); ++from) {
+        if (!good[from]) continue;
+        std::memmove(rows.data() + to, rows.data() + from * bytes, bytes);
+        to += bytes;
+    }
+    rows.resize(to);
+}
+
 }  // namespace
 
 void decodeLasRecords(std::span<const std::byte> records, const LasHeader& header, LasColorDepth depth,
@@ -54,6 +67,7 @@ void decodeLasRecords(std::span<const std::byte> records, const LasHeader& heade
     batch.classification.resize(count);
     batch.color.resize(layout.color >= 0 ? count : 0);
     batch.normal.clear();
+    batch.rows.clear();
     for (std::size_t first = 0; first < count; first += blockRecords) {
         const auto n = std::min(blockRecords, count - first);
         const auto* record = records.data() + first * stride;
@@ -98,6 +112,7 @@ std::uint64_t dropNonFinite(PointBatch& batch) {
     keep(batch.intensity, good);
     keep(batch.classification, good);
     keep(batch.normal, good);
+    keepRows(batch.rows, good);
     return good.size() - kept;
 }
 

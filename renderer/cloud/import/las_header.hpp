@@ -27,6 +27,7 @@ struct LasHeader {
     std::uint64_t pointOffset = 0;  ///< first byte of the first point record
     std::uint32_t recordBytes = 0;  ///< ≥ what the point format needs; the rest are extra bytes
     std::uint64_t points = 0;
+    bool adjustedTime = false;     ///< GPS times are standard time less 1e9, else seconds of the week
     std::uint32_t vlrs = 0;        ///< as declared: a hint
     std::uint64_t evlrOffset = 0;  ///< 0 = none
     std::uint32_t evlrs = 0;

@@ -5,7 +5,6 @@
 #include <limits>
 
 #include "renderer/cloud/import/bytes.hpp"
-#include "renderer/cloud/import/las_crs.hpp"
 #include "renderer/cloud/import/printable_text.hpp"
 
 namespace scancast {
@@ -33,7 +32,7 @@ LasSource::LasSource(std::unique_ptr<ByteSource> bytes, std::string name, LasHea
 }
 
 Expected<std::unique_ptr<LasSource>> LasSource::create(std::unique_ptr<ByteSource> bytes, std::string name,
-                                                       [[maybe_unused]] bool keepAttributes) {
+                                                       bool keepAttributes) {
     std::array<std::byte, lasHeaderBytes> start{};
     const auto got = readFully(*bytes, start);
     if (!got) return tl::unexpected(got.error());
@@ -41,6 +40,7 @@ Expected<std::unique_ptr<LasSource>> LasSource::create(std::unique_ptr<ByteSourc
     if (!header) return tl::unexpected(header.error());
 
     std::unique_ptr<LasSource> source(new LasSource(std::move(bytes), std::move(name), *header));
+    source->keepAttributes_ = keepAttributes;
     if (auto ok = source->checkExtent(); !ok) return tl::unexpected(ok.error());
     // A header of LAS 1.0-1.3 is shorter than what was read: the rest belongs to the variable length records.
     if (source->bytes_->size()) {
@@ -53,13 +53,13 @@ Expected<std::unique_ptr<LasSource>> LasSource::create(std::unique_ptr<ByteSourc
         source->buffer_.assign(start.begin(), start.begin() + static_cast<std::ptrdiff_t>(*got));
         if (auto ok = source->readToPoints(*got); !ok) return tl::unexpected(ok.error());
     }
+    source->understandRecords();
     return source;
 }
 
 /// Reads what lies between header and points. A file was positioned at the end of its header; of a pipe, `at`
 /// bytes were read and stand in the buffer, and they may reach into the points.
 Expected<void> LasSource::readToPoints(std::uint64_t at) {
-    LasCrs crs;
     std::vector<std::byte> early;
     std::vector<std::byte> records;
     if (!buffer_.empty()) {
@@ -83,9 +83,7 @@ Expected<void> LasSource::readToPoints(std::uint64_t at) {
                            piece.begin() + static_cast<std::ptrdiff_t>(want));
         at += want;
     }
-    readVlrs(records, las_.vlrs, crs);
-    scan_.crsWkt = std::move(crs.wkt);
-    scan_.crsEpsg = crs.epsg;
+    readVlrs(records, las_.vlrs, vlrs_);
     buffer_ = std::move(early);
     return {};
 }
@@ -113,11 +111,11 @@ Expected<void> LasSource::checkExtent() {
     return {};
 }
 
-/// LAS 1.4 may keep its CRS behind the points. Like all records: whatever is wrong with it harms no point.
+/// LAS 1.4 may keep its records behind the points. Like all records: whatever is wrong with it harms no
+/// point.
 Expected<void> LasSource::readEvlrs() {
     const auto size = *bytes_->size();
     auto at = las_.evlrOffset;
-    LasCrs crs{scan_.crsWkt, scan_.crsEpsg};
     for (std::uint32_t i = 0; i < std::min(las_.evlrs, mostEvlrs) && at >= pointsEnd() && at < size; ++i) {
         std::array<std::byte, evlrHeaderBytes> head{};
         const auto got = bytes_->readAt(at, head);
@@ -127,17 +125,26 @@ Expected<void> LasSource::readEvlrs() {
         const auto length = loadLe<std::uint64_t>(head.data() + 20);
         at += head.size();
         if (length > size - at) break;
-        if (isProjection(std::span(head).subspan(2, 16)) && length <= longestCrsWkt) {
+        const auto userId = std::span<const std::byte>(head).subspan(2, 16);
+        const int recordId = loadLe<std::uint16_t>(head.data() + 18);
+        if (isWantedVlr(userId, recordId) && length <= longestVlr) {
             std::vector<std::byte> content(length);
             const auto read = bytes_->readAt(at, content);
             if (!read) return tl::unexpected(read.error());
-            if (*read == length) readProjectionRecord(loadLe<std::uint16_t>(head.data() + 18), content, crs);
+            if (*read == length) readVlr(userId, recordId, content, vlrs_);
         }
         at += length;
     }
-    scan_.crsWkt = std::move(crs.wkt);
-    scan_.crsEpsg = crs.epsg;
     return {};
+}
+
+/// Once all records are read.
+void LasSource::understandRecords() {
+    scan_.crsWkt = std::move(vlrs_.crs.wkt);
+    scan_.crsEpsg = vlrs_.crs.epsg;
+    if (!keepAttributes_) return;
+    columns_ = lasColumns(las_, vlrs_.extraBytes);
+    for (const auto& column : columns_) scan_.columns.push_back(column.column);
 }
 
 /// 8-bit colours in 16-bit fields: exact, because the whole file is looked at - until the first number above
@@ -206,6 +213,7 @@ Expected<bool> LasSource::read(PointBatch& batch) {
         }
         if (auto ok = judgeBatchColors(buffer_); !ok) return tl::unexpected(ok.error());
         decodeLasRecords(buffer_, las_, depth_, batch);
+        if (keepAttributes_) decodeLasColumns(buffer_, las_.recordBytes, columns_, batch.rows);
         done_ += count;
         if (!alwaysFinite_) dropped_ += dropNonFinite(batch);
         if (batch.size() > 0) return true;

@@ -10,8 +10,10 @@
 #include <vector>
 
 #include "renderer/cloud/import/byte_source.hpp"
+#include "renderer/cloud/import/las_columns.hpp"
 #include "renderer/cloud/import/las_decode.hpp"
 #include "renderer/cloud/import/las_header.hpp"
+#include "renderer/cloud/import/las_vlrs.hpp"
 #include "renderer/cloud/point_batch.hpp"
 
 namespace scancast {
@@ -34,6 +36,7 @@ class LasSource final : public PointSource {
     Expected<void> readToPoints(std::uint64_t at);
     Expected<void> checkExtent();
     Expected<void> readEvlrs();
+    void understandRecords();
     Expected<void> judgeColors();
     Expected<void> judgeBatchColors(std::span<const std::byte> records);
     std::uint64_t pointsEnd() const { return las_.pointOffset + las_.points * las_.recordBytes; }
@@ -43,6 +46,9 @@ class LasSource final : public PointSource {
     std::string name_;
     LasHeader las_;
     ScanHeader scan_;
+    LasVlrs vlrs_;
+    bool keepAttributes_ = false;
+    std::vector<LasColumn> columns_;  ///< that are kept
     LasColorDepth depth_ = LasColorDepth::Unknown;
     bool depthIsCertain_ = false;  ///< the whole file was looked at
     bool alwaysFinite_ = false;    ///< no record can overflow to infinity

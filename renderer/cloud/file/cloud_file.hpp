@@ -9,6 +9,7 @@
 #include <filesystem>
 #include <memory>
 #include <span>
+#include <string_view>
 #include <vector>
 
 #include "renderer/cloud/cloud.hpp"
@@ -16,16 +17,23 @@
 
 namespace scancast {
 
+class RandomReader;
+
 class CloudFile {
   public:
     /// Errors name the file, the offset and the reason: NotFound, Io, Unsupported (not a cloud file, another
     /// version), Truncated, Malformed.
     static Expected<std::shared_ptr<const CloudFile>> open(const std::filesystem::path& path);
+    /// The same over any bytes. `name` is what path() says and messages call it.
+    static Expected<std::shared_ptr<const CloudFile>> open(std::unique_ptr<RandomReader> reader,
+                                                           const std::filesystem::path& name);
     virtual ~CloudFile() = default;
 
     virtual const std::filesystem::path& path() const = 0;
     virtual std::uint64_t bytes() const = 0;  ///< size on disk
     virtual const CloudFacts& facts() const = 0;
+    /// Program and version that wrote it: "scancast 0.1.0".
+    virtual std::string_view writtenBy() const { return {}; }
     virtual std::span<const StoredNode> nodes() const = 0;
     /// One node's samples. Errors: Malformed or Truncated, naming node and place; Io.
     virtual Expected<std::vector<Sample>> samples(std::uint32_t node) const = 0;

@@ -1,0 +1,230 @@
+#include "renderer/cloud/file/cloud_file_writer.hpp"
+
+#include <fcntl.h>
+#include <spdlog/fmt/fmt.h>
+#include <sys/file.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <system_error>
+
+#include "renderer/cloud/file/facts_json.hpp"
+#include "renderer/cloud/file/file_layout.hpp"
+#include "renderer/cloud/file/node_index.hpp"
+#include "renderer/cloud/file/random_reader.hpp"
+#include "renderer/cloud/import/unique_fd.hpp"
+
+namespace scancast {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+std::string reason(int error) {
+    return std::generic_category().message(error);
+}
+
+bool isFull(int error) {
+    return error == ENOSPC || error == EDQUOT || error == EFBIG;
+}
+
+class Writer final : public CloudFileWriter {
+  public:
+    Writer(UniqueFd fd, fs::path path, fs::path partial)
+        : fd_(std::move(fd)), path_(std::move(path)), partial_(std::move(partial)) {}
+    ~Writer() override {
+        // Still locked: whoever waits for this name takes over an inode that has none, notices, and starts
+        // anew.
+        if (!finished_) ::unlink(partial_.c_str());
+    }
+
+    Expected<void> begin() {
+        // Zeros: what looks at the file before finish() sees no magic.
+        const std::array<std::byte, cloudHeaderBytes> nothing{};
+        return write(nothing);
+    }
+
+    Expected<BlockPlace> append(std::span<const std::byte> block) override {
+        if (block.size() > std::numeric_limits<std::uint32_t>::max())
+            return fail(ErrorCode::ResourceLimit,
+                        "a node is too large for a cloud file: its block has 4 GiB or more");
+        if (block.empty()) return BlockPlace{};
+        const BlockPlace place{written_, std::uint32_t(block.size()), checksumOf(block)};
+        if (auto done = write(block); !done) return tl::unexpected(done.error());
+        return place;
+    }
+
+    Expected<std::vector<std::byte>> readBack(const BlockPlace& place) const override {
+        std::vector<std::byte> block(place.bytes);
+        const auto got = readFullyAt(fd_.get(), place.offset, block, partial_);
+        if (!got) return tl::unexpected(got.error());
+        if (*got < block.size() || (!block.empty() && checksumOf(block) != place.checksum))
+            return fail(ErrorCode::Io,
+                        fmt::format("{}, byte {}: what was written there a moment ago reads back "
+                                    "differently; is the disk failing, or something else writing?",
+                                    partial_.string(), place.offset));
+        return block;
+    }
+
+    std::uint64_t bytesWritten() const override { return written_; }
+
+    Expected<void> finish(const CloudFacts& facts, std::span<const StoredNode> nodes) override {
+        // A file that open() would refuse is not worth finishing; a fault of the builder shows here.
+        if (nodes.size() > noNode - 1)
+            return fail(ErrorCode::ResourceLimit, "the cloud has too many nodes for a cloud file");
+        if (auto sound = checkNodes(nodes, facts, written_); !sound)
+            return fail(ErrorCode::Internal, path_.string() + " was not written: " + sound.error().message);
+        const auto json = printFacts(facts, programName());
+        if (!json)
+            return fail(json.error().code, path_.string() + " was not written: " + json.error().message);
+
+        CloudFileHeader header;
+        header.nodes = std::uint32_t(nodes.size());
+        header.index.offset = written_;
+        auto checksum = writeIndex(nodes);
+        if (!checksum) return tl::unexpected(checksum.error());
+        header.index.checksum = *checksum;
+        const auto text = std::as_bytes(std::span(*json));
+        header.factsOffset = written_;
+        header.factsBytes = text.size();
+        header.factsChecksum = checksumOf(text);
+        if (auto done = write(text); !done) return done;
+        header.fileBytes = written_;
+        return publish(header);
+    }
+
+  private:
+    Expected<std::uint64_t> writeIndex(std::span<const StoredNode> nodes) {
+        std::vector<std::byte> index(nodes.size() * nodeRecordBytes);
+        for (std::size_t i = 0; i < nodes.size(); ++i)
+            encodeNode(nodes[i], std::span(index).subspan(i * nodeRecordBytes).first<nodeRecordBytes>());
+        if (auto done = write(index); !done) return tl::unexpected(done.error());
+        return checksumOf(index);
+    }
+
+    /// Everything is on disk before the header says so, and the header before the name does.
+    Expected<void> publish(const CloudFileHeader& header) {
+        if (auto done = sync(fd_.get()); !done) return done;
+        if (auto done = writeAt(0, encodeHeader(header)); !done) return done;
+        if (auto done = sync(fd_.get()); !done) return done;
+        if (::rename(partial_.c_str(), path_.c_str()) != 0)
+            return fail(ErrorCode::Io,
+                        fmt::format("{}: cannot get its name: {}", path_.string(), reason(errno)));
+        finished_ = true;
+        const fs::path folder = path_.has_parent_path() ? path_.parent_path() : fs::path(".");
+        const UniqueFd entry(::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
+        // Folders that cannot be opened or synced (some network file systems) have no more to give.
+        if (entry) (void)::fsync(entry.get());
+        return {};
+    }
+
+    Expected<void> sync(int fd) {
+        while (::fsync(fd) != 0)
+            if (errno != EINTR) return failedToWrite(errno);
+        return {};
+    }
+
+    Expected<void> write(std::span<const std::byte> bytes) {
+        if (auto done = writeAt(written_, bytes); !done) return done;
+        written_ += bytes.size();
+        return {};
+    }
+
+    Expected<void> writeAt(std::uint64_t offset, std::span<const std::byte> bytes) {
+        constexpr std::size_t largestTransfer = std::size_t(1) << 30;
+        while (!bytes.empty()) {
+            const auto put = ::pwrite(fd_.get(), bytes.data(), std::min(bytes.size(), largestTransfer),
+                                      static_cast<off_t>(offset));
+            if (put < 0 && errno == EINTR) continue;
+            if (put <= 0) return failedToWrite(put < 0 ? errno : ENOSPC);
+            offset += static_cast<std::uint64_t>(put);
+            bytes = bytes.subspan(static_cast<std::size_t>(put));
+        }
+        return {};
+    }
+
+    tl::unexpected<Error> failedToWrite(int error) const {
+        if (isFull(error))
+            return fail(
+                ErrorCode::ResourceLimit,
+                fmt::format("{}: there is no more room for it after {} bytes ({}); free some space or choose "
+                            "another place. Nothing of it is left",
+                            path_.string(), written_, reason(error)));
+        return fail(ErrorCode::Io, fmt::format("{}: cannot be written after {} bytes: {}", path_.string(),
+                                               written_, reason(error)));
+    }
+
+    const UniqueFd fd_;
+    const fs::path path_, partial_;
+    std::uint64_t written_ = 0;
+    bool finished_ = false;
+};
+
+/// Renaming would replace whatever has the name: only a file may be replaced.
+Expected<void> checkTarget(const fs::path& path) {
+    struct stat info {};
+    if (!path.has_filename())
+        return fail(ErrorCode::InvalidArgument,
+                    fmt::format("'{}' names no file; give one, for example cloud.scan", path.string()));
+    if (::stat(path.c_str(), &info) == 0 && !S_ISREG(info.st_mode))
+        return fail(ErrorCode::InvalidArgument,
+                    path.string() +
+                        ": there is a folder or a device of this name; give another, for example cloud.scan");
+    return {};
+}
+
+/// Whether `fd` still is what the name leads to: it may have been renamed or removed before the lock was
+/// ours.
+bool isStillNamed(int fd, const fs::path& name) {
+    struct stat opened {
+    }, named{};
+    return ::fstat(fd, &opened) == 0 && ::stat(name.c_str(), &named) == 0 && opened.st_dev == named.st_dev &&
+           opened.st_ino == named.st_ino;
+}
+
+Expected<UniqueFd> openLocked(const fs::path& partial) {
+    constexpr int attempts = 16;
+    for (int i = 0; i < attempts; ++i) {
+        UniqueFd fd(::open(partial.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK, 0666));
+        if (!fd && errno == ENOENT)
+            return fail(ErrorCode::NotFound,
+                        fmt::format("{}: the folder is not there; make it first", partial.string()));
+        if (!fd && isFull(errno))
+            return fail(ErrorCode::ResourceLimit,
+                        fmt::format("{}: there is no room for it: {}", partial.string(), reason(errno)));
+        if (!fd)
+            return fail(ErrorCode::Io,
+                        fmt::format("{}: cannot be created: {}", partial.string(), reason(errno)));
+        if (::flock(fd.get(), LOCK_EX | LOCK_NB) != 0) {
+            if (errno == EWOULDBLOCK)
+                return fail(ErrorCode::InvalidArgument,
+                            partial.string() +
+                                ": another run is writing this file; wait for it, or give another name");
+            return fail(ErrorCode::Io,
+                        fmt::format("{}: cannot be locked: {}", partial.string(), reason(errno)));
+        }
+        if (!isStillNamed(fd.get(), partial)) continue;
+        if (::ftruncate(fd.get(), 0) != 0)
+            return fail(ErrorCode::Io,
+                        fmt::format("{}: cannot be written: {}", partial.string(), reason(errno)));
+        return fd;
+    }
+    return fail(ErrorCode::Io, partial.string() + ": other runs keep taking this name away");
+}
+
+}  // namespace
+
+Expected<std::unique_ptr<CloudFileWriter>> CloudFileWriter::create(const fs::path& path) {
+    if (auto possible = checkTarget(path); !possible) return tl::unexpected(possible.error());
+    fs::path partial = path;
+    partial += ".partial";
+    auto fd = openLocked(partial);
+    if (!fd) return tl::unexpected(fd.error());
+    auto writer = std::make_unique<Writer>(std::move(*fd), path, std::move(partial));
+    if (auto begun = writer->begin(); !begun) return tl::unexpected(begun.error());
+    return writer;
+}
+
+}  // namespace scancast

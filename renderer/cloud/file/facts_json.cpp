@@ -1,0 +1,281 @@
+#include "renderer/cloud/file/facts_json.hpp"
+
+#include <spdlog/fmt/fmt.h>
+
+#include <charconv>
+#include <cmath>
+#include <glm/geometric.hpp>
+
+#include "protocol/json_text.hpp"
+
+namespace scancast {
+
+namespace {
+
+using Json = nlohmann::json;
+
+constexpr std::size_t mostColumns = 1024, mostRowBytes = 65536, mostMirrors = 1024, longestText = 65536;
+constexpr ColumnType lastColumnType = ColumnType::Float64;
+
+Json vectorJson(const glm::dvec3& v) {
+    return Json::array({v.x, v.y, v.z});
+}
+
+/// A column without a single number has no range; that must not make hours of work unreadable.
+Json rangeJson(const std::array<double, 2>& range) {
+    if (std::isfinite(range[0]) && std::isfinite(range[1]) && range[0] <= range[1]) return range;
+    return Json::array({0.0, 0.0});
+}
+
+Json columnJson(const KeptColumn& kept) {
+    const Column& c = kept.column;
+    return {{"name", c.name},     {"type", name(c.type)},         {"scale", c.scale},
+            {"offset", c.offset}, {"description", c.description}, {"range", rangeJson(kept.range)}};
+}
+
+Json mirrorJson(const Mirror& m) {
+    return {{"center", vectorJson(m.center)},
+            {"normal", vectorJson(m.normal)},
+            {"up", vectorJson(m.up)},
+            {"width", m.width},
+            {"height", m.height},
+            {"tint", m.tint}};
+}
+
+Json factsJson(const CloudFacts& f, std::string_view writtenBy) {
+    Json classes = Json::object();
+    for (std::size_t c = 0; c < f.classCounts.size(); ++c)
+        if (f.classCounts[c] > 0) classes[std::to_string(c)] = f.classCounts[c];
+    Json columns = Json::array(), mirrors = Json::array();
+    for (const KeptColumn& column : f.columns) columns.push_back(columnJson(column));
+    for (const Mirror& mirror : f.mirrors) mirrors.push_back(mirrorJson(mirror));
+    Json json{{"writtenBy", writtenBy},
+              {"title", f.title},
+              {"format", f.format},
+              {"origin", vectorJson(f.origin)},
+              {"bounds", {vectorJson(f.bounds[0]), vectorJson(f.bounds[1])}},
+              {"points", f.points},
+              {"droppedPoints", f.droppedPoints},
+              {"attributes",
+               {{"color", f.attributes.color},
+                {"intensity", f.attributes.intensity},
+                {"classification", f.attributes.classification},
+                {"normal", f.attributes.normal}}},
+              {"intensityRange", f.intensityRange},
+              {"classCounts", classes},
+              {"crsWkt", f.crsWkt},
+              {"spacing", f.spacing},
+              {"surfels", f.surfels},
+              {"oriented", f.oriented},
+              {"columns", columns},
+              {"mirrors", mirrors},
+              {"revision", f.revision}};
+    if (f.crsEpsg) json["crsEpsg"] = *f.crsEpsg;
+    return json;
+}
+
+/// Takes fields out of an object and remembers the first that is not as it must be.
+class Fields {
+  public:
+    Fields(const Json& object, std::string where, std::string& fault)
+        : object_(object), where_(std::move(where)), fault_(fault) {
+        if (!object.is_object()) blame(where_, "is not an object");
+    }
+
+    void text(const char* key, std::string& into, std::size_t longest = longestText) {
+        const Json* value = find(key);
+        if (!value) return;
+        if (!value->is_string() || value->get_ref<const std::string&>().size() > longest)
+            return blame(key, "is not a text, or too long a one");
+        into = value->get<std::string>();
+    }
+    void flag(const char* key, bool& into) {
+        if (const Json* value = find(key))
+            value->is_boolean() ? void(into = value->get<bool>()) : blame(key, "is not true or false");
+    }
+    template <class T>
+    void whole(const char* key, T& into, std::uint64_t largest = std::numeric_limits<T>::max()) {
+        if (const Json* value = find(key)) whole(*value, key, into, largest);
+    }
+    template <class T>
+    void whole(const Json& value, const std::string& key, T& into, std::uint64_t largest) {
+        if (!value.is_number_unsigned() || value.get<std::uint64_t>() > largest)
+            return blame(key, "is not a whole number in its range");
+        into = T(value.get<std::uint64_t>());
+    }
+    void number(const char* key, double& into) {
+        if (const Json* value = find(key)) number(*value, key, into);
+    }
+    void vector(const char* key, glm::dvec3& into) {
+        if (const Json* value = list(key, 3))
+            for (int a = 0; a < 3; ++a) number((*value)[std::size_t(a)], key, into[a]);
+    }
+    void unitVector(const char* key, glm::dvec3& into) {
+        vector(key, into);
+        if (!(std::abs(glm::length(into) - 1) <= 1e-6)) blame(key, "is not of unit length");
+    }
+    void bounds(const char* key, std::array<glm::dvec3, 2>& into) {
+        const Json* value = list(key, 2);
+        if (!value) return;
+        for (std::size_t end = 0; end < 2; ++end) {
+            const Json& corner = (*value)[end];
+            if (!corner.is_array() || corner.size() != 3) return blame(key, "is not two corners");
+            for (int a = 0; a < 3; ++a) number(corner[std::size_t(a)], key, into[end][a]);
+        }
+        for (int a = 0; a < 3; ++a)
+            if (!(into[0][a] <= into[1][a])) blame(key, "is inside out");
+    }
+    void range(const char* key, std::array<double, 2>& into) {
+        const Json* value = list(key, 2);
+        if (!value) return;
+        for (std::size_t end = 0; end < 2; ++end) number((*value)[end], key, into[end]);
+        if (into[0] > into[1]) blame(key, "is upside down");
+    }
+    template <class T, std::size_t N>
+    void wholes(const char* key, std::array<T, N>& into) {
+        if (const Json* value = list(key, N))
+            for (std::size_t i = 0; i < N; ++i)
+                whole((*value)[i], key, into[i], std::numeric_limits<T>::max());
+    }
+    /// `size` = noSize: any number of members up to `most`.
+    const Json* list(const char* key, std::size_t size, std::size_t most = 0) {
+        const Json* value = find(key);
+        if (!value) return nullptr;
+        if (value->is_array() && (size != noSize ? value->size() == size : value->size() <= most))
+            return value;
+        blame(key, "is not a list of the right length");
+        return nullptr;
+    }
+    const Json* find(const char* key) {
+        if (!object_.is_object()) return nullptr;
+        const auto found = object_.find(key);
+        if (found != object_.end()) return &*found;
+        blame(key, "is missing");
+        return nullptr;
+    }
+    bool has(const char* key) const { return object_.is_object() && object_.contains(key); }
+    void blame(const std::string& key, const char* what) {
+        if (fault_.empty()) fault_ = fmt::format("\"{}{}\" {}", where_, key, what);
+    }
+    std::string& fault() { return fault_; }
+    std::string member(const char* key) const { return where_ + key + "."; }
+
+    static constexpr std::size_t noSize = std::size_t(-1);
+
+  private:
+    void number(const Json& value, const std::string& key, double& into) {
+        if (!value.is_number() || !std::isfinite(value.get<double>())) return blame(key, "is not a number");
+        into = value.get<double>();
+    }
+
+    const Json& object_;
+    std::string where_;
+    std::string& fault_;
+};
+
+void takeColumn(Fields fields, KeptColumn& into) {
+    std::string type;
+    fields.text("name", into.column.name);
+    fields.text("type", type);
+    fields.number("scale", into.column.scale);
+    fields.number("offset", into.column.offset);
+    fields.text("description", into.column.description);
+    fields.range("range", into.range);
+    for (int t = 0; t <= int(lastColumnType); ++t)
+        if (name(ColumnType(t)) == type) return void(into.column.type = ColumnType(t));
+    fields.blame("type", "is none that there is");
+}
+
+void takeMirror(Fields fields, Mirror& into) {
+    fields.vector("center", into.center);
+    fields.unitVector("normal", into.normal);
+    fields.unitVector("up", into.up);
+    fields.number("width", into.width);
+    fields.number("height", into.height);
+    fields.wholes("tint", into.tint);
+    if (!(into.width > 0 && into.height > 0)) fields.blame("width", "or \"height\" is not positive");
+}
+
+void takeClassCounts(Fields& fields, std::array<std::uint64_t, 256>& into) {
+    const Json* classes = fields.find("classCounts");
+    if (!classes) return;
+    if (!classes->is_object()) return fields.blame("classCounts", "is not an object");
+    for (const auto& [key, count] : classes->items()) {
+        unsigned number = 0;
+        const auto [end, problem] = std::from_chars(key.data(), key.data() + key.size(), number);
+        if (problem != std::errc() || end != key.data() + key.size() || number >= into.size())
+            return fields.blame("classCounts", "names a class that there is not");
+        fields.whole(count, "classCounts", into[number], std::numeric_limits<std::uint64_t>::max());
+    }
+}
+
+void takeAttributes(Fields fields, Attributes& into) {
+    fields.flag("color", into.color);
+    fields.flag("intensity", into.intensity);
+    fields.flag("classification", into.classification);
+    fields.flag("normal", into.normal);
+}
+
+void takeLists(Fields& fields, CloudFacts& facts) {
+    if (const Json* columns = fields.list("columns", Fields::noSize, mostColumns)) {
+        std::size_t bytes = 0;
+        for (const Json& column : *columns) {
+            takeColumn({column, fields.member("columns"), fields.fault()}, facts.columns.emplace_back());
+            bytes += bytesOf(facts.columns.back().column.type);
+        }
+        if (bytes > mostRowBytes) fields.blame("columns", "are too many");
+    }
+    if (const Json* mirrors = fields.list("mirrors", Fields::noSize, mostMirrors))
+        for (const Json& mirror : *mirrors)
+            takeMirror({mirror, fields.member("mirrors"), fields.fault()}, facts.mirrors.emplace_back());
+}
+
+void takeAll(Fields fields, StoredFacts& into) {
+    CloudFacts& f = into.facts;
+    fields.text("writtenBy", into.writtenBy);
+    fields.text("title", f.title);
+    fields.text("format", f.format);
+    fields.vector("origin", f.origin);
+    fields.bounds("bounds", f.bounds);
+    fields.whole("points", f.points);
+    fields.whole("droppedPoints", f.droppedPoints);
+    if (const Json* attributes = fields.find("attributes"))
+        takeAttributes({*attributes, fields.member("attributes"), fields.fault()}, f.attributes);
+    fields.wholes("intensityRange", f.intensityRange);
+    takeClassCounts(fields, f.classCounts);
+    fields.text("crsWkt", f.crsWkt, longestFacts);
+    if (fields.has("crsEpsg")) fields.whole("crsEpsg", f.crsEpsg.emplace(), std::numeric_limits<int>::max());
+    fields.number("spacing", f.spacing);
+    if (!(f.spacing >= 0)) fields.blame("spacing", "is negative");
+    fields.flag("surfels", f.surfels);
+    fields.flag("oriented", f.oriented);
+    takeLists(fields, f);
+    fields.text("revision", f.revision);
+}
+
+}  // namespace
+
+std::string_view programName() {
+    return "scancast " SCANCAST_VERSION;
+}
+
+Expected<std::string> printFacts(const CloudFacts& facts, std::string_view writtenBy) {
+    std::string json = printJson(factsJson(facts, writtenBy));
+    if (json.size() > longestFacts)
+        return fail(ErrorCode::InvalidArgument, "the cloud's description is too long for a cloud file");
+    if (const auto readable = parseFacts(json); !readable)
+        return fail(ErrorCode::InvalidArgument, "the cloud cannot be described: " + readable.error().message);
+    return json;
+}
+
+Expected<StoredFacts> parseFacts(std::string_view json) {
+    const auto parsed = parseJson(json);
+    if (!parsed) return tl::unexpected(parsed.error());
+    StoredFacts facts;
+    std::string fault;
+    takeAll({*parsed, "", fault}, facts);
+    if (!fault.empty()) return fail(ErrorCode::Malformed, fault);
+    return facts;
+}
+
+}  // namespace scancast

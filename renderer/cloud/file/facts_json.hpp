@@ -1,0 +1,30 @@
+// What a cloud file tells of its cloud, as JSON: CloudFacts and who wrote it, exactly, in both directions.
+// Pure functions, any thread. Pipeline: builder → **facts** → cloud file → residency, info.
+#pragma once
+
+#include <string>
+#include <string_view>
+
+#include "renderer/cloud/cloud.hpp"
+
+namespace scancast {
+
+/// Longest text that is read: a cloud's facts are some kilobytes.
+inline constexpr std::size_t longestFacts = std::size_t(16) << 20;
+
+struct StoredFacts {
+    CloudFacts facts;
+    std::string writtenBy;  ///< "scancast 0.1.0"
+};
+
+/// Doubles read back exactly; texts that are no UTF-8 are made some. InvalidArgument for facts that
+/// parseFacts() would refuse, so that nothing is written which cannot be read.
+Expected<std::string> printFacts(const CloudFacts& facts, std::string_view writtenBy);
+/// Malformed, naming the field, for what is missing, of another type or impossible. Fields that are not known
+/// are passed over.
+Expected<StoredFacts> parseFacts(std::string_view json);
+
+/// "scancast 0.1.0": this program.
+std::string_view programName();
+
+}  // namespace scancast

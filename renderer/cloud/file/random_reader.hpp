@@ -1,0 +1,33 @@
+// Bytes at any offset of something with a size: a file, or memory in tests and fuzzers.
+// Pipeline: disk → **bytes** → cloud file. *Thread safety*: readAt() from any number of threads.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <span>
+
+#include "protocol/error.hpp"
+
+namespace scancast {
+
+class RandomReader {
+  public:
+    virtual ~RandomReader() = default;
+    virtual std::uint64_t size() const = 0;
+    /// Reads as many bytes as are there; fewer only where the file ends. Errors: Io.
+    virtual Expected<std::size_t> readAt(std::uint64_t offset, std::span<std::byte> into) const = 0;
+};
+
+/// A regular file. Errors: NotFound, Io; Unsupported for what is no file.
+Expected<std::unique_ptr<RandomReader>> openForReading(const std::filesystem::path& path);
+
+/// Bytes that somebody else owns and keeps.
+std::unique_ptr<RandomReader> readerOf(std::span<const std::byte> bytes);
+
+/// All bytes of `fd` from `offset`, as far as there are any. `name` is what messages call it.
+Expected<std::size_t> readFullyAt(int fd, std::uint64_t offset, std::span<std::byte> into,
+                                  const std::filesystem::path& name);
+
+}  // namespace scancast

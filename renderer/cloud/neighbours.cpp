@@ -4,9 +4,7 @@
 #include <oneapi/tbb/parallel_for.h>
 
 #include <algorithm>
-#include <cstdlib>
 #include <limits>
-#include <string_view>
 
 #include "renderer/cloud/spatial_sort.hpp"
 
@@ -41,21 +39,6 @@ void inParallel(std::size_t count, std::size_t grain, const F& f) {
 }
 
 }  // namespace
-
-const surfel::Kernels& surfelKernels() {
-    static const surfel::Kernels* const chosen = [] {
-        const char* variable = std::getenv("SCANCAST_SIMD");
-        const std::string_view forced = variable != nullptr ? variable : "";
-        const bool hasV3 = __builtin_cpu_supports("avx2") && __builtin_cpu_supports("bmi") &&
-                           __builtin_cpu_supports("bmi2") && __builtin_cpu_supports("fma");
-        const bool hasV4 = hasV3 && __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512bw") &&
-                           __builtin_cpu_supports("avx512cd") && __builtin_cpu_supports("avx512dq") &&
-                           __builtin_cpu_supports("avx512vl");
-        if (hasV4 && forced != "v3" && forced != "v2") return &surfel::v4::kernels;
-        return hasV3 && forced != "v2" ? &surfel::v3::kernels : &surfel::v2::kernels;
-    }();
-    return *chosen;
-}
 
 NeighbourIndex::NeighbourIndex(std::span<const glm::vec3> points) {
     if (points.empty()) return;

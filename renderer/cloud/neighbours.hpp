@@ -13,10 +13,6 @@
 
 namespace scancast {
 
-/// The finest compilation of the kernels that this processor knows; SCANCAST_SIMD (v2, v3, v4) forces one, as
-/// it does the cpu device's. All give the same surfels.
-const surfel::Kernels& surfelKernels();
-
 /// Positions are finite; -0 and 0 are the same. What it says depends on the set of points alone, but for the
 /// order of equal positions in pointsAt().
 class NeighbourIndex {

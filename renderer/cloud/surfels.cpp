@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "renderer/cloud/neighbours.hpp"
+#include "renderer/cloud/surfel_kernels/levels.hpp"
 
 namespace scancast {
 
@@ -19,13 +20,20 @@ constexpr float outlierFactor = 4;
 constexpr float leastRatio = 0.25f;
 constexpr std::size_t groupsPerTask = 512;
 
+/// One for each thread, for as long as it lives: kernels never wait, so nobody else uses it meanwhile.
+surfel::Workspace& workspace() {
+    thread_local const auto mine = std::make_unique<surfel::Workspace>();
+    return *mine;
+}
+
 class Estimate {
   public:
-    Estimate(std::span<const glm::vec3> points, const SurfelOptions& options, std::span<Surfel> out)
+    Estimate(std::span<const glm::vec3> points, const SurfelOptions& options, std::span<Surfel> out,
+             const surfel::Kernels& kernels)
         : out_(out),
           k_(std::clamp(options.neighbours, 1, surfel::maxNeighbours)),
           index_(points),
-          kernels_(surfelKernels()) {}
+          kernels_(kernels) {}
 
     void run() {
         if (index_.size() < 2) return std::fill(out_.begin(), out_.end(), Surfel{});
@@ -56,9 +64,8 @@ class Estimate {
     }
 
     void solve(std::size_t begin, std::size_t end) {
-        const auto workspace = std::make_unique<surfel::Workspace>();
         kernels_.solve(
-            index_.view(), index_.groups().data() + begin, std::uint32_t(end - begin), k_, *workspace,
+            index_.view(), index_.groups().data() + begin, std::uint32_t(end - begin), k_, workspace(),
             [](void* self, const surfel::Solved& s) { static_cast<Estimate*>(self)->store(s); }, this);
     }
 
@@ -83,7 +90,6 @@ class Estimate {
     /// Nobody is an outlier where no radius nearby is that much smaller; only where one is, neighbours are
     /// looked up once more.
     void markOutliers(std::size_t begin, std::size_t end) {
-        const auto workspace = std::make_unique<surfel::Workspace>();
         for (std::size_t g = begin; g < end; ++g) {
             const std::uint32_t first = index_.groups()[g], last = index_.groups()[g + 1];
             glm::vec3 low = index_.position(first), high = low;
@@ -100,7 +106,7 @@ class Estimate {
             const float least = kernels_.least(index_.view(), leafLeast_.data(), &low.x, &high.x, reach2);
             if (!(radius > outlierFactor * least)) continue;
             for (std::uint32_t p = first; p < last; ++p)
-                if (facts_[p].radius > outlierFactor * least && isWanted(p) && isOutlier(p, *workspace))
+                if (facts_[p].radius > outlierFactor * least && isWanted(p) && isOutlier(p, workspace()))
                     for (const std::uint32_t i : index_.pointsAt(p))
                         if (i < out_.size()) out_[i].outlier = true;
         }
@@ -125,8 +131,13 @@ class Estimate {
 
 }  // namespace
 
+void estimateSurfels(std::span<const glm::vec3> points, const SurfelOptions& options, std::span<Surfel> out,
+                     const surfel::Kernels& kernels) {
+    Estimate(points, options, out, kernels).run();
+}
+
 void estimateSurfels(std::span<const glm::vec3> points, const SurfelOptions& options, std::span<Surfel> out) {
-    Estimate(points, options, out).run();
+    estimateSurfels(points, options, out, surfelKernels());
 }
 
 }  // namespace scancast

@@ -183,6 +183,10 @@ void solveGroup(const Run& run, int level, const std::uint32_t* points, int coun
 void solve(const IndexView& index, const std::uint32_t* groupBegin, std::uint32_t groups, int k, Workspace& w,
            void (*emit)(void*, const Solved&), void* context) {
     const Run run{index, k, w, emit, context};
+    for (int level = 0; level < doublings; ++level) {
+        w.guess[level] = 0;
+        w.retries[level] = w.waiting[level].count = 0;
+    }
     for (std::uint32_t g = 0; g < groups; ++g) {
         std::uint32_t points[groupSize];
         int count = 0;

@@ -46,7 +46,7 @@ struct Neighbourhoods {
     int count;
 };
 
-/// Scratch memory of one task: zero it, then hand it to any number of calls.
+/// Scratch memory of a thread; holds nothing between calls.
 struct Workspace {
     float x[capacity + 16], y[capacity + 16], z[capacity + 16], squared[capacity + 16];
     float near[capacity + 16];

@@ -1,6 +1,6 @@
 // How fast a scan becomes an octree, and a view a cut. Prints one line a measurement.
 // Usage: bench_octree [million points = 20] [threads = 0 (all)] [scene = town; ground, ball or a scene of the
-// simulator]
+// simulator] [surfels]
 #include <sys/resource.h>
 
 #include <chrono>
@@ -77,6 +77,7 @@ int main(int argc, char** argv) {
     const double millions = argc > 1 ? std::atof(argv[1]) : 20;
     BuildOptions options;
     options.threads = argc > 2 ? std::atoi(argv[2]) : 0;
+    options.shape.surfels = argc > 4;
     const auto source = open(argc > 3 ? argv[3] : "town", std::uint64_t(millions * 1e6));
     if (!source) {
         std::fprintf(stderr, "%s\n", source.error().message.c_str());

@@ -1,0 +1,139 @@
+// Several scans as one cloud.
+#include <gtest/gtest.h>
+
+#include "renderer/cloud/lazy_scan.hpp"
+#include "renderer/cloud/many_scans.hpp"
+#include "tests/support/octree_checks.hpp"
+#include "tests/support/synthetic_source.hpp"
+
+namespace scancast {
+namespace {
+
+using test::ScanPoint;
+using test::SyntheticSource;
+
+/// A strip of a plane, `count` points from x = first on.
+SyntheticSource::Make strip(double first) {
+    return [first](std::uint64_t i, std::uint64_t) {
+        return ScanPoint{
+            .position = {first + double(i % 100), double(i / 100), 0}, .color = {9, 9, 9}, .intensity = 77};
+    };
+}
+
+/// A source whose header a test may change.
+class Described final : public PointSource {
+  public:
+    Described(std::unique_ptr<PointSource> source, std::function<void(ScanHeader&)> change)
+        : source_(std::move(source)), header_(source_->header()) {
+        change(header_);
+    }
+    const ScanHeader& header() const override { return header_; }
+    Expected<bool> read(PointBatch& batch) override {
+        auto more = source_->read(batch);
+        const std::size_t stride = rowBytes(header_.columns);
+        for (std::size_t i = 0; i < batch.size() * stride; ++i)
+            batch.rows.push_back(std::byte(i % stride + 1));
+        return more;
+    }
+    std::uint64_t droppedPoints() const override { return 3; }
+
+  private:
+    std::unique_ptr<PointSource> source_;
+    ScanHeader header_;
+};
+
+std::unique_ptr<PointSource> scan(double first, Attributes attributes,
+                                  std::function<void(ScanHeader&)> change = {}) {
+    auto source = std::make_unique<SyntheticSource>(1000, strip(first), attributes, 0.001);
+    return std::make_unique<Described>(
+        std::move(source), change ? std::move(change) : [](ScanHeader&) {});
+}
+
+template <class... Scans>
+Expected<std::unique_ptr<PointSource>> together(Scans... scans) {
+    std::vector<std::unique_ptr<PointSource>> list;
+    (list.push_back(std::move(scans)), ...);
+    return manyScans(std::move(list));
+}
+
+TEST(ManyScans, AreOneCloud) {
+    auto all = together(scan(0, {.color = true}), scan(100, {.intensity = true}), scan(200, {}));
+    ASSERT_TRUE(all);
+    EXPECT_EQ((*all)->header().points, 3000u);
+    EXPECT_EQ((*all)->header().attributes, (Attributes{.color = true, .intensity = true}));
+    EXPECT_EQ((*all)->header().format, "3 scans: synthetic");
+    const auto cloud = test::build(**all);
+    ASSERT_TRUE(cloud);
+    EXPECT_EQ(cloud->points, 3000u);
+    EXPECT_EQ(cloud->droppedPoints, 9u);
+    EXPECT_EQ(cloud->bounds[1].x, 299);
+    test::checkStructure(*cloud, 512);
+}
+
+TEST(ManyScans, GridsThatDifferAreNoGrid) {
+    auto all = together(scan(0, {}), scan(100, {}, [](ScanHeader& h) { h.gridStep = glm::dvec3(0.01); }));
+    ASSERT_TRUE(all);
+    EXPECT_EQ((*all)->header().gridStep, glm::dvec3(0));
+    EXPECT_TRUE(test::build(**all));
+}
+
+TEST(ManyScans, ContradictingCoordinateSystemsAreRefused) {
+    const auto all = together(scan(0, {}, [](ScanHeader& h) { h.crsEpsg = 25832; }), scan(0, {}),
+                              scan(0, {}, [](ScanHeader& h) { h.crsEpsg = 25833; }));
+    ASSERT_FALSE(all);
+    EXPECT_EQ(all.error().code, ErrorCode::InvalidArgument);
+    EXPECT_NE(all.error().message.find("EPSG:25832"), std::string::npos) << all.error().message;
+    EXPECT_NE(all.error().message.find("EPSG:25833"), std::string::npos) << all.error().message;
+}
+
+TEST(ManyScans, RowsAreThoseOfTheFirst) {
+    const Column time{.name = "time", .type = ColumnType::Uint16, .scale = 1, .offset = 0, .description = ""};
+    const Column angle{
+        .name = "angle", .type = ColumnType::Uint8, .scale = 1, .offset = 0, .description = ""};
+    auto all = together(scan(0, {},
+                             [&](ScanHeader& h) {
+                                 h.columns = {time, angle};
+                             }),
+                        scan(0, {}, [&](ScanHeader& h) { h.columns = {angle}; }), scan(0, {}));
+    ASSERT_TRUE(all);
+    PointBatch batch;
+    std::vector<std::array<int, 3>> firstRows;
+    while (*(*all)->read(batch)) {
+        ASSERT_EQ(batch.rows.size(), batch.size() * 3);
+        firstRows.push_back({int(batch.rows[0]), int(batch.rows[1]), int(batch.rows[2])});
+    }
+    EXPECT_EQ(firstRows, (std::vector<std::array<int, 3>>{{1, 2, 3}, {0, 0, 1}, {0, 0, 0}}));
+}
+
+TEST(LazyScan, IsOpenOnlyWhileItIsRead) {
+    int open = 0, opened = 0;
+    struct Counted final : SyntheticSource {
+        Counted(int& now) : SyntheticSource(1000, strip(0), {}, 0.001), now_(now) { ++now_; }
+        ~Counted() override { --now_; }
+        int& now_;
+    };
+    auto lazy = lazyScan([&]() -> Expected<std::unique_ptr<PointSource>> {
+        ++opened;
+        return std::make_unique<Counted>(open);
+    });
+    ASSERT_TRUE(lazy);
+    EXPECT_EQ(open, 0);
+    EXPECT_EQ((*lazy)->header().points, 1000u);
+    PointBatch batch;
+    ASSERT_TRUE(*(*lazy)->read(batch));
+    EXPECT_EQ(open, 1);
+    ASSERT_FALSE(*(*lazy)->read(batch));
+    EXPECT_EQ(open, 0);
+    EXPECT_FALSE(*(*lazy)->read(batch));
+    EXPECT_EQ(opened, 2);
+}
+
+TEST(LazyScan, WhatCannotBeOpenedIsAnErrorAtOnce) {
+    const auto lazy = lazyScan(
+        []() -> Expected<std::unique_ptr<PointSource>> { return fail(ErrorCode::NotFound, "gone"); });
+    ASSERT_FALSE(lazy);
+    EXPECT_EQ(lazy.error().message, "gone");
+}
+
+}  // namespace
+}  // namespace scancast

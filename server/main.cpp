@@ -29,6 +29,7 @@ int main(int argc, char** argv) {
     int exitCode = 0;
     scancast::addServe(app, exitCode);
     scancast::addRender(app, exitCode);
+    scancast::addIngest(app, exitCode);
     scancast::addGenerate(app, exitCode);
     CLI11_PARSE(app, argc, argv);
     if (backends) {

@@ -9,6 +9,7 @@ namespace scancast {
 /// (0 = done, 1 = failed with an error on standard error).
 void addServe(CLI::App& app, int& exitCode);
 void addRender(CLI::App& app, int& exitCode);
+void addIngest(CLI::App& app, int& exitCode);
 void addGenerate(CLI::App& app, int& exitCode);
 
 }  // namespace scancast

@@ -1,0 +1,206 @@
+// `scancast ingest`: any number of scans become one cloud file, out of core.
+#include <fmt/format.h>
+#include <malloc.h>
+#include <unistd.h>
+
+#include <csignal>
+#include <memory>
+#include <stop_token>
+#include <thread>
+
+#include "renderer/cloud/import/open_scan.hpp"
+#include "renderer/cloud/import/standard_input.hpp"
+#include "renderer/cloud/ingest.hpp"
+#include "renderer/cloud/lazy_scan.hpp"
+#include "server/commands/byte_size.hpp"
+#include "server/commands/command.hpp"
+#include "server/commands/progress_bar.hpp"
+#include "server/commands/shutdown_signals.hpp"
+
+namespace scancast {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct IngestArguments {
+    std::vector<std::string> inputs;
+    std::string output, memoryLimit, scratch, title, orient = "scan";
+    int threads = 0, neighbours = 10;
+    bool noSurfels = false, keepAttributes = false, force = false, quiet = false;
+};
+
+/// Freed memory goes back to the system at once, or the limit would be kept in name only.
+void returnFreedMemory() {
+    ::mallopt(M_ARENA_MAX, 4);
+    ::mallopt(M_MMAP_THRESHOLD, 256 << 10);
+    ::mallopt(M_TRIM_THRESHOLD, 1 << 20);
+}
+
+/// While it lives, Ctrl-C asks the work to stop; a second one ends the process as it is (temporary files are
+/// unnamed and the unfinished file is marked as such, so nothing misleading is left even then).
+class Interruption {
+  public:
+    Interruption() : watcher_([this](const std::stop_token& done) { watch(done); }) {}
+    std::stop_token token() const { return stop_.get_token(); }
+
+  private:
+    void watch(const std::stop_token& done) {
+        while (!done.stop_requested()) {
+            const int signals = signals_.wait(std::chrono::milliseconds(100));
+            if (signals > 0) stop_.request_stop();
+            if (signals > 1) ::_exit(130);
+        }
+    }
+
+    ShutdownSignals signals_;
+    std::stop_source stop_;
+    std::jthread watcher_;
+};
+
+Expected<IngestOptions> ingestOptions(const IngestArguments& arguments) {
+    IngestOptions options;
+    options.output = arguments.output;
+    options.scratch = arguments.scratch;
+    options.title = arguments.title;
+    options.threads = arguments.threads;
+    options.shape.surfels = !arguments.noSurfels;
+    options.shape.neighbours = arguments.neighbours;
+    options.shape.orientation = arguments.orient == "up" ? Orientation::Up : Orientation::Scan;
+    if (!arguments.memoryLimit.empty()) {
+        const auto limit = parseByteSize(arguments.memoryLimit, "memory-limit");
+        if (!limit) return tl::unexpected(limit.error());
+        options.memoryLimit = *limit;
+    }
+    std::error_code error;
+    if (!arguments.force && fs::exists(options.output, error))
+        return fail(ErrorCode::InvalidArgument,
+                    fmt::format("{} is there already; --force replaces it.", arguments.output), "output");
+    for (const std::string& input : arguments.inputs)
+        if (fs::equivalent(input, options.output, error))
+            return fail(ErrorCode::InvalidArgument, fmt::format("{} is both input and output.", input),
+                        "output");
+    return options;
+}
+
+Expected<std::vector<std::unique_ptr<PointSource>>> openAll(const IngestArguments& arguments) {
+    ImportOptions import;
+    import.keepAttributes = arguments.keepAttributes;
+    std::vector<std::unique_ptr<PointSource>> sources;
+    for (const std::string& input : arguments.inputs) {
+        const auto open = [=] { return openScan(input, import); };
+        auto source = input == "-"                   ? openStandardInput(import)
+                      : arguments.inputs.size() == 1 ? open()
+                                                     : lazyScan(open);
+        if (!source) return tl::unexpected(source.error());
+        sources.push_back(std::move(*source));
+    }
+    return sources;
+}
+
+void tellNeeds(const std::vector<std::unique_ptr<PointSource>>& sources, const IngestOptions& options) {
+    DiskNeeds sum;
+    std::uint64_t points = 0;
+    for (const auto& source : sources) {
+        const auto needs = diskNeeds(source->header(), options);
+        if (!needs) return;
+        points += *source->header().points;
+        sum.file += needs->file;
+        sum.scratch += needs->scratch;
+    }
+    fmt::print(stderr, "{} points: the cloud file will need up to {}{}\n", shortCount(double(points)),
+               byteSizeText(sum.file),
+               sum.scratch > 0 ? fmt::format(", temporary files up to {}", byteSizeText(sum.scratch)) : "");
+}
+
+Expected<void> runIngest(const IngestArguments& arguments) {
+    returnFreedMemory();
+    const auto options = ingestOptions(arguments);
+    if (!options) return tl::unexpected(options.error());
+    const Interruption interruption;
+    auto sources = openAll(arguments);
+    if (!sources) return tl::unexpected(sources.error());
+    if (!arguments.quiet) tellNeeds(*sources, *options);
+    ProgressBar bar(stderr, arguments.quiet ? ProgressBar::Style::Quiet : ProgressBar::Style::Automatic);
+    const auto report = ingest(std::move(*sources), *options, bar.sink(), interruption.token());
+    bar.clear();
+    if (!report && report.error().code == ErrorCode::Cancelled)
+        return fail(ErrorCode::Cancelled, "Interrupted; no cloud file was left behind.");
+    if (!report) return tl::unexpected(report.error());
+    if (arguments.quiet) return {};
+    const double points = double(report->facts.points);
+    fmt::print(stderr, "{}: {} points in {} nodes, {} ({:.1f} bytes a point), {:.1f} s ({:.2f} M points/s)\n",
+               arguments.output, report->facts.points, report->nodes, byteSizeText(report->fileBytes),
+               double(report->fileBytes) / points, report->seconds, points / report->seconds / 1e6);
+    if (report->facts.droppedPoints > 0)
+        fmt::print(stderr, "{} points without finite coordinates were left out.\n",
+                   report->facts.droppedPoints);
+    return {};
+}
+
+constexpr const char* examples =
+    "Examples:\n"
+    "  scancast ingest town.las -o town.scan\n"
+    "  scancast ingest flight/*.laz -o flight.scan --memory-limit 4G --orient up\n"
+    "  scancast generate town --points 1G --format las14 -o - | scancast ingest - -o big.scan\n"
+    "  scancast serve town.scan          # opens at once, whatever its size\n";
+
+}  // namespace
+
+void addIngest(CLI::App& app, int& exitCode) {
+    const auto arguments = std::make_shared<IngestArguments>();
+    CLI::App* command =
+        app.add_subcommand("ingest", "Turn scans into a cloud file, which opens at once at any size");
+    command->add_option("inputs", arguments->inputs, "Scans, all into one cloud; - for LAS on standard input")
+        ->required()
+        ->type_name("INPUT");
+    command->add_option("-o,--output", arguments->output, "The cloud file to write")
+        ->required()
+        ->type_name("FILE");
+    command
+        ->add_option(
+            "--memory-limit", arguments->memoryLimit,
+            "Memory to stay within, for example 2G; by default half of the machine's. The file is the same "
+            "with any limit")
+        ->type_name("SIZE");
+    command
+        ->add_option("--scratch", arguments->scratch,
+                     "Folder for temporary files; by default that of the cloud file")
+        ->type_name("DIR");
+    command->add_option("--title", arguments->title, "What people see; by default the cloud file's name")
+        ->type_name("TEXT");
+    command->add_flag(
+        "--no-surfels", arguments->noSurfels,
+        "Do not estimate normals and radii from neighbours: much faster, but without the methods that "
+        "need them");
+    command
+        ->add_option("--neighbours", arguments->neighbours,
+                     "Neighbours that normals and radii are estimated from")
+        ->check(CLI::Range(3, 40))
+        ->capture_default_str()
+        ->type_name("K");
+    command
+        ->add_option(
+            "--orient", arguments->orient,
+            "Which side estimated normals point to. scan: towards the scanner where the scan says where it "
+            "stood, else undecided; up: upwards, for scans from the air")
+        ->check(CLI::IsMember({"scan", "up"}))
+        ->capture_default_str()
+        ->type_name("SIDE");
+    command->add_flag("--keep-attributes", arguments->keepAttributes,
+                      "Also keep what is not drawn: GPS time, returns, extra bytes");
+    command->add_flag("-f,--force", arguments->force, "Replace the cloud file if it is there");
+    command
+        ->add_option("--threads", arguments->threads, "0 = all cores; the file is the same with any number")
+        ->check(CLI::Range(0, 4096))
+        ->capture_default_str()
+        ->type_name("N");
+    command->add_flag("-q,--quiet", arguments->quiet, "No progress on standard error");
+    command->footer(examples);
+    command->callback([arguments, &exitCode] {
+        const auto done = runIngest(*arguments);
+        exitCode = done ? 0 : 1;
+        if (!done) fmt::print(stderr, "scancast ingest: {}\n", done.error().message);
+    });
+}
+
+}  // namespace scancast

@@ -1,5 +1,5 @@
 // A LAZ file to the point stream: header, records, chunk table, colours, then every chunk through the workers.
-import { grouped, unsupported } from './failure.mjs';
+import { grouped, malformed, unsupported } from './failure.mjs';
 import { FileBytes } from './file_bytes.mjs';
 import { colorDepth, lasColumns } from './las_columns.mjs';
 import { longestHeader, parseLasHeader } from './las_header.mjs';
@@ -11,6 +11,8 @@ import { WorkerPool } from './worker_pool.mjs';
 // Places across the file where a first look at the colours is taken; any 16-bit file is found out by it.
 const firstLooks = 16;
 const firstLookPoints = 256;
+// What Scancast accepts at most; real scans have less than one.
+const mostPointsPerByte = 1000;
 
 const workerUrl = new URL('./decode_worker.mjs', import.meta.url);
 
@@ -20,6 +22,8 @@ export function openLaz(path, options) {
   try {
     const las = parseLasHeader(file.readSome(0, longestHeader), options);
     if (!las.compressed) throw unsupported('byte 104: it is LAS, not LAZ; Scancast reads that without this program');
+    if (las.points > mostPointsPerByte * file.size)
+      throw malformed(`it promises ${grouped(las.points)} points; ${grouped(file.size)} bytes cannot hold that`);
     const records = readRecords(file, las);
     const { chunkPoints } = parseLaszipRecord(records.laszip, las);
     return { las, records, chunks: readChunks(file, las, chunkPoints) };

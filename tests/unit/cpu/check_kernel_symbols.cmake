@@ -2,6 +2,9 @@
 # (an inline function or a template of some header) would be a copy compiled for a newer processor, which the linker
 # may choose for the whole program; an undefined one other than the compiler's own memory functions would be a call
 # into code that is not under the kernels' rules.
+if(NOT DEFINED TABLE)
+  set(TABLE "_ZN8scancast3cpu2v")
+endif()
 string(REPLACE "|" ";" OBJECTS "${OBJECTS}")
 list(LENGTH OBJECTS count)
 if(NOT count EQUAL 3)
@@ -10,7 +13,7 @@ endif()
 foreach(object IN LISTS OBJECTS)
   execute_process(COMMAND "${NM}" --extern-only --format=posix "${object}" OUTPUT_VARIABLE symbols COMMAND_ERROR_IS_FATAL ANY)
   string(REGEX MATCH "_v([234])\\.dir" unused "${object}")
-  set(table "_ZN8scancast3cpu2v${CMAKE_MATCH_1}7kernelsE")
+  set(table "${TABLE}${CMAKE_MATCH_1}7kernelsE")
   set(found FALSE)
   string(REPLACE "\n" ";" lines "${symbols}")
   foreach(line IN LISTS lines)

@@ -1,0 +1,131 @@
+// Surfels' neighbours and outliers against brute force.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "renderer/cloud/neighbours.hpp"
+#include "renderer/cloud/surfel_kernels/levels.hpp"
+#include "renderer/cloud/surfels.hpp"
+#include "tests/support/point_sets.hpp"
+
+namespace scancast {
+namespace {
+
+using test::Points;
+
+struct Near {
+    float squared;
+    std::size_t point;
+};
+
+/// Right because it sorts the distances to all distinct positions: the first k are the k nearest, by
+/// definition.
+std::vector<Near> bruteForce(const Points& distinct, const glm::vec3& at, std::size_t k) {
+    std::vector<Near> near;
+    for (std::size_t i = 0; i < distinct.size(); ++i) {
+        const glm::vec3 d = distinct[i] - at;
+        if (distinct[i] != at) near.push_back({d.x * d.x + d.y * d.y + d.z * d.z, i});
+    }
+    // Of equally far ones the first by position, and `distinct` is in that order.
+    std::stable_sort(near.begin(), near.end(),
+                     [](const Near& a, const Near& b) { return a.squared < b.squared; });
+    near.resize(std::min(near.size(), k));
+    return near;
+}
+
+float averageDistance(const std::vector<Near>& near) {
+    double sum = 0;
+    for (const Near& n : near) sum += std::sqrt(n.squared);
+    return near.empty() ? 0 : float(sum / double(near.size()));
+}
+
+struct Case {
+    const char* name;
+    Points (*make)();
+};
+
+class Clouds : public testing::TestWithParam<Case> {
+  protected:
+    Points points_ = GetParam().make();
+    Points distinct_ = test::distinct(points_);
+};
+
+TEST_P(Clouds, NearestAreFoundExactlyInOrderByEveryLevel) {
+    const NeighbourIndex index(points_);
+    ASSERT_EQ(index.size(), distinct_.size());
+    surfel::Workspace workspace{};
+    for (const surfel::Kernels* kernels : availableSurfelKernels())
+        for (std::uint32_t p = 0; p < index.size(); p += 1 + index.size() / 200) {
+            const auto expected = bruteForce(distinct_, index.position(p), 20);
+            ASSERT_EQ(kernels->nearest(index.view(), p, 20, workspace), int(expected.size()));
+            for (std::size_t j = 0; j < expected.size(); ++j) {
+                EXPECT_EQ(workspace.bestSquared[j + 1], expected[j].squared);
+                EXPECT_EQ(index.position(workspace.best[j + 1]), distinct_[expected[j].point]);
+            }
+        }
+}
+
+TEST_P(Clouds, RadiiAndReachAreThoseOfTheNearest) {
+    std::vector<Surfel> surfels(points_.size());
+    estimateSurfels(points_, {}, surfels);
+    for (std::size_t i = 0; i < points_.size(); i += 1 + points_.size() / 400) {
+        bool found = false;  // by one of the doublings
+        for (const std::size_t k : {10, 20, 40, 80}) {
+            const auto near = bruteForce(distinct_, points_[i], k);
+            const float reach = near.empty() ? 0 : std::sqrt(near.back().squared);
+            found = found || (surfels[i].major == reach && surfels[i].radius == averageDistance(near));
+        }
+        EXPECT_TRUE(found) << i;
+    }
+}
+
+INSTANTIATE_TEST_SUITE_P(Neighbours, Clouds,
+                         testing::Values(Case{"Random", test::randomCube}, Case{"ScanLines", test::scanLines},
+                                         Case{"Clusters", test::clusters},
+                                         Case{"Duplicates", test::duplicates}, Case{"Gridded", test::gridded},
+                                         Case{"FarOutlier", test::farOutlier}, Case{"Line", test::line},
+                                         Case{"Few", test::few}),
+                         [](const auto& p) { return p.param.name; });
+
+/// A plane of 2,500 points, and stray ones at all heights above it.
+Points strays() {
+    Points p;
+    for (std::size_t i = 0; i < 2500; ++i) p.push_back(test::randomPoint(i) * glm::vec3(50, 50, 0.1f));
+    for (std::size_t i = 0; i < 60; ++i) p.push_back(test::randomPoint(i, 9) * glm::vec3(50, 50, 30));
+    return p;
+}
+
+TEST(Outliers, AreThoseWhoseRadiusIsFourTimesTheMedianOfTheirNeighbours) {
+    // Right because it applies the rule, word for word, to neighbours by brute force.
+    for (const auto make : {strays, test::clusters}) {
+        const Points points = make();
+        std::vector<Surfel> surfels(points.size());
+        estimateSurfels(points, {}, surfels);
+        const Points distinct = test::distinct(points);
+        std::vector<float> radii(distinct.size());
+        std::vector<Surfel> ofDistinct(distinct.size());
+        estimateSurfels(distinct, {}, ofDistinct);
+        for (std::size_t i = 0; i < distinct.size(); ++i) radii[i] = ofDistinct[i].radius;
+        std::size_t outliers = 0;
+        for (std::size_t i = 0; i < points.size(); i += make == strays ? 1 : 17) {
+            std::vector<float> theirs;
+            for (const std::size_t k : {10, 20, 40, 80}) {
+                if (!theirs.empty()) break;
+                const auto near = bruteForce(distinct, points[i], k);
+                if (std::sqrt(near.back().squared) != surfels[i].major) continue;
+                for (const Near& n : near) theirs.push_back(radii[n.point]);
+            }
+            ASSERT_FALSE(theirs.empty());
+            std::sort(theirs.begin(), theirs.end());
+            const float median = theirs[(theirs.size() - 1) / 2];
+            EXPECT_EQ(surfels[i].outlier, surfels[i].radius > 4 * median) << i;
+            outliers += surfels[i].outlier;
+        }
+        EXPECT_GT(outliers, make == strays ? 10u : 0u);
+    }
+}
+
+}  // namespace
+}  // namespace scancast

@@ -8,8 +8,8 @@
 #include <csignal>
 #include <cstdio>
 #include <memory>
-#include <nlohmann/json.hpp>
 
+#include "renderer/cloud/import/mirrors.hpp"
 #include "renderer/simulate/scene.hpp"
 #include "renderer/simulate/write/point_count.hpp"
 #include "renderer/simulate/write/point_writer.hpp"
@@ -68,26 +68,12 @@ Expected<ScanFormat> chooseFormat(const GenerateArguments& arguments, std::uint6
     return format;
 }
 
-nlohmann::json mirrorsJson(const std::vector<Mirror>& mirrors) {
-    const auto vector = [](const glm::dvec3& v) { return nlohmann::json{v.x, v.y, v.z}; };
-    auto list = nlohmann::json::array();
-    for (const Mirror& mirror : mirrors)
-        list.push_back(
-            {{"center", vector(mirror.center)},
-             {"normal", vector(mirror.normal)},
-             {"up", vector(mirror.up)},
-             {"width", mirror.width},
-             {"height", mirror.height},
-             {"tint", fmt::format("#{:02x}{:02x}{:02x}", mirror.tint[0], mirror.tint[1], mirror.tint[2])}});
-    return {{"mirrors", list}};
-}
-
 Expected<void> writeMirrors(const SceneOptions& options, const std::string& scan) {
     const std::vector<Mirror> mirrors = sceneMirrors(options);
     if (mirrors.empty() || scan == "-" || scan.rfind("/dev/", 0) == 0) return {};
-    auto file = OutputFile::create(scan + ".mirrors.json");
+    auto file = OutputFile::create(mirrorsFileOf(scan).string());
     if (!file) return tl::unexpected(file.error());
-    const std::string text = mirrorsJson(mirrors).dump(2) + "\n";
+    const std::string text = printMirrors(mirrors);
     if (auto done = file->write(std::as_bytes(std::span(text))); !done) return done;
     return file->finish();
 }

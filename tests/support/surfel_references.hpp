@@ -18,7 +18,8 @@ struct ReferenceSurfel {
 
 struct ReferenceSurfels {
     std::vector<ReferenceSurfel> surfels;
-    double seconds = 0;  ///< the library's own work: its tree, its queries, its normals
+    /// Of the library's own work: its tree, its queries, its normals. By the clock and of all processors.
+    double seconds = 0, processor = 0;
 };
 
 /// pcl::NormalEstimationOMP over pcl::search::KdTree, k neighbours and the point itself. Points are distinct.

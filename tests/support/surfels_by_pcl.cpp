@@ -4,6 +4,7 @@
 #include <Eigen/Eigenvalues>
 #include <chrono>
 #include <cmath>
+#include <ctime>
 
 #include "tests/support/surfel_references.hpp"
 
@@ -33,6 +34,7 @@ ReferenceSurfels surfelsByPcl(std::span<const glm::vec3> points, int k, int thre
     const pcl::search::KdTree<pcl::PointXYZ>::Ptr tree(new pcl::search::KdTree<pcl::PointXYZ>);
 
     const auto start = std::chrono::steady_clock::now();
+    const std::clock_t before = std::clock();
     pcl::NormalEstimationOMP<pcl::PointXYZ, pcl::Normal> estimation{unsigned(threads)};
     estimation.setInputCloud(cloud);
     estimation.setSearchMethod(tree);
@@ -41,6 +43,7 @@ ReferenceSurfels surfelsByPcl(std::span<const glm::vec3> points, int k, int thre
     estimation.compute(normals);
     ReferenceSurfels result;
     result.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    result.processor = double(std::clock() - before) / CLOCKS_PER_SEC;
 
     result.surfels.resize(points.size());
     pcl::Indices found;

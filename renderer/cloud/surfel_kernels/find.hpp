@@ -83,7 +83,8 @@ inline bool positionLess(float ax, float ay, float az, float bx, float by, float
     return az < bz;
 }
 
-/// Equal distances go by position: so the order does not depend on the order of the points.
+/// Equal distances go by position: so the order does not depend on the order of the points. Quick where only
+/// those are out of order.
 inline void sortPicks(Workspace& w, int n) {
     for (int i = 1; i < n; ++i) {
         const int p = w.pick[i];
@@ -153,23 +154,25 @@ inline int keepWithin(Workspace& w, int n, float limit) {
 inline int rankWithin(Workspace& w, int n, float limit) {
     const int m = keepWithin(w, n, limit);
     for (int i = 0; i < 16; ++i) w.near[m + i] = infinity;
-    // A point's rank is how many are nearer. Where two are equally far, ranks repeat and their sum falls
-    // short.
-    int sum = 0;
+    for (int i = 0; i < m; ++i) w.pick[i] = -1;
+    // A point's rank is how many are nearer. Where some are equally far they share a rank: they take the
+    // places from there on, and are put in order afterwards.
+    bool ties = false;
     for (int block = 0; block < m; block += 16) {
         int rank[16] = {};
         for (int j = 0; j < m; ++j)
             for (int l = 0; l < 16; ++l) rank[l] += w.near[j] < w.near[block + l];
         const int end = m - block < 16 ? m - block : 16;
         for (int l = 0; l < end; ++l) {
-            w.pick[rank[l]] = w.found[block + l];
-            sum += rank[l];
+            int place = rank[l];
+            while (w.pick[place] >= 0) {
+                ties = true;
+                ++place;
+            }
+            w.pick[place] = w.found[block + l];
         }
     }
-    if (2 * sum != m * (m - 1)) {
-        for (int i = 0; i < m; ++i) w.pick[i] = w.found[i];
-        sortPicks(w, m);
-    }
+    if (ties) sortPicks(w, m);
     return m;
 }
 

@@ -1,0 +1,123 @@
+// Facts are read back as they were written; and facts that are missing, of another type or impossible are
+// named.
+#include "renderer/cloud/file/facts_json.hpp"
+
+#include <gtest/gtest.h>
+
+#include "protocol/json_text.hpp"
+#include "tests/unit/cloud/file/sample_cloud.hpp"
+
+namespace scancast {
+namespace {
+
+nlohmann::json sampleJson() {
+    const auto cloud = test::sampleCloud(500);
+    return parseJson(printFacts(test::fullFacts(*cloud, true), "me 1.0").value()).value();
+}
+
+TEST(FactsJson, ReadsBackExactly) {
+    const auto cloud = test::sampleCloud(500);
+    for (const CloudFacts& facts :
+         {test::fullFacts(*cloud, true), static_cast<const CloudFacts&>(*cloud), CloudFacts{}}) {
+        const auto back = parseFacts(printFacts(facts, "me 1.0").value());
+        ASSERT_TRUE(back) << back.error().message;
+        test::expectSameFacts(back->facts, facts);
+        EXPECT_EQ(back->writtenBy, "me 1.0");
+    }
+}
+
+// Right because a reader that does not look at a field cannot miss it.
+TEST(FactsJson, EveryFieldIsNeededAndOfItsType) {
+    const auto json = sampleJson();
+    for (const auto& [key, value] : json.items()) {
+        auto without = json;
+        without.erase(key);
+        const auto missing = parseFacts(printJson(without));
+        if (key == "crsEpsg") {
+            EXPECT_TRUE(missing) << "not every scan has one";
+        } else {
+            ASSERT_FALSE(missing) << key;
+            EXPECT_EQ(missing.error().message, "\"" + key + "\" is missing");
+        }
+        auto wrong = json;
+        wrong[key] = value.is_string() ? nlohmann::json(5) : nlohmann::json("five");
+        const auto other = parseFacts(printJson(wrong));
+        ASSERT_FALSE(other) << key;
+        EXPECT_EQ(other.error().code, ErrorCode::Malformed);
+        EXPECT_NE(other.error().message.find(key), std::string::npos) << other.error().message;
+    }
+}
+
+TEST(FactsJson, ImpossibleValuesAreNamed) {
+    const std::vector<std::pair<const char*, std::function<void(nlohmann::json&)>>> changes{
+        {"bounds", [](auto& j) { j["bounds"][0][0] = 1e300; }},
+        {"bounds", [](auto& j) { j["bounds"] = {1, 2, 3, 4, 5, 6}; }},
+        {"origin",
+         [](auto& j) {
+             j["origin"] = {1, 2};
+         }},
+        {"points", [](auto& j) { j["points"] = -1; }},
+        {"points", [](auto& j) { j["points"] = 1.5; }},
+        {"intensityRange",
+         [](auto& j) {
+             j["intensityRange"] = {0, 65536};
+         }},
+        {"classCounts", [](auto& j) { j["classCounts"]["256"] = 1; }},
+        {"classCounts", [](auto& j) { j["classCounts"]["two"] = 1; }},
+        {"crsEpsg", [](auto& j) { j["crsEpsg"] = 1ull << 31; }},
+        {"spacing", [](auto& j) { j["spacing"] = -0.5; }},
+        {"columns.type", [](auto& j) { j["columns"][0]["type"] = "float16"; }},
+        {"columns.range",
+         [](auto& j) {
+             j["columns"][0]["range"] = {2, 1};
+         }},
+        {"columns",
+         [](auto& j) {
+             for (int i = 0; i < 2000; ++i) j["columns"].push_back(j["columns"][0]);
+         }},
+        {"mirrors.normal",
+         [](auto& j) {
+             j["mirrors"][0]["normal"] = {1, 1, 1};
+         }},
+        {"mirrors.width", [](auto& j) { j["mirrors"][0]["width"] = 0; }},
+        {"mirrors.tint",
+         [](auto& j) {
+             j["mirrors"][0]["tint"] = {1, 2, 256};
+         }},
+        {"title", [](auto& j) { j["title"] = std::string(100000, 'x'); }},
+    };
+    for (const auto& [field, change] : changes) {
+        auto json = sampleJson();
+        change(json);
+        const auto facts = parseFacts(printJson(json));
+        ASSERT_FALSE(facts) << field;
+        EXPECT_TRUE(facts.error().message.starts_with(std::string("\"") + field + "\""))
+            << facts.error().message;
+    }
+}
+
+TEST(FactsJson, WhatCannotBeReadIsNotWritten) {
+    CloudFacts facts;
+    facts.spacing = std::numeric_limits<double>::quiet_NaN();
+    EXPECT_FALSE(printFacts(facts, "me"));
+}
+
+TEST(FactsJson, AColumnWithoutNumbersHasNoRange) {
+    CloudFacts facts;
+    const double infinity = std::numeric_limits<double>::infinity();
+    facts.columns = {{{"empty", ColumnType::Float32, 1, 0, ""}, {infinity, -infinity}}};
+    const auto back = parseFacts(printFacts(facts, "me").value());
+    ASSERT_TRUE(back) << back.error().message;
+    EXPECT_EQ(back->facts.columns[0].range, (std::array<double, 2>{0, 0}));
+}
+
+TEST(FactsJson, TextsBecomeUtf8) {
+    CloudFacts facts;
+    facts.title = "caf\xe9.las";
+    const auto back = parseFacts(printFacts(facts, "me").value());
+    ASSERT_TRUE(back) << back.error().message;
+    EXPECT_EQ(back->facts.title, "caf\ufffd.las");
+}
+
+}  // namespace
+}  // namespace scancast

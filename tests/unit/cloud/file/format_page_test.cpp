@@ -1,0 +1,117 @@
+// CLOUD_FILE.md is what others read; these tests fail when it and the code part ways.
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <iterator>
+#include <string>
+
+#include "protocol/json_text.hpp"
+#include "renderer/cloud/file/byte_planes.hpp"
+#include "tests/unit/cloud/file/sample_cloud.hpp"
+
+namespace scancast {
+namespace {
+
+std::string page() {
+    std::ifstream file(SCANCAST_SOURCE_DIR "/renderer/cloud/file/CLOUD_FILE.md");
+    EXPECT_TRUE(file) << "CLOUD_FILE.md is not there";
+    return {std::istreambuf_iterator<char>(file), {}};
+}
+
+template <std::size_t N>
+void expectRows(const std::array<FileField, N>& fields, std::size_t total) {
+    const auto text = page();
+    std::size_t next = 0;
+    for (const FileField& field : fields) {
+        const auto row = "| " + std::to_string(field.offset) + " | " + std::to_string(field.bytes) + " | `" +
+                         std::string(field.name) + "` | ";
+        EXPECT_NE(text.find(row), std::string::npos) << row;
+        EXPECT_EQ(field.offset, next) << "fields leave no gap";
+        next += field.bytes;
+    }
+    EXPECT_EQ(next, total);
+}
+
+TEST(FormatPage, HasEveryFieldWithItsPlace) {
+    expectRows(cloudHeaderFields, cloudHeaderBytes);
+    expectRows(nodeRecordFields, nodeRecordBytes);
+}
+
+/// The bytes of a field in a record.
+template <std::size_t N>
+std::vector<std::byte> bytesAt(const std::array<FileField, N>& fields, std::string_view name,
+                               std::span<const std::byte> record) {
+    for (const FileField& field : fields)
+        if (field.name == name) {
+            const auto bytes = record.subspan(field.offset, field.bytes);
+            return {bytes.begin(), bytes.end()};
+        }
+    ADD_FAILURE() << name;
+    return {};
+}
+
+template <class T>
+std::vector<std::byte> bytesOfValue(const T& value) {
+    const auto bytes = std::as_bytes(std::span(&value, 1));
+    return {bytes.begin(), bytes.end()};
+}
+
+// Right because the tables say where, the test says what, and the writer knows neither.
+TEST(FormatPage, TheFileHasItsFieldsThere) {
+    const auto bytes = test::sampleFile();
+    const auto file = test::openBytes(bytes).value();
+    const auto start = std::span(bytes).first(cloudHeaderBytes);
+    const auto header = [&](std::string_view name) { return bytesAt(cloudHeaderFields, name, start); };
+    const auto parsed = parseHeader(start, bytes.size()).value();
+    EXPECT_EQ(header("magic"), bytesOfValue(cloudFileMagic));
+    EXPECT_EQ(header("version"), bytesOfValue(std::uint32_t(1)));
+    EXPECT_EQ(header("headerBytes"), bytesOfValue(std::uint32_t(128)));
+    EXPECT_EQ(header("fileBytes"), bytesOfValue(std::uint64_t(bytes.size())));
+    EXPECT_EQ(header("indexOffset"), bytesOfValue(parsed.index.offset));
+    EXPECT_EQ(header("indexBytes"), bytesOfValue(std::uint64_t(file->nodes().size() * nodeRecordBytes)));
+    EXPECT_EQ(header("factsOffset"), bytesOfValue(parsed.factsOffset));
+    EXPECT_EQ(header("nodes"), bytesOfValue(std::uint32_t(file->nodes().size())));
+    EXPECT_EQ(header("headerChecksum"), bytesOfValue(checksumOf(start.first(120))));
+    EXPECT_EQ(header("indexChecksum"),
+              bytesOfValue(checksumOf(std::span(bytes).subspan(parsed.index.offset, parsed.indexBytes()))));
+    EXPECT_EQ(header("factsChecksum"),
+              bytesOfValue(checksumOf(std::span(bytes).subspan(parsed.factsOffset))));
+
+    const auto last = file->nodes().back();
+    const auto record = std::span(bytes).subspan(parsed.factsOffset - nodeRecordBytes, nodeRecordBytes);
+    const auto node = [&](std::string_view name) { return bytesAt(nodeRecordFields, name, record); };
+    EXPECT_EQ(node("boxMin"), bytesOfValue(last.node.boxMin));
+    EXPECT_EQ(node("step"), bytesOfValue(last.node.step));
+    EXPECT_EQ(node("boxMax"), bytesOfValue(last.node.boxMax));
+    EXPECT_EQ(node("center"), bytesOfValue(last.node.center));
+    EXPECT_EQ(node("radius"), bytesOfValue(last.node.radius));
+    EXPECT_EQ(node("spacing"), bytesOfValue(last.node.spacing));
+    EXPECT_EQ(node("meanSpacing"), bytesOfValue(last.node.meanSpacing));
+    EXPECT_EQ(node("radiusUnit"), bytesOfValue(last.node.radiusUnit));
+    EXPECT_EQ(node("coneAxis"), bytesOfValue(last.node.cone.axis));
+    EXPECT_EQ(node("coneHalfAngle"), bytesOfValue(last.node.cone.halfAngle));
+    EXPECT_EQ(node("parent"), bytesOfValue(last.node.parent));
+    EXPECT_EQ(node("firstChild"), bytesOfValue(noNode));
+    EXPECT_EQ(node("childCount"), bytesOfValue(last.node.childCount));
+    EXPECT_EQ(node("level"), bytesOfValue(last.node.level));
+    EXPECT_EQ(node("sampleCount"), bytesOfValue(last.node.sampleCount));
+    EXPECT_EQ(node("firstSample"), bytesOfValue(last.node.firstSample));
+    EXPECT_EQ(node("points"), bytesOfValue(last.node.points));
+    EXPECT_EQ(node("samplesOffset"), bytesOfValue(last.samples.offset));
+    EXPECT_EQ(node("samplesBytes"), bytesOfValue(last.samples.bytes));
+    EXPECT_EQ(node("samplesChecksum"), bytesOfValue(last.samples.checksum));
+    EXPECT_EQ(node("rowsOffset"), bytesOfValue(last.rows.offset));
+    EXPECT_EQ(node("rowsBytes"), bytesOfValue(last.rows.bytes));
+    EXPECT_EQ(node("rowsChecksum"), bytesOfValue(last.rows.checksum));
+}
+
+TEST(FormatPage, NamesEveryFact) {
+    const auto text = page();
+    const auto json = parseJson(printFacts(test::fullFacts(CloudFacts{}, true), "me").value()).value();
+    for (const auto& [key, value] : json.items())
+        EXPECT_NE(text.find("`" + key + "`"), std::string::npos) << key;
+    EXPECT_NE(text.find(std::to_string(chunkRecords)), std::string::npos) << "the samples of a chunk";
+}
+
+}  // namespace
+}  // namespace scancast

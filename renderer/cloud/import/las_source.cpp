@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "renderer/cloud/import/bytes.hpp"
+#include "renderer/cloud/import/crs_text.hpp"
 #include "renderer/cloud/import/printable_text.hpp"
 
 namespace scancast {
@@ -141,7 +142,7 @@ Expected<void> LasSource::readEvlrs() {
 /// Once all records are read.
 void LasSource::understandRecords() {
     scan_.crsWkt = std::move(vlrs_.crs.wkt);
-    scan_.crsEpsg = vlrs_.crs.epsg;
+    scan_.crsEpsg = vlrs_.crs.epsg ? vlrs_.crs.epsg : epsgOfWkt(scan_.crsWkt);
     if (!keepAttributes_) return;
     columns_ = lasColumns(las_, vlrs_.extraBytes);
     for (const auto& column : columns_) scan_.columns.push_back(column.column);

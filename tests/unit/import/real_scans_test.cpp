@@ -182,8 +182,10 @@ TEST(RealScansAgree, CoordinateReferenceSystems) {
          {Crs{"las/las10-pdrf0.las", 32128, ""}, Crs{"las/certainty3d-feet.las", 2229, ""},
           Crs{"las/las14-pdrf6-wkt.las", 32104, "Foot_US"}, Crs{"las/las14-pdrf7-color.las", 4326, ""},
           Crs{"las/lonlat-pdrf0.las", 4326, ""}, Crs{"las/permutation-1.2_3.las", 26915, ""},
-          Crs{"las/las14-pdrf6.las", std::nullopt, "US survey foot"},
-          Crs{"las/sample_c.las", std::nullopt, ""}}) {
+          Crs{"las/las14-pdrf6.las", 2903, "US survey foot"},
+          // Its parts have numbers, the whole has none.
+          Crs{"las/autzen_trim.las", std::nullopt, "NAD_1983_HARN"},
+          Crs{"las/warsaw_small.las", std::nullopt, ""}, Crs{"las/sample_c.las", std::nullopt, ""}}) {
         REQUIRE_TEST_DATA(file);
         const auto source = openScan(testData(file), options());
         ASSERT_TRUE(source) << source.error().message;

@@ -1,0 +1,22 @@
+// What a coordinate reference system is called, out of its WKT (1 and 2), for people. Pure functions on text
+// from outside: any text at all is allowed, and what cannot be understood gives nothing.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <string_view>
+
+namespace scancast {
+
+/// The number that the whole CRS has in EPSG's register, by its own AUTHORITY or ID; of a compound CRS
+/// without one, that of its horizontal part. Not that of a part such as the spheroid.
+std::optional<int> epsgOfWkt(std::string_view wkt);
+
+/// "NAD83 / UTM zone 10N (EPSG:26910)", as far as it is known: without WKT the name of a few common ones,
+/// else the number alone; empty = nothing is known.
+std::string crsName(std::string_view wkt, std::optional<int> epsg);
+
+/// The unit of x and y: "metre", "foot", "US survey foot", "degree", or the file's own word; empty = unknown.
+std::string crsUnit(std::string_view wkt, std::optional<int> epsg);
+
+}  // namespace scancast

@@ -7,6 +7,7 @@ import { FileBytes } from './file_bytes.mjs';
 import { mayOverflow } from './las_header.mjs';
 import { colorDepth, depthOfColors, encodeRecords, keepFinite } from './las_columns.mjs';
 import { chunkPoints } from './point_stream.mjs';
+import { depthOfNode, encodeNode } from './potree_piece.mjs';
 
 // Pieces that may wait to be written; more would only fill memory while another worker is behind.
 const mostWaiting = 4;
@@ -26,29 +27,53 @@ function open(path) {
   return opened.file;
 }
 
-/// { kind: 'decode', path, las, chunk, depth }: the points as CHNK records.
+/// Hands a piece over; comes back when there is room for the next.
+async function give(buffer, points, dropped) {
+  parentPort.postMessage({ kind: 'part', buffer, points, dropped }, buffer ? [buffer] : []);
+  ++waiting;
+  while (waiting > mostWaiting) await new Promise((resolve) => (wake = resolve));
+}
+
+/// Records of LAS, decompressed where they are not plain, in pieces.
+async function eachPiece({ path, las, chunk }, consume, most) {
+  if (chunk.isPlain) await eachPlainPiece(open(path), las, chunk, consume, most);
+  else await (await decoder).decode(open(path), las, chunk, chunkPoints, consume, most);
+}
+
+async function eachPlainPiece(file, las, chunk, consume, most = chunk.points) {
+  for (let done = 0; done < most; done += chunkPoints) {
+    const count = Math.min(chunkPoints, most - done);
+    const bytes = file.readAll(chunk.at + done * las.recordBytes, count * las.recordBytes, 'its points');
+    await consume(bytes, 0, count);
+  }
+}
+
+/// { kind: 'decode', path, las, chunk, depth } or { …, node, depth }: the points as CHNK records.
 async function decode(job) {
+  if (job.node) {
+    await encodeNode(open(job.path), job.node, job.depth, (buffer, points) => give(buffer, points, 0));
+    return;
+  }
   const overflows = mayOverflow(job.las);
-  await (await decoder).decode(open(job.path), job.las, job.chunk, chunkPoints, async (heap, at, count) => {
+  await eachPiece(job, (heap, at, count) => {
     const kept = overflows ? keepFinite(heap, at, count, job.las) : count;
     const buffer = kept > 0 ? encodeRecords(heap, at, kept, job.las, job.depth) : null;
-    parentPort.postMessage(
-      { kind: 'part', buffer, points: kept, dropped: count - kept },
-      buffer ? [buffer] : [],
-    );
-    ++waiting;
-    while (waiting > mostWaiting) await new Promise((resolve) => (wake = resolve));
+    return give(buffer, kept, count - kept);
   });
 }
 
-/// { kind: 'look', path, las, chunk, most }: how the colours of the first `most` points are meant.
+/// { kind: 'look', most, … }: how the colours of the first `most` points are meant; of a node, of all.
 async function look(job) {
   let depth = colorDepth.unknown;
-  const most = Math.min(job.most, job.chunk.points);
-  const takeDepth = (heap, at, count) => {
-    depth = Math.max(depth, depthOfColors(heap, at, count, job.las));
-  };
-  await (await decoder).decode(open(job.path), job.las, job.chunk, chunkPoints, takeDepth, most);
+  if (job.node) depth = depthOfNode(open(job.path), job.node);
+  else
+    await eachPiece(
+      job,
+      (heap, at, count) => {
+        depth = Math.max(depth, depthOfColors(heap, at, count, job.las));
+      },
+      Math.min(job.most, job.chunk.points),
+    );
   parentPort.postMessage({ kind: 'depth', depth });
 }
 

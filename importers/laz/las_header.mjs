@@ -52,9 +52,8 @@ function readBounds(bytes) {
   return bounds[0].every((low, i) => low <= bounds[1][i]) ? bounds : undefined;
 }
 
-/// `bytes`: the first bytes of the file, up to longestHeader. `isPart`: a node of an octree, whose number of points
-/// stands elsewhere and may be 0.
-export function parseLasHeader(bytes, { isPart = false } = {}) {
+/// `bytes`: the first bytes of the file, up to longestHeader.
+export function parseLasHeader(bytes) {
   if (bytes.length < 4 || bytes.toString('latin1', 0, 4) !== 'LASF')
     throw malformed('byte 0: it is not a LAS or LAZ file, it does not start with "LASF"');
   if (bytes.length < shortestHeader)
@@ -85,7 +84,7 @@ export function parseLasHeader(bytes, { isPart = false } = {}) {
   let points = bytes.readUInt32LE(107);
   // The old 32-bit count is a courtesy to old readers: 0 for large clouds, and stale in some files.
   if (minor >= 4) points = number64(bytes, 247) || points;
-  if (points === 0 && !isPart) throw empty('it is a LAZ file without points (byte 107: 0 points)');
+  if (points === 0) throw empty('it is a LAZ file without points (byte 107: 0 points)');
   return {
     minor,
     pointFormat,

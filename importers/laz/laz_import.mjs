@@ -1,5 +1,5 @@
 // A LAZ file to the point stream: header, records, chunk table, colours, then every chunk through the workers.
-import { grouped, malformed, unsupported } from './failure.mjs';
+import { grouped, malformed, truncated, unsupported } from './failure.mjs';
 import { FileBytes } from './file_bytes.mjs';
 import { colorDepth, lasColumns } from './las_columns.mjs';
 import { longestHeader, parseLasHeader } from './las_header.mjs';
@@ -14,13 +14,14 @@ const firstLookPoints = 256;
 // What Scancast accepts at most; real scans have less than one.
 const mostPointsPerByte = 1000;
 
-const workerUrl = new URL('./decode_worker.mjs', import.meta.url);
+export const workerUrl = new URL('./decode_worker.mjs', import.meta.url);
 
-/// All that is known of a LAZ file before a point is decoded: { las, records, chunks }.
-export function openLaz(path, options) {
+/// All that is known of a LAZ file before a point is decoded: { las, records, chunks }. `mayBePlain`: LAS will do.
+export function openLaz(path, { mayBePlain = false } = {}) {
   const file = new FileBytes(path);
   try {
-    const las = parseLasHeader(file.readSome(0, longestHeader), options);
+    const las = parseLasHeader(file.readSome(0, longestHeader));
+    if (!las.compressed && mayBePlain) return { las, records: {}, chunks: plainChunks(file, las) };
     if (!las.compressed) throw unsupported('byte 104: it is LAS, not LAZ; Scancast reads that without this program');
     if (las.points > mostPointsPerByte * file.size)
       throw malformed(`it promises ${grouped(las.points)} points; ${grouped(file.size)} bytes cannot hold that`);
@@ -32,12 +33,21 @@ export function openLaz(path, options) {
   }
 }
 
-const what = (chunk) => `the chunk of ${grouped(chunk.points)} points at byte ${grouped(chunk.at)}`;
+/// Uncompressed records, cut like chunks.
+function plainChunks(file, las) {
+  const bytes = las.points * las.recordBytes;
+  if (las.pointOffset + bytes > file.size)
+    throw truncated(`it ends at byte ${grouped(file.size)}: its header promises ${grouped(las.points)} points`);
+  return [{ at: las.pointOffset, bytes, points: las.points, isPlain: true }];
+}
 
-/// `pieces`: [{ path, las, chunk }]. The same rule as for LAS: 8 bits only if no number in the whole scan is above 255.
+const what = ({ chunk, node }) =>
+  node ? `the node ${node.name}` : `the chunk of ${grouped(chunk.points)} points at byte ${grouped(chunk.at)}`;
+
+/// `pieces`: [{ path, las, chunk }] of LAZ, [{ path, node }] of other octrees (potree_piece.mjs). The same rule as for LAS: 8 bits only if no number in the whole scan is above 255.
 export async function judgeColors(pool, pieces) {
-  if (!pieces.some(({ las }) => lasColumns(las).color)) return colorDepth.unknown;
-  const looks = (chosen, most) => chosen.map((piece) => ({ kind: 'look', what: what(piece.chunk), most, ...piece }));
+  if (pieces.every(({ las }) => las && !lasColumns(las).color)) return colorDepth.unknown;
+  const looks = (chosen, most) => chosen.map((piece) => ({ kind: 'look', what: what(piece), most, ...piece }));
   let depth = colorDepth.unknown;
   const take = (piece) => {
     depth = Math.max(depth, piece.depth);
@@ -51,7 +61,7 @@ export async function judgeColors(pool, pieces) {
 
 /// Decodes the pieces in their order into `writer`.
 export function writePieces(pool, pieces, depth, writer) {
-  const jobs = pieces.map((piece) => ({ kind: 'decode', what: what(piece.chunk), depth, ...piece }));
+  const jobs = pieces.map((piece) => ({ kind: 'decode', what: what(piece), depth, ...piece }));
   return pool.run(jobs, (part) => writer.chunk(part.buffer, part.points, part.dropped));
 }
 

@@ -5,6 +5,7 @@
 
 #include <array>
 #include <cerrno>
+#include <optional>
 #include <system_error>
 
 #include "renderer/cloud/import/byte_source.hpp"
@@ -20,6 +21,35 @@ namespace {
 
 const ImporterProgram pclImporter{.name = "scancast-import-pcl"};
 const ImporterProgram lazImporter{.name = "scancast-import-laz", .memory = ImporterProgram::Memory::Data};
+const ImporterProgram potreeImporter{.name = "scancast-import-potree",
+                                     .memory = ImporterProgram::Memory::Data};
+
+/// The folder of the Potree octree that a path means: a folder with its description, or that file itself.
+std::optional<std::filesystem::path> potreeFolder(const std::filesystem::path& path) {
+    std::error_code ignored;
+    for (const char* description : {"metadata.json", "cloud.js"}) {
+        if (std::filesystem::is_regular_file(path / description, ignored)) return path;
+        if (path.filename() == description && std::filesystem::is_regular_file(path, ignored))
+            return path.parent_path();
+    }
+    return std::nullopt;
+}
+
+/// Of all files in a folder, however deep; links are not followed.
+std::uint64_t folderBytes(const std::filesystem::path& folder) {
+    namespace fs = std::filesystem;
+    std::error_code error;
+    std::uint64_t bytes = 0;
+    fs::recursive_directory_iterator at(folder.empty() ? "." : folder,
+                                        fs::directory_options::skip_permission_denied, error);
+    for (const fs::recursive_directory_iterator end; !error && at != end; at.increment(error)) {
+        std::error_code ignored;
+        if (!at->is_regular_file(ignored)) continue;
+        const auto size = at->file_size(ignored);
+        if (!ignored) bytes += size;
+    }
+    return bytes;
+}
 
 Expected<UniqueFd> openRegularFile(const std::string& name) {
     // O_NONBLOCK: opening a named pipe without a writer must not hang; for regular files it means nothing.
@@ -35,7 +65,8 @@ Expected<UniqueFd> openRegularFile(const std::string& name) {
         return fail(ErrorCode::Io, name + ": " + std::generic_category().message(errno));
     if (S_ISDIR(info.st_mode))
         return fail(ErrorCode::Unsupported, name +
-                                                " is a directory; give the scan files in it, for example " +
+                                                " is a directory without cloud.js or metadata.json, so no "
+                                                "Potree octree; give the scan files in it, for example " +
                                                 name + (name.ends_with('/') ? "" : "/") + "scan.las");
     if (!S_ISREG(info.st_mode))
         return fail(ErrorCode::Unsupported, name + " is a device, a pipe or a socket, not a file");
@@ -61,6 +92,8 @@ Expected<std::unique_ptr<PointSource>> opened(Expected<std::unique_ptr<Source>> 
 Expected<std::unique_ptr<PointSource>> openScan(const std::filesystem::path& file,
                                                 const ImportOptions& options) {
     const auto name = file.string();
+    if (const auto folder = potreeFolder(file))
+        return opened(ImporterSource::create(potreeImporter, file, folderBytes(*folder), options));
     auto fd = openRegularFile(name);
     if (!fd) return tl::unexpected(fd.error());
     auto bytes = FileByteSource::create(std::move(*fd), name);

@@ -92,7 +92,7 @@ TEST(NotAScan, MissingFile) {
 
 TEST(NotAScan, Directory) {
     const TemporaryFolder folder;
-    expectError(folder.path(), ErrorCode::Unsupported, "is a directory");
+    expectError(folder.path(), ErrorCode::Unsupported, "is a directory without cloud.js or metadata.json");
 }
 
 TEST(NotAScan, EmptyFile) {

@@ -158,6 +158,17 @@ inline const RealScan realScans[] = {
      "4.200 x 5.680 x 4.570; min -4.990 1.040 -3.450", {5397, 65535}, "", 65280},
     {"copc/simple_with_page.copc.laz", "LAZ 1.4, point format 7", 1065, 0, "cik",
      "3362.70 x 4635.73 x 179.79; min 635619.85 848899.70 406.59", {0, 254}, "1,2", 249},
+    {"potree/lion_takanawa", "Potree 1.7, BIN", 272768, 0, "cn",
+     "3.198 x 4.269 x 4.644; min -0.748 -2.780 2.551", {-1, -1}, "", -1},
+    // SOURCES.md has the box in cloud.js, which is that of the points before they were rounded.
+    {"potree/lion_takanawa_laz/cloud.js", "Potree 1.4, LAZ", 341989, 0, "cik",
+     "4.196 x 5.685 x 4.569; min -4.985 1.039 -3.445", {5397, 65535}, "", 65280},
+    // The grid is one of 0.01, which is what the box of 4.20 x 5.68 x 4.57 was rounded to.
+    {"potree/lion2_uncompressed", "Potree 2.0, UNCOMPRESSED", 341989, 0, "cik",
+     "4.19 x 5.68 x 4.56; min -4.985 1.039 -3.445", {5397, 65535}, "", 65280},
+    // PotreeConverter's BROTLI stores every number one step of the grid too high; Potree shows it so.
+    {"potree/lion2_brotli/metadata.json", "Potree 2.0, BROTLI", 341989, 0, "cik",
+     "4.19 x 5.68 x 4.56; min -4.975 1.049 -3.435", {5397, 65535}, "", 65280},
     {"text/autzen.pts", "PTS: x y z intensity red green blue", 10, 0, "ci",
      "23.560 x 376.40 x 84.220; min 636102.84 848968.80 427.92", {800, 42410}, "", 128},
     {"text/bunny_8.pts", "PTS: x y z", 9, 0, "",

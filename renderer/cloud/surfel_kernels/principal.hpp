@@ -9,8 +9,8 @@ namespace scancast::surfel {
 namespace {
 
 // The compiler splits these into registers of whatever width a level has.
-typedef double Lanes __attribute__((vector_size(chunk * sizeof(double)), aligned(16)));
-typedef float FloatLanes __attribute__((vector_size(chunk * sizeof(float)), aligned(16)));
+typedef double Lanes __attribute__((vector_size(chunk * sizeof(double))));
+typedef float FloatLanes __attribute__((vector_size(chunk * sizeof(float))));
 
 /// Symmetric matrices.
 struct Matrices {

@@ -30,6 +30,7 @@ int main(int argc, char** argv) {
     scancast::addServe(app, exitCode);
     scancast::addRender(app, exitCode);
     scancast::addIngest(app, exitCode);
+    scancast::addInfo(app, exitCode);
     scancast::addGenerate(app, exitCode);
     CLI11_PARSE(app, argc, argv);
     if (backends) {

@@ -1,0 +1,156 @@
+#include "server/commands/file_info.hpp"
+
+#include <algorithm>
+#include <array>
+#include <glm/common.hpp>
+#include <limits>
+
+#include "renderer/cloud/file/cloud_file.hpp"
+#include "renderer/cloud/file/random_reader.hpp"
+#include "renderer/cloud/import/mirrors.hpp"
+#include "renderer/cloud/import/open_scan.hpp"
+
+namespace scancast {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+OctreeInfo octreeInfo(std::span<const StoredNode> nodes) {
+    OctreeInfo info;
+    for (const StoredNode& stored : nodes) {
+        ++info.nodes;
+        info.leaves += stored.node.isLeaf();
+        info.samples += stored.node.sampleCount;
+        info.levels = std::max(info.levels, stored.node.level + 1);
+    }
+    return info;
+}
+
+std::vector<DamagedBlock> checkBlocks(const CloudFile& file, const ProgressSink& progress) {
+    std::vector<DamagedBlock> damaged;
+    const auto nodes = file.nodes();
+    constexpr std::uint32_t nodesPerReport = 64;
+    for (std::uint32_t i = 0; i < nodes.size(); ++i) {
+        if (const auto samples = file.samples(i); !samples)
+            damaged.push_back({i, nodes[i].samples.offset, samples.error().message});
+        if (const auto rows = file.rows(i); !rows)
+            damaged.push_back({i, nodes[i].rows.offset, rows.error().message});
+        if (progress && (i % nodesPerReport == 0 || i + 1 == nodes.size()))
+            progress({"checking", i + std::uint64_t(1), nodes.size(), "nodes"});
+    }
+    return damaged;
+}
+
+Expected<FileInfo> cloudInfo(const fs::path& path, bool check, const ProgressSink& progress) {
+    const auto opened = CloudFile::open(path);
+    if (!opened) return tl::unexpected(opened.error());
+    const CloudFile& file = **opened;
+    FileInfo info;
+    info.file = path;
+    info.bytes = file.bytes();
+    info.facts = file.facts();
+    info.points = file.facts().points;
+    info.boundsKnown = true;
+    info.octree = octreeInfo(file.nodes());
+    info.writtenBy = file.writtenBy();
+    if (check) info.damaged = checkBlocks(file, progress);
+    info.checked = check;
+    return info;
+}
+
+/// What the points themselves say, in place of what the header declares.
+class Counted {
+  public:
+    void add(const PointBatch& batch) {
+        for (const glm::dvec3& p : batch.position) low_ = glm::min(low_, p), high_ = glm::max(high_, p);
+        for (const std::uint16_t i : batch.intensity) {
+            intensity_[0] = std::min(intensity_[0], i);
+            intensity_[1] = std::max(intensity_[1], i);
+        }
+        for (const std::uint8_t c : batch.classification) ++classes_[c];
+        points_ += batch.size();
+    }
+
+    void tell(FileInfo& info, std::uint64_t dropped) const {
+        info.points = info.facts.points = points_;
+        info.facts.droppedPoints = dropped;
+        info.facts.bounds = {low_, high_};
+        info.boundsKnown = points_ > 0;
+        info.facts.intensityRange = intensity_;
+        info.facts.classCounts = classes_;
+        info.checked = true;
+    }
+
+  private:
+    glm::dvec3 low_{std::numeric_limits<double>::max()}, high_{std::numeric_limits<double>::lowest()};
+    std::array<std::uint16_t, 2> intensity_{65535, 0};
+    std::array<std::uint64_t, 256> classes_{};
+    std::uint64_t points_ = 0;
+};
+
+Expected<void> readThrough(PointSource& source, FileInfo& info, const ProgressSink& progress) {
+    Counted counted;
+    std::uint64_t done = 0;
+    PointBatch batch;
+    for (;;) {
+        const auto more = source.read(batch);
+        if (!more) return tl::unexpected(more.error());
+        if (!*more) break;
+        counted.add(batch);
+        done += batch.size();
+        if (progress) progress({"reading", done, source.header().points.value_or(0), "points"});
+    }
+    counted.tell(info, source.droppedPoints());
+    return {};
+}
+
+Expected<FileInfo> scanInfo(const fs::path& path, bool check, const ProgressSink& progress) {
+    ImportOptions options;
+    options.keepAttributes = true;
+    auto source = openScan(path, options);
+    if (!source) return tl::unexpected(source.error());
+    const ScanHeader& header = (*source)->header();
+    FileInfo info;
+    info.file = path;
+    std::error_code ignored;
+    if (fs::is_regular_file(path, ignored)) info.bytes = fs::file_size(path, ignored);
+    info.points = header.points;
+    info.facts.title = path.filename().string();
+    info.facts.format = header.format;
+    info.facts.points = header.points.value_or(0);
+    info.facts.attributes = header.attributes;
+    info.facts.crsWkt = header.crsWkt;
+    info.facts.crsEpsg = header.crsEpsg;
+    for (const Column& column : header.columns) info.facts.columns.push_back({column, {0, 0}});
+    info.boundsKnown = header.bounds.has_value();
+    if (header.bounds) info.facts.bounds = *header.bounds;
+    info.gridStep = header.gridStep;
+    info.scannerOrigin = header.scannerOrigin;
+    auto mirrors = mirrorsBeside(path);
+    if (!mirrors) return tl::unexpected(mirrors.error());
+    info.facts.mirrors = std::move(*mirrors);
+    if (check)
+        if (auto read = readThrough(**source, info, progress); !read) return tl::unexpected(read.error());
+    return info;
+}
+
+/// A cloud file that was never finished begins with zeros, which no scan does.
+bool looksLikeCloudFile(const fs::path& path) {
+    const auto reader = openForReading(path);
+    if (!reader) return false;
+    std::array<std::byte, 64> start{};
+    const auto got = (*reader)->readAt(0, start);
+    const auto there = std::span(start).first(got.value_or(0));
+    return isCloudFile(there) || (!there.empty() && std::all_of(there.begin(), there.end(), [](std::byte b) {
+               return b == std::byte(0);
+           }));
+}
+
+}  // namespace
+
+Expected<FileInfo> fileInfo(const fs::path& file, bool check, const ProgressSink& progress) {
+    return looksLikeCloudFile(file) ? cloudInfo(file, check, progress) : scanInfo(file, check, progress);
+}
+
+}  // namespace scancast

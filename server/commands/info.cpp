@@ -1,0 +1,63 @@
+// `scancast info`: what is in a cloud file or a scan, and whether it is sound.
+#include <fmt/format.h>
+
+#include <memory>
+
+#include "server/commands/command.hpp"
+#include "server/commands/file_info.hpp"
+#include "server/commands/info_print.hpp"
+#include "server/commands/progress_bar.hpp"
+
+namespace scancast {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+struct InfoArguments {
+    std::vector<std::string> files;
+    bool json = false, check = false, quiet = false;
+};
+
+/// Every file is told of, whatever the others are like. False when one of them cannot be read or is damaged.
+bool runInfo(const InfoArguments& arguments) {
+    bool sound = true;
+    Json all{{"files", Json::array()}};
+    ProgressBar bar(stderr, arguments.quiet ? ProgressBar::Style::Quiet : ProgressBar::Style::Automatic);
+    for (const std::string& file : arguments.files) {
+        const auto info = fileInfo(file, arguments.check, bar.sink());
+        bar.clear();
+        sound = sound && info && info->damaged.empty();
+        if (!info) fmt::print(stderr, "scancast info: {}\n", info.error().message);
+        if (arguments.json)
+            all["files"].push_back(
+                info ? infoJson(*info)
+                     : Json{{"file", file},
+                            {"error",
+                             {{"code", name(info.error().code)}, {"message", info.error().message}}}});
+        else if (info)
+            fmt::print("{}", infoText(*info));
+    }
+    if (arguments.json) fmt::print("{}\n", all.dump(2, ' ', false, Json::error_handler_t::replace));
+    return sound;
+}
+
+}  // namespace
+
+void addInfo(CLI::App& app, int& exitCode) {
+    const auto arguments = std::make_shared<InfoArguments>();
+    auto* command = app.add_subcommand("info", "Describe a cloud file or a scan");
+    command->footer(
+        "Exit code: 0, or 1 when a file cannot be read or is damaged.\n"
+        "Examples:\n"
+        "  scancast info town.scan\n"
+        "  scancast info --check *.scan          # read every block and verify its checksum\n"
+        "  scancast info --json flight.laz       # docs/info.md describes the object");
+    command->add_option("files", arguments->files, "Cloud files or scans")->type_name("FILE")->required();
+    command->add_flag("--json", arguments->json, "One JSON object on standard output instead of text");
+    command->add_flag("--check", arguments->check,
+                      "Verify every block of a cloud file; read a scan through to its end");
+    command->add_flag("-q,--quiet", arguments->quiet, "No progress on standard error");
+    command->callback([arguments, &exitCode] { exitCode = runInfo(*arguments) ? 0 : 1; });
+}
+
+}  // namespace scancast

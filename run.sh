@@ -8,7 +8,7 @@ usage() {
     cat <<'EOF'
 Usage: ./run.sh [--yes|--no-install] [FILE…] [-- OPTIONS OF scancast serve]
 
-Installs what is missing, builds Scancast, and serves your scans (LAS, PLY, PCD) as a page that you open in a
+Installs what is missing, builds Scancast, and serves your scans (LAS, LAZ, PLY, PCD, Potree) as a page that you open in a
 browser. Without a FILE it generates a small town to look at.
 
   --yes          install missing Debian packages without asking

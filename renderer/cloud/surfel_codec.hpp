@@ -14,8 +14,8 @@ namespace scancast {
 
 inline constexpr std::uint8_t noRadius = 0;         ///< not known: the node's spacing stands in
 inline constexpr std::uint8_t outlierRadius = 255;  ///< an outlier: not drawn by surfel methods
-/// The k-th neighbour's distance over the neighbours' average distance: how `major` follows from `radius`. The
-/// median of real scans (docs/decisions/005-surfel-in-four-bytes.md).
+/// The k-th neighbour's distance over the neighbours' average distance: how `major` follows from `radius`.
+/// The median of real scans (docs/decisions/005-surfel-in-four-bytes.md).
 inline constexpr float majorPerRadius = 1.36f;
 
 /// Right-handed, continuous but for one direction; the same arithmetic in every device.
@@ -27,8 +27,8 @@ TangentFrame tangentFrame(glm::vec3 normal);
 /// Sets normal (unless the surfel has none), logRadius and ellipse; nothing else of the sample. Radii outside
 /// 1/16 … 16 node spacings and ratios below 1/4 are clamped.
 void encodeSurfel(const Surfel& surfel, float nodeSpacing, Sample& sample);
-/// The normal stays what `sample` says, (0,0,0) where it has none. Where no radius is known, and for outliers: a
-/// circle of the node's spacing.
+/// The normal stays what `sample` says, (0,0,0) where it has none. Where no radius is known, and for
+/// outliers: a circle of the node's spacing.
 Surfel decodeSurfel(const Sample& sample, float nodeSpacing);
 
 }  // namespace scancast

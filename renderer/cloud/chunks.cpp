@@ -75,8 +75,10 @@ class Sorter {
             last = key;
             List& list = listOf(to->chunk);
             list.points.push_back(p);
-            const auto row = portion.rows.begin() + std::ptrdiff_t(i * rowBytes_);
-            list.rows.insert(list.rows.end(), row, row + std::ptrdiff_t(rowBytes_));
+            if (rowBytes_ > 0) {
+                const auto row = portion.rows.begin() + std::ptrdiff_t(i * rowBytes_);
+                list.rows.insert(list.rows.end(), row, row + std::ptrdiff_t(rowBytes_));
+            }
             for (std::uint32_t h = to->firstHalo; h < to->firstHalo + to->halos; ++h)
                 listOf(plan_.haloChunks[h]).halo.push_back(p);
         }
@@ -95,7 +97,10 @@ class Sorter {
                 done = to.chunk.haloBytes.write(haloAt * sizeof(BuildPoint),
                                                 std::as_bytes(std::span(list.halo)));
             if (!done) return done;
-            list = {};
+            // The room stays: most chunks that a thread meets it meets again soon.
+            list.points.clear();
+            list.halo.clear();
+            list.rows.clear();
         }
         used_.clear();
         return {};

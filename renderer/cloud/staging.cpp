@@ -187,7 +187,7 @@ void learn(const PointBatch& batch, PackedBatch& packed, StagedScan& scan) {
 Expected<void> stageBatch(const PointBatch& batch, const ScanHeader& header, Workspace& workspace,
                           StagedScan& scan) {
     if (auto sound = checkBatch(batch, header, scan.points); !sound) return sound;
-    PackedBatch packed;
+    thread_local PackedBatch packed;
     packPositions(batch, header, scan.onOwnGrid && hasGrid(header), packed);
     packRest(batch, packed);
     learn(batch, packed, scan);

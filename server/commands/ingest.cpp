@@ -8,6 +8,7 @@
 #include <stop_token>
 #include <thread>
 
+#include "renderer/cloud/import/mirrors.hpp"
 #include "renderer/cloud/import/open_scan.hpp"
 #include "renderer/cloud/import/standard_input.hpp"
 #include "renderer/cloud/ingest.hpp"
@@ -29,11 +30,12 @@ struct IngestArguments {
     bool noSurfels = false, keepAttributes = false, force = false, quiet = false;
 };
 
-/// Freed memory goes back to the system at once, or the limit would be kept in name only.
+/// Large blocks go back to the system when they are freed, or the limit would be kept in name only; small
+/// ones are used again, for getting pages anew costs more than what is done in them.
 void returnFreedMemory() {
     ::mallopt(M_ARENA_MAX, 4);
-    ::mallopt(M_MMAP_THRESHOLD, 256 << 10);
-    ::mallopt(M_TRIM_THRESHOLD, 1 << 20);
+    ::mallopt(M_MMAP_THRESHOLD, 4 << 20);
+    ::mallopt(M_TRIM_THRESHOLD, 64 << 20);
 }
 
 /// While it lives, Ctrl-C asks the work to stop; a second one ends the process as it is (temporary files are

@@ -81,6 +81,12 @@ Expected<IngestOptions> ingestOptions(const IngestArguments& arguments) {
         if (fs::equivalent(input, options.output, error))
             return fail(ErrorCode::InvalidArgument, fmt::format("{} is both input and output.", input),
                         "output");
+    for (const std::string& input : arguments.inputs) {
+        if (input == "-") continue;
+        const auto mirrors = mirrorsBeside(input);
+        if (!mirrors) return tl::unexpected(mirrors.error());
+        options.mirrors.insert(options.mirrors.end(), mirrors->begin(), mirrors->end());
+    }
     return options;
 }
 

@@ -1,0 +1,210 @@
+// `scancast info` as a user calls it, in process.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+
+#include "server/commands/command.hpp"
+#include "server/commands/info_print.hpp"
+#include "tests/support/test_data.hpp"
+#include "tests/unit/cloud/file/sample_cloud.hpp"
+
+namespace scancast {
+namespace {
+
+using nlohmann::json;
+using testing::HasSubstr;
+using testing::Not;
+
+struct Outcome {
+    int exitCode = -1;
+    std::string output, errors;
+};
+
+/// `words` without the program's name. The command line's own refusals count as exit code 2.
+Outcome info(std::vector<std::string> words) {
+    words.insert(words.begin(), "info");
+    CLI::App app{"scancast"};
+    Outcome outcome;
+    addInfo(app, outcome.exitCode);
+    std::reverse(words.begin(), words.end());
+    testing::internal::CaptureStdout();
+    testing::internal::CaptureStderr();
+    try {
+        app.parse(words);
+    } catch (const CLI::ParseError&) {
+        outcome.exitCode = 2;
+    }
+    std::fflush(stdout);
+    outcome.output = testing::internal::GetCapturedStdout();
+    outcome.errors = testing::internal::GetCapturedStderr();
+    return outcome;
+}
+
+/// A cloud of 3,000 points whose every fact is set.
+class Info : public testing::Test {
+  protected:
+    Info() : cloud_(test::sampleCloud()), facts_(test::fullFacts(*cloud_, true)) {
+        facts_.bounds = cloud_->bounds;
+        facts_.classCounts = {};
+        facts_.classCounts[2] = 2000;
+        facts_.classCounts[6] = 1000;
+        facts_.attributes.intensity = true;
+        facts_.title = "Hill";
+        const auto written = test::writeCloudFile(file(), cloud_->octree, facts_);
+        EXPECT_TRUE(written) << written.error().message;
+    }
+    std::string file() const { return (folder_.path() / "hill.scan").string(); }
+    void damage(std::uint64_t at) const {
+        std::fstream stream(file(), std::ios::binary | std::ios::in | std::ios::out);
+        stream.seekg(std::streamoff(at));
+        const char byte = char(stream.get() ^ 1);
+        stream.seekp(std::streamoff(at));
+        stream.put(byte);
+    }
+
+    test::TemporaryFolder folder_;
+    std::shared_ptr<const Cloud> cloud_;
+    CloudFacts facts_;
+};
+
+TEST_F(Info, TellsPeopleWhatIsInACloudFile) {
+    const auto told = info({file()});
+    EXPECT_EQ(told.exitCode, 0) << told.errors;
+    for (const char* words :
+         {"cloud file by scancast ", "Hill", "LAS 1.4, point format 7", "3,000", "bytes a point", "EPSG:2994",
+          "colour, intensity (3 to 65534), classification", "  2 ground", "66.7 %", "  6 building", "33.3 %",
+          "gps_time, float64", "seconds of the week", "return_number, uint8, 1 to 5", "2.7 x 0.1", "levels, ",
+          "yes, normals point to"})
+        EXPECT_THAT(told.output, HasSubstr(words));
+    EXPECT_THAT(told.output, Not(HasSubstr("checked")));
+}
+
+// Right because every number is compared with the cloud that was written.
+TEST_F(Info, TellsProgramsTheSame) {
+    const auto told = info({"--json", file()});
+    ASSERT_EQ(told.exitCode, 0) << told.errors;
+    const auto all = json::parse(told.output);
+    ASSERT_EQ(all.at("files").size(), 1u);
+    const json& one = all["files"][0];
+    EXPECT_EQ(one.at("kind"), "cloud");
+    EXPECT_EQ(one.at("bytes"), std::filesystem::file_size(file()));
+    EXPECT_EQ(one.at("points"), 3000);
+    EXPECT_EQ(one.at("droppedPoints"), 0xffffffffffffffffull);
+    for (std::size_t end = 0; end < 2; ++end)
+        for (int a = 0; a < 3; ++a) EXPECT_EQ(one.at("bounds")[end][std::size_t(a)], cloud_->bounds[end][a]);
+    EXPECT_EQ(one.at("crs").at("epsg"), 2994);
+    EXPECT_EQ(one.at("crs").at("wkt"), facts_.crsWkt);
+    EXPECT_EQ(one.at("intensityRange"), (json{3, 65534}));
+    EXPECT_EQ(one.at("classes"), json::parse(R"([{"class":2,"name":"ground","points":2000},
+                                                 {"class":6,"name":"building","points":1000}])"));
+    EXPECT_EQ(one.at("columns").size(), 3u);
+    EXPECT_EQ(one.at("columns")[2].at("range"), (json{-0.25, 31.1}));
+    EXPECT_EQ(one.at("mirrors")[0].at("width"), 2.7);
+    EXPECT_EQ(one.at("octree").at("nodes"), cloud_->octree.nodes().size());
+    EXPECT_EQ(one.at("octree").at("samples"), cloud_->octree.sampleCount());
+    EXPECT_EQ(one.at("octree").at("revision"), facts_.revision);
+    EXPECT_EQ(one.at("octree").at("surfels"), true);
+    EXPECT_TRUE(one.at("check").is_null());
+}
+
+TEST_F(Info, CheckFindsADamagedBlockAndNamesIt) {
+    EXPECT_THAT(info({"--check", file()}).output, HasSubstr("every block is sound"));
+    const auto place = CloudFile::open(file()).value()->nodes()[3].samples;
+    damage(place.offset + 5);
+    EXPECT_EQ(info({file()}).exitCode, 0) << "the index is sound";
+    const auto told = info({"--check", file()});
+    EXPECT_EQ(told.exitCode, 1);
+    EXPECT_THAT(told.output, HasSubstr("1 damaged block;"));
+    EXPECT_THAT(told.output, HasSubstr("node 3, samples at byte " + std::to_string(place.offset)));
+    const auto all = json::parse(info({"--check", "--json", file()}).output);
+    const json& check = all["files"][0].at("check");
+    EXPECT_EQ(check.at("sound"), false);
+    ASSERT_EQ(check.at("damaged").size(), 1u);
+    EXPECT_EQ(check.at("damaged")[0].at("node"), 3);
+    EXPECT_EQ(check.at("damaged")[0].at("offset"), place.offset);
+}
+
+TEST_F(Info, WhatCannotBeReadIsAnErrorAndTheRestIsTold) {
+    damage(20);
+    const auto missing = (folder_.path() / "none.scan").string();
+    const auto told = info({missing, file()});
+    EXPECT_EQ(told.exitCode, 1);
+    EXPECT_THAT(told.errors, HasSubstr("none.scan"));
+    EXPECT_THAT(told.errors, HasSubstr("hill.scan, byte 0: the header is damaged"));
+    const auto all = json::parse(info({"--json", missing, file()}).output);
+    ASSERT_EQ(all.at("files").size(), 2u);
+    EXPECT_EQ(all["files"][0].at("error").at("code"), "not-found");
+    EXPECT_EQ(all["files"][1].at("error").at("code"), "malformed");
+}
+
+TEST_F(Info, AFileThatWasNeverFinishedSaysSo) {
+    const auto path = folder_.write("half.scan", std::string(10000, '\0'));
+    const auto told = info({path.string()});
+    EXPECT_EQ(told.exitCode, 1);
+    EXPECT_THAT(told.errors, HasSubstr("never finished"));
+}
+
+TEST_F(Info, WithoutAFileItIsUsage) {
+    EXPECT_EQ(info({}).exitCode, 2);
+}
+
+// autzen_trim.las: 110,000 points, as SOURCES.md beside it says.
+TEST(InfoOfAScan, TellsTheHeaderAndWithCheckThePoints) {
+    REQUIRE_TEST_DATA("las/autzen_trim.las");
+    const auto scan = test::testData("las/autzen_trim.las").string();
+    const auto told = info({scan});
+    EXPECT_EQ(told.exitCode, 0) << told.errors;
+    EXPECT_THAT(told.output, HasSubstr("scan, LAS 1."));
+    EXPECT_THAT(told.output, HasSubstr("110,000, as the file declares"));
+    EXPECT_THAT(told.output, HasSubstr("gps_time"));
+    const auto all = json::parse(info({"--json", "--check", scan}).output);
+    const json& one = all["files"][0];
+    EXPECT_EQ(one.at("kind"), "scan");
+    EXPECT_EQ(one.at("points"), 110000);
+    EXPECT_TRUE(one.at("octree").is_null());
+    EXPECT_EQ(one.at("check").at("sound"), true);
+    std::uint64_t points = 0;
+    for (const json& c : one.at("classes")) points += c.at("points").get<std::uint64_t>();
+    EXPECT_EQ(points, 110000u) << "every point has a class";
+}
+
+TEST(InfoOfAScan, CutOffIsAnErrorOnlyWhenRead) {
+    REQUIRE_TEST_DATA("las/autzen_trim.las");
+    const test::TemporaryFolder folder;
+    std::filesystem::copy_file(test::testData("las/autzen_trim.las"), folder.path() / "cut.las");
+    std::filesystem::resize_file(folder.path() / "cut.las", 100000);
+    const auto told = info({"--check", (folder.path() / "cut.las").string()});
+    EXPECT_EQ(told.exitCode, 1);
+    EXPECT_THAT(told.errors, HasSubstr("cut.las"));
+}
+
+TEST(InfoPage, DescribesEveryFieldOfTheObject) {
+    std::ifstream file(SCANCAST_SOURCE_DIR "/docs/info.md");
+    const std::string page{std::istreambuf_iterator<char>(file), {}};
+    FileInfo info;
+    info.octree = OctreeInfo{};
+    info.checked = true;
+    info.damaged = {{}};
+    info.facts = test::fullFacts(CloudFacts{}, true);
+    info.facts.attributes = {true, true, true, true};
+    const auto described = [&](const json& object, auto&& self) -> void {
+        if (object.is_array() && !object.empty()) self(object[0], self);
+        if (!object.is_object()) return;
+        for (const auto& [key, value] : object.items()) {
+            EXPECT_THAT(page, HasSubstr("`" + key + "`"));
+            self(value, self);
+        }
+    };
+    described(json(infoJson(info)), described);
+}
+
+TEST(InfoPage, Grouping) {
+    EXPECT_EQ(grouped(0), "0");
+    EXPECT_EQ(grouped(999), "999");
+    EXPECT_EQ(grouped(1000), "1,000");
+    EXPECT_EQ(grouped(12345678), "12,345,678");
+}
+
+}  // namespace
+}  // namespace scancast

@@ -77,12 +77,20 @@ void Catalog::setReady(std::string_view id, std::shared_ptr<const Cloud> cloud) 
     }
 }
 
-void Catalog::setFailed(std::string_view id) {
+void Catalog::setPreview(std::string_view id, std::shared_ptr<const Cloud> cloud) {
+    const std::lock_guard lock(mutex_);
+    CatalogEntry* entry = findLocked(id);
+    if (entry != nullptr && entry->state == CloudState::Loading) entry->cloud = std::move(cloud);
+}
+
+void Catalog::setFailed(std::string_view id, std::string reason) {
     const std::lock_guard lock(mutex_);
     if (CatalogEntry* entry = findLocked(id)) {
         entry->state = CloudState::Failed;
         entry->stage.clear();
         entry->progress.reset();
+        entry->cloud.reset();
+        entry->error = std::move(reason);
     }
 }
 
@@ -109,9 +117,9 @@ tl::expected<std::shared_ptr<const Cloud>, Problem> Catalog::cloud(std::string_v
             404, "There is no cloud named " + quoteText(id) + " here; /api/v1/clouds lists those there are.");
     }
     if (entry->state == CloudState::Failed) {
-        return refuse(404, "The cloud \"" + entry->id + "\" could not be loaded; the server's log says why.");
+        return refuse(404, "The cloud \"" + entry->id + "\" could not be loaded: " + entry->error);
     }
-    if (entry->state == CloudState::Loading) {
+    if (!entry->cloud) {
         return refuse(503, "The cloud \"" + entry->id + "\" is still being loaded; ask again in a moment.");
     }
     return entry->cloud;
@@ -121,6 +129,9 @@ std::string Catalog::defaultId() const {
     const std::lock_guard lock(mutex_);
     for (const auto& entry : entries_) {
         if (entry.state == CloudState::Ready) return entry.id;
+    }
+    for (const auto& entry : entries_) {
+        if (entry.cloud) return entry.id;
     }
     return entries_.empty() ? std::string() : entries_.front().id;
 }
@@ -138,7 +149,9 @@ std::uint64_t Catalog::pointsResident() const {
     const std::lock_guard lock(mutex_);
     std::uint64_t points = 0;
     for (const auto& entry : entries_) {
-        if (entry.cloud) points += entry.cloud->points;
+        if (!entry.cloud || entry.cloud->octree.nodes().empty()) continue;
+        const SampleStore& store = entry.cloud->octree.store();
+        points += store.whole() ? entry.cloud->points : store.bytesResident() / sizeof(Sample);
     }
     return points;
 }

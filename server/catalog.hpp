@@ -25,9 +25,11 @@ struct CatalogEntry {
     std::string id;     ///< the name in URLs
     std::string title;  ///< for people
     CloudState state = CloudState::Loading;
-    std::string stage;                   ///< while loading: "reading", "sorting" …
-    std::optional<double> progress;      ///< while loading: 0–1 of the stage, where that is known
-    std::shared_ptr<const Cloud> cloud;  ///< set exactly when Ready
+    std::string stage;               ///< while loading: "reading", "sorting" …
+    std::optional<double> progress;  ///< while loading: 0–1 of the stage, where that is known
+    /// Set when Ready; while Loading, once there is a coarse one to look at.
+    std::shared_ptr<const Cloud> cloud;
+    std::string error;  ///< when Failed: why, for people
 };
 
 /// Turns any name into an id: letters, digits, '.', '_' and '-' stay, runs of anything else become one '-'.
@@ -39,16 +41,19 @@ class Catalog {
     /// A new entry, Loading. Its id is cloudIdFor(title), with "-2", "-3" … behind it where that is taken.
     std::string add(std::string_view title);
     void setProgress(std::string_view id, std::string_view stage, std::uint64_t done, std::uint64_t total);
+    /// A coarse cloud to look at while the entry is Loading; ignored afterwards.
+    void setPreview(std::string_view id, std::shared_ptr<const Cloud> cloud);
     void setReady(std::string_view id, std::shared_ptr<const Cloud> cloud);
-    void setFailed(std::string_view id);
+    void setFailed(std::string_view id, std::string reason);
 
     /// In the order in which they were added.
     std::vector<CatalogEntry> list() const;
     std::optional<CatalogEntry> find(std::string_view id) const;
-    /// The cloud, if it is Ready. 404 when there is none of that name or it could not be loaded, 503 while it
-    /// is loading.
+    /// The cloud, if it is Ready or can be looked at coarsely. 404 when there is none of that name or it
+    /// could not be loaded, 503 while there is nothing to look at yet.
     tl::expected<std::shared_ptr<const Cloud>, Problem> cloud(std::string_view id) const;
-    /// The first cloud that is Ready, else the first one at all; empty when there is none.
+    /// The first cloud that is Ready, else the first that can be looked at, else the first one at all; empty
+    /// when there is none.
     std::string defaultId() const;
     /// Nothing is Loading and at least one cloud is Ready.
     bool settled() const;

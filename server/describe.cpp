@@ -34,7 +34,19 @@ nlohmann::json pendingJson(const CatalogEntry& entry) {
     nlohmann::json json{{"id", entry.id}, {"title", entry.title}, {"state", name(entry.state)}};
     if (!entry.stage.empty()) json["stage"] = entry.stage;
     if (entry.progress) json["progress"] = *entry.progress;
+    if (!entry.error.empty()) json["error"] = entry.error;
     return json;
+}
+
+nlohmann::json columnsJson(const Cloud& cloud) {
+    nlohmann::json list = nlohmann::json::array();
+    for (const KeptColumn& kept : cloud.columns) {
+        nlohmann::json json{
+            {"name", kept.column.name}, {"type", name(kept.column.type)}, {"range", kept.range}};
+        if (!kept.column.description.empty()) json["description"] = kept.column.description;
+        list.push_back(std::move(json));
+    }
+    return list;
 }
 
 }  // namespace
@@ -85,7 +97,9 @@ MethodInfo describe(const Method& method) {
 nlohmann::json cloudJson(const CatalogEntry& entry) {
     if (!entry.cloud) return pendingJson(entry);
     nlohmann::json json = toJson(describe(entry.id, *entry.cloud));
-    json["state"] = name(entry.state);
+    json.update(pendingJson(entry));
+    json["title"] = entry.cloud->title;
+    json["columns"] = columnsJson(*entry.cloud);
     return json;
 }
 

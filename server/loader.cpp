@@ -1,34 +1,80 @@
 #include "server/loader.hpp"
 
-#include <chrono>
+#include <fmt/format.h>
+#include <unistd.h>
+#include <xxhash.h>
+
+#include <algorithm>
+#include <system_error>
 #include <utility>
 
-#include "renderer/cloud/cloud.hpp"
+#include "renderer/cloud/ingest.hpp"
+#include "renderer/residency/open_cloud.hpp"
+#include "server/preview.hpp"
 
 namespace scancast {
 namespace {
 
+namespace fs = std::filesystem;
+
+// While an octree is built in memory; about a quarter of it stays.
+constexpr std::uint64_t bytesPerPoint = 60;
+// A scan that does not say how many points it has: text has fewer to the byte, compressed files more.
+constexpr std::uint64_t bytesPerUnknownByte = 6;
+
 // Ends a scan early when the server is shut down.
 class StoppableSource final : public PointSource {
   public:
-    StoppableSource(std::unique_ptr<PointSource> source, const std::atomic<bool>& stop)
-        : source_(std::move(source)), stop_(stop) {}
+    StoppableSource(std::unique_ptr<PointSource> source, std::stop_token stop)
+        : source_(std::move(source)), stop_(std::move(stop)) {}
     const ScanHeader& header() const override { return source_->header(); }
     Expected<bool> read(PointBatch& batch) override {
-        if (stop_) return fail(ErrorCode::Cancelled, "The server is shutting down.");
+        if (stop_.stop_requested()) return fail(ErrorCode::Cancelled, "The server is shutting down.");
         return source_->read(batch);
     }
     std::uint64_t droppedPoints() const override { return source_->droppedPoints(); }
     std::array<std::uint64_t, 2> bytesRead() const override { return source_->bytesRead(); }
 
   private:
-    std::unique_ptr<PointSource> source_;
-    const std::atomic<bool>& stop_;
+    const std::unique_ptr<PointSource> source_;
+    const std::stop_token stop_;
 };
+
+/// Another path, size, time, program or way to build gives another name.
+std::string keptName(const fs::path& file, const LoaderOptions& options) {
+    std::error_code error;
+    const fs::path whole = fs::weakly_canonical(file, error);
+    const std::uint64_t size = fs::file_size(file, error);
+    const auto changed = fs::last_write_time(file, error).time_since_epoch().count();
+    const Shape shape;
+    const std::string all = fmt::format("{}\n{}\n{}\n{}\n{} {} {} {} {}", whole.string(), size, changed,
+                                        options.version, shape.leafPoints, shape.chunkPoints, shape.surfels,
+                                        shape.neighbours, options.import.keepAttributes);
+    return fmt::format("{}-{:016x}.scan", cloudIdFor(file.stem().string()),
+                       XXH3_64bits(all.data(), all.size()));
+}
+
+std::uint64_t memoryToBuild(const PointSource& source, const fs::path& file) {
+    if (source.header().points) return *source.header().points * bytesPerPoint;
+    std::error_code error;
+    const std::uintmax_t size = fs::file_size(file, error);
+    return error ? 0 : size * bytesPerUnknownByte;
+}
+
+/// Counts what it takes, as long as anybody looks at it.
+std::shared_ptr<const Cloud> counted(std::shared_ptr<const Cloud> cloud, BlockCache& cache) {
+    struct Counted {
+        std::shared_ptr<const Cloud> cloud;
+        std::shared_ptr<const void> bytes;
+    };
+    const std::uint64_t bytes = cloud->octree.bytesResident();
+    const auto holder = std::make_shared<const Counted>(Counted{std::move(cloud), cache.reserve(bytes)});
+    return {holder, holder->cloud.get()};
+}
 
 }  // namespace
 
-Loader::Loader(std::vector<std::filesystem::path> files, Catalog& catalog, LoaderOptions options)
+Loader::Loader(std::vector<fs::path> files, Catalog& catalog, LoaderOptions options)
     : files_(std::move(files)), catalog_(catalog), options_(std::move(options)) {
     for (const auto& file : files_) ids_.push_back(catalog_.add(file.stem().string()));
     thread_ = std::thread([this] { run(); });
@@ -40,39 +86,128 @@ Loader::~Loader() {
 }
 
 void Loader::run() {
-    for (std::size_t i = 0; i < files_.size() && !stop_; ++i) loadOne(files_[i], ids_[i]);
+    const auto isQuick = [&](std::size_t i) { return isCloudFileAt(files_[i]); };
+    std::vector<std::size_t> order(files_.size());
+    for (std::size_t i = 0; i < order.size(); ++i) order[i] = i;
+    // What opens in milliseconds does not wait for what takes minutes.
+    std::stable_partition(order.begin(), order.end(), isQuick);
+    for (const std::size_t i : order)
+        if (!stop_.stop_requested()) loadOne(i);
     finished_ = true;
 }
 
-void Loader::loadOne(const std::filesystem::path& file, const std::string& id) {
+void Loader::loadOne(std::size_t index) {
     const auto start = std::chrono::steady_clock::now();
-    auto source = openScan(file, options_.import);
-    auto cloud = Expected<std::shared_ptr<const Cloud>>(nullptr);
-    if (source) {
-        StoppableSource stoppable(std::move(*source), stop_);
-        BuildOptions build;
-        build.title = file.filename().string();
-        build.threads = options_.threads;
-        cloud = buildCloud(stoppable, build, [&](const Progress& progress) {
-            catalog_.setProgress(id, progress.stage, progress.done, progress.total);
-            if (options_.onProgress) options_.onProgress(id, progress);
-        });
-    } else {
-        cloud = tl::unexpected(std::move(source.error()));
-    }
-    if (!cloud) {
-        ++failed_;
-        catalog_.setFailed(id);
-        Error error = std::move(cloud.error());
-        if (error.message.find(file.filename().string()) == std::string::npos) {
-            error.message = file.string() + ": " + error.message;
-        }
-        if (options_.onFailed && error.code != ErrorCode::Cancelled) options_.onFailed(error);
+    auto cloud = load(files_[index], ids_[index]);
+    settle(index, std::move(cloud),
+           std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
+}
+
+void Loader::settle(std::size_t index, Result cloud, double seconds) {
+    const fs::path& file = files_[index];
+    const std::string& id = ids_[index];
+    if (cloud) {
+        if (options_.onLoaded) options_.onLoaded({id, **cloud, seconds});
+        catalog_.setReady(id, std::move(*cloud));
         return;
     }
-    const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-    if (options_.onLoaded) options_.onLoaded({id, **cloud, seconds});
-    catalog_.setReady(id, std::move(*cloud));
+    ++failed_;
+    Error error = std::move(cloud.error());
+    // Everybody may read the catalog: it names files, not where they are.
+    std::string reason = error.message;
+    for (auto at = reason.find(file.string()); file.has_parent_path() && at != std::string::npos;
+         at = reason.find(file.string()))
+        reason.replace(at, file.string().size(), file.filename().string());
+    catalog_.setFailed(id, std::move(reason));
+    if (error.message.find(file.filename().string()) == std::string::npos) {
+        error.message = file.string() + ": " + error.message;
+    }
+    if (options_.onFailed && error.code != ErrorCode::Cancelled) options_.onFailed(error);
+}
+
+Loader::Result Loader::load(const fs::path& file, const std::string& id) {
+    if (isCloudFileAt(file)) return openCloud(file, options_.cache);
+    auto source = openScan(file, options_.import);
+    if (!source) return tl::unexpected(std::move(source.error()));
+    const BlockCacheStats memory = options_.cache->stats();
+    const bool fits = memory.bytes + memoryToBuild(**source, file) <= memory.limit;
+    source->reset();
+    if (options_.cacheDir.empty() && fits) return build(file, id);
+
+    std::error_code none;
+    const fs::path folder = options_.cacheDir.empty() ? fs::temp_directory_path(none) : options_.cacheDir;
+    fs::path output = folder / keptName(file, options_);
+    if (options_.cacheDir.empty()) output += fmt::format(".{}", ::getpid());
+    if (!options_.cacheDir.empty() && fs::exists(output, none)) {
+        auto kept = openCloud(output, options_.cache);
+        if (kept) return kept;
+        note(fmt::format("{} is built anew: {}", file.filename().string(), kept.error().message));
+    }
+    auto cloud = ingestTo(output, file, id);
+    // An open file without a name goes away with the process, whatever ends it.
+    if (options_.cacheDir.empty()) fs::remove(output, none);
+    if (cloud || cloud.error().code == ErrorCode::Cancelled || !fits) return cloud;
+    const bool worthAnotherTry = cloud.error().code == ErrorCode::Io ||
+                                 cloud.error().code == ErrorCode::ResourceLimit ||
+                                 cloud.error().code == ErrorCode::InvalidArgument;
+    if (!worthAnotherTry) return cloud;
+    note(fmt::format("{} is kept in memory only: {}", file.filename().string(), cloud.error().message));
+    return build(file, id);
+}
+
+Loader::Result Loader::build(const fs::path& file, const std::string& id) {
+    auto source = open(file, id);
+    if (!source) return tl::unexpected(std::move(source.error()));
+    const auto building = options_.cache->reserve(memoryToBuild(**source, file));
+    BuildOptions options;
+    options.title = file.filename().string();
+    options.threads = options_.threads;
+    auto cloud = buildCloud(**source, options, progressOf(id));
+    if (!cloud) return cloud;
+    return counted(std::move(*cloud), *options_.cache);
+}
+
+Loader::Result Loader::ingestTo(const fs::path& output, const fs::path& file, const std::string& id) {
+    auto source = open(file, id);
+    if (!source) return tl::unexpected(std::move(source.error()));
+    IngestOptions options;
+    options.output = output;
+    options.title = file.filename().string();
+    options.threads = options_.threads;
+    options.memoryLimit = std::max(options_.cache->stats().limit / 2, leastIngestMemory);
+    {
+        const auto building = options_.cache->reserve(options.memoryLimit);
+        std::vector<std::unique_ptr<PointSource>> sources;
+        sources.push_back(std::move(*source));
+        auto report = ingest(std::move(sources), options, progressOf(id), stop_.get_token());
+        if (!report) return tl::unexpected(std::move(report.error()));
+    }
+    return openCloud(output, options_.cache);
+}
+
+Expected<std::unique_ptr<PointSource>> Loader::open(const fs::path& file, const std::string& id) const {
+    auto source = openScan(file, options_.import);
+    if (!source) return source;
+    PreviewOptions preview;
+    preview.title = file.filename().string();
+    preview.threads = options_.threads;
+    preview.first = options_.firstPreview;
+    preview.show = [this, id](std::shared_ptr<const Cloud> cloud) {
+        catalog_.setPreview(id, std::move(cloud));
+    };
+    auto stoppable = std::make_unique<StoppableSource>(std::move(*source), stop_.get_token());
+    return std::make_unique<PreviewSource>(std::move(stoppable), std::move(preview));
+}
+
+ProgressSink Loader::progressOf(const std::string& id) const {
+    return [this, id](const Progress& progress) {
+        catalog_.setProgress(id, progress.stage, progress.done, progress.total);
+        if (options_.onProgress) options_.onProgress(id, progress);
+    };
+}
+
+void Loader::note(const std::string& text) const {
+    if (options_.onNote) options_.onNote(text);
 }
 
 }  // namespace scancast

@@ -6,6 +6,8 @@
 #include <prometheus/registry.h>
 #include <prometheus/text_serializer.h>
 
+#include <mutex>
+
 namespace scancast {
 namespace {
 
@@ -34,6 +36,7 @@ const char* name(DropReason reason) {
 }  // namespace
 
 struct Metrics::Families {
+    std::mutex residency;
     prometheus::Registry registry;
     prometheus::Family<prometheus::Histogram>& render =
         prometheus::BuildHistogram()
@@ -76,6 +79,36 @@ struct Metrics::Families {
                                     .Help("Scan points held in memory")
                                     .Register(registry)
                                     .Add({});
+    prometheus::Counter& incomplete = prometheus::BuildCounter()
+                                          .Name("scancast_frames_incomplete_total")
+                                          .Help("Frames rendered with ancestors for blocks not in memory")
+                                          .Register(registry)
+                                          .Add({});
+    prometheus::Gauge& residentBytes = prometheus::BuildGauge()
+                                           .Name("scancast_residency_bytes")
+                                           .Help("Memory that clouds take, blocks held by pictures included")
+                                           .Register(registry)
+                                           .Add({});
+    prometheus::Gauge& residentLimit = prometheus::BuildGauge()
+                                           .Name("scancast_residency_limit_bytes")
+                                           .Help("The memory limit")
+                                           .Register(registry)
+                                           .Add({});
+    prometheus::Counter& blocksLoaded = prometheus::BuildCounter()
+                                            .Name("scancast_blocks_loaded_total")
+                                            .Help("Blocks of cloud files read into memory")
+                                            .Register(registry)
+                                            .Add({});
+    prometheus::Counter& blocksEvicted = prometheus::BuildCounter()
+                                             .Name("scancast_blocks_evicted_total")
+                                             .Help("Blocks of cloud files given up for others")
+                                             .Register(registry)
+                                             .Add({});
+    prometheus::Counter& blocksDamaged = prometheus::BuildCounter()
+                                             .Name("scancast_block_load_errors_total")
+                                             .Help("Blocks of cloud files that could not be read")
+                                             .Register(registry)
+                                             .Add({});
     prometheus::Family<prometheus::Counter>& requests = prometheus::BuildCounter()
                                                             .Name("scancast_http_requests_total")
                                                             .Help("HTTP requests answered")
@@ -98,7 +131,8 @@ Metrics::Metrics(std::string_view version) : families_(std::make_unique<Families
 
 Metrics::~Metrics() = default;
 
-void Metrics::frameRendered(std::string_view method, double seconds) {
+void Metrics::frameRendered(std::string_view method, double seconds, bool complete) {
+    if (!complete) families_->incomplete.Increment();
     families_->render.Add({{"method", std::string(method)}}, renderBuckets).Observe(seconds);
 }
 
@@ -124,6 +158,19 @@ void Metrics::sessionClosed() {
 }
 void Metrics::setPointsResident(std::uint64_t points) {
     families_->points.Set(double(points));
+}
+
+void Metrics::setResidency(const BlockCacheStats& stats) {
+    const std::lock_guard lock(families_->residency);
+    families_->residentBytes.Set(double(stats.bytes));
+    families_->residentLimit.Set(double(stats.limit));
+    const auto raise = [](prometheus::Counter& counter, std::uint64_t total) {
+        const double more = double(total) - counter.Value();
+        if (more > 0) counter.Increment(more);
+    };
+    raise(families_->blocksLoaded, stats.blocksLoaded);
+    raise(families_->blocksEvicted, stats.blocksEvicted);
+    raise(families_->blocksDamaged, stats.blocksDamaged);
 }
 
 void Metrics::httpRequest(std::string_view route, int code) {

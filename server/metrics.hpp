@@ -8,6 +8,8 @@
 #include <string>
 #include <string_view>
 
+#include "renderer/residency/block_cache.hpp"
+
 namespace scancast {
 
 /// Why a picture that somebody wished for was never shown.
@@ -27,7 +29,8 @@ class Metrics {
     Metrics(const Metrics&) = delete;
     Metrics& operator=(const Metrics&) = delete;
 
-    void frameRendered(std::string_view method, double seconds);
+    /// Not `complete`: ancestors stood in for blocks that were not in memory.
+    void frameRendered(std::string_view method, double seconds, bool complete = true);
     void frameEncoded(double seconds, std::uint64_t bytes);
     /// A frame went to a stream; `viewToFrameSeconds` counts from the arrival of the view that it shows.
     void frameSent(double viewToFrameSeconds);
@@ -35,6 +38,8 @@ class Metrics {
     void sessionOpened();
     void sessionClosed();
     void setPointsResident(std::uint64_t points);
+    /// Of everything that counts against the memory limit, now and since the start.
+    void setResidency(const BlockCacheStats& stats);
     /// `route` is a pattern ("/api/v1/clouds/{id}"), never what a client sent.
     void httpRequest(std::string_view route, int code);
 

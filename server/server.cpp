@@ -15,7 +15,10 @@ namespace {
 namespace asio = boost::asio;
 
 ApiOptions apiOptions(const ServerOptions& options) {
-    return {std::string(scancastVersion()), options.limits.maxPixels, {options.host, options.allowedOrigins}};
+    return {std::string(scancastVersion()),
+            options.limits.maxPixels,
+            {options.host, options.allowedOrigins},
+            options.cache};
 }
 
 class RunningServer final : public Server {

@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "renderer/residency/block_cache.hpp"
 #include "server/catalog.hpp"
 #include "server/metrics.hpp"
 #include "server/net/net_context.hpp"
@@ -24,6 +25,7 @@ struct ServerOptions {
     int netThreads = 2;
     NetLimits limits;
     SchedulerOptions scheduler;
+    std::shared_ptr<BlockCache> cache;  ///< that the clouds' blocks live in, if any do
 };
 
 class Server {

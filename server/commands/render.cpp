@@ -1,5 +1,6 @@
 // `scancast render`: a picture of a scan without a server, and the stopwatch of the renderer.
 #include <fmt/format.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <chrono>
@@ -13,6 +14,8 @@
 #include "renderer/cloud/import/open_scan.hpp"
 #include "renderer/image/encode.hpp"
 #include "renderer/render.hpp"
+#include "renderer/residency/open_cloud.hpp"
+#include "server/commands/byte_size.hpp"
 #include "server/commands/command.hpp"
 #include "server/commands/progress_bar.hpp"
 #include "server/commands/view_flags.hpp"
@@ -30,6 +33,7 @@ struct RenderArguments {
     RenderOptions render;
     WordValues words;
     int repeat = 1;
+    std::string memoryLimit;
     double orbit = 0;  ///< degrees around the target between repeated frames
 };
 
@@ -108,6 +112,21 @@ Expected<void> checkArguments(const RenderArguments& arguments) {
 }
 
 Expected<std::shared_ptr<const Cloud>> load(const RenderArguments& arguments) {
+    if (isCloudFileAt(arguments.file)) {
+        BlockCacheOptions cache;
+        cache.memoryLimit =
+            std::uint64_t(::sysconf(_SC_PHYS_PAGES)) * std::uint64_t(::sysconf(_SC_PAGESIZE)) / 2;
+        if (!arguments.memoryLimit.empty()) {
+            const auto limit = parseByteSize(arguments.memoryLimit, "memory-limit");
+            if (!limit) return tl::unexpected(limit.error());
+            cache.memoryLimit = *limit;
+        }
+        cache.onDamaged = [](const fs::path& file, const Error& error) {
+            fmt::print(stderr, "{}: {} Coarser points are shown in its place.\n", file.string(),
+                       error.message);
+        };
+        return openCloud(arguments.file, BlockCache::create(cache));
+    }
     auto source = openScan(arguments.file);
     if (!source) return tl::unexpected(source.error());
     BuildOptions options;
@@ -162,7 +181,7 @@ void addRender(CLI::App& app, int& exitCode) {
         "0,1,0\n"
         "  scancast render church.las --repeat 50 --stats json --samples 1 --method point");
     auto arguments = std::make_shared<RenderArguments>();
-    command->add_option("file", arguments->file, "The scan: LAS, PLY or PCD")->required();
+    command->add_option("file", arguments->file, "The cloud file or the scan")->required();
     command->add_option("-o,--output", arguments->output, "The picture to write: .png, .jpg or .jpeg");
     command->add_option("--backend", arguments->device.backend, "auto, cpu, egl or osmesa")
         ->capture_default_str();
@@ -176,6 +195,10 @@ void addRender(CLI::App& app, int& exitCode) {
         ->check(CLI::Range(1, 1000000));
     command->add_option("--orbit", arguments->orbit,
                         "Turn by this many degrees about the target between repetitions");
+    command
+        ->add_option("--memory-limit", arguments->memoryLimit,
+                     "Memory for a cloud file, like 2G; half of the machine's without it")
+        ->type_name("SIZE");
     command->add_option("--stats", arguments->stats, "Print times, as json, on standard output")
         ->check(CLI::IsMember({"json"}));
     addViewFlags(*command, arguments->words);

@@ -1,5 +1,6 @@
-// `scancast serve`: loads scans and serves pictures of them until it is told to stop.
+// `scancast serve`: opens cloud files, loads scans and serves pictures of them until it is told to stop.
 #include <fmt/format.h>
+#include <malloc.h>
 #include <spdlog/spdlog.h>
 
 #include <cstdio>
@@ -23,8 +24,25 @@ int failure(const Error& error) {
     return 1;
 }
 
+std::shared_ptr<BlockCache> blockCache(std::uint64_t memoryLimit) {
+    BlockCacheOptions options;
+    options.memoryLimit = memoryLimit;
+    options.onDamaged = [](const std::filesystem::path& file, const Error& error) {
+        spdlog::error("{}: {} Coarser points are shown in its place.", file.filename().string(),
+                      error.message);
+    };
+    return BlockCache::create(options);
+}
+
 LoaderOptions loaderOptions(const ServeOptions& options, ProgressBar& bar) {
     LoaderOptions loading;
+    loading.cache = options.server.cache;
+    loading.cacheDir = options.cacheDir;
+    loading.version = std::string(scancastVersion());
+    loading.onNote = [&bar](const std::string& note) {
+        bar.clear();
+        spdlog::warn("{}", note);
+    };
     loading.threads = options.device.threads;
     loading.onProgress = [&bar](const std::string&, const Progress& progress) { bar.report(progress); };
     loading.onLoaded = [&bar](const LoadedCloud& loaded) {
@@ -69,13 +87,14 @@ int waitForTheEnd(Server& server, const Loader& loader, std::size_t files, Shutd
 }
 
 // Everybody is told and given time; a second signal, or the end of patience, ends the process as it is.
-void leave(Server& server, Loader& loader, ShutdownSignals& signals, int exitCode) {
+void leave(Server& server, Loader& loader, BlockCache& cache, ShutdownSignals& signals, int exitCode) {
     using Clock = std::chrono::steady_clock;
     const auto end = Clock::now() + shutdownPatience;
     const int before = signals.wait(std::chrono::milliseconds(0));
     spdlog::info("shutting down");
     server.shutDown();
     loader.requestStop();
+    cache.stop();
     while (!server.waitForClients(std::chrono::milliseconds(0)) || !loader.finished()) {
         if (signals.wait(std::chrono::milliseconds(20)) > before || Clock::now() >= end) {
             spdlog::warn("not everything had ended in time");
@@ -85,9 +104,18 @@ void leave(Server& server, Loader& loader, ShutdownSignals& signals, int exitCod
     }
 }
 
-int serve(const ServeOptions& options) {
+/// What blocks leave behind goes back to the system, or the limit would be kept in name only.
+void returnFreedMemory() {
+    ::mallopt(M_ARENA_MAX, 4);
+    ::mallopt(M_MMAP_THRESHOLD, 64 << 10);
+    ::mallopt(M_TRIM_THRESHOLD, 1 << 20);
+}
+
+int serve(ServeOptions options) {
     if (auto log = setUpLog(options.logLevel, options.logFormat); !log) return failure(log.error());
     if (auto sound = check(options); !sound) return failure(sound.error());
+    returnFreedMemory();
+    options.server.cache = blockCache(*memoryLimit(options));
     ShutdownSignals signals;
     auto server = Server::create(options.server, devicePainter(options.device));
     if (!server) return failure(server.error());
@@ -101,7 +129,7 @@ int serve(const ServeOptions& options) {
     Loader loader(options.files, (*server)->catalog(), loaderOptions(options, bar));
     const int exitCode = waitForTheEnd(**server, loader, options.files.size(), signals);
     bar.clear();
-    leave(**server, loader, signals, exitCode);
+    leave(**server, loader, *options.server.cache, signals, exitCode);
     return exitCode;
 }
 
@@ -109,10 +137,11 @@ int serve(const ServeOptions& options) {
 
 void addServe(CLI::App& app, int& exitCode) {
     auto options = std::make_shared<ServeOptions>();
-    CLI::App* command = app.add_subcommand("serve", "Serve scans to browsers and programs");
+    CLI::App* command = app.add_subcommand("serve", "Serve clouds to browsers and programs");
     command->footer(
         "Every option can come from the environment too: --max-pixels is SCANCAST_MAX_PIXELS.\n"
-        "Example: scancast serve town.las room.ply --port 9000");
+        "Examples: scancast serve town.las room.ply --port 9000\n"
+        "          scancast serve city.scan --memory-limit 2G");
     addServeFlags(*command, *options);
     command->callback([options, &exitCode] { exitCode = serve(*options); });
 }

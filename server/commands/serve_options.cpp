@@ -1,5 +1,10 @@
 #include "server/commands/serve_options.hpp"
 
+#include <unistd.h>
+
+#include <algorithm>
+
+#include "server/commands/byte_size.hpp"
 #include "server/net/origin_check.hpp"
 
 namespace scancast {
@@ -9,7 +14,7 @@ bool isLoopbackHost(const std::string& host) {
 }
 
 void addServeFlags(CLI::App& app, ServeOptions& options) {
-    app.add_option("FILE", options.files, "Scans to serve: LAS, PLY, PCD")->type_name("");
+    app.add_option("FILE", options.files, "Cloud files (scancast ingest) and scans to serve")->type_name("");
     const auto flag = [&](const char* name, auto& value, const char* environment, const char* meaning) {
         return app.add_option(name, value, meaning)->envname(environment)->capture_default_str();
     };
@@ -36,6 +41,12 @@ void addServeFlags(CLI::App& app, ServeOptions& options) {
          "Streams at the same time")
         ->type_name("N")
         ->check(CLI::Range(1, 100000));
+    flag("--memory-limit", options.memoryLimit, "SCANCAST_MEMORY_LIMIT",
+         "Memory for all clouds, like 2G or 512M; half of the machine's without it")
+        ->type_name("SIZE");
+    flag("--cache-dir", options.cacheDir, "SCANCAST_CACHE_DIR",
+         "Folder that keeps scans as cloud files, so that the next start has them at once")
+        ->type_name("FOLDER");
     app.add_option("--allowed-origin", options.server.allowedOrigins,
                    "Another website whose pages may use this server; may be repeated")
         ->type_name("ORIGIN")
@@ -49,6 +60,20 @@ void addServeFlags(CLI::App& app, ServeOptions& options) {
         ->type_name("LEVEL");
     flag("--log-format", options.logFormat, "SCANCAST_LOG_FORMAT", "text, or json for one object a line")
         ->type_name("FORMAT");
+}
+
+Expected<std::uint64_t> memoryLimit(const ServeOptions& options) {
+    constexpr std::uint64_t least = 64 << 20;
+    if (options.memoryLimit.empty()) {
+        const auto memory = std::uint64_t(::sysconf(_SC_PHYS_PAGES)) * std::uint64_t(::sysconf(_SC_PAGESIZE));
+        return std::max(memory / 2, least);
+    }
+    auto limit = parseByteSize(options.memoryLimit, "memory-limit");
+    if (limit && *limit < least) {
+        return fail(ErrorCode::InvalidArgument,
+                    "--memory-limit: 64M is the least that a picture can be drawn with.", "memory-limit");
+    }
+    return limit;
 }
 
 Expected<void> check(const ServeOptions& options) {
@@ -67,6 +92,13 @@ Expected<void> check(const ServeOptions& options) {
                         "and forward the "
                         "port: ssh -L 8080:127.0.0.1:8080 THIS-MACHINE",
                     "host");
+    }
+    if (auto limit = memoryLimit(options); !limit) return tl::unexpected(std::move(limit.error()));
+    std::error_code error;
+    if (!options.cacheDir.empty() && !std::filesystem::is_directory(options.cacheDir, error)) {
+        return fail(ErrorCode::InvalidArgument,
+                    "--cache-dir: there is no folder " + options.cacheDir.string() + "; create it first.",
+                    "cache-dir");
     }
     for (const std::string& origin : options.server.allowedOrigins) {
         if (auto sound = checkAllowedOrigin(origin); !sound) return sound;

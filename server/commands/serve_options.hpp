@@ -16,6 +16,8 @@ struct ServeOptions {
     ServerOptions server;
     DeviceOptions device;
     bool insecure = false;
+    std::string memoryLimit;         ///< as written: "2G"; empty = half of the machine's memory
+    std::filesystem::path cacheDir;  ///< empty = built anew with every start
     std::string logLevel = "info";
     std::string logFormat = "text";
 };
@@ -26,6 +28,9 @@ void addServeFlags(CLI::App& app, ServeOptions& options);
 /// What no single flag can know. InvalidArgument: no file, an address that needs --insecure, an origin that
 /// is none.
 Expected<void> check(const ServeOptions& options);
+
+/// --memory-limit in bytes. InvalidArgument when it is none, or too small to draw anything.
+Expected<std::uint64_t> memoryLimit(const ServeOptions& options);
 
 /// "localhost", 127.x.x.x, "::1".
 bool isLoopbackHost(const std::string& host);

@@ -161,6 +161,7 @@ HttpResponse Api::cloud(const Routed& routed) const {
 
 HttpResponse Api::metricsText() const {
     metrics_.setPointsResident(catalog_.pointsResident());
+    if (options_.cache) metrics_.setResidency(options_.cache->stats());
     HttpResponse response = textResponse(200, metrics_.text());
     response.headers.front().second = "text/plain; version=0.0.4; charset=utf-8";
     return response;

@@ -20,6 +20,7 @@ struct ApiOptions {
     std::string version;
     std::uint64_t maxPixels = 0;  ///< of a picture
     OriginRules origins;
+    std::shared_ptr<BlockCache> cache{};  ///< for /metrics; may be empty
 };
 
 class Api {

@@ -83,6 +83,11 @@ std::string pictureTag(const Cloud& cloud, const View& view, PictureFormat forma
     all += device.identity;
     all += '\0';
     all += version;
+    // Under another memory limit a picture may be coarser.
+    if (!cloud.octree.nodes().empty() && !cloud.octree.store().whole()) {
+        all += '\0';
+        all += std::to_string(cloud.octree.store().capacity());
+    }
     return contentTag(all);
 }
 

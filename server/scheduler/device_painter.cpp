@@ -12,8 +12,17 @@ OpenPainter devicePainter(const DeviceOptions& options) {
         const std::shared_ptr<Device> device = std::move(*opened);
         Painter painter;
         painter.device = device->info();
-        painter.paint = [device](const Cloud& cloud, const View& view, std::stop_token stop) {
-            return render(*device, cloud, view, {}, std::move(stop));
+        painter.prepare = [](const PictureOrder& order, bool wait,
+                             std::stop_token stop) -> Expected<PreparedPicture> {
+            auto prepared =
+                prepare(*order.cloud, order.view,
+                        {.wait = wait, .requester = order.requester, .ahead = order.ahead}, std::move(stop));
+            if (!prepared) return tl::unexpected(std::move(prepared.error()));
+            const bool complete = samplesMissing(**prepared) == 0;
+            return PreparedPicture{std::move(*prepared), complete};
+        };
+        painter.paint = [device](const PictureOrder&, const PreparedPicture& prepared, std::stop_token stop) {
+            return draw(*device, *prepared.view, std::move(stop));
         };
         return painter;
     };

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <stop_token>
 
 #include "protocol/view.hpp"
@@ -15,6 +16,8 @@
 
 namespace scancast {
 
+struct PreparedView;
+
 enum class PictureFormat : std::uint8_t { Jpeg, Png };
 
 struct PictureOrder {
@@ -24,6 +27,11 @@ struct PictureOrder {
     /// A newer wish of the same session stops it while it renders: for stills. A moving frame is finished,
     /// because a hand that never rests would otherwise never see one.
     bool interruptible = false;
+    /// Everything that it draws is in memory when it is drawn, however long that takes; else ancestors stand
+    /// in for what is missing, and the picture's stats say how much that is.
+    bool complete = true;
+    std::optional<Camera> ahead{};  ///< where the camera will be soon
+    std::uint64_t requester = 0;  ///< set by the scheduler: whose wishes for blocks these are
 };
 
 struct Picture {
@@ -37,10 +45,18 @@ struct Picture {
 /// moot; must only post. Errors: the renderer's; Cancelled; DeadlineExceeded.
 using PictureDone = std::function<void(Expected<Picture>)>;
 
-/// Draws on the render thread, which also made it and destroys it.
+/// An order with its samples in memory: they stay there as long as this lives.
+struct PreparedPicture {
+    std::shared_ptr<const PreparedView> view;  ///< the renderer's own; may be empty
+    bool complete = true;
+};
+
 struct Painter {
     DeviceInfo device;
-    std::function<Expected<Frame>(const Cloud&, const View&, std::stop_token)> paint;
+    /// From any thread, also from several at once. With `wait` the result is complete, and may take long.
+    std::function<Expected<PreparedPicture>(const PictureOrder&, bool wait, std::stop_token)> prepare;
+    /// Draws on the render thread, which also made the painter and destroys it.
+    std::function<Expected<Frame>(const PictureOrder&, const PreparedPicture&, std::stop_token)> paint;
 };
 using OpenPainter = std::function<Expected<Painter>()>;
 

@@ -28,6 +28,7 @@ Error tooLate() {
 Scheduler::Scheduler(OpenPainter openPainter, const SchedulerOptions& options, Metrics& metrics)
     : openPainter_(std::move(openPainter)), options_(options), metrics_(metrics) {
     renderThread_ = std::thread([this] { renderLoop(); });
+    prepareThread_ = std::thread([this] { prepareLoop(); });
     encodeThread_ = std::thread([this] { encodeLoop(); });
     deadlineThread_ = std::thread([this] { deadlineLoop(); });
 }
@@ -38,7 +39,7 @@ Scheduler::~Scheduler() {
 }
 
 void Scheduler::wait() {
-    for (std::thread* thread : {&renderThread_, &encodeThread_, &deadlineThread_}) {
+    for (std::thread* thread : {&renderThread_, &prepareThread_, &encodeThread_, &deadlineThread_}) {
         if (thread->joinable()) thread->join();
     }
 }
@@ -62,23 +63,27 @@ Scheduler::MailboxId Scheduler::openMailbox() {
 }
 
 void Scheduler::closeMailbox(MailboxId mailbox) {
-    std::optional<Wish> dropped;
+    std::vector<Wish> dropped;
     {
         const std::lock_guard lock(mutex_);
         const auto at = mailboxes_.find(mailbox);
         if (at == mailboxes_.end()) return;
-        dropped = std::exchange(at->second, std::nullopt);
+        dropped = takePreparing(mailbox, true);
+        if (at->second) dropped.push_back(std::move(*at->second));
         mailboxes_.erase(at);
         std::erase(turns_, mailbox);
-        if (running_ && running_->mailbox == mailbox) running_->orphaned = true;
+        for (auto* busy : {&running_, &preparing_})
+            if (*busy && (*busy)->mailbox == mailbox) (*busy)->orphaned = true;
         stopRunning(mailbox, true);
     }
-    if (dropped) finish(*dropped, tl::unexpected(cancelled()), DropReason::Gone);
+    for (Wish& wish : dropped) finish(wish, tl::unexpected(cancelled()), DropReason::Gone);
 }
 
 void Scheduler::wish(MailboxId mailbox, PictureOrder order, PictureDone done) {
+    order.requester = mailbox;
     Wish wish{std::move(order), std::move(done), Clock::time_point::max(), mailbox};
     std::optional<Wish> overwritten;
+    std::vector<Wish> abandoned;
     bool refused = false;
     {
         const std::lock_guard lock(mutex_);
@@ -87,15 +92,18 @@ void Scheduler::wish(MailboxId mailbox, PictureOrder order, PictureDone done) {
         if (!refused) {
             overwritten = std::exchange(at->second, std::move(wish));
             if (!overwritten) turns_.push_back(mailbox);
+            abandoned = takePreparing(mailbox, false);
             stopRunning(mailbox, false);
         }
     }
     work_.notify_one();
+    for (Wish& old : abandoned) finish(old, tl::unexpected(cancelled()), DropReason::Abandoned);
     if (refused) finish(wish, tl::unexpected(cancelled()), std::nullopt);
     if (overwritten) finish(*overwritten, tl::unexpected(cancelled()), DropReason::Overwritten);
 }
 
 bool Scheduler::replaceWaiting(MailboxId mailbox, PictureOrder order, PictureDone done) {
+    order.requester = mailbox;
     std::optional<Wish> overwritten;
     {
         const std::lock_guard lock(mutex_);
@@ -109,23 +117,28 @@ bool Scheduler::replaceWaiting(MailboxId mailbox, PictureOrder order, PictureDon
 }
 
 void Scheduler::abandon(MailboxId mailbox) {
-    std::optional<Wish> dropped;
+    std::vector<Wish> dropped;
     {
         const std::lock_guard lock(mutex_);
         const auto at = mailboxes_.find(mailbox);
         if (at == mailboxes_.end()) return;
-        dropped = std::exchange(at->second, std::nullopt);
-        if (dropped) std::erase(turns_, mailbox);
+        dropped = takePreparing(mailbox, false);
+        if (at->second) {
+            dropped.push_back(*std::exchange(at->second, std::nullopt));
+            std::erase(turns_, mailbox);
+        }
         stopRunning(mailbox, false);
     }
-    if (dropped) finish(*dropped, tl::unexpected(cancelled()), DropReason::Abandoned);
+    for (Wish& wish : dropped) finish(wish, tl::unexpected(cancelled()), DropReason::Abandoned);
 }
 
 Expected<void> Scheduler::snapshot(PictureOrder order, PictureDone done) {
     {
         const std::lock_guard lock(mutex_);
         if (stopping_) return fail(ErrorCode::ResourceLimit, "The server is shutting down.");
-        if (snapshots_.size() >= options_.maxSnapshots) {
+        const auto waiting = std::count_if(toPrepare_.begin(), toPrepare_.end(),
+                                           [](const Wish& wish) { return wish.mailbox == snapshots; });
+        if (snapshots_.size() + std::size_t(waiting) >= options_.maxSnapshots) {
             return fail(ErrorCode::ResourceLimit,
                         "Too many pictures are waiting to be rendered; try again in a moment.");
         }
@@ -147,10 +160,15 @@ void Scheduler::stop() {
         for (auto& [id, wish] : mailboxes_) {
             if (wish) dropped.push_back(*std::exchange(wish, std::nullopt));
         }
+        for (Wish& wish : toPrepare_) dropped.push_back(std::move(wish));
+        toPrepare_.clear();
+        if (prepared_) dropped.push_back(*std::exchange(prepared_, std::nullopt));
         turns_.clear();
-        if (running_) running_->stop.request_stop();
+        for (auto* busy : {&running_, &preparing_})
+            if (*busy) (*busy)->stop.request_stop();
     }
     work_.notify_all();
+    prepareWork_.notify_all();
     encodeWork_.notify_all();
     deadlines_.notify_all();
     opened_.notify_all();
@@ -159,9 +177,28 @@ void Scheduler::stop() {
 
 // Called with the lock held.
 void Scheduler::stopRunning(MailboxId mailbox, bool alsoMoving) {
-    if (running_ && running_->mailbox == mailbox && (alsoMoving || running_->interruptible)) {
-        running_->stop.request_stop();
+    for (auto* busy : {&running_, &preparing_}) {
+        if (*busy && (*busy)->mailbox == mailbox && (alsoMoving || (*busy)->interruptible))
+            (*busy)->stop.request_stop();
     }
+}
+
+// The session's wishes that wait for blocks, or for a turn with them. Called with the lock held.
+std::vector<Scheduler::Wish> Scheduler::takePreparing(MailboxId mailbox, bool alsoMoving) {
+    std::vector<Wish> taken;
+    const auto isMeant = [&](const Wish& wish) {
+        return wish.mailbox == mailbox && (alsoMoving || wish.order.interruptible);
+    };
+    for (Wish& wish : toPrepare_)
+        if (isMeant(wish)) taken.push_back(wish);
+    std::erase_if(toPrepare_, isMeant);
+    if (prepared_ && isMeant(*prepared_)) {
+        taken.push_back(*std::exchange(prepared_, std::nullopt));
+        taken.back().prepared.reset();
+        std::erase(turns_, preparedOne);
+        prepareWork_.notify_one();
+    }
+    return taken;
 }
 
 // Called without the lock, because `done` is somebody else's code.
@@ -180,6 +217,8 @@ void Scheduler::openDevice(std::optional<Painter>& painter) {
         status.state = DeviceStatus::State::Ready;
         status.info = opened->device;
         painter = std::move(*opened);
+        const std::lock_guard lock(mutex_);
+        prepare_ = painter->prepare;
     } else {
         status.state = DeviceStatus::State::Failed;
         status.error = std::move(opened.error());
@@ -211,7 +250,10 @@ std::optional<Scheduler::Wish> Scheduler::takeNext(std::unique_lock<std::mutex>&
     const MailboxId turn = turns_.front();
     turns_.pop_front();
     std::optional<Wish> wish;
-    if (turn == snapshots) {
+    if (turn == preparedOne) {
+        wish = std::exchange(prepared_, std::nullopt);
+        if (!wish) return std::nullopt;
+    } else if (turn == snapshots) {
         if (snapshots_.empty()) return std::nullopt;
         wish = std::move(snapshots_.front());
         snapshots_.pop_front();
@@ -222,9 +264,37 @@ std::optional<Scheduler::Wish> Scheduler::takeNext(std::unique_lock<std::mutex>&
         wish = std::exchange(at->second, std::nullopt);
         if (!wish) return std::nullopt;
     }
-    running_ = Running{turn, wish->order.interruptible, wish->deadline, std::stop_source(), false, false};
+    running_ =
+        Running{wish->mailbox, wish->order.interruptible, wish->deadline, std::stop_source(), false, false};
     deadlines_.notify_one();
     return wish;
+}
+
+// A request must not take the server down: what escapes the renderer, out of memory for one, fails one
+// picture.
+template <class Work>
+static auto guarded(Work work) -> decltype(work()) {
+    try {
+        return work();
+    } catch (const std::exception& e) {
+        return fail(ErrorCode::Internal, std::string("The renderer failed: ") + e.what());
+    }
+}
+
+Expected<Frame> Scheduler::paint(const Painter& painter, Wish& wish, const std::stop_token& token,
+                                 bool& deferred) {
+    if (!wish.prepared) {
+        auto prepared = guarded([&] { return painter.prepare(wish.order, false, token); });
+        if (!prepared) return tl::unexpected(std::move(prepared.error()));
+        wish.prepared = std::move(*prepared);
+    }
+    if (wish.order.complete && !wish.prepared->complete) {
+        deferred = true;
+        return tl::unexpected(cancelled());
+    }
+    auto frame = guarded([&] { return painter.paint(wish.order, *wish.prepared, token); });
+    wish.prepared.reset();  // encoding needs no samples
+    return frame;
 }
 
 void Scheduler::paintOne(const std::optional<Painter>& painter, Wish wish) {
@@ -234,46 +304,84 @@ void Scheduler::paintOne(const std::optional<Painter>& painter, Wish wish) {
         token = running_->stop.get_token();
     }
     const auto start = Clock::now();
-    Expected<Frame> frame = tl::unexpected(cancelled());
-    if (!painter) {
-        frame = tl::unexpected(device().error);
-    } else {
-        // A request must not take the server down: what escapes the renderer, out of memory for one, fails
-        // one picture.
-        try {
-            frame = painter->paint(*wish.order.cloud, wish.order.view, token);
-        } catch (const std::exception& e) {
-            frame = fail(ErrorCode::Internal, std::string("The renderer failed: ") + e.what());
-        }
-    }
+    bool deferred = false;
+    Expected<Frame> frame = painter ? paint(*painter, wish, token, deferred) : tl::unexpected(device().error);
+    if (!frame) wish.prepared.reset();
     const double renderMs = millisecondsSince(start);
-    bool late = false;
-    bool orphaned = false;
+    Running how;
     {
         const std::lock_guard lock(mutex_);
-        late = running_->late;
-        orphaned = running_->orphaned;
-        running_.reset();
+        how = *std::exchange(running_, std::nullopt);
+        if (deferred && !stopping_ && !how.stop.stop_requested()) {
+            toPrepare_.push_back(std::move(wish));
+            prepareWork_.notify_one();
+            deadlines_.notify_one();
+            return;
+        }
         if (!frame && frame.error().code == ErrorCode::DeviceLost) {
             device_.state = DeviceStatus::State::Failed;
             device_.error = frame.error();
         }
         if (frame) {
-            metrics_.frameRendered(wish.order.view.style.method, renderMs / 1000);
+            metrics_.frameRendered(wish.order.view.style.method, renderMs / 1000,
+                                   frame->stats.samplesMissing == 0);
             encoding_.push_back({std::move(wish), std::move(*frame), renderMs});
             encodeWork_.notify_one();
             return;
         }
     }
-    if (late) {
-        finish(wish, tl::unexpected(tooLate()), DropReason::Deadline);
-    } else {
-        const bool wasCancelled = frame.error().code == ErrorCode::Cancelled;
-        finish(wish, tl::unexpected(std::move(frame.error())),
-               orphaned       ? DropReason::Gone
-               : wasCancelled ? DropReason::Abandoned
-                              : DropReason::Failed);
+    finishFailed(wish, std::move(frame.error()), how);
+}
+
+void Scheduler::finishFailed(Wish& wish, Error error, const Running& how) {
+    if (how.late) return finish(wish, tl::unexpected(tooLate()), DropReason::Deadline);
+    const bool wasCancelled = error.code == ErrorCode::Cancelled;
+    finish(wish, tl::unexpected(std::move(error)),
+           how.orphaned   ? DropReason::Gone
+           : wasCancelled ? DropReason::Abandoned
+                          : DropReason::Failed);
+}
+
+// ---- prepare thread
+// -------------------------------------------------------------------------------------------
+
+void Scheduler::prepareLoop() {
+    std::unique_lock lock(mutex_);
+    while (true) {
+        prepareWork_.wait(lock, [&] { return stopping_ || (!toPrepare_.empty() && !prepared_); });
+        if (stopping_) return;
+        Wish wish = std::move(toPrepare_.front());
+        toPrepare_.pop_front();
+        preparing_ =
+            Running{wish.mailbox, wish.order.interruptible, wish.deadline, std::stop_source(), false, false};
+        deadlines_.notify_one();
+        lock.unlock();
+        prepareOne(std::move(wish));
+        lock.lock();
     }
+}
+
+void Scheduler::prepareOne(Wish wish) {
+    std::stop_token token;
+    {
+        const std::lock_guard lock(mutex_);
+        token = preparing_->stop.get_token();
+    }
+    auto prepared = guarded([&] { return prepare_(wish.order, true, token); });
+    Running how;
+    {
+        const std::lock_guard lock(mutex_);
+        how = *std::exchange(preparing_, std::nullopt);
+        if (prepared && !stopping_ && !how.stop.stop_requested()) {
+            wish.prepared = std::move(*prepared);
+            wish.prepared->complete = true;  // damaged blocks have their stand-ins: nothing more will come
+            prepared_ = std::move(wish);
+            turns_.push_back(preparedOne);
+            work_.notify_one();
+            return;
+        }
+    }
+    finishFailed(wish, prepared ? cancelled() : std::move(prepared.error()), how);
 }
 
 // ---- encode thread
@@ -321,7 +429,9 @@ void Scheduler::deadlineLoop() {
         // All snapshots have the same patience, so the queue is sorted by deadline.
         auto next = Clock::time_point::max();
         if (!snapshots_.empty()) next = snapshots_.front().deadline;
-        if (running_ && !running_->late) next = std::min(next, running_->deadline);
+        for (const Wish& wish : toPrepare_) next = std::min(next, wish.deadline);
+        for (const auto* busy : {&running_, &preparing_})
+            if (*busy && !(*busy)->late) next = std::min(next, (*busy)->deadline);
         if (next == Clock::time_point::max()) {
             deadlines_.wait(lock);
             continue;
@@ -330,18 +440,23 @@ void Scheduler::deadlineLoop() {
             deadlines_.wait_until(lock, next);
             continue;
         }
-        if (running_ && running_->deadline <= next) {
-            running_->late = true;
-            running_->stop.request_stop();
+        for (auto* busy : {&running_, &preparing_}) {
+            if (!*busy || (*busy)->deadline > next) continue;
+            (*busy)->late = true;
+            (*busy)->stop.request_stop();
         }
+        std::vector<Wish> late;
         if (!snapshots_.empty() && snapshots_.front().deadline <= next) {
-            Wish wish = std::move(snapshots_.front());
+            late.push_back(std::move(snapshots_.front()));
             snapshots_.pop_front();
             if (snapshots_.empty()) std::erase(turns_, snapshots);
-            lock.unlock();
-            finish(wish, tl::unexpected(tooLate()), DropReason::Deadline);
-            lock.lock();
         }
+        for (const Wish& wish : toPrepare_)
+            if (wish.deadline <= next) late.push_back(wish);
+        std::erase_if(toPrepare_, [&](const Wish& wish) { return wish.deadline <= next; });
+        lock.unlock();
+        for (Wish& wish : late) finish(wish, tl::unexpected(tooLate()), DropReason::Deadline);
+        lock.lock();
     }
 }
 

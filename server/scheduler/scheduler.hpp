@@ -4,6 +4,9 @@
 // - A session has a mailbox of size one: a newer wish overwrites the one that waits (latest wins).
 // - Mailboxes take turns; all snapshots together are one more participant, first come first served.
 // - The queue of snapshots is bounded, and each has a deadline that counts waiting and rendering.
+// - Pictures that must be complete and lack blocks wait for them on a thread of its own, one at a time, and
+// take
+//   another turn when they are there: nobody else's picture waits for somebody's disk.
 //
 // Owned by the server, which outlives every session. *Thread safety*: every public function may be called
 // from any thread; callbacks come from the scheduler's threads, or from inside the call, and must only post.
@@ -19,6 +22,7 @@
 #include <optional>
 #include <stop_token>
 #include <thread>
+#include <vector>
 
 #include "server/metrics.hpp"
 #include "server/scheduler/picture.hpp"
@@ -81,6 +85,7 @@ class Scheduler {
         PictureDone done;
         Clock::time_point deadline = Clock::time_point::max();
         MailboxId mailbox = 0;
+        std::optional<PreparedPicture> prepared{};
     };
     struct Running {
         MailboxId mailbox = 0;
@@ -96,15 +101,21 @@ class Scheduler {
         double renderMs = 0;
     };
 
-    static constexpr MailboxId snapshots = 0;  // the participant that stands for all snapshots
+    static constexpr MailboxId snapshots = 0;                // the participant that stands for all snapshots
+    static constexpr MailboxId preparedOne = ~MailboxId(0);  // the one that stands for what has been prepared
     static constexpr std::size_t maxEncoding = 2;
 
     void renderLoop();
+    void prepareLoop();
     void encodeLoop();
     void deadlineLoop();
     void openDevice(std::optional<Painter>& painter);
     std::optional<Wish> takeNext(std::unique_lock<std::mutex>& lock);
     void paintOne(const std::optional<Painter>& painter, Wish wish);
+    Expected<Frame> paint(const Painter& painter, Wish& wish, const std::stop_token& token, bool& deferred);
+    void prepareOne(Wish wish);
+    void finishFailed(Wish& wish, Error error, const Running& how);
+    std::vector<Wish> takePreparing(MailboxId mailbox, bool alsoMoving);
     void finish(Wish& wish, Expected<Picture> result, std::optional<DropReason> dropped);
     void stopRunning(MailboxId mailbox, bool alsoMoving);
 
@@ -114,6 +125,7 @@ class Scheduler {
 
     mutable std::mutex mutex_;
     std::condition_variable work_;            // turns_, encoding_ shrank, stopping_
+    std::condition_variable prepareWork_;     // toPrepare_ grew, prepared_ was taken, stopping_
     std::condition_variable encodeWork_;      // encoding_ grew, stopping_
     std::condition_variable deadlines_;       // snapshots_, running_, stopping_
     mutable std::condition_variable opened_;  // device_
@@ -122,12 +134,15 @@ class Scheduler {
     MailboxId lastMailbox_ = 0;
     std::deque<Wish> snapshots_;
     std::deque<MailboxId> turns_;  // who has something waiting, in the order in which they are served
-    std::optional<Running> running_;
+    std::optional<Running> running_, preparing_;
+    std::deque<Wish> toPrepare_;    // at most one of each mailbox, and maxSnapshots
+    std::optional<Wish> prepared_;  // holds on to its samples, hence only one
+    std::function<Expected<PreparedPicture>(const PictureOrder&, bool, std::stop_token)> prepare_;
     std::deque<Rendered> encoding_;
     bool rendering_ = true;  // the render thread may still add to encoding_
     bool stopping_ = false;
 
-    std::thread renderThread_, encodeThread_, deadlineThread_;
+    std::thread renderThread_, prepareThread_, encodeThread_, deadlineThread_;
 };
 
 }  // namespace scancast

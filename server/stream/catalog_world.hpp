@@ -14,6 +14,10 @@ class CatalogWorld final : public StreamWorld {
     tl::expected<std::shared_ptr<const Cloud>, Problem> cloud(std::string_view id) const override {
         return catalog_.cloud(id);
     }
+    bool loading(std::string_view id) const override {
+        const auto entry = catalog_.find(id);
+        return entry && entry->state == CloudState::Loading;
+    }
     Expected<void> check(const Cloud& cloud, const View& view) const override;
     double ownDetail(const View& view) const override;
     std::vector<std::string> methodNames() const override;

@@ -6,6 +6,7 @@
 
 #include "protocol/view_json.hpp"
 #include "renderer/render.hpp"
+#include "renderer/residency/motion.hpp"
 
 namespace scancast {
 namespace {
@@ -13,6 +14,15 @@ namespace {
 std::uint32_t microseconds(double milliseconds) {
     return std::uint32_t(
         std::clamp(milliseconds * 1000, 0.0, double(std::numeric_limits<std::uint32_t>::max())));
+}
+
+// Two seconds of getting sharper; then the final still's wait brings what is missing faster than wishes do.
+constexpr int mostStills = 20;
+// How far prefetching looks ahead: about what a disk needs for a screenful.
+constexpr double aheadSeconds = 0.3;
+
+bool mayLackBlocks(const Cloud& cloud) {
+    return !cloud.octree.nodes().empty() && !cloud.octree.store().whole();
 }
 
 double secondsBetween(StreamSession::Time from, StreamSession::Time to) {
@@ -90,8 +100,7 @@ void StreamSession::handle(const messages::Hello& hello, Time now) {
     welcome.view = toJson(scene_.view);
     port_.sendText(printMessage(welcome));
     // The view of the welcome is shown without being asked for, unless the client's own view comes first.
-    viewTime_ = now;
-    finalWanted_ = true;
+    viewChanged(now);
     pump(now);
 }
 
@@ -101,17 +110,50 @@ void StreamSession::handle(const messages::ViewChange& change, Time now) {
         refuse(std::move(scene.error()), change.seq);
         return;
     }
+    before_.reset();
+    if (scene->cloud == scene_.cloud) {
+        before_ = scene_.view.camera;
+        beforeTime_ = viewTime_;
+    }
     scene_ = std::move(*scene);
-    viewTime_ = now;
     if (fresh_) {
         ++overtaken_;
         metrics_.frameDropped(DropReason::Overwritten);
     }
     fresh_ = true;
-    finalWanted_ = true;
-    // A still of the old view is worth nothing now, and in the way of what the client waits for.
-    if (std::erase_if(outstanding_, [](const Order& order) { return order.final; }) > 0) port_.abandon();
+    viewChanged(now);
     pump(now);
+}
+
+// The scene is another one: everything that was made of the old one at leisure is moot.
+void StreamSession::viewChanged(Time now) {
+    viewTime_ = now;
+    nextStill_ = now;
+    stillsLeft_ = mayLackBlocks(*scene_.cloud) ? mostStills : 0;
+    leastMissing_ = std::numeric_limits<std::uint64_t>::max();
+    finalWanted_ = true;
+    nextLook_.reset();
+    if (world_.loading(scene_.cloudId)) nextLook_ = now + options_.cloudInterval;
+    // A still of the old view is worth nothing now, and in the way of what the client waits for.
+    if (std::erase_if(outstanding_, [](const Order& order) { return order.kind != Kind::Moving; }) > 0)
+        port_.abandon();
+}
+
+// A client that stands still sees a cloud get finer while it is loaded.
+void StreamSession::lookForNewerCloud(Time now) {
+    if (state_ != State::Open || !nextLook_ || now < *nextLook_) return;
+    const bool more =
+        world_.loading(scene_.cloudId);  // asked first: what comes after the answer is seen next time
+    nextLook_.reset();
+    if (more) nextLook_ = now + options_.cloudInterval;
+    auto cloud = world_.cloud(scene_.cloudId);
+    if (!cloud || *cloud == scene_.cloud) return;
+    Scene scene = scene_;
+    scene.cloud = std::move(*cloud);
+    if (!checkScene(scene)) return;
+    scene_ = std::move(scene);
+    before_.reset();
+    viewChanged(now);
 }
 
 void StreamSession::handle(const messages::QualityLimits& quality, Time) {
@@ -191,12 +233,12 @@ void StreamSession::refuse(Problem problem, std::optional<std::uint64_t> seq) {
 // ---- pictures
 // -------------------------------------------------------------------------------------------------
 
-StreamSession::Order StreamSession::nextOrder(bool final) {
+StreamSession::Order StreamSession::nextOrder(Kind kind) {
     Order order;
     order.number = ++lastOrder_;
     order.seq = scene_.seq;
     order.viewTime = viewTime_;
-    order.final = final;
+    order.kind = kind;
     order.effort = effort_;
     return order;
 }
@@ -204,16 +246,33 @@ StreamSession::Order StreamSession::nextOrder(bool final) {
 PictureOrder StreamSession::pictureOf(const Order& order) const {
     PictureOrder picture;
     picture.cloud = scene_.cloud;
-    picture.view = order.final
-                       ? scene_.view
-                       : movingView(scene_.view, world_.ownDetail(scene_.view), order.effort, limits_);
-    picture.interruptible = order.final;
+    picture.view = scene_.view;
+    picture.complete = order.kind == Kind::Final;
+    picture.interruptible = order.kind != Kind::Moving;
+    if (order.kind == Kind::Still) picture.view.quality.samples = 1;
+    if (order.kind != Kind::Moving) return picture;
+    picture.view = movingView(scene_.view, world_.ownDetail(scene_.view), order.effort, limits_);
+    if (before_) {
+        picture.ahead =
+            extrapolate(*before_, scene_.view.camera, secondsBetween(beforeTime_, viewTime_), aheadSeconds);
+    }
     return picture;
 }
 
 void StreamSession::place(const Order& order) {
     outstanding_.push_back(order);
     port_.order(order.number, pictureOf(order));
+}
+
+bool StreamSession::stillDue(Time now) const {
+    return finalWanted_ && stillsLeft_ > 0 && outstanding_.empty() &&
+           now >= std::max(viewTime_ + options_.quiet, nextStill_);
+}
+
+bool StreamSession::finalDue(Time now) const {
+    const bool stillComing = std::any_of(outstanding_.begin(), outstanding_.end(),
+                                         [](const Order& o) { return o.kind == Kind::Still; });
+    return finalWanted_ && stillsLeft_ <= 0 && !stillComing && now >= viewTime_ + options_.quiet;
 }
 
 // Orders what is due. A frame that is sent or being made counts against the two that may be unacknowledged,
@@ -225,18 +284,21 @@ void StreamSession::pump(Time now) {
     };
     if (fresh_ && room()) {
         fresh_ = false;
-        place(nextOrder(false));
+        place(nextOrder(Kind::Moving));
     } else if (fresh_ && !outstanding_.empty()) {
-        const Order order = nextOrder(false);
+        const Order order = nextOrder(Kind::Moving);
         if (port_.replaceWaiting(order.number, pictureOf(order))) {
             fresh_ = false;
             ++overtaken_;
             outstanding_.back() = order;
         }
     }
-    if (!fresh_ && finalWanted_ && now >= viewTime_ + options_.quiet && room()) {
+    if (fresh_ || !room()) return;
+    if (stillDue(now)) {
+        place(nextOrder(Kind::Still));
+    } else if (finalDue(now)) {
         finalWanted_ = false;
-        place(nextOrder(true));
+        place(nextOrder(Kind::Final));
     }
 }
 
@@ -248,17 +310,18 @@ void StreamSession::pictureDone(std::uint64_t number, Expected<Picture> result, 
     outstanding_.erase(at);
     if (result) {
         deliver(order, std::move(*result), now);
-    } else if (result.error().code != ErrorCode::Cancelled) {
-        refuse(problemOf(result.error()), order.seq);
+    } else {
+        if (order.kind == Kind::Still) stillsLeft_ = 0;  // no second try; the final one has its own
+        if (result.error().code != ErrorCode::Cancelled) refuse(problemOf(result.error()), order.seq);
     }
     pump(now);
 }
 
 void StreamSession::deliver(const Order& order, Picture picture, Time now) {
     FrameHeader header;
-    header.moving = !order.final;
-    header.still = order.final;
-    header.final = order.final;
+    header.moving = order.kind == Kind::Moving;
+    header.still = order.kind != Kind::Moving;
+    header.final = order.kind == Kind::Final;
     header.pictureLength = std::uint32_t(picture.bytes->size());
     header.frameId = ++lastFrame_;
     header.seq = order.seq;
@@ -271,9 +334,20 @@ void StreamSession::deliver(const Order& order, Picture picture, Time now) {
     metrics_.frameSent(secondsBetween(order.viewTime, now));
     sentTimes_.push_back(now);
     while (now - sentTimes_.front() > std::chrono::seconds(1)) sentTimes_.pop_front();
-    if (!order.final)
+    weigh(order, picture.stats, now);
+    if (order.kind == Kind::Moving)
         effort_ = nextEffort(order.effort, picture.renderMs, world_.ownDetail(scene_.view), limits_);
     if (now >= nextStats_) sendStats(order, picture, now);
+}
+
+// What is missing in a still decides what comes next: another one, or the final one, which waits for the
+// rest.
+void StreamSession::weigh(const Order& order, const FrameStats& stats, Time now) {
+    if (order.kind != Kind::Still) return;
+    const bool nearer = stats.samplesMissing < leastMissing_;
+    leastMissing_ = std::min(leastMissing_, stats.samplesMissing);
+    stillsLeft_ = stats.samplesMissing == 0 ? 0 : stillsLeft_ - (nearer ? 1 : mostStills / 4);
+    nextStill_ = now + options_.stillInterval;
 }
 
 void StreamSession::sendStats(const Order& order, const Picture& picture, Time now) {
@@ -283,7 +357,7 @@ void StreamSession::sendStats(const Order& order, const Picture& picture, Time n
     stats.seq = order.seq;
     stats.fps = double(sentTimes_.size());
     const double own = world_.ownDetail(scene_.view);
-    stats.detail = order.final ? own : planMoving(order.effort, own, limits_).detail;
+    stats.detail = order.kind != Kind::Moving ? own : planMoving(order.effort, own, limits_).detail;
     stats.samples = picture.stats.samplesDrawn;
     stats.points = picture.stats.pointsShown;
     stats.dropped = overtaken_;
@@ -300,15 +374,19 @@ void StreamSession::tick(Time now) {
         close(CloseCode::PolicyViolation, "No hello came.");
         return;
     }
+    lookForNewerCloud(now);
     pump(now);
 }
 
 std::optional<StreamSession::Time> StreamSession::wakeAt() const {
     if (state_ == State::Greeting) return opened_ + options_.helloPatience;
-    if (state_ != State::Open || !finalWanted_) return std::nullopt;
+    if (state_ != State::Open) return std::nullopt;
     // Without room it is an acknowledgement or a finished picture that brings the next step, not time.
-    if (unacknowledged() + outstanding_.size() >= std::size_t(maxUnacknowledgedFrames)) return std::nullopt;
-    return viewTime_ + options_.quiet;
+    if (!finalWanted_ || unacknowledged() + outstanding_.size() >= std::size_t(maxUnacknowledgedFrames))
+        return nextLook_;
+    if (stillsLeft_ > 0 && !outstanding_.empty()) return nextLook_;
+    const Time due = std::max(viewTime_ + options_.quiet, stillsLeft_ > 0 ? nextStill_ : viewTime_);
+    return nextLook_ ? std::min(*nextLook_, due) : due;
 }
 
 void StreamSession::close(CloseCode code, std::string reason) {

@@ -1,7 +1,10 @@
 // One client's stream as a state machine: messages and finished pictures in, messages, frames and orders out.
 // No sockets, no threads, no clock of its own: the caller says what time it is.
 //
-//   hello → welcome → (view → moving frames → quiet → final still)*
+//   hello → welcome → (view → moving frames → quiet → stills, sharper as blocks arrive → final still)*
+//
+// A cloud that is still being read is looked at coarsely; when a finer one takes its place, so does the
+// picture.
 //
 // Owned by a WebSocket connection, which calls it from its strand only. Place in the pipeline: net →
 // **session** → scheduler → session → net.
@@ -48,6 +51,8 @@ class StreamWorld {
     virtual ~StreamWorld() = default;
     virtual std::string defaultCloud() const = 0;
     virtual tl::expected<std::shared_ptr<const Cloud>, Problem> cloud(std::string_view id) const = 0;
+    /// Whether another cloud will take this one's place soon.
+    virtual bool loading(std::string_view id) const = 0;
     /// The checks that need no device: method, parameters, what the cloud has.
     virtual Expected<void> check(const Cloud& cloud, const View& view) const = 0;
     /// τ of a full picture of this view, px.
@@ -61,6 +66,8 @@ struct SessionOptions {
     std::chrono::milliseconds quiet{150};  ///< without a new view before the still is made
     std::chrono::milliseconds helloPatience{10000};
     std::chrono::milliseconds statsInterval{1000};
+    std::chrono::milliseconds stillInterval{100};  ///< between stills that get sharper
+    std::chrono::milliseconds cloudInterval{250};  ///< between looks whether a cloud has been loaded
 };
 
 class StreamSession {
@@ -85,10 +92,12 @@ class StreamSession {
   private:
     enum class State : std::uint8_t { Greeting, Open, Closed };
 
+    /// A still is drawn with what is in memory; the final one waits for everything.
+    enum class Kind : std::uint8_t { Moving, Still, Final };
     struct Order {
         std::uint64_t number = 0, seq = 0;
         Time viewTime;
-        bool final = false;
+        Kind kind = Kind::Moving;
         double effort = 1, detail = 1;
     };
     /// Everything that a `view` message may change, changed all at once or not at all.
@@ -112,7 +121,12 @@ class StreamSession {
     void refuse(Problem problem, std::optional<std::uint64_t> seq);
     void pump(Time now);
     void place(const Order& order);
-    Order nextOrder(bool final);
+    void viewChanged(Time now);
+    void lookForNewerCloud(Time now);
+    void weigh(const Order& order, const FrameStats& stats, Time now);
+    bool stillDue(Time now) const;
+    bool finalDue(Time now) const;
+    Order nextOrder(Kind kind);
     PictureOrder pictureOf(const Order& order) const;
     void deliver(const Order& order, Picture picture, Time now);
     void sendStats(const Order& order, const Picture& picture, Time now);
@@ -130,9 +144,15 @@ class StreamSession {
     MovingLimits limits_;
     double effort_ = 1;
 
-    bool fresh_ = false;        // a view came for which nothing has been ordered
-    bool finalWanted_ = false;  // the still of the scene has not been ordered, or came to nothing
-    Time viewTime_;             // arrival of the newest view
+    bool fresh_ = false;            // a view came for which nothing has been ordered
+    std::optional<Camera> before_;  // the camera of the view before, while the camera moves
+    Time beforeTime_;
+    int stillsLeft_ = 0;              // before the final one is ordered, whatever is missing
+    std::uint64_t leastMissing_ = 0;  // of the stills so far
+    Time nextStill_;
+    std::optional<Time> nextLook_;  // for the cloud that takes the place of the one that is shown
+    bool finalWanted_ = false;      // the still of the scene has not been ordered, or came to nothing
+    Time viewTime_;                 // arrival of the newest view
     std::deque<Order>
         outstanding_;  // in the scheduler's hands, oldest first; the last one may still be waiting
     std::uint64_t lastOrder_ = 0;

@@ -28,9 +28,15 @@ class FakePainter {
         return [this]() -> Expected<Painter> {
             DeviceInfo info;
             info.name = info.identity = "fake";
-            return Painter{info, [this](const Cloud& cloud, const View& view, std::stop_token stop) {
-                               return paint(cloud, view, stop);
-                           }};
+            Painter painter;
+            painter.device = info;
+            painter.prepare = [this](const PictureOrder& order, bool wait, std::stop_token stop) {
+                return prepare(order, wait, stop);
+            };
+            painter.paint = [this](const PictureOrder& order, const PreparedPicture&, std::stop_token stop) {
+                return paint(*order.cloud, order.view, stop);
+            };
+            return painter;
         };
     }
 
@@ -50,6 +56,22 @@ class FakePainter {
         const std::lock_guard lock(mutex_);
         gated_ = false;
         changed_.notify_all();
+    }
+
+    /// From now on blocks are missing: complete pictures wait for them until loaded() or their stop.
+    void unload() {
+        const std::lock_guard lock(mutex_);
+        loaded_ = false;
+    }
+    void load() {
+        const std::lock_guard lock(mutex_);
+        loaded_ = true;
+        changed_.notify_all();
+    }
+    /// Waits until `count` pictures wait for blocks; false = it took too long.
+    bool waitLoading(int count) {
+        std::unique_lock lock(mutex_);
+        return changed_.wait_for(lock, patience, [&] { return loading_ >= count; });
     }
 
     /// Waits until `count` pictures have been begun since the start; false = it took too long.
@@ -72,6 +94,23 @@ class FakePainter {
     }
 
   private:
+    Expected<PreparedPicture> prepare(const PictureOrder&, bool wait, const std::stop_token& stop) {
+        std::unique_lock lock(mutex_);
+        if (!wait || loaded_) return PreparedPicture{nullptr, loaded_};
+        ++loading_;
+        changed_.notify_all();
+        const auto end = std::chrono::steady_clock::now() + patience;
+        while (!loaded_ && !stop.stop_requested() && std::chrono::steady_clock::now() < end) {
+            changed_.wait_for(lock, std::chrono::milliseconds(1));
+        }
+        --loading_;
+        if (stop.stop_requested()) {
+            ++cancelled_;
+            return fail(ErrorCode::Cancelled, "stopped");
+        }
+        return PreparedPicture{};
+    }
+
     Expected<Frame> paint(const Cloud& cloud, const View& view, const std::stop_token& stop) {
         std::unique_lock lock(mutex_);
         begun_.push_back({&cloud, view});
@@ -112,6 +151,8 @@ class FakePainter {
     std::vector<Painted> begun_;
     std::optional<Error> error_;
     bool gated_ = false;
+    bool loaded_ = true;
+    int loading_ = 0;
     int tickets_ = 0;
     int cancelled_ = 0;
 };

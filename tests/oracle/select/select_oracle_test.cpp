@@ -223,8 +223,9 @@ TEST(BackFaces, CulledNodesLieBehindTheFront) {
                 const glm::dvec3 p = position(*run.node, s) + cloud->origin;
                 const glm::dvec3 sight =
                     parallel ? viewpoint.direction() : glm::normalize(p - eye - cloud->origin);
-                // The line p + t·sight meets the sphere once more, nearer to the eye, at t = -2 p·sight.
-                ASSERT_GT(glm::dot(p, sight), 0) << "view " << v << ", node " << run.nodeIndex;
+                // The line p + t·sight meets the sphere once more, nearer to the eye, at t = -2 p·sight; at
+                // the rim, normals that are rounded by up to 0.95° leave 10 · sin 0.95° to argue about.
+                ASSERT_GT(glm::dot(p, sight), -0.17) << "view " << v << ", node " << run.nodeIndex;
                 ++tested;
             }
         }

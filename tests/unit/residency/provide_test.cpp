@@ -180,7 +180,16 @@ TEST_F(Provide, NothingMissingTakesBackEarlierWishes) {
 
 TEST_F(Provide, WhatIsAheadComesBehindWhatIsMissing) {
     makeResident(5, 0.5);
-    const Cut wanted = randomCut(5), ahead = randomCut(6);
+    const Cut wanted = randomCut(5);
+    Cut ahead;
+    for (std::uint32_t n = 0; n < octree_.nodes().size(); ++n) {
+        if (!octree_.node(n).isLeaf()) continue;
+        CutRun run;
+        run.node = &octree_.node(n);
+        run.nodeIndex = n;
+        run.projected = 1000;
+        ahead.runs.push_back(run);
+    }
     ASSERT_TRUE(provide(octree_, wanted, {.wait = false}));
     const auto now = store_->wishes;
     ASSERT_TRUE(provide(octree_, wanted, {.wait = false, .ahead = ahead.runs}));

@@ -150,7 +150,7 @@ TEST_F(ApiTest, ReadyOnlyWhenEverythingIs) {
     EXPECT_EQ(early.status, 503);
     EXPECT_NE(early.find("Retry-After"), nullptr);
     EXPECT_EQ(ask("/api/v1/clouds/later").status, 200);
-    catalog.setFailed(loading);
+    catalog.setFailed(loading, "it is broken");
     EXPECT_EQ(ask("/readyz").status, 200);
     EXPECT_EQ(ask("/api/v1/clouds/later").status, 404);
 }

@@ -48,17 +48,36 @@ TEST(Catalog, AFailedCloudIsNoReasonToWait) {
     Catalog catalog;
     const std::string bad = catalog.add("bad");
     const std::string good = catalog.add("good");
-    catalog.setFailed(bad);
+    catalog.setFailed(bad, "bad.las ends too early");
     EXPECT_FALSE(catalog.settled());
     catalog.setReady(good, test::tinyCloud());
     EXPECT_TRUE(catalog.settled());
     EXPECT_EQ(catalog.defaultId(), good);
     EXPECT_EQ(catalog.cloud(bad).error().status, 404);
+    EXPECT_NE(catalog.cloud(bad).error().detail.find("ends too early"), std::string::npos);
+    catalog.setPreview(bad, test::tinyCloud());
+    EXPECT_FALSE(catalog.cloud(bad));
+}
+
+TEST(Catalog, APreviewCanBeLookedAtWhileTheRestIsLoaded) {
+    Catalog catalog;
+    catalog.add("first");
+    const std::string id = catalog.add("town");
+    catalog.setProgress(id, "reading", 1, 2);
+    catalog.setPreview(id, test::tinyCloud(3));
+    ASSERT_TRUE(catalog.cloud(id));
+    EXPECT_EQ((*catalog.cloud(id))->points, 3U);
+    EXPECT_EQ(catalog.defaultId(), id);
+    EXPECT_EQ(catalog.find(id)->state, CloudState::Loading);
+    EXPECT_EQ(catalog.find(id)->progress, 0.5);
+    catalog.setReady(id, test::tinyCloud(100));
+    catalog.setPreview(id, test::tinyCloud(3));
+    EXPECT_EQ((*catalog.cloud(id))->points, 100U) << "a late preview never takes the place of the cloud";
 }
 
 TEST(Catalog, NothingButFailuresIsNeverReady) {
     Catalog catalog;
-    catalog.setFailed(catalog.add("bad"));
+    catalog.setFailed(catalog.add("bad"), "broken");
     EXPECT_FALSE(catalog.settled());
     EXPECT_FALSE(Catalog().settled());
 }

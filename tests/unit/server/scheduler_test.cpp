@@ -321,5 +321,105 @@ TEST_F(SchedulerTest, ManyThreadsAtOnce) {
     EXPECT_EQ(std::unique(labels.begin(), labels.end()) - labels.begin(), threads * each);
 }
 
+PictureOrder incomplete(PictureOrder order) {
+    order.complete = false;
+    return order;
+}
+
+TEST_F(SchedulerTest, NobodyWaitsForSomebodyElsesBlocks) {
+    painter.unload();
+    Scheduler scheduler(painter.open(), {}, metrics);
+    const auto still = scheduler.openMailbox(), moving = scheduler.openMailbox();
+    scheduler.wish(still, order(1, true), results.collect(1));
+    ASSERT_TRUE(painter.waitLoading(1));
+    for (int i = 2; i <= 6; ++i) {
+        scheduler.wish(moving, incomplete(order(i)), results.collect(i));
+        ASSERT_TRUE(results.waitFor(std::size_t(i - 1))) << "frame " << i;
+    }
+    EXPECT_EQ(begunWidths(), (std::vector<int>{2, 3, 4, 5, 6}));
+    painter.load();
+    ASSERT_TRUE(results.waitFor(6));
+    EXPECT_EQ(results.code(1), std::nullopt);
+}
+
+TEST_F(SchedulerTest, AWaitForBlocksEndsWithItsReason) {
+    painter.unload();
+    Scheduler scheduler(painter.open(), {}, metrics);
+    const auto a = scheduler.openMailbox(), b = scheduler.openMailbox();
+    scheduler.wish(a, order(1, true), results.collect(1));
+    ASSERT_TRUE(painter.waitLoading(1));
+    scheduler.wish(b, order(2, true), results.collect(2));  // behind the first
+    scheduler.wish(a, incomplete(order(3)), results.collect(3));
+    ASSERT_TRUE(results.waitFor(2)) << "a newer wish ends the wait of the same session";
+    EXPECT_EQ(results.code(1), ErrorCode::Cancelled);
+    EXPECT_EQ(results.code(3), std::nullopt);
+    ASSERT_TRUE(painter.waitLoading(1));
+    scheduler.abandon(b);
+    ASSERT_TRUE(results.waitFor(3));
+    EXPECT_EQ(results.code(2), ErrorCode::Cancelled);
+    scheduler.wish(b, order(4, true), results.collect(4));
+    ASSERT_TRUE(painter.waitLoading(1));
+    scheduler.closeMailbox(b);
+    ASSERT_TRUE(results.waitFor(4));
+    EXPECT_EQ(results.code(4), ErrorCode::Cancelled);
+}
+
+TEST_F(SchedulerTest, SnapshotsThatWaitForBlocksHaveABoundAndADeadline) {
+    painter.unload();
+    SchedulerOptions options;
+    options.maxSnapshots = 3;
+    options.snapshotDeadline = std::chrono::milliseconds(200);
+    Scheduler scheduler(painter.open(), options, metrics);
+    int accepted = 0;
+    for (int i = 0; i < 50; ++i) {
+        if (!scheduler.snapshot(order(i + 1), results.collect(i + 1))) continue;
+        ++accepted;
+        if (accepted == 1) {
+            ASSERT_TRUE(painter.waitLoading(1));
+        }
+    }
+    EXPECT_GE(accepted, 3);
+    EXPECT_LE(accepted, 6) << "waiting, preparing, and one on its way between the two";
+    ASSERT_TRUE(results.waitFor(std::size_t(accepted)));
+    EXPECT_EQ(results.code(1), ErrorCode::DeadlineExceeded);
+    EXPECT_TRUE(painter.begun().empty());
+}
+
+TEST_F(SchedulerTest, TheEndComesWhileBlocksAreLoaded) {
+    painter.unload();
+    Scheduler scheduler(painter.open(), {}, metrics);
+    const auto mailbox = scheduler.openMailbox();
+    scheduler.wish(mailbox, order(1, true), results.collect(1));
+    ASSERT_TRUE(painter.waitLoading(1));
+    ASSERT_TRUE(scheduler.snapshot(order(2), results.collect(2)));
+    scheduler.stop();
+    scheduler.wait();
+    ASSERT_TRUE(results.waitFor(2));
+    EXPECT_EQ(results.code(1), ErrorCode::Cancelled);
+    EXPECT_EQ(results.code(2), ErrorCode::Cancelled);
+}
+
+TEST_F(SchedulerTest, ManyThreadsWhileBlocksComeAndGo) {
+    Scheduler scheduler(painter.open(), {}, metrics);
+    constexpr int threads = 3, each = 150;
+    std::vector<std::thread> crowd;
+    for (int t = 0; t < threads; ++t) {
+        crowd.emplace_back([&, t] {
+            const auto mailbox = scheduler.openMailbox();
+            for (int i = 0; i < each; ++i) {
+                if (t == 0) i % 2 ? painter.load() : painter.unload();
+                auto wanted = order(4 + t, i % 3 == 0);
+                wanted.complete = i % 3 == 0;
+                scheduler.wish(mailbox, wanted, results.collect(t * each + i));
+                if (i % 7 == 0) scheduler.abandon(mailbox);
+            }
+            scheduler.closeMailbox(mailbox);
+        });
+    }
+    for (auto& thread : crowd) thread.join();
+    ASSERT_TRUE(results.waitFor(threads * each));
+    EXPECT_EQ(results.labels().size(), std::size_t(threads * each));
+}
+
 }  // namespace
 }  // namespace scancast

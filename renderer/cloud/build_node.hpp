@@ -21,7 +21,7 @@ struct BuildNode {
     NodeContent content;
     AverageList averages;        ///< of an inner node, until its parent has used it
     Workspace::Buffer setAside;  ///< an inner node's samples and reaches, between averaging and finishing
-    StoredNode stored;           ///< what is known of it for the file
+    StoredNode stored;           ///< places in the file, and sampleCount: samples may be away
     std::uint64_t sampleHash = 0;
     BuildNode* parent = nullptr;
     std::size_t finishedChildren = 0;

@@ -21,14 +21,14 @@
 namespace scancast {
 
 struct IngestOptions {
-    std::filesystem::path output;
+    std::filesystem::path output{};
     /// Folder for temporary files; empty = the output's.
-    std::filesystem::path scratch;
-    std::string title;              ///< empty = the output's stem
+    std::filesystem::path scratch{};
+    std::string title{};            ///< empty = the output's stem
     int threads = 0;                ///< 0 = all cores
     std::uint64_t memoryLimit = 0;  ///< bytes; 0 = half of the machine's memory
     Shape shape{};
-    std::vector<Mirror> mirrors;
+    std::vector<Mirror> mirrors{};
 };
 
 struct IngestReport {

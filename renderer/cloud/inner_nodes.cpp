@@ -25,7 +25,7 @@ int chooseRung(const BuildNode& node, const InnerLattice& lattice, const OctreeI
     std::uint64_t below = 0;
     for (const auto& child : node.children) {
         rung = std::max(rung, child->content.rung);
-        below += child->content.samples.size();
+        below += child->stored.node.sampleCount;
     }
     const std::uint64_t full = std::max(input.shape.leafPoints, 16u);
     const std::uint64_t most = std::min(full * 2, std::max(below / 2, full / 8));
@@ -100,6 +100,7 @@ void fillInner(BuildNode& node, const OctreeInput& input) {
     for (std::size_t i = 1; i < list.size(); ++i)
         content.cells.addStep(list[i - 1].cell, list[i].cell, content.rung);
     content.bounds = boundsOf(content.samples, content.corner, content.step, below);
+    node.stored.node.sampleCount = std::uint32_t(content.samples.size());
 }
 
 }  // namespace scancast

@@ -129,7 +129,6 @@ class TreeBuilder {
         const auto& samples = leaf.content.samples;
         leaf.content.cone = coneOfSamples(samples);
         leaf.sampleHash = XXH3_64bits(samples.data(), samples.size() * sizeof(Sample));
-        leaf.stored.node.sampleCount = std::uint32_t(samples.size());
         blocks.leaf = &leaf;
         if (file_) blocks.samples = encodeSamples(samples);
         progress_.add(leaf.points.size());
@@ -174,7 +173,6 @@ class TreeBuilder {
     Expected<void> setAside(BuildNode& node) {
         auto& samples = node.content.samples;
         auto& reaches = node.content.reaches;
-        node.stored.node.sampleCount = std::uint32_t(samples.size());
         if (!file_) return {};
         auto room = workspace_.allocate(samples.size() * sizeof(Sample) + reaches.size() * sizeof(float));
         if (!room) return tl::unexpected(room.error());

@@ -16,6 +16,7 @@ void grow(BuildNode& node, const OctreeInput& input) {
     if (node.points.size() <= leafPoints || node.box.isPoint())
         if (auto leaf = makeLeaf(node.points, node.box, input.grid, input.origin)) {
             node.content = std::move(*leaf);
+            node.stored.node.sampleCount = std::uint32_t(node.content.samples.size());
             return;
         }
     const Octants octants = split(node.points, measured, input.grid, node.level);

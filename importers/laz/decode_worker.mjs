@@ -48,7 +48,7 @@ async function eachPlainPiece(file, las, chunk, consume, most = chunk.points) {
   }
 }
 
-/// { kind: 'decode', path, las, chunk, depth } or { …, node, depth }: the points as CHNK records.
+/// { kind: 'decode', path, las, chunk, depth, further? } or { …, node, depth }: the points as CHNK records.
 async function decode(job) {
   if (job.node) {
     await encodeNode(open(job.path), job.node, job.depth, (buffer, points) => give(buffer, points, 0));
@@ -57,7 +57,7 @@ async function decode(job) {
   const overflows = mayOverflow(job.las);
   await eachPiece(job, (heap, at, count) => {
     const kept = overflows ? keepFinite(heap, at, count, job.las) : count;
-    const buffer = kept > 0 ? encodeRecords(heap, at, kept, job.las, job.depth) : null;
+    const buffer = kept > 0 ? encodeRecords(heap, at, kept, job.las, job.depth, job.further) : null;
     return give(buffer, kept, count - kept);
   });
 }

@@ -1,5 +1,6 @@
 // LAS records to the columns of a CHNK record: the inner loop of every LAZ import. Pure functions on bytes, with the
 // rules of renderer/cloud/import/las_decode.cpp.
+import { fillRows } from './las_extra.mjs';
 import { recordLayout } from './las_header.mjs';
 import { layOutChunk } from './point_stream.mjs';
 
@@ -43,9 +44,10 @@ export function keepFinite(heap, at, count, las) {
   return (to - at) / las.recordBytes;
 }
 
-/// A whole CHNK record of `count` records at `at`.
-export function encodeRecords(heap, at, count, las, depth) {
-  const chunk = layOutChunk(count, lasColumns(las));
+/// A whole CHNK record of `count` records at `at`. `further`: furtherColumns() of las_extra.mjs, if they are wanted.
+export function encodeRecords(heap, at, count, las, depth, further) {
+  const chunk = layOutChunk(count, lasColumns(las), further?.bytes);
+  if (further) fillRows(heap, at, count, las, further, new Uint8Array(chunk.buffer), chunk.rows);
   fillPositions(heap, at, count, las, chunk);
   fillAttributes(heap, at, count, las, chunk);
   if (chunk.color >= 0) fillColors(heap, at, count, las, chunk, depth === colorDepth.sixteenBits ? 1 : 0);

@@ -87,6 +87,7 @@ export function parseLasHeader(bytes) {
   if (points === 0) throw empty('it is a LAZ file without points (byte 107: 0 points)');
   return {
     minor,
+    adjustedTime: (bytes.readUInt16LE(6) & 1) !== 0,
     pointFormat,
     compressed: (marked & 0xc0) !== 0,
     headerBytes,

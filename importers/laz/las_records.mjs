@@ -13,9 +13,12 @@ const projectedKey = 3072;
 const geographicKey = 2048;
 const userDefined = 32767;
 const laszipRecord = 22204;
+const extraBytesRecord = 4;
+const longestRecord = 65536;
 
 const userIdOf = (bytes, at) => bytes.toString('latin1', at, at + 16);
 const projectionId = 'LASF_Projection\0';
+const specId = 'LASF_Spec\0\0\0\0\0\0\0';
 const laszipId = 'laszip encoded\0\0';
 
 /// Value of a GeoTIFF key that stands in the directory itself: four numbers of head (the fourth is the number of
@@ -36,10 +39,12 @@ function takeRecord(found, userId, recordId, content) {
     found.wkt = content.toString('latin1');
   if (userId === projectionId && recordId === geoKeyRecord && found.epsg === undefined)
     found.epsg = geoKey(content, projectedKey) ?? geoKey(content, geographicKey);
+  if (userId === specId && recordId === extraBytesRecord && !found.extraBytes && content.length <= longestRecord)
+    found.extraBytes = Buffer.from(content);
   if (userId === laszipId && recordId === laszipRecord && !found.laszip) found.laszip = Buffer.from(content);
 }
 
-/// Records between header and points, then those behind the points: { wkt, epsg, laszip }, each if it is there.
+/// Records between header and points, then those behind the points: { wkt, epsg, laszip, extraBytes }, each if it is there.
 export function readRecords(file, las) {
   const found = { wkt: '' };
   let bytes = file.readSome(las.headerBytes, Math.min(las.pointOffset - las.headerBytes, longestVlrs));
@@ -58,7 +63,7 @@ export function readRecords(file, las) {
     at += evlrHeaderBytes;
     if (length > file.size - at) break;
     const userId = userIdOf(head, 2);
-    if (userId === projectionId && length <= longestWkt)
+    if ((userId === projectionId || userId === specId) && length <= longestRecord)
       takeRecord(found, userId, head.readUInt16LE(18), file.readSome(at, length));
     at += length;
   }

@@ -2,6 +2,7 @@
 import { grouped, malformed, truncated, unsupported } from './failure.mjs';
 import { FileBytes } from './file_bytes.mjs';
 import { colorDepth, lasColumns } from './las_columns.mjs';
+import { furtherColumns } from './las_extra.mjs';
 import { longestHeader, parseLasHeader } from './las_header.mjs';
 import { readRecords } from './las_records.mjs';
 import { parseLaszipRecord } from './laszip_record.mjs';
@@ -65,9 +66,10 @@ export function writePieces(pool, pieces, depth, writer) {
   return pool.run(jobs, (part) => writer.chunk(part.buffer, part.points, part.dropped));
 }
 
-export async function importLaz(path, writer) {
+export async function importLaz(path, writer, { keepAttributes = false } = {}) {
   const { las, records, chunks } = openLaz(path);
-  const pieces = chunks.map((chunk) => ({ path, las, chunk }));
+  const further = keepAttributes ? furtherColumns(las, records.extraBytes) : undefined;
+  const pieces = chunks.map((chunk) => ({ path, las, chunk, further }));
   const pool = new WorkerPool(workerUrl, pieces.length);
   try {
     const depth = await judgeColors(pool, pieces);
@@ -80,6 +82,7 @@ export async function importLaz(path, writer) {
       gridOrigin: las.offset,
       wkt: records.wkt,
       epsg: records.epsg,
+      further: further?.columns,
     });
     await writePieces(pool, pieces, depth, writer);
   } finally {

@@ -22,11 +22,13 @@ export function printableText(text, longest) {
 }
 
 /// `scan`: { format, points?, bounds?: [[x,y,z],[x,y,z]], gridStep?, gridOrigin?, epsg?, wkt?, columns: {color,
-/// intensity, classification, normal} }.
+/// intensity, classification, normal}, further?: [{ name, type, scale, offset, description }] }.
 export function encodeHeader(scan) {
   const format = Buffer.from(printableText(scan.format, longestFormat), 'latin1');
   const wkt = Buffer.from(printableText(scan.wkt ?? '', longestWkt), 'latin1');
-  const bytes = Buffer.alloc(headerBytes + format.length + wkt.length);
+  const keys = ['name', 'type', 'scale', 'offset', 'description'];
+  const further = Buffer.from(scan.further?.length ? JSON.stringify(scan.further, keys) : '', 'latin1');
+  const bytes = Buffer.alloc(headerBytes + format.length + wkt.length + further.length);
   const vector = (at, v) => v.forEach((value, i) => bytes.writeDoubleLE(value, at + 8 * i));
   bytes.set(magic, 0);
   bytes.writeUInt16LE(version, 8);
@@ -42,13 +44,16 @@ export function encodeHeader(scan) {
   bytes.writeInt32LE(scan.epsg ?? 0, 120);
   bytes.writeUInt32LE(format.length, 124);
   bytes.writeUInt32LE(wkt.length, 128);
+  bytes.writeUInt32LE(further.length, 132);
   format.copy(bytes, headerBytes);
   wkt.copy(bytes, headerBytes + format.length);
+  further.copy(bytes, headerBytes + format.length + wkt.length);
   return bytes;
 }
 
-/// A whole CHNK record to be filled: its buffer and where each column starts (-1 = not there).
-export function layOutChunk(points, columns) {
+/// A whole CHNK record to be filled: its buffer and where each column starts (-1 = not there). `rowBytes`: of the further
+/// columns, 0 = none.
+export function layOutChunk(points, columns, rowBytes = 0) {
   let at = 8;
   const place = (has, bytes) => {
     if (!has) return -1;
@@ -61,11 +66,12 @@ export function layOutChunk(points, columns) {
   const intensity = place(columns.intensity, 2);
   const classification = place(columns.classification, 1);
   const normal = place(columns.normal, 12);
+  const rows = place(rowBytes > 0, rowBytes);
   const buffer = new ArrayBuffer(at);
   const view = new DataView(buffer);
   new Uint8Array(buffer).set([0x43, 0x48, 0x4e, 0x4b]); // CHNK
   view.setUint32(4, points, true);
-  return { buffer, view, points, position, color, intensity, classification, normal };
+  return { buffer, view, points, position, color, intensity, classification, normal, rows };
 }
 
 function encodeDone(sent, dropped) {

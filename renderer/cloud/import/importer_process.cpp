@@ -128,15 +128,18 @@ constexpr int shellCannotRunProgram = 126;
 std::vector<std::string> limitedCommand(const ImporterProgram& importer, const std::string& program,
                                         const std::string& file, const ImportOptions& options) {
     const bool limited = limitsMemory && options.importerMemoryLimit > 0;
-    return {"/bin/sh",
-            "-c",
-            limitsThenProgram,
-            "scancast",
-            std::to_string(processorSeconds(options)),
-            importer.memory == ImporterProgram::Memory::Data ? "-d" : "-v",
-            limited ? std::to_string(std::max<std::uint64_t>(1, options.importerMemoryLimit / 1024)) : "",
-            program,
-            file};
+    std::vector<std::string> command{
+        "/bin/sh",
+        "-c",
+        limitsThenProgram,
+        "scancast",
+        std::to_string(processorSeconds(options)),
+        importer.memory == ImporterProgram::Memory::Data ? "-d" : "-v",
+        limited ? std::to_string(std::max<std::uint64_t>(1, options.importerMemoryLimit / 1024)) : "",
+        program};
+    if (options.keepAttributes && importer.knowsKeepAttributes) command.emplace_back("--keep-attributes");
+    command.push_back(file);
+    return command;
 }
 
 std::string lastLine(const std::string& text) {

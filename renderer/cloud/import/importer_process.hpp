@@ -29,12 +29,13 @@ struct ImporterProgram {
 
     std::string name;  ///< such as "scancast-import-pcl"
     Memory memory = Memory::AddressSpace;
+    bool knowsKeepAttributes = false;  ///< takes --keep-attributes before the file
 };
 
 class ImporterProcess final : public ByteSource {
   public:
-    /// Starts `PROGRAM FILE`, with the file's absolute path. Errors: Importer when there is no such program;
-    /// one that the system refuses to run shows in badEnd().
+    /// Starts `PROGRAM [--keep-attributes] FILE`, with the file's absolute path. Errors: Importer when there
+    /// is no such program; one that the system refuses to run shows in badEnd().
     static Expected<std::unique_ptr<ImporterProcess>> start(const ImporterProgram& importer,
                                                             const std::filesystem::path& file,
                                                             const ImportOptions& options);

@@ -20,7 +20,8 @@ namespace scancast {
 namespace {
 
 const ImporterProgram pclImporter{.name = "scancast-import-pcl"};
-const ImporterProgram lazImporter{.name = "scancast-import-laz", .memory = ImporterProgram::Memory::Data};
+const ImporterProgram lazImporter{
+    .name = "scancast-import-laz", .memory = ImporterProgram::Memory::Data, .knowsKeepAttributes = true};
 const ImporterProgram potreeImporter{.name = "scancast-import-potree",
                                      .memory = ImporterProgram::Memory::Data};
 

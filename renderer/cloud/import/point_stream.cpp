@@ -6,6 +6,7 @@
 
 #include "renderer/cloud/import/bytes.hpp"
 #include "renderer/cloud/import/printable_text.hpp"
+#include "renderer/cloud/import/stream_columns.hpp"
 
 namespace scancast::point_stream {
 
@@ -22,7 +23,7 @@ enum At : std::size_t {
     atEpsg = 120,
     atFormatBytes = 124,
     atWktBytes = 128,
-    atReserved = 132,
+    atColumnsBytes = 132,
 };
 enum Column : unsigned { color = 1, intensity = 2, classification = 4, normal = 8 };
 enum Known : unsigned { knownPoints = 1, knownBounds = 2, knownEpsg = 4 };
@@ -62,7 +63,8 @@ std::size_t pointBytes(const Attributes& attributes) {
 std::vector<std::byte> encodeHeader(const ScanHeader& header) {
     const auto format = printableText(header.format, longestFormat);
     const auto wkt = printableText(header.crsWkt, longestWkt);
-    std::vector<std::byte> bytes(headerBytes + format.size() + wkt.size());
+    const auto further = encodeColumns(header.columns);
+    std::vector<std::byte> bytes(headerBytes + format.size() + wkt.size() + further.size());
     auto* data = bytes.data();
     std::memcpy(data, magic.data(), magic.size());
     storeLe(data + atVersion, version);
@@ -83,8 +85,11 @@ std::vector<std::byte> encodeHeader(const ScanHeader& header) {
     storeLe(data + atEpsg, static_cast<std::int32_t>(header.crsEpsg.value_or(0)));
     storeLe(data + atFormatBytes, static_cast<std::uint32_t>(format.size()));
     storeLe(data + atWktBytes, static_cast<std::uint32_t>(wkt.size()));
+    storeLe(data + atColumnsBytes, static_cast<std::uint32_t>(further.size()));
     if (!format.empty()) std::memcpy(data + headerBytes, format.data(), format.size());
     if (!wkt.empty()) std::memcpy(data + headerBytes + format.size(), wkt.data(), wkt.size());
+    if (!further.empty())
+        std::memcpy(data + headerBytes + format.size() + wkt.size(), further.data(), further.size());
     return bytes;
 }
 
@@ -117,7 +122,9 @@ Expected<DecodedHeader> decodeHeader(std::span<const std::byte> bytes) {
     decoded.wktBytes = loadLe<std::uint32_t>(data + atWktBytes);
     if (decoded.formatBytes > longestFormat) return wrong(atFormatBytes, "the format text is too long");
     if (decoded.wktBytes > longestWkt) return wrong(atWktBytes, "the WKT text is too long");
-    if (loadLe<std::uint32_t>(data + atReserved) != 0) return wrong(atReserved, "reserved bytes are not 0");
+    decoded.columnsBytes = loadLe<std::uint32_t>(data + atColumnsBytes);
+    if (decoded.columnsBytes > longestColumns)
+        return wrong(atColumnsBytes, "the list of columns is too long");
     return decoded;
 }
 

@@ -32,7 +32,7 @@ inline constexpr std::array<char, 4> failTag{'F', 'A', 'I', 'L'};
 /// Bytes of one point in a chunk.
 std::size_t pointBytes(const Attributes& attributes);
 
-/// Header and its two texts; texts that are too long are cut.
+/// Header and its three texts; texts that are too long are cut.
 std::vector<std::byte> encodeHeader(const ScanHeader& header);
 
 /// How the rest of the header is to be read.
@@ -40,6 +40,7 @@ struct DecodedHeader {
     ScanHeader header;
     std::uint32_t formatBytes = 0;
     std::uint32_t wktBytes = 0;
+    std::uint32_t columnsBytes = 0;
 };
 /// `bytes`: headerBytes of them. Errors (Importer) without a file's name.
 Expected<DecodedHeader> decodeHeader(std::span<const std::byte> bytes);

@@ -6,6 +6,7 @@
 
 #include "renderer/cloud/import/bytes.hpp"
 #include "renderer/cloud/import/printable_text.hpp"
+#include "renderer/cloud/import/stream_columns.hpp"
 
 namespace scancast {
 
@@ -49,7 +50,15 @@ Expected<void> PointStreamReader::readHeader() {
     if (!decoded) return tl::unexpected(decoded.error());
     header_ = std::move(decoded->header);
     if (auto ok = readText(decoded->formatBytes, stream::longestFormat, header_.format); !ok) return ok;
-    return readText(decoded->wktBytes, stream::longestWkt, header_.crsWkt);
+    if (auto ok = readText(decoded->wktBytes, stream::longestWkt, header_.crsWkt); !ok) return ok;
+    if (decoded->columnsBytes == 0) return {};
+    std::string list(decoded->columnsBytes, '\0');
+    if (auto ok = readExactly(std::as_writable_bytes(std::span(list))); !ok) return ok;
+    auto columns = stream::decodeColumns(list);
+    if (!columns) return tl::unexpected(columns.error());
+    header_.columns = std::move(*columns);
+    rowBytes_ = stream::packedBytes(header_.columns);
+    return {};
 }
 
 Expected<void> PointStreamReader::readHead() {
@@ -79,6 +88,7 @@ Expected<void> PointStreamReader::readChunk(PointBatch& batch) {
     if (auto ok = readColumn(batch.intensity, has.intensity, n); !ok) return ok;
     if (auto ok = readColumn(batch.classification, has.classification, n); !ok) return ok;
     if (auto ok = readColumn(batch.normal, has.normal, n); !ok) return ok;
+    if (auto ok = readColumn(batch.rows, rowBytes_ > 0, n * rowBytes_); !ok) return ok;
     if (auto ok = checkChunk(batch); !ok) return ok;
     points_ += n;
     return {};
@@ -151,7 +161,7 @@ Expected<bool> PointStreamReader::read(PointBatch& batch) {
 
 std::array<std::uint64_t, 2> PointStreamReader::bytesRead() const {
     if (!header_.points) return {at_, 0};
-    const auto size = stream::pointBytes(header_.attributes);
+    const auto size = stream::pointBytes(header_.attributes) + rowBytes_;
     if (*header_.points > std::numeric_limits<std::uint64_t>::max() / size) return {at_, 0};
     return {points_ * size, *header_.points * size};
 }

@@ -55,8 +55,9 @@ class PointStreamReader final : public PointSource {
     std::unique_ptr<ByteSource> bytes_;
     std::uint64_t mostPoints_;
     ScanHeader header_;
-    RecordHead head_;       ///< of the next record
-    std::uint64_t at_ = 0;  ///< bytes read
+    std::size_t rowBytes_ = 0;  ///< of the further columns; 0 = none
+    RecordHead head_;           ///< of the next record
+    std::uint64_t at_ = 0;      ///< bytes read
     std::uint64_t points_ = 0;
     std::uint64_t dropped_ = 0;
     bool done_ = false;

@@ -55,6 +55,7 @@ Expected<void> PointStreamWriter::writeChunk(const PointBatch& batch) {
     if (attributes_.intensity) append(batch.intensity.data(), n * 2);
     if (attributes_.classification) append(batch.classification.data(), n);
     if (attributes_.normal) append(batch.normal.data(), n * sizeof(glm::vec3));
+    append(batch.rows.data(), batch.rows.size());
     points_ += n;
     return send(buffer_);
 }

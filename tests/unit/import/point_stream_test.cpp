@@ -130,6 +130,53 @@ TEST(PointStream, RoundTrip) {
 }
 
 // The page POINT_STREAM.md, not the code, says where things are: these offsets are copied from its tables.
+TEST(PointStream, FurtherColumnsAreReadAsWritten) {
+    auto header = headerOf(all, 3);
+    header.columns = {{"gps_time", ColumnType::Float64, 1, 0, "seconds of the GPS week"},
+                      {"amplitude \"dB\"", ColumnType::Int16, 0.01, -5, ""},
+                      {"extra_0", ColumnType::Uint8, 1, 0, ""}};
+    auto batch = batchOf(3, all);
+    for (int i = 0; i < 3 * 11; ++i) batch.rows.push_back(static_cast<std::byte>(7 * i));
+    Recorder recorder;
+    ASSERT_TRUE(recorder.writer.writeHeader(header));
+    ASSERT_TRUE(recorder.writer.writeChunk(batch));
+    ASSERT_TRUE(recorder.writer.finish(0));
+    auto reader = PointStreamReader::create(std::make_unique<MemoryByteSource>(recorder.bytes, false));
+    ASSERT_TRUE(reader) << reader.error().message;
+    EXPECT_EQ((*reader)->header().columns, header.columns);
+    PointBatch read;
+    ASSERT_TRUE((*reader)->read(read).value_or(false));
+    EXPECT_TRUE(read.rows == batch.rows);
+    EXPECT_TRUE(read.position == batch.position);
+}
+
+TEST(PointStream, ListsOfColumnsThatLieAreErrors) {
+    const auto withList = [](const std::string& list) {
+        auto bytes = small();
+        put(bytes, 132, static_cast<std::uint32_t>(list.size()));
+        const auto* text = reinterpret_cast<const std::byte*>(list.data());
+        bytes.insert(bytes.begin() + chunkAt, text, text + list.size());
+        return bytes;
+    };
+    expectImporterError(withList("[]"), "no JSON list of 1 to 512");
+    expectImporterError(withList("{}"), "no JSON list");
+    expectImporterError(withList("[7]"), "column 0 is wrong: it is no JSON object");
+    expectImporterError(withList(R"([{"type": "int8"}])"), "it has no name");
+    expectImporterError(withList(R"([{"name": "a", "type": "int9"}])"), "type \"int9\" is not known");
+    expectImporterError(withList(R"([{"name": "a", "type": "int8", "scale": 0}])"), "scale or offset");
+    expectImporterError(withList(R"([{"name": "a", "type": "int8", "offset": "1"}])"), "scale or offset");
+    expectImporterError(withList(R"([{"name": "a", "type": "int8"}, {"name": "a", "type": "int8"}])"),
+                        "another one is called \"a\"");
+    // Rows that the chunk does not have: what follows is no record.
+    expectImporterError(withList(R"([{"name": "a", "type": "int8"}])"), "a record of unknown kind");
+    const auto many = [] {
+        std::string list = "[7";
+        for (int i = 0; i < 600; ++i) list += ",7";
+        return list + "]";
+    };
+    expectImporterError(withList(many()), "no JSON list of 1 to 512");
+}
+
 TEST(PointStream, LayoutIsAsDocumented) {
     const auto bytes = small();
     const auto text = std::string(reinterpret_cast<const char*>(bytes.data()), bytes.size());
@@ -167,7 +214,8 @@ TEST(PointStream, LiesAreErrors) {
     expectImporterError(changed(48, infinity), "the grid's origin");
     expectImporterError(changed(124, std::uint32_t(257)), "format text is too long");
     expectImporterError(changed(128, std::uint32_t(0x7fffffff)), "WKT text is too long");
-    expectImporterError(changed(132, std::uint32_t(1)), "reserved");
+    expectImporterError(changed(132, std::uint32_t(1) << 19), "list of columns is too long");
+    expectImporterError(changed(132, std::uint32_t(1)), "no JSON list");
     expectImporterError(changed(chunkAt, 'X'), "a record of unknown kind");
     expectImporterError(changed(chunkAt + 4, std::uint32_t(0)), "a chunk of 0 points");
     expectImporterError(changed(chunkAt + 4, std::uint32_t(65537)), "a chunk of 65,537 points");

@@ -53,6 +53,7 @@ PointBatch allPoints(PointSource& source) {
         append(all.intensity, batch.intensity);
         append(all.classification, batch.classification);
         append(all.normal, batch.normal);
+        append(all.rows, batch.rows);
     }
     return all;
 }
@@ -65,6 +66,7 @@ void expectSamePoints(PointSource& one, PointSource& other) {
     EXPECT_TRUE(a.color == b.color);
     EXPECT_TRUE(a.intensity == b.intensity);
     EXPECT_TRUE(a.classification == b.classification);
+    EXPECT_TRUE(a.rows == b.rows);
 }
 
 }  // namespace
@@ -140,9 +142,13 @@ TEST(RealScansAgree, LasAndLaz) {
                                    {"laz/pdrf8-1.4.laz", "las/pdrf8-1.4.las"}}) {
         REQUIRE_TEST_DATA(laz);
         REQUIRE_TEST_DATA(las);
-        auto one = openScan(testData(laz), options());
-        auto other = openScan(testData(las), options());
+        auto keep = options();
+        keep.keepAttributes = true;
+        auto one = openScan(testData(laz), keep);
+        auto other = openScan(testData(las), keep);
         ASSERT_TRUE(one && other);
+        EXPECT_FALSE((*one)->header().columns.empty());
+        EXPECT_EQ((*one)->header().columns, (*other)->header().columns) << laz;
         EXPECT_EQ((*one)->header().gridStep, (*other)->header().gridStep) << laz;
         EXPECT_EQ((*one)->header().gridOrigin, (*other)->header().gridOrigin) << laz;
         expectSamePoints(**one, **other);

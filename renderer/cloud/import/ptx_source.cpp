@@ -65,6 +65,22 @@ IntensityScale ptxIntensity(std::span<const std::string_view> lines, const TextL
     return seen.least > seen.most ? IntensityScale::Unit : intensityScale(seen, false);
 }
 
+/// Does the text go on behind the first scan's points? A short one is counted; of a long one, lines from all
+/// over it tell how many there must be. Never sure of a pipe.
+bool seemsToGoOn(const TextLines& lines, std::span<const std::string> elsewhere, std::uint64_t points) {
+    auto text = lines.start();
+    const auto size = static_cast<double>(lines.bytesTotal());
+    double there = 0;
+    if (lines.bytesTotal() <= TextLines::peekBytes) {
+        while (!text.empty()) there += takeLine(text, lines.lineEnd()).find_first_not_of(" \t") != text.npos;
+        return lines.bytesTotal() > 0 && there > static_cast<double>(points) + headLines;
+    }
+    double bytes = 0;
+    for (const auto& line : elsewhere) bytes += static_cast<double>(line.size() + 1);
+    return bytes > 0 &&
+           size / bytes * static_cast<double>(elsewhere.size()) > 1.2 * static_cast<double>(points);
+}
+
 }  // namespace
 
 Expected<std::unique_ptr<PtxSource>> PtxSource::create(std::unique_ptr<ByteSource> bytes, std::string name) {
@@ -74,9 +90,13 @@ Expected<std::unique_ptr<PtxSource>> PtxSource::create(std::unique_ptr<ByteSourc
     const auto point = firstPoint(text, lines.lineEnd());
     auto layout = point.empty() ? TextLayout{} : layoutOf(point, name);
     if (!layout) return tl::unexpected(layout.error());
+    const auto elsewhere = lines.samples(lookedAtPlaces, lookedAtBytes);
+    if (!elsewhere) return tl::unexpected(elsewhere.error());
+    auto head = text;
+    std::uint64_t points = 1;
+    for (int i = 0; i < 2; ++i) points *= countIn(takeLine(head, lines.lineEnd())).value_or(0);
+    const bool several = seemsToGoOn(lines, *elsewhere, points);
     if (layout->intensity != TextLayout::none) {
-        const auto elsewhere = lines.samples(lookedAtPlaces, lookedAtBytes);
-        if (!elsewhere) return tl::unexpected(elsewhere.error());
         std::vector<std::string_view> looked(elsewhere->begin(), elsewhere->end());
         text.remove_prefix(static_cast<std::size_t>(point.data() - text.data()));
         for (std::size_t i = 0; i < lookedAtLines && !text.empty(); ++i)
@@ -91,7 +111,7 @@ Expected<std::unique_ptr<PtxSource>> PtxSource::create(std::unique_ptr<ByteSourc
                                               grouped(source->promised_) + " points, there are none");
     source->scan_.format = "PTX: " + layout->describe();
     source->scan_.attributes = layout->attributes();
-    source->scan_.scannerOrigin = source->transform_[3];
+    if (!several) source->scan_.scannerOrigin = source->transform_[3];
     return source;
 }
 

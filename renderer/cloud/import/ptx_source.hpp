@@ -24,8 +24,8 @@ class PtxSource final : public PointSource {
     /// Truncated, Unsupported (UTF-16), Io.
     static Expected<std::unique_ptr<PtxSource>> create(std::unique_ptr<ByteSource> bytes, std::string name);
 
-    /// The scanner's place is that of the first scan, and is forgotten when a second one is met: then no one
-    /// place explains all points.
+    /// The scanner's place is told where the file seems to hold one scan (judged by its length), and
+    /// forgotten when a second one is met all the same: then no one place explains all points.
     const ScanHeader& header() const override { return scan_; }
     Expected<bool> read(PointBatch& batch) override;
     /// Directions without an echo among them.

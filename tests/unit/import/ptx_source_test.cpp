@@ -65,6 +65,23 @@ TEST(PtxSource, SeveralScansAndDirectionsWithoutEcho) {
     EXPECT_EQ((*source)->header().scannerOrigin, std::nullopt) << "two scanners: no one place";
 }
 
+// Normals are turned to the one place from which all was seen: with two, to none of them.
+TEST(PtxSource, ScannersPlaceOfOneScanOnly) {
+    std::string points;
+    for (int i = 0; i < 20000; ++i) points += "1.5 2.5 " + std::to_string(i) + " 0.5\n";
+    const auto one = head(200, 100, turned) + points;
+    for (const auto& [text, known] : {std::pair(one, true),
+                                      {one + head(100, 200) + points, false},
+                                      {head(1, 1, turned) + "1 2 3\n\n", true},
+                                      {head(1, 1, turned) + "1 2 3\n" + head(1, 1) + "1 2 3\n", false}}) {
+        const auto source = PtxSource::create(bytesOf(text), "a.ptx");
+        ASSERT_TRUE(source) << source.error().message;
+        EXPECT_EQ((*source)->header().scannerOrigin.has_value(), known);
+        EXPECT_TRUE(readAll(**source));
+        EXPECT_EQ((*source)->header().scannerOrigin.has_value(), known);
+    }
+}
+
 TEST(PtxSource, ColumnsOfAPoint) {
     for (const auto& [row, attributes] :
          {std::pair("1 2 3", Attributes{}),

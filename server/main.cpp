@@ -32,7 +32,12 @@ int main(int argc, char** argv) {
     scancast::addIngest(app, exitCode);
     scancast::addInfo(app, exitCode);
     scancast::addGenerate(app, exitCode);
-    CLI11_PARSE(app, argc, argv);
+    constexpr int usage = 2;
+    try {
+        app.parse(argc, argv);
+    } catch (const CLI::ParseError& error) {
+        return app.exit(error) == 0 ? 0 : usage;
+    }
     if (backends) {
         listBackends();
     } else if (app.get_subcommands().empty()) {

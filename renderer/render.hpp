@@ -21,8 +21,8 @@ struct RenderOptions {
     /// they are requested.
     bool wait = true;
     std::uint64_t requester = 0;  ///< on whose behalf (renderer/residency/provide.hpp)
-    std::optional<Camera>
-        ahead;  ///< where the camera will be soon; its blocks are requested, too; without wait
+    /// Where the camera will be soon: its blocks are requested, too. Without wait only.
+    std::optional<Camera> ahead{};
 };
 
 /// Where a client starts: the cloud's default camera, coloured by the best attribute that the cloud has.

@@ -1,0 +1,137 @@
+// `scancast ingest` as people run it, and as they interrupt it.
+#include <gmock/gmock.h>
+
+#include <set>
+
+#include "tests/integration/program_fixture.hpp"
+#include "tests/support/test_data.hpp"
+
+namespace scancast::test {
+namespace {
+
+using ::testing::HasSubstr;
+
+class IngestProgram : public ProgramTest {
+  protected:
+    void generate(const std::string& name, const char* points) {
+        ASSERT_EQ(run({"scancast", "generate", "town", "--points", points, "-q", "-o", file(name)}), 0)
+            << lastError;
+    }
+    /// What is in the folder, but for the fixture's own files.
+    std::vector<std::string> files() const {
+        std::vector<std::string> names;
+        for (const auto& entry : fs::directory_iterator(folder))
+            if (const auto name = entry.path().filename().string();
+                name != "stdout.txt" && name != "stderr.txt")
+                names.push_back(name);
+        std::sort(names.begin(), names.end());
+        return names;
+    }
+    /// Waits until the program says that it is at this stage.
+    static bool reaches(const Process& process, const std::string& stage) {
+        const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(60);
+        while (process.err().find(stage) == std::string::npos) {
+            if (std::chrono::steady_clock::now() > end) return false;
+            std::this_thread::sleep_for(std::chrono::milliseconds(1));
+        }
+        return true;
+    }
+};
+
+TEST_F(IngestProgram, SeveralScansBecomeOneFileThatInfoDescribes) {
+    generate("a.las", "30000");
+    generate("b.las", "20000");
+    ASSERT_EQ(
+        run({"scancast", "ingest", file("a.las"), file("b.las"), "-o", file("c.scan"), "--title", "Both"}), 0)
+        << lastError;
+    EXPECT_THAT(lastError, HasSubstr("50000 points"));
+    std::string info;
+    ASSERT_EQ(run({"scancast", "info", file("c.scan")}, &info), 0) << lastError;
+    EXPECT_THAT(info, HasSubstr("50"));
+    EXPECT_THAT(info, HasSubstr("Both"));
+    EXPECT_EQ(run({"scancast", "info", "--check", file("c.scan")}), 0) << lastError;
+}
+
+TEST_F(IngestProgram, ReadsLasFromStandardInput) {
+    generate("a.las", "30000");
+    Process process(folder, {"scancast", "ingest", "-", "-o", file("c.scan"), "--title", "a"}, file("a.las"));
+    ASSERT_EQ(process.wait(), 0) << process.err();
+    ASSERT_EQ(run({"scancast", "ingest", file("a.las"), "-o", file("d.scan"), "--title", "a"}), 0)
+        << lastError;
+    EXPECT_TRUE(contents(file("c.scan")) == contents(file("d.scan")));
+}
+
+TEST_F(IngestProgram, AFileThatIsThereIsReplacedOnRequestOnly) {
+    generate("a.las", "1000");
+    ASSERT_EQ(run({"scancast", "ingest", file("a.las"), "-o", file("c.scan")}), 0) << lastError;
+    EXPECT_EQ(run({"scancast", "ingest", file("a.las"), "-o", file("c.scan")}), 1);
+    EXPECT_THAT(lastError, HasSubstr("--force"));
+    EXPECT_EQ(run({"scancast", "ingest", file("a.las"), "-o", file("c.scan"), "--force"}), 0);
+    EXPECT_EQ(run({"scancast", "ingest", file("a.las"), "-o", file("a.las"), "--force"}), 1);
+    EXPECT_THAT(lastError, HasSubstr("both input and output"));
+}
+
+TEST_F(IngestProgram, InterruptedItLeavesNothing) {
+    generate("a.las", "2M");
+    for (const char* stage : {"reading", "building"}) {
+        Process process(folder, {"scancast", "ingest", file("a.las"), "-o", file("c.scan")});
+        ASSERT_TRUE(reaches(process, stage)) << process.err();
+        process.signal(SIGINT);
+        const int code = process.wait();
+        if (code == 0) continue;  // it was done before the signal came
+        EXPECT_EQ(code, 1) << process.err();
+        EXPECT_THAT(process.err(), HasSubstr("Interrupted"));
+        EXPECT_EQ(files(), (std::vector<std::string>{"a.las"})) << stage;
+    }
+}
+
+TEST_F(IngestProgram, KilledItLeavesNothingThatLooksFinishedAndTheNextRunCleansUp) {
+    generate("a.las", "2M");
+    {
+        Process process(folder, {"scancast", "ingest", file("a.las"), "-o", file("c.scan")});
+        ASSERT_TRUE(reaches(process, "building")) << process.err();
+        process.signal(SIGKILL);
+        process.wait();
+    }
+    EXPECT_FALSE(fs::exists(file("c.scan")));
+    ASSERT_EQ(run({"scancast", "ingest", file("a.las"), "-o", file("c.scan")}), 0) << lastError;
+    EXPECT_EQ(files(), (std::vector<std::string>{"a.las", "c.scan"}));
+    EXPECT_EQ(run({"scancast", "info", "--check", file("c.scan")}), 0) << lastError;
+}
+
+// Three of them are damaged beside the points alone, which costs no point
+// (tests/unit/import/bad_scans_test.cpp).
+TEST_F(IngestProgram, DamagedScansAreRefusedWithAReason) {
+    REQUIRE_TEST_DATA("bad");
+    const std::set<std::string> sound{"bad_vlr_count.las", "malformed_extrabytes.las", "gps-time-nan.las"};
+    int refused = 0;
+    for (const auto& entry : fs::directory_iterator(testData("bad"))) {
+        if (!entry.is_regular_file()) continue;
+        const int code = run({"scancast", "ingest", entry.path().string(), "-o", file("c.scan")});
+        if (sound.count(entry.path().filename().string()) > 0) {
+            EXPECT_EQ(code, 0) << entry.path() << lastError;
+            fs::remove(file("c.scan"));
+            continue;
+        }
+        EXPECT_EQ(code, 1) << entry.path() << lastError;
+        EXPECT_THAT(lastError, HasSubstr("scancast ingest: ")) << entry.path();
+        EXPECT_EQ(files(), std::vector<std::string>{}) << entry.path();
+        ++refused;
+    }
+    EXPECT_GT(refused, 5);
+}
+
+TEST_F(IngestProgram, MistakesAreExplained) {
+    EXPECT_EQ(run({"scancast", "ingest", file("none.las"), "-o", file("c.scan")}), 1);
+    EXPECT_THAT(lastError, HasSubstr("there is no such file"));
+    generate("a.las", "1000");
+    EXPECT_EQ(run({"scancast", "ingest", file("a.las"), "-o", file("no/such/folder/c.scan")}), 1);
+    EXPECT_THAT(lastError, HasSubstr("no/such/folder"));
+    EXPECT_EQ(run({"scancast", "ingest", file("a.las"), "-o", file("c.scan"), "--memory-limit", "lots"}), 1);
+    EXPECT_THAT(lastError, HasSubstr("--memory-limit 2G"));
+    EXPECT_EQ(run({"scancast", "ingest", file("a.las"), "-o", file("c.scan"), "--memory-limit", "1M"}), 1);
+    EXPECT_THAT(lastError, HasSubstr("512M"));
+}
+
+}  // namespace
+}  // namespace scancast::test

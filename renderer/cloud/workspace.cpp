@@ -154,19 +154,21 @@ void Workspace::Buffer::clear() {
 }
 
 Expected<void> Workspace::Buffer::write(std::uint64_t offset, std::span<const std::byte> from) {
+    if (from.empty()) return {};
     if (memory_) {
         std::memcpy(memory_.get() + offset, from.data(), from.size());
         return {};
     }
-    return from.empty() ? Expected<void>() : home_->scratch_->write(place_ + offset, from);
+    return home_->scratch_->write(place_ + offset, from);
 }
 
 Expected<void> Workspace::Buffer::read(std::uint64_t offset, std::span<std::byte> into) const {
+    if (into.empty()) return {};
     if (memory_) {
         std::memcpy(into.data(), memory_.get() + offset, into.size());
         return {};
     }
-    return into.empty() ? Expected<void>() : home_->scratch_->read(place_ + offset, into);
+    return home_->scratch_->read(place_ + offset, into);
 }
 
 Expected<std::span<const std::byte>> Workspace::Buffer::view(std::vector<std::byte>& space) const {

@@ -1,5 +1,6 @@
 // Any bytes as a block: an error, or samples that encode and decode to themselves; never a crash. And any
 // bytes as samples: they come back.
+#include <algorithm>
 #include <cstdlib>
 #include <cstring>
 
@@ -28,7 +29,6 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     if (std::memcmp(raw.data(), back.data(), raw.size() * sizeof(Sample)) != 0) std::abort();
     const auto rows = block.first(block.size() / rowBytes * rowBytes);
     const auto same = decodeRows(encodeRows(rows, rowBytes), rowBytes, rows.size() / rowBytes);
-    if (!same || same->size() != rows.size() || std::memcmp(same->data(), rows.data(), rows.size()) != 0)
-        std::abort();
+    if (!same || !std::equal(same->begin(), same->end(), rows.begin(), rows.end())) std::abort();
     return 0;
 }

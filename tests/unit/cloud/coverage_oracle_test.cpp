@@ -4,6 +4,7 @@
 #include <glm/gtc/constants.hpp>
 #include <unordered_map>
 
+#include "renderer/cloud/surfel_codec.hpp"
 #include "tests/support/octree_checks.hpp"
 #include "tests/support/synthetic_source.hpp"
 
@@ -119,6 +120,49 @@ TEST_P(Coverage, EveryLevelClosesTheSurface) {
         // A square grid of discs of its own pitch covers π-fold; random points need about ten.
         EXPECT_LE(splats / surface.area, 12) << "level " << level;
         EXPECT_GE(splats / surface.area, 1.5) << "level " << level;
+    }
+}
+
+// The same with surfels: discs of the radius that is estimated for each sample close the surface on every
+// level, across borders of nodes and chunks (averaged radii would leave 67 % open two levels up), and normals
+// are the surface's.
+TEST_P(Coverage, SurfelsCloseEveryLevelToo) {
+    const Surface& surface = GetParam();
+    SyntheticSource source(200'000, surface.sample, {});
+    const auto built = buildCloud(
+        source, {.title = "test", .shape = {.leafPoints = 1024, .chunkPoints = 60'000, .surfels = true}});
+    ASSERT_TRUE(built) << built.error().message;
+    const Octree& o = (*built)->octree;
+    int deepest = 0;
+    for (const Node& n : o.nodes()) deepest = std::max<int>(deepest, n.level);
+    ASSERT_GE(deepest, 3);
+    for (int level = 0; level <= deepest; ++level) {
+        std::vector<std::pair<glm::dvec3, Surfel>> discs;
+        double widest = 0, splats = 0, outliers = 0, wrong = 0;
+        for (const Node& n : o.nodes()) {
+            if (n.level != level && !(n.isLeaf() && n.level < level)) continue;
+            for (const Sample& s : test::samples(o, n)) {
+                outliers += s.logRadius == outlierRadius;
+                if (s.logRadius == outlierRadius) continue;
+                discs.emplace_back(position(n, s) + (*built)->origin, decodeSurfel(s, n.radiusUnit));
+                const glm::dvec3 normal =
+                    surface.anyPoint == onBall ? glm::normalize(discs.back().first) : glm::dvec3(0, 0, 1);
+                wrong += std::abs(glm::dot(normal, glm::dvec3(discs.back().second.normal))) < 0.97;
+                widest = std::max<double>(widest, discs.back().second.radius);
+            }
+        }
+        Covering covering(widest);
+        for (const auto& [p, surfel] : discs) {
+            covering.add(p, surfel.radius);
+            splats += glm::pi<double>() * double(surfel.radius) * surfel.radius;
+        }
+        constexpr int probes = 20'000;
+        int holes = 0;
+        for (int i = 0; i < probes; ++i) holes += !covering.covers(surface.anyPoint(i));
+        EXPECT_LE(holes, (surface.holes > 0 ? 3e-3 : 0) * probes) << "level " << level;
+        EXPECT_LE(splats / surface.area, 14) << "level " << level;
+        EXPECT_LE(outliers, 1e-3 * double(discs.size())) << "level " << level;
+        EXPECT_LE(wrong, 5e-3 * double(discs.size())) << "level " << level;
     }
 }
 

@@ -66,7 +66,11 @@ export class Controls {
     const select = find('cloud');
     const chosen = select.value;
     fill(select, [
-      ...clouds.map((cloud) => ({ value: cloud.id, label: cloud.title || cloud.id })),
+      // A cloud that is still being read can be looked at coarsely meanwhile.
+      ...clouds.map((cloud) => ({
+        value: cloud.id,
+        label: `${cloud.title || cloud.id}${cloud.state === 'loading' ? ' (loading…)' : ''}`,
+      })),
       ...pending.map((cloud) => ({
         value: cloud.id,
         label: `${cloud.title || cloud.id} (${cloud.state === 'failed' ? 'could not be loaded' : 'loading…'})`,

@@ -41,12 +41,12 @@ const session = new Session({
   catalog: (fresh) => {
     catalog = fresh;
     controls.setCatalog(fresh);
-    if (fresh.pending.some((entry) => entry.state === 'loading')) setTimeout(() => session.refreshCatalog(), 2000);
+    if ([...fresh.clouds, ...fresh.pending].some((entry) => entry.state === 'loading')) setTimeout(() => session.refreshCatalog(), 2000);
   },
   clouds: (fresh) => {
     catalog = { ...catalog, ...fresh };
     controls.setClouds(catalog);
-    if (fresh.pending.some((entry) => entry.state === 'loading')) setTimeout(() => session.refreshCatalog(), 2000);
+    if ([...fresh.clouds, ...fresh.pending].some((entry) => entry.state === 'loading')) setTimeout(() => session.refreshCatalog(), 2000);
   },
   hello: () => {
     const { width, height, ratio } = picture.size;

@@ -140,8 +140,8 @@ void addServe(CLI::App& app, int& exitCode) {
     CLI::App* command = app.add_subcommand("serve", "Serve clouds to browsers and programs");
     command->footer(
         "Every option can come from the environment too: --max-pixels is SCANCAST_MAX_PIXELS.\n"
-        "Examples: scancast serve town.las room.ply --port 9000\n"
-        "          scancast serve city.scan --memory-limit 2G");
+        "Example: scancast serve town.las room.ply --port 9000\n"
+        "         scancast serve city.scan --memory-limit 2G");
     addServeFlags(*command, *options);
     command->callback([options, &exitCode] { exitCode = serve(*options); });
 }

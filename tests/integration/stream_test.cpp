@@ -55,6 +55,28 @@ TEST_F(StreamTest, AfterFinalThereIsSilence) {
     EXPECT_FALSE(client.frame(std::chrono::milliseconds(300)));
 }
 
+// The picture's bytes tell which cloud it shows: the fake device paints the number of its points.
+TEST_F(StreamTest, WhoStandsStillSeesTheWholeCloudOnceItIsLoaded) {
+    start();
+    Catalog& catalog = server->catalog();
+    const std::string id = catalog.add("growing");
+    catalog.setPreview(id, tinyCloud(10));
+    StreamClient client(port());
+    client.greet({{"cloud", id}});
+    const auto coarse = client.finalFrame(0);
+    ASSERT_TRUE(coarse);
+    EXPECT_FALSE(client.frame(std::chrono::milliseconds(400))) << "nothing new yet";
+    catalog.setPreview(id, tinyCloud(60));
+    const auto finer = client.finalFrame(0);
+    ASSERT_TRUE(finer);
+    EXPECT_NE(finer->picture, coarse->picture);
+    catalog.setReady(id, tinyCloud(250));
+    const auto whole = client.finalFrame(0);
+    ASSERT_TRUE(whole);
+    EXPECT_NE(whole->picture, finer->picture);
+    EXPECT_FALSE(client.frame(std::chrono::milliseconds(400))) << "and then there is silence";
+}
+
 TEST_F(StreamTest, TheFinalStillIsTheSnapshotByteForByte) {
     start();
     StreamClient client(port());

@@ -1,0 +1,99 @@
+// `scancast serve` and `render` of cloud files, as people run them.
+#include <gmock/gmock.h>
+
+#include <nlohmann/json.hpp>
+
+#include "protocol/frame_header.hpp"
+#include "tests/integration/program_fixture.hpp"
+
+namespace scancast::test {
+namespace {
+
+using ::testing::HasSubstr;
+
+class CloudFileProgram : public ProgramTest {
+  protected:
+    void SetUp() override {
+        ProgramTest::SetUp();
+        ASSERT_EQ(run({"scancast", "generate", "town", "--points", "300000", "-q", "-o", file("town.las")}),
+                  0)
+            << lastError;
+        ASSERT_EQ(run({"scancast", "ingest", file("town.las"), "--no-surfels", "-o", file("town.scan"),
+                       "--title", "town"}),
+                  0)
+            << lastError;
+    }
+};
+
+// Right because one was read from a file block by block, the other built in memory from the scan.
+TEST_F(CloudFileProgram, RendersAsTheScanDoes) {
+    for (const char* name : {"town.las", "town.scan"})
+        ASSERT_EQ(run({"scancast", "render", file(name), "--backend", "cpu", "--width", "320", "--height",
+                       "200", "-o", file(std::string(name) + ".png")}),
+                  0)
+            << lastError;
+    EXPECT_TRUE(contents(file("town.las.png")) == contents(file("town.scan.png")));
+}
+
+TEST_F(CloudFileProgram, IsServedWithinALimitAndItsFinalStillIsTheSnapshot) {
+    const auto server = serve({file("town.scan"), "--memory-limit", "64M"});
+    const auto cloud = nlohmann::json::parse(request(port, "/api/v1/clouds/town").body);
+    EXPECT_EQ(cloud["state"], "ready");
+    EXPECT_EQ(cloud["points"], 300000);
+    EXPECT_TRUE(cloud["columns"].is_array());
+    RawWebSocket stream(port);
+    stream.text(R"({"type":"hello","width":240,"height":160})");
+    FrameHeader header;
+    std::string picture;
+    while (!header.final) {
+        const WsMessage message = stream.receiveKind(WsMessage::Kind::Binary);
+        ASSERT_EQ(message.kind, WsMessage::Kind::Binary) << "no final still came";
+        const auto parsed = parseFrame(
+            {reinterpret_cast<const std::uint8_t*>(message.payload.data()), message.payload.size()});
+        ASSERT_TRUE(parsed) << parsed.error().message;
+        header = parsed->header;
+        picture.assign(parsed->picture.begin(), parsed->picture.end());
+        stream.text(R"({"type":"ack","frame":)" + std::to_string(header.frameId) + "}");
+    }
+    EXPECT_TRUE(picture == request(port, "/api/v1/clouds/town/snapshot.jpg?width=240&height=160").body);
+    const std::string metrics = request(port, "/metrics").body;
+    EXPECT_THAT(metrics, HasSubstr("scancast_residency_limit_bytes 67108864"));
+    EXPECT_THAT(metrics, HasSubstr("scancast_block_load_errors_total 0"));
+    EXPECT_THAT(metrics, ::testing::Not(HasSubstr("scancast_blocks_loaded_total 0\n")));
+}
+
+TEST_F(CloudFileProgram, WhatServeKeepsIsThereTheNextTime) {
+    fs::create_directories(folder / "kept");
+    std::string first;
+    for (int start = 0; start < 2; ++start) {
+        const auto server = serve({file("town.las"), "--cache-dir", file("kept")});
+        const std::string picture =
+            request(port, "/api/v1/clouds/town/snapshot.jpg?width=160&height=120").body;
+        ASSERT_FALSE(picture.empty());
+        if (start == 0) first = picture;
+        EXPECT_TRUE(picture == first);
+        EXPECT_EQ(std::distance(fs::directory_iterator(folder / "kept"), {}), 1);
+        server->signal(SIGTERM);
+        EXPECT_EQ(server->wait(std::chrono::seconds(20)), 0);
+    }
+}
+
+TEST_F(CloudFileProgram, DamagedAndImpossibleRequestsSayWhy) {
+    fs::resize_file(folder / "town.scan", fs::file_size(folder / "town.scan") / 2);
+    EXPECT_EQ(run({"scancast", "render", file("town.scan"), "-o", file("a.png")}), 1);
+    EXPECT_THAT(lastError, HasSubstr("town.scan"));
+    EXPECT_EQ(run({"scancast", "serve", file("town.las"), "--memory-limit", "plenty"}), 1);
+    EXPECT_THAT(lastError, HasSubstr("memory-limit"));
+    EXPECT_EQ(run({"scancast", "serve", file("town.las"), "--cache-dir", file("nowhere")}), 1);
+    EXPECT_THAT(lastError, HasSubstr("nowhere"));
+    const auto server = serve({file("town.scan"), file("town.las")});
+    const auto list = nlohmann::json::parse(request(port, "/api/v1/clouds").body);
+    ASSERT_EQ(list["pending"].size(), 1U);
+    EXPECT_EQ(list["pending"][0]["state"], "failed");
+    const std::string why = list["pending"][0]["error"];
+    EXPECT_THAT(why, HasSubstr("town.scan"));
+    EXPECT_THAT(why, ::testing::Not(HasSubstr(folder.string())));
+}
+
+}  // namespace
+}  // namespace scancast::test

@@ -118,10 +118,11 @@ OctreeInput inputOf(const CloudFacts& facts, const ScanHeader& header, const Sha
 
 Expected<BuiltCloud> buildFrom(PointSource& source, const Shape& shape, const BuildRoom& room,
                                const ProgressSink& progress, const std::stop_token& stop) {
-    const ScanHeader header = source.header();
+    ScanHeader header = source.header();
     ProgressMeter reading(progress, "reading", header.points.value_or(0));
     auto scan = stage(source, room.workspace, reading, stop);
     if (!scan) return tl::unexpected(scan.error());
+    header.scannerOrigin = source.header().scannerOrigin;  // known for certain only now: a second scan may have come
 
     BuiltCloud cloud{.facts = factsOf(*scan, header, shape), .octree = {}};
     const Grid grid = chooseGrid(*scan, header);

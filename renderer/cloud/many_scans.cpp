@@ -54,6 +54,7 @@ class ManyScans final : public PointSource {
         for (; at_ < sources_.size(); ++at_) {
             const auto more = sources_[at_]->read(batch);
             if (!more) return more;
+            if (sources_.size() == 1) header_.scannerOrigin = sources_.front()->header().scannerOrigin;
             if (!*more) continue;
             arrangeRows(batch);
             return true;

@@ -185,7 +185,7 @@ TEST_F(ProgramTest, VersionBackendsAndHelp) {
     EXPECT_EQ(run({"scancast", "--list-backends"}, &out), 0);
     EXPECT_THAT(out, HasSubstr("cpu"));
     EXPECT_EQ(run({"scancast", "serve", "--help"}, &out), 0);
-    EXPECT_THAT(out, HasSubstr("Example: scancast serve"));
+    EXPECT_THAT(out, HasSubstr("scancast serve town.las"));
     EXPECT_EQ(run({"scancast"}), 1);
 }
 

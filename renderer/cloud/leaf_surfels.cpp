@@ -26,10 +26,14 @@ std::vector<glm::vec3> offsets(std::span<const BuildPoint> points, std::span<con
     return out;
 }
 
+/// Where nobody knows the side that was scanned, neighbours at least mostly agree on one: an oblique direction, which few
+/// surfaces of a built world are parallel to.
+constexpr glm::vec3 anySide(0.36f, 0.48f, 0.8f);
+
 /// Turns an estimated normal to the side that was scanned, where that is known.
 glm::vec3 orient(const glm::vec3& normal, const BuildPoint& p, const OctreeInput& input) {
     if (input.shape.orientation == Orientation::Up) return normal.z < 0 ? -normal : normal;
-    if (!input.scanner) return normal;
+    if (!input.scanner) return glm::dot(normal, anySide) < 0 ? -normal : normal;
     const glm::dvec3 toScanner = *input.scanner - (input.grid.toFile(p.position()) - input.origin);
     return glm::dot(glm::dvec3(normal), toScanner) < 0 ? -normal : normal;
 }

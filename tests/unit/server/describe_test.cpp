@@ -35,6 +35,35 @@ TEST(Describe, PendingCloudsSayHowFarTheyAre) {
                                                   {"progress", 0.5}}));
 }
 
+TEST(Describe, ACloudThatIsBeingReadCanBeLookedAtAndSaysHowFarItIs) {
+    Catalog catalog;
+    const auto id = catalog.add("town");
+    catalog.setProgress(id, "sorting", 1, 4);
+    auto cloud = std::make_shared<Cloud>(*test::tinyCloud(3));
+    cloud->columns = {{{"gps_time", ColumnType::Float64, 1, 0, "GPS time"}, {10, 20}}};
+    catalog.setPreview(id, cloud);
+    const auto json = cloudListJson(catalog.list());
+    EXPECT_TRUE(json["pending"].empty());
+    ASSERT_EQ(json["clouds"].size(), 1U);
+    const auto& one = json["clouds"][0];
+    EXPECT_EQ(one["state"], "loading");
+    EXPECT_EQ(one["stage"], "sorting");
+    EXPECT_EQ(one["progress"], 0.25);
+    EXPECT_EQ(one["columns"][0], (nlohmann::json{{"name", "gps_time"},
+                                                 {"type", "float64"},
+                                                 {"range", {10.0, 20.0}},
+                                                 {"description", "GPS time"}}));
+    EXPECT_TRUE(cloudListFromJson(json));
+}
+
+TEST(Describe, AFailureSaysWhy) {
+    Catalog catalog;
+    catalog.setFailed(catalog.add("town"), "town.las ends after 7 bytes");
+    const auto json = cloudListJson(catalog.list());
+    EXPECT_EQ(json["pending"][0]["state"], "failed");
+    EXPECT_EQ(json["pending"][0]["error"], "town.las ends after 7 bytes");
+}
+
 TEST(Describe, EveryMethodWithEveryParameter) {
     const auto json = methodListJson();
     const auto list = methodListFromJson(json);

@@ -36,6 +36,27 @@ TEST(Metrics, NamesAndUnitsOfTheProtocol) {
     }
 }
 
+TEST(Metrics, ResidencyIsToldAsItIsAndCountersOnlyRise) {
+    Metrics metrics("1");
+    metrics.frameRendered("cone", 0.02, false);
+    BlockCacheStats stats;
+    stats.limit = 1000;
+    stats.bytes = 900;
+    stats.blocksLoaded = 7;
+    stats.blocksEvicted = 3;
+    stats.blocksDamaged = 1;
+    metrics.setResidency(stats);
+    stats.bytes = 400;
+    stats.blocksLoaded = 9;
+    metrics.setResidency(stats);
+    const std::string text = metrics.text();
+    for (const char* line : {"scancast_frames_incomplete_total 1\n", "scancast_residency_limit_bytes 1000\n",
+                             "scancast_residency_bytes 400\n", "scancast_blocks_loaded_total 9\n",
+                             "scancast_blocks_evicted_total 3\n", "scancast_block_load_errors_total 1\n"}) {
+        EXPECT_THAT(text, HasSubstr(line));
+    }
+}
+
 TEST(Metrics, SessionsComeAndGo) {
     Metrics metrics("1");
     metrics.sessionOpened();

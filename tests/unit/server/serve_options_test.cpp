@@ -33,6 +33,22 @@ TEST(ServeOptions, FlagBeforeEnvironmentBeforeDefault) {
     EXPECT_EQ(parsed({"a.las"}).server.port, 8080);
 }
 
+TEST(ServeOptions, MemoryIsMeasuredAsPeopleWriteIt) {
+    EXPECT_EQ(memoryLimit(parsed({"a.scan", "--memory-limit", "2G"})).value(), std::uint64_t(2) << 30);
+    EXPECT_EQ(memoryLimit(parsed({"a.scan", "--memory-limit", "512M"})).value(), std::uint64_t(512) << 20);
+    EXPECT_GT(memoryLimit(parsed({"a.scan"})).value(), std::uint64_t(64) << 20) << "half of the machine's";
+    for (const char* wrong : {"plenty", "1M", "-2G"}) {
+        const auto refused = check(parsed({"a.scan", std::string("--memory-limit=") + wrong}));
+        ASSERT_FALSE(refused) << wrong;
+        EXPECT_THAT(refused.error().message, testing::HasSubstr("memory-limit"));
+    }
+}
+
+TEST(ServeOptions, TheCacheFolderMustBeThere) {
+    EXPECT_TRUE(check(parsed({"a.las", "--cache-dir", testing::TempDir()})));
+    EXPECT_FALSE(check(parsed({"a.las", "--cache-dir", "/nowhere/at/all"})));
+}
+
 TEST(ServeOptions, FilesAndOriginsMayBeMany) {
     const auto options =
         parsed({"--allowed-origin", "https://a.example", "x.las", "y.ply", "--allowed-origin", "http://b:1"});

@@ -4,8 +4,10 @@
 #include <tbb/enumerable_thread_specific.h>
 #include <tbb/parallel_for.h>
 
+#include <algorithm>
 #include <atomic>
 #include <mutex>
+#include <numeric>
 #include <optional>
 
 namespace scancast {
@@ -59,69 +61,84 @@ struct Filling {
     std::atomic<std::uint64_t> nextPoint{0}, nextHalo{0};
 };
 
-/// What one thread holds back of several portions, sorted by chunk.
+/// Points and the chunks that they go to, as they come.
+struct Addressed {
+    std::vector<BuildPoint> points;
+    std::vector<std::uint32_t> chunks;
+
+    void add(const BuildPoint& p, std::uint32_t chunk) {
+        points.push_back(p);
+        chunks.push_back(chunk);
+    }
+    void clear() {
+        points.clear();
+        chunks.clear();
+    }
+};
+
+/// What one thread holds back of several portions, to write it chunk by chunk.
 class Sorter {
   public:
     Sorter(const ChunkPlan& plan, std::span<const std::unique_ptr<Filling>> fillings, std::size_t rowBytes)
-        : plan_(plan), fillings_(fillings), rowBytes_(rowBytes), lists_(fillings.size()) {}
+        : plan_(plan), fillings_(fillings), rowBytes_(rowBytes) {}
 
     void add(const PointPortions::Portion& portion) {
         const ChunkPlan::Destination* to = nullptr;
         CellKey last = ~CellKey(0);
-        for (std::size_t i = 0; i < portion.points.size(); ++i) {
-            const BuildPoint& p = portion.points[i];
+        for (const BuildPoint& p : portion.points) {
             const CellKey key = plan_.frame.key(p.position());
             if (key != last) to = &plan_.destination(key);
             last = key;
-            List& list = listOf(to->chunk);
-            list.points.push_back(p);
-            if (rowBytes_ > 0) {
-                const auto row = portion.rows.begin() + std::ptrdiff_t(i * rowBytes_);
-                list.rows.insert(list.rows.end(), row, row + std::ptrdiff_t(rowBytes_));
-            }
+            own_.add(p, to->chunk);
             for (std::uint32_t h = to->firstHalo; h < to->firstHalo + to->halos; ++h)
-                listOf(plan_.haloChunks[h]).halo.push_back(p);
+                halo_.add(p, plan_.haloChunks[h]);
         }
+        rows_.insert(rows_.end(), portion.rows.begin(), portion.rows.end());
     }
 
     Expected<void> flush() {
-        for (const std::uint32_t c : used_) {
-            List& list = lists_[c];
-            Filling& to = *fillings_[c];
-            const std::uint64_t at = to.nextPoint.fetch_add(list.points.size());
-            const std::uint64_t haloAt = to.nextHalo.fetch_add(list.halo.size());
-            auto done =
-                to.chunk.pointBytes.write(at * sizeof(BuildPoint), std::as_bytes(std::span(list.points)));
-            if (done) done = to.chunk.rowBytes.write(at * rowBytes_, list.rows);
-            if (done)
-                done = to.chunk.haloBytes.write(haloAt * sizeof(BuildPoint),
-                                                std::as_bytes(std::span(list.halo)));
-            if (!done) return done;
-            // The room stays: most chunks that a thread meets it meets again soon.
-            list.points.clear();
-            list.halo.clear();
-            list.rows.clear();
-        }
-        used_.clear();
-        return {};
+        auto done = writeRuns(own_, rows_, &Chunk::pointBytes, &Filling::nextPoint);
+        if (done) done = writeRuns(halo_, {}, &Chunk::haloBytes, &Filling::nextHalo);
+        own_.clear();
+        halo_.clear();
+        rows_.clear();
+        return done;
     }
 
   private:
-    struct List {
-        std::vector<BuildPoint> points, halo;
-        std::vector<std::byte> rows;
-    };
-    List& listOf(std::uint32_t chunk) {
-        List& list = lists_[chunk];
-        if (list.points.empty() && list.halo.empty()) used_.push_back(chunk);
-        return list;
+    /// One write for each chunk; places are taken from the chunk's counter.
+    Expected<void> writeRuns(const Addressed& from, std::span<const std::byte> rows,
+                             Workspace::Buffer Chunk::*points, std::atomic<std::uint64_t> Filling::*next) {
+        order_.resize(from.points.size());
+        std::iota(order_.begin(), order_.end(), 0u);
+        std::stable_sort(order_.begin(), order_.end(),
+                         [&](std::uint32_t a, std::uint32_t b) { return from.chunks[a] < from.chunks[b]; });
+        for (std::size_t first = 0, last = 0; first < order_.size(); first = last) {
+            const std::uint32_t chunk = from.chunks[order_[first]];
+            run_.clear();
+            rowRun_.clear();
+            for (; last < order_.size() && from.chunks[order_[last]] == chunk; ++last) {
+                run_.push_back(from.points[order_[last]]);
+                if (rows.empty()) continue;
+                const auto row = rows.subspan(order_[last] * rowBytes_, rowBytes_);
+                rowRun_.insert(rowRun_.end(), row.begin(), row.end());
+            }
+            Filling& to = *fillings_[chunk];
+            const std::uint64_t at = (to.*next).fetch_add(run_.size());
+            auto done = (to.chunk.*points).write(at * sizeof(BuildPoint), std::as_bytes(std::span(run_)));
+            if (done && !rows.empty()) done = to.chunk.rowBytes.write(at * rowBytes_, rowRun_);
+            if (!done) return done;
+        }
+        return {};
     }
 
     const ChunkPlan& plan_;
     std::span<const std::unique_ptr<Filling>> fillings_;
     const std::size_t rowBytes_;
-    std::vector<List> lists_;
-    std::vector<std::uint32_t> used_;
+    Addressed own_, halo_;
+    std::vector<std::byte> rows_, rowRun_;
+    std::vector<std::uint32_t> order_;
+    std::vector<BuildPoint> run_;
 };
 
 Expected<std::vector<Chunk>> distribute(PointPortions& portions, const ChunkPlan& plan,

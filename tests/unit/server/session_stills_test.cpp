@@ -1,0 +1,134 @@
+// What a session shows of clouds that are not in memory, or not complete yet.
+#include "tests/unit/server/session_fixture.hpp"
+
+namespace scancast::test {
+namespace {
+
+/// A store of which everything is always still to come; what pictures lack is what the test says.
+class NeverWhole final : public SampleStore {
+  public:
+    std::optional<SampleRun> find(std::uint32_t) override { return std::nullopt; }
+    Expected<SampleRun> load(std::uint32_t, std::stop_token) override { return fail(ErrorCode::Io, "never"); }
+    std::vector<Expected<SampleRun>> loadAll(std::span<const std::uint32_t>, std::stop_token) override {
+        return {};
+    }
+    void request(std::uint64_t, std::vector<Wish>) override {}
+    bool whole() const override { return false; }
+    bool damaged(std::uint32_t) const override { return false; }
+    std::uint64_t capacity() const override { return 1000; }
+    std::uint64_t bytesResident() const override { return 0; }
+};
+
+class ColdCloud : public SessionTest {
+  protected:
+    void SetUp() override {
+        auto cloud = std::make_shared<Cloud>(*tinyCloud(1));
+        const auto nodes = cloud->octree.nodes();
+        cloud->octree = Octree(std::vector<Node>(nodes.begin(), nodes.end()), std::make_shared<NeverWhole>());
+        world.first = cloud;
+    }
+    void finishMissing(std::size_t n, std::uint64_t missing) {
+        Picture picture;
+        picture.bytes = std::make_shared<const Bytes>(Bytes{1, 2, 3});
+        picture.width = picture.height = 8;
+        picture.stats.samplesMissing = missing;
+        session->pictureDone(port.orders.at(n).number, std::move(picture), now);
+        ack(port.frames.back().frameId);
+    }
+};
+
+TEST_F(ColdCloud, StillsGetSharperUntilNothingIsMissingThenComesTheFinalOne) {
+    hello();
+    pass(150);
+    ASSERT_EQ(port.orders.size(), 1U);
+    EXPECT_FALSE(order(0).complete);
+    EXPECT_TRUE(order(0).interruptible);
+    EXPECT_EQ(order(0).view.quality.samples, 1);
+    finishMissing(0, 500);
+    EXPECT_EQ(port.orders.size(), 1U) << "not at once: blocks take time";
+    EXPECT_TRUE(session->wakeAt());
+    pass(100);
+    ASSERT_EQ(port.orders.size(), 2U);
+    finishMissing(1, 100);
+    pass(100);
+    finishMissing(2, 0);
+    ASSERT_EQ(port.orders.size(), 4U) << "complete: the final one follows without a pause";
+    EXPECT_TRUE(order(3).complete);
+    EXPECT_FALSE(order(3).view.quality.samples);
+    finishMissing(3, 0);
+    ASSERT_EQ(port.frames.size(), 4U);
+    EXPECT_TRUE(port.frames[0].still && !port.frames[0].final && !port.frames[0].moving);
+    EXPECT_TRUE(port.frames[3].still && port.frames[3].final);
+    pass(10'000);
+    EXPECT_EQ(port.orders.size(), 4U) << "after the final still nothing is sent";
+    EXPECT_FALSE(session->wakeAt());
+}
+
+TEST_F(ColdCloud, StillsWithoutProgressEndInTheFinalOneThatWaits) {
+    hello();
+    pass(150);
+    for (std::size_t n = 0; n < 100 && !order(n).complete; ++n) {
+        finishMissing(n, 500);
+        pass(100);
+        ASSERT_EQ(port.orders.size(), n + 2);
+    }
+    EXPECT_TRUE(port.orders.back().order.complete);
+    EXPECT_LT(port.orders.size(), 10U);
+}
+
+TEST_F(ColdCloud, AFailedStillIsNotTriedForEver) {
+    hello();
+    pass(150);
+    session->pictureDone(port.orders[0].number, fail(ErrorCode::Internal, "broken"), now);
+    ASSERT_EQ(port.orders.size(), 2U);
+    session->pictureDone(port.orders[1].number, fail(ErrorCode::Internal, "broken"), now);
+    pass(1000);
+    EXPECT_EQ(port.orders.size(), 2U);
+}
+
+TEST_F(ColdCloud, ANewViewEndsTheStills) {
+    hello();
+    pass(150);
+    view(1, 10);
+    EXPECT_EQ(port.abandoned, 1);
+    ASSERT_EQ(port.orders.size(), 2U);
+    EXPECT_FALSE(order(1).complete);
+    EXPECT_FALSE(order(1).interruptible);
+}
+
+TEST_F(ColdCloud, MovingFramesLookAhead) {
+    hello();
+    pass(100);
+    view(1, 10);
+    now += milliseconds(100);
+    view(2, 12);
+    ASSERT_GE(port.orders.size(), 2U);
+    const auto ahead = order(1).ahead;
+    ASSERT_TRUE(ahead);
+    EXPECT_GT(ahead->eye.x, 14) << "0.3 s on, at 2 in 0.1 s";
+}
+
+TEST_F(SessionTest, WhoStandsStillSeesTheFinerCloudThatTakesThePlaceOfTheCoarse) {
+    world.isLoading = true;
+    hello();
+    pass(150);
+    finish(0);
+    ack(1);
+    ASSERT_TRUE(session->wakeAt()) << "a cloud that is being loaded is looked after";
+    pass(250);
+    EXPECT_EQ(port.orders.size(), 1U) << "it is still the same";
+    const auto finer = tinyCloud(77);
+    world.first = finer;
+    world.isLoading = false;
+    pass(250);
+    pass(150);
+    ASSERT_EQ(port.orders.size(), 2U);
+    EXPECT_EQ(order(1).cloud, finer);
+    EXPECT_TRUE(order(1).complete);
+    finish(1);
+    ack(2);
+    EXPECT_FALSE(session->wakeAt()) << "loaded: nothing more to look for";
+}
+
+}  // namespace
+}  // namespace scancast::test

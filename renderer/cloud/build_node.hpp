@@ -12,6 +12,12 @@
 
 namespace scancast {
 
+/// Gives a vector's room back; assigning {} would keep it.
+template <class T>
+void giveBack(std::vector<T>& values) {
+    std::vector<T>().swap(values);
+}
+
 struct BuildNode {
     std::span<BuildPoint> points;        ///< everything below, while its chunk is in memory
     std::vector<BuildPoint> keptPoints;  ///< a leaf's, until its parent in another chunk has averaged them

@@ -205,7 +205,7 @@ Expected<BuiltOctree> finishTree(BuildNode& root, const OctreeInput& input, Clou
         auto& own = tree.order[i]->content.samples;
         std::copy(own.begin(), own.end(),
                   built.samples.begin() + std::ptrdiff_t(built.nodes[i].node.firstSample));
-        own = {};
+        giveBack(own);
     });
     return built;
 }

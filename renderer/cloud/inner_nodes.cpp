@@ -44,7 +44,7 @@ AverageList averageChildren(BuildNode& node, int rung, const AverageRules& rules
             appendCells(child->averages, rules, runs);
         child->averages = {};
         child->points = {};
-        child->keptPoints = {};
+        giveBack(child->keptPoints);
     }
     return merge(runs, starts, rules);
 }

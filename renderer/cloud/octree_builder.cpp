@@ -161,7 +161,7 @@ class TreeBuilder {
         auto place = file_->append(blocks.samples);
         if (!place) return tl::unexpected(place.error());
         leaf.stored.samples = *place;
-        leaf.content.samples = {};
+        giveBack(leaf.content.samples);
         if (blocks.rows.empty()) return {};
         auto rows = file_->append(blocks.rows);
         if (!rows) return tl::unexpected(rows.error());
@@ -180,8 +180,8 @@ class TreeBuilder {
         if (done) done = room->write(samples.size() * sizeof(Sample), std::as_bytes(std::span(reaches)));
         if (!done) return done;
         node.setAside = std::move(*room);
-        samples = {};
-        reaches = {};
+        giveBack(samples);
+        giveBack(reaches);
         return {};
     }
 

@@ -23,11 +23,9 @@ json toJson(const AttributeInfo& attribute) {
 }
 
 json toJson(const MirrorInfo& mirror) {
-    return {{"center", array(mirror.center)},
-            {"normal", array(mirror.normal)},
-            {"up", array(mirror.up)},
-            {"width", mirror.width},
-            {"height", mirror.height}};
+    return {{"center", array(mirror.center)}, {"normal", array(mirror.normal)},
+            {"up", array(mirror.up)},         {"width", mirror.width},
+            {"height", mirror.height},        {"tint", values::print(mirror.tint)}};
 }
 
 json toJson(const ParameterInfo& parameter) {
@@ -120,6 +118,12 @@ void readCloud(FieldReader& fields, CloudInfo& info) {
         entry.vector("up", mirror.up);
         entry.number("width", mirror.width);
         entry.number("height", mirror.height);
+        std::string tint;
+        if (!entry.text("tint", tint)) return;
+        if (const auto color = values::rgb(tint))
+            mirror.tint = *color;
+        else
+            entry.error("tint", "expected a colour as \"#rrggbb\"");
     });
     fields.integer("bytesResident", info.bytesResident, 0, UINT64_MAX);
     readView(fields, info.view);

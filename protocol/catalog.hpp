@@ -24,6 +24,7 @@ struct AttributeInfo {
 struct MirrorInfo {
     glm::dvec3 center{0}, normal{0, 0, 1}, up{0, 1, 0};  ///< file coordinates; unit vectors
     double width = 0, height = 0;                        ///< cloud units
+    Rgb8 tint{255, 255, 255};                            ///< colour of its glass; in JSON "#rrggbb"
     bool operator==(const MirrorInfo&) const = default;
 };
 

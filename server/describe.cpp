@@ -1,5 +1,7 @@
 #include "server/describe.hpp"
 
+#include "protocol/classification.hpp"
+#include "renderer/cloud/import/crs_text.hpp"
 #include "renderer/image/colormap.hpp"
 #include "renderer/render.hpp"
 
@@ -38,6 +40,15 @@ nlohmann::json pendingJson(const CatalogEntry& entry) {
     return json;
 }
 
+/// Of the classes that occur: {"2": "ground", …}.
+nlohmann::json classNamesJson(const Cloud& cloud) {
+    nlohmann::json names = nlohmann::json::object();
+    if (!cloud.attributes.classification) return names;
+    for (std::size_t c = 0; c < cloud.classCounts.size(); ++c)
+        if (cloud.classCounts[c] > 0) names[std::to_string(c)] = className(std::uint8_t(c));
+    return names;
+}
+
 nlohmann::json columnsJson(const Cloud& cloud) {
     nlohmann::json list = nlohmann::json::array();
     for (const KeptColumn& kept : cloud.columns) {
@@ -71,7 +82,8 @@ CloudInfo describe(const std::string& id, const Cloud& cloud) {
     info.crsWkt = cloud.crsWkt;
     info.crsEpsg = cloud.crsEpsg;
     for (const Mirror& mirror : cloud.mirrors) {
-        info.mirrors.push_back({mirror.center, mirror.normal, mirror.up, mirror.width, mirror.height});
+        info.mirrors.push_back(
+            {mirror.center, mirror.normal, mirror.up, mirror.width, mirror.height, mirror.tint});
     }
     info.bytesResident = cloud.octree.bytesResident();
     info.view = defaultView(cloud);
@@ -100,6 +112,9 @@ nlohmann::json cloudJson(const CatalogEntry& entry) {
     json.update(pendingJson(entry));
     json["title"] = entry.cloud->title;
     json["columns"] = columnsJson(*entry.cloud);
+    json["classNames"] = classNamesJson(*entry.cloud);
+    json["crsName"] = crsName(entry.cloud->crsWkt, entry.cloud->crsEpsg);
+    json["crsUnit"] = crsUnit(entry.cloud->crsWkt, entry.cloud->crsEpsg);
     return json;
 }
 

@@ -8,6 +8,7 @@
 #include <system_error>
 #include <utility>
 
+#include "renderer/cloud/import/mirrors.hpp"
 #include "renderer/cloud/ingest.hpp"
 #include "renderer/residency/open_cloud.hpp"
 #include "server/preview.hpp"
@@ -46,10 +47,11 @@ std::string keptName(const fs::path& file, const LoaderOptions& options) {
     const fs::path whole = fs::weakly_canonical(file, error);
     const std::uint64_t size = fs::file_size(file, error);
     const auto changed = fs::last_write_time(file, error).time_since_epoch().count();
+    const auto mirrorsChanged = fs::last_write_time(mirrorsFileOf(file), error).time_since_epoch().count();
     const Shape shape;
-    const std::string all = fmt::format("{}\n{}\n{}\n{}\n{} {} {} {} {}", whole.string(), size, changed,
-                                        options.version, shape.leafPoints, shape.chunkPoints, shape.surfels,
-                                        shape.neighbours, options.import.keepAttributes);
+    const std::string all = fmt::format("{}\n{}\n{} {}\n{}\n{} {} {} {} {}", whole.string(), size, changed,
+                                        mirrorsChanged, options.version, shape.leafPoints, shape.chunkPoints,
+                                        shape.surfels, shape.neighbours, options.import.keepAttributes);
     return fmt::format("{}-{:016x}.scan", cloudIdFor(file.stem().string()),
                        XXH3_64bits(all.data(), all.size()));
 }
@@ -162,6 +164,9 @@ Loader::Result Loader::build(const fs::path& file, const std::string& id) {
     BuildOptions options;
     options.title = file.filename().string();
     options.threads = options_.threads;
+    auto mirrors = mirrorsBeside(file);
+    if (!mirrors) return tl::unexpected(std::move(mirrors.error()));
+    options.mirrors = std::move(*mirrors);
     auto cloud = buildCloud(**source, options, progressOf(id));
     if (!cloud) return cloud;
     return counted(std::move(*cloud), *options_.cache);
@@ -175,6 +180,9 @@ Loader::Result Loader::ingestTo(const fs::path& output, const fs::path& file, co
     options.title = file.filename().string();
     options.threads = options_.threads;
     options.memoryLimit = std::max(options_.cache->stats().limit / 2, leastIngestMemory);
+    auto mirrors = mirrorsBeside(file);
+    if (!mirrors) return tl::unexpected(std::move(mirrors.error()));
+    options.mirrors = std::move(*mirrors);
     {
         const auto building = options_.cache->reserve(options.memoryLimit);
         std::vector<std::unique_ptr<PointSource>> sources;

@@ -11,6 +11,7 @@
 #include <map>
 #include <nlohmann/json.hpp>
 
+#include "renderer/cloud/import/mirrors.hpp"
 #include "renderer/cloud/import/open_scan.hpp"
 #include "renderer/image/encode.hpp"
 #include "renderer/render.hpp"
@@ -132,6 +133,9 @@ Expected<std::shared_ptr<const Cloud>> load(const RenderArguments& arguments) {
     BuildOptions options;
     options.title = fs::path(arguments.file).filename().string();
     options.threads = arguments.device.threads;
+    auto mirrors = mirrorsBeside(arguments.file);
+    if (!mirrors) return tl::unexpected(mirrors.error());
+    options.mirrors = std::move(*mirrors);
     ProgressBar bar;
     return buildCloud(**source, options, bar.sink());
 }

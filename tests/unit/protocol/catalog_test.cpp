@@ -22,7 +22,7 @@ CloudInfo richCloud() {
     cloud.classes = {2, 6};
     cloud.crsWkt = "PROJCS[\"WGS 84 / UTM zone 33N\"]";
     cloud.crsEpsg = 32633;
-    cloud.mirrors = {{{1, 2, 3}, {0, 1, 0}, {0, 0, 1}, 2.5, 1.5}};
+    cloud.mirrors = {{{1, 2, 3}, {0, 1, 0}, {0, 0, 1}, 2.5, 1.5, {236, 243, 240}}};
     cloud.bytesResident = 123456789;
     cloud.view = test::richView();
     return cloud;

@@ -1,6 +1,6 @@
 #include "server/describe.hpp"
 
-#include <gtest/gtest.h>
+#include <gmock/gmock.h>
 
 #include "tests/support/fake_painter.hpp"
 
@@ -41,6 +41,10 @@ TEST(Describe, ACloudThatIsBeingReadCanBeLookedAtAndSaysHowFarItIs) {
     catalog.setProgress(id, "sorting", 1, 4);
     auto cloud = std::make_shared<Cloud>(*test::tinyCloud(3));
     cloud->columns = {{{"gps_time", ColumnType::Float64, 1, 0, "GPS time"}, {10, 20}}};
+    cloud->attributes.classification = true;
+    cloud->classCounts[2] = 3;
+    cloud->crsEpsg = 25833;
+    cloud->mirrors = {{{1, 2, 3}, {0, 1, 0}, {0, 0, 1}, 2, 1, {236, 243, 240}}};
     catalog.setPreview(id, cloud);
     const auto json = cloudListJson(catalog.list());
     EXPECT_TRUE(json["pending"].empty());
@@ -53,6 +57,9 @@ TEST(Describe, ACloudThatIsBeingReadCanBeLookedAtAndSaysHowFarItIs) {
                                                  {"type", "float64"},
                                                  {"range", {10.0, 20.0}},
                                                  {"description", "GPS time"}}));
+    EXPECT_EQ(one["classNames"], (nlohmann::json{{"2", "ground"}}));
+    EXPECT_THAT(one["crsName"].get<std::string>(), testing::HasSubstr("25833"));
+    EXPECT_EQ(one["mirrors"][0]["tint"], "#ecf3f0");
     EXPECT_TRUE(cloudListFromJson(json));
 }
 

@@ -62,7 +62,7 @@ AnalyticCloud::AnalyticCloud(std::span<const AnalyticPoint> points, double spaci
         const Node& node = nodes_[i];
         const std::span<Sample> run(samples_.data() + node.firstSample, node.sampleCount);
         if (mortonOrder) std::ranges::sort(run, {}, mortonCode);
-        cut_.runs.push_back({nullptr, i, run, ordinal});
+        cut_.runs.push_back({.nodeIndex = i, .samples = run, .firstOrdinal = ordinal});
         ordinal += node.sampleCount;
     }
     // The vector's memory moves with the object, so these stay true.

@@ -1,6 +1,7 @@
 // `scancast ingest` as people run it, and as they interrupt it.
 #include <gmock/gmock.h>
 
+#include <algorithm>
 #include <set>
 
 #include "tests/integration/program_fixture.hpp"
@@ -73,7 +74,7 @@ TEST_F(IngestProgram, AFileThatIsThereIsReplacedOnRequestOnly) {
 
 TEST_F(IngestProgram, InterruptedItLeavesNothing) {
     generate("a.las", "2M");
-    for (const char* stage : {"reading", "building"}) {
+    for (const char* stage : {"reading", "sorting"}) {
         Process process(folder, {"scancast", "ingest", file("a.las"), "-o", file("c.scan")});
         ASSERT_TRUE(reaches(process, stage)) << process.err();
         process.signal(SIGINT);
@@ -89,7 +90,7 @@ TEST_F(IngestProgram, KilledItLeavesNothingThatLooksFinishedAndTheNextRunCleansU
     generate("a.las", "2M");
     {
         Process process(folder, {"scancast", "ingest", file("a.las"), "-o", file("c.scan")});
-        ASSERT_TRUE(reaches(process, "building")) << process.err();
+        ASSERT_TRUE(reaches(process, "sorting")) << process.err();  // more than a second before it ends
         process.signal(SIGKILL);
         process.wait();
     }

@@ -2,11 +2,13 @@
 
 #include <fcntl.h>
 #include <spdlog/fmt/fmt.h>
+#include <sys/mman.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <cerrno>
 #include <cstring>
+#include <new>
 #include <utility>
 
 #include "renderer/cloud/import/unique_fd.hpp"
@@ -83,6 +85,21 @@ class Scratch {
     std::atomic<std::uint64_t> end_{0};
 };
 
+void UnmapPages::operator()(std::byte* pages) const {
+    ::munmap(pages, bytes);
+}
+
+namespace {
+
+Pages mapPages(std::uint64_t bytes) {
+    const std::uint64_t whole = std::max<std::uint64_t>(bytes, 1);
+    void* pages = ::mmap(nullptr, whole, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
+    if (pages == MAP_FAILED) throw std::bad_alloc();
+    return Pages(static_cast<std::byte*>(pages), UnmapPages{whole});
+}
+
+}  // namespace
+
 Workspace::Workspace(std::uint64_t memory, std::filesystem::path folder)
     : left_(static_cast<std::int64_t>(
           std::min<std::uint64_t>(memory, std::numeric_limits<std::int64_t>::max()))),
@@ -106,7 +123,7 @@ Expected<Workspace::Buffer> Workspace::allocate(std::uint64_t bytes) {
     buffer.bytes_ = bytes;
     const auto size = static_cast<std::int64_t>(bytes);
     if (left_.fetch_sub(size) >= size) {
-        buffer.memory_ = std::make_unique_for_overwrite<std::byte[]>(bytes);
+        buffer.memory_ = mapPages(bytes);
         return buffer;
     }
     left_ += size;

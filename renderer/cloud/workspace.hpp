@@ -21,6 +21,13 @@ namespace scancast {
 
 class Scratch;
 
+/// Memory straight from the system, and straight back: what an allocator kept of it would count twice.
+struct UnmapPages {
+    std::uint64_t bytes = 0;
+    void operator()(std::byte* pages) const;
+};
+using Pages = std::unique_ptr<std::byte, UnmapPages>;
+
 class Workspace {
   public:
     static constexpr std::uint64_t unlimited = std::numeric_limits<std::uint64_t>::max();
@@ -53,10 +60,11 @@ class Workspace {
         friend class Workspace;
         Workspace* home_ = nullptr;
         std::uint64_t bytes_ = 0, place_ = 0;
-        std::unique_ptr<std::byte[]> memory_;
+        Pages memory_;
     };
 
-    /// Errors: Io, ResourceLimit for a full disk (on writing) or no folder to write to.
+    /// Errors: Io, ResourceLimit for a full disk (on writing) or no folder to write to. Throws std::bad_alloc
+    /// where the system has no memory left.
     Expected<Buffer> allocate(std::uint64_t bytes);
     /// Most bytes that the temporary file held at once.
     std::uint64_t mostOnDisk() const { return mostOnDisk_; }

@@ -106,13 +106,20 @@ class Sorter {
     }
 
   private:
+    /// Fills order_ with the numbers of what goes to the first chunk, then to the second …; counts instead of
+    /// comparing.
+    void sortByChunk(std::span<const std::uint32_t> chunks) {
+        next_.assign(fillings_.size() + 1, 0);
+        for (const std::uint32_t c : chunks) ++next_[c + 1];
+        std::partial_sum(next_.begin(), next_.end(), next_.begin());
+        order_.resize(chunks.size());
+        for (std::uint32_t i = 0; i < chunks.size(); ++i) order_[next_[chunks[i]]++] = i;
+    }
+
     /// One write for each chunk; places are taken from the chunk's counter.
     Expected<void> writeRuns(const Addressed& from, std::span<const std::byte> rows,
                              Workspace::Buffer Chunk::*points, std::atomic<std::uint64_t> Filling::*next) {
-        order_.resize(from.points.size());
-        std::iota(order_.begin(), order_.end(), 0u);
-        std::stable_sort(order_.begin(), order_.end(),
-                         [&](std::uint32_t a, std::uint32_t b) { return from.chunks[a] < from.chunks[b]; });
+        sortByChunk(from.chunks);
         for (std::size_t first = 0, last = 0; first < order_.size(); first = last) {
             const std::uint32_t chunk = from.chunks[order_[first]];
             run_.clear();
@@ -137,7 +144,7 @@ class Sorter {
     const std::size_t rowBytes_;
     Addressed own_, halo_;
     std::vector<std::byte> rows_, rowRun_;
-    std::vector<std::uint32_t> order_;
+    std::vector<std::uint32_t> order_, next_;
     std::vector<BuildPoint> run_;
 };
 

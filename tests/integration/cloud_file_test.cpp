@@ -43,18 +43,8 @@ TEST_F(CloudFileProgram, IsServedWithinALimitAndItsFinalStillIsTheSnapshot) {
     EXPECT_TRUE(cloud["columns"].is_array());
     RawWebSocket stream(port);
     stream.text(R"({"type":"hello","width":240,"height":160})");
-    FrameHeader header;
     std::string picture;
-    while (!header.final) {
-        const WsMessage message = stream.receiveKind(WsMessage::Kind::Binary);
-        ASSERT_EQ(message.kind, WsMessage::Kind::Binary) << "no final still came";
-        const auto parsed = parseFrame(
-            {reinterpret_cast<const std::uint8_t*>(message.payload.data()), message.payload.size()});
-        ASSERT_TRUE(parsed) << parsed.error().message;
-        header = parsed->header;
-        picture.assign(parsed->picture.begin(), parsed->picture.end());
-        stream.text(R"({"type":"ack","frame":)" + std::to_string(header.frameId) + "}");
-    }
+    ASSERT_NO_FATAL_FAILURE(receiveFinal(stream, 0, picture));
     EXPECT_TRUE(picture == request(port, "/api/v1/clouds/town/snapshot.jpg?width=240&height=160").body);
     const std::string metrics = request(port, "/metrics").body;
     EXPECT_THAT(metrics, HasSubstr("scancast_residency_limit_bytes 67108864"));

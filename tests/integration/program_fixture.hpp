@@ -16,6 +16,7 @@
 #include <thread>
 #include <vector>
 
+#include "protocol/frame_header.hpp"
 #include "tests/integration/raw_client.hpp"
 
 namespace scancast::test {
@@ -77,6 +78,21 @@ class Process {
     fs::path out_, err_;
     pid_t pid_ = -1;
 };
+
+/// Acknowledges frames until the final still of view `seq` (0 = the first view, or any) comes.
+inline void receiveFinal(RawWebSocket& stream, std::uint64_t seq, std::string& picture) {
+    FrameHeader header;
+    while (!(header.final && (seq == 0 || header.seq == seq))) {
+        const WsMessage message = stream.receiveKind(WsMessage::Kind::Binary);
+        ASSERT_EQ(message.kind, WsMessage::Kind::Binary) << "no final still came";
+        const auto parsed = parseFrame(
+            {reinterpret_cast<const std::uint8_t*>(message.payload.data()), message.payload.size()});
+        ASSERT_TRUE(parsed) << parsed.error().message;
+        header = parsed->header;
+        picture.assign(parsed->picture.begin(), parsed->picture.end());
+        stream.text(R"({"type":"ack","frame":)" + std::to_string(header.frameId) + "}");
+    }
+}
 
 class ProgramTest : public ::testing::Test {
   protected:

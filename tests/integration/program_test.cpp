@@ -76,18 +76,8 @@ TEST_F(ProgramTest, TheFinalStillOfAStreamIsTheSnapshot) {
         stream.text(R"({"type":"view","method":"cone","camera":{"target":[0,0,0],"eye":[3,2,)" +
                     std::to_string(seq) + R"(]},"seq":)" + std::to_string(seq) + "}");
     }
-    FrameHeader header;
     std::string picture;
-    while (!(header.final && header.seq == 20)) {
-        const WsMessage message = stream.receiveKind(WsMessage::Kind::Binary);
-        ASSERT_EQ(message.kind, WsMessage::Kind::Binary) << "no final still came";
-        const auto parsed = parseFrame(
-            {reinterpret_cast<const std::uint8_t*>(message.payload.data()), message.payload.size()});
-        ASSERT_TRUE(parsed) << parsed.error().message;
-        header = parsed->header;
-        picture.assign(parsed->picture.begin(), parsed->picture.end());
-        stream.text(R"({"type":"ack","frame":)" + std::to_string(header.frameId) + "}");
-    }
+    ASSERT_NO_FATAL_FAILURE(receiveFinal(stream, 20, picture));
     EXPECT_EQ(picture, request(port,
                                "/api/v1/clouds/ball/snapshot.jpg?width=240&height=160&method=cone"
                                "&eye=3,2,20&target=0,0,0")

@@ -125,6 +125,7 @@ void readCloud(FieldReader& fields, CloudInfo& info) {
         else
             entry.error("tint", "expected a colour as \"#rrggbb\"");
     });
+    fields.flag("surfels", info.surfels);
     fields.integer("bytesResident", info.bytesResident, 0, UINT64_MAX);
     readView(fields, info.view);
 }
@@ -199,6 +200,7 @@ json toJson(const CloudInfo& info) {
         {"bounds", {{"min", array(info.bounds[0])}, {"max", array(info.bounds[1])}}},
         {"origin", array(info.origin)},
         {"spacing", info.spacing},
+        {"surfels", info.surfels},
         {"attributes", listToJson(info.attributes)},
         {"classes", info.classes},
         {"mirrors", listToJson(info.mirrors)},

@@ -37,7 +37,8 @@ struct CloudInfo {
     std::uint64_t droppedPoints = 0;     ///< not in the picture: NaN or infinite coordinates
     std::array<glm::dvec3, 2> bounds{};  ///< min, max in file coordinates
     glm::dvec3 origin{0};
-    double spacing = 0;  ///< typical distance of neighbouring points, cloud units
+    double spacing = 0;    ///< typical distance of neighbouring points, cloud units
+    bool surfels = false;  ///< samples carry radius, ellipse and normal, which some methods need
     std::vector<AttributeInfo> attributes;
     std::vector<std::uint8_t> classes;  ///< classifications that occur
     std::string crsWkt;                 ///< empty = unknown
@@ -64,7 +65,7 @@ struct MethodInfo {
     std::string title;
     std::string summary;
     std::string source;              ///< the paper
-    std::vector<std::string> needs;  ///< attributes that a cloud must have: "normal"; often none
+    std::vector<std::string> needs;  ///< what a cloud must have: "surfels"; often nothing
     double defaultDetail = 1;        ///< τ, px
     Shading defaultShading = Shading::Unlit;
     std::vector<ParameterInfo> parameters;

@@ -68,6 +68,8 @@ struct Style {
     std::optional<std::vector<std::uint8_t>> classes;  ///< draw these classifications only
     std::optional<ClipBox> clip;                       ///< draw inside this box only
     std::optional<Shading> shading;                    ///< nullopt = the method's default
+    bool mirrors = true;                               ///< the cloud's mirrors show what stands before them
+    bool behindMirrors = false;  ///< draw what the scanner recorded behind mirrors, where nothing is
     Background background;
     bool operator==(const Style&) const = default;
 };

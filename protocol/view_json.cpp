@@ -144,6 +144,8 @@ void readStyle(FieldReader& fields, Style& style) {
         style.shading.reset();
     else
         word(fields, "shading", values::shading, [&](Shading value) { style.shading = value; });
+    fields.flag("mirrors", style.mirrors);
+    fields.flag("behindMirrors", style.behindMirrors);
     readBackground(fields, style.background);
 }
 
@@ -241,6 +243,8 @@ json toJson(const View& view) {
         {"clip",
          style.clip ? json{{"min", array(style.clip->min)}, {"max", array(style.clip->max)}} : json()},
         {"shading", style.shading ? json(name(*style.shading)) : json()},
+        {"mirrors", style.mirrors},
+        {"behindMirrors", style.behindMirrors},
         {"background", toJson(style.background)},
         {"detail", orNull(quality.detail)},
         {"budget", orNull(quality.budget)},

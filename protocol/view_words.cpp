@@ -11,7 +11,7 @@
 namespace scancast {
 namespace {
 
-constexpr std::array<ViewWord, 25> words{{
+constexpr std::array<ViewWord, 27> words{{
     {"eye", "--eye", "X,Y,Z", "Where the viewer is, in the file's coordinates.", "12.5,-3,1.7"},
     {"target", "--target", "X,Y,Z", "The point that is looked at, in the middle of the picture.", "0,0,1.5"},
     {"up", "--up", "X,Y,Z", "The direction that is up in the picture.", "0,0,1"},
@@ -41,6 +41,10 @@ constexpr std::array<ViewWord, 25> words{{
      "Draw what lies inside this box only; auto draws everything.", "0,0,0,10,10,5"},
     {"shading", "--shading", "unlit|phong|eyedome|auto",
      "How light falls on points; auto leaves it to the method.", "eyedome"},
+    {"mirrors", "--mirrors", "true|false", "Whether the cloud's mirrors show what stands before them.",
+     "false"},
+    {"behindMirrors", "--behind-mirrors", "true|false",
+     "Whether points are drawn that the scanner saw in a mirror, and recorded behind it.", "true"},
     {"background", "--background", "transparent|#rrggbb|#rrggbb,#rrggbb",
      "Behind the points: nothing (PNG), one colour, or a gradient from top to bottom.", "#ffffff"},
     {"detail", "--detail", "PIXELS|auto",
@@ -116,6 +120,11 @@ Parsed<std::vector<std::uint8_t>> classes(std::string_view text) {
     return result;
 }
 
+Parsed<bool> flag(std::string_view text) {
+    if (text == "true" || text == "false") return text == "true";
+    return tl::unexpected("expected true or false, got " + quoteText(text));
+}
+
 Parsed<ClipBox> clipBox(std::string_view text) {
     return numbers<6>(text).map([](const auto& v) {
         return ClipBox{glm::dvec3(v[0], v[1], v[2]), glm::dvec3(v[3], v[4], v[5])};
@@ -189,6 +198,8 @@ std::optional<Outcome> applyStyleWord(Style& style, std::string_view word, std::
     if (word == "classes") return setOptional(style.classes, text, classes);
     if (word == "clip") return setOptional(style.clip, text, clipBox);
     if (word == "shading") return setOptional(style.shading, text, values::shading);
+    if (word == "mirrors") return set(style.mirrors, flag(text));
+    if (word == "behindMirrors") return set(style.behindMirrors, flag(text));
     if (word == "background") return set(style.background, values::background(text));
     return std::nullopt;
 }

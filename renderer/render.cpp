@@ -3,9 +3,11 @@
 #include <algorithm>
 #include <array>
 #include <chrono>
+#include <glm/matrix.hpp>
 #include <limits>
 
-#include "renderer/method/method.hpp"
+#include "renderer/mirrors.hpp"
+#include "renderer/plan.hpp"
 #include "renderer/residency/provide.hpp"
 #include "renderer/style.hpp"
 
@@ -40,45 +42,6 @@ std::vector<glm::dvec2> jitterSequence(int samples) {
     return jitter;
 }
 
-/// Everything that a view means for one cloud, looked up and checked.
-struct Plan {
-    PassList passes;
-    Viewpoint viewpoint;
-    ColorRule color;
-    SelectOptions selection;
-    int margin = 0;  ///< px around a tile that its screen passes look at
-};
-
-/// Bounds must grow by half of the largest splat, or culling would cut splats off at the picture's edge.
-void growBySplats(const PassList& passes, SelectOptions& selection) {
-    for (const auto& pass : passes) {
-        const auto* nearest = std::get_if<NearestPass>(&pass);
-        if (!nearest) continue;
-        const SplatSize& size = nearest->size;
-        const bool fixed = size.sizePx > 0 || nearest->footprint == Footprint::Pixel;
-        const double px = fixed ? size.sizePx : size.minPx;
-        selection.growPx = std::max(selection.growPx, px / 2 + 1);
-        if (!fixed)
-            selection.growSpacings = std::max(selection.growSpacings, static_cast<double>(size.scale));
-    }
-}
-
-int screenMargin(const PassList& passes) {
-    int margin = 0;
-    for (const auto& pass : passes) {
-        if (const auto* eyeDome = std::get_if<EyeDomePass>(&pass)) {
-            margin = std::max(margin, static_cast<int>(eyeDome->radiusPx) + 2);
-        }
-    }
-    return margin;
-}
-
-/// nullopt = as many as there are.
-std::optional<std::uint64_t> mostSamples(const Cloud& cloud) {
-    if (cloud.octree.nodes().empty() || cloud.octree.store().whole()) return std::nullopt;
-    return cloud.octree.store().capacity();
-}
-
 Expected<void> checkBruteForce(const Cloud& cloud) {
     const auto most = mostSamples(cloud);
     if (!most || cloud.points <= *most) return {};
@@ -86,38 +49,6 @@ Expected<void> checkBruteForce(const Cloud& cloud) {
                                               std::to_string(cloud.points) + ", and " +
                                               std::to_string(*most) +
                                               " fit; raise the limit, or draw without --brute-force");
-}
-
-Expected<Plan> plan(const Cloud& cloud, const View& view) {
-    const Method* method = findMethod(view.style.method);
-    if (!method) {
-        std::string known;
-        for (const auto& m : methods()) known += (known.empty() ? "" : ", ") + m.name;
-        return fail(ErrorCode::InvalidArgument,
-                    "there is no method '" + view.style.method + "'; there are " + known, "method");
-    }
-    const Shading shading = view.style.shading.value_or(method->defaultShading);
-    if (shading == Shading::Phong) {
-        return fail(ErrorCode::Unsupported, "shading=phong is not there yet; there are unlit and eyedome",
-                    "shading");
-    }
-    auto parameters = resolveParameters(*method, view.style.parameters);
-    if (!parameters) return tl::unexpected(parameters.error());
-    auto viewpoint = Viewpoint::create(view, cloud.origin, cloud.bounds);
-    if (!viewpoint) return tl::unexpected(viewpoint.error());
-    auto color = colorRule(cloud, view.style, *viewpoint);
-    if (!color) return tl::unexpected(color.error());
-
-    Plan plan{method->passes(*method, *parameters, shading), *viewpoint, *color, {}, 0};
-    plan.selection.detail = view.quality.detail.value_or(method->defaultDetail);
-    plan.selection.budget = view.quality.budget;
-    // A picture holds on to its samples while it is drawn: no more of them than the memory limit allows.
-    if (const auto most = mostSamples(cloud);
-        most && (!plan.selection.budget || *plan.selection.budget > *most))
-        plan.selection.budget = most;
-    growBySplats(plan.passes, plan.selection);
-    plan.margin = screenMargin(plan.passes);
-    return plan;
 }
 
 /// Copies the part of `tile` (which covers `drawn`) that lies in `wanted` into the whole picture.
@@ -176,14 +107,39 @@ Cut cutFrom(const Cloud& cloud, View view, const Camera& camera, const SelectOpt
     return viewpoint ? select(cloud.octree, *viewpoint, selection) : Cut();
 }
 
+/// What the camera would see if it saw everything.
+Cut cutOfLevels(const Cloud& cloud, const View& view, const Camera& camera, SelectOptions selection) {
+    selection.cull = selection.cullBackFaces = false;
+    return cutFrom(cloud, view, camera, selection);
+}
+
+/// The runs of a reflection, with the levels that the options ask for.
+Cut cutOf(const Cloud& cloud, const View& view, const Plan& plan, const Reflection& reflection,
+          const RenderOptions& options) {
+    SelectOptions selection = selectionOf(reflection, plan.selection);
+    Viewpoint viewpoint = reflection.viewpoint;
+    if (options.levelsOf) {
+        View other = view;
+        other.camera = *options.levelsOf;
+        const auto levels = Viewpoint::create(other, cloud.origin, cloud.bounds);
+        if (!levels) return {};
+        const glm::dmat4 reflect = glm::inverse(plan.viewpoint.cloudToView) * viewpoint.cloudToView;
+        viewpoint = *levels;
+        viewpoint.cloudToView = levels->cloudToView * reflect;
+        selection.cull = selection.cullBackFaces = false;
+    }
+    return select(cloud.octree, viewpoint, selection);
+}
+
 }  // namespace
 
 struct PreparedView {
     Plan plan;
     Cut cut;
     SampleFilter filter;
+    std::vector<Reflection> reflections;
     Background background;
-    std::string method;
+    bool surfels = false, oriented = false;
     int samples = 1;
     double selectMs = 0, provideMs = 0;
 };
@@ -202,6 +158,64 @@ Expected<void> checkView(const Cloud& cloud, const View& view) {
     return {};
 }
 
+namespace {
+
+/// What the style says of mirrors.
+void prepareMirrors(const Cloud& cloud, const Style& style, PreparedView& prepared) {
+    if (cloud.mirrors.empty()) return;
+    Plan& plan = prepared.plan;
+    if (!style.behindMirrors) prepared.filter.dropped = behindMirrors(cloud);
+    if (style.mirrors)
+        prepared.reflections = reflectionsIn(cloud, plan.viewpoint, prepared.filter, plan.margin);
+}
+
+/// Chooses the runs of the picture and of its reflections; returns those that may be wanted soon.
+Cut selectAll(const Cloud& cloud, const View& view, const RenderOptions& options, PreparedView& prepared) {
+    Plan& plan = prepared.plan;
+    std::vector<std::uint64_t> budgets;
+    if (plan.selection.budget && !prepared.reflections.empty()) {
+        const std::uint64_t budget = *plan.selection.budget;
+        budgets = shareBudget(budget, plan.viewpoint, prepared.reflections);
+        std::uint64_t used = 0;
+        for (std::size_t i = 0; i < prepared.reflections.size(); ++i) {
+            plan.selection.budget = budgets[i + 1];
+            prepared.reflections[i].cut = cutOf(cloud, view, plan, prepared.reflections[i], options);
+            used += prepared.reflections[i].cut.samples;
+        }
+        // The coarsest cut of a reflection may exceed its share: then the picture itself gets less.
+        plan.selection.budget = budget - std::min(used, budget - 1);
+    } else {
+        for (Reflection& reflection : prepared.reflections)
+            reflection.cut = cutOf(cloud, view, plan, reflection, options);
+    }
+    prepared.cut = options.levelsOf ? cutOfLevels(cloud, view, *options.levelsOf, plan.selection)
+                                    : select(cloud.octree, plan.viewpoint, plan.selection);
+    const bool looksAhead = options.ahead && !options.wait && mostSamples(cloud);
+    return looksAhead ? cutFrom(cloud, view, *options.ahead, plan.selection) : Cut();
+}
+
+/// The samples of all cuts; what is missing is requested once for all.
+Expected<void> provideAll(const Cloud& cloud, const RenderOptions& options, const Cut& soon,
+                          PreparedView& prepared, const std::stop_token& stop) {
+    std::vector<CutRun> beside;
+    for (const Reflection& reflection : prepared.reflections)
+        beside.insert(beside.end(), reflection.cut.runs.begin(), reflection.cut.runs.end());
+    ProvideOptions provision{
+        .wait = options.wait, .requester = options.requester, .ahead = soon.runs, .beside = beside};
+    auto cut = provide(cloud.octree, std::move(prepared.cut), provision, stop);
+    if (!cut) return tl::unexpected(cut.error());
+    prepared.cut = std::move(*cut);
+    provision.request = false;
+    for (Reflection& reflection : prepared.reflections) {
+        cut = provide(cloud.octree, std::move(reflection.cut), provision, stop);
+        if (!cut) return tl::unexpected(cut.error());
+        reflection.cut = std::move(*cut);
+    }
+    return {};
+}
+
+}  // namespace
+
 Expected<std::shared_ptr<const PreparedView>> prepare(const Cloud& cloud, const View& view,
                                                       const RenderOptions& options, std::stop_token stop) {
     auto planned = plan(cloud, view);
@@ -209,32 +223,44 @@ Expected<std::shared_ptr<const PreparedView>> prepare(const Cloud& cloud, const 
     if (options.bruteForce) {
         if (auto fits = checkBruteForce(cloud); !fits) return tl::unexpected(fits.error());
     }
-    auto prepared = std::make_shared<PreparedView>();
-    auto start = Clock::now();
     planned->selection.bruteForce = options.bruteForce;
-    Cut wanted = select(cloud.octree, planned->viewpoint, planned->selection);
-    Cut soon;
-    if (options.ahead && !options.wait && mostSamples(cloud))
-        soon = cutFrom(cloud, view, *options.ahead, planned->selection);
-    prepared->selectMs = millisecondsSince(start);
-
-    start = Clock::now();
-    auto cut = provide(cloud.octree, std::move(wanted),
-                       {.wait = options.wait, .requester = options.requester, .ahead = soon.runs}, stop);
-    if (!cut) return tl::unexpected(cut.error());
-    prepared->provideMs = millisecondsSince(start);
-    prepared->cut = std::move(*cut);
+    auto prepared = std::make_shared<PreparedView>();
     prepared->plan = std::move(*planned);
     prepared->filter = sampleFilter(cloud, view.style);
     prepared->background = view.style.background;
-    prepared->method = view.style.method;
+    prepared->surfels = cloud.surfels;
+    prepared->oriented = cloud.oriented;
     prepared->samples = view.quality.samples.value_or(defaultSamples);
+
+    auto start = Clock::now();
+    prepareMirrors(cloud, view.style, *prepared);
+    const Cut soon = selectAll(cloud, view, options, *prepared);
+    prepared->selectMs = millisecondsSince(start);
+    start = Clock::now();
+    if (auto provided = provideAll(cloud, options, soon, *prepared, stop); !provided)
+        return tl::unexpected(provided.error());
+    prepared->provideMs = millisecondsSince(start);
     return prepared;
 }
 
 std::uint64_t samplesMissing(const PreparedView& prepared) {
-    return prepared.cut.samplesMissing;
+    std::uint64_t missing = prepared.cut.samplesMissing;
+    for (const Reflection& reflection : prepared.reflections) missing += reflection.cut.samplesMissing;
+    return missing;
 }
+
+namespace {
+
+void addCut(const Cut& cut, FrameStats& stats) {
+    stats.samplesDrawn += cut.samples;
+    stats.nodesVisited += cut.nodesVisited;
+    stats.nodesCulled += cut.nodesCulled;
+    stats.nodesMissing += cut.nodesMissing;
+    stats.samplesMissing += cut.samplesMissing;
+    stats.nodesDamaged += cut.nodesDamaged;
+}
+
+}  // namespace
 
 Expected<Frame> draw(Device& device, const PreparedView& prepared, std::stop_token stop) {
     const Cut& cut = prepared.cut;
@@ -242,11 +268,19 @@ Expected<Frame> draw(Device& device, const PreparedView& prepared, std::stop_tok
     Drawing drawing;
     drawing.viewpoint = &prepared.plan.viewpoint;
     drawing.cut = &cut;
+    drawing.surfels = prepared.surfels;
+    drawing.oriented = prepared.oriented;
     drawing.passes = prepared.plan.passes;
     drawing.color = prepared.plan.color;
     drawing.filter = prepared.filter;
     drawing.background = prepared.background;
     drawing.jitter = jitter;
+    drawing.reflections = prepared.reflections;
+    if (!device.info().mirrors) {
+        // A picture as before there were mirrors; the statistics say so.
+        drawing.reflections = {};
+        drawing.filter.dropped.clear();
+    }
     auto frame = drawTiles(device, drawing, prepared.plan.margin, stop);
     if (!frame) return frame;
 
@@ -254,15 +288,16 @@ Expected<Frame> draw(Device& device, const PreparedView& prepared, std::stop_tok
     const std::array<StageTime, 2> before{StageTime{"select", prepared.selectMs},
                                           StageTime{"provide", prepared.provideMs}};
     stats.stages.insert(stats.stages.begin(), before.begin(), before.end());
-    stats.samplesDrawn = cut.samples;
-    stats.pointsShown = cut.points;
-    stats.nodesVisited = cut.nodesVisited;
-    stats.nodesCulled = cut.nodesCulled;
     stats.spacingReached = cut.spacingReached;
-    stats.nodesMissing = cut.nodesMissing;
-    stats.samplesMissing = cut.samplesMissing;
-    stats.nodesDamaged = cut.nodesDamaged;
-    stats.method = prepared.method;
+    stats.pointsShown = cut.points;
+    stats.samplesDrawn = stats.samplesMissing = 0;
+    stats.nodesVisited = stats.nodesCulled = stats.nodesMissing = stats.nodesDamaged = 0;
+    addCut(cut, stats);
+    for (const Reflection& reflection : drawing.reflections) addCut(reflection.cut, stats);
+    stats.mirrorsDrawn = static_cast<std::uint32_t>(drawing.reflections.size());
+    stats.mirrorsLeftOut = static_cast<std::uint32_t>(prepared.reflections.size()) - stats.mirrorsDrawn;
+    stats.method = prepared.plan.method;
+    stats.methodReason = prepared.plan.reason;
     stats.device = device.info().name;
     return frame;
 }

@@ -23,6 +23,9 @@ struct RenderOptions {
     std::uint64_t requester = 0;  ///< on whose behalf (renderer/residency/provide.hpp)
     /// Where the camera will be soon: its blocks are requested, too. Without wait only.
     std::optional<Camera> ahead{};
+    /// Levels are chosen as this camera sees them, without culling, whatever the view's own camera: two
+    /// pictures of one view that differ in this differ by changes of level alone. For tools and tests.
+    std::optional<Camera> levelsOf{};
 };
 
 /// Where a client starts: the cloud's default camera, coloured by the best attribute that the cloud has.

@@ -73,6 +73,7 @@ CloudInfo describe(const std::string& id, const Cloud& cloud) {
     info.bounds = cloud.bounds;
     info.origin = cloud.origin;
     info.spacing = cloud.spacing;
+    info.surfels = cloud.surfels;
     info.attributes = attributesOf(cloud);
     if (cloud.attributes.classification) {
         for (std::size_t c = 0; c < cloud.classCounts.size(); ++c) {
@@ -96,6 +97,7 @@ MethodInfo describe(const Method& method) {
     info.title = method.title;
     info.summary = method.summary;
     info.source = method.source;
+    if (method.needs == Needs::Surfels) info.needs.push_back("surfels");
     info.defaultDetail = method.defaultDetail;
     info.defaultShading = method.defaultShading;
     for (const Parameter& parameter : method.parameters) {

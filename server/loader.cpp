@@ -48,7 +48,7 @@ std::string keptName(const fs::path& file, const LoaderOptions& options) {
     const std::uint64_t size = fs::file_size(file, error);
     const auto changed = fs::last_write_time(file, error).time_since_epoch().count();
     const auto mirrorsChanged = fs::last_write_time(mirrorsFileOf(file), error).time_since_epoch().count();
-    const Shape shape;
+    const Shape& shape = options.shape;
     const std::string all = fmt::format("{}\n{}\n{} {}\n{}\n{} {} {} {} {}", whole.string(), size, changed,
                                         mirrorsChanged, options.version, shape.leafPoints, shape.chunkPoints,
                                         shape.surfels, shape.neighbours, options.import.keepAttributes);
@@ -162,6 +162,7 @@ Loader::Result Loader::build(const fs::path& file, const std::string& id) {
     if (!source) return tl::unexpected(std::move(source.error()));
     const auto building = options_.cache->reserve(memoryToBuild(**source, file));
     BuildOptions options;
+    options.shape = options_.shape;
     options.title = file.filename().string();
     options.threads = options_.threads;
     auto mirrors = mirrorsBeside(file);
@@ -177,6 +178,7 @@ Loader::Result Loader::ingestTo(const fs::path& output, const fs::path& file, co
     if (!source) return tl::unexpected(std::move(source.error()));
     IngestOptions options;
     options.output = output;
+    options.shape = options_.shape;
     options.title = file.filename().string();
     options.threads = options_.threads;
     options.memoryLimit = std::max(options_.cache->stats().limit / 2, leastIngestMemory);

@@ -31,6 +31,7 @@ struct LoadedCloud {
 struct LoaderOptions {
     int threads = 0;  ///< 0 = all cores
     ImportOptions import;
+    Shape shape{};
     std::shared_ptr<BlockCache> cache;  ///< that cloud files live in; its limit is the memory limit
     /// Keeps scans as cloud files, named by a digest of what they are made of; empty = nothing is kept, and
     /// what does not fit into memory goes through a file in the system's temporary folder.

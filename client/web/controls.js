@@ -42,6 +42,8 @@ export class Controls {
     find('colormap').addEventListener('change', (event) => on.style({ colormap: event.target.value }));
     for (const id of ['range-low', 'range-high']) find(id).addEventListener('change', () => this.#rangeChosen());
     find('shading').addEventListener('change', (event) => on.style({ shading: event.target.value || null }));
+    find('mirrors').addEventListener('change', (event) => on.style({ mirrors: event.target.checked }));
+    find('behind-mirrors').addEventListener('change', (event) => on.style({ behindMirrors: event.target.checked }));
     find('background').addEventListener('change', () => this.#backgroundChosen());
     find('background-color').addEventListener('input', (event) => on.style({ background: event.target.value }));
     find('detail').addEventListener('change', (event) => {
@@ -89,6 +91,8 @@ export class Controls {
     this.#showMethod(view);
     this.#showColor(view);
     find('shading').value = view.shading ?? '';
+    find('mirrors').checked = view.mirrors ?? true;
+    find('behind-mirrors').checked = view.behindMirrors ?? false;
     this.#showBackground(view.background);
     this.#showDetail(view.detail);
   }
@@ -106,6 +110,7 @@ export class Controls {
 
   #showCloud(cloud) {
     this.#cloud = cloud;
+    find('mirror-options').hidden = !(cloud.mirrors?.length > 0);
     const mayLack = ['rgb', 'intensity', 'classification', 'normal'];
     fill(find('color'), [
       ...this.#catalog.colors.map((color) => {
@@ -116,7 +121,7 @@ export class Controls {
     ]);
     for (const option of find('method').options) {
       const method = this.#catalog.methods.find((one) => one.name === option.value);
-      const lacking = (method?.needs ?? []).filter((need) => !this.#has(need));
+      const lacking = (method?.needs ?? []).filter((need) => (need === 'surfels' ? !this.#cloud?.surfels : !this.#has(need)));
       option.disabled = lacking.length > 0;
       option.textContent = (method?.title || option.value) + (lacking.length > 0 ? ` (needs ${lacking.join(', ')})` : '');
     }

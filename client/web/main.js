@@ -13,7 +13,7 @@ import { parseHash } from './view_hash.js';
 import { ViewState } from './view_state.js';
 
 const find = (id) => document.getElementById(id);
-const styleKeys = ['method', 'param', 'color', 'colormap', 'range', 'shading', 'background', 'detail'];
+const styleKeys = ['method', 'param', 'color', 'colormap', 'range', 'shading', 'mirrors', 'behindMirrors', 'background', 'detail'];
 const flightMs = 260;
 const calm = matchMedia('(prefers-reduced-motion: reduce)');
 const narrow = matchMedia('(max-width: 700px)');
@@ -141,7 +141,7 @@ function openCloud(id) {
   camera = usualCamera(cloud);
   const own = usualStyle(cloud);
   // The way of drawing stays; what only the other cloud may have had does not.
-  const keep = ['method', 'param', 'shading', 'background', 'detail', 'colormap'];
+  const keep = ['method', 'param', 'shading', 'mirrors', 'behindMirrors', 'background', 'detail', 'colormap'];
   begin({ ...own, ...Object.fromEntries(keep.map((key) => [key, state.wanted[key]])) });
 }
 

@@ -89,6 +89,9 @@ export function parseHash(hash) {
   else if (name.test(source)) style.color = source;
   const range = readNumbers(pairs.get('range'), 2);
   if (range && range[0] < range[1]) style.range = range;
+  for (const word of ['mirrors', 'behindMirrors']) {
+    if (['true', 'false'].includes(pairs.get(word))) style[word] = pairs.get(word) === 'true';
+  }
   const background = readBackground(pairs.get('background'));
   if (background) style.background = background;
   const detail = readNumber(pairs.get('detail'));

@@ -1,7 +1,7 @@
 // A view in the words of the protocol's one vocabulary: the snapshot's query, and behind the # of a link. Pure.
 //
-// A view here is what the page asks for: { camera, method, param, color, colormap, range, shading, background, detail }
-// in the spelling of the JSON view; null leaves the choice to the server.
+// A view here is what the page asks for: { camera, method, param, color, colormap, range, shading, mirrors,
+// behindMirrors, background, detail } in the spelling of the JSON view; null leaves the choice to the server.
 
 const number = (value) => String(Number(Number(value).toPrecision(12)));
 const numbers = (values) => values.map(number).join(',');
@@ -27,6 +27,9 @@ export function wordsOf(view) {
   if (view.colormap) say('colormap', view.colormap);
   if (view.range) say('range', numbers(view.range));
   if (view.shading) say('shading', view.shading);
+  for (const word of ['mirrors', 'behindMirrors']) {
+    if (typeof view[word] === 'boolean') say(word, String(view[word]));
+  }
   if (view.background) {
     say('background', [view.background].flat().join(',').replaceAll('#', ''));
   }

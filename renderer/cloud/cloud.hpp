@@ -18,7 +18,7 @@
 
 namespace scancast {
 
-/// A plane that mirrors the scene (002_e37b3096399c9e96); carried by the cloud, drawn by a later issue.
+/// A plane that mirrors the scene (002_e37b3096399c9e96); carried by the cloud, drawn by renderer/mirrors.hpp.
 struct Mirror {
     glm::dvec3 center, normal, up;  ///< file coordinates; unit vectors
     double width = 0, height = 0;

@@ -12,6 +12,10 @@ namespace {
 
 /// Spacings around a node that its samples' neighbours are looked for in.
 constexpr double reachOfNeighbours = 4;
+/// A handful of averages apart from everything else - a mast, birds - finds its later neighbours far away,
+/// and too few to be called outliers: no inner sample's radius exceeds so many spacings of its node. Not
+/// fewer, as terrestrial scans get that sparse with distance.
+constexpr double mostSpacings = 6;
 
 struct Box {
     glm::dvec3 low, high;
@@ -65,6 +69,12 @@ Expected<void> addInnerSurfels(const BuildNode& node, std::span<const float> rea
         Surfel& surfel = surfels[i];
         if (const glm::vec3 averaged = decodeNormal(samples[i].normal); averaged != glm::vec3(0))
             surfel.normal = averaged;
+        if (const double most = mostSpacings * content.spacing; surfel.radius > most) {
+            const auto share = static_cast<float>(most / surfel.radius);
+            surfel.radius *= share;
+            surfel.major *= share;
+            surfel.minor *= share;
+        }
         // Whatever was averaged must be covered, however regular the averages themselves are.
         if (surfel.radius < reaches[i]) {
             const float ratio = surfel.major > 0 ? surfel.minor / surfel.major : 1.0f;

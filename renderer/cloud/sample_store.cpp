@@ -9,13 +9,20 @@ namespace {
 class MemoryStore final : public SampleStore {
   public:
     MemoryStore(std::vector<Sample> samples, std::vector<std::uint64_t> first)
-        : samples_(std::move(samples)), first_(std::move(first)) {}
+        : samples_(std::move(samples)), first_(std::move(first)) {
+        firstLimits_.reserve(first_.size());
+        for (std::size_t run = 0; run + 1 < first_.size(); ++run) {
+            firstLimits_.push_back(limits_.size());
+            const std::vector<SampleLimits> limits = limitsOf(samplesOf(run));
+            limits_.insert(limits_.end(), limits.begin(), limits.end());
+        }
+        firstLimits_.push_back(limits_.size());
+    }
 
     // Whoever asks holds the octree, and with it this store: nothing needs to be kept.
     std::optional<SampleRun> find(std::uint32_t node) override { return run(node); }
     Expected<SampleRun> load(std::uint32_t node, std::stop_token) override { return run(node); }
-    std::vector<Expected<SampleRun>> loadAll(std::span<const std::uint32_t> nodes,
-                                             std::stop_token) override {
+    std::vector<Expected<SampleRun>> loadAll(std::span<const std::uint32_t> nodes, std::stop_token) override {
         std::vector<Expected<SampleRun>> runs;
         runs.reserve(nodes.size());
         for (const std::uint32_t node : nodes) runs.emplace_back(run(node));
@@ -25,15 +32,24 @@ class MemoryStore final : public SampleStore {
     bool whole() const override { return true; }
     bool damaged(std::uint32_t) const override { return false; }
     std::uint64_t capacity() const override { return std::numeric_limits<std::uint64_t>::max(); }
-    std::uint64_t bytesResident() const override { return samples_.size() * sizeof(Sample); }
+    std::uint64_t bytesResident() const override {
+        return samples_.size() * sizeof(Sample) + limits_.size() * sizeof(SampleLimits);
+    }
 
   private:
     SampleRun run(std::uint32_t node) const {
-        return {std::span(samples_).subspan(first_[node], first_[node + 1] - first_[node]), nullptr};
+        const std::span limits =
+            std::span(limits_).subspan(firstLimits_[node], firstLimits_[node + 1] - firstLimits_[node]);
+        return {samplesOf(node), limits, nullptr};
+    }
+    std::span<const Sample> samplesOf(std::size_t run) const {
+        return std::span(samples_).subspan(first_[run], first_[run + 1] - first_[run]);
     }
 
     const std::vector<Sample> samples_;
     const std::vector<std::uint64_t> first_;
+    std::vector<SampleLimits> limits_;
+    std::vector<std::size_t> firstLimits_;  ///< by run
 };
 
 }  // namespace

@@ -13,12 +13,14 @@
 
 #include "protocol/error.hpp"
 #include "renderer/cloud/sample.hpp"
+#include "renderer/cloud/sample_limits.hpp"
 
 namespace scancast {
 
 /// The samples of one node, in memory as long as this lives.
 struct SampleRun {
     std::span<const Sample> samples;
+    std::span<const SampleLimits> limits;  ///< of the samples
     std::shared_ptr<const void> keep;
 };
 
@@ -36,8 +38,8 @@ class SampleStore {
     /// Loads it if need be, and waits for that. Errors: Malformed, Truncated, Io for a damaged block;
     /// Cancelled.
     virtual Expected<SampleRun> load(std::uint32_t node, std::stop_token stop = {}) = 0;
-    /// Loads all of these, several at a time, and waits until every one has its answer, in the order asked for:
-    /// its samples or what load() would say. Once `stop` is requested, what is missing is Cancelled.
+    /// Loads all of these, several at a time, and waits until every one has its answer, in the order asked
+    /// for: its samples or what load() would say. Once `stop` is requested, what is missing is Cancelled.
     virtual std::vector<Expected<SampleRun>> loadAll(std::span<const std::uint32_t> nodes,
                                                      std::stop_token stop = {}) = 0;
     /// Loads these in the background, most urgent first; takes the place of all earlier wishes of the same

@@ -76,6 +76,10 @@ std::uint8_t ellipseCode(const Surfel& surfel, glm::vec3 decodedNormal) {
 
 }  // namespace
 
+const std::array<float, 256>& surfelRadii() {
+    return radii;
+}
+
 // Frisvad's frame; 1 + z is taken from x and y where it would cancel.
 TangentFrame tangentFrame(glm::vec3 n) {
     const float flat = n.x * n.x + n.y * n.y;

@@ -5,6 +5,7 @@
 // *decoded* normal.
 #pragma once
 
+#include <array>
 #include <glm/vec3.hpp>
 
 #include "renderer/cloud/sample.hpp"
@@ -17,6 +18,9 @@ inline constexpr std::uint8_t outlierRadius = 255;  ///< an outlier: not drawn b
 /// The k-th neighbour's distance over the neighbours' average distance: how `major` follows from `radius`.
 /// The median of real scans (docs/decisions/005-surfel-in-four-bytes.md).
 inline constexpr float majorPerRadius = 1.36f;
+
+/// World radius by logRadius, in the node's radiusUnit; 0 for noRadius and outlierRadius.
+const std::array<float, 256>& surfelRadii();
 
 /// Right-handed, continuous but for one direction; the same arithmetic in every device.
 struct TangentFrame {

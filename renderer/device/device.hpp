@@ -8,7 +8,10 @@
 #include <array>
 #include <cstdint>
 #include <glm/vec2.hpp>
+#include <glm/vec3.hpp>
+#include <glm/vec4.hpp>
 #include <memory>
+#include <optional>
 #include <span>
 #include <stop_token>
 #include <string>
@@ -33,25 +36,54 @@ struct ColorRule {
     double low = 0, high = 1;
 };
 
+/// A convex piece of space, cloud-relative: inside all planes, dot(xyz, p) + w ≥ 0, unit normals.
+struct Region {
+    static constexpr int mostPlanes = 5;
+    std::array<glm::dvec4, mostPlanes> planes{};
+    int count = 0;
+};
+
 /// Which samples may be drawn at all, beyond selection.
 struct SampleFilter {
     std::optional<std::array<bool, 256>> classes;
     std::optional<ClipBox> clip;  ///< cloud-relative
+    std::vector<Region> dropped;  ///< no sample inside any of these is drawn
 };
 
 struct Window {
     int x = 0, y = 0, width = 0, height = 0;  ///< part of the whole picture, px
 };
 
+/// A mirror in view, and what it shows: the cloud as the eye's mirror image sees it, which is the same pixel
+/// of the same picture. Where the mirror's rectangle lies at most `margin` behind the scene, each pixel gets
+/// the reflected one's colour times the tint (its background included), and the mirror's own depth: it is the
+/// mirror that is there, and that one can pick. Screen passes look through it, as if its image stood behind
+/// an opening. methods.md §10.
+struct Reflection {
+    Viewpoint viewpoint;    ///< the picture's own, after the mirror
+    Cut cut;                ///< seen from there
+    SampleFilter filter;    ///< drops what lies behind the mirror, too
+    glm::dvec3 center{0};   ///< of the rectangle; view space of the picture's own viewpoint, like the next three
+    glm::dvec3 normal{0};   ///< unit; out of the reflecting side
+    glm::dvec3 right{0};    ///< half the width, and its direction
+    glm::dvec3 up{0};       ///< half the height, and its direction
+    Rgb8 tint{255, 255, 255};
+    double margin = 0;      ///< cloud units
+    Window bounds;          ///< no pixel outside is changed; may reach beyond the picture
+};
+
 struct Drawing {
     const Viewpoint* viewpoint = nullptr;
     const Cut* cut = nullptr;
+    bool surfels = false;   ///< samples carry radii, ellipses and normals
+    bool oriented = false;  ///< a normal's sign means something
     std::span<const Pass> passes;
     ColorRule color;
     SampleFilter filter;
     Background background;
     Window window;                       ///< what to draw; the frame has its size
     std::span<const glm::dvec2> jitter;  ///< one sub-pixel shift (px) per anti-aliasing frame; at least one
+    std::span<const Reflection> reflections{};
 };
 
 struct DeviceInfo {
@@ -60,6 +92,7 @@ struct DeviceInfo {
     bool hardware = false;  ///< a real GPU
     std::string identity;   ///< what pictures may depend on, for ETags: "cpu" or the driver
     int eglDevice = -1;     ///< egl, as listed: what --egl-device calls it
+    bool mirrors = false;   ///< draws reflections, and drops regions; Unsupported without
 };
 
 class Device {

@@ -2,6 +2,10 @@
 // 64-bit key per pixel, `sum` adds integer-quantised attributes, `screen` maps buffers to a buffer. All
 // reductions are integers, so pictures do not depend on order: any thread count, any SIMD variant, any
 // partition of the cloud. Plain values; devices know how to run them, methods only list them.
+//
+// A list reads: splat passes (SilhouettePass, NearestPass, SumPass, CellPass, in this order, all but
+// NearestPass optional), one ResolvePass that turns what they left into planes of colour, depth and normal,
+// then screen passes over those planes in any order that makes sense.
 #pragma once
 
 #include <cstdint>
@@ -13,12 +17,14 @@ namespace scancast {
 /// What a splat covers. The pixel that contains its projected centre is always covered, at the centre's
 /// depth.
 enum class Footprint : std::uint8_t {
-    Pixel,   ///< exactly one pixel
-    Square,  ///< p × p px around the projected centre
-    Circle,  ///< fragments with u² + v² ≤ 1
+    Pixel,    ///< exactly one pixel
+    Square,   ///< p × p px around the projected centre
+    Circle,   ///< fragments with u² + v² ≤ 1
+    Disc,     ///< the surfel's disc of radius r · scale in its tangent plane, exact in perspective
+    Ellipse,  ///< the surfel's ellipse through a low-pass of the screen; methods.md §5
 };
 
-/// Weight w(u,v) over the footprint, (u,v) ∈ [-1,1]²; methods.md §3.
+/// Weight w(u,v) over the footprint, (u,v) ∈ [-1,1]²; methods.md §3. Pixel, Square and Circle only.
 enum class Profile : std::uint8_t {
     Flat,        ///< 1
     Paraboloid,  ///< 1 - (u² + v²)
@@ -27,7 +33,8 @@ enum class Profile : std::uint8_t {
 };
 
 /// p = sizePx where that is > 0, else clamp(2·r·scale·q(d), minPx, maxPx); r = the sample's radius or,
-/// without surfels, its node's spacing.
+/// without surfels, its node's spacing. Disc and Ellipse: `scale`, no diameter above maxPx, and in
+/// perspective no radius above half the distance to the eye's plane (a sum's reach: 0.9 of it).
 struct SplatSize {
     float sizePx = 0;
     float scale = 1;
@@ -35,20 +42,76 @@ struct SplatSize {
     float maxPx = 50;
 };
 
-/// nearest: order = d + gain·(1-w)·R with R = (p/2)/q(d), the world radius of the clamped size. Key =
-/// bits(order) << 32 | payload; the payload is 8 bits of the fragment's distance to the splat's centre above
-/// RGB8 (b << 16 | g << 8 | r). With dx, dy px from the projected centre to the pixel's: the 8 bits are
-/// trunc(127.5 · (dx² + dy²) / max(p/2, 1/2)²), which is monotone in the distance. A square covers -p/2 < dx,
-/// dy ≤ p/2.
-struct NearestPass {
+/// Which side of a surfel must face the eye for it to be drawn. Says nothing where normals are not oriented:
+/// there both sides are the front.
+enum class Facing : std::uint8_t { Any, Front, Back };
+
+struct Splat {
     Footprint footprint = Footprint::Circle;
     Profile profile = Profile::Paraboloid;
-    SplatSize size;
-    float gain = 2;
+    SplatSize size{};
+    float gain = 2;               ///< profiles but Flat: how far the border lies behind the centre, in R
+    float lowPassPx = 0.5f;       ///< Ellipse: σ of the screen's low-pass
+    Facing facing = Facing::Any;  ///< Disc, Ellipse
 };
 
-/// screen: nearest keys → colour and depth; the background where no key is.
-struct ResolvePass {};
+/// Whether a splat lies in its surfel's plane instead of facing the screen.
+inline bool ofSurfels(const Splat& splat) {
+    return splat.footprint == Footprint::Disc || splat.footprint == Footprint::Ellipse;
+}
+
+/// The 32 bits under a key's order.
+enum class Payload : std::uint8_t {
+    Color,   ///< 8 bits of the fragment's distance to the splat's centre above RGB8 (b << 16 | g << 8 | r)
+    Sample,  ///< the sample's ordinal in the cut: what the ResolvePass needs for normals
+};
+
+/// nearest: order = d + gain·(1-w)·R with R = (p/2)/q(d), the world radius of the clamped size; Disc: depth
+/// of its plane; Ellipse: the plane's, clamped to d_c ± dz (methods.md §5). Key = bits(order) << 32 |
+/// payload. With dx, dy px from the projected centre to the pixel's, the 8 bits of distance are trunc(127.5 ·
+/// (dx² + dy²) / max(p/2, 1/2)²), which is monotone in the distance. A square covers -p/2 < dx, dy ≤ p/2.
+struct NearestPass : Splat {
+    Payload payload = Payload::Color;
+};
+
+/// nearest over back-facing discs: fragments of later splat passes that lie behind are dropped. Nothing where
+/// normals are not oriented.
+struct SilhouettePass : Splat {};
+
+/// sum: Σw·rgb, Σw and, if wanted, Σw·n over the fragments that lie at most a tolerance behind NearestPass'
+/// depth d_vis. By footprint:
+///   Circle   w = (1-(u²+v²))^1.5                        d ≤ d_vis + 2R          methods.md §4
+///   Ellipse  w = sqrt(|JΣJᵀ|/|V|)·exp(-½ xᵀV⁻¹x)        d ≤ d_vis + 2a + 2dz    §5
+///   Disc     w = 1-3t²+2t³, t = distance / (reach·r)    |d - d_vis| ≤ r/2       §7; covers reach·r
+/// (with a CellPass: ≤ its tolerance · r).
+/// Weights are integers 1 … 4095 inside the footprint.
+struct SumPass : Splat {
+    bool normals = false;
+    float reach = 2;
+};
+
+/// nearest, Disc only: order = world distance to the disc's centre, payload Sample, over the fragments with
+/// |d - d_vis| ≤ tolerance · r; at most r, also in the centre's own pixel. What wins is the surface Voronoi
+/// cell; methods.md §7.
+struct CellPass : Splat {
+    float tolerance = 0.5f;
+};
+
+/// screen: what the splat passes left → colour, depth and, if wanted, normal; the background where no key is.
+/// Depth is NearestPass' order. Colour and normal are those of the cell where there is a CellPass, else of
+/// the nearest; with `sums` the means of SumPass instead, wherever Σw > 0.
+struct ResolvePass {
+    bool sums = false;
+    bool normals = false;
+};
+
+/// screen: two-sided Blinn-Phong by the plane of normals; methods.md §9. Pixels without a normal stay.
+struct PhongPass {
+    float ambient = 0.25f;
+    float headlight = 0.55f;
+    float directional = 0.35f;  ///< from the upper left, behind the viewer
+    float specular = 0.15f;     ///< of the directional light
+};
 
 /// screen: eye-dome lighting from depth alone; methods.md §9.
 struct EyeDomePass {
@@ -56,7 +119,28 @@ struct EyeDomePass {
     float radiusPx = 1.4f;
 };
 
-using Pass = std::variant<NearestPass, ResolvePass, EyeDomePass>;
+/// screen, methods.md §8 step 3: labels pixels that other points occlude. s_eff = max(spacing, 2·detail/q).
+struct HiddenPointsPass {
+    float scale = 10;        ///< hprScale: size of the neighbourhood, in s_eff
+    float spacing = 0;       ///< s0, cloud units
+    float detail = 1;        ///< τ, px
+    float minGap = 0;        ///< cloud units: what is less in front does not occlude
+    float threshold = 0.1f;  ///< mean occlusion below which a point is hidden
+};
+
+/// screen, methods.md §8 step 4: colour and depth of hidden and background pixels from their visible
+/// neighbours; background that HiddenPointsPass labelled visible stays.
+struct PullPushPass {};
+
+/// screen, methods.md §8 step 5: normals of the filled depth.
+struct DepthNormalsPass {
+    float scale = 2;  ///< normalScale, in s_eff
+    float spacing = 0;
+    float detail = 1;
+};
+
+using Pass = std::variant<NearestPass, ResolvePass, EyeDomePass, SilhouettePass, SumPass, CellPass, PhongPass,
+                          HiddenPointsPass, PullPushPass, DepthNormalsPass>;
 using PassList = std::vector<Pass>;
 
 }  // namespace scancast

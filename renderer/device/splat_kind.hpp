@@ -16,6 +16,8 @@ enum class SplatShape : std::uint8_t {
     ConeSquare,
     ConeCircle,
     SphereCircle,
+    Disc,     ///< surfels
+    Ellipse,
 };
 
 /// Where a splat's colour comes from. PerRun: one colour for every sample of a run (lod, flat).

@@ -3,6 +3,8 @@
 namespace scancast {
 
 SplatShape splatShape(Footprint footprint, Profile profile) {
+    if (footprint == Footprint::Disc) return SplatShape::Disc;
+    if (footprint == Footprint::Ellipse) return SplatShape::Ellipse;
     const bool square = footprint != Footprint::Circle;
     switch (profile) {
         case Profile::Flat:

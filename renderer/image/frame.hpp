@@ -21,7 +21,10 @@ struct FrameStats {
     std::uint32_t nodesMissing = 0;     ///< drawn by ancestors, because their blocks were not in memory
     std::uint64_t samplesMissing = 0;   ///< in those
     std::uint32_t nodesDamaged = 0;     ///< drawn by ancestors, because their blocks cannot be read
+    std::uint32_t mirrorsDrawn = 0;     ///< that the picture looks into
+    std::uint32_t mirrorsLeftOut = 0;   ///< in view, too, but this device draws none: their glass is empty
     std::string method, device;
+    std::string methodReason;           ///< why this method, where the request said auto
     /// Adds to the stage of that name, or appends it.
     void add(std::string_view stage, double milliseconds);
 };

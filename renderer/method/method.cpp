@@ -2,12 +2,26 @@
 
 #include <algorithm>
 
+#include "renderer/method/automatic.hpp"
+#include "renderer/method/hqs.hpp"
+#include "renderer/method/pyramid.hpp"
 #include "renderer/method/sprites.hpp"
+#include "renderer/method/surfels.hpp"
+#include "renderer/method/voronoi.hpp"
 
 namespace scancast {
 
 std::span<const Method> methods() {
-    static const std::vector<Method> all = spriteMethods();
+    static const std::vector<Method> all = [] {
+        std::vector<Method> list = spriteMethods();
+        list.push_back(hqsMethod());
+        list.push_back(discMethod());
+        list.push_back(ewaMethod());
+        list.push_back(voronoiMethod());
+        list.push_back(pyramidMethod());
+        list.push_back(automaticMethod());
+        return list;
+    }();
     return all;
 }
 
@@ -15,6 +29,11 @@ const Method* findMethod(std::string_view name) {
     const auto all = methods();
     const auto found = std::ranges::find(all, name, &Method::name);
     return found == all.end() ? nullptr : &*found;
+}
+
+void addShading(Shading shading, PassList& list) {
+    if (shading == Shading::Phong) list.push_back(PhongPass{});
+    if (shading == Shading::EyeDome) list.push_back(EyeDomePass{});
 }
 
 }  // namespace scancast

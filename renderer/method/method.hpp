@@ -24,6 +24,32 @@ struct Parameter {
     std::string meaning;               ///< one sentence for people
 };
 
+/// What a method asks of the samples; a request for a cloud that cannot give it is refused with the way to
+/// get it.
+enum class Needs : std::uint8_t {
+    Points,   ///< nothing
+    Surfels,  ///< radius, ellipse and normal of every sample
+};
+
+/// What a cloud is, as far as methods' passes depend on it.
+struct CloudTraits {
+    bool surfels = false;   ///< samples carry radius, ellipse and normal
+    bool oriented = false;  ///< the normals' sign means something
+    bool normals = false;   ///< samples carry normals: surfels, or the scan's own
+    bool colors = false;    ///< the scan's own RGB
+    double spacing = 0;     ///< s0, cloud units
+};
+
+struct Method;
+
+struct PassRequest {
+    const Method& method;
+    const ParameterValues& values;  ///< complete and checked (resolveParameters)
+    Shading shading = Shading::Unlit;
+    CloudTraits cloud{};
+    double detail = 1;  ///< τ that the picture is selected with, px
+};
+
 struct Method {
     std::string name;
     std::string title;
@@ -32,8 +58,11 @@ struct Method {
     std::vector<Parameter> parameters;
     double defaultDetail = 1;  ///< τ, px
     Shading defaultShading = Shading::Unlit;
-    /// `values` are complete and checked (resolveParameters). Ends with the shading's screen passes.
-    PassList (*passes)(const Method& self, const ParameterValues& values, Shading shading) = nullptr;
+    Needs needs = Needs::Points;
+    /// Lights clouds without normals, too: it makes them itself.
+    bool makesNormals = false;
+    /// Ends with the shading's screen passes.
+    PassList (*passes)(const PassRequest& request) = nullptr;
 };
 
 /// Every method, in the order in which people should see them.
@@ -43,5 +72,8 @@ const Method* findMethod(std::string_view name);
 /// Fills in defaults and checks names, types and ranges. Errors: InvalidArgument with field "param.NAME",
 /// naming the legal range or the nearest known name.
 Expected<ParameterValues> resolveParameters(const Method& method, const ParameterValues& given);
+
+/// The screen passes of a shading, at the end of a list.
+void addShading(Shading shading, PassList& list);
 
 }  // namespace scancast

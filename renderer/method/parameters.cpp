@@ -3,7 +3,7 @@
 #include <cstdio>
 
 #include "protocol/nearest_name.hpp"
-#include "renderer/method/method.hpp"
+#include "renderer/method/parameters.hpp"
 
 namespace scancast {
 namespace {
@@ -66,6 +66,35 @@ std::string whatIsWrong(const Parameter& p, const ParameterValue& value) {
 }
 
 }  // namespace
+
+Parameter numberParameter(std::string name, double value, double min, double max, std::string unit,
+                          std::string meaning) {
+    Parameter p;
+    p.name = std::move(name);
+    p.defaultValue = value;
+    p.min = min;
+    p.max = max;
+    p.unit = std::move(unit);
+    p.meaning = std::move(meaning);
+    return p;
+}
+
+Parameter booleanParameter(std::string name, bool value, std::string meaning) {
+    Parameter p;
+    p.name = std::move(name);
+    p.type = Parameter::Type::Boolean;
+    p.defaultValue = value;
+    p.meaning = std::move(meaning);
+    return p;
+}
+
+double numberOf(const ParameterValues& values, const char* name) {
+    return std::get<double>(values.at(name));
+}
+
+bool booleanOf(const ParameterValues& values, const char* name) {
+    return std::get<bool>(values.at(name));
+}
 
 Expected<ParameterValues> resolveParameters(const Method& method, const ParameterValues& given) {
     for (const auto& [name, value] : given) {

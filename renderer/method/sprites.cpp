@@ -3,35 +3,32 @@
 #include <algorithm>
 #include <utility>
 
+#include "renderer/method/parameters.hpp"
+
 namespace scancast {
 namespace {
 
 constexpr auto paper = "High-Quality Point-Based Rendering Using Fast Single-Pass Interpolation, 2015";
 
-Parameter number(std::string name, double value, double min, double max, std::string unit,
-                 std::string meaning) {
-    Parameter p;
-    p.name = std::move(name);
-    p.defaultValue = value;
-    p.min = min;
-    p.max = max;
-    p.unit = std::move(unit);
-    p.meaning = std::move(meaning);
-    return p;
-}
+}  // namespace
 
 std::vector<Parameter> sizeParameters() {
     return {
-        number("sizePx", 0, 0, 256, "px",
-               "Fixed size of every point on screen; 0 takes the size from the world."),
-        number("scale", 1, 0.01, 100, "", "Factor on the world radius of every point, where sizePx is 0."),
-        number("minPx", 1, 0, 256, "px", "Points never become smaller than this, where sizePx is 0."),
-        number("maxPx", 50, 1, 256, "px", "Points never become larger than this, where sizePx is 0."),
+        numberParameter("sizePx", 0, 0, 256, "px",
+                        "Fixed size of every point on screen; 0 takes the size from the world."),
+        numberParameter("scale", 1, 0.01, 100, "",
+                        "Factor on the world radius of every point, where sizePx is 0."),
+        numberParameter("minPx", 1, 0, 256, "px",
+                        "Points never become smaller than this, where sizePx is 0."),
+        numberParameter("maxPx", 50, 1, 256, "px",
+                        "Points never become larger than this, where sizePx is 0."),
     };
 }
 
+namespace {
+
 Parameter gainParameter() {
-    return number(
+    return numberParameter(
         "gain", 2, 0, 16, "",
         "How far the border lies behind the centre, in world radii; more separates neighbours on steep "
         "surfaces, 0 gives a flat point.");
@@ -47,9 +44,7 @@ Parameter footprintParameter() {
     return p;
 }
 
-double numberOf(const ParameterValues& values, const char* name) {
-    return std::get<double>(values.at(name));
-}
+}  // namespace
 
 SplatSize sizeOf(const ParameterValues& values) {
     SplatSize size;
@@ -60,15 +55,23 @@ SplatSize sizeOf(const ParameterValues& values) {
     return size;
 }
 
+namespace {
+
 /// Every sprite is one `nearest`, its resolve, and what the shading adds.
-PassList spritePasses(const NearestPass& nearest, Shading shading) {
-    PassList list{nearest, ResolvePass{}};
-    if (shading == Shading::EyeDome) list.push_back(EyeDomePass{});
+PassList spritePasses(NearestPass nearest, Shading shading) {
+    ResolvePass resolve;
+    if (shading == Shading::Phong) {
+        nearest.payload = Payload::Sample;
+        resolve.normals = true;
+    }
+    PassList list{nearest, resolve};
+    addShading(shading, list);
     return list;
 }
 
 template <Footprint footprint, Profile profile>
-PassList passesOf(const Method&, const ParameterValues& values, Shading shading) {
+PassList passesOf(const PassRequest& request) {
+    const ParameterValues& values = request.values;
     NearestPass pass;
     pass.footprint = footprint;
     pass.profile = profile;
@@ -82,7 +85,7 @@ PassList passesOf(const Method&, const ParameterValues& values, Shading shading)
     if (const auto choice = values.find("footprint"); choice != values.end()) {
         if (std::get<std::string>(choice->second) == "square") pass.footprint = Footprint::Square;
     }
-    return spritePasses(pass, shading);
+    return spritePasses(pass, request.shading);
 }
 
 template <Footprint footprint, Profile profile>

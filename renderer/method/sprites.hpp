@@ -30,6 +30,10 @@
 
 namespace scancast {
 
+/// sizePx, scale, minPx and maxPx, for all screen-aligned splats, and what they say.
+std::vector<Parameter> sizeParameters();
+SplatSize sizeOf(const ParameterValues& values);
+
 /// The six sprites, best first.
 std::vector<Method> spriteMethods();
 

@@ -32,7 +32,8 @@ Error cancelled() {
 
 SampleRun runOf(std::shared_ptr<const Block> block) {
     const std::span<const Sample> samples = block->samples;
-    return {samples, std::move(block)};
+    const std::span<const SampleLimits> limits = block->limits;
+    return {samples, limits, std::move(block)};
 }
 
 class Cache final : public BlockCache, public std::enable_shared_from_this<Cache> {
@@ -291,6 +292,7 @@ void Cache::load(std::shared_ptr<Cloud> cloud, std::uint32_t node, std::shared_p
     }
     Expected<std::shared_ptr<const Block>> result = tl::unexpected(samples ? Error{} : samples.error());
     if (samples) {
+        room->limits = limitsOf(*samples);
         room->samples = std::move(*samples);
         result = std::shared_ptr<const Block>(std::move(room));
     } else {

@@ -32,6 +32,7 @@ class Block {
 
     std::uint64_t bytes() const { return bytes_; }
     std::vector<Sample> samples;
+    std::vector<SampleLimits> limits;
 
   private:
     MemoryMeter meter_;
@@ -90,7 +91,8 @@ class BlockTable {
     void failLoad(Cloud& cloud, std::uint32_t node, Error error, Time now);
 
     static std::uint64_t bytesOf(const Cloud& cloud, std::uint32_t node) {
-        return cloud.file->nodes()[node].node.sampleCount * std::uint64_t(sizeof(Sample)) + blockOverhead;
+        const std::uint64_t samples = cloud.file->nodes()[node].node.sampleCount;
+        return samples * sizeof(Sample) + limitsBytes(samples) + blockOverhead;
     }
 
     std::uint64_t limit() const { return limit_; }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <unordered_map>
+#include <unordered_set>
 #include <utility>
 
 namespace scancast {
@@ -69,7 +70,7 @@ class Provision {
         }
         bool complete = true;
         for (const CutRun& run : cut_.runs) complete = runs_.has(run.nodeIndex) && complete;
-        if (!options_.wait) request();
+        if (!options_.wait && options_.request) request();
         if (!complete) replaceMissing();
         fill();
         return std::move(cut_);
@@ -111,6 +112,7 @@ class Provision {
         if (octree_.store().whole()) return;
         std::unordered_map<std::uint32_t, double> urgencies;
         for (const CutRun& run : cut_.runs) wishFor(run, 0, urgencies);
+        for (const CutRun& run : options_.beside) wishFor(run, 0, urgencies);
         for (const CutRun& run : options_.ahead) wishFor(run, aheadUrgency, urgencies);
         std::vector<Wish> wishes;
         wishes.reserve(urgencies.size());
@@ -127,6 +129,7 @@ class Provision {
         for (const CutRun& run : cut_.runs) {
             if (runs_.has(run.nodeIndex)) continue;
             count(run);
+            if (run.share < 1) continue;  // a whole run shows what it is to show
             std::uint32_t up = parent(run.nodeIndex);
             while (up != noNode && !runs_.has(up)) up = parent(up);
             if (up == noNode) continue;
@@ -146,6 +149,7 @@ class Provision {
             run.projected = standIns.at(top);
             run.nodeIndex = top;
             run.node = &octree_.node(top);
+            run.share = 1;
             drawn.push_back(run);
         }
         std::sort(drawn.begin(), drawn.end(),
@@ -154,7 +158,18 @@ class Provision {
                                 [](const CutRun& a, const CutRun& b) { return a.nodeIndex == b.nodeIndex; }),
                     drawn.end());
         cut_.runs = std::move(drawn);
+        findCovered();
         number(cut_);
+    }
+
+    void findCovered() {
+        std::unordered_set<std::uint32_t> drawn;
+        for (const CutRun& run : cut_.runs) drawn.insert(run.nodeIndex);
+        for (CutRun& run : cut_.runs) {
+            run.covered = false;
+            for (std::uint32_t up = parent(run.nodeIndex); up != noNode; up = parent(up))
+                run.covered = run.covered || drawn.contains(up);
+        }
     }
 
     void count(const CutRun& run) {
@@ -171,6 +186,7 @@ class Provision {
         for (CutRun& run : cut_.runs) {
             const SampleRun& samples = runs_.run(run.nodeIndex);
             run.samples = samples.samples;
+            run.limits = samples.limits;
             if (samples.keep) cut_.keep.push_back(samples.keep);
         }
     }

@@ -21,12 +21,16 @@ struct ProvideOptions {
     /// Runs that the next pictures may want, requested behind everything that is missing now. Without wait
     /// only.
     std::span<const CutRun> ahead{};
+    /// Runs of the same picture's other cuts, as urgent as this one's. Without wait only.
+    std::span<const CutRun> beside{};
+    /// Whether to request anything: of a picture's cuts, one speaks for all. Without wait only.
+    bool request = true;
 };
 
-/// Every leaf below a wanted node is covered by it or by exactly one ancestor: nodes without samples are
-/// replaced by the nearest ancestor that has some, which also takes the place of everything else below it. A
-/// node none of whose ancestors has any is left out. The cut keeps its samples in memory as long as it lives.
-/// Errors: Cancelled.
+/// Every leaf below a wanted node is covered by one whole run, as in any cut: whole runs without samples are
+/// replaced by the nearest ancestor that has some, whole, which also takes the place of everything else below
+/// it; parts of runs, which another covers, are left out. So is a node none of whose ancestors has samples.
+/// The cut keeps its samples in memory as long as it lives. Errors: Cancelled.
 Expected<Cut> provide(const Octree& octree, Cut wanted, const ProvideOptions& options = {},
                       std::stop_token stop = {});
 

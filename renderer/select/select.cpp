@@ -9,28 +9,29 @@
 #include <numbers>
 #include <queue>
 
+#include "renderer/select/fade.hpp"
+
 namespace scancast {
 
 namespace {
 
-/// The view volume with its sides moved out by some pixels. Planes are cloud-relative with unit normals;
-/// inside is dot(n, p) + w ≥ 0.
+/// The view volume with its sides moved out by some pixels, and what else bounds what is drawn. Planes are
+/// cloud-relative with unit normals; inside is dot(n, p) + w ≥ 0.
 class GrownFrustum {
   public:
-    GrownFrustum(const Viewpoint& v, double growPx) : toView_(v.cloudToView) {
-        const glm::dvec2 half(v.width * 0.5 + growPx, v.height * 0.5 + growPx);
-        for (int a = 0; a < 2; ++a)
-            for (const double side : {1.0, -1.0}) {
-                glm::dvec4 plane(0);
-                plane[a] = side;
-                if (v.projection == Projection::Perspective)
-                    plane.z = -half[a] / v.pixelsPerUnit;  // depth is -z
-                else
-                    plane.w = half[a] / v.pixelsPerUnit;
-                add(plane);
-            }
+    GrownFrustum(const Viewpoint& v, const SelectOptions& options, double growPx) : toView_(v.cloudToView) {
+        const auto part =
+            options.part.value_or(std::array<double, 4>{0, 0, double(v.width), double(v.height)});
+        const double x = v.width * 0.5, y = v.height * 0.5;
+        // px from the view axis: right of the left side, left of the right one; the picture's y grows
+        // downwards.
+        addSide(v, 0, 1, x - part[0] + growPx);
+        addSide(v, 0, -1, part[2] - x + growPx);
+        addSide(v, 1, 1, part[3] - y + growPx);
+        addSide(v, 1, -1, y - part[1] + growPx);
         add({0, 0, -1, -v.near});
         if (std::isfinite(v.far)) add({0, 0, 1, v.far});
+        planes_.insert(planes_.end(), options.inFrontOf.begin(), options.inFrontOf.end());
     }
 
     /// Whether nothing in the node's bounds, grown by a length, is inside.
@@ -38,27 +39,37 @@ class GrownFrustum {
         // Devices compute depths in single precision: what they find on a plane must not be culled here.
         const glm::dvec4 center = toView_ * glm::dvec4(n.center, 1);
         grow += 1e-6 * (std::abs(center.x) + std::abs(center.y) + std::abs(center.z) + n.radius);
-        for (int i = 0; i < count_; ++i) {
-            const glm::dvec3 normal(planes_[i]);
-            if (glm::dot(normal, n.center) + planes_[i].w + n.radius + grow < 0) return true;
-            const glm::dvec3 corner(normal.x > 0 ? n.boxMax.x : n.boxMin.x,
-                                    normal.y > 0 ? n.boxMax.y : n.boxMin.y,
-                                    normal.z > 0 ? n.boxMax.z : n.boxMin.z);
-            if (glm::dot(normal, corner) + planes_[i].w + grow < 0) return true;
-        }
-        return false;
+        return std::ranges::any_of(planes_,
+                                   [&](const glm::dvec4& plane) { return liesBehind(plane, n, grow); });
     }
 
   private:
+    static bool liesBehind(const glm::dvec4& plane, const Node& n, double grow) {
+        const glm::dvec3 normal(plane);
+        if (glm::dot(normal, n.center) + plane.w + n.radius + grow < 0) return true;
+        const glm::dvec3 corner(normal.x > 0 ? n.boxMax.x : n.boxMin.x,
+                                normal.y > 0 ? n.boxMax.y : n.boxMin.y,
+                                normal.z > 0 ? n.boxMax.z : n.boxMin.z);
+        return glm::dot(normal, corner) + plane.w + grow < 0;
+    }
+    /// A side of the picture, `px` from the view axis.
+    void addSide(const Viewpoint& v, int axis, double inwards, double px) {
+        glm::dvec4 plane(0);
+        plane[axis] = inwards;
+        if (v.projection == Projection::Perspective)
+            plane.z = -px / v.pixelsPerUnit;  // depth is -z
+        else
+            plane.w = px / v.pixelsPerUnit;
+        add(plane);
+    }
     void add(const glm::dvec4& viewPlane) {
         const glm::dvec4 plane =
             viewPlane * toView_;  // a row vector: planes transform by the transposed inverse
-        planes_[count_++] = plane / glm::length(glm::dvec3(plane));
+        planes_.push_back(plane / glm::length(glm::dvec3(plane)));
     }
 
     glm::dmat4 toView_;
-    std::array<glm::dvec4, 6> planes_{};
-    int count_ = 0;
+    std::vector<glm::dvec4> planes_;
 };
 
 // Half a pixel of anti-aliasing jitter, and half for the pixel that holds the splat's centre.
@@ -91,16 +102,18 @@ class Selection {
           viewpoint_(viewpoint),
           options_(options),
           eye_(viewpoint.eye()),
-          frustum_(viewpoint, options.growPx + alwaysGrowPx) {}
+          frustum_(viewpoint, options, options.growPx + alwaysGrowPx) {}
 
     Cut run() {
         if (octree_.nodes().empty()) return std::move(cut_);
         if (options_.bruteForce)
             drawLeaves();
+        else if (options_.budget && options_.fade > 0)
+            fadeWithinBudget(*options_.budget);
         else if (options_.budget)
             refineWithinBudget(*options_.budget);
         else
-            refineAll();
+            refineAll(options_.detail);
         number(cut_);
         return std::move(cut_);
     }
@@ -128,13 +141,13 @@ class Selection {
         return false;
     }
 
-    void draw(std::uint32_t index) {
+    CutRun& draw(std::uint32_t index) {
         const Node& n = octree_.node(index);
-        CutRun run;
+        CutRun& run = cut_.runs.emplace_back();
         run.node = &n;
         run.nodeIndex = index;
         run.projected = projected(n);
-        cut_.runs.push_back(run);
+        return run;
     }
 
     bool wantsRefining(const Node& n, double spacing) const {
@@ -148,20 +161,34 @@ class Selection {
         }
     }
 
+    struct Visit {
+        std::uint32_t index;
+        double share;  ///< what its ancestors leave of it
+        bool covered;
+    };
+
     /// Without a budget the order does not matter; first in, first out visits nodes in the order of their
     /// index.
-    void refineAll() {
-        std::vector<std::uint32_t> queue;
-        if (!culled(octree_.node(0))) queue.push_back(0);
+    void refineAll(double detail) {
+        std::vector<Visit> queue;
+        if (!culled(octree_.node(0))) queue.push_back({0, 1, false});
         for (std::size_t at = 0; at < queue.size(); ++at) {
-            const Node& n = octree_.node(queue[at]);
-            if (!wantsRefining(n, projected(n))) {
-                draw(queue[at]);
-                continue;
+            const Visit visit = queue[at];
+            const Node& n = octree_.node(visit.index);
+            const FadeShares shares =
+                n.isLeaf() ? FadeShares{} : fadeShares(projected(n), detail, options_.fade);
+            // Less than a sample is none.
+            const bool drawn = visit.share * shares.own * n.sampleCount >= 1;
+            if (drawn) {
+                CutRun& run = draw(visit.index);
+                run.share = visit.share * shares.own;
+                run.covered = visit.covered;
             }
+            if (!(visit.share * shares.children > 0)) continue;
             ++cut_.nodesRefined;
             for (std::uint32_t c = n.firstChild; c < n.firstChild + n.childCount; ++c)
-                if (!culled(octree_.node(c))) queue.push_back(c);
+                if (!culled(octree_.node(c)))
+                    queue.push_back({c, visit.share * shares.children, visit.covered || drawn});
         }
     }
 
@@ -208,6 +235,61 @@ class Selection {
         for (const std::uint32_t index : chosen) draw(index);
     }
 
+    /// As if τ were as small as the budget allows. Every sample of a run counts, whatever its share: all must
+    /// be in memory.
+    void fadeWithinBudget(std::uint64_t budget) {
+        refineAll(options_.detail);
+        std::uint64_t samples = 0;
+        for (const CutRun& run : cut_.runs) samples += run.node->sampleCount;
+        if (samples <= budget) return;
+        const double detail = affordableDetail(budget);
+        cut_ = Cut();
+        cut_.budgetReached = true;
+        refineAll(detail);
+    }
+
+    /// Nodes of which children come or which leave, as τ falls below `detail`.
+    struct Change {
+        double detail;
+        bool leaves;
+        std::uint32_t index;
+        bool operator<(const Change& o) const {  // the top of the queue is the largest τ
+            if (detail != o.detail) return detail < o.detail;
+            return leaves != o.leaves ? o.leaves : index > o.index;
+        }
+    };
+
+    /// The τ at which, coming from coarse ones, the budget is used up.
+    double affordableDetail(std::uint64_t budget) {
+        std::priority_queue<Change> changes;
+        std::uint64_t samples = octree_.node(0).sampleCount;
+        const auto enter = [&](std::uint32_t index, double parentsDetail) {
+            const Node& n = octree_.node(index);
+            const double spacing = projected(n);
+            if (wantsRefining(n, spacing)) changes.push({std::min(spacing, parentsDetail), false, index});
+        };
+        enter(0, std::numeric_limits<double>::infinity());
+        while (!changes.empty()) {
+            const Change change = changes.top();
+            changes.pop();
+            const Node& n = octree_.node(change.index);
+            if (change.leaves) {
+                samples -= n.sampleCount;
+                continue;
+            }
+            const std::vector<std::uint32_t> children = visibleChildren(n);
+            const double leaving = projected(n) / (1 + options_.fade);
+            const bool leavesAtOnce = leaving >= change.detail;
+            std::uint64_t after = samples - (leavesAtOnce ? n.sampleCount : 0);
+            for (const std::uint32_t c : children) after += octree_.node(c).sampleCount;
+            if (after > std::max(budget, samples)) return change.detail;
+            samples = after;
+            if (!leavesAtOnce) changes.push({leaving, true, change.index});
+            for (const std::uint32_t c : children) enter(c, change.detail);
+        }
+        return options_.detail;
+    }
+
     std::vector<std::uint32_t> visibleChildren(const Node& n) {
         std::vector<std::uint32_t> children;
         for (std::uint32_t c = n.firstChild; c < n.firstChild + n.childCount; ++c)
@@ -231,7 +313,7 @@ void number(Cut& cut) {
     for (CutRun& run : cut.runs) {
         run.firstOrdinal = std::uint32_t(cut.samples);
         cut.samples += run.node->sampleCount;
-        cut.points += run.node->points;
+        if (!run.covered) cut.points += run.node->points;
         cut.spacingReached = std::max(cut.spacingReached, run.projected);
     }
 }

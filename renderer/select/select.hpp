@@ -2,7 +2,9 @@
 // it touches no sample. Pipeline: octree → **select** → residency (which fills in the samples) → device. Source: 001_c3e54385a9f0e90c, Algorithm 3; methods.md §6.
 #pragma once
 
+#include <array>
 #include <cstdint>
+#include <glm/vec4.hpp>
 #include <memory>
 #include <optional>
 #include <span>
@@ -24,6 +26,12 @@ struct SelectOptions {
     /// Leaves out nodes whose normals all face away from the eye: for methods that do not draw such samples, and
     /// clouds whose normals are oriented.
     bool cullBackFaces = false;
+    /// Levels fade into each other while the spacing is between τ and (1 + fade) · τ (fade.hpp); 0 = they switch.
+    double fade = 0;
+    /// Of the picture, only this much is looked at: left, top, right, bottom, px. Grown by growPx, too.
+    std::optional<std::array<double, 4>> part{};
+    /// Cloud-relative planes, unit normals: samples with dot(xyz, p) + w < 0 are not drawn anyway.
+    std::vector<glm::dvec4> inFrontOf{};
     bool bruteForce = false;               ///< every leaf sample; no selection, no culling
 };
 
@@ -31,16 +39,22 @@ struct CutRun {
     const Node* node = nullptr;
     std::uint32_t nodeIndex = noNode;
     std::span<const Sample> samples;       ///< empty until provide() (renderer/residency) fills it in
+    std::span<const SampleLimits> limits{};  ///< of the samples, likewise; empty: not known
     double projected = 0;                  ///< spacing as it appears in the picture, px, at most
+    double share = 1;                      ///< of the samples, drawn: those whose turn it is (fade.hpp); > 0
+    bool covered = false;                  ///< an ancestor is drawn, too
     std::uint32_t firstOrdinal = 0;        ///< ordinal in the cut of samples[0]; ordinals are dense
 };
 
+/// Every leaf in sight is covered by one whole run: its own, or an ancestor's. Without fading there are no others; with
+/// it, a part of those above may still be drawn, and a part of those below already.
+///
 /// Runs ordered by node index, so ordinals depend on the view alone, not on threads or time. Points into the octree,
 /// and into blocks that it keeps in memory as long as it lives.
 struct Cut {
     std::vector<CutRun> runs;
-    std::uint64_t samples = 0;
-    std::uint64_t points = 0;              ///< scan points that the drawn nodes stand for
+    std::uint64_t samples = 0;             ///< of the nodes, whatever share of them is drawn
+    std::uint64_t points = 0;              ///< scan points that the drawn nodes stand for, each counted once
     std::uint32_t nodesVisited = 0, nodesCulled = 0, nodesRefined = 0;
     std::uint32_t nodesFacingAway = 0;     ///< of those culled
     double spacingReached = 0;             ///< largest projected spacing drawn, px

@@ -10,7 +10,7 @@
 namespace scancast {
 namespace {
 
-constexpr float skyReach = 1.3F;           ///< occluders nearer than this dim the sky
+constexpr float skyReach = 2.2F;  ///< occluders nearer than this dim the sky (twice 1.1 m: lighting.cpp)
 constexpr std::size_t mostOccluders = 24;  ///< of each kind, a cell
 
 /// Occluders that matter for anything within `radius` of `at`. Bounding balls only: a superset is enough.
@@ -169,7 +169,8 @@ CellTable CellTable::build(const Model& model, std::uint64_t points) {
         const auto pieces = [&](double length) {
             return std::uint32_t(std::clamp(std::ceil(length / edge - 1e-9), 1.0, 65535.0));
         };
-        table.grid_[i] = {pieces(model.patches[i].lengthU), pieces(model.patches[i].lengthV)};
+        if (!model.patches[i].regular)
+            table.grid_[i] = {pieces(model.patches[i].lengthU), pieces(model.patches[i].lengthV)};
     }
     tbb::parallel_for(std::size_t(0), parts.size(), [&](std::size_t i) {
         parts[i] = cutPatch(model, std::uint32_t(i), table.grid_[i].columns, table.grid_[i].rows);

@@ -61,6 +61,21 @@ Patch Patch::disc(glm::dvec3 center, double r0, double r1) {
     return patch;
 }
 
+Patch Patch::torus(glm::dvec3 center, glm::dvec3 axis, double ring, double tube) {
+    Patch patch;
+    patch.shape = Shape::Torus;
+    patch.origin = center;
+    patch.v = glm::normalize(axis);
+    patch.radius0 = ring;
+    patch.radius1 = tube;
+    const glm::dvec3 helper = std::abs(patch.v.y) < 0.9 ? glm::dvec3(0, 1, 0) : glm::dvec3(0, 0, 1);
+    patch.normal = glm::normalize(glm::cross(helper, patch.v));
+    patch.u = glm::cross(patch.v, patch.normal);
+    patch.lengthU = tau * ring;
+    patch.lengthV = tau * tube;
+    return patch;
+}
+
 double Patch::area() const {
     if (shape != Shape::Trapezoid) return lengthU * lengthV;
     return glm::length(glm::cross(u, v)) * (1 + taper) / 2;
@@ -75,7 +90,54 @@ double areaHeight(double b, double taper) {
     return (1 - std::sqrt(std::max(0.0, 1 - b * shrink * (2 - shrink)))) / shrink;
 }
 
+/// The angle around a torus' tube, 0 at its outermost circle, up to which a part `b` of its area lies:
+/// angle + thickness · sin(angle) = tau · b, since a strip is the longer the farther out it lies.
+double areaAngle(double b, double thickness) {
+    const double goal = tau * b;
+    double low = 0, high = tau, angle = goal;
+    for (int i = 0; i < 40; ++i) {
+        const double miss = angle + thickness * std::sin(angle) - goal;
+        (miss > 0 ? high : low) = angle;
+        const double next = angle - miss / (1 + thickness * std::cos(angle));
+        if (std::abs(next - angle) < 1e-15) break;
+        angle = next > low && next < high ? next : (low + high) / 2;
+    }
+    return angle;
+}
+
 }  // namespace
+
+std::array<glm::dvec3, 2> Patch::bounds() const {
+    // A circle around an axis reaches sqrt(1 - axis²) of its radius along each coordinate.
+    const auto reach = [](const glm::dvec3& axis, double radius) {
+        return glm::sqrt(glm::max(glm::dvec3(0), 1.0 - axis * axis)) * radius;
+    };
+    glm::dvec3 low(1e300), high(-1e300);
+    const auto include = [&](const glm::dvec3& at, const glm::dvec3& margin) {
+        low = glm::min(low, at - margin);
+        high = glm::max(high, at + margin);
+    };
+    switch (shape) {
+        case Shape::Trapezoid:
+            for (const glm::dvec3& at : {origin, origin + u, origin + v, origin + u * taper + v})
+                include(at, glm::dvec3(0));
+            break;
+        case Shape::Tube:
+            include(origin, reach(glm::normalize(v), radius0));
+            include(origin + v, reach(glm::normalize(v), radius1));
+            break;
+        case Shape::Ball:
+            include(origin, glm::dvec3(radius0));
+            break;
+        case Shape::Disc:
+            include(origin, {radius1, radius1, 0});
+            break;
+        case Shape::Torus:
+            include(origin, reach(v, radius0) + radius1);
+            break;
+    }
+    return {low, high};
+}
 
 SurfacePoint Patch::at(double a, double b) const {
     SurfacePoint point;
@@ -112,6 +174,15 @@ SurfacePoint Patch::at(double a, double b) const {
             point.normal = {0, 0, 1};
             point.s = lengthU * a;
             point.t = r;
+            break;
+        }
+        case Shape::Torus: {
+            const double angle = areaAngle(b, radius1 / radius0);
+            const glm::dvec3 out = normal * std::cos(tau * a) + u * std::sin(tau * a);
+            point.normal = out * std::cos(angle) + v * std::sin(angle);
+            point.position = origin + out * radius0 + (out * std::cos(angle) + v * std::sin(angle)) * radius1;
+            point.s = lengthU * a;
+            point.t = lengthV * angle / tau;
             break;
         }
     }

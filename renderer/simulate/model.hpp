@@ -10,6 +10,8 @@
 #include <glm/vec3.hpp>
 #include <glm/vec4.hpp>
 #include <memory>
+#include <optional>
+#include <string_view>
 #include <vector>
 
 #include "renderer/cloud/cloud.hpp"
@@ -39,13 +41,15 @@ class Material {
   public:
     virtual ~Material() = default;
     virtual void apply(const Patch& patch, SurfacePoint& point) const = 0;
+    /// How far it moves points off their patch along the normal, at most, in metres; either way.
+    virtual double relief() const { return 0; }
 };
 
 /// A piece of surface with two parameters in [0, 1)². All shapes keep areas: uniform parameters are uniform
 /// points.
 class Patch {
   public:
-    enum class Shape : std::uint8_t { Trapezoid, Tube, Ball, Disc };
+    enum class Shape : std::uint8_t { Trapezoid, Tube, Ball, Disc, Torus };
 
     /// Spanned by u (bottom edge) and v (left edge); the top edge is `taper` × u (1 = parallelogram, 0 =
     /// triangle).
@@ -55,14 +59,18 @@ class Patch {
     static Patch ball(glm::dvec3 center, double radius);
     /// Horizontal ring between two radii, facing up.
     static Patch disc(glm::dvec3 center, double r0, double r1);
+    /// A ring of radius `ring` around `axis`, as thick as a tube of radius `tube` < `ring`.
+    static Patch torus(glm::dvec3 center, glm::dvec3 axis, double ring, double tube);
 
     SurfacePoint at(double a, double b) const;
     double area() const;
+    /// Low and high corner of a box around the patch, without relief.
+    std::array<glm::dvec3, 2> bounds() const;
 
     Shape shape = Shape::Trapezoid;
     glm::dvec3 origin{0}, u{0}, v{0};
     double taper = 1, radius0 = 0, radius1 = 0;
-    glm::dvec3 normal{0, 0, 1};  ///< trapezoids; sidewards axis of tubes
+    glm::dvec3 normal{0, 0, 1};  ///< trapezoids; sidewards axis of tubes and tori
     glm::dvec3 lightOffset{0};   ///< where light is tested, if not 0.3 m before the surface: for recesses
     double lengthU = 0, lengthV = 0;  ///< metres, for cutting into cells and for the material's coordinates
     double density = 1;               ///< points a square metre, relative
@@ -71,6 +79,11 @@ class Patch {
     bool hideInside =
         false;        ///< cells inside an occluder get no points: the ground under a house, walls between two
     int mirror = -1;  ///< index of the mirror in which this patch is seen, or -1
+    /// Points in rows, shaken, instead of on a golden-ratio lattice: as from a flatbed or a structured-light
+    /// scanner.
+    bool regular = false;
+    bool ownShadows = false;                 ///< occluders leave it alone: its material knows what is lit
+    std::array<std::uint32_t, 3> corners{};  ///< of a triangle of a mesh: its material's vertices
 };
 
 /// What keeps light away: a convex body (planes n·x ≤ w) or a ball of leaves.
@@ -133,5 +146,13 @@ Model makeTown();
 Model makeRoom();
 Model makeSphere();
 Model makePlane();
+Model makeCube();
+Model makeTorus();
+Model makeSign();
+Model makeStatue();
+Model makeBridge();
+
+/// The scene of that name (scene.hpp lists them), or nothing.
+std::optional<Model> makeScene(std::string_view name);
 
 }  // namespace scancast

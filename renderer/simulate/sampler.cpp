@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "renderer/simulate/lighting.hpp"
+
 namespace scancast {
 namespace {
 
@@ -22,6 +24,7 @@ constexpr double lineRange = 15;  ///< the distance at which scan lines are one 
 SurfacePoint Sampler::surfacePoint(std::size_t cellIndex, std::uint64_t index, PointRandom& random) const {
     const Cell& cell = cells_.cell(cellIndex);
     const Patch& patch = model_.patches[cell.patch];
+    if (patch.regular) return regularPoint(cell, cellIndex, index, random);
     const std::uint64_t first = cells_.firstPoint(cellIndex), number = index - first;
     const auto count = double(cells_.firstPoint(cellIndex + 1) - first);
     const double columns = cells_.columns(cell.patch), rows = cells_.rows(cell.patch);
@@ -36,43 +39,28 @@ SurfacePoint Sampler::surfacePoint(std::size_t cellIndex, std::uint64_t index, P
     return point;
 }
 
-/// Sun or lamp with shadows, sky from above, light thrown back from below; near bodies dim the sky.
-glm::vec3 Sampler::lit(const Cell& cell, const Patch& patch, const SurfacePoint& point) const {
-    const Light& light = model_.light;
-    if (light.kind == Light::Kind::None) return point.color;
-    const glm::vec3 at = point.position;
-    const glm::vec3 tested =
-        patch.lightOffset == glm::dvec3(0) ? at + point.normal * 0.06F : at + glm::vec3(patch.lightOffset);
-    glm::vec3 towards = light.towards;
-    float reach = 1e9F, strength = 1;
-    if (light.kind == Light::Kind::Lamp) {
-        const glm::vec3 way = light.towards - tested;
-        reach = glm::length(way);
-        towards = way / std::max(reach, 1e-3F);
-        strength = 1 / (1 + reach * reach / (light.lampReach * light.lampReach));
-    }
-    float direct = point.sunlit * std::max(0.0F, glm::dot(point.normal, towards));
-    if (!patch.hasNormal)
-        direct = point.sunlit *
-                 (0.35F + 0.65F * std::clamp(0.5F + 0.5F * glm::dot(point.normal, towards), 0.0F, 1.0F));
-    for (int i = 0; direct > 0 && i < cell.shadowCount; ++i)
-        if (model_.occluders[cells_.occluder(cell.firstOccluder + std::uint32_t(i))].blocks(tested, towards,
-                                                                                            reach))
-            direct = 0;
-    float open = 1;
-    for (int i = 0; i < cell.nearCount; ++i) {
-        const Occluder& body =
-            model_.occluders[cells_.occluder(cell.firstOccluder + cell.shadowCount + std::uint32_t(i))];
-        for (const float height : {0.35F, 1.1F}) {
-            const float gap = body.distance(tested + point.normal * height);
-            open *= 1 - 0.38F * std::clamp((height - gap) / height, 0.0F, 1.0F);
-        }
-    }
-    const float up = 0.5F + 0.5F * point.normal.z;
-    const glm::vec3 ambient = (light.ground + (light.sky - light.ground) * up) * (open * point.openness);
-    const glm::vec3 linear = point.color * point.color *
-                             (ambient + light.color * (direct * strength * (0.4F + 0.6F * point.openness)));
-    return glm::vec3(std::sqrt(linear.x), std::sqrt(linear.y), std::sqrt(linear.z));
+/// Rows of equally spaced points, each shaken within its square.
+SurfacePoint Sampler::regularPoint(const Cell& cell, std::size_t cellIndex, std::uint64_t index,
+                                   PointRandom& random) const {
+    const Patch& patch = model_.patches[cell.patch];
+    const std::uint64_t first = cells_.firstPoint(cellIndex),
+                        count = cells_.firstPoint(cellIndex + 1) - first, number = index - first;
+    const auto wanted = std::uint64_t(std::round(std::sqrt(double(count) * patch.lengthV / patch.lengthU)));
+    const std::uint64_t rows = std::clamp<std::uint64_t>(wanted, 1, count);
+    // Row r holds the points from r·count/rows on, so that the rows share all points as evenly as can be.
+    const auto beginOf = [&](std::uint64_t r) { return r * count / rows; };
+    std::uint64_t row = std::min(rows - 1, number * rows / count);
+    while (row > 0 && beginOf(row) > number) --row;
+    while (row + 1 < rows && beginOf(row + 1) <= number) ++row;
+    const std::uint64_t begin = beginOf(row), end = beginOf(row + 1);
+    constexpr float shake = 0.4F;
+    const auto shaken = [&](std::uint64_t place) {
+        return double(place) + 0.5 + shake * (random.unit() - 0.5F);
+    };
+    const double a = shaken(number - begin) / double(end - begin);
+    SurfacePoint point = patch.at(a, shaken(row) / double(rows));
+    point.random = &random;
+    return point;
 }
 
 /// What the instrument adds: noise along the beam, return strength by material, angle and range, grain in the
@@ -101,7 +89,7 @@ ScanPoint Sampler::point(std::uint64_t index) const {
     const Patch& patch = model_.patches[cell.patch];
     SurfacePoint surface = surfacePoint(cellIndex, index, random);
     patch.material->apply(patch, surface);
-    glm::vec3 color = lit(cell, patch, surface);
+    glm::vec3 color = lit(model_, cells_, &cell, patch, surface);
 
     ScanPoint out;
     glm::dvec3 seen = surface.position, normal = surface.normal;

@@ -30,7 +30,8 @@ class Sampler {
 
   private:
     SurfacePoint surfacePoint(std::size_t cellIndex, std::uint64_t index, PointRandom& random) const;
-    glm::vec3 lit(const Cell& cell, const Patch& patch, const SurfacePoint& point) const;
+    SurfacePoint regularPoint(const Cell& cell, std::size_t cellIndex, std::uint64_t index,
+                              PointRandom& random) const;
     void record(const Cell& cell, const glm::dvec3& seen, float facing, const SurfacePoint& surface,
                 PointRandom& random, ScanPoint& out) const;
 

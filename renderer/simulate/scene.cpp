@@ -21,14 +21,35 @@ struct SceneEntry {
     Model (*make)();
 };
 
-constexpr std::array<SceneEntry, 4> entries{{
-    {{"town", "streets, a square, houses, trees and a sign with text, 200 m x 200 m"}, makeTown},
-    {{"room", "a furnished room with a mirror, and the mirrored points behind it"}, makeRoom},
-    {{"sphere", "a unit sphere, coloured so that one sees which way it is turned"}, makeSphere},
-    {{"plane", "a flat test chart: checkers and readable text"}, makePlane},
-}};
+constexpr std::array entries{
+    SceneEntry{{"town", "streets, a square, houses, trees and a sign with text, 200 m x 200 m"}, makeTown},
+    SceneEntry{{"room", "a furnished room with a mirror, and the mirrored points behind it"}, makeRoom},
+    SceneEntry{{"sphere", "a unit sphere, coloured so that one sees which way it is turned"}, makeSphere},
+    SceneEntry{{"plane", "a flat test chart: checkers and readable text"}, makePlane},
+    SceneEntry{{"statue", "a draped figure of stone on a plinth with an inscription, 3.1 m high"},
+               makeStatue},
+    SceneEntry{{"cube", "sharp creases: six faces of six colours, finely patterned"}, makeCube},
+    SceneEntry{{"torus", "a chequered ring, curved both ways, that hides parts of itself"}, makeTorus},
+    SceneEntry{{"sign", "a board with text from 30 cm down to 1 cm, sampled in shaken rows"}, makeSign},
+    SceneEntry{{"bridge", "a river under a deck with openings: pillars, a boat, things near and far"},
+               makeBridge},
+};
 
-constexpr std::array<SceneInfo, 4> infos{entries[0].info, entries[1].info, entries[2].info, entries[3].info};
+constexpr auto infos = [] {
+    std::array<SceneInfo, entries.size()> all;
+    for (std::size_t i = 0; i < all.size(); ++i) all[i] = entries[i].info;
+    return all;
+}();
+
+/// "town, room, … and bridge".
+std::string namesOfScenes() {
+    std::string names;
+    for (std::size_t i = 0; i < infos.size(); ++i) {
+        if (i > 0) names += i + 1 == infos.size() ? " and " : ", ";
+        names += infos[i].name;
+    }
+    return names;
+}
 
 const SceneEntry* findScene(std::string_view name) {
     const auto* found =
@@ -36,24 +57,19 @@ const SceneEntry* findScene(std::string_view name) {
     return found == entries.end() ? nullptr : found;
 }
 
-/// Where points can lie at all: corners of all patches, plus what materials and noise may add.
+/// Where points can lie at all: boxes around all patches, plus what materials and noise may add.
 std::array<glm::dvec3, 2> boundsOf(const Model& model, double noise) {
     glm::dvec3 low(1e300), high(-1e300);
     for (const Patch& patch : model.patches) {
-        const auto include = [&](glm::dvec3 at, double margin) {
-            if (patch.mirror >= 0) at = reflected(model.mirrors[std::size_t(patch.mirror)], at);
-            low = glm::min(low, at - margin);
-            high = glm::max(high, at + margin);
-        };
-        const double round = std::max(patch.radius0, patch.radius1);
-        include(patch.origin, round);
-        if (patch.shape == Patch::Shape::Trapezoid) {
-            include(patch.origin + patch.u, 0);
-            include(patch.origin + patch.v, 0);
-            include(patch.origin + patch.u * patch.taper + patch.v, 0);
-        } else if (patch.shape == Patch::Shape::Tube) {
-            include(patch.origin + patch.v, round);
+        auto [from, to] = patch.bounds();
+        if (patch.mirror >= 0) {
+            const Mirror& mirror = model.mirrors[std::size_t(patch.mirror)];
+            const glm::dvec3 center = reflected(mirror, (from + to) * 0.5), half(glm::length(to - from) / 2);
+            from = center - half;
+            to = center + half;
         }
+        low = glm::min(low, from);
+        high = glm::max(high, to);
     }
     const double margin = model.largestRelief + noise * model.rangeNoise * PointRandom::bellLimit + 0.01;
     return {low - margin, high + margin};
@@ -201,8 +217,7 @@ Expected<std::unique_ptr<PointSource>> simulate(const SceneOptions& options) {
     const SceneEntry* scene = findScene(options.scene);
     if (!scene)
         return fail(ErrorCode::NotFound,
-                    "There is no scene '" + options.scene + "'; there are town, room, sphere and plane.",
-                    "scene");
+                    "There is no scene '" + options.scene + "'; there are " + namesOfScenes() + ".", "scene");
     // Above this a double no longer tells neighbouring point numbers apart.
     constexpr std::uint64_t mostPoints = 1'000'000'000'000;
     if (options.points == 0 || options.points > mostPoints)
@@ -223,6 +238,11 @@ Expected<std::unique_ptr<PointSource>> simulate(const SceneOptions& options) {
     } catch (const std::bad_alloc&) {
         return fail(ErrorCode::ResourceLimit, "There is not enough memory to simulate the scan.");
     }
+}
+
+std::optional<Model> makeScene(std::string_view name) {
+    const SceneEntry* scene = findScene(name);
+    return scene ? std::optional(scene->make()) : std::nullopt;
 }
 
 std::vector<Mirror> sceneMirrors(const SceneOptions& options) {

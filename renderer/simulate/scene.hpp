@@ -21,7 +21,7 @@ enum class PointOrder : std::uint8_t {
 };
 
 struct SceneOptions {
-    std::string scene;  ///< town, room, sphere, plane
+    std::string scene;  ///< one of scenes()
     std::uint64_t points = 1'000'000;
     std::uint64_t seed = 1;
     PointOrder order = PointOrder::Scan;
@@ -37,6 +37,17 @@ struct SceneInfo {
 };
 
 std::span<const SceneInfo> scenes();
+
+/// A good place to look from, relative to the scene's origin; Z is up.
+struct SceneView {
+    std::string_view scene, name;
+    glm::dvec3 eye, target;
+    double fov = 50;  ///< vertical, degrees
+};
+
+/// The views of a scene that pictures of it are compared in, the first one shows the whole; empty for unknown
+/// scenes.
+std::span<const SceneView> sceneViews(std::string_view scene);
 
 /// A source that yields exactly `points` points, in memory that does not grow with their number. Each point
 /// is a pure function of (scene, points, seed, noise, its number), so both orders give the same set. The

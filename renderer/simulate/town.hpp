@@ -52,6 +52,7 @@ class FacadeMaterial final : public Material {
   public:
     FacadeMaterial(const HouseStyle& style, double width, bool front, glm::vec3 along, glm::vec3 outwards);
     void apply(const Patch& patch, SurfacePoint& point) const override;
+    double relief() const override { return 0.25; }
     /// What is in a column of a storey (0 = ground floor).
     std::optional<Opening> opening(int column, int storey) const;
     int columns() const { return style_.columns; }

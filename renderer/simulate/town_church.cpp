@@ -38,6 +38,7 @@ class ChurchWall final : public Material {
         if (corner < 0.6 || point.t < 0.7 || patch.lengthV - point.t < 0.5) point.raise(0.08);
         if (windows_ > 0) window(point);
     }
+    double relief() const override { return 0.3; }
 
   private:
     void window(SurfacePoint& point) const {

@@ -65,6 +65,7 @@ class GroundMaterial final : public Material {
             lawn(point, x, y);
         }
     }
+    double relief() const override { return pavementHeight + 0.05; }
 
   private:
     static void road(SurfacePoint& point, double x, double y, double toKerb) {

@@ -29,6 +29,7 @@ class RoofMaterial final : public Material {
         point.classification = buildingClass;
         if (patch.lengthV - point.t < 0.12) point.color = color_ * 0.7F;  // ridge
     }
+    double relief() const override { return 0.05; }
 
   private:
     glm::vec3 color_;

@@ -36,6 +36,8 @@ class LeafMaterial final : public Material {
         point.reflectance = 0.5F + 0.3F * tone;
         point.classification = highVegetation;
     }
+    /// Clusters are at most half as large as the crown.
+    double relief() const override { return 0.22 * double(crownRadius_); }
 
   private:
     glm::vec3 color_, crown_;
@@ -52,6 +54,7 @@ class BarkMaterial final : public Material {
         point.reflectance = 0.4F;
         point.classification = highVegetation;
     }
+    double relief() const override { return 0.02; }
 };
 
 void addTree(Model& model, glm::dvec3 foot, double height, double radius, std::uint32_t salt,

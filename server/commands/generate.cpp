@@ -149,6 +149,7 @@ constexpr const char* examples =
     "Examples:\n"
     "  scancast generate town --points 20M -o town.las         # points about 6 cm apart\n"
     "  scancast generate room --points 3M -o room.ply          # and room.ply.mirrors.json\n"
+    "  scancast generate statue --points 4M -o statue.ply      # points about 2 mm apart\n"
     "  scancast generate sphere --points 1.5e6 --order random --noise 0 -o sphere.ply\n"
     "  scancast generate town --points 1G --format las -o - | gzip > town.las.gz\n";
 

@@ -35,6 +35,7 @@ struct RenderArguments {
     WordValues words;
     int repeat = 1;
     std::string memoryLimit;
+    bool noSurfels = false;
     double orbit = 0;  ///< degrees around the target between repeated frames
 };
 
@@ -68,6 +69,10 @@ std::string statsJson(const Timings& timings, const Frame& frame, const Cloud& c
     json["samples"] = frame.stats.samplesDrawn;
     json["spacingPx"] = frame.stats.spacingReached;
     json["device"] = frame.stats.device;
+    json["method"] = frame.stats.method;
+    if (!frame.stats.methodReason.empty()) json["methodReason"] = frame.stats.methodReason;
+    json["mirrors"] = frame.stats.mirrorsDrawn;
+    if (frame.stats.mirrorsLeftOut > 0) json["mirrorsLeftOut"] = frame.stats.mirrorsLeftOut;
     json["stages"] = nlohmann::ordered_json::array();
     for (const auto& name : timings.order) {
         json["stages"].push_back({{"name", name}, {"medianMs", median(timings.stages.at(name))}});
@@ -133,6 +138,7 @@ Expected<std::shared_ptr<const Cloud>> load(const RenderArguments& arguments) {
     BuildOptions options;
     options.title = fs::path(arguments.file).filename().string();
     options.threads = arguments.device.threads;
+    options.shape.surfels = !arguments.noSurfels;
     auto mirrors = mirrorsBeside(arguments.file);
     if (!mirrors) return tl::unexpected(mirrors.error());
     options.mirrors = std::move(*mirrors);
@@ -203,6 +209,9 @@ void addRender(CLI::App& app, int& exitCode) {
         ->add_option("--memory-limit", arguments->memoryLimit,
                      "Memory for a cloud file, like 2G; half of the machine's without it")
         ->type_name("SIZE");
+    command->add_flag("--no-surfels", arguments->noSurfels,
+                      "Read a scan faster: do not estimate normals and radii, which disc, ewa, voronoi and "
+                      "shading=phong need. Cloud files stay as they are");
     command->add_option("--stats", arguments->stats, "Print times, as json, on standard output")
         ->check(CLI::IsMember({"json"}));
     addViewFlags(*command, arguments->words);

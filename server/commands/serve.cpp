@@ -38,6 +38,7 @@ LoaderOptions loaderOptions(const ServeOptions& options, ProgressBar& bar) {
     LoaderOptions loading;
     loading.cache = options.server.cache;
     loading.cacheDir = options.cacheDir;
+    loading.shape.surfels = !options.noSurfels;
     loading.version = std::string(scancastVersion());
     loading.onNote = [&bar](const std::string& note) {
         bar.clear();

@@ -53,6 +53,10 @@ void addServeFlags(CLI::App& app, ServeOptions& options) {
         ->envname("SCANCAST_ALLOWED_ORIGIN")
         ->allow_extra_args(false)
         ->take_all();
+    app.add_flag("--no-surfels", options.noSurfels,
+                 "Read scans faster: do not estimate normals and radii, which disc, ewa, voronoi and "
+                 "shading=phong need. Cloud files stay as they are")
+        ->envname("SCANCAST_NO_SURFELS");
     app.add_flag("--insecure", options.insecure,
                  "Let everybody who can reach the address in, without a token")
         ->envname("SCANCAST_INSECURE");

@@ -18,6 +18,7 @@ struct ServeOptions {
     bool insecure = false;
     std::string memoryLimit;         ///< as written: "2G"; empty = half of the machine's memory
     std::filesystem::path cacheDir;  ///< empty = built anew with every start
+    bool noSurfels = false;          ///< scans are built without normals and radii
     std::string logLevel = "info";
     std::string logFormat = "text";
 };

@@ -66,7 +66,7 @@ test::AnalyticCloud sphere(const Options& o) {
 void measure(Device& device, const test::AnalyticCloud& cloud, const char* name,
              const ParameterValues& parameters, Shading shading, int repeat) {
     const Method& method = *findMethod(name);
-    const PassList passes = method.passes(method, resolveParameters(method, parameters).value(), shading);
+    const PassList passes = method.passes({method, resolveParameters(method, parameters).value(), shading});
     const glm::dvec2 jitter{0, 0};
     std::vector<double> times, cpuTimes;
     std::map<std::string, std::vector<double>> stages;

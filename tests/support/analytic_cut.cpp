@@ -5,6 +5,8 @@
 #include <glm/geometric.hpp>
 #include <glm/gtc/matrix_transform.hpp>
 
+#include "renderer/cloud/surfel_codec.hpp"
+
 namespace scancast::test {
 namespace {
 
@@ -79,6 +81,7 @@ void AnalyticCloud::addLeaf(std::span<const AnalyticPoint> points, double spacin
     node.center = (box[0] + box[1]) * 0.5;
     node.radius = glm::length(box[1] - box[0]) * 0.5;
     node.spacing = static_cast<float>(spacing);
+    node.radiusUnit = node.spacing;
     node.sampleCount = static_cast<std::uint32_t>(points.size());
     node.firstSample = samples_.size();
     node.points = points.size();
@@ -94,6 +97,7 @@ void AnalyticCloud::addLeaf(std::span<const AnalyticPoint> points, double spacin
         s.b = p.rgb[2];
         s.classification = p.classification;
         s.normal = p.normal;
+        if (p.surfel) encodeSurfel(*p.surfel, node.radiusUnit, s);
         samples_.push_back(s);
     }
     nodes_.push_back(node);

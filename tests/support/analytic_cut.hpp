@@ -4,10 +4,12 @@
 
 #include <cstdint>
 #include <glm/vec3.hpp>
+#include <optional>
 #include <span>
 #include <vector>
 
 #include "renderer/cloud/octree.hpp"
+#include "renderer/cloud/surfels.hpp"
 #include "renderer/select/select.hpp"
 #include "renderer/select/viewpoint.hpp"
 
@@ -19,6 +21,7 @@ struct AnalyticPoint {
     std::uint16_t intensity = 0;
     std::uint8_t classification = 0;
     std::uint16_t normal = noNormal;
+    std::optional<Surfel> surfel = std::nullopt;  ///< sets the normal, too
 };
 
 /// Owns the samples that its cut points to; move-only.

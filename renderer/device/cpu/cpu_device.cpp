@@ -47,7 +47,7 @@ class CpuDevice final : public Device {
   public:
     CpuDevice(int threads, const cpu::SimdLevel& level)
         : threads_(threads), level_(level), control_(allowThreads(threads)), arena_(threads) {
-        for (int i = 0; i < threads; ++i) buffers_.keys.push_back(std::make_unique<std::vector<cpu::Key>>());
+        for (int i = 0; i < threads; ++i) buffers_.tiles.push_back(std::make_unique<cpu::TileMemory>());
     }
 
     DeviceInfo info() const override {
@@ -59,6 +59,7 @@ class CpuDevice final : public Device {
             std::string("x86-64-").append(level).append(", threads: ").append(std::to_string(threads_));
         info.version = std::string("kernels 1");
         info.identity = info.name;
+        info.mirrors = true;
         return info;
     }
 

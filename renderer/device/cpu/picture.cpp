@@ -1,11 +1,9 @@
 #include "renderer/device/cpu/picture.hpp"
 
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <chrono>
-#include <cmath>
-#include <limits>
+
+#include "renderer/device/cpu/grown.hpp"
 
 namespace scancast::cpu {
 namespace {
@@ -16,261 +14,112 @@ double millisecondsSince(Clock::time_point start) {
     return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
 }
 
-std::int64_t nanoseconds(Clock::duration d) {
-    return std::chrono::duration_cast<std::chrono::nanoseconds>(d).count();
+std::size_t pixelsOf(const Rect& area) {
+    return static_cast<std::size_t>(area.width()) * static_cast<std::size_t>(area.height());
 }
 
-/// Samples between two looks at the stop token: under a millisecond.
-constexpr std::uint32_t sliceSamples = 16384;
-/// More tiles than threads, so that all threads end at about the same time.
-constexpr int tilesPerThread = 3;
-
-int reachOf(const std::optional<EyeDomePass>& eyeDome) {
-    return eyeDome ? static_cast<int>(std::ceil(std::clamp(eyeDome->radiusPx, 0.0f, 64.0f))) : 0;
-}
-
-double largestShift(std::span<const glm::dvec2> jitter) {
-    double largest = 0;
-    for (const glm::dvec2& j : jitter) largest = std::max({largest, std::abs(j.x), std::abs(j.y)});
-    return largest;
-}
-
-/// The eight neighbours at the pass's radius, and methods.md §9's shade = exp(-300 · strength · mean
-/// response).
-void setEyeDome(const EyeDomePass& pass, EyeDome& e) {
-    const double radius = std::clamp(pass.radiusPx, 0.0f, 64.0f);
-    for (int k = 0; k < 8; ++k) {
-        const double angle = k * 0.785398163397448309616;
-        e.offsets[k] = static_cast<std::int32_t>(std::lround(radius * std::sin(angle))) * e.logStride +
-                       static_cast<std::int32_t>(std::lround(radius * std::cos(angle)));
-    }
-    constexpr double log2e = 1.44269504088896340736;
-    e.factor = static_cast<float>(300.0 * std::clamp(pass.strength, 0.0f, 1000.0f) / 8 * log2e);
-}
-
-template <class T>
-T* grown(std::vector<T>& buffer, std::size_t size) {
-    if (buffer.size() < size) buffer.resize(size);
-    return buffer.data();
+bool same(const Rect& a, const Rect& b) {
+    return a.x0 == b.x0 && a.y0 == b.y0 && a.x1 == b.x1 && a.y1 == b.y1;
 }
 
 }  // namespace
-
-Expected<PassPlan> planPasses(std::span<const Pass> passes) {
-    PassPlan plan;
-    const bool known = (passes.size() == 2 || passes.size() == 3) &&
-                       std::holds_alternative<NearestPass>(passes[0]) &&
-                       std::holds_alternative<ResolvePass>(passes[1]);
-    if (!known || (passes.size() == 3 && !std::holds_alternative<EyeDomePass>(passes[2]))) {
-        return fail(ErrorCode::Unsupported,
-                    "The cpu device draws nearest, resolve and eye-dome passes, in this order; this method "
-                    "lists others.");
-    }
-    plan.nearest = std::get<NearestPass>(passes[0]);
-    if (passes.size() == 3) plan.eyeDome = std::get<EyeDomePass>(passes[2]);
-    return plan;
-}
 
 Picture::Picture(const Drawing& drawing, const PassPlan& plan, const Kernels& kernels, int threads,
                  tbb::task_arena& arena, Buffers& buffers, std::stop_token stop)
     : drawing_(drawing),
       plan_(plan),
       kernels_(kernels),
-      threads_(threads),
-      arena_(arena),
-      buffers_(buffers),
-      stop_(std::move(stop)) {
+      workers_(arena, threads, std::move(stop)),
+      buffers_(buffers) {
     const Window& w = drawing.window;
     const Viewpoint& viewpoint = *drawing.viewpoint;
-    window_ = {w.x, w.y, w.x + w.width, w.y + w.height};
-    const int reach = reachOf(plan.eyeDome);
+    // With a guard band every coordinate is shifted by it: the kernels know no negative pixels.
+    const int pad = plan.guardBand();
+    sight_ = {&viewpoint, pad, drawing.surfels, drawing.oriented};
+    window_ = {w.x + pad, w.y + pad, w.x + w.width + pad, w.y + w.height + pad};
+    const int reach = std::max(plan.reach(), pad);
     area_ = Rect{window_.x0 - reach, window_.y0 - reach, window_.x1 + reach, window_.y1 + reach}.intersect(
-        {0, 0, viewpoint.width, viewpoint.height});
-    pass_ = preparePass(viewpoint, plan.nearest);
-    setColors(drawing.color, drawing.filter, buffers.tables, pass_);
-    background_ = backgroundRows(drawing.background, area_.y0, area_.height(), viewpoint.height);
+        {0, 0, viewpoint.width + 2 * pad, viewpoint.height + 2 * pad});
 }
 
-template <class Work>
-void Picture::inParallel(int count, const Work& work) {
-    std::atomic<int> next{0};
-    const int workers = std::min(threads_, count);
-    // Workers take one piece after another, in order: heavy tiles first, and nobody waits for a late starter.
-    const auto takeTurns = [&](int) {
-        for (int i = next++; i < count && !stop_.stop_requested(); i = next++) work(i);
-    };
-    if (workers <= 1) return takeTurns(0);
-    arena_.execute([&] { tbb::parallel_for(0, workers, takeTurns, tbb::simple_partitioner()); });
-}
-
-template <class Work>
-void Picture::overRows(int rows, const Work& work) {
-    const int band = std::max(8, rows / (threads_ * 4));
-    inParallel((rows + band - 1) / band, [&](int i) { work(i * band, std::min(rows, (i + 1) * band)); });
-}
-
-void Picture::prepareRuns() {
-    const std::span<const CutRun> cut = drawing_.cut->runs;
-    std::vector<std::optional<PreparedRun>> prepared(cut.size());
-    const double shift = largestShift(drawing_.jitter);
-    constexpr std::size_t batch = 64;
-    inParallel(static_cast<int>((cut.size() + batch - 1) / batch), [&](int b) {
-        const std::size_t first = static_cast<std::size_t>(b) * batch;
-        for (std::size_t i = first; i < std::min(cut.size(), first + batch); ++i) {
-            prepared[i] = prepareRun(cut[i], *drawing_.viewpoint, plan_.nearest, pass_, drawing_.color,
-                                     drawing_.filter, area_, shift);
-        }
-    });
-    for (const auto& run : prepared) {
-        if (run) runs_.push_back(*run);
+Planes Picture::framePlanes(std::uint32_t* out, bool first, Frame& frame) {
+    Planes planes;
+    planes.area = area_;
+    const std::size_t pixels = pixelsOf(area_);
+    if (plan_.normals()) planes.normals = grown(buffers_.frame.normals, pixels);
+    if (same(area_, window_)) {
+        planes.rgba = out;
+        planes.depth = first ? frame.depth.data() : nullptr;
+    } else {
+        planes.rgba = grown(buffers_.frame.rgba, pixels);
     }
-    // Front to back: what is hidden is then found to be so before it is drawn.
-    std::ranges::stable_sort(runs_, {}, &PreparedRun::nearestOrder);
+    const bool needed = !plan_.screen.empty() || !mirrors_.empty();
+    if (planes.depth == nullptr && needed) planes.depth = grown(buffers_.frame.depth, pixels);
+    return planes;
 }
 
-KeyTile Picture::keyTile(const Rect& area) {
-    KeyTile tile;
-    tile.x = area.x0;
-    tile.y = area.y0;
-    tile.width = area.width();
-    tile.height = area.height();
-    tile.stride = (area.width() + 2 * guard + 7) / 8 * 8;
-    const std::size_t size =
-        static_cast<std::size_t>(tile.stride) * static_cast<std::size_t>(area.height() + 2 * guard);
-    auto& block =
-        *buffers_.keys[static_cast<std::size_t>(std::max(0, tbb::this_task_arena::current_thread_index()))];
-    Key* const keys = grown(block, size + unusedKeys);
-    tile.keys = keys + guard * tile.stride + guard;
-    tile.unused = keys + size;
-    return tile;
-}
-
-void Picture::drawRuns(const Tile& tile, const SplatPass& pass, const KeyTile& keys) {
-    for (const std::uint32_t index : tile.runs) {
-        const PreparedRun& prepared = runs_[index];
-        const Rect part = prepared.bounds.intersect(tile.area);
-        if (kernels_.hidden(keys, part.x0 - keys.x, part.y0 - keys.y, part.x1 - keys.x, part.y1 - keys.y,
-                            prepared.nearestOrder)) {
-            continue;
-        }
-        SplatRun slice = prepared.run;
-        slice.crossesTile =
-            part.width() < prepared.bounds.width() || part.height() < prepared.bounds.height();
-        for (std::uint32_t first = 0; first < prepared.run.count; first += sliceSamples) {
-            if (stop_.stop_requested()) return;
-            slice.samples = prepared.run.samples + first;
-            slice.count = std::min(sliceSamples, prepared.run.count - first);
-            kernels_.splat(pass, slice, keys);
-        }
-    }
-}
-
-void Picture::drawTile(const Tile& tile, const SplatPass& pass, const Surface& surface) {
-    const auto start = Clock::now();
-    const KeyTile keys = keyTile(tile.area);
-    kernels_.clear(keys);
-    drawRuns(tile, pass, keys);
-    const auto drawn = Clock::now();
-    PixelTile pixels;
-    pixels.stride = surface.area.width();
-    const std::ptrdiff_t offset =
-        static_cast<std::ptrdiff_t>(tile.area.y0 - surface.area.y0) * pixels.stride +
-        (tile.area.x0 - surface.area.x0);
-    pixels.rgba = surface.rgba + offset;
-    pixels.depth = surface.depth != nullptr ? surface.depth + offset : nullptr;
-    pixels.background = background_.data() + (tile.area.y0 - area_.y0);
-    kernels_.resolve(keys, pixels);
-    nearestTime_ += nanoseconds(drawn - start);
-    resolveTime_ += nanoseconds(Clock::now() - drawn);
-}
-
-void Picture::light(const Surface& from, std::uint32_t* out) {
-    const int reach = reachOf(plan_.eyeDome);
-    const int stride = window_.width() + 2 * reach;
-    const int rows = window_.height() + 2 * reach;
-    // Beyond the picture's own border lies background, so that every pixel has eight neighbours.
-    float* const logs =
-        grown(buffers_.logDepth, static_cast<std::size_t>(stride) * static_cast<std::size_t>(rows));
-    const int left = from.area.x0 - (window_.x0 - reach), top = from.area.y0 - (window_.y0 - reach);
-    overRows(rows, [&](int y0, int y1) {
+void Picture::crop(const Planes& planes, bool first, std::uint32_t* out, Frame& frame) {
+    const int width = window_.width();
+    workers_.overRows(window_.height(), [&](int y0, int y1) {
         for (int y = y0; y < y1; ++y) {
-            float* const row = logs + static_cast<std::ptrdiff_t>(y) * stride;
-            std::fill(row, row + stride, std::numeric_limits<float>::infinity());
-            if (y < top || y >= top + from.area.height()) continue;
-            kernels_.logDepth(from.depth + static_cast<std::ptrdiff_t>(y - top) * from.area.width(),
-                              row + left, from.area.width());
+            const std::ptrdiff_t from = planes.at(window_.x0, window_.y0 + y);
+            const std::ptrdiff_t to = static_cast<std::ptrdiff_t>(y) * width;
+            std::copy_n(planes.rgba + from, width, out + to);
+            if (first) std::copy_n(planes.depth + from, width, frame.depth.data() + to);
         }
     });
-    overRows(window_.height(), [&](int y0, int y1) {
-        EyeDome e;
-        e.logStride = stride;
-        e.logDepth = logs + static_cast<std::ptrdiff_t>(y0 + reach) * stride + reach;
-        e.stride = from.area.width();
-        e.rgba = from.rgba + static_cast<std::ptrdiff_t>(window_.y0 - from.area.y0 + y0) * e.stride +
-                 (window_.x0 - from.area.x0);
-        e.width = e.outStride = window_.width();
-        e.height = y1 - y0;
-        e.out = out + static_cast<std::ptrdiff_t>(y0) * e.outStride;
-        setEyeDome(*plan_.eyeDome, e);
-        kernels_.eyeDome(e);
-    });
 }
 
-void Picture::copyDepth(const Surface& from, Frame& frame) {
-    const auto width = static_cast<std::ptrdiff_t>(from.area.width());
-    for (int y = 0; y < frame.height; ++y) {
-        const float* const row =
-            from.depth + (window_.y0 - from.area.y0 + y) * width + (window_.x0 - from.area.x0);
-        std::copy(row, row + frame.width, frame.depth.data() + static_cast<std::ptrdiff_t>(y) * frame.width);
+void Picture::makeMirrors() {
+    for (const Reflection& reflection : drawing_.reflections) {
+        const std::size_t at = mirrors_.size();
+        if (buffers_.mirrors.size() <= at) buffers_.mirrors.push_back(std::make_unique<LayerMemory>());
+        auto layer = std::make_unique<MirrorLayer>(drawing_, reflection, sight_, plan_, kernels_, workers_,
+                                                   buffers_.tiles, *buffers_.mirrors[at], area_);
+        if (!layer->empty()) mirrors_.push_back(std::move(layer));
     }
 }
 
-void Picture::drawFrame(const glm::dvec2& jitter, bool first, std::uint32_t* out, Frame& frame) {
-    SplatPass pass = pass_;
-    pass.centerX = static_cast<float>(drawing_.viewpoint->width * 0.5 + jitter.x);
-    pass.centerY = static_cast<float>(drawing_.viewpoint->height * 0.5 + jitter.y);
-    Surface surface{window_, out, first ? frame.depth.data() : nullptr};
-    if (plan_.eyeDome) {
-        const std::size_t pixels =
-            static_cast<std::size_t>(area_.width()) * static_cast<std::size_t>(area_.height());
-        surface = {area_, grown(buffers_.rgba, pixels), grown(buffers_.depth, pixels)};
+template <class Work>
+void Picture::onMirrors(FrameStats& stats, const Work& work) {
+    if (mirrors_.empty()) return;
+    const auto start = Clock::now();
+    for (const auto& mirror : mirrors_) {
+        if (!workers_.stopped()) work(*mirror);
     }
-    nearestTime_ = resolveTime_ = 0;
-    auto start = Clock::now();
-    inParallel(static_cast<int>(tiles_.size()),
-               [&](int i) { drawTile(tiles_[static_cast<std::size_t>(i)], pass, surface); });
-    // Both stages run side by side: the time that passed is shared out by what each thread spent on them.
-    const double passed = millisecondsSince(start);
-    const double both = std::max(1.0, static_cast<double>(nearestTime_ + resolveTime_));
-    frame.stats.add("nearest", passed * static_cast<double>(nearestTime_) / both);
-    frame.stats.add("resolve", passed * static_cast<double>(resolveTime_) / both);
-    if (!plan_.eyeDome || stop_.stop_requested()) return;
-    start = Clock::now();
-    light(surface, out);
-    if (first) copyDepth(surface, frame);
-    frame.stats.add("eyedome", millisecondsSince(start));
+    stats.add("mirrors", millisecondsSince(start));
+}
+
+void Picture::drawFrame(Layer& layer, const glm::dvec2& jitter, bool first, std::uint32_t* out,
+                        Frame& frame) {
+    const Planes planes = framePlanes(out, first, frame);
+    layer.draw(jitter, planes, frame.stats);
+    onMirrors(frame.stats, [&](MirrorLayer& mirror) { mirror.draw(jitter, planes); });
+    runScreenPasses(plan_.screen, sight_, jitter, planes, kernels_, workers_, buffers_.screen, frame.stats);
+    onMirrors(frame.stats, [&](const MirrorLayer& mirror) { mirror.finish(jitter, planes); });
+    if (planes.rgba != out && !workers_.stopped()) crop(planes, first, out, frame);
 }
 
 void Picture::accumulate(const std::uint32_t* rgba) {
-    overRows(window_.height(), [&](int y0, int y1) {
+    workers_.overRows(window_.height(), [&](int y0, int y1) {
         const std::ptrdiff_t first = static_cast<std::ptrdiff_t>(y0) * window_.width();
         kernels_.accumulate(reinterpret_cast<const std::uint8_t*>(rgba + first),
                             buffers_.sums.data() + 4 * first, 4 * (y1 - y0) * window_.width());
     });
 }
 
-void Picture::drawAveraged(Frame& frame) {
+void Picture::drawAveraged(Layer& layer, Frame& frame) {
     const std::size_t pixels = frame.depth.size();
-    std::uint32_t* const one = grown(buffers_.shaded, pixels);
+    std::uint32_t* const one = grown(buffers_.one, pixels);
     buffers_.sums.assign(pixels * 4, 0);
-    for (std::size_t i = 0; i < drawing_.jitter.size() && !stop_.stop_requested(); ++i) {
-        drawFrame(drawing_.jitter[i], i == 0, one, frame);
+    for (std::size_t i = 0; i < drawing_.jitter.size() && !workers_.stopped(); ++i) {
+        drawFrame(layer, drawing_.jitter[i], i == 0, one, frame);
         const auto start = Clock::now();
         accumulate(one);
         frame.stats.add("average", millisecondsSince(start));
     }
     const auto start = Clock::now();
-    overRows(window_.height(), [&](int y0, int y1) {
+    workers_.overRows(window_.height(), [&](int y0, int y1) {
         const std::ptrdiff_t first = static_cast<std::ptrdiff_t>(y0) * window_.width();
         kernels_.average(buffers_.sums.data() + 4 * first, frame.rgba.data() + 4 * first,
                          (y1 - y0) * window_.width(), static_cast<int>(drawing_.jitter.size()));
@@ -283,18 +132,23 @@ Expected<Frame> Picture::draw() {
     Frame frame;
     frame.width = window_.width();
     frame.height = window_.height();
-    const std::size_t pixels = static_cast<std::size_t>(frame.width) * static_cast<std::size_t>(frame.height);
-    frame.rgba.resize(pixels * 4);
-    frame.depth.resize(pixels);
-    prepareRuns();
-    if (!stop_.stop_requested()) tiles_ = cutIntoTiles(area_, runs_, threads_ * tilesPerThread);
+    frame.rgba.resize(pixelsOf(window_) * 4);
+    frame.depth.resize(pixelsOf(window_));
+    Layer layer(drawing_, *drawing_.cut, drawing_.filter, sight_, plan_, kernels_, workers_, buffers_.tiles,
+                area_);
     frame.stats.add("nearest", millisecondsSince(start));
-    if (drawing_.jitter.size() == 1) {
-        drawFrame(drawing_.jitter[0], true, reinterpret_cast<std::uint32_t*>(frame.rgba.data()), frame);
-    } else {
-        drawAveraged(frame);
+    if (!drawing_.reflections.empty()) {
+        const auto mirrorsStart = Clock::now();
+        makeMirrors();
+        if (!mirrors_.empty()) frame.stats.add("mirrors", millisecondsSince(mirrorsStart));
     }
-    if (stop_.stop_requested())
+    if (drawing_.jitter.size() == 1) {
+        drawFrame(layer, drawing_.jitter[0], true, reinterpret_cast<std::uint32_t*>(frame.rgba.data()),
+                  frame);
+    } else {
+        drawAveraged(layer, frame);
+    }
+    if (workers_.stopped())
         return fail(ErrorCode::Cancelled, "The picture was abandoned: it is no longer wanted.");
     const Cut& cut = *drawing_.cut;
     frame.stats.samplesDrawn = cut.samples;
@@ -302,6 +156,7 @@ Expected<Frame> Picture::draw() {
     frame.stats.nodesVisited = cut.nodesVisited;
     frame.stats.nodesCulled = cut.nodesCulled;
     frame.stats.spacingReached = cut.spacingReached;
+    frame.stats.mirrorsDrawn = static_cast<std::uint32_t>(drawing_.reflections.size());
     frame.stats.device = "cpu";
     return frame;
 }

@@ -2,35 +2,24 @@
 // draw() and thrown away with it, on the render thread; the tasks that it starts run in the device's arena.
 #pragma once
 
-#include <tbb/task_arena.h>
-#include <atomic>
 #include <memory>
-#include <stop_token>
 #include <vector>
 
-#include "renderer/device/cpu/prepare.hpp"
-#include "renderer/device/cpu/tiles.hpp"
+#include "renderer/device/cpu/layer.hpp"
+#include "renderer/device/cpu/mirror_layer.hpp"
+#include "renderer/device/cpu/screen_passes.hpp"
 
 namespace scancast::cpu {
 
 /// Buffers that live as long as the device, so that pictures do not wait for fresh memory.
 struct Buffers {
-    std::vector<std::unique_ptr<std::vector<Key>>> keys;  ///< one block per thread
-    std::vector<std::uint32_t> rgba;  ///< before eye-dome lighting, and frames to be averaged
-    std::vector<std::uint32_t> shaded;
-    std::vector<float> depth, logDepth;
+    TileMemories tiles;
+    LayerMemory frame;  ///< of a frame with its margin
+    std::vector<std::unique_ptr<LayerMemory>> mirrors;
+    ScreenMemory screen;
+    std::vector<std::uint32_t> one;  ///< a frame to be averaged
     std::vector<std::uint16_t> sums;
-    ColorTables tables;
 };
-
-/// The passes of a drawing as this device runs them.
-struct PassPlan {
-    NearestPass nearest;
-    std::optional<EyeDomePass> eyeDome;
-};
-
-/// Unsupported for a list that is not nearest, resolve and at most one eye-dome pass.
-Expected<PassPlan> planPasses(std::span<const Pass> passes);
 
 class Picture {
   public:
@@ -39,43 +28,24 @@ class Picture {
     Expected<Frame> draw();
 
   private:
-    /// Pixels in memory: `area` of the whole picture, row by row.
-    struct Surface {
-        Rect area;
-        std::uint32_t* rgba = nullptr;
-        float* depth = nullptr;  ///< may be null
-    };
-
-    void prepareRuns();
-    void drawFrame(const glm::dvec2& jitter, bool first, std::uint32_t* out, Frame& frame);
-    void drawAveraged(Frame& frame);
-    void drawTile(const Tile& tile, const SplatPass& pass, const Surface& surface);
-    void drawRuns(const Tile& tile, const SplatPass& pass, const KeyTile& keys);
-    void light(const Surface& from, std::uint32_t* out);
-    void copyDepth(const Surface& from, Frame& frame);
+    Planes framePlanes(std::uint32_t* out, bool first, Frame& frame);
+    template <class Work>
+    void onMirrors(FrameStats& stats, const Work& work);
+    void drawFrame(Layer& layer, const glm::dvec2& jitter, bool first, std::uint32_t* out, Frame& frame);
+    void makeMirrors();
+    void crop(const Planes& planes, bool first, std::uint32_t* out, Frame& frame);
+    void drawAveraged(Layer& layer, Frame& frame);
     void accumulate(const std::uint32_t* rgba);
-    KeyTile keyTile(const Rect& area);
-    /// Runs work(0) … work(count - 1), in any order; stops early when asked to.
-    template <class Work>
-    void inParallel(int count, const Work& work);
-    /// The same over bands of rows.
-    template <class Work>
-    void overRows(int rows, const Work& work);
 
     const Drawing& drawing_;
     const PassPlan& plan_;
     const Kernels& kernels_;
-    const int threads_;
-    tbb::task_arena& arena_;
+    const Workers workers_;
     Buffers& buffers_;
-    const std::stop_token stop_;
+    Sight sight_;
     Rect window_;
-    Rect area_;  ///< the window, and what eye-dome lighting looks at beyond it
-    SplatPass pass_;
-    std::vector<PreparedRun> runs_;
-    std::vector<Tile> tiles_;
-    std::vector<std::uint32_t> background_;                      ///< rows of area_
-    std::atomic<std::int64_t> nearestTime_{0}, resolveTime_{0};  ///< ns, all threads
+    Rect area_;  ///< the window, and what screen passes look at beyond it
+    std::vector<std::unique_ptr<MirrorLayer>> mirrors_;  ///< those that lie in the area
 };
 
 }  // namespace scancast::cpu

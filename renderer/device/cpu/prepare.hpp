@@ -3,12 +3,16 @@
 // splats get. Pure functions; any thread.
 #pragma once
 
+#include <array>
 #include <cstdint>
+#include <memory>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "renderer/device/cpu/colors.hpp"
 #include "renderer/device/cpu/kernels/kernels.hpp"
+#include "renderer/device/cpu/pass_plan.hpp"
 #include "renderer/device/device.hpp"
 
 namespace scancast::cpu {
@@ -24,20 +28,47 @@ struct Rect {
     }
 };
 
-struct PreparedRun {
-    SplatRun run;
-    Rect bounds;  ///< no fragment of any jittered frame lies outside; clipped to the area drawn
-    std::int32_t nearestOrder = 0;  ///< bits of a depth that no fragment lies in front of
-    double work = 0;                ///< estimated cost, cycles
+/// One splat pass of a list, with the kernels' numbers.
+struct SplatStage {
+    enum class Kind : std::uint8_t { Silhouette, Nearest, Sum, Cell };
+    Kind kind = Kind::Nearest;
+    Splat splat;
+    SplatPass pass;
 };
 
-/// `jitter` is left out: it only moves centerX and centerY.
-SplatPass preparePass(const Viewpoint& viewpoint, const NearestPass& pass);
+/// What a picture, or its reflection in a mirror, is seen with.
+struct Sight {
+    const Viewpoint* viewpoint = nullptr;
+    int pad = 0;            ///< rows and columns that every coordinate is shifted by, for a guard band
+    bool surfels = false;   ///< samples carry radii, ellipses and normals
+    bool oriented = false;  ///< a normal's sign means something
+};
+
+/// How large a run's splats are in one pass.
+struct PassSize {
+    float sizeFactor = 0, largestPx = 0;
+    /// Bits of a depth: where something lies in front of it, the pass draws nothing of the run. 0: unknown.
+    std::int32_t frontOrder = 0;
+};
+
+inline constexpr std::size_t mostSplatPasses = 4;
+
+struct PreparedRun {
+    SplatRun run;
+    std::shared_ptr<const std::vector<DroppedRegion>> dropped;  ///< what `run` points to
+    Rect bounds;  ///< no fragment of any jittered frame lies outside; clipped to the area drawn
+    std::array<PassSize, mostSplatPasses> sizes;  ///< by stage
+    float front = 0;                              ///< no fragment lies in front of this depth
+    double work = 0;                              ///< estimated cost, cycles
+};
+
+/// The splat passes of a plan, in their order, without colours. `jitter` is left out: it only moves centerX
+/// and centerY.
+std::vector<SplatStage> splatStages(const PassPlan& plan, const Sight& sight);
 
 /// nullopt: nothing of the run can be seen in `area`. `maxJitter` is the largest shift of any frame, px.
-std::optional<PreparedRun> prepareRun(const CutRun& run, const Viewpoint& viewpoint,
-                                      const NearestPass& nearest, const SplatPass& pass,
-                                      const ColorRule& color, const SampleFilter& filter, const Rect& area,
-                                      double maxJitter);
+std::optional<PreparedRun> prepareRun(const CutRun& run, const Sight& sight,
+                                      std::span<const SplatStage> stages, const ColorRule& color,
+                                      const SampleFilter& filter, const Rect& area, double maxJitter);
 
 }  // namespace scancast::cpu

@@ -2,10 +2,13 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cfloat>
 #include <cmath>
 
+#include "renderer/cloud/surfel_codec.hpp"
 #include "renderer/device/splat_plan.hpp"
+#include "renderer/select/fade.hpp"
 
 namespace scancast::gl {
 namespace {
@@ -15,16 +18,19 @@ struct PassNames {
     std::optional<EyeDomePass> eyeDome;
 };
 
+bool drawsSprites(const NearestPass& pass) {
+    return pass.payload == Payload::Color && !ofSurfels(pass);
+}
+
 Expected<PassNames> namePasses(std::span<const Pass> passes) {
     const bool known = (passes.size() == 2 || passes.size() == 3) &&
                        std::holds_alternative<NearestPass>(passes[0]) &&
                        std::holds_alternative<ResolvePass>(passes[1]) &&
                        (passes.size() == 2 || std::holds_alternative<EyeDomePass>(passes[2]));
-    if (!known)
-        return fail(
-            ErrorCode::Unsupported,
-            "The gl device draws nearest, resolve and eye-dome passes, in this order; this method lists "
-            "others. Use --backend=cpu for it.");
+    if (!known || !drawsSprites(std::get<NearestPass>(passes[0])))
+        return fail(ErrorCode::Unsupported,
+                    "OpenGL devices draw sprites, unlit or with eye-dome lighting; this method needs other "
+                    "passes. Use --backend=cpu for it.");
     PassNames names{std::get<NearestPass>(passes[0]), std::nullopt};
     if (passes.size() == 3) names.eyeDome = std::get<EyeDomePass>(passes[2]);
     return names;
@@ -87,6 +93,7 @@ std::vector<std::uint32_t> colorTable(const ColorRule& rule, const SampleFilter&
         table[i] = packed(rule.ramp[i]);
         if (filter.classes) table[256 + i] = (*filter.classes)[i] ? 1 : 0;
     }
+    for (const float radius : surfelRadii()) table.push_back(std::bit_cast<std::uint32_t>(radius));
     if (rule.source != ColorSource::Normal) return table;
     // -1 … 1 → 0 … 255 per axis; no normal is mid grey.
     const auto channel = [](float v) {
@@ -177,7 +184,9 @@ std::optional<RunParams> runParams(const CutRun& cutRun, const Drawing& d, const
     const double colorScale = std::isnormal(width) ? static_cast<float>(255.0 / width) : 0.0f;
     run.factors = {static_cast<float>(std::clamp(factor, 0.0, 1e30)),
                    static_cast<float>(node.step.z * colorScale),
-                   static_cast<float>((node.boxMin.z - d.color.low) * colorScale), 0};
+                   static_cast<float>((node.boxMin.z - d.color.low) * colorScale),
+                   d.surfels ? node.radiusUnit / node.spacing : 0.0f};
+    run.color.y = lastTurn(cutRun.share);
     if (d.color.source == ColorSource::Flat) run.color.x = packed(d.color.flat);
     if (d.color.source == ColorSource::Lod) run.color.x = packed(d.color.ramp[node.level]);
     return run;
@@ -186,6 +195,7 @@ std::optional<RunParams> runParams(const CutRun& cutRun, const Drawing& d, const
 /// Deals a run's samples out to pages, and each page's part to chunks.
 void addSamples(DrawPlan& plan, std::span<const Sample> samples, std::uint32_t run,
                 std::uint32_t pageSamples) {
+    std::uint32_t index = 0;  // in the run
     while (!samples.empty()) {
         if (plan.pages.empty() || plan.pages.back().samples == pageSamples) {
             plan.pages.emplace_back();
@@ -197,10 +207,11 @@ void addSamples(DrawPlan& plan, std::span<const Sample> samples, std::uint32_t r
         page.segments.push_back(samples.first(count));
         for (std::uint32_t first = 0; first < count; first += chunkSamples) {
             plan.chunks.push_back(
-                {uvec4(page.samples + first, std::min(chunkSamples, count - first), run, 0)});
+                {uvec4(page.samples + first, std::min(chunkSamples, count - first), run, index + first)});
             ++page.chunks;
         }
         page.samples += count;
+        index += count;
         samples = samples.subspan(count);
     }
 }
@@ -229,6 +240,7 @@ std::vector<Define> NearestVariant::defines(int stage) const {
     std::vector<Define> all{
         {"STAGE", stage},
         {"GROUP_SIZE", 128},
+        {"TURN_STEP", static_cast<int>(turnStep)},
         {"SHAPE", static_cast<int>(shape)},
         {"COLORING", stage == 0 ? 0 : static_cast<int>(coloring)},  // colour decides no order
         {"PERSPECTIVE", perspective},

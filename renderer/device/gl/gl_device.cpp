@@ -95,6 +95,10 @@ class GlDevice final : public Device {
         if (drawing.jitter.size() > maxFrames)
             return fail(ErrorCode::ResourceLimit,
                         "At most " + std::to_string(maxFrames) + " frames can be averaged into one picture.");
+        if (!drawing.reflections.empty() || !drawing.filter.dropped.empty())
+            return fail(ErrorCode::Unsupported,
+                        "OpenGL draws no mirrors yet; draw with --backend=cpu, or with mirrors=false and "
+                        "behindMirrors=true.");
         Frame frame;
         const auto plan = [&] {
             const StageTimer timer(frame.stats, "nearest");

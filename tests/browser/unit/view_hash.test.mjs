@@ -8,7 +8,8 @@ import { manyCameras, random } from '../support/cameras.mjs';
 
 const style = {
   method: 'paraboloid', param: { sizePx: 5.5, footprint: 'square', smooth: true }, color: 'elevation', colormap: 'turbo',
-  range: [-3, 25.25], shading: 'eyedome', background: ['#102030', '#000000'], detail: 0.5,
+  range: [-3, 25.25], shading: 'eyedome', mirrors: false, behindMirrors: true,
+  background: ['#102030', '#000000'], detail: 0.5,
 };
 
 describe('the hash', () => {
@@ -28,7 +29,7 @@ describe('the hash', () => {
   });
 
   it('one colour, one background, and what the server is left to choose', () => {
-    const view = { ...style, color: '#ff8800', background: '#ffffff', range: null, shading: null, detail: null, param: {} };
+    const view = { ...style, color: '#ff8800', background: '#ffffff', range: null, shading: null, mirrors: null, behindMirrors: null, detail: null, param: {} };
     const read = parseHash(printHash('a.b-c_d', view));
     assert.equal(read.cloud, 'a.b-c_d');
     assert.deepEqual(read.style, { method: 'paraboloid', param: {}, color: '#ff8800', colormap: 'turbo', background: '#ffffff' });
@@ -45,7 +46,7 @@ describe('the hash', () => {
       '#eye=NaN,0,0&target=0,0,0', '#eye=1e999,0,0&target=0,0,0', '#eye=1,2&target=0,0,0', '#eye=0x10,0,0&target=0,0,0',
       '#%E0%A4%A=1&method=%E0%A4%A', '#range=5,1', '#range=1', '#detail=-1', '#detail=1e9', '#background=javascript:alert(1)',
       '#background=red,green,blue', '#method=cone&param.__proto__=1&param.constructor=2&param.sizePx=1e999', '#====&&&=&a', '#color=%23zzzzzz',
-      '#colormap=url(x)', '#shading=a%20b',
+      '#colormap=url(x)', '#shading=a%20b', '#mirrors=yes&behindMirrors=1',
     ];
     for (const hash of hostile) {
       const read = parseHash(hash);
@@ -78,7 +79,7 @@ describe('the words of a snapshot', () => {
       snapshotUrl('my town', { camera, ...style }, 800, 600),
       '/api/v1/clouds/my%20town/snapshot.png?eye=1,2,3&target=0,0,0.3&up=0,0,1&projection=orthographic&viewHeight=25' +
         '&method=paraboloid&param.sizePx=5.5&param.footprint=square&param.smooth=true&color=elevation&colormap=turbo' +
-        '&range=-3,25.25&shading=eyedome&background=102030,000000&detail=0.5&width=800&height=600',
+        '&range=-3,25.25&shading=eyedome&mirrors=false&behindMirrors=true&background=102030,000000&detail=0.5&width=800&height=600',
     );
   });
 

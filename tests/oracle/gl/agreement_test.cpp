@@ -11,6 +11,7 @@
 #include "renderer/method/method.hpp"
 #include "tests/oracle/gl/gl_backends.hpp"
 #include "tests/support/analytic_cut.hpp"
+#include "tests/support/faded_cut.hpp"
 
 namespace scancast::test {
 namespace {
@@ -141,7 +142,7 @@ PassList passesOf(const char* name, const ParameterValues& given, Shading shadin
     if (!method) throw std::runtime_error(std::string("no method ") + name);
     const auto values = resolveParameters(*method, given);
     if (!values) throw std::runtime_error(values.error().message);
-    return method->passes(*method, *values, shading);
+    return method->passes({*method, *values, shading});
 }
 
 TEST_P(DeviceAgreement, Method) {
@@ -175,8 +176,52 @@ class DrawingAgreement : public testing::TestWithParam<std::string> {
     const PassList lit_ = passesOf("paraboloid", {}, Shading::EyeDome);
     Drawing drawing_ = drawingOf(from_, sharedScene().cut(), passes_);
 };
+TEST_P(DrawingAgreement, RunsDrawnInPart) {
+    const Cut faded = withShares(sharedScene().cut());
+    drawing_.cut = &faded;
+    check(drawing_);
+}
+
+// Right because the second cut holds nothing but the samples that the first one draws.
+TEST_P(DrawingAgreement, ARunInPartIsItsDrawnSamples) {
+    REQUIRE_DEVICE(gl, GetParam());
+    const Cut faded = withShares(sharedScene().cut());
+    const DrawnOnly drawn(faded);
+    drawing_.cut = &faded;
+    const auto inPart = gl->draw(drawing_, {});
+    drawing_.cut = &drawn.cut();
+    const auto whole = gl->draw(drawing_, {});
+    ASSERT_TRUE(inPart && whole);
+    EXPECT_EQ(inPart->rgba, whole->rgba);
+    EXPECT_EQ(inPart->depth, whole->depth);
+}
+
 INSTANTIATE_TEST_SUITE_P(Gl, DrawingAgreement, testing::Values("egl", "osmesa"),
                          [](const testing::TestParamInfo<std::string>& c) { return c.param; });
+
+// Right because both devices look a sample's radius up in the same table of the same bits.
+TEST_P(DrawingAgreement, SamplesWithRadiiOfTheirOwn) {
+    Numbers numbers(8);
+    std::vector<AnalyticPoint> points(20'000);
+    for (AnalyticPoint& p : points) {
+        p.position = numbers.onSphere();
+        p.rgb = numbers.color();
+        Surfel surfel;
+        surfel.normal = glm::vec3(p.position);
+        surfel.radius = static_cast<float>(numbers.uniform(0.005, 0.05));
+        surfel.outlier = numbers.uniform() < 0.02;
+        p.surfel = surfel;
+    }
+    const AnalyticCloud cloud(points, 0.02);
+    drawing_.cut = &cloud.cut();
+    drawing_.surfels = true;
+    for (const char* method : {"paraboloid", "square", "circle", "sphere"}) {
+        SCOPED_TRACE(method);
+        const PassList passes = passesOf(method, {}, Shading::Unlit);
+        drawing_.passes = passes;
+        check(drawing_);
+    }
+}
 
 TEST_P(DrawingAgreement, EveryColorSource) {
     const ColorRule rules[] = {

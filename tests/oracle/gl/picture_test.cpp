@@ -28,7 +28,7 @@ class GlPicture : public testing::TestWithParam<std::string> {
 INSTANTIATE_TEST_SUITE_P(Gl, GlPicture, testing::Values("egl", "osmesa"),
                          [](const testing::TestParamInfo<std::string>& c) { return c.param; });
 
-const PassList points{NearestPass{Footprint::Pixel, Profile::Flat, {}, 0}, ResolvePass{}};
+const PassList points{NearestPass{{Footprint::Pixel, Profile::Flat, {}, 0}}, ResolvePass{}};
 
 /// Oracle: in front of an orthographic camera that shows one unit a pixel, a point's pixel is its own
 /// coordinates.
@@ -87,7 +87,7 @@ TEST_P(GlPicture, EqualParaboloidsShowTheVoronoiDiagram) {
     const AnalyticCloud cloud(centres, 1);
     const Viewpoint from =
         lookAtOrthographic({side / 2.0, 0, side / 2.0}, {side / 2.0, 1, side / 2.0}, side, side, side);
-    const PassList paraboloids{NearestPass{Footprint::Circle, Profile::Paraboloid, {2 * radius, 1, 1, 50}, 2},
+    const PassList paraboloids{NearestPass{{Footprint::Circle, Profile::Paraboloid, {2 * radius, 1, 1, 50}, 2}},
                                ResolvePass{}};
     const auto frame = gl->draw(onBlack(from, cloud.cut(), paraboloids), {});
     ASSERT_TRUE(frame) << frame.error().message;
@@ -121,7 +121,7 @@ TEST_P(GlPicture, SquaresOfWholePixelsCoverTheirArea) {
         const Viewpoint from = lookAtOrthographic({15, 0, 15}, {15, 1, 15}, 30, 30, 30);
         for (const int side : {1, 2, 3, 4, 5, 8, 12}) {
             const PassList squares{
-                NearestPass{Footprint::Square, Profile::Flat, {static_cast<float>(side), 1, 1, 50}, 0},
+                NearestPass{{Footprint::Square, Profile::Flat, {static_cast<float>(side), 1, 1, 50}, 0}},
                 ResolvePass{}};
             const auto frame = gl->draw(onBlack(from, cloud.cut(), squares), {});
             ASSERT_TRUE(frame) << frame.error().message;
@@ -143,7 +143,7 @@ TEST_P(GlPicture, EverySpriteIsTheReferences) {
                                lookAtOrthographic({0.3, -3, 1}, {0, 0, 0}, 160, 120, 2.5)};
     for (const Viewpoint& from : views) {
         for (const Profile profile : {Profile::Flat, Profile::Paraboloid, Profile::Cone, Profile::Sphere}) {
-            const PassList sprites{NearestPass{Footprint::Circle, profile, {}, 2}, ResolvePass{}};
+            const PassList sprites{NearestPass{{Footprint::Circle, profile, {}, 2}}, ResolvePass{}};
             const Drawing drawing = onBlack(from, cloud.cut(), sprites);
             const auto frame = gl->draw(drawing, {});
             ASSERT_TRUE(frame) << frame.error().message;

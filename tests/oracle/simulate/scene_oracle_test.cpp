@@ -115,6 +115,43 @@ TEST(Sphere, IsCoveredEvenly) {
     for (const int count : slices) EXPECT_NEAR(count, 5000, 150);
 }
 
+// Rows of equal shares, shaken by less than half a square: with 600 x 400 points each of the squares that
+// tile the board, 2.4 m x 1.6 m, holds exactly one.
+TEST(Sign, PointsStandInShakenRows) {
+    const PointBatch points = drain({.scene = "sign", .points = 240000, .noise = 0});
+    std::vector<int> count(240000);
+    std::size_t shaken = 0;
+    for (const glm::dvec3& at : points.position) {
+        ASSERT_NEAR(at.y, 0, 1e-12);
+        const double u = (at.x + 1.2) / 0.004, v = at.z / 0.004;
+        ++count[std::size_t(v) * 600 + std::size_t(u)];
+        shaken += std::abs(u - std::floor(u) - 0.5) > 0.1;
+    }
+    EXPECT_EQ(std::ranges::count(count, 1), 240000);
+    EXPECT_GT(shaken, 240000u / 3) << "no jitter";
+}
+
+// |x|, |y| or |z| is 1 and the rest less: the surface of the cube, each face with its own class and outward
+// normal.
+TEST(Cube, PointsLieOnSixFaces) {
+    const PointBatch points = drain({.scene = "cube", .points = 60000, .noise = 0});
+    std::array<int, 7> faces{};
+    for (std::size_t i = 0; i < points.size(); ++i) {
+        const glm::dvec3 at = points.position[i], size = glm::abs(at);
+        ASSERT_NEAR(std::max({size.x, size.y, size.z}), 1, 1e-12);
+        ASSERT_NEAR(glm::dot(at, glm::dvec3(points.normal[i])), 1, 1e-6);
+        ++faces[points.classification[i]];
+    }
+    for (int face = 1; face <= 6; ++face) EXPECT_NEAR(faces[std::size_t(face)], 10000, 50);
+}
+
+// (distance from the axis - 1)² + z² = 0.4² is the torus.
+TEST(Torus, PointsLieOnTheTorus) {
+    const PointBatch points = drain({.scene = "torus", .points = 50021, .noise = 0});
+    for (const glm::dvec3& at : points.position)
+        ASSERT_NEAR(std::hypot(std::hypot(at.x, at.y) - 1, at.z), 0.4, 1e-12);
+}
+
 // The chart is z = 0, |x|, |y| ≤ 1.
 TEST(Plane, PointsLieOnThePlane) {
     const PointBatch points = drain({.scene = "plane", .points = 30011, .noise = 0});

@@ -18,17 +18,20 @@ const Method& method(const char* name) {
 
 PassList passes(const char* name, const ParameterValues& given, Shading shading = Shading::Unlit) {
     const Method& m = method(name);
-    return m.passes(m, resolveParameters(m, given).value(), shading);
+    return m.passes({m, resolveParameters(m, given).value(), shading});
 }
 
 NearestPass nearest(const char* name, const ParameterValues& given) {
     return std::get<NearestPass>(passes(name, given).front());
 }
 
-TEST(Methods, AreTheSixSprites) {
+TEST(Methods, BeginWithTheSixSprites) {
     std::vector<std::string> names;
     for (const Method& m : methods()) names.push_back(m.name);
-    EXPECT_THAT(names, ElementsAre("paraboloid", "cone", "sphere", "circle", "square", "point"));
+    ASSERT_GE(names.size(), 6u);
+    EXPECT_THAT(std::vector(names.begin(), names.begin() + 6),
+                ElementsAre("paraboloid", "cone", "sphere", "circle", "square", "point"));
+    EXPECT_EQ(std::set(names.begin(), names.end()).size(), names.size()) << "every name once";
     EXPECT_EQ(findMethod("voronoy"), nullptr);
     EXPECT_EQ(findMethod(""), nullptr);
 }
@@ -53,12 +56,22 @@ TEST(Methods, DescribeThemselvesAndHaveLegalDefaults) {
 TEST(Methods, EndWithTheScreenPassesOfTheShading) {
     for (const Method& m : methods()) {
         const PassList unlit = passes(m.name.c_str(), {});
+        EXPECT_FALSE(std::holds_alternative<PhongPass>(unlit.back())) << m.name;
+        EXPECT_FALSE(std::holds_alternative<EyeDomePass>(unlit.back())) << m.name;
+        const PassList dome = passes(m.name.c_str(), {}, Shading::EyeDome);
+        EXPECT_TRUE(std::holds_alternative<EyeDomePass>(dome.back())) << m.name;
+        EXPECT_EQ(dome.size(), unlit.size() + 1) << m.name;
+        const PassList phong = passes(m.name.c_str(), {}, Shading::Phong);
+        EXPECT_TRUE(std::holds_alternative<PhongPass>(phong.back())) << m.name;
+    }
+}
+
+TEST(Methods, OfSpritesAreOneSplatPass) {
+    for (const Method& m : methods().first(6)) {
+        const PassList unlit = passes(m.name.c_str(), {});
         ASSERT_EQ(unlit.size(), 2u) << m.name;
         EXPECT_TRUE(std::holds_alternative<NearestPass>(unlit[0]));
         EXPECT_TRUE(std::holds_alternative<ResolvePass>(unlit[1]));
-        const PassList lit = passes(m.name.c_str(), {}, Shading::EyeDome);
-        ASSERT_EQ(lit.size(), 3u) << m.name;
-        EXPECT_TRUE(std::holds_alternative<EyeDomePass>(lit[2]));
     }
 }
 
@@ -77,6 +90,53 @@ TEST(Methods, PassParametersOn) {
     EXPECT_EQ(nearest("point", {}).footprint, Footprint::Pixel);
     EXPECT_EQ(nearest("sphere", {}).profile, Profile::Sphere);
     EXPECT_EQ(nearest("cone", {}).gain, 2);
+}
+
+template <class P>
+const P* find(const PassList& list) {
+    for (const Pass& pass : list) {
+        if (const P* found = std::get_if<P>(&pass)) return found;
+    }
+    return nullptr;
+}
+
+TEST(Methods, OfSurfelsNeedSurfelsAndAreLit) {
+    for (const char* name : {"disc", "ewa", "voronoi"}) {
+        EXPECT_EQ(method(name).needs, Needs::Surfels) << name;
+        EXPECT_EQ(method(name).defaultShading, Shading::Phong) << name;
+        EXPECT_EQ(method(name).defaultDetail, 2) << name;
+        const PassList lit = passes(name, {{"scale", 1.5}, {"cull", false}}, Shading::Phong);
+        const NearestPass& pass = *find<NearestPass>(lit);
+        EXPECT_EQ(pass.size.scale, 1.5f) << name;
+        EXPECT_EQ(pass.facing, Facing::Any) << name;
+        EXPECT_EQ(pass.payload, Payload::Sample) << name << ": light needs normals";
+        EXPECT_TRUE(find<ResolvePass>(lit)->normals) << name;
+        EXPECT_EQ(find<NearestPass>(passes(name, {}))->facing, Facing::Front) << name;
+    }
+}
+
+TEST(Methods, EllipsesAreBlendedDiscsAreNot) {
+    EXPECT_EQ(find<NearestPass>(passes("disc", {}))->footprint, Footprint::Disc);
+    EXPECT_EQ(find<SumPass>(passes("disc", {})), nullptr);
+    const PassList ewa = passes("ewa", {{"lowPass", 0.75}}, Shading::Phong);
+    EXPECT_EQ(find<NearestPass>(ewa)->footprint, Footprint::Ellipse);
+    EXPECT_EQ(find<NearestPass>(ewa)->lowPassPx, 0.75f);
+    EXPECT_EQ(find<SumPass>(ewa)->lowPassPx, 0.75f);
+    EXPECT_TRUE(find<SumPass>(ewa)->normals);
+    EXPECT_TRUE(find<ResolvePass>(ewa)->sums);
+}
+
+TEST(Methods, VoronoiListsThePassesOfItsPaperInOrder) {
+    const PassList flat = passes("voronoi", {{"smooth", false}, {"tolerance", 0.5}});
+    ASSERT_EQ(flat.size(), 3u);
+    EXPECT_TRUE(std::holds_alternative<NearestPass>(flat[0]));
+    EXPECT_EQ(std::get<CellPass>(flat[1]).tolerance, 0.5f);
+    EXPECT_FALSE(std::get<ResolvePass>(flat[2]).sums);
+    const PassList all = passes("voronoi", {{"silhouette", true}});
+    ASSERT_EQ(all.size(), 5u);
+    EXPECT_EQ(std::get<SilhouettePass>(all[0]).facing, Facing::Back);
+    EXPECT_EQ(std::get<SumPass>(all[2]).reach, 2);
+    EXPECT_TRUE(std::get<ResolvePass>(all[4]).sums);
 }
 
 TEST(ResolveParameters, RefusesWhatIsOutOfRangeAndNamesTheRange) {

@@ -25,6 +25,8 @@ inline View richView() {
     view.style.classes = {{2, 6, 255}};
     view.style.clip = ClipBox{{0, 1, 2}, {3, 4, 5}};
     view.style.shading = Shading::Phong;
+    view.style.mirrors = false;
+    view.style.behindMirrors = true;
     view.style.background = {Background::Kind::Color, {1, 2, 3}, Background{}.bottom};
     view.quality.detail = 0.5;
     view.quality.budget = 18446744073709551615u;

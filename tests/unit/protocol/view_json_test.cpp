@@ -44,10 +44,10 @@ TEST(ViewJson, NothingIsLostWhereEverythingMatters) {
 TEST(ViewJson, CanonicalTextIsFixed) {
     EXPECT_EQ(
         printJson(toJson(View{})),
-        R"({"background":["#3a424e","#16191e"],"budget":null,"camera":{"eye":[0.0,-1.0,0.0],"far":null,)"
+        R"({"background":["#3a424e","#16191e"],"behindMirrors":false,"budget":null,"camera":{"eye":[0.0,-1.0,0.0],"far":null,)"
         R"("fov":60.0,"near":null,"target":[0.0,0.0,0.0],"type":"perspective","up":[0.0,0.0,1.0]},)"
         R"("classes":null,"clip":null,"color":"rgb","colormap":"viridis","detail":null,"height":720,)"
-        R"("method":"paraboloid","param":{},"quality":90,"range":null,"samples":null,"shading":null,)"
+        R"("method":"paraboloid","mirrors":true,"param":{},"quality":90,"range":null,"samples":null,"shading":null,)"
         R"("subsampling":"4:2:0","width":1280})");
 }
 
@@ -151,6 +151,8 @@ TEST(ViewJson, WrongTypesAndValuesNameTheirPath) {
         {R"({"clip": {"min": [0,0,0]}})", "clip.max"},
         {R"({"clip": [0,0,0,1,1,1]})", "clip"},
         {R"({"shading": "gouraud"})", "shading"},
+        {R"({"mirrors": 1})", "mirrors"},
+        {R"({"behindMirrors": null})", "behindMirrors"},
         {R"({"background": "#12"})", "background"},
         {R"({"background": ["#000000"]})", "background"},
         {R"({"background": {}})", "background"},

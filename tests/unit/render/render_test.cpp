@@ -16,7 +16,7 @@ using testing::HasSubstr;
 /// Draws each pixel as a function of its place in the whole picture, so that a tile pasted wrongly shows.
 class NotingDevice : public Device {
   public:
-    DeviceInfo info() const override { return {"noting", "", "", "", false, "noting"}; }
+    DeviceInfo info() const override { return {"noting", "", "", "", false, "noting", -1, mirrors}; }
 
     Expected<Frame> draw(const Drawing& drawing, std::stop_token stop) override {
         if (stop.stop_requested()) return fail(ErrorCode::Cancelled, "cancelled");
@@ -25,6 +25,8 @@ class NotingDevice : public Device {
         passes.assign(drawing.passes.begin(), drawing.passes.end());
         color = drawing.color;
         cutSamples = drawing.cut->samples;
+        reflections = drawing.reflections.size();
+        regionsDropped = drawing.filter.dropped.size();
         const Window& w = drawing.window;
         Frame frame{w.width, w.height, {}, {}, {}};
         for (int y = w.y; y < w.y + w.height; ++y) {
@@ -43,6 +45,8 @@ class NotingDevice : public Device {
     std::vector<Pass> passes;
     ColorRule color;
     std::uint64_t cutSamples = 0;
+    bool mirrors = false;
+    std::size_t reflections = 0, regionsDropped = 0;
 };
 
 /// One leaf of four samples at the corners of a 2 × 2 square around the origin, far from file zero.
@@ -60,7 +64,7 @@ Cloud fourPoints() {
     node.step = glm::dvec3(2.0 / 65535);
     node.center = {0, 0, 1};
     node.radius = 2;
-    node.spacing = 1;
+    node.spacing = node.meanSpacing = 1;
     node.sampleCount = 4;
     node.points = 4;
     std::vector<Sample> samples(4);
@@ -106,6 +110,35 @@ TEST(Render, APosterIsDrawnInTilesThatFitTogether) {
     }
     // Eye-dome lighting looks at neighbours, so inner tiles are drawn with a margin.
     EXPECT_GT(device.windows[1].width, 2048);
+}
+
+TEST(Render, DevicesWithoutMirrorsDrawThePointsAsRecordedAndSaySo) {
+    Cloud cloud = fourPoints();
+    Mirror mirror;
+    mirror.center = cloud.origin;
+    mirror.normal = glm::normalize(glm::dvec3(0, -1, 1));
+    mirror.up = glm::normalize(glm::dvec3(0, 1, 1));
+    mirror.width = mirror.height = 1;
+    cloud.mirrors = {mirror};
+    NotingDevice device;
+    View view = fromAbove(cloud);
+    auto frame = render(device, cloud, view);
+    ASSERT_TRUE(frame) << frame.error().message;
+    EXPECT_EQ(device.reflections + device.regionsDropped, 0u);
+    EXPECT_EQ(frame->stats.mirrorsDrawn, 0u);
+    EXPECT_EQ(frame->stats.mirrorsLeftOut, 1u);
+    device.mirrors = true;
+    frame = render(device, cloud, view);
+    ASSERT_TRUE(frame) << frame.error().message;
+    EXPECT_EQ(device.reflections, 1u);
+    EXPECT_EQ(device.regionsDropped, 1u);
+    EXPECT_EQ(frame->stats.mirrorsDrawn, 1u);
+    view.style.mirrors = false;
+    view.style.behindMirrors = true;
+    frame = render(device, cloud, view);
+    ASSERT_TRUE(frame) << frame.error().message;
+    EXPECT_EQ(device.reflections + device.regionsDropped, 0u);
+    EXPECT_EQ(frame->stats.mirrorsDrawn + frame->stats.mirrorsLeftOut, 0u);
 }
 
 TEST(Render, AntiAliasingDoesNotMoveThePicture) {
@@ -175,7 +208,8 @@ TEST(Render, UnknownMethodNamesTheKnownOnes) {
 }
 
 TEST(Render, EveryMethodDrawsWithItsDefaults) {
-    const Cloud cloud = fourPoints();
+    Cloud cloud = fourPoints();
+    cloud.surfels = true;
     NotingDevice device;
     for (const auto& method : methods()) {
         View view = fromAbove(cloud);
@@ -184,6 +218,66 @@ TEST(Render, EveryMethodDrawsWithItsDefaults) {
         ASSERT_TRUE(frame) << method.name << ": " << frame.error().message;
         EXPECT_FALSE(device.passes.empty());
     }
+}
+
+TEST(Render, MethodsThatNeedSurfelsSayHowToGetThem) {
+    const Cloud cloud = fourPoints();
+    NotingDevice device;
+    int refused = 0;
+    for (const auto& method : methods()) {
+        View view = fromAbove(cloud);
+        view.style.method = method.name;
+        const auto frame = render(device, cloud, view);
+        EXPECT_EQ(frame.has_value(), method.needs == Needs::Points) << method.name;
+        if (frame) continue;
+        ++refused;
+        EXPECT_EQ(frame.error().code, ErrorCode::Unsupported);
+        EXPECT_EQ(frame.error().field, "method");
+        EXPECT_THAT(frame.error().message, HasSubstr("scancast ingest"));
+    }
+    EXPECT_GE(refused, 3);
+}
+
+TEST(Render, LightNeedsNormalsUnlessTheMethodMakesThem) {
+    const Cloud cloud = fourPoints();
+    NotingDevice device;
+    View view = fromAbove(cloud);
+    view.style.shading = Shading::Phong;
+    const auto frame = render(device, cloud, view);
+    ASSERT_FALSE(frame);
+    EXPECT_EQ(frame.error().field, "shading");
+    EXPECT_THAT(frame.error().message, HasSubstr("pyramid"));
+    view.style.method = "pyramid";
+    EXPECT_TRUE(render(device, cloud, view));
+}
+
+TEST(Render, AutoSaysWhatItChoseAndWhy) {
+    // Four points a whole unit apart, seen from above: sparse on screen.
+    Cloud cloud = fourPoints();
+    NotingDevice device;
+    View view = fromAbove(cloud);
+    view.style.method = "auto";
+    const auto chosen = [&](bool surfels, bool colors) {
+        cloud.surfels = surfels;
+        cloud.attributes.color = colors;
+        const auto frame = render(device, cloud, view);
+        if (!frame) return "refused: " + frame.error().message;
+        EXPECT_THAT(frame->stats.methodReason, HasSubstr("px apart"));
+        return frame->stats.method;
+    };
+    EXPECT_EQ(chosen(true, true), "ewa");
+    EXPECT_EQ(chosen(true, false), "ewa");
+    EXPECT_EQ(chosen(false, true), "paraboloid");
+    view.camera.viewHeight = 1e6;  // all four points on a pixel
+    view.camera.projection = Projection::Orthographic;
+    EXPECT_EQ(chosen(true, true), "paraboloid");
+    EXPECT_EQ(chosen(true, false), "disc");
+    EXPECT_EQ(chosen(false, false), "pyramid");
+    view.style.method = "paraboloid";
+    const auto frame = render(device, cloud, view);
+    ASSERT_TRUE(frame);
+    EXPECT_EQ(frame->stats.method, "paraboloid");
+    EXPECT_EQ(frame->stats.methodReason, "") << "nobody left it open";
 }
 
 TEST(Render, AnAbandonedFrameIsCancelled) {

@@ -8,7 +8,7 @@ namespace scancast {
 namespace {
 
 constexpr std::uint32_t samples = 1000;
-constexpr std::uint64_t blockBytes = samples * sizeof(Sample) + 128;
+constexpr std::uint64_t blockBytes = samples * sizeof(Sample) + limitsBytes(samples) + 128;
 
 class Table : public testing::Test {
   protected:

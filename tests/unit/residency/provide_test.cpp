@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <map>
 #include <set>
 
@@ -51,7 +52,7 @@ class ToyStore final : public SampleStore {
     SampleRun run(std::uint32_t node) {
         auto& samples = made_[node];
         if (samples.empty()) samples = *file_.samples(node);
-        return {samples, std::make_shared<int>(0)};
+        return {samples, {}, std::make_shared<int>(0)};
     }
     const test::FakeCloudFile& file_;
     std::map<std::uint32_t, std::vector<Sample>> made_;
@@ -82,6 +83,32 @@ class Provide : public testing::Test {
             run.nodeIndex = queue[at];
             run.projected = 1 + test::uniform(queue[at], 7 * number + 2);
             cut.runs.push_back(run);
+        }
+        number_(cut);
+        return cut;
+    }
+    /// As selection makes them where levels fade, of nodes that are whole, come, leave or have left.
+    Cut fadingCut(std::uint64_t number) const {
+        struct Visit {
+            std::uint32_t index;
+            double share;
+        };
+        Cut cut;
+        std::vector<Visit> queue{{0, 1}};
+        for (std::size_t at = 0; at < queue.size(); ++at) {
+            const Visit visit = queue[at];
+            const Node& n = octree_.node(visit.index);
+            const double progress = n.isLeaf() ? 0 : 2.5 * test::uniform(visit.index, 7 * number + 4) - 0.2;
+            const double own = std::clamp(2 - progress, 0.0, 1.0), below = std::clamp(progress, 0.0, 1.0);
+            if (own > 0) {
+                CutRun& run = cut.runs.emplace_back();
+                run.node = &n;
+                run.nodeIndex = visit.index;
+                run.projected = 1 + test::uniform(visit.index, 7 * number + 2);
+                run.share = visit.share * own;
+            }
+            for (std::uint32_t c = 0; c < n.childCount && below > 0; ++c)
+                queue.push_back({n.firstChild + c, visit.share * below});
         }
         number_(cut);
         return cut;
@@ -146,6 +173,36 @@ TEST_F(Provide, EveryLeafOnceWhateverIsInMemory) {
     }
 }
 
+// Right because it walks up from every leaf: what the wanted cut covered by a whole run, the given one covers
+// by a whole run that is not finer, wherever any ancestor is in memory; parts of runs are never what a leaf
+// depends on.
+TEST_F(Provide, NoHolesWhereLevelsFade) {
+    std::uint64_t partial = 0, missing = 0;
+    for (std::uint64_t i = 0; i < 300; ++i) {
+        makeResident(i, std::array{0.3, 0.6, 0.9, 0.97}[i % 4]);
+        store_->resident.insert(0);
+        const Cut wanted = fadingCut(i);
+        const auto given = provide(octree_, wanted, {.wait = false});
+        ASSERT_TRUE(given);
+        missing += given->nodesMissing;
+        std::map<std::uint32_t, const CutRun*> drawn;
+        for (const CutRun& run : given->runs) {
+            drawn[run.nodeIndex] = &run;
+            partial += run.share < 1;
+            ASSERT_TRUE(store_->resident.contains(run.nodeIndex));
+        }
+        for (std::uint32_t leaf = 0; leaf < octree_.nodes().size(); ++leaf) {
+            if (!octree_.node(leaf).isLeaf()) continue;
+            int whole = 0;
+            for (std::uint32_t up = leaf; up != noNode; up = octree_.node(up).parent)
+                whole += drawn.contains(up) && drawn[up]->share == 1;
+            ASSERT_EQ(whole, 1) << "case " << i << ", leaf " << leaf;
+        }
+    }
+    EXPECT_GT(partial, 300u);
+    EXPECT_GT(missing, 300u);
+}
+
 TEST_F(Provide, WishesAreWhatIsMissingCoarserFirst) {
     for (std::uint64_t i = 0; i < 100; ++i) {
         makeResident(i, 0.4);
@@ -176,6 +233,27 @@ TEST_F(Provide, NothingMissingTakesBackEarlierWishes) {
     makeResident(1, 1.1);
     ASSERT_TRUE(provide(octree_, randomCut(1), {.wait = false}));
     EXPECT_TRUE(store_->wishes.empty());
+}
+
+// A picture and what its mirrors show: one request names the nodes of both, and only one is made.
+TEST_F(Provide, OneCutRequestsForAllOfAPicture) {
+    makeResident(5, 0.4);
+    const Cut picture = randomCut(5), mirror = randomCut(6);
+    const auto wished = [&] {
+        std::set<std::uint32_t> nodes;
+        for (const Wish& wish : store_->wishes) nodes.insert(wish.node);
+        return nodes;
+    };
+    std::set<std::uint32_t> both;
+    for (const Cut* cut : {&picture, &mirror}) {
+        ASSERT_TRUE(provide(octree_, *cut, {.wait = false}));
+        both.merge(wished());
+    }
+    ASSERT_TRUE(provide(octree_, picture, {.wait = false, .beside = mirror.runs}));
+    EXPECT_EQ(wished(), both);
+    for (const Wish& wish : store_->wishes) EXPECT_GT(wish.urgency, 0);
+    ASSERT_TRUE(provide(octree_, mirror, {.wait = false, .request = false}));
+    EXPECT_EQ(wished(), both);
 }
 
 TEST_F(Provide, WhatIsAheadComesBehindWhatIsMissing) {

@@ -37,7 +37,8 @@ Outcome generate(std::vector<std::string> words) {
 
 TEST(Generate, WritesExactlyTheAskedNumberOfPoints) {
     const test::TemporaryFolder folder;
-    for (const char* scene : {"town", "room", "sphere", "plane"}) {
+    for (const char* scene :
+         {"town", "room", "sphere", "plane", "statue", "cube", "torus", "sign", "bridge"}) {
         const std::string ply = folder.file("s.ply"), las = folder.file("s.las");
         EXPECT_EQ(generate({scene, "--points", "1.003k", "-o", ply}).exitCode, 0);
         EXPECT_EQ(test::parsePly(test::contentOf(ply)).points.size(), 1003u);
@@ -86,7 +87,8 @@ TEST(Generate, RefusesNonsenseInPlainWords) {
         EXPECT_NE(outcome.exitCode, 0) << hint;
         EXPECT_NE(outcome.errors.find(hint), std::string::npos) << outcome.errors;
     };
-    expectRefusal({"atlantis", "-o", name}, "town, room, sphere and plane");
+    expectRefusal({"atlantis", "-o", name},
+                  "town, room, sphere, plane, statue, cube, torus, sign and bridge");
     expectRefusal({"town", "-n", "many", "-o", name}, "20M");
     expectRefusal({"town", "-n", "0", "-o", name}, "20M");
     expectRefusal({"town", "-o", folder.file("x.xyz")}, ".ply or .las");

@@ -37,11 +37,28 @@ inline void integerBounds(const SampleWords* samples, int count, Shorts8& low, S
     }
 }
 
+/// The same, from what is known of the run already.
+inline void knownBounds(const BlockLimits* limits, int count, Shorts8& low, Shorts8& high) {
+    low = Shorts8{} + std::uint16_t{0xffff};
+    high = Shorts8{};
+    for (int left = count; left > 0; left -= limitsStep, ++limits) {
+        // One read holds both: low x, y, z, high x, y, z.
+        const Shorts8 both = load<Shorts8>(limits);
+        const Shorts8 upper = __builtin_shufflevector(both, both, 3, 4, 5, 3, 4, 5, 3, 4);
+        low = both < low ? both : low;
+        high = upper > high ? upper : high;
+    }
+}
+
 /// The eight corners, as two vectors of four. Rounding keeps order, so no sample's depth is below the
 /// corners'.
 inline BlockBounds blockBounds(const SplatPass& pass, const SplatRun& run, std::uint32_t first, int count) {
     Shorts8 low, high;
-    integerBounds(run.samples + first, count, low, high);
+    if (run.limits != nullptr) {
+        knownBounds(run.limits + first / limitsStep, count, low, high);
+    } else {
+        integerBounds(run.samples + first, count, low, high);
+    }
     const auto& m = run.toPicture;
     const float x0 = low[0], x1 = high[0], y0 = low[1], y1 = high[1], z[2] = {float(low[2]), float(high[2])};
     const Float<4> sx = {x0, x1, x0, x1}, sy = {y0, y0, y1, y1};

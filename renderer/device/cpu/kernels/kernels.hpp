@@ -11,6 +11,7 @@
 
 #include <cstdint>
 
+#include "renderer/device/cpu/kernels/pyramid.hpp"
 #include "renderer/device/splat_kind.hpp"
 
 namespace scancast::cpu {
@@ -27,15 +28,38 @@ inline constexpr std::int32_t infiniteOrder = 0x7f800000;
 using Shape = SplatShape;
 using Coloring = SplatColoring;
 
-/// Everything that holds for a whole `nearest` pass.
+/// What a splat pass does with its fragments.
+enum class Reduction : std::uint8_t {
+    Nearest,  ///< keeps the smallest order; NearestPass, SilhouettePass
+    Cell,     ///< the same by distance to the centre; CellPass
+    Sum,      ///< adds; SumPass
+};
+
+/// Everything that holds for a whole splat pass.
 struct SplatPass {
+    Reduction reduction = Reduction::Nearest;
     Shape shape = Shape::FlatSquare;
+    bool payloadSample = false;  ///< keys carry the sample's ordinal instead of distance and colour
+    bool sumNormals = false;
     bool perspective = true;
     float centerX = 0, centerY = 0;  ///< the view axis, px in the whole picture, jitter included
     float near = 0, far = 0;         ///< depths drawn; near > 0
     float minPx = 1, maxPx = 1;
     float radiusPerPixel = 0;  ///< R = h · radiusPerPixel (· d in perspective)
     float gain = 0;
+
+    /// Surfels (Disc, Ellipse).
+    float pixelsPerUnit = 1;    ///< f in perspective, q in orthographic projection
+    float scale = 1;            ///< drawn radius = r · scale
+    float reach = 1;            ///< Sum of discs: covers reach · drawn radius
+    float tolerance = 0;        ///< Cell, and Sum of discs: |d - d_vis| ≤ tolerance · drawn radius
+    float lowPassPx = 0;        ///< Ellipse: σ of the screen's low-pass
+    bool oriented = false;      ///< a normal's sign means something; else it is turned to the eye
+    std::int32_t facing = 0;    ///< 1: only what faces the eye, -1: only what faces away, 0: all
+    float rotation[3][3] = {};  ///< rows: cloud → view space (x right, y up, z towards the viewer)
+    const float* radii =
+        nullptr;  ///< 256 radii by logRadius; 0 for codes that know none. Null: no sample knows
+
     Coloring coloring = Coloring::Rgb;
     float colorLow = 0, colorScale = 0;      ///< index = clamp((value - low) · scale, 0, 255)
     const std::uint32_t* ramp = nullptr;     ///< 256 colours, r | g << 8 | b << 16
@@ -43,21 +67,49 @@ struct SplatPass {
     const std::uint8_t* classes = nullptr;   ///< 256 flags, 1 = drawn; null = all
 };
 
+/// Where samples of a run are dropped: inside all planes, planes[i] · (x, y, z, 1) ≥ 0 of a sample's
+/// integers.
+struct DroppedRegion {
+    float planes[5][4] = {};
+    std::int32_t count = 0;
+};
+
+/// renderer/cloud/sample_limits.hpp, of limitsStep samples in a row.
+struct BlockLimits {
+    std::uint16_t low[3], high[3];
+    std::uint8_t largestRadius;
+    std::uint8_t plain;
+    std::uint16_t unused;
+};
+inline constexpr std::uint32_t limitsStep = 64;
+
 /// One run of samples, made ready on the host in double.
 struct SplatRun {
     const SampleWords* samples = nullptr;
+    const BlockLimits* limits = nullptr;  ///< of the samples, or null; samples[0] begins one
     std::uint32_t count = 0;
     std::uint32_t color = 0;  ///< Coloring::PerRun
     /// Rows times (x, y, z, 1) of a sample's integers: horizontal and vertical place, px (· d in
     /// perspective), and depth.
     float toPicture[3][4] = {};
     float elevationStep = 0, elevationBase = 0;  ///< colour index of Coloring::Elevation = z · step + base
-    float sizeFactor = 0;                        ///< p = clamp(sizeFactor (/ d in perspective), minPx, maxPx)
-    float largestPx = 0;                         ///< no splat of the run is larger
-    bool crossesTile = true;                     ///< some of it lies in other tiles
+    /// p = clamp(sizeFactor · ratio (/ d in perspective), minPx, maxPx) with ratio = radii[logRadius] ·
+    /// ratioUnit, or 1 where no radius is known. World radius r = plainRadius · ratio.
+    float sizeFactor = 0;
+    float ratioUnit = 1;
+    float plainRadius = 1;           ///< cloud units
+    float largestRatio = 1;          ///< no ratio of the run is larger
+    float largestPx = 0;             ///< no splat of the run is larger, in this pass
+    std::uint32_t firstOrdinal = 0;  ///< of samples[0]
+    /// A sample is drawn if its ordinal · turnStep + turnBase, modulo 2^32, is not above lastTurn
+    /// (renderer/select/fade.hpp); turnBase counts the ordinals from the run's beginning.
+    std::uint32_t turnStep = 0, turnBase = 0, lastTurn = 0xffffffffu;
+    bool crossesTile = true;  ///< some of it lies in other tiles
     bool clipped = false;
     std::int32_t clipMin[3] = {},
                  clipMax[3] = {};  ///< integers of the samples inside the clip box, inclusive
+    const DroppedRegion* dropped = nullptr;
+    std::int32_t droppedCount = 0;
 };
 
 /// A tile of the picture being drawn by one thread. `keys` points at its pixel (0, 0) inside a larger block:
@@ -68,7 +120,21 @@ struct KeyTile {
     std::int32_t stride = 0;    ///< keys per row
     std::int32_t x = 0, y = 0;  ///< its place in the whole picture
     std::int32_t width = 0, height = 0;
+    /// Sum and Cell: keys of the NearestPass, same geometry.
+    const Key* visible = nullptr;
+    /// Fragments behind these keys' orders are dropped; null: no SilhouettePass.
+    const Key* silhouette = nullptr;
+    /// Sum: planes of Σw, Σw·r, Σw·g, Σw·b and, with normals, Σw·x, Σw·y, Σw·z of the view-space normal
+    /// times normalSteps; planeSize apart, each with the geometry of the keys.
+    std::int32_t* sums = nullptr;
+    std::int64_t planeSize = 0;
 };
+inline constexpr int colorPlanes = 4, normalPlanes = 3;
+inline constexpr int largestWeight = 4095;
+/// A colour has 8 bits; normals get as many and a sign, so all planes overflow together.
+inline constexpr float normalSteps = 255;
+/// Before Σw·255 could overflow: a block adds at most 2^20 to what is still below.
+inline constexpr std::int32_t fullSum = 1 << 23;
 inline constexpr int guard = 16;
 inline constexpr int unusedKeys = 64;
 /// Larger splats are clipped row by row.
@@ -78,8 +144,29 @@ inline constexpr float guardPx = 8;
 struct PixelTile {
     std::uint32_t* rgba = nullptr;
     float* depth = nullptr;                     ///< null: not wanted
+    std::uint32_t* normals = nullptr;           ///< as normal_plane.hpp packs them; null: not wanted
     std::int32_t stride = 0;                    ///< pixels per row
     const std::uint32_t* background = nullptr;  ///< one rgba per row
+};
+
+/// From an ordinal to its sample: the runs by ordinal, and for every 2^shift ordinals where to begin to look.
+struct SampleTable {
+    const SplatRun* runs = nullptr;
+    std::uint32_t count = 0;
+    const std::uint32_t* runAt = nullptr;
+    int shift = 0;
+};
+
+/// Blinn-Phong lighting of some rows, in place.
+struct Phong {
+    std::uint32_t* rgba = nullptr;
+    const std::uint32_t* normals = nullptr;
+    std::int32_t stride = 0;  ///< pixels per row, of both
+    std::int32_t width = 0, height = 0;
+    bool perspective = true;
+    float x = 0, y = 0;      ///< centre of the first pixel, px right of and below the view axis
+    float inverseFocal = 0;  ///< 1/f
+    float ambient = 0, headlight = 0, directional = 0, specular = 0;
 };
 
 /// Eye-dome lighting of some rows. Every pixel has its eight neighbours in `logDepth`.
@@ -96,20 +183,55 @@ struct EyeDome {
     float factor = 0;              ///< shade = 2^(-factor · sum of the eight responses)
 };
 
+/// A mirror's glass over some rows of a picture. What is linear in the picture's pixel (x, y), at its centre,
+/// is given as value at (0, 0), step in x, step in y. Without perspective: the depth of the mirror's plane,
+/// and the place on it, -1 … 1 on the glass. In perspective depth is 1/depth, and places are divided by the
+/// depth. The glass is seen unless the scene lies further than `margin` in front of it.
+struct Glass {
+    std::uint32_t* rgba = nullptr;
+    float* depth = nullptr;
+    std::uint32_t* normals = nullptr;  ///< null: there are none
+    std::int32_t stride = 0;           ///< pixels per row
+    const std::uint32_t* reflected = nullptr;
+    const float* reflectedDepth = nullptr;
+    const std::uint32_t* reflectedNormals = nullptr;
+    std::int32_t reflectedStride = 0;
+    std::int32_t x = 0, y = 0;  ///< of the first pixel, in the whole picture
+    std::int32_t width = 0, height = 0;
+    bool perspective = true;
+    float depthAt[3] = {}, rightAt[3] = {}, upAt[3] = {};
+    float margin = 0;
+    std::int32_t tint[3] = {255, 255, 255};
+};
+
 /// The kernels of one SIMD level.
 struct Kernels {
     void (*clear)(const KeyTile&);
-    void (*splat)(const SplatPass&, const SplatRun&, const KeyTile&);
+    /// How many samples of the run are done. Less than all only for sums: then some pixel is nearly full
+    /// (fullSum), and the planes must be emptied before the rest follows.
+    std::uint32_t (*splat)(const SplatPass&, const SplatRun&, const KeyTile&);
     /// Whether every pixel of [x0, x1) × [y0, y1) (tile-relative) already lies in front of an order of these
     /// bits.
     bool (*hidden)(const KeyTile&, int x0, int y0, int x1, int y1, std::int32_t orderBits);
+    /// Payloads are colours.
     void (*resolve)(const KeyTile&, const PixelTile&);
+    /// Payloads are ordinals; depth is `visible`'s where that is set. `pass` says how to colour.
+    void (*resolveSamples)(const SplatPass& pass, const SampleTable&, const KeyTile&, const PixelTile&);
+    /// Means instead of what is there, wherever there is a key and Σw > 0. `wide`: sums that were emptied
+    /// before, in planes like the tile's, or null.
+    void (*resolveSums)(const KeyTile&, const std::int64_t* wide, const PixelTile&);
+    void (*phong)(const Phong&);
     void (*logDepth)(const float* depth, float* out, int count);
     void (*eyeDome)(const EyeDome&);
+    /// Where the glass is seen: the reflected pixels instead of what is there, at their own depth.
+    void (*lookThrough)(const Glass&);
+    /// Where the glass is seen: its tint, and its own depth.
+    void (*tintGlass)(const Glass&);
     /// sums[i] += rgba's bytes.
     void (*accumulate)(const std::uint8_t* rgba, std::uint16_t* sums, int bytes);
     /// The mean of `frames` pictures whose sums these are: colour weighted by coverage, straight alpha.
     void (*average)(const std::uint16_t* sums, std::uint8_t* rgba, int pixels, int frames);
+    PyramidKernels pyramid;
 };
 
 namespace v2 {

@@ -8,6 +8,7 @@ namespace scancast::cpu {
 namespace {
 
 inline constexpr int blockSize = 256;
+static_assert(blockSize % limitsStep == 0);
 /// Loops run to a multiple of this: masked tails instead of scalar remainders.
 inline constexpr int tailStep = 16;
 
@@ -16,10 +17,11 @@ struct alignas(64) Block {
     std::uint32_t words[4][blockSize];
     float x[blockSize], y[blockSize];  ///< px in the whole picture
     float depth[blockSize];
+    float ratio[blockSize];            ///< of the sample's radius to the run's plain one
     float half[blockSize];             ///< half the splat's size, px
     std::int32_t drawable[blockSize];  ///< 0 or -1
-    std::uint32_t color[blockSize];
-    int count = 0;   ///< samples
+    std::uint32_t color[blockSize];    ///< or, where keys carry them, ordinals
+    int count = 0;                     ///< samples
     int padded = 0;  ///< count up to a multiple of tailStep; the samples beyond are not drawable
 };
 
@@ -45,6 +47,18 @@ inline void transposeSamples(const SplatRun& run, std::uint32_t first, Block& b)
     }
 }
 
+/// A radius of 0 is none: then the run's.
+inline void setRatios(const SplatPass& pass, const SplatRun& run, Block& b) {
+    if (pass.radii == nullptr) {
+        for (int i = 0; i < b.padded; ++i) b.ratio[i] = 1.0f;
+        return;
+    }
+    for (int i = 0; i < b.padded; ++i) {
+        const float radius = pass.radii[(b.words[3][i] >> 16) & 255];
+        b.ratio[i] = radius > 0.0f ? radius * run.ratioUnit : 1.0f;
+    }
+}
+
 /// Places, depths and sizes. What is not drawable keeps finite numbers, so that nothing later needs care.
 template <bool perspective>
 void place(const SplatPass& pass, const SplatRun& run, Block& b) {
@@ -64,7 +78,8 @@ void place(const SplatPass& pass, const SplatRun& run, Block& b) {
         const FloatW inverse = perspective ? 1.0f / d : all(1.0f);
         const FloatW x = pass.centerX + across * inverse;
         const FloatW y = pass.centerY + down * inverse;
-        const FloatW size = smaller(larger(run.sizeFactor * inverse, all(pass.minPx)), all(pass.maxPx));
+        const FloatW wanted = (run.sizeFactor * load<FloatW>(b.ratio + i)) * inverse;
+        const FloatW size = smaller(larger(wanted, all(pass.minPx)), all(pass.maxPx));
         store(b.x + i, smaller(larger(x, -outside), outside));
         store(b.y + i, smaller(larger(y, -outside), outside));
         store(b.depth + i, d);
@@ -87,6 +102,31 @@ inline void filterByClip(const SplatRun& run, Block& b) {
         const bool inside = (x >= run.clipMin[0]) & (x <= run.clipMax[0]) & (y >= run.clipMin[1]) &
                             (y <= run.clipMax[1]) & (z >= run.clipMin[2]) & (z <= run.clipMax[2]);
         b.drawable[i] &= inside ? -1 : 0;
+    }
+}
+
+inline void filterByRegions(const SplatRun& run, Block& b) {
+    for (std::int32_t r = 0; r < run.droppedCount; ++r) {
+        const DroppedRegion& region = run.dropped[r];
+        for (int i = 0; i < b.padded; i += wideLanes) {
+            const IntW xy = load<IntW>(b.words[0] + i), zi = load<IntW>(b.words[1] + i);
+            const FloatW x = toFloat(xy & 0xffff), y = toFloat((xy >> 16) & 0xffff), z = toFloat(zi & 0xffff);
+            IntW inside = all(-1);
+            for (std::int32_t p = 0; p < region.count; ++p) {
+                const auto& plane = region.planes[p];
+                inside &= plane[0] * x + (plane[1] * y + (plane[2] * z + plane[3])) >= 0.0f;
+            }
+            store(b.drawable + i, load<IntW>(b.drawable + i) & ~inside);
+        }
+    }
+}
+
+/// Fading levels: the samples whose turn has come.
+inline void filterByTurn(const SplatRun& run, std::uint32_t first, Block& b) {
+    const std::uint32_t base = (run.firstOrdinal + first) * run.turnStep + run.turnBase;
+    for (int i = 0; i < b.padded; ++i) {
+        const std::uint32_t turn = base + static_cast<std::uint32_t>(i) * run.turnStep;
+        b.drawable[i] &= turn <= run.lastTurn ? -1 : 0;
     }
 }
 
@@ -137,6 +177,7 @@ inline void loadBlock(const SplatPass& pass, const SplatRun& run, std::uint32_t 
     b.count = left < blockSize ? static_cast<int>(left) : blockSize;
     b.padded = (b.count + tailStep - 1) & ~(tailStep - 1);
     transposeSamples(run, first, b);
+    setRatios(pass, run, b);
     if (pass.perspective) {
         place<true>(pass, run, b);
     } else {
@@ -144,7 +185,14 @@ inline void loadBlock(const SplatPass& pass, const SplatRun& run, std::uint32_t 
     }
     if (pass.classes != nullptr) filterByClass(pass, b);
     if (run.clipped) filterByClip(run, b);
-    colorize(pass, run, b);
+    if (run.droppedCount > 0) filterByRegions(run, b);
+    if (run.lastTurn != 0xffffffffu) filterByTurn(run, first, b);
+    if (pass.payloadSample) {
+        for (int i = 0; i < b.padded; ++i)
+            b.color[i] = run.firstOrdinal + first + static_cast<std::uint32_t>(i);
+    } else {
+        colorize(pass, run, b);
+    }
 }
 
 }  // namespace

@@ -1,9 +1,8 @@
-// Second half of a splat pass: placed samples → keys. Three ways, chosen by the largest splat of a run:
-//   up to 1 px          one key a sample, computed for a whole block, then stored one by one;
-//   up to guardPx       rows of 4 or 8 keys at once, as many rows as the largest splat has, no clipping: what
-//   hangs
-//                       over the tile's border falls into its guard band;
-//   larger              row by row, chunk by chunk, clipped to the tile.
+// Second half of a splat pass: placed samples → keys. Three ways, chosen by a splat's size:
+//   up to 1 px      one key a sample, computed for a whole block, then stored one by one (whole runs only);
+//   up to guardPx   rows of 4 or 8 keys at once, so many rows for each of a few classes of size, no clipping:
+//                   what hangs over the tile's border falls into its guard band;
+//   larger          row by row, chunk by chunk, clipped to the tile.
 // All three give the same keys. Part of kernels.cpp.
 #pragma once
 
@@ -19,8 +18,9 @@ struct alignas(64) PixelKeys {
     std::int32_t places[blockSize];
 };
 
-void splatPixels(const Block& b, const KeyTile& tile) {
+void splatPixels(const SplatPass& pass, const Block& b, const KeyTile& tile) {
     PixelKeys p;
+    const float distanceScale = pass.payloadSample ? 0.0f : 510.0f;
     IntW unused = static_cast<std::int32_t>(tile.unused - tile.keys) + toInt(laneNumbers<wideLanes>());
     for (int i = 0; i < b.padded; i += wideLanes) {
         const FloatW x = load<FloatW>(b.x + i), y = load<FloatW>(b.y + i);
@@ -29,7 +29,7 @@ void splatPixels(const Block& b, const KeyTile& tile) {
         const IntW left = toInt(column) - tile.x, top = toInt(row) - tile.y;
         const IntW inside =
             (left >= 0) & (left < tile.width) & (top >= 0) & (top < tile.height) & load<IntW>(b.drawable + i);
-        const IntW distance = toInt((dx * dx + dy * dy) * 510.0f);
+        const IntW distance = toInt((dx * dx + dy * dy) * distanceScale);
         storeKeys(p.keys + i, load<IntW>(b.depth + i), (distance << 24) | load<IntW>(b.color + i));
         store(p.places + i, inside ? top * tile.stride + left : unused + (i & (unusedKeys - 1)));
     }
@@ -40,13 +40,20 @@ void splatPixels(const Block& b, const KeyTile& tile) {
     }
 }
 
+/// Splats are drawn by size: so many rows of pixels each, at most. What is larger than the last is clipped
+/// and drawn row by row.
+inline constexpr int sizeClasses = 6;
+inline constexpr int rowsOfClass[sizeClasses - 1] = {2, 3, 4, 6, 8};
+static_assert(rowsOfClass[sizeClasses - 2] == static_cast<int>(guardPx));
+
 /// The splats of a block that reach into the tile, and what their rows need beside what the block says.
 struct alignas(64) Splats {
     float rise[blockSize];      ///< how fast the order grows; its unit is the profile's
     float distance[blockSize];  ///< distanceScale
     std::int32_t reaches[blockSize];
-    std::uint16_t list[blockSize];
-    int count = 0;
+    std::int32_t sizeClass[blockSize];
+    std::uint16_t list[sizeClasses][blockSize];
+    int count[sizeClasses] = {};
 };
 
 template <Shape shape>
@@ -63,17 +70,20 @@ void collectSplats(const Block& b, const KeyTile& tile, Splats& s) {
     const float left = static_cast<float>(tile.x), right = static_cast<float>(tile.x + tile.width);
     const float top = static_cast<float>(tile.y), bottom = static_cast<float>(tile.y + tile.height);
     for (int i = 0; i < b.padded; i += wideLanes) {
-        const FloatW h = larger(load<FloatW>(b.half + i), all(0.5f));
+        const FloatW half = load<FloatW>(b.half + i);
+        const FloatW h = larger(half, all(0.5f));
         const FloatW x = load<FloatW>(b.x + i), y = load<FloatW>(b.y + i);
         const IntW reaches = (x + h >= left) & (x - h <= right) & (y + h >= top) & (y - h <= bottom);
         store(s.reaches + i, reaches & load<IntW>(b.drawable + i));
+        IntW sizeClass = all(0);
+        for (const int rows : rowsOfClass) sizeClass -= half > 0.5f * static_cast<float>(rows);
+        store(s.sizeClass + i, sizeClass);
     }
-    int n = 0;
     for (int i = 0; i < b.count; ++i) {
-        s.list[n] = static_cast<std::uint16_t>(i);
-        n -= s.reaches[i];
+        const std::int32_t c = s.sizeClass[i];
+        s.list[c][s.count[c]] = static_cast<std::uint16_t>(i);
+        s.count[c] -= s.reaches[i];
     }
-    s.count = n;
 }
 
 /// The order's growth: gain · R in units of (px/h)², px/h or 1.
@@ -93,7 +103,8 @@ void shapeSplats(const SplatPass& pass, const Block& b, Splats& s) {
         }
         // 8 bits of distance: trunc(this · squared distance in px); pass.hpp.
         const FloatW atLeastAPixel = larger(h, all(0.5f));
-        store(s.distance + i, 127.5f / (atLeastAPixel * atLeastAPixel));
+        // Ordinals take all 32 bits: no distance then.
+        store(s.distance + i, pass.payloadSample ? all(0.0f) : 127.5f / (atLeastAPixel * atLeastAPixel));
     }
 }
 
@@ -121,25 +132,33 @@ struct Fragments {
         dx2 = dx * dx;
     }
 
-    void draw(Key* place, float row) const {
-        const Float<lanes> dy = (Float<lanes>{} + (row + 0.5f)) - y;
-        const Float<lanes> s = dx2 + dy * dy;
-        Int<lanes> covered;
+    Int<lanes> covers(Float<lanes> s, Float<lanes> dy) const {
         if constexpr (isSquare<shape>) {
-            covered = (dx > -half) & (dx <= half) & (dy > -half) & (dy <= half);
+            return (dx > -half) & (dx <= half) & (dy > -half) & (dy <= half);
         } else {
-            covered = s <= half2;
+            return s <= half2;
         }
-        Float<lanes> order = depth;
+    }
+
+    Float<lanes> orderAt(Float<lanes> s) const {
         if constexpr (isSphere<shape>) {
             const Float<lanes> rest = Float<lanes>{} + 1.0f - s / half2;
             const Float<lanes> bounded = rest > 0.0f ? rest : Float<lanes>{};
-            order = depth + rise * (Float<lanes>{} + 1.0f - squareRoot<lanes>(bounded));
+            return depth + rise * (Float<lanes>{} + 1.0f - squareRoot<lanes>(bounded));
         } else if constexpr (isCone<shape>) {
-            order = depth + rise * squareRoot<lanes>(s);
+            return depth + rise * squareRoot<lanes>(s);
         } else if constexpr (!isFlat<shape>) {
-            order = depth + rise * s;
+            return depth + rise * s;
+        } else {
+            return depth;
         }
+    }
+
+    void draw(Key* place, float row) const {
+        const Float<lanes> dy = (Float<lanes>{} + (row + 0.5f)) - y;
+        const Float<lanes> s = dx2 + dy * dy;
+        const Int<lanes> covered = covers(s, dy);
+        const Float<lanes> order = orderAt(s);
         const Int<lanes> bits = covered ? reinterpret_cast<Int<lanes>>(order) : Int<lanes>{} + 0x7fffffff;
         storeNearest(place, bits, payload(s));
     }
@@ -150,6 +169,25 @@ struct Fragments {
         const Int<lanes> center = (dx > -0.5f) & (dx <= 0.5f);
         const Int<lanes> bits = center ? reinterpret_cast<Int<lanes>>(depth) : Int<lanes>{} + 0x7fffffff;
         storeNearest(place, bits, payload(dx2 + dy * dy));
+    }
+
+    /// Two by two pixels, which hold the centre's: lanes 0, 1 above 2, 3; `dx` as startFour() set it.
+    void startFour(float column, float centerX) {
+        const Float<4> columns = {0, 1, 0, 1};
+        dx = (column + 0.5f + columns) - centerX;
+        dx2 = dx * dx;
+    }
+
+    void drawFour(Key* above, Key* below, float row) const {
+        const Float<4> rows = {0, 0, 1, 1};
+        const Float<4> dy = (row + 0.5f + rows) - y;
+        const Float<4> s = dx2 + dy * dy;
+        const Int<4> center = (dx > -0.5f) & (dx <= 0.5f) & (dy > -0.5f) & (dy <= 0.5f);
+        const Int<4> bits = covers(s, dy) ? reinterpret_cast<Int<4>>(orderAt(s)) : Int<4>{} + 0x7fffffff;
+        const Int<4> order = center ? reinterpret_cast<Int<4>>(depth) : bits;
+        const Int<4> low = payload(s);
+        keepNearest(above, reinterpret_cast<Keys2>(__builtin_shufflevector(low, order, 0, 4, 1, 5)));
+        keepNearest(below, reinterpret_cast<Keys2>(__builtin_shufflevector(low, order, 2, 6, 3, 7)));
     }
 
     /// Where a lane is not covered its payload means nothing, but it must stay an integer.
@@ -170,12 +208,30 @@ float firstPixel(float center, float half) {
     return first < middle ? first : middle;
 }
 
-/// Splats up to guardPx: `rows` rows of `chunks` × `lanes` pixels each.
-template <Shape shape, int lanes, int chunks>
-void splatSmall(const Block& b, const Splats& s, int rows, const KeyTile& tile) {
+/// Splats of up to two pixels.
+template <Shape shape>
+void splatTiny(const Block& b, const Splats& s, const KeyTile& tile) {
     const std::int64_t stride = tile.stride;
-    for (int n = 0; n < s.count; ++n) {
-        const int i = s.list[n];
+    for (int n = 0; n < s.count[0]; ++n) {
+        const int i = s.list[0][n];
+        Fragments<shape, 4> f(b, s, i);
+        const float column = firstPixel<shape>(b.x[i], b.half[i]);
+        const float row = firstPixel<shape>(b.y[i], b.half[i]);
+        Key* const above = tile.keys + (static_cast<std::int32_t>(row) - tile.y) * stride +
+                           (static_cast<std::int32_t>(column) - tile.x);
+        f.startFour(column, b.x[i]);
+        f.drawFour(above, above + stride, row);
+    }
+}
+
+/// The splats of one class: `rows` rows of `chunks` × `lanes` pixels each.
+template <Shape shape, int lanes, int chunks, int sizeClass>
+void splatSmall(const Block& b, const Splats& s, const KeyTile& tile) {
+    constexpr int rows = rowsOfClass[sizeClass];
+    static_assert(rows <= lanes * chunks);
+    const std::int64_t stride = tile.stride;
+    for (int n = 0; n < s.count[sizeClass]; ++n) {
+        const int i = s.list[sizeClass][n];
         Fragments<shape, lanes> f(b, s, i);
         const float column = firstPixel<shape>(b.x[i], b.half[i]);
         const float row = firstPixel<shape>(b.y[i], b.half[i]);
@@ -197,8 +253,8 @@ template <Shape shape>
 void splatLarge(const Block& b, const Splats& s, const KeyTile& tile) {
     constexpr int lanes = wideLanes;
     const std::int32_t right = tile.x + tile.width, bottom = tile.y + tile.height;
-    for (int n = 0; n < s.count; ++n) {
-        const int i = s.list[n];
+    for (int n = 0; n < s.count[sizeClasses - 1]; ++n) {
+        const int i = s.list[sizeClasses - 1][n];
         Fragments<shape, lanes> f(b, s, i);
         const float x = b.x[i], y = b.y[i], h = b.half[i];
         std::int32_t x0 = static_cast<std::int32_t>(firstPixel<shape>(x, h));
@@ -222,14 +278,16 @@ void splatLarge(const Block& b, const Splats& s, const KeyTile& tile) {
 }
 
 template <Shape shape>
-void splatBlock(const SplatPass& pass, const SplatRun& run, const Block& block, const KeyTile& tile) {
+void splatBlock(const SplatPass& pass, const Block& block, const KeyTile& tile) {
     Splats splats;
     collectSplats(block, tile, splats);
     shapeSplats<shape>(pass, block, splats);
-    if (run.largestPx > guardPx) return splatLarge<shape>(block, splats, tile);
-    const int rows = static_cast<int>(__builtin_ceilf(run.largestPx));
-    if (rows <= 4) return splatSmall<shape, 4, 1>(block, splats, rows, tile);
-    splatSmall<shape, wideLanes, 8 / wideLanes>(block, splats, rows, tile);
+    splatTiny<shape>(block, splats, tile);
+    splatSmall<shape, 4, 1, 1>(block, splats, tile);
+    splatSmall<shape, 4, 1, 2>(block, splats, tile);
+    splatSmall<shape, wideLanes, 8 / wideLanes, 3>(block, splats, tile);
+    splatSmall<shape, wideLanes, 8 / wideLanes, 4>(block, splats, tile);
+    splatLarge<shape>(block, splats, tile);
 }
 
 /// Whether a block can be left out: it lies in other tiles, or behind what is drawn already.
@@ -245,7 +303,7 @@ bool leftOut(const SplatPass& pass, const SplatRun& run, std::uint32_t first, in
 }
 
 template <Shape shape>
-void splatShape(const SplatPass& pass, const SplatRun& run, const KeyTile& tile) {
+void splatSprites(const SplatPass& pass, const SplatRun& run, const KeyTile& tile) {
     Block block;
     for (std::uint32_t first = 0; first < run.count; first += blockSize) {
         const std::uint32_t left = run.count - first;
@@ -253,29 +311,10 @@ void splatShape(const SplatPass& pass, const SplatRun& run, const KeyTile& tile)
         if ((run.largestPx > 1.0f || run.crossesTile) && leftOut(pass, run, first, count, tile)) continue;
         loadBlock(pass, run, first, block);
         if (run.largestPx <= 1.0f) {
-            splatPixels(block, tile);
+            splatPixels(pass, block, tile);
         } else {
-            splatBlock<shape>(pass, run, block, tile);
+            splatBlock<shape>(pass, block, tile);
         }
-    }
-}
-
-void splat(const SplatPass& pass, const SplatRun& run, const KeyTile& tile) {
-    switch (pass.shape) {
-        case Shape::FlatSquare:
-            return splatShape<Shape::FlatSquare>(pass, run, tile);
-        case Shape::FlatCircle:
-            return splatShape<Shape::FlatCircle>(pass, run, tile);
-        case Shape::ParaboloidSquare:
-            return splatShape<Shape::ParaboloidSquare>(pass, run, tile);
-        case Shape::ParaboloidCircle:
-            return splatShape<Shape::ParaboloidCircle>(pass, run, tile);
-        case Shape::ConeSquare:
-            return splatShape<Shape::ConeSquare>(pass, run, tile);
-        case Shape::ConeCircle:
-            return splatShape<Shape::ConeCircle>(pass, run, tile);
-        case Shape::SphereCircle:
-            return splatShape<Shape::SphereCircle>(pass, run, tile);
     }
 }
 

@@ -14,13 +14,14 @@ struct RunParams {
     vec4 toPicture[3];  // rows times (x, y, z, 1): across, down, px (times depth in perspective); depth
     ivec4 clipMin;      // integers of the samples inside the clip box, inclusive
     ivec4 clipMax;
-    vec4 factors;       // splat size (over depth in perspective); elevation: colour index = z * .y + .z
-    uvec4 color;        // x: the colour of every sample where the source is one per run
+    vec4 factors;       // splat size (over depth in perspective); elevation: colour index = z * .y + .z; w: unit of
+                        // the samples' radii over the node's radius, 0 where samples have none
+    uvec4 color;        // x: the colour of every sample where the source is one per run; y: last turn (fade.hpp)
 };
 
 // Up to chunkSamples samples of one run: the work of one work group.
 struct Chunk {
-    uvec4 range;  // first sample in its page, samples, run, 0
+    uvec4 range;  // first sample in its page, samples, run, the first one's index in the run
 };
 
 // Eye-dome lighting.

@@ -11,7 +11,7 @@ layout(std140, binding = 0) uniform Params { PassParams pass; };
 layout(std430, binding = 0) readonly buffer Samples { uvec4 samples[]; };
 layout(std430, binding = 1) readonly buffer Runs { RunParams runs[]; };
 layout(std430, binding = 2) readonly buffer Chunks { Chunk chunks[]; };
-layout(std430, binding = 3) readonly buffer Colors { uint colorTable[]; };  // 256 ramp, 256 classes, 65,536 normals
+layout(std430, binding = 3) readonly buffer Colors { uint colorTable[]; };  // 256 ramp, 256 classes, 256 radii, 65,536 normals
 layout(std430, binding = 4) buffer Orders { uint orders[]; };
 layout(std430, binding = 5) buffer Payloads { uint payloads[]; };
 layout(location = 0) uniform uint firstChunk;
@@ -131,5 +131,8 @@ void drawSample(RunParams run, uvec4 words) {
 void main() {
     uvec4 range = chunks[firstChunk + gl_WorkGroupID.x].range;
     RunParams run = runs[range.z];
-    for (uint i = gl_LocalInvocationID.x; i < range.y; i += GROUP_SIZE) drawSample(run, samples[range.x + i]);
+    for (uint i = gl_LocalInvocationID.x; i < range.y; i += GROUP_SIZE) {
+        // Fading levels: the samples whose turn has come (renderer/select/fade.hpp).
+        if ((range.w + i) * uint(TURN_STEP) <= run.color.y) drawSample(run, samples[range.x + i]);
+    }
 }

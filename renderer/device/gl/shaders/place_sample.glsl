@@ -22,6 +22,13 @@ bool passesFilters(RunParams run, uvec4 words) {
     return true;
 }
 
+// Of the sample's radius to its node's; 1 where no radius is known.
+float radiusRatio(RunParams run, uvec4 words) {
+    float radius = uintBitsToFloat(colorTable[512u + ((words.w >> 16) & 255u)]);
+    precise float ratio = radius * run.factors.w;
+    return ratio > 0.0 ? ratio : 1.0;
+}
+
 Splat placeSample(PassParams pass, RunParams run, uvec4 words) {
     Splat splat;
     float sx = float(words.x & 0xffffu);
@@ -40,7 +47,8 @@ Splat placeSample(PassParams pass, RunParams run, uvec4 words) {
 #endif
     precise float x = pass.view.x + across * inverse;
     precise float y = pass.view.y + down * inverse;
-    precise float size = run.factors.x * inverse;
+    precise float wanted = run.factors.x * radiusRatio(run, words);
+    precise float size = wanted * inverse;
     splat.x = clamp(x, -outsidePx, outsidePx);
     splat.y = clamp(y, -outsidePx, outsidePx);
     splat.depth = d;
@@ -68,7 +76,7 @@ uint colorOf(PassParams pass, RunParams run, uvec4 words, float depth) {
 #elif COLORING == COLOR_CLASSIFICATION
     return colorTable[words.z >> 24];
 #elif COLORING == COLOR_NORMAL
-    return colorTable[512u + (words.w & 0xffffu)];
+    return colorTable[768u + (words.w & 0xffffu)];
 #else
     precise float index = (depth - pass.ramp.x) * pass.ramp.y;
     return rampColor(index);

@@ -1,0 +1,120 @@
+// The border between the host and the kernels of methods.md §8: hidden point removal, pull-push, normals of
+// the filled depth. Plain structs and one table of functions; the rules of kernels.hpp hold. Every function
+// computes the rows [y0, y1) of what it writes, so that threads can share a picture.
+//
+// Level 0 of a pyramid is the picture; level k has half the size of level k - 1, rounded up. A texel is a
+// value of a coarser level. Planes stand in blocks with padding around them, so that kernels may read beyond
+// every side without asking: paddingX texels left and right, paddingY rows above and below.
+#pragma once
+
+#include <cstdint>
+
+namespace scancast::cpu {
+
+inline constexpr int maxPyramidLevels = 24;
+inline constexpr int paddingX = 16;
+inline constexpr int paddingY = 2;
+/// The depth that chooses a pixel's neighbourhood comes from level 4: one for 16 × 16 pixels.
+inline constexpr int blockLevel = 4;
+inline constexpr int blockSize = 1 << blockLevel;
+
+/// How a pixel and its depth d become a point, x right, y up: (px - centerX) · step (· d in perspective).
+struct Unprojection {
+    bool perspective = true;
+    float step = 1;                  ///< 1/f in perspective, else 1/q
+    float centerX = 0, centerY = 0;  ///< the view axis, px from the planes' left and top edges
+};
+
+/// What HiddenPoints finds, one byte per pixel.
+inline constexpr std::uint8_t hiddenLabel = 0, foregroundLabel = 1, backgroundLabel = 2;
+
+/// The nearest point of each texel. +infinity = none. Level 0 has `depth` only.
+struct PointLevel {
+    float* depth = nullptr;
+    float* x = nullptr;
+    float* y = nullptr;
+    float* square = nullptr;  ///< perspective: |point|²; orthographic: 1
+    std::int32_t stride = 0, width = 0, height = 0;
+};
+
+struct HiddenPoints {
+    PointLevel levels[maxPyramidLevels];
+    Unprojection unprojection;
+    /// Per block of blockSize² pixels: the coarsest level that its pixels look at.
+    const std::uint8_t* reach = nullptr;
+    std::int32_t blocksPerRow = 0;
+    float minGap = 0, threshold = 0;
+    /// Up to this level, whoever lies at infinity is hidden by neighbours all around, without a look at
+    /// angles.
+    std::int32_t sureLevel = -1;
+    std::uint8_t* labels = nullptr;  ///< padded: whole vectors are written
+    std::int32_t labelStride = 0;
+};
+
+/// Colour and depth of one level of pull-push; depth +infinity = nothing known.
+struct FillLevel {
+    float* depth = nullptr;
+    float* red = nullptr;
+    float* green = nullptr;
+    float* blue = nullptr;
+    std::int32_t stride = 0, width = 0, height = 0;
+};
+
+/// The picture itself, changed in place.
+struct FillPicture {
+    std::uint32_t* rgba = nullptr;
+    float* depth = nullptr;
+    std::int32_t stride = 0, width = 0, height = 0;
+    const float* points = nullptr;  ///< level 0 of the points: the depths before anything is filled, padded
+    std::int32_t pointStride = 0;
+    const std::uint8_t* labels = nullptr;  ///< of HiddenPoints, padded
+    std::int32_t labelStride = 0;
+};
+
+struct NormalLevel {
+    float* x = nullptr;
+    float* y = nullptr;
+    float* z = nullptr;
+    std::int32_t stride = 0, width = 0, height = 0;
+};
+
+/// Normals of one level from its depths.
+struct LevelNormals {
+    const float* depth = nullptr;
+    std::int32_t depthStride = 0;
+    Unprojection unprojection;
+    float texel = 1;  ///< px
+    NormalLevel out;
+};
+
+/// Normals of the picture's pixels between two levels.
+struct PixelNormals {
+    NormalLevel levels[maxPyramidLevels];
+    std::int32_t count = 0;
+    const float* depth = nullptr;  ///< of the picture, filled; +infinity = no normal
+    std::int32_t depthStride = 0, width = 0, height = 0;
+    bool perspective = true;
+    float size = 0;      ///< normalScale · s0 · f: px · depth (orthographic: px)
+    float smallest = 0;  ///< px: normalScale · 2τ
+    std::uint32_t* out = nullptr;
+    std::int32_t outStride = 0;
+};
+
+struct PyramidKernels {
+    /// Level 0: the picture's depths with their padding.
+    void (*copyDepth)(const float* depth, std::int32_t stride, const PointLevel& out, int y0, int y1);
+    void (*firstPoints)(const PointLevel& picture, const Unprojection&, const PointLevel& out, int y0,
+                        int y1);
+    void (*nextPoints)(const PointLevel& fine, const PointLevel& out, int y0, int y1);
+    /// y0 is a multiple of blockSize.
+    void (*hidePoints)(const HiddenPoints&, int y0, int y1);
+    void (*pullPicture)(const FillPicture&, const FillLevel& out, int y0, int y1);
+    void (*pull)(const FillLevel& fine, const FillLevel& out, int y0, int y1);
+    /// Fills what `fine` does not know.
+    void (*push)(const FillLevel& coarse, const FillLevel& fine, int y0, int y1);
+    void (*pushPicture)(const FillLevel& coarse, const FillPicture&, int y0, int y1);
+    void (*levelNormals)(const LevelNormals&, int y0, int y1);
+    void (*pixelNormals)(const PixelNormals&, int y0, int y1);
+};
+
+}  // namespace scancast::cpu

@@ -1,0 +1,107 @@
+// Adding fragments to a tile's planes of sums, and depths to test them by. Shared by every footprint that has
+// a `sum` pass. Part of kernels.cpp.
+#pragma once
+
+#include "renderer/device/cpu/kernels/vectors.hpp"
+
+namespace scancast::cpu {
+namespace {
+
+/// Depths of `lanes` keys; not a number where there is none, so that no comparison holds.
+template <int lanes>
+inline Float<lanes> loadOrders(const Key* place) {
+    if constexpr (lanes == wideLanes) {
+        IntW order, payload;
+        loadKeys(place, order, payload);
+        return reinterpret_cast<Float<lanes>>(order);
+    } else {
+        const Ints4 first = load<Ints4>(place), second = load<Ints4>(place + 2);
+        return reinterpret_cast<Float<4>>(__builtin_shufflevector(first, second, 1, 3, 5, 7));
+    }
+}
+
+/// What a splat adds per unit of weight, in every lane.
+template <int lanes>
+struct Addends {
+    Int<lanes> red, green, blue, x, y, z;
+
+    explicit Addends(std::uint32_t color) {
+        const Int<lanes> zero{};
+        red = zero + static_cast<std::int32_t>(color & 255);
+        green = zero + static_cast<std::int32_t>((color >> 8) & 255);
+        blue = zero + static_cast<std::int32_t>((color >> 16) & 255);
+        x = y = z = zero;
+    }
+    /// A unit vector in view space.
+    void setNormal(float nx, float ny, float nz) {
+        const Int<lanes> zero{};
+        const auto rounded = [](float v) {
+            return static_cast<std::int32_t>(v * normalSteps + (v < 0 ? -0.5f : 0.5f));
+        };
+        x = zero + rounded(nx);
+        y = zero + rounded(ny);
+        z = zero + rounded(nz);
+    }
+};
+
+/// 12 bits; at least 1 where covered, 0 elsewhere. `weight` in [0, 1] where covered.
+template <int lanes>
+inline Int<lanes> quantiseWeight(Float<lanes> weight, Int<lanes> covered) {
+    const Float<lanes> scaled =
+        (covered ? weight : Float<lanes>{}) * static_cast<float>(largestWeight) + 0.5f;
+    const Int<lanes> whole = __builtin_convertvector(scaled, Int<lanes>);
+    return (whole > 1 ? whole : Int<lanes>{} + 1) & covered;
+}
+
+/// Products of numbers of 16 bits, the first not negative: one instruction where a product of 32 bits takes
+/// two or ten.
+inline Ints4 smallProduct(Ints4 a, Ints4 b) {
+    typedef short Shorts __attribute__((vector_size(16)));
+    // Pairs are multiplied and added; the upper half of `a` is 0.
+    return reinterpret_cast<Ints4>(
+        __builtin_ia32_pmaddwd128(reinterpret_cast<Shorts>(a), reinterpret_cast<Shorts>(b)));
+}
+#if SCANCAST_SIMD_LEVEL >= 3
+inline Ints8 smallProduct(Ints8 a, Ints8 b) {
+    typedef short Shorts __attribute__((vector_size(32)));
+    return reinterpret_cast<Ints8>(
+        __builtin_ia32_pmaddwd256(reinterpret_cast<Shorts>(a), reinterpret_cast<Shorts>(b)));
+}
+#endif
+
+/// Adds `weight` times the addends at an offset (from pixel 0, 0) of the tile; `full` collects where sums are
+/// nearly full.
+template <int lanes, bool normals>
+inline void addFragments(const KeyTile& tile, std::int64_t offset, Int<lanes> weight,
+                         const Addends<lanes>& addends, Int<lanes>& full) {
+    // Read before anything is written: it might be the tile itself, as far as the compiler knows.
+    std::int32_t* place = tile.sums + offset;
+    const std::int64_t step = tile.planeSize;
+    const auto add = [&](Int<lanes> value) {
+        const Int<lanes> sum = load<Int<lanes>>(place) + value;
+        store(place, sum);
+        place += step;
+        return sum;
+    };
+    full |= add(weight) >= fullSum;
+    add(smallProduct(weight, addends.red));
+    add(smallProduct(weight, addends.green));
+    add(smallProduct(weight, addends.blue));
+    if constexpr (normals) {
+        add(smallProduct(weight, addends.x));
+        add(smallProduct(weight, addends.y));
+        add(smallProduct(weight, addends.z));
+    }
+}
+
+/// Lanes are 0 or -1.
+template <int lanes>
+inline bool anyOf(Int<lanes> mask) {
+#if SCANCAST_SIMD_LEVEL >= 3
+    if constexpr (lanes == 8) return __builtin_ia32_movmskps256(reinterpret_cast<Float<8>>(mask)) != 0;
+#endif
+    if constexpr (lanes == 4) return __builtin_ia32_movmskps(reinterpret_cast<Float<4>>(mask)) != 0;
+}
+
+}  // namespace
+}  // namespace scancast::cpu

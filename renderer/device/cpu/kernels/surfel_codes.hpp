@@ -1,0 +1,68 @@
+// A surfel's ellipse byte, as renderer/cloud/surfel_codec.hpp writes it: b/a in 3 bits and the major axis'
+// angle in 5, in the tangent frame of the decoded normal. Part of kernels.cpp.
+#pragma once
+
+#include "renderer/device/cpu/kernels/view_normals.hpp"
+
+namespace scancast::cpu {
+namespace {
+
+inline constexpr int outlierCode = 255;
+/// renderer/cloud/surfel_codec.hpp says the same; tests compare what both decode.
+inline constexpr float majorAxisPerRadius = 1.36f;
+inline constexpr float axisRatioStep = 0.75f / 7;
+inline constexpr int axisAngles = 32;
+
+struct AxisDirections {
+    float cosine[axisAngles], sine[axisAngles];
+};
+inline constexpr AxisDirections axisDirections = [] {
+    AxisDirections table{};
+    double c = 1, s = 0;
+    for (int i = 0; i < axisAngles; ++i) {
+        table.cosine[i] = static_cast<float>(c);
+        table.sine[i] = static_cast<float>(s);
+        const double next = c * 0.9951847266721969 - s * 0.0980171403295606;
+        s = s * 0.9951847266721969 + c * 0.0980171403295606;
+        c = next;
+    }
+    return table;
+}();
+
+/// Of a block's samples: the major half-axis over the radius, the minor over the major, the angle.
+struct alignas(64) AxisCodes {
+    float major[blockSize], ratio[blockSize], cosine[blockSize], sine[blockSize];
+};
+
+inline void decodeAxes(const SplatPass& pass, const Block& b, AxisCodes& out) {
+    for (int i = 0; i < b.padded; ++i) {
+        const std::uint32_t word = b.words[3][i];
+        const std::uint32_t radius = (word >> 16) & 255;
+        const std::uint32_t code = word >> 24;
+        const bool known = radius != 0 && radius != outlierCode && pass.radii != nullptr;
+        out.major[i] = known ? majorAxisPerRadius : 1.0f;
+        out.ratio[i] = 1.0f - static_cast<float>(static_cast<std::int32_t>(code >> 5)) * axisRatioStep;
+        out.cosine[i] = axisDirections.cosine[code & (axisAngles - 1)];
+        out.sine[i] = axisDirections.sine[code & (axisAngles - 1)];
+    }
+}
+
+/// Of a unit normal in cloud space, one unit long: Frisvad's frame, turned by the angle.
+inline void majorAxis(FloatW nx, FloatW ny, FloatW nz, const AxisCodes& codes, int i, FloatW& x, FloatW& y,
+                      FloatW& z) {
+    const FloatW flat = nx * nx + ny * ny;
+    const IntW down = nz < 0.0f, pole = down & (flat == 0.0f);
+    const FloatW above = down ? 1.0f - nz : all(1.0f);
+    const FloatW below = down ? flat : 1.0f + nz;
+    const FloatW a = above / (pole ? all(1.0f) : below);
+    const FloatW b = -nx * ny * a;
+    const FloatW c = load<FloatW>(codes.cosine + i), s = load<FloatW>(codes.sine + i);
+    const FloatW firstX = pole ? all(0.0f) : 1.0f - nx * nx * a, firstY = pole ? all(-1.0f) : b;
+    const FloatW secondX = pole ? all(-1.0f) : b, secondY = pole ? all(0.0f) : 1.0f - ny * ny * a;
+    x = firstX * c + secondX * s;
+    y = firstY * c + secondY * s;
+    z = pole ? all(0.0f) : -(nx * c + ny * s);
+}
+
+}  // namespace
+}  // namespace scancast::cpu

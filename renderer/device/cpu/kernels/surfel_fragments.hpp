@@ -1,0 +1,175 @@
+// One surfel's fragments: a row of pixels at a time, reduced as the pass says. Part of kernels.cpp.
+#pragma once
+
+#include "renderer/device/cpu/kernels/sums.hpp"
+#include "renderer/device/cpu/kernels/surfel_block.hpp"
+
+namespace scancast::cpu {
+namespace {
+
+/// exp(-3 x) for x in [0, 1], by the eighth power of a cubic; error below 3e-5, a tenth of a
+/// weight's step.
+template <int lanes>
+inline Float<lanes> bell(Float<lanes> x) {
+    const Float<lanes> y = x * -0.375f;
+    Float<lanes> p = 1.0f + y * (0.99993855f + y * (0.49703766f + y * 0.14508711f));
+    p = p * p;
+    p = p * p;
+    return p * p;
+}
+
+/// `extra`: Nearest carries colours in its keys; Sum adds normals.
+template <Shape shape, Reduction reduction, bool perspective, bool extra, int lanes>
+class SurfelFragments {
+    using F = Float<lanes>;
+    using I = Int<lanes>;
+    static constexpr bool disc = shape == Shape::Disc;
+    static constexpr bool sums = reduction == Reduction::Sum;
+    static constexpr bool nearest = reduction == Reduction::Nearest;
+
+  public:
+    SurfelFragments(const SplatPass& pass, const Block& b, const Surfels& s, int i, const KeyTile& tile)
+        : tile_(tile),
+          addends_(sums ? b.color[i] : 0),
+          x_(b.x[i]),
+          y_(b.y[i]),
+          sy_(s.sy[i]),
+          ty_(s.ty[i]),
+          near_(pass.near),
+          centerRow_(static_cast<std::int32_t>(__builtin_floorf(b.y[i]))),
+          centerColumn_(static_cast<std::int32_t>(__builtin_floorf(b.x[i]))) {
+        depth_ = F{} + b.depth[i];
+        sx_ = F{} + s.sx[i];
+        slopeX_ = F{} + s.slopeX[i];
+        if constexpr (disc) {
+            tx_ = F{} + s.tx[i];
+        } else {
+            slopeY_ = s.slopeY[i];
+            low_ = F{} + s.low[i];
+            high_ = F{} + s.high[i];
+        }
+        if constexpr (disc && reduction == Reduction::Cell) radius_ = F{} + s.radius[i];
+        if constexpr (sums && !disc) peak_ = F{} + s.peak[i];
+        if constexpr (reduction != Reduction::Nearest) tolerance_ = F{} + s.tolerance[i];
+        front_ = F{} + s.front[i];
+        if constexpr (reduction == Reduction::Nearest && extra) distance_ = F{} + s.distance[i];
+        payload_ = I{} + static_cast<std::int32_t>(b.color[i]);
+        if constexpr (sums && extra) addends_.setNormal(s.normalX[i], s.normalY[i], s.normalZ[i]);
+    }
+
+    /// Starts rows of lanes at this column of the picture; those beyond `last` are left alone by sums.
+    void startColumns(std::int32_t column, std::int32_t last) {
+        dx_ = (static_cast<float>(column) + 0.5f + laneNumbers<lanes>()) - x_;
+        const I columns = __builtin_convertvector(laneNumbers<lanes>(), I) + column;
+        center_ = columns == centerColumn_;
+        if constexpr (sums) inside_ = columns <= last;
+        sdx_ = sx_ * dx_;
+        if constexpr (disc) {
+            tdx_ = tx_ * dx_;
+        } else {
+            tdx_ = slopeX_ * dx_;
+            tdx_ = (perspective ? F{} + 1.0f : depth_) + tdx_;
+        }
+    }
+
+    /// The row's lanes, at this offset from the tile's pixel (0, 0).
+    void draw(std::int64_t offset, std::int32_t row) {
+        const F visible = loadOrders<lanes>((nearest ? tile_.keys : tile_.visible) + offset);
+        // Hidden: nothing of it needs to be computed. Without a depth, which is not a number, comparisons do
+        // not hold: there the nearest pass draws, and the others do not.
+        if (!anyOf<lanes>(nearest ? ~(visible < front_) : visible >= front_)) return;
+        const float dy = (static_cast<float>(row) + 0.5f) - y_;
+        const F s = sdx_ + sy_ * dy;
+        F t, c;
+        if constexpr (disc) {
+            t = tdx_ + ty_ * dy;
+            c = slopeX_ * t + (perspective ? F{} + 1.0f : depth_);
+        } else {
+            t = F{} + ty_ * dy;
+            const F on = tdx_ + slopeY_ * dy;
+            const F above = on > low_ ? on : low_;
+            c = above < high_ ? above : high_;
+        }
+        const F square = s * s + t * t;
+        I covered = square <= (disc && perspective ? c * c : F{} + 1.0f);
+        const I center = center_ & (row == centerRow_ ? -1 : 0);
+        // The centre's pixel is covered anyway, at the centre's depth.
+        covered |= center;
+        c = center ? (perspective ? F{} + 1.0f : depth_) : c;
+        covered &= perspective ? depth_ >= near_ * c : c >= F{} + near_;
+        reduce(offset, dy, visible, square, c, covered);
+    }
+
+    bool full() const { return sums && anyOf<lanes>(full_); }
+
+  private:
+    /// `c`: depth = d / c in perspective, else the depth itself.
+    void reduce(std::int64_t offset, float dy, F visible, F square, F c, I covered) {
+        if constexpr (!nearest) covered &= nearVisible(visible, c);
+        if (tile_.silhouette != nullptr) {
+            const F border = loadOrders<lanes>(tile_.silhouette + offset);
+            // Where there is none, it is not a number, and no comparison holds.
+            covered &= ~(perspective ? depth_ > border * c : c > border);
+        }
+        if constexpr (sums) {
+            covered &= inside_;
+            if (!anyOf<lanes>(covered)) return;
+            addFragments<lanes, extra>(tile_, offset, quantiseWeight<lanes>(weight(square, c), covered),
+                                       addends_, full_);
+        } else {
+            const F order = reduction == Reduction::Cell ? placeOnDisc(square, c) * radius_ : depthOf(c);
+            const F positive = order > 1.17549435e-38f ? order : F{} + 1.17549435e-38f;
+            const I bits = covered ? reinterpret_cast<I>(positive) : I{} + 0x7fffffff;
+            storeNearest(tile_.keys + offset, bits, payload(dy));
+        }
+    }
+
+    F depthOf(F c) const { return perspective ? depth_ / c : c; }
+
+    /// Whether a fragment belongs to the surface that is visible there.
+    I nearVisible(F visible, F c) const {
+        if constexpr (!disc)
+            return perspective ? depth_ <= (visible + tolerance_) * c : c <= visible + tolerance_;
+        const F low = visible - tolerance_, high = visible + tolerance_;
+        if constexpr (perspective) return (depth_ >= low * c) & (depth_ <= high * c);
+        return (c >= low) & (c <= high);
+    }
+
+    /// Distance from the centre in radii; at most 1, also in the centre's pixel.
+    F placeOnDisc(F square, F c) const {
+        const F root = squareRoot<lanes>(square);
+        const F place = perspective ? root / c : root;
+        return place < 1.0f ? place : F{} + 1.0f;
+    }
+
+    F weight(F square, F c) const {
+        if constexpr (disc) {
+            const F t = placeOnDisc(square, c);
+            return 1.0f - (t * t) * (3.0f - 2.0f * t);
+        } else {
+            return peak_ * bell<lanes>(square < 1.0f ? square : F{} + 1.0f);
+        }
+    }
+
+    /// Where a lane is not covered it means nothing, but it must stay an integer.
+    I payload(float dy) const {
+        if constexpr (reduction != Reduction::Nearest || !extra) {
+            return payload_;
+        } else {
+            const F d = (dx_ * dx_ + dy * dy) * distance_;
+            const F bounded = d < 255.0f ? d : F{} + 255.0f;
+            return (__builtin_convertvector(bounded, I) << 24) | payload_;
+        }
+    }
+
+    const KeyTile tile_;
+    Addends<lanes> addends_;
+    F depth_, sx_, tx_, slopeX_, low_, high_, radius_, peak_, tolerance_, front_, distance_;
+    F dx_, sdx_, tdx_;
+    I payload_, center_, inside_, full_{};
+    float x_, y_, sy_, ty_, slopeY_ = 0, near_;
+    std::int32_t centerRow_, centerColumn_;
+};
+
+}  // namespace
+}  // namespace scancast::cpu

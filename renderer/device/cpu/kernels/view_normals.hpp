@@ -1,0 +1,58 @@
+// Normals of samples, out of their bits and into view space. Part of kernels.cpp.
+#pragma once
+
+#include "renderer/device/cpu/kernels/normal_plane.hpp"
+#include "renderer/device/cpu/kernels/project.hpp"
+
+namespace scancast::cpu {
+namespace {
+
+/// Unit vectors in cloud space; (0, 0, 0) where a sample has none.
+inline void sampleNormal(IntW codes, FloatW& x, FloatW& y, FloatW& z) {
+    unpackSampleNormal(codes, x, y, z);
+    const FloatW length2 = x * x + y * y + z * z;
+    const FloatW inverse = 1.0f / squareRoot<wideLanes>(length2 > 0.0f ? length2 : all(1.0f));
+    x = x * inverse;
+    y = y * inverse;
+    z = z * inverse;
+}
+
+/// Cloud space → view space: x right, y up, z towards the viewer.
+inline void rotateToView(const SplatPass& pass, FloatW& x, FloatW& y, FloatW& z) {
+    const auto& r = pass.rotation;
+    const FloatW vx = r[0][0] * x + (r[0][1] * y + r[0][2] * z);
+    const FloatW vy = r[1][0] * x + (r[1][1] * y + r[1][2] * z);
+    const FloatW vz = r[2][0] * x + (r[2][1] * y + r[2][2] * z);
+    x = vx;
+    y = vy;
+    z = vz;
+}
+
+/// Unit normals of a block's samples in view space, turned to the eye where they are not oriented.
+struct alignas(64) ViewNormals {
+    float x[blockSize], y[blockSize], z[blockSize];
+};
+
+inline void viewNormals(const SplatPass& pass, const Block& b, ViewNormals& out) {
+    const float slope = 1.0f / pass.pixelsPerUnit;
+    for (int i = 0; i < b.padded; i += wideLanes) {
+        FloatW x, y, z;
+        sampleNormal(load<IntW>(b.words[3] + i) & 0xffff, x, y, z);
+        rotateToView(pass, x, y, z);
+        if (!pass.oriented) {
+            // Towards the eye: against (x, y, -1) in perspective, along z in orthographic projection.
+            const FloatW px = (load<FloatW>(b.x + i) - pass.centerX) * slope;
+            const FloatW py = (pass.centerY - load<FloatW>(b.y + i)) * slope;
+            const FloatW towards = pass.perspective ? z - (x * px + y * py) : z;
+            x = towards < 0.0f ? -x : x;
+            y = towards < 0.0f ? -y : y;
+            z = towards < 0.0f ? -z : z;
+        }
+        store(out.x + i, x);
+        store(out.y + i, y);
+        store(out.z + i, z);
+    }
+}
+
+}  // namespace
+}  // namespace scancast::cpu

@@ -1,0 +1,251 @@
+#include "renderer/device/cpu/layer.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+
+#include "renderer/device/cpu/grown.hpp"
+
+namespace scancast::cpu {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+double millisecondsSince(Clock::time_point start) {
+    return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
+}
+
+/// Samples between two looks at the stop token: under a millisecond.
+constexpr std::uint32_t sliceSamples = 16384;
+/// More tiles than threads, so that all threads end at about the same time.
+constexpr int tilesPerThread = 3;
+/// Of a look-up from ordinals to runs: how many ordinals share a place to begin.
+constexpr int ordinalShift = 10;
+constexpr std::size_t resolveTime = 4;
+constexpr const char* stageNames[] = {"silhouette", "nearest", "sum", "cell", "resolve"};
+
+double largestShift(std::span<const glm::dvec2> jitter) {
+    double largest = 0;
+    for (const glm::dvec2& j : jitter) largest = std::max({largest, std::abs(j.x), std::abs(j.y)});
+    return largest;
+}
+
+/// A tile's geometry, without memory.
+KeyTile emptyTile(const Rect& area) {
+    KeyTile tile;
+    tile.x = area.x0;
+    tile.y = area.y0;
+    tile.width = area.width();
+    tile.height = area.height();
+    tile.stride = (area.width() + 2 * guard + 7) / 8 * 8;
+    tile.planeSize = std::int64_t{tile.stride} * (area.height() + 2 * guard);
+    return tile;
+}
+
+/// The tile with the block-th of the memory's key blocks.
+KeyTile withKeys(KeyTile tile, TileMemory& memory, int block) {
+    Key* const keys = memory.keys.data() + block * (tile.planeSize + unusedKeys);
+    tile.keys = keys + guard * tile.stride + guard;
+    tile.unused = keys + tile.planeSize;
+    return tile;
+}
+
+/// Moves the sums to where they have 64 bits, and starts anew.
+void emptySums(const KeyTile& tile, int planes, TileMemory& memory) {
+    const auto size = static_cast<std::size_t>(planes * tile.planeSize);
+    if (memory.wide.empty()) memory.wide.assign(size, 0);
+    for (std::size_t i = 0; i < size; ++i) {
+        const std::int32_t narrow = memory.sums[i];
+        const bool isSigned = i >= static_cast<std::size_t>(colorPlanes * tile.planeSize);
+        memory.wide[i] += isSigned ? std::int64_t{narrow} : std::int64_t{static_cast<std::uint32_t>(narrow)};
+        memory.sums[i] = 0;
+    }
+}
+
+}  // namespace
+
+Layer::Layer(const Drawing& drawing, const Cut& cut, const SampleFilter& filter, const Sight& sight,
+             const PassPlan& plan, const Kernels& kernels, const Workers& workers, TileMemories& memories,
+             const Rect& area)
+    : sight_(sight),
+      plan_(plan),
+      kernels_(kernels),
+      workers_(workers),
+      memories_(memories),
+      area_(area),
+      stages_(splatStages(plan, sight)) {
+    for (SplatStage& stage : stages_) setColors(drawing.color, filter, tables_, stage.pass);
+    background_ =
+        backgroundRows(drawing.background, area_.y0 - sight.pad, area_.height(), sight.viewpoint->height);
+    prepareRuns(drawing, cut, filter);
+    if (plan.bySample()) listSamples();
+    if (!workers_.stopped()) tiles_ = cutIntoTiles(area_, runs_, workers_.threads() * tilesPerThread);
+}
+
+void Layer::prepareRuns(const Drawing& drawing, const Cut& cut, const SampleFilter& filter) {
+    std::vector<std::optional<PreparedRun>> prepared(cut.runs.size());
+    const double shift = largestShift(drawing.jitter);
+    constexpr std::size_t batch = 64;
+    workers_.inParallel(static_cast<int>((cut.runs.size() + batch - 1) / batch), [&](int b) {
+        const std::size_t first = static_cast<std::size_t>(b) * batch;
+        for (std::size_t i = first; i < std::min(cut.runs.size(), first + batch); ++i) {
+            prepared[i] = prepareRun(cut.runs[i], sight_, stages_, drawing.color, filter, area_, shift);
+        }
+    });
+    for (const auto& run : prepared) {
+        if (run) runs_.push_back(*run);
+    }
+    // Front to back: what is hidden is then found to be so before it is drawn.
+    std::ranges::stable_sort(runs_, {}, &PreparedRun::front);
+}
+
+void Layer::listSamples() {
+    for (const PreparedRun& prepared : runs_) byOrdinal_.push_back(prepared.run);
+    std::ranges::sort(byOrdinal_, {}, &SplatRun::firstOrdinal);
+    const std::uint64_t end =
+        byOrdinal_.empty() ? 0 : std::uint64_t{byOrdinal_.back().firstOrdinal} + byOrdinal_.back().count;
+    runAt_.assign((end >> ordinalShift) + 1, 0);
+    std::uint32_t run = 0;
+    for (std::size_t i = 0; i < runAt_.size(); ++i) {
+        while (run + 1 < byOrdinal_.size() && byOrdinal_[run + 1].firstOrdinal <= i << ordinalShift) ++run;
+        runAt_[i] = run;
+    }
+    samples_ = {byOrdinal_.data(), static_cast<std::uint32_t>(byOrdinal_.size()), runAt_.data(),
+                ordinalShift};
+}
+
+void Layer::splatRun(const PreparedRun& prepared, SplatRun slice, const SplatPass& pass,
+                     const KeyTile& target, TileMemory& memory) {
+    for (std::uint32_t first = 0; first < prepared.run.count;) {
+        if (workers_.stopped()) return;
+        slice.samples = prepared.run.samples + first;
+        if (prepared.run.limits != nullptr) slice.limits = prepared.run.limits + first / limitsStep;
+        slice.count = std::min(sliceSamples, prepared.run.count - first);
+        slice.firstOrdinal = prepared.run.firstOrdinal + first;
+        const std::uint32_t done = kernels_.splat(pass, slice, target);
+        if (pass.reduction == Reduction::Sum && done < slice.count)
+            emptySums(target, colorPlanes + (pass.sumNormals ? normalPlanes : 0), memory);
+        first += done;
+    }
+}
+
+void Layer::drawRuns(const Tile& tile, std::size_t stage, const SplatPass& pass, const KeyTile& target,
+                     TileMemory& memory) {
+    KeyTile visible = target;
+    if (target.visible != nullptr) visible.keys = const_cast<Key*>(target.visible);
+    for (const std::uint32_t index : tile.runs) {
+        const PreparedRun& prepared = runs_[index];
+        const PassSize& size = prepared.sizes[stage];
+        const Rect part = prepared.bounds.intersect(tile.area);
+        if (kernels_.hidden(visible, part.x0 - target.x, part.y0 - target.y, part.x1 - target.x,
+                            part.y1 - target.y, size.frontOrder)) {
+            continue;
+        }
+        SplatRun slice = prepared.run;
+        slice.sizeFactor = size.sizeFactor;
+        slice.largestPx = size.largestPx;
+        slice.crossesTile =
+            part.width() < prepared.bounds.width() || part.height() < prepared.bounds.height();
+        splatRun(prepared, slice, pass, target, memory);
+    }
+}
+
+void Layer::drawTile(const Tile& tile, std::span<const SplatStage> stages, const Planes& planes) {
+    TileMemory& memory = *memories_[Workers::index()];
+    const KeyTile empty = emptyTile(tile.area);
+    grown(memory.keys, static_cast<std::size_t>(empty.planeSize + unusedKeys) * 3);
+    memory.wide.clear();
+    KeyTile nearest = withKeys(empty, memory, 0), colors = nearest;
+    const Key* silhouette = nullptr;
+    auto start = Clock::now();
+    const auto spend = [&](std::size_t on) {
+        const auto now = Clock::now();
+        spent_[on] += std::chrono::duration_cast<std::chrono::nanoseconds>(now - start).count();
+        start = now;
+    };
+    for (std::size_t i = 0; i < stages.size(); ++i) {
+        const SplatStage& stage = stages[i];
+        KeyTile target = nearest;
+        target.silhouette = silhouette;
+        switch (stage.kind) {
+            case SplatStage::Kind::Silhouette:
+                target = withKeys(empty, memory, 1);
+                silhouette = target.keys;
+                kernels_.clear(target);
+                break;
+            case SplatStage::Kind::Nearest:
+                kernels_.clear(target);
+                break;
+            case SplatStage::Kind::Sum: {
+                const int count = colorPlanes + (stage.pass.sumNormals ? normalPlanes : 0);
+                memory.sums.assign(static_cast<std::size_t>(count * empty.planeSize), 0);
+                target.visible = nearest.keys;
+                target.sums = memory.sums.data() + guard * empty.stride + guard;
+                colors.sums = target.sums;
+                break;
+            }
+            case SplatStage::Kind::Cell:
+                target = withKeys(nearest, memory, 2);
+                target.visible = nearest.keys;
+                target.silhouette = silhouette;
+                colors.keys = target.keys;
+                colors.visible = nearest.keys;
+                kernels_.clear(target);
+                break;
+        }
+        drawRuns(tile, i, stage.pass, target, memory);
+        spend(static_cast<std::size_t>(stage.kind));
+    }
+    resolveTile(nearest, colors, stages.back().pass, memory, planes);
+    spend(resolveTime);
+}
+
+void Layer::resolveTile(const KeyTile& nearest, const KeyTile& colors, const SplatPass& pass,
+                        const TileMemory& memory, const Planes& planes) {
+    PixelTile pixels;
+    pixels.stride = planes.area.width();
+    const std::ptrdiff_t offset = planes.at(nearest.x, nearest.y);
+    pixels.rgba = planes.rgba + offset;
+    pixels.depth = planes.depth != nullptr ? planes.depth + offset : nullptr;
+    const bool normals = plan_.resolve.normals && planes.normals != nullptr;
+    pixels.normals = normals ? planes.normals + offset : nullptr;
+    pixels.background = background_.data() + (nearest.y - area_.y0);
+    if (plan_.bySample()) {
+        kernels_.resolveSamples(pass, samples_, colors, pixels);
+    } else {
+        if (normals) {
+            for (int y = 0; y < nearest.height; ++y)
+                std::fill_n(pixels.normals + std::ptrdiff_t{y} * pixels.stride, nearest.width, 0u);
+        }
+        kernels_.resolve(nearest, pixels);
+    }
+    if (!plan_.resolve.sums) return;
+    const std::int64_t* wide =
+        memory.wide.empty() ? nullptr : memory.wide.data() + guard * nearest.stride + guard;
+    kernels_.resolveSums(colors, wide, pixels);
+}
+
+void Layer::draw(const glm::dvec2& jitter, const Planes& planes, FrameStats& stats) {
+    std::vector<SplatStage> stages = stages_;
+    for (SplatStage& stage : stages) {
+        stage.pass.centerX = static_cast<float>(sight_.viewpoint->width * 0.5 + sight_.pad + jitter.x);
+        stage.pass.centerY = static_cast<float>(sight_.viewpoint->height * 0.5 + sight_.pad + jitter.y);
+    }
+    for (auto& time : spent_) time = 0;
+    const auto start = Clock::now();
+    workers_.inParallel(static_cast<int>(tiles_.size()),
+                        [&](int i) { drawTile(tiles_[static_cast<std::size_t>(i)], stages, planes); });
+    // All stages run side by side: the time that passed is shared out by what the threads spent on each.
+    const double passed = millisecondsSince(start);
+    std::int64_t all = 0;
+    for (const auto& time : spent_) all += time;
+    for (std::size_t i = 0; i < spent_.size(); ++i) {
+        const bool listed = i == resolveTime || std::ranges::any_of(stages_, [&](const SplatStage& stage) {
+                                return static_cast<std::size_t>(stage.kind) == i;
+                            });
+        if (listed)
+            stats.add(stageNames[i], passed * double(spent_[i]) / double(std::max<std::int64_t>(1, all)));
+    }
+}
+
+}  // namespace scancast::cpu

@@ -1,0 +1,76 @@
+// One cut seen from one viewpoint: its runs made ready once, then drawn once per jittered frame, tile by tile
+// through all splat passes, into planes of pixels. A picture is a layer; every mirror that it shows is
+// another. Made for one draw(), on the render thread.
+#pragma once
+
+#include <atomic>
+#include <memory>
+#include <vector>
+
+#include "renderer/device/cpu/pass_plan.hpp"
+#include "renderer/device/cpu/prepare.hpp"
+#include "renderer/device/cpu/tiles.hpp"
+#include "renderer/device/cpu/workers.hpp"
+
+namespace scancast::cpu {
+
+/// What one thread draws a tile in. Grows to the largest tile and stays.
+struct TileMemory {
+    std::vector<Key> keys;  ///< a block per kind of key
+    std::vector<std::int32_t> sums;
+    std::vector<std::int64_t> wide;
+};
+
+/// One per thread.
+using TileMemories = std::vector<std::unique_ptr<TileMemory>>;
+
+/// Pixels in memory: `area` of the whole picture, row by row.
+struct Planes {
+    Rect area;
+    std::uint32_t* rgba = nullptr;
+    float* depth = nullptr;            ///< may be null
+    std::uint32_t* normals = nullptr;  ///< may be null
+    std::ptrdiff_t at(int x, int y) const {
+        return static_cast<std::ptrdiff_t>(y - area.y0) * area.width() + (x - area.x0);
+    }
+};
+
+class Layer {
+  public:
+    /// Everything outlives the layer.
+    Layer(const Drawing& drawing, const Cut& cut, const SampleFilter& filter, const Sight& sight,
+          const PassPlan& plan, const Kernels& kernels, const Workers& workers, TileMemories& memories,
+          const Rect& area);
+    /// Splats and resolves one frame; `planes` cover the layer's area. Adds to the stages "nearest", "sum",
+    /// "cell" and "resolve".
+    void draw(const glm::dvec2& jitter, const Planes& planes, FrameStats& stats);
+
+  private:
+    void prepareRuns(const Drawing& drawing, const Cut& cut, const SampleFilter& filter);
+    void listSamples();
+    void drawTile(const Tile& tile, std::span<const SplatStage> stages, const Planes& planes);
+    void drawRuns(const Tile& tile, std::size_t stage, const SplatPass& pass, const KeyTile& target,
+                  TileMemory& memory);
+    void splatRun(const PreparedRun& prepared, SplatRun slice, const SplatPass& pass, const KeyTile& target,
+                  TileMemory& memory);
+    void resolveTile(const KeyTile& nearest, const KeyTile& colors, const SplatPass& pass,
+                     const TileMemory& memory, const Planes& planes);
+
+    const Sight sight_;
+    const PassPlan& plan_;
+    const Kernels& kernels_;
+    const Workers& workers_;
+    TileMemories& memories_;
+    const Rect area_;
+    ColorTables tables_;
+    std::vector<SplatStage> stages_;
+    std::vector<PreparedRun> runs_;  ///< front to back
+    std::vector<Tile> tiles_;
+    std::vector<std::uint32_t> background_;  ///< rows of area_
+    std::vector<SplatRun> byOrdinal_;        ///< with `samples`
+    std::vector<std::uint32_t> runAt_;
+    SampleTable samples_;
+    std::array<std::atomic<std::int64_t>, 5> spent_{};  ///< ns of all threads: by kind of stage, and resolve
+};
+
+}  // namespace scancast::cpu

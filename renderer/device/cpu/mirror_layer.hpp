@@ -1,0 +1,49 @@
+// A mirror of a picture: the layer that its reflected eye sees, only as large as the mirror appears, and its
+// glass (methods.md §10). Both are layers of splats; screen passes run once, over the picture with the
+// reflections in it, just as if the mirror were an opening and its image stood behind it: that is how depths
+// around an edge of the glass must be compared. Only in the end it becomes glass, with a tint and a depth of
+// its own. Once per jittered frame, before frames are averaged. Made for one draw(), on the render thread.
+#pragma once
+
+#include <optional>
+
+#include "renderer/device/cpu/layer.hpp"
+
+namespace scancast::cpu {
+
+/// The planes of one layer; live as long as the device, so that pictures do not wait for fresh memory.
+struct LayerMemory {
+    std::vector<std::uint32_t> rgba, normals;
+    std::vector<float> depth;
+};
+
+class MirrorLayer {
+  public:
+    /// `picture`: the area that is drawn of it. Everything outlives the layer.
+    MirrorLayer(const Drawing& drawing, const Reflection& reflection, const Sight& picturesSight,
+                const PassPlan& plan, const Kernels& kernels, const Workers& workers, TileMemories& tiles,
+                LayerMemory& memory, const Rect& picture);
+
+    /// Nothing of it lies in the picture.
+    bool empty() const { return area_.empty(); }
+    /// Draws one frame of the reflection into the same frame of the picture, whose planes have depth. Before
+    /// its screen passes. Expects !empty().
+    void draw(const glm::dvec2& jitter, const Planes& picture);
+    /// Tint, and the mirror's depth. After the screen passes.
+    void finish(const glm::dvec2& jitter, const Planes& picture) const;
+
+  private:
+    using Lay = void (*)(const Glass&);
+    void layOver(const glm::dvec2& jitter, const Planes& reflected, const Planes& picture, Lay lay) const;
+
+    const Reflection& reflection_;
+    const Sight sight_;  ///< of the reflected eye
+    const PassPlan& plan_;
+    const Kernels& kernels_;
+    const Workers& workers_;
+    LayerMemory& memory_;
+    Rect area_;                   ///< pixels that may change
+    std::optional<Layer> layer_;  ///< unless empty
+};
+
+}  // namespace scancast::cpu

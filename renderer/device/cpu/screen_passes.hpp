@@ -1,0 +1,23 @@
+// The screen passes of a plan: planes of colour, depth and normal, changed in place. Called on the render
+// thread; rows are shared out to the workers.
+#pragma once
+
+#include <vector>
+
+#include "renderer/device/cpu/layer.hpp"
+#include "renderer/device/cpu/pyramid.hpp"
+
+namespace scancast::cpu {
+
+/// What screen passes need beside the planes; lives as long as the device.
+struct ScreenMemory {
+    std::vector<float> logDepth;
+    Pyramid pyramid;
+};
+
+/// Runs them in their order, for planes drawn with this sight and jitter. Adds one stage each.
+void runScreenPasses(std::span<const Pass> passes, const Sight& sight, const glm::dvec2& jitter,
+                     const Planes& planes, const Kernels& kernels, const Workers& workers,
+                     ScreenMemory& memory, FrameStats& stats);
+
+}  // namespace scancast::cpu

@@ -1,0 +1,79 @@
+#include "renderer/method/pyramid.hpp"
+
+#include <algorithm>
+
+#include "renderer/method/parameters.hpp"
+
+namespace scancast {
+namespace {
+
+/// Points less than this many spacings, or noises, in front of others hide nobody.
+constexpr double gapInSpacings = 3;
+
+PassList passes(const PassRequest& request) {
+    const ParameterValues& values = request.values;
+    const double given = numberOf(values, "spacing");
+    const double spacing = given > 0 ? given : request.cloud.spacing;
+
+    NearestPass nearest;
+    nearest.footprint = Footprint::Pixel;
+    nearest.profile = Profile::Flat;
+    nearest.size.sizePx = 1;
+    nearest.gain = 0;
+
+    HiddenPointsPass hidden;
+    hidden.scale = static_cast<float>(numberOf(values, "hprScale"));
+    hidden.spacing = static_cast<float>(spacing);
+    hidden.detail = static_cast<float>(request.detail);
+    hidden.minGap = static_cast<float>(gapInSpacings * std::max(spacing, numberOf(values, "noise")));
+    hidden.threshold = static_cast<float>(numberOf(values, "threshold"));
+
+    PassList list{nearest, ResolvePass{}, hidden, PullPushPass{}};
+    if (request.shading == Shading::Phong) {
+        DepthNormalsPass normals;
+        normals.scale = static_cast<float>(numberOf(values, "normalScale"));
+        normals.spacing = hidden.spacing;
+        normals.detail = hidden.detail;
+        list.push_back(normals);
+    }
+    addShading(request.shading, list);
+    return list;
+}
+
+std::vector<Parameter> parameters() {
+    return {
+        numberParameter("hprScale", 5, 3, 20, "",
+                        "How far points look for others that hide them, in point spacings; more removes "
+                        "sparser surfaces' background and closes larger windows."),
+        numberParameter("threshold", 0.1, 0, 0.5, "",
+                        "Mean occlusion below which a point counts as hidden; 0 hides nothing."),
+        numberParameter("noise", 0, 0, 1000, "cloud units",
+                        "Noise of the scan, where it is more than the point spacing: points less than three "
+                        "times this in front of others do not hide them."),
+        numberParameter("spacing", 0, 0, 1000, "cloud units",
+                        "Typical distance between neighbouring points; 0 takes the cloud's own."),
+        numberParameter("normalScale", 2, 0.5, 16, "",
+                        "How wide a surface is looked at to find its slope, in point spacings; more is "
+                        "smoother."),
+    };
+}
+
+}  // namespace
+
+Method pyramidMethod() {
+    Method m;
+    m.name = "pyramid";
+    m.title = "Reconstructed surface";
+    m.summary =
+        "Closes the gaps between points and lights the surface, from the picture alone: for scans "
+        "without normals, as smooth as their noise allows.";
+    m.source = "Raw point cloud deferred shading through screen space pyramidal operators, 2018";
+    m.parameters = parameters();
+    m.defaultDetail = 1.5;
+    m.defaultShading = Shading::Phong;
+    m.makesNormals = true;
+    m.passes = passes;
+    return m;
+}
+
+}  // namespace scancast

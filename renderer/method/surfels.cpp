@@ -1,0 +1,95 @@
+#include "renderer/method/surfels.hpp"
+
+#include "renderer/method/parameters.hpp"
+
+namespace scancast {
+
+std::vector<Parameter> surfelParameters() {
+    return {
+        numberParameter("scale", 1, 0.01, 100, "",
+                        "Factor on the radius of every surfel; more closes holes, less shows them."),
+        numberParameter("maxPx", 256, 1, 1024, "px", "Surfels never become larger than this."),
+        booleanParameter("cull", true,
+                         "Leave out surfels that face away from the viewer, where the scan knows which side "
+                         "is the front."),
+    };
+}
+
+Splat surfelSplat(Footprint footprint, const ParameterValues& values) {
+    Splat splat;
+    splat.footprint = footprint;
+    splat.profile = Profile::Flat;
+    splat.gain = 0;
+    splat.size.scale = static_cast<float>(numberOf(values, "scale"));
+    splat.size.maxPx = static_cast<float>(numberOf(values, "maxPx"));
+    splat.facing = booleanOf(values, "cull") ? Facing::Front : Facing::Any;
+    return splat;
+}
+
+namespace {
+
+PassList discPasses(const PassRequest& request) {
+    NearestPass nearest{surfelSplat(Footprint::Disc, request.values)};
+    ResolvePass resolve;
+    resolve.normals = request.shading == Shading::Phong;
+    if (resolve.normals) nearest.payload = Payload::Sample;
+    PassList list{nearest, resolve};
+    addShading(request.shading, list);
+    return list;
+}
+
+PassList ewaPasses(const PassRequest& request) {
+    Splat splat = surfelSplat(Footprint::Ellipse, request.values);
+    splat.lowPassPx = static_cast<float>(numberOf(request.values, "lowPass"));
+    NearestPass nearest{splat};
+    SumPass sum{splat};
+    ResolvePass resolve;
+    resolve.sums = true;
+    if (request.shading == Shading::Phong) {
+        nearest.payload = Payload::Sample;
+        sum.normals = resolve.normals = true;
+    }
+    PassList list{nearest, sum, resolve};
+    addShading(request.shading, list);
+    return list;
+}
+
+}  // namespace
+
+Method discMethod() {
+    Method m;
+    m.name = "disc";
+    m.title = "Oriented discs";
+    m.summary =
+        "A disc in the surface for every point: closed surfaces with true slopes and lighting, in one pass.";
+    m.source = "Point-based Rendering: normal detection, splatting and mirrors (002)";
+    m.parameters = surfelParameters();
+    m.defaultDetail = 2;
+    m.defaultShading = Shading::Phong;
+    m.needs = Needs::Surfels;
+    m.passes = discPasses;
+    return m;
+}
+
+Method ewaMethod() {
+    Method m;
+    m.name = "ewa";
+    m.title = "Blended ellipses";
+    m.summary =
+        "Ellipses that follow edges, blended and filtered for the screen: the smoothest surfaces, and no "
+        "flicker of distant textures.";
+    m.source =
+        "Achieving a Smooth Interpolation between the Points Using Modified Rendering Algorithm; Surface "
+        "Splatting, 2001";
+    m.parameters = surfelParameters();
+    m.parameters.push_back(numberParameter(
+        "lowPass", 0.5, 0, 4, "px",
+        "Standard deviation of the filter over the screen; more blurs, 0 lets distant textures alias."));
+    m.defaultDetail = 2;
+    m.defaultShading = Shading::Phong;
+    m.needs = Needs::Surfels;
+    m.passes = ewaPasses;
+    return m;
+}
+
+}  // namespace scancast

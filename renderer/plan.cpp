@@ -1,0 +1,168 @@
+#include "renderer/plan.hpp"
+
+#include <algorithm>
+
+#include "renderer/cloud/surfel_codec.hpp"
+#include "renderer/method/automatic.hpp"
+#include "renderer/method/method.hpp"
+#include "renderer/select/fade.hpp"
+#include "renderer/style.hpp"
+
+namespace scancast {
+namespace {
+
+/// Pixels around a tile that hidden point removal and pull-push look at, and around the whole picture (the
+/// device's guard band).
+constexpr int hiddenPointsMargin = 128, hiddenPointsBand = 32;
+
+/// Bounds must grow by half of the largest splat, or culling would cut splats off at the picture's edge.
+/// `factor`: how much larger than `splat` says, and than a node's spacing, they may be.
+void growBySplat(const Splat& splat, double factor, SelectOptions& selection) {
+    const bool fixed = !ofSurfels(splat) && (splat.size.sizePx > 0 || splat.footprint == Footprint::Pixel);
+    const double px = fixed ? splat.size.sizePx : splat.size.minPx + 6 * splat.lowPassPx;
+    selection.growPx = std::max(selection.growPx, px / 2 + 1);
+    if (!fixed) selection.growSpacings = std::max(selection.growSpacings, splat.size.scale * factor);
+}
+
+void growBySplats(const PassList& passes, bool surfels, SelectOptions& selection) {
+    // A sample's own radius is at most so many of its node's spacings.
+    const double largest = surfels ? double(surfelRadii()[outlierRadius - 1]) : 1.0;
+    for (const auto& pass : passes) {
+        if (const auto* nearest = std::get_if<NearestPass>(&pass)) {
+            const bool ellipse = nearest->footprint == Footprint::Ellipse;
+            growBySplat(*nearest, ellipse ? largest * majorPerRadius : largest, selection);
+        }
+        if (const auto* sum = std::get_if<SumPass>(&pass); sum && sum->footprint == Footprint::Disc)
+            growBySplat(*sum, largest * sum->reach, selection);
+        if (std::holds_alternative<HiddenPointsPass>(pass))
+            selection.growPx = std::max(selection.growPx, double(hiddenPointsBand + 1));
+    }
+}
+
+/// Whether nothing that faces away from the eye is drawn by any pass.
+bool drawsFrontOnly(const PassList& passes) {
+    const auto front = [](const Pass& pass) {
+        if (std::holds_alternative<SilhouettePass>(pass)) return false;
+        const auto* nearest = std::get_if<NearestPass>(&pass);
+        return nearest == nullptr || (ofSurfels(*nearest) && nearest->facing == Facing::Front);
+    };
+    return std::ranges::all_of(passes, front);
+}
+
+int screenMargin(const PassList& passes) {
+    int margin = 0;
+    for (const auto& pass : passes) {
+        if (const auto* eyeDome = std::get_if<EyeDomePass>(&pass)) {
+            margin = std::max(margin, static_cast<int>(eyeDome->radiusPx) + 2);
+        }
+        if (std::holds_alternative<HiddenPointsPass>(pass)) margin = std::max(margin, hiddenPointsMargin);
+    }
+    return margin;
+}
+
+CloudTraits traits(const Cloud& cloud) {
+    return {.surfels = cloud.surfels,
+            .oriented = cloud.oriented,
+            .normals = cloud.surfels || cloud.attributes.normal,
+            .colors = cloud.attributes.color,
+            .spacing = cloud.spacing};
+}
+
+/// Whether the cloud has what the method and its shading draw.
+Expected<void> checkAbility(const Cloud& cloud, const Method& method, Shading shading) {
+    if (method.needs == Needs::Surfels && !cloud.surfels)
+        return fail(ErrorCode::Unsupported,
+                    "method '" + method.name +
+                        "' draws surfels, and this cloud was built without them; ingest the scan without "
+                        "--no-surfels (scancast ingest SCAN -o CLOUD.scan), or use paraboloid or pyramid",
+                    "method");
+    if (shading == Shading::Phong && !method.makesNormals && !traits(cloud).normals)
+        return fail(ErrorCode::Unsupported,
+                    "shading=phong needs normals, and this cloud has none; ingest the scan without "
+                    "--no-surfels, use method=pyramid, which makes its own, or shading=eyedome",
+                    "shading");
+    return {};
+}
+
+/// Distance of neighbouring samples on screen where they are as fine as the cloud has them, but not finer
+/// than surfels are drawn; the median over the samples, px.
+double spacingOnScreen(const Cloud& cloud, const Viewpoint& viewpoint) {
+    SelectOptions options;
+    options.detail = 2;
+    Cut cut = select(cloud.octree, viewpoint, options);
+    std::ranges::sort(cut.runs, {}, &CutRun::projected);
+    std::uint64_t seen = 0;
+    for (const CutRun& run : cut.runs) {
+        seen += run.node->sampleCount;
+        if (2 * seen >= cut.samples) return run.projected;
+    }
+    return 1;
+}
+
+/// A method with complete parameters, and why it was chosen where the request left that open.
+struct ChosenMethod {
+    const Method* method = nullptr;
+    ParameterValues parameters;
+    std::string reason;
+};
+
+Expected<ChosenMethod> choose(const Cloud& cloud, const Style& style, const Viewpoint& viewpoint) {
+    ChosenMethod chosen;
+    chosen.method = findMethod(style.method);
+    if (!chosen.method) {
+        std::string known;
+        for (const auto& m : methods()) known += (known.empty() ? "" : ", ") + m.name;
+        return fail(ErrorCode::InvalidArgument,
+                    "there is no method '" + style.method + "'; there are " + known, "method");
+    }
+    auto parameters = resolveParameters(*chosen.method, style.parameters);
+    if (parameters && chosen.method->name == automaticName) {
+        const AutomaticChoice choice = chooseMethod(traits(cloud), spacingOnScreen(cloud, viewpoint));
+        chosen.method = choice.method;
+        chosen.reason = choice.reason;
+        parameters = resolveParameters(*chosen.method, {});
+    }
+    if (!parameters) return tl::unexpected(parameters.error());
+    chosen.parameters = std::move(*parameters);
+    return chosen;
+}
+
+}  // namespace
+
+std::optional<std::uint64_t> mostSamples(const Cloud& cloud) {
+    if (cloud.octree.nodes().empty() || cloud.octree.store().whole()) return std::nullopt;
+    return cloud.octree.store().capacity();
+}
+
+Expected<Plan> plan(const Cloud& cloud, const View& view) {
+    auto viewpoint = Viewpoint::create(view, cloud.origin, cloud.bounds);
+    if (!viewpoint) return tl::unexpected(viewpoint.error());
+    const auto chosen = choose(cloud, view.style, *viewpoint);
+    if (!chosen) return tl::unexpected(chosen.error());
+    const Method* const method = chosen->method;
+    const Shading shading = view.style.shading.value_or(method->defaultShading);
+    if (auto able = checkAbility(cloud, *method, shading); !able) return tl::unexpected(able.error());
+    auto color = colorRule(cloud, view.style, *viewpoint);
+    if (!color) return tl::unexpected(color.error());
+
+    Plan plan;
+    plan.viewpoint = *viewpoint;
+    plan.color = *color;
+    plan.selection.detail = view.quality.detail.value_or(method->defaultDetail);
+    plan.passes =
+        method->passes({*method, chosen->parameters, shading, traits(cloud), plan.selection.detail});
+    plan.method = method->name;
+    plan.reason = chosen->reason;
+    plan.selection.fade = fadeBand(plan.selection.detail);
+    plan.selection.budget = view.quality.budget;
+    // A picture holds on to its samples while it is drawn: no more of them than the memory limit allows.
+    if (const auto most = mostSamples(cloud);
+        most && (!plan.selection.budget || *plan.selection.budget > *most))
+        plan.selection.budget = most;
+    growBySplats(plan.passes, cloud.surfels, plan.selection);
+    plan.selection.cullBackFaces = cloud.oriented && drawsFrontOnly(plan.passes);
+    plan.margin = screenMargin(plan.passes);
+    return plan;
+}
+
+}  // namespace scancast

@@ -1,0 +1,163 @@
+// How much pictures change while the camera moves: by how much more than the same pictures drawn by brute
+// force, and how much of it is changes of level. Prints a table of percentages of pixels that change by more
+// than 16 of 255.
+//
+//   bench_stability [--cloud town:2000000|FILE]... [--method A,B,…] [--detail D,…] [--motion
+//   orbit,zoom,parallel]
+//                   [--distance 1,0.2,…] [--steps N] [--no-brute-force] [--threads N]
+//
+// "parallel" is a zoom without perspective: everything of one spacing would change its level at once.
+// Distances are factors on that of the view of the whole cloud. Detail "auto" is the method's own.
+#include <algorithm>
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+#include <sstream>
+#include <string>
+
+#include "renderer/cloud/import/open_scan.hpp"
+#include "renderer/device/cpu/cpu_device.hpp"
+#include "renderer/residency/open_cloud.hpp"
+#include "renderer/simulate/scene.hpp"
+#include "tests/support/stability.hpp"
+
+namespace {
+
+using namespace scancast;
+
+struct Settings {
+    std::vector<std::string> clouds, methods{"paraboloid", "circle", "point"}, details{"auto"},
+        motions{"orbit", "zoom", "parallel"}, distances{"1", "0.2"};
+    int steps = 100, threads = 0;
+    bool bruteForce = true;
+};
+
+std::vector<std::string> words(const std::string& list) {
+    std::vector<std::string> out;
+    std::istringstream in(list);
+    for (std::string word; std::getline(in, word, ',');) out.push_back(word);
+    return out;
+}
+
+Settings parse(int argc, char** argv) {
+    Settings s;
+    for (int i = 1; i < argc; ++i) {
+        const std::string name = argv[i];
+        const auto value = [&]() -> std::string { return i + 1 < argc ? argv[++i] : ""; };
+        if (name == "--cloud")
+            s.clouds.push_back(value());
+        else if (name == "--method")
+            s.methods = words(value());
+        else if (name == "--detail")
+            s.details = words(value());
+        else if (name == "--motion")
+            s.motions = words(value());
+        else if (name == "--distance")
+            s.distances = words(value());
+        else if (name == "--steps")
+            s.steps = std::max(1, std::atoi(value().c_str()));
+        else if (name == "--threads")
+            s.threads = std::atoi(value().c_str());
+        else if (name == "--no-brute-force")
+            s.bruteForce = false;
+        else {
+            std::fprintf(
+                stderr, "bench_stability: unknown option %s; example: bench_stability --cloud town:2000000\n",
+                name.c_str());
+            std::exit(2);
+        }
+    }
+    if (s.clouds.empty()) s.clouds = {"town:2000000"};
+    return s;
+}
+
+template <class T>
+T orExit(Expected<T> result) {
+    if (result) return std::move(*result);
+    std::fprintf(stderr, "bench_stability: %s\n", result.error().message.c_str());
+    std::exit(1);
+}
+
+std::shared_ptr<const Cloud> open(const std::string& name, int threads, std::shared_ptr<BlockCache>& cache) {
+    const std::size_t colon = name.find(':');
+    if (colon == std::string::npos && isCloudFileAt(name)) {
+        if (!cache) {
+            BlockCacheOptions options;
+            options.memoryLimit = std::uint64_t{4} << 30;
+            cache = BlockCache::create(options);
+        }
+        return orExit(openCloud(name, cache));
+    }
+    BuildOptions build;
+    build.threads = threads;
+    build.shape.surfels = true;
+    ImportOptions import;
+    import.importerDirectory = SCANCAST_BIN_DIR;
+    SceneOptions scene;
+    scene.scene = name.substr(0, colon);
+    if (colon != std::string::npos) scene.points = std::strtoull(name.c_str() + colon + 1, nullptr, 10);
+    auto source = orExit(colon == std::string::npos ? openScan(name, import) : simulate(scene));
+    return orExit(buildCloud(*source, build));
+}
+
+void printRow(Device& device, const Cloud& cloud, const std::string& cloudName, const View& view,
+              const std::string& motion, const std::string& distance, const Settings& settings) {
+    test::StabilityOptions options;
+    options.motion = motion == "orbit" ? test::Motion::Orbit : test::Motion::Zoom;
+    options.step = motion == "orbit" ? 0.1 : 0.5;
+    options.steps = settings.steps;
+    options.bruteForce = settings.bruteForce;
+    const test::Stability s = orExit(test::measureStability(device, cloud, view, options));
+    const std::string detail =
+        view.quality.detail ? std::to_string(*view.quality.detail).substr(0, 4) : std::string("auto");
+    std::printf("%-22s %-11s %-5s %-9s %-5s %6.2f %6.2f  %6.2f %6.2f  %6.3f %6.3f  %6.2f %5.1f\n",
+                cloudName.c_str(), view.style.method.c_str(), detail.c_str(), motion.c_str(),
+                distance.c_str(), 100 * s.frames.mean(), 100 * s.frames.worst, 100 * s.bruteForce.mean(),
+                100 * s.bruteForce.worst, 100 * s.levels.mean(), 100 * s.levels.worst, s.samples.mean() / 1e6,
+                s.milliseconds.mean());
+    std::fflush(stdout);
+}
+
+void measure(Device& device, const Cloud& cloud, const std::string& name, const Settings& settings) {
+    for (const std::string& method : settings.methods)
+        for (const std::string& detail : settings.details)
+            for (const std::string& motion : settings.motions)
+                for (const std::string& distance : settings.distances) {
+                    View view = defaultView(cloud);
+                    Camera& camera = view.camera;
+                    const double factor = std::atof(distance.c_str());
+                    // From close by, at the middle: the whole view looks past it, to fit the picture.
+                    const glm::dvec3 middle = (cloud.bounds[0] + cloud.bounds[1]) * 0.5;
+                    if (factor != 1) camera.eye += middle - camera.target, camera.target = middle;
+                    camera.viewHeight = 2 * factor * glm::length(camera.eye - camera.target) *
+                                        std::tan(glm::radians(camera.fov) / 2);
+                    if (motion == "parallel")
+                        camera.projection = Projection::Orthographic;
+                    else
+                        camera.eye = camera.target + (camera.eye - camera.target) * factor;
+                    view.style.method = method;
+                    view.quality.samples = 1;
+                    if (detail != "auto") view.quality.detail = std::atof(detail.c_str());
+                    printRow(device, cloud, name, view, motion, distance, settings);
+                }
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+    const Settings settings = parse(argc, argv);
+    const auto device = orExit(createCpuDevice(settings.threads));
+    std::shared_ptr<BlockCache> cache;
+    std::printf(
+        "Pixels that change by more than 16 of 255 from picture to picture, %%; 1280 x 720, one frame each.\n"
+        "                                                         levels on      brute force   levels alone  "
+        " samples\n"
+        "cloud                  method      tau   motion    dist    mean  worst    mean  worst    mean  "
+        "worst  "
+        "million    ms\n");
+    for (const std::string& name : settings.clouds) {
+        const auto cloud = open(name, settings.threads, cache);
+        measure(*device, *cloud, name.substr(name.rfind('/') + 1), settings);
+    }
+    return 0;
+}

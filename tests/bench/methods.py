@@ -1,0 +1,220 @@
+#!/usr/bin/python3
+"""All rendering methods: how near to the truth, how steady in motion, how fast; and the settings of their papers.
+
+    tests/bench/methods.py [--scan SCAN.laz] [--bin build/release/bin] [--bench build/bench/bench]
+                           [--only table,papers,speed] [--town TOWN.scan] [--scenes sign,cube]
+
+Prints Markdown, ready for docs/performance.md:
+  table   method x scene: PSNR and SSIM against the ray-cast truth, holes, stability, milliseconds of each pass
+          (compare_methods, which says what the columns are)
+  papers  what the papers measured, in their settings, beside their figures; and draws the plot of Fig. 8 in 000
+          (frames/s over point size) as docs/images/point_sizes.svg (--plot)
+  speed   frames/s at 1280 x 720 of a turning town of 20 million points, and of a real scan where --scan names one,
+          against the marks; a frame is everything from the view to the JPEG
+
+Moving: what the server may go down to while the camera moves, one sample a pixel: first detail (2 px at full
+resolution), then resolution, too (640 x 360 with 2 px of that picture), its floor.
+Clouds are ingested with surfels, surfels of the real scan face upwards. compare_methods and bench_surfel_methods are
+built with: cmake --preset release -B build/bench -DSCANCAST_BENCH=ON
+            cmake --build build/bench --target compare_methods bench_surfel_methods
+"""
+import argparse
+import json
+import os
+import re
+import subprocess
+import sys
+import tempfile
+
+SPRITES = ["point", "square", "circle", "paraboloid", "cone", "sphere"]
+METHODS = SPRITES + ["hqs", "disc", "ewa", "voronoi", "pyramid"]
+# Frames/s wanted on two cores at full quality; moving, all of them 30.
+MARKS = {**{name: 30 for name in SPRITES}, "hqs": 20, "disc": 20, "ewa": 12, "voronoi": 12, "pyramid": 12}
+MOVING_MARK = 30
+OWN_DETAIL = {"hqs": 2, "disc": 2, "ewa": 2, "voronoi": 2}  # the others: 1
+FRAMES = 36  # three turns: medians are of views whose blocks are in memory from the first one
+
+# What compares with what: Fig. 8 in 000 has these modes, top to bottom, and sizes 0 to 2.5.
+PLOT_METHODS = [("square", "squares", "#4878a8"), ("circle", "circles", "#6a9f58"),
+                ("paraboloid", "paraboloids", "#d1615d"), ("hqs", "three-pass splats", "#85629a")]
+PLOT_SIZES = [0, 0.25, 0.5, 0.75, 1, 1.25, 1.5, 1.75, 2, 2.25, 2.5]
+
+
+def output_of(command):
+    """What it prints; its errors go to the terminal."""
+    try:
+        return subprocess.run(command, check=True, stdout=subprocess.PIPE, text=True).stdout
+    except (OSError, subprocess.CalledProcessError) as problem:
+        sys.exit(f"methods.py: {problem}")
+
+
+def turn(scancast, cloud, method, width=1280, height=720, frames=FRAMES, flags=()):
+    """The statistics of three turns, one sample a pixel."""
+    return json.loads(output_of([scancast, "render", cloud, "--method", method, "--width", str(width), "--height", str(height),
+                                 "--samples", "1", "--repeat", str(frames), "--orbit", str(3 * 360 / frames), "--stats", "json", *flags]))
+
+
+def stage(stats, *names):
+    return sum(s["medianMs"] for s in stats["stages"] if s["name"] in names)
+
+
+def verdict(reached):
+    return "reached" if reached else "**missed**"
+
+
+def stages_of(stats):
+    return ", ".join(f"{s['name']} {s['medianMs']:.1f}" for s in stats["stages"])
+
+
+def table(bench, scenes):
+    print("## Method × scene, against the truth\n")
+    print("1280 × 720, unlit; generated scenes, their views averaged. PSNR and SSIM against rays cast through the scene, 4 samples a "
+          "pixel. Turned: pixels that change by more than 16 of 255 in an orbit by 0.1° (in brackets: drawn by brute force); "
+          "levels: of these, by changes of level alone, worst step. ms: one sample a pixel, without encoding.\n", flush=True)
+    command = [os.path.join(bench, "compare_methods")] + (["--scenes", scenes] if scenes else [])
+    subprocess.run(command, check=True)
+    print()
+
+
+def voronoi(bench):
+    text = output_of([os.path.join(bench, "bench_surfel_methods"), "--points", "50000", "--only", "voronoi"])
+    found = re.search(r"voronoi, smooth\s+([\d.]+) ms =\s+([\d.]+) frames/s", text)
+    if not found:
+        sys.exit(f"methods.py: bench_surfel_methods did not tell of voronoi: {text}")
+    fps = float(found.group(2))
+    print(f"| Voronoi (003): 50,000 smooth discs, 1024 × 768 | 10 frames/s | {fps:.1f} frames/s | ≥ 30 frames/s | {verdict(fps >= 30)} |")
+
+
+def hidden_points(scancast, clouds):
+    for name, cloud in clouds:
+        stats = turn(scancast, cloud, "pyramid", 1248, 768)
+        ms = stage(stats, "hidden points")
+        print(f"| hidden point removal (004), 1248 × 768, {name} | 2.1-2.7 ms (GTX 1080); its predecessor 21-58 ms | {ms:.1f} ms "
+              f"| ≤ 25 ms | {verdict(0 < ms <= 25)} |")
+        print(f"| all of `pyramid` in this picture | | {stats['medianMs']:.1f} ms: {stages_of(stats)} | | |")
+
+
+def in_order(rates):
+    """Highest first, but for the noise of medians."""
+    return all(a >= 0.97 * b for a, b in zip(rates, rates[1:]))
+
+
+def point_sizes(scancast, name, cloud, plot):
+    """Fig. 8 in 000, on its canvas; the same samples for all modes."""
+    rates = {method: [] for method, _, _ in PLOT_METHODS}
+    for size in PLOT_SIZES:
+        flags = ["--detail", "1", "--param", f"scale={size}" if size > 0 else "sizePx=1"]
+        for method in rates:
+            stats = turn(scancast, cloud, method, 1920, 955, 12, flags)
+            rates[method].append(1000 / (stats["medianMs"] - stage(stats, "encode")))
+    print(f"\n### Frames/s over point size (Fig. 8 in 000)\n\n1920 × 955, {name}, the same samples (τ = 1) for all; size 0 is 1 px, "
+          "1 closes holes. The paper's order, top to bottom: squares, circles, paraboloids, three-pass splats.\n")
+    print("| size | " + " | ".join(label for _, label, _ in PLOT_METHODS) + " | in the paper's order |")
+    print("|---" * (len(PLOT_METHODS) + 2) + "|")
+    for i, size in enumerate(PLOT_SIZES):
+        row = [rates[method][i] for method in rates]
+        print(f"| {size:g} | " + " | ".join(f"{r:.1f}" for r in row) + f" | {'yes' if in_order(row) else 'no'} |")
+    with open(plot, "w", encoding="utf-8") as file:
+        file.write(chart(rates))
+    print(f"\nPlot: {plot}\n", flush=True)
+
+
+def chart(rates):
+    """An SVG of the rates over the sizes."""
+    left, top, width, height = 60, 20, 520, 300
+    highest = max(max(values) for values in rates.values())
+    step = next(s for s in (5, 10, 20, 50, 100, 200, 500, 1000) if highest / s <= 6 or s == 1000)
+    limit = step * (int(highest / step) + 1)
+    x = lambda size: left + width * size / PLOT_SIZES[-1]
+    y = lambda rate: top + height * (1 - rate / limit)
+    out = ['<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 760 380" font-family="sans-serif" font-size="13">',
+           '<rect width="760" height="380" fill="white"/>']
+    for rate in range(0, limit + 1, step):
+        out.append(f'<path d="M{left} {y(rate):.1f}H{left + width}" stroke="#ddd"/>'
+                   f'<text x="{left - 8}" y="{y(rate) + 4:.1f}" text-anchor="end">{rate}</text>')
+    for size in PLOT_SIZES[::2]:
+        out.append(f'<text x="{x(size):.1f}" y="{top + height + 20}" text-anchor="middle">{size:g}</text>')
+    out.append(f'<text x="{left + width / 2}" y="{top + height + 42}" text-anchor="middle">point size, factor on the size that '
+               'closes holes</text>')
+    out.append(f'<text transform="translate(18 {top + height / 2}) rotate(-90)" text-anchor="middle">frames/s</text>')
+    label_y = top + 10
+    for method, label, color in PLOT_METHODS:
+        points = " ".join(f"{x(s):.1f},{y(r):.1f}" for s, r in zip(PLOT_SIZES, rates[method]))
+        out.append(f'<polyline points="{points}" fill="none" stroke="{color}" stroke-width="2.5"/>')
+        out.append(f'<path d="M{left + width + 20} {label_y - 4}h24" stroke="{color}" stroke-width="2.5"/>'
+                   f'<text x="{left + width + 50}" y="{label_y}">{label}</text>')
+        label_y += 22
+    return "\n".join(out + ["</svg>"]) + "\n"
+
+
+def papers(scancast, bench, clouds, plot):
+    print("## The papers' own settings\n\n| setting | paper | here | wanted | |\n|---|---|---|---|---|", flush=True)
+    voronoi(bench)
+    hidden_points(scancast, clouds)
+    point_sizes(scancast, *clouds[0], plot)
+
+
+def speed(scancast, clouds):
+    print(f"## Speed\n\nFrames/s, medians over three turns, 1280 × 720, one sample a pixel, view to JPEG, {os.cpu_count()} cores. Full quality: the "
+          "method's own τ. Moving: the server goes down to τ = 2 px, then to half the resolution.\n")
+    for name, cloud in clouds:
+        print(f"### {name}\n\n| method | full quality | mark | | moving, τ = 2 px | moving, 640 × 360, τ = 2 px | mark | | full quality, ms |")
+        print("|---|---|---|---|---|---|---|---|---|", flush=True)
+        for method in METHODS:
+            full = turn(scancast, cloud, method)
+            coarse = full if OWN_DETAIL.get(method, 1) >= 2 else turn(scancast, cloud, method, flags=["--detail", "2"])
+            floor = turn(scancast, cloud, method, 640, 360, flags=["--detail", "2"])
+            rates = [1000 / stats["medianMs"] for stats in (full, coarse, floor)]
+            print(f"| `{method}` | {rates[0]:.1f} | {MARKS[method]} | {verdict(rates[0] >= MARKS[method])} | {rates[1]:.1f} | {rates[2]:.1f} "
+                  f"| {MOVING_MARK} | {verdict(max(rates[1:]) >= MOVING_MARK)} | {stages_of(full)}; {full['samples'] / 1e6:.1f} M samples |", flush=True)
+        print()
+
+
+def prepare(scancast, arguments, folder):
+    """Cloud files, with what to call them."""
+    clouds = []
+    town = arguments.town
+    if not town:
+        las, town = os.path.join(folder, "town.las"), os.path.join(folder, "town.scan")
+        output_of([scancast, "generate", "town", "--points", arguments.points, "-o", las, "--quiet"])
+        output_of([scancast, "ingest", las, "-o", town, "--quiet"])
+        os.remove(las)
+    clouds.append((f"town, {arguments.points} points" if not arguments.town else os.path.basename(town), town))
+    if arguments.scan:
+        scan = arguments.scan
+        if not scan.endswith(".scan"):
+            scan = os.path.join(folder, "real.scan")
+            output_of([scancast, "ingest", arguments.scan, "-o", scan, "--orient", "up", "--quiet"])
+        clouds.append((os.path.basename(arguments.scan), scan))
+    else:
+        print("No real scan: --scan SCAN.laz names one.\n")
+    return clouds
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    root = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..")
+    parser.add_argument("--bin", default=os.path.join(root, "build/release/bin"), help="folder of the scancast program")
+    parser.add_argument("--bench", default=os.path.join(root, "build/bench/bench"), help="folder of the benchmarks")
+    parser.add_argument("--only", default="table,papers,speed", help="which parts, comma between them")
+    parser.add_argument("--scenes", help="of the table; by default all that have views and no mirrors")
+    parser.add_argument("--points", default="20M", help="of the town")
+    parser.add_argument("--town", help="a cloud file of the town that is there already")
+    parser.add_argument("--scan", help="a real scan, or a cloud file of one")
+    parser.add_argument("--plot", default=os.path.join(root, "docs/images/point_sizes.svg"), help="where the plot goes")
+    parser.add_argument("--folder", help="where to work; by default a temporary folder")
+    arguments = parser.parse_args()
+    scancast, parts = os.path.join(arguments.bin, "scancast"), arguments.only.split(",")
+    with tempfile.TemporaryDirectory(dir=arguments.folder) as folder:
+        if "table" in parts:
+            table(arguments.bench, arguments.scenes)
+        if "papers" in parts or "speed" in parts:
+            clouds = prepare(scancast, arguments, folder)
+            if "papers" in parts:
+                papers(scancast, arguments.bench, clouds, arguments.plot)
+            if "speed" in parts:
+                speed(scancast, clouds)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,118 @@
+// Blended ellipses with the screen's low-pass: methods.md §5, 001_c3e54385a9f0e90c with Zwicker 2001.
+#include <gtest/gtest.h>
+
+#include "renderer/device/cpu/cpu_device.hpp"
+#include "tests/oracle/cpu/surfel_scenes.hpp"
+
+namespace scancast::test {
+namespace {
+
+constexpr double square = 0.25;
+
+double chequer(double x, double y) {
+    const auto odd = [](double v) { return int(std::floor(v / square)) & 1; };
+    return odd(x) ^ odd(y) ? 255 : 0;
+}
+
+/// The mean of a chequerboard over a pixel, by 24 × 24 rays: its exact area average, but for 1/24 of an edge.
+double averageOf(const Viewpoint& view, int x, int y, bool& inside, double across, double along) {
+    double sum = 0;
+    constexpr int rays = 24;
+    for (int j = 0; j < rays; ++j) {
+        for (int i = 0; i < rays; ++i) {
+            const Ray ray = rayThrough(view, x + (i + 0.5) / rays, y + (j + 0.5) / rays);
+            const glm::dvec3 hit = ray.origin - ray.direction * (ray.origin.z / ray.direction.z);
+            inside = inside && ray.direction.z < 0 && std::abs(hit.x) < across && std::abs(hit.y) < along;
+            if (!inside) return 0;
+            sum += chequer(hit.x, hit.y);
+        }
+    }
+    return sum / (rays * rays);
+}
+
+double psnr(const Viewpoint& view, const Frame& frame, double across, double along) {
+    double error = 0;
+    std::size_t count = 0;
+    for (int y = 0; y < frame.height; ++y) {
+        for (int x = 0; x < frame.width; ++x) {
+            bool inside = true;
+            const double truth = averageOf(view, x, y, inside, across, along);
+            if (!inside) continue;
+            const double off = pixel(frame, x, y)[0] - truth;
+            error += off * off;
+            ++count;
+        }
+    }
+    EXPECT_GT(count, frame.depth.size() / 5);
+    return 10 * std::log10(255 * 255 / (error / double(count)));
+}
+
+AnalyticCloud chequeredPlane(double across, double along, double spacing) {
+    std::vector<AnalyticPoint> points = planeOf(across, along, spacing, [](double x, double y) {
+        const auto c = static_cast<std::uint8_t>(chequer(x, y));
+        return Rgb8{c, c, c};
+    });
+    for (AnalyticPoint& p : points) p.surfel = surfelOf({0, 0, 1}, 1.27 * spacing);
+    return AnalyticCloud(points, spacing);
+}
+
+// Right because the truth is the area average of the pattern itself: what a perfect low-pass would show.
+TEST(Ewa, AveragesAChequerboardSeenAtAGrazingAngle) {
+    constexpr double across = 10, along = 20, spacing = 0.05;
+    const AnalyticCloud cloud = chequeredPlane(across, along, spacing);
+    const auto device = createCpuDevice(2).value();
+    NearestPass circles = sprite(Footprint::Circle, Profile::Flat, 0);
+    for (const Viewpoint& view :
+         {lookAt({0, -24, 2}, {0, 0, 0}, 320, 180, 40), lookAt({3, -22, 1.2}, {0, 2, 0}, 200, 150, 30),
+          lookAtOrthographic({0, -30, 4}, {0, 0, 0}, 240, 60, 5)}) {
+        const double circle = psnr(view, draw(*device, view, cloud, {circles, ResolvePass{}}), across, along);
+        const double ewa = psnr(view, draw(*device, view, cloud, ewaPasses()), across, along);
+        EXPECT_GE(ewa, circle + 6) << circle << " dB with circles, " << ewa << " dB with ellipses";
+    }
+}
+
+// Right because without the low-pass nothing filters what is smaller than a pixel.
+TEST(Ewa, IsFilteredByItsLowPass) {
+    constexpr double across = 10, along = 20, spacing = 0.05;
+    const AnalyticCloud cloud = chequeredPlane(across, along, spacing);
+    const auto device = createCpuDevice(2).value();
+    const Viewpoint view = lookAt({0, -24, 2}, {0, 0, 0}, 320, 180, 40);
+    const double with = psnr(view, draw(*device, view, cloud, ewaPasses(0.5)), across, along);
+    const double without = psnr(view, draw(*device, view, cloud, ewaPasses(0.02)), across, along);
+    EXPECT_GE(with, without + 1) << with << " dB against " << without;
+}
+
+std::size_t beyondTheCube(const Viewpoint& view, const Frame& frame) {
+    std::size_t count = 0;
+    for (int y = 0; y < frame.height; ++y) {
+        for (int x = 0; x < frame.width; ++x) {
+            if (std::isinf(depth(frame, x, y))) continue;
+            count += faceHit(rayThrough(view, x + 0.5, y + 0.5)) < 0 ? 1 : 0;
+        }
+    }
+    return count;
+}
+
+// Right because the cube's outline is known: what is drawn outside is overshoot. The same surfels are drawn
+// as ellipses and as circles of their larger half-axis.
+TEST(Ewa, EllipsesOvershootASilhouetteLessThanCircles) {
+    const auto device = createCpuDevice(2).value();
+    for (const double spacing : {0.05, 0.1}) {
+        std::vector<AnalyticPoint> ellipses = cubeOf(spacing);
+        estimate(ellipses);
+        std::vector<AnalyticPoint> circles = ellipses;
+        for (AnalyticPoint& p : circles) p.surfel->minor = p.surfel->major;
+        const AnalyticCloud narrow(ellipses, spacing), round(circles, spacing);
+        for (const Viewpoint& view :
+             {lookAt({0, -5, 0}, {0, 0, 0}, 400, 400, 35), lookAt({4, -3, 2}, {0, 0, 0}, 640, 480, 40),
+              lookAtOrthographic({3, -5, 4}, {0, 0, 0}, 400, 400, 4.5)}) {
+            const std::size_t less = beyondTheCube(view, draw(*device, view, narrow, ewaPasses()));
+            const std::size_t more = beyondTheCube(view, draw(*device, view, round, ewaPasses()));
+            EXPECT_GT(more, 50u);
+            EXPECT_LE(double(less), 0.95 * double(more)) << spacing;
+        }
+    }
+}
+
+}  // namespace
+}  // namespace scancast::test

@@ -1,0 +1,209 @@
+// Hidden point removal against scenes whose hidden points are known (methods.md §8): two sheets, a window, a
+// wide range of depths. Points carry the surface that they come from, and geometry says which of them can be
+// seen.
+#include <gtest/gtest.h>
+
+#include <functional>
+
+#include "tests/support/point_screen.hpp"
+
+namespace scancast::test {
+namespace {
+
+struct Setting {
+    int width, height;
+    bool perspective;
+    double spacingPx, noise;  ///< noise in spacings
+};
+
+std::vector<Setting> settings() {
+    std::vector<Setting> all;
+    for (const auto& [width, height] : {std::pair{640, 480}, {1248, 768}, {401, 333}}) {
+        for (const bool perspective : {true, false}) {
+            for (const double spacing : {2.0, 3.0, 5.0, 8.0}) {
+                for (const double noise : {0.0, 0.3}) {
+                    all.push_back({width, height, perspective, spacing, noise});
+                }
+            }
+        }
+    }
+    return all;
+}
+
+std::string nameOf(const Setting& s) {
+    return std::to_string(s.width) + " x " + std::to_string(s.height) + ", every " +
+           std::to_string(s.spacingPx) + " px, noise " + std::to_string(s.noise) + " spacings, " +
+           (s.perspective ? "perspective" : "orthographic");
+}
+
+constexpr double depth = 10;
+constexpr int guardBand = 32;
+constexpr int front = 0, rear = 1;
+
+/// In perspective about 60° high.
+PointScreen screenFor(const Setting& s) {
+    return {s.width, s.height, s.perspective, s.perspective ? 0.87 * s.height : 0.1 * s.height};
+}
+
+double spacingOf(const Setting& s, const PointScreen& screen) {
+    return s.spacingPx * (s.perspective ? depth : 1) / screen.pixelsPerUnit;
+}
+
+HiddenPointsPass hiding(double spacing) {
+    HiddenPointsPass pass;
+    pass.spacing = static_cast<float>(spacing);
+    pass.detail = 0;
+    pass.minGap = static_cast<float>(3 * spacing);
+    return pass;
+}
+
+/// A front sheet, as far as `keep` wants it, and a rear one of which no point is less than six spacings
+/// behind it, both wider than the picture and displaced at random.
+PointScreen twoSheets(const Setting& s, std::uint64_t seed,
+                      const std::function<bool(const ScreenPoint&)>& keep) {
+    PointScreen screen = screenFor(s);
+    const double spacing = spacingOf(s, screen), gap = (6 + 2 * s.noise) * spacing;
+    const double halfHeight = 0.6 * s.height * spacing / s.spacingPx, scale = (depth + gap) / depth;
+    const double halfWidth = halfHeight * s.width / s.height;
+    Numbers numbers(seed);
+    const double x = numbers.uniform() * spacing, y = numbers.uniform() * spacing;
+    const auto displaced = [&](int of, auto wanted) {
+        // Rear points stand between the front ones, else these would cover them already.
+        const double apart = of == rear ? 0.5 * spacing : 0;
+        const double dx = x + apart, dy = y + apart;
+        return [&screen, dx, dy, of, wanted](ScreenPoint p) {
+            p.x += dx;
+            p.y += dy;
+            if (wanted(p)) screen.add(p, of);
+        };
+    };
+    sheet(depth, halfWidth, halfHeight, spacing, s.noise * spacing, numbers, displaced(front, keep));
+    sheet(depth + gap, halfWidth * scale, halfHeight * scale, spacing, s.noise * spacing, numbers,
+          displaced(rear, [](const ScreenPoint&) { return true; }));
+    return screen;
+}
+
+/// Calls work(index, x, y) for the pixels inside the guard band.
+template <class Work>
+void insideGuardBand(const PointScreen& s, const Work& work) {
+    for (int y = guardBand; y < s.height - guardBand; ++y) {
+        for (int x = guardBand; x < s.width - guardBand; ++x) work(s.at(x, y), x, y);
+    }
+}
+
+struct Share {
+    double part = 0, whole = 0;
+    void count(bool yes) {
+        part += yes ? 1 : 0;
+        ++whole;
+    }
+    double value() const { return whole > 0 ? part / whole : 0; }
+};
+
+TEST(HiddenPoints, OfTheRearOfTwoSheetsGoAndTheFrontStays) {
+    // All of the rear sheet is covered by the front one, none of the front one by anything.
+    PyramidRunner runner;
+    for (const Setting& setting : settings()) {
+        Share removed, lost, closed;
+        // About as many points of small pictures as of large ones.
+        for (std::uint64_t seed = 0;
+             seed < 1'000'000u / (static_cast<std::uint64_t>(setting.width) * setting.height); ++seed) {
+            PointScreen s = twoSheets(setting, seed, [](const ScreenPoint&) { return true; });
+            runner.hidePoints(s, hiding(spacingOf(setting, s)));
+            insideGuardBand(s, [&](std::size_t i, int, int) {
+                const bool hidden = s.labels[i] == cpu::hiddenLabel;
+                if (s.surface[i] == rear) removed.count(hidden);
+                if (s.surface[i] == front) lost.count(hidden);
+                if (s.surface[i] < 0) closed.count(hidden);
+            });
+        }
+        EXPECT_GE(removed.value(), 0.99) << nameOf(setting);
+        EXPECT_GT(removed.whole, 1000) << nameOf(setting);
+        EXPECT_LE(lost.value(), 0.01) << nameOf(setting);
+        EXPECT_GE(closed.value(), 0.99) << nameOf(setting);
+    }
+}
+
+TEST(HiddenPoints, KeepAWindowOpen) {
+    // What lies behind an opening of radius 1.5 · hprScale · s0 is seen through it; the wall around hides the
+    // rest.
+    PyramidRunner runner;
+    for (const Setting& setting : settings()) {
+        const PointScreen size = screenFor(setting);
+        const double spacing = spacingOf(setting, size), radius = 15 * spacing;
+        const double radiusPx = radius / spacing * setting.spacingPx;
+        if (radiusPx > 0.4 * setting.height) continue;
+        PointScreen s =
+            twoSheets(setting, 5, [&](const ScreenPoint& p) { return std::hypot(p.x, p.y) > radius; });
+        runner.hidePoints(s, hiding(spacing));
+        Share closed, removed;
+        insideGuardBand(s, [&](std::size_t i, int x, int y) {
+            const double r = std::hypot(x + 0.5 - s.width / 2.0, y + 0.5 - s.height / 2.0) / radiusPx;
+            const bool hidden = s.labels[i] == cpu::hiddenLabel;
+            // At the rim itself some sectors see the wall on both sides.
+            if (r < 0.9 && s.surface[i] == rear) closed.count(hidden);
+            if (r > 1.4 && s.surface[i] == rear) removed.count(hidden);
+        });
+        EXPECT_LE(closed.value(), 0.01) << nameOf(setting);
+        EXPECT_GT(closed.whole, 100) << nameOf(setting);
+        EXPECT_GE(removed.value(), 0.98) << nameOf(setting);
+        EXPECT_GT(removed.whole, 100) << nameOf(setting);
+    }
+}
+
+/// Under the bridge (004, Fig. 4): through openings near by one sees things up to a hundred times as far.
+TEST(HiddenPoints, KeepWhatIsSeenOverDepthsOfOneToAHundred) {
+    PyramidRunner runner;
+    for (const auto& [width, height] : {std::pair{640, 480}, {1248, 768}}) {
+        for (const double spacingPx : {2.0, 4.0}) {
+            PointScreen s(width, height, true, 0.87 * height);
+            const double near = 2, far = 200, spacing = spacingPx * near / s.pixelsPerUnit;
+            Numbers numbers(82);
+            // A wall with openings at depth 2, one without at 200, and the ground 1.2 below the eye, all
+            // equally dense on screen.
+            const auto jittered = [&](double v) { return v + numbers.uniform(-0.4, 0.4) * spacingPx; };
+            const auto fillWith = [&](int surface, const std::function<double(double, double)>& depthAt) {
+                for (double py = 0; py < height; py += spacingPx) {
+                    for (double px = 0; px < width; px += spacingPx) {
+                        const double x = jittered(px), y = jittered(py);
+                        const double u = (x - width / 2.0) / s.pixelsPerUnit;
+                        const double v = (height / 2.0 - y) / s.pixelsPerUnit;
+                        const double d = depthAt(u, v);
+                        if (d > 0) s.add({u * d, v * d, d}, surface);
+                    }
+                }
+            };
+            const auto opening = [&](double u, double v) {
+                return std::abs(std::remainder(u, 0.3)) < 0.09 && std::abs(v) < 0.3;
+            };
+            const auto wall = [&](double u, double v) { return opening(u, v) ? -1.0 : near; };
+            const auto ground = [&](double, double v) { return v < 0 && 1.2 / -v < far ? 1.2 / -v : -1.0; };
+            fillWith(0, wall);
+            fillWith(1, ground);
+            fillWith(2, [&](double, double v) { return v > -1.2 / far ? far : -1.0; });
+            runner.hidePoints(s, hiding(spacing));
+            Share kept, removed;
+            insideGuardBand(s, [&](std::size_t i, int x, int y) {
+                if (s.surface[i] < 0) return;
+                // What a ray would hit first: a wall or the ground, whichever is nearest.
+                const ScreenPoint ray = s.through(x, y);
+                double nearest = wall(ray.x, ray.y) > 0 ? near : far;
+                if (const double g = ground(ray.x, ray.y); g > 0) nearest = std::min(nearest, g);
+                const bool onSurface = s.depth[i] < 1.02 * nearest + spacing;
+                const bool hidden = s.labels[i] == cpu::hiddenLabel;
+                if (onSurface)
+                    kept.count(!hidden);
+                else
+                    removed.count(hidden);
+            });
+            EXPECT_GE(kept.value(), 0.99) << width << " x " << height << ", every " << spacingPx << " px";
+            EXPECT_GT(kept.whole, 1000);
+            // Most of what shines through goes; without that, keeping all would be easy.
+            EXPECT_GE(removed.value(), 0.85) << width << " x " << height << ", every " << spacingPx << " px";
+            EXPECT_GT(removed.whole, 1000);
+        }
+    }
+}
+
+}  // namespace
+}  // namespace scancast::test

@@ -11,11 +11,11 @@
 namespace scancast {
 namespace {
 
-Expected<std::unique_ptr<Device>> createBest(int threads) {
-    auto gpu = createHardwareEglDevice();
+Expected<std::unique_ptr<Device>> createBest(const DeviceOptions& options) {
+    auto gpu = createHardwareEglDevice({options.programFolder});
     if (gpu) return gpu;
     spdlog::debug("Drawing on the CPU: {}", gpu.error().message);
-    return createCpuDevice(threads);
+    return createCpuDevice(options.threads);
 }
 
 }  // namespace
@@ -27,10 +27,10 @@ Expected<std::unique_ptr<Device>> createDevice(const DeviceOptions& options) {
             "--egl-device chooses among EGL's devices; it needs --backend=egl, not " + options.backend + ".",
             "egl-device");
     if (options.backend == "cpu") return createCpuDevice(options.threads);
-    if (options.backend == "osmesa") return createOsmesaDevice();
+    if (options.backend == "osmesa") return createOsmesaDevice({options.programFolder});
     if (options.backend == "egl" || (options.backend == "auto" && options.eglDevice >= 0))
-        return createEglDevice(options.eglDevice);
-    if (options.backend == "auto") return createBest(options.threads);
+        return createEglDevice(options.eglDevice, {options.programFolder});
+    if (options.backend == "auto") return createBest(options);
     return fail(
         ErrorCode::InvalidArgument,
         "There is no backend \"" + options.backend +

@@ -7,6 +7,7 @@
 
 #include <array>
 #include <cstdint>
+#include <filesystem>
 #include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
 #include <glm/vec4.hpp>
@@ -107,9 +108,10 @@ class Device {
 };
 
 struct DeviceOptions {
-    std::string backend = "auto";  ///< auto, cpu, egl, osmesa
-    int threads = 0;               ///< cpu: 0 = all cores
-    int eglDevice = -1;            ///< egl: index as listed; -1 = best
+    std::string backend = "auto";           ///< auto, cpu, egl, osmesa
+    int threads = 0;                        ///< cpu: 0 = all cores
+    int eglDevice = -1;                     ///< egl: index as listed; -1 = best
+    std::filesystem::path programFolder{};  ///< egl, osmesa: keeps compiled programs; empty = compiled anew
 };
 
 /// DeviceUnavailable names what is missing and how to get it.

@@ -55,14 +55,15 @@ class Average {
 
 class GlDevice final : public Device {
   public:
-    static Expected<std::unique_ptr<Device>> create(Expected<std::unique_ptr<Context>> context) {
+    static Expected<std::unique_ptr<Device>> create(Expected<std::unique_ptr<Context>> context,
+                                                    const GlOptions& options) {
         if (!context) return tl::unexpected(context.error());
         auto current = Context::Current::enter(**context);
         if (!current) return tl::unexpected(current.error());
         auto driver = describeDriver((*context)->functions());
         if (!driver) return tl::unexpected(driver.error());
         logDriverMessages((*context)->functions());
-        return std::unique_ptr<Device>(new GlDevice(std::move(*context), *driver));
+        return std::unique_ptr<Device>(new GlDevice(std::move(*context), *driver, options));
     }
 
     ~GlDevice() override {
@@ -85,8 +86,9 @@ class GlDevice final : public Device {
     }
 
   private:
-    GlDevice(std::unique_ptr<Context> context, const DriverStrings& driver)
-        : context_(std::move(context)), passes_(std::make_unique<Passes>(context_->functions())) {
+    GlDevice(std::unique_ptr<Context> context, const DriverStrings& driver, const GlOptions& options)
+        : context_(std::move(context)),
+          passes_(std::make_unique<Passes>(context_->functions(), options.programFolder)) {
         info_ = {context_->backend(), driver.vendor, driver.renderer, driver.version, !driver.software, {}};
         info_.identity = info_.name + "; " + driver.renderer + "; " + driver.version;
     }
@@ -177,21 +179,21 @@ DeviceInfo describe(const char* backend, int eglDevice, const Expected<std::uniq
 }  // namespace
 }  // namespace gl
 
-Expected<std::unique_ptr<Device>> createEglDevice(int device) {
-    return gl::GlDevice::create(gl::createEglContext(device));
+Expected<std::unique_ptr<Device>> createEglDevice(int device, const GlOptions& options) {
+    return gl::GlDevice::create(gl::createEglContext(device), options);
 }
 
-Expected<std::unique_ptr<Device>> createOsmesaDevice() {
-    return gl::GlDevice::create(gl::createOsmesaContext());
+Expected<std::unique_ptr<Device>> createOsmesaDevice(const GlOptions& options) {
+    return gl::GlDevice::create(gl::createOsmesaContext(), options);
 }
 
-Expected<std::unique_ptr<Device>> createHardwareEglDevice() {
+Expected<std::unique_ptr<Device>> createHardwareEglDevice(const GlOptions& options) {
     const auto devices = gl::listEglDevices();
     if (!devices) return tl::unexpected(devices.error());
     std::string reasons;
     for (const gl::EglDevice& device : *devices) {
         if (device.software) continue;
-        auto opened = createEglDevice(device.index);
+        auto opened = createEglDevice(device.index, options);
         // A device without a driver of its own may fall back to a rasteriser.
         if (opened && (*opened)->info().hardware) return opened;
         reasons +=

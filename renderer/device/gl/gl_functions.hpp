@@ -18,11 +18,13 @@ namespace scancast::gl {
     X(COMPILESHADER, CompileShader)                     \
     X(CREATEBUFFERS, CreateBuffers)                     \
     X(CREATEPROGRAM, CreateProgram)                     \
+    X(CREATEQUERIES, CreateQueries)                     \
     X(CREATESHADER, CreateShader)                       \
     X(DEBUGMESSAGECALLBACK, DebugMessageCallback)       \
     X(DEBUGMESSAGECONTROL, DebugMessageControl)         \
     X(DELETEBUFFERS, DeleteBuffers)                     \
     X(DELETEPROGRAM, DeleteProgram)                     \
+    X(DELETEQUERIES, DeleteQueries)                     \
     X(DELETESHADER, DeleteShader)                       \
     X(DELETESYNC, DeleteSync)                           \
     X(DISPATCHCOMPUTE, DispatchCompute)                 \
@@ -33,16 +35,24 @@ namespace scancast::gl {
     X(GETINTEGER64V, GetInteger64v)                     \
     X(GETINTEGERV, GetIntegerv)                         \
     X(GETNAMEDBUFFERSUBDATA, GetNamedBufferSubData)     \
+    X(GETPROGRAMBINARY, GetProgramBinary)               \
     X(GETPROGRAMINFOLOG, GetProgramInfoLog)             \
     X(GETPROGRAMIV, GetProgramiv)                       \
+    X(GETQUERYIV, GetQueryiv)                           \
+    X(GETQUERYOBJECTUI64V, GetQueryObjectui64v)         \
     X(GETSHADERINFOLOG, GetShaderInfoLog)               \
     X(GETSHADERIV, GetShaderiv)                         \
     X(GETSTRING, GetString)                             \
+    X(GETSTRINGI, GetStringi)                           \
     X(LINKPROGRAM, LinkProgram)                         \
     X(MAPNAMEDBUFFERRANGE, MapNamedBufferRange)         \
     X(MEMORYBARRIER, MemoryBarrier)                     \
     X(NAMEDBUFFERSTORAGE, NamedBufferStorage)           \
     X(NAMEDBUFFERSUBDATA, NamedBufferSubData)           \
+    X(OBJECTLABEL, ObjectLabel)                         \
+    X(PROGRAMBINARY, ProgramBinary)                     \
+    X(PROGRAMPARAMETERI, ProgramParameteri)             \
+    X(QUERYCOUNTER, QueryCounter)                       \
     X(SHADERSOURCE, ShaderSource)                       \
     X(UNIFORM1UI, Uniform1ui)                           \
     X(UNMAPNAMEDBUFFER, UnmapNamedBuffer)               \

@@ -29,6 +29,12 @@ std::string logOf(GLuint name, PFNGLGETSHADERIVPROC get, PFNGLGETSHADERINFOLOGPR
     return log;
 }
 
+/// What the driver's messages call an object; drivers take at least 256 characters.
+void label(const GlFunctions& gl, GLenum kind, GLuint object, std::string_view words) {
+    constexpr std::size_t longest = 255;
+    gl.ObjectLabel(kind, object, static_cast<GLsizei>(std::min(words.size(), longest)), words.data());
+}
+
 }  // namespace
 
 Buffer::~Buffer() {
@@ -40,6 +46,7 @@ Expected<void> Buffer::reserve(std::size_t bytes) {
     if (name_) gl_->DeleteBuffers(1, &name_);
     capacity_ = 0;
     gl_->CreateBuffers(1, &name_);
+    label(*gl_, GL_BUFFER, name_, what_);
     const std::size_t size = std::max(bytes, smallestBuffer);
     gl_->NamedBufferStorage(name_, static_cast<GLsizeiptr>(size), nullptr,
                             use_ == Use::Uploads ? GL_MAP_WRITE_BIT : GL_DYNAMIC_STORAGE_BIT);
@@ -82,9 +89,13 @@ Expected<void> Buffer::unmap() {
                 std::string("glUnmapNamedBuffer: the content of the ") + what_ + " was lost.");
 }
 
+Program::Program(const GlFunctions& gl, const std::string& name) : gl_(&gl), name_(gl.CreateProgram()) {
+    label(gl, GL_PROGRAM, name_, name);
+}
+
 Expected<Program> Program::compile(const GlFunctions& gl, const std::string& name,
                                    const std::string& source) {
-    Program program(gl, gl.CreateProgram());
+    Program program(gl, name);
     const Shader shader(gl);
     const char* const text = source.c_str();
     gl.ShaderSource(shader.name, 1, &text, nullptr);
@@ -96,12 +107,43 @@ Expected<Program> Program::compile(const GlFunctions& gl, const std::string& nam
                                              logOf(shader.name, gl.GetShaderiv, gl.GetShaderInfoLog) + "\n" +
                                              withLineNumbers(source));
     gl.AttachShader(program.name_, shader.name);
+    gl.ProgramParameteri(program.name_, GL_PROGRAM_BINARY_RETRIEVABLE_HINT, GL_TRUE);
     gl.LinkProgram(program.name_);
     gl.GetProgramiv(program.name_, GL_LINK_STATUS, &ok);
     if (!ok)
         return fail(ErrorCode::Internal, "The driver does not link the shader " + name + ":\n" +
                                              logOf(program.name_, gl.GetProgramiv, gl.GetProgramInfoLog));
     return program;
+}
+
+Expected<Program> Program::fromBinary(const GlFunctions& gl, const std::string& name,
+                                      const ProgramBinary& binary) {
+    Program program(gl, name);
+    gl.ProgramBinary(program.name_, binary.format, binary.bytes.data(),
+                     static_cast<GLsizei>(binary.bytes.size()));
+    GLint ok = GL_FALSE;
+    gl.GetProgramiv(program.name_, GL_LINK_STATUS, &ok);
+    // A format that the driver does not know is an OpenGL error, which nobody else shall find.
+    const auto clean = checkErrors(gl, "loading the compiled shader " + name);
+    if (!clean && clean.error().code == ErrorCode::DeviceLost) return tl::unexpected(clean.error());
+    if (!clean || !ok)
+        return fail(ErrorCode::Unsupported, "The driver does not take the compiled shader " + name + ".");
+    return program;
+}
+
+ProgramBinary Program::binary() const {
+    GLint length = 0;
+    gl_->GetProgramiv(name_, GL_PROGRAM_BINARY_LENGTH, &length);
+    constexpr GLint longest = 16 << 20;
+    if (length <= 0 || length > longest) return {};
+    ProgramBinary binary;
+    binary.bytes.resize(static_cast<std::size_t>(length));
+    GLsizei written = 0;
+    GLenum format = 0;
+    gl_->GetProgramBinary(name_, length, &written, &format, binary.bytes.data());
+    binary.format = format;
+    binary.bytes.resize(static_cast<std::size_t>(std::clamp(written, 0, length)));
+    return binary;
 }
 
 Program::~Program() {

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "renderer/device/gl/gl_context.hpp"
+#include "renderer/device/gl/program_files.hpp"
 
 namespace scancast::gl {
 
@@ -71,14 +72,20 @@ class Program {
     /// Internal, with the driver's log and the numbered source, when it does not compile.
     static Expected<Program> compile(const GlFunctions& gl, const std::string& name,
                                      const std::string& source);
+    /// What binary() gave earlier. Unsupported when the driver takes it no longer.
+    static Expected<Program> fromBinary(const GlFunctions& gl, const std::string& name,
+                                        const ProgramBinary& binary);
     Program(Program&& other) noexcept : gl_(other.gl_), name_(std::exchange(other.name_, 0)) {}
     Program& operator=(Program&&) = delete;
     ~Program();
 
     void use() const { gl_->UseProgram(name_); }
+    /// What the driver made of the source; no bytes where it gives none.
+    ProgramBinary binary() const;
 
   private:
-    Program(const GlFunctions& gl, GLuint name) : gl_(&gl), name_(name) {}
+    /// `name` for the driver's messages.
+    Program(const GlFunctions& gl, const std::string& name);
     const GlFunctions* gl_;
     GLuint name_;
 };

@@ -28,8 +28,9 @@ std::span<const std::byte> bytesOf(const T& value) {
 
 }  // namespace
 
-Passes::Passes(const GlFunctions& gl)
+Passes::Passes(const GlFunctions& gl, const std::filesystem::path& programFolder)
     : gl_(gl),
+      programs_(gl, programFolder),
       params_(gl, "pass parameters"),
       runs_(gl, "runs"),
       chunks_(gl, "chunks"),
@@ -42,17 +43,6 @@ Passes::Passes(const GlFunctions& gl)
     GLint64 block = 0;
     gl_.GetInteger64v(GL_MAX_SHADER_STORAGE_BLOCK_SIZE, &block);
     if (block > 0) limits_.storageBlockBytes = static_cast<std::size_t>(block);
-}
-
-Expected<const Program*> Passes::program(const std::string& shader, std::span<const Define> defines) {
-    std::string key = shader;
-    for (const Define& define : defines) key.append(" ").append(std::to_string(define.value));
-    if (const auto found = programs_.find(key); found != programs_.end()) return &found->second;
-    const auto source = assembleShader(shader, defines);
-    if (!source) return tl::unexpected(source.error());
-    auto compiled = Program::compile(gl_, shader, *source);
-    if (!compiled) return tl::unexpected(compiled.error());
-    return &programs_.emplace(std::move(key), std::move(*compiled)).first->second;
 }
 
 std::size_t Passes::areaPixels() const {
@@ -120,7 +110,7 @@ Expected<void> Passes::splatPage(const SamplePage& page, const std::stop_token& 
 }
 
 Expected<void> Passes::splat(int stage, const std::stop_token& stop) {
-    const auto nearestProgram = program("nearest.comp", plan_->variant.defines(stage));
+    const auto nearestProgram = programs_.get("nearest.comp", plan_->variant.defines(stage));
     if (!nearestProgram) return tl::unexpected(nearestProgram.error());
     (*nearestProgram)->use();
     for (std::size_t i = 0; i < plan_->pages.size(); ++i) {
@@ -153,7 +143,7 @@ void Passes::dispatchScreen(int width, int height) {
 }
 
 Expected<void> Passes::resolve() {
-    const auto resolveProgram = program("resolve.comp", {});
+    const auto resolveProgram = programs_.get("resolve.comp", {});
     if (!resolveProgram) return tl::unexpected(resolveProgram.error());
     (*resolveProgram)->use();
     dispatchScreen(plan_->pass.area.z, plan_->pass.area.w);
@@ -162,7 +152,7 @@ Expected<void> Passes::resolve() {
 }
 
 Expected<void> Passes::eyeDome() {
-    const auto eyeDomeProgram = program("eye_dome.comp", {});
+    const auto eyeDomeProgram = programs_.get("eye_dome.comp", {});
     if (!eyeDomeProgram) return tl::unexpected(eyeDomeProgram.error());
     (*eyeDomeProgram)->use();
     if (auto written = params_.write(bytesOf(*plan_->eyeDome)); !written) return written;

@@ -3,20 +3,20 @@
 // its context. Pipeline: draw plan → **passes** → frame.
 #pragma once
 
+#include <filesystem>
 #include <glm/vec2.hpp>
-#include <map>
 #include <stop_token>
-#include <string>
 #include <vector>
 
 #include "renderer/device/gl/draw_plan.hpp"
 #include "renderer/device/gl/gl_handles.hpp"
+#include "renderer/device/gl/programs.hpp"
 
 namespace scancast::gl {
 
 class Passes {
   public:
-    explicit Passes(const GlFunctions& gl);
+    Passes(const GlFunctions& gl, const std::filesystem::path& programFolder);
 
     /// What plans may ask for here.
     const GlLimits& limits() const { return limits_; }
@@ -39,7 +39,6 @@ class Passes {
         std::size_t page;
     };
 
-    Expected<const Program*> program(const std::string& shader, std::span<const Define> defines);
     Expected<void> bindPage(std::size_t page);
     Expected<void> splat(int stage, const std::stop_token& stop);
     Expected<void> splatPage(const SamplePage& page, const std::stop_token& stop);
@@ -49,7 +48,7 @@ class Passes {
     const GlFunctions& gl_;
     GlLimits limits_;
     const DrawPlan* plan_ = nullptr;
-    std::map<std::string, Program> programs_;
+    Programs programs_;
     std::vector<Slot> slots_;
     Buffer params_, runs_, chunks_, colors_, background_, orders_, payloads_, resolved_, shaded_;
     std::vector<float> areaDepth_;    ///< read back when the area is larger than the window

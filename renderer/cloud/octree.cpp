@@ -1,5 +1,7 @@
 #include "renderer/cloud/octree.hpp"
 
+#include <atomic>
+
 namespace scancast {
 
 namespace {
@@ -14,14 +16,19 @@ std::vector<std::uint64_t> firstOfRuns(const std::vector<Node>& nodes, std::uint
 
 }  // namespace
 
+std::uint64_t newSource() {
+    static std::atomic<std::uint64_t> last{0};
+    return ++last;
+}
+
 Octree::Octree(std::vector<Node> nodes, std::vector<Sample> samples)
-    : nodes_(std::move(nodes)), sampleCount_(samples.size()) {
+    : nodes_(std::move(nodes)), sampleCount_(samples.size()), source_(newSource()) {
     auto first = firstOfRuns(nodes_, samples.size());
     store_ = memoryStore(std::move(samples), std::move(first));
 }
 
 Octree::Octree(std::vector<Node> nodes, std::shared_ptr<SampleStore> store)
-    : nodes_(std::move(nodes)), store_(std::move(store)) {
+    : nodes_(std::move(nodes)), store_(std::move(store)), source_(newSource()) {
     for (const Node& n : nodes_) sampleCount_ += n.sampleCount;
 }
 

@@ -57,6 +57,9 @@ struct Node {
     bool isLeaf() const { return childCount == 0; }
 };
 
+/// A number that nothing in this process had before; > 0. From any thread.
+std::uint64_t newSource();
+
 /// Nodes in breadth-first order, root at 0, and the store that their samples are in. Same input → same nodes
 /// and samples, on any number of threads.
 class Octree {
@@ -73,6 +76,9 @@ class Octree {
     /// whole clouds; drawing goes through provide() (renderer/residency). Errors: the store's.
     Expected<SampleRun> run(std::uint32_t index) const { return store_->load(index); }
     SampleStore& store() const { return *store_; }
+    /// Tells this octree (and its copies, which are alike) from all others that there were and will be: who
+    /// keeps samples knows them by source and node. 0: it has no nodes.
+    std::uint64_t source() const { return source_; }
     std::uint64_t sampleCount() const { return sampleCount_; }
     /// Of the nodes and of what is in memory of the samples.
     std::uint64_t bytesResident() const;
@@ -81,6 +87,7 @@ class Octree {
     std::vector<Node> nodes_;
     std::shared_ptr<SampleStore> store_;
     std::uint64_t sampleCount_ = 0;
+    std::uint64_t source_ = 0;
 };
 
 /// Sample position, cloud-relative.

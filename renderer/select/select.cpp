@@ -114,6 +114,7 @@ class Selection {
             refineWithinBudget(*options_.budget);
         else
             refineAll(options_.detail);
+        cut_.source = octree_.source();
         number(cut_);
         return std::move(cut_);
     }

@@ -1,0 +1,107 @@
+// Which samples are where on the GPU: pages of fixed size, places in them, and what goes first when room is
+// needed: least recently used out, but nothing that the batch being loaded needs. Bookkeeping alone, no
+// OpenGL: the sample cache moves the bytes. Used on the render thread.
+//
+// Places are multiples of a grain. A run that fits no hole is dealt out to several, so that whatever is free
+// can be used, however scattered.
+#pragma once
+
+#include <compare>
+#include <cstdint>
+#include <list>
+#include <map>
+#include <set>
+#include <span>
+#include <unordered_map>
+#include <utility>
+#include <vector>
+
+namespace scancast::gl {
+
+/// Samples of a node, from one on: large nodes are kept in parts.
+struct SampleKey {
+    std::uint64_t source = 0;  ///< of the cut (renderer/select/select.hpp)
+    std::uint32_t run = 0;     ///< the node's index
+    std::uint32_t first = 0;   ///< index in the node of the part's first sample
+    bool operator==(const SampleKey&) const = default;
+};
+
+/// Samples side by side in a page.
+struct Place {
+    std::uint32_t page = 0;
+    std::uint32_t at = 0;     ///< samples from the page's beginning
+    std::uint32_t count = 0;  ///< samples
+    bool operator==(const Place&) const = default;
+};
+
+/// Free grains, none of them across a border of pages. The best fit, else the largest hole.
+class Holes {
+  public:
+    explicit Holes(std::span<const std::uint32_t> pageGrains);
+    struct Hole {
+        std::uint32_t at = 0, length = 0;  ///< grains, pages counted through
+    };
+    /// At most `length` grains; expects some to be free.
+    Hole take(std::uint32_t length);
+    void give(Hole hole);
+    std::uint64_t free() const { return free_; }
+
+  private:
+    void add(Hole hole);
+    void remove(std::map<std::uint32_t, std::uint32_t>::iterator hole);
+
+    std::map<std::uint32_t, std::uint32_t> byPlace_;            // at → length
+    std::set<std::pair<std::uint32_t, std::uint32_t>> bySize_;  // length, at
+    std::set<std::uint32_t> pageStarts_;
+    std::uint64_t free_ = 0;
+};
+
+class PageTable {
+  public:
+    static constexpr std::uint32_t grain = 256;  ///< samples
+
+    /// Sizes of the pages in samples, multiples of a grain.
+    explicit PageTable(std::vector<std::uint32_t> pageSamples);
+
+    std::uint64_t capacity() const { return grains_ * grain; }  ///< samples
+    std::uint64_t used() const { return (grains_ - holes_.free()) * grain; }
+    std::uint32_t pageSamples(std::uint32_t page) const { return pageSamples_[page]; }
+    std::uint64_t evicted() const { return evicted_; }  ///< parts, since the beginning
+
+    bool has(const SampleKey& key) const { return entries_.contains(key); }
+    /// It goes after everything that was touched before. False: it is not here.
+    bool touch(const SampleKey& key);
+    /// From now on, nothing is needed.
+    void beginBatch() { ++batch_; }
+    /// The places of what is here, which is needed until beginBatch(). Empty: it is not here.
+    std::span<const Place> need(const SampleKey& key);
+    /// Makes room, and needs it. Empty: everything that is here is needed. Expects count > 0, and that the
+    /// key is not here.
+    std::span<const Place> insert(const SampleKey& key, std::uint32_t count);
+    /// Does nothing where it is not here.
+    void erase(const SampleKey& key);
+
+  private:
+    struct KeyHash {
+        std::size_t operator()(const SampleKey& key) const;
+    };
+    struct Entry {
+        std::vector<Place> places;
+        std::list<SampleKey>::iterator order;
+        std::uint64_t batch = 0;
+    };
+    using Entries = std::unordered_map<SampleKey, Entry, KeyHash>;
+
+    Place placeOf(const Holes::Hole& hole) const;
+    void remove(Entries::iterator entry);
+
+    const std::vector<std::uint32_t> pageSamples_;
+    std::vector<std::uint32_t> pageStarts_;  // grains, pages counted through
+    std::uint64_t grains_ = 0;
+    Holes holes_;
+    Entries entries_;
+    std::list<SampleKey> order_;  // most recently used first
+    std::uint64_t batch_ = 0, evicted_ = 0;
+};
+
+}  // namespace scancast::gl

@@ -16,6 +16,7 @@ namespace scancast::gl {
     X(CLEARNAMEDBUFFERSUBDATA, ClearNamedBufferSubData) \
     X(CLIENTWAITSYNC, ClientWaitSync)                   \
     X(COMPILESHADER, CompileShader)                     \
+    X(COPYNAMEDBUFFERSUBDATA, CopyNamedBufferSubData)   \
     X(CREATEBUFFERS, CreateBuffers)                     \
     X(CREATEPROGRAM, CreateProgram)                     \
     X(CREATEQUERIES, CreateQueries)                     \

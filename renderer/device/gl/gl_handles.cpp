@@ -48,8 +48,10 @@ Expected<void> Buffer::reserve(std::size_t bytes) {
     gl_->CreateBuffers(1, &name_);
     label(*gl_, GL_BUFFER, name_, what_);
     const std::size_t size = std::max(bytes, smallestBuffer);
-    gl_->NamedBufferStorage(name_, static_cast<GLsizeiptr>(size), nullptr,
-                            use_ == Use::Uploads ? GL_MAP_WRITE_BIT : GL_DYNAMIC_STORAGE_BIT);
+    const GLbitfield access = use_ == Use::Uploads  ? GL_MAP_WRITE_BIT
+                              : use_ == Use::Copies ? 0
+                                                    : GL_DYNAMIC_STORAGE_BIT;
+    gl_->NamedBufferStorage(name_, static_cast<GLsizeiptr>(size), nullptr, access);
     auto made = checkErrors(
         *gl_, std::string("making room for the ") + what_ + " (" + std::to_string(size) + " bytes)");
     if (made) capacity_ = size;

@@ -19,6 +19,7 @@ class Buffer {
     enum class Use : std::uint8_t {
         Device,   ///< small writes by write(), work on the GPU, read back by read()
         Uploads,  ///< filled as a whole through map()
+        Copies,   ///< filled by the GPU, which copies from other buffers
     };
 
     Buffer(const GlFunctions& gl, const char* what, Use use = Use::Device)
@@ -54,6 +55,7 @@ class Buffer {
         gl_->BindBufferBase(GL_SHADER_STORAGE_BUFFER, binding, name_);
     }
     void bindUniform(unsigned binding) const { gl_->BindBufferBase(GL_UNIFORM_BUFFER, binding, name_); }
+    GLuint name() const { return name_; }
 
   private:
     Expected<std::byte*> map(std::size_t bytes);

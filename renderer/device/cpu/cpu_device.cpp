@@ -65,7 +65,7 @@ class CpuDevice final : public Device {
 
     Expected<Frame> draw(const Drawing& drawing, std::stop_token stop) override {
         if (auto checked = check(drawing); !checked) return tl::unexpected(checked.error());
-        const auto plan = cpu::planPasses(drawing.passes);
+        const auto plan = planPasses(drawing.passes);
         if (!plan) return tl::unexpected(plan.error());
         try {
             return cpu::Picture(drawing, *plan, *level_.kernels, threads_, arena_, buffers_, std::move(stop))

@@ -4,6 +4,7 @@
 #include <chrono>
 #include <cmath>
 
+#include "renderer/cloud/surfel_codec.hpp"
 #include "renderer/device/cpu/grown.hpp"
 
 namespace scancast::cpu {
@@ -73,8 +74,8 @@ Layer::Layer(const Drawing& drawing, const Cut& cut, const SampleFilter& filter,
       workers_(workers),
       memories_(memories),
       area_(area),
-      stages_(splatStages(plan, sight)) {
-    for (SplatStage& stage : stages_) setColors(drawing.color, filter, tables_, stage.pass);
+      tables_(colorTables(drawing.color, filter)),
+      stages_(splatStages(plan, sight, drawing.color)) {
     background_ =
         backgroundRows(drawing.background, area_.y0 - sight.pad, area_.height(), sight.viewpoint->height);
     prepareRuns(drawing, cut, filter);
@@ -150,7 +151,17 @@ void Layer::drawRuns(const Tile& tile, std::size_t stage, const SplatPass& pass,
     }
 }
 
-void Layer::drawTile(const Tile& tile, std::span<const SplatStage> stages, const Planes& planes) {
+SplatPass Layer::pass(const SplatStage& stage, const glm::dvec2& jitter) const {
+    SplatPass pass;
+    static_cast<SplatNumbers&>(pass) = jittered(stage.numbers, sight_, jitter);
+    if (pass.ownRadii) pass.radii = surfelRadii().data();
+    pass.ramp = tables_.ramp.data();
+    pass.normals = tables_.normals.data();
+    if (tables_.byClass) pass.classes = tables_.classes.data();
+    return pass;
+}
+
+void Layer::drawTile(const Tile& tile, std::span<const SplatPass> passes, const Planes& planes) {
     TileMemory& memory = *memories_[Workers::index()];
     const KeyTile empty = emptyTile(tile.area);
     grown(memory.keys, static_cast<std::size_t>(empty.planeSize + unusedKeys) * 3);
@@ -163,11 +174,11 @@ void Layer::drawTile(const Tile& tile, std::span<const SplatStage> stages, const
         spent_[on] += std::chrono::duration_cast<std::chrono::nanoseconds>(now - start).count();
         start = now;
     };
-    for (std::size_t i = 0; i < stages.size(); ++i) {
-        const SplatStage& stage = stages[i];
+    for (std::size_t i = 0; i < passes.size(); ++i) {
+        const SplatStage::Kind kind = stages_[i].kind;
         KeyTile target = nearest;
         target.silhouette = silhouette;
-        switch (stage.kind) {
+        switch (kind) {
             case SplatStage::Kind::Silhouette:
                 target = withKeys(empty, memory, 1);
                 silhouette = target.keys;
@@ -177,7 +188,7 @@ void Layer::drawTile(const Tile& tile, std::span<const SplatStage> stages, const
                 kernels_.clear(target);
                 break;
             case SplatStage::Kind::Sum: {
-                const int count = colorPlanes + (stage.pass.sumNormals ? normalPlanes : 0);
+                const int count = colorPlanes + (passes[i].sumNormals ? normalPlanes : 0);
                 memory.sums.assign(static_cast<std::size_t>(count * empty.planeSize), 0);
                 target.visible = nearest.keys;
                 target.sums = memory.sums.data() + guard * empty.stride + guard;
@@ -193,10 +204,10 @@ void Layer::drawTile(const Tile& tile, std::span<const SplatStage> stages, const
                 kernels_.clear(target);
                 break;
         }
-        drawRuns(tile, i, stage.pass, target, memory);
-        spend(static_cast<std::size_t>(stage.kind));
+        drawRuns(tile, i, passes[i], target, memory);
+        spend(static_cast<std::size_t>(kind));
     }
-    resolveTile(nearest, colors, stages.back().pass, memory, planes);
+    resolveTile(nearest, colors, passes.back(), memory, planes);
     spend(resolveTime);
 }
 
@@ -226,15 +237,12 @@ void Layer::resolveTile(const KeyTile& nearest, const KeyTile& colors, const Spl
 }
 
 void Layer::draw(const glm::dvec2& jitter, const Planes& planes, FrameStats& stats) {
-    std::vector<SplatStage> stages = stages_;
-    for (SplatStage& stage : stages) {
-        stage.pass.centerX = static_cast<float>(sight_.viewpoint->width * 0.5 + sight_.pad + jitter.x);
-        stage.pass.centerY = static_cast<float>(sight_.viewpoint->height * 0.5 + sight_.pad + jitter.y);
-    }
+    std::vector<SplatPass> passes;
+    for (const SplatStage& stage : stages_) passes.push_back(pass(stage, jitter));
     for (auto& time : spent_) time = 0;
     const auto start = Clock::now();
     workers_.inParallel(static_cast<int>(tiles_.size()),
-                        [&](int i) { drawTile(tiles_[static_cast<std::size_t>(i)], stages, planes); });
+                        [&](int i) { drawTile(tiles_[static_cast<std::size_t>(i)], passes, planes); });
     // All stages run side by side: the time that passed is shared out by what the threads spent on each.
     const double passed = millisecondsSince(start);
     std::int64_t all = 0;

@@ -7,10 +7,10 @@
 #include <memory>
 #include <vector>
 
-#include "renderer/device/cpu/pass_plan.hpp"
 #include "renderer/device/cpu/prepare.hpp"
 #include "renderer/device/cpu/tiles.hpp"
 #include "renderer/device/cpu/workers.hpp"
+#include "renderer/device/plan/colors.hpp"
 
 namespace scancast::cpu {
 
@@ -48,7 +48,8 @@ class Layer {
   private:
     void prepareRuns(const Drawing& drawing, const Cut& cut, const SampleFilter& filter);
     void listSamples();
-    void drawTile(const Tile& tile, std::span<const SplatStage> stages, const Planes& planes);
+    SplatPass pass(const SplatStage& stage, const glm::dvec2& jitter) const;
+    void drawTile(const Tile& tile, std::span<const SplatPass> passes, const Planes& planes);
     void drawRuns(const Tile& tile, std::size_t stage, const SplatPass& pass, const KeyTile& target,
                   TileMemory& memory);
     void splatRun(const PreparedRun& prepared, SplatRun slice, const SplatPass& pass, const KeyTile& target,
@@ -62,7 +63,7 @@ class Layer {
     const Workers& workers_;
     TileMemories& memories_;
     const Rect area_;
-    ColorTables tables_;
+    const ColorTables tables_;
     std::vector<SplatStage> stages_;
     std::vector<PreparedRun> runs_;  ///< front to back
     std::vector<Tile> tiles_;

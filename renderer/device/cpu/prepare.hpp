@@ -1,6 +1,6 @@
-// From a cut to kernel input: node → view → picture composed in double on the host, per run, and what is
-// known of a run before its samples are touched - where it lies on the picture, how near, how large its
-// splats get. Pure functions; any thread.
+// From a cut to kernel input: each run's numbers (renderer/device/plan), and what is known of a run before
+// its samples are touched - where it lies on the picture, how near, how large its splats get. Pure functions;
+// any thread.
 #pragma once
 
 #include <array>
@@ -10,10 +10,8 @@
 #include <span>
 #include <vector>
 
-#include "renderer/device/cpu/colors.hpp"
 #include "renderer/device/cpu/kernels/kernels.hpp"
-#include "renderer/device/cpu/pass_plan.hpp"
-#include "renderer/device/device.hpp"
+#include "renderer/device/plan/stages.hpp"
 
 namespace scancast::cpu {
 
@@ -28,22 +26,6 @@ struct Rect {
     }
 };
 
-/// One splat pass of a list, with the kernels' numbers.
-struct SplatStage {
-    enum class Kind : std::uint8_t { Silhouette, Nearest, Sum, Cell };
-    Kind kind = Kind::Nearest;
-    Splat splat;
-    SplatPass pass;
-};
-
-/// What a picture, or its reflection in a mirror, is seen with.
-struct Sight {
-    const Viewpoint* viewpoint = nullptr;
-    int pad = 0;            ///< rows and columns that every coordinate is shifted by, for a guard band
-    bool surfels = false;   ///< samples carry radii, ellipses and normals
-    bool oriented = false;  ///< a normal's sign means something
-};
-
 /// How large a run's splats are in one pass.
 struct PassSize {
     float sizeFactor = 0, largestPx = 0;
@@ -51,20 +33,14 @@ struct PassSize {
     std::int32_t frontOrder = 0;
 };
 
-inline constexpr std::size_t mostSplatPasses = 4;
-
 struct PreparedRun {
     SplatRun run;
     std::shared_ptr<const std::vector<DroppedRegion>> dropped;  ///< what `run` points to
     Rect bounds;  ///< no fragment of any jittered frame lies outside; clipped to the area drawn
-    std::array<PassSize, mostSplatPasses> sizes;  ///< by stage
+    std::array<PassSize, mostSplatStages> sizes;  ///< by stage
     float front = 0;                              ///< no fragment lies in front of this depth
     double work = 0;                              ///< estimated cost, cycles
 };
-
-/// The splat passes of a plan, in their order, without colours. `jitter` is left out: it only moves centerX
-/// and centerY.
-std::vector<SplatStage> splatStages(const PassPlan& plan, const Sight& sight);
 
 /// nullopt: nothing of the run can be seen in `area`. `maxJitter` is the largest shift of any frame, px.
 std::optional<PreparedRun> prepareRun(const CutRun& run, const Sight& sight,

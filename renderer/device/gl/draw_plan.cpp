@@ -7,7 +7,7 @@
 #include <cmath>
 
 #include "renderer/cloud/surfel_codec.hpp"
-#include "renderer/device/splat_plan.hpp"
+#include "renderer/device/plan/colors.hpp"
 #include "renderer/select/fade.hpp"
 
 namespace scancast::gl {
@@ -104,23 +104,6 @@ std::vector<std::uint32_t> colorTable(const ColorRule& rule, const SampleFilter&
         table.push_back(packed({channel(n.x), channel(n.y), channel(n.z)}));
     }
     return table;
-}
-
-/// A gradient runs over the whole picture, so that windows continue each other.
-std::vector<std::uint32_t> backgroundRows(const Background& background, ivec4 area, int height) {
-    std::vector<std::uint32_t> rows(static_cast<std::size_t>(area.w), 0);
-    if (background.kind == Background::Kind::Transparent) return rows;
-    for (int i = 0; i < area.w; ++i) {
-        // Pixel centres at +0.5: weights in halves of a row.
-        const int below = background.kind == Background::Kind::Gradient ? 2 * (area.y + i) + 1 : 0;
-        const int above = 2 * height - below;
-        Rgb8 color;
-        for (std::size_t c = 0; c < 3; ++c)
-            color[c] = static_cast<std::uint8_t>(
-                (background.top[c] * above + background.bottom[c] * below + height) / (2 * height));
-        rows[static_cast<std::size_t>(i)] = packed(color) | 0xff000000u;
-    }
-    return rows;
 }
 
 EyeDomeParams eyeDomeParams(const EyeDomePass& pass, ivec4 area, const Window& w) {
@@ -279,7 +262,7 @@ Expected<DrawPlan> planDrawing(const Drawing& d, const GlLimits& limits) {
                     d.filter.classes.has_value(),
                     d.filter.clip.has_value()};
     plan.colors = colorTable(d.color, d.filter);
-    plan.background = backgroundRows(d.background, area, d.viewpoint->height);
+    plan.background = backgroundRows(d.background, area.y, area.w, d.viewpoint->height);
     if (names->eyeDome) plan.eyeDome = eyeDomeParams(*names->eyeDome, area, d.window);
     if (auto added = addRuns(plan, d, names->nearest, limits); !added) return tl::unexpected(added.error());
     return plan;

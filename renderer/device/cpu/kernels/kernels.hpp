@@ -12,7 +12,7 @@
 #include <cstdint>
 
 #include "renderer/device/cpu/kernels/pyramid.hpp"
-#include "renderer/device/splat_kind.hpp"
+#include "renderer/device/plan/splat_numbers.hpp"
 
 namespace scancast::cpu {
 
@@ -28,50 +28,13 @@ inline constexpr std::int32_t infiniteOrder = 0x7f800000;
 using Shape = SplatShape;
 using Coloring = SplatColoring;
 
-/// What a splat pass does with its fragments.
-enum class Reduction : std::uint8_t {
-    Nearest,  ///< keeps the smallest order; NearestPass, SilhouettePass
-    Cell,     ///< the same by distance to the centre; CellPass
-    Sum,      ///< adds; SumPass
-};
-
 /// Everything that holds for a whole splat pass.
-struct SplatPass {
-    Reduction reduction = Reduction::Nearest;
-    Shape shape = Shape::FlatSquare;
-    bool payloadSample = false;  ///< keys carry the sample's ordinal instead of distance and colour
-    bool sumNormals = false;
-    bool perspective = true;
-    float centerX = 0, centerY = 0;  ///< the view axis, px in the whole picture, jitter included
-    float near = 0, far = 0;         ///< depths drawn; near > 0
-    float minPx = 1, maxPx = 1;
-    float radiusPerPixel = 0;  ///< R = h · radiusPerPixel (· d in perspective)
-    float gain = 0;
-
-    /// Surfels (Disc, Ellipse).
-    float pixelsPerUnit = 1;    ///< f in perspective, q in orthographic projection
-    float scale = 1;            ///< drawn radius = r · scale
-    float reach = 1;            ///< Sum of discs: covers reach · drawn radius
-    float tolerance = 0;        ///< Cell, and Sum of discs: |d - d_vis| ≤ tolerance · drawn radius
-    float lowPassPx = 0;        ///< Ellipse: σ of the screen's low-pass
-    bool oriented = false;      ///< a normal's sign means something; else it is turned to the eye
-    std::int32_t facing = 0;    ///< 1: only what faces the eye, -1: only what faces away, 0: all
-    float rotation[3][3] = {};  ///< rows: cloud → view space (x right, y up, z towards the viewer)
+struct SplatPass : SplatNumbers {
     const float* radii =
         nullptr;  ///< 256 radii by logRadius; 0 for codes that know none. Null: no sample knows
-
-    Coloring coloring = Coloring::Rgb;
-    float colorLow = 0, colorScale = 0;      ///< index = clamp((value - low) · scale, 0, 255)
     const std::uint32_t* ramp = nullptr;     ///< 256 colours, r | g << 8 | b << 16
     const std::uint32_t* normals = nullptr;  ///< 65,536 colours
     const std::uint8_t* classes = nullptr;   ///< 256 flags, 1 = drawn; null = all
-};
-
-/// Where samples of a run are dropped: inside all planes, planes[i] · (x, y, z, 1) ≥ 0 of a sample's
-/// integers.
-struct DroppedRegion {
-    float planes[5][4] = {};
-    std::int32_t count = 0;
 };
 
 /// renderer/cloud/sample_limits.hpp, of limitsStep samples in a row.
@@ -84,30 +47,15 @@ struct BlockLimits {
 inline constexpr std::uint32_t limitsStep = 64;
 
 /// One run of samples, made ready on the host in double.
-struct SplatRun {
-    const SampleWords* samples = nullptr;
-    const BlockLimits* limits = nullptr;  ///< of the samples, or null; samples[0] begins one
+struct SplatRun : RunNumbers {
+    const SampleWords* samples = nullptr;  ///< the first one's ordinal is firstOrdinal
+    const BlockLimits* limits = nullptr;   ///< of the samples, or null; samples[0] begins one
     std::uint32_t count = 0;
-    std::uint32_t color = 0;  ///< Coloring::PerRun
-    /// Rows times (x, y, z, 1) of a sample's integers: horizontal and vertical place, px (· d in
-    /// perspective), and depth.
-    float toPicture[3][4] = {};
-    float elevationStep = 0, elevationBase = 0;  ///< colour index of Coloring::Elevation = z · step + base
-    /// p = clamp(sizeFactor · ratio (/ d in perspective), minPx, maxPx) with ratio = radii[logRadius] ·
-    /// ratioUnit, or 1 where no radius is known. World radius r = plainRadius · ratio.
+    /// p = clamp(sizeFactor · ratio (/ d in perspective), minPx, maxPx).
     float sizeFactor = 0;
-    float ratioUnit = 1;
-    float plainRadius = 1;           ///< cloud units
-    float largestRatio = 1;          ///< no ratio of the run is larger
-    float largestPx = 0;             ///< no splat of the run is larger, in this pass
-    std::uint32_t firstOrdinal = 0;  ///< of samples[0]
-    /// A sample is drawn if its ordinal · turnStep + turnBase, modulo 2^32, is not above lastTurn
-    /// (renderer/select/fade.hpp); turnBase counts the ordinals from the run's beginning.
-    std::uint32_t turnStep = 0, turnBase = 0, lastTurn = 0xffffffffu;
-    bool crossesTile = true;  ///< some of it lies in other tiles
-    bool clipped = false;
-    std::int32_t clipMin[3] = {},
-                 clipMax[3] = {};  ///< integers of the samples inside the clip box, inclusive
+    float largestRatio = 1;    ///< no ratio of the run is larger
+    float largestPx = 0;       ///< no splat of the run is larger, in this pass
+    bool crossesTile = true;   ///< some of it lies in other tiles
     const DroppedRegion* dropped = nullptr;
     std::int32_t droppedCount = 0;
 };
@@ -157,16 +105,12 @@ struct SampleTable {
     int shift = 0;
 };
 
-/// Blinn-Phong lighting of some rows, in place.
-struct Phong {
-    std::uint32_t* rgba = nullptr;
+/// Blinn-Phong lighting of the rows [row0, row1) of some planes, in place.
+struct Phong : PhongNumbers {
+    std::uint32_t* rgba = nullptr;  ///< of row 0
     const std::uint32_t* normals = nullptr;
     std::int32_t stride = 0;  ///< pixels per row, of both
-    std::int32_t width = 0, height = 0;
-    bool perspective = true;
-    float x = 0, y = 0;      ///< centre of the first pixel, px right of and below the view axis
-    float inverseFocal = 0;  ///< 1/f
-    float ambient = 0, headlight = 0, directional = 0, specular = 0;
+    std::int32_t width = 0, row0 = 0, row1 = 0;
 };
 
 /// Eye-dome lighting of some rows. Every pixel has its eight neighbours in `logDepth`.
@@ -183,11 +127,8 @@ struct EyeDome {
     float factor = 0;              ///< shade = 2^(-factor · sum of the eight responses)
 };
 
-/// A mirror's glass over some rows of a picture. What is linear in the picture's pixel (x, y), at its centre,
-/// is given as value at (0, 0), step in x, step in y. Without perspective: the depth of the mirror's plane,
-/// and the place on it, -1 … 1 on the glass. In perspective depth is 1/depth, and places are divided by the
-/// depth. The glass is seen unless the scene lies further than `margin` in front of it.
-struct Glass {
+/// A mirror's glass over some rows of a picture.
+struct Glass : GlassNumbers {
     std::uint32_t* rgba = nullptr;
     float* depth = nullptr;
     std::uint32_t* normals = nullptr;  ///< null: there are none
@@ -198,10 +139,6 @@ struct Glass {
     std::int32_t reflectedStride = 0;
     std::int32_t x = 0, y = 0;  ///< of the first pixel, in the whole picture
     std::int32_t width = 0, height = 0;
-    bool perspective = true;
-    float depthAt[3] = {}, rightAt[3] = {}, upAt[3] = {};
-    float margin = 0;
-    std::int32_t tint[3] = {255, 255, 255};
 };
 
 /// The kernels of one SIMD level.

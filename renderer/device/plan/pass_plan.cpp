@@ -1,9 +1,9 @@
-#include "renderer/device/cpu/pass_plan.hpp"
+#include "renderer/device/plan/pass_plan.hpp"
 
 #include <algorithm>
 #include <cmath>
 
-namespace scancast::cpu {
+namespace scancast {
 namespace {
 
 /// Hidden point removal finds 19 % of the hidden points near a border without it (methods.md §8).
@@ -20,8 +20,8 @@ bool isScreenPass(const Pass& pass) {
 }
 
 tl::unexpected<Error> unsupported(const char* reason) {
-    return fail(ErrorCode::Unsupported, std::string("The cpu device cannot draw this list of passes: ") +
-                                            reason + " (renderer/device/pass.hpp).");
+    return fail(ErrorCode::Unsupported, std::string("No device can draw this list of passes: ") + reason +
+                                            " (renderer/device/pass.hpp).");
 }
 
 /// Empty where the passes fit each other.
@@ -93,4 +93,4 @@ Expected<PassPlan> planPasses(std::span<const Pass> passes) {
     return plan;
 }
 
-}  // namespace scancast::cpu
+}  // namespace scancast

@@ -1,12 +1,14 @@
-#include "renderer/device/cpu/colors.hpp"
+#include "renderer/device/plan/colors.hpp"
 
 #include <cmath>
 
-namespace scancast::cpu {
+#include "renderer/cloud/sample.hpp"
+
+namespace scancast {
 namespace {
 
 /// A unit vector's colour: -1 … 1 → 0 … 255 per axis. No normal is mid grey.
-std::vector<std::uint32_t> normalColors() {
+std::vector<std::uint32_t> makeNormalColors() {
     std::vector<std::uint32_t> colors(65536);
     for (std::uint32_t code = 0; code < 65536; ++code) {
         const glm::vec3 n = decodeNormal(static_cast<std::uint16_t>(code));
@@ -19,22 +21,34 @@ std::vector<std::uint32_t> normalColors() {
     return colors;
 }
 
+/// By code; the same for every picture.
+std::span<const std::uint32_t> normalColors() {
+    static const std::vector<std::uint32_t> colors = makeNormalColors();
+    return colors;
+}
+
 }  // namespace
 
-void setColors(const ColorRule& rule, const SampleFilter& filter, ColorTables& tables, SplatPass& pass) {
-    pass.coloring = splatColoring(rule.source);
+ColorTables colorTables(const ColorRule& rule, const SampleFilter& filter) {
+    ColorTables tables;
     for (std::size_t i = 0; i < 256; ++i) tables.ramp[i] = packed(rule.ramp[i]);
-    pass.ramp = tables.ramp.data();
-    if (pass.coloring == Coloring::Normal && tables.normals.empty()) tables.normals = normalColors();
-    pass.normals = tables.normals.data();
-    // A range of no width puts everything at the ramp's beginning.
-    const double width = rule.high - rule.low;
-    pass.colorLow = static_cast<float>(rule.low);
-    pass.colorScale = std::isnormal(width) ? static_cast<float>(255.0 / width) : 0.0f;
+    if (rule.source == ColorSource::Normal) tables.normals = normalColors();
+    tables.byClass = filter.classes.has_value();
     if (filter.classes) {
         for (std::size_t i = 0; i < 256; ++i) tables.classes[i] = (*filter.classes)[i] ? 1 : 0;
-        pass.classes = tables.classes.data();
     }
+    return tables;
+}
+
+float colorScale(const ColorRule& rule) {
+    const double width = rule.high - rule.low;
+    return std::isnormal(width) ? static_cast<float>(255.0 / width) : 0.0f;
+}
+
+void setColors(const ColorRule& rule, SplatNumbers& numbers) {
+    numbers.coloring = splatColoring(rule.source);
+    numbers.colorLow = static_cast<float>(rule.low);
+    numbers.colorScale = colorScale(rule);
 }
 
 std::vector<std::uint32_t> backgroundRows(const Background& background, int firstRow, int rows, int height) {
@@ -55,4 +69,4 @@ std::vector<std::uint32_t> backgroundRows(const Background& background, int firs
     return out;
 }
 
-}  // namespace scancast::cpu
+}  // namespace scancast

@@ -4,7 +4,7 @@
 
 #include "protocol/view.hpp"
 #include "renderer/device/pass.hpp"
-#include "renderer/device/splat_kind.hpp"
+#include "renderer/device/plan/splat_kind.hpp"
 
 namespace scancast {
 

@@ -1,4 +1,4 @@
-#include "renderer/device/splat_plan.hpp"
+#include "renderer/device/plan/splat_plan.hpp"
 
 namespace scancast {
 

@@ -16,7 +16,7 @@ enum class SplatShape : std::uint8_t {
     ConeSquare,
     ConeCircle,
     SphereCircle,
-    Disc,     ///< surfels
+    Disc,  ///< surfels
     Ellipse,
 };
 

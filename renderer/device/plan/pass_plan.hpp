@@ -1,5 +1,5 @@
-// A method's list of passes as this device runs it: what is splatted tile by tile, and what is done to the
-// whole picture afterwards. Pure function.
+// A method's list of passes as devices run it: what is splatted, and what is done to the whole picture
+// afterwards. Pure function. Pipeline: passes → **pass plan** → device.
 #pragma once
 
 #include <optional>
@@ -9,7 +9,7 @@
 #include "protocol/error.hpp"
 #include "renderer/device/pass.hpp"
 
-namespace scancast::cpu {
+namespace scancast {
 
 struct PassPlan {
     std::optional<SilhouettePass> silhouette;
@@ -35,4 +35,4 @@ struct PassPlan {
 /// Unsupported for a list that pass.hpp does not describe, with the reason.
 Expected<PassPlan> planPasses(std::span<const Pass> passes);
 
-}  // namespace scancast::cpu
+}  // namespace scancast

@@ -1,0 +1,35 @@
+// Colours as devices want them: packed words and tables. Pure functions; made once per picture.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "renderer/device/device.hpp"
+#include "renderer/device/plan/splat_numbers.hpp"
+#include "renderer/device/plan/splat_plan.hpp"
+
+namespace scancast {
+
+/// What samples look their colours and classes up in.
+struct ColorTables {
+    std::array<std::uint32_t, 256> ramp{};
+    std::array<std::uint8_t, 256> classes{};   ///< 1 = drawn
+    bool byClass = false;                      ///< not all classes are drawn
+    std::span<const std::uint32_t> normals{};  ///< by code; only where colours are normals'
+};
+
+ColorTables colorTables(const ColorRule& rule, const SampleFilter& filter);
+
+/// From a value above rule.low to an index of the ramp; 0 where the range has no width: everything is at the
+/// ramp's beginning.
+float colorScale(const ColorRule& rule);
+/// Sets coloring, colorLow and colorScale.
+void setColors(const ColorRule& rule, SplatNumbers& numbers);
+
+/// One rgba per row of the whole picture's rows [firstRow, firstRow + rows), `height` rows in all: a gradient
+/// runs over the whole picture, so tiles and windows continue each other.
+std::vector<std::uint32_t> backgroundRows(const Background& background, int firstRow, int rows, int height);
+
+}  // namespace scancast

@@ -1,0 +1,116 @@
+#include "renderer/device/plan/runs.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <glm/geometric.hpp>
+
+#include "renderer/device/plan/colors.hpp"
+#include "renderer/device/plan/splat_plan.hpp"
+#include "renderer/select/fade.hpp"
+
+namespace scancast {
+namespace {
+
+/// Rows of toPicture: across the picture, down it (rows grow downwards), into it. False: something is too
+/// large for a float.
+bool setToPicture(const Node& node, const Viewpoint& viewpoint, RunNumbers& run) {
+    const glm::dvec4 base = viewpoint.cloudToView * glm::dvec4(node.boxMin, 1);
+    const double scale[3] = {viewpoint.pixelsPerUnit, -viewpoint.pixelsPerUnit, -1};
+    for (int r = 0; r < 3; ++r) {
+        for (int c = 0; c < 4; ++c) {
+            const double value = scale[r] * (c < 3 ? viewpoint.cloudToView[c][r] * node.step[c] : base[r]);
+            if (!(std::abs(value) < largestCoefficient)) return false;
+            run.toPicture[r][c] = static_cast<float>(value);
+        }
+    }
+    return true;
+}
+
+/// First and last integer i in [0, 65535] with low ≤ base + step · i ≤ high, as octree.hpp's position()
+/// computes it.
+bool clipAxis(double base, double step, double low, double high, std::int32_t& first, std::int32_t& last) {
+    const auto place = [&](std::int32_t i) { return base + step * i; };
+    const auto rounded = [](double v) { return static_cast<std::int32_t>(std::clamp(v, -1.0, 65536.0)); };
+    first = std::max(0, rounded((low - base) / step) - 1);
+    while (first <= 65535 && place(first) < low) ++first;
+    last = std::min(65535, rounded((high - base) / step) + 1);
+    while (last >= 0 && place(last) > high) --last;
+    return first <= last;
+}
+
+/// False: the clip box leaves nothing of the node.
+bool setClip(const Node& node, const SampleFilter& filter, RunNumbers& run) {
+    std::fill_n(run.clipMax, 3, 65535);
+    if (!filter.clip) return true;
+    const ClipBox& box = *filter.clip;
+    for (int a = 0; a < 3; ++a) {
+        if (!clipAxis(node.boxMin[a], node.step[a], box.min[a], box.max[a], run.clipMin[a], run.clipMax[a])) {
+            return false;
+        }
+        run.clipped |= run.clipMin[a] > 0 || run.clipMax[a] < 65535;
+    }
+    return true;
+}
+
+/// Least and greatest value of a plane over a node's samples.
+std::array<double, 2> valuesOf(const glm::dvec4& plane, const Node& node) {
+    const glm::dvec3 half = (node.boxMax - node.boxMin) * 0.5 + node.step;
+    const glm::dvec3 center = (node.boxMax + node.boxMin) * 0.5;
+    const double middle = glm::dot(glm::dvec3(plane), center) + plane.w;
+    const double reach = std::abs(plane.x) * half.x + std::abs(plane.y) * half.y + std::abs(plane.z) * half.z;
+    return {middle - reach, middle + reach};
+}
+
+void setColor(const CutRun& cutRun, const ColorRule& rule, RunNumbers& run) {
+    if (rule.source == ColorSource::Flat) run.color = packed(rule.flat);
+    if (rule.source == ColorSource::Lod) run.color = packed(rule.ramp[cutRun.node->level]);
+    const double scale = colorScale(rule);
+    run.elevationStep = static_cast<float>(cutRun.node->step.z * scale);
+    run.elevationBase = static_cast<float>((cutRun.node->boxMin.z - rule.low) * scale);
+}
+
+}  // namespace
+
+std::optional<RunNumbers> runNumbers(const CutRun& cutRun, const Sight& sight, const ColorRule& color,
+                                     const SampleFilter& filter) {
+    const Node& node = *cutRun.node;
+    RunNumbers run;
+    if (!setToPicture(node, *sight.viewpoint, run) || !setClip(node, filter, run)) return std::nullopt;
+    setColor(cutRun, color, run);
+    // Devices count radii from the run's plain one, which holds for samples that know none.
+    run.plainRadius = node.spacing;
+    run.ratioUnit = node.radiusUnit / node.spacing;
+    run.firstOrdinal = cutRun.firstOrdinal;
+    run.turnStep = turnStep;
+    run.turnBase = 0u - cutRun.firstOrdinal * turnStep;
+    run.lastTurn = lastTurn(cutRun.share);
+    return run;
+}
+
+std::optional<std::vector<DroppedRegion>> droppedRegions(const Node& node, const SampleFilter& filter) {
+    std::vector<DroppedRegion> regions;
+    for (const Region& region : filter.dropped) {
+        DroppedRegion crossing;
+        bool apart = false;
+        for (int i = 0; i < region.count; ++i) {
+            const glm::dvec4& plane = region.planes[static_cast<std::size_t>(i)];
+            const auto [low, high] = valuesOf(plane, node);
+            apart = apart || high < 0;
+            if (low >= 0) continue;
+            float* const row = crossing.planes[crossing.count++];
+            for (int a = 0; a < 3; ++a) row[a] = static_cast<float>(plane[a] * node.step[a]);
+            row[3] = static_cast<float>(glm::dot(glm::dvec3(plane), node.boxMin) + plane.w);
+        }
+        if (apart) continue;
+        if (crossing.count == 0) return std::nullopt;
+        regions.push_back(crossing);
+    }
+    return regions;
+}
+
+double spriteFactor(const RunNumbers& run, const SplatStage& stage, const Viewpoint& viewpoint) {
+    return 2.0 * run.plainRadius * stage.splat.size.scale * viewpoint.pixelsPerUnit;
+}
+
+}  // namespace scancast

@@ -44,6 +44,8 @@ class Holes {
     /// At most `length` grains; expects some to be free.
     Hole take(std::uint32_t length);
     void give(Hole hole);
+    /// What is free there is no longer; expects all of it to be.
+    void drop(std::uint32_t from, std::uint32_t end);
     std::uint64_t free() const { return free_; }
 
   private:
@@ -56,22 +58,29 @@ class Holes {
     std::uint64_t free_ = 0;
 };
 
+/// In samples: the first holds `first` bytes, each next one twice as much as the one before, up to `most`,
+/// and all together at most `limit`; at least a grain.
+std::vector<std::uint32_t> pageSizes(std::uint64_t limit, std::uint64_t first, std::uint64_t most);
+
 class PageTable {
   public:
     static constexpr std::uint32_t grain = 256;  ///< samples
 
-    /// Sizes of the pages in samples, multiples of a grain.
-    explicit PageTable(std::vector<std::uint32_t> pageSamples);
+    /// Sizes of the pages in samples, > 0, rounded down to multiples of a grain.
+    explicit PageTable(const std::vector<std::uint32_t>& pageSamples);
 
     std::uint64_t capacity() const { return grains_ * grain; }  ///< samples
     std::uint64_t used() const { return (grains_ - holes_.free()) * grain; }
-    std::uint32_t pageSamples(std::uint32_t page) const { return pageSamples_[page]; }
+    std::uint32_t pages() const { return static_cast<std::uint32_t>(pageGrains_.size()); }
+    /// 0: it is closed.
+    std::uint32_t pageSamples(std::uint32_t page) const { return pageGrains_[page] * grain; }
     std::uint64_t evicted() const { return evicted_; }  ///< parts, since the beginning
 
     bool has(const SampleKey& key) const { return entries_.contains(key); }
     /// It goes after everything that was touched before. False: it is not here.
     bool touch(const SampleKey& key);
-    /// From now on, nothing is needed.
+    /// From now on, nothing is needed. What the batch may need is touched before it needs anything: what it
+    /// needs is then the most recently used.
     void beginBatch() { ++batch_; }
     /// The places of what is here, which is needed until beginBatch(). Empty: it is not here.
     std::span<const Place> need(const SampleKey& key);
@@ -80,6 +89,8 @@ class PageTable {
     std::span<const Place> insert(const SampleKey& key, std::uint32_t count);
     /// Does nothing where it is not here.
     void erase(const SampleKey& key);
+    /// There is no such page, it turns out: what was to be in it is gone.
+    void close(std::uint32_t page);
 
   private:
     struct KeyHash {
@@ -95,7 +106,7 @@ class PageTable {
     Place placeOf(const Holes::Hole& hole) const;
     void remove(Entries::iterator entry);
 
-    const std::vector<std::uint32_t> pageSamples_;
+    std::vector<std::uint32_t> pageGrains_;
     std::vector<std::uint32_t> pageStarts_;  // grains, pages counted through
     std::uint64_t grains_ = 0;
     Holes holes_;

@@ -9,7 +9,7 @@
 
 #include <cstdint>
 #include <functional>
-#include <memory>
+#include <optional>
 #include <span>
 #include <stop_token>
 #include <vector>
@@ -52,17 +52,20 @@ class SampleCache {
         std::uint32_t run = 0;  ///< index in the cut
         std::span<const Sample> samples;
     };
-    void addParts(std::uint64_t source, const CutRun& run, std::uint32_t key, std::uint32_t index,
+    void addParts(const SampleKey& key, std::uint32_t run, std::span<const Sample> samples,
                   std::vector<Part>& parts) const;
+    /// They are wanted, the first of them soonest.
+    void touch(std::span<const Part> parts);
     /// The places of a part, uploaded if need be; empty: no room but in the batch that is being loaded.
     Expected<std::span<const Place>> load(const Part& part);
     Expected<void> upload(std::span<const Place> places, std::span<const Sample> samples);
-    Expected<void> makePage(std::uint32_t page);
+    /// False: the GPU has no memory for them, and there are fewer pages from now on.
+    Expected<bool> makePages(std::span<const Place> places);
 
     const GlFunctions& gl_;
     PageTable table_;
     std::uint32_t mostInPart_;
-    std::vector<Buffer> pages_;  ///< by page; those without memory are not made yet
+    std::vector<std::optional<Buffer>> pages_;  ///< as they are needed
     StagingRing staging_;
     std::uint64_t bytes_ = 0, bytesUploaded_ = 0;
 };

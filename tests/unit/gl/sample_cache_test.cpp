@@ -1,0 +1,303 @@
+#include "renderer/device/gl/sample_cache.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cstring>
+#include <random>
+
+#include "renderer/device/gl/egl_context.hpp"
+#include "renderer/device/gl/osmesa_context.hpp"
+
+namespace scancast::gl {
+namespace {
+
+constexpr const char* collector =
+    "#version 450 core\n"
+    "layout(local_size_x = 64) in;\n"
+    "layout(std430, binding = 0) readonly buffer Samples { uvec4 samples[]; };\n"
+    "layout(std430, binding = 1) buffer Seen { uvec4 seen[]; };\n"
+    "layout(std430, binding = 2) buffer Times { uint times[]; };\n"
+    "layout(std430, binding = 3) readonly buffer Extents { uvec4 extents[]; };  // to, count, at\n"
+    "layout(location = 0) uniform uint extent;\n"
+    "void main() {\n"
+    "    uvec4 e = extents[extent];\n"
+    "    for (uint i = gl_LocalInvocationID.x; i < e.y; i += 64u) {\n"
+    "        seen[e.x + i] = samples[e.z + i];\n"
+    "        atomicAdd(times[e.x + i], 1u);\n"
+    "    }\n"
+    "}\n";
+
+/// Nodes of one octree, or a cut made by hand.
+struct TestCut {
+    std::vector<std::vector<Sample>> samples;
+    std::vector<Node> nodes;
+    Cut cut;
+
+    TestCut(std::uint64_t source, std::uint32_t runs, std::uint32_t most, std::uint32_t seed) {
+        std::mt19937 random(seed);
+        for (std::uint32_t i = 0; i < runs; ++i) samples.emplace_back(1 + random() % most);
+        fill(seed);
+        nodes.resize(runs);
+        cut.source = source;
+        for (std::uint32_t i = 0; i < runs; ++i) {
+            nodes[i].sampleCount = static_cast<std::uint32_t>(samples[i].size());
+            cut.runs.push_back({.node = &nodes[i],
+                                .nodeIndex = 3 * i,
+                                .samples = samples[i],
+                                .firstOrdinal = static_cast<std::uint32_t>(cut.samples)});
+            cut.samples += samples[i].size();
+        }
+    }
+    TestCut(const TestCut&) = delete;
+
+    void fill(std::uint32_t seed) {
+        std::mt19937 random(seed);
+        for (auto& run : samples)
+            for (Sample& sample : run) {
+                const std::uint32_t words[4] = {std::uint32_t(random()), std::uint32_t(random()), 7, seed};
+                std::memcpy(&sample, words, sizeof(Sample));
+            }
+    }
+    std::vector<std::uint32_t> everyRun() const {
+        std::vector<std::uint32_t> all;
+        for (std::uint32_t i = 0; i < cut.runs.size(); ++i) all.push_back(i);
+        return all;
+    }
+};
+
+class SampleCacheTest : public testing::TestWithParam<std::string> {
+  protected:
+    void SetUp() override {
+        auto opened = GetParam() == "egl" ? createEglContext() : createOsmesaContext();
+        if (!opened) GTEST_SKIP() << "MISSING BACKEND " << GetParam() << ": " << opened.error().message;
+        context_ = std::move(*opened);
+        auto current = Context::Current::enter(*context_);
+        ASSERT_TRUE(current) << current.error().message;
+        current_.emplace(std::move(*current));
+        auto program = Program::compile(context_->functions(), "collector", collector);
+        ASSERT_TRUE(program) << program.error().message;
+        program_.emplace(std::move(*program));
+    }
+    void TearDown() override {
+        program_.reset();
+        current_.reset();
+    }
+
+    const GlFunctions& gl() const { return context_->functions(); }
+
+    /// Oracle: what the GPU finds at the extents it was told of is what the host has, every sample once.
+    /// Returns the number of batches.
+    int expectEverySampleOnce(CutSamples& resident, const TestCut& test) {
+        Buffer seen(gl(), "seen"), times(gl(), "times"), extents(gl(), "extents");
+        EXPECT_TRUE(seen.reserve(test.cut.samples * sizeof(Sample)));
+        EXPECT_TRUE(times.reserve(test.cut.samples * 4));
+        times.clear(test.cut.samples, 0);
+        program_->use();
+        int batches = 0;
+        const auto drawn = resident.forEachBatch(
+            [&](const SampleBatch& batch) -> Expected<void> {
+                ++batches;
+                EXPECT_GT(batch.version, 0u);
+                for (const SampleBatch::Page& page : batch.pages) {
+                    std::vector<glm::uvec4> told;
+                    for (const Extent& e : page.extents)
+                        told.emplace_back(test.cut.runs[e.run].firstOrdinal + e.first, e.count, e.at, 0);
+                    EXPECT_TRUE(extents.write(std::as_bytes(std::span(told))));
+                    page.samples->bindStorage(0);
+                    seen.bindStorage(1);
+                    times.bindStorage(2);
+                    extents.bindStorage(3);
+                    for (std::uint32_t i = 0; i < told.size(); ++i) {
+                        gl().Uniform1ui(0, i);
+                        gl().DispatchCompute(1, 1, 1);
+                    }
+                }
+                return {};
+            },
+            {});
+        EXPECT_TRUE(drawn) << drawn.error().message;
+        gl().MemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT);
+        std::vector<Sample> found(test.cut.samples);
+        std::vector<std::uint32_t> counts(test.cut.samples);
+        seen.read(std::as_writable_bytes(std::span(found)));
+        times.read(std::as_writable_bytes(std::span(counts)));
+        EXPECT_TRUE(checkErrors(gl(), "testing"));
+        for (const std::uint32_t count : counts)
+            if (count != 1) {
+                ADD_FAILURE() << "a sample was drawn " << count << " times";
+                break;
+            }
+        for (const CutRun& run : test.cut.runs)
+            if (std::memcmp(found.data() + run.firstOrdinal, run.samples.data(), run.samples.size_bytes()) !=
+                0) {
+                ADD_FAILURE() << "the samples of run " << (&run - test.cut.runs.data()) << " are others";
+                break;
+            }
+        return batches;
+    }
+    int drawOnce(SampleCache& cache, const TestCut& test) {
+        CutSamples resident(cache, test.cut, test.everyRun());
+        return expectEverySampleOnce(resident, test);
+    }
+    static std::uint64_t bytesOf(const TestCut& test) { return test.cut.samples * sizeof(Sample); }
+
+    std::unique_ptr<Context> context_;
+    std::optional<Context::Current> current_;
+    std::optional<Program> program_;
+};
+INSTANTIATE_TEST_SUITE_P(Gl, SampleCacheTest, testing::Values("egl", "osmesa"),
+                         [](const testing::TestParamInfo<std::string>& c) { return c.param; });
+
+constexpr std::uint64_t mib = 1 << 20;
+
+TEST_P(SampleCacheTest, WhatWasDrawnBeforeIsNotUploadedAgain) {
+    SampleCache cache(gl(), {.memoryLimit = 64 * mib, .firstPage = mib});
+    const TestCut test(newSource(), 60, 9000, 1);
+    EXPECT_EQ(drawOnce(cache, test), 1);
+    EXPECT_EQ(cache.bytesUploaded(), bytesOf(test));
+    EXPECT_LT(cache.bytes(), 16 * mib) << "pages come as they are needed";
+    CutSamples resident(cache, test.cut, test.everyRun());
+    for (int i = 0; i < 3; ++i) EXPECT_EQ(expectEverySampleOnce(resident, test), 1);
+    EXPECT_EQ(cache.bytesUploaded(), bytesOf(test));
+}
+
+TEST_P(SampleCacheTest, ABatchThatIsStillThereKeepsItsVersion) {
+    SampleCache cache(gl(), {.memoryLimit = mib, .firstPage = mib});
+    const TestCut test(newSource(), 20, 5000, 1), other(newSource(), 20, 5000, 2);
+    ASSERT_LT(bytesOf(test), mib);
+    ASSERT_GT(bytesOf(test) + bytesOf(other), mib);
+    CutSamples resident(cache, test.cut, test.everyRun());
+    const auto versionOf = [&] {
+        std::uint64_t version = 0;
+        EXPECT_TRUE(resident.forEachBatch(
+            [&](const SampleBatch& batch) -> Expected<void> {
+                version = batch.version;
+                return {};
+            },
+            {}));
+        return version;
+    };
+    const std::uint64_t first = versionOf();
+    EXPECT_EQ(versionOf(), first);
+    drawOnce(cache, other);
+    EXPECT_NE(versionOf(), first) << "what evicted some of it may have moved it";
+}
+
+TEST_P(SampleCacheTest, ACutThatDoesNotFitIsDrawnInBatches) {
+    for (const std::uint64_t limit : {4096ull, 65536ull, 300'000ull, 1'000'000ull}) {
+        SCOPED_TRACE(limit);
+        SampleCache cache(gl(), {.memoryLimit = limit, .firstPage = 16384});
+        const TestCut test(newSource(), 40, 4000, 3);
+        CutSamples resident(cache, test.cut, test.everyRun());
+        const int least = int((bytesOf(test) + limit - 1) / limit);
+        for (int i = 0; i < 3; ++i) EXPECT_GE(expectEverySampleOnce(resident, test), least);
+        EXPECT_LE(cache.bytes(), limit);
+        // The second and third round began with what the one before had left.
+        EXPECT_LT(cache.bytesUploaded(), 3 * bytesOf(test));
+    }
+}
+
+TEST_P(SampleCacheTest, CloudsTakeTurnsWhereThereIsRoomForOne) {
+    SampleCache cache(gl(), {.memoryLimit = 2 * mib, .firstPage = 2 * mib});
+    const TestCut one(newSource(), 30, 7000, 4), two(newSource(), 30, 7000, 5);
+    ASSERT_LT(bytesOf(one), 2 * mib);
+    ASSERT_GT(bytesOf(one) + bytesOf(two), 2 * mib);
+    for (int i = 0; i < 3; ++i) {
+        EXPECT_EQ(drawOnce(cache, one), 1);
+        EXPECT_EQ(drawOnce(cache, two), 1);
+    }
+}
+
+TEST_P(SampleCacheTest, LayersOfOnePictureMayDriveEachOtherOut) {
+    SampleCache cache(gl(), {.memoryLimit = 2 * mib, .firstPage = mib});
+    const TestCut one(newSource(), 30, 7000, 6), two(newSource(), 30, 7000, 7);
+    ASSERT_GT(bytesOf(one) + bytesOf(two), 2 * mib);
+    CutSamples first(cache, one.cut, one.everyRun()), second(cache, two.cut, two.everyRun());
+    for (int i = 0; i < 4; ++i) {
+        expectEverySampleOnce(first, one);
+        expectEverySampleOnce(second, two);
+    }
+}
+
+TEST_P(SampleCacheTest, OctreesOfTheSameShapeAreToldApart) {
+    SampleCache cache(gl(), {.memoryLimit = 16 * mib, .firstPage = mib});
+    const TestCut one(newSource(), 10, 3000, 8);
+    TestCut two(newSource(), 10, 3000, 8);
+    two.fill(9);
+    drawOnce(cache, one);
+    drawOnce(cache, two);
+    drawOnce(cache, one);
+    EXPECT_EQ(cache.bytesUploaded(), bytesOf(one) + bytesOf(two));
+}
+
+TEST_P(SampleCacheTest, CutsMadeByHandAreUploadedForThemselvesAlone) {
+    SampleCache cache(gl(), {.memoryLimit = 4 * mib, .firstPage = mib});
+    TestCut test(0, 30, 7000, 10);
+    for (std::uint32_t i = 0; i < 6; ++i) {
+        CutSamples resident(cache, test.cut, test.everyRun());
+        expectEverySampleOnce(resident, test);
+        expectEverySampleOnce(resident, test);
+        EXPECT_EQ(cache.bytesUploaded(), (i + 1) * bytesOf(test));
+        test.fill(11 + i);  // the same memory, other samples
+    }
+    EXPECT_LE(cache.bytes(), 4 * mib) << "each left its room to the next";
+}
+
+TEST_P(SampleCacheTest, OnlyTheRunsThatAreAskedForAreThere) {
+    SampleCache cache(gl(), {.memoryLimit = 4 * mib, .firstPage = mib});
+    const TestCut test(newSource(), 12, 2000, 12);
+    const std::vector<std::uint32_t> wanted{7, 2, 11};
+    CutSamples resident(cache, test.cut, wanted);
+    std::vector<std::uint32_t> got;
+    ASSERT_TRUE(resident.forEachBatch(
+        [&](const SampleBatch& batch) -> Expected<void> {
+            for (const auto& page : batch.pages)
+                for (const Extent& e : page.extents) got.push_back(e.run);
+            return {};
+        },
+        {}));
+    EXPECT_EQ(got, wanted) << "in the order asked for";
+}
+
+TEST_P(SampleCacheTest, WhatWasBroughtIsThere) {
+    SampleCache cache(gl(), {.memoryLimit = 4 * mib, .firstPage = mib});
+    const TestCut test(newSource(), 20, 5000, 13);
+    const auto has = [&](std::uint32_t run) {
+        return cache.has(test.cut.source, test.cut.runs[run].nodeIndex, test.nodes[run].sampleCount);
+    };
+    ASSERT_TRUE(cache.bring(test.cut.source, std::span(test.cut.runs).first(10), {}));
+    for (std::uint32_t i = 0; i < 20; ++i) EXPECT_EQ(has(i), i < 10);
+    drawOnce(cache, test);
+    EXPECT_EQ(cache.bytesUploaded(), bytesOf(test));
+}
+
+TEST_P(SampleCacheTest, NodesLargerThanTheMemoryAreDealtOut) {
+    SampleCache cache(gl(), {.memoryLimit = 100'000, .firstPage = 50'000});
+    const TestCut test(newSource(), 3, 60'000, 14);
+    EXPECT_GT(drawOnce(cache, test), 3);
+    EXPECT_FALSE(cache.has(test.cut.source, 0, test.nodes[0].sampleCount));
+}
+
+/// The ring of staging memory (32 MiB) goes round more than once.
+TEST_P(SampleCacheTest, MoreThanTheStagingMemoryIsUploaded) {
+    SampleCache cache(gl(), {.memoryLimit = 256 * mib, .firstPage = 32 * mib});
+    const TestCut test(newSource(), 40, 200'000, 15);
+    ASSERT_GT(bytesOf(test), 40 * mib);
+    EXPECT_EQ(drawOnce(cache, test), 1);
+}
+
+TEST_P(SampleCacheTest, AnAbandonedUploadLeavesNothingWrong) {
+    SampleCache cache(gl(), {.memoryLimit = 4 * mib, .firstPage = mib});
+    const TestCut test(newSource(), 20, 5000, 16);
+    CutSamples resident(cache, test.cut, test.everyRun());
+    std::stop_source stop;
+    stop.request_stop();
+    const auto drawn =
+        resident.forEachBatch([](const SampleBatch&) -> Expected<void> { return {}; }, stop.get_token());
+    ASSERT_FALSE(drawn);
+    EXPECT_EQ(drawn.error().code, ErrorCode::Cancelled);
+    EXPECT_EQ(expectEverySampleOnce(resident, test), 1);
+}
+
+}  // namespace
+}  // namespace scancast::gl

@@ -12,6 +12,7 @@
 #include "renderer/device/cpu/kernels/project.hpp"
 #include "renderer/device/cpu/kernels/surfel_codes.hpp"
 #include "renderer/device/cpu/kernels/view_normals.hpp"
+#include "renderer/device/plan/surfel_numbers.hpp"
 
 namespace scancast::cpu {
 namespace {
@@ -19,12 +20,8 @@ namespace {
 /// A surfel is not drawn smaller (in half px): what divides by its size stays finite. Its centre's pixel is
 /// drawn anyway.
 inline constexpr float leastHalf = 1e-3f;
-/// Largest radius over depth in perspective: what reaches the eye's plane has no outline. Once for what is
-/// drawn, once for what a sum extends it to.
-inline constexpr float largestSpread = 0.5f, largestReach = 0.9f;
 /// A plane seen more edge-on than this is treated as if it were this much open.
 inline constexpr float leastCosine = 1e-4f;
-inline constexpr float rootOf6 = 2.4494897f;
 
 /// Surfels in a block: fewer than sprites, since each takes more room in the cache, and small blocks are more
 /// often found to be hidden.

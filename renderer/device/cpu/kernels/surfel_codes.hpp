@@ -3,6 +3,7 @@
 #pragma once
 
 #include "renderer/device/cpu/kernels/view_normals.hpp"
+#include "renderer/device/plan/surfel_numbers.hpp"
 
 namespace scancast::cpu {
 namespace {
@@ -11,23 +12,6 @@ inline constexpr int outlierCode = 255;
 /// renderer/cloud/surfel_codec.hpp says the same; tests compare what both decode.
 inline constexpr float majorAxisPerRadius = 1.36f;
 inline constexpr float axisRatioStep = 0.75f / 7;
-inline constexpr int axisAngles = 32;
-
-struct AxisDirections {
-    float cosine[axisAngles], sine[axisAngles];
-};
-inline constexpr AxisDirections axisDirections = [] {
-    AxisDirections table{};
-    double c = 1, s = 0;
-    for (int i = 0; i < axisAngles; ++i) {
-        table.cosine[i] = static_cast<float>(c);
-        table.sine[i] = static_cast<float>(s);
-        const double next = c * 0.9951847266721969 - s * 0.0980171403295606;
-        s = s * 0.9951847266721969 + c * 0.0980171403295606;
-        c = next;
-    }
-    return table;
-}();
 
 /// Of a block's samples: the major half-axis over the radius, the minor over the major, the angle.
 struct alignas(64) AxisCodes {

@@ -1,0 +1,286 @@
+#include "renderer/device/gl/layer.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+
+namespace scancast::gl {
+namespace {
+
+/// An order at or above infinity's bits is none, and any payload is smaller than all ones.
+constexpr std::uint32_t noKey = 0xffffffff;
+constexpr GLbitfield afterSplats = GL_SHADER_STORAGE_BARRIER_BIT | GL_BUFFER_UPDATE_BARRIER_BIT;
+constexpr const char* stageNames[] = {"silhouette", "nearest", "sum", "cell"};
+
+template <class T>
+std::span<const std::byte> bytesOf(const std::vector<T>& values) {
+    return std::as_bytes(std::span(values));
+}
+
+std::size_t pixelsOf(ivec4 area) {
+    return static_cast<std::size_t>(area.z) * static_cast<std::size_t>(area.w);
+}
+
+/// Depth of the nearest that a node may hold.
+double frontOf(const Node& node, const Viewpoint& viewpoint) {
+    return -(viewpoint.cloudToView * glm::dvec4(node.center, 1)).z - node.radius;
+}
+
+}  // namespace
+
+Expected<std::unique_ptr<Layer>> Layer::create(const LayerParts& parts, const Drawing& drawing,
+                                               const Cut& cut, const SampleFilter& filter, const Sight& sight,
+                                               const PassPlan& plan, ivec4 area) {
+    std::unique_ptr<Layer> layer(new Layer(parts, drawing, filter, sight, plan, area));
+    const std::vector<std::uint32_t> drawn = layer->addRuns(drawing, cut, filter);
+    if (auto made = layer->upload(); !made) return tl::unexpected(made.error());
+    layer->samples_ = std::make_unique<CutSamples>(parts.samples, cut, drawn);
+    return layer;
+}
+
+Layer::Layer(const LayerParts& parts, const Drawing& drawing, const SampleFilter& filter, const Sight& sight,
+             const PassPlan& plan, ivec4 area)
+    : parts_(parts),
+      sight_(sight),
+      plan_(plan),
+      area_(area),
+      stages_(splatStages(plan, sight, drawing.color)),
+      tables_(colorTables(drawing.color, filter)),
+      background_(backgroundRows(drawing.background, area.y - sight.pad, area.w, sight.viewpoint->height)),
+      byClass_(filter.classes.has_value()),
+      runs_(parts.gl, "runs"),
+      lookUps_(parts.gl, "tables"),
+      rows_(parts.gl, "background"),
+      chunks_(parts.gl, "chunks"),
+      extents_(parts.gl, "extents") {}
+
+std::vector<std::uint32_t> Layer::addRuns(const Drawing& drawing, const Cut& cut,
+                                          const SampleFilter& filter) {
+    std::vector<std::uint32_t> drawn;
+    runOfCut_.resize(cut.runs.size());
+    for (std::uint32_t i = 0; i < cut.runs.size(); ++i) {
+        const CutRun& run = cut.runs[i];
+        if (run.samples.empty()) continue;
+        const auto numbers = runNumbers(run, sight_, drawing.color, filter);
+        const auto dropped = droppedRegions(*run.node, filter);
+        if (!numbers || !dropped) continue;
+        runOfCut_[i] = tables_.add(*numbers, *dropped, stages_, *sight_.viewpoint);
+        drawn.push_back(i);
+    }
+    traits_ = {parts_.memory.limits().keys64, tables_.filters,
+               stages_.front().kind == SplatStage::Kind::Silhouette};
+    // Front to back: what is hidden then seldom needs an atomic operation.
+    std::vector<double> fronts(cut.runs.size());
+    for (const std::uint32_t i : drawn) fronts[i] = frontOf(*cut.runs[i].node, *sight_.viewpoint);
+    std::ranges::stable_sort(drawn, {}, [&](std::uint32_t i) { return fronts[i]; });
+    return drawn;
+}
+
+Expected<void> Layer::upload() {
+    const std::size_t limit = parts_.memory.limits().storageBlockBytes;
+    if (bytesOf(tables_.runs).size() > limit || bytesOf(tables_.words).size() > limit)
+        return fail(ErrorCode::ResourceLimit,
+                    "The cut has " + std::to_string(tables_.runs.size()) +
+                        " runs, more than the OpenGL driver takes at once; ask for less detail or use "
+                        "--backend=cpu.");
+    if (auto written = runs_.write(bytesOf(tables_.runs)); !written) return written;
+    if (auto written = lookUps_.write(bytesOf(tables_.words)); !written) return written;
+    return rows_.write(bytesOf(background_));
+}
+
+Expected<void> Layer::begin(const SampleBatch& batch) {
+    if (batch.version == version_) return {};
+    std::vector<SplatChunk> chunks;
+    std::vector<SplatExtent> extents;
+    pages_.clear();
+    for (const SampleBatch::Page& page : batch.pages) {
+        PageWork work;
+        work.firstChunk = static_cast<std::uint32_t>(chunks.size());
+        work.firstExtent = static_cast<std::uint32_t>(extents.size());
+        for (const Extent& e : page.extents) {
+            const std::uint32_t run = runOfCut_[e.run];
+            extents.push_back({uvec4(tables_.runs[run].color.z + e.first, e.count, run, e.at)});
+            for (std::uint32_t i = 0; i < e.count; i += samplesPerChunk)
+                chunks.push_back({uvec4(e.at + i, std::min(samplesPerChunk, e.count - i), run, e.first + i)});
+        }
+        std::sort(extents.begin() + work.firstExtent, extents.end(),
+                  [](const SplatExtent& a, const SplatExtent& b) { return a.range.x < b.range.x; });
+        work.chunks = static_cast<std::uint32_t>(chunks.size()) - work.firstChunk;
+        work.extents = static_cast<std::uint32_t>(extents.size()) - work.firstExtent;
+        pages_.push_back(work);
+    }
+    version_ = 0;
+    if (auto written = chunks_.write(bytesOf(chunks)); !written) return written;
+    if (auto written = extents_.write(bytesOf(extents)); !written) return written;
+    version_ = batch.version;
+    return {};
+}
+
+const KeyPlane& Layer::colors() const {
+    return plan_.cell ? parts_.memory.cells : parts_.memory.nearest;
+}
+
+void Layer::bindColors() const {
+    colors().keys.bindStorage(binding::keys);
+    if (!traits_.keys64) colors().payloads.bindStorage(binding::payloads);
+}
+
+Expected<void> Layer::overPixels(ivec4 area, const ShaderVariant& variant) {
+    return parts_.screen.overPixels(variant.shader, area.z, area.w, variant.defines);
+}
+
+Expected<void> Layer::splatOnce(const SplatStage& stage, Keep keep, const std::stop_token& stop) {
+    const ShaderVariant variant = splatVariant(stage, traits_, keep);
+    const auto program = parts_.programs.get(variant.shader, variant.defines);
+    if (!program) return tl::unexpected(program.error());
+    (*program)->use();
+    const auto drawBatch = [&](const SampleBatch& batch) -> Expected<void> {
+        if (auto begun = begin(batch); !begun) return begun;
+        chunks_.bindStorage(binding::splat::chunks);
+        for (std::size_t i = 0; i < batch.pages.size(); ++i) {
+            batch.pages[i].samples->bindStorage(binding::samples);
+            if (auto done = parts_.slices.dispatch(pages_[i].firstChunk, pages_[i].chunks, stop); !done)
+                return done;
+        }
+        return {};
+    };
+    auto drawn = samples_->forEachBatch(drawBatch, stop);
+    parts_.gl.MemoryBarrier(afterSplats);
+    return drawn;
+}
+
+Expected<void> Layer::splatKeys(const SplatStage& stage, KeyPlane& into, std::size_t pixels, bool payloads,
+                                const std::stop_token& stop) {
+    const bool keys64 = traits_.keys64;
+    into.keys.clear(pixels * (keys64 ? 2 : 1), noKey);
+    into.keys.bindStorage(binding::keys);
+    if (keys64) return splatOnce(stage, Keep::Key, stop);
+    into.payloads.clear(pixels, noKey);
+    into.payloads.bindStorage(binding::payloads);
+    auto drawn = splatOnce(stage, Keep::Order, stop);
+    if (drawn && payloads) drawn = splatOnce(stage, Keep::Payload, stop);
+    return drawn;
+}
+
+Expected<void> Layer::splat(std::size_t index, const SplatStage& stage, ivec4 band,
+                            const std::stop_token& stop) {
+    using enum SplatStage::Kind;
+    SplatMemory& memory = parts_.memory;
+    const std::size_t pixels = pixelsOf(band);
+    if (auto set = parts_.screen.set(splatParams(stage.numbers, band, index, byClass_)); !set) return set;
+    runs_.bindStorage(binding::runs);
+    lookUps_.bindStorage(binding::tables);
+    if (traits_.silhouette) memory.silhouette.bindStorage(binding::splat::silhouette);
+    if (stage.kind == Sum || stage.kind == Cell) memory.nearest.keys.bindStorage(binding::visible);
+    switch (stage.kind) {
+        case Silhouette:
+            memory.silhouette.clear(pixels, noKey);
+            memory.silhouette.bindStorage(binding::keys);
+            return splatOnce(stage, Keep::Order, stop);
+        case Nearest:
+            // Where there are cells, theirs are the colours.
+            return splatKeys(stage, memory.nearest, pixels, !plan_.cell, stop);
+        case Sum:
+            memory.sums.clear(pixels * sumWords(plan_), 0);
+            memory.sums.bindStorage(binding::splat::sums);
+            return splatOnce(stage, Keep::Order, stop);
+        case Cell:
+            return splatKeys(stage, memory.cells, pixels, true, stop);
+    }
+    return {};
+}
+
+Expected<void> Layer::resolveKeys(const ResolveParams& params, const GpuPlanes& planes, bool normals) {
+    namespace at = binding::resolveKeys;
+    if (auto set = parts_.screen.set(params); !set) return set;
+    bindColors();
+    if (plan_.cell) parts_.memory.nearest.keys.bindStorage(binding::visible);
+    planes.rgba->bindStorage(at::rgba);
+    planes.depth->bindStorage(at::depth);
+    if (normals) planes.normals->bindStorage(at::normals);
+    rows_.bindStorage(at::background);
+    return overPixels(params.area, resolveKeysVariant(plan_, traits_.keys64, normals));
+}
+
+Expected<void> Layer::resolveSamples(ResolveParams params, const GpuPlanes& planes, bool normals,
+                                     const std::stop_token& stop) {
+    namespace at = binding::resolveSamples;
+    const ShaderVariant variant =
+        resolveSamplesVariant(stages_.front().numbers.coloring, traits_.keys64, normals);
+    const KeyPlane& keys = colors();
+    runs_.bindStorage(binding::runs);
+    lookUps_.bindStorage(binding::tables);
+    (traits_.keys64 ? keys.keys : keys.payloads).bindStorage(at::ordinals);
+    planes.rgba->bindStorage(at::rgba);
+    planes.depth->bindStorage(at::depth);
+    if (normals) planes.normals->bindStorage(at::normals);
+    const auto look = [&](const SampleBatch& batch) -> Expected<void> {
+        if (auto begun = begin(batch); !begun) return begun;
+        extents_.bindStorage(at::extents);
+        for (std::size_t i = 0; i < batch.pages.size(); ++i) {
+            if (pages_[i].extents == 0) continue;
+            params.look.x = pages_[i].firstExtent;
+            params.look.y = pages_[i].extents;
+            if (auto set = parts_.screen.set(params); !set) return set;
+            batch.pages[i].samples->bindStorage(binding::samples);
+            if (auto done = overPixels(params.area, variant); !done) return done;
+        }
+        return {};
+    };
+    return samples_->forEachBatch(look, stop);
+}
+
+Expected<void> Layer::resolveSums(const ResolveParams& params, const GpuPlanes& planes, bool normals) {
+    namespace at = binding::resolveSums;
+    if (auto set = parts_.screen.set(params); !set) return set;
+    bindColors();
+    parts_.memory.sums.bindStorage(at::sums);
+    planes.rgba->bindStorage(at::rgba);
+    if (normals) planes.normals->bindStorage(at::normals);
+    return overPixels(params.area, resolveSumsVariant(plan_, traits_.keys64, normals));
+}
+
+Expected<void> Layer::resolve(ivec4 band, const GpuPlanes& planes, const std::stop_token& stop) {
+    const bool normals = plan_.resolve.normals && planes.normals != nullptr;
+    const ResolveParams params = resolveParams(stages_.front().numbers, band, planes.area, band.y - area_.y);
+    Expected<void> done = resolveKeys(params, planes, normals);
+    if (done && plan_.bySample()) done = resolveSamples(params, planes, normals, stop);
+    if (done && plan_.resolve.sums) done = resolveSums(params, planes, normals);
+    return done;
+}
+
+Expected<void> Layer::drawBand(ivec4 band, std::span<const SplatStage> stages, const GpuPlanes& planes,
+                               FrameStats& stats, const std::stop_token& stop) {
+    auto start = std::chrono::steady_clock::now();
+    const auto spend = [&](const char* stage) -> Expected<void> {
+        if (auto done = waitForGpu(parts_.gl); !done) return done;
+        const auto now = std::chrono::steady_clock::now();
+        stats.add(stage, std::chrono::duration<double, std::milli>(now - start).count());
+        start = now;
+        return checkErrors(parts_.gl, std::string("running the pass \"") + stage + "\"");
+    };
+    for (std::size_t i = 0; i < stages.size(); ++i) {
+        if (auto drawn = splat(i, stages[i], band, stop); !drawn) return drawn;
+        if (auto spent = spend(stageNames[static_cast<std::size_t>(stages[i].kind)]); !spent) return spent;
+    }
+    if (auto resolved = resolve(band, planes, stop); !resolved) return resolved;
+    return spend("resolve");
+}
+
+Expected<void> Layer::draw(const glm::dvec2& jitter, const GpuPlanes& planes, FrameStats& stats,
+                           const std::stop_token& stop) {
+    std::vector<SplatStage> stages = stages_;
+    for (SplatStage& stage : stages) stage.numbers = jittered(stage.numbers, sight_, jitter);
+    // As many rows at a time as sums and keys fit a storage block.
+    const std::size_t most = parts_.memory.mostPixels(plan_) / static_cast<std::size_t>(area_.z);
+    const int rows = static_cast<int>(std::clamp<std::size_t>(most, 1, static_cast<std::size_t>(area_.w)));
+    if (auto made = parts_.memory.reserve(plan_, static_cast<std::size_t>(rows * area_.z)); !made)
+        return made;
+    for (int y = 0; y < area_.w; y += rows) {
+        const ivec4 band(area_.x, area_.y + y, area_.z, std::min(rows, area_.w - y));
+        if (auto drawn = drawBand(band, stages, planes, stats, stop); !drawn) return drawn;
+    }
+    return {};
+}
+
+}  // namespace scancast::gl

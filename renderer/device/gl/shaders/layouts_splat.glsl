@@ -1,0 +1,46 @@
+// What splat passes and their resolving share with C++: compiled by both (splat_layouts.hpp checks the offsets). Only
+// 16-byte members, so that std140, std430 and C++ lay them out alike. From plan/splat_numbers.hpp, word for word.
+
+// One splat pass over an area of the picture.
+struct SplatParams {
+    vec4 view;         // centre of the view axis x and y, px in the whole picture, jitter included; near; far
+    ivec4 area;        // x, y, width, height of the pixels that there are, px in the whole picture
+    vec4 size;         // smallest and largest splat, px; world radius per px (times depth in perspective); gain
+    vec4 ramp;         // colour index = (value - x) * y, clamped to the ramp
+    vec4 surfel;       // pixels per unit; units per pixel; scale of radii; largest half size, px
+    vec4 extent;       // Sum of discs: reach, and its largest half size, px; tolerance, drawn radii; unused
+    vec4 blur;         // Ellipse: 6 and sqrt(6) times the low-pass' variance and deviation, px; unused
+    vec4 rotation[3];  // rows: cloud -> view space (x right, y up, z towards the viewer)
+    ivec4 flags;       // which of a run's size factors; facing: 1, -1 or 0; 1 = oriented; 1 = samples know radii
+    ivec4 filters;     // x: 1 = not all classes are drawn; unused
+};
+
+// One run of samples of the cut, composed in double on the host.
+struct SplatRun {
+    vec4 toPicture[3];  // rows times (x, y, z, 1): across, down, px (times depth in perspective); depth
+    ivec4 clipMin;      // integers of the samples inside the clip box, inclusive; w: first word of its regions
+    ivec4 clipMax;      // w: regions in which its samples are dropped
+    vec4 sizeFactors;   // by pass: size of sprites = this * ratio (over depth in perspective)
+    vec4 factors;       // elevation: colour index = z * .x + .y; z: unit of the samples' radii over the run's; w: that
+    uvec4 color;        // x: of every sample where the source is one per run; y: last turn (fade.hpp); z: ordinal of
+                        // the first sample; unused
+};
+
+// Up to CHUNK_SAMPLES samples of one run: the work of one work group.
+struct SplatChunk {
+    uvec4 range;  // first sample in its page, samples, run, the first one's index in the run
+};
+
+// Samples of one run side by side in a page: where ordinals lead to. Those of a page are sorted by ordinal.
+struct SplatExtent {
+    uvec4 range;  // ordinal of the first sample, samples, run, the first one's place in the page
+};
+
+// What splat passes left of an area -> planes of pixels.
+struct ResolveParams {
+    ivec4 area;        // x, y, width, height, px in the whole picture
+    ivec4 planes;      // the same of the planes, which hold the area
+    vec4 ramp;         // as SplatParams has it
+    uvec4 look;        // the page's first extent, and how many; first row of the background; unused
+    vec4 rotation[3];  // as SplatParams has it
+};

@@ -1,0 +1,75 @@
+// First half of a splat pass: a sample's words -> place on the picture, depth, size. Operation by operation what the cpu
+// device computes (kernels/project.hpp), in the same order, so that both draw the same picture. Needs `pass`, SplatRun
+// and splat_tables.glsl. Variants: PERSPECTIVE, FILTERS 0 or 1.
+
+struct Placed {
+    float x, y;    // px in the whole picture
+    float depth;
+    float ratio;   // of the sample's radius to the run's plain one
+    float halfPx;  // half a sprite's size, px
+};
+
+const float outsidePx = 1048576.0;  // far outside any picture, and still exact as an integer
+
+#if FILTERS
+float tableFloat(uint word) { return uintBitsToFloat(tables[word]); }
+
+bool insideRegion(uint word, vec3 p) {
+    uint planes = tables[word];
+    for (uint i = 0u; i < planes; ++i) {
+        uint row = word + 1u + 4u * i;
+        precise float above = tableFloat(row) * p.x +
+                              (tableFloat(row + 1u) * p.y + (tableFloat(row + 2u) * p.z + tableFloat(row + 3u)));
+        if (!(above >= 0.0)) return false;
+    }
+    return true;
+}
+
+bool passesFilters(SplatRun run, uvec4 words) {
+    if (pass.filters.x != 0 && tables[classWords + (words.z >> 24)] == 0u) return false;
+    ivec3 place = ivec3(words.x & 0xffffu, words.x >> 16, words.y & 0xffffu);
+    if (any(lessThan(place, run.clipMin.xyz)) || any(greaterThan(place, run.clipMax.xyz))) return false;
+    for (int r = 0; r < run.clipMax.w; ++r) {
+        if (insideRegion(uint(run.clipMin.w) + uint(r) * regionWords, vec3(place))) return false;
+    }
+    return true;
+}
+#endif
+
+// 1 where no radius is known.
+float radiusRatio(SplatRun run, uvec4 words) {
+    if (pass.flags.w == 0) return 1.0;
+    float radius = uintBitsToFloat(tables[radiusWords + ((words.w >> 16) & 255u)]);
+    precise float ratio = radius * run.factors.z;
+    return radius > 0.0 ? ratio : 1.0;
+}
+
+// False: it is not drawn.
+bool placeSample(SplatRun run, uvec4 words, out Placed placed) {
+    float sx = float(words.x & 0xffffu);
+    float sy = float(words.x >> 16);
+    float sz = float(words.y & 0xffffu);
+    vec4 a = run.toPicture[0], b = run.toPicture[1], c = run.toPicture[2];
+    precise float depth = c.x * sx + (c.y * sy + (c.z * sz + c.w));
+    if (!(depth >= pass.view.z && depth <= pass.view.w)) return false;
+#if FILTERS
+    if (!passesFilters(run, words)) return false;
+#endif
+    precise float across = a.x * sx + (a.y * sy + (a.z * sz + a.w));
+    precise float down = b.x * sx + (b.y * sy + (b.z * sz + b.w));
+#if PERSPECTIVE
+    precise float inverse = 1.0 / depth;
+#else
+    float inverse = 1.0;
+#endif
+    precise float x = pass.view.x + across * inverse;
+    precise float y = pass.view.y + down * inverse;
+    placed.ratio = radiusRatio(run, words);
+    precise float wanted = run.sizeFactors[pass.flags.x] * placed.ratio;
+    precise float size = wanted * inverse;
+    placed.x = clamp(x, -outsidePx, outsidePx);
+    placed.y = clamp(y, -outsidePx, outsidePx);
+    placed.depth = depth;
+    placed.halfPx = 0.5 * clamp(size, pass.size.x, pass.size.y);
+    return true;
+}

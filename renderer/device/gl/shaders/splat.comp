@@ -1,0 +1,118 @@
+// A splat pass over samples of one page: silhouette, nearest, sum or cell (renderer/device/pass.hpp). A work group takes
+// one chunk; each thread draws its samples' footprints itself, but for the large ones, which are put down in a queue and
+// then drawn by all threads together, pixel by pixel. Nothing depends on the order: reductions are integers.
+// Variants: GROUP_SIZE, TURN_STEP, REDUCTION, KEEP, KEYS64, SHAPE, SINGLE_PIXEL, SHARED_FOOTPRINTS, PERSPECTIVE, COLORING,
+// PAYLOAD_SAMPLE, SUM_NORMALS, SILHOUETTE, FILTERS.
+#version 450 core
+#if KEYS64
+#extension GL_ARB_gpu_shader_int64 : require
+#extension GL_NV_shader_atomic_int64 : require
+#endif
+#include "splat_kinds.glsl"
+#include "layouts_splat.glsl"
+
+layout(local_size_x = GROUP_SIZE) in;
+
+layout(std140, binding = 0) uniform Params { SplatParams pass; };
+layout(std430, binding = 0) readonly buffer Samples { uvec4 samples[]; };
+layout(std430, binding = 1) readonly buffer Runs { SplatRun runs[]; };
+layout(std430, binding = 2) readonly buffer Chunks { SplatChunk chunks[]; };
+layout(location = 0) uniform uint firstChunk;
+
+#include "splat_tables.glsl"
+#include "colors.glsl"
+#include "project.glsl"
+#include "visible.glsl"
+#if REDUCTION == REDUCTION_SUM
+#include "sums.glsl"
+#else
+#include "keys.glsl"
+#endif
+#if SHAPE == SHAPE_DISC || SHAPE == SHAPE_ELLIPSE
+#include "sample_normals.glsl"
+#include "surfels.glsl"
+#include "surfel_fragments.glsl"
+#elif REDUCTION == REDUCTION_SUM
+#include "sample_normals.glsl"
+#include "sprite_sums.glsl"
+#else
+#include "sprites.glsl"
+#endif
+
+// What a key carries, or a sum adds, of a sample with this index in its run.
+uint carriedBy(SplatRun run, uvec4 words, uint index, float depth) {
+#if REDUCTION != REDUCTION_SUM && KEEP == KEEP_ORDER
+    return 0u;
+#elif PAYLOAD_SAMPLE
+    return run.color.z + index;
+#else
+    return colorOf(run, words, depth);
+#endif
+}
+
+// A sample of the chunk; false: nothing of it lies in the area.
+bool footprintOf(SplatRun run, uvec4 range, uint i, out Footprint f) {
+    // Fading levels: the samples whose turn has come (renderer/select/fade.hpp).
+    if ((range.w + i) * uint(TURN_STEP) > run.color.y) return false;
+    uvec4 words = samples[range.x + i];
+    Placed placed;
+    if (!placeSample(run, words, placed)) return false;
+    if (!setUp(run, words, placed, carriedBy(run, words, range.w + i, placed.depth), f)) return false;
+    f.box = ivec4(max(f.box.xy, pass.area.xy), min(f.box.zw, pass.area.xy + pass.area.zw - 1));
+    return f.box.x <= f.box.z && f.box.y <= f.box.w;
+}
+
+void drawPixel(Footprint f, ivec2 at) {
+    ivec2 place = at - pass.area.xy;
+    drawFragment(f, at, uint(place.y * pass.area.z + place.x));
+}
+
+void drawAlone(Footprint f) {
+#if SINGLE_PIXEL
+    drawPixel(f, f.box.xy);
+#else
+    for (int row = f.box.y; row <= f.box.w; ++row)
+        for (int column = f.box.x; column <= f.box.z; ++column) drawPixel(f, ivec2(column, row));
+#endif
+}
+
+#if SHARED_FOOTPRINTS
+// Pixels of a footprint, from which on it is not for one thread alone.
+const int manyPixels = 256;
+shared uint queued;
+shared uint queue[CHUNK_SAMPLES];
+
+int pixelsOf(Footprint f) { return (f.box.z - f.box.x + 1) * (f.box.w - f.box.y + 1); }
+
+void drawTogether(Footprint f) {
+    int width = f.box.z - f.box.x + 1, pixels = pixelsOf(f);
+    for (int i = int(gl_LocalInvocationID.x); i < pixels; i += GROUP_SIZE)
+        drawPixel(f, f.box.xy + ivec2(i % width, i / width));
+}
+#endif
+
+void main() {
+    uvec4 range = chunks[firstChunk + gl_WorkGroupID.x].range;
+    SplatRun run = runs[range.z];
+    Footprint f;
+#if SHARED_FOOTPRINTS
+    if (gl_LocalInvocationID.x == 0u) queued = 0u;
+    barrier();
+#endif
+    for (uint i = gl_LocalInvocationID.x; i < range.y; i += GROUP_SIZE) {
+        if (!footprintOf(run, range, i, f)) continue;
+#if SHARED_FOOTPRINTS
+        if (pixelsOf(f) >= manyPixels) {
+            queue[atomicAdd(queued, 1u)] = i;
+            continue;
+        }
+#endif
+        drawAlone(f);
+    }
+#if SHARED_FOOTPRINTS
+    barrier();
+    for (uint i = 0u; i < queued; ++i) {
+        if (footprintOf(run, range, queue[i], f)) drawTogether(f);
+    }
+#endif
+}

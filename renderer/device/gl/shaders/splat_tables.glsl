@@ -1,0 +1,10 @@
+// What all samples of a layer look up. Words from `normalWords` on are 65,536 colours of normals, where those are asked
+// for, and then the dropped regions: a count of planes and five rows of four floats each.
+layout(std430, binding = 3) readonly buffer Tables { uint tables[]; };
+
+const uint rampWords = 0u;      // 256 colours
+const uint classWords = 256u;   // 256 flags, 1 = drawn
+const uint radiusWords = 512u;  // 256 radii in the node's unit; 0 = none
+const uint axisWords = 768u;    // 32 cosines and 32 sines of the angles that ellipses may have
+const uint normalWords = 832u;
+const uint regionWords = 21u;   // of one region

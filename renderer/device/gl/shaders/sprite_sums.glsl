@@ -1,0 +1,62 @@
+// Circles, blended: the sum pass of hqs (methods.md section 4), as kernels/splat_sums.hpp adds them.
+struct Footprint {
+    ivec4 box;  // first and last pixel
+    ivec2 centre;
+    float x, y, half2, inverse;
+    float farthest;  // depth that nothing visible may lie in front of: d <= d_vis + 2R
+    Addends addends;
+};
+
+// In view space, turned to the eye where normals are not oriented: against (x, y, -1) in perspective, along z without.
+vec3 viewNormal(uint code, Placed placed) {
+    vec3 n = toView(sampleNormal(code));
+    if (pass.flags.z != 0) return n;
+#if PERSPECTIVE
+    precise float px = (placed.x - pass.view.x) * pass.surfel.y;
+    precise float py = (pass.view.y - placed.y) * pass.surfel.y;
+    precise float towards = n.z - (n.x * px + n.y * py);
+#else
+    float towards = n.z;
+#endif
+    return towards < 0.0 ? -n : n;
+}
+
+bool setUp(SplatRun run, uvec4 words, Placed placed, uint color, out Footprint f) {
+    float h = placed.halfPx;
+    f.x = placed.x;
+    f.y = placed.y;
+    f.centre = ivec2(floor(vec2(f.x, f.y)));
+    precise vec2 low = ceil((vec2(f.x, f.y) - h) - 0.5);
+    precise vec2 high = floor((vec2(f.x, f.y) + h) - 0.5);
+    f.box = ivec4(min(ivec2(low), f.centre), max(ivec2(high), f.centre));
+    precise float half2 = h * h;
+    f.half2 = half2;
+    precise float inverse = 1.0 / half2;
+    f.inverse = inverse;
+#if PERSPECTIVE
+    precise float radius = (h * pass.size.z) * placed.depth;
+#else
+    precise float radius = h * pass.size.z;
+#endif
+    precise float farthest = placed.depth - 2.0 * radius;
+    f.farthest = farthest;
+#if SUM_NORMALS
+    f.addends = addendsOf(color, viewNormal(words.w & 0xffffu, placed));
+#else
+    f.addends = addendsOf(color, vec3(0.0));
+#endif
+    return true;
+}
+
+void drawFragment(Footprint f, ivec2 at, uint pixel) {
+    uint visible = visibleOrder(pixel);
+    if (visible >= infiniteOrder || !(f.farthest <= uintBitsToFloat(visible))) return;
+    precise float dx = (float(at.x) + 0.5) - f.x;
+    precise float dy = (float(at.y) + 0.5) - f.y;
+    precise float s = dx * dx + dy * dy;
+    if (!(s <= f.half2) && at != f.centre) return;
+    precise float rest = 1.0 - s * f.inverse;
+    float bounded = max(rest, 0.0);
+    precise float weight = bounded * sqrt(bounded);
+    addFragment(pixel, weight, f.addends);
+}

@@ -1,0 +1,134 @@
+// One surfel's fragments, as kernels/surfel_fragments.hpp reduces them. Variants: SHAPE, REDUCTION, PERSPECTIVE, SILHOUETTE.
+
+// exp(-3 x) for x in [0, 1], by the eighth power of a cubic.
+float bell(float x) {
+    precise float y = x * -0.375;
+    precise float p = 1.0 + y * (0.99993855 + y * (0.49703766 + y * 0.14508711));
+    precise float p2 = p * p;
+    precise float p4 = p2 * p2;
+    precise float p8 = p4 * p4;
+    return p8;
+}
+
+// Below, `c` tells the depth: d / c in perspective, else the depth itself.
+float depthOf(Footprint f, float c) {
+#if PERSPECTIVE
+    precise float depth = f.depth / c;
+    return depth;
+#else
+    return c;
+#endif
+}
+
+// Whether a fragment lies behind a depth.
+bool behind(Footprint f, float c, float border) {
+#if PERSPECTIVE
+    precise float there = border * c;
+    return f.depth > there;
+#else
+    return c > border;
+#endif
+}
+
+bool inFrontOf(Footprint f, float c, float border) {
+#if PERSPECTIVE
+    precise float there = border * c;
+    return f.depth < there;
+#else
+    return c < border;
+#endif
+}
+
+#if REDUCTION != REDUCTION_NEAREST
+// Whether a fragment belongs to the surface that is visible there.
+bool nearVisible(Footprint f, float c, uint pixel) {
+    uint order = visibleOrder(pixel);
+    if (order >= infiniteOrder) return false;
+    float visible = uintBitsToFloat(order);
+    precise float high = visible + f.tolerance;
+    if (behind(f, c, high)) return false;
+#if SHAPE == SHAPE_DISC
+    precise float low = visible - f.tolerance;
+    if (inFrontOf(f, c, low)) return false;
+#endif
+    return true;
+}
+#endif
+
+#if SHAPE == SHAPE_DISC
+// Distance from the centre in radii; at most 1, also in the centre's pixel.
+float placeOnDisc(float square, float c) {
+    precise float place = sqrt(square);
+#if PERSPECTIVE
+    place = place / c;
+#endif
+    return min(place, 1.0);
+}
+#endif
+
+float weightOf(Footprint f, float square, float c) {
+#if SHAPE == SHAPE_DISC
+    float t = placeOnDisc(square, c);
+    precise float weight = 1.0 - (t * t) * (3.0 - 2.0 * t);
+#else
+    precise float weight = f.peak * bell(min(square, 1.0));
+#endif
+    return weight;
+}
+
+void reduce(Footprint f, uint pixel, float distance2, float square, float c) {
+#if REDUCTION != REDUCTION_NEAREST
+    if (!nearVisible(f, c, pixel)) return;
+#endif
+#if SILHOUETTE
+    uint border = silhouetteOrders[pixel];
+    if (border < infiniteOrder && behind(f, c, uintBitsToFloat(border))) return;
+#endif
+#if REDUCTION == REDUCTION_SUM
+    addFragment(pixel, weightOf(f, square, c), f.addends);
+#else
+#if REDUCTION == REDUCTION_CELL
+    precise float order = placeOnDisc(square, c) * f.radius;
+#else
+    precise float order = depthOf(f, c);
+#endif
+    keep(pixel, max(order, 1.17549435e-38), payloadOf(distance2, f.distance, f.payload));
+#endif
+}
+
+void drawFragment(Footprint f, ivec2 at, uint pixel) {
+#if PERSPECTIVE
+    const float atCentre = 1.0;
+#else
+    float atCentre = f.depth;
+#endif
+    precise float dx = (float(at.x) + 0.5) - f.x;
+    precise float dy = (float(at.y) + 0.5) - f.y;
+    precise float s = f.s.x * dx + f.s.y * dy;
+#if SHAPE == SHAPE_DISC
+    precise float t = f.t.x * dx + f.t.y * dy;
+    precise float c = f.slope.x * t + atCentre;
+#else
+    precise float t = f.t.y * dy;
+    precise float on = (atCentre + f.slope.x * dx) + f.slope.y * dy;
+    float c = min(max(on, f.low), f.high);
+#endif
+    precise float square = s * s + t * t;
+    // The pixel of the centre is covered anyway, at the centre's depth.
+    bool isCentre = at == f.centre;
+#if SHAPE == SHAPE_DISC && PERSPECTIVE
+    precise float limit = c * c;
+#else
+    const float limit = 1.0;
+#endif
+    if (!isCentre && !(square <= limit)) return;
+    float seen = isCentre ? atCentre : c;
+#if PERSPECTIVE
+    precise float nearest = pass.view.z * seen;
+    if (!(f.depth >= nearest)) return;
+#else
+    if (!(seen >= pass.view.z)) return;
+#endif
+    precise float distance2 = dx * dx + dy * dy;
+    reduce(f, pixel, distance2, square, seen);
+}

@@ -1,0 +1,287 @@
+// Surfels: from a placed sample and its four bytes to the few numbers that every fragment is two linear functions of, as
+// kernels/surfel_block.hpp derives them; the frame is explained there: x right, y down, z away from the eye.
+// Variants: SHAPE, REDUCTION, PERSPECTIVE.
+struct Footprint {
+    ivec4 box;  // first and last pixel
+    ivec2 centre;
+    float x, y, depth;
+    vec2 s, t;        // place on the surfel: s = dot(s, (dx, dy)), t likewise; Ellipse: t.x = 0, units of sqrt(6) sigma
+    vec2 slope;       // Disc: c = 1 + slope.x * t, or depth = d + slope.x * t without perspective; Ellipse: by (dx, dy)
+    float low, high;  // Ellipse: bounds of that
+    float radius;     // Disc: cloud units covered
+    float tolerance;  // cloud units
+    float peak;       // Ellipse: weight at the centre
+    float distance;   // 8 bits of distance = this times squared px
+    uint payload;     // colour or ordinal
+#if REDUCTION == REDUCTION_SUM
+    Addends addends;
+#endif
+};
+
+// A surfel, seen.
+struct Pose {
+    vec3 cloud;        // the normal before it is turned into view space
+    vec3 n;            // unit normal
+    float u, v, m;     // the ray through the centre is (u, v, 1) * depth; m = dot(n, (u, v, 1))
+    float slant;       // length of the normal's part across the view axis
+    vec2 across;       // its direction
+    float halfPx;      // drawn radius as if facing the viewer, px
+    float unitsPerPx;  // 1/q
+    bool hasNormal;
+};
+
+// Outline: middle, px from the centre, and the matrix V of its second moments (halfX^2 = v.x).
+struct Outline {
+    vec2 middle;
+    vec3 v;  // xx, xy, yy
+};
+
+// Of its border in rows: see surfel_block.hpp.
+struct Rows {
+    float inverseY, skew, narrow;
+};
+
+const float leastHalf = 1e-3, leastCosine = 1e-4;
+const uint outlierCode = 255u;
+
+uint radiusCode(uvec4 words) { return (words.w >> 16) & 255u; }
+
+// By the side that faces the eye.
+bool facesRight(Pose p) {
+    if (pass.flags.y == 0) return true;
+    bool faces = pass.flags.z == 0 || p.m <= 0.0 || !p.hasNormal;
+    return pass.flags.y > 0 ? faces : !faces;
+}
+
+// px of a radius in cloud units, within what may be drawn.
+float halfPixels(float radius, float depth) {
+    precise float px = radius * pass.surfel.x;
+#if PERSPECTIVE
+    precise float seen = px / depth;
+#else
+    float seen = px;
+#endif
+    return max(min(seen, pass.surfel.w), leastHalf);
+}
+
+// False: it is not drawn. `radiusFactor`: what is drawn, in the sample's radii.
+bool poseOf(SplatRun run, uvec4 words, Placed placed, float radiusFactor, out Pose p) {
+    p.cloud = sampleNormal(words.w & 0xffffu);
+    p.hasNormal = any(notEqual(p.cloud, vec3(0.0)));
+    vec3 n = toView(p.cloud);
+    // Without a normal: facing the screen.
+    p.n = vec3(n.x, -n.y, p.hasNormal ? -n.z : -1.0);
+#if PERSPECTIVE
+    precise float u = (placed.x - pass.view.x) * pass.surfel.y;
+    precise float v = (placed.y - pass.view.y) * pass.surfel.y;
+    precise float unitsPerPx = placed.depth * pass.surfel.y;
+#else
+    float u = 0.0, v = 0.0, unitsPerPx = pass.surfel.y;
+#endif
+    precise float m = p.n.x * u + p.n.y * v + p.n.z;
+    p.u = u;
+    p.v = v;
+    p.m = m;
+    p.unitsPerPx = unitsPerPx;
+    if (radiusCode(words) == outlierCode || !facesRight(p)) return false;
+    p.m = m < 0.0 ? min(m, -leastCosine) : max(m, leastCosine);
+    precise float slant = sqrt(p.n.x * p.n.x + p.n.y * p.n.y);
+    bool facing = slant < 1e-6;
+    precise float inverse = 1.0 / (facing ? 1.0 : slant);
+    precise vec2 across = p.n.xy * inverse;
+    p.slant = slant;
+    p.across = facing ? vec2(1.0, 0.0) : across;
+    precise float radius = ((run.factors.w * pass.surfel.z) * placed.ratio) * radiusFactor;
+    p.halfPx = halfPixels(radius, placed.depth);
+    return true;
+}
+
+// Sets the box: pixels whose centres lie inside, and the one that holds the surfel's centre.
+void setOutline(Outline o, inout Footprint f, out Rows rows) {
+    precise vec2 halfSize = sqrt(max(o.v.xz, vec2(0.0, leastHalf * leastHalf)));
+    precise float inverseY = 1.0 / halfSize.y;
+    precise float skew = (o.v.y * inverseY) * inverseY;
+    precise float rest = o.v.x - o.v.y * skew;
+    precise vec2 first = 0.5 - (vec2(f.x, f.y) + (o.middle - halfSize));
+    precise vec2 last = (vec2(f.x, f.y) + (o.middle + halfSize)) - 0.5;
+    const float most = 4194304.0;
+    vec2 centre = floor(vec2(f.x, f.y));
+    f.centre = ivec2(centre);
+    f.box = ivec4(ivec2(min(-floor(clamp(first, -most, most)), centre)),
+                  ivec2(max(floor(clamp(last, -most, most)), centre)));
+    rows.inverseY = inverseY;
+    rows.skew = skew;
+    rows.narrow = sqrt(max(rest, 0.0));
+}
+
+void setCommon(Placed placed, Pose p, uint payload, inout Footprint f) {
+    f.payload = payload;
+    float atLeastHalf = max(p.halfPx, 0.5);
+    precise float distance = 127.5 / (atLeastHalf * atLeastHalf);
+    f.distance = distance;
+#if REDUCTION == REDUCTION_SUM
+    // Turned to the eye unless a side is known; in view space y is up and z towards the viewer.
+    vec3 n = vec3(p.n.x, -p.n.y, -p.n.z);
+    vec3 turned = pass.flags.z == 0 && p.m > 0.0 ? -n : n;
+    f.addends = addendsOf(payload, p.hasNormal ? turned : vec3(0.0));
+#endif
+}
+
+#if SHAPE == SHAPE_DISC
+// From the disc's dual conic: with e = (half/f)^2 and S the projector onto its plane seen in the frame of the ray, the
+// middle lies at -e * f * S.z / (1 - e * S.zz).
+Outline outlineOf(Pose p, float halfPx) {
+    precise float x = p.n.x - p.u * p.n.z, y = p.n.y - p.v * p.n.z;
+    precise float xx = 1.0 + p.u * p.u - x * x, yy = 1.0 + p.v * p.v - y * y, xy = p.u * p.v - x * y;
+    precise float h2 = halfPx * halfPx;
+#if PERSPECTIVE
+    float pixel = pass.surfel.y;
+    precise float e = h2 * (pixel * pixel);
+    precise float grown = h2 / (1.0 - e * (1.0 - p.n.z * p.n.z));
+    precise float middleX = (grown * pixel) * (p.u + x * p.n.z);
+    precise float middleY = (grown * pixel) * (p.v + y * p.n.z);
+    precise float vxx = middleX * middleX + grown * max(xx, 0.0);
+    precise float vxy = middleX * middleY + grown * xy;
+    precise float vyy = middleY * middleY + grown * max(yy, 0.0);
+    return Outline(vec2(middleX, middleY), vec3(vxx, vxy, vyy));
+#else
+    precise vec3 v = h2 * vec3(xx, xy, yy);
+    return Outline(vec2(0.0), v);
+#endif
+}
+
+bool setUp(SplatRun run, uvec4 words, Placed placed, uint payload, out Footprint f) {
+    Pose p;
+    if (!poseOf(run, words, placed, 1.0, p)) return false;
+    f.x = placed.x;
+    f.y = placed.y;
+    f.depth = placed.depth;
+    float halfPx = p.halfPx;
+#if REDUCTION == REDUCTION_SUM
+    precise float reached = halfPx * pass.extent.x;
+    halfPx = reached;
+#if PERSPECTIVE
+    halfPx = min(reached, pass.extent.y);
+#endif
+#endif
+    precise float inverse = 1.0 / (halfPx * p.m);
+    precise float sx = (p.v * p.slant + p.across.y * p.n.z) * inverse;
+    precise float sy = -((p.u * p.slant + p.across.x * p.n.z) * inverse);
+    precise vec2 t = p.across * inverse;
+    f.s = vec2(sx, sy);
+    f.t = t;
+    precise float radius = halfPx * p.unitsPerPx;
+    precise float slope = p.slant * halfPx;
+#if PERSPECTIVE
+    precise float along = slope * pass.surfel.y;
+#else
+    precise float along = -(slope * p.unitsPerPx);
+#endif
+    precise float tolerance = pass.extent.z * (p.halfPx * p.unitsPerPx);
+    f.slope = vec2(along, 0.0);
+    f.radius = radius;
+    f.tolerance = tolerance;
+    Rows rows;
+    setOutline(outlineOf(p, halfPx), f, rows);
+    setCommon(placed, p, payload, f);
+    return true;
+}
+#else
+// renderer/cloud/surfel_codec.hpp
+const float majorAxisPerRadius = 1.36, axisRatioStep = 0.75 / 7.0;
+
+// Of a unit normal in cloud space, one unit long: Frisvad's frame, turned by the code's angle.
+vec3 majorAxis(vec3 n, uint code) {
+    uint angle = code & 31u;
+    float cosine = uintBitsToFloat(tables[axisWords + angle]), sine = uintBitsToFloat(tables[axisWords + 32u + angle]);
+    precise float across = n.x * n.x + n.y * n.y;
+    bool down = n.z < 0.0, pole = down && across == 0.0;
+    precise float above = down ? 1.0 - n.z : 1.0;
+    precise float below = down ? across : 1.0 + n.z;
+    precise float a = above / (pole ? 1.0 : below);
+    precise float b = -n.x * n.y * a;
+    precise float firstX = pole ? 0.0 : 1.0 - n.x * n.x * a, secondY = pole ? 0.0 : 1.0 - n.y * n.y * a;
+    float firstY = pole ? -1.0 : b, secondX = pole ? -1.0 : b;
+    precise float x = firstX * cosine + secondX * sine;
+    precise float y = firstY * cosine + secondY * sine;
+    precise float z = -(n.x * cosine + n.y * sine);
+    return vec3(x, y, pole ? 0.0 : z);
+}
+
+// Half-axes in px, in the picture: what a step along the axis moves there.
+struct Axes {
+    vec3 a, b;
+};
+
+void setAxes(Pose p, uint code, out Axes axes) {
+    vec3 view = toView(majorAxis(p.cloud, code));
+    vec3 d = p.hasNormal ? vec3(view.x, -view.y, -view.z) : vec3(1.0, 0.0, 0.0);
+    precise float ratio = 1.0 - float(code >> 5) * axisRatioStep;
+    precise float minor = p.halfPx * ratio;
+    precise vec3 a = p.halfPx * d;
+    precise float bx = minor * (p.n.y * d.z - p.n.z * d.y);
+    precise float by = minor * (p.n.z * d.x - p.n.x * d.z);
+    precise float bz = minor * (p.n.x * d.y - p.n.y * d.x);
+    axes.a = a;
+    axes.b = vec3(bx, by, bz);
+}
+
+// How far a fragment's depth may lie from the centre's, px: a surfel's own extent, and what the screen's low-pass adds on
+// its plane.
+float depthRange(Pose p, Axes axes) {
+    float steep = abs(p.n.z);
+    precise float limit = 8.0 * steep;
+    precise float open = p.slant / max(steep, 0.1);
+    precise float blur = pass.blur.y * (p.slant < limit ? open : 8.0);
+    precise float range = sqrt(axes.a.z * axes.a.z + axes.b.z * axes.b.z + blur * blur);
+    return range;
+}
+
+void setDepths(Pose p, float range, inout Footprint f) {
+#if PERSPECTIVE
+    precise float perM = 1.0 / (p.m * pass.surfel.x);
+    // 1 / (1 + share) and 1 / (1 - share), by one division.
+    precise float share = range * pass.surfel.y;
+    precise float front = max(1.0 - share, 1e-6), back = 1.0 + share;
+    precise float both = 1.0 / (front * back);
+    precise float low = front * both, high = back * both;
+#else
+    precise float perM = -p.unitsPerPx / p.m;
+    precise float low = f.depth - range * p.unitsPerPx, high = f.depth + range * p.unitsPerPx;
+#endif
+    precise vec2 slope = p.n.xy * perM;
+    precise float tolerance = (2.0 * (p.halfPx + range)) * p.unitsPerPx;
+    f.slope = slope;
+    f.low = low;
+    f.high = high;
+    f.tolerance = tolerance;
+}
+
+bool setUp(SplatRun run, uvec4 words, Placed placed, uint payload, out Footprint f) {
+    uint radius = radiusCode(words), code = words.w >> 24;
+    bool known = radius != 0u && radius != outlierCode && pass.flags.w != 0;
+    Pose p;
+    if (!poseOf(run, words, placed, known ? majorAxisPerRadius : 1.0, p)) return false;
+    f.x = placed.x;
+    f.y = placed.y;
+    f.depth = placed.depth;
+    Axes axes;
+    setAxes(p, code, axes);
+    precise float ax = axes.a.x - p.u * axes.a.z, ay = axes.a.y - p.v * axes.a.z;
+    precise float bx = axes.b.x - p.u * axes.b.z, by = axes.b.y - p.v * axes.b.z;
+    precise float vxx = ax * ax + bx * bx + pass.blur.x;
+    precise float vxy = ax * ay + bx * by;
+    precise float vyy = ay * ay + by * by + pass.blur.x;
+    Rows rows;
+    setOutline(Outline(vec2(0.0), vec3(vxx, vxy, vyy)), f, rows);
+    precise float inverse = 1.0 / max(rows.narrow, leastHalf);
+    precise float sy = -(rows.skew * inverse);
+    f.s = vec2(inverse, sy);
+    f.t = vec2(0.0, rows.inverseY);
+    precise float peak = (abs(ax * by - ay * bx) * inverse) * rows.inverseY;
+    f.peak = min(peak, 1.0);
+    setDepths(p, depthRange(p, axes), f);
+    setCommon(placed, p, payload, f);
+    return true;
+}
+#endif

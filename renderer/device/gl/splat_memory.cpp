@@ -1,0 +1,65 @@
+#include "renderer/device/gl/splat_memory.hpp"
+
+#include <algorithm>
+#include <string_view>
+
+namespace scancast::gl {
+namespace {
+
+/// Sums of more pixels than this take are drawn band by band.
+constexpr std::size_t largestPlane = std::size_t{512} << 20;
+
+bool hasExtension(const GlFunctions& gl, std::string_view name) {
+    GLint count = 0;
+    gl.GetIntegerv(GL_NUM_EXTENSIONS, &count);
+    for (GLint i = 0; i < count; ++i) {
+        const auto* const text =
+            reinterpret_cast<const char*>(gl.GetStringi(GL_EXTENSIONS, static_cast<GLuint>(i)));
+        if (text && name == text) return true;
+    }
+    return false;
+}
+
+}  // namespace
+
+SplatLimits splatLimits(const GlFunctions& gl) {
+    SplatLimits limits;
+    GLint64 block = 0;
+    gl.GetInteger64v(GL_MAX_SHADER_STORAGE_BLOCK_SIZE, &block);
+    if (block > 0) limits.storageBlockBytes = static_cast<std::size_t>(block);
+    limits.keys64 =
+        hasExtension(gl, "GL_NV_shader_atomic_int64") && hasExtension(gl, "GL_ARB_gpu_shader_int64");
+    return limits;
+}
+
+std::size_t sumWords(const PassPlan& plan) {
+    return !plan.sum ? 0 : plan.sum->normals ? 14 : 8;
+}
+
+SplatMemory::SplatMemory(const GlFunctions& gl, const SplatLimits& limits)
+    : nearest{Buffer(gl, "nearest keys"), Buffer(gl, "nearest payloads")},
+      cells{Buffer(gl, "cell keys"), Buffer(gl, "cell payloads")},
+      silhouette(gl, "silhouette"),
+      sums(gl, "sums"),
+      limits_(limits) {}
+
+std::size_t SplatMemory::mostPixels(const PassPlan& plan) const {
+    const std::size_t words = std::max<std::size_t>(limits_.keys64 ? 2 : 1, sumWords(plan));
+    return std::min(limits_.storageBlockBytes, largestPlane) / (4 * words);
+}
+
+Expected<void> SplatMemory::reserve(KeyPlane& plane, std::size_t pixels) {
+    if (limits_.keys64) return plane.keys.reserve(pixels * 8);
+    if (auto made = plane.keys.reserve(pixels * 4); !made) return made;
+    return plane.payloads.reserve(pixels * 4);
+}
+
+Expected<void> SplatMemory::reserve(const PassPlan& plan, std::size_t pixels) {
+    Expected<void> made = reserve(nearest, pixels);
+    if (made && plan.cell) made = reserve(cells, pixels);
+    if (made && plan.silhouette) made = silhouette.reserve(pixels * 4);
+    if (made && plan.sum) made = sums.reserve(pixels * sumWords(plan) * 4);
+    return made;
+}
+
+}  // namespace scancast::gl

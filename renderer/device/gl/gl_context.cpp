@@ -40,6 +40,29 @@ Expected<DriverStrings> describeDriver(const GlFunctions& gl) {
     return driver;
 }
 
+bool hasExtension(const GlFunctions& gl, std::string_view name) {
+    GLint count = 0;
+    gl.GetIntegerv(GL_NUM_EXTENSIONS, &count);
+    for (GLint i = 0; i < count; ++i) {
+        const GLubyte* const bytes = gl.GetStringi(GL_EXTENSIONS, static_cast<GLuint>(i));
+        if (bytes && name == reinterpret_cast<const char*>(bytes)) return true;
+    }
+    return false;
+}
+
+std::optional<std::uint64_t> freeGpuMemory(const GlFunctions& gl) {
+    // Of extensions that the core's header does not know; both answer in KiB.
+    constexpr GLenum currentAvailableVidmemNvx = 0x9049;  // GL_NVX_gpu_memory_info
+    constexpr GLenum vboFreeMemoryAti = 0x87FB;           // GL_ATI_meminfo: of four numbers, the first is all
+    GLint kib[4] = {};
+    if (hasExtension(gl, "GL_NVX_gpu_memory_info"))
+        gl.GetIntegerv(currentAvailableVidmemNvx, kib);
+    else if (hasExtension(gl, "GL_ATI_meminfo"))
+        gl.GetIntegerv(vboFreeMemoryAti, kib);
+    if (kib[0] <= 0) return std::nullopt;
+    return std::uint64_t(kib[0]) * 1024;
+}
+
 void logDriverMessages(const GlFunctions& gl) {
     gl.Enable(GL_DEBUG_OUTPUT);
     gl.DebugMessageCallback(&onMessage, nullptr);

@@ -5,7 +5,10 @@
 // context current would have the other's calls land in it.
 #pragma once
 
+#include <cstdint>
+#include <optional>
 #include <string>
+#include <string_view>
 #include <utility>
 
 #include "renderer/device/gl/gl_functions.hpp"
@@ -58,6 +61,12 @@ struct DriverStrings {
 
 /// Needs a Current scope. DeviceUnavailable when the version is below 4.5.
 Expected<DriverStrings> describeDriver(const GlFunctions& gl);
+
+/// Needs a Current scope.
+bool hasExtension(const GlFunctions& gl, std::string_view name);
+
+/// Bytes of the GPU's memory that are free; nullopt where the driver does not say. Needs a Current scope.
+std::optional<std::uint64_t> freeGpuMemory(const GlFunctions& gl);
 
 /// Sends the driver's KHR_debug messages to the log: errors as errors, the rest at debug level. Needs a
 /// Current scope.

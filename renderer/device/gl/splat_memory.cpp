@@ -1,24 +1,12 @@
 #include "renderer/device/gl/splat_memory.hpp"
 
 #include <algorithm>
-#include <string_view>
 
 namespace scancast::gl {
 namespace {
 
 /// Sums of more pixels than this take are drawn band by band.
 constexpr std::size_t largestPlane = std::size_t{512} << 20;
-
-bool hasExtension(const GlFunctions& gl, std::string_view name) {
-    GLint count = 0;
-    gl.GetIntegerv(GL_NUM_EXTENSIONS, &count);
-    for (GLint i = 0; i < count; ++i) {
-        const auto* const text =
-            reinterpret_cast<const char*>(gl.GetStringi(GL_EXTENSIONS, static_cast<GLuint>(i)));
-        if (text && name == text) return true;
-    }
-    return false;
-}
 
 }  // namespace
 

@@ -8,24 +8,19 @@
 #pragma once
 
 #include <cstdint>
-#include <glm/vec2.hpp>
 #include <vector>
 
 #include "renderer/device/cpu/kernels/pyramid.hpp"
 #include "renderer/device/cpu/workers.hpp"
-#include "renderer/device/pass.hpp"
+#include "renderer/device/plan/pyramid_plan.hpp"
 
 namespace scancast::cpu {
 
 /// The planes of a picture and where they stand in front of the eye.
-struct PyramidPlanes {
+struct PyramidPlanes : PyramidView {
     std::uint32_t* rgba = nullptr;
     float* depth = nullptr;   ///< linear; +infinity = background
     std::int32_t stride = 0;  ///< pixels per row, of both
-    std::int32_t width = 0, height = 0;
-    bool perspective = true;
-    double pixelsPerUnit = 1;  ///< f in perspective, else q
-    glm::dvec2 center{0};      ///< the view axis, px from the planes' top left corner
 };
 
 class Pyramid {
@@ -55,12 +50,10 @@ class Pyramid {
 
     void layOut(const PyramidPlanes&);
     float* takePlane(Block& block, std::int32_t stride, std::int32_t height, std::size_t& offset);
-    void chooseReach(const PyramidPlanes&, const HiddenPointsPass&);
-    int normalLevels() const;
+    void chooseReach(const HiddenPointsNumbers&);
 
     std::int32_t width_ = 0, height_ = 0;
-    int levels_ = 0;  ///< down to one texel
-    int widest_ = 0;  ///< the coarsest level that a neighbourhood may use
+    PyramidShape shape_;
     Block pointBlock_, fillBlock_, normalBlock_;
     std::vector<std::uint8_t> labels_, reach_;
     std::int32_t labelStride_ = 0, blocksPerRow_ = 0;

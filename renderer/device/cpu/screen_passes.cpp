@@ -2,10 +2,10 @@
 
 #include <algorithm>
 #include <chrono>
-#include <cmath>
 #include <limits>
 
 #include "renderer/device/cpu/grown.hpp"
+#include "renderer/device/plan/screen_plan.hpp"
 
 namespace scancast::cpu {
 namespace {
@@ -22,22 +22,10 @@ struct Screen {
     ScreenMemory& memory;
 };
 
-/// The eight neighbours at the pass's radius, and methods.md §9's shade = exp(-300 · strength · mean
-/// response).
-void setEyeDome(const EyeDomePass& pass, EyeDome& e) {
-    const double radius = std::clamp(pass.radiusPx, 0.0f, 64.0f);
-    for (int k = 0; k < 8; ++k) {
-        const double angle = k * 0.785398163397448309616;
-        e.offsets[k] = static_cast<std::int32_t>(std::lround(radius * std::sin(angle))) * e.logStride +
-                       static_cast<std::int32_t>(std::lround(radius * std::cos(angle)));
-    }
-    constexpr double log2e = 1.44269504088896340736;
-    e.factor = static_cast<float>(300.0 * std::clamp(pass.strength, 0.0f, 1000.0f) / 8 * log2e);
-}
-
 const char* run(const EyeDomePass& pass, const Screen& s) {
     const Rect& area = s.planes.area;
-    const int reach = static_cast<int>(std::ceil(std::clamp(pass.radiusPx, 0.0f, 64.0f)));
+    const EyeDomeNumbers numbers = eyeDomeNumbers(pass);
+    const int reach = numbers.reach;
     const int stride = area.width() + 2 * reach, rows = area.height() + 2 * reach;
     // Beyond the planes lies background, so that every pixel has eight neighbours.
     float* const logs =
@@ -59,7 +47,8 @@ const char* run(const EyeDomePass& pass, const Screen& s) {
         e.out = s.planes.rgba + static_cast<std::ptrdiff_t>(y0) * area.width();
         e.rgba = e.out;
         e.height = y1 - y0;
-        setEyeDome(pass, e);
+        for (int k = 0; k < 8; ++k) e.offsets[k] = numbers.y[k] * stride + numbers.x[k];
+        e.factor = numbers.factor;
         s.kernels.eyeDome(e);
     });
     return "eyedome";
@@ -67,23 +56,15 @@ const char* run(const EyeDomePass& pass, const Screen& s) {
 
 const char* run(const PhongPass& pass, const Screen& s) {
     const Rect& area = s.planes.area;
-    const Viewpoint& viewpoint = *s.sight.viewpoint;
-    const double axisX = viewpoint.width * 0.5 + s.sight.pad + s.jitter.x;
-    const double axisY = viewpoint.height * 0.5 + s.sight.pad + s.jitter.y;
+    Phong whole;
+    static_cast<PhongNumbers&>(whole) = phongNumbers(pass, s.sight, s.jitter, area.x0, area.y0);
+    whole.stride = whole.width = area.width();
+    whole.rgba = s.planes.rgba;
+    whole.normals = s.planes.normals;
     s.workers.overRows(area.height(), [&](int y0, int y1) {
-        Phong p;
-        p.stride = p.width = area.width();
-        p.height = y1 - y0;
-        p.rgba = s.planes.rgba + static_cast<std::ptrdiff_t>(y0) * p.stride;
-        p.normals = s.planes.normals + static_cast<std::ptrdiff_t>(y0) * p.stride;
-        p.perspective = viewpoint.projection == Projection::Perspective;
-        p.x = static_cast<float>(area.x0 + 0.5 - axisX);
-        p.y = static_cast<float>(area.y0 + y0 + 0.5 - axisY);
-        p.inverseFocal = static_cast<float>(std::min(1 / viewpoint.pixelsPerUnit, 1e30));
-        p.ambient = pass.ambient;
-        p.headlight = pass.headlight;
-        p.directional = pass.directional;
-        p.specular = pass.specular;
+        Phong p = whole;
+        p.row0 = y0;
+        p.row1 = y1;
         s.kernels.phong(p);
     });
     return "phong";
@@ -91,16 +72,12 @@ const char* run(const PhongPass& pass, const Screen& s) {
 
 PyramidPlanes pyramidPlanes(const Screen& s) {
     const Rect& area = s.planes.area;
-    const Viewpoint& viewpoint = *s.sight.viewpoint;
     PyramidPlanes p;
+    static_cast<PyramidView&>(p) =
+        pyramidView(s.sight, s.jitter, area.x0, area.y0, area.width(), area.height());
     p.rgba = s.planes.rgba;
     p.depth = s.planes.depth;
-    p.stride = p.width = area.width();
-    p.height = area.height();
-    p.perspective = viewpoint.projection == Projection::Perspective;
-    p.pixelsPerUnit = viewpoint.pixelsPerUnit;
-    p.center = {viewpoint.width * 0.5 + s.sight.pad + s.jitter.x - area.x0,
-                viewpoint.height * 0.5 + s.sight.pad + s.jitter.y - area.y0};
+    p.stride = area.width();
     return p;
 }
 

@@ -1,62 +1,20 @@
 // The kernels of methods.md §8 against the page's definitions in double (tests/support/pyramid_reference),
-// on pictures full of accidents: odd sizes, borders, isolated pixels, all levels, both projections.
+// on pictures full of accidents.
 #include <gtest/gtest.h>
 
 #include <cstring>
 #include <glm/geometric.hpp>
 
+#include "tests/support/point_accidents.hpp"
 #include "tests/support/pyramid_reference.hpp"
 
 namespace scancast::test {
 namespace {
 
-/// Points at random, in a few layers, with holes: `cover` of the pixels have one.
-PointScreen accidents(int width, int height, bool perspective, double cover, std::uint64_t seed) {
-    PointScreen s(width, height, perspective, perspective ? 200.0 : 25.0);
-    Numbers numbers(seed);
-    for (int y = 0; y < height; ++y) {
-        for (int x = 0; x < width; ++x) {
-            if (numbers.uniform() > cover) continue;
-            // A disc of background stays empty; right of it a near layer begins.
-            if (std::hypot(x - 0.35 * width, y - 0.4 * height) < 0.2 * height) continue;
-            const bool near = x + y > 0.8 * width;
-            const std::size_t i = s.at(x, y);
-            const double layer = numbers.uniform() < 0.6 ? 4 : 9;
-            s.depth[i] = static_cast<float>((near ? 2.5 : layer) + numbers.uniform(0, 0.4));
-            s.rgba[i] = static_cast<std::uint32_t>(numbers.next()) | 0xff000000u;
-            s.surface[i] = 0;
-        }
-    }
-    return s;
-}
-
-struct Case {
-    int width, height;
-    bool perspective;
-    double cover;
-    float spacing, detail;
-};
-
-const Case cases[] = {
-    {150, 101, true, 0.3, 0.06f, 0},   {150, 101, false, 0.3, 0.06f, 0}, {97, 130, true, 0.05, 0.2f, 0},
-    {97, 130, false, 0.05, 0.3f, 0},   {64, 48, true, 0.9, 0.01f, 0.5f}, {131, 77, true, 0.15, 0, 1.5f},
-    {131, 77, false, 0.15, 0, 1.5f},   {33, 17, true, 0.5, 0.1f, 0},     {5, 3, true, 0.7, 0.1f, 0},
-    {1, 1, true, 1, 0.1f, 0},          {16, 1, false, 0.5, 0.1f, 0},     {200, 150, true, 0.02, 0.9f, 0},
-    {70, 70, true, 0.4, 0.0001f, 0.2f}};
-
-HiddenPointsPass hiding(const Case& c, float threshold = 0.1f) {
-    HiddenPointsPass pass;
-    pass.spacing = c.spacing;
-    pass.detail = c.detail;
-    pass.minGap = 0.11f;
-    pass.threshold = threshold;
-    return pass;
-}
-
 TEST(HidePoints, FollowsItsDefinition) {
     PyramidRunner runner;
     std::int64_t pixels = 0, hidden = 0, byAngles = 0, borderline = 0;
-    for (const Case& c : cases) {
+    for (const AccidentCase& c : accidentCases) {
         for (const float threshold : {0.1f, 0.02f, 0.3f}) {
             PointScreen s = accidents(c.width, c.height, c.perspective, c.cover, 7);
             runner.hidePoints(s, hiding(c, threshold));
@@ -96,7 +54,7 @@ TEST(HidePoints, NeverHidesWithoutPoints) {
 
 TEST(PullPush, FollowsItsDefinition) {
     PyramidRunner runner;
-    for (const Case& c : cases) {
+    for (const AccidentCase& c : accidentCases) {
         PointScreen s = accidents(c.width, c.height, c.perspective, c.cover, 8);
         runner.hidePoints(s, hiding(c));
         const ReferenceFilled expected = referenceFilled(s);
@@ -118,7 +76,7 @@ TEST(PullPush, FollowsItsDefinition) {
 
 TEST(DepthNormals, FollowTheirDefinition) {
     PyramidRunner runner;
-    for (const Case& c : cases) {
+    for (const AccidentCase& c : accidentCases) {
         PointScreen s = accidents(c.width, c.height, c.perspective, c.cover, 9);
         runner.hidePoints(s, hiding(c));
         const ReferenceFilled filled = referenceFilled(s);
@@ -183,7 +141,7 @@ TEST(DepthNormals, OfATiltedPlaneAreExact) {
 }
 
 TEST(Pyramid, SameBytesOnAnyNumberOfThreadsAndAnySimdLevel) {
-    for (const Case& c : cases) {
+    for (const AccidentCase& c : accidentCases) {
         std::vector<PointScreen> results;
         for (const cpu::SimdLevel& level : cpu::simdLevels()) {
             if (!level.available()) continue;
@@ -206,7 +164,7 @@ TEST(Pyramid, SameBytesOnAnyNumberOfThreadsAndAnySimdLevel) {
 
 TEST(Pyramid, PicturesDoNotDependOnEarlierOnes) {
     PyramidRunner used;
-    for (const Case& c : cases) {
+    for (const AccidentCase& c : accidentCases) {
         PointScreen s = accidents(c.width, c.height, c.perspective, c.cover, 11), t = s;
         used.run(s, c.spacing, c.detail);
         PyramidRunner fresh;

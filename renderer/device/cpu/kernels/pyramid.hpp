@@ -2,31 +2,18 @@
 // the filled depth. Plain structs and one table of functions; the rules of kernels.hpp hold. Every function
 // computes the rows [y0, y1) of what it writes, so that threads can share a picture.
 //
-// Level 0 of a pyramid is the picture; level k has half the size of level k - 1, rounded up. A texel is a
-// value of a coarser level. Planes stand in blocks with padding around them, so that kernels may read beyond
+// Planes of levels (plan/screen_numbers.hpp) stand in blocks with padding around them, so that kernels may read beyond
 // every side without asking: paddingX texels left and right, paddingY rows above and below.
 #pragma once
 
 #include <cstdint>
 
+#include "renderer/device/plan/screen_numbers.hpp"
+
 namespace scancast::cpu {
 
-inline constexpr int maxPyramidLevels = 24;
 inline constexpr int paddingX = 16;
 inline constexpr int paddingY = 2;
-/// The depth that chooses a pixel's neighbourhood comes from level 4: one for 16 × 16 pixels.
-inline constexpr int blockLevel = 4;
-inline constexpr int blockSize = 1 << blockLevel;
-
-/// How a pixel and its depth d become a point, x right, y up: (px - centerX) · step (· d in perspective).
-struct Unprojection {
-    bool perspective = true;
-    float step = 1;                  ///< 1/f in perspective, else 1/q
-    float centerX = 0, centerY = 0;  ///< the view axis, px from the planes' left and top edges
-};
-
-/// What HiddenPoints finds, one byte per pixel.
-inline constexpr std::uint8_t hiddenLabel = 0, foregroundLabel = 1, backgroundLabel = 2;
 
 /// The nearest point of each texel. +infinity = none. Level 0 has `depth` only.
 struct PointLevel {
@@ -47,7 +34,7 @@ struct HiddenPoints {
     /// Up to this level, whoever lies at infinity is hidden by neighbours all around, without a look at
     /// angles.
     std::int32_t sureLevel = -1;
-    std::uint8_t* labels = nullptr;  ///< padded: whole vectors are written
+    std::uint8_t* labels = nullptr;  ///< one byte per pixel, padded: whole vectors are written
     std::int32_t labelStride = 0;
 };
 

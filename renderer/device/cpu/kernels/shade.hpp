@@ -3,7 +3,7 @@
 
 #include "renderer/device/cpu/kernels/normal_plane.hpp"
 #include "renderer/device/cpu/kernels/sums.hpp"
-#include "renderer/device/cpu/kernels/vectors.hpp"
+#include "renderer/device/cpu/kernels/texels.hpp"
 
 namespace scancast::cpu {
 namespace {
@@ -40,7 +40,7 @@ inline IntW lit(IntW rgba, const Brightness& b) {
 }
 
 void phong(const Phong& p) {
-    for (int row = 0; row < p.height; ++row) {
+    for (int row = p.row0; row < p.row1; ++row) {
         std::uint32_t* const rgba = p.rgba + static_cast<std::int64_t>(row) * p.stride;
         const std::uint32_t* const normals = p.normals + static_cast<std::int64_t>(row) * p.stride;
         const FloatW y = all(-((p.y + static_cast<float>(row)) * p.inverseFocal));
@@ -52,8 +52,8 @@ void phong(const Phong& p) {
             unpackNormal(code, nx, ny, nz);
             FloatW vx = all(0.0f), vy = all(0.0f), vz = all(1.0f);
             if (p.perspective) {
-                const FloatW x =
-                    (p.x + static_cast<float>(column) + laneNumbers<wideLanes>()) * p.inverseFocal;
+                // One rounding, wherever rows and vectors begin.
+                const FloatW x = (p.x + toFloat(laneIndices() + column)) * p.inverseFocal;
                 const FloatW inverse = 1.0f / squareRoot<wideLanes>(x * x + y * y + 1.0f);
                 vx = -x * inverse;
                 vy = -y * inverse;

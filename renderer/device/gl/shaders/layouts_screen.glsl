@@ -1,0 +1,46 @@
+// What C++ and the shaders of screen passes share: compiled by both (screen_layouts.hpp checks the offsets). Only
+// 16-byte members, so that std140 and C++ lay them out alike. Planes are GpuPlanes (planes.hpp).
+
+// Blinn-Phong.
+struct PhongParams {
+    ivec4 size;   // width, height of the planes
+    vec4 eye;     // centre of the first pixel, px right of and below the view axis; 1/f, 0 = orthographic
+    vec4 shares;  // ambient, headlight, directional, specular
+};
+
+// Eye-dome lighting.
+struct EyeDomeLight {
+    ivec4 size;        // width, height of the planes
+    ivec4 offsets[4];  // of the eight neighbours, px: x0, y0, x1, y1, ...
+    vec4 strength;     // x: shade = 2^(-x * sum of the eight responses)
+};
+
+// A part of planes, and an average over frames of it.
+struct PartParams {
+    ivec4 area;    // of the planes: x, y, width, height
+    ivec4 window;  // the part, likewise
+    uvec4 frames;  // how many the average is of; so far, of accumulate.comp
+};
+
+// A mirror's glass: plan/screen_numbers.hpp says what is linear in the pixel.
+struct GlassParams {
+    ivec4 picture;    // area of the picture's planes: x, y, width, height
+    ivec4 reflected;  // of the reflection's
+    vec4 depthAt;     // at pixel (0, 0), step in x, step in y; w: margin
+    vec4 rightAt;     // likewise; w: 1 in perspective, else 0
+    vec4 upAt;
+    ivec4 tint;       // w: 1 where there are normals, else 0
+};
+
+const int pyramidLevels = 24;
+
+// The passes of methods.md section 8. Level 0 is the picture; texels of the others stand in one buffer.
+struct PyramidParams {
+    ivec4 size;                   // width, height of the picture; levels; the coarsest that a neighbourhood may use
+    vec4 sight;                   // view axis x, y, px; units per px (times depth in perspective); 1 in perspective, else 0
+    ivec4 levels[pyramidLevels];  // width, height, first texel
+    vec4 farthest[6];             // by level, four in one: whoever is not farther has neighbours in it
+    vec4 hide;                    // least gap; threshold; up to this level neighbours all around hide what is at infinity
+    vec4 normals;                 // normalScale * s0 * f, px * depth (orthographic: px); least px
+    ivec4 normalLevels;           // the finest above the picture that some pixel needs; how many levels have normals
+};

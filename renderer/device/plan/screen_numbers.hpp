@@ -1,0 +1,54 @@
+// The numbers of screen passes, worked out once on the host (screen_plan.hpp, pyramid_plan.hpp,
+// glass_plane.hpp) and the same for every device, so that the same floats go into the same arithmetic. Plain
+// structs of plain types and nothing else, because SIMD kernels include this (decision 2); shaders get them
+// as layouts_screen.glsl packs them.
+#pragma once
+
+#include <cstdint>
+
+namespace scancast {
+
+/// Blinn-Phong over planes.
+struct PhongNumbers {
+    bool perspective = true;
+    float x = 0, y = 0;      ///< centre of the planes' first pixel, px right of and below the view axis
+    float inverseFocal = 0;  ///< 1/f
+    float ambient = 0, headlight = 0, directional = 0, specular = 0;
+};
+
+/// Eye-dome lighting.
+struct EyeDomeNumbers {
+    std::int32_t x[8] = {}, y[8] = {};  ///< of the neighbours, px from a pixel
+    std::int32_t reach = 0;             ///< none is farther on an axis
+    float factor = 0;                   ///< shade = 2^(-factor · sum of the eight responses)
+};
+
+/// A mirror's glass. What is linear in the picture's pixel (x, y), at its centre, is given as value at (0,
+/// 0), step in x, step in y. Without perspective: the depth of the mirror's plane, and the place on it, -1 …
+/// 1 on the glass. In perspective depth is 1/depth, and places are divided by the depth. The glass is seen
+/// unless the scene lies further than `margin` in front of it.
+struct GlassNumbers {
+    bool perspective = true;
+    float depthAt[3] = {}, rightAt[3] = {}, upAt[3] = {};
+    float margin = 0;
+    std::int32_t tint[3] = {255, 255, 255};
+};
+
+/// Level 0 of a pyramid is the picture; level k has half the size of level k - 1, rounded up. A texel is a
+/// value of a coarser level.
+inline constexpr int maxPyramidLevels = 24;
+/// The depth that chooses a pixel's neighbourhood comes from level 4: one for 16 × 16 pixels.
+inline constexpr int blockLevel = 4;
+inline constexpr int blockSize = 1 << blockLevel;
+
+/// How a pixel and its depth d become a point, x right, y up: (px - centerX) · step (· d in perspective).
+struct Unprojection {
+    bool perspective = true;
+    float step = 1;                  ///< 1/f in perspective, else 1/q
+    float centerX = 0, centerY = 0;  ///< the view axis, px from the planes' left and top edges
+};
+
+/// What hidden point removal finds of a pixel.
+inline constexpr std::uint8_t hiddenLabel = 0, foregroundLabel = 1, backgroundLabel = 2;
+
+}  // namespace scancast

@@ -2,129 +2,15 @@
 
 #include <gtest/gtest.h>
 
-#include <algorithm>
 #include <map>
 #include <set>
 
-#include "tests/support/fake_cloud_file.hpp"
+#include "tests/unit/residency/toy_cloud.hpp"
 
 namespace scancast {
 namespace {
 
-/// A store of which a test says what is in it.
-class ToyStore final : public SampleStore {
-  public:
-    explicit ToyStore(const test::FakeCloudFile& file) : file_(file) {}
-
-    std::optional<SampleRun> find(std::uint32_t node) override {
-        if (!resident.contains(node)) return std::nullopt;
-        return run(node);
-    }
-    Expected<SampleRun> load(std::uint32_t node, std::stop_token stop) override {
-        return std::move(loadAll(std::span(&node, 1), stop).front());
-    }
-    std::vector<Expected<SampleRun>> loadAll(std::span<const std::uint32_t> nodes,
-                                             std::stop_token stop) override {
-        std::vector<Expected<SampleRun>> runs;
-        for (const std::uint32_t node : nodes) {
-            if (stop.stop_requested())
-                runs.emplace_back(fail(ErrorCode::Cancelled, "stopped"));
-            else if (broken.contains(node))
-                runs.emplace_back(fail(ErrorCode::Malformed, "broken"));
-            else
-                runs.emplace_back(run(node));
-        }
-        return runs;
-    }
-    void request(std::uint64_t who, std::vector<Wish> list) override {
-        requester = who, wishes = std::move(list);
-    }
-    bool whole() const override { return false; }
-    bool damaged(std::uint32_t node) const override { return broken.contains(node); }
-    std::uint64_t capacity() const override { return 1'000'000; }
-    std::uint64_t bytesResident() const override { return 0; }
-
-    std::set<std::uint32_t> resident, broken;
-    std::vector<Wish> wishes;
-    std::uint64_t requester = 0;
-
-  private:
-    SampleRun run(std::uint32_t node) {
-        auto& samples = made_[node];
-        if (samples.empty()) samples = *file_.samples(node);
-        return {samples, {}, std::make_shared<int>(0)};
-    }
-    const test::FakeCloudFile& file_;
-    std::map<std::uint32_t, std::vector<Sample>> made_;
-};
-
-class Provide : public testing::Test {
-  protected:
-    void SetUp() override {
-        store_ = std::make_shared<ToyStore>(file_);
-        octree_ = test::octreeOf(file_, store_);
-        ASSERT_GT(octree_.nodes().size(), 200u);
-    }
-
-    /// A cut as selection makes them: refined here and there, and without what is not seen.
-    Cut randomCut(std::uint64_t number) const {
-        Cut cut;
-        std::vector<std::uint32_t> queue{0};
-        for (std::size_t at = 0; at < queue.size(); ++at) {
-            const Node& n = octree_.node(queue[at]);
-            if (!n.isLeaf() && test::uniform(queue[at], 7 * number) < 0.8) {
-                for (std::uint32_t c = 0; c < n.childCount; ++c)
-                    if (test::uniform(n.firstChild + c, 7 * number + 1) < 0.9)
-                        queue.push_back(n.firstChild + c);
-                continue;
-            }
-            CutRun run;
-            run.node = &n;
-            run.nodeIndex = queue[at];
-            run.projected = 1 + test::uniform(queue[at], 7 * number + 2);
-            cut.runs.push_back(run);
-        }
-        number_(cut);
-        return cut;
-    }
-    /// As selection makes them where levels fade, of nodes that are whole, come, leave or have left.
-    Cut fadingCut(std::uint64_t number) const {
-        struct Visit {
-            std::uint32_t index;
-            double share;
-        };
-        Cut cut;
-        std::vector<Visit> queue{{0, 1}};
-        for (std::size_t at = 0; at < queue.size(); ++at) {
-            const Visit visit = queue[at];
-            const Node& n = octree_.node(visit.index);
-            const double progress = n.isLeaf() ? 0 : 2.5 * test::uniform(visit.index, 7 * number + 4) - 0.2;
-            const double own = std::clamp(2 - progress, 0.0, 1.0), below = std::clamp(progress, 0.0, 1.0);
-            if (own > 0) {
-                CutRun& run = cut.runs.emplace_back();
-                run.node = &n;
-                run.nodeIndex = visit.index;
-                run.projected = 1 + test::uniform(visit.index, 7 * number + 2);
-                run.share = visit.share * own;
-            }
-            for (std::uint32_t c = 0; c < n.childCount && below > 0; ++c)
-                queue.push_back({n.firstChild + c, visit.share * below});
-        }
-        number_(cut);
-        return cut;
-    }
-    static void number_(Cut& cut) { number(cut); }
-
-    void makeResident(std::uint64_t number, double share) {
-        store_->resident.clear();
-        for (std::uint32_t n = 0; n < octree_.nodes().size(); ++n)
-            if (test::uniform(n, 7 * number + 3) < share) store_->resident.insert(n);
-    }
-
-    test::FakeCloudFile file_{3, 6, 4};
-    std::shared_ptr<ToyStore> store_;
-    Octree octree_;
-};
+class Provide : public test::ToyCloud {};
 
 // Right because it walks up from every leaf, as the selection's oracle does: what the wanted cut showed once
 // is shown once, by the wanted node or by its nearest ancestor that has samples, or, without any such, not at

@@ -1,0 +1,113 @@
+#include "renderer/residency/on_device.hpp"
+
+#include <unordered_set>
+#include <utility>
+#include <vector>
+
+#include "renderer/residency/node_runs.hpp"
+#include "renderer/residency/stand_ins.hpp"
+
+namespace scancast {
+
+namespace {
+
+class DeviceProvision {
+  public:
+    DeviceProvision(const Octree& octree, std::span<Cut* const> cuts, DeviceMemory& memory)
+        : octree_(octree), cuts_(cuts), memory_(memory), runs_(octree) {
+        for (const Cut* cut : cuts_)
+            for (const CutRun& run : cut->runs) runs_.give(run.nodeIndex, {run.samples, run.limits, {}});
+    }
+
+    Expected<void> provide(const std::stop_token& stop) {
+        if (fits()) return {};
+        // In this order: what must be there, what is there and wanted, what is to come.
+        add(0);
+        for (const Cut* cut : cuts_)
+            for (const CutRun& run : cut->runs) addStandIn(run.nodeIndex);
+        for (const Cut* cut : cuts_)
+            for (const CutRun& run : cut->runs)
+                if (isThere(run.nodeIndex)) add(run.nodeIndex);
+        addWishes();
+        if (auto brought = memory_.bring(octree_.source(), toBring_, stop); !brought) return brought;
+        for (Cut* cut : cuts_) replaceMissing(*cut);
+        return {};
+    }
+
+  private:
+    bool isThere(std::uint32_t node) const {
+        return memory_.has(octree_.source(), node, octree_.node(node).sampleCount);
+    }
+
+    /// Nothing is missing that drawing may not upload as it goes.
+    bool fits() const {
+        std::uint64_t all = 0, missing = 0;
+        std::unordered_set<std::uint32_t> seen;
+        for (const Cut* cut : cuts_)
+            for (const CutRun& run : cut->runs) {
+                if (!seen.insert(run.nodeIndex).second) continue;
+                all += run.node->sampleCount;
+                if (!isThere(run.nodeIndex)) missing += run.node->sampleCount;
+            }
+        return missing == 0 || (missing <= memory_.frameBudget() && all <= memory_.capacity());
+    }
+
+    void add(std::uint32_t node) {
+        if (!runs_.has(node) || !added_.insert(node).second) return;
+        toBring_.push_back(
+            {.node = &octree_.node(node), .nodeIndex = node, .samples = runs_.run(node).samples});
+    }
+
+    /// What would be drawn for a node that is not there.
+    void addStandIn(std::uint32_t node) {
+        if (isThere(node)) return;
+        while (node != noNode && !(isThere(node) && runs_.has(node))) node = octree_.node(node).parent;
+        if (node != noNode) add(node);
+    }
+
+    void addWishes() {
+        const AtHand atHand = [&](std::uint32_t node) { return isThere(node) || added_.contains(node); };
+        Wishes wishes(octree_, atHand);
+        for (const Cut* cut : cuts_) wishes.add(cut->runs);
+        std::uint64_t moved = 0;
+        for (const Wish& wish : wishes.sorted()) {
+            if (!runs_.has(wish.node)) continue;
+            moved += octree_.node(wish.node).sampleCount;
+            // One of them goes at any rate, or a small budget would leave all of them where they are.
+            if (moved > memory_.frameBudget() && moved > octree_.node(wish.node).sampleCount) break;
+            add(wish.node);
+        }
+    }
+
+    void replaceMissing(Cut& cut) {
+        const AtHand atHand = [&](std::uint32_t node) { return isThere(node) && runs_.has(node); };
+        cut = withStandIns(octree_, std::move(cut), atHand, [](Cut& counted, const CutRun& run) {
+            ++counted.nodesMissing;
+            counted.samplesMissing += run.node->sampleCount;
+        });
+        for (CutRun& run : cut.runs) {
+            if (!run.samples.empty()) continue;
+            const SampleRun& samples = runs_.run(run.nodeIndex);
+            run.samples = samples.samples;
+            run.limits = samples.limits;
+            if (samples.keep) cut.keep.push_back(samples.keep);
+        }
+    }
+
+    const Octree& octree_;
+    const std::span<Cut* const> cuts_;
+    DeviceMemory& memory_;
+    NodeRuns runs_;
+    std::vector<CutRun> toBring_;
+    std::unordered_set<std::uint32_t> added_;
+};
+
+}  // namespace
+
+Expected<void> provideOnDevice(const Octree& octree, std::span<Cut* const> cuts, DeviceMemory& memory,
+                               const std::stop_token& stop) {
+    if (octree.nodes().empty()) return {};
+    return DeviceProvision(octree, cuts, memory).provide(stop);
+}
+
+}  // namespace scancast

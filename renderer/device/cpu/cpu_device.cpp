@@ -10,6 +10,7 @@
 
 #include "renderer/device/cpu/picture.hpp"
 #include "renderer/device/cpu/simd_level.hpp"
+#include "renderer/device/plan/picture_area.hpp"
 
 namespace scancast {
 namespace {
@@ -17,28 +18,13 @@ namespace {
 constexpr int maxThreads = 1024;
 /// A window of this many pixels needs about 1.5 GB with anti-aliasing.
 constexpr std::int64_t maxWindowPixels = std::int64_t{1} << 26;
-/// Sums of frames are 16 bits a channel.
-constexpr std::size_t maxFrames = 256;
-
 Expected<void> check(const Drawing& d) {
+    if (auto checked = checkDrawing(d); !checked) return checked;
     const Window& w = d.window;
-    if (d.viewpoint == nullptr || d.cut == nullptr || d.jitter.empty()) {
-        return fail(ErrorCode::Internal, "A drawing needs a viewpoint, a cut and at least one frame.");
-    }
-    if (w.width < 1 || w.height < 1 || w.x < 0 || w.y < 0 || w.width > d.viewpoint->width - w.x ||
-        w.height > d.viewpoint->height - w.y) {
-        return fail(ErrorCode::InvalidArgument, "The window to draw lies outside the picture of " +
-                                                    std::to_string(d.viewpoint->width) + " x " +
-                                                    std::to_string(d.viewpoint->height) + " pixels.");
-    }
     if (std::int64_t{w.width} * w.height > maxWindowPixels) {
         return fail(ErrorCode::ResourceLimit, "A window of " + std::to_string(w.width) + " x " +
                                                   std::to_string(w.height) +
                                                   " pixels is too large to draw at once; draw it in parts.");
-    }
-    if (d.jitter.size() > maxFrames) {
-        return fail(ErrorCode::ResourceLimit,
-                    "At most " + std::to_string(maxFrames) + " frames can be averaged into one picture.");
     }
     return {};
 }

@@ -4,6 +4,7 @@
 #include <chrono>
 
 #include "renderer/device/cpu/grown.hpp"
+#include "renderer/device/plan/picture_area.hpp"
 
 namespace scancast::cpu {
 namespace {
@@ -16,6 +17,10 @@ double millisecondsSince(Clock::time_point start) {
 
 std::size_t pixelsOf(const Rect& area) {
     return static_cast<std::size_t>(area.width()) * static_cast<std::size_t>(area.height());
+}
+
+Rect rectOf(const Window& w) {
+    return {w.x, w.y, w.x + w.width, w.y + w.height};
 }
 
 bool same(const Rect& a, const Rect& b) {
@@ -31,15 +36,10 @@ Picture::Picture(const Drawing& drawing, const PassPlan& plan, const Kernels& ke
       kernels_(kernels),
       workers_(arena, threads, std::move(stop)),
       buffers_(buffers) {
-    const Window& w = drawing.window;
-    const Viewpoint& viewpoint = *drawing.viewpoint;
-    // With a guard band every coordinate is shifted by it: the kernels know no negative pixels.
-    const int pad = plan.guardBand();
-    sight_ = {&viewpoint, pad, drawing.surfels, drawing.oriented};
-    window_ = {w.x + pad, w.y + pad, w.x + w.width + pad, w.y + w.height + pad};
-    const int reach = std::max(plan.reach(), pad);
-    area_ = Rect{window_.x0 - reach, window_.y0 - reach, window_.x1 + reach, window_.y1 + reach}.intersect(
-        {0, 0, viewpoint.width + 2 * pad, viewpoint.height + 2 * pad});
+    const PictureArea shown = pictureArea(drawing, plan);
+    sight_ = shown.sight;
+    window_ = rectOf(shown.window);
+    area_ = rectOf(shown.area);
 }
 
 Planes Picture::framePlanes(std::uint32_t* out, bool first, Frame& frame) {

@@ -2,55 +2,51 @@
 
 #include <chrono>
 #include <new>
+#include <utility>
 
 #include "renderer/device/gl/egl_context.hpp"
-#include "renderer/device/gl/gl_passes.hpp"
+#include "renderer/device/gl/gl_memory.hpp"
+#include "renderer/device/gl/memory_limit.hpp"
 #include "renderer/device/gl/osmesa_context.hpp"
+#include "renderer/device/gl/picture.hpp"
 
 namespace scancast {
 namespace gl {
 namespace {
 
-/// Sums of frames are 16 bits a channel.
-constexpr std::size_t maxFrames = 256;
-
-/// Adds the time of its scope to a stage.
-class StageTimer {
+/// A picture whose pixels are on their way.
+class GlPicture final : public PendingFrame {
   public:
-    StageTimer(FrameStats& stats, const char* stage) : stats_(stats), stage_(stage) {}
-    StageTimer(const StageTimer&) = delete;
-    StageTimer& operator=(const StageTimer&) = delete;
-    ~StageTimer() {
-        const auto passed = std::chrono::steady_clock::now() - start_;
-        stats_.add(stage_, std::chrono::duration<double, std::milli>(passed).count());
+    GlPicture(Context& context, std::unique_ptr<ReadBack::Pixels> pixels, Frame frame, std::stop_token stop)
+        : context_(context),
+          pixels_(std::move(pixels)),
+          frame_(std::move(frame)),
+          stop_(std::move(stop)) {}
+
+    bool ready() override {
+        const auto current = Context::Current::enter(context_);
+        return !current || pixels_->ready();
+    }
+
+    Expected<Frame> finish() override {
+        const auto current = Context::Current::enter(context_);
+        if (!current) return tl::unexpected(current.error());
+        const auto start = std::chrono::steady_clock::now();
+        if (auto here = pixels_->wait(stop_); !here) return tl::unexpected(here.error());
+        const auto rgba = pixels_->rgba();
+        const auto depth = pixels_->depth();
+        frame_.rgba.assign(rgba.begin(), rgba.end());
+        frame_.depth.assign(depth.begin(), depth.end());
+        const auto passed = std::chrono::steady_clock::now() - start;
+        frame_.stats.add("read-back", std::chrono::duration<double, std::milli>(passed).count());
+        return std::move(frame_);
     }
 
   private:
-    FrameStats& stats_;
-    const char* stage_;
-    std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
-};
-
-/// Integer mean of frames: colour weighted by coverage, straight alpha; as the cpu device computes it.
-class Average {
-  public:
-    explicit Average(std::size_t bytes) : sums_(bytes, 0) {}
-
-    void add(std::span<const std::uint8_t> rgba) {
-        for (std::size_t i = 0; i < sums_.size(); ++i)
-            sums_[i] = static_cast<std::uint16_t>(sums_[i] + rgba[i]);
-    }
-    void write(std::span<std::uint8_t> rgba, int frames) const {
-        for (std::size_t i = 0; i < sums_.size(); i += 4) {
-            const int covered = std::max(1, sums_[i + 3] / 255);
-            for (std::size_t c = 0; c < 3; ++c)
-                rgba[i + c] = static_cast<std::uint8_t>((sums_[i + c] + covered / 2) / covered);
-            rgba[i + 3] = static_cast<std::uint8_t>((sums_[i + 3] + frames / 2) / frames);
-        }
-    }
-
-  private:
-    std::vector<std::uint16_t> sums_;
+    Context& context_;
+    std::unique_ptr<ReadBack::Pixels> pixels_;
+    Frame frame_;
+    std::stop_token stop_;
 };
 
 class GlDevice final : public Device {
@@ -69,16 +65,23 @@ class GlDevice final : public Device {
     ~GlDevice() override {
         // Its buffers and programs go while the context is current; if that fails they go with the context.
         const auto current = Context::Current::enter(*context_);
-        passes_.reset();
+        shop_.reset();
     }
 
     DeviceInfo info() const override { return info_; }
+    DeviceMemory* memory() override { return &memory_; }
 
     Expected<Frame> draw(const Drawing& drawing, std::stop_token stop) override {
+        auto begun = begin(drawing, std::move(stop));
+        if (!begun) return tl::unexpected(begun.error());
+        return (*begun)->finish();
+    }
+
+    Expected<std::unique_ptr<PendingFrame>> begin(const Drawing& drawing, std::stop_token stop) override {
         try {
             const auto current = Context::Current::enter(*context_);
             if (!current) return tl::unexpected(current.error());
-            return drawCurrent(drawing, stop);
+            return beginCurrent(drawing, std::move(stop));
         } catch (const std::bad_alloc&) {
             return fail(ErrorCode::ResourceLimit,
                         "There is not enough memory to draw this picture; ask for a smaller one.");
@@ -88,83 +91,64 @@ class GlDevice final : public Device {
   private:
     GlDevice(std::unique_ptr<Context> context, const DriverStrings& driver, const GlOptions& options)
         : context_(std::move(context)),
-          passes_(std::make_unique<Passes>(context_->functions(), options.programFolder)) {
+          shop_(std::make_unique<Workshop>(
+              context_->functions(), options.programFolder,
+              sampleCacheOptions(context_->functions(), driver.software, options.gpuMemoryLimit))),
+          memory_(*context_, shop_->samples, uploadBudget(driver.software, options.uploadBudget)) {
         info_ = {context_->backend(), driver.vendor, driver.renderer, driver.version, !driver.software, {}};
         info_.identity = info_.name + "; " + driver.renderer + "; " + driver.version;
+        info_.mirrors = true;
+        info_.memory = driver.memory;
+        info_.atomics64 = driver.atomics64;
     }
 
-    Expected<Frame> drawCurrent(const Drawing& drawing, const std::stop_token& stop) {
-        if (drawing.jitter.size() > maxFrames)
-            return fail(ErrorCode::ResourceLimit,
-                        "At most " + std::to_string(maxFrames) + " frames can be averaged into one picture.");
-        if (!drawing.reflections.empty() || !drawing.filter.dropped.empty())
-            return fail(ErrorCode::Unsupported,
-                        "OpenGL draws no mirrors yet; draw with --backend=cpu, or with mirrors=false and "
-                        "behindMirrors=true.");
-        Frame frame;
-        const auto plan = [&] {
-            const StageTimer timer(frame.stats, "nearest");
-            return planDrawing(drawing, passes_->limits());
-        }();
+    Expected<void> check(const Drawing& drawing) const {
+        if (auto checked = checkDrawing(drawing); !checked) return checked;
+        const Window& w = drawing.window;
+        if (std::int64_t{w.width} * w.height * 4 <= std::int64_t(shop_->splats.limits().storageBlockBytes))
+            return {};
+        return fail(ErrorCode::ResourceLimit, "A window of " + std::to_string(w.width) + " x " +
+                                                  std::to_string(w.height) +
+                                                  " pixels does not fit a storage block of this OpenGL "
+                                                  "driver; draw it in parts.");
+    }
+
+    Expected<std::unique_ptr<PendingFrame>> beginCurrent(const Drawing& drawing, std::stop_token stop) {
+        if (auto checked = check(drawing); !checked) return tl::unexpected(checked.error());
+        const auto plan = planPasses(drawing.passes);
         if (!plan) return tl::unexpected(plan.error());
+        Frame frame;
+        auto pixels = Picture(*shop_, drawing, *plan, stop).draw(frame.stats);
+        if (!pixels) return tl::unexpected(pixels.error());
         frame.width = drawing.window.width;
         frame.height = drawing.window.height;
-        const std::size_t pixels =
-            static_cast<std::size_t>(frame.width) * static_cast<std::size_t>(frame.height);
-        frame.rgba.resize(pixels * 4);
-        frame.depth.resize(pixels);
-        if (auto begun = passes_->begin(*plan); !begun) return tl::unexpected(begun.error());
-        auto drawn = drawing.jitter.size() == 1 ? drawFrame(*plan, drawing.jitter[0], true, frame, stop)
-                                                : drawAveraged(*plan, drawing.jitter, frame, stop);
-        if (!drawn) return tl::unexpected(drawn.error());
-        tellCut(*drawing.cut, frame.stats);
-        return frame;
+        tellCut(drawing, frame.stats);
+        return std::make_unique<GlPicture>(*context_, std::move(*pixels), std::move(frame), std::move(stop));
     }
 
-    Expected<void> drawAveraged(const DrawPlan& plan, std::span<const glm::dvec2> jitter, Frame& frame,
-                                const std::stop_token& stop) {
-        Average average(frame.rgba.size());
-        for (std::size_t i = 0; i < jitter.size(); ++i) {
-            if (auto drawn = drawFrame(plan, jitter[i], i == 0, frame, stop); !drawn) return drawn;
-            const StageTimer timer(frame.stats, "average");
-            average.add(frame.rgba);
-        }
-        const StageTimer timer(frame.stats, "average");
-        average.write(frame.rgba, static_cast<int>(jitter.size()));
-        return {};
-    }
-
-    /// One anti-aliasing frame, read back into the picture; depth too where it is the first.
-    Expected<void> drawFrame(const DrawPlan& plan, const glm::dvec2& jitter, bool first, Frame& frame,
-                             const std::stop_token& stop) {
-        const auto timed = [&](const char* stage, const auto& work) {
-            const StageTimer timer(frame.stats, stage);
-            return work();
-        };
-        Expected<void> done = timed("nearest", [&] { return passes_->nearest(jitter, stop); });
-        if (done) done = timed("resolve", [&] { return passes_->resolve(); });
-        if (done && plan.eyeDome) done = timed("eyedome", [&] { return passes_->eyeDome(); });
-        if (done) done = timed("read-back", [&] { return passes_->readColor(frame.rgba); });
-        if (done && first) done = timed("read-back", [&] { return passes_->readDepth(frame.depth); });
-        return done;
-    }
-
-    void tellCut(const Cut& cut, FrameStats& stats) const {
+    void tellCut(const Drawing& drawing, FrameStats& stats) {
+        const std::uint64_t uploaded = shop_->samples.bytesUploaded();
+        stats.bytesUploaded = uploaded - std::exchange(bytesUploaded_, uploaded);
+        const Cut& cut = *drawing.cut;
         stats.samplesDrawn = cut.samples;
         stats.pointsShown = cut.points;
         stats.nodesVisited = cut.nodesVisited;
         stats.nodesCulled = cut.nodesCulled;
         stats.spacingReached = cut.spacingReached;
+        stats.mirrorsDrawn = static_cast<std::uint32_t>(drawing.reflections.size());
         stats.device = info_.name;
     }
 
     std::unique_ptr<Context> context_;
-    std::unique_ptr<Passes> passes_;
+    std::unique_ptr<Workshop> shop_;
+    GlMemory memory_;
+    std::uint64_t bytesUploaded_ = 0;  ///< up to the last picture
     DeviceInfo info_;
 };
 
 /// What opens is described by its driver; what does not, by why.
-DeviceInfo describe(const char* backend, int eglDevice, const Expected<std::unique_ptr<Device>>& device) {
+DeviceInfo describe(const char* backend, const EglDevice& egl,
+                    const Expected<std::unique_ptr<Device>>& device) {
     DeviceInfo info;
     if (device) {
         info = (*device)->info();
@@ -172,7 +156,8 @@ DeviceInfo describe(const char* backend, int eglDevice, const Expected<std::uniq
         info.name = backend;
         info.version = device.error().message;
     }
-    info.eglDevice = eglDevice;
+    info.eglDevice = egl.index;
+    info.node = egl.node;
     return info;
 }
 
@@ -196,9 +181,9 @@ Expected<std::unique_ptr<Device>> createHardwareEglDevice(const GlOptions& optio
         auto opened = createEglDevice(device.index, options);
         // A device without a driver of its own may fall back to a rasteriser.
         if (opened && (*opened)->info().hardware) return opened;
-        reasons +=
-            " Device " + std::to_string(device.index) + ": " +
-            (opened ? "it turned out to be " + (*opened)->info().renderer + "." : opened.error().message);
+        reasons += opened ? " EGL device " + std::to_string(device.index) + " turned out to be " +
+                                (*opened)->info().renderer + "."
+                          : " " + opened.error().message;
     }
     return fail(ErrorCode::DeviceUnavailable, "EGL finds no GPU here." + reasons);
 }
@@ -208,11 +193,11 @@ std::vector<DeviceInfo> listGlDevices() {
     const auto devices = gl::listEglDevices();
     if (devices) {
         for (const gl::EglDevice& device : *devices)
-            infos.push_back(gl::describe("egl", device.index, createEglDevice(device.index)));
+            infos.push_back(gl::describe("egl", device, createEglDevice(device.index)));
     } else {
-        infos.push_back(gl::describe("egl", -1, createEglDevice(-1)));
+        infos.push_back(gl::describe("egl", {}, createEglDevice(-1)));
     }
-    infos.push_back(gl::describe("osmesa", -1, createOsmesaDevice()));
+    infos.push_back(gl::describe("osmesa", {}, createOsmesaDevice()));
     return infos;
 }
 

@@ -1,8 +1,8 @@
 // The `gl` device: every pass a compute shader on OpenGL 4.5 core, without a window, by EGL or OSMesa.
 //
-// A picture in three steps: lay out what it asks of the GPU (draw_plan.hpp), run the passes once per
-// anti-aliasing frame (gl_passes.hpp), read back and average. The context is current only inside calls, so
-// several GL devices may live on one thread.
+// It draws what the cpu device draws, pass by pass and in the same order of operations, from the same numbers
+// (renderer/device/plan); a picture's pixels are read back while the next one is begun (picture.hpp). The
+// context is current only inside calls, so several GL devices may live on one thread.
 #pragma once
 
 #include <filesystem>
@@ -16,6 +16,8 @@ namespace scancast {
 /// What is not the context's: see DeviceOptions.
 struct GlOptions {
     std::filesystem::path programFolder{};  ///< empty = nothing is kept from run to run
+    std::uint64_t gpuMemoryLimit = 0;       ///< bytes; 0 = by default (memory_limit.hpp), as the next one
+    std::uint64_t uploadBudget = 0;         ///< bytes
 };
 
 /// `device` as listed by listEglDevices(); -1 = best. DeviceUnavailable says what is missing and how to get

@@ -15,7 +15,7 @@ std::string driverName(const GlFunctions& gl) {
     return name;
 }
 
-/// "nearest.comp SHAPE=2 CLASSES=0": the variant in logs, labels and error messages.
+/// "splat.comp SHAPE=2 CLASSES=0": the variant in logs, labels and error messages.
 std::string variantName(std::string_view shader, std::span<const Define> defines) {
     std::string name(shader);
     for (const Define& define : defines)

@@ -21,7 +21,7 @@ class Programs {
     /// An empty `folder` keeps nothing from run to run; nor does a driver without program binaries.
     Programs(const GlFunctions& gl, const std::filesystem::path& folder);
 
-    /// "nearest.comp" and its variant; valid as long as this lives. Internal, with the driver's log and the
+    /// "splat.comp" and its variant; valid as long as this lives. Internal, with the driver's log and the
     /// numbered source, when it does not compile.
     Expected<const Program*> get(std::string_view shader, std::span<const Define> defines);
 
@@ -31,7 +31,7 @@ class Programs {
     const GlFunctions& gl_;
     std::string driver_;
     std::optional<ProgramFiles> files_;
-    std::map<std::string, Program, std::less<>> programs_;  ///< by "nearest.comp SHAPE=2 …"
+    std::map<std::string, Program, std::less<>> programs_;  ///< by "splat.comp SHAPE=2 …"
 };
 
 }  // namespace scancast::gl

@@ -13,7 +13,7 @@
 namespace scancast::gl {
 
 struct EmbeddedShader {
-    std::string_view name;  ///< "nearest.comp"
+    std::string_view name;  ///< "splat.comp"
     std::string_view text;
 };
 extern const EmbeddedShader embeddedShaders[];

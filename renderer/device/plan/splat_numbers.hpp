@@ -1,6 +1,6 @@
 // The numbers of a splat pass and of a run of samples, worked out once on the host (stages.hpp, runs.hpp) and
 // the same for every device, so that the same floats go into the same arithmetic. Plain structs of plain
-// types and nothing else, because SIMD kernels include this (decision 2); shaders get them as layouts.glsl
+// types and nothing else, because SIMD kernels include this (decision 2); shaders get them as layouts_splat.glsl
 // packs them.
 #pragma once
 

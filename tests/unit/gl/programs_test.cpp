@@ -37,7 +37,7 @@ class ProgramsOnDisk : public testing::TestWithParam<std::string> {
     /// What a first user of the folder leaves there: one program.
     void fillFolder() {
         Programs first(gl(), folder_.path());
-        ASSERT_TRUE(first.get("resolve.comp", {}));
+        ASSERT_TRUE(first.get("crop.comp", {}));
         ASSERT_EQ(files().size(), keeps_ ? 1u : 0u);
     }
 
@@ -51,15 +51,15 @@ INSTANTIATE_TEST_SUITE_P(Gl, ProgramsOnDisk, testing::Values("egl", "osmesa"),
 
 TEST_P(ProgramsOnDisk, AProgramIsCompiledOnce) {
     Programs programs(gl(), {});
-    const auto first = programs.get("resolve.comp", {});
+    const auto first = programs.get("crop.comp", {});
     ASSERT_TRUE(first) << first.error().message;
-    EXPECT_EQ(*programs.get("resolve.comp", {}), *first);
+    EXPECT_EQ(*programs.get("crop.comp", {}), *first);
     const Define one[] = {{"ANYTHING", 1}}, two[] = {{"ANYTHING", 2}};
-    const auto variant = programs.get("resolve.comp", one);
+    const auto variant = programs.get("crop.comp", one);
     ASSERT_TRUE(variant);
     EXPECT_NE(*variant, *first);
-    EXPECT_NE(*programs.get("resolve.comp", two), *variant);
-    EXPECT_EQ(*programs.get("resolve.comp", one), *variant);
+    EXPECT_NE(*programs.get("crop.comp", two), *variant);
+    EXPECT_EQ(*programs.get("crop.comp", one), *variant);
     EXPECT_TRUE(checkErrors(gl(), "compiling"));
 }
 
@@ -79,7 +79,7 @@ TEST_P(ProgramsOnDisk, TheNextRunFindsThem) {
         written.push_back(fs::last_write_time(file));
     }
     Programs second(gl(), folder_.path());
-    ASSERT_TRUE(second.get("resolve.comp", {}));
+    ASSERT_TRUE(second.get("crop.comp", {}));
     EXPECT_EQ(files(), before);
     for (std::size_t i = 0; i < before.size(); ++i)
         EXPECT_EQ(fs::last_write_time(before[i]), written[i]) << "it was read, not compiled and written";
@@ -95,13 +95,13 @@ TEST_P(ProgramsOnDisk, WhatTheDriverRejectsIsCompiledAndWrittenAnew) {
     std::string driver;
     for (const GLenum what : {GL_VENDOR, GL_RENDERER, GL_VERSION, GL_SHADING_LANGUAGE_VERSION})
         driver.append(reinterpret_cast<const char*>(gl().GetString(what))).append("\n");
-    const ProgramKey key = ProgramKey::of(*assembleShader("resolve.comp", {}), driver);
+    const ProgramKey key = ProgramKey::of(*assembleShader("crop.comp", {}), driver);
     ASSERT_EQ(path.stem(), key.digest);
     for (const std::uint32_t format : {0x1u, 0x875Fu}) {  // unknown; Mesa's
         const ProgramFiles files(folder_.path());
         files.write(key, {format, std::vector<std::byte>(100, std::byte{0x55})});
         Programs programs(gl(), folder_.path());
-        ASSERT_TRUE(programs.get("resolve.comp", {}));
+        ASSERT_TRUE(programs.get("crop.comp", {}));
         EXPECT_EQ(fs::file_size(path), whole);
         EXPECT_TRUE(checkErrors(gl(), "loading"));
     }
@@ -114,7 +114,7 @@ TEST_P(ProgramsOnDisk, ADamagedFileIsCompiledAndWrittenAnew) {
     const auto whole = fs::file_size(path);
     fs::resize_file(path, whole / 2);
     Programs programs(gl(), folder_.path());
-    ASSERT_TRUE(programs.get("resolve.comp", {}));
+    ASSERT_TRUE(programs.get("crop.comp", {}));
     EXPECT_EQ(fs::file_size(path), whole);
 }
 

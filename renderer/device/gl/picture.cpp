@@ -1,0 +1,99 @@
+#include "renderer/device/gl/picture.hpp"
+
+#include <chrono>
+#include <utility>
+
+namespace scancast::gl {
+namespace {
+
+ivec4 vectorOf(const Window& w) {
+    return {w.x, w.y, w.width, w.height};
+}
+
+}  // namespace
+
+Workshop::Workshop(const GlFunctions& functions, const std::filesystem::path& programFolder,
+                   const SampleCacheOptions& cache)
+    : gl(functions),
+      programs(functions, programFolder),
+      shaders(functions, programs),
+      samples(functions, cache),
+      slices(functions),
+      splats(functions, splatLimits(functions)),
+      pyramid(shaders),
+      average(shaders),
+      frame(functions),
+      rgba(functions, "picture's colours"),
+      depth(functions, "picture's depths"),
+      readBack(functions) {}
+
+Picture::Picture(Workshop& shop, const Drawing& drawing, const PassPlan& plan, std::stop_token stop)
+    : shop_(shop),
+      drawing_(drawing),
+      plan_(plan),
+      stop_(std::move(stop)),
+      shown_(pictureArea(drawing, plan)),
+      window_(vectorOf(shown_.window)),
+      area_(vectorOf(shown_.area)) {}
+
+Expected<void> Picture::makeLayers() {
+    const LayerParts parts = shop_.layerParts();
+    auto layer = Layer::create(parts, drawing_, *drawing_.cut, drawing_.filter, shown_.sight, plan_, area_);
+    if (!layer) return tl::unexpected(layer.error());
+    layer_ = std::move(*layer);
+    for (const Reflection& reflection : drawing_.reflections) {
+        const std::size_t at = mirrors_.size();
+        if (shop_.mirrors.size() <= at) shop_.mirrors.push_back(std::make_unique<PlaneMemory>(shop_.gl));
+        auto mirror = MirrorLayer::create(parts, shop_.shaders, *shop_.mirrors[at], drawing_, reflection,
+                                          shown_.sight, plan_, area_);
+        if (!mirror) return tl::unexpected(mirror.error());
+        if (*mirror) mirrors_.push_back(std::move(*mirror));
+    }
+    return {};
+}
+
+template <class Work>
+Expected<void> Picture::onMirrors(FrameStats& stats, const Work& work) {
+    if (mirrors_.empty()) return {};
+    const auto start = std::chrono::steady_clock::now();
+    for (const auto& mirror : mirrors_) {
+        if (auto done = work(*mirror); !done) return done;
+    }
+    stats.add("mirrors",
+              std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count());
+    return {};
+}
+
+Expected<void> Picture::drawFrame(const glm::dvec2& jitter, const GpuPlanes& planes, FrameStats& stats) {
+    if (auto drawn = layer_->draw(jitter, planes, stats, stop_); !drawn) return drawn;
+    auto reflected =
+        onMirrors(stats, [&](MirrorLayer& mirror) { return mirror.draw(jitter, planes, stop_); });
+    if (!reflected) return reflected;
+    auto screened = runScreenPasses(plan_.screen, shown_.sight, jitter, planes, shop_.shaders, shop_.pyramid,
+                                    stats, stop_);
+    if (!screened) return screened;
+    return onMirrors(stats, [&](const MirrorLayer& mirror) { return mirror.finish(jitter, planes); });
+}
+
+Expected<std::unique_ptr<ReadBack::Pixels>> Picture::draw(FrameStats& stats) {
+    if (auto made = makeLayers(); !made) return tl::unexpected(made.error());
+    const auto planes = shop_.frame.planes(area_, plan_.normals());
+    if (!planes) return tl::unexpected(planes.error());
+    const std::size_t pixels = static_cast<std::size_t>(window_.z) * static_cast<std::size_t>(window_.w);
+    const bool averaged = drawing_.jitter.size() > 1;
+    Expected<void> done = shop_.rgba.reserve(pixels * 4);
+    if (done) done = shop_.depth.reserve(pixels * 4);
+    if (done && averaged) done = shop_.average.begin(window_.z, window_.w);
+    for (std::size_t i = 0; done && i < drawing_.jitter.size(); ++i) {
+        done = drawFrame(drawing_.jitter[i], *planes, stats);
+        if (done && i == 0) done = crop(*planes->depth, area_, window_, shop_.depth, shop_.shaders);
+        if (done && averaged) done = shop_.average.add(*planes, window_);
+    }
+    if (done)
+        done = averaged ? shop_.average.write(shop_.rgba)
+                        : crop(*planes->rgba, area_, window_, shop_.rgba, shop_.shaders);
+    if (!done) return tl::unexpected(done.error());
+    return shop_.readBack.start(shop_.rgba, shop_.depth, pixels);
+}
+
+}  // namespace scancast::gl

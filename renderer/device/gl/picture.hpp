@@ -1,0 +1,63 @@
+// Draws one picture's frames on the GPU: the work between a checked Drawing and its pixels on their way to
+// the host. As cpu/picture.hpp: layers, mirrors, screen passes, the mean of the jittered frames. Made for one
+// picture, on the device's thread, inside a Current scope. Pipeline: drawing → **picture** → read-back.
+#pragma once
+
+#include <memory>
+#include <stop_token>
+#include <vector>
+
+#include "renderer/device/gl/average.hpp"
+#include "renderer/device/gl/mirror_layer.hpp"
+#include "renderer/device/gl/read_back.hpp"
+#include "renderer/device/gl/screen_passes.hpp"
+#include "renderer/device/plan/picture_area.hpp"
+
+namespace scancast::gl {
+
+/// What lives as long as the device: programs, samples, and buffers, so that pictures do not wait for fresh
+/// memory.
+struct Workshop {
+    Workshop(const GlFunctions& functions, const std::filesystem::path& programFolder,
+             const SampleCacheOptions& cache);
+
+    const GlFunctions& gl;
+    Programs programs;
+    ScreenShaders shaders;
+    SampleCache samples;
+    Slices slices;
+    SplatMemory splats;
+    Pyramid pyramid;
+    Average average;
+    PlaneMemory frame;
+    std::vector<std::unique_ptr<PlaneMemory>> mirrors;
+    Buffer rgba, depth;  ///< of the window
+    ReadBack readBack;
+
+    LayerParts layerParts() { return {gl, programs, shaders, samples, slices, splats}; }
+};
+
+class Picture {
+  public:
+    Picture(Workshop& shop, const Drawing& drawing, const PassPlan& plan, std::stop_token stop);
+    /// Everything is asked of the GPU; its pixels arrive later. Adds to the stages. Errors: Cancelled,
+    /// ResourceLimit, DeviceLost.
+    Expected<std::unique_ptr<ReadBack::Pixels>> draw(FrameStats& stats);
+
+  private:
+    Expected<void> makeLayers();
+    Expected<void> drawFrame(const glm::dvec2& jitter, const GpuPlanes& planes, FrameStats& stats);
+    template <class Work>
+    Expected<void> onMirrors(FrameStats& stats, const Work& work);
+
+    Workshop& shop_;
+    const Drawing& drawing_;
+    const PassPlan& plan_;
+    const std::stop_token stop_;
+    const PictureArea shown_;
+    const ivec4 window_, area_;
+    std::unique_ptr<Layer> layer_;
+    std::vector<std::unique_ptr<MirrorLayer>> mirrors_;  ///< those that lie in the area
+};
+
+}  // namespace scancast::gl

@@ -20,20 +20,26 @@ inline NearestPass sprite(Footprint footprint, Profile profile, float sizePx, fl
     return pass;
 }
 
+/// The whole picture, one frame of it.
+inline Drawing drawingOf(const Viewpoint& viewpoint, const Cut& cut, std::span<const Pass> passes) {
+    Drawing d;
+    d.viewpoint = &viewpoint;
+    d.cut = &cut;
+    d.passes = passes;
+    d.window = {0, 0, viewpoint.width, viewpoint.height};
+    d.jitter = {&noJitter, 1};
+    return d;
+}
+
 /// A drawing that owns its pass list.
 struct Scene {
     PassList passes;
     Drawing drawing;
 
     Scene(const Viewpoint& viewpoint, const Cut& cut, const NearestPass& nearest)
-        : passes{nearest, ResolvePass{}} {
-        drawing.viewpoint = &viewpoint;
-        drawing.cut = &cut;
-        drawing.passes = passes;
+        : passes{nearest, ResolvePass{}}, drawing(drawingOf(viewpoint, cut, passes)) {
         drawing.background.kind = Background::Kind::Color;
         drawing.background.top = {0, 0, 0};
-        drawing.window = {0, 0, viewpoint.width, viewpoint.height};
-        drawing.jitter = {&noJitter, 1};
     }
     Scene(const Scene&) = delete;
 

@@ -23,15 +23,11 @@ struct SurfelScene {
     PassList passes;
     Drawing drawing;
 
-    SurfelScene(const Viewpoint& viewpoint, const Cut& cut, PassList list) : passes(std::move(list)) {
-        drawing.viewpoint = &viewpoint;
-        drawing.cut = &cut;
+    SurfelScene(const Viewpoint& viewpoint, const Cut& cut, PassList list)
+        : passes(std::move(list)), drawing(drawingOf(viewpoint, cut, passes)) {
         drawing.surfels = true;
-        drawing.passes = passes;
         drawing.background.kind = Background::Kind::Color;
         drawing.background.top = {0, 0, 0};
-        drawing.window = {0, 0, viewpoint.width, viewpoint.height};
-        drawing.jitter = {&noJitter, 1};
     }
     SurfelScene(const SurfelScene&) = delete;
 };

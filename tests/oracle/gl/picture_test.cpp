@@ -4,8 +4,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "tests/oracle/gl/gl_backends.hpp"
 #include "tests/support/analytic_cut.hpp"
+#include "tests/support/devices.hpp"
+#include "tests/support/draw_cut.hpp"
 #include "tests/support/reference_renderer.hpp"
 
 namespace scancast::test {
@@ -87,8 +88,8 @@ TEST_P(GlPicture, EqualParaboloidsShowTheVoronoiDiagram) {
     const AnalyticCloud cloud(centres, 1);
     const Viewpoint from =
         lookAtOrthographic({side / 2.0, 0, side / 2.0}, {side / 2.0, 1, side / 2.0}, side, side, side);
-    const PassList paraboloids{NearestPass{{Footprint::Circle, Profile::Paraboloid, {2 * radius, 1, 1, 50}, 2}},
-                               ResolvePass{}};
+    const PassList paraboloids{
+        NearestPass{{Footprint::Circle, Profile::Paraboloid, {2 * radius, 1, 1, 50}, 2}}, ResolvePass{}};
     const auto frame = gl->draw(onBlack(from, cloud.cut(), paraboloids), {});
     ASSERT_TRUE(frame) << frame.error().message;
     int covered = 0, right = 0;

@@ -64,14 +64,10 @@ struct MethodScene {
         const auto values = resolveParameters(method, {}).value();
         const CloudTraits traits{true, true, true, true, room.spacing};
         passes = method.passes({method, values, method.defaultShading, traits, method.defaultDetail});
-        drawing.viewpoint = &view;
-        drawing.cut = &cut;
+        drawing = drawingOf(view, cut, passes);
         drawing.surfels = drawing.oriented = true;
-        drawing.passes = passes;
-        drawing.window = {0, 0, view.width, view.height};
         drawing.background.kind = Background::Kind::Color;
         drawing.background.top = {0, 0, 0};  // glass tints it, points behind do not
-        drawing.jitter = {&noJitter, 1};
     }
     MethodScene(const MethodScene&) = delete;
 };

@@ -2,9 +2,9 @@
 // switches do.
 #include <gtest/gtest.h>
 
-#include "renderer/device/cpu/cpu_device.hpp"
 #include "renderer/render.hpp"
 #include "tests/oracle/mirror/draw_mirrored.hpp"
+#include "tests/support/devices.hpp"
 #include "tests/support/scene_points.hpp"
 
 namespace scancast {
@@ -35,7 +35,7 @@ bool hasStage(const Frame& frame, const char* name) {
     return std::ranges::any_of(frame.stats.stages, [&](const StageTime& s) { return s.name == name; });
 }
 
-class MirrorRender : public testing::Test {
+class MirrorRender : public OnDevice {
   protected:
     static void SetUpTestSuite() {
         SceneOptions options;
@@ -59,15 +59,15 @@ class MirrorRender : public testing::Test {
         return std::move(*frame);
     }
 
-    const std::unique_ptr<Device> device_ = createCpuDevice(2).value();
     const View towards_ = viewFrom({-1.2, -1.6, 1.6}, {0.4, 2.5, 1.3});
     const View away_ = viewFrom({0, 1, 1.5}, {0.5, -2.5, 1.2});
     static inline std::unique_ptr<BuiltTwice> scene_;
     static inline std::unique_ptr<PointBatch> ghosts_;
     static inline std::shared_ptr<const Cloud> cloud_;
 };
+SCANCAST_ON_DEVICES(MirrorRender, "egl");
 
-TEST_F(MirrorRender, NoneInViewCostsNothing) {
+TEST_P(MirrorRender, NoneInViewCostsNothing) {
     for (const Method& method : methods()) {
         View view = away_;
         view.style.method = method.name;
@@ -81,7 +81,7 @@ TEST_F(MirrorRender, NoneInViewCostsNothing) {
     }
 }
 
-TEST_F(MirrorRender, OneInViewIsPaidForAndSaid) {
+TEST_P(MirrorRender, OneInViewIsPaidForAndSaid) {
     const Frame on = mustRender(*cloud_, towards_);
     View view = towards_;
     view.style.mirrors = false;
@@ -97,7 +97,7 @@ TEST_F(MirrorRender, OneInViewIsPaidForAndSaid) {
 }
 
 /// The scanner recorded exact images: what the mirror shows is what the points behind it showed.
-TEST_F(MirrorRender, TheReflectionLooksLikeWhatTheScannerSaw) {
+TEST_P(MirrorRender, TheReflectionLooksLikeWhatTheScannerSaw) {
     View raw = towards_;
     raw.style.mirrors = false;
     raw.style.behindMirrors = true;
@@ -111,7 +111,7 @@ TEST_F(MirrorRender, TheReflectionLooksLikeWhatTheScannerSaw) {
     EXPECT_LE(psnr(mustRender(*cloud_, raw), recorded, inside).value(), 12);  // a hole
 }
 
-TEST_F(MirrorRender, LevelsOfDetailAndBudgetsHoldForReflections) {
+TEST_P(MirrorRender, LevelsOfDetailAndBudgetsHoldForReflections) {
     View view = towards_;
     view.quality.budget = 30'000;
     const Frame small = mustRender(*cloud_, view);
@@ -146,7 +146,7 @@ class WholeToo : public Device {
     Device& device_;
 };
 
-TEST_F(MirrorRender, PostersAreDrawnInTilesLikeWholePictures) {
+TEST_P(MirrorRender, PostersAreDrawnInTilesLikeWholePictures) {
     View view = viewFrom({-1.2, -1.6, 1.6}, {-2.006, -1.008, 1.55});  // the mirror at the tiles' border
     view.width = 2304;
     view.height = 300;

@@ -7,6 +7,7 @@
 #include "renderer/device/cpu/cpu_device.hpp"
 #include "renderer/device/cpu/simd_level.hpp"
 #include "tests/oracle/mirror/draw_mirrored.hpp"
+#include "tests/support/devices.hpp"
 
 namespace scancast {
 namespace {
@@ -15,11 +16,10 @@ using namespace test;
 
 constexpr glm::dvec2 twoFrames[] = {{0.25, -0.125}, {-0.25, 0.125}};
 
-class MirrorRules : public testing::Test {
+class MirrorRules : public OnDevice {
   protected:
     const MirroredRoom room_{0.03, 0.09};
     const AnalyticCloud cloud_{room_.points, room_.spacing};
-    const std::unique_ptr<Device> device_ = createCpuDevice(2).value();
 
     Frame drawWithout(const Method& method, const Viewpoint& view) const {
         const MethodScene scene(room_, method, view, cloud_.cut());
@@ -33,9 +33,11 @@ class MirrorRules : public testing::Test {
     }
 };
 
+SCANCAST_ON_DEVICES(MirrorRules, "egl");
+
 /// Colours of sprites need no neighbours, so the rules hold pixel by pixel: a scene nearer than the glass
 /// stays as it was, all else is the glass, at its own depth.
-TEST_F(MirrorRules, WhatStandsBeforeItHidesIt) {
+TEST_P(MirrorRules, WhatStandsBeforeItHidesIt) {
     for (const char* name : {"paraboloid", "point", "hqs", "square"}) {
         const Method& method = *findMethod(name);
         for (const Setting& setting : settings(room_)) {
@@ -62,7 +64,7 @@ TEST_F(MirrorRules, WhatStandsBeforeItHidesIt) {
     }
 }
 
-TEST_F(MirrorRules, NothingChangesOutsideTheGlass) {
+TEST_P(MirrorRules, NothingChangesOutsideTheGlass) {
     const Method& method = *findMethod("ewa");
     for (const Setting& setting : settings(room_)) {
         const Frame before = drawWithout(method, setting.view), with = drawWith(method, setting.view);
@@ -75,8 +77,8 @@ TEST_F(MirrorRules, NothingChangesOutsideTheGlass) {
     }
 }
 
-TEST_F(MirrorRules, FromBehindOrOutOfViewThereIsNone) {
-    const Cloud cloud = cloudOf(room_);
+TEST(Mirrors, FromBehindOrOutOfViewThereIsNone) {
+    const Cloud cloud = cloudOf(MirroredRoom(0.03, 0.09));
     const auto seen = [&](const Viewpoint& view) { return reflectionsIn(cloud, view, {}).size(); };
     EXPECT_EQ(seen(lookAt({0.2, 1.0, 1.3}, {0.2, 2, 1.3}, 100, 100)), 1u);
     EXPECT_EQ(seen(lookAt({0.2, 3.0, 1.3}, {0.2, 2, 1.3}, 100, 100)), 0u) << "from behind";
@@ -90,7 +92,7 @@ TEST_F(MirrorRules, FromBehindOrOutOfViewThereIsNone) {
 }
 
 /// By definition: the pyramid behind the rectangle that opens by 45°, and nothing else.
-TEST_F(MirrorRules, PointsRecordedBehindItAreDropped) {
+TEST_P(MirrorRules, PointsRecordedBehindItAreDropped) {
     Numbers numbers(5);
     std::vector<AnalyticPoint> all = room_.points, kept = room_.points;
     for (int i = 0; i < 20000; ++i) {
@@ -118,7 +120,7 @@ TEST_F(MirrorRules, PointsRecordedBehindItAreDropped) {
     EXPECT_GE(changedPixels(mustDraw(*device_, raw.drawing), truth, 0).value(), 0.02);
 }
 
-TEST_F(MirrorRules, TilesContinueEachOther) {
+TEST_P(MirrorRules, TilesContinueEachOther) {
     const Setting setting = settings(room_)[1];
     for (const Method& method : methods()) {
         if (method.name == "pyramid") continue;  // its tiles agree as its pictures without mirrors do
@@ -142,14 +144,17 @@ TEST_F(MirrorRules, TilesContinueEachOther) {
     }
 }
 
-TEST_F(MirrorRules, TheSameBytesOnAnyThreadsAndSimdLevel) {
-    const Viewpoint view = lookAt(room_.at({0.6, 0.7, 1.5}), room_.at({0.1, 2, 1.3}), 333, 251);
+TEST(Mirrors, AreTheSameBytesOnAnyThreadsAndSimdLevel) {
+    const MirroredRoom room(0.03, 0.09);
+    const AnalyticCloud cloud(room.points, room.spacing);
+    const auto device = createCpuDevice(2).value();
+    const Viewpoint view = lookAt(room.at({0.6, 0.7, 1.5}), room.at({0.1, 2, 1.3}), 333, 251);
     for (const Method& method : methods()) {
-        MethodScene scene(room_, method, view, cloud_.cut());
-        const auto reflections = reflectionsFor(room_, view, cloud_.cut());
+        MethodScene scene(room, method, view, cloud.cut());
+        const auto reflections = reflectionsFor(room, view, cloud.cut());
         scene.drawing.reflections = reflections;
         scene.drawing.jitter = twoFrames;
-        const Frame expected = mustDraw(*device_, scene.drawing);
+        const Frame expected = mustDraw(*device, scene.drawing);
         for (const char* level : {"v2", "v3", "v4"}) {
             if (!cpu::chooseSimdLevel(level)) continue;
             setenv("SCANCAST_SIMD", level, 1);
@@ -164,7 +169,7 @@ TEST_F(MirrorRules, TheSameBytesOnAnyThreadsAndSimdLevel) {
 }
 
 /// Transparent stays transparent: nothing is behind the glass either.
-TEST_F(MirrorRules, AnEmptyRoomIsReflectedAsBackground) {
+TEST_P(MirrorRules, AnEmptyRoomIsReflectedAsBackground) {
     const Method& method = *findMethod("paraboloid");
     const AnalyticCloud empty(std::span<const AnalyticPoint>{}, room_.spacing);
     const Viewpoint view = settings(room_)[0].view;

@@ -2,9 +2,9 @@
 // points behind the glass, because that is what a mirror is.
 #include <gtest/gtest.h>
 
-#include "renderer/device/cpu/cpu_device.hpp"
 #include "renderer/image/picture_metrics.hpp"
 #include "tests/oracle/mirror/draw_mirrored.hpp"
+#include "tests/support/devices.hpp"
 
 namespace scancast {
 namespace {
@@ -57,21 +57,19 @@ void compareWithGeometry(const MirroredRoom& room, Device& device, bool pixels, 
     }
 }
 
-class MirrorOracle : public testing::Test {
-  protected:
-    const std::unique_ptr<Device> device_ = createCpuDevice(2).value();
-};
+class MirrorOracle : public OnDevice {};
+SCANCAST_ON_DEVICES(MirrorOracle, "egl");
 
-TEST_F(MirrorOracle, ARoomLooksLikeTheRoomBuiltTwice) {
+TEST_P(MirrorOracle, ARoomLooksLikeTheRoomBuiltTwice) {
     compareWithGeometry(MirroredRoom(0.02, 0.06), *device_, false);
 }
 
-TEST_F(MirrorOracle, ARoomOfPixelsToo) {
+TEST_P(MirrorOracle, ARoomOfPixelsToo) {
     compareWithGeometry(MirroredRoom(0.008, 0), *device_, true);
 }
 
 // Here normals are rounded to other codes than their images': which of two discs is nearer may change.
-TEST_F(MirrorOracle, ATurnedRoomToo) {
+TEST_P(MirrorOracle, ATurnedRoomToo) {
     glm::dmat4 placed = glm::translate(glm::dmat4(1), {3, -7, 2});
     placed = glm::rotate(placed, 0.6, glm::normalize(glm::dvec3(0.2, 0.1, 1)));
     compareWithGeometry(MirroredRoom(0.02, 0.06, placed), *device_, false, 35);

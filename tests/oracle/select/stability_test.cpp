@@ -5,10 +5,10 @@
 // two pictures.
 #include <gtest/gtest.h>
 
-#include "renderer/device/cpu/cpu_device.hpp"
 #include "renderer/method/method.hpp"
 #include "renderer/select/fade.hpp"
 #include "renderer/simulate/scene.hpp"
+#include "tests/support/devices.hpp"
 #include "tests/support/draw_cut.hpp"
 #include "tests/support/stability.hpp"
 
@@ -27,15 +27,13 @@ std::shared_ptr<const Cloud> build(const char* scene, std::uint64_t points) {
     return source ? buildCloud(**source, build).value_or(nullptr) : nullptr;
 }
 
-class Levels : public testing::Test {
+class Levels : public OnDevice {
   protected:
     static void SetUpTestSuite() { town_ = build("town", 400'000); }
     static void TearDownTestSuite() { town_.reset(); }
     void SetUp() override {
         ASSERT_TRUE(town_);
-        auto device = createCpuDevice(0);
-        ASSERT_TRUE(device);
-        device_ = std::move(*device);
+        OnDevice::SetUp();
     }
 
     /// A look at the whole cloud, turned about it.
@@ -48,10 +46,10 @@ class Levels : public testing::Test {
     }
 
     static inline std::shared_ptr<const Cloud> town_;
-    std::unique_ptr<Device> device_;
 };
+SCANCAST_ON_DEVICES(Levels, "egl");
 
-TEST_F(Levels, FadeInEveryMethod) {
+TEST_P(Levels, FadeInEveryMethod) {
     const StabilityOptions options{Motion::Orbit, 0.1, 2, false};
     double changes = 0;
     for (const Method& method : methods())
@@ -101,7 +99,7 @@ double worstInZoom(Device& device, const Cloud& cloud, View view, double band) {
     return worst;
 }
 
-TEST_F(Levels, FadeWhereManyWouldSwitchAtOnce) {
+TEST_P(Levels, FadeWhereManyWouldSwitchAtOnce) {
     const View view = look(*town_, 0, 4);
     EXPECT_LE(worstInZoom(*device_, *town_, view, fadeBand(4)), mostChanged);
     // The measure can fail: it does without fading.
@@ -110,7 +108,7 @@ TEST_F(Levels, FadeWhereManyWouldSwitchAtOnce) {
 
 // Right because without levels there are no changes of level: full detail is brute force, so both cuts are
 // the same.
-TEST_F(Levels, FullDetailHasNone) {
+TEST_P(Levels, FullDetailHasNone) {
     const auto stability =
         measureStability(*device_, *town_, look(*town_, 10, 0), {Motion::Orbit, 0.1, 2, true});
     ASSERT_TRUE(stability);

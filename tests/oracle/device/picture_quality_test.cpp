@@ -4,11 +4,14 @@
 
 #include <cmath>
 
-#include "renderer/device/cpu/cpu_device.hpp"
+#include "tests/support/devices.hpp"
 #include "tests/support/draw_cut.hpp"
 
 namespace scancast::test {
 namespace {
+
+class PictureQuality : public OnDevice {};
+SCANCAST_ON_DEVICES(PictureQuality, "egl");
 
 /// Black strokes of about 1/12 unit on white, at every angle: rings and spokes.
 double ink(double x, double z) {
@@ -62,34 +65,32 @@ double psnr(Device& device, const Sign& sign, const AnalyticCloud& cloud, const 
     return 10 * std::log10(255.0 * 255.0 * n / sum);
 }
 
-TEST(PictureQuality, ParaboloidsShowASignBetterThanCirclesAndSquares) {
+TEST_P(PictureQuality, ParaboloidsShowASignBetterThanCirclesAndSquares) {
     // Right because the sign is known: the picture nearer to it, by squared error, is the better one.
-    const auto device = createCpuDevice(2).value();
     for (const double apart : {2.0, 3.0, 4.0}) {
         const Sign sign(apart);
         const AnalyticCloud cloud(sign.points, 0.01);
         const float px = static_cast<float>(2.2 * apart);
         const double paraboloid =
-            psnr(*device, sign, cloud, sprite(Footprint::Circle, Profile::Paraboloid, px));
-        EXPECT_GT(paraboloid, psnr(*device, sign, cloud, sprite(Footprint::Circle, Profile::Flat, px)))
+            psnr(*device_, sign, cloud, sprite(Footprint::Circle, Profile::Paraboloid, px));
+        EXPECT_GT(paraboloid, psnr(*device_, sign, cloud, sprite(Footprint::Circle, Profile::Flat, px)))
             << apart;
-        EXPECT_GT(paraboloid, psnr(*device, sign, cloud, sprite(Footprint::Square, Profile::Flat, px)))
+        EXPECT_GT(paraboloid, psnr(*device_, sign, cloud, sprite(Footprint::Square, Profile::Flat, px)))
             << apart;
     }
 }
 
-TEST(PictureQuality, AveragedFramesComeNearerToTheTruth) {
+TEST_P(PictureQuality, AveragedFramesComeNearerToTheTruth) {
     // Right because the truth is an average over the pixel's area, and so are the frames, shifted within the
     // pixel.
-    const auto device = createCpuDevice(2).value();
     const Sign sign(1.5);
     const AnalyticCloud cloud(sign.points, 0.01);
     const NearestPass pass = sprite(Footprint::Circle, Profile::Paraboloid, 4);
-    const double one = psnr(*device, sign, cloud, pass);
+    const double one = psnr(*device_, sign, cloud, pass);
     Scene scene(sign.view, cloud.cut(), pass);
     const glm::dvec2 jitter[] = {{0, -1 / 6.0}, {-0.25, 1 / 6.0}, {0.25, -7 / 18.0}, {-0.375, -1 / 18.0}};
     scene.drawing.jitter = jitter;
-    const Frame frame = mustDraw(*device, scene.drawing);
+    const Frame frame = mustDraw(*device_, scene.drawing);
     double sum = 0;
     int n = 0;
     for (int y = 30; y < 270; ++y) {

@@ -3,11 +3,14 @@
 
 #include <cmath>
 
-#include "renderer/device/cpu/cpu_device.hpp"
+#include "tests/support/devices.hpp"
 #include "tests/support/draw_cut.hpp"
 
 namespace scancast::test {
 namespace {
+
+class Voronoi : public OnDevice {};
+SCANCAST_ON_DEVICES(Voronoi, "egl");
 
 Rgb8 numbered(std::size_t i) {
     return {static_cast<std::uint8_t>(i), static_cast<std::uint8_t>(i >> 8),
@@ -54,17 +57,17 @@ std::vector<Seen> projected(const Viewpoint& view, const AnalyticCloud& cloud, s
     return places;
 }
 
-TEST(Voronoi, EqualParaboloidsOnAFacingPlaneAreTheVoronoiDiagramOfTheirCentres) {
+TEST_P(Voronoi, EqualParaboloidsOnAFacingPlaneAreTheVoronoiDiagramOfTheirCentres) {
     // Right because among equal paraboloids at one depth the lowest at a pixel is the one whose centre is
     // nearest.
-    const Viewpoint view = lookAt({0, 0, 0}, {0, 1, 0}, 320, 240);
+    const int width = slow_ ? 160 : 320, height = slow_ ? 120 : 240;
+    const Viewpoint view = lookAt({0, 0, 0}, {0, 1, 0}, width, height);
     const double sizePx = 12;
     const std::vector<AnalyticPoint> points = facingPlane(view, 5, 6);
     const AnalyticCloud cloud(points, 0.1);
-    const auto device = createCpuDevice(2).value();
     for (const Profile profile : {Profile::Paraboloid, Profile::Cone, Profile::Sphere, Profile::Flat}) {
         Scene scene(view, cloud.cut(), sprite(Footprint::Circle, profile, float(sizePx)));
-        const Frame frame = mustDraw(*device, scene.drawing);
+        const Frame frame = mustDraw(*device_, scene.drawing);
         const std::vector<Seen> places = projected(view, cloud, points.size());
         int covered = 0, right = 0, outside = 0;
         for (int y = 0; y < frame.height; ++y) {
@@ -82,7 +85,7 @@ TEST(Voronoi, EqualParaboloidsOnAFacingPlaneAreTheVoronoiDiagramOfTheirCentres) 
                 right += shown == nearest ? 1 : 0;
             }
         }
-        EXPECT_GT(covered, 320 * 240 * 9 / 10);
+        EXPECT_GT(covered, width * height * 9 / 10);
         EXPECT_EQ(outside, 0) << "nothing outside the union of discs";
         // Flat circles too: at equal depths the nearest centre wins, by the payload's 8 bits.
         EXPECT_GE(double(right) / covered, profile == Profile::Flat ? 0.97 : 0.995) << int(profile);
@@ -125,7 +128,7 @@ double bend(const std::vector<double>& x) {
     return worst;
 }
 
-TEST(Voronoi, BordersBetweenDepthsAreStraightForParaboloidsAndCurvedForConesAndSpheres) {
+TEST_P(Voronoi, BordersBetweenDepthsAreStraightForParaboloidsAndCurvedForConesAndSpheres) {
     // Two equal paraboloids differ by a linear function of the pixel, whatever their depths: their border is
     // a line. Equal radii in the world and orthographic projection make them exactly equal. Square root
     // profiles do not cancel.
@@ -136,10 +139,9 @@ TEST(Voronoi, BordersBetweenDepthsAreStraightForParaboloidsAndCurvedForConesAndS
     points[1].position = {1.5, 1.5, -0.4};
     points[1].rgb = numbered(2);
     const AnalyticCloud cloud(points, 0.1);
-    const auto device = createCpuDevice(2).value();
     const auto bendOf = [&](Profile profile) {
         // Rows within both discs (50 px = 5 units across), around the middle.
-        return bend(border(*device, view, cloud, sprite(Footprint::Circle, profile, 50), 68, 92));
+        return bend(border(*device_, view, cloud, sprite(Footprint::Circle, profile, 50), 68, 92));
     };
     EXPECT_LE(bendOf(Profile::Paraboloid), 0.1);
     EXPECT_GT(bendOf(Profile::Cone), 0.3);
@@ -167,17 +169,16 @@ double changedPixels(Device& device, const AnalyticCloud& cloud, const NearestPa
     return double(changed) / covered;
 }
 
-TEST(Voronoi, ParaboloidsDoNotFlickerWhereSquaresDo) {
+TEST_P(Voronoi, ParaboloidsDoNotFlickerWhereSquaresDo) {
     // A plane that turns by ±0.05° keeps its Voronoi cells to within a small part of a pixel, but its depth
     // order turns round completely: whatever shows another sample than before has flickered.
     const Viewpoint view = lookAt({0, 0, 0}, {0, 1, 0}, 320, 240);
     const AnalyticCloud cloud(facingPlane(view, 5, 6, 0.6), 0.1);
-    const auto device = createCpuDevice(2).value();
-    EXPECT_LE(changedPixels(*device, cloud, sprite(Footprint::Circle, Profile::Paraboloid, 16)), 0.02);
-    EXPECT_GE(changedPixels(*device, cloud, sprite(Footprint::Square, Profile::Flat, 16)), 0.80);
+    EXPECT_LE(changedPixels(*device_, cloud, sprite(Footprint::Circle, Profile::Paraboloid, 16)), 0.02);
+    EXPECT_GE(changedPixels(*device_, cloud, sprite(Footprint::Square, Profile::Flat, 16)), 0.80);
 }
 
-TEST(Voronoi, LargeSparseSplatsDoNotBreakThroughADenseSurface) {
+TEST_P(Voronoi, LargeSparseSplatsDoNotBreakThroughADenseSurface) {
     // A sparse layer 2 units behind a dense one must stay hidden, however large its splats.
     const Viewpoint view = lookAt({0, 0, 0}, {0, 1, 0}, 320, 240);
     std::vector<AnalyticPoint> front = facingPlane(view, 20, 2), back = facingPlane(view, 22, 30);
@@ -185,10 +186,9 @@ TEST(Voronoi, LargeSparseSplatsDoNotBreakThroughADenseSurface) {
     for (AnalyticPoint& p : back) p.rgb = {255, 0, 0};
     const AnalyticCloud dense(front, 2 / view.q(20)), sparse(back, 30 / view.q(22));
     const Cut cut = dense.joined(sparse);
-    const auto device = createCpuDevice(2).value();
     for (const Profile profile : {Profile::Paraboloid, Profile::Cone, Profile::Sphere}) {
         Scene scene(view, cut, sprite(Footprint::Circle, profile, 0));
-        const Frame frame = mustDraw(*device, scene.drawing);
+        const Frame frame = mustDraw(*device_, scene.drawing);
         int wrong = 0;
         for (int y = 0; y < frame.height; ++y) {
             for (int x = 0; x < frame.width; ++x)

@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "renderer/device/cpu/cpu_device.hpp"
+#include "tests/support/devices.hpp"
 #include "tests/support/draw_surfels.hpp"
 #include "tests/support/reference_surfels.hpp"
 
@@ -82,9 +82,9 @@ double distance(const Rgb8& a, const glm::dvec3& b) {
 
 const glm::dvec2 someJitter{0.31, -0.22};
 
-class SurfelReference : public testing::TestWithParam<bool> {
+class SurfelReference : public OnDeviceWith<std::tuple<std::string, bool>> {
   protected:
-    bool oriented() const { return GetParam(); }
+    bool oriented() const { return std::get<1>(GetParam()); }
 
     /// Draws with every camera and hands every pixel of both pictures to `same`; 99.9 % must be.
     template <class Same>
@@ -114,7 +114,6 @@ class SurfelReference : public testing::TestWithParam<bool> {
     }
 
     const AnalyticCloud cloud_ = mixture();
-    const std::unique_ptr<Device> device_ = createCpuDevice(2).value();
 };
 
 TEST_P(SurfelReference, NearestDiscs) {
@@ -184,9 +183,13 @@ TEST_P(SurfelReference, Silhouettes) {
         same);
 }
 
-INSTANTIATE_TEST_SUITE_P(Clouds, SurfelReference, testing::Bool(), [](const auto& orientation) {
-    return std::string(orientation.param ? "Oriented" : "Unoriented");
-});
+const auto instanceName = [](const auto& p) {
+    return std::get<0>(p.param) + (std::get<1>(p.param) ? "_oriented" : "_unoriented");
+};
+INSTANTIATE_TEST_SUITE_P(Cpu, SurfelReference, testing::Combine(testing::Values("cpu"), testing::Bool()),
+                         instanceName);
+INSTANTIATE_TEST_SUITE_P(Gl, SurfelReference, testing::Combine(testing::Values("egl"), testing::Bool()),
+                         instanceName);
 
 }  // namespace
 }  // namespace scancast::test

@@ -1,11 +1,16 @@
 // Oriented discs: methods.md §5, 002_e37b3096399c9e96.
 #include <gtest/gtest.h>
 
-#include "renderer/device/cpu/cpu_device.hpp"
-#include "tests/oracle/cpu/surfel_scenes.hpp"
+#include "tests/oracle/device/surfel_scenes.hpp"
+#include "tests/support/devices.hpp"
 
 namespace scancast::test {
 namespace {
+
+class Discs : public OnDevice {};
+SCANCAST_ON_DEVICES(Discs, "egl", "osmesa");
+class Surfels : public OnDevice {};
+SCANCAST_ON_DEVICES(Surfels, "egl");
 
 Rgb8 grey(double, double) {
     return {128, 128, 128};
@@ -29,8 +34,7 @@ std::vector<AnalyticPoint> strewn(double spacing) {
 // Right because the plane reaches beyond every border of the picture: whatever shows the background is a
 // hole. methods.md §5: the blog's r/2 leaves 10-23 % of them; ellipses leave 0.3 %, with the plain ratio of
 // the paper 1.8 %.
-TEST(Discs, CloseTheSurface) {
-    const auto device = createCpuDevice(2).value();
+TEST_P(Discs, CloseTheSurface) {
     double ewa = 0, plain = 0, pictures = 0;
     for (const double spacing : {0.02, 0.035}) {
         std::vector<AnalyticPoint> points = strewn(spacing);
@@ -40,12 +44,12 @@ TEST(Discs, CloseTheSurface) {
         for (const Viewpoint& view :
              {lookAt({0, 0, 2}, {0, 0, 0}, 320, 240, 60), lookAt({0.6, -0.5, 1.2}, {0, 0, 0}, 640, 480, 45),
               lookAtOrthographic({0.3, -1, 2}, {0, 0, 0}, 480, 480, 2)}) {
-            EXPECT_LE(holes(draw(*device, view, cloud, discPasses())), 0.003) << spacing;
-            const double half = holes(draw(*device, view, cloud, discPasses(0.5)));
+            EXPECT_LE(holes(draw(*device_, view, cloud, discPasses())), 0.003) << spacing;
+            const double half = holes(draw(*device_, view, cloud, discPasses(0.5)));
             EXPECT_GE(half, 0.10) << spacing;
             EXPECT_LE(half, 0.25) << spacing;
-            ewa += holes(draw(*device, view, cloud, ewaPasses()));
-            plain += holes(draw(*device, view, narrow, ewaPasses()));
+            ewa += holes(draw(*device_, view, cloud, ewaPasses()));
+            plain += holes(draw(*device_, view, narrow, ewaPasses()));
             ++pictures;
         }
     }
@@ -55,15 +59,14 @@ TEST(Discs, CloseTheSurface) {
 
 // Right because the depth of a plane along a ray is known; the centres' own pixels, which show the centres'
 // depth, may be off by the plane's slope over half a pixel's diagonal.
-TEST(Discs, HaveTheDepthOfTheirPlane) {
-    const auto device = createCpuDevice(2).value();
+TEST_P(Discs, HaveTheDepthOfTheirPlane) {
     std::vector<AnalyticPoint> points = planeOf(3, 3, 0.05, grey);
     for (AnalyticPoint& p : points) p.surfel = surfelOf({0, 0, 1}, 0.07);
     const AnalyticCloud cloud(points, 0.05);
     for (const Viewpoint& view :
          {lookAt({0, -1.5, 0.8}, {0, 0, 0}, 400, 300, 60), lookAt({0.5, -3, 0.5}, {0, 0, 0}, 640, 200, 30),
           lookAtOrthographic({0, -2, 1}, {0, 0, 0}, 300, 300, 2)}) {
-        const Frame frame = draw(*device, view, cloud, discPasses());
+        const Frame frame = draw(*device_, view, cloud, discPasses());
         std::size_t exact = 0, drawn = 0;
         for (int y = 0; y < frame.height; ++y) {
             for (int x = 0; x < frame.width; ++x) {
@@ -89,8 +92,7 @@ TEST(Discs, HaveTheDepthOfTheirPlane) {
 
 // Right because whatever wins or is blended has the one colour that there is; means of one value are that
 // value, however weights are rounded.
-TEST(Surfels, ConstantColourInIsExactlyThatColourOut) {
-    const auto device = createCpuDevice(2).value();
+TEST_P(Surfels, ConstantColourInIsExactlyThatColourOut) {
     std::vector<AnalyticPoint> points = sphereOf(9000);
     for (AnalyticPoint& p : points) p.rgb = {13, 201, 97};
     const AnalyticCloud cloud(points, 0.04);
@@ -99,7 +101,7 @@ TEST(Surfels, ConstantColourInIsExactlyThatColourOut) {
           lookAtOrthographic({-3, 1, 1}, {0, 0, 0}, 200, 150, 2.5)}) {
         for (const PassList& passes : {discPasses(), ewaPasses(), ewaPasses(0.05), voronoiPasses(false),
                                        voronoiPasses(true), voronoiPasses(true, true)}) {
-            const Frame frame = draw(*device, view, cloud, passes, true);
+            const Frame frame = draw(*device_, view, cloud, passes, true);
             for (std::size_t i = 0; i < frame.depth.size(); ++i) {
                 const Rgb8 color = pixel(frame, int(i) % frame.width, int(i) / frame.width);
                 ASSERT_EQ(color, std::isinf(frame.depth[i]) ? (Rgb8{0, 0, 0}) : (Rgb8{13, 201, 97}));
@@ -110,8 +112,7 @@ TEST(Surfels, ConstantColourInIsExactlyThatColourOut) {
 
 // Right because the sums of two colours in known numbers have a known mean, and 20,000 fragments of full
 // weight overflow 32 bits many times.
-TEST(Surfels, SumsNeverOverflow) {
-    const auto device = createCpuDevice(2).value();
+TEST_P(Surfels, SumsNeverOverflow) {
     std::vector<AnalyticPoint> points(20000);
     for (std::size_t i = 0; i < points.size(); ++i) {
         points[i].rgb = i % 4 == 0 ? Rgb8{255, 0, 10} : Rgb8{255, 200, 90};
@@ -120,7 +121,7 @@ TEST(Surfels, SumsNeverOverflow) {
     const AnalyticCloud cloud(points, 1);
     const Viewpoint view = lookAt({0, 0, 10}, {0, 0, 0}, 64, 64, 20);
     for (const PassList& passes : {ewaPasses(), voronoiPasses(true)}) {
-        const Frame frame = draw(*device, view, cloud, passes);
+        const Frame frame = draw(*device_, view, cloud, passes);
         EXPECT_EQ(pixel(frame, 32, 32), (Rgb8{255, 150, 70}));
         EXPECT_EQ(pixel(frame, 30, 34), (Rgb8{255, 150, 70}));
     }
@@ -128,8 +129,7 @@ TEST(Surfels, SumsNeverOverflow) {
 
 // Right because the pictures are compared with nothing but themselves: every depth is a place in front of
 // near, every pixel drawn or background.
-TEST(Surfels, SurviveEveryPlaceOfTheEye) {
-    const auto device = createCpuDevice(2).value();
+TEST_P(Surfels, SurviveEveryPlaceOfTheEye) {
     Numbers numbers(72);
     std::vector<AnalyticPoint> points(3000);
     for (AnalyticPoint& p : points) {
@@ -152,7 +152,7 @@ TEST(Surfels, SurviveEveryPlaceOfTheEye) {
     for (const Viewpoint& view : views) {
         for (PassList passes : {discPasses(), discPasses(100), ewaPasses(0), ewaPasses(4),
                                 voronoiPasses(false), voronoiPasses(true, true)}) {
-            const Frame frame = draw(*device, view, cloud, passes, true);
+            const Frame frame = draw(*device_, view, cloud, passes, true);
             for (const float d : frame.depth) ASSERT_TRUE(d >= float(view.near) * 0.9999f) << d;
         }
     }
@@ -160,8 +160,7 @@ TEST(Surfels, SurviveEveryPlaceOfTheEye) {
 
 // Right because half of a closed surface faces away: culled, the picture is the same; without its front the
 // other half shows.
-TEST(Discs, AreCulledByTheirSideWhereItIsKnown) {
-    const auto device = createCpuDevice(2).value();
+TEST_P(Discs, AreCulledByTheirSideWhereItIsKnown) {
     const AnalyticCloud cloud(sphereOf(20000), 0.03);
     const Viewpoint view = lookAt({3, 1, 0.5}, {0, 0, 0}, 300, 300, 30);
     const auto passes = [](Facing facing) {
@@ -169,10 +168,10 @@ TEST(Discs, AreCulledByTheirSideWhereItIsKnown) {
         std::get<NearestPass>(list[0]).facing = facing;
         return list;
     };
-    const Frame all = draw(*device, view, cloud, passes(Facing::Any), true);
-    const Frame front = draw(*device, view, cloud, passes(Facing::Front), true);
-    const Frame back = draw(*device, view, cloud, passes(Facing::Back), true);
-    const Frame unknown = draw(*device, view, cloud, passes(Facing::Front), false);
+    const Frame all = draw(*device_, view, cloud, passes(Facing::Any), true);
+    const Frame front = draw(*device_, view, cloud, passes(Facing::Front), true);
+    const Frame back = draw(*device_, view, cloud, passes(Facing::Back), true);
+    const Frame unknown = draw(*device_, view, cloud, passes(Facing::Front), false);
     EXPECT_EQ(unknown.rgba, all.rgba);
     std::size_t different = 0;
     for (std::size_t i = 0; i < all.depth.size(); ++i) different += all.depth[i] != front.depth[i] ? 1 : 0;

@@ -1,11 +1,14 @@
 // Voronoi rasterization of oriented discs: methods.md §7, 003_f374df756e3de90a.
 #include <gtest/gtest.h>
 
-#include "renderer/device/cpu/cpu_device.hpp"
-#include "tests/oracle/cpu/surfel_scenes.hpp"
+#include "tests/oracle/device/surfel_scenes.hpp"
+#include "tests/support/devices.hpp"
 
 namespace scancast::test {
 namespace {
+
+class VoronoiSurfels : public OnDevice {};
+SCANCAST_ON_DEVICES(VoronoiSurfels, "egl", "osmesa");
 
 /// Of the covered pixels, the share for which `right` holds (x, y, number of the point there).
 template <class Right>
@@ -47,8 +50,7 @@ TwoNearest twoNearest(const std::vector<AnalyticPoint>& points, const glm::dvec3
 }
 
 // Right because on a plane the cell of a point is what lies nearer to it than to any other, by brute force.
-TEST(VoronoiSurfels, CellsOfAPlaneBelongToTheNearestCentre) {
-    const auto device = createCpuDevice(2).value();
+TEST_P(VoronoiSurfels, CellsOfAPlaneBelongToTheNearestCentre) {
     std::size_t next = 0;
     std::vector<AnalyticPoint> points =
         planeOf(1.6, 1.6, 0.08, [&](double, double) { return numbered(++next); });
@@ -57,7 +59,7 @@ TEST(VoronoiSurfels, CellsOfAPlaneBelongToTheNearestCentre) {
     for (const Viewpoint& view :
          {lookAt({0, 0, 2}, {0, 0, 0}, 240, 180, 50), lookAt({0, 0, 3}, {0, 0, 0}, 512, 384, 40),
           lookAtOrthographic({0, 0, 2}, {0, 0, 0}, 300, 300, 2.4)}) {
-        const Frame frame = draw(*device, view, cloud, voronoiPasses(false));
+        const Frame frame = draw(*device_, view, cloud, voronoiPasses(false));
         const double share = shareOf(frame, [&](int x, int y, std::size_t n) {
             const Ray ray = rayThrough(view, x + 0.5, y + 0.5);
             const TwoNearest t =
@@ -69,14 +71,13 @@ TEST(VoronoiSurfels, CellsOfAPlaneBelongToTheNearestCentre) {
 }
 
 // Right because geodesic order on a sphere is the order of angles, so of straight distances, by brute force.
-TEST(VoronoiSurfels, CellsOfASphereBelongToOneOfTheTwoNearest) {
-    const auto device = createCpuDevice(2).value();
+TEST_P(VoronoiSurfels, CellsOfASphereBelongToOneOfTheTwoNearest) {
     const std::vector<AnalyticPoint> points = sphereOf(8000);
     const AnalyticCloud cloud(points, 0.04);
     for (const Viewpoint& view :
          {lookAt({2.6, 0.5, 0.4}, {0, 0, 0}, 160, 120, 50), lookAt({-1, 2.2, 1}, {0, 0, 0}, 320, 240, 50),
           lookAtOrthographic({1, -3, 2}, {0, 0, 0}, 240, 240, 2.2)}) {
-        const Frame frame = draw(*device, view, cloud, voronoiPasses(false), true);
+        const Frame frame = draw(*device_, view, cloud, voronoiPasses(false), true);
         const double share = shareOf(frame, [&](int x, int y, std::size_t n) {
             const Ray ray = rayThrough(view, x + 0.5, y + 0.5);
             const double along = -glm::dot(ray.origin, ray.direction);
@@ -115,13 +116,12 @@ std::vector<Viewpoint> aroundTheCube() {
 // Right because it is known which face a ray meets. Discs' flaps hide a strip of 0.8 spacings beside each
 // crease; cells end where both sides' centres are equally far, which is at the crease but for the disorder
 // of the samples.
-TEST(VoronoiSurfels, CreasesStaySharp) {
-    const auto device = createCpuDevice(2).value();
+TEST_P(VoronoiSurfels, CreasesStaySharp) {
     for (const double spacing : {0.05, 0.1}) {
         const AnalyticCloud cloud(cubeOf(spacing), spacing);
         for (const Viewpoint& view : aroundTheCube()) {
-            const double cells = wrongFaces(view, draw(*device, view, cloud, voronoiPasses(false), true));
-            const double discs = wrongFaces(view, draw(*device, view, cloud, discPasses(), true));
+            const double cells = wrongFaces(view, draw(*device_, view, cloud, voronoiPasses(false), true));
+            const double discs = wrongFaces(view, draw(*device_, view, cloud, discPasses(), true));
             EXPECT_LE(cells, 0.5 * discs) << spacing << ": " << discs;
             EXPECT_LE(cells, 0.5 * spacing) << spacing;
         }
@@ -130,20 +130,18 @@ TEST(VoronoiSurfels, CreasesStaySharp) {
 
 // Right because the field is blended inside the cells only: which pixels are drawn, and how deep, is the
 // same.
-TEST(VoronoiSurfels, SmoothCoversWhatFlatCovers) {
-    const auto device = createCpuDevice(2).value();
+TEST_P(VoronoiSurfels, SmoothCoversWhatFlatCovers) {
     const AnalyticCloud cloud(sphereOf(3000), 0.065);
     const Viewpoint view = lookAt({2.6, 0.5, 0.4}, {0, 0, 0}, 320, 240, 50);
-    const Frame flat = draw(*device, view, cloud, voronoiPasses(false));
-    const Frame smooth = draw(*device, view, cloud, voronoiPasses(true));
+    const Frame flat = draw(*device_, view, cloud, voronoiPasses(false));
+    const Frame smooth = draw(*device_, view, cloud, voronoiPasses(true));
     EXPECT_EQ(flat.depth, smooth.depth);
     EXPECT_NE(flat.rgba, smooth.rgba);
 }
 
 // Right because the colours are the positions themselves: a field that interpolates shows, at a pixel, about
 // the position that its ray meets, between its neighbours' and not one of them.
-TEST(VoronoiSurfels, SmoothInterpolatesBetweenTheCentres) {
-    const auto device = createCpuDevice(2).value();
+TEST_P(VoronoiSurfels, SmoothInterpolatesBetweenTheCentres) {
     std::vector<AnalyticPoint> points = planeOf(1.6, 1.6, 0.1, [](double x, double y) {
         return Rgb8{std::uint8_t(127.5 + 75 * x), std::uint8_t(127.5 + 75 * y), 0};
     });
@@ -164,8 +162,8 @@ TEST(VoronoiSurfels, SmoothInterpolatesBetweenTheCentres) {
         }
         return std::sqrt(sum / double(count));
     };
-    const double smooth = error(draw(*device, view, cloud, voronoiPasses(true)));
-    const double flat = error(draw(*device, view, cloud, voronoiPasses(false)));
+    const double smooth = error(draw(*device_, view, cloud, voronoiPasses(true)));
+    const double flat = error(draw(*device_, view, cloud, voronoiPasses(false)));
     EXPECT_LE(smooth, 0.5 * flat) << flat;
 }
 
@@ -188,12 +186,11 @@ Drawn drawnOf(const Viewpoint& view, const Frame& frame) {
 
 // Right because the cube's outline is known: what is drawn outside is the scalloped rim that the paper's
 // option clips, and nothing else may go.
-TEST(VoronoiSurfels, BackFacingDiscsClipTheSilhouette) {
-    const auto device = createCpuDevice(2).value();
+TEST_P(VoronoiSurfels, BackFacingDiscsClipTheSilhouette) {
     const AnalyticCloud cloud(cubeOf(0.1), 0.1);
     for (const Viewpoint& view : aroundTheCube()) {
-        const Drawn all = drawnOf(view, draw(*device, view, cloud, voronoiPasses(false), true));
-        const Drawn clipped = drawnOf(view, draw(*device, view, cloud, voronoiPasses(false, true), true));
+        const Drawn all = drawnOf(view, draw(*device_, view, cloud, voronoiPasses(false), true));
+        const Drawn clipped = drawnOf(view, draw(*device_, view, cloud, voronoiPasses(false, true), true));
         EXPECT_GT(all.outside, 500u);
         EXPECT_LE(double(clipped.outside), 0.3 * double(all.outside));
         EXPECT_GE(double(clipped.inside), 0.995 * double(all.inside));

@@ -4,12 +4,15 @@
 #include <cmath>
 #include <glm/geometric.hpp>
 
-#include "renderer/device/cpu/cpu_device.hpp"
+#include "tests/support/devices.hpp"
 #include "tests/support/draw_cut.hpp"
 #include "tests/support/reference_renderer.hpp"
 
 namespace scancast::test {
 namespace {
+
+class Shading : public OnDevice {};
+SCANCAST_ON_DEVICES(Shading, "egl", "osmesa");
 
 /// What the light makes of a colour; n and the way to the eye are unit vectors in view space.
 double shaded(double color, glm::dvec3 n, glm::dvec3 toEye) {
@@ -20,7 +23,7 @@ double shaded(double color, glm::dvec3 n, glm::dvec3 toEye) {
     return std::min(255.0, color * diffuse + 255 * 0.15 * shine);
 }
 
-TEST(Shading, IsTheFormulaAtEveryPixel) {
+TEST_P(Shading, IsTheFormulaAtEveryPixel) {
     // Right because the reference knows which sample each pixel shows, and the formula is a dozen lines.
     Numbers numbers(3);
     std::vector<AnalyticPoint> points(60'000);
@@ -31,14 +34,13 @@ TEST(Shading, IsTheFormulaAtEveryPixel) {
         p.rgb = numbers.color();
     }
     const AnalyticCloud cloud(points, 0.02);
-    const auto device = createCpuDevice(2).value();
     for (const Viewpoint& view : {lookAt({0.4, -3, 1}, {0.1, 0, 0}, 331, 247, 50),
                                   lookAtOrthographic({0.4, -3, 1}, {0.1, 0, 0}, 331, 247, 2.3)}) {
         NearestPass nearest = sprite(Footprint::Circle, Profile::Paraboloid, 5);
         nearest.payload = Payload::Sample;
         Scene scene(view, cloud.cut(), nearest);
         scene.drawing.passes = scene.passes = {nearest, ResolvePass{false, true}, PhongPass{}};
-        const Frame frame = mustDraw(*device, scene.drawing);
+        const Frame frame = mustDraw(*device_, scene.drawing);
         const ReferencePicture reference = referenceNearest(scene.drawing);
         std::vector<const Sample*> samples;
         for (const CutRun& run : cloud.cut().runs) {
@@ -73,7 +75,7 @@ TEST(Shading, IsTheFormulaAtEveryPixel) {
     }
 }
 
-TEST(Shading, LeavesPixelsWithoutNormalsAsTheyAre) {
+TEST_P(Shading, LeavesPixelsWithoutNormalsAsTheyAre) {
     // Right because there is nothing to light: methods.md §9 says so of no normal.
     const AnalyticPoint point{.position = {0, 0, 0}, .rgb = {200, 100, 50}};
     const AnalyticCloud cloud(std::span(&point, 1), 0.02);
@@ -82,8 +84,7 @@ TEST(Shading, LeavesPixelsWithoutNormalsAsTheyAre) {
     nearest.payload = Payload::Sample;
     Scene scene(view, cloud.cut(), nearest);
     scene.drawing.passes = scene.passes = {nearest, ResolvePass{false, true}, PhongPass{}};
-    const auto device = createCpuDevice(1).value();
-    EXPECT_EQ(pixel(mustDraw(*device, scene.drawing), 16, 16), (Rgb8{200, 100, 50}));
+    EXPECT_EQ(pixel(mustDraw(*device_, scene.drawing), 16, 16), (Rgb8{200, 100, 50}));
 }
 
 }  // namespace

@@ -7,6 +7,7 @@
 
 #include "renderer/device/cpu/cpu_device.hpp"
 #include "renderer/method/method.hpp"
+#include "tests/support/devices.hpp"
 #include "tests/support/draw_cut.hpp"
 #include "tests/support/faded_cut.hpp"
 
@@ -25,15 +26,31 @@ AnalyticCloud ball() {
     return {points, 0.02, 20'000};
 }
 
-class RunsInPart : public testing::TestWithParam<const char*> {
+/// On a GL device, or on the cpu device with the kernels of one SIMD level.
+class RunsInPart : public testing::TestWithParam<std::string> {
   protected:
-    void SetUp() override { setenv("SCANCAST_SIMD", GetParam(), 1); }
-    void TearDown() override { unsetenv("SCANCAST_SIMD"); }
+    void SetUp() override {
+        if (GetParam()[0] == 'v') {
+            setenv("SCANCAST_SIMD", GetParam().c_str(), 1);
+            auto cpu = createCpuDevice(2);
+            unsetenv("SCANCAST_SIMD");
+            if (!cpu) GTEST_SKIP() << cpu.error().message;
+            own_ = std::move(*cpu);
+            device_ = own_.get();
+        } else {
+            REQUIRE_DEVICE(gl, GetParam());
+            device_ = gl;
+        }
+    }
+    Device* device_ = nullptr;
+
+  private:
+    std::unique_ptr<Device> own_;
 };
+INSTANTIATE_TEST_SUITE_P(Cpu, RunsInPart, testing::Values("v2", "v3", "v4"), deviceName);
+INSTANTIATE_TEST_SUITE_P(Gl, RunsInPart, testing::Values("egl"), deviceName);
 
 TEST_P(RunsInPart, AreTheirDrawnSamples) {
-    const auto device = createCpuDevice(2);
-    if (!device) GTEST_SKIP() << device.error().message;
     const AnalyticCloud cloud = ball();
     const Cut faded = withShares(cloud.cut());
     const DrawnOnly drawn(faded);
@@ -43,16 +60,14 @@ TEST_P(RunsInPart, AreTheirDrawnSamples) {
         const NearestPass circles = sprite(Footprint::Circle, Profile::Paraboloid, px);
         const Scene inPart(view, faded, circles), whole(view, drawn.cut(), circles),
             all(view, cloud.cut(), circles);
-        const Frame a = mustDraw(**device, inPart.drawing), b = mustDraw(**device, whole.drawing);
+        const Frame a = mustDraw(*device_, inPart.drawing), b = mustDraw(*device_, whole.drawing);
         EXPECT_EQ(a.rgba, b.rgba) << px;
         EXPECT_EQ(a.depth, b.depth) << px;
-        EXPECT_NE(a.rgba, mustDraw(**device, all.drawing).rgba) << px;
+        EXPECT_NE(a.rgba, mustDraw(*device_, all.drawing).rgba) << px;
     }
 }
 
 TEST_P(RunsInPart, AreTheirDrawnSamplesInEveryMethod) {
-    const auto device = createCpuDevice(2);
-    if (!device) GTEST_SKIP() << device.error().message;
     const AnalyticCloud cloud = ball();
     const Cut faded = withShares(cloud.cut());
     const DrawnOnly drawn(faded);
@@ -68,16 +83,13 @@ TEST_P(RunsInPart, AreTheirDrawnSamplesInEveryMethod) {
                                       {.surfels = true, .oriented = true, .normals = true, .spacing = 0.02},
                                       2});
         scene.drawing.passes = scene.passes;
-        const Frame a = mustDraw(**device, scene.drawing);
+        const Frame a = mustDraw(*device_, scene.drawing);
         scene.drawing.cut = &drawn.cut();
-        const Frame b = mustDraw(**device, scene.drawing);
+        const Frame b = mustDraw(*device_, scene.drawing);
         EXPECT_EQ(a.rgba, b.rgba) << method.name;
         EXPECT_EQ(a.depth, b.depth) << method.name;
     }
 }
-
-INSTANTIATE_TEST_SUITE_P(Simd, RunsInPart, testing::Values("v2", "v3", "v4"),
-                         [](const auto& p) { return std::string(p.param); });
 
 }  // namespace
 }  // namespace scancast::test

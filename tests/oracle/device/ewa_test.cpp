@@ -1,11 +1,14 @@
 // Blended ellipses with the screen's low-pass: methods.md §5, 001_c3e54385a9f0e90c with Zwicker 2001.
 #include <gtest/gtest.h>
 
-#include "renderer/device/cpu/cpu_device.hpp"
-#include "tests/oracle/cpu/surfel_scenes.hpp"
+#include "tests/oracle/device/surfel_scenes.hpp"
+#include "tests/support/devices.hpp"
 
 namespace scancast::test {
 namespace {
+
+class Ewa : public OnDevice {};
+SCANCAST_ON_DEVICES(Ewa, "egl");
 
 constexpr double square = 0.25;
 
@@ -57,28 +60,27 @@ AnalyticCloud chequeredPlane(double across, double along, double spacing) {
 }
 
 // Right because the truth is the area average of the pattern itself: what a perfect low-pass would show.
-TEST(Ewa, AveragesAChequerboardSeenAtAGrazingAngle) {
+TEST_P(Ewa, AveragesAChequerboardSeenAtAGrazingAngle) {
     constexpr double across = 10, along = 20, spacing = 0.05;
     const AnalyticCloud cloud = chequeredPlane(across, along, spacing);
-    const auto device = createCpuDevice(2).value();
     NearestPass circles = sprite(Footprint::Circle, Profile::Flat, 0);
     for (const Viewpoint& view :
          {lookAt({0, -24, 2}, {0, 0, 0}, 320, 180, 40), lookAt({3, -22, 1.2}, {0, 2, 0}, 200, 150, 30),
           lookAtOrthographic({0, -30, 4}, {0, 0, 0}, 240, 60, 5)}) {
-        const double circle = psnr(view, draw(*device, view, cloud, {circles, ResolvePass{}}), across, along);
-        const double ewa = psnr(view, draw(*device, view, cloud, ewaPasses()), across, along);
+        const double circle =
+            psnr(view, draw(*device_, view, cloud, {circles, ResolvePass{}}), across, along);
+        const double ewa = psnr(view, draw(*device_, view, cloud, ewaPasses()), across, along);
         EXPECT_GE(ewa, circle + 6) << circle << " dB with circles, " << ewa << " dB with ellipses";
     }
 }
 
 // Right because without the low-pass nothing filters what is smaller than a pixel.
-TEST(Ewa, IsFilteredByItsLowPass) {
+TEST_P(Ewa, IsFilteredByItsLowPass) {
     constexpr double across = 10, along = 20, spacing = 0.05;
     const AnalyticCloud cloud = chequeredPlane(across, along, spacing);
-    const auto device = createCpuDevice(2).value();
     const Viewpoint view = lookAt({0, -24, 2}, {0, 0, 0}, 320, 180, 40);
-    const double with = psnr(view, draw(*device, view, cloud, ewaPasses(0.5)), across, along);
-    const double without = psnr(view, draw(*device, view, cloud, ewaPasses(0.02)), across, along);
+    const double with = psnr(view, draw(*device_, view, cloud, ewaPasses(0.5)), across, along);
+    const double without = psnr(view, draw(*device_, view, cloud, ewaPasses(0.02)), across, along);
     EXPECT_GE(with, without + 1) << with << " dB against " << without;
 }
 
@@ -95,8 +97,7 @@ std::size_t beyondTheCube(const Viewpoint& view, const Frame& frame) {
 
 // Right because the cube's outline is known: what is drawn outside is overshoot. The same surfels are drawn
 // as ellipses and as circles of their larger half-axis.
-TEST(Ewa, EllipsesOvershootASilhouetteLessThanCircles) {
-    const auto device = createCpuDevice(2).value();
+TEST_P(Ewa, EllipsesOvershootASilhouetteLessThanCircles) {
     for (const double spacing : {0.05, 0.1}) {
         std::vector<AnalyticPoint> ellipses = cubeOf(spacing);
         estimate(ellipses);
@@ -106,8 +107,8 @@ TEST(Ewa, EllipsesOvershootASilhouetteLessThanCircles) {
         for (const Viewpoint& view :
              {lookAt({0, -5, 0}, {0, 0, 0}, 400, 400, 35), lookAt({4, -3, 2}, {0, 0, 0}, 640, 480, 40),
               lookAtOrthographic({3, -5, 4}, {0, 0, 0}, 400, 400, 4.5)}) {
-            const std::size_t less = beyondTheCube(view, draw(*device, view, narrow, ewaPasses()));
-            const std::size_t more = beyondTheCube(view, draw(*device, view, round, ewaPasses()));
+            const std::size_t less = beyondTheCube(view, draw(*device_, view, narrow, ewaPasses()));
+            const std::size_t more = beyondTheCube(view, draw(*device_, view, round, ewaPasses()));
             EXPECT_GT(more, 50u);
             EXPECT_LE(double(less), 0.95 * double(more)) << spacing;
         }

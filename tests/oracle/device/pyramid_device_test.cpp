@@ -5,12 +5,15 @@
 #include <glm/geometric.hpp>
 #include <string>
 
-#include "renderer/device/cpu/cpu_device.hpp"
 #include "renderer/method/method.hpp"
+#include "tests/support/devices.hpp"
 #include "tests/support/draw_cut.hpp"
 
 namespace scancast::test {
 namespace {
+
+class PyramidMethod : public OnDevice {};
+SCANCAST_ON_DEVICES(PyramidMethod, "egl", "osmesa");
 
 /// The method's passes for a cloud of this spacing, drawn in full.
 PassList passesFor(double spacing, Shading shading) {
@@ -53,9 +56,8 @@ std::string nameOf(const Setting& s) {
 
 constexpr Rgb8 green{0, 200, 0}, red{200, 0, 0};
 
-TEST(PyramidMethod, CoversASphere) {
+TEST_P(PyramidMethod, CoversASphere) {
     // Inside its silhouette a sphere has no holes, outside it nothing is drawn.
-    const auto device = createCpuDevice(2).value();
     for (const Setting& s : settings()) {
         const double eye = 3, viewHeight = 2.6;
         const Viewpoint view =
@@ -71,8 +73,8 @@ TEST(PyramidMethod, CoversASphere) {
             p.rgb = green;
         }
         const AnalyticCloud cloud(points, spacing);
-        const Frame frame = drawn(*device, view, cloud, spacing);
-        const Frame lit = drawn(*device, view, cloud, spacing, Shading::Phong);
+        const Frame frame = drawn(*device_, view, cloud, spacing);
+        const Frame lit = drawn(*device_, view, cloud, spacing, Shading::Phong);
         const double silhouette = view.pixelsPerUnit * (s.perspective ? 1 / std::sqrt(eye * eye - 1) : 1);
         double inside = 0, holes = 0, outside = 0, spilled = 0;
         for (int y = 0; y < s.height; ++y) {
@@ -96,10 +98,9 @@ TEST(PyramidMethod, CoversASphere) {
     }
 }
 
-TEST(PyramidMethod, HidesTheRearSheetUpToThePicturesBorder) {
+TEST_P(PyramidMethod, HidesTheRearSheetUpToThePicturesBorder) {
     // A green sheet before a red one: not one pixel in a hundred may be red or empty, the outermost ones
     // included, which is what the guard band is for.
-    const auto device = createCpuDevice(2).value();
     for (const Setting& s : settings()) {
         const Viewpoint view = s.perspective
                                    ? lookAt({0, -10, 0}, {0, 0, 0}, s.width, s.height, 50)
@@ -121,7 +122,7 @@ TEST(PyramidMethod, HidesTheRearSheetUpToThePicturesBorder) {
             }
         }
         const AnalyticCloud cloud(points, spacing);
-        const Frame frame = drawn(*device, view, cloud, spacing);
+        const Frame frame = drawn(*device_, view, cloud, spacing);
         double wrong = 0, wrongAtBorder = 0, border = 0;
         for (int y = 0; y < s.height; ++y) {
             for (int x = 0; x < s.width; ++x) {

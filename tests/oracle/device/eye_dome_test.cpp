@@ -3,12 +3,15 @@
 
 #include <cmath>
 
-#include "renderer/device/cpu/cpu_device.hpp"
+#include "tests/support/devices.hpp"
 #include "tests/support/draw_cut.hpp"
 #include "tests/support/reference_renderer.hpp"
 
 namespace scancast::test {
 namespace {
+
+class EyeDome : public OnDevice {};
+SCANCAST_ON_DEVICES(EyeDome, "egl", "osmesa");
 
 /// The plane y = depth(x), one white point every half pixel or closer.
 template <class Depth>
@@ -27,25 +30,23 @@ AnalyticCloud relief(const Depth& depth) {
 
 const Viewpoint view = lookAtOrthographic({0, -10, 0}, {0, 0, 0}, 160, 120, 6);
 
-TEST(EyeDome, LeavesAFacingPlaneUnshaded) {
+TEST_P(EyeDome, LeavesAFacingPlaneUnshaded) {
     // All neighbours are equally deep: the response is 0 and the shade exactly 1.
-    const auto device = createCpuDevice(2).value();
     const AnalyticCloud cloud = relief([](double) { return 0.0; });
     Scene scene(view, cloud.cut(), sprite(Footprint::Square, Profile::Flat, 2));
     scene.addEyeDome();
-    const Frame frame = mustDraw(*device, scene.drawing);
+    const Frame frame = mustDraw(*device_, scene.drawing);
     for (int y = 1; y < 119; ++y) {
         for (int x = 1; x < 159; ++x) ASSERT_EQ(pixel(frame, x, y), (Rgb8{250, 200, 150})) << x << ", " << y;
     }
 }
 
-TEST(EyeDome, DarkensOnlyTheFarSideOfAStep) {
+TEST_P(EyeDome, DarkensOnlyTheFarSideOfAStep) {
     // Only neighbours that are nearer darken: the near side has none.
-    const auto device = createCpuDevice(2).value();
     const AnalyticCloud cloud = relief([](double x) { return x < 0 ? 0.0 : 0.5; });
     Scene scene(view, cloud.cut(), sprite(Footprint::Pixel, Profile::Flat, 1));
     scene.addEyeDome();
-    const Frame frame = mustDraw(*device, scene.drawing);
+    const Frame frame = mustDraw(*device_, scene.drawing);
     for (int y = 2; y < 118; ++y) {
         for (int x = 2; x < 158; ++x) {
             const bool far = depth(frame, x, y) > 10.2f, besideNear = depth(frame, x - 1, y) < 10.2f;
@@ -58,8 +59,7 @@ TEST(EyeDome, DarkensOnlyTheFarSideOfAStep) {
     }
 }
 
-TEST(EyeDome, FollowsItsFormula) {
-    const auto device = createCpuDevice(2).value();
+TEST_P(EyeDome, FollowsItsFormula) {
     Numbers numbers(51);
     std::vector<AnalyticPoint> points(30000);
     for (AnalyticPoint& p : points) {
@@ -71,10 +71,10 @@ TEST(EyeDome, FollowsItsFormula) {
     for (const EyeDomePass pass :
          {EyeDomePass{}, EyeDomePass{0.05f, 1.4f}, EyeDomePass{0.1f, 3.0f}, EyeDomePass{0.0f, 1.0f}}) {
         Scene plain(sphere, cloud.cut(), sprite(Footprint::Circle, Profile::Paraboloid, 3));
-        const Frame unlit = mustDraw(*device, plain.drawing);
+        const Frame unlit = mustDraw(*device_, plain.drawing);
         Scene scene(sphere, cloud.cut(), sprite(Footprint::Circle, Profile::Paraboloid, 3));
         scene.addEyeDome(pass);
-        const Frame lit = mustDraw(*device, scene.drawing);
+        const Frame lit = mustDraw(*device_, scene.drawing);
         ASSERT_EQ(lit.depth, unlit.depth) << "lighting changes colours only";
         int darker = 0;
         for (int y = 0; y < 150; ++y) {

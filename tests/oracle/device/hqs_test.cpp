@@ -3,11 +3,14 @@
 
 #include <cmath>
 
-#include "renderer/device/cpu/cpu_device.hpp"
+#include "tests/support/devices.hpp"
 #include "tests/support/draw_cut.hpp"
 
 namespace scancast::test {
 namespace {
+
+class BlendedCircles : public OnDevice {};
+SCANCAST_ON_DEVICES(BlendedCircles, "egl", "osmesa");
 
 constexpr int width = 400, height = 300;
 
@@ -49,11 +52,10 @@ std::vector<AnalyticPoint> plane(double apart, double q, double depthNoise, cons
     return points;
 }
 
-TEST(BlendedCircles, AreTheWeightedMeanOfWhatLiesAtTheSurface) {
+TEST_P(BlendedCircles, AreTheWeightedMeanOfWhatLiesAtTheSurface) {
     // Right because the same sums, in double, straight from methods.md §4, give the same colours: on two
     // sheets of which the rear one must add nothing, and a noisy one whose fragments lie within the
     // tolerance.
-    const auto device = createCpuDevice(2).value();
     constexpr float size = 7;
     for (const Viewpoint& view : facingViews(60)) {
         const auto colored = [](const glm::dvec3&, Numbers& n) { return n.color(); };
@@ -63,7 +65,7 @@ TEST(BlendedCircles, AreTheWeightedMeanOfWhatLiesAtTheSurface) {
             points.push_back(p);
         }
         const AnalyticCloud cloud(points, 0.05, 700);
-        const Frame frame = draw(*device, view, cloud.cut(), blended(size));
+        const Frame frame = draw(*device_, view, cloud.cut(), blended(size));
         int compared = 0;
         for (int y = 7; y < height; y += 11) {
             for (int x = 3; x < width; x += 7) {
@@ -102,23 +104,21 @@ TEST(BlendedCircles, AreTheWeightedMeanOfWhatLiesAtTheSurface) {
     }
 }
 
-TEST(BlendedCircles, ShowExactlyTheColourThatEverythingHas) {
+TEST_P(BlendedCircles, ShowExactlyTheColourThatEverythingHas) {
     // Right because the mean of equal colours is that colour, whatever the weights.
-    const auto device = createCpuDevice(2).value();
     const Rgb8 color{201, 7, 254};
     for (const Viewpoint& view : facingViews(60)) {
         const AnalyticCloud cloud(plane(3, 60, 0.3, [&](const glm::dvec3&, Numbers&) { return color; }),
                                   0.05);
-        const Frame frame = draw(*device, view, cloud.cut(), blended(8));
+        const Frame frame = draw(*device_, view, cloud.cut(), blended(8));
         for (int y = 0; y < height; ++y) {
             for (int x = 0; x < width; ++x) ASSERT_EQ(pixel(frame, x, y), color) << x << ", " << y;
         }
     }
 }
 
-TEST(BlendedCircles, DoNotOverflowWhereEverythingLiesOnTopOfEachOther) {
+TEST_P(BlendedCircles, DoNotOverflowWhereEverythingLiesOnTopOfEachOther) {
     // Right because half of the points are black and half white: their mean is grey, of 10 and of 100,000.
-    const auto device = createCpuDevice(2).value();
     const Viewpoint view = lookAt({0, -3, 0}, {0, 0, 0}, 64, 64);
     std::vector<AnalyticPoint> points(100'000);
     for (std::size_t i = 0; i < points.size(); ++i) {
@@ -126,14 +126,13 @@ TEST(BlendedCircles, DoNotOverflowWhereEverythingLiesOnTopOfEachOther) {
         points[i].rgb = {v, v, v};
     }
     const AnalyticCloud cloud(points, 0.05);
-    const Frame frame = draw(*device, view, cloud.cut(), blended(9));
+    const Frame frame = draw(*device_, view, cloud.cut(), blended(9));
     EXPECT_NEAR(pixel(frame, 32, 32)[0], 127.5, 0.6);
     EXPECT_NEAR(pixel(frame, 34, 31)[2], 127.5, 0.6);
 }
 
-TEST(BlendedCircles, ComeNearerToTheCleanColourOfANoisyPlaneThanParaboloids) {
+TEST_P(BlendedCircles, ComeNearerToTheCleanColourOfANoisyPlaneThanParaboloids) {
     // Fig. 6 of the paper. Right because the colour without noise is known.
-    const auto device = createCpuDevice(2).value();
     const auto clean = [](double x) { return 110 + 60 * std::sin(x * 1.5); };
     for (const double apart : {2.0, 4.0}) {
         for (const Viewpoint& view : facingViews(60)) {
@@ -144,7 +143,7 @@ TEST(BlendedCircles, ComeNearerToTheCleanColourOfANoisyPlaneThanParaboloids) {
             const AnalyticCloud cloud(plane(apart, 60, 0.2, noisy), 0.05);
             const float size = static_cast<float>(2.2 * apart);
             const auto error = [&](const PassList& passes) {
-                const Frame frame = draw(*device, view, cloud.cut(), passes);
+                const Frame frame = draw(*device_, view, cloud.cut(), passes);
                 double sum = 0;
                 for (int y = 0; y < height; ++y) {
                     for (int x = 0; x < width; ++x)
@@ -159,10 +158,9 @@ TEST(BlendedCircles, ComeNearerToTheCleanColourOfANoisyPlaneThanParaboloids) {
     }
 }
 
-TEST(BlendedCircles, KeepAnEdgeWithinHalfASplatOfItsPlace) {
+TEST_P(BlendedCircles, KeepAnEdgeWithinHalfASplatOfItsPlace) {
     // methods.md §4: the rise from 10 to 90 % stays within 0.55 p + 1 px; the edge is where the colours
     // change.
-    const auto device = createCpuDevice(2).value();
     for (const double apart : {2.0, 3.0, 5.0}) {
         for (const Viewpoint& view : facingViews(60)) {
             const auto halves = [](const glm::dvec3& at, Numbers&) {
@@ -171,7 +169,7 @@ TEST(BlendedCircles, KeepAnEdgeWithinHalfASplatOfItsPlace) {
             };
             const double p = 2.2 * apart;
             const AnalyticCloud cloud(plane(apart, 60, 0, halves), 0.05);
-            const Frame frame = draw(*device, view, cloud.cut(), blended(static_cast<float>(p)));
+            const Frame frame = draw(*device_, view, cloud.cut(), blended(static_cast<float>(p)));
             std::vector<double> mean(width, 0);
             for (int y = 20; y < height - 20; ++y) {
                 for (int x = 0; x < width; ++x)

@@ -1,0 +1,186 @@
+// Device against device through the front door: generated scenes with levels of detail, surfels and a mirror,
+// in every method, and everything that a style or a quality can ask for. The devices share the host's
+// arithmetic, but neither kernels nor memory nor tiles.
+//
+// Asked for: at least 45 dB. A software driver computes in the processor's own floats, rounds divisions and
+// roots correctly and contracts nothing (shaders say `precise`), so there the methods that only keep the
+// nearest sample must give the same bytes. Graphics cards may err by some units in the last place when they
+// divide or take roots, and a sample then falls on the other side of a pixel's border; hence decibels.
+#include <gtest/gtest.h>
+
+#include <map>
+
+#include "renderer/method/automatic.hpp"
+#include "renderer/method/method.hpp"
+#include "tests/support/agreement.hpp"
+#include "tests/support/devices.hpp"
+#include "tests/support/scene_clouds.hpp"
+
+namespace scancast::test {
+namespace {
+
+constexpr std::uint64_t points = 50'000;
+constexpr int width = 301, height = 203;  // no multiple of any work group
+constexpr Projection projections[] = {Projection::Perspective, Projection::Orthographic};
+
+/// Only integers are compared and kept: what lies nearest, by its depth's bits.
+bool onlyKeepsTheNearest(const View& view) {
+    const Method& method = *findMethod(view.style.method);
+    const bool blends =
+        method.name == "hqs" || method.name == "ewa" || method.name == "voronoi" || method.name == "pyramid";
+    return !blends && view.style.shading.value_or(method.defaultShading) == Shading::Unlit;
+}
+
+/// Built once for all tests of this program.
+const Cloud& cloudOf(const std::string& scene) {
+    static std::map<std::string, std::shared_ptr<const Cloud>> clouds;
+    auto& cloud = clouds[scene];
+    if (!cloud) cloud = sceneCloud(scene, points).value();
+    return *cloud;
+}
+
+void expectAgreement(Device& gl, Device& cpu, const Cloud& cloud, const View& view,
+                     const RenderOptions& options = {}) {
+    const auto a = render(gl, cloud, view, options), b = render(cpu, cloud, view, options);
+    ASSERT_TRUE(b) << b.error().message;
+    ASSERT_TRUE(a) << a.error().message;
+    EXPECT_EQ(a->stats.samplesDrawn, b->stats.samplesDrawn);
+    EXPECT_EQ(a->stats.mirrorsDrawn, b->stats.mirrorsDrawn);
+    const Agreement agreement = agreementOf(*a, *b);
+    EXPECT_GE(agreement.psnr, 45);
+    EXPECT_LE(agreement.part(agreement.changedDepth), 0.01);
+    EXPECT_GT(agreement.part(agreement.covered), 0.05) << "a picture of nothing proves nothing";
+    if (!gl.info().hardware && onlyKeepsTheNearest(view)) {
+        EXPECT_TRUE(agreement.identical())
+            << agreement.changed << " pixels and " << agreement.changedDepth << " depths differ";
+    }
+}
+
+/// Calls work(view) for every method.
+template <class Work>
+void inEveryMethod(View view, const Work& work) {
+    for (const Method& method : methods()) {
+        if (method.name == automaticName) continue;
+        SCOPED_TRACE(method.name);
+        view.style.method = method.name;
+        work(view);
+    }
+}
+
+/// On one device or the other, a scene.
+class SceneAgreement : public OnDeviceWith<std::tuple<std::string, std::string>> {};
+
+TEST_P(SceneAgreement, InEveryMethodAndProjection) {
+    REQUIRE_DEVICE(cpu, "cpu");
+    const auto& [device, scene] = GetParam();
+    const Cloud& cloud = cloudOf(scene);
+    for (const Projection projection : projections) {
+        SCOPED_TRACE(std::string(name(projection)));
+        inEveryMethod(sceneView(cloud, sceneViews(scene)[0], projection, width, height),
+                      [&](const View& view) { expectAgreement(*device_, *cpu, cloud, view); });
+    }
+}
+
+/// Both backends run the same driver where there is no graphics card: one scene will show that OSMesa draws
+/// it, too.
+std::vector<std::tuple<std::string, std::string>> deviceScenes() {
+    std::vector<std::tuple<std::string, std::string>> all{{"osmesa", "town"}};
+    for (const char* scene : {"town", "statue", "sign", "cube", "torus", "bridge"})
+        all.emplace_back("egl", scene);
+    return all;
+}
+INSTANTIATE_TEST_SUITE_P(Gl, SceneAgreement, testing::ValuesIn(deviceScenes()),
+                         [](const auto& p) { return std::get<0>(p.param) + "_" + std::get<1>(p.param); });
+
+/// A room with a mirror, and what a view can ask for besides.
+class ViewAgreement : public OnDevice {
+  protected:
+    void SetUp() override {
+        REQUIRE_DEVICE(cpu, "cpu");
+        cpu_ = cpu;
+        OnDevice::SetUp();
+    }
+    View view(Projection projection = Projection::Perspective, std::size_t from = 0) const {
+        return sceneView(cloud_, sceneViews("room")[from], projection, width, height);
+    }
+    void check(const View& view, const RenderOptions& options = {}) {
+        expectAgreement(*device_, *cpu_, cloud_, view, options);
+    }
+    Device* cpu_ = nullptr;
+    const Cloud& cloud_ = cloudOf("room");
+};
+INSTANTIATE_TEST_SUITE_P(Gl, ViewAgreement, testing::Values("egl"), deviceName);
+
+TEST_P(ViewAgreement, Mirrors) {
+    for (const Projection projection : projections) {
+        inEveryMethod(view(projection), [&](View v) {
+            check(v);
+            v.style.mirrors = false;
+            v.style.behindMirrors = true;
+            check(v);
+        });
+    }
+}
+
+TEST_P(ViewAgreement, Shadings) {
+    inEveryMethod(view(Projection::Perspective, 1), [&](View v) {
+        for (const Shading shading : {Shading::Unlit, Shading::Phong, Shading::EyeDome}) {
+            SCOPED_TRACE(std::string(name(shading)));
+            v.style.shading = shading;
+            check(v);
+        }
+    });
+}
+
+TEST_P(ViewAgreement, Colours) {
+    for (const char* method : {"paraboloid", "hqs", "disc", "ewa", "voronoi", "pyramid"}) {
+        View v = view(Projection::Orthographic, 1);
+        v.style.method = method;
+        for (const ColorSource color :
+             {ColorSource::Intensity, ColorSource::Elevation, ColorSource::Classification,
+              ColorSource::Normal, ColorSource::Depth, ColorSource::Lod, ColorSource::Flat}) {
+            SCOPED_TRACE(std::string(method) + ", " + std::string(name(color)));
+            v.style.color = color;
+            v.style.flatColor = {10, 200, 90};
+            check(v);
+        }
+    }
+}
+
+TEST_P(ViewAgreement, ClipAndClasses) {
+    View from = view(Projection::Perspective, 1);
+    from.style.clip = ClipBox{{-1.1, -1.2, 0.3}, {1.7, 1.9, 2}};
+    inEveryMethod(from, [&](const View& v) { check(v); });
+    // Only the town has classes.
+    const Cloud& town = cloudOf("town");
+    from = sceneView(town, sceneViews("town")[0], Projection::Perspective, width, height);
+    from.style.classes = std::vector<std::uint8_t>{2, 6};
+    inEveryMethod(from, [&](const View& v) { expectAgreement(*device_, *cpu_, town, v); });
+}
+
+TEST_P(ViewAgreement, AveragedFramesOnTransparency) {
+    View from = view();
+    from.quality.samples = 3;
+    from.style.background.kind = Background::Kind::Transparent;
+    inEveryMethod(from, [&](const View& v) { check(v); });
+}
+
+TEST_P(ViewAgreement, LevelsThatFadeAndNone) {
+    inEveryMethod(view(Projection::Perspective, 1), [&](View v) {
+        v.quality.detail = 5;
+        check(v);
+        v.quality.detail = std::nullopt;
+        check(v, {.bruteForce = true});
+    });
+}
+
+/// Larger than a screen: drawn in two tiles, which share the mirror.
+TEST_P(ViewAgreement, Tiles) {
+    View from = view();
+    from.width = 2304;
+    from.height = 120;
+    inEveryMethod(from, [&](const View& v) { check(v); });
+}
+
+}  // namespace
+}  // namespace scancast::test

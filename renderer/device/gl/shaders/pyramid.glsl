@@ -3,11 +3,11 @@
 
 layout(std140, binding = 0) uniform Params { PyramidParams pyramid; };
 
-const float infinity = intBitsToFloat(0x7f800000);
+// No constants: not every compiler evaluates intBitsToFloat before it runs.
+#define infinity intBitsToFloat(0x7f800000)
+#define nothing vec4(infinity, 0.0, 0.0, 0.0)
 // Depths above it are infinite.
 const float finiteDepths = 3.4e38;
-
-const vec4 nothing = vec4(infinity, 0.0, 0.0, 0.0);
 
 ivec2 sizeOf(int level) {
     return level == 0 ? pyramid.size.xy : pyramid.levels[level].xy;

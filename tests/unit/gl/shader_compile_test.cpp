@@ -1,0 +1,89 @@
+// Every variant of every shader compiles as OpenGL 4.5, by a compiler that is none of the drivers': also
+// those that need 64-bit atomics, which software drivers lack. What a driver accepts beyond the language
+// would fail on another one.
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <set>
+
+#include "renderer/device/gl/splat_variants.hpp"
+
+namespace scancast::gl {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* compiler = "glslangValidator";
+
+/// The variants of shaders that have few: those of splats enumerate themselves.
+std::vector<ShaderVariant> allVariants() {
+    std::vector<ShaderVariant> all = allSplatVariants();
+    std::set<std::string_view> known;
+    for (const ShaderVariant& variant : all) known.insert(variant.shader);
+    for (const EmbeddedShader& shader : std::span(embeddedShaders, embeddedShaderCount)) {
+        if (!shader.name.ends_with(".comp") || known.contains(shader.name)) continue;
+        if (shader.name == "glass.comp") {
+            for (const int through : {0, 1}) all.push_back({shader.name, {{"THROUGH", through}}});
+        } else {
+            all.push_back({shader.name, {}});
+        }
+    }
+    return all;
+}
+
+std::string contents(const fs::path& path) {
+    std::ifstream file(path);
+    return {std::istreambuf_iterator<char>(file), {}};
+}
+
+/// The lines of a log that tell what is wrong.
+std::string errorsIn(const std::string& log) {
+    std::istringstream lines(log);
+    std::string errors, file;
+    for (std::string line; std::getline(lines, line) && errors.size() < 4000;) {
+        if (line.ends_with(".comp")) file = line;
+        if (line.starts_with("ERROR")) errors += file + ": " + line + "\n";
+    }
+    return errors;
+}
+
+class Shaders : public testing::Test {
+  protected:
+    void SetUp() override {
+        if (std::system((std::string(compiler) + " --version > /dev/null 2>&1").c_str()) != 0)
+            GTEST_SKIP() << "MISSING: " << compiler << " (Debian's glslang-tools)";
+        fs::remove_all(folder_);
+        fs::create_directories(folder_);
+    }
+    void TearDown() override { fs::remove_all(folder_); }
+
+    const fs::path folder_ = fs::path(testing::TempDir()) / "scancast_shaders";
+};
+
+TEST_F(Shaders, CompileInEveryVariantAsOpenGl45) {
+    std::set<std::string> sources;
+    std::ofstream list(folder_ / "list");
+    bool atomics64 = false;
+    for (const ShaderVariant& variant : allVariants()) {
+        const auto source = assembleShader(variant.shader, variant.defines);
+        ASSERT_TRUE(source) << source.error().message;
+        if (!sources.insert(*source).second) continue;
+        const std::string stem(variant.shader.substr(0, variant.shader.find('.')));
+        const std::string name = stem + "_" + std::to_string(sources.size()) + ".comp";
+        std::ofstream(folder_ / name) << *source;
+        list << name << "\n";
+        atomics64 |= source->find("#define KEYS64 1") != std::string::npos;
+    }
+    list.close();
+    EXPECT_TRUE(atomics64);
+    std::printf("    %zu variants\n", sources.size());
+    const std::string command =
+        "cd '" + folder_.string() + "' && xargs -n 200 -P 2 " + compiler + " < list > log 2>&1";
+    const int status = std::system(command.c_str());
+    EXPECT_EQ(status, 0) << errorsIn(contents(folder_ / "log"));
+}
+
+}  // namespace
+}  // namespace scancast::gl

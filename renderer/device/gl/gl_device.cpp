@@ -17,9 +17,11 @@ namespace {
 /// A picture whose pixels are on their way.
 class GlPicture final : public PendingFrame {
   public:
-    GlPicture(Context& context, std::unique_ptr<ReadBack::Pixels> pixels, Frame frame, std::stop_token stop)
+    GlPicture(Context& context, std::unique_ptr<ReadBack::Pixels> pixels, StageTimes times, Frame frame,
+              std::stop_token stop)
         : context_(context),
           pixels_(std::move(pixels)),
+          times_(std::move(times)),
           frame_(std::move(frame)),
           stop_(std::move(stop)) {}
 
@@ -31,13 +33,15 @@ class GlPicture final : public PendingFrame {
     Expected<Frame> finish() override {
         const auto current = Context::Current::enter(context_);
         if (!current) return tl::unexpected(current.error());
-        const auto start = std::chrono::steady_clock::now();
         if (auto here = pixels_->wait(stop_); !here) return tl::unexpected(here.error());
+        const auto start = std::chrono::steady_clock::now();
         const auto rgba = pixels_->rgba();
         const auto depth = pixels_->depth();
         frame_.rgba.assign(rgba.begin(), rgba.end());
         frame_.depth.assign(depth.begin(), depth.end());
         const auto passed = std::chrono::steady_clock::now() - start;
+        if (auto collected = times_.collect(frame_.stats); !collected)
+            return tl::unexpected(collected.error());
         frame_.stats.add("read-back", std::chrono::duration<double, std::milli>(passed).count());
         return std::move(frame_);
     }
@@ -45,6 +49,7 @@ class GlPicture final : public PendingFrame {
   private:
     Context& context_;
     std::unique_ptr<ReadBack::Pixels> pixels_;
+    StageTimes times_;
     Frame frame_;
     std::stop_token stop_;
 };
@@ -118,12 +123,14 @@ class GlDevice final : public Device {
         const auto plan = planPasses(drawing.passes);
         if (!plan) return tl::unexpected(plan.error());
         Frame frame;
-        auto pixels = Picture(*shop_, drawing, *plan, stop).draw(frame.stats);
+        StageTimes times(shop_->timers);
+        auto pixels = Picture(*shop_, drawing, *plan, stop).draw(times);
         if (!pixels) return tl::unexpected(pixels.error());
         frame.width = drawing.window.width;
         frame.height = drawing.window.height;
         tellCut(drawing, frame.stats);
-        return std::make_unique<GlPicture>(*context_, std::move(*pixels), std::move(frame), std::move(stop));
+        return std::make_unique<GlPicture>(*context_, std::move(*pixels), std::move(times),
+                                           std::move(frame), std::move(stop));
     }
 
     void tellCut(const Drawing& drawing, FrameStats& stats) {

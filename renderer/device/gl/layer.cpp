@@ -1,7 +1,6 @@
 #include "renderer/device/gl/layer.hpp"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 
 namespace scancast::gl {
@@ -250,24 +249,20 @@ Expected<void> Layer::resolve(ivec4 band, const GpuPlanes& planes, const std::st
 }
 
 Expected<void> Layer::drawBand(ivec4 band, std::span<const SplatStage> stages, const GpuPlanes& planes,
-                               FrameStats& stats, const std::stop_token& stop) {
-    auto start = std::chrono::steady_clock::now();
-    const auto spend = [&](const char* stage) -> Expected<void> {
-        if (auto done = waitForGpu(parts_.gl); !done) return done;
-        const auto now = std::chrono::steady_clock::now();
-        stats.add(stage, std::chrono::duration<double, std::milli>(now - start).count());
-        start = now;
-        return checkErrors(parts_.gl, std::string("running the pass \"") + stage + "\"");
-    };
+                               StageTimes& times, const std::stop_token& stop) {
     for (std::size_t i = 0; i < stages.size(); ++i) {
+        const char* const name = stageNames[static_cast<std::size_t>(stages[i].kind)];
+        const StageTimes::Scope timed(times, name);
         if (auto drawn = splat(i, stages[i], band, stop); !drawn) return drawn;
-        if (auto spent = spend(stageNames[static_cast<std::size_t>(stages[i].kind)]); !spent) return spent;
+        if (auto checked = checkErrors(parts_.gl, std::string("splatting \"") + name + "\""); !checked)
+            return checked;
     }
+    const StageTimes::Scope timed(times, "resolve");
     if (auto resolved = resolve(band, planes, stop); !resolved) return resolved;
-    return spend("resolve");
+    return checkErrors(parts_.gl, "resolving splats");
 }
 
-Expected<void> Layer::draw(const glm::dvec2& jitter, const GpuPlanes& planes, FrameStats& stats,
+Expected<void> Layer::draw(const glm::dvec2& jitter, const GpuPlanes& planes, StageTimes& times,
                            const std::stop_token& stop) {
     std::vector<SplatStage> stages = stages_;
     for (SplatStage& stage : stages) stage.numbers = jittered(stage.numbers, sight_, jitter);
@@ -278,7 +273,7 @@ Expected<void> Layer::draw(const glm::dvec2& jitter, const GpuPlanes& planes, Fr
         return made;
     for (int y = 0; y < area_.w; y += rows) {
         const ivec4 band(area_.x, area_.y + y, area_.z, std::min(rows, area_.w - y));
-        if (auto drawn = drawBand(band, stages, planes, stats, stop); !drawn) return drawn;
+        if (auto drawn = drawBand(band, stages, planes, times, stop); !drawn) return drawn;
     }
     return {};
 }

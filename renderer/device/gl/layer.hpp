@@ -9,6 +9,7 @@
 #include <stop_token>
 #include <vector>
 
+#include "renderer/device/gl/gpu_timers.hpp"
 #include "renderer/device/gl/planes.hpp"
 #include "renderer/device/gl/programs.hpp"
 #include "renderer/device/gl/sample_cache.hpp"
@@ -41,7 +42,7 @@ class Layer {
     /// Splats and resolves one frame; `planes` cover the layer's area, and nothing outside it is touched.
     /// Normals are written where there is a plane of them and the plan resolves them. Adds to the stages
     /// "silhouette", "nearest", "sum", "cell" and "resolve". Errors: Cancelled, ResourceLimit, DeviceLost.
-    Expected<void> draw(const glm::dvec2& jitter, const GpuPlanes& planes, FrameStats& stats,
+    Expected<void> draw(const glm::dvec2& jitter, const GpuPlanes& planes, StageTimes& times,
                         const std::stop_token& stop);
 
   private:
@@ -57,7 +58,7 @@ class Layer {
     Expected<void> upload();
     Expected<void> begin(const SampleBatch& batch);
     Expected<void> drawBand(ivec4 band, std::span<const SplatStage> stages, const GpuPlanes& planes,
-                            FrameStats& stats, const std::stop_token& stop);
+                            StageTimes& times, const std::stop_token& stop);
     Expected<void> splat(std::size_t index, const SplatStage& stage, ivec4 band, const std::stop_token& stop);
     Expected<void> splatKeys(const SplatStage& stage, KeyPlane& into, std::size_t pixels, bool payloads,
                              const std::stop_token& stop);

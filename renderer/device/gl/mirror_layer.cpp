@@ -46,12 +46,11 @@ Expected<std::unique_ptr<MirrorLayer>> MirrorLayer::create(const LayerParts& par
     return mirror;
 }
 
-Expected<void> MirrorLayer::draw(const glm::dvec2& jitter, const GpuPlanes& picture,
+Expected<void> MirrorLayer::draw(const glm::dvec2& jitter, const GpuPlanes& picture, StageTimes& times,
                                  const std::stop_token& stop) {
     const auto planes = memory_.planes(area_, plan_.resolve.normals);
     if (!planes) return tl::unexpected(planes.error());
-    FrameStats own;  // its stages are the picture's one stage "mirrors"
-    if (auto drawn = layer_->draw(jitter, *planes, own, stop); !drawn) return drawn;
+    if (auto drawn = layer_->draw(jitter, *planes, times, stop); !drawn) return drawn;
     return lookThrough(glassNumbers(reflection_, sight_, jitter), *planes, picture, shaders_);
 }
 

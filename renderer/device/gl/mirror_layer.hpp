@@ -32,7 +32,8 @@ class MirrorLayer {
                                                          ivec4 area);
 
     /// Draws one frame of the reflection into the same frame of the picture. Before its screen passes.
-    Expected<void> draw(const glm::dvec2& jitter, const GpuPlanes& picture, const std::stop_token& stop);
+    Expected<void> draw(const glm::dvec2& jitter, const GpuPlanes& picture, StageTimes& times,
+                        const std::stop_token& stop);
     /// Tint, and the mirror's depth. After the screen passes.
     Expected<void> finish(const glm::dvec2& jitter, const GpuPlanes& picture) const;
 

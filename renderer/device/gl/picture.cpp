@@ -1,6 +1,5 @@
 #include "renderer/device/gl/picture.hpp"
 
-#include <chrono>
 #include <utility>
 
 namespace scancast::gl {
@@ -22,6 +21,7 @@ Workshop::Workshop(const GlFunctions& functions, const std::filesystem::path& pr
       splats(functions, splatLimits(functions)),
       pyramid(shaders),
       average(shaders),
+      timers(functions),
       frame(functions),
       rgba(functions, "picture's colours"),
       depth(functions, "picture's depths"),
@@ -53,29 +53,27 @@ Expected<void> Picture::makeLayers() {
 }
 
 template <class Work>
-Expected<void> Picture::onMirrors(FrameStats& stats, const Work& work) {
+Expected<void> Picture::onMirrors(StageTimes& times, const Work& work) {
     if (mirrors_.empty()) return {};
-    const auto start = std::chrono::steady_clock::now();
+    const StageTimes::Scope timed(times, "mirrors");
     for (const auto& mirror : mirrors_) {
         if (auto done = work(*mirror); !done) return done;
     }
-    stats.add("mirrors",
-              std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count());
     return {};
 }
 
-Expected<void> Picture::drawFrame(const glm::dvec2& jitter, const GpuPlanes& planes, FrameStats& stats) {
-    if (auto drawn = layer_->draw(jitter, planes, stats, stop_); !drawn) return drawn;
+Expected<void> Picture::drawFrame(const glm::dvec2& jitter, const GpuPlanes& planes, StageTimes& times) {
+    if (auto drawn = layer_->draw(jitter, planes, times, stop_); !drawn) return drawn;
     auto reflected =
-        onMirrors(stats, [&](MirrorLayer& mirror) { return mirror.draw(jitter, planes, stop_); });
+        onMirrors(times, [&](MirrorLayer& mirror) { return mirror.draw(jitter, planes, times, stop_); });
     if (!reflected) return reflected;
     auto screened = runScreenPasses(plan_.screen, shown_.sight, jitter, planes, shop_.shaders, shop_.pyramid,
-                                    stats, stop_);
+                                    times, stop_);
     if (!screened) return screened;
-    return onMirrors(stats, [&](const MirrorLayer& mirror) { return mirror.finish(jitter, planes); });
+    return onMirrors(times, [&](const MirrorLayer& mirror) { return mirror.finish(jitter, planes); });
 }
 
-Expected<std::unique_ptr<ReadBack::Pixels>> Picture::draw(FrameStats& stats) {
+Expected<std::unique_ptr<ReadBack::Pixels>> Picture::draw(StageTimes& times) {
     if (auto made = makeLayers(); !made) return tl::unexpected(made.error());
     const auto planes = shop_.frame.planes(area_, plan_.normals());
     if (!planes) return tl::unexpected(planes.error());
@@ -85,14 +83,20 @@ Expected<std::unique_ptr<ReadBack::Pixels>> Picture::draw(FrameStats& stats) {
     if (done) done = shop_.depth.reserve(pixels * 4);
     if (done && averaged) done = shop_.average.begin(window_.z, window_.w);
     for (std::size_t i = 0; done && i < drawing_.jitter.size(); ++i) {
-        done = drawFrame(drawing_.jitter[i], *planes, stats);
+        done = drawFrame(drawing_.jitter[i], *planes, times);
         if (done && i == 0) done = crop(*planes->depth, area_, window_, shop_.depth, shop_.shaders);
-        if (done && averaged) done = shop_.average.add(*planes, window_);
+        if (done && averaged) {
+            const StageTimes::Scope timed(times, "average");
+            done = shop_.average.add(*planes, window_);
+        }
     }
-    if (done)
+    if (done) {
+        const StageTimes::Scope timed(times, averaged ? "average" : "read-back");
         done = averaged ? shop_.average.write(shop_.rgba)
                         : crop(*planes->rgba, area_, window_, shop_.rgba, shop_.shaders);
+    }
     if (!done) return tl::unexpected(done.error());
+    const StageTimes::Scope timed(times, "read-back");
     return shop_.readBack.start(shop_.rgba, shop_.depth, pixels);
 }
 

@@ -29,6 +29,7 @@ struct Workshop {
     SplatMemory splats;
     Pyramid pyramid;
     Average average;
+    GpuTimers timers;
     PlaneMemory frame;
     std::vector<std::unique_ptr<PlaneMemory>> mirrors;
     Buffer rgba, depth;  ///< of the window
@@ -40,15 +41,15 @@ struct Workshop {
 class Picture {
   public:
     Picture(Workshop& shop, const Drawing& drawing, const PassPlan& plan, std::stop_token stop);
-    /// Everything is asked of the GPU; its pixels arrive later. Adds to the stages. Errors: Cancelled,
+    /// Everything is asked of the GPU; its pixels arrive later. Times its stages. Errors: Cancelled,
     /// ResourceLimit, DeviceLost.
-    Expected<std::unique_ptr<ReadBack::Pixels>> draw(FrameStats& stats);
+    Expected<std::unique_ptr<ReadBack::Pixels>> draw(StageTimes& times);
 
   private:
     Expected<void> makeLayers();
-    Expected<void> drawFrame(const glm::dvec2& jitter, const GpuPlanes& planes, FrameStats& stats);
+    Expected<void> drawFrame(const glm::dvec2& jitter, const GpuPlanes& planes, StageTimes& times);
     template <class Work>
-    Expected<void> onMirrors(FrameStats& stats, const Work& work);
+    Expected<void> onMirrors(StageTimes& times, const Work& work);
 
     Workshop& shop_;
     const Drawing& drawing_;

@@ -1,13 +1,9 @@
 #include "renderer/device/gl/screen_passes.hpp"
 
-#include <chrono>
-
 #include "renderer/device/plan/screen_plan.hpp"
 
 namespace scancast::gl {
 namespace {
-
-using Clock = std::chrono::steady_clock;
 
 /// One picture's planes, and what screen passes work with.
 struct Screen {
@@ -75,24 +71,22 @@ const char* stageOf(const Pass& pass) {
 
 Expected<void> runScreenPasses(std::span<const Pass> passes, const Sight& sight, const glm::dvec2& jitter,
                                const GpuPlanes& planes, ScreenShaders& shaders, Pyramid& pyramid,
-                               FrameStats& stats, const std::stop_token& stop) {
+                               StageTimes& times, const std::stop_token& stop) {
     const Screen screen{sight, jitter, planes, shaders, pyramid};
     for (const Pass& pass : passes) {
         const char* const name = stageOf(pass);
         if (name == nullptr) continue;
         if (stop.stop_requested())
             return fail(ErrorCode::Cancelled, "The picture was abandoned: it is no longer wanted.");
-        const auto start = Clock::now();
+        const StageTimes::Scope timed(times, name);
         auto done = std::visit(
             [&](const auto& p) -> Expected<void> {
                 if constexpr (requires { run(p, screen); }) return run(p, screen);
                 return {};
             },
             pass);
-        if (done) done = waitForGpu(shaders.functions());
         if (done) done = checkErrors(shaders.functions(), std::string("running the pass \"") + name + "\"");
         if (!done) return done;
-        stats.add(name, std::chrono::duration<double, std::milli>(Clock::now() - start).count());
     }
     return {};
 }

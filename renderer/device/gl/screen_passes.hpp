@@ -5,6 +5,7 @@
 #include <span>
 #include <stop_token>
 
+#include "renderer/device/gl/gpu_timers.hpp"
 #include "renderer/device/gl/pyramid.hpp"
 
 namespace scancast::gl {
@@ -13,6 +14,6 @@ namespace scancast::gl {
 /// between passes.
 Expected<void> runScreenPasses(std::span<const Pass> passes, const Sight& sight, const glm::dvec2& jitter,
                                const GpuPlanes& planes, ScreenShaders& shaders, Pyramid& pyramid,
-                               FrameStats& stats, const std::stop_token& stop);
+                               StageTimes& times, const std::stop_token& stop);
 
 }  // namespace scancast::gl

@@ -54,18 +54,22 @@ class GlScreenPasses : public OnGl {
         if (IsSkipped() || HasFatalFailure()) return;
         buffers_.emplace(shaders().functions());
         pyramid_.emplace(shaders());
+        timers_.emplace(shaders().functions());
         software_ = gl::describeDriver(shaders().functions())->software;
     }
     void TearDown() override {
         buffers_.reset();
         pyramid_.reset();
+        timers_.reset();
         OnGl::TearDown();
     }
 
     PixelPlanes onGpu(const Scene& scene, std::span<const Pass> passes) {
         PixelPlanes planes = scene.planes;
-        const auto done = gl::runScreenPasses(passes, scene.sight(), scene.jitter, buffers_->upload(planes),
-                                              shaders(), *pyramid_, stats_, {});
+        gl::StageTimes times(*timers_);
+        auto done = gl::runScreenPasses(passes, scene.sight(), scene.jitter, buffers_->upload(planes),
+                                        shaders(), *pyramid_, times, {});
+        if (done) done = times.collect(stats_);
         EXPECT_TRUE(done) << done.error().message;
         buffers_->download(planes);
         return planes;
@@ -110,6 +114,7 @@ class GlScreenPasses : public OnGl {
   private:
     std::optional<PlaneBuffers> buffers_;
     std::optional<gl::Pyramid> pyramid_;
+    std::optional<gl::GpuTimers> timers_;
     tbb::task_arena arena_{2};
     cpu::ScreenMemory memory_;
     const cpu::Kernels* kernels_ = cpu::chooseSimdLevel({}).value()->kernels;
@@ -164,9 +169,10 @@ TEST_P(GlScreenPasses, AreAbandonedWhenAsked) {
     stop.request_stop();
     PlaneBuffers buffers(shaders().functions());
     gl::Pyramid pyramid(shaders());
+    gl::StageTimes times(*timers_);
     const auto done =
         gl::runScreenPasses(everything(), scenes[0].sight(), {}, buffers.upload(scenes[0].planes), shaders(),
-                            pyramid, stats_, stop.get_token());
+                            pyramid, times, stop.get_token());
     ASSERT_FALSE(done);
     EXPECT_EQ(done.error().code, ErrorCode::Cancelled);
 }

@@ -1,0 +1,89 @@
+// What each stage of a picture takes on the GPU: time stamps that the GPU itself writes around it, read when
+// the picture's pixels are here. Asking for them waits for nothing, so pictures may overlap. A driver without
+// time stamps is timed by the clock, from idle GPU to idle GPU, which is what waiting costs there.
+//
+// GpuTimers is a GL device's and lends queries; StageTimes is one picture's, not later than the GpuTimers.
+// Everything inside a Current scope of the context, on the device's thread.
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "renderer/device/gl/gl_handles.hpp"
+#include "renderer/image/frame.hpp"
+
+namespace scancast::gl {
+
+class GpuTimers {
+  public:
+    enum class Clock : std::uint8_t {
+        Gpu,   ///< time stamps
+        Host,  ///< what a driver without them gets
+    };
+
+    /// The GPU's own clock where it has one.
+    explicit GpuTimers(const GlFunctions& gl);
+    GpuTimers(const GlFunctions& gl, Clock clock) : gl_(gl), clock_(clock) {}
+    ~GpuTimers();
+    GpuTimers(const GpuTimers&) = delete;
+    GpuTimers& operator=(const GpuTimers&) = delete;
+
+    Clock clock() const { return clock_; }
+
+  private:
+    friend class StageTimes;
+    GLuint take();
+
+    const GlFunctions& gl_;
+    Clock clock_;
+    std::vector<GLuint> free_;
+};
+
+/// The stages of one picture, in the order in which they began. A stage inside another is a part of that one.
+class StageTimes {
+  public:
+    explicit StageTimes(GpuTimers& timers) : timers_(&timers) {}
+    StageTimes(StageTimes&& other) noexcept = default;
+    StageTimes& operator=(StageTimes&&) = delete;
+    ~StageTimes();
+
+    void begin(std::string stage);
+    void end();
+
+    /// Ends its stage with itself.
+    class Scope {
+      public:
+        Scope(StageTimes& times, std::string stage) : times_(times) { times_.begin(std::move(stage)); }
+        Scope(const Scope&) = delete;
+        Scope& operator=(const Scope&) = delete;
+        ~Scope() { times_.end(); }
+
+      private:
+        StageTimes& times_;
+    };
+
+    /// Adds every stage to the picture's; stages of the same name add up. Waits for the GPU where it is not
+    /// done yet. DeviceLost when it does not get done.
+    Expected<void> collect(FrameStats& stats);
+
+  private:
+    using HostClock = std::chrono::steady_clock;
+    struct Stage {
+        std::string name;
+        GLuint began = 0, ended = 0;
+        HostClock::time_point start{};
+        double hostMs = 0;
+    };
+
+    void waitForHost();
+
+    GpuTimers* timers_;
+    std::vector<Stage> stages_;
+    int depth_ = 0;  ///< of stages that have begun
+    Expected<void> waited_{};  ///< how waiting went, for the host's clock
+};
+
+}  // namespace scancast::gl

@@ -1,13 +1,13 @@
 #include "renderer/render.hpp"
 
 #include <algorithm>
-#include <array>
 #include <chrono>
 #include <glm/matrix.hpp>
 #include <limits>
 
 #include "renderer/mirrors.hpp"
 #include "renderer/plan.hpp"
+#include "renderer/residency/on_device.hpp"
 #include "renderer/residency/provide.hpp"
 #include "renderer/style.hpp"
 
@@ -77,12 +77,12 @@ Window withMargin(const Window& wanted, int margin, int width, int height) {
     return drawn;
 }
 
+bool isOneTile(const Viewpoint& viewpoint) {
+    return viewpoint.width <= tileSide && viewpoint.height <= tileSide;
+}
+
 Expected<Frame> drawTiles(Device& device, Drawing drawing, int margin, const std::stop_token& stop) {
     const int width = drawing.viewpoint->width, height = drawing.viewpoint->height;
-    if (width <= tileSide && height <= tileSide) {
-        drawing.window = {0, 0, width, height};
-        return device.draw(drawing, stop);
-    }
     Frame picture{width, height, {}, {}, {}};
     const auto pixels = static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
     picture.rgba.resize(pixels * 4);
@@ -95,9 +95,21 @@ Expected<Frame> drawTiles(Device& device, Drawing drawing, int margin, const std
             if (!tile) return tile;
             paste(*tile, drawing.window, wanted, picture);
             for (const auto& stage : tile->stats.stages) picture.stats.add(stage.name, stage.milliseconds);
+            picture.stats.bytesUploaded += tile->stats.bytesUploaded;
         }
     }
     return picture;
+}
+
+Expected<std::unique_ptr<PendingFrame>> beginPicture(Device& device, Drawing drawing, int margin,
+                                                     const std::stop_token& stop) {
+    if (isOneTile(*drawing.viewpoint)) {
+        drawing.window = {0, 0, drawing.viewpoint->width, drawing.viewpoint->height};
+        return device.begin(drawing, stop);
+    }
+    auto picture = drawTiles(device, drawing, margin, stop);
+    if (!picture) return tl::unexpected(std::move(picture.error()));
+    return std::make_unique<DrawnFrame>(std::move(*picture));
 }
 
 /// The runs that a picture from `camera` would draw; none where no such picture can be made.
@@ -134,6 +146,7 @@ Cut cutOf(const Cloud& cloud, const View& view, const Plan& plan, const Reflecti
 }  // namespace
 
 struct PreparedView {
+    const Octree* octree = nullptr;
     Plan plan;
     Cut cut;
     SampleFilter filter;
@@ -224,7 +237,10 @@ Expected<std::shared_ptr<const PreparedView>> prepare(const Cloud& cloud, const 
         if (auto fits = checkBruteForce(cloud); !fits) return tl::unexpected(fits.error());
     }
     planned->selection.bruteForce = options.bruteForce;
+    if (auto& budget = planned->selection.budget; !options.wait && options.mostSamples)
+        budget = std::min(budget.value_or(*options.mostSamples), *options.mostSamples);
     auto prepared = std::make_shared<PreparedView>();
+    prepared->octree = &cloud.octree;
     prepared->plan = std::move(*planned);
     prepared->filter = sampleFilter(cloud, view.style);
     prepared->background = view.style.background;
@@ -249,6 +265,12 @@ std::uint64_t samplesMissing(const PreparedView& prepared) {
     return missing;
 }
 
+std::optional<std::uint64_t> mostSamplesOn(Device& device) {
+    const DeviceMemory* const memory = device.memory();
+    if (!memory) return std::nullopt;
+    return std::max<std::uint64_t>(memory->capacity() / 4 * 3, 1);
+}
+
 namespace {
 
 void addCut(const Cut& cut, FrameStats& stats) {
@@ -260,14 +282,74 @@ void addCut(const Cut& cut, FrameStats& stats) {
     stats.nodesDamaged += cut.nodesDamaged;
 }
 
+/// All that a frame's statistics say but the device's stages.
+FrameStats statsOf(const PreparedView& prepared, double provideMs, const Drawing& drawing,
+                   std::string device) {
+    FrameStats stats;
+    stats.stages = {{"select", prepared.selectMs}, {"provide", provideMs}};
+    stats.spacingReached = drawing.cut->spacingReached;
+    stats.pointsShown = drawing.cut->points;
+    addCut(*drawing.cut, stats);
+    for (const Reflection& reflection : drawing.reflections) addCut(reflection.cut, stats);
+    stats.mirrorsDrawn = static_cast<std::uint32_t>(drawing.reflections.size());
+    stats.mirrorsLeftOut = static_cast<std::uint32_t>(prepared.reflections.size()) - stats.mirrorsDrawn;
+    stats.method = prepared.plan.method;
+    stats.methodReason = prepared.plan.reason;
+    stats.device = std::move(device);
+    return stats;
+}
+
+/// A picture's cuts as a device with memory of its own can draw them within its budget for a frame.
+class CutsOnDevice {
+  public:
+    explicit CutsOnDevice(const PreparedView& prepared)
+        : octree_(*prepared.octree), cut_(prepared.cut), reflections_(prepared.reflections) {}
+
+    Expected<void> provide(DeviceMemory& memory, const std::stop_token& stop) {
+        std::vector<Cut*> cuts{&cut_};
+        for (Reflection& reflection : reflections_) cuts.push_back(&reflection.cut);
+        return provideOnDevice(octree_, cuts, memory, stop);
+    }
+    void drawnBy(Drawing& drawing) const {
+        drawing.cut = &cut_;
+        drawing.reflections = reflections_;
+    }
+
+  private:
+    const Octree& octree_;
+    Cut cut_;
+    std::vector<Reflection> reflections_;
+};
+
+/// A device's frame, and what the renderer knows of it.
+class RenderedFrame final : public PendingFrame {
+  public:
+    RenderedFrame(std::unique_ptr<PendingFrame> pixels, FrameStats stats)
+        : pixels_(std::move(pixels)), stats_(std::move(stats)) {}
+
+    bool ready() override { return pixels_->ready(); }
+    Expected<Frame> finish() override {
+        auto frame = pixels_->finish();
+        if (!frame) return frame;
+        stats_.stages.insert(stats_.stages.end(), frame->stats.stages.begin(), frame->stats.stages.end());
+        stats_.bytesUploaded = frame->stats.bytesUploaded;
+        frame->stats = std::move(stats_);
+        return frame;
+    }
+
+  private:
+    std::unique_ptr<PendingFrame> pixels_;
+    FrameStats stats_;
+};
+
 }  // namespace
 
-Expected<Frame> draw(Device& device, const PreparedView& prepared, std::stop_token stop) {
-    const Cut& cut = prepared.cut;
+Expected<std::unique_ptr<PendingFrame>> beginDrawing(Device& device, const PreparedView& prepared,
+                                                     std::stop_token stop, Uploads uploads) {
     const auto jitter = jitterSequence(prepared.samples);
     Drawing drawing;
     drawing.viewpoint = &prepared.plan.viewpoint;
-    drawing.cut = &cut;
+    drawing.cut = &prepared.cut;
     drawing.surfels = prepared.surfels;
     drawing.oriented = prepared.oriented;
     drawing.passes = prepared.plan.passes;
@@ -276,37 +358,40 @@ Expected<Frame> draw(Device& device, const PreparedView& prepared, std::stop_tok
     drawing.background = prepared.background;
     drawing.jitter = jitter;
     drawing.reflections = prepared.reflections;
-    if (!device.info().mirrors) {
+    std::optional<CutsOnDevice> onDevice;
+    const auto start = Clock::now();
+    if (DeviceMemory* const memory = device.memory(); memory && uploads == Uploads::ForAFrame) {
+        onDevice.emplace(prepared);
+        if (auto provided = onDevice->provide(*memory, stop); !provided)
+            return tl::unexpected(std::move(provided.error()));
+        onDevice->drawnBy(drawing);
+    }
+    const double provideMs = prepared.provideMs + (onDevice ? millisecondsSince(start) : 0);
+    const DeviceInfo info = device.info();
+    if (!info.mirrors) {
         // A picture as before there were mirrors; the statistics say so.
         drawing.reflections = {};
         drawing.filter.dropped.clear();
     }
-    auto frame = drawTiles(device, drawing, prepared.plan.margin, stop);
-    if (!frame) return frame;
+    auto pixels = beginPicture(device, drawing, prepared.plan.margin, stop);
+    if (!pixels) return pixels;
+    return std::make_unique<RenderedFrame>(std::move(*pixels),
+                                           statsOf(prepared, provideMs, drawing, info.name));
+}
 
-    FrameStats& stats = frame->stats;
-    const std::array<StageTime, 2> before{StageTime{"select", prepared.selectMs},
-                                          StageTime{"provide", prepared.provideMs}};
-    stats.stages.insert(stats.stages.begin(), before.begin(), before.end());
-    stats.spacingReached = cut.spacingReached;
-    stats.pointsShown = cut.points;
-    stats.samplesDrawn = stats.samplesMissing = 0;
-    stats.nodesVisited = stats.nodesCulled = stats.nodesMissing = stats.nodesDamaged = 0;
-    addCut(cut, stats);
-    for (const Reflection& reflection : drawing.reflections) addCut(reflection.cut, stats);
-    stats.mirrorsDrawn = static_cast<std::uint32_t>(drawing.reflections.size());
-    stats.mirrorsLeftOut = static_cast<std::uint32_t>(prepared.reflections.size()) - stats.mirrorsDrawn;
-    stats.method = prepared.plan.method;
-    stats.methodReason = prepared.plan.reason;
-    stats.device = device.info().name;
-    return frame;
+Expected<Frame> draw(Device& device, const PreparedView& prepared, std::stop_token stop, Uploads uploads) {
+    auto begun = beginDrawing(device, prepared, std::move(stop), uploads);
+    if (!begun) return tl::unexpected(std::move(begun.error()));
+    return (*begun)->finish();
 }
 
 Expected<Frame> render(Device& device, const Cloud& cloud, const View& view, const RenderOptions& options,
                        std::stop_token stop) {
-    const auto prepared = prepare(cloud, view, options, stop);
+    RenderOptions here = options;
+    if (!here.mostSamples) here.mostSamples = mostSamplesOn(device);
+    const auto prepared = prepare(cloud, view, here, stop);
     if (!prepared) return tl::unexpected(prepared.error());
-    return draw(device, **prepared, std::move(stop));
+    return draw(device, **prepared, std::move(stop), options.wait ? Uploads::Everything : Uploads::ForAFrame);
 }
 
 }  // namespace scancast

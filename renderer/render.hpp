@@ -17,10 +17,13 @@ namespace scancast {
 
 struct RenderOptions {
     bool bruteForce = false;  ///< every leaf sample, no selection, no culling
-    /// Blocks of a cloud file that are not in memory are waited for; else ancestors are drawn for them, and
-    /// they are requested.
+    /// Blocks of a cloud file that are not in memory are waited for, as is what is not on the GPU; else
+    /// ancestors are drawn for them, and they are requested.
     bool wait = true;
     std::uint64_t requester = 0;  ///< on whose behalf (renderer/residency/provide.hpp)
+    /// Coarser nodes are chosen where there would be more samples than this: mostSamplesOn() the device that
+    /// will draw. Without wait only; what waits is drawn in parts, if it must.
+    std::optional<std::uint64_t> mostSamples{};
     /// Where the camera will be soon: its blocks are requested, too. Without wait only.
     std::optional<Camera> ahead{};
     /// Levels are chosen as this camera sees them, without culling, whatever the view's own camera: two
@@ -48,8 +51,25 @@ Expected<std::shared_ptr<const PreparedView>> prepare(const Cloud& cloud, const 
                                                       std::stop_token stop = {});
 /// Drawn by ancestors, for now: 0 after waiting.
 std::uint64_t samplesMissing(const PreparedView& prepared);
+
+/// Samples of a picture that is drawn within a frame: what the device's own memory holds at once, and room
+/// for what comes next. nullopt: as many as there are.
+std::optional<std::uint64_t> mostSamplesOn(Device& device);
+
+/// What of a picture's samples is moved to a device that has memory of its own.
+enum class Uploads : std::uint8_t {
+    Everything,  ///< however long that takes
+    ForAFrame,  ///< within its budget for a frame: for the rest ancestors are drawn, and it counts as missing
+};
+
 /// The rest of render(). Errors: the device's.
-Expected<Frame> draw(Device& device, const PreparedView& prepared, std::stop_token stop = {});
+Expected<Frame> draw(Device& device, const PreparedView& prepared, std::stop_token stop = {},
+                     Uploads uploads = Uploads::Everything);
+/// The same in two steps (Device::begin); `prepared` is not needed afterwards. Pictures of several tiles are
+/// drawn at once.
+Expected<std::unique_ptr<PendingFrame>> beginDrawing(Device& device, const PreparedView& prepared,
+                                                     std::stop_token stop = {},
+                                                     Uploads uploads = Uploads::Everything);
 
 /// Draws the view at the quality it names (nullopt in `quality` = full: method's own τ, no budget, 4
 /// samples). With wait, the same cloud, view, device and memory limit give the same bytes, always. Errors:

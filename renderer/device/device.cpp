@@ -11,8 +11,12 @@
 namespace scancast {
 namespace {
 
+GlOptions glOptions(const DeviceOptions& options) {
+    return {options.programFolder, options.gpuMemoryLimit, options.uploadBudget};
+}
+
 Expected<std::unique_ptr<Device>> createBest(const DeviceOptions& options) {
-    auto gpu = createHardwareEglDevice({options.programFolder});
+    auto gpu = createHardwareEglDevice(glOptions(options));
     if (gpu) return gpu;
     spdlog::debug("Drawing on the CPU: {}", gpu.error().message);
     return createCpuDevice(options.threads);
@@ -20,16 +24,26 @@ Expected<std::unique_ptr<Device>> createBest(const DeviceOptions& options) {
 
 }  // namespace
 
+std::string title(const DeviceInfo& device) {
+    return device.renderer.empty() ? device.name : device.name + " (" + device.renderer + ")";
+}
+
 Expected<std::unique_ptr<Device>> createDevice(const DeviceOptions& options) {
     if (options.eglDevice >= 0 && options.backend != "egl" && options.backend != "auto")
         return fail(
             ErrorCode::InvalidArgument,
             "--egl-device chooses among EGL's devices; it needs --backend=egl, not " + options.backend + ".",
             "egl-device");
+    if (options.eglDevice < -1)
+        return fail(
+            ErrorCode::InvalidArgument,
+            "--egl-device takes a number from 0, as --list-backends counts, or -1 for the best; not " +
+                std::to_string(options.eglDevice) + ".",
+            "egl-device");
     if (options.backend == "cpu") return createCpuDevice(options.threads);
-    if (options.backend == "osmesa") return createOsmesaDevice({options.programFolder});
+    if (options.backend == "osmesa") return createOsmesaDevice(glOptions(options));
     if (options.backend == "egl" || (options.backend == "auto" && options.eglDevice >= 0))
-        return createEglDevice(options.eglDevice, {options.programFolder});
+        return createEglDevice(options.eglDevice, glOptions(options));
     if (options.backend == "auto") return createBest(options);
     return fail(
         ErrorCode::InvalidArgument,

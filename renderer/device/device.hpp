@@ -16,11 +16,13 @@
 #include <span>
 #include <stop_token>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "protocol/error.hpp"
 #include "protocol/view.hpp"
 #include "renderer/device/pass.hpp"
+#include "renderer/device/pending_frame.hpp"
 #include "renderer/image/frame.hpp"
 #include "renderer/select/select.hpp"
 #include "renderer/select/viewpoint.hpp"
@@ -90,21 +92,40 @@ struct Drawing {
 struct DeviceInfo {
     std::string name;  ///< "cpu", "egl", "osmesa"
     std::string vendor, renderer, version;
-    bool hardware = false;  ///< a real GPU
-    std::string identity;   ///< what pictures may depend on, for ETags: "cpu" or the driver
-    int eglDevice = -1;     ///< egl, as listed: what --egl-device calls it
-    bool mirrors = false;   ///< draws reflections, and drops regions; Unsupported without
+    bool hardware = false;     ///< a real GPU
+    std::string identity;      ///< what pictures may depend on, for ETags: "cpu" or the driver
+    int eglDevice = -1;        ///< egl, as listed: what --egl-device calls it
+    bool mirrors = false;      ///< draws reflections, and drops regions; Unsupported without
+    std::string node{};        ///< egl: its file, "/dev/dri/renderD128"; empty = unknown
+    std::uint64_t memory = 0;  ///< of a GPU, bytes: all, or what is free if its driver tells no more; 0 = unknown
+    bool atomics64 = false;    ///< egl, osmesa: finds the smallest of 64-bit integers in one step
 };
+
+/// For people: "egl (NVIDIA H100 …)".
+std::string title(const DeviceInfo& device);
+
+class DeviceMemory;
 
 class Device {
   public:
     virtual ~Device() = default;
     virtual DeviceInfo info() const = 0;
+    /// Memory of its own that samples are moved to before they are drawn (renderer/residency); nullptr: it
+    /// draws them where they are. Lives as long as the device.
+    virtual DeviceMemory* memory() { return nullptr; }
     /// Draws one picture: for each jitter all passes, then the integer mean of the frames (colour weighted by
     /// coverage; depth is that of the first). Checks `stop` every few milliseconds: Cancelled leaves no
     /// trace. Errors: Cancelled, ResourceLimit (picture or cut too large for the device), Unsupported,
     /// DeviceLost.
     virtual Expected<Frame> draw(const Drawing& drawing, std::stop_token stop) = 0;
+    /// The same in two steps, so that nobody waits for pixels who has something else to begin. Nothing that
+    /// `drawing` refers to is needed afterwards. Several may be begun, and are finished in that order.
+    /// Devices that draw at once need not do anything about it.
+    virtual Expected<std::unique_ptr<PendingFrame>> begin(const Drawing& drawing, std::stop_token stop) {
+        auto frame = draw(drawing, std::move(stop));
+        if (!frame) return tl::unexpected(std::move(frame.error()));
+        return std::make_unique<DrawnFrame>(std::move(*frame));
+    }
 };
 
 struct DeviceOptions {
@@ -112,6 +133,8 @@ struct DeviceOptions {
     int threads = 0;                        ///< cpu: 0 = all cores
     int eglDevice = -1;                     ///< egl: index as listed; -1 = best
     std::filesystem::path programFolder{};  ///< egl, osmesa: keeps compiled programs; empty = compiled anew
+    std::uint64_t gpuMemoryLimit = 0;       ///< egl, osmesa: bytes of samples at most; 0 = gl/memory_limit.hpp
+    std::uint64_t uploadBudget = 0;  ///< egl, osmesa: bytes a moving frame may upload; 0 = gl/memory_limit.hpp
 };
 
 /// DeviceUnavailable names what is missing and how to get it.

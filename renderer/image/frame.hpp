@@ -21,6 +21,7 @@ struct FrameStats {
     std::uint32_t nodesMissing = 0;     ///< drawn by ancestors, because their blocks were not in memory
     std::uint64_t samplesMissing = 0;   ///< in those
     std::uint32_t nodesDamaged = 0;     ///< drawn by ancestors, because their blocks cannot be read
+    std::uint64_t bytesUploaded = 0;    ///< of samples, to the device's own memory, since the picture before
     std::uint32_t mirrorsDrawn = 0;     ///< that the picture looks into
     std::uint32_t mirrorsLeftOut = 0;   ///< in view, too, but this device draws none: their glass is empty
     std::string method, device;

@@ -1,0 +1,394 @@
+// Layer against layer: what the gl device splats and resolves is, on Mesa's rasteriser, byte for byte what
+// the cpu device does - colours, depths and normals, for the passes of every method. Right because both do
+// the same float operations in the same order (`precise`, no contraction), their reductions are integers, and
+// nothing else is shared.
+#include <gtest/gtest.h>
+#include <tbb/task_arena.h>
+
+#include <cmath>
+#include <cstring>
+#include <tuple>
+
+#include "renderer/device/cpu/layer.hpp"
+#include "renderer/device/cpu/simd_level.hpp"
+#include "renderer/device/gl/egl_context.hpp"
+#include "renderer/device/gl/layer.hpp"
+#include "renderer/device/gl/osmesa_context.hpp"
+#include "renderer/method/method.hpp"
+#include "tests/support/analytic_cut.hpp"
+#include "tests/support/draw_surfels.hpp"
+#include "tests/support/faded_cut.hpp"
+
+namespace scancast::test {
+namespace {
+
+using gl::ivec4;
+
+/// What a layer leaves.
+struct Pixels {
+    std::vector<std::uint32_t> rgba, depth, normals;
+    explicit Pixels(std::size_t pixels) : rgba(pixels), depth(pixels), normals(pixels) {}
+};
+
+/// A layer to be drawn.
+struct LayerCase {
+    Drawing drawing;
+    PassPlan plan;
+    Sight sight;
+    ivec4 area;
+    glm::dvec2 jitter{0.25, -0.4375};
+};
+
+LayerCase layerCase(const Drawing& drawing) {
+    LayerCase c;
+    c.drawing = drawing;
+    c.plan = planPasses(drawing.passes).value();
+    c.sight = {drawing.viewpoint, c.plan.guardBand(), drawing.surfels, drawing.oriented};
+    const Window& w = drawing.window;
+    c.area = {w.x + c.sight.pad, w.y + c.sight.pad, w.width, w.height};
+    return c;
+}
+
+std::size_t pixelsOf(const LayerCase& c) {
+    return static_cast<std::size_t>(c.area.z) * static_cast<std::size_t>(c.area.w);
+}
+
+Pixels drawOnCpu(const LayerCase& c) {
+    tbb::task_arena arena(1);
+    const cpu::Workers workers(arena, 1, {});
+    cpu::TileMemories memories;
+    memories.push_back(std::make_unique<cpu::TileMemory>());
+    const cpu::Rect area{c.area.x, c.area.y, c.area.x + c.area.z, c.area.y + c.area.w};
+    cpu::Layer layer(c.drawing, *c.drawing.cut, c.drawing.filter, c.sight, c.plan,
+                     *cpu::chooseSimdLevel("").value()->kernels, workers, memories, area);
+    Pixels out(pixelsOf(c));
+    FrameStats stats;
+    layer.draw(c.jitter,
+               {area, out.rgba.data(), reinterpret_cast<float*>(out.depth.data()), out.normals.data()},
+               stats);
+    return out;
+}
+
+/// Everything that a layer needs of a device, with limits of the test's choice.
+class GlLayers : public testing::Environment {
+  public:
+    struct Backend {
+        std::unique_ptr<gl::Context> context;
+        std::optional<gl::Programs> programs;
+    };
+
+    void TearDown() override {
+        for (auto& [name, backend] : backends_) {
+            if (!backend.context) continue;
+            const auto current = gl::Context::Current::enter(*backend.context);
+            backend.programs.reset();
+        }
+        backends_.clear();
+    }
+
+    Backend& get(const std::string& name, std::string& reason) {
+        Backend& backend = backends_[name];
+        if (backend.context) return backend;
+        auto opened = name == "egl" ? gl::createEglContext() : gl::createOsmesaContext();
+        if (!opened) {
+            reason = opened.error().message;
+            return backend;
+        }
+        backend.context = std::move(*opened);
+        const auto current = gl::Context::Current::enter(*backend.context);
+        gl::logDriverMessages(backend.context->functions());
+        backend.programs.emplace(backend.context->functions(), std::filesystem::path());
+        return backend;
+    }
+
+  private:
+    std::map<std::string, Backend> backends_;
+};
+/// Owned by GoogleTest.
+GlLayers* const glLayers = [] {
+    auto* const layers = new GlLayers;
+    testing::AddGlobalTestEnvironment(layers);
+    return layers;
+}();
+
+struct GlLimitsOfTest {
+    std::size_t storageBlockBytes = std::size_t{128} << 20;
+    gl::SampleCacheOptions samples{std::uint64_t{64} << 20, 0};
+};
+
+void drawOnGl(GlLayers::Backend& backend, const LayerCase& c, const GlLimitsOfTest& limits, Pixels& out) {
+    const auto current = gl::Context::Current::enter(*backend.context);
+    ASSERT_TRUE(current) << current.error().message;
+    const gl::GlFunctions& functions = backend.context->functions();
+    gl::ScreenShaders screen(functions, *backend.programs);
+    gl::SampleCache samples(functions, limits.samples);
+    gl::Slices slices(functions);
+    gl::SplatMemory memory(functions, {limits.storageBlockBytes, gl::splatLimits(functions).keys64});
+    gl::Buffer rgba(functions, "rgba"), depth(functions, "depth"), normals(functions, "normals");
+    for (gl::Buffer* buffer : {&rgba, &depth, &normals}) {
+        ASSERT_TRUE(buffer->reserve(pixelsOf(c) * 4));
+        buffer->clear(pixelsOf(c), 0);
+    }
+    auto layer = gl::Layer::create({functions, *backend.programs, screen, samples, slices, memory}, c.drawing,
+                                   *c.drawing.cut, c.drawing.filter, c.sight, c.plan, c.area);
+    ASSERT_TRUE(layer) << layer.error().message;
+    gl::GpuTimers timers(functions);
+    gl::StageTimes times(timers);
+    const auto drawn = (*layer)->draw(c.jitter, {c.area, &rgba, &depth, &normals}, times, {});
+    ASSERT_TRUE(drawn) << drawn.error().message;
+    rgba.read(std::as_writable_bytes(std::span(out.rgba)));
+    depth.read(std::as_writable_bytes(std::span(out.depth)));
+    normals.read(std::as_writable_bytes(std::span(out.normals)));
+}
+
+std::size_t differing(const std::vector<std::uint32_t>& a, const std::vector<std::uint32_t>& b) {
+    std::size_t count = 0;
+    for (std::size_t i = 0; i < a.size(); ++i) count += a[i] != b[i];
+    return count;
+}
+
+std::size_t covered(const Pixels& p) {
+    return static_cast<std::size_t>(
+        std::ranges::count_if(p.depth, [](std::uint32_t bits) { return bits < 0x7f800000; }));
+}
+
+#define REQUIRE_BACKEND(NAME, BACKEND)                              \
+    std::string NAME##Reason;                                       \
+    GlLayers::Backend& NAME = glLayers->get(BACKEND, NAME##Reason); \
+    if (!NAME.context) GTEST_SKIP() << "MISSING BACKEND " << (BACKEND) << ": " << NAME##Reason
+
+void expectTheSame(GlLayers::Backend& backend, const LayerCase& c, const GlLimitsOfTest& limits = {}) {
+    const Pixels cpu = drawOnCpu(c);
+    Pixels gl(pixelsOf(c));
+    drawOnGl(backend, c, limits, gl);
+    EXPECT_GT(covered(cpu), pixelsOf(c) / 100) << "a picture of nothing proves nothing";
+    EXPECT_EQ(differing(cpu.depth, gl.depth), 0u) << "depths";
+    EXPECT_EQ(differing(cpu.rgba, gl.rgba), 0u) << "colours";
+    if (c.plan.resolve.normals) {
+        EXPECT_EQ(differing(cpu.normals, gl.normals), 0u) << "normals";
+    }
+}
+
+/// A shaken ball before a tilted wall, with surfels of many sizes, ellipses in all directions, some outliers,
+/// samples without a normal or a radius, and a few that are very near.
+AnalyticCloud scene() {
+    Numbers numbers(17);
+    std::vector<AnalyticPoint> points;
+    const auto add = [&](const glm::dvec3& position, const glm::dvec3& normal, double radius) {
+        AnalyticPoint p;
+        p.position = position;
+        p.rgb = numbers.color();
+        p.intensity = static_cast<std::uint16_t>(numbers.next());
+        p.classification = static_cast<std::uint8_t>(numbers.next() % 20);
+        const glm::dvec3 tilted = glm::normalize(normal + 0.2 * numbers.onSphere());
+        const glm::dvec3 along = glm::normalize(glm::cross(tilted, numbers.onSphere()));
+        p.surfel = surfelOf(tilted, radius * numbers.uniform(0.4, 2.2), along, numbers.uniform(0.25, 1));
+        p.surfel->outlier = numbers.uniform() < 0.03;
+        if (numbers.uniform() < 0.03) p.surfel->normal = glm::vec3(0);
+        if (numbers.uniform() < 0.03) p.surfel.reset();
+        points.push_back(p);
+    };
+    for (int i = 0; i < 6000; ++i) {
+        const glm::dvec3 n = numbers.onSphere();
+        add(n * numbers.uniform(0.97, 1.02), n, 0.05);
+    }
+    for (int i = 0; i < 4000; ++i)
+        add({numbers.uniform(-3, 3), 1.6 + 0.5 * numbers.uniform(-1, 1), numbers.uniform(-2, 2)},
+            {0.447, -0.894, 0}, 0.09);
+    for (int i = 0; i < 40; ++i) add(glm::dvec3(0.3, -3.6, 1) + 0.3 * numbers.onSphere(), {0, -1, 0}, 0.05);
+    return AnalyticCloud(points, 0.06, 1500);
+}
+
+const AnalyticCloud& sharedScene() {
+    static const AnalyticCloud cloud = scene();
+    return cloud;
+}
+
+Viewpoint viewpoint(Projection projection) {
+    constexpr int width = 187, height = 141;  // no multiple of any work group
+    return projection == Projection::Perspective
+               ? lookAt({0.3, -4, 1}, {0, 0, 0}, width, height, 50)
+               : lookAtOrthographic({0.3, -4, 1}, {0, 0, 0}, width, height, 3.2);
+}
+
+struct MethodCase {
+    const char* method;
+    ParameterValues parameters;
+    const char* label;
+    bool normals = false;  ///< its splats know theirs, so it is lit differently
+};
+void PrintTo(const MethodCase& c, std::ostream* out) {
+    *out << c.label;
+}
+
+const MethodCase methodCases[] = {
+    {"point", {}, "point"},
+    {"square", {}, "square"},
+    {"circle", {}, "circle"},
+    {"paraboloid", {}, "paraboloid"},
+    {"cone", {}, "cone"},
+    {"sphere", {}, "sphere"},
+    {"sphere", {{"sizePx", 23.0}}, "sphere23px"},
+    {"cone", {{"sizePx", 4.0}, {"footprint", std::string("square")}}, "coneOnSquares"},
+    {"paraboloid", {{"sizePx", 26.5}, {"footprint", std::string("square")}}, "paraboloidOnSquares"},
+    {"hqs", {}, "hqs", true},
+    {"hqs", {{"sizePx", 21.0}}, "hqs21px", true},
+    {"disc", {}, "disc", true},
+    {"disc", {{"maxPx", 9.0}, {"cull", false}}, "smallDisc", true},
+    {"ewa", {}, "ewa", true},
+    {"ewa", {{"lowPass", 2.0}, {"scale", 3.0}}, "blurredEwa", true},
+    {"voronoi", {{"smooth", false}}, "voronoiFlat", true},
+    {"voronoi", {{"smooth", true}}, "voronoiSmooth", true},
+    {"voronoi", {{"smooth", true}, {"silhouette", true}, {"tolerance", 0.5}}, "voronoiSilhouette", true},
+};
+
+PassList passesOf(const MethodCase& c, Shading shading) {
+    const Method* method = findMethod(c.method);
+    if (!method) throw std::runtime_error(std::string("no method ") + c.method);
+    const auto values = resolveParameters(*method, c.parameters);
+    if (!values) throw std::runtime_error(values.error().message);
+    return method->passes({*method, *values, shading});
+}
+
+using AgreementCase = std::tuple<std::string, MethodCase, Projection>;
+class GlLayer : public testing::TestWithParam<AgreementCase> {};
+
+TEST_P(GlLayer, LeavesTheBytesOfTheCpuDevice) {
+    const auto& [backendName, method, projection] = GetParam();
+    REQUIRE_BACKEND(backend, backendName);
+    const Viewpoint from = viewpoint(projection);
+    const auto check = [&](Shading shading, bool oriented) {
+        SCOPED_TRACE(std::string(name(shading)) + (oriented ? ", oriented" : ""));
+        SurfelScene s(from, sharedScene().cut(), passesOf(method, shading));
+        s.drawing.oriented = oriented;
+        expectTheSame(backend, layerCase(s.drawing));
+    };
+    check(Shading::Unlit, false);
+    if (!method.normals) return;
+    check(Shading::Phong, false);
+    check(Shading::Phong, true);
+}
+
+INSTANTIATE_TEST_SUITE_P(Gl, GlLayer,
+                         testing::Combine(testing::Values("egl", "osmesa"), testing::ValuesIn(methodCases),
+                                          testing::Values(Projection::Perspective, Projection::Orthographic)),
+                         [](const testing::TestParamInfo<AgreementCase>& c) {
+                             return std::get<0>(c.param) + "_" + std::get<1>(c.param).label + "_" +
+                                    std::string(name(std::get<2>(c.param)));
+                         });
+
+/// One method of each kind of pass, and everything else varied.
+class GlLayerDrawing : public testing::TestWithParam<std::string> {
+  protected:
+    static inline const MethodCase sprites{"paraboloid", {}, ""}, blended{"hqs", {}, ""},
+        cells{"voronoi", {{"smooth", true}}, ""};
+    const Viewpoint from_ = viewpoint(Projection::Perspective);
+    const GlLimitsOfTest limits_;
+
+    /// Draws the methods after `change` had its way with the drawing.
+    template <class Change>
+    void check(std::initializer_list<MethodCase> methods, const Change& change, const Cut* cut = nullptr,
+               std::optional<GlLimitsOfTest> limits = {}) {
+        REQUIRE_BACKEND(backend, GetParam());
+        for (const MethodCase& method : methods) {
+            SCOPED_TRACE(method.method);
+            SurfelScene s(from_, cut ? *cut : sharedScene().cut(), passesOf(method, Shading::Phong));
+            change(s.drawing);
+            expectTheSame(backend, layerCase(s.drawing), limits.value_or(limits_));
+        }
+    }
+};
+INSTANTIATE_TEST_SUITE_P(Gl, GlLayerDrawing, testing::Values("egl", "osmesa"),
+                         [](const testing::TestParamInfo<std::string>& c) { return c.param; });
+
+/// Looked up while splatting, for sums, and by ordinal.
+TEST_P(GlLayerDrawing, EveryColorSource) {
+    for (const ColorSource source :
+         {ColorSource::Intensity, ColorSource::Elevation, ColorSource::Classification, ColorSource::Normal,
+          ColorSource::Depth, ColorSource::Lod, ColorSource::Flat}) {
+        SCOPED_TRACE(std::string(name(source)));
+        check({sprites, {"voronoi", {{"smooth", false}}, ""}}, [&](Drawing& d) {
+            d.color.source = source;
+            d.color.low = source == ColorSource::Intensity ? 5000 : -0.7;
+            d.color.high = source == ColorSource::Intensity ? 60000 : 4.3;
+            d.color.flat = {10, 200, 90};
+            for (std::size_t i = 0; i < 256; ++i) {
+                const auto level = static_cast<std::uint8_t>(i);
+                d.color.ramp[i] = {level, static_cast<std::uint8_t>(255 - level),
+                                   static_cast<std::uint8_t>(7 * i)};
+            }
+        });
+    }
+}
+
+TEST_P(GlLayerDrawing, ClassesClipBoxAndDroppedRegions) {
+    check({sprites, cells}, [](Drawing& d) {
+        d.filter.classes.emplace();
+        for (std::size_t c = 0; c < 256; c += 2) (*d.filter.classes)[c] = true;
+    });
+    check({sprites, blended}, [](Drawing& d) {
+        d.filter.clip = ClipBox{{-0.6, -2, -0.8}, {0.9, 3, 0.7}};
+        Region wedge;
+        wedge.planes[0] = {0.6, 0, 0.8, -0.2};
+        wedge.planes[1] = {0, -1, 0, 0.1};
+        wedge.count = 2;
+        Region slab;
+        slab.planes[0] = {1, 0, 0, 0.4};
+        slab.planes[1] = {-1, 0, 0, -0.2};
+        slab.count = 2;
+        d.filter.dropped = {wedge, slab};
+    });
+}
+
+TEST_P(GlLayerDrawing, RunsDrawnInPart) {
+    const Cut faded = withShares(sharedScene().cut());
+    check(
+        {sprites, cells}, [](Drawing&) {}, &faded);
+}
+
+TEST_P(GlLayerDrawing, WindowsNearAndFarAndBackgrounds) {
+    Viewpoint near = from_;
+    near.near = 3.1;
+    near.far = 4.6;
+    check({sprites, blended, cells}, [&](Drawing& d) {
+        d.viewpoint = &near;
+        d.window = {37, 21, 90, 83};
+        d.background.kind = Background::Kind::Gradient;
+        d.background.bottom = {200, 100, 50};
+    });
+}
+
+/// A storage block that holds a third of the picture's sums: bands of rows.
+TEST_P(GlLayerDrawing, BandByBand) {
+    GlLimitsOfTest limits;
+    limits.storageBlockBytes = 500'000;
+    check(
+        {blended, cells}, [](Drawing&) {}, nullptr, limits);
+}
+
+/// Room for a quarter of the samples, in small pages: batches, and runs dealt out to several places.
+TEST_P(GlLayerDrawing, BatchByBatch) {
+    GlLimitsOfTest limits;
+    limits.samples = {40'000, 16'384};
+    check(
+        {sprites, blended, cells}, [](Drawing&) {}, nullptr, limits);
+}
+
+/// 30,000 points in a few pixels, with normals of both signs: sums of more than 32 bits.
+TEST_P(GlLayerDrawing, SumsBeyond32Bits) {
+    Numbers numbers(23);
+    std::vector<AnalyticPoint> points;
+    for (int i = 0; i < 30'000; ++i) {
+        AnalyticPoint p;
+        p.position = 0.02 * numbers.onSphere();
+        p.rgb = {250, static_cast<std::uint8_t>(i), 255};
+        p.surfel = surfelOf({i % 3 ? -1.0 : 0.8, -1, 0.3}, 0.3);
+        points.push_back(p);
+    }
+    const AnalyticCloud cloud(points, 0.3, 7000);
+    check(
+        {blended, {"ewa", {}, ""}}, [](Drawing& d) { d.oriented = true; }, &cloud.cut());
+}
+
+}  // namespace
+}  // namespace scancast::test

@@ -18,7 +18,8 @@ ApiOptions apiOptions(const ServerOptions& options) {
     return {std::string(scancastVersion()),
             options.limits.maxPixels,
             {options.host, options.allowedOrigins},
-            options.cache};
+            options.cache,
+            options.tokens};
 }
 
 class RunningServer final : public Server {
@@ -44,6 +45,11 @@ class RunningServer final : public Server {
     }
 
     Expected<void> start() {
+        if (options_.tls.given()) {
+            auto tls = openTls(options_.tls);
+            if (!tls) return tl::unexpected(std::move(tls.error()));
+            context_.tls = std::move(*tls);
+        }
         auto listener = Listener::create(io_, options_.host, options_.port, context_);
         if (!listener) return tl::unexpected(std::move(listener.error()));
         listener_ = std::move(*listener);
@@ -64,7 +70,7 @@ class RunningServer final : public Server {
         const bool everywhere = host == "0.0.0.0" || host == "::";
         const bool v6 = host.find(':') != std::string::npos;
         const std::string shown = everywhere ? "localhost" : v6 ? "[" + host + "]" : host;
-        return "http://" + shown + ":" + std::to_string(port()) + "/";
+        return (context_.tls ? "https://" : "http://") + shown + ":" + std::to_string(port()) + "/";
     }
 
     void shutDown() override {

@@ -14,6 +14,7 @@
 #include "server/catalog.hpp"
 #include "server/metrics.hpp"
 #include "server/net/net_context.hpp"
+#include "server/net/tls.hpp"
 #include "server/scheduler/scheduler.hpp"
 
 namespace scancast {
@@ -22,6 +23,8 @@ struct ServerOptions {
     std::string host = "127.0.0.1";
     std::uint16_t port = 8080;  ///< 0 = any free one
     std::vector<std::string> allowedOrigins;
+    AccessTokens tokens;
+    TlsFiles tls;
     int netThreads = 2;
     NetLimits limits;
     SchedulerOptions scheduler;
@@ -30,7 +33,8 @@ struct ServerOptions {
 
 class Server {
   public:
-    /// Listens when it returns; the device is being opened then. Errors: those of Listener::create().
+    /// Listens when it returns; the device is being opened then. Errors: those of openTls() and
+    /// Listener::create().
     static Expected<std::unique_ptr<Server>> create(const ServerOptions& options, OpenPainter openPainter);
     /// shutDown(), then ends whatever is left.
     virtual ~Server() = default;

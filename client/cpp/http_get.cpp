@@ -18,11 +18,12 @@ constexpr std::uint64_t longestAnswer = std::uint64_t{1} << 30u;
 using Body = http::vector_body<std::uint8_t>;
 
 http::request<http::empty_body> requestOf(const ServerUrl& url, const std::string& target,
-                                          const std::string& ifNoneMatch) {
+                                          const std::string& ifNoneMatch, const std::string& token) {
     http::request<http::empty_body> request(http::verb::get, target, 11);
     request.set(http::field::host, url.authority());
     request.set(http::field::user_agent, "scancast-client");
     request.set(http::field::connection, "close");
+    if (!token.empty()) request.set(http::field::authorization, "Bearer " + token);
     if (!ifNoneMatch.empty()) request.set(http::field::if_none_match, ifNoneMatch);
     return request;
 }
@@ -39,17 +40,17 @@ Expected<HttpAnswer> answerOf(http::response<Body> response, const ServerUrl& ur
 }  // namespace
 
 Expected<HttpAnswer> httpGet(const ServerUrl& url, const std::string& target, const std::string& ifNoneMatch,
-                             const Timeouts& timeouts) {
+                             const Credentials& credentials, const Timeouts& timeouts) {
     boost::asio::io_context io;
-    beast::tcp_stream stream(io);
-    if (auto open = connectUntil(io, stream, url, Clock::now() + timeouts.connect); !open)
-        return tl::unexpected(open.error());
+    auto open = connectUntil(io, url, credentials, Clock::now() + timeouts.connect);
+    if (!open) return tl::unexpected(open.error());
+    NetStream& stream = open->stream;
     const auto deadline = Clock::now() + timeouts.answer;
     const auto close = [&] {
         ErrorCodeOfBoost ignored;  // nothing is sent after this
-        stream.socket().close(ignored);
+        stream.tcp().socket().close(ignored);
     };
-    const auto request = requestOf(url, target, ifNoneMatch);
+    const auto request = requestOf(url, target, ifNoneMatch, credentials.token);
     if (const auto error = runUntil(
             io, deadline, [&](auto handler) { http::async_write(stream, request, handler); }, close))
         return tl::unexpected(networkError(error, url, "sending a request"));

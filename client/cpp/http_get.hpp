@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "client/cpp/credentials.hpp"
 #include "client/cpp/server_url.hpp"
 #include "client/cpp/timeouts.hpp"
 
@@ -21,8 +22,8 @@ struct HttpAnswer {
 /// `target` is the path with its query; `accept` may be empty, and so may `ifNoneMatch` (an ETag with its
 /// quotes). Answers with a status of 400 or above become errors: the problem that their body describes, else
 /// the status. Errors besides: Io (refused, closed), NotFound (host), DeadlineExceeded, Malformed (no HTTP),
-/// ResourceLimit (more than 1 GiB).
+/// Unsupported (TLS that is not trusted), ResourceLimit (more than 1 GiB).
 Expected<HttpAnswer> httpGet(const ServerUrl& url, const std::string& target, const std::string& ifNoneMatch,
-                             const Timeouts& timeouts);
+                             const Credentials& credentials, const Timeouts& timeouts);
 
 }  // namespace scancast::client

@@ -13,6 +13,7 @@
 // Expected error with a sentence for people. Depends on protocol/ only; Boost does not show in the headers.
 #pragma once
 
+#include "client/cpp/credentials.hpp"
 #include "client/cpp/orbit_path.hpp"
 #include "client/cpp/server.hpp"
 #include "client/cpp/server_url.hpp"

@@ -11,7 +11,7 @@ namespace {
 constexpr std::string_view cloudsPath = "/api/v1/clouds";
 
 Expected<nlohmann::json> getJson(const Server& server, const std::string& target) {
-    const auto answer = httpGet(server.url(), target, {}, server.timeouts());
+    const auto answer = httpGet(server.url(), target, {}, server.credentials(), server.timeouts());
     if (!answer) return tl::unexpected(answer.error());
     auto value = parseJson({reinterpret_cast<const char*>(answer->body.data()), answer->body.size()});
     if (!value)
@@ -60,7 +60,7 @@ Expected<Snapshot> Server::snapshot(const std::string& cloud, const WordValues& 
     const bool jpeg = format == PictureFormat::Jpeg;
     auto target = cloudPath(cloud) + (jpeg ? "/snapshot.jpg" : "/snapshot.png");
     if (!words.empty()) target.append("?").append(printQuery(words));
-    auto answer = httpGet(url_, target, etag, timeouts_);
+    auto answer = httpGet(url_, target, etag, credentials_, timeouts_);
     if (!answer) return tl::unexpected(answer.error());
     if (answer->status == 304) return Snapshot{{}, etag, {}, true};
     const bool picture = jpeg ? startsWith(answer->body, {0xFF, 0xD8, 0xFF})

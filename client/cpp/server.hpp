@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "client/cpp/credentials.hpp"
 #include "client/cpp/server_url.hpp"
 #include "client/cpp/timeouts.hpp"
 #include "protocol/catalog.hpp"
@@ -26,10 +27,12 @@ struct Snapshot {
 
 class Server {
   public:
-    explicit Server(ServerUrl url, Timeouts timeouts = {}) : url_(std::move(url)), timeouts_(timeouts) {}
+    explicit Server(ServerUrl url, Timeouts timeouts = {}, Credentials credentials = {})
+        : url_(std::move(url)), timeouts_(timeouts), credentials_(std::move(credentials)) {}
 
     const ServerUrl& url() const { return url_; }
     const Timeouts& timeouts() const { return timeouts_; }
+    const Credentials& credentials() const { return credentials_; }
 
     /// Errors of all calls: those of the network (http_get.hpp), Malformed for answers that are not what they
     /// should be, and whatever the server refuses with.
@@ -44,6 +47,7 @@ class Server {
   private:
     ServerUrl url_;
     Timeouts timeouts_;
+    Credentials credentials_;
 };
 
 }  // namespace scancast::client

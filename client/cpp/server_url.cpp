@@ -48,14 +48,14 @@ std::string ServerUrl::authority() const {
 
 Expected<ServerUrl> parseServerUrl(std::string_view text) {
     std::string_view rest = text;
+    bool tls = false;
     if (const auto scheme = rest.find("://"); scheme == std::string_view::npos) {
-        return refuse(text, "it does not start with http://");
+        return refuse(text, "it does not start with http:// or https://");
     } else {
         const auto name = rest.substr(0, scheme);
-        if (name == "https" || name == "wss")
-            return fail(ErrorCode::Unsupported,
-                        quoteText(text) + ": this client does not speak TLS yet; use http://", "URL");
-        if (name != "http" && name != "ws") return refuse(text, "it does not start with http://");
+        tls = name == "https" || name == "wss";
+        if (!tls && name != "http" && name != "ws")
+            return refuse(text, "it does not start with http:// or https://");
         rest.remove_prefix(scheme + 3);
     }
     const auto path = rest.find_first_of("/?#");
@@ -64,6 +64,8 @@ Expected<ServerUrl> parseServerUrl(std::string_view text) {
     rest = rest.substr(0, path);
 
     ServerUrl url;
+    url.tls = tls;
+    url.port = tls ? 443 : 80;
     url.host = takeHost(rest);
     if (url.host.empty() || url.host.size() > 253) return refuse(text, "the host is missing or malformed");
     if (rest.empty()) return url;

@@ -31,24 +31,23 @@ Error goodbye(std::uint16_t code, std::string_view reason) {
 
 class Stream::Connection {
   public:
-    Connection(ServerUrl url, const Timeouts& timeouts)
-        : url_(std::move(url)), timeouts_(timeouts), socket_(io_) {
-        socket_.read_message_max(longestMessage);
-        socket_.auto_fragment(false);
-    }
+    Connection(ServerUrl url, const Timeouts& timeouts) : url_(std::move(url)), timeouts_(timeouts) {}
 
-    Expected<void> open() {
-        const auto deadline = Clock::now() + timeouts_.connect;
-        if (auto connected = connectUntil(io_, socket_.next_layer(), url_, deadline); !connected)
-            return connected;
-        return handshake();
+    Expected<void> open(const Credentials& credentials) {
+        auto connected = connectUntil(io_, url_, credentials, Clock::now() + timeouts_.connect);
+        if (!connected) return tl::unexpected(std::move(connected.error()));
+        tls_ = std::move(connected->tls);
+        socket_ = std::make_unique<websocket::stream<NetStream>>(std::move(connected->stream));
+        socket_->read_message_max(longestMessage);
+        socket_->auto_fragment(false);
+        return handshake(credentials.token);
     }
 
     Expected<void> send(const ClientMessage& message) {
         const auto text = printMessage(message);
-        socket_.text(true);
+        socket_->text(true);
         const auto error =
-            run([&](auto handler) { socket_.async_write(boost::asio::buffer(text), handler); });
+            run([&](auto handler) { socket_->async_write(boost::asio::buffer(text), handler); });
         if (error) return tl::unexpected(lost(error, "sending a message"));
         return {};
     }
@@ -56,17 +55,17 @@ class Stream::Connection {
     /// One whole message; it stays valid until the next call.
     Expected<std::span<const std::uint8_t>> read() {
         buffer_.clear();
-        const auto error = run([&](auto handler) { socket_.async_read(buffer_, handler); });
+        const auto error = run([&](auto handler) { socket_->async_read(buffer_, handler); });
         if (error) return tl::unexpected(lost(error, "waiting for the next message"));
         const auto data = buffer_.cdata();
         return std::span(static_cast<const std::uint8_t*>(data.data()), data.size());
     }
 
-    bool gotText() const { return socket_.got_text(); }
+    bool gotText() const { return socket_->got_text(); }
 
     Expected<void> close() {
         const auto error =
-            run([&](auto handler) { socket_.async_close(websocket::close_code::normal, handler); });
+            run([&](auto handler) { socket_->async_close(websocket::close_code::normal, handler); });
         if (error && error != websocket::error::closed && error != boost::asio::error::eof)
             return tl::unexpected(lost(error, "closing the session"));
         return {};
@@ -79,18 +78,19 @@ class Stream::Connection {
     ErrorCodeOfBoost run(Start start) {
         return runUntil(io_, Clock::now() + timeouts_.answer, start, [this] {
             ErrorCodeOfBoost ignored;  // the session is over either way
-            socket_.next_layer().socket().close(ignored);
+            socket_->next_layer().tcp().socket().close(ignored);
         });
     }
 
-    Expected<void> handshake() {
-        socket_.set_option(websocket::stream_base::decorator([](websocket::request_type& request) {
+    Expected<void> handshake(const std::string& token) {
+        socket_->set_option(websocket::stream_base::decorator([&token](websocket::request_type& request) {
+            if (!token.empty()) request.set(http::field::authorization, "Bearer " + token);
             request.set(http::field::user_agent, "scancast-client");
             request.set(http::field::sec_websocket_protocol, std::string(webSocketProtocol));
         }));
         websocket::response_type response;
         const auto error = run([&](auto handler) {
-            socket_.async_handshake(response, url_.authority(), std::string(webSocketPath), handler);
+            socket_->async_handshake(response, url_.authority(), std::string(webSocketPath), handler);
         });
         if (error == websocket::error::upgrade_declined)
             return tl::unexpected(refusal(url_, static_cast<int>(response.result_int()),
@@ -107,7 +107,7 @@ class Stream::Connection {
 
     Error lost(const ErrorCodeOfBoost& error, std::string_view doing) const {
         if (error == websocket::error::closed) {
-            const auto& reason = socket_.reason();
+            const auto& reason = socket_->reason();
             return goodbye(reason.code, std::string_view(reason.reason.data(), reason.reason.size()));
         }
         return networkError(error, url_, doing);
@@ -116,7 +116,8 @@ class Stream::Connection {
     ServerUrl url_;
     Timeouts timeouts_;
     boost::asio::io_context io_;
-    websocket::stream<beast::tcp_stream> socket_;
+    std::shared_ptr<boost::asio::ssl::context> tls_;  // outlives the socket
+    std::unique_ptr<websocket::stream<NetStream>> socket_;
     beast::flat_buffer buffer_;
 };
 
@@ -125,9 +126,10 @@ Stream::Stream(Stream&&) noexcept = default;
 Stream& Stream::operator=(Stream&&) noexcept = default;
 Stream::~Stream() = default;
 
-Expected<Stream> Stream::open(const ServerUrl& url, const messages::Hello& hello, const Timeouts& timeouts) {
+Expected<Stream> Stream::open(const ServerUrl& url, const messages::Hello& hello, const Timeouts& timeouts,
+                              const Credentials& credentials) {
     auto connection = std::make_unique<Connection>(url, timeouts);
-    if (auto opened = connection->open(); !opened) return tl::unexpected(opened.error());
+    if (auto opened = connection->open(credentials); !opened) return tl::unexpected(opened.error());
     if (auto sent = connection->send(hello); !sent) return tl::unexpected(sent.error());
     const auto text = connection->read();
     if (!text) return tl::unexpected(text.error());

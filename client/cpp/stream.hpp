@@ -11,6 +11,7 @@
 #include <variant>
 #include <vector>
 
+#include "client/cpp/credentials.hpp"
 #include "client/cpp/server_url.hpp"
 #include "client/cpp/timeouts.hpp"
 #include "protocol/frame_header.hpp"
@@ -33,7 +34,7 @@ class Stream {
     /// Unsupported when the other side speaks another subprotocol; what the server refuses with; Malformed
     /// for a welcome that is none.
     static Expected<Stream> open(const ServerUrl& url, const messages::Hello& hello,
-                                 const Timeouts& timeouts = {});
+                                 const Timeouts& timeouts = {}, const Credentials& credentials = {});
 
     Stream(Stream&&) noexcept;
     Stream& operator=(Stream&&) noexcept;

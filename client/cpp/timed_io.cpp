@@ -1,6 +1,8 @@
 #include "client/cpp/timed_io.hpp"
 
 #include <boost/asio/ip/address.hpp>
+#include <boost/asio/ssl/context.hpp>
+#include <boost/asio/ssl/error.hpp>
 #include <boost/beast/core/error.hpp>
 #include <boost/beast/http/error.hpp>
 #include <boost/beast/websocket/error.hpp>
@@ -8,6 +10,7 @@
 namespace scancast::client {
 namespace {
 
+namespace ssl = boost::asio::ssl;
 using tcp = boost::asio::ip::tcp;
 using Endpoints = std::vector<tcp::endpoint>;
 
@@ -33,10 +36,8 @@ Expected<Endpoints> resolveUntil(boost::asio::io_context& io, const ServerUrl& u
     return endpoints;
 }
 
-}  // namespace
-
-Expected<void> connectUntil(boost::asio::io_context& io, boost::beast::tcp_stream& stream,
-                            const ServerUrl& url, Clock::time_point deadline) {
+Expected<void> connectTcp(boost::asio::io_context& io, boost::beast::tcp_stream& stream, const ServerUrl& url,
+                          Clock::time_point deadline) {
     const auto endpoints = resolveUntil(io, url, deadline);
     if (!endpoints) return tl::unexpected(endpoints.error());
     auto& socket = stream.socket();
@@ -55,6 +56,54 @@ Expected<void> connectUntil(boost::asio::io_context& io, boost::beast::tcp_strea
     return {};
 }
 
+Expected<std::shared_ptr<ssl::context>> clientContext(const Credentials& credentials) {
+    ErrorCodeOfBoost error;
+    auto context = std::make_shared<ssl::context>(ssl::context::tls_client);
+    SSL_CTX_set_min_proto_version(context->native_handle(), TLS1_2_VERSION);
+    context->set_verify_mode(ssl::verify_peer, error);
+    if (!error && credentials.authority.empty()) context->set_default_verify_paths(error);
+    if (!error && !credentials.authority.empty())
+        context->load_verify_file(credentials.authority.string(), error);
+    if (!error) return context;
+    return fail(ErrorCode::Io,
+                credentials.authority.empty()
+                    ? "the system's list of trusted authorities cannot be read: " + error.message()
+                    : credentials.authority.string() +
+                          " holds no certificates in PEM format, or cannot be read: " + error.message());
+}
+
+Expected<void> agreeOnTls(boost::asio::io_context& io, NetStream& stream, const ServerUrl& url,
+                          Clock::time_point deadline) {
+    if (!stream.expectHost(url.host))
+        return fail(ErrorCode::InvalidArgument, url.host + " cannot be the name in a certificate", "URL");
+    const auto error = runUntil(
+        io, deadline, [&](auto handler) { stream.handshake(NetStream::Side::Client, handler); },
+        [&] { stream.tcp().close(); });
+    if (!error) return {};
+    if (error.category() != boost::asio::error::get_ssl_category() && error != ssl::error::stream_truncated)
+        return tl::unexpected(networkError(error, url, "agreeing on TLS"));
+    return fail(ErrorCode::Unsupported,
+                url.authority() + " is not trusted, or does not speak TLS (" + error.message() +
+                    "); --ca-file names another authority to trust, and http:// speaks in the clear");
+}
+
+}  // namespace
+
+Expected<Connected> connectUntil(boost::asio::io_context& io, const ServerUrl& url,
+                                 const Credentials& credentials, Clock::time_point deadline) {
+    boost::beast::tcp_stream connection(io);
+    Expected<std::shared_ptr<ssl::context>> context = nullptr;
+    if (url.tls) context = clientContext(credentials);
+    if (!context) return tl::unexpected(std::move(context.error()));
+    if (auto open = connectTcp(io, connection, url, deadline); !open)
+        return tl::unexpected(std::move(open.error()));
+    if (!url.tls) return Connected{nullptr, NetStream(std::move(connection))};
+    NetStream stream(std::move(connection), **context);
+    if (auto agreed = agreeOnTls(io, stream, url, deadline); !agreed)
+        return tl::unexpected(std::move(agreed.error()));
+    return Connected{std::move(*context), std::move(stream)};
+}
+
 Error networkError(const ErrorCodeOfBoost& error, const ServerUrl& url, std::string_view doing) {
     namespace asio = boost::asio;
     namespace beast = boost::beast;
@@ -68,8 +117,8 @@ Error networkError(const ErrorCodeOfBoost& error, const ServerUrl& url, std::str
     if (error == asio::error::timed_out || error == beast::error::timeout)
         return {ErrorCode::DeadlineExceeded, server + " did not answer in time" + whileDoing, {}};
     if (error == asio::error::eof || error == asio::error::connection_reset ||
-        error == asio::error::broken_pipe || error == beast::http::error::end_of_stream ||
-        error == beast::http::error::partial_message)
+        error == asio::error::broken_pipe || error == asio::ssl::error::stream_truncated ||
+        error == beast::http::error::end_of_stream || error == beast::http::error::partial_message)
         return {ErrorCode::Io, server + " closed the connection" + whileDoing, {}};
     if (error == beast::http::error::body_limit || error == beast::http::error::header_limit ||
         error == beast::websocket::error::message_too_big || error == beast::error::timeout)

@@ -8,12 +8,13 @@
 #include <boost/asio/connect.hpp>
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/ip/tcp.hpp>
-#include <boost/beast/core/tcp_stream.hpp>
 #include <chrono>
 #include <optional>
 
+#include "client/cpp/credentials.hpp"
 #include "client/cpp/server_url.hpp"
 #include "client/cpp/timeouts.hpp"
+#include "transport/net_stream.hpp"
 
 namespace scancast::client {
 
@@ -38,9 +39,15 @@ ErrorCodeOfBoost runUntil(boost::asio::io_context& io, Clock::time_point deadlin
     return boost::asio::error::timed_out;
 }
 
-/// Resolves and connects. On failure the stream is closed.
-Expected<void> connectUntil(boost::asio::io_context& io, boost::beast::tcp_stream& stream,
-                            const ServerUrl& url, Clock::time_point deadline);
+struct Connected {
+    std::shared_ptr<boost::asio::ssl::context> tls;  ///< empty in the clear; must outlive the stream
+    NetStream stream;
+};
+
+/// Resolves, connects, and, for https, agrees on TLS with a server whose certificate is for this host and
+/// signed by whom the credentials trust. Unsupported when it is not.
+Expected<Connected> connectUntil(boost::asio::io_context& io, const ServerUrl& url,
+                                 const Credentials& credentials, Clock::time_point deadline);
 
 /// What an error of the network means, in words. `doing` continues "… while": "sending a view".
 Error networkError(const ErrorCodeOfBoost& error, const ServerUrl& url, std::string_view doing);

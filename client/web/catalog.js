@@ -1,5 +1,7 @@
 // What the server says about its clouds and methods, over HTTP.
 
+import { authorization } from './access.js';
+
 const patienceMs = 10_000;
 
 /** An answer that is an error, in words that a person can read. */
@@ -27,7 +29,7 @@ export async function problemOf(response) {
 }
 
 async function getJson(path) {
-  const response = await fetch(path, { signal: AbortSignal.timeout(patienceMs), cache: 'no-cache' });
+  const response = await fetch(path, { signal: AbortSignal.timeout(patienceMs), cache: 'no-cache', headers: authorization() });
   if (!response.ok) throw await problemOf(response);
   return response.json();
 }

@@ -1,6 +1,7 @@
 // One WebSocket to the stream, subprotocol scancast.v1: messages out, messages and frames in. It lives from open to
 // close; session.js makes a new one when it is lost.
 
+import { subprotocols } from './access.js';
 import { FrameError, parseFrame } from './frame_header.js';
 
 const welcomePatienceMs = 10_000;
@@ -37,7 +38,7 @@ export class Connection {
     this.#handlers = handlers;
     this.#hello = hello;
     this.#lastSeq = firstSeq - 1;
-    this.#socket = new WebSocket(url, ['scancast.v1']);
+    this.#socket = new WebSocket(url, subprotocols());
     this.#socket.binaryType = 'arraybuffer';
     this.#socket.onopen = () => this.#send({ type: 'hello', ...hello });
     this.#socket.onmessage = (event) => this.#received(event.data);

@@ -5,6 +5,7 @@ set(SCANCAST_WEB_FILES
     panel.css
     favicon.svg
     main.js
+    access.js
     camera.js
     camera_input.js
     catalog.js

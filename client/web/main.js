@@ -58,7 +58,7 @@ const session = new Session({
   stats: (stats) => hud.stats(stats),
 });
 
-const overlays = new Overlays(() => session.retryNow());
+const overlays = new Overlays(() => session.retryNow(), (token) => session.unlock(token));
 const picture = new Picture(canvas, (size) => {
   state.change({ width: size.width, height: size.height });
   wake();

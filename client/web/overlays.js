@@ -9,6 +9,10 @@ const toastMs = 9000;
 
 function coverWords(state) {
   if (state.kind === 'connecting') return { title: 'Connecting…' };
+  if (state.kind === 'locked') {
+    const who = 'Whoever runs this server has it. It is kept for this tab only.';
+    return { title: 'Access token', detail: state.refused ? `That was not it. ${who}` : who, token: true };
+  }
   if (state.kind === 'empty') {
     return {
       title: 'No cloud yet',
@@ -33,7 +37,13 @@ export class Overlays {
   #toastTimer;
   #countdown;
 
-  constructor(onRetry) {
+  constructor(onRetry, onToken) {
+    find('cover-token').addEventListener('submit', (event) => {
+      event.preventDefault();
+      const field = find('token');
+      onToken(field.value);
+      field.value = '';
+    });
     find('cover-retry').addEventListener('click', onRetry);
     find('toast-close').addEventListener('click', () => this.dismiss());
     find('show-help').addEventListener('click', () => this.toggleHelp());
@@ -77,10 +87,18 @@ export class Overlays {
     set('cover-detail', words.detail);
     set('cover-code', words.code).hidden = !words.code;
     find('cover-retry').hidden = !words.retry;
+    this.#askForToken(words.token);
     const progress = find('cover-progress');
     progress.hidden = words.progress === undefined;
     if (typeof words.progress === 'number') progress.value = words.progress;
     else progress.removeAttribute('value'); // busy, but nobody knows how long
+  }
+
+  #askForToken(asks) {
+    const form = find('cover-token');
+    if (form.hidden === !asks) return;
+    form.hidden = !asks;
+    if (asks) find('token').focus();
   }
 
   #lost(state) {

@@ -1,6 +1,7 @@
 // Keeps the page connected: asks for the clouds, waits while they load, opens the stream, and starts over, more and
 // more patiently, whenever something breaks.
 
+import { forgetToken, hasToken, keepToken } from './access.js';
 import { fetchClouds, fetchMethods, ServerProblem } from './catalog.js';
 import { Connection } from './connection.js';
 
@@ -23,7 +24,8 @@ export class Session {
   #round = 0; // of two cycles that overlap, only the later one counts
 
   /**
-   * Handlers: state({ kind, … }) with kind connecting | loading | empty | failed | lost | open; catalog(catalog);
+   * Handlers: state({ kind, … }) with kind connecting | loading | empty | failed | locked |
+   * lost | open; catalog(catalog);
    * hello() → the first message; welcome(message); frame, problem and stats as in Connection.
    */
   constructor(handlers) {
@@ -56,6 +58,13 @@ export class Session {
     this.#cycle();
   }
 
+  /** The server asked for a token: here it is. */
+  unlock(token) {
+    keepToken(token);
+    this.#handlers.state({ kind: 'connecting' });
+    this.#cycle();
+  }
+
   #later(delay) {
     clearTimeout(this.#timer);
     this.#timer = setTimeout(() => this.#cycle(), delay);
@@ -82,7 +91,9 @@ export class Session {
       this.#handlers.catalog({ clouds, pending, ...methods });
       this.#open(clouds);
     } catch (error) {
-      if (round === this.#round) this.#lost(error);
+      if (round !== this.#round) return;
+      if (error.status === 401) this.#locked();
+      else this.#lost(error);
     }
   }
 
@@ -116,6 +127,14 @@ export class Session {
         this.#lost(new Error(words));
       },
     });
+  }
+
+  /** Nothing is asked again before a token is given: trying wrong ones would help nobody. */
+  #locked() {
+    this.#attempt = 0;
+    const refused = hasToken();
+    forgetToken();
+    this.#handlers.state({ kind: 'locked', refused });
   }
 
   #lost(error) {

@@ -1,5 +1,6 @@
 // Taking a view along: as a link, and as a picture file.
 
+import { authorization } from './access.js';
 import { problemOf } from './catalog.js';
 import { printHash } from './view_hash.js';
 import { snapshotUrl } from './view_words.js';
@@ -19,7 +20,7 @@ export async function copyLink(cloud, view, upAxis, overlays) {
 /** Asks the server for the view in full quality and hands it to the browser as a download. */
 export async function savePicture(cloud, view, { width, height }, overlays) {
   try {
-    const response = await fetch(snapshotUrl(cloud, view, width, height));
+    const response = await fetch(snapshotUrl(cloud, view, width, height), { headers: authorization() });
     if (!response.ok) throw await problemOf(response);
     const url = URL.createObjectURL(await response.blob());
     Object.assign(document.createElement('a'), { href: url, download: `${cloud}.png` }).click();

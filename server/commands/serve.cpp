@@ -112,9 +112,22 @@ void returnFreedMemory() {
     ::mallopt(M_TRIM_THRESHOLD, 1 << 20);
 }
 
+void warnOfExposure(const ServeOptions& options) {
+    if (isLoopbackHost(options.server.host)) return;
+    if (!options.server.tokens.user)
+        spdlog::warn("--insecure: everybody who can reach {} may see the clouds", options.server.host);
+    else if (!options.server.tls.given())
+        spdlog::warn(
+            "without --tls-cert, the token and the pictures can be read by who sits between {} and a client",
+            options.server.host);
+}
+
 int serve(ServeOptions options) {
     if (auto log = setUpLog(options.logLevel, options.logFormat); !log) return failure(log.error());
     if (auto sound = check(options); !sound) return failure(sound.error());
+    auto tokens = accessTokens(options);
+    if (!tokens) return failure(tokens.error());
+    options.server.tokens = std::move(*tokens);
     returnFreedMemory();
     options.server.cache = blockCache(*memoryLimit(options));
     ShutdownSignals signals;
@@ -122,9 +135,7 @@ int serve(ServeOptions options) {
     if (!server) return failure(server.error());
     std::printf("Open %s\n", (*server)->url().c_str());
     std::fflush(stdout);
-    if (options.insecure && !isLoopbackHost(options.server.host)) {
-        spdlog::warn("--insecure: everybody who can reach {} may see the clouds", options.server.host);
-    }
+    warnOfExposure(options);
     ProgressBar bar(stderr,
                     options.logFormat == "json" ? ProgressBar::Style::Quiet : ProgressBar::Style::Automatic);
     Loader loader(options.files, (*server)->catalog(), loaderOptions(options, bar));

@@ -1,16 +1,45 @@
 #include "server/commands/serve_options.hpp"
 
+#include <arpa/inet.h>
 #include <unistd.h>
 
 #include <algorithm>
 
 #include "server/commands/byte_size.hpp"
 #include "server/net/origin_check.hpp"
+#include "transport/secret_file.hpp"
 
 namespace scancast {
 
 bool isLoopbackHost(const std::string& host) {
-    return host == "localhost" || host == "::1" || host.rfind("127.", 0) == 0;
+    in_addr address{};
+    const bool isAddress = inet_pton(AF_INET, host.c_str(), &address) == 1;
+    return host == "localhost" || host == "::1" || (isAddress && host.rfind("127.", 0) == 0);
+}
+
+Expected<AccessTokens> accessTokens(const ServeOptions& options) {
+    AccessTokens tokens;
+    const auto read = [](const std::filesystem::path& file, const char* flag,
+                         std::optional<std::string>& token) -> Expected<void> {
+        if (file.empty()) return {};
+        auto text = readTokenFile(file);
+        if (!text)
+            return fail(text.error().code, std::string("--") + flag + ": " + text.error().message, flag);
+        token = std::move(*text);
+        return {};
+    };
+    if (auto done = read(options.authTokenFile, "auth-token-file", tokens.user); !done)
+        return tl::unexpected(std::move(done.error()));
+    if (auto done = read(options.adminTokenFile, "admin-token-file", tokens.admin); !done)
+        return tl::unexpected(std::move(done.error()));
+    if (tokens.user && tokens.user == tokens.admin) {
+        return fail(
+            ErrorCode::InvalidArgument,
+            "--admin-token-file: this is the same token as in --auth-token-file, so that everybody would "
+            "administer; make another one.",
+            "admin-token-file");
+    }
+    return tokens;
 }
 
 void addServeFlags(CLI::App& app, ServeOptions& options) {
@@ -19,7 +48,7 @@ void addServeFlags(CLI::App& app, ServeOptions& options) {
         return app.add_option(name, value, meaning)->envname(environment)->capture_default_str();
     };
     flag("--host", options.server.host, "SCANCAST_HOST",
-         "Address to listen on; another than this machine's own needs --insecure")
+         "Address to listen on; another than this machine's own needs --auth-token-file, or --insecure")
         ->type_name("ADDRESS");
     flag("--port", options.server.port, "SCANCAST_PORT", "Port to listen on; 0 takes a free one")
         ->type_name("PORT")
@@ -60,6 +89,18 @@ void addServeFlags(CLI::App& app, ServeOptions& options) {
     app.add_flag("--insecure", options.insecure,
                  "Let everybody who can reach the address in, without a token")
         ->envname("SCANCAST_INSECURE");
+    flag("--auth-token-file", options.authTokenFile, "SCANCAST_AUTH_TOKEN_FILE",
+         "File with the token that clients must bring; only its owner may read it (chmod 600)")
+        ->type_name("FILE");
+    flag("--admin-token-file", options.adminTokenFile, "SCANCAST_ADMIN_TOKEN_FILE",
+         "File with another token, which may do everything that clients may, and administer")
+        ->type_name("FILE");
+    flag("--tls-cert", options.server.tls.certificate, "SCANCAST_TLS_CERT",
+         "Certificate chain in PEM format, to serve https and wss")
+        ->type_name("FILE");
+    flag("--tls-key", options.server.tls.key, "SCANCAST_TLS_KEY",
+         "The certificate's private key in PEM format")
+        ->type_name("FILE");
     flag("--log-level", options.logLevel, "SCANCAST_LOG_LEVEL", "debug, info, warn, error or off")
         ->type_name("LEVEL");
     flag("--log-format", options.logFormat, "SCANCAST_LOG_FORMAT", "text, or json for one object a line")
@@ -87,15 +128,15 @@ Expected<void> check(const ServeOptions& options) {
                     "scancast generate town --points 2000000 -o town.las && scancast serve town.las");
     }
     const std::string& host = options.server.host;
-    if (!isLoopbackHost(host) && !options.insecure) {
-        return fail(ErrorCode::InvalidArgument,
-                    "--host " + host +
-                        " can be reached from other machines, and this version has no access tokens yet. If "
-                        "everybody who "
-                        "can reach that address may see the clouds, add --insecure; if not, keep 127.0.0.1 "
-                        "and forward the "
-                        "port: ssh -L 8080:127.0.0.1:8080 THIS-MACHINE",
-                    "host");
+    if (!isLoopbackHost(host) && !options.insecure && options.authTokenFile.empty()) {
+        return fail(
+            ErrorCode::InvalidArgument,
+            "--host " + host +
+                " can be reached from other machines. Give --auth-token-file FILE, so that clients need "
+                "the token in it: (umask 077; head -c 32 /dev/urandom | base64 > FILE). If everybody who "
+                "can reach that address may see the clouds, add --insecure instead; or keep 127.0.0.1 and "
+                "forward the port: ssh -L 8080:127.0.0.1:8080 THIS-MACHINE",
+            "host");
     }
     if (auto limit = memoryLimit(options); !limit) return tl::unexpected(std::move(limit.error()));
     std::error_code error;

@@ -16,6 +16,7 @@ struct ServeOptions {
     ServerOptions server;
     DeviceOptions device;
     bool insecure = false;
+    std::filesystem::path authTokenFile, adminTokenFile;  ///< empty = none
     std::string memoryLimit;         ///< as written: "2G"; empty = half of the machine's memory
     std::filesystem::path cacheDir;  ///< empty = built anew with every start
     bool noSurfels = false;          ///< scans are built without normals and radii
@@ -26,12 +27,15 @@ struct ServeOptions {
 /// `options` must outlive the parse.
 void addServeFlags(CLI::App& app, ServeOptions& options);
 
-/// What no single flag can know. InvalidArgument: no file, an address that needs --insecure, an origin that
-/// is none.
+/// What no single flag can know. InvalidArgument: no file, an address that needs a token or --insecure, an
+/// origin that is none.
 Expected<void> check(const ServeOptions& options);
 
 /// --memory-limit in bytes. InvalidArgument when it is none, or too small to draw anything.
 Expected<std::uint64_t> memoryLimit(const ServeOptions& options);
+
+/// What --auth-token-file and --admin-token-file hold; an error names the flag, and never a token.
+Expected<AccessTokens> accessTokens(const ServeOptions& options);
 
 /// "localhost", 127.x.x.x, "::1".
 bool isLoopbackHost(const std::string& host);

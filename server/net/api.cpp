@@ -53,10 +53,27 @@ HttpResponse pictureResponse(PictureFormat format, const std::string& tag) {
     return response;
 }
 
+bool isPreflight(const HttpRequest& request) {
+    return request.method == "OPTIONS" && request.count("access-control-request-method") > 0;
+}
+
+HttpResponse preflightResponse() {
+    HttpResponse response;
+    response.status = 204;
+    response.set("Access-Control-Allow-Methods", "GET, HEAD")
+        .set("Access-Control-Allow-Headers", "Authorization, Content-Type, If-None-Match")
+        .set("Access-Control-Max-Age", "600");
+    return response;
+}
+
 }  // namespace
 
 Api::Api(ApiOptions options, const Catalog& catalog, Scheduler& scheduler, Metrics& metrics)
-    : options_(std::move(options)), catalog_(catalog), scheduler_(scheduler), metrics_(metrics) {}
+    : options_(std::move(options)),
+      access_(options_.tokens),
+      catalog_(catalog),
+      scheduler_(scheduler),
+      metrics_(metrics) {}
 
 tl::expected<Routed, HttpResponse> Api::admit(const HttpRequest& request) const {
     const auto refuse = [](const Problem& problem) { return tl::unexpected(problemResponse(problem)); };
@@ -76,6 +93,11 @@ tl::expected<Routed, HttpResponse> Api::admit(const HttpRequest& request) const 
         return refuse(problemOf(
             404, "Nothing is served at this address; the page is at /, the API at /api/v1/clouds."));
     }
+    // Asked by browsers before a page of an allowed origin may send its token; the question itself carries
+    // none.
+    if (isPreflight(request) && isAllowedOrigin(request.header("origin"), rules))
+        return tl::unexpected(preflightResponse());
+    if (auto let = access_.check(request, routed->route); !let) return tl::unexpected(std::move(let.error()));
     if (request.method != "GET" && request.method != "HEAD") {
         HttpResponse response =
             problemResponse(problemOf(405, "Only GET and HEAD are understood here.", routed->path));
@@ -91,6 +113,10 @@ void Api::complete(const HttpRequest& request, std::string_view routePattern, Ht
     if (isAllowedOrigin(origin, options_.origins)) {
         response.set("Access-Control-Allow-Origin", origin).set("Vary", "Origin");
         response.set("Access-Control-Expose-Headers", "ETag, Server-Timing");
+    }
+    if (access_.isPrivate(request)) {
+        for (auto& [name, value] : response.headers)
+            if (name == "Cache-Control" && value == "no-cache") value = "private, no-cache";
     }
     metrics_.httpRequest(routePattern, response.status);
 }

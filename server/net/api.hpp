@@ -9,6 +9,7 @@
 
 #include "server/catalog.hpp"
 #include "server/metrics.hpp"
+#include "server/net/access.hpp"
 #include "server/net/http_message.hpp"
 #include "server/net/origin_check.hpp"
 #include "server/net/router.hpp"
@@ -21,6 +22,7 @@ struct ApiOptions {
     std::uint64_t maxPixels = 0;  ///< of a picture
     OriginRules origins;
     std::shared_ptr<BlockCache> cache{};  ///< for /metrics; may be empty
+    AccessTokens tokens{};
 };
 
 class Api {
@@ -28,7 +30,7 @@ class Api {
     /// The three outlive the API.
     Api(ApiOptions options, const Catalog& catalog, Scheduler& scheduler, Metrics& metrics);
 
-    /// Everything that can be refused before anything is done: Host, Origin, path, method.
+    /// Everything that can be refused before anything is done: Host, Origin, path, token, method.
     tl::expected<Routed, HttpResponse> admit(const HttpRequest& request) const;
     /// Answers an admitted request, at once or when its picture is done. Not for a WebSocket's upgrade.
     void answer(const HttpRequest& request, const Routed& routed, Respond respond) const;
@@ -45,6 +47,7 @@ class Api {
     tl::expected<View, Problem> snapshotView(const Cloud& cloud, const Routed& routed) const;
 
     const ApiOptions options_;
+    const Access access_;
     const Catalog& catalog_;
     Scheduler& scheduler_;
     Metrics& metrics_;

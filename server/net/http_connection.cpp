@@ -16,6 +16,7 @@
 #include <optional>
 
 #include "server/net/stream_connection.hpp"
+#include "transport/net_stream.hpp"
 
 namespace scancast {
 namespace {
@@ -46,11 +47,13 @@ HttpRequest plain(const http::request<http::empty_body>& request) {
 class HttpConnection final : public Connection, public std::enable_shared_from_this<HttpConnection> {
   public:
     HttpConnection(asio::ip::tcp::socket socket, NetContext& context)
-        : stream_(std::move(socket)), context_(context), buffer_(2 * context.limits.maxHeaderBytes) {}
+        : stream_(streamOf(std::move(socket), context)),
+          context_(context),
+          buffer_(2 * context.limits.maxHeaderBytes) {}
     ~HttpConnection() override { context_.connections.remove(this); }
 
     void run() {
-        asio::dispatch(stream_.get_executor(), [self = shared_from_this()] { self->readHead(); });
+        asio::dispatch(stream_.get_executor(), [self = shared_from_this()] { self->greet(); });
     }
 
     void shutDown() override {
@@ -58,11 +61,23 @@ class HttpConnection final : public Connection, public std::enable_shared_from_t
             const auto self = weak.lock();
             if (!self) return;
             self->leaving_ = true;
-            if (!self->answering_) self->stream_.close();
+            if (!self->answering_) self->stream_.tcp().close();
         });
     }
 
   private:
+    static NetStream streamOf(asio::ip::tcp::socket socket, NetContext& context) {
+        beast::tcp_stream tcp(std::move(socket));
+        return context.tls ? NetStream(std::move(tcp), *context.tls) : NetStream(std::move(tcp));
+    }
+
+    void greet() {
+        stream_.tcp().expires_after(context_.limits.requestTimeout);
+        stream_.handshake(NetStream::Side::Server, [self = shared_from_this()](error_code ec) {
+            if (!ec) self->readHead();
+        });
+    }
+
     void readHead() {
         answering_ = false;
         if (leaving_) return closeGently();
@@ -70,7 +85,7 @@ class HttpConnection final : public Connection, public std::enable_shared_from_t
         parser_->header_limit(context_.limits.maxHeaderBytes);
         parser_->body_limit(std::numeric_limits<std::uint64_t>::max());  // bodies are never read
         // One deadline for the whole head: a client that sends a byte now and then gains nothing.
-        stream_.expires_after(context_.limits.requestTimeout);
+        stream_.tcp().expires_after(context_.limits.requestTimeout);
         http::async_read_header(
             stream_, buffer_, *parser_,
             [self = shared_from_this()](error_code ec, std::size_t) { self->onHead(ec); });
@@ -92,7 +107,7 @@ class HttpConnection final : public Connection, public std::enable_shared_from_t
         keepAlive_ = head.keep_alive() && !parser_->content_length().value_or(0) && !parser_->chunked();
         version_ = head.version();
         answering_ = true;
-        stream_.expires_never();
+        stream_.tcp().expires_never();
         answer();
     }
 
@@ -127,12 +142,13 @@ class HttpConnection final : public Connection, public std::enable_shared_from_t
         context_.api.complete(request_, route, response_);
         keepAlive_ = keepAlive_ && !leaving_;
         const auto body = response_.body();
-        stream_.expires_after(context_.limits.writeTimeout + std::chrono::seconds(body.size() / 65536));
+        stream_.tcp().expires_after(context_.limits.writeTimeout + std::chrono::seconds(body.size() / 65536));
         auto onWritten = [self = shared_from_this()](error_code ec, std::size_t) { self->onWritten(ec); };
-        if (request_.method == "HEAD" || response_.status == 304) {
+        const bool neverHasBody = response_.status == 304 || response_.status == 204;
+        if (request_.method == "HEAD" || neverHasBody) {
             bodyless_.emplace(http::int_to_status(unsigned(response_.status)), version_);
             fill(*bodyless_);
-            if (response_.status != 304 && !response_.bodyUnknown) bodyless_->content_length(body.size());
+            if (!neverHasBody && !response_.bodyUnknown) bodyless_->content_length(body.size());
             http::async_write(stream_, *bodyless_, std::move(onWritten));
         } else {
             message_.emplace(http::int_to_status(unsigned(response_.status)), version_);
@@ -164,21 +180,23 @@ class HttpConnection final : public Connection, public std::enable_shared_from_t
     // Closing with unread input would reset the connection and could take the answer with it: what the client
     // still sends is read and thrown away for a moment.
     void closeGently() {
-        error_code ignored;
-        stream_.socket().shutdown(asio::ip::tcp::socket::shutdown_send, ignored);
-        stream_.expires_after(std::chrono::seconds(2));
-        discard(256 * 1024);
+        stream_.tcp().expires_after(std::chrono::seconds(2));
+        stream_.goodbye([self = shared_from_this()](error_code) {
+            error_code ignored;
+            self->stream_.tcp().socket().shutdown(asio::ip::tcp::socket::shutdown_send, ignored);
+            self->discard(256 * 1024);
+        });
     }
 
     void discard(std::size_t allowance) {
         buffer_.clear();
-        stream_.async_read_some(buffer_.prepare(context_.limits.maxHeaderBytes),
-                                [self = shared_from_this(), allowance](error_code ec, std::size_t n) {
-                                    if (!ec && n < allowance) self->discard(allowance - n);
-                                });
+        stream_.tcp().async_read_some(buffer_.prepare(context_.limits.maxHeaderBytes),
+                                      [self = shared_from_this(), allowance](error_code ec, std::size_t n) {
+                                          if (!ec && n < allowance) self->discard(allowance - n);
+                                      });
     }
 
-    beast::tcp_stream stream_;
+    NetStream stream_;
     NetContext& context_;
     beast::flat_buffer buffer_;
     std::optional<http::request_parser<http::empty_body>> parser_;

@@ -18,6 +18,10 @@
 #include "server/net/api.hpp"
 #include "server/scheduler/scheduler.hpp"
 
+namespace boost::asio::ssl {
+class context;
+}
+
 namespace scancast {
 
 struct NetLimits {
@@ -25,6 +29,7 @@ struct NetLimits {
     std::size_t maxSessions = 64;              ///< streams; beyond, 1013
     std::uint64_t maxPixels = 64'000'000;      ///< of a picture
     std::uint32_t maxHeaderBytes = 16 * 1024;  ///< of a request
+    std::size_t maxHelloBytes = 4 * 1024;      ///< of a stream's messages before its hello is accepted
     std::size_t maxQueuedTexts = 64;           ///< that a stream's client does not read; beyond, 1008
     std::chrono::milliseconds requestTimeout{
         15000};  ///< for a whole request head, and for the pause between two
@@ -63,6 +68,7 @@ struct NetContext {
     const Catalog& catalog;
     Scheduler& scheduler;
     Metrics& metrics;
+    std::shared_ptr<boost::asio::ssl::context> tls{};  ///< empty = in the clear
     ConnectionRegister connections{};
     std::atomic<std::size_t> sessions{0};
     std::atomic<std::uint64_t> lastSession{0};

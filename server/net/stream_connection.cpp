@@ -47,7 +47,7 @@ class StreamConnection final : public Connection,
                                public StreamPort,
                                public std::enable_shared_from_this<StreamConnection> {
   public:
-    StreamConnection(beast::tcp_stream stream, http::request<http::empty_body> request, NetContext& context)
+    StreamConnection(NetStream stream, http::request<http::empty_body> request, NetContext& context)
         : ws_(std::move(stream)),
           context_(context),
           world_(context.catalog),
@@ -65,13 +65,13 @@ class StreamConnection final : public Connection,
 
     void run() {
         // tcp_stream's own deadlines belong to HTTP; from here on the WebSocket keeps time.
-        beast::get_lowest_layer(ws_).expires_never();
+        ws_.next_layer().tcp().expires_never();
         websocket::stream_base::timeout patience;
         patience.handshake_timeout = context_.limits.closeTimeout;
         patience.idle_timeout = context_.limits.idleTimeout;
         patience.keep_alive_pings = true;
         ws_.set_option(patience);
-        ws_.read_message_max(maxMessageBytes);
+        ws_.read_message_max(context_.limits.maxHelloBytes);
         ws_.auto_fragment(false);
         const bool known = offersProtocol(request_);
         ws_.set_option(websocket::stream_base::decorator([known](websocket::response_type& response) {
@@ -87,7 +87,7 @@ class StreamConnection final : public Connection,
             const auto self = weak.lock();
             if (!self) return;
             if (self->session_) return self->session_->goAway();
-            beast::get_lowest_layer(self->ws_).close();  // still shaking hands, or refused already
+            self->ws_.next_layer().tcp().close();  // still shaking hands, or refused already
         });
     }
 
@@ -129,7 +129,7 @@ class StreamConnection final : public Connection,
         closeTimer_.expires_after(context_.limits.closeTimeout);
         closeTimer_.async_wait([weak = weak_from_this()](error_code ec) {
             const auto self = weak.lock();
-            if (self && !ec) beast::get_lowest_layer(self->ws_).close();
+            if (self && !ec) self->ws_.next_layer().tcp().close();
         });
         if (!writing_) sendClose();
     }
@@ -184,6 +184,7 @@ class StreamConnection final : public Connection,
             if (ws_.got_text()) {
                 session_->text({static_cast<const char*>(buffer_.data().data()), buffer_.size()},
                                Clock::now());
+                if (session_->greeted()) ws_.read_message_max(maxMessageBytes);
             } else {
                 session_->binary();
             }
@@ -256,7 +257,7 @@ class StreamConnection final : public Connection,
         ws_.async_close(*closing_, [self = shared_from_this()](error_code) {});
     }
 
-    websocket::stream<beast::tcp_stream> ws_;
+    websocket::stream<NetStream> ws_;
     NetContext& context_;
     const CatalogWorld world_;
     http::request<http::empty_body> request_;
@@ -273,7 +274,7 @@ class StreamConnection final : public Connection,
 
 }  // namespace
 
-void startStream(beast::tcp_stream stream, http::request<http::empty_body> request, NetContext& context) {
+void startStream(NetStream stream, http::request<http::empty_body> request, NetContext& context) {
     const auto connection =
         std::make_shared<StreamConnection>(std::move(stream), std::move(request), context);
     if (context.connections.add(connection, context.limits.maxConnections)) connection->run();

@@ -7,16 +7,16 @@
 
 #include <utility>  // before Beast: Boost 1.74 forgets it
 
-#include <boost/beast/core/tcp_stream.hpp>
 #include <boost/beast/http/empty_body.hpp>
 #include <boost/beast/http/message.hpp>
 
 #include "server/net/net_context.hpp"
+#include "transport/net_stream.hpp"
 
 namespace scancast {
 
-/// Accepts the upgrade that `request` asks for (Host and Origin are checked already).
-void startStream(boost::beast::tcp_stream stream,
-                 boost::beast::http::request<boost::beast::http::empty_body> request, NetContext& context);
+/// Accepts the upgrade that `request` asks for (Host, Origin and token are checked already).
+void startStream(NetStream stream, boost::beast::http::request<boost::beast::http::empty_body> request,
+                 NetContext& context);
 
 }  // namespace scancast

@@ -88,6 +88,8 @@ class StreamSession {
     /// The server shuts down.
     void goAway();
     bool closed() const { return state_ == State::Closed; }
+    /// Its hello was accepted.
+    bool greeted() const { return state_ != State::Greeting; }
 
   private:
     enum class State : std::uint8_t { Greeting, Open, Closed };

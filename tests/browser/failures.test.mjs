@@ -47,6 +47,25 @@ describe('the page, when things go wrong', { timeout: 120_000 }, () => {
     assert.ok(!(await page.isVisible('#cover')));
   });
 
+  it('asks for a token, says when it is wrong, and takes it along everywhere but in addresses', async () => {
+    server.token = 'a+token/with=signs?';
+    await open();
+    await coverSays('Whoever runs this server has it');
+    await page.fill('#token', 'a wrong one');
+    await page.keyboard.press('Enter');
+    await coverSays('That was not it');
+    await page.fill('#token', server.token);
+    await page.keyboard.press('Enter');
+    await waitUntilSharp(page);
+    assert.ok(!(await page.isVisible('#cover')));
+    assert.ok(!page.url().includes('token'));
+    await page.reload();
+    await waitUntilSharp(page);
+    await page.click('#save-picture');
+    await page.waitForFunction(() => document.getElementById('toast').textContent.includes('draws no snapshots'));
+    page.complaints = page.complaints.filter((text) => !text.includes('503'));
+  });
+
   it('offers a cloud that finishes later, without a reload', async () => {
     server.clouds = [clouds[0]];
     server.pending = [{ id: 'helix', title: 'Helix', state: 'loading' }];

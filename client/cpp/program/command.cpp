@@ -5,10 +5,18 @@
 #include <cstring>
 #include <fstream>
 
+#include "transport/secret_file.hpp"
+
 namespace scancast::client {
 
 void ServerFlags::addTo(CLI::App& app) {
     app.add_option("URL", url, "The server, such as http://127.0.0.1:8080/")->required();
+    app.add_option("--token-file", tokenFile, "File with the access token that the server asks for")
+        ->type_name("FILE")
+        ->envname("SCANCAST_TOKEN_FILE");
+    app.add_option("--ca-file", caFile,
+                   "For https: certificates to trust, in PEM format, instead of the system's")
+        ->type_name("FILE");
     app.add_option("--connect-timeout", connectSeconds, "Seconds to wait for a connection")
         ->type_name("SECONDS")
         ->check(CLI::Range(0.001, 86400.0))
@@ -25,7 +33,14 @@ Expected<Server> ServerFlags::server() const {
     const auto milliseconds = [](double seconds) {
         return std::chrono::milliseconds(static_cast<std::int64_t>(seconds * 1000) + 1);
     };
-    return Server(*parsed, Timeouts{milliseconds(connectSeconds), milliseconds(answerSeconds)});
+    Credentials credentials{{}, caFile};
+    if (!tokenFile.empty()) {
+        auto token = readTokenFile(tokenFile);
+        if (!token) return tl::unexpected(std::move(token.error()));
+        credentials.token = std::move(*token);
+    }
+    return Server(*parsed, Timeouts{milliseconds(connectSeconds), milliseconds(answerSeconds)},
+                  std::move(credentials));
 }
 
 int report(const Expected<void>& result) {

@@ -17,6 +17,7 @@ void addInfo(CLI::App& app, int& exitCode);
 /// What every subcommand needs to know.
 struct ServerFlags {
     std::string url;
+    std::filesystem::path tokenFile, caFile;
     double connectSeconds = 5, answerSeconds = 60;
 
     void addTo(CLI::App& app);

@@ -103,7 +103,7 @@ Expected<void> run(const OrbitFlags& flags) {
     hello.cloud = cloud->id;
     hello.width = start->view.width;
     hello.height = start->view.height;
-    auto stream = Stream::open(server->url(), hello, server->timeouts());
+    auto stream = Stream::open(server->url(), hello, server->timeouts(), server->credentials());
     if (!stream) return tl::unexpected(stream.error());
 
     Progress progress(flags.frames, flags.quiet);
@@ -127,8 +127,8 @@ Expected<void> run(const OrbitFlags& flags) {
     std::sort(milliseconds.begin(), milliseconds.end());
     std::printf("%d frames of %s in %.2f s: %.1f frames/s, median %.1f ms, slowest %.1f ms, %dx%d, in %s\n",
                 flags.frames, cloud->id.c_str(), seconds.count(), flags.frames / seconds.count(),
-                milliseconds[milliseconds.size() / 2], milliseconds.back(), start->view.width, start->view.height,
-                flags.output.c_str());
+                milliseconds[milliseconds.size() / 2], milliseconds.back(), start->view.width,
+                start->view.height, flags.output.c_str());
     return {};
 }
 

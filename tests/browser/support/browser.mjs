@@ -73,8 +73,9 @@ export async function drag(page, from, to, button = 'left') {
 }
 
 const serverAway = /ERR_CONNECTION|ERR_EMPTY_RESPONSE|ERR_SOCKET|WebSocket connection to .* failed/;
+const tokenAsked = /status of 401/; // by the browser; the page asks for the token
 const ownReading = /willReadFrequently/; // pixels() reads the canvas; the page never does
 
 /** What the console said that is not the browser's own complaint about a server that is away. */
 export const seriousComplaints = (page) =>
-  page.complaints.filter((text) => !serverAway.test(text) && !ownReading.test(text));
+  page.complaints.filter((text) => ![serverAway, tokenAsked, ownReading].some((known) => known.test(text)));

@@ -202,6 +202,7 @@ export class FakeServer {
   clouds = clouds;
   pending = [];
   frameDelay = 12;
+  token = ''; // asked for, when there is one
   received = []; // every message of every client
   sessions = new Set();
   #http;
@@ -209,7 +210,7 @@ export class FakeServer {
   /** Returns the URL; `port` 0 takes a free one. */
   async start(port = 0) {
     this.#http = createServer((request, response) => this.#answer(request, response));
-    this.#http.on('upgrade', (request, socket) => this.sessions.add(new FakeSession(this, new TestSocket(request, socket))));
+    this.#http.on('upgrade', (request, socket) => this.#upgrade(request, socket));
     await new Promise((done) => this.#http.listen(port, '127.0.0.1', done));
     this.port = this.#http.address().port;
     return `http://127.0.0.1:${this.port}/`;
@@ -221,6 +222,16 @@ export class FakeServer {
     await new Promise((done) => this.#http.close(done));
   }
 
+  #upgrade(request, socket) {
+    const offered = (request.headers['sec-websocket-protocol'] ?? '').split(', ');
+    const bearer = `base64url.bearer.authorization.${Buffer.from(this.token).toString('base64url')}`;
+    if (this.token && !offered.includes(bearer)) {
+      socket.end('HTTP/1.1 401 Unauthorized\r\n\r\n');
+      return;
+    }
+    this.sessions.add(new FakeSession(this, new TestSocket(request, socket)));
+  }
+
   #answer(request, response) {
     const { pathname, searchParams } = new URL(request.url, 'http://localhost');
     const reply = (status, type, body) => {
@@ -228,6 +239,9 @@ export class FakeServer {
       response.end(body);
     };
     const json = (body) => reply(200, 'application/json', JSON.stringify(body));
+    if (this.token && pathname.startsWith('/api/') && request.headers.authorization !== `Bearer ${this.token}`) {
+      return reply(401, 'application/problem+json', JSON.stringify(problem(401, 'Unauthorized', 'A token is needed.')));
+    }
     if (pathname === '/api/v1/clouds') return json({ clouds: this.clouds, pending: this.pending });
     if (pathname === '/api/v1/methods') {
       return json({

@@ -3,12 +3,19 @@
 import assert from 'node:assert/strict';
 import { describe, it } from 'node:test';
 
+import { base64url } from '../../../client/web/access.js';
 import { wheelPixels } from '../../../client/web/camera_input.js';
 import { closeWords } from '../../../client/web/connection.js';
 import { amount, FrameClock } from '../../../client/web/hud.js';
 import { labelOf, sliderScale } from '../../../client/web/parameter_fields.js';
 import { pictureSize } from '../../../client/web/picture.js';
 import { backOff } from '../../../client/web/session.js';
+
+describe('base64url', () => {
+  it('is what Node makes of it, whatever the length', () => {
+    for (const text of ['', 'a', 'ab', 'abc', '+/=?~', 'ÿ€']) assert.equal(base64url(text), Buffer.from(text).toString('base64url'));
+  });
+});
 
 describe('pictureSize', () => {
   it('respects the device pixel ratio up to 2, and never asks for more pixels than allowed', () => {

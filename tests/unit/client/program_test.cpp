@@ -82,7 +82,8 @@ TEST_F(Program, ErrorsAreSentencesAndExitCodeOne) {
     for (const auto& [arguments, sentence] : std::vector<std::pair<std::string, std::string>>{
              {"info " + nobody, "start one with `scancast serve FILE`"},
              {"info nonsense", "write something like http://127.0.0.1:8080/"},
-             {"info https://localhost/", "TLS"},
+             {"info https://localhost/ --ca-file /no/such.pem", "/no/such.pem"},
+             {"info http://localhost/ --token-file /no/such.token", "/no/such.token"},
              {"snapshot " + nobody + " -o picture.bmp", "does not end in .jpg or .png"},
              {"snapshot " + nobody + " --param size -o a.jpg", "NAME=VALUE"}}) {
         const auto outcome = run(arguments);

@@ -48,13 +48,10 @@ TEST(ServerUrl, WhatIsNoneSaysHowToWriteOne) {
     EXPECT_FALSE(parseServerUrl("http://" + std::string(10'000, 'a')));
 }
 
-TEST(ServerUrl, TlsIsNotThereYet) {
-    for (const auto* text : {"https://a", "wss://a:1/"}) {
-        const auto url = parseServerUrl(text);
-        ASSERT_FALSE(url);
-        EXPECT_EQ(url.error().code, ErrorCode::Unsupported);
-        EXPECT_NE(url.error().message.find("TLS"), std::string::npos);
-    }
+TEST(ServerUrl, TlsIsAnotherSchemeAndPort) {
+    EXPECT_EQ(parseServerUrl("https://a").value(), (ServerUrl{"a", 443, true}));
+    EXPECT_EQ(parseServerUrl("wss://a:1/").value(), (ServerUrl{"a", 1, true}));
+    EXPECT_FALSE(parseServerUrl("ws://a").value().tls);
 }
 
 }  // namespace

@@ -5,6 +5,8 @@
 
 #include <algorithm>
 #include <cstdlib>
+#include <filesystem>
+#include <fstream>
 
 namespace scancast {
 namespace {
@@ -65,15 +67,43 @@ TEST(ServeOptions, BadValuesAreRefusedByTheParser) {
     EXPECT_THROW(parsed({"a.las", "--max-pixels", "0"}), CLI::ParseError);
 }
 
-TEST(ServeOptions, OtherAddressesNeedInsecure) {
-    for (const char* host : {"0.0.0.0", "192.168.1.7", "scans.example.org", "::"}) {
+TEST(ServeOptions, OtherAddressesNeedATokenOrInsecure) {
+    for (const char* host : {"0.0.0.0", "192.168.1.7", "scans.example.org", "::", "127.example.org"}) {
         const auto refused = check(parsed({"a.las", "--host", host}));
         ASSERT_FALSE(refused) << host;
         EXPECT_THAT(refused.error().message, ::testing::HasSubstr("--insecure"));
+        EXPECT_THAT(refused.error().message, ::testing::HasSubstr("--auth-token-file"));
+        EXPECT_TRUE(check(parsed({"a.las", "--host", host, "--auth-token-file", "t"}))) << host;
+        EXPECT_FALSE(check(parsed({"a.las", "--host", host, "--admin-token-file", "t"}))) << host;
         EXPECT_TRUE(check(parsed({"a.las", "--host", host, "--insecure"}))) << host;
     }
     for (const char* host : {"localhost", "127.0.0.2", "::1"})
         EXPECT_TRUE(check(parsed({"a.las", "--host", host}))) << host;
+}
+
+TEST(ServeOptions, TokensComeFromFilesAndDiffer) {
+    const auto write = [](const char* name, const char* text) {
+        const auto path = std::filesystem::path(testing::TempDir()) / name;
+        std::ofstream(path) << text;
+        std::filesystem::permissions(path, std::filesystem::perms::owner_read);
+        return path.string();
+    };
+    const std::string user = write("scancast_user_token", "user-0123456789abcdef\n");
+    const std::string admin = write("scancast_admin_token", "admin-0123456789abcdef\n");
+    const auto tokens =
+        accessTokens(parsed({"a.las", "--auth-token-file", user, "--admin-token-file", admin}));
+    ASSERT_TRUE(tokens) << tokens.error().message;
+    EXPECT_EQ(tokens->user, "user-0123456789abcdef");
+    EXPECT_EQ(tokens->admin, "admin-0123456789abcdef");
+    EXPECT_FALSE(accessTokens(parsed({"a.las"})).value().user);
+    const auto same = accessTokens(parsed({"a.las", "--auth-token-file", user, "--admin-token-file", user}));
+    ASSERT_FALSE(same);
+    EXPECT_THAT(same.error().message, ::testing::Not(::testing::HasSubstr("0123456789abcdef")));
+    const auto missing = accessTokens(parsed({"a.las", "--auth-token-file", "/no/such/file"}));
+    ASSERT_FALSE(missing);
+    EXPECT_THAT(missing.error().message, ::testing::StartsWith("--auth-token-file: /no/such/file"));
+    std::filesystem::remove(user);
+    std::filesystem::remove(admin);
 }
 
 TEST(ServeOptions, NothingToServeNamesTheWayOut) {

@@ -1,0 +1,155 @@
+// Who is let in: tokens and TLS, over real sockets, with our own client where it speaks TLS.
+#include <filesystem>
+
+#include "client/cpp/scancast_client.hpp"
+#include "protocol/bearer.hpp"
+#include "tests/integration/server_fixture.hpp"
+#include "tests/support/test_certificate.hpp"
+
+namespace scancast::test {
+namespace {
+
+const std::string token = "letmein-0123456789";
+const std::string bearer = "Authorization: Bearer " + token;
+constexpr const char* picture = "/api/v1/clouds/one/snapshot.jpg?width=32&height=16";
+
+class AccessTest : public ServerTest {
+  protected:
+    void SetUp() override { options.tokens.user = token; }
+};
+
+TEST_F(AccessTest, OnlyThePageAndHealthAreThereForEverybody) {
+    start();
+    for (const char* target : {"/", "/main.js", "/healthz", "/readyz"})
+        EXPECT_EQ(request(port(), target).status, 200) << target;
+    for (const char* target : {"/metrics", "/api/v1/clouds", "/api/v1/clouds/one", "/api/v1/methods", picture,
+                               "/api/v1/stream", "/api/v1/clouds/unknown"}) {
+        const HttpReply refused = request(port(), target);
+        EXPECT_EQ(refused.status, 401) << target;
+        EXPECT_EQ(refused.header("www-authenticate"), R"(Bearer realm="scancast")") << target;
+        EXPECT_EQ(parseJson(refused.body).value()["status"], 401) << target;
+        EXPECT_EQ(request(port(), target, {"Authorization: Bearer wrong-0123456789"}).status, 401) << target;
+        EXPECT_NE(request(port(), target, {bearer}).status, 401) << target;
+    }
+    EXPECT_EQ(request(port(), std::string("/api/v1/clouds?token=") + token).status, 401);
+}
+
+TEST_F(AccessTest, WhatNeedsATokenIsNotForSharedCaches) {
+    start();
+    EXPECT_EQ(request(port(), picture, {bearer}).header("cache-control"), "private, no-cache");
+    EXPECT_EQ(request(port(), "/api/v1/clouds", {bearer}).header("cache-control"), "private, no-cache");
+    EXPECT_EQ(request(port(), "/").header("cache-control"), "no-cache");
+}
+
+TEST_F(AccessTest, StreamsTakeTheTokenAsHeaderOrSubprotocol) {
+    start();
+    EXPECT_EQ(RawWebSocket(port()).status(), 401);
+    EXPECT_EQ(RawWebSocket(port(), "scancast.v1", {bearer}).status(), 101);
+    EXPECT_EQ(RawWebSocket(port(), "scancast.v1, " + bearerSubprotocol("wrong-0123456789")).status(), 401);
+    const RawWebSocket offered(port(), "scancast.v1, " + bearerSubprotocol(token));
+    EXPECT_EQ(offered.status(), 101);
+    EXPECT_EQ(offered.reply().header("sec-websocket-protocol"), "scancast.v1")
+        << "the other one stays unsaid";
+}
+
+TEST_F(AccessTest, AllowedOriginsAreToldWhichHeadersTheyMaySend) {
+    options.allowedOrigins = {"https://viewer.example"};
+    start();
+    const std::vector<std::string> asking{"Origin: https://viewer.example",
+                                          "Access-Control-Request-Method: GET",
+                                          "Access-Control-Request-Headers: authorization"};
+    const HttpReply allowed = request(port(), "/api/v1/clouds", asking, "OPTIONS");
+    EXPECT_EQ(allowed.status, 204);
+    EXPECT_EQ(allowed.header("access-control-allow-origin"), "https://viewer.example");
+    EXPECT_NE(allowed.header("access-control-allow-headers").find("Authorization"), std::string::npos);
+    EXPECT_EQ(request(port(), "/api/v1/clouds",
+                      {"Origin: https://evil.example", "Access-Control-Request-Method: GET"}, "OPTIONS")
+                  .status,
+              403);
+}
+
+TEST_F(AccessTest, MessagesBeforeTheHelloAreShort) {
+    start();
+    RawWebSocket early(port(), "scancast.v1", {bearer});
+    early.text(R"({"type":"hello","cloud":")" + std::string(5000, 'a') + "\"}");
+    EXPECT_EQ(early.receiveKind(WsMessage::Kind::Close).closeCode(), 1009);
+    RawWebSocket greeted(port(), "scancast.v1", {bearer});
+    greeted.text(R"({"type":"hello","width":32,"height":16})");
+    EXPECT_EQ(greeted.receive().kind, WsMessage::Kind::Text);
+    greeted.text(R"({"type":"ping","id":7,"more":")" + std::string(5000, 'a') + "\"}");
+    std::string answer;
+    while (answer.find("pong") == std::string::npos) {
+        const WsMessage message = greeted.receiveKind(WsMessage::Kind::Text);
+        ASSERT_EQ(message.kind, WsMessage::Kind::Text);
+        answer = message.payload;
+    }
+}
+
+class TlsTest : public ServerTest {
+  protected:
+    void SetUp() override {
+        folder =
+            std::filesystem::path(::testing::TempDir()) /
+            (std::string("scancast_net_") + ::testing::UnitTest::GetInstance()->current_test_info()->name());
+        std::filesystem::create_directories(folder);
+        files = makeCertificate(folder, "server");
+        options.tls = {files.certificate, files.key};
+        options.tokens.user = token;
+        credentials = {token, files.certificate};
+    }
+    void TearDown() override { std::filesystem::remove_all(folder); }
+    client::ServerUrl url(const char* host = "localhost") const { return {host, port(), true}; }
+
+    std::filesystem::path folder;
+    CertificateFiles files;
+    client::Credentials credentials;
+};
+
+TEST_F(TlsTest, PicturesAndStreamsTravelEncrypted) {
+    start();
+    EXPECT_EQ(server->url().substr(0, 8), "https://");
+    const client::Server rest(url(), {}, credentials);
+    const auto clouds = rest.clouds();
+    ASSERT_TRUE(clouds) << clouds.error().message;
+    EXPECT_EQ(clouds->size(), 2U);
+    const auto jpeg = rest.snapshot("one", {{"width", "300"}, {"height", "200"}});
+    ASSERT_TRUE(jpeg) << jpeg.error().message;
+
+    messages::Hello hello;
+    hello.width = 64;
+    hello.height = 48;
+    auto stream = client::Stream::open(url("127.0.0.1"), hello, {}, credentials);
+    ASSERT_TRUE(stream) << stream.error().message;
+    auto frame = stream->receiveFrame();
+    while (frame && !frame->header.final) {
+        ASSERT_TRUE(stream->ack(frame->header));
+        frame = stream->receiveFrame();
+    }
+    EXPECT_TRUE(frame);
+    EXPECT_TRUE(stream->close());
+}
+
+TEST_F(TlsTest, ACertificateIsForItsNameAndSignedBySomebodyTrusted) {
+    options.host = "0.0.0.0";  // 127.0.0.2 is this machine, too, and not in the certificate
+    start();
+    const auto strangers = makeCertificate(folder, "stranger");
+    const auto untrusted = client::Server(url(), {}, {token, strangers.certificate}).clouds();
+    ASSERT_FALSE(untrusted);
+    EXPECT_EQ(untrusted.error().code, ErrorCode::Unsupported) << untrusted.error().message;
+    EXPECT_FALSE(client::Server(url(), {}, {token, {}}).clouds());
+    const auto misnamed = client::Server(url("127.0.0.2"), {}, credentials).clouds();
+    ASSERT_FALSE(misnamed);
+    EXPECT_EQ(misnamed.error().code, ErrorCode::Unsupported) << misnamed.error().message;
+}
+
+TEST_F(TlsTest, WhoSpeaksInTheClearIsNotAnswered) {
+    start();
+    EXPECT_EQ(request(port(), "/healthz").status, 0);
+    RawSocket(port()).abort();
+    const client::Server wrongToken(url(), {}, {"wrong-0123456789", files.certificate});
+    EXPECT_FALSE(wrongToken.clouds()) << "and the server goes on";
+    EXPECT_TRUE(client::Server(url(), {}, credentials).clouds());
+}
+
+}  // namespace
+}  // namespace scancast::test

@@ -1,0 +1,64 @@
+#include "server/net/tls.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <fstream>
+
+#include "tests/support/test_certificate.hpp"
+
+namespace scancast {
+namespace {
+
+namespace fs = std::filesystem;
+
+class Tls : public ::testing::Test {
+  protected:
+    void SetUp() override {
+        folder =
+            fs::path(::testing::TempDir()) /
+            (std::string("scancast_tls_") + ::testing::UnitTest::GetInstance()->current_test_info()->name());
+        fs::remove_all(folder);
+        fs::create_directories(folder);
+    }
+    void TearDown() override { fs::remove_all(folder); }
+    static std::string refusal(const fs::path& certificate, const fs::path& key) {
+        const auto opened = openTls({certificate, key});
+        return opened ? "it was taken" : opened.error().message;
+    }
+    fs::path folder;
+};
+
+TEST_F(Tls, ACertificateAndItsKey) {
+    const auto files = test::makeCertificate(folder, "good");
+    const auto opened = openTls({files.certificate, files.key});
+    ASSERT_TRUE(opened) << opened.error().message;
+    EXPECT_NE(*opened, nullptr);
+}
+
+TEST_F(Tls, EveryErrorNamesFlagFileAndReason) {
+    const auto good = test::makeCertificate(folder, "good");
+    const auto other = test::makeCertificate(folder, "other");
+    const auto old = test::makeCertificate(folder, "old", -7200, -3600);
+    const auto early = test::makeCertificate(folder, "early", 3600, 7200);
+    const auto text = folder / "text.pem";
+    std::ofstream(text) << "nothing of the kind\n";
+    fs::permissions(text, fs::perms::owner_read);
+    using ::testing::AllOf;
+    using ::testing::HasSubstr;
+    EXPECT_THAT(refusal("/no/such.crt", good.key),
+                AllOf(HasSubstr("--tls-cert /no/such.crt"), HasSubstr("no such")));
+    EXPECT_THAT(refusal(good.certificate, "/no/such.key"),
+                AllOf(HasSubstr("--tls-key"), HasSubstr("/no/such.key")));
+    EXPECT_THAT(refusal(text, good.key), HasSubstr("no certificate in PEM format"));
+    EXPECT_THAT(refusal(good.certificate, text), HasSubstr("no private key in PEM format"));
+    EXPECT_THAT(refusal(good.certificate, other.key), HasSubstr("not the key of the certificate"));
+    EXPECT_THAT(refusal(old.certificate, old.key), HasSubstr("expired"));
+    EXPECT_THAT(refusal(early.certificate, early.key), HasSubstr("valid from"));
+    EXPECT_THAT(refusal(good.certificate, {}), HasSubstr("give both --tls-cert and --tls-key"));
+    fs::permissions(good.key, fs::perms::others_read, fs::perm_options::add);
+    EXPECT_THAT(refusal(good.certificate, good.key), HasSubstr("chmod 600"));
+}
+
+}  // namespace
+}  // namespace scancast

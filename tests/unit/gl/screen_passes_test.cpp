@@ -110,11 +110,11 @@ class GlScreenPasses : public OnGl {
     }
 
     FrameStats stats_, cpuStats_;
+    std::optional<gl::GpuTimers> timers_;
 
   private:
     std::optional<PlaneBuffers> buffers_;
     std::optional<gl::Pyramid> pyramid_;
-    std::optional<gl::GpuTimers> timers_;
     tbb::task_arena arena_{2};
     cpu::ScreenMemory memory_;
     const cpu::Kernels* kernels_ = cpu::chooseSimdLevel({}).value()->kernels;

@@ -96,6 +96,7 @@ Expected<Frame> drawTiles(Device& device, Drawing drawing, int margin, const std
             paste(*tile, drawing.window, wanted, picture);
             for (const auto& stage : tile->stats.stages) picture.stats.add(stage.name, stage.milliseconds);
             picture.stats.bytesUploaded += tile->stats.bytesUploaded;
+            picture.stats.deviceBytes = tile->stats.deviceBytes;
         }
     }
     return picture;
@@ -333,6 +334,7 @@ class RenderedFrame final : public PendingFrame {
         if (!frame) return frame;
         stats_.stages.insert(stats_.stages.end(), frame->stats.stages.begin(), frame->stats.stages.end());
         stats_.bytesUploaded = frame->stats.bytesUploaded;
+        stats_.deviceBytes = frame->stats.deviceBytes;
         frame->stats = std::move(stats_);
         return frame;
     }

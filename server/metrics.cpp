@@ -94,6 +94,11 @@ struct Metrics::Families {
                                            .Help("The memory limit")
                                            .Register(registry)
                                            .Add({});
+    prometheus::Gauge& deviceBytes = prometheus::BuildGauge()
+                                         .Name("scancast_device_memory_bytes")
+                                         .Help("Memory of the GPU that holds samples")
+                                         .Register(registry)
+                                         .Add({});
     prometheus::Counter& blocksLoaded = prometheus::BuildCounter()
                                             .Name("scancast_blocks_loaded_total")
                                             .Help("Blocks of cloud files read into memory")
@@ -158,6 +163,10 @@ void Metrics::sessionClosed() {
 }
 void Metrics::setPointsResident(std::uint64_t points) {
     families_->points.Set(double(points));
+}
+
+void Metrics::setDeviceMemory(std::uint64_t bytes) {
+    families_->deviceBytes.Set(double(bytes));
 }
 
 void Metrics::setResidency(const BlockCacheStats& stats) {

@@ -38,6 +38,8 @@ class Metrics {
     void sessionOpened();
     void sessionClosed();
     void setPointsResident(std::uint64_t points);
+    /// Of the memory of the device that draws, for samples.
+    void setDeviceMemory(std::uint64_t bytes);
     /// Of everything that counts against the memory limit, now and since the start.
     void setResidency(const BlockCacheStats& stats);
     /// `route` is a pattern ("/api/v1/clouds/{id}"), never what a client sent.

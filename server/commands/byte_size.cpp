@@ -34,6 +34,16 @@ Expected<std::uint64_t> parseByteSize(std::string_view text, std::string_view fl
     return std::uint64_t(bytes);
 }
 
+Expected<std::uint64_t> parseGpuMemoryLimit(std::string_view text) {
+    if (text.empty()) return 0;
+    constexpr std::uint64_t least = 16 << 20;
+    auto limit = parseByteSize(text, "gpu-memory-limit");
+    if (limit && *limit < least)
+        return fail(ErrorCode::InvalidArgument,
+                    "--gpu-memory-limit: 16M is the least that clouds are drawn with.", "gpu-memory-limit");
+    return limit;
+}
+
 std::string byteSizeText(std::uint64_t bytes) {
     if (bytes < 1000) return fmt::format("{} bytes", bytes);
     double value = double(bytes);

@@ -13,6 +13,10 @@ namespace scancast {
 /// InvalidArgument, naming `flag`.
 Expected<std::uint64_t> parseByteSize(std::string_view text, std::string_view flag);
 
+/// What --gpu-memory-limit says; nothing = 0, for what is usual there. InvalidArgument, also below 16M: each
+/// picture would be drawn in a hundred parts.
+Expected<std::uint64_t> parseGpuMemoryLimit(std::string_view text);
+
 /// "950 bytes", "12.5 MB", "2.00 GB": three digits, powers of ten.
 std::string byteSizeText(std::uint64_t bytes);
 

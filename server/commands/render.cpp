@@ -34,7 +34,7 @@ struct RenderArguments {
     RenderOptions render;
     WordValues words;
     int repeat = 1;
-    std::string memoryLimit;
+    std::string memoryLimit, gpuMemoryLimit;
     bool noSurfels = false;
     double orbit = 0;  ///< degrees around the target between repeated frames
 };
@@ -72,6 +72,8 @@ std::string statsJson(const Timings& timings, const Frame& frame, const Cloud& c
     json["method"] = frame.stats.method;
     if (!frame.stats.methodReason.empty()) json["methodReason"] = frame.stats.methodReason;
     json["mirrors"] = frame.stats.mirrorsDrawn;
+    json["bytesUploaded"] = frame.stats.bytesUploaded;
+    json["deviceBytes"] = frame.stats.deviceBytes;
     if (frame.stats.mirrorsLeftOut > 0) json["mirrorsLeftOut"] = frame.stats.mirrorsLeftOut;
     json["stages"] = nlohmann::ordered_json::array();
     for (const auto& name : timings.order) {
@@ -148,7 +150,11 @@ Expected<std::shared_ptr<const Cloud>> load(const RenderArguments& arguments) {
 
 Expected<void> runRender(const RenderArguments& arguments) {
     if (auto sound = checkArguments(arguments); !sound) return sound;
-    auto device = createDevice(arguments.device);
+    DeviceOptions options = arguments.device;
+    const auto gpuMemoryLimit = parseGpuMemoryLimit(arguments.gpuMemoryLimit);
+    if (!gpuMemoryLimit) return tl::unexpected(gpuMemoryLimit.error());
+    options.gpuMemoryLimit = *gpuMemoryLimit;
+    auto device = createDevice(options);
     if (!device) return tl::unexpected(device.error());
     auto cloud = load(arguments);
     if (!cloud) return tl::unexpected(cloud.error());
@@ -208,6 +214,10 @@ void addRender(CLI::App& app, int& exitCode) {
     command
         ->add_option("--memory-limit", arguments->memoryLimit,
                      "Memory for a cloud file, like 2G; half of the machine's without it")
+        ->type_name("SIZE");
+    command
+        ->add_option("--gpu-memory-limit", arguments->gpuMemoryLimit,
+                     "Memory of the GPU for points, like 8G; three quarters of what is free there without it")
         ->type_name("SIZE");
     command->add_flag("--no-surfels", arguments->noSurfels,
                       "Read a scan faster: do not estimate normals and radii, which disc, ewa, voronoi and "

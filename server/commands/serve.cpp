@@ -6,6 +6,7 @@
 #include <cstdio>
 #include <cstdlib>
 
+#include "server/commands/byte_size.hpp"
 #include "server/commands/command.hpp"
 #include "server/commands/progress_bar.hpp"
 #include "server/commands/serve_options.hpp"
@@ -130,6 +131,7 @@ int serve(ServeOptions options) {
     options.server.tokens = std::move(*tokens);
     returnFreedMemory();
     options.server.cache = blockCache(*memoryLimit(options));
+    options.device.gpuMemoryLimit = *parseGpuMemoryLimit(options.gpuMemoryLimit);
     ShutdownSignals signals;
     auto server = Server::create(options.server, devicePainter(options.device));
     if (!server) return failure(server.error());

@@ -73,8 +73,12 @@ void addServeFlags(CLI::App& app, ServeOptions& options) {
     flag("--memory-limit", options.memoryLimit, "SCANCAST_MEMORY_LIMIT",
          "Memory for all clouds, like 2G or 512M; half of the machine's without it")
         ->type_name("SIZE");
+    flag("--gpu-memory-limit", options.gpuMemoryLimit, "SCANCAST_GPU_MEMORY_LIMIT",
+         "Memory of the GPU for points, like 8G; three quarters of what is free there without it")
+        ->type_name("SIZE");
     flag("--cache-dir", options.cacheDir, "SCANCAST_CACHE_DIR",
-         "Folder that keeps scans as cloud files, so that the next start has them at once")
+         "Folder that keeps scans as cloud files, and compiled GPU programs, so that the next start has "
+         "them at once")
         ->type_name("FOLDER");
     app.add_option("--allowed-origin", options.server.allowedOrigins,
                    "Another website whose pages may use this server; may be repeated")
@@ -139,6 +143,8 @@ Expected<void> check(const ServeOptions& options) {
             "host");
     }
     if (auto limit = memoryLimit(options); !limit) return tl::unexpected(std::move(limit.error()));
+    if (auto limit = parseGpuMemoryLimit(options.gpuMemoryLimit); !limit)
+        return tl::unexpected(std::move(limit.error()));
     std::error_code error;
     if (!options.cacheDir.empty() && !std::filesystem::is_directory(options.cacheDir, error)) {
         return fail(ErrorCode::InvalidArgument,

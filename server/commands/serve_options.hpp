@@ -18,6 +18,7 @@ struct ServeOptions {
     bool insecure = false;
     std::filesystem::path authTokenFile, adminTokenFile;  ///< empty = none
     std::string memoryLimit;         ///< as written: "2G"; empty = half of the machine's memory
+    std::string gpuMemoryLimit;      ///< as written; empty = most of what the GPU has free
     std::filesystem::path cacheDir;  ///< empty = built anew with every start
     bool noSurfels = false;          ///< scans are built without normals and radii
     std::string logLevel = "info";

@@ -129,13 +129,14 @@ class GlDevice final : public Device {
         frame.width = drawing.window.width;
         frame.height = drawing.window.height;
         tellCut(drawing, frame.stats);
-        return std::make_unique<GlPicture>(*context_, std::move(*pixels), std::move(times),
-                                           std::move(frame), std::move(stop));
+        return std::make_unique<GlPicture>(*context_, std::move(*pixels), std::move(times), std::move(frame),
+                                           std::move(stop));
     }
 
     void tellCut(const Drawing& drawing, FrameStats& stats) {
         const std::uint64_t uploaded = shop_->samples.bytesUploaded();
         stats.bytesUploaded = uploaded - std::exchange(bytesUploaded_, uploaded);
+        stats.deviceBytes = shop_->samples.bytes();
         const Cut& cut = *drawing.cut;
         stats.samplesDrawn = cut.samples;
         stats.pointsShown = cut.points;

@@ -57,6 +57,14 @@ TEST(Metrics, ResidencyIsToldAsItIsAndCountersOnlyRise) {
     }
 }
 
+TEST(Metrics, TheDevicesMemoryIsToldAsItIs) {
+    Metrics metrics("1");
+    EXPECT_THAT(metrics.text(), HasSubstr("scancast_device_memory_bytes 0\n"));
+    metrics.setDeviceMemory(5000);
+    metrics.setDeviceMemory(3000);
+    EXPECT_THAT(metrics.text(), HasSubstr("scancast_device_memory_bytes 3000\n"));
+}
+
 TEST(Metrics, SessionsComeAndGo) {
     Metrics metrics("1");
     metrics.sessionOpened();

@@ -46,6 +46,16 @@ TEST(ServeOptions, MemoryIsMeasuredAsPeopleWriteIt) {
     }
 }
 
+TEST(ServeOptions, SoIsTheGpusMemory) {
+    EXPECT_TRUE(check(parsed({"a.scan"})));
+    EXPECT_TRUE(check(parsed({"a.scan", "--gpu-memory-limit", "512M"})));
+    for (const char* wrong : {"plenty", "1M", "-2G"}) {
+        const auto refused = check(parsed({"a.scan", std::string("--gpu-memory-limit=") + wrong}));
+        ASSERT_FALSE(refused) << wrong;
+        EXPECT_THAT(refused.error().message, testing::HasSubstr("--gpu-memory-limit"));
+    }
+}
+
 TEST(ServeOptions, TheCacheFolderMustBeThere) {
     EXPECT_TRUE(check(parsed({"a.las", "--cache-dir", testing::TempDir()})));
     EXPECT_FALSE(check(parsed({"a.las", "--cache-dir", "/nowhere/at/all"})));

@@ -1,5 +1,7 @@
 #include "renderer/device/gl/memory_limit.hpp"
 
+#include <algorithm>
+
 namespace scancast::gl {
 
 namespace {
@@ -9,7 +11,8 @@ constexpr std::uint64_t mib = std::uint64_t(1) << 20;
 std::uint64_t defaultLimit(const GlFunctions& gl, bool software) {
     if (software) return 512 * mib;
     const auto free = freeGpuMemory(gl);
-    return free ? *free / 4 * 3 : 1024 * mib;
+    // A GPU that others have filled may have room again when it is needed.
+    return free ? std::max(*free / 4 * 3, 64 * mib) : 1024 * mib;
 }
 
 }  // namespace

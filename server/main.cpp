@@ -3,21 +3,9 @@
 #include <cstdio>
 
 #include "renderer/device/device.hpp"
+#include "server/commands/backends.hpp"
 #include "server/commands/command.hpp"
 #include "server/server.hpp"
-
-namespace {
-
-void listBackends() {
-    for (const scancast::DeviceInfo& device : scancast::listDevices()) {
-        std::printf("%-8s", device.name.c_str());
-        for (const std::string& part : {device.vendor, device.renderer, device.version})
-            if (!part.empty()) std::printf(" %s", part.c_str());
-        std::printf("%s\n", device.hardware ? "  (hardware)" : "");
-    }
-}
-
-}  // namespace
 
 int main(int argc, char** argv) {
     CLI::App app{"Scancast holds huge scanned point clouds in memory and shows any view of them."};
@@ -39,7 +27,7 @@ int main(int argc, char** argv) {
         return app.exit(error) == 0 ? 0 : usage;
     }
     if (backends) {
-        listBackends();
+        std::fputs(scancast::backendsText(scancast::listDevices()).c_str(), stdout);
     } else if (app.get_subcommands().empty()) {
         std::fputs(app.help().c_str(), stderr);
         exitCode = 1;

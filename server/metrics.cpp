@@ -114,6 +114,17 @@ struct Metrics::Families {
                                              .Help("Blocks of cloud files that could not be read")
                                              .Register(registry)
                                              .Add({});
+    std::mutex device;
+    prometheus::Family<prometheus::Gauge>& devices = prometheus::BuildGauge()
+                                                         .Name("scancast_device_info")
+                                                         .Help("Always 1; what draws is its label")
+                                                         .Register(registry);
+    prometheus::Gauge* deviceInUse = nullptr;
+    prometheus::Counter& devicesLost = prometheus::BuildCounter()
+                                           .Name("scancast_devices_lost_total")
+                                           .Help("Rendering devices that were there and are gone")
+                                           .Register(registry)
+                                           .Add({});
     prometheus::Family<prometheus::Counter>& requests = prometheus::BuildCounter()
                                                             .Name("scancast_http_requests_total")
                                                             .Help("HTTP requests answered")
@@ -149,6 +160,20 @@ void Metrics::frameEncoded(double seconds, std::uint64_t bytes) {
 void Metrics::frameSent(double viewToFrameSeconds) {
     families_->sent.Increment();
     families_->viewToFrame.Observe(viewToFrameSeconds);
+}
+
+void Metrics::setDevice(std::string_view name, std::string_view renderer) {
+    const std::lock_guard lock(families_->device);
+    if (families_->deviceInUse) families_->devices.Remove(families_->deviceInUse);
+    families_->deviceInUse = nullptr;
+    if (name.empty()) return;
+    families_->deviceInUse =
+        &families_->devices.Add({{"name", std::string(name)}, {"renderer", std::string(renderer)}});
+    families_->deviceInUse->Set(1);
+}
+
+void Metrics::deviceLost() {
+    families_->devicesLost.Increment();
 }
 
 void Metrics::frameDropped(DropReason reason) {

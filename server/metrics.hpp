@@ -35,6 +35,9 @@ class Metrics {
     /// A frame went to a stream; `viewToFrameSeconds` counts from the arrival of the view that it shows.
     void frameSent(double viewToFrameSeconds);
     void frameDropped(DropReason reason);
+    /// What draws from now on; an empty name = nothing.
+    void setDevice(std::string_view name, std::string_view renderer);
+    void deviceLost();
     void sessionOpened();
     void sessionClosed();
     void setPointsResident(std::uint64_t points);

@@ -18,6 +18,7 @@
 #include "renderer/residency/open_cloud.hpp"
 #include "server/commands/byte_size.hpp"
 #include "server/commands/command.hpp"
+#include "server/commands/program_folder.hpp"
 #include "server/commands/progress_bar.hpp"
 #include "server/commands/view_flags.hpp"
 
@@ -148,9 +149,26 @@ Expected<std::shared_ptr<const Cloud>> load(const RenderArguments& arguments) {
     return buildCloud(**source, options, bar.sink());
 }
 
+/// A lost device is replaced by the cpu device, which draws the picture instead.
+Expected<Frame> renderOrReplace(std::unique_ptr<Device>& device, const Cloud& cloud, const View& view,
+                                const RenderArguments& arguments) {
+    auto drawn = render(*device, cloud, view, arguments.render);
+    if (drawn || drawn.error().code != ErrorCode::DeviceLost) return drawn;
+    fmt::print(stderr, "The device {} was lost: {} Drawing with --backend=cpu instead.\n",
+               title(device->info()), drawn.error().message);
+    DeviceOptions options;
+    options.backend = "cpu";
+    options.threads = arguments.device.threads;
+    auto other = createDevice(options);
+    if (!other) return tl::unexpected(other.error());
+    device = std::move(*other);
+    return render(*device, cloud, view, arguments.render);
+}
+
 Expected<void> runRender(const RenderArguments& arguments) {
     if (auto sound = checkArguments(arguments); !sound) return sound;
     DeviceOptions options = arguments.device;
+    options.programFolder = programFolder();
     const auto gpuMemoryLimit = parseGpuMemoryLimit(arguments.gpuMemoryLimit);
     if (!gpuMemoryLimit) return tl::unexpected(gpuMemoryLimit.error());
     options.gpuMemoryLimit = *gpuMemoryLimit;
@@ -166,7 +184,7 @@ Expected<void> runRender(const RenderArguments& arguments) {
     Bytes bytes;
     for (int i = 0; i < arguments.repeat; ++i) {
         const auto start = Clock::now();
-        auto drawn = render(**device, **cloud, *view, arguments.render);
+        auto drawn = renderOrReplace(*device, **cloud, *view, arguments);
         if (!drawn) return tl::unexpected(drawn.error());
         frame = std::move(*drawn);
         const auto rendered = Clock::now();

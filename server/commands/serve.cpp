@@ -8,6 +8,7 @@
 
 #include "server/commands/byte_size.hpp"
 #include "server/commands/command.hpp"
+#include "server/commands/program_folder.hpp"
 #include "server/commands/progress_bar.hpp"
 #include "server/commands/serve_options.hpp"
 #include "server/commands/shutdown_signals.hpp"
@@ -71,7 +72,7 @@ bool reportDevice(Server& server, bool& reported) {
         spdlog::error("{}", device.error.message);
         return false;
     }
-    spdlog::info("drawing with {} ({})", device.info.name, device.info.renderer);
+    spdlog::info("drawing with {}", title(device.info));
     return true;
 }
 
@@ -131,6 +132,7 @@ int serve(ServeOptions options) {
     options.server.tokens = std::move(*tokens);
     returnFreedMemory();
     options.server.cache = blockCache(*memoryLimit(options));
+    options.device.programFolder = programFolder(options.cacheDir);
     options.device.gpuMemoryLimit = *parseGpuMemoryLimit(options.gpuMemoryLimit);
     ShutdownSignals signals;
     auto server = Server::create(options.server, devicePainter(options.device));

@@ -174,7 +174,10 @@ HttpResponse Api::ready() const {
     }
     if (!catalog_.settled())
         return problemResponse(problemOf(503, "Clouds are still being loaded.", "/readyz"));
-    return textResponse(200, "ready\n");
+    if (!device.lost) return textResponse(200, "ready\n");
+    return textResponse(200, "ready\nThe device " + title(device.lost->info) + " was lost, and " +
+                                 title(device.info) + " draws in its place: " + device.lost->error.message +
+                                 "\n");
 }
 
 HttpResponse Api::cloud(const Routed& routed) const {
@@ -237,7 +240,11 @@ void Api::snapshot(const HttpRequest& request, const Routed& routed, Respond res
     if (device.state != DeviceStatus::State::Ready) {
         return refuse(problemOf(503, "The rendering device is not available."));
     }
-    const std::string tag = pictureTag(**cloud, *view, format, device.info, options_.version);
+    const auto tagBy = [cloud = *cloud, view = *view, format,
+                        version = options_.version](const DeviceInfo& drawnBy) {
+        return pictureTag(*cloud, view, format, drawnBy, version);
+    };
+    const std::string tag = tagBy(device.info);
     if (matchesAny(request.header("if-none-match"), tag)) {
         HttpResponse response = pictureResponse(format, tag);
         response.status = 304;
@@ -249,9 +256,10 @@ void Api::snapshot(const HttpRequest& request, const Routed& routed, Respond res
         return respond(std::move(response));
     }
     PictureOrder order{std::move(*cloud), std::move(*view), format, false};
-    auto done = [respond, tag, format, path = routed.path](Expected<Picture> picture) {
+    auto done = [respond, tagBy, format, path = routed.path](Expected<Picture> picture) {
         if (!picture) return respond(problemResponse(problemOf(picture.error(), path)));
-        HttpResponse response = pictureResponse(format, tag);
+        // Not by the device that was there when it was asked for: that one may have been lost since.
+        HttpResponse response = pictureResponse(format, tagBy(picture->device));
         response.set("Server-Timing", serverTiming(*picture));
         response.bytes = picture->bytes;
         respond(std::move(response));

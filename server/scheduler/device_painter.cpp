@@ -4,28 +4,64 @@
 #include "server/scheduler/picture.hpp"
 
 namespace scancast {
+namespace {
 
-OpenPainter devicePainter(const DeviceOptions& options) {
-    return [options]() -> Expected<Painter> {
-        auto opened = createDevice(options);
+/// Keeps the device for as long as it has a picture to finish.
+class PaintedFrame final : public PendingFrame {
+  public:
+    PaintedFrame(std::shared_ptr<Device> device, std::unique_ptr<PendingFrame> frame)
+        : device_(std::move(device)), frame_(std::move(frame)) {}
+    bool ready() override { return frame_->ready(); }
+    Expected<Frame> finish() override { return frame_->finish(); }
+
+  private:
+    std::shared_ptr<Device> device_;
+    std::unique_ptr<PendingFrame> frame_;
+};
+
+/// `most`: what the device can draw at once.
+Expected<PreparedPicture> preparePicture(const PictureOrder& order, bool wait, std::stop_token stop,
+                                         std::optional<std::uint64_t> most) {
+    RenderOptions options{.wait = wait, .requester = order.requester, .ahead = order.ahead};
+    if (!order.complete) options.mostSamples = most;
+    auto prepared = prepare(*order.cloud, order.view, options, std::move(stop));
+    if (!prepared) return tl::unexpected(std::move(prepared.error()));
+    const bool complete = samplesMissing(**prepared) == 0;
+    return PreparedPicture{std::move(*prepared), complete};
+}
+
+}  // namespace
+
+OpenPainter painterWith(OpenDevice openDevice, OpenPainter instead) {
+    return [openDevice = std::move(openDevice), instead = std::move(instead)]() -> Expected<Painter> {
+        auto opened = openDevice();
         if (!opened) return tl::unexpected(std::move(opened.error()));
         const std::shared_ptr<Device> device = std::move(*opened);
         Painter painter;
         painter.device = device->info();
-        painter.prepare = [](const PictureOrder& order, bool wait,
-                             std::stop_token stop) -> Expected<PreparedPicture> {
-            auto prepared =
-                prepare(*order.cloud, order.view,
-                        {.wait = wait, .requester = order.requester, .ahead = order.ahead}, std::move(stop));
-            if (!prepared) return tl::unexpected(std::move(prepared.error()));
-            const bool complete = samplesMissing(**prepared) == 0;
-            return PreparedPicture{std::move(*prepared), complete};
+        painter.prepare = [most = mostSamplesOn(*device)](const PictureOrder& order, bool wait,
+                                                          std::stop_token stop) {
+            return preparePicture(order, wait, std::move(stop), most);
         };
-        painter.paint = [device](const PictureOrder&, const PreparedPicture& prepared, std::stop_token stop) {
-            return draw(*device, *prepared.view, std::move(stop));
+        painter.begin = [device](const PictureOrder& order, const PreparedPicture& prepared,
+                                 std::stop_token stop) -> Expected<std::unique_ptr<PendingFrame>> {
+            auto begun = beginDrawing(*device, *prepared.view, std::move(stop),
+                                      order.complete ? Uploads::Everything : Uploads::ForAFrame);
+            if (!begun) return begun;
+            return std::make_unique<PaintedFrame>(device, std::move(*begun));
         };
+        painter.instead = instead;
         return painter;
     };
+}
+
+OpenPainter devicePainter(const DeviceOptions& options) {
+    DeviceOptions onCpu;
+    onCpu.backend = "cpu";
+    onCpu.threads = options.threads;
+    const auto opens = [](const DeviceOptions& what) { return [what] { return createDevice(what); }; };
+    if (options.backend == "cpu") return painterWith(opens(options));
+    return painterWith(opens(options), painterWith(opens(onCpu)));
 }
 
 }  // namespace scancast

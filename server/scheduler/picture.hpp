@@ -31,7 +31,7 @@ struct PictureOrder {
     /// in for what is missing, and the picture's stats say how much that is.
     bool complete = true;
     std::optional<Camera> ahead{};  ///< where the camera will be soon
-    std::uint64_t requester = 0;  ///< set by the scheduler: whose wishes for blocks these are
+    std::uint64_t requester = 0;    ///< set by the scheduler: whose wishes for blocks these are
 };
 
 struct Picture {
@@ -39,6 +39,7 @@ struct Picture {
     int width = 0, height = 0;
     FrameStats stats;  ///< with "encode" as the last stage
     double renderMs = 0, encodeMs = 0;
+    DeviceInfo device;  ///< that drew it: another than when it was ordered, where that one was lost
 };
 
 /// Called exactly once for each order, on a thread of the scheduler's or inside the call that made the order
@@ -51,19 +52,32 @@ struct PreparedPicture {
     bool complete = true;
 };
 
+/// From any thread, also from several at once. With `wait` the result is complete, and may take long.
+using PreparePicture =
+    std::function<Expected<PreparedPicture>(const PictureOrder&, bool wait, std::stop_token)>;
+
+struct Painter;
+using OpenPainter = std::function<Expected<Painter>()>;
+
 struct Painter {
     DeviceInfo device;
-    /// From any thread, also from several at once. With `wait` the result is complete, and may take long.
-    std::function<Expected<PreparedPicture>(const PictureOrder&, bool wait, std::stop_token)> prepare;
-    /// Draws on the render thread, which also made the painter and destroys it.
-    std::function<Expected<Frame>(const PictureOrder&, const PreparedPicture&, std::stop_token)> paint;
+    PreparePicture prepare;
+    /// Draws on the render thread, which also made the painter and destroys it; what it began may outlive it.
+    std::function<Expected<std::unique_ptr<PendingFrame>>(const PictureOrder&, const PreparedPicture&,
+                                                          std::stop_token)>
+        begin;
+    /// Opens the one that takes over when this one's device is lost (DeviceLost); empty = none does.
+    OpenPainter instead{};
 };
-using OpenPainter = std::function<Expected<Painter>()>;
 
 /// The frame's bytes as the view and the format ask. A pure function.
 Expected<Bytes> encodePicture(const Frame& frame, const View& view, PictureFormat format);
 
-/// Paints with a real device (renderer/render.hpp).
+using OpenDevice = std::function<Expected<std::unique_ptr<Device>>()>;
+
+/// Paints with a device of the renderer's (renderer/render.hpp).
+OpenPainter painterWith(OpenDevice openDevice, OpenPainter instead = {});
+/// The same with what the options name; when that is lost, the cpu device takes over.
 OpenPainter devicePainter(const DeviceOptions& options);
 
 }  // namespace scancast

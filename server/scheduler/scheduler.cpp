@@ -1,26 +1,15 @@
 #include "server/scheduler/scheduler.hpp"
 
 #include <algorithm>
-#include <exception>
 #include <utility>
+
+#include "server/scheduler/outcome.hpp"
 
 namespace scancast {
 namespace {
 
 double millisecondsSince(Scheduler::Clock::time_point start) {
     return std::chrono::duration<double, std::milli>(Scheduler::Clock::now() - start).count();
-}
-
-Error cancelled() {
-    return Error{ErrorCode::Cancelled, "The picture is not wanted any more.", {}};
-}
-
-Error tooLate() {
-    return Error{
-        ErrorCode::DeadlineExceeded,
-        "The picture was not ready in time: the server is busy, or the view is too costly. Ask for a smaller "
-        "picture, fewer samples or a coarser detail.",
-        {}};
 }
 
 }  // namespace
@@ -72,7 +61,7 @@ void Scheduler::closeMailbox(MailboxId mailbox) {
         if (at->second) dropped.push_back(std::move(*at->second));
         mailboxes_.erase(at);
         std::erase(turns_, mailbox);
-        for (auto* busy : {&running_, &preparing_})
+        for (auto* busy : allBusy())
             if (*busy && (*busy)->mailbox == mailbox) (*busy)->orphaned = true;
         stopRunning(mailbox, true);
     }
@@ -164,7 +153,7 @@ void Scheduler::stop() {
         toPrepare_.clear();
         if (prepared_) dropped.push_back(*std::exchange(prepared_, std::nullopt));
         turns_.clear();
-        for (auto* busy : {&running_, &preparing_})
+        for (auto* busy : allBusy())
             if (*busy) (*busy)->stop.request_stop();
     }
     work_.notify_all();
@@ -177,7 +166,7 @@ void Scheduler::stop() {
 
 // Called with the lock held.
 void Scheduler::stopRunning(MailboxId mailbox, bool alsoMoving) {
-    for (auto* busy : {&running_, &preparing_}) {
+    for (auto* busy : allBusy()) {
         if (*busy && (*busy)->mailbox == mailbox && (alsoMoving || (*busy)->interruptible))
             (*busy)->stop.request_stop();
     }
@@ -207,141 +196,6 @@ void Scheduler::finish(Wish& wish, Expected<Picture> result, std::optional<DropR
     wish.done(std::move(result));
 }
 
-// ---- render thread
-// --------------------------------------------------------------------------------------------
-
-void Scheduler::openDevice(std::optional<Painter>& painter) {
-    DeviceStatus status;
-    auto opened = openPainter_();
-    if (opened) {
-        status.state = DeviceStatus::State::Ready;
-        status.info = opened->device;
-        painter = std::move(*opened);
-        const std::lock_guard lock(mutex_);
-        prepare_ = painter->prepare;
-    } else {
-        status.state = DeviceStatus::State::Failed;
-        status.error = std::move(opened.error());
-    }
-    const std::lock_guard lock(mutex_);
-    device_ = std::move(status);
-    opened_.notify_all();
-}
-
-void Scheduler::renderLoop() {
-    std::optional<Painter> painter;
-    openDevice(painter);
-    std::unique_lock lock(mutex_);
-    while (true) {
-        // Room for the result first, and only then a wish: what is taken is then as new as can be.
-        work_.wait(lock, [&] { return stopping_ || (!turns_.empty() && encoding_.size() < maxEncoding); });
-        if (stopping_) break;
-        auto wish = takeNext(lock);
-        if (!wish) continue;
-        lock.unlock();
-        paintOne(painter, std::move(*wish));
-        lock.lock();
-    }
-    rendering_ = false;
-    encodeWork_.notify_all();
-}
-
-std::optional<Scheduler::Wish> Scheduler::takeNext(std::unique_lock<std::mutex>&) {
-    const MailboxId turn = turns_.front();
-    turns_.pop_front();
-    std::optional<Wish> wish;
-    if (turn == preparedOne) {
-        wish = std::exchange(prepared_, std::nullopt);
-        if (!wish) return std::nullopt;
-    } else if (turn == snapshots) {
-        if (snapshots_.empty()) return std::nullopt;
-        wish = std::move(snapshots_.front());
-        snapshots_.pop_front();
-        if (!snapshots_.empty()) turns_.push_back(snapshots);
-    } else {
-        const auto at = mailboxes_.find(turn);
-        if (at == mailboxes_.end()) return std::nullopt;
-        wish = std::exchange(at->second, std::nullopt);
-        if (!wish) return std::nullopt;
-    }
-    running_ =
-        Running{wish->mailbox, wish->order.interruptible, wish->deadline, std::stop_source(), false, false};
-    deadlines_.notify_one();
-    return wish;
-}
-
-// A request must not take the server down: what escapes the renderer, out of memory for one, fails one
-// picture.
-template <class Work>
-static auto guarded(Work work) -> decltype(work()) {
-    try {
-        return work();
-    } catch (const std::exception& e) {
-        return fail(ErrorCode::Internal, std::string("The renderer failed: ") + e.what());
-    }
-}
-
-Expected<Frame> Scheduler::paint(const Painter& painter, Wish& wish, const std::stop_token& token,
-                                 bool& deferred) {
-    if (!wish.prepared) {
-        auto prepared = guarded([&] { return painter.prepare(wish.order, false, token); });
-        if (!prepared) return tl::unexpected(std::move(prepared.error()));
-        wish.prepared = std::move(*prepared);
-    }
-    if (wish.order.complete && !wish.prepared->complete) {
-        deferred = true;
-        return tl::unexpected(cancelled());
-    }
-    auto frame = guarded([&] { return painter.paint(wish.order, *wish.prepared, token); });
-    wish.prepared.reset();  // encoding needs no samples
-    return frame;
-}
-
-void Scheduler::paintOne(const std::optional<Painter>& painter, Wish wish) {
-    std::stop_token token;
-    {
-        const std::lock_guard lock(mutex_);
-        token = running_->stop.get_token();
-    }
-    const auto start = Clock::now();
-    bool deferred = false;
-    Expected<Frame> frame = painter ? paint(*painter, wish, token, deferred) : tl::unexpected(device().error);
-    if (!frame) wish.prepared.reset();
-    const double renderMs = millisecondsSince(start);
-    Running how;
-    {
-        const std::lock_guard lock(mutex_);
-        how = *std::exchange(running_, std::nullopt);
-        if (deferred && !stopping_ && !how.stop.stop_requested()) {
-            toPrepare_.push_back(std::move(wish));
-            prepareWork_.notify_one();
-            deadlines_.notify_one();
-            return;
-        }
-        if (!frame && frame.error().code == ErrorCode::DeviceLost) {
-            device_.state = DeviceStatus::State::Failed;
-            device_.error = frame.error();
-        }
-        if (frame) {
-            metrics_.frameRendered(wish.order.view.style.method, renderMs / 1000,
-                                   frame->stats.samplesMissing == 0);
-            encoding_.push_back({std::move(wish), std::move(*frame), renderMs});
-            encodeWork_.notify_one();
-            return;
-        }
-    }
-    finishFailed(wish, std::move(frame.error()), how);
-}
-
-void Scheduler::finishFailed(Wish& wish, Error error, const Running& how) {
-    if (how.late) return finish(wish, tl::unexpected(tooLate()), DropReason::Deadline);
-    const bool wasCancelled = error.code == ErrorCode::Cancelled;
-    finish(wish, tl::unexpected(std::move(error)),
-           how.orphaned   ? DropReason::Gone
-           : wasCancelled ? DropReason::Abandoned
-                          : DropReason::Failed);
-}
-
 // ---- prepare thread
 // -------------------------------------------------------------------------------------------
 
@@ -363,11 +217,13 @@ void Scheduler::prepareLoop() {
 
 void Scheduler::prepareOne(Wish wish) {
     std::stop_token token;
+    PreparePicture prepare;
     {
         const std::lock_guard lock(mutex_);
         token = preparing_->stop.get_token();
+        prepare = prepare_;
     }
-    auto prepared = guarded([&] { return prepare_(wish.order, true, token); });
+    auto prepared = guarded([&] { return prepare(wish.order, true, token); });
     Running how;
     {
         const std::lock_guard lock(mutex_);
@@ -411,6 +267,7 @@ void Scheduler::encodeLoop() {
             picture.stats.add("encode", encodeMs);
             picture.renderMs = job.renderMs;
             picture.encodeMs = encodeMs;
+            picture.device = std::move(job.device);
             finish(job.wish, std::move(picture), std::nullopt);
         }
         job = {};
@@ -430,7 +287,7 @@ void Scheduler::deadlineLoop() {
         auto next = Clock::time_point::max();
         if (!snapshots_.empty()) next = snapshots_.front().deadline;
         for (const Wish& wish : toPrepare_) next = std::min(next, wish.deadline);
-        for (const auto* busy : {&running_, &preparing_})
+        for (const auto* busy : allBusy())
             if (*busy && !(*busy)->late) next = std::min(next, (*busy)->deadline);
         if (next == Clock::time_point::max()) {
             deadlines_.wait(lock);
@@ -440,7 +297,7 @@ void Scheduler::deadlineLoop() {
             deadlines_.wait_until(lock, next);
             continue;
         }
-        for (auto* busy : {&running_, &preparing_}) {
+        for (auto* busy : allBusy()) {
             if (!*busy || (*busy)->deadline > next) continue;
             (*busy)->late = true;
             (*busy)->stop.request_stop();

@@ -1,18 +1,20 @@
-// Who is rendered next. One render thread owns the device; sessions and snapshot requests put wishes in, and
-// encoding runs beside the next frame's rendering.
+// Who is rendered next. One render thread owns the device; sessions and snapshot requests put wishes in. A
+// picture's pixels may still be on their way from the GPU while the next one is begun, and encoding runs
+// beside both.
 //
 // - A session has a mailbox of size one: a newer wish overwrites the one that waits (latest wins).
 // - Mailboxes take turns; all snapshots together are one more participant, first come first served.
 // - The queue of snapshots is bounded, and each has a deadline that counts waiting and rendering.
 // - Pictures that must be complete and lack blocks wait for them on a thread of its own, one at a time, and
-// take
-//   another turn when they are there: nobody else's picture waits for somebody's disk.
+//   take another turn when they are there: nobody else's picture waits for somebody's disk.
+// - When the device is lost, the painter that takes over draws what was asked of it: nobody sees an error.
 //
 // Owned by the server, which outlives every session. *Thread safety*: every public function may be called
 // from any thread; callbacks come from the scheduler's threads, or from inside the call, and must only post.
 // Place in the pipeline: stream, net → **scheduler** → render, encode → stream, net.
 #pragma once
 
+#include <array>
 #include <chrono>
 #include <condition_variable>
 #include <cstdint>
@@ -34,12 +36,19 @@ struct SchedulerOptions {
     std::chrono::milliseconds snapshotDeadline{30000};  ///< from the request to the finished picture
 };
 
+/// A device that was there and is gone.
+struct LostDevice {
+    DeviceInfo info;
+    Error error;
+};
+
 /// How the device is doing.
 struct DeviceStatus {
     enum class State : std::uint8_t { Opening, Ready, Failed };
     State state = State::Opening;
-    DeviceInfo info;  ///< Ready
-    Error error;      ///< Failed
+    DeviceInfo info;                   ///< Ready
+    Error error;                       ///< Failed
+    std::optional<LostDevice> lost{};  ///< the one before, in whose place this one draws
 };
 
 class Scheduler {
@@ -95,9 +104,18 @@ class Scheduler {
         bool late = false;      ///< stopped by its deadline
         bool orphaned = false;  ///< its mailbox is gone
     };
+    /// A picture that a painter has begun.
+    struct Begun {
+        Wish wish;
+        std::unique_ptr<PendingFrame> frame;
+        DeviceInfo device;    ///< that is at it
+        int painter = 0;      ///< painterNumber_ then
+        double renderMs = 0;  ///< that the render thread has been at it
+    };
     struct Rendered {
         Wish wish;
         Frame frame;
+        DeviceInfo device;
         double renderMs = 0;
     };
 
@@ -109,15 +127,22 @@ class Scheduler {
     void prepareLoop();
     void encodeLoop();
     void deadlineLoop();
-    void openDevice(std::optional<Painter>& painter);
-    std::optional<Wish> takeNext(std::unique_lock<std::mutex>& lock);
-    void paintOne(const std::optional<Painter>& painter, Wish wish);
-    Expected<Frame> paint(const Painter& painter, Wish& wish, const std::stop_token& token, bool& deferred);
+    void openDevice();
+    void replacePainter(const Error& lost);
+    void usePainter(Expected<Painter> opened, std::optional<LostDevice> lost);
+    std::optional<Wish> takeNext();
+    void beginNext(std::optional<Begun>& begun);
+    std::optional<Begun> beginOne(Wish wish);
+    void completeOne(Begun begun);
+    Expected<std::unique_ptr<PendingFrame>> begin(Wish& wish, const std::stop_token& token, bool& deferred);
+    Expected<Frame> finish(Begun& begun, const std::stop_token& token, bool& deferred);
+    void endWithout(std::optional<Running>& slot, Wish wish, Error error, bool deferred);
     void prepareOne(Wish wish);
     void finishFailed(Wish& wish, Error error, const Running& how);
     std::vector<Wish> takePreparing(MailboxId mailbox, bool alsoMoving);
     void finish(Wish& wish, Expected<Picture> result, std::optional<DropReason> dropped);
     void stopRunning(MailboxId mailbox, bool alsoMoving);
+    std::array<std::optional<Running>*, 3> allBusy() { return {&running_, &begun_, &preparing_}; }
 
     const OpenPainter openPainter_;
     const SchedulerOptions options_;
@@ -134,13 +159,18 @@ class Scheduler {
     MailboxId lastMailbox_ = 0;
     std::deque<Wish> snapshots_;
     std::deque<MailboxId> turns_;  // who has something waiting, in the order in which they are served
-    std::optional<Running> running_, preparing_;
+    // Being begun; begun before, and its pixels on their way; waiting for blocks.
+    std::optional<Running> running_, begun_, preparing_;
     std::deque<Wish> toPrepare_;    // at most one of each mailbox, and maxSnapshots
     std::optional<Wish> prepared_;  // holds on to its samples, hence only one
-    std::function<Expected<PreparedPicture>(const PictureOrder&, bool, std::stop_token)> prepare_;
+    PreparePicture prepare_;
     std::deque<Rendered> encoding_;
     bool rendering_ = true;  // the render thread may still add to encoding_
     bool stopping_ = false;
+
+    // The render thread's own.
+    std::optional<Painter> painter_;
+    int painterNumber_ = 0;  // counts those that were lost
 
     std::thread renderThread_, prepareThread_, encodeThread_, deadlineThread_;
 };

@@ -3,6 +3,7 @@
 // be called from any thread.
 #pragma once
 
+#include <algorithm>
 #include <chrono>
 #include <condition_variable>
 #include <memory>
@@ -23,21 +24,35 @@ class FakePainter {
         View view;
     };
 
+    explicit FakePainter(std::string name = "fake") : name_(std::move(name)) {}
+
     /// For the scheduler; this object must outlive it.
-    OpenPainter open() {
-        return [this]() -> Expected<Painter> {
+    OpenPainter open(OpenPainter instead = {}) {
+        return [this, instead]() -> Expected<Painter> {
             DeviceInfo info;
-            info.name = info.identity = "fake";
+            info.name = info.identity = name_;
             Painter painter;
             painter.device = info;
+            painter.instead = instead;
             painter.prepare = [this](const PictureOrder& order, bool wait, std::stop_token stop) {
                 return prepare(order, wait, stop);
             };
-            painter.paint = [this](const PictureOrder& order, const PreparedPicture&, std::stop_token stop) {
-                return paint(*order.cloud, order.view, stop);
+            painter.begin = [this](const PictureOrder& order, const PreparedPicture&, std::stop_token stop) {
+                return begin(*order.cloud, order.view, std::move(stop));
             };
             return painter;
         };
+    }
+
+    /// From now on pictures are begun at once, and it is their pixels that come late: they wait at the gate.
+    void finishLate() {
+        const std::lock_guard lock(mutex_);
+        late_ = true;
+    }
+    /// Pictures begun and neither finished nor dropped, at most at the same time.
+    int mostAtOnce() const {
+        const std::lock_guard lock(mutex_);
+        return mostAtOnce_;
     }
 
     /// From now on every picture waits until let() or its stop.
@@ -111,10 +126,45 @@ class FakePainter {
         return PreparedPicture{};
     }
 
-    Expected<Frame> paint(const Cloud& cloud, const View& view, const std::stop_token& stop) {
+    class LateFrame final : public PendingFrame {
+      public:
+        LateFrame(FakePainter& painter, Frame frame, std::stop_token stop)
+            : painter_(painter), frame_(std::move(frame)), stop_(std::move(stop)) {}
+        ~LateFrame() override {
+            const std::lock_guard lock(painter_.mutex_);
+            --painter_.atOnce_;
+        }
+        bool ready() override {
+            const std::lock_guard lock(painter_.mutex_);
+            return !painter_.gated_ || painter_.tickets_ > 0;
+        }
+        Expected<Frame> finish() override {
+            std::unique_lock lock(painter_.mutex_);
+            if (auto passed = painter_.passGate(lock, stop_); !passed) return tl::unexpected(passed.error());
+            return std::move(frame_);
+        }
+
+      private:
+        FakePainter& painter_;
+        Frame frame_;
+        std::stop_token stop_;
+    };
+
+    Expected<std::unique_ptr<PendingFrame>> begin(const Cloud& cloud, const View& view,
+                                                  std::stop_token stop) {
         std::unique_lock lock(mutex_);
         begun_.push_back({&cloud, view});
         changed_.notify_all();
+        if (late_) {
+            auto frame = std::make_unique<LateFrame>(*this, frameOf(cloud, view), std::move(stop));
+            mostAtOnce_ = std::max(mostAtOnce_, ++atOnce_);
+            return frame;
+        }
+        if (auto passed = passGate(lock, stop); !passed) return tl::unexpected(passed.error());
+        return std::make_unique<DrawnFrame>(frameOf(cloud, view));
+    }
+
+    Expected<void> passGate(std::unique_lock<std::mutex>& lock, const std::stop_token& stop) {
         const auto end = std::chrono::steady_clock::now() + patience;
         while (gated_ && tickets_ == 0 && !stop.stop_requested() && std::chrono::steady_clock::now() < end) {
             changed_.wait_for(lock, std::chrono::milliseconds(1));
@@ -125,7 +175,7 @@ class FakePainter {
         }
         if (gated_) --tickets_;
         if (error_) return tl::unexpected(*error_);
-        return frameOf(cloud, view);
+        return {};
     }
 
     // A colour that depends on cloud, camera and samples: pictures that get mixed up differ in their bytes.
@@ -146,11 +196,14 @@ class FakePainter {
         return frame;
     }
 
+    const std::string name_;
     mutable std::mutex mutex_;
     std::condition_variable changed_;
     std::vector<Painted> begun_;
     std::optional<Error> error_;
     bool gated_ = false;
+    bool late_ = false;
+    int atOnce_ = 0, mostAtOnce_ = 0;
     bool loaded_ = true;
     int loading_ = 0;
     int tickets_ = 0;

@@ -36,11 +36,11 @@ class ApiTest : public ::testing::Test {
     }
 
     static constexpr const char* picture = "/api/v1/clouds/tiny/snapshot.jpg?width=32&height=16";
-    test::FakePainter painter;
+    test::FakePainter painter, spare{"spare"};
     std::shared_ptr<const Cloud> cloud = test::tinyCloud();
     Catalog catalog;
     Metrics metrics{"test"};
-    Scheduler scheduler{painter.open(), {}, metrics};
+    Scheduler scheduler{painter.open(spare.open()), {}, metrics};
     Api api{{"1.2.3", 1000 * 1000, {"127.0.0.1", {"https://viewer.example"}}}, catalog, scheduler, metrics};
 };
 
@@ -153,6 +153,31 @@ TEST_F(ApiTest, ReadyOnlyWhenEverythingIs) {
     catalog.setFailed(loading, "it is broken");
     EXPECT_EQ(ask("/readyz").status, 200);
     EXPECT_EQ(ask("/api/v1/clouds/later").status, 404);
+}
+
+/// The tag promises bytes: it must be that of the device which drew them, not of the one which was asked.
+TEST_F(ApiTest, ALostDeviceIsToldOfAndTagsAreOfTheOneThatDraws) {
+    const std::string before = *ask(picture).find("ETag");
+    painter.failWith(Error{ErrorCode::DeviceLost, "The GPU was reset.", {}});
+    const HttpResponse response = ask(picture);
+    EXPECT_EQ(response.status, 200);
+    EXPECT_NE(*response.find("ETag"), before);
+    EXPECT_EQ(ask(picture, {{"if-none-match", before}}).status, 200) << "not the bytes of that tag any more";
+    EXPECT_EQ(ask(picture, {{"if-none-match", *response.find("ETag")}}).status, 304);
+    EXPECT_EQ(*ask(picture, {}, "HEAD").find("ETag"), *response.find("ETag"));
+    const HttpResponse ready = ask("/readyz");
+    EXPECT_EQ(ready.status, 200);
+    EXPECT_EQ(ready.body(),
+              "ready\nThe device fake was lost, and spare draws in its place: The GPU was reset.\n");
+}
+
+TEST_F(ApiTest, WithoutAnyDeviceItIsNotReady) {
+    for (auto* each : {&painter, &spare})
+        each->failWith(Error{ErrorCode::DeviceLost, "The GPU was reset.", {}});
+    const HttpResponse response = ask(picture);
+    EXPECT_EQ(response.status, 503);
+    EXPECT_EQ(problem(response)["code"], "device-lost");
+    EXPECT_EQ(ask("/readyz").status, 503);
 }
 
 TEST_F(ApiTest, AllowedOriginsAreToldSoAndEveryAnswerIsCounted) {

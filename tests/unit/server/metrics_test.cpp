@@ -36,6 +36,20 @@ TEST(Metrics, NamesAndUnitsOfTheProtocol) {
     }
 }
 
+TEST(Metrics, TellWhatDrawsAndHowOftenItWasLost) {
+    Metrics metrics("1");
+    EXPECT_THAT(metrics.text(), HasSubstr("scancast_devices_lost_total 0"));
+    metrics.setDevice("egl", "a GPU");
+    EXPECT_THAT(metrics.text(), HasSubstr("scancast_device_info{name=\"egl\",renderer=\"a GPU\"} 1"));
+    metrics.deviceLost();
+    metrics.setDevice("cpu", "x86-64-v3");
+    EXPECT_THAT(metrics.text(), HasSubstr("scancast_device_info{name=\"cpu\",renderer=\"x86-64-v3\"} 1"));
+    EXPECT_THAT(metrics.text(), HasSubstr("scancast_devices_lost_total 1"));
+    EXPECT_THAT(metrics.text(), testing::Not(HasSubstr("name=\"egl\"")));
+    metrics.setDevice("", "");
+    EXPECT_THAT(metrics.text(), testing::Not(HasSubstr("scancast_device_info{")));
+}
+
 TEST(Metrics, ResidencyIsToldAsItIsAndCountersOnlyRise) {
     Metrics metrics("1");
     metrics.frameRendered("cone", 0.02, false);

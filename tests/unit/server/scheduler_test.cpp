@@ -1,79 +1,13 @@
-#include "server/scheduler/scheduler.hpp"
-
-#include <gtest/gtest.h>
+#include "tests/unit/server/scheduler_fixture.hpp"
 
 #include <algorithm>
 #include <future>
-
-#include "tests/support/fake_painter.hpp"
 
 namespace scancast {
 namespace {
 
 using test::FakePainter;
-
-// Results as they come in, from whatever thread.
-class Results {
-  public:
-    PictureDone collect(int label) {
-        return [this, label](Expected<Picture> result) {
-            const std::lock_guard lock(mutex_);
-            labels_.push_back(label);
-            codes_.push_back(result ? std::nullopt : std::optional(result.error().code));
-            changed_.notify_all();
-        };
-    }
-    bool waitFor(std::size_t count) {
-        std::unique_lock lock(mutex_);
-        return changed_.wait_for(lock, FakePainter::patience, [&] { return labels_.size() >= count; });
-    }
-    std::vector<int> labels() const {
-        const std::lock_guard lock(mutex_);
-        return labels_;
-    }
-    /// How the order of that label ended: nullopt = with a picture.
-    std::optional<ErrorCode> code(int label) const {
-        const std::lock_guard lock(mutex_);
-        for (std::size_t i = 0; i < labels_.size(); ++i) {
-            if (labels_[i] == label) return codes_[i];
-        }
-        ADD_FAILURE() << "order " << label << " never ended";
-        return ErrorCode::Internal;
-    }
-
-  private:
-    mutable std::mutex mutex_;
-    std::condition_variable changed_;
-    std::vector<int> labels_;
-    std::vector<std::optional<ErrorCode>> codes_;
-};
-
-class SchedulerTest : public ::testing::Test {
-  protected:
-    PictureOrder order(int width, bool interruptible = false) const {
-        PictureOrder order;
-        order.cloud = cloud;
-        order.view.width = width;  // tells pictures apart
-        order.view.height = 8;
-        order.interruptible = interruptible;
-        return order;
-    }
-    std::vector<int> begunWidths() const {
-        std::vector<int> widths;
-        for (const auto& painted : painter.begun()) widths.push_back(painted.view.width);
-        return widths;
-    }
-    std::string metric(const std::string& line) const {
-        const std::string text = metrics.text();
-        const auto at = text.find(line);
-        return at == std::string::npos ? "" : text.substr(at, text.find('\n', at) - at);
-    }
-
-    std::shared_ptr<const Cloud> cloud = test::tinyCloud();
-    FakePainter painter;
-    Metrics metrics{"test"};
-    Results results;
-};
+using test::SchedulerTest;
 
 TEST_F(SchedulerTest, ASnapshotBecomesAJpegOfItsSize) {
     Scheduler scheduler(painter.open(), {}, metrics);
@@ -321,19 +255,14 @@ TEST_F(SchedulerTest, ManyThreadsAtOnce) {
     EXPECT_EQ(std::unique(labels.begin(), labels.end()) - labels.begin(), threads * each);
 }
 
-PictureOrder incomplete(PictureOrder order) {
-    order.complete = false;
-    return order;
-}
-
 TEST_F(SchedulerTest, NobodyWaitsForSomebodyElsesBlocks) {
     painter.unload();
     Scheduler scheduler(painter.open(), {}, metrics);
-    const auto still = scheduler.openMailbox(), moving = scheduler.openMailbox();
+    const auto still = scheduler.openMailbox(), mover = scheduler.openMailbox();
     scheduler.wish(still, order(1, true), results.collect(1));
     ASSERT_TRUE(painter.waitLoading(1));
     for (int i = 2; i <= 6; ++i) {
-        scheduler.wish(moving, incomplete(order(i)), results.collect(i));
+        scheduler.wish(mover, moving(i), results.collect(i));
         ASSERT_TRUE(results.waitFor(std::size_t(i - 1))) << "frame " << i;
     }
     EXPECT_EQ(begunWidths(), (std::vector<int>{2, 3, 4, 5, 6}));
@@ -349,7 +278,7 @@ TEST_F(SchedulerTest, AWaitForBlocksEndsWithItsReason) {
     scheduler.wish(a, order(1, true), results.collect(1));
     ASSERT_TRUE(painter.waitLoading(1));
     scheduler.wish(b, order(2, true), results.collect(2));  // behind the first
-    scheduler.wish(a, incomplete(order(3)), results.collect(3));
+    scheduler.wish(a, moving(3), results.collect(3));
     ASSERT_TRUE(results.waitFor(2)) << "a newer wish ends the wait of the same session";
     EXPECT_EQ(results.code(1), ErrorCode::Cancelled);
     EXPECT_EQ(results.code(3), std::nullopt);

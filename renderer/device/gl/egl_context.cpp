@@ -1,6 +1,10 @@
 #include "renderer/device/gl/egl_context.hpp"
 
+#include <spdlog/spdlog.h>
+#include <unistd.h>
+
 #include <algorithm>
+#include <cerrno>
 
 #include "renderer/device/gl/egl_library.hpp"
 
@@ -21,26 +25,28 @@ class EglContext final : public Context {
                 !(std::string_view(needed) == "EGL_KHR_no_config_context" &&
                   listsExtension(extensions, "EGL_MESA_configless_context")))
                 return fail(ErrorCode::DeviceUnavailable,
-                            std::string("The EGL driver lacks ") + needed + ": update it.");
+                            std::string("The EGL driver lacks ") + needed + ": it is too old. " + driverHint);
         }
         if (!egl.BindAPI(EGL_OPENGL_API))
-            return eglFailure(egl, "eglBindAPI(EGL_OPENGL_API)",
-                              "The driver has OpenGL ES only; desktop OpenGL 4.5 is needed.");
-        constexpr EGLint attributes[] = {EGL_CONTEXT_MAJOR_VERSION_KHR,
-                                         4,
-                                         EGL_CONTEXT_MINOR_VERSION_KHR,
-                                         5,
-                                         EGL_CONTEXT_OPENGL_PROFILE_MASK_KHR,
-                                         EGL_CONTEXT_OPENGL_CORE_PROFILE_BIT_KHR,
-                                         EGL_CONTEXT_FLAGS_KHR,
-                                         EGL_CONTEXT_OPENGL_DEBUG_BIT_KHR,
-                                         EGL_NONE};
+            return eglFailure(
+                egl, "eglBindAPI(EGL_OPENGL_API)",
+                std::string("The driver has OpenGL ES only; desktop OpenGL 4.5 is needed. ") + driverHint);
+        // Drivers check and tell more in a debug context, and some are slower for it.
+        const EGLint flags = spdlog::should_log(spdlog::level::debug) ? EGL_CONTEXT_OPENGL_DEBUG_BIT_KHR : 0;
+        const EGLint attributes[] = {EGL_CONTEXT_MAJOR_VERSION_KHR,
+                                     4,
+                                     EGL_CONTEXT_MINOR_VERSION_KHR,
+                                     5,
+                                     EGL_CONTEXT_OPENGL_PROFILE_MASK_KHR,
+                                     EGL_CONTEXT_OPENGL_CORE_PROFILE_BIT_KHR,
+                                     EGL_CONTEXT_FLAGS_KHR,
+                                     flags,
+                                     EGL_NONE};
         const EGLContext context = egl.CreateContext(handle, EGL_NO_CONFIG_KHR, EGL_NO_CONTEXT, attributes);
         if (context == EGL_NO_CONTEXT)
             return eglFailure(
                 egl, "eglCreateContext(OpenGL 4.5 core)",
-                "The driver is too old or its OpenGL part is missing (Debian: apt install "
-                "libgl1-mesa-dri; NVIDIA in a container: NVIDIA_DRIVER_CAPABILITIES=graphics).");
+                std::string("The driver is too old, or its OpenGL part is missing. ") + driverHint);
         std::unique_ptr<EglContext> made(new EglContext(egl, handle, context));
         auto current = Current::enter(*made);
         if (!current) return tl::unexpected(current.error());
@@ -58,7 +64,7 @@ class EglContext final : public Context {
     Expected<void> makeCurrent() override {
         egl_.BindAPI(EGL_OPENGL_API);
         if (!egl_.MakeCurrent(display_, EGL_NO_SURFACE, EGL_NO_SURFACE, context_)) {
-            Error error = eglFailure(egl_, "eglMakeCurrent without a surface", "").value();
+            Error error = eglFailure(egl_, "eglMakeCurrent without a surface", driverHint).value();
             error.code = ErrorCode::DeviceLost;
             return tl::unexpected(std::move(error));
         }
@@ -74,11 +80,6 @@ class EglContext final : public Context {
     EGLDisplay display_;
     EGLContext context_;
 };
-
-constexpr const char* driverHint =
-    "Install a driver (Debian: apt install libegl-mesa0 libgl1-mesa-dri), or give the container its GPU (the "
-    "NVIDIA "
-    "container runtime with NVIDIA_DRIVER_CAPABILITIES=graphics,utility, or /dev/dri for other GPUs).";
 
 Expected<std::vector<EGLDeviceEXT>> deviceHandles(const EglFunctions& egl) {
     if (!egl.QueryDevices)
@@ -104,10 +105,30 @@ EglDevice describe(const EglFunctions& egl, EGLDeviceEXT handle, int index) {
     if (!egl.QueryDeviceString) return device;
     const char* const extensions = egl.QueryDeviceString(handle, EGL_EXTENSIONS);
     device.software = listsExtension(extensions, "EGL_MESA_device_software");
-    if (listsExtension(extensions, "EGL_EXT_device_drm")) {
-        if (const char* node = egl.QueryDeviceString(handle, EGL_DRM_DEVICE_FILE_EXT)) device.node = node;
-    }
+    // The render node is the one to open and to mount; every GPU has the other.
+    const auto nodeBy = [&](const char* extension, EGLint name) {
+        const char* const node =
+            listsExtension(extensions, extension) ? egl.QueryDeviceString(handle, name) : nullptr;
+        if (node && device.node.empty()) device.node = node;
+    };
+    nodeBy("EGL_EXT_device_drm_render_node", EGL_DRM_RENDER_NODE_FILE_EXT);
+    nodeBy("EGL_EXT_device_drm", EGL_DRM_DEVICE_FILE_EXT);
     return device;
+}
+
+/// A device that does not open, and why a person would say it does not.
+Expected<std::unique_ptr<Context>> openDevice(const EglFunctions& egl, EGLDeviceEXT handle, int index) {
+    auto context = EglContext::create(egl, EGL_PLATFORM_DEVICE_EXT, handle);
+    if (context) return context;
+    const EglDevice device = describe(egl, handle, index);
+    std::string& message = context.error().message;
+    message.insert(
+        0, "EGL device " + std::to_string(index) + (device.node.empty() ? ": " : " (" + device.node + "): "));
+    if (!device.node.empty() && ::access(device.node.c_str(), R_OK | W_OK) != 0)
+        message += errno == EACCES ? " This user may not open " + device.node +
+                                         ": add the user to the group that owns it (Debian: video, render)."
+                                   : " There is no " + device.node + " here: give the container /dev/dri.";
+    return context;
 }
 
 Expected<std::unique_ptr<Context>> createBest(const EglFunctions& egl) {
@@ -117,9 +138,9 @@ Expected<std::unique_ptr<Context>> createBest(const EglFunctions& egl) {
         for (const bool software : {false, true}) {
             for (std::size_t i = 0; i < handles->size(); ++i) {
                 if (describe(egl, (*handles)[i], static_cast<int>(i)).software != software) continue;
-                auto context = EglContext::create(egl, EGL_PLATFORM_DEVICE_EXT, (*handles)[i]);
+                auto context = openDevice(egl, (*handles)[i], static_cast<int>(i));
                 if (context) return context;
-                reasons += "Device " + std::to_string(i) + ": " + context.error().message + " ";
+                reasons += context.error().message + " ";
             }
         }
     } else {
@@ -127,7 +148,7 @@ Expected<std::unique_ptr<Context>> createBest(const EglFunctions& egl) {
     }
     auto context = EglContext::create(egl, EGL_PLATFORM_SURFACELESS_MESA, nullptr);
     if (context) return context;
-    return fail(ErrorCode::DeviceUnavailable, reasons + "Surfaceless platform: " + context.error().message);
+    return fail(ErrorCode::DeviceUnavailable, reasons + "EGL without a device: " + context.error().message);
 }
 
 }  // namespace
@@ -154,7 +175,7 @@ Expected<std::unique_ptr<Context>> createEglContext(int device) {
                     "There is no EGL device " + std::to_string(device) + "; EGL lists 0 to " +
                         std::to_string(handles->size() - 1) + " here. See --list-backends.",
                     "egl-device");
-    return EglContext::create(**egl, EGL_PLATFORM_DEVICE_EXT, (*handles)[static_cast<std::size_t>(device)]);
+    return openDevice(**egl, (*handles)[static_cast<std::size_t>(device)], device);
 }
 
 }  // namespace scancast::gl

@@ -14,9 +14,9 @@
 namespace scancast::gl {
 
 struct EglDevice {
-    int index = 0;          ///< what --egl-device calls it
+    int index = -1;         ///< what --egl-device calls it; -1 = not listed
     bool software = false;  ///< says of itself that it is Mesa's rasteriser on the CPU
-    std::string node;       ///< "/dev/dri/card0"; empty = unknown
+    std::string node;       ///< "/dev/dri/renderD128"; empty = unknown
 };
 
 /// In EGL's own order. DeviceUnavailable when libEGL is missing, cannot enumerate, or finds none.

@@ -118,18 +118,14 @@ Expected<EGLDisplay> openDisplay(const EglFunctions& egl, EGLenum platform, void
     if (!egl.GetPlatformDisplay ||
         !listsExtension(egl.QueryString(EGL_NO_DISPLAY, EGL_EXTENSIONS), extension))
         return fail(ErrorCode::DeviceUnavailable,
-                    call + " is not offered: libEGL lacks " + extension +
-                        ". Install a driver that has it (Debian: apt install libegl-mesa0 libgl1-mesa-dri).");
+                    call + " is not offered: libEGL lacks " + extension + ". " + driverHint);
 
     const EGLDisplay display = egl.GetPlatformDisplay(platform, native, nullptr);
-    if (display == EGL_NO_DISPLAY) return eglFailure(egl, call, "");
+    if (display == EGL_NO_DISPLAY) return eglFailure(egl, call, driverHint);
     // Initialising a display again does nothing.
     if (!egl.Initialize(display, nullptr, nullptr))
-        return eglFailure(
-            egl, "eglInitialize after " + call,
-            "Its driver could not start. In a container, give it the GPU: the NVIDIA container "
-            "runtime with NVIDIA_DRIVER_CAPABILITIES=graphics,utility, or /dev/dri for other GPUs, "
-            "readable by this user; without a GPU: apt install libgl1-mesa-dri.");
+        return eglFailure(egl, "eglInitialize after " + call,
+                          std::string("Its driver could not start. ") + driverHint);
     return display;
 }
 

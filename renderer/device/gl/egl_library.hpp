@@ -31,7 +31,13 @@ struct EglFunctions {
 /// The process's libEGL. DeviceUnavailable says what to install.
 Expected<const EglFunctions*> eglLibrary();
 
-/// DeviceUnavailable: "WHAT: CALL failed with EGL_BAD_ALLOC. HINT"; reads the thread's last EGL error.
+/// What to install, or to give a container, when no driver does what was asked of it.
+inline constexpr const char* driverHint =
+    "Install a driver (Debian: apt install libegl-mesa0 libgl1-mesa-dri; for NVIDIA its own), or give the "
+    "container its GPU: for NVIDIA the NVIDIA container runtime with "
+    "NVIDIA_DRIVER_CAPABILITIES=graphics,utility, for others /dev/dri.";
+
+/// DeviceUnavailable: "CALL failed with EGL_BAD_ALLOC. HINT"; reads the thread's last EGL error.
 tl::unexpected<Error> eglFailure(const EglFunctions& egl, const std::string& call, const std::string& hint);
 
 /// Whether a space-separated list names the extension.

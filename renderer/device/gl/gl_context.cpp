@@ -22,6 +22,14 @@ void APIENTRY onMessage(GLenum, GLenum type, GLuint id, GLenum severity, GLsizei
         spdlog::debug("OpenGL driver, message {}: {}", id, words);
 }
 
+/// All of it where the driver says how much that is, else what is free, else 0.
+std::uint64_t gpuMemory(const GlFunctions& gl) {
+    constexpr GLenum totalAvailableMemoryNvx = 0x9048;  // GL_NVX_gpu_memory_info; KiB
+    GLint kib = 0;
+    if (hasExtension(gl, "GL_NVX_gpu_memory_info")) gl.GetIntegerv(totalAvailableMemoryNvx, &kib);
+    return kib > 0 ? std::uint64_t(kib) * 1024 : freeGpuMemory(gl).value_or(0);
+}
+
 }  // namespace
 
 Expected<DriverStrings> describeDriver(const GlFunctions& gl) {
@@ -37,6 +45,8 @@ Expected<DriverStrings> describeDriver(const GlFunctions& gl) {
         return fail(ErrorCode::DeviceUnavailable, "The driver \"" + driver.renderer + "\" offers OpenGL " +
                                                       std::to_string(major) + "." + std::to_string(minor) +
                                                       "; 4.5 is needed.");
+    driver.memory = gpuMemory(gl);
+    driver.atomics64 = hasExtension(gl, "GL_NV_shader_atomic_int64");
     return driver;
 }
 

@@ -56,7 +56,9 @@ class Context {
 /// What the driver says of itself.
 struct DriverStrings {
     std::string vendor, renderer, version;
-    bool software = false;  ///< a rasteriser on the CPU: llvmpipe, softpipe, SwiftShader …
+    bool software = false;     ///< a rasteriser on the CPU: llvmpipe, softpipe, SwiftShader …
+    std::uint64_t memory = 0;  ///< of the GPU: all, or what is free where the driver says no more, bytes
+    bool atomics64 = false;    ///< GL_NV_shader_atomic_int64
 };
 
 /// Needs a Current scope. DeviceUnavailable when the version is below 4.5.

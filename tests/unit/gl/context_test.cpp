@@ -2,6 +2,7 @@
 
 #include <cstdlib>
 #include <cstring>
+#include <thread>
 #include <vector>
 
 #include "renderer/device/gl/egl_context.hpp"
@@ -112,6 +113,22 @@ TEST(GlContexts, LiveSideBySideInOneProcess) {
     expectThatItComputes(*secondEgl, 5);
     osmesa.reset();
     expectThatItComputes(*secondEgl, 6);
+}
+
+/// Each device has a render thread of its own, which opens, uses and closes it.
+TEST(GlContexts, LiveOnThreadsOfTheirOwn) {
+    for (const char* backend : {"egl", "osmesa"}) {
+        REQUIRE_CONTEXT(probe, backend);
+    }
+    std::vector<std::thread> threads;
+    for (std::uint32_t t = 0; t < 4; ++t) {
+        threads.emplace_back([t] {
+            const auto context = open(t % 2 ? "egl" : "osmesa");
+            ASSERT_TRUE(context) << context.error().message;
+            for (std::uint32_t i = 0; i < 10; ++i) expectThatItComputes(**context, 1000 * t + i);
+        });
+    }
+    for (std::thread& thread : threads) thread.join();
 }
 
 TEST(GlContexts, AnEglDeviceThatIsNotThereIsNamed) {

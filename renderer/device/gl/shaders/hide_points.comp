@@ -20,6 +20,8 @@ const int blockLevel = 4;
 
 shared vec4 rings[269 + 16 * (pyramidLevels - 5)];
 shared float around[18 * 18];
+// Whether some pixel of the block has a neighbour: the coarsest ring covers the finer ones.
+shared bool accompanied;
 
 // Calls X(column, row, sector) for the ring of 12 in 4 x 4, and for the pixels around one. Sectors are in reading
 // order: north-west, north, north-east, west, east, south-west, south, south-east.
@@ -51,26 +53,22 @@ int reachOf(ivec2 block) {
 }
 
 void loadNeighbours(ivec2 corner, int reach) {
+    if (gl_LocalInvocationIndex == 0u) accompanied = reach < 3;
+    barrier();
     int total = firstOf(reach + 1);
     for (int i = int(gl_LocalInvocationIndex); i < total; i += 256) {
         int level = i < 144 ? 1 : i < 208 ? 2 : i < 244 ? 3 : i < 269 ? 4 : 5 + ((i - 269) >> 4);
         int own = i - firstOf(level), side = sideOf(level);
         ivec2 at = ringStart(corner, level) + ivec2(own % side, own / side);
-        rings[i] = inside(at, sizeOf(level)) ? points[placeOf(level, at)] : nothing;
+        vec4 point = inside(at, sizeOf(level)) ? points[placeOf(level, at)] : nothing;
+        rings[i] = point;
+        if (level == reach && point.x <= finiteDepths) accompanied = true;
     }
     for (int i = int(gl_LocalInvocationIndex); i < 18 * 18; i += 256) {
         ivec2 at = corner - 1 + ivec2(i % 18, i / 18);
         around[i] = inside(at, pyramid.size.xy) ? depths[pixelOf(at)] : infinity;
     }
-}
-
-// Whether no pixel of the block has a neighbour: the coarsest ring covers the finer ones.
-bool nothingAround(int reach) {
-    if (reach < 3) return false;
-    float nearest = infinity;
-    int first = firstOf(reach), side = sideOf(reach);
-    for (int i = 0; i < side * side; ++i) nearest = min(nearest, rings[first + i].x);
-    return nearest > finiteDepths;
+    barrier();
 }
 
 // Where in rings[] a pixel's ring begins.
@@ -189,10 +187,9 @@ void main() {
     ivec2 corner = 16 * ivec2(gl_WorkGroupID.xy), at = ivec2(gl_GlobalInvocationID.xy);
     int reach = reachOf(ivec2(gl_WorkGroupID.xy));
     loadNeighbours(corner, reach);
-    barrier();
     if (!inside(at, pyramid.size.xy)) return;
     uint label = backgroundLabel;
-    if (!nothingAround(reach)) {
+    if (accompanied) {
         float depth = around[cornerOfPixels() + 19];
         uint seen = depth > finiteDepths ? backgroundLabel : foregroundLabel;
         label = isHidden(at, corner, reach, depth) ? hiddenLabel : seen;

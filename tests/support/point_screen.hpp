@@ -80,31 +80,14 @@ struct PointScreen {
     }
 };
 
-/// Runs the passes on such pictures, with the best kernels of this machine or given ones.
-class PyramidRunner {
+/// Runs the passes on such pictures.
+class PointPasses {
   public:
-    explicit PyramidRunner(int threads = 2, const cpu::SimdLevel* level = nullptr)
-        : arena_(threads),
-          workers_(arena_, threads, {}),
-          kernels_((level != nullptr ? level : cpu::chooseSimdLevel({}).value())->kernels->pyramid) {}
+    virtual ~PointPasses() = default;
+    virtual void hidePoints(PointScreen& p, const HiddenPointsPass& pass) = 0;
+    virtual void fill(PointScreen& p, const PullPushPass& pass) = 0;
+    virtual void findNormals(PointScreen& p, const DepthNormalsPass& pass) = 0;
 
-    /// Without copying the labels.
-    void hidePointsOnly(PointScreen& p, const HiddenPointsPass& pass) {
-        pyramid_.hidePoints(p.planes(), pass, kernels_, workers_);
-    }
-    void hidePoints(PointScreen& p, const HiddenPointsPass& pass) {
-        hidePointsOnly(p, pass);
-        const auto labels = pyramid_.labels();
-        for (int y = 0; y < p.height; ++y) {
-            for (int x = 0; x < p.width; ++x) p.labels[p.at(x, y)] = labels.first[y * labels.stride + x];
-        }
-    }
-    void fill(PointScreen& p, const PullPushPass& pass) {
-        pyramid_.fill(p.planes(), pass, kernels_, workers_);
-    }
-    void findNormals(PointScreen& p, const DepthNormalsPass& pass) {
-        pyramid_.findNormals(p.planes(), pass, kernels_, workers_, p.normals.data(), p.width);
-    }
     /// All three with the method's own numbers.
     void run(PointScreen& p, double spacing, double detail = 0) {
         HiddenPointsPass hide;
@@ -117,6 +100,33 @@ class PyramidRunner {
         normal.spacing = hide.spacing;
         normal.detail = hide.detail;
         findNormals(p, normal);
+    }
+};
+
+/// With the cpu device's kernels: the best of this machine or given ones.
+class PyramidRunner : public PointPasses {
+  public:
+    explicit PyramidRunner(int threads = 2, const cpu::SimdLevel* level = nullptr)
+        : arena_(threads),
+          workers_(arena_, threads, {}),
+          kernels_((level != nullptr ? level : cpu::chooseSimdLevel({}).value())->kernels->pyramid) {}
+
+    /// Without copying the labels.
+    void hidePointsOnly(PointScreen& p, const HiddenPointsPass& pass) {
+        pyramid_.hidePoints(p.planes(), pass, kernels_, workers_);
+    }
+    void hidePoints(PointScreen& p, const HiddenPointsPass& pass) override {
+        hidePointsOnly(p, pass);
+        const auto labels = pyramid_.labels();
+        for (int y = 0; y < p.height; ++y) {
+            for (int x = 0; x < p.width; ++x) p.labels[p.at(x, y)] = labels.first[y * labels.stride + x];
+        }
+    }
+    void fill(PointScreen& p, const PullPushPass& pass) override {
+        pyramid_.fill(p.planes(), pass, kernels_, workers_);
+    }
+    void findNormals(PointScreen& p, const DepthNormalsPass& pass) override {
+        pyramid_.findNormals(p.planes(), pass, kernels_, workers_, p.normals.data(), p.width);
     }
 
   private:

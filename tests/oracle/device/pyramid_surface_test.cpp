@@ -5,10 +5,14 @@
 #include <glm/geometric.hpp>
 #include <string>
 
-#include "tests/support/point_screen.hpp"
+#include "tests/support/devices.hpp"
+#include "tests/support/point_passes.hpp"
 
 namespace scancast::test {
 namespace {
+
+class PyramidSurface : public OnPointPasses {};
+SCANCAST_ON_DEVICES(PyramidSurface, "egl");
 
 constexpr double degrees = 57.29577951308232;
 
@@ -23,9 +27,10 @@ std::string nameOf(const Setting& s) {
            std::to_string(s.spacingPx) + " px, " + (s.perspective ? "perspective" : "orthographic");
 }
 
-std::vector<Setting> settings() {
+std::vector<Setting> settings(bool small) {
     std::vector<Setting> all;
     for (const auto& [width, height] : {std::pair{640, 480}, {1248, 768}, {333, 301}}) {
+        if (small && width > 333) continue;
         for (const bool perspective : {true, false}) {
             for (const double spacing : {1.5, 2.0, 2.5, 3.0, 3.5}) {
                 all.push_back({width, height, perspective, spacing});
@@ -104,11 +109,10 @@ Sums compare(const PointScreen& s, double silhouettePx, double spacingPx) {
     return sums;
 }
 
-TEST(PyramidSurface, CoversASphereAndKnowsItsNormals) {
-    PyramidRunner runner;
-    for (const Setting& setting : settings()) {
+TEST_P(PyramidSurface, CoversASphereAndKnowsItsNormals) {
+    for (const Setting& setting : settings(slow_)) {
         SpherePicture p = sphere(setting);
-        runner.run(p.screen, p.spacing);
+        passes_->run(p.screen, p.spacing);
         const Sums sums = compare(p.screen, p.silhouettePx, setting.spacingPx);
         EXPECT_GE(sums.covered / sums.inside, 0.999) << nameOf(setting);
         EXPECT_LE(sums.angle / sums.facing * degrees, 3) << nameOf(setting);
@@ -122,9 +126,8 @@ TEST(PyramidSurface, CoversASphereAndKnowsItsNormals) {
     }
 }
 
-TEST(PyramidSurface, LevelsSmoothTheNoiseOfNormals) {
+TEST_P(PyramidSurface, LevelsSmoothTheNoiseOfNormals) {
     // 004, Fig. 5: a facing sheet with noise; its normal is known, so the angle to it is all noise.
-    PyramidRunner runner;
     for (const double spacingPx : {2.0, 3.5}) {
         double error[2] = {};
         for (int turn = 0; turn < 2; ++turn) {
@@ -132,12 +135,12 @@ TEST(PyramidSurface, LevelsSmoothTheNoiseOfNormals) {
             const double spacing = spacingPx * 10 / 420;
             Numbers numbers(84);
             sheet(10, 9, 7, spacing, 0.3 * spacing, numbers, [&](const ScreenPoint& p) { s.add(p, 0); });
-            runner.run(s, spacing);
+            passes_->run(s, spacing);
             DepthNormalsPass pass;
             pass.spacing = static_cast<float>(spacing);
             pass.detail = 0;
             pass.scale = turn == 0 ? 2.0f : 0.01f;
-            runner.findNormals(s, pass);
+            passes_->findNormals(s, pass);
             for (const std::uint32_t code : s.normals) error[turn] += std::acos(normalOf(code).z) * degrees;
             error[turn] /= double(s.normals.size());
         }

@@ -65,8 +65,13 @@ bool setUp(SplatRun run, uvec4 words, Placed placed, uint payload, out Footprint
     float atLeastHalf = max(h, 0.5);
     precise float scale = 127.5 / (atLeastHalf * atLeastHalf);
     f.distance = scale;
-    // What lies exactly on a square's lower border is not covered, as covers() finds.
-    precise vec2 low = ceil((vec2(f.x, f.y) - h) - 0.5);
+    precise vec2 low = (vec2(f.x, f.y) - h) - 0.5;
+#if SHAPE == SHAPE_FLAT_SQUARE || SHAPE == SHAPE_PARABOLOID_SQUARE || SHAPE == SHAPE_CONE_SQUARE
+    // What lies exactly on a square's lower border is not covered, as this finds it, however covers() rounds.
+    low = floor(low) + 1.0;
+#else
+    low = ceil(low);
+#endif
     precise vec2 high = floor((vec2(f.x, f.y) + h) + 0.5);
     f.box = ivec4(min(ivec2(low), f.centre), max(ivec2(high), f.centre));
 #endif

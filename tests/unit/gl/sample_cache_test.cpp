@@ -4,6 +4,7 @@
 
 #include <cstring>
 #include <random>
+#include <utility>
 
 #include "renderer/device/gl/egl_context.hpp"
 #include "renderer/device/gl/osmesa_context.hpp"
@@ -284,6 +285,47 @@ TEST_P(SampleCacheTest, MoreThanTheStagingMemoryIsUploaded) {
     const TestCut test(newSource(), 40, 200'000, 15);
     ASSERT_GT(bytesOf(test), 40 * mib);
     EXPECT_EQ(drawOnce(cache, test), 1);
+}
+
+/// A driver that has no memory for pages after the first few: nothing else asks for buffers without access.
+struct PoorDriver {
+    static inline PFNGLNAMEDBUFFERSTORAGEPROC storage = nullptr;
+    static inline PFNGLGETERRORPROC error = nullptr;
+    static inline int buffersLeft = 0;
+    static inline bool refused = false;
+
+    static GlFunctions around(const GlFunctions& gl, int buffers) {
+        storage = gl.NamedBufferStorage, error = gl.GetError;
+        buffersLeft = buffers, refused = false;
+        GlFunctions poor = gl;
+        poor.NamedBufferStorage = [](GLuint name, GLsizeiptr bytes, const void* data, GLbitfield flags) {
+            if (flags == 0 && buffersLeft-- <= 0)
+                refused = true;
+            else
+                storage(name, bytes, data, flags);
+        };
+        poor.GetError = [] { return std::exchange(refused, false) ? GL_OUT_OF_MEMORY : error(); };
+        return poor;
+    }
+};
+
+TEST_P(SampleCacheTest, AGpuWithLessMemoryThanTheLimitSaysIsUsedAsFarAsItGoes) {
+    const TestCut test(newSource(), 60, 9000, 17);
+    ASSERT_GT(bytesOf(test), 3 * mib);
+    for (const int pages : {2, 1}) {  // of 1, 2 and 4 MiB
+        const GlFunctions poor = PoorDriver::around(gl(), pages);
+        SampleCache cache(poor, {.memoryLimit = 7 * mib, .firstPage = mib});
+        CutSamples resident(cache, test.cut, test.everyRun());
+        for (int i = 0; i < 3; ++i) EXPECT_GT(expectEverySampleOnce(resident, test), 1);
+        EXPECT_EQ(cache.bytes(), pages == 1 ? mib : 3 * mib);
+    }
+    const GlFunctions nothing = PoorDriver::around(gl(), 0);
+    SampleCache cache(nothing, {.memoryLimit = mib, .firstPage = mib});
+    CutSamples resident(cache, test.cut, test.everyRun());
+    const auto drawn = resident.forEachBatch([](const SampleBatch&) -> Expected<void> { return {}; }, {});
+    ASSERT_FALSE(drawn);
+    EXPECT_EQ(drawn.error().code, ErrorCode::ResourceLimit);
+    EXPECT_NE(drawn.error().message.find("--gpu-memory-limit"), std::string::npos);
 }
 
 TEST_P(SampleCacheTest, AnAbandonedUploadLeavesNothingWrong) {

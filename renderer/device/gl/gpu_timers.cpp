@@ -5,10 +5,15 @@
 namespace scancast::gl {
 namespace {
 
+/// Rasterisers on the CPU do have time stamps, but not all write them when the work is done: OSMesa's
+/// llvmpipe says microseconds for seconds. Waiting costs nothing there, where work is done as it is asked
+/// for.
 GpuTimers::Clock clockOf(const GlFunctions& gl) {
+    const auto driver = describeDriver(gl);
     GLint bits = 0;
     gl.GetQueryiv(GL_TIMESTAMP, GL_QUERY_COUNTER_BITS, &bits);
-    return bits > 0 ? GpuTimers::Clock::Gpu : GpuTimers::Clock::Host;
+    const bool trusted = driver && !driver->software && bits > 0;
+    return trusted ? GpuTimers::Clock::Gpu : GpuTimers::Clock::Host;
 }
 
 }  // namespace

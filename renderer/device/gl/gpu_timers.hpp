@@ -1,6 +1,6 @@
 // What each stage of a picture takes on the GPU: time stamps that the GPU itself writes around it, read when
 // the picture's pixels are here. Asking for them waits for nothing, so pictures may overlap. A driver without
-// time stamps is timed by the clock, from idle GPU to idle GPU, which is what waiting costs there.
+// time stamps to trust is timed by the clock, from idle GPU to idle GPU.
 //
 // GpuTimers is a GL device's and lends queries; StageTimes is one picture's, not later than the GpuTimers.
 // Everything inside a Current scope of the context, on the device's thread.
@@ -21,10 +21,10 @@ class GpuTimers {
   public:
     enum class Clock : std::uint8_t {
         Gpu,   ///< time stamps
-        Host,  ///< what a driver without them gets
+        Host,  ///< what a driver without them gets, and a rasteriser on the CPU
     };
 
-    /// The GPU's own clock where it has one.
+    /// The GPU's own clock where there is one to trust.
     explicit GpuTimers(const GlFunctions& gl);
     GpuTimers(const GlFunctions& gl, Clock clock) : gl_(gl), clock_(clock) {}
     ~GpuTimers();
@@ -82,7 +82,7 @@ class StageTimes {
 
     GpuTimers* timers_;
     std::vector<Stage> stages_;
-    int depth_ = 0;  ///< of stages that have begun
+    int depth_ = 0;            ///< of stages that have begun
     Expected<void> waited_{};  ///< how waiting went, for the host's clock
 };
 

@@ -25,7 +25,6 @@ Expected<void> Pyramid::layOut(const PyramidView& view) {
         first_[k] = static_cast<std::int32_t>(texels);
         texels += static_cast<std::size_t>(shape_.width[k]) * static_cast<std::size_t>(shape_.height[k]);
     }
-    texelCount_ = static_cast<std::int32_t>(texels);
     const std::size_t pixels = static_cast<std::size_t>(view.width) * static_cast<std::size_t>(view.height);
     const std::size_t bytes = texels * sizeof(vec4);
     if (std::max(bytes, pixels * 4) > shaders_.largestBuffer())

@@ -46,7 +46,6 @@ class Pyramid {
     Buffer pulled_;  ///< pulled depths and colours; later normals
     PyramidShape shape_;
     std::array<std::int32_t, maxPyramidLevels> first_{};  ///< a level's first texel
-    std::int32_t texelCount_ = 0;
 };
 
 }  // namespace scancast::gl

@@ -3,6 +3,8 @@
 // labels, and colours and normals to a step or two.
 #include "renderer/device/gl/pyramid.hpp"
 
+#include <gmock/gmock.h>
+
 #include <glm/geometric.hpp>
 
 #include "tests/support/on_gl.hpp"
@@ -27,6 +29,7 @@ class GlPyramid : public OnGl {
         OnGl::TearDown();
     }
 
+    gl::Pyramid& pyramid() { return *pyramid_; }
     /// What PyramidRunner does, there.
     PointScreen onGpu(PointScreen s, const HiddenPointsPass& hide, const DepthNormalsPass& normals) {
         PixelPlanes planes{{0, 0, s.width, s.height}, s.rgba, s.depth, s.normals};
@@ -158,6 +161,18 @@ TEST_P(GlPyramid, HostileNumbersEndInTheSamePicture) {
                           "spacing " + std::to_string(spacing) + ", detail " + std::to_string(detail));
         }
     }
+}
+
+TEST_P(GlPyramid, SaysWhenAPictureIsTooLarge) {
+    PyramidView view;
+    view.width = 100000;
+    view.height = 80000;
+    const auto done = pyramid().hidePoints({}, view, {});
+    ASSERT_FALSE(done);
+    EXPECT_EQ(done.error().code, ErrorCode::ResourceLimit);
+    EXPECT_THAT(done.error().message, testing::HasSubstr("100000 x 80000 px"));
+    // And goes on with the next one.
+    expectTheSame(accidents(70, 50, true, 0.4, 12), hiding(accidentCases[0]), "after too large a one");
 }
 
 }  // namespace

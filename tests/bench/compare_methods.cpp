@@ -15,7 +15,6 @@
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
-#include <map>
 #include <sstream>
 #include <string>
 
@@ -25,11 +24,13 @@
 #include "renderer/method/method.hpp"
 #include "renderer/select/viewpoint.hpp"
 #include "renderer/simulate/ground_truth.hpp"
+#include "tests/bench/bench_tools.hpp"
 #include "tests/support/stability.hpp"
 
 namespace {
 
 using namespace scancast;
+using namespace scancast::bench;
 
 constexpr Rgb8 background{58, 66, 78};
 
@@ -90,13 +91,6 @@ Settings parse(int argc, char** argv) {
         for (const Method& method : methods())
             if (method.name != automaticName) s.methods.push_back(method.name);
     return s;
-}
-
-template <class T>
-T orExit(Expected<T> result) {
-    if (result) return std::move(*result);
-    std::fprintf(stderr, "compare_methods: %s\n", result.error().message.c_str());
-    std::exit(1);
 }
 
 /// A view of a scene and the truth of it.
@@ -167,28 +161,16 @@ struct Score {
     }
 };
 
-double median(std::vector<double> values) {
-    const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-    std::nth_element(values.begin(), middle, values.end());
-    return *middle;
-}
-
 void addTimes(Device& device, const Cloud& cloud, View view, int repeat, Score& score) {
     view.quality.samples = 1;
-    std::vector<std::string> order;
-    std::map<std::string, std::vector<double>> times;
-    for (int i = 0; i < repeat; ++i) {
-        for (const StageTime& stage : orExit(render(device, cloud, view)).stats.stages) {
-            if (!times.contains(stage.name)) order.push_back(stage.name);
-            times[stage.name].push_back(stage.milliseconds);
-        }
-    }
-    for (const std::string& name : order) {
-        const auto same = std::ranges::find(score.stages, name, &StageTime::name);
+    StageTimes times;
+    for (int i = 0; i < repeat; ++i) times.add(orExit(render(device, cloud, view)).stats.stages);
+    for (const StageTime& stage : times.medians()) {
+        const auto same = std::ranges::find(score.stages, stage.name, &StageTime::name);
         if (same == score.stages.end())
-            score.stages.push_back({name, median(times[name])});
+            score.stages.push_back(stage);
         else
-            same->milliseconds += median(times[name]);
+            same->milliseconds += stage.milliseconds;
     }
 }
 

@@ -1,0 +1,59 @@
+// What benchmarks share: medians, lists of words, and an end with a sentence where something fails.
+#pragma once
+
+#include <algorithm>
+#include <chrono>
+#include <cstdio>
+#include <cstdlib>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "protocol/error.hpp"
+#include "renderer/image/frame.hpp"
+
+namespace scancast::bench {
+
+template <class T>
+T orExit(Expected<T> result) {
+    if (result) return std::move(*result);
+    std::fprintf(stderr, "%s\n", result.error().message.c_str());
+    std::exit(1);
+}
+
+inline double median(std::vector<double> values) {
+    if (values.empty()) return 0;
+    const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+    std::nth_element(values.begin(), middle, values.end());
+    return *middle;
+}
+
+/// Milliseconds that some work takes.
+template <class Work>
+double timed(const Work& work) {
+    const auto start = std::chrono::steady_clock::now();
+    work();
+    return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
+}
+
+/// The stages of several frames, in the order in which they first came.
+class StageTimes {
+  public:
+    void add(const std::vector<StageTime>& stages) {
+        for (const StageTime& stage : stages) {
+            if (!times_.contains(stage.name)) order_.push_back(stage.name);
+            times_[stage.name].push_back(stage.milliseconds);
+        }
+    }
+    std::vector<StageTime> medians() const {
+        std::vector<StageTime> all;
+        for (const std::string& name : order_) all.push_back({name, median(times_.at(name))});
+        return all;
+    }
+
+  private:
+    std::vector<std::string> order_;
+    std::map<std::string, std::vector<double>> times_;
+};
+
+}  // namespace scancast::bench

@@ -1,14 +1,13 @@
 #include "server/net/api.hpp"
 
-#include <algorithm>
 #include <cstdio>
 #include <utility>
 
-#include "protocol/view_words.hpp"
-#include "renderer/render.hpp"
+#include "protocol/json_text.hpp"
 #include "server/describe.hpp"
 #include "server/net/negotiate.hpp"
 #include "server/net/page.hpp"
+#include "server/net/picture_request.hpp"
 
 namespace scancast {
 namespace {
@@ -44,12 +43,16 @@ std::string serverTiming(const Picture& picture) {
     return text;
 }
 
-HttpResponse pictureResponse(PictureFormat format, const std::string& tag) {
+HttpResponse pictureResponse(PictureFormat format, const View& view, const std::string& tag) {
     HttpResponse response;
-    response.set("Content-Type", format == PictureFormat::Png ? "image/png" : "image/jpeg")
+    response.set("Content-Type", std::string(mediaType(format)))
         .set("ETag", tag)
         .set("Cache-Control", "no-cache")
         .set("Vary", "Accept");
+    if (format == PictureFormat::Depth) {
+        response.set("Scancast-Width", std::to_string(view.width))
+            .set("Scancast-Height", std::to_string(view.height));
+    }
     return response;
 }
 
@@ -57,10 +60,10 @@ bool isPreflight(const HttpRequest& request) {
     return request.method == "OPTIONS" && request.count("access-control-request-method") > 0;
 }
 
-HttpResponse preflightResponse() {
+HttpResponse preflightResponse(Route route) {
     HttpResponse response;
     response.status = 204;
-    response.set("Access-Control-Allow-Methods", "GET, HEAD")
+    response.set("Access-Control-Allow-Methods", std::string(allowedMethods(route)))
         .set("Access-Control-Allow-Headers", "Authorization, Content-Type, If-None-Match")
         .set("Access-Control-Max-Age", "600");
     return response;
@@ -73,7 +76,8 @@ Api::Api(ApiOptions options, const Catalog& catalog, Scheduler& scheduler, Metri
       access_(options_.tokens),
       catalog_(catalog),
       scheduler_(scheduler),
-      metrics_(metrics) {}
+      metrics_(metrics),
+      pictures_(scheduler) {}
 
 tl::expected<Routed, HttpResponse> Api::admit(const HttpRequest& request) const {
     const auto refuse = [](const Problem& problem) { return tl::unexpected(problemResponse(problem)); };
@@ -96,13 +100,18 @@ tl::expected<Routed, HttpResponse> Api::admit(const HttpRequest& request) const 
     // Asked by browsers before a page of an allowed origin may send its token; the question itself carries
     // none.
     if (isPreflight(request) && isAllowedOrigin(request.header("origin"), rules))
-        return tl::unexpected(preflightResponse());
+        return tl::unexpected(preflightResponse(routed->route));
     if (auto let = access_.check(request, routed->route); !let) return tl::unexpected(std::move(let.error()));
-    if (request.method != "GET" && request.method != "HEAD") {
+    const bool post = takesBody(routed->route);
+    if (post ? request.method != "POST" : request.method != "GET" && request.method != "HEAD") {
+        const std::string allowed(allowedMethods(routed->route));
         HttpResponse response =
-            problemResponse(problemOf(405, "Only GET and HEAD are understood here.", routed->path));
-        response.set("Allow", "GET, HEAD");
+            problemResponse(problemOf(405, "Understood here: " + allowed + ".", routed->path));
+        response.set("Allow", allowed);
         return tl::unexpected(std::move(response));
+    }
+    if (post) {
+        if (auto json = checkJsonBody(request); !json) return refuse(json.error());
     }
     return std::move(*routed);
 }
@@ -112,7 +121,8 @@ void Api::complete(const HttpRequest& request, std::string_view routePattern, Ht
     const std::string origin = request.header("origin");
     if (isAllowedOrigin(origin, options_.origins)) {
         response.set("Access-Control-Allow-Origin", origin).set("Vary", "Origin");
-        response.set("Access-Control-Expose-Headers", "ETag, Server-Timing");
+        response.set("Access-Control-Expose-Headers",
+                     "ETag, Retry-After, Server-Timing, Scancast-Width, Scancast-Height");
     }
     if (access_.isPrivate(request)) {
         for (auto& [name, value] : response.headers)
@@ -139,6 +149,7 @@ void Api::answer(const HttpRequest& request, const Routed& routed, Respond respo
             return respond(jsonResponse(methodListJson()));
         case Route::SnapshotJpeg:
         case Route::SnapshotPng:
+        case Route::Snapshot:
             return snapshot(request, routed, std::move(respond));
         case Route::Stream:
             break;
@@ -196,29 +207,18 @@ HttpResponse Api::metricsText() const {
     return response;
 }
 
-// The base is the cloud's default view at the asked size, because its camera depends on the picture's shape.
-tl::expected<View, Problem> Api::snapshotView(const Cloud& cloud, const Routed& routed) const {
-    const auto refuse = [&](const Error& error) { return tl::unexpected(problemOf(error, routed.path)); };
-    const auto words = parseQuery(routed.query);
-    if (!words) return refuse(words.error());
-    View size;
-    for (const auto& [word, value] : *words) {
-        if (word != "width" && word != "height") continue;
-        if (auto set = applyWord(size, word, value); !set) return refuse(set.error());
+Expected<View> Api::snapshotView(const Cloud& cloud, const HttpRequest& request, const Routed& routed,
+                                 PictureFormat format) const {
+    Expected<View> view = tl::unexpected(Error());
+    if (takesBody(routed.route)) {
+        const auto changes = parseJson(request.body);
+        if (!changes) return tl::unexpected(changes.error());
+        view = viewOfJson(cloud, *changes, options_.maxPixels);
+    } else {
+        view = viewOfQuery(cloud, routed.query, options_.maxPixels);
     }
-    const auto side = [](int px) { return std::clamp(px, 1, maxPictureSide); };
-    const auto view = applyWords(defaultView(cloud, side(size.width), side(size.height)), *words);
-    if (!view) return refuse(view.error());
-    if (std::uint64_t(view->width) * std::uint64_t(view->height) > options_.maxPixels) {
-        return refuse(Error{ErrorCode::ResourceLimit,
-                            "A picture of " + std::to_string(view->width) + " x " +
-                                std::to_string(view->height) +
-                                " pixels is larger than this server draws; the limit is " +
-                                std::to_string(options_.maxPixels) + " pixels.",
-                            "width"});
-    }
-    if (auto sound = checkView(cloud, *view); !sound) return refuse(sound.error());
-    return *view;
+    if (view && format == PictureFormat::Depth) return depthView(std::move(*view));
+    return view;
 }
 
 void Api::snapshot(const HttpRequest& request, const Routed& routed, Respond respond) const {
@@ -226,45 +226,40 @@ void Api::snapshot(const HttpRequest& request, const Routed& routed, Respond res
         problem.instance = routed.path;
         respond(problemResponse(problem));
     };
-    const auto format = routed.route == Route::SnapshotPng ? PictureFormat::Png : PictureFormat::Jpeg;
     auto cloud = catalog_.cloud(routed.cloud);
     if (!cloud) return refuse(std::move(cloud.error()));
-    if (const char* type = format == PictureFormat::Png ? "image/png" : "image/jpeg";
-        !accepts(request.header("accept"), type)) {
-        return refuse(problemOf(
-            406, std::string("This address answers with ") + type + ", which the Accept header rules out."));
-    }
-    auto view = snapshotView(**cloud, routed);
-    if (!view) return refuse(std::move(view.error()));
+    const auto format = requestedFormat(request, routed.route);
+    if (!format) return refuse(format.error());
+    auto view = snapshotView(**cloud, request, routed, *format);
+    if (!view) return refuse(problemOf(view.error()));
     const DeviceStatus device = scheduler_.device();
     if (device.state != DeviceStatus::State::Ready) {
         return refuse(problemOf(503, "The rendering device is not available."));
     }
-    const auto tagBy = [cloud = *cloud, view = *view, format,
-                        version = options_.version](const DeviceInfo& drawnBy) {
-        return pictureTag(*cloud, view, format, drawnBy, version);
+    const auto headBy = [cloud = *cloud, view = *view, format = *format,
+                         version = options_.version](const DeviceInfo& drawnBy) {
+        return pictureResponse(format, view, pictureTag(*cloud, view, format, drawnBy, version));
     };
-    const std::string tag = tagBy(device.info);
+    HttpResponse head = headBy(device.info);
+    const std::string tag = *head.find("ETag");
     if (matchesAny(request.header("if-none-match"), tag)) {
-        HttpResponse response = pictureResponse(format, tag);
-        response.status = 304;
-        return respond(std::move(response));
+        head.status = 304;
+        return respond(std::move(head));
     }
     if (request.method == "HEAD") {  // the tag is known without the picture, its length is not
-        HttpResponse response = pictureResponse(format, tag);
-        response.bodyUnknown = true;
-        return respond(std::move(response));
+        head.bodyUnknown = true;
+        return respond(std::move(head));
     }
-    PictureOrder order{std::move(*cloud), std::move(*view), format, false};
-    auto done = [respond, tagBy, format, path = routed.path](Expected<Picture> picture) {
+    PictureOrder order{std::move(*cloud), std::move(*view), *format, false};
+    auto done = [respond, headBy, path = routed.path](const Expected<Picture>& picture) {
         if (!picture) return respond(problemResponse(problemOf(picture.error(), path)));
         // Not by the device that was there when it was asked for: that one may have been lost since.
-        HttpResponse response = pictureResponse(format, tagBy(picture->device));
+        HttpResponse response = headBy(picture->device);
         response.set("Server-Timing", serverTiming(*picture));
         response.bytes = picture->bytes;
         respond(std::move(response));
     };
-    if (auto queued = scheduler_.snapshot(std::move(order), std::move(done)); !queued) {
+    if (auto queued = pictures_.order(tag, std::move(order), std::move(done)); !queued) {
         refuse(problemOf(503, queued.error().message));
     }
 }

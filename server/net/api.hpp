@@ -13,6 +13,7 @@
 #include "server/net/http_message.hpp"
 #include "server/net/origin_check.hpp"
 #include "server/net/router.hpp"
+#include "server/net/shared_pictures.hpp"
 #include "server/scheduler/scheduler.hpp"
 
 namespace scancast {
@@ -44,13 +45,15 @@ class Api {
     HttpResponse cloud(const Routed& routed) const;
     HttpResponse metricsText() const;
     void snapshot(const HttpRequest& request, const Routed& routed, Respond respond) const;
-    tl::expected<View, Problem> snapshotView(const Cloud& cloud, const Routed& routed) const;
+    Expected<View> snapshotView(const Cloud& cloud, const HttpRequest& request, const Routed& routed,
+                                PictureFormat format) const;
 
     const ApiOptions options_;
     const Access access_;
     const Catalog& catalog_;
     Scheduler& scheduler_;
     Metrics& metrics_;
+    const SharedPictures pictures_;
 };
 
 }  // namespace scancast

@@ -4,12 +4,14 @@
 
 #include <boost/asio/dispatch.hpp>
 #include <boost/asio/post.hpp>
+#include <boost/asio/write.hpp>
 #include <boost/beast/core/flat_buffer.hpp>
 #include <boost/beast/core/tcp_stream.hpp>
 #include <boost/beast/http/empty_body.hpp>
 #include <boost/beast/http/parser.hpp>
 #include <boost/beast/http/read.hpp>
 #include <boost/beast/http/span_body.hpp>
+#include <boost/beast/http/string_body.hpp>
 #include <boost/beast/http/write.hpp>
 #include <boost/beast/websocket/rfc6455.hpp>
 #include <limits>
@@ -34,7 +36,7 @@ std::string lowerCase(beast::string_view text) {
     return result;
 }
 
-HttpRequest plain(const http::request<http::empty_body>& request) {
+HttpRequest plain(const http::request_header<>& request) {
     HttpRequest result;
     result.method = std::string(request.method_string());
     result.target = std::string(request.target());
@@ -83,7 +85,9 @@ class HttpConnection final : public Connection, public std::enable_shared_from_t
         if (leaving_) return closeGently();
         parser_.emplace();
         parser_->header_limit(context_.limits.maxHeaderBytes);
-        parser_->body_limit(std::numeric_limits<std::uint64_t>::max());  // bodies are never read
+        // A body that nobody wants is answered by its head; one that is wanted gets its limit when it is
+        // read.
+        parser_->body_limit(std::numeric_limits<std::uint64_t>::max());
         // One deadline for the whole head: a client that sends a byte now and then gains nothing.
         stream_.tcp().expires_after(context_.limits.requestTimeout);
         http::async_read_header(
@@ -96,19 +100,22 @@ class HttpConnection final : public Connection, public std::enable_shared_from_t
         if (ec == http::error::header_limit || ec == http::error::buffer_overflow) {
             return refuse(431, "The head of the request is longer than this server reads.");
         }
-        // Errors of the parser are about what was sent; all others are about the connection, which is gone.
-        if (ec.category() == http::make_error_code(http::error::bad_method).category() &&
-            ec != http::error::partial_message) {
-            return refuse(400, "This is not an HTTP/1.1 request: " + ec.message() + ".");
-        }
-        if (ec) return;
+        if (ec) return dropOrRefuse(ec);
         const auto& head = parser_->get();
         request_ = plain(head);
-        keepAlive_ = head.keep_alive() && !parser_->content_length().value_or(0) && !parser_->chunked();
+        // What is not read of a request would be taken for the next one.
+        keepAlive_ = head.keep_alive() && parser_->is_done();
         version_ = head.version();
         answering_ = true;
         stream_.tcp().expires_never();
         answer();
+    }
+
+    // Errors of the parser are about what was sent; all others are about the connection, which is gone.
+    void dropOrRefuse(error_code ec) {
+        const bool ofParser = ec.category() == http::make_error_code(http::error::bad_method).category();
+        if (ofParser && ec != http::error::partial_message)
+            refuse(400, "This is not an HTTP/1.1 request: " + ec.message() + ".");
     }
 
     void answer() {
@@ -118,11 +125,51 @@ class HttpConnection final : public Connection, public std::enable_shared_from_t
         if (routed->route == Route::Stream && upgrade) {
             context_.metrics.httpRequest(pattern(Route::Stream), 101);
             context_.connections.remove(this);
-            return startStream(std::move(stream_), parser_->release(), context_);
+            return startStream(std::move(stream_),
+                               http::request<http::empty_body>(std::move(parser_->get().base())), context_);
         }
+        if (takesBody(routed->route)) return readBody(std::move(*routed));
+        ask(*routed);
+    }
+
+    void readBody(Routed routed) {
+        if (parser_->content_length().value_or(0) > context_.limits.maxBodyBytes) return refuseBody();
+        parser_->body_limit(context_.limits.maxBodyBytes);
+        answering_ = false;  // a shutdown does not wait for the rest
+        stream_.tcp().expires_after(context_.limits.requestTimeout);
+        if (request_.header("expect") == "100-continue") {
+            static constexpr std::string_view goOn = "HTTP/1.1 100 Continue\r\n\r\n";
+            return asio::async_write(
+                stream_, asio::buffer(goOn),
+                [self = shared_from_this(), routed = std::move(routed)](error_code ec, std::size_t) mutable {
+                    if (!ec) self->readRest(std::move(routed));
+                });
+        }
+        readRest(std::move(routed));
+    }
+
+    void readRest(Routed routed) {
+        http::async_read(stream_, buffer_, *parser_,
+                         [self = shared_from_this(), routed = std::move(routed)](error_code ec, std::size_t) {
+                             if (ec == http::error::body_limit) return self->refuseBody();
+                             if (ec) return self->dropOrRefuse(ec);
+                             self->stream_.tcp().expires_never();
+                             self->keepAlive_ = self->parser_->get().keep_alive();
+                             self->request_.body = std::move(self->parser_->get().body());
+                             self->ask(routed);
+                         });
+    }
+
+    void refuseBody() {
+        refuse(413,
+               "The body of a request may have " + std::to_string(context_.limits.maxBodyBytes) + " bytes.");
+    }
+
+    void ask(const Routed& routed) {
+        answering_ = true;
         // The answer may come from the scheduler's threads; it is written on the strand.
-        context_.api.answer(request_, *routed,
-                            [self = shared_from_this(), route = routed->route](HttpResponse response) {
+        context_.api.answer(request_, routed,
+                            [self = shared_from_this(), route = routed.route](HttpResponse response) {
                                 asio::post(self->stream_.get_executor(),
                                            [self, route, response = std::move(response)]() mutable {
                                                self->write(std::move(response), pattern(route));
@@ -199,7 +246,7 @@ class HttpConnection final : public Connection, public std::enable_shared_from_t
     NetStream stream_;
     NetContext& context_;
     beast::flat_buffer buffer_;
-    std::optional<http::request_parser<http::empty_body>> parser_;
+    std::optional<http::request_parser<http::string_body>> parser_;
     HttpRequest request_;
     unsigned version_ = 11;
     bool keepAlive_ = false;

@@ -19,6 +19,7 @@ struct HttpRequest {
     std::string target;  ///< path and query as sent
     std::vector<std::pair<std::string, std::string>>
         headers;  ///< names in lower case, in the order of arrival
+    std::string body{};
 
     /// All values of that name (lower case), joined by ", "; empty when there is none.
     std::string header(std::string_view name) const;

@@ -78,7 +78,7 @@ std::string pictureTag(const Cloud& cloud, const View& view, PictureFormat forma
     all += '\0';
     all += printJson(toJson(view));
     all += '\0';
-    all += format == PictureFormat::Png ? "png" : "jpeg";
+    all += format == PictureFormat::Png ? "png" : format == PictureFormat::Jpeg ? "jpeg" : "depth";
     all += '\0';
     all += device.identity;
     all += '\0';
@@ -109,18 +109,22 @@ bool matchesAny(std::string_view ifNoneMatch, std::string_view tag) {
 }
 
 bool accepts(std::string_view accept, std::string_view mediaType) {
-    if (trim(accept).empty()) return true;
+    return preference(accept, mediaType) > 0;
+}
+
+double preference(std::string_view accept, std::string_view mediaType) {
+    if (trim(accept).empty()) return 1;
     int best = 0;
-    bool allowed = false;
+    double liking = 0;
     while (!accept.empty()) {
         std::string_view item = takeUntil(accept, ',');
         const std::string_view range = takeUntil(item, ';');
         const int fit = specificity(range, mediaType);
         if (fit <= best) continue;
         best = fit;
-        allowed = weight(item) > 0;
+        liking = weight(item);
     }
-    return allowed;
+    return liking;
 }
 
 }  // namespace scancast

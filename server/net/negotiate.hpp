@@ -22,5 +22,7 @@ bool matchesAny(std::string_view ifNoneMatch, std::string_view tag);
 /// RFC 9110, 12.5.1: whether the Accept header allows "image/jpeg". Empty allows everything; of the ranges
 /// that fit, the most specific one decides.
 bool accepts(std::string_view accept, std::string_view mediaType);
+/// How much it is liked, 0-1: the quality of the range that decides.
+double preference(std::string_view accept, std::string_view mediaType);
 
 }  // namespace scancast

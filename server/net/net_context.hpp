@@ -29,6 +29,7 @@ struct NetLimits {
     std::size_t maxSessions = 64;              ///< streams; beyond, 1013
     std::uint64_t maxPixels = 64'000'000;      ///< of a picture
     std::uint32_t maxHeaderBytes = 16 * 1024;  ///< of a request
+    std::uint64_t maxBodyBytes = 64 * 1024;    ///< of a request that brings JSON
     std::size_t maxHelloBytes = 4 * 1024;      ///< of a stream's messages before its hello is accepted
     std::size_t maxQueuedTexts = 64;           ///< that a stream's client does not read; beyond, 1008
     std::chrono::milliseconds requestTimeout{

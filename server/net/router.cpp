@@ -35,6 +35,7 @@ std::optional<Route> apiRoute(const std::vector<std::string>& s) {
     if (s.size() == 2) return Route::Cloud;
     if (s.size() == 3 && s[2] == "snapshot.jpg") return Route::SnapshotJpeg;
     if (s.size() == 3 && s[2] == "snapshot.png") return Route::SnapshotPng;
+    if (s.size() == 3 && s[2] == "snapshot") return Route::Snapshot;
     return std::nullopt;
 }
 
@@ -67,10 +68,20 @@ std::string_view pattern(Route route) {
             return "/api/v1/clouds/{id}/snapshot.jpg";
         case Route::SnapshotPng:
             return "/api/v1/clouds/{id}/snapshot.png";
+        case Route::Snapshot:
+            return "/api/v1/clouds/{id}/snapshot";
         case Route::Stream:
             return "/api/v1/stream";
     }
     return "other";
+}
+
+bool takesBody(Route route) {
+    return route == Route::Snapshot;
+}
+
+std::string_view allowedMethods(Route route) {
+    return takesBody(route) ? "POST" : "GET, HEAD";
 }
 
 Expected<std::string> percentDecode(std::string_view text) {

@@ -20,11 +20,17 @@ enum class Route : std::uint8_t {
     Methods,
     SnapshotJpeg,
     SnapshotPng,
+    Snapshot,  ///< POST; Accept chooses
     Stream,
 };
 
 /// As it is named in metrics: "/api/v1/clouds/{id}".
 std::string_view pattern(Route route);
+
+/// The methods that it understands, as Allow names them: "GET, HEAD".
+std::string_view allowedMethods(Route route);
+/// Whether requests bring a JSON body.
+bool takesBody(Route route);
 
 struct Routed {
     Route route = Route::Asset;

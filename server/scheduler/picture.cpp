@@ -1,10 +1,20 @@
 #include "server/scheduler/picture.hpp"
 
+#include <bit>
+#include <cstring>
+
 namespace scancast {
+
+static_assert(std::endian::native == std::endian::little, "depth goes out as it lies in memory");
 
 Expected<Bytes> encodePicture(const Frame& frame, const View& view, PictureFormat format) {
     if (format == PictureFormat::Png) {
         return encodePng(frame, view.style.background.kind == Background::Kind::Transparent);
+    }
+    if (format == PictureFormat::Depth) {
+        Bytes bytes(frame.depth.size() * sizeof(float));
+        std::memcpy(bytes.data(), frame.depth.data(), bytes.size());
+        return bytes;
     }
     return encodeJpeg(frame, view.quality.jpegQuality, view.quality.subsampling);
 }

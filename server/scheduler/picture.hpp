@@ -18,7 +18,9 @@ namespace scancast {
 
 struct PreparedView;
 
-enum class PictureFormat : std::uint8_t { Jpeg, Png };
+/// Depth is the frame's depth as it is: float32, little-endian, row by row from the top, +infinity =
+/// background.
+enum class PictureFormat : std::uint8_t { Jpeg, Png, Depth };
 
 struct PictureOrder {
     std::shared_ptr<const Cloud> cloud;

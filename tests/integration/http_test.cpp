@@ -135,8 +135,10 @@ TEST_F(HttpTest, TooManySnapshotsAreAskedToComeBack) {
     std::vector<std::thread> crowd;
     std::atomic<int> served{0};
     std::atomic<int> refused{0};
+    std::atomic<int> number{0};  // equal pictures would share one place
     const auto ask = [&] {
-        const HttpReply reply = request(port(), picture);
+        const HttpReply reply = request(
+            port(), "/api/v1/clouds/one/snapshot.jpg?height=8&width=" + std::to_string(16 + number++));
         if (reply.status == 200) ++served;
         if (reply.status == 503 && !reply.header("retry-after").empty()) ++refused;
     };

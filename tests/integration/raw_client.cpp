@@ -139,6 +139,15 @@ HttpReply request(std::uint16_t port, const std::string& target, const std::vect
     return requestOn(socket, target, headers, method);
 }
 
+HttpReply post(std::uint16_t port, const std::string& target, const std::string& body,
+               const std::vector<std::string>& headers) {
+    RawSocket socket(port);
+    std::vector<std::string> all = headers;
+    all.push_back("Content-Length: " + std::to_string(body.size()));
+    if (!socket.send(requestText("POST", target, all) + body)) return {};
+    return readReply(socket);
+}
+
 int WsMessage::closeCode() const {
     if (kind != Kind::Close || payload.size() < 2) return 0;
     return static_cast<unsigned char>(payload[0]) * 256 + static_cast<unsigned char>(payload[1]);

@@ -46,6 +46,9 @@ HttpReply request(std::uint16_t port, const std::string& target, const std::vect
                   const std::string& method = "GET");
 HttpReply requestOn(RawSocket& socket, const std::string& target,
                     const std::vector<std::string>& headers = {}, const std::string& method = "GET");
+/// With a body, on a connection of its own.
+HttpReply post(std::uint16_t port, const std::string& target, const std::string& body,
+               const std::vector<std::string>& headers);
 /// Reads one answer; the body by its Content-Length.
 HttpReply readReply(RawSocket& socket, bool hasBody = true);
 

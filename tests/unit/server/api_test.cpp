@@ -116,6 +116,7 @@ TEST_F(ApiTest, MethodsAcceptAndUpgrade) {
     EXPECT_EQ(post.status, 405);
     EXPECT_EQ(*post.find("Allow"), "GET, HEAD");
     EXPECT_EQ(ask(picture, {{"accept", "text/html"}}).status, 406);
+    EXPECT_EQ(*ask("/api/v1/clouds/tiny/snapshot").find("Allow"), "POST");
     EXPECT_EQ(ask(picture, {{"accept", "image/*"}}).status, 200);
     EXPECT_EQ(ask("/api/v1/stream").status, 426);
 }

@@ -1,0 +1,36 @@
+// Snapshots that are asked for again while they are being rendered: drawn once, handed to everybody who
+// waits.
+//
+// Owned by the API. *Thread safety*: any thread. Pipeline: api → **shared pictures** → scheduler.
+#pragma once
+
+#include <map>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <vector>
+
+#include "server/scheduler/scheduler.hpp"
+
+namespace scancast {
+
+class SharedPictures {
+  public:
+    /// The scheduler outlives this.
+    explicit SharedPictures(Scheduler& scheduler) : scheduler_(scheduler) {}
+
+    /// As Scheduler::snapshot(). `tag` is the picture's ETag: equal exactly when the bytes are. Who comes
+    /// later shares the deadline of the first.
+    Expected<void> order(const std::string& tag, PictureOrder order, PictureDone done) const;
+
+  private:
+    struct Waiting {
+        std::mutex mutex;
+        std::map<std::string, std::vector<PictureDone>> byTag;
+    };
+
+    Scheduler& scheduler_;
+    const std::shared_ptr<Waiting> waiting_ = std::make_shared<Waiting>();  // pictures may outlive this
+};
+
+}  // namespace scancast

@@ -70,10 +70,11 @@ struct QualityLimits {
     bool operator==(const QualityLimits&) const = default;
 };
 
-/// What lies under a pixel? Named so that clients can be written; answered with a problem for now.
+/// What lies under a pixel of the view that was last asked for? Answered by picked, or by a problem.
 struct Pick {
     std::uint64_t seq = 0;
-    double x = 0, y = 0;  ///< px from the top left corner of the picture
+    double x = 0, y = 0;  ///< px from the top left corner of the view's picture, which moving frames may be
+                          ///< smaller than
     bool operator==(const Pick&) const = default;
 };
 
@@ -124,9 +125,16 @@ struct Stats {
     bool operator==(const Stats&) const = default;
 };
 
+/// The answer to pick.
+struct Picked {
+    std::uint64_t seq = 0;  ///< of the pick
+    nlohmann::json point;   ///< as POST /clouds/{id}/pick answers; null where nothing is
+    bool operator==(const Picked&) const = default;
+};
+
 /// A message was refused; the session is as it was before.
 struct ProblemReport {
-    std::optional<std::uint64_t> seq;  ///< of the refused view, when it had one
+    std::optional<std::uint64_t> seq;  ///< of the refused view or pick, when it had one
     Problem problem;
     bool operator==(const ProblemReport&) const = default;
 };
@@ -147,8 +155,8 @@ struct Pong {
 
 using ClientMessage = std::variant<messages::Hello, messages::ViewChange, messages::QualityLimits,
                                    messages::Pick, messages::Ack, messages::Ping>;
-using ServerMessage =
-    std::variant<messages::Welcome, messages::Stats, messages::ProblemReport, messages::Bye, messages::Pong>;
+using ServerMessage = std::variant<messages::Welcome, messages::Stats, messages::Picked,
+                                   messages::ProblemReport, messages::Bye, messages::Pong>;
 
 /// Malformed when the text is no JSON object; InvalidArgument, with the JSON path as field, for everything
 /// else.

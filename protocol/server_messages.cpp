@@ -73,6 +73,18 @@ Expected<ServerMessage> readStats(FieldReader& fields) {
     return finish(fields, std::move(stats));
 }
 
+Expected<ServerMessage> readPicked(FieldReader& fields) {
+    Picked picked;
+    if (fields.require("seq")) fields.integer("seq", picked.seq, 0, UINT64_MAX);
+    if (const auto* point = fields.require("point")) {
+        if (point->is_object() || point->is_null())
+            picked.point = *point;
+        else
+            fields.error("point", "expected an object or null");
+    }
+    return finish(fields, std::move(picked));
+}
+
 Expected<ServerMessage> readProblem(FieldReader& fields) {
     ProblemReport report;
     fields.integer("seq", report.seq, 0, UINT64_MAX);
@@ -122,6 +134,10 @@ json print(const Stats& stats) {
             {"points", stats.points}, {"dropped", stats.dropped}, {"stages", stages}};
 }
 
+json print(const Picked& picked) {
+    return {{"type", "picked"}, {"seq", picked.seq}, {"point", picked.point}};
+}
+
 json print(const ProblemReport& report) {
     json object = {{"type", "problem"}, {"problem", toJson(report.problem)}};
     if (report.seq) object["seq"] = *report.seq;
@@ -149,6 +165,7 @@ Expected<ServerMessage> parseServerMessage(std::string_view text) {
     }
     if (type == "welcome") return readWelcome(fields);
     if (type == "stats") return readStats(fields);
+    if (type == "picked") return readPicked(fields);
     if (type == "problem") return readProblem(fields);
     if (type == "bye") return readBye(fields);
     if (type == "pong") return readPong(fields);

@@ -127,6 +127,24 @@ nlohmann::json cloudListJson(const std::vector<CatalogEntry>& entries) {
     return {{"clouds", std::move(ready)}, {"pending", std::move(pending)}};
 }
 
+nlohmann::json pickedJson(const Cloud& cloud, const Picked& picked) {
+    const auto numbers = [](const auto& v) { return nlohmann::json{v.x, v.y, v.z}; };
+    const Sample& sample = picked.sample;
+    nlohmann::json json{{"position", numbers(picked.position)},
+                        {"precision", numbers(picked.precision)},
+                        {"depth", picked.depth},
+                        {"distance", picked.distance}};
+    if (cloud.attributes.color) json["rgb"] = {sample.r, sample.g, sample.b};
+    if (cloud.attributes.intensity) json["intensity"] = sample.intensity;
+    if (cloud.attributes.classification) {
+        json["classification"] = sample.classification;
+        json["className"] = className(sample.classification);
+    }
+    if (cloud.attributes.normal && sample.normal != noNormal)
+        json["normal"] = numbers(decodeNormal(sample.normal));
+    return json;
+}
+
 nlohmann::json methodListJson() {
     std::vector<MethodInfo> list;
     for (const Method& method : methods()) list.push_back(describe(method));

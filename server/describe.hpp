@@ -8,6 +8,7 @@
 #include "protocol/catalog.hpp"
 #include "renderer/cloud/cloud.hpp"
 #include "renderer/method/method.hpp"
+#include "renderer/pick/pick.hpp"
 #include "server/catalog.hpp"
 
 namespace scancast {
@@ -20,5 +21,7 @@ MethodInfo describe(const Method& method);
 nlohmann::json cloudListJson(const std::vector<CatalogEntry>& entries);
 nlohmann::json cloudJson(const CatalogEntry& entry);
 nlohmann::json methodListJson();
+/// A picked point: its coordinates, and of its attributes those that the cloud has.
+nlohmann::json pickedJson(const Cloud& cloud, const Picked& picked);
 
 }  // namespace scancast

@@ -42,6 +42,7 @@ class RunningServer final : public Server {
         // io_'s handlers and end with it, while everything that they refer to (declared before it) still
         // exists.
         scheduler_.wait();
+        api_.stop();
     }
 
     Expected<void> start() {

@@ -26,7 +26,8 @@ struct ReceivedFrame {
 };
 
 /// Whatever may come next from a server.
-using StreamEvent = std::variant<ReceivedFrame, messages::Stats, messages::ProblemReport, messages::Pong>;
+using StreamEvent =
+    std::variant<ReceivedFrame, messages::Stats, messages::Picked, messages::ProblemReport, messages::Pong>;
 
 class Stream {
   public:
@@ -52,7 +53,8 @@ class Stream {
     /// Truncated, Malformed or Unsupported for frames and messages that are not what they should be;
     /// Cancelled or ResourceLimit when the server says goodbye.
     Expected<StreamEvent> receive();
-    /// The next frame; skips stats and pongs. A problem that the server reports is an error here.
+    /// The next frame; skips stats, picked points and pongs. A problem that the server reports is an error
+    /// here.
     Expected<ReceivedFrame> receiveFrame();
 
     /// Says goodbye and waits for the server's.

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "protocol/json_text.hpp"
+#include "protocol/pick_request.hpp"
 #include "server/describe.hpp"
 #include "server/net/negotiate.hpp"
 #include "server/net/page.hpp"
@@ -77,7 +78,8 @@ Api::Api(ApiOptions options, const Catalog& catalog, Scheduler& scheduler, Metri
       catalog_(catalog),
       scheduler_(scheduler),
       metrics_(metrics),
-      pictures_(scheduler) {}
+      pictures_(scheduler),
+      picker_(pictures_, scheduler, options_.version) {}
 
 tl::expected<Routed, HttpResponse> Api::admit(const HttpRequest& request) const {
     const auto refuse = [](const Problem& problem) { return tl::unexpected(problemResponse(problem)); };
@@ -151,6 +153,8 @@ void Api::answer(const HttpRequest& request, const Routed& routed, Respond respo
         case Route::SnapshotPng:
         case Route::Snapshot:
             return snapshot(request, routed, std::move(respond));
+        case Route::Pick:
+            return pick(request, routed, std::move(respond));
         case Route::Stream:
             break;
     }
@@ -262,6 +266,31 @@ void Api::snapshot(const HttpRequest& request, const Routed& routed, Respond res
     if (auto queued = pictures_.order(tag, std::move(order), std::move(done)); !queued) {
         refuse(problemOf(503, queued.error().message));
     }
+}
+
+void Api::pick(const HttpRequest& request, const Routed& routed, Respond respond) const {
+    const auto refuse = [&](Problem problem) {
+        problem.instance = routed.path;
+        respond(problemResponse(problem));
+    };
+    auto cloud = catalog_.cloud(routed.cloud);
+    if (!cloud) return refuse(std::move(cloud.error()));
+    if (!accepts(request.header("accept"), "application/json"))
+        return refuse(problemOf(406, "This address answers with JSON, which the Accept header rules out."));
+    const auto asked = parsePickRequest(request.body);
+    if (!asked) return refuse(problemOf(asked.error()));
+    const auto view = viewOfJson(**cloud, asked->view, options_.maxPixels);
+    if (!view) {
+        Error error = view.error();
+        if (!error.field.empty()) error.field = "view." + error.field;
+        return refuse(problemOf(error));
+    }
+    auto done = [respond, cloud = *cloud, path = routed.path](Expected<std::optional<Picked>> picked) {
+        if (!picked) return respond(problemResponse(problemOf(picked.error(), path)));
+        respond(jsonResponse(*picked ? pickedJson(*cloud, **picked) : nlohmann::json()));
+    };
+    if (auto queued = picker_.pick(*cloud, *view, asked->x, asked->y, std::move(done)); !queued)
+        refuse(problemOf(queued.error()));
 }
 
 }  // namespace scancast

@@ -12,6 +12,7 @@
 #include "server/net/access.hpp"
 #include "server/net/http_message.hpp"
 #include "server/net/origin_check.hpp"
+#include "server/net/picker.hpp"
 #include "server/net/router.hpp"
 #include "server/net/shared_pictures.hpp"
 #include "server/scheduler/scheduler.hpp"
@@ -38,6 +39,10 @@ class Api {
     /// Counts a response and puts the headers on it that all of them carry. Goes over every response,
     /// refusals too.
     void complete(const HttpRequest& request, std::string_view routePattern, HttpResponse& response) const;
+    /// What lies under a pixel; for streams, too.
+    const Picker& picker() const { return picker_; }
+    /// After the scheduler has ended: nothing is answered any more.
+    void stop() { picker_.stop(); }
 
   private:
     HttpResponse asset(const HttpRequest& request, const Routed& routed) const;
@@ -45,6 +50,7 @@ class Api {
     HttpResponse cloud(const Routed& routed) const;
     HttpResponse metricsText() const;
     void snapshot(const HttpRequest& request, const Routed& routed, Respond respond) const;
+    void pick(const HttpRequest& request, const Routed& routed, Respond respond) const;
     Expected<View> snapshotView(const Cloud& cloud, const HttpRequest& request, const Routed& routed,
                                 PictureFormat format) const;
 
@@ -54,6 +60,7 @@ class Api {
     Scheduler& scheduler_;
     Metrics& metrics_;
     const SharedPictures pictures_;
+    Picker picker_;
 };
 
 }  // namespace scancast

@@ -36,6 +36,7 @@ std::optional<Route> apiRoute(const std::vector<std::string>& s) {
     if (s.size() == 3 && s[2] == "snapshot.jpg") return Route::SnapshotJpeg;
     if (s.size() == 3 && s[2] == "snapshot.png") return Route::SnapshotPng;
     if (s.size() == 3 && s[2] == "snapshot") return Route::Snapshot;
+    if (s.size() == 3 && s[2] == "pick") return Route::Pick;
     return std::nullopt;
 }
 
@@ -70,6 +71,8 @@ std::string_view pattern(Route route) {
             return "/api/v1/clouds/{id}/snapshot.png";
         case Route::Snapshot:
             return "/api/v1/clouds/{id}/snapshot";
+        case Route::Pick:
+            return "/api/v1/clouds/{id}/pick";
         case Route::Stream:
             return "/api/v1/stream";
     }
@@ -77,7 +80,7 @@ std::string_view pattern(Route route) {
 }
 
 bool takesBody(Route route) {
-    return route == Route::Snapshot;
+    return route == Route::Snapshot || route == Route::Pick;
 }
 
 std::string_view allowedMethods(Route route) {

@@ -21,6 +21,7 @@ enum class Route : std::uint8_t {
     SnapshotJpeg,
     SnapshotPng,
     Snapshot,  ///< POST; Accept chooses
+    Pick,      ///< POST
     Stream,
 };
 

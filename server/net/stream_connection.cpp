@@ -8,6 +8,7 @@
 #include <deque>
 #include <optional>
 
+#include "server/describe.hpp"
 #include "server/stream/catalog_world.hpp"
 #include "server/stream/session.hpp"
 
@@ -119,6 +120,22 @@ class StreamConnection final : public Connection,
 
     bool replaceWaiting(std::uint64_t number, PictureOrder order) override {
         return context_.scheduler.replaceWaiting(mailbox_, std::move(order), doneFor(number));
+    }
+
+    void pick(std::uint64_t seq, std::shared_ptr<const Cloud> cloud, View view, double x, double y) override {
+        // The answer comes from another thread, or at once from here; either way it is posted.
+        auto done = [weak = weak_from_this(), executor = ws_.get_executor(), seq,
+                     cloud](Expected<std::optional<Picked>> picked) {
+            auto point = picked.map([&](const std::optional<Picked>& found) {
+                return found ? pickedJson(*cloud, *found) : nlohmann::json();
+            });
+            asio::post(executor, [weak, seq, point = std::move(point)]() mutable {
+                const auto self = weak.lock();
+                if (self && !self->gone_ && !self->closing_) self->session_->pickDone(seq, std::move(point));
+            });
+        };
+        if (auto asked = context_.api.picker().pick(cloud, view, x, y, done); !asked)
+            done(tl::unexpected(std::move(asked.error())));
     }
 
     void abandon() override { context_.scheduler.abandon(mailbox_); }

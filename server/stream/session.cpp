@@ -18,6 +18,8 @@ std::uint32_t microseconds(double milliseconds) {
 
 // Two seconds of getting sharper; then the final still's wait brings what is missing faster than wishes do.
 constexpr int mostStills = 20;
+// Each has a picture drawn; who asks faster than it is answered gains nothing by a longer queue.
+constexpr int mostPicks = 4;
 // How far prefetching looks ahead: about what a disk needs for a screenful.
 constexpr double aheadSeconds = 0.3;
 
@@ -164,7 +166,19 @@ void StreamSession::handle(const messages::QualityLimits& quality, Time) {
 }
 
 void StreamSession::handle(const messages::Pick& pick, Time) {
-    refuse(problemOf(Error{ErrorCode::Unsupported, "This server cannot pick points yet.", "type"}), pick.seq);
+    if (picks_ >= mostPicks) {
+        refuse(problemOf(429, "Wait for the answers to earlier picks before asking for more."), pick.seq);
+        return;
+    }
+    ++picks_;
+    port_.pick(pick.seq, scene_.cloud, scene_.view, pick.x, pick.y);
+}
+
+void StreamSession::pickDone(std::uint64_t seq, Expected<nlohmann::json> point) {
+    --picks_;
+    if (state_ != State::Open) return;
+    if (!point) return refuse(problemOf(point.error()), seq);
+    port_.sendText(printMessage(messages::Picked{seq, std::move(*point)}));
 }
 
 void StreamSession::handle(const messages::Ack& ack, Time now) {

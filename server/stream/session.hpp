@@ -39,6 +39,9 @@ class StreamPort {
     virtual void order(std::uint64_t number, PictureOrder order) = 0;
     /// Overwrites the wish that waits in the mailbox, if one does.
     virtual bool replaceWaiting(std::uint64_t number, PictureOrder order) = 0;
+    /// What lies under that pixel; the answer comes back through pickDone() with this number.
+    virtual void pick(std::uint64_t seq, std::shared_ptr<const Cloud> cloud, View view, double x,
+                      double y) = 0;
     /// Empties the mailbox and stops a running still.
     virtual void abandon() = 0;
     /// After everything sent so far. Nothing is called on the port afterwards.
@@ -82,6 +85,8 @@ class StreamSession {
     void text(std::string_view message, Time now);
     void binary();
     void pictureDone(std::uint64_t number, Expected<Picture> result, Time now);
+    /// `point` as messages::Picked has it.
+    void pickDone(std::uint64_t seq, Expected<nlohmann::json> point);
     /// Call at wakeAt(), or any time.
     void tick(Time now);
     std::optional<Time> wakeAt() const;
@@ -162,6 +167,7 @@ class StreamSession {
     std::deque<Time> sentTimes_;  // of the last second, for fps
     Time nextStats_;
     std::uint64_t overtaken_ = 0;
+    int picks_ = 0;  // without an answer yet
 };
 
 }  // namespace scancast

@@ -120,6 +120,8 @@ TEST(ServerMessages, RoundTrip) {
                                          ProblemReport{5, problem},
                                          ProblemReport{{}, problem},
                                          Bye{CloseCode::GoingAway, "the server shuts down"},
+                                         Picked{3, nullptr},
+                                         Picked{4, {{"position", {1, 2, 3}}}},
                                          Pong{9}};
     for (const auto& message : all) {
         const auto text = printMessage(message);
@@ -131,7 +133,7 @@ TEST(ServerMessages, RoundTrip) {
 
 TEST(ServerMessages, AreReadLeniently) {
     EXPECT_TRUE(parseServerMessage(R"({"type": "pong", "id": 1, "new": true})"));
-    const auto unknown = parseServerMessage(R"({"type": "picked", "point": null})");
+    const auto unknown = parseServerMessage(R"({"type": "applause", "point": null})");
     ASSERT_FALSE(unknown);
     EXPECT_EQ(unknown.error().code, ErrorCode::Unsupported);
 }

@@ -106,8 +106,8 @@ TEST(ProtocolPage, ItsQueriesAreLegal) {
 
 TEST(ProtocolPage, NamesEveryMessageProblemAndCloseCode) {
     const auto page = protocolPage();
-    for (const auto* type :
-         {"hello", "view", "quality", "ack", "ping", "pick", "welcome", "stats", "problem", "bye", "pong"})
+    for (const auto* type : {"hello", "view", "quality", "ack", "ping", "pick", "welcome", "stats", "picked",
+                             "problem", "bye", "pong"})
         EXPECT_NE(page.find(joined({"| `", type, "` | "})), std::string::npos) << type;
     for (const int code : {1000, 1001, 1002, 1003, 1007, 1008, 1009, 1013})
         EXPECT_NE(page.find(joined({"| ", std::to_string(code), " | "})), std::string::npos) << code;

@@ -18,6 +18,7 @@ TEST(Router, EveryRoute) {
         {"/api/v1/clouds/town/snapshot.jpg", Route::SnapshotJpeg},
         {"/api/v1/clouds/town/snapshot.png?width=3", Route::SnapshotPng},
         {"/api/v1/clouds/town/snapshot", Route::Snapshot},
+        {"/api/v1/clouds/town/pick", Route::Pick},
         {"/api/v1/stream", Route::Stream},
         {"/clouds", Route::Clouds},
         {"/clouds/town", Route::Cloud},

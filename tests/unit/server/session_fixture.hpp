@@ -35,12 +35,16 @@ class RecordingPort final : public StreamPort {
         orders.push_back({number, std::move(order)});
         return true;
     }
+    void pick(std::uint64_t seq, std::shared_ptr<const Cloud>, View, double x, double y) override {
+        picks.emplace_back(seq, x, y);
+    }
     void abandon() override { ++abandoned; }
     void close(CloseCode code, std::string) override { closed = code; }
 
     std::vector<json> texts;
     std::vector<FrameHeader> frames;
     std::vector<Placed> orders;
+    std::vector<std::tuple<std::uint64_t, double, double>> picks;
     bool canReplace = false;
     int replaced = 0, abandoned = 0;
     std::optional<CloseCode> closed;

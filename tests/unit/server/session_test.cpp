@@ -182,7 +182,7 @@ TEST_F(SessionTest, RefusedMessagesLeaveTheStateAsItWas) {
         {{"type", "view"}, {"seq", 1}, {"cloud", "second"}, {"typo", 1}},
         {{"type", "hello"}},
         {{"type", "dance"}},
-        {{"type", "pick"}, {"seq", 1}, {"x", 1}, {"y", 1}},
+        {{"type", "pick"}, {"seq", 1}, {"x", 1}},
     };
     for (const json& message : bad) {
         port.texts.clear();
@@ -198,6 +198,24 @@ TEST_F(SessionTest, RefusedMessagesLeaveTheStateAsItWas) {
     expected.quality.samples = 1;
     expected.quality.detail = 1;
     EXPECT_EQ(order(0).view, expected);
+}
+
+TEST_F(SessionTest, PicksAreAnsweredOneByOneAndOnlySoManyAtOnce) {
+    greet();
+    for (int seq = 1; seq <= 5; ++seq) say({{"type", "pick"}, {"seq", seq}, {"x", 10}, {"y", 20}});
+    ASSERT_EQ(port.picks.size(), 4U);
+    EXPECT_EQ(port.picks[0], std::tuple(1U, 10.0, 20.0));
+    ASSERT_EQ(port.texts.size(), 1U);
+    EXPECT_EQ(port.texts[0]["problem"]["status"], 429);
+    EXPECT_EQ(port.texts[0]["seq"], 5);
+    session->pickDone(1, json{{"position", {1, 2, 3}}});
+    session->pickDone(2, json());
+    session->pickDone(3, fail(ErrorCode::InvalidArgument, "x: outside", "x"));
+    EXPECT_EQ(port.texts[1], json({{"type", "picked"}, {"seq", 1}, {"point", {{"position", {1, 2, 3}}}}}));
+    EXPECT_EQ(port.texts[2], json({{"type", "picked"}, {"seq", 2}, {"point", nullptr}}));
+    EXPECT_EQ(port.texts[3]["problem"]["status"], 400);
+    say({{"type", "pick"}, {"seq", 6}, {"x", 10}, {"y", 20}});
+    EXPECT_EQ(port.picks.size(), 5U);
 }
 
 TEST_F(SessionTest, TooManyPixelsIs413) {

@@ -1,0 +1,137 @@
+#include "renderer/pick/pick.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <glm/common.hpp>
+#include <glm/geometric.hpp>
+#include <glm/matrix.hpp>
+#include <limits>
+#include <queue>
+
+#include "renderer/mirrors.hpp"
+#include "renderer/select/viewpoint.hpp"
+#include "renderer/style.hpp"
+
+namespace scancast {
+namespace {
+
+SampleFilter filterOf(const Cloud& cloud, const Style& style) {
+    SampleFilter filter = sampleFilter(cloud, style);
+    if (!style.behindMirrors) filter.dropped = behindMirrors(cloud);
+    return filter;
+}
+
+bool inside(const Region& region, const glm::dvec3& p) {
+    return std::all_of(
+        region.planes.begin(), region.planes.begin() + region.count,
+        [&](const glm::dvec4& plane) { return glm::dot(glm::dvec3(plane), p) + plane.w >= 0; });
+}
+
+bool isDrawn(const SampleFilter& filter, const glm::dvec3& p, const Sample& sample) {
+    if (filter.classes && !(*filter.classes)[sample.classification]) return false;
+    if (filter.clip) {
+        for (int axis = 0; axis < 3; ++axis)
+            if (p[axis] < filter.clip->min[axis] || p[axis] > filter.clip->max[axis]) return false;
+    }
+    return std::none_of(filter.dropped.begin(), filter.dropped.end(),
+                        [&](const Region& region) { return inside(region, p); });
+}
+
+// A picture's depth is a float, hence the tolerance.
+bool isGlass(const Cloud& cloud, const glm::dvec3& place, double depth) {
+    const double tolerance = 1e-5 * depth;
+    return std::any_of(cloud.mirrors.begin(), cloud.mirrors.end(), [&](const Mirror& mirror) {
+        const glm::dvec3 offset = place - (mirror.center - cloud.origin);
+        const glm::dvec3 right = glm::cross(mirror.up, mirror.normal);
+        return std::abs(glm::dot(offset, mirror.normal)) <= tolerance &&
+               std::abs(glm::dot(offset, right)) <= mirror.width / 2 + tolerance &&
+               std::abs(glm::dot(offset, mirror.up)) <= mirror.height / 2 + tolerance;
+    });
+}
+
+double distanceToBox(const Node& node, const glm::dvec3& p) {
+    const glm::dvec3 low = glm::max(node.boxMin - p, glm::dvec3(0));
+    const glm::dvec3 high = glm::max(p - node.boxMax, glm::dvec3(0));
+    return glm::length(low + high);
+}
+
+// Three digits finer than the grid: enough for every step of it, and too few for the noise of adding doubles.
+double withoutNoise(double value, double step) {
+    const double digits = std::clamp(3 - std::floor(std::log10(step)), 0.0, 15.0);
+    const double unit = std::pow(10.0, digits);
+    const double scaled = value * unit;
+    return std::abs(scaled) < 9e15 ? std::round(scaled) / unit : value;
+}
+
+struct Nearest {
+    double distance = std::numeric_limits<double>::infinity();
+    std::uint32_t node = noNode;
+    Sample sample{};
+};
+
+void compare(const Node& node, std::uint32_t index, std::span<const Sample> samples, const glm::dvec3& place,
+             const SampleFilter& filter, Nearest& best) {
+    for (const Sample& sample : samples) {
+        const glm::dvec3 p = position(node, sample);
+        const double distance = glm::distance(p, place);
+        const bool nearer = distance < best.distance || (distance == best.distance && index < best.node);
+        if (nearer && isDrawn(filter, p, sample)) best = {distance, index, sample};
+    }
+}
+
+// Nearest boxes first: what is left when a box is farther than the best point need not be looked at.
+Expected<Nearest> nearestLeafSample(const Octree& octree, const glm::dvec3& place, const SampleFilter& filter,
+                                    const std::stop_token& stop) {
+    Nearest best;
+    using Entry = std::pair<double, std::uint32_t>;
+    std::priority_queue<Entry, std::vector<Entry>, std::greater<>> queue;
+    if (!octree.nodes().empty()) queue.emplace(distanceToBox(octree.node(0), place), 0);
+    while (!queue.empty() && queue.top().first <= best.distance) {
+        const std::uint32_t index = queue.top().second;
+        queue.pop();
+        const Node& node = octree.node(index);
+        if (!node.isLeaf()) {
+            for (std::uint32_t child = node.firstChild; child < node.firstChild + node.childCount; ++child)
+                queue.emplace(distanceToBox(octree.node(child), place), child);
+            continue;
+        }
+        const auto run = octree.store().load(index, stop);
+        if (!run) return tl::unexpected(run.error());
+        compare(node, index, run->samples, place, filter, best);
+    }
+    return best;
+}
+
+}  // namespace
+
+Expected<glm::dvec3> placeUnder(const Cloud& cloud, const View& view, const glm::ivec2& pixel, double depth) {
+    const auto viewpoint = Viewpoint::create(view, cloud.origin, cloud.bounds);
+    if (!viewpoint) return tl::unexpected(viewpoint.error());
+    const double q = viewpoint->q(depth);
+    const glm::dvec4 seen((pixel.x + 0.5 - view.width * 0.5) / q, (view.height * 0.5 - pixel.y - 0.5) / q,
+                          -depth, 1);
+    return glm::dvec3(glm::inverse(viewpoint->cloudToView) * seen);
+}
+
+Expected<std::optional<Picked>> pick(const Cloud& cloud, const View& view, const glm::ivec2& pixel,
+                                     double depth, std::stop_token stop) {
+    if (!std::isfinite(depth)) return std::nullopt;
+    const auto place = placeUnder(cloud, view, pixel, depth);
+    if (!place) return tl::unexpected(place.error());
+    if (view.style.mirrors && isGlass(cloud, *place, depth)) return std::nullopt;
+    const auto nearest = nearestLeafSample(cloud.octree, *place, filterOf(cloud, view.style), stop);
+    if (!nearest) return tl::unexpected(nearest.error());
+    if (nearest->node == noNode) return std::nullopt;
+    const Node& node = cloud.octree.node(nearest->node);
+    Picked picked;
+    const glm::dvec3 exact = cloud.origin + position(node, nearest->sample);
+    for (int axis = 0; axis < 3; ++axis) picked.position[axis] = withoutNoise(exact[axis], node.step[axis]);
+    picked.precision = node.step;
+    picked.sample = nearest->sample;
+    picked.depth = depth;
+    picked.distance = nearest->distance;
+    return picked;
+}
+
+}  // namespace scancast

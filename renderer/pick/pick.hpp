@@ -1,0 +1,36 @@
+// From a pixel back to the scan: the point of the cloud that a pixel of a picture shows.
+// Pipeline: depth of the picture → **pick** → file coordinates. Pure functions; any thread, which may wait
+// for blocks.
+//
+// The picture's depth says where the surface under the pixel lies, whatever method drew it, so that only what
+// is visible can be picked. The nearest of the scan's own points (leaf samples: inner ones are averages) to
+// that place is the answer; what the view does not draw - other classes, outside the clip box, behind mirrors
+// - is none.
+#pragma once
+
+#include <glm/vec2.hpp>
+#include <optional>
+#include <stop_token>
+
+#include "renderer/cloud/cloud.hpp"
+
+namespace scancast {
+
+struct Picked {
+    glm::dvec3 position{0};   ///< file coordinates, without digits that say nothing
+    glm::dvec3 precision{0};  ///< the step of the grid that position lies on, per axis
+    Sample sample{};          ///< its attributes
+    double depth = 0;         ///< of the surface under the pixel, cloud units
+    double distance = 0;      ///< from there to the point, cloud units
+};
+
+/// Cloud-relative place of a pixel's centre at that depth. Errors: those of Viewpoint::create().
+Expected<glm::dvec3> placeUnder(const Cloud& cloud, const View& view, const glm::ivec2& pixel, double depth);
+
+/// nullopt for background (depth +infinity), for the glass of a mirror that the view shows, and where every
+/// point is filtered out. Of equally near points the first. Errors: those of placeUnder(), of the cloud's
+/// blocks; Cancelled.
+Expected<std::optional<Picked>> pick(const Cloud& cloud, const View& view, const glm::ivec2& pixel,
+                                     double depth, std::stop_token stop = {});
+
+}  // namespace scancast

@@ -1,0 +1,53 @@
+#include "server/net/worker.hpp"
+
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <future>
+
+namespace scancast {
+namespace {
+
+TEST(Worker, DoesEverythingInTurn) {
+    Worker worker(1000);
+    std::vector<int> done;  // touched by the worker alone until the last task has run
+    std::promise<void> last;
+    for (int i = 0; i < 100; ++i)
+        EXPECT_TRUE(worker.post([&done, i](const std::stop_token&) { done.push_back(i); }));
+    EXPECT_TRUE(worker.post([&](const std::stop_token&) { last.set_value(); }));
+    last.get_future().wait();
+    ASSERT_EQ(done.size(), 100U);
+    for (int i = 0; i < 100; ++i) EXPECT_EQ(done[std::size_t(i)], i);
+}
+
+TEST(Worker, KeepsOnlySoManyWaiting) {
+    Worker worker(2);
+    std::promise<void> begun, go;
+    EXPECT_TRUE(worker.post([&](const std::stop_token&) {
+        begun.set_value();
+        go.get_future().wait();
+    }));
+    begun.get_future().wait();
+    EXPECT_TRUE(worker.post([](const std::stop_token&) {}));
+    EXPECT_TRUE(worker.post([](const std::stop_token&) {}));
+    EXPECT_FALSE(worker.post([](const std::stop_token&) {}));
+    go.set_value();
+}
+
+TEST(Worker, StoppingEndsWhatRunsAndForgetsTheRest) {
+    Worker worker(10);
+    std::promise<void> begun;
+    std::atomic<bool> second{false};
+    EXPECT_TRUE(worker.post([&](const std::stop_token& stop) {
+        begun.set_value();
+        while (!stop.stop_requested()) std::this_thread::yield();
+    }));
+    EXPECT_TRUE(worker.post([&](const std::stop_token&) { second = true; }));
+    begun.get_future().wait();
+    worker.stop();
+    EXPECT_FALSE(second);
+    EXPECT_FALSE(worker.post([](const std::stop_token&) {}));
+}
+
+}  // namespace
+}  // namespace scancast

@@ -27,7 +27,6 @@ using gl::ivec4;
 /// What a layer leaves.
 struct Pixels {
     std::vector<std::uint32_t> rgba, depth, normals;
-    explicit Pixels(std::size_t pixels) : rgba(pixels), depth(pixels), normals(pixels) {}
 };
 
 /// A layer to be drawn.
@@ -61,7 +60,8 @@ Pixels drawOnCpu(const LayerCase& c) {
     const cpu::Rect area{c.area.x, c.area.y, c.area.x + c.area.z, c.area.y + c.area.w};
     cpu::Layer layer(c.drawing, *c.drawing.cut, c.drawing.filter, c.sight, c.plan,
                      *cpu::chooseSimdLevel("").value()->kernels, workers, memories, area);
-    Pixels out(pixelsOf(c));
+    const std::vector<std::uint32_t> none(pixelsOf(c));
+    Pixels out{none, none, none};
     FrameStats stats;
     layer.draw(c.jitter,
                {area, out.rgba.data(), reinterpret_cast<float*>(out.depth.data()), out.normals.data()},
@@ -116,29 +116,58 @@ struct GlLimitsOfTest {
     gl::SampleCacheOptions samples{std::uint64_t{64} << 20, 0};
 };
 
+/// The layer on the GPU and the planes that it is drawn into, which reach `border` pixels beyond its area.
+struct GlDrawing {
+    static constexpr std::uint32_t untouched = 0x12345678;
+
+    GlDrawing(GlLayers::Backend& backend, const LayerCase& what, const GlLimitsOfTest& limits, int border = 0)
+        : c(what),
+          functions(backend.context->functions()),
+          screen(functions, *backend.programs),
+          samples(functions, limits.samples),
+          slices(functions),
+          memory(functions, {limits.storageBlockBytes, gl::splatLimits(functions).keys64}),
+          parts{functions, *backend.programs, screen, samples, slices, memory},
+          planes{ivec4(c.area.x - border, c.area.y - border, c.area.z + 2 * border, c.area.w + 2 * border),
+                 &rgba, &depth, &normals} {}
+
+    void draw(const std::stop_token& stop = {}) {
+        for (gl::Buffer* buffer : {&rgba, &depth, &normals}) {
+            ASSERT_TRUE(buffer->reserve(planes.pixels() * 4));
+            buffer->clear(planes.pixels(), untouched);
+        }
+        auto layer =
+            gl::Layer::create(parts, c.drawing, *c.drawing.cut, c.drawing.filter, c.sight, c.plan, c.area);
+        ASSERT_TRUE(layer) << layer.error().message;
+        gl::GpuTimers timers(functions);
+        gl::StageTimes times(timers);
+        drawn = (*layer)->draw(c.jitter, planes, times, stop);
+    }
+    std::vector<std::uint32_t> read(const gl::Buffer& plane) const {
+        std::vector<std::uint32_t> words(planes.pixels());
+        plane.read(std::as_writable_bytes(std::span(words)));
+        return words;
+    }
+
+    const LayerCase& c;
+    const gl::GlFunctions& functions;
+    gl::ScreenShaders screen;
+    gl::SampleCache samples;
+    gl::Slices slices;
+    gl::SplatMemory memory;
+    gl::LayerParts parts;
+    gl::Buffer rgba{functions, "rgba"}, depth{functions, "depth"}, normals{functions, "normals"};
+    gl::GpuPlanes planes;
+    Expected<void> drawn;
+};
+
 void drawOnGl(GlLayers::Backend& backend, const LayerCase& c, const GlLimitsOfTest& limits, Pixels& out) {
     const auto current = gl::Context::Current::enter(*backend.context);
     ASSERT_TRUE(current) << current.error().message;
-    const gl::GlFunctions& functions = backend.context->functions();
-    gl::ScreenShaders screen(functions, *backend.programs);
-    gl::SampleCache samples(functions, limits.samples);
-    gl::Slices slices(functions);
-    gl::SplatMemory memory(functions, {limits.storageBlockBytes, gl::splatLimits(functions).keys64});
-    gl::Buffer rgba(functions, "rgba"), depth(functions, "depth"), normals(functions, "normals");
-    for (gl::Buffer* buffer : {&rgba, &depth, &normals}) {
-        ASSERT_TRUE(buffer->reserve(pixelsOf(c) * 4));
-        buffer->clear(pixelsOf(c), 0);
-    }
-    auto layer = gl::Layer::create({functions, *backend.programs, screen, samples, slices, memory}, c.drawing,
-                                   *c.drawing.cut, c.drawing.filter, c.sight, c.plan, c.area);
-    ASSERT_TRUE(layer) << layer.error().message;
-    gl::GpuTimers timers(functions);
-    gl::StageTimes times(timers);
-    const auto drawn = (*layer)->draw(c.jitter, {c.area, &rgba, &depth, &normals}, times, {});
-    ASSERT_TRUE(drawn) << drawn.error().message;
-    rgba.read(std::as_writable_bytes(std::span(out.rgba)));
-    depth.read(std::as_writable_bytes(std::span(out.depth)));
-    normals.read(std::as_writable_bytes(std::span(out.normals)));
+    GlDrawing gl(backend, c, limits);
+    gl.draw();
+    ASSERT_TRUE(gl.drawn) << gl.drawn.error().message;
+    out = {gl.read(gl.rgba), gl.read(gl.depth), gl.read(gl.normals)};
 }
 
 std::size_t differing(const std::vector<std::uint32_t>& a, const std::vector<std::uint32_t>& b) {
@@ -159,8 +188,9 @@ std::size_t covered(const Pixels& p) {
 
 void expectTheSame(GlLayers::Backend& backend, const LayerCase& c, const GlLimitsOfTest& limits = {}) {
     const Pixels cpu = drawOnCpu(c);
-    Pixels gl(pixelsOf(c));
+    Pixels gl;
     drawOnGl(backend, c, limits, gl);
+    ASSERT_EQ(gl.rgba.size(), pixelsOf(c));
     EXPECT_GT(covered(cpu), pixelsOf(c) / 100) << "a picture of nothing proves nothing";
     EXPECT_EQ(differing(cpu.depth, gl.depth), 0u) << "depths";
     EXPECT_EQ(differing(cpu.rgba, gl.rgba), 0u) << "colours";
@@ -388,6 +418,46 @@ TEST_P(GlLayerDrawing, SumsBeyond32Bits) {
     const AnalyticCloud cloud(points, 0.3, 7000);
     check(
         {blended, {"ewa", {}, ""}}, [](Drawing& d) { d.oriented = true; }, &cloud.cut());
+}
+
+/// A mirror's layer lies inside the picture's planes: not a word around its area changes.
+TEST_P(GlLayerDrawing, LeavesTheRestOfThePlanesAlone) {
+    REQUIRE_BACKEND(backend, GetParam());
+    SurfelScene s(from_, sharedScene().cut(), passesOf(cells, Shading::Phong));
+    s.drawing.window = {40, 30, 70, 50};
+    const LayerCase c = layerCase(s.drawing);
+    const Pixels cpu = drawOnCpu(c);
+    const auto current = gl::Context::Current::enter(*backend.context);
+    ASSERT_TRUE(current);
+    constexpr int border = 5;
+    GlDrawing gl(backend, c, limits_, border);
+    gl.draw();
+    ASSERT_TRUE(gl.drawn) << gl.drawn.error().message;
+    const auto rgba = gl.read(gl.rgba), depth = gl.read(gl.depth), normals = gl.read(gl.normals);
+    for (int y = -border; y < c.area.w + border; ++y) {
+        for (int x = -border; x < c.area.z + border; ++x) {
+            const bool inside = x >= 0 && y >= 0 && x < c.area.z && y < c.area.w;
+            const auto at = static_cast<std::size_t>((y + border) * gl.planes.area.z + x + border);
+            const auto in = static_cast<std::size_t>(y * c.area.z + x);
+            ASSERT_EQ(rgba[at], inside ? cpu.rgba[in] : GlDrawing::untouched) << x << ", " << y;
+            ASSERT_EQ(depth[at], inside ? cpu.depth[in] : GlDrawing::untouched) << x << ", " << y;
+            ASSERT_EQ(normals[at], inside ? cpu.normals[in] : GlDrawing::untouched) << x << ", " << y;
+        }
+    }
+}
+
+TEST_P(GlLayerDrawing, IsAbandonedWhenAsked) {
+    REQUIRE_BACKEND(backend, GetParam());
+    SurfelScene s(from_, sharedScene().cut(), passesOf(cells, Shading::Phong));
+    const LayerCase c = layerCase(s.drawing);
+    const auto current = gl::Context::Current::enter(*backend.context);
+    ASSERT_TRUE(current);
+    GlDrawing gl(backend, c, limits_);
+    std::stop_source stop;
+    stop.request_stop();
+    gl.draw(stop.get_token());
+    ASSERT_FALSE(gl.drawn);
+    EXPECT_EQ(gl.drawn.error().code, ErrorCode::Cancelled);
 }
 
 }  // namespace

@@ -24,7 +24,9 @@ Expected<void> run(const PhongPass& pass, const Screen& s) {
     const PhongNumbers n = phongNumbers(pass, s.sight, s.jitter, s.planes.area.x, s.planes.area.y);
     PhongParams params{};
     params.size = s.size();
-    params.eye = vec4(n.x, n.y, n.perspective ? n.inverseFocal : 0, 0);
+    params.size.z = n.x;
+    params.size.w = n.y;
+    params.eye = vec4(n.offsetX, n.offsetY, n.perspective ? n.inverseFocal : 0, 0);
     params.shares = vec4(n.ambient, n.headlight, n.directional, n.specular);
     if (auto set = s.shaders.set(params); !set) return set;
     s.planes.rgba->bindStorage(BindPlaneRgba);

@@ -11,8 +11,9 @@ namespace scancast {
 /// Blinn-Phong over planes.
 struct PhongNumbers {
     bool perspective = true;
-    float x = 0, y = 0;      ///< centre of the planes' first pixel, px right of and below the view axis
-    float inverseFocal = 0;  ///< 1/f
+    std::int32_t x = 0, y = 0;       ///< the planes' first pixel, in the picture
+    float offsetX = 0, offsetY = 0;  ///< centre of the picture's pixel (0, 0), px right of and below the axis
+    float inverseFocal = 0;          ///< 1/f
     float ambient = 0, headlight = 0, directional = 0, specular = 0;
 };
 

@@ -9,8 +9,10 @@ PhongNumbers phongNumbers(const PhongPass& pass, const Sight& sight, const glm::
     const glm::dvec2 axis = sight.center() + jitter;
     PhongNumbers n;
     n.perspective = sight.perspective();
-    n.x = static_cast<float>(x + 0.5 - axis.x);
-    n.y = static_cast<float>(y + 0.5 - axis.y);
+    n.x = x;
+    n.y = y;
+    n.offsetX = static_cast<float>(0.5 - axis.x);
+    n.offsetY = static_cast<float>(0.5 - axis.y);
     n.inverseFocal = static_cast<float>(std::min(1 / sight.viewpoint->pixelsPerUnit, 1e30));
     n.ambient = pass.ambient;
     n.headlight = pass.headlight;

@@ -43,7 +43,7 @@ void phong(const Phong& p) {
     for (int row = p.row0; row < p.row1; ++row) {
         std::uint32_t* const rgba = p.rgba + static_cast<std::int64_t>(row) * p.stride;
         const std::uint32_t* const normals = p.normals + static_cast<std::int64_t>(row) * p.stride;
-        const FloatW y = all(-((p.y + static_cast<float>(row)) * p.inverseFocal));
+        const FloatW y = all(-((p.offsetY + static_cast<float>(p.y + row)) * p.inverseFocal));
         for (int column = 0; column < p.width; column += wideLanes) {
             const int lanes = p.width - column < wideLanes ? p.width - column : wideLanes;
             const IntW code = loadSome<IntW>(normals + column, lanes);
@@ -52,8 +52,8 @@ void phong(const Phong& p) {
             unpackNormal(code, nx, ny, nz);
             FloatW vx = all(0.0f), vy = all(0.0f), vz = all(1.0f);
             if (p.perspective) {
-                // One rounding, wherever rows and vectors begin.
-                const FloatW x = (p.x + toFloat(laneIndices() + column)) * p.inverseFocal;
+                // The same numbers, wherever planes, rows and vectors begin.
+                const FloatW x = (p.offsetX + toFloat(laneIndices() + (p.x + column))) * p.inverseFocal;
                 const FloatW inverse = 1.0f / squareRoot<wideLanes>(x * x + y * y + 1.0f);
                 vx = -x * inverse;
                 vy = -y * inverse;

@@ -3,8 +3,8 @@
 
 // Blinn-Phong.
 struct PhongParams {
-    ivec4 size;   // width, height of the planes
-    vec4 eye;     // centre of the first pixel, px right of and below the view axis; 1/f, 0 = orthographic
+    ivec4 size;   // width, height of the planes; their first pixel in the picture
+    vec4 eye;     // centre of the picture's pixel (0, 0), px right of and below the view axis; 1/f, 0 = orthographic
     vec4 shares;  // ambient, headlight, directional, specular
 };
 

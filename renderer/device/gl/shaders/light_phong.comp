@@ -17,8 +17,8 @@ const float light = 0.57735027;
 // From a pixel's point to the eye, unit length.
 vec3 toEye(ivec2 at) {
     if (pass.eye.z == 0.0) return vec3(0.0, 0.0, 1.0);
-    precise float x = (pass.eye.x + float(at.x)) * pass.eye.z;
-    precise float y = -((pass.eye.y + float(at.y)) * pass.eye.z);
+    precise float x = (pass.eye.x + float(pass.size.z + at.x)) * pass.eye.z;
+    precise float y = -((pass.eye.y + float(pass.size.w + at.y)) * pass.eye.z);
     precise float inverse = 1.0 / sqrt(x * x + y * y + 1.0);
     precise vec3 v = vec3(-x * inverse, -y * inverse, inverse);
     return v;

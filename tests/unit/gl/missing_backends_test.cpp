@@ -51,8 +51,8 @@ INSTANTIATE_TEST_SUITE_P(
                     Failure{"eglCreateContext 0x3009", "eglCreateContext(OpenGL 4.5 core)", "EGL_BAD_MATCH"},
                     Failure{"eglMakeCurrent 0x3002", "eglMakeCurrent", "EGL_BAD_ACCESS"},
                     Failure{"eglMakeCurrent 0x300E", "eglMakeCurrent", "EGL_CONTEXT_LOST"}),
-    [](const testing::TestParamInfo<Failure>& info) {
-        std::string name(info.param.told);
+    [](const testing::TestParamInfo<Failure>& failure) {
+        std::string name(failure.param.told);
         for (char& c : name)
             if (c == ' ') c = '_';
         return name;

@@ -56,7 +56,6 @@ namespace scancast::gl {
     X(QUERYCOUNTER, QueryCounter)                       \
     X(SHADERSOURCE, ShaderSource)                       \
     X(UNIFORM1UI, Uniform1ui)                           \
-    X(UNMAPNAMEDBUFFER, UnmapNamedBuffer)               \
     X(USEPROGRAM, UseProgram)
 
 struct GlFunctions {

@@ -48,9 +48,7 @@ Expected<void> Buffer::reserve(std::size_t bytes) {
     gl_->CreateBuffers(1, &name_);
     label(*gl_, GL_BUFFER, name_, what_);
     const std::size_t size = std::max(bytes, smallestBuffer);
-    const GLbitfield access = use_ == Use::Uploads  ? GL_MAP_WRITE_BIT
-                              : use_ == Use::Copies ? 0
-                                                    : GL_DYNAMIC_STORAGE_BIT;
+    const GLbitfield access = use_ == Use::Copies ? 0 : GL_DYNAMIC_STORAGE_BIT;
     gl_->NamedBufferStorage(name_, static_cast<GLsizeiptr>(size), nullptr, access);
     auto made = checkErrors(
         *gl_, std::string("making room for the ") + what_ + " (" + std::to_string(size) + " bytes)");
@@ -72,23 +70,6 @@ void Buffer::clear(std::size_t words, std::uint32_t value) {
 
 void Buffer::read(std::span<std::byte> out) const {
     gl_->GetNamedBufferSubData(name_, 0, static_cast<GLsizeiptr>(out.size()), out.data());
-}
-
-Expected<std::byte*> Buffer::map(std::size_t bytes) {
-    if (auto room = reserve(bytes); !room) return tl::unexpected(room.error());
-    void* const mapped = gl_->MapNamedBufferRange(name_, 0, static_cast<GLsizeiptr>(bytes),
-                                                  GL_MAP_WRITE_BIT | GL_MAP_INVALIDATE_BUFFER_BIT);
-    if (mapped) return static_cast<std::byte*>(mapped);
-    if (auto checked = checkErrors(*gl_, "glMapNamedBufferRange"); !checked)
-        return tl::unexpected(checked.error());
-    return fail(ErrorCode::ResourceLimit,
-                std::string("glMapNamedBufferRange gave no memory for the ") + what_ + ".");
-}
-
-Expected<void> Buffer::unmap() {
-    if (gl_->UnmapNamedBuffer(name_)) return {};
-    return fail(ErrorCode::DeviceLost,
-                std::string("glUnmapNamedBuffer: the content of the ") + what_ + " was lost.");
 }
 
 Program::Program(const GlFunctions& gl, const std::string& name) : gl_(&gl), name_(gl.CreateProgram()) {

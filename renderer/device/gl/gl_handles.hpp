@@ -17,9 +17,8 @@ namespace scancast::gl {
 class Buffer {
   public:
     enum class Use : std::uint8_t {
-        Device,   ///< small writes by write(), work on the GPU, read back by read()
-        Uploads,  ///< filled as a whole through map()
-        Copies,   ///< filled by the GPU, which copies from other buffers
+        Device,  ///< small writes by write(), work on the GPU, read back by read()
+        Copies,  ///< filled by the GPU, which copies from other buffers
     };
 
     Buffer(const GlFunctions& gl, const char* what, Use use = Use::Device)
@@ -42,14 +41,6 @@ class Buffer {
     void clear(std::size_t words, std::uint32_t value);
     /// Reads from the start; waits for the GPU.
     void read(std::span<std::byte> out) const;
-    /// For Use::Uploads: hands `fill` the mapped first `bytes`, whose old content is gone.
-    template <class Fill>
-    Expected<void> fill(std::size_t bytes, const Fill& fillMapped) {
-        auto mapped = map(bytes);
-        if (!mapped) return tl::unexpected(mapped.error());
-        fillMapped(std::span(*mapped, bytes));
-        return unmap();
-    }
 
     void bindStorage(unsigned binding) const {
         gl_->BindBufferBase(GL_SHADER_STORAGE_BUFFER, binding, name_);
@@ -58,9 +49,6 @@ class Buffer {
     GLuint name() const { return name_; }
 
   private:
-    Expected<std::byte*> map(std::size_t bytes);
-    Expected<void> unmap();
-
     const GlFunctions* gl_;
     const char* what_;  ///< for people: "sample page"
     Use use_;

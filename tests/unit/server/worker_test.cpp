@@ -9,9 +9,9 @@ namespace scancast {
 namespace {
 
 TEST(Worker, DoesEverythingInTurn) {
-    Worker worker(1000);
     std::vector<int> done;  // touched by the worker alone until the last task has run
     std::promise<void> last;
+    Worker worker(1000);
     for (int i = 0; i < 100; ++i)
         EXPECT_TRUE(worker.post([&done, i](const std::stop_token&) { done.push_back(i); }));
     EXPECT_TRUE(worker.post([&](const std::stop_token&) { last.set_value(); }));
@@ -21,8 +21,8 @@ TEST(Worker, DoesEverythingInTurn) {
 }
 
 TEST(Worker, KeepsOnlySoManyWaiting) {
-    Worker worker(2);
     std::promise<void> begun, go;
+    Worker worker(2);  // ends before what its tasks refer to
     EXPECT_TRUE(worker.post([&](const std::stop_token&) {
         begun.set_value();
         go.get_future().wait();
@@ -35,9 +35,9 @@ TEST(Worker, KeepsOnlySoManyWaiting) {
 }
 
 TEST(Worker, StoppingEndsWhatRunsAndForgetsTheRest) {
-    Worker worker(10);
     std::promise<void> begun;
     std::atomic<bool> second{false};
+    Worker worker(10);
     EXPECT_TRUE(worker.post([&](const std::stop_token& stop) {
         begun.set_value();
         while (!stop.stop_requested()) std::this_thread::yield();

@@ -47,7 +47,7 @@ struct Hello {
     std::optional<int> width, height;  ///< px of the picture, 1–16384
     double pixelRatio = 1;  ///< how many of those px make one CSS px, 0.25–8; the server only takes note
     double fps = 30;        ///< wanted while moving, 1–240
-    std::string resume;     ///< token of an earlier welcome
+    std::string resume;     ///< token of an earlier welcome, whose session goes on if it still can
     bool operator==(const Hello&) const = default;
 };
 
@@ -99,12 +99,14 @@ struct Welcome {
         int maxUnacknowledged = maxUnacknowledgedFrames;
         bool operator==(const Limits&) const = default;
     };
-    std::string session;               ///< id of the session, no secret
-    std::string resume;                ///< token; empty when sessions cannot be resumed
-    std::string cloud;                 ///< id of the cloud shown
+    std::string session;    ///< id of the session, no secret
+    std::string resume;     ///< token; empty when sessions cannot be resumed
+    bool resumed = false;   ///< an earlier session goes on; else this is a new one
+    std::uint64_t seq = 0;  ///< of `view`: what an earlier session was asked for last; 0 in a new one
+    std::string cloud;      ///< id of the cloud shown
     std::vector<std::string> methods;  ///< names; GET /api/v1/methods has the rest
     Limits limits;
-    nlohmann::json view;  ///< complete default view of the cloud, at the session's size
+    nlohmann::json view;  ///< complete: what is shown first; of a new session the cloud's default view
     bool operator==(const Welcome&) const = default;
 };
 
@@ -122,6 +124,9 @@ struct Stats {
     std::uint64_t samples = 0, points = 0;  ///< drawn, and the scan points that they stand for
     std::uint64_t dropped = 0;              ///< views of this session that a later one overtook
     std::vector<Stage> stages;
+    double resolution = 1;  ///< of the wanted width and height
+    int jpegQuality = 0;
+    double bandwidth = 0;  ///< of the acknowledged frames, bytes/s; 0 = no limit has shown yet
     bool operator==(const Stats&) const = default;
 };
 

@@ -31,6 +31,8 @@ Expected<ServerMessage> readWelcome(FieldReader& fields) {
     Welcome welcome;
     if (fields.require("session")) fields.text("session", welcome.session);
     fields.text("resume", welcome.resume);
+    fields.flag("resumed", welcome.resumed);
+    fields.integer("seq", welcome.seq, 0, UINT64_MAX);
     if (fields.require("cloud")) fields.text("cloud", welcome.cloud);
     eachEntry(fields, "methods", 256, [&](const json& item) {
         if (item.is_string())
@@ -63,6 +65,9 @@ Expected<ServerMessage> readStats(FieldReader& fields) {
     fields.integer("samples", stats.samples, 0, UINT64_MAX);
     fields.integer("points", stats.points, 0, UINT64_MAX);
     fields.integer("dropped", stats.dropped, 0, UINT64_MAX);
+    fields.number("resolution", stats.resolution);
+    fields.integer("jpegQuality", stats.jpegQuality, 0, 100);
+    fields.number("bandwidth", stats.bandwidth);
     eachEntry(fields, "stages", 64, [&](const json& item) {
         auto& stage = stats.stages.emplace_back();
         FieldReader entry(item, "stages", ErrorCode::Malformed);
@@ -116,6 +121,8 @@ json print(const Welcome& welcome) {
     return {{"type", "welcome"},
             {"session", welcome.session},
             {"resume", welcome.resume},
+            {"resumed", welcome.resumed},
+            {"seq", welcome.seq},
             {"cloud", welcome.cloud},
             {"methods", welcome.methods},
             {"limits",
@@ -129,9 +136,18 @@ json print(const Stats& stats) {
     json stages = json::array();
     for (const auto& stage : stats.stages)
         stages.push_back({{"name", stage.name}, {"milliseconds", stage.milliseconds}});
-    return {{"type", "stats"},        {"frame", stats.frame},     {"seq", stats.seq},
-            {"fps", stats.fps},       {"detail", stats.detail},   {"samples", stats.samples},
-            {"points", stats.points}, {"dropped", stats.dropped}, {"stages", stages}};
+    return {{"type", "stats"},
+            {"frame", stats.frame},
+            {"seq", stats.seq},
+            {"fps", stats.fps},
+            {"detail", stats.detail},
+            {"resolution", stats.resolution},
+            {"jpegQuality", stats.jpegQuality},
+            {"bandwidth", stats.bandwidth},
+            {"samples", stats.samples},
+            {"points", stats.points},
+            {"dropped", stats.dropped},
+            {"stages", stages}};
 }
 
 json print(const Picked& picked) {

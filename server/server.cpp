@@ -74,6 +74,13 @@ class RunningServer final : public Server {
         return (context_.tls ? "https://" : "http://") + shown + ":" + std::to_string(port()) + "/";
     }
 
+    void drain() override {
+        scheduler_.drain();
+        context_.connections.sayGoodbye();
+    }
+
+    bool drained() const override { return context_.sessions == 0 && scheduler_.idle(); }
+
     void shutDown() override {
         if (listener_) listener_->close();
         context_.connections.shutDownAll();

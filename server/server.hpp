@@ -45,10 +45,14 @@ class Server {
     /// To open in a browser: "http://127.0.0.1:8080/".
     virtual std::string url() const = 0;
     virtual std::size_t connections() const = 0;
-    /// First step of the end: accepts nothing more, tells every client, cancels every picture. Returns at
-    /// once.
+    /// First step of the end: every stream is told, nobody gets a new one, /readyz says 503; snapshots that
+    /// wait are still drawn and answered. Returns at once.
+    virtual void drain() = 0;
+    /// After drain(): whether no stream and no picture is left.
+    virtual bool drained() const = 0;
+    /// Second step: accepts nothing more, tells every client, cancels every picture. Returns at once.
     virtual void shutDown() = 0;
-    /// Second step: whether all clients had left before the time was up.
+    /// Whether all clients had left before the time was up.
     virtual bool waitForClients(std::chrono::milliseconds patience) = 0;
 };
 

@@ -117,6 +117,8 @@ export class Hud {
       rows.push(['Samples drawn', amount(stats.samples)]);
       rows.push(['… for scan points', amount(stats.points)]);
       if (stats.detail > 0) rows.push(['Detail', `${stats.detail.toPrecision(2)} px`]);
+      if (stats.jpegQuality > 0) rows.push(['JPEG quality', stats.jpegQuality]);
+      if (stats.bandwidth > 0) rows.push(['Network', `${amount(Math.round(stats.bandwidth / 1000))} kB/s`]);
       for (const stage of (stats.stages ?? []).slice(0, 12)) rows.push([`· ${stage.name}`, milliseconds(stage.milliseconds)]);
     }
     return rows.flatMap(([term, value]) => [element('dt', { textContent: term }), element('dd', { textContent: value })]);

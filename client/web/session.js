@@ -20,6 +20,7 @@ export class Session {
   #timer;
   #attempt = 0;
   #nextSeq = 1;
+  #resume = ''; // token of the session that was open last
   #cloud = undefined;
   #round = 0; // of two cycles that overlap, only the later one counts
 
@@ -111,9 +112,10 @@ export class Session {
     const cloud = clouds.find((one) => one.id === this.#cloud) ?? clouds[0];
     const url = new URL('/api/v1/stream', location.href);
     url.protocol = location.protocol === 'https:' ? 'wss:' : 'ws:';
-    this.#connection = new Connection(url, { cloud: cloud.id, ...this.#handlers.hello() }, this.#nextSeq, {
+    this.#connection = new Connection(url, this.#hello(cloud), this.#nextSeq, {
       welcome: (message) => {
         this.#attempt = 0;
+        this.#resume = message.resume ?? '';
         this.#cloud = message.cloud;
         this.#handlers.welcome(message);
         this.#handlers.state({ kind: 'open' });
@@ -127,6 +129,11 @@ export class Session {
         this.#lost(new Error(words));
       },
     });
+  }
+
+  #hello(cloud) {
+    const hello = { cloud: cloud.id, ...this.#handlers.hello() };
+    return this.#resume ? { ...hello, resume: this.#resume } : hello;
   }
 
   /** Nothing is asked again before a token is given: trying wrong ones would help nobody. */

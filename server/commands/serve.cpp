@@ -19,6 +19,7 @@
 namespace scancast {
 namespace {
 
+constexpr std::chrono::milliseconds drainPatience{30000};  // a snapshot may take that long
 constexpr std::chrono::milliseconds shutdownPatience{5000};
 
 int failure(const Error& error) {
@@ -89,14 +90,20 @@ int waitForTheEnd(Server& server, const Loader& loader, std::size_t files, Shutd
     return 0;
 }
 
-// Everybody is told and given time; a second signal, or the end of patience, ends the process as it is.
+// Streams are told, and what was promised is finished; then everybody is told and given time. A second
+// signal, or the end of patience, ends the process as it is.
 void leave(Server& server, Loader& loader, BlockCache& cache, ShutdownSignals& signals, int exitCode) {
     using Clock = std::chrono::steady_clock;
-    const auto end = Clock::now() + shutdownPatience;
     const int before = signals.wait(std::chrono::milliseconds(0));
     spdlog::info("shutting down");
-    server.shutDown();
+    server.drain();
     loader.requestStop();
+    const auto drained = Clock::now() + drainPatience;
+    while (!server.drained() && Clock::now() < drained &&
+           signals.wait(std::chrono::milliseconds(20)) == before) {
+    }
+    const auto end = Clock::now() + shutdownPatience;
+    server.shutDown();
     cache.stop();
     while (!server.waitForClients(std::chrono::milliseconds(0)) || !loader.finished()) {
         if (signals.wait(std::chrono::milliseconds(20)) > before || Clock::now() >= end) {

@@ -180,6 +180,8 @@ HttpResponse Api::asset(const HttpRequest& request, const Routed& routed) const 
 }
 
 HttpResponse Api::ready() const {
+    if (scheduler_.draining())
+        return problemResponse(problemOf(503, "The server is shutting down.", "/readyz"));
     const DeviceStatus device = scheduler_.device();
     if (device.state == DeviceStatus::State::Failed) {
         return problemResponse(problemOf(503, "No rendering device: " + device.error.message, "/readyz"));

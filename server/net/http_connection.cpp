@@ -122,6 +122,9 @@ class HttpConnection final : public Connection, public std::enable_shared_from_t
         auto routed = context_.api.admit(request_);
         if (!routed) return write(std::move(routed.error()), "refused");
         const bool upgrade = beast::websocket::is_upgrade(parser_->get());
+        if (routed->route == Route::Stream && upgrade && context_.scheduler.draining())
+            return write(problemResponse(problemOf(503, "The server is shutting down.", routed->path)),
+                         pattern(Route::Stream));
         if (routed->route == Route::Stream && upgrade) {
             context_.metrics.httpRequest(pattern(Route::Stream), 101);
             context_.connections.remove(this);

@@ -16,15 +16,32 @@ void ConnectionRegister::remove(const Connection* connection) {
     connections_.erase(connection);
 }
 
+std::vector<std::weak_ptr<Connection>> ConnectionRegister::allLocked() const {
+    std::vector<std::weak_ptr<Connection>> all;
+    for (const auto& [key, connection] : connections_) all.push_back(connection);
+    return all;
+}
+
 void ConnectionRegister::shutDownAll() {
     std::vector<std::weak_ptr<Connection>> all;
     {
         const std::lock_guard lock(mutex_);
         shuttingDown_ = true;
-        for (const auto& [key, connection] : connections_) all.push_back(connection);
+        all = allLocked();
     }
     for (const auto& weak : all) {
         if (const auto connection = weak.lock()) connection->shutDown();
+    }
+}
+
+void ConnectionRegister::sayGoodbye() const {
+    std::vector<std::weak_ptr<Connection>> all;
+    {
+        const std::lock_guard lock(mutex_);
+        all = allLocked();
+    }
+    for (const auto& weak : all) {
+        if (const auto connection = weak.lock()) connection->sayGoodbye();
     }
 }
 

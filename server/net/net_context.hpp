@@ -12,11 +12,13 @@
 #include <memory>
 #include <mutex>
 #include <unordered_map>
+#include <vector>
 
 #include "server/catalog.hpp"
 #include "server/metrics.hpp"
 #include "server/net/api.hpp"
 #include "server/scheduler/scheduler.hpp"
+#include "server/stream/resume_store.hpp"
 
 namespace boost::asio::ssl {
 class context;
@@ -47,6 +49,8 @@ class Connection {
     virtual ~Connection() = default;
     /// Says goodbye and closes; posts, returns at once.
     virtual void shutDown() = 0;
+    /// Ends what would never end by itself; posts, returns at once.
+    virtual void sayGoodbye() {}
 };
 
 class ConnectionRegister {
@@ -55,9 +59,13 @@ class ConnectionRegister {
     bool add(const std::shared_ptr<Connection>& connection, std::size_t limit);
     void remove(const Connection* connection);
     void shutDownAll();
+    /// To everybody who is connected now.
+    void sayGoodbye() const;
     std::size_t size() const;
 
   private:
+    std::vector<std::weak_ptr<Connection>> allLocked() const;
+
     mutable std::mutex mutex_;
     std::unordered_map<const Connection*, std::weak_ptr<Connection>> connections_;
     bool shuttingDown_ = false;
@@ -73,6 +81,7 @@ struct NetContext {
     ConnectionRegister connections{};
     std::atomic<std::size_t> sessions{0};
     std::atomic<std::uint64_t> lastSession{0};
+    ResumeStore resumable{};
 };
 
 }  // namespace scancast

@@ -59,6 +59,7 @@ class StreamConnection final : public Connection,
     ~StreamConnection() override {
         context_.connections.remove(this);
         if (!session_) return;
+        session_->connectionLost(false, Clock::now());
         context_.scheduler.closeMailbox(mailbox_);
         context_.sessions.fetch_sub(1);
         context_.metrics.sessionClosed();
@@ -91,6 +92,8 @@ class StreamConnection final : public Connection,
             self->ws_.next_layer().tcp().close();  // still shaking hands, or refused already
         });
     }
+
+    void sayGoodbye() override { shutDown(); }
 
     // ---- StreamPort
     // -------------------------------------------------------------------------------------------
@@ -151,6 +154,15 @@ class StreamConnection final : public Connection,
         if (!writing_) sendClose();
     }
 
+    std::function<void()> onTaken() override {
+        return [weak = weak_from_this(), executor = ws_.get_executor()] {
+            asio::post(executor, [weak] {
+                const auto self = weak.lock();
+                if (self && !self->gone_ && !self->closing_) self->session_->taken();
+            });
+        };
+    }
+
   private:
     struct Outgoing {
         std::string text;  ///< unless there is a picture
@@ -176,10 +188,12 @@ class StreamConnection final : public Connection,
         mailbox_ = context_.scheduler.openMailbox();
         SessionOptions options;
         options.id = "s" + std::to_string(context_.lastSession.fetch_add(1) + 1);
+        options.resumable = &context_.resumable;
         options.maxPixels = context_.limits.maxPixels;
         options.quiet = context_.limits.quiet;
         options.helloPatience = context_.limits.helloTimeout;
         session_.emplace(std::move(options), world_, *this, context_.metrics, Clock::now());
+        if (context_.scheduler.draining()) return session_->goAway();  // came in with the last goodbyes
         keepTime();
     }
 
@@ -193,6 +207,7 @@ class StreamConnection final : public Connection,
             // Closed, gone, or sent what WebSocket forbids: Beast has answered with 1002, 1007 or 1009
             // itself.
             gone_ = true;
+            if (session_) session_->connectionLost(saidGoodbye(ec), Clock::now());
             timer_.cancel();
             closeTimer_.cancel();
             return;
@@ -209,6 +224,11 @@ class StreamConnection final : public Connection,
         }
         buffer_.consume(buffer_.size());
         read();
+    }
+
+    // Not so a browser's tab that reloads (1001) or a line that breaks: whoever was there may come back.
+    bool saidGoodbye(error_code ec) const {
+        return ec == websocket::error::closed && ws_.reason().code == websocket::close_code::normal;
     }
 
     // The scheduler's threads only post; what is late for a connection that is gone falls away.

@@ -41,7 +41,8 @@ struct Picture {
     int width = 0, height = 0;
     FrameStats stats;  ///< with "encode" as the last stage
     double renderMs = 0, encodeMs = 0;
-    DeviceInfo device;  ///< that drew it: another than when it was ordered, where that one was lost
+    std::size_t rivals = 0;  ///< other sessions whose moving frames waited when it was begun
+    DeviceInfo device;       ///< that drew it: another than when it was ordered, where that one was lost
 };
 
 /// Called exactly once for each order, on a thread of the scheduler's or inside the call that made the order

@@ -2,6 +2,7 @@
 // another painter take over when the device is lost.
 #include <spdlog/spdlog.h>
 
+#include <algorithm>
 #include <utility>
 
 #include "server/scheduler/outcome.hpp"
@@ -111,10 +112,31 @@ void Scheduler::beginNext(std::optional<Begun>& begun) {
     begun_ = std::exchange(running_, std::nullopt);
 }
 
+// What waits for that turn, or nullptr. Called with the lock held.
+const Scheduler::Wish* Scheduler::waiting(MailboxId turn) const {
+    if (turn == preparedOne) return prepared_ ? &*prepared_ : nullptr;
+    if (turn == snapshots) return snapshots_.empty() ? nullptr : &snapshots_.front();
+    const auto at = mailboxes_.find(turn);
+    return at == mailboxes_.end() || !at->second ? nullptr : &*at->second;
+}
+
+// The first in line, but for stills that give way to somebody behind them. Called with the lock held.
+Scheduler::MailboxId Scheduler::takeTurn() {
+    const auto now = Clock::now();
+    const auto takesIt = [&](MailboxId turn) {
+        const Wish* wish = waiting(turn);
+        return wish && now >= wish->givesWayUntil;
+    };
+    auto at = std::find_if(turns_.begin(), turns_.end(), takesIt);
+    if (at == turns_.end()) at = turns_.begin();
+    const MailboxId turn = *at;
+    turns_.erase(at);
+    return turn;
+}
+
 std::optional<Scheduler::Wish> Scheduler::takeNext() {
     if (turns_.empty()) return std::nullopt;
-    const MailboxId turn = turns_.front();
-    turns_.pop_front();
+    const MailboxId turn = takeTurn();
     std::optional<Wish> wish;
     if (turn == preparedOne) {
         wish = std::exchange(prepared_, std::nullopt);
@@ -130,10 +152,17 @@ std::optional<Scheduler::Wish> Scheduler::takeNext() {
         wish = std::exchange(at->second, std::nullopt);
         if (!wish) return std::nullopt;
     }
-    running_ =
-        Running{wish->mailbox, wish->order.interruptible, wish->deadline, std::stop_source(), false, false};
+    wish->rivals = movingWishes();
+    running_ = runningOf(*wish);
     deadlines_.notify_one();
     return wish;
+}
+
+// Called with the lock held.
+std::size_t Scheduler::movingWishes() const {
+    return std::size_t(std::count_if(mailboxes_.begin(), mailboxes_.end(), [](const auto& mailbox) {
+        return mailbox.second && !mailbox.second->order.complete;
+    }));
 }
 
 std::optional<Scheduler::Begun> Scheduler::beginOne(Wish wish) {
@@ -208,7 +237,7 @@ Expected<Frame> Scheduler::finish(Begun& begun, const std::stop_token& token, bo
     }
 }
 
-/// The picture in `slot` ends without one: it waits for blocks, or failed.
+/// The picture in `slot` ends without one: it waits for blocks, gave way to another, or failed.
 void Scheduler::endWithout(std::optional<Running>& slot, Wish wish, Error error, bool deferred) {
     Running how;
     {
@@ -220,6 +249,7 @@ void Scheduler::endWithout(std::optional<Running>& slot, Wish wish, Error error,
             deadlines_.notify_one();
             return;
         }
+        if (how.gaveWay && !how.orphaned && putBack(wish)) return;
     }
     finishFailed(wish, std::move(error), how);
 }

@@ -71,6 +71,7 @@ void Scheduler::closeMailbox(MailboxId mailbox) {
 void Scheduler::wish(MailboxId mailbox, PictureOrder order, PictureDone done) {
     order.requester = mailbox;
     Wish wish{std::move(order), std::move(done), Clock::time_point::max(), mailbox};
+    if (wish.order.interruptible) wish.givesWayUntil = Clock::now() + options_.stillPatience;
     std::optional<Wish> overwritten;
     std::vector<Wish> abandoned;
     bool refused = false;
@@ -83,6 +84,7 @@ void Scheduler::wish(MailboxId mailbox, PictureOrder order, PictureDone done) {
             if (!overwritten) turns_.push_back(mailbox);
             abandoned = takePreparing(mailbox, false);
             stopRunning(mailbox, false);
+            if (!at->second->order.interruptible) makeWay();
         }
     }
     work_.notify_one();
@@ -98,8 +100,10 @@ bool Scheduler::replaceWaiting(MailboxId mailbox, PictureOrder order, PictureDon
         const std::lock_guard lock(mutex_);
         const auto at = mailboxes_.find(mailbox);
         if (stopping_ || at == mailboxes_.end() || !at->second) return false;
-        overwritten = std::exchange(
-            at->second, Wish{std::move(order), std::move(done), Clock::time_point::max(), mailbox});
+        Wish wish{std::move(order), std::move(done), Clock::time_point::max(), mailbox};
+        if (wish.order.interruptible) wish.givesWayUntil = Clock::now() + options_.stillPatience;
+        overwritten = std::exchange(at->second, std::move(wish));
+        if (!at->second->order.interruptible) makeWay();
     }
     finish(*overwritten, tl::unexpected(cancelled()), DropReason::Overwritten);
     return true;
@@ -124,7 +128,7 @@ void Scheduler::abandon(MailboxId mailbox) {
 Expected<void> Scheduler::snapshot(PictureOrder order, PictureDone done) {
     {
         const std::lock_guard lock(mutex_);
-        if (stopping_) return fail(ErrorCode::ResourceLimit, "The server is shutting down.");
+        if (stopping_ || draining_) return fail(ErrorCode::ResourceLimit, "The server is shutting down.");
         const auto waiting = std::count_if(toPrepare_.begin(), toPrepare_.end(),
                                            [](const Wish& wish) { return wish.mailbox == snapshots; });
         if (snapshots_.size() + std::size_t(waiting) >= options_.maxSnapshots) {
@@ -138,6 +142,22 @@ Expected<void> Scheduler::snapshot(PictureOrder order, PictureDone done) {
     work_.notify_one();
     deadlines_.notify_one();
     return {};
+}
+
+void Scheduler::drain() {
+    const std::lock_guard lock(mutex_);
+    draining_ = true;
+}
+
+bool Scheduler::draining() const {
+    const std::lock_guard lock(mutex_);
+    return draining_ || stopping_;
+}
+
+bool Scheduler::idle() const {
+    const std::lock_guard lock(mutex_);
+    return turns_.empty() && toPrepare_.empty() && encoding_.empty() && !prepared_ && !running_ && !begun_ &&
+           !preparing_;
 }
 
 void Scheduler::stop() {
@@ -167,9 +187,40 @@ void Scheduler::stop() {
 // Called with the lock held.
 void Scheduler::stopRunning(MailboxId mailbox, bool alsoMoving) {
     for (auto* busy : allBusy()) {
-        if (*busy && (*busy)->mailbox == mailbox && (alsoMoving || (*busy)->interruptible))
-            (*busy)->stop.request_stop();
+        if (!*busy || (*busy)->mailbox != mailbox || !(alsoMoving || (*busy)->interruptible)) continue;
+        (*busy)->gaveWay = false;  // nobody wants it any more
+        (*busy)->stop.request_stop();
     }
+}
+
+// Stops a still that is being drawn, for a moving frame that somebody else waits for; blocks may go on being
+// loaded meanwhile. Called with the lock held.
+void Scheduler::makeWay() {
+    for (auto* busy : {&running_, &begun_}) {
+        if (!*busy || (*busy)->stop.stop_requested() || Clock::now() >= (*busy)->givesWayUntil) continue;
+        (*busy)->gaveWay = true;
+        (*busy)->stop.request_stop();
+    }
+}
+
+// The still gave way, and nothing has taken its place in its mailbox since. Called with the lock held.
+bool Scheduler::putBack(Wish& wish) {
+    const auto at = mailboxes_.find(wish.mailbox);
+    if (stopping_ || at == mailboxes_.end() || at->second) return false;
+    wish.prepared.reset();
+    at->second = std::move(wish);
+    turns_.push_back(at->first);
+    work_.notify_one();
+    return true;
+}
+
+Scheduler::Running Scheduler::runningOf(const Wish& wish) {
+    Running running;
+    running.mailbox = wish.mailbox;
+    running.interruptible = wish.order.interruptible;
+    running.deadline = wish.deadline;
+    running.givesWayUntil = wish.givesWayUntil;
+    return running;
 }
 
 // The session's wishes that wait for blocks, or for a turn with them. Called with the lock held.
@@ -206,8 +257,7 @@ void Scheduler::prepareLoop() {
         if (stopping_) return;
         Wish wish = std::move(toPrepare_.front());
         toPrepare_.pop_front();
-        preparing_ =
-            Running{wish.mailbox, wish.order.interruptible, wish.deadline, std::stop_source(), false, false};
+        preparing_ = runningOf(wish);
         deadlines_.notify_one();
         lock.unlock();
         prepareOne(std::move(wish));
@@ -267,6 +317,7 @@ void Scheduler::encodeLoop() {
             picture.stats.add("encode", encodeMs);
             picture.renderMs = job.renderMs;
             picture.encodeMs = encodeMs;
+            picture.rivals = job.wish.rivals;
             picture.device = std::move(job.device);
             finish(job.wish, std::move(picture), std::nullopt);
         }

@@ -4,6 +4,8 @@
 //
 // - A session has a mailbox of size one: a newer wish overwrites the one that waits (latest wins).
 // - Mailboxes take turns; all snapshots together are one more participant, first come first served.
+// - Stills give way: they wait until nobody else wishes for anything, and one that is being drawn is put back
+//   when a moving frame is wished for. After some patience a still takes turns like everybody, so it comes.
 // - The queue of snapshots is bounded, and each has a deadline that counts waiting and rendering.
 // - Pictures that must be complete and lack blocks wait for them on a thread of its own, one at a time, and
 //   take another turn when they are there: nobody else's picture waits for somebody's disk.
@@ -34,6 +36,7 @@ namespace scancast {
 struct SchedulerOptions {
     std::size_t maxSnapshots = 64;                      ///< waiting at most; one more is refused
     std::chrono::milliseconds snapshotDeadline{30000};  ///< from the request to the finished picture
+    std::chrono::milliseconds stillPatience{2000};      ///< of an interruptible picture that gives way
 };
 
 /// A device that was there and is gone.
@@ -83,7 +86,12 @@ class Scheduler {
     /// stopping; then `done` is not called.
     Expected<void> snapshot(PictureOrder order, PictureDone done);
 
-    /// Cancels everything and refuses more. Returns at once.
+    /// First step of the end: no more snapshots; what was promised is still drawn.
+    void drain();
+    bool draining() const;
+    /// Nothing waits and nothing is being made.
+    bool idle() const;
+    /// Second step: cancels everything and refuses more. Returns at once.
     void stop();
     /// After stop(): waits for the threads; no callback comes afterwards. Not from two threads at once.
     void wait();
@@ -95,6 +103,8 @@ class Scheduler {
         Clock::time_point deadline = Clock::time_point::max();
         MailboxId mailbox = 0;
         std::optional<PreparedPicture> prepared{};
+        std::size_t rivals = 0;  // moving frames that waited when its turn came
+        Clock::time_point givesWayUntil{};
     };
     struct Running {
         MailboxId mailbox = 0;
@@ -103,6 +113,8 @@ class Scheduler {
         std::stop_source stop;
         bool late = false;      ///< stopped by its deadline
         bool orphaned = false;  ///< its mailbox is gone
+        Clock::time_point givesWayUntil{};
+        bool gaveWay = false;  ///< stopped for somebody's moving frame: to be drawn again
     };
     /// A picture that a painter has begun.
     struct Begun {
@@ -131,6 +143,12 @@ class Scheduler {
     void replacePainter(const Error& lost);
     void usePainter(Expected<Painter> opened, std::optional<LostDevice> lost);
     std::optional<Wish> takeNext();
+    MailboxId takeTurn();
+    const Wish* waiting(MailboxId turn) const;
+    static Running runningOf(const Wish& wish);
+    void makeWay();
+    bool putBack(Wish& wish);
+    std::size_t movingWishes() const;
     void beginNext(std::optional<Begun>& begun);
     std::optional<Begun> beginOne(Wish wish);
     void completeOne(Begun begun);
@@ -166,7 +184,7 @@ class Scheduler {
     PreparePicture prepare_;
     std::deque<Rendered> encoding_;
     bool rendering_ = true;  // the render thread may still add to encoding_
-    bool stopping_ = false;
+    bool stopping_ = false, draining_ = false;
 
     // The render thread's own.
     std::optional<Painter> painter_;

@@ -8,13 +8,18 @@ namespace {
 
 // τ = 0 means "to the leaves"; for the cost model it counts as this.
 constexpr double finestDetail = 0.25;
-// Sizes come in steps of this share, so that a client does not see a new size with every frame.
-constexpr double resolutionStep = 1.0 / 8;
-// Part of a frame's time that rendering may take; the rest is encoding's and the network's.
-constexpr double renderShare = 0.9;
 
 double coarsestDetail(double ownDetail, const MovingLimits& limits) {
     return std::max({limits.maxDetail, ownDetail, finestDetail});
+}
+
+// Rounded up to a step; measured times tremble, so the size before is kept a quarter of a step beyond its
+// own.
+double steadyResolution(double affordable, double before, double least) {
+    const bool near = before > 0 && affordable <= before + resolutionStep / 4 &&
+                      affordable > before - resolutionStep * 5 / 4;
+    const double steps = std::ceil(affordable / resolutionStep - 1e-9) * resolutionStep;
+    return std::clamp(near ? before : steps, least, 1.0);
 }
 
 }  // namespace
@@ -25,29 +30,36 @@ double leastEffort(double ownDetail, const MovingLimits& limits) {
     return side * side;
 }
 
-double nextEffort(double effort, double renderMs, double ownDetail, const MovingLimits& limits) {
-    const double allowedMs = renderShare * 1000 / limits.fps;
-    const double ideal = effort * allowedMs / std::max(renderMs, 1e-3);
-    return std::clamp(std::min(ideal, effort * 1.25), leastEffort(ownDetail, limits), 1.0);
+double costOf(const MovingPlan& plan, double ownDetail) {
+    const double own = std::max(ownDetail, finestDetail);
+    const double side = own / std::max(plan.detail, own) * plan.resolution;
+    return side * side;
 }
 
-MovingPlan planMoving(double effort, double ownDetail, const MovingLimits& limits) {
+double nextEffort(const MovingPlan& plan, double milliseconds, double ownDetail, const MovingLimits& limits) {
+    const double allowedMs = usableShare * 1000 / limits.fps;
+    const double ideal = costOf(plan, ownDetail) * allowedMs / std::max(milliseconds, 1e-3);
+    return std::clamp(std::min(ideal, plan.effort * 1.25), leastEffort(ownDetail, limits), 1.0);
+}
+
+MovingPlan planMoving(double effort, double ownDetail, const MovingLimits& limits, double before) {
     MovingPlan plan;
+    plan.effort = effort;
     plan.detail = ownDetail;
     if (effort >= 1) return plan;
     const double own = std::max(ownDetail, finestDetail);
     plan.detail = std::min(own / std::sqrt(effort), coarsestDetail(ownDetail, limits));
     const double left = std::sqrt(effort) * plan.detail / own;
-    plan.resolution =
-        std::clamp(std::ceil(left / resolutionStep - 1e-9) * resolutionStep, limits.minResolution, 1.0);
+    plan.resolution = steadyResolution(left, before, limits.minResolution);
     return plan;
 }
 
-View movingView(const View& wanted, double ownDetail, double effort, const MovingLimits& limits) {
-    const MovingPlan plan = planMoving(effort, ownDetail, limits);
+View movingView(const View& wanted, const MovingPlan& plan) {
     View view = wanted;
     view.quality.samples = 1;
     view.quality.detail = plan.detail;
+    view.quality.jpegQuality = plan.jpegQuality;
+    view.quality.subsampling = plan.subsampling;
     // Rounded up: never below the limit that the client set.
     view.width = std::clamp(int(std::ceil(wanted.width * plan.resolution)), 1, wanted.width);
     view.height = std::clamp(int(std::ceil(wanted.height * plan.resolution)), 1, wanted.height);

@@ -40,6 +40,7 @@ StreamSession::StreamSession(SessionOptions options, const StreamWorld& world, S
       port_(port),
       metrics_(metrics),
       opened_(now),
+      id_(options_.id),
       nextStats_(now) {}
 
 // ---- messages
@@ -76,12 +77,26 @@ void StreamSession::goAway() {
     close(CloseCode::GoingAway, "The server is shutting down.");
 }
 
+void StreamSession::taken() {
+    close(CloseCode::PolicyViolation, "Another connection continues this session.");
+}
+
+void StreamSession::connectionLost(bool done, Time now) {
+    if (!ticket_) return;
+    if (done)
+        options_.resumable->forget(*ticket_);
+    else
+        options_.resumable->leave(*ticket_, now);
+    ticket_.reset();
+}
+
 void StreamSession::handle(const messages::Hello& hello, Time now) {
     if (state_ != State::Greeting) {
         refuse(problemOf(Error{ErrorCode::InvalidArgument, "This session has been greeted already.", "type"}),
                std::nullopt);
         return;
     }
+    if (auto resumed = resume(hello.resume, now)) return begin(std::move(*resumed), true, now);
     const View usual;
     auto scene = openScene(hello.cloud.empty() ? world_.defaultCloud() : hello.cloud,
                            hello.width.value_or(usual.width), hello.height.value_or(usual.height));
@@ -89,13 +104,41 @@ void StreamSession::handle(const messages::Hello& hello, Time now) {
         refuse(std::move(scene.error()), std::nullopt);
         return;
     }
-    scene_ = std::move(*scene);
     limits_.fps = hello.fps;
+    begin(std::move(*scene), false, now);
+}
+
+// A session that cannot go on as it was - its time is up, its cloud is gone - begins anew.
+std::optional<StreamSession::Scene> StreamSession::resume(const std::string& token, Time now) {
+    if (token.empty() || !options_.resumable) return std::nullopt;
+    auto saved = options_.resumable->resume(token, now);
+    if (!saved) return std::nullopt;
+    auto cloud = world_.cloud(saved->cloudId);
+    if (!cloud) return std::nullopt;
+    Scene scene{saved->cloudId, std::move(*cloud), std::move(saved->view), saved->seq};
+    if (!checkScene(scene)) return std::nullopt;
+    id_ = std::move(saved->id);
+    limits_ = saved->limits;
+    lastFrame_ = ackedFrame_ = saved->lastFrame;  // what was under way then is not waited for
+    return scene;
+}
+
+void StreamSession::begin(Scene scene, bool resumed, Time now) {
+    scene_ = std::move(scene);
     state_ = State::Open;
     nextStats_ = now + options_.statsInterval;
 
     messages::Welcome welcome;
-    welcome.session = options_.id;
+    welcome.session = id_;
+    welcome.resumed = resumed;
+    welcome.seq = scene_.seq;
+    if (options_.resumable) {
+        if (auto ticket = options_.resumable->open(port_.onTaken())) {
+            ticket_ = ticket->key;
+            welcome.resume = std::move(ticket->token);
+        }
+    }
+    remember();
     welcome.cloud = scene_.cloudId;
     welcome.methods = world_.methodNames();
     welcome.limits.maxPixels = options_.maxPixels;
@@ -104,6 +147,12 @@ void StreamSession::handle(const messages::Hello& hello, Time now) {
     // The view of the welcome is shown without being asked for, unless the client's own view comes first.
     viewChanged(now);
     pump(now);
+}
+
+void StreamSession::remember() {
+    if (ticket_)
+        options_.resumable->keep(*ticket_,
+                                 {id_, scene_.cloudId, scene_.view, scene_.seq, limits_, lastFrame_});
 }
 
 void StreamSession::handle(const messages::ViewChange& change, Time now) {
@@ -123,6 +172,7 @@ void StreamSession::handle(const messages::ViewChange& change, Time now) {
         metrics_.frameDropped(DropReason::Overwritten);
     }
     fresh_ = true;
+    remember();
     viewChanged(now);
     pump(now);
 }
@@ -163,6 +213,7 @@ void StreamSession::handle(const messages::QualityLimits& quality, Time) {
     if (quality.minResolution) limits_.minResolution = *quality.minResolution;
     if (quality.maxDetail) limits_.maxDetail = *quality.maxDetail;
     if (quality.minQuality) limits_.minJpegQuality = *quality.minQuality;
+    remember();
 }
 
 void StreamSession::handle(const messages::Pick& pick, Time) {
@@ -187,6 +238,7 @@ void StreamSession::handle(const messages::Ack& ack, Time now) {
         return;
     }
     ackedFrame_ = std::max(ackedFrame_, ack.frame);
+    quality_.acknowledged(ack.frame, limits_, now);
     pump(now);
 }
 
@@ -253,20 +305,25 @@ StreamSession::Order StreamSession::nextOrder(Kind kind) {
     order.seq = scene_.seq;
     order.viewTime = viewTime_;
     order.kind = kind;
-    order.effort = effort_;
+    if (kind == Kind::Moving) order.plan = quality_.plan(scene_.view, world_.ownDetail(scene_.view), limits_);
+    order.view = viewOf(order);
     return order;
+}
+
+View StreamSession::viewOf(const Order& order) const {
+    if (order.kind == Kind::Moving) return movingView(scene_.view, order.plan);
+    View view = scene_.view;
+    if (order.kind == Kind::Still) view.quality.samples = 1;
+    return view;
 }
 
 PictureOrder StreamSession::pictureOf(const Order& order) const {
     PictureOrder picture;
     picture.cloud = scene_.cloud;
-    picture.view = scene_.view;
+    picture.view = order.view;
     picture.complete = order.kind == Kind::Final;
     picture.interruptible = order.kind != Kind::Moving;
-    if (order.kind == Kind::Still) picture.view.quality.samples = 1;
-    if (order.kind != Kind::Moving) return picture;
-    picture.view = movingView(scene_.view, world_.ownDetail(scene_.view), order.effort, limits_);
-    if (before_) {
+    if (order.kind == Kind::Moving && before_) {
         picture.ahead =
             extrapolate(*before_, scene_.view.camera, secondsBetween(beforeTime_, viewTime_), aheadSeconds);
     }
@@ -296,7 +353,8 @@ void StreamSession::pump(Time now) {
     const auto room = [&] {
         return unacknowledged() + outstanding_.size() < std::size_t(maxUnacknowledgedFrames);
     };
-    if (fresh_ && room()) {
+    const bool quiet = unacknowledged() > 0 && quality_.link().wantsQuiet(now);
+    if (fresh_ && room() && !quiet) {
         fresh_ = false;
         place(nextOrder(Kind::Moving));
     } else if (fresh_ && !outstanding_.empty()) {
@@ -343,14 +401,17 @@ void StreamSession::deliver(const Order& order, Picture picture, Time now) {
     header.height = std::uint32_t(picture.height);
     header.renderMicroseconds = microseconds(picture.renderMs);
     header.encodeMicroseconds = microseconds(picture.encodeMs);
+    const double own = world_.ownDetail(scene_.view);
+    if (order.kind == Kind::Moving)
+        quality_.drawn(order.plan, {picture.renderMs, picture.encodeMs, picture.rivals}, own, limits_);
+    quality_.sent(header.frameId, order.view, picture.bytes->size(), now);
     port_.sendFrame(header, picture.bytes);
+    remember();
 
     metrics_.frameSent(secondsBetween(order.viewTime, now));
     sentTimes_.push_back(now);
     while (now - sentTimes_.front() > std::chrono::seconds(1)) sentTimes_.pop_front();
     weigh(order, picture.stats, now);
-    if (order.kind == Kind::Moving)
-        effort_ = nextEffort(order.effort, picture.renderMs, world_.ownDetail(scene_.view), limits_);
     if (now >= nextStats_) sendStats(order, picture, now);
 }
 
@@ -370,8 +431,11 @@ void StreamSession::sendStats(const Order& order, const Picture& picture, Time n
     stats.frame = lastFrame_;
     stats.seq = order.seq;
     stats.fps = double(sentTimes_.size());
-    const double own = world_.ownDetail(scene_.view);
-    stats.detail = order.kind != Kind::Moving ? own : planMoving(order.effort, own, limits_).detail;
+    const bool moving = order.kind == Kind::Moving;
+    stats.detail = moving ? order.plan.detail : world_.ownDetail(scene_.view);
+    stats.resolution = moving ? order.plan.resolution : 1;
+    stats.jpegQuality = order.view.quality.jpegQuality;
+    stats.bandwidth = quality_.link().bandwidth().value_or(0);
     stats.samples = picture.stats.samplesDrawn;
     stats.points = picture.stats.pointsShown;
     stats.dropped = overtaken_;
@@ -406,6 +470,8 @@ std::optional<StreamSession::Time> StreamSession::wakeAt() const {
 void StreamSession::close(CloseCode code, std::string reason) {
     if (state_ == State::Closed) return;
     state_ = State::Closed;
+    if (ticket_) options_.resumable->forget(*ticket_);
+    ticket_.reset();
     outstanding_.clear();
     port_.abandon();
     port_.sendText(printMessage(messages::Bye{code, reason}));

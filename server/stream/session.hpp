@@ -24,7 +24,8 @@
 #include "protocol/problem.hpp"
 #include "server/metrics.hpp"
 #include "server/scheduler/picture.hpp"
-#include "server/stream/quality.hpp"
+#include "server/stream/quality_controller.hpp"
+#include "server/stream/resume_store.hpp"
 
 namespace scancast {
 
@@ -46,6 +47,9 @@ class StreamPort {
     virtual void abandon() = 0;
     /// After everything sent so far. Nothing is called on the port afterwards.
     virtual void close(CloseCode code, std::string reason) = 0;
+    /// What to call when another connection takes this session over; from any thread, may outlive the
+    /// session.
+    virtual std::function<void()> onTaken() = 0;
 };
 
 /// What a session may know of the server.
@@ -64,7 +68,8 @@ class StreamWorld {
 };
 
 struct SessionOptions {
-    std::string id;
+    std::string id;                        ///< of a new session; one that is resumed keeps its own
+    ResumeStore* resumable = nullptr;      ///< null = sessions cannot be resumed
     std::uint64_t maxPixels = 0;           ///< of a picture
     std::chrono::milliseconds quiet{150};  ///< without a new view before the still is made
     std::chrono::milliseconds helloPatience{10000};
@@ -92,9 +97,14 @@ class StreamSession {
     std::optional<Time> wakeAt() const;
     /// The server shuts down.
     void goAway();
+    /// Another connection goes on with this session.
+    void taken();
+    /// Its connection is no more. `done`: the client said so itself, and will not come back for it.
+    void connectionLost(bool done, Time now);
     bool closed() const { return state_ == State::Closed; }
     /// Its hello was accepted.
     bool greeted() const { return state_ != State::Greeting; }
+    const std::string& id() const { return id_; }
 
   private:
     enum class State : std::uint8_t { Greeting, Open, Closed };
@@ -105,7 +115,8 @@ class StreamSession {
         std::uint64_t number = 0, seq = 0;
         Time viewTime;
         Kind kind = Kind::Moving;
-        double effort = 1, detail = 1;
+        MovingPlan plan;  // of a moving frame
+        View view;        // as it is drawn
     };
     /// Everything that a `view` message may change, changed all at once or not at all.
     struct Scene {
@@ -122,6 +133,9 @@ class StreamSession {
     void handle(const messages::Ack& ack, Time now);
     void handle(const messages::Ping& ping, Time now);
 
+    void begin(Scene scene, bool resumed, Time now);
+    std::optional<Scene> resume(const std::string& token, Time now);
+    void remember();
     tl::expected<Scene, Problem> openScene(const std::string& cloudId, int width, int height) const;
     tl::expected<Scene, Problem> sceneAfter(const messages::ViewChange& change) const;
     Expected<void> checkScene(const Scene& scene) const;
@@ -134,6 +148,7 @@ class StreamSession {
     bool stillDue(Time now) const;
     bool finalDue(Time now) const;
     Order nextOrder(Kind kind);
+    View viewOf(const Order& order) const;
     PictureOrder pictureOf(const Order& order) const;
     void deliver(const Order& order, Picture picture, Time now);
     void sendStats(const Order& order, const Picture& picture, Time now);
@@ -149,7 +164,9 @@ class StreamSession {
     Time opened_;
     Scene scene_;
     MovingLimits limits_;
-    double effort_ = 1;
+    QualityController quality_;
+    std::string id_;
+    std::optional<ResumeStore::Key> ticket_;
 
     bool fresh_ = false;            // a view came for which nothing has been ordered
     std::optional<Camera> before_;  // the camera of the view before, while the camera moves

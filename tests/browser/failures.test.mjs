@@ -160,6 +160,8 @@ describe('the page, when things go wrong', { timeout: 120_000 }, () => {
     await coverSays('Connection lost');
     await page.waitForSelector('#cover', { state: 'hidden', timeout: 10_000 });
     await waitUntilSharp(page);
+    const hellos = server.received.filter((message) => message.type === 'hello');
+    assert.deepEqual(hellos.map((hello) => hello.resume), [undefined, 'token-1'], 'it asks to go on with its session');
   });
 
   it('a refused snapshot is explained', async () => {

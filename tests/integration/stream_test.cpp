@@ -224,6 +224,67 @@ TEST_F(StreamTest, ShutdownTellsEverybody) {
     EXPECT_FALSE(RawSocket(port()).send("GET / HTTP/1.1\r\n\r\n") && request(port(), "/healthz").status != 0);
 }
 
+TEST_F(StreamTest, DrainingEndsStreamsAndFinishesSnapshots) {
+    painter.closeGate();
+    start();
+    RawSocket waiting(port());
+    waiting.send("GET /api/v1/clouds/one/snapshot.jpg HTTP/1.1\r\nHost: localhost\r\n\r\n");
+    ASSERT_TRUE(painter.waitBegun(1));
+    StreamClient client(port());
+    client.greet();
+    EXPECT_EQ(request(port(), "/readyz").status, 200);
+    server->drain();
+    EXPECT_EQ(client.control("bye")["code"], 1001);
+    EXPECT_EQ(client.closeCode(), 1001);
+    client.socket.socket().abort();
+    EXPECT_EQ(request(port(), "/readyz").status, 503);
+    EXPECT_EQ(request(port(), "/healthz").status, 200);
+    const HttpReply refused = request(port(), "/api/v1/clouds/two/snapshot.jpg");
+    EXPECT_EQ(refused.status, 503);
+    EXPECT_NE(refused.header("retry-after"), "");
+    EXPECT_EQ(RawWebSocket(port()).status(), 503);
+    painter.openGate();
+    EXPECT_EQ(readReply(waiting).status, 200) << "it was promised";
+    EXPECT_TRUE(eventually([&] { return server->drained(); }));
+    server->shutDown();
+    EXPECT_TRUE(server->waitForClients(netPatience));
+}
+
+TEST_F(StreamTest, AClientThatComesBackGoesOnWithItsSession) {
+    start();
+    std::string token, id;
+    {
+        StreamClient client(port());
+        const auto welcome = client.greet({{"cloud", "two"}});
+        token = welcome["resume"];
+        id = welcome["session"];
+        client.view(5, 90);
+        ASSERT_TRUE(client.finalFrame(5));
+        client.socket.socket().abort();
+    }
+    StreamClient client(port());
+    const auto welcome = client.greet({{"resume", token}});
+    EXPECT_EQ(welcome["resumed"], true);
+    EXPECT_EQ(welcome["session"], id);
+    EXPECT_EQ(welcome["cloud"], "two");
+    EXPECT_EQ(welcome["seq"], 5);
+    const auto again = client.finalFrame(5);
+    ASSERT_TRUE(again);
+    EXPECT_GT(again->header.frameId, 2U);
+    EXPECT_NEAR(redOf(again->picture), 90, 12);
+}
+
+TEST_F(StreamTest, AClientThatComesBackBeforeItsOldLineIsFoundDeadTakesItsSessionAlong) {
+    start();
+    StreamClient old(port());
+    const std::string token = old.greet()["resume"];
+    ASSERT_TRUE(old.finalFrame(0));
+    StreamClient client(port());
+    EXPECT_EQ(client.greet({{"resume", token}})["resumed"], true);
+    EXPECT_EQ(old.closeCode(), 1008);
+    EXPECT_TRUE(client.finalFrame(0));
+}
+
 TEST_F(StreamTest, PingsComeWhileNothingElseHappens) {
     options.limits.idleTimeout = std::chrono::milliseconds(400);
     start();

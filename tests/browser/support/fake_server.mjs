@@ -139,7 +139,7 @@ class FakeSession {
     this.view = { ...this.cloud.view, width, height };
     this.seq = 0;
     this.socket.sendText(JSON.stringify({
-      type: 'welcome', session: 'test', resume: '', cloud: this.cloud.id, methods: methods.map((method) => method.name),
+      type: 'welcome', session: 'test', resume: `token-${this.server.received.filter(({ type }) => type === 'hello').length}`, resumed: false, seq: 0, cloud: this.cloud.id, methods: methods.map((method) => method.name),
       limits: { maxMessageBytes: 65536, maxPixels: 8_300_000, maxUnacknowledged: 2 }, view: this.view,
     }));
     this.want(false);

@@ -108,11 +108,14 @@ TEST(ServerMessages, RoundTrip) {
     Welcome welcome;
     welcome.session = "s1";
     welcome.resume = "r";
+    welcome.resumed = true;
+    welcome.seq = 12;
     welcome.cloud = "town";
     welcome.methods = {"point", "cone"};
     welcome.limits.maxPixels = 1u << 25u;
     welcome.view = toJson(View{});
-    Stats stats{12, 34, 29.5, 1.25, 100'000, 2'000'000, 3, {{"select", 0.5}, {"encode", 2.25}}};
+    Stats stats{12,   34, 29.5,   1.25, 100'000, 2'000'000, 3, {{"select", 0.5}, {"encode", 2.25}},
+                0.75, 63, 250'000};
     const auto problem = problemOf(Error{ErrorCode::InvalidArgument, "no", "camera.fov"});
     const std::vector<ServerMessage> all{welcome,
                                          Stats{},

@@ -100,7 +100,9 @@ TEST_F(PendingFrames, AClosedMailboxStopsEvenAMovingFrameOnItsWay) {
 
 TEST_F(PendingFrames, OfTwoOnTheirWayEachIsStoppedByItsOwnSession) {
     painter.closeGate();
-    Scheduler scheduler(openLater(), {}, metrics);
+    SchedulerOptions options;
+    options.stillPatience = std::chrono::milliseconds(0);
+    Scheduler scheduler(openLater(), options, metrics);
     const auto a = scheduler.openMailbox(), b = scheduler.openMailbox();
     scheduler.wish(a, order(1, true), results.collect(1));
     scheduler.wish(b, moving(2), results.collect(2));

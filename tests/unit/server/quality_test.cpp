@@ -5,17 +5,12 @@
 namespace scancast {
 namespace {
 
-// What a frame costs in the model that the functions are built on: points ~ 1/τ², pixels ~ resolution².
-double modelCost(const MovingPlan& plan, double ownDetail) {
-    return (ownDetail / plan.detail) * (ownDetail / plan.detail) * plan.resolution * plan.resolution;
-}
-
 TEST(Quality, FullEffortIsTheViewItselfWithOneSample) {
     View wanted;
     wanted.width = 801;
     wanted.height = 603;
     wanted.quality.samples = 16;
-    const View moving = movingView(wanted, 1.3, 1, {});
+    const View moving = movingView(wanted, planMoving(1, 1.3, {}));
     View expected = wanted;
     expected.quality.samples = 1;
     expected.quality.detail = 1.3;
@@ -44,6 +39,16 @@ TEST(Quality, DetailPaysBeforeResolution) {
     EXPECT_LT(poor.resolution, 1);
 }
 
+TEST(Quality, TheSizeDoesNotTrembleWithTheMeasurements) {
+    double before = planMoving(0.16, 1, {}).resolution;
+    const double first = before;
+    for (int i = 0; i < 20; ++i) {
+        before = planMoving(i % 2 ? 0.15 : 0.165, 1, {}, before).resolution;
+        EXPECT_EQ(before, first);
+    }
+    EXPECT_GT(planMoving(0.24, 1, {}, before).resolution, first);
+}
+
 TEST(Quality, LeastEffortIsEverythingAtItsLimit) {
     const MovingLimits limits;
     const MovingPlan plan = planMoving(leastEffort(1, limits), 1, limits);
@@ -59,8 +64,9 @@ TEST(Quality, SettlesAtTheWantedRateOfAModelRenderer) {
         double effort = 1;
         double frameMs = 0;
         for (int frame = 0; frame < 60; ++frame) {
-            frameMs = fullMs * modelCost(planMoving(effort, 1, limits), 1);
-            effort = nextEffort(effort, frameMs, 1, limits);
+            const MovingPlan plan = planMoving(effort, 1, limits);
+            frameMs = fullMs * costOf(plan, 1);
+            effort = nextEffort(plan, frameMs, 1, limits);
         }
         const double floorMs = fullMs * leastEffort(1, limits);
         const double wantedMs = 1000 / limits.fps;
@@ -77,14 +83,14 @@ TEST(Quality, SettlesAtTheWantedRateOfAModelRenderer) {
 }
 
 TEST(Quality, FallsAtOnceAndRisesSlowly) {
-    EXPECT_LT(nextEffort(1, 120, 1, {}), 0.3);
-    EXPECT_DOUBLE_EQ(nextEffort(0.4, 0.001, 1, {}), 0.5);
+    EXPECT_LT(nextEffort(planMoving(1, 1, {}), 120, 1, {}), 0.3);
+    EXPECT_DOUBLE_EQ(nextEffort(planMoving(0.4, 1, {}), 0.001, 1, {}), 0.5);
 }
 
 TEST(Quality, TinyPicturesStayPictures) {
     View wanted;
     wanted.width = wanted.height = 1;
-    const View moving = movingView(wanted, 1, 1e-6, {});
+    const View moving = movingView(wanted, planMoving(1e-6, 1, {}));
     EXPECT_EQ(moving.width, 1);
     EXPECT_EQ(moving.height, 1);
 }

@@ -136,9 +136,11 @@ TEST_F(SchedulerTest, ANewViewStopsTheSessionsOwnStillAtOnce) {
     EXPECT_EQ(painter.cancelled(), 1);
 }
 
-TEST_F(SchedulerTest, NeitherMovingFramesNorStillsOfOthersAreStopped) {
+TEST_F(SchedulerTest, NeitherMovingFramesNorStillsThatHaveWaitedLongAreStopped) {
     painter.closeGate();
-    Scheduler scheduler(painter.open(), {}, metrics);
+    SchedulerOptions options;
+    options.stillPatience = std::chrono::milliseconds(0);
+    Scheduler scheduler(painter.open(), options, metrics);
     const auto mine = scheduler.openMailbox();
     const auto other = scheduler.openMailbox();
     scheduler.wish(mine, order(1), results.collect(1));
@@ -151,6 +153,120 @@ TEST_F(SchedulerTest, NeitherMovingFramesNorStillsOfOthersAreStopped) {
     ASSERT_TRUE(results.waitFor(3));
     EXPECT_EQ(painter.cancelled(), 0);
     for (int label : {1, 2, 3}) EXPECT_EQ(results.code(label), std::nullopt);
+}
+
+TEST_F(SchedulerTest, AStillGivesWayToTheMovingFrameOfAnother) {
+    painter.closeGate();
+    SchedulerOptions options;
+    options.stillPatience = std::chrono::hours(1);
+    Scheduler scheduler(painter.open(), options, metrics);
+    const auto looker = scheduler.openMailbox(), mover = scheduler.openMailbox();
+    scheduler.wish(looker, order(1, true), results.collect(1));
+    ASSERT_TRUE(painter.waitBegun(1));
+    scheduler.wish(mover, moving(2), results.collect(2));
+    ASSERT_TRUE(painter.waitBegun(2)) << "the gate is closed, so the still can only have been stopped";
+    EXPECT_EQ(begunWidths(), (std::vector<int>{1, 2}));
+    painter.openGate();
+    ASSERT_TRUE(results.waitFor(2));
+    EXPECT_EQ(begunWidths(), (std::vector<int>{1, 2, 1})) << "it is begun again, and not lost";
+    EXPECT_EQ(results.code(1), std::nullopt);
+    EXPECT_EQ(results.labels(), (std::vector<int>{2, 1}));
+}
+
+TEST_F(SchedulerTest, StillsWaitUntilNobodyMoves) {
+    painter.closeGate();
+    SchedulerOptions options;
+    options.stillPatience = std::chrono::hours(1);
+    Scheduler scheduler(painter.open(), options, metrics);
+    const auto first = scheduler.openMailbox();
+    scheduler.wish(first, moving(1), results.collect(1));
+    ASSERT_TRUE(painter.waitBegun(1));
+    for (int i = 2; i <= 4; ++i) scheduler.wish(scheduler.openMailbox(), order(i, true), results.collect(i));
+    for (int i = 5; i <= 7; ++i) scheduler.wish(scheduler.openMailbox(), moving(i), results.collect(i));
+    painter.openGate();
+    ASSERT_TRUE(results.waitFor(7));
+    EXPECT_EQ(begunWidths(), (std::vector<int>{1, 5, 6, 7, 2, 3, 4}));
+}
+
+TEST_F(SchedulerTest, AStillThatGaveWayIsStoppedByItsOwnSessionsNewView) {
+    painter.closeGate();
+    SchedulerOptions options;
+    options.stillPatience = std::chrono::hours(1);
+    Scheduler scheduler(painter.open(), options, metrics);
+    const auto looker = scheduler.openMailbox(), mover = scheduler.openMailbox();
+    scheduler.wish(looker, order(1, true), results.collect(1));
+    ASSERT_TRUE(painter.waitBegun(1));
+    scheduler.wish(mover, moving(2), results.collect(2));
+    ASSERT_TRUE(painter.waitBegun(2));
+    scheduler.wish(looker, moving(3), results.collect(3));
+    painter.openGate();
+    ASSERT_TRUE(results.waitFor(3));
+    EXPECT_EQ(begunWidths(), (std::vector<int>{1, 2, 3}));
+    EXPECT_EQ(results.code(1), ErrorCode::Cancelled);
+}
+
+// Round robin, proved: with everybody wishing again and again, nobody has two frames before all have one.
+TEST_F(SchedulerTest, ManySessionsAreServedInTurn) {
+    painter.closeGate();
+    Scheduler scheduler(painter.open(), {}, metrics);
+    constexpr int sessions = 9, rounds = 5;
+    std::vector<Scheduler::MailboxId> mailboxes;
+    for (int s = 0; s < sessions; ++s) mailboxes.push_back(scheduler.openMailbox());
+    int label = 0;
+    const auto wish = [&](int s) {
+        scheduler.wish(mailboxes[std::size_t(s)], moving(s + 1), results.collect(++label));
+    };
+    wish(0);
+    ASSERT_TRUE(painter.waitBegun(1));
+    for (int s = 1; s < sessions; ++s) wish(s);
+    for (std::size_t done = 1; done < sessions * rounds; ++done) {
+        wish(begunWidths().back() - 1);  // whoever is being served wishes again at once
+        painter.let(1);
+        ASSERT_TRUE(painter.waitBegun(done + 1));
+    }
+    const auto begun = begunWidths();
+    for (std::size_t i = 0; i < begun.size(); ++i) EXPECT_EQ(begun[i], int(i % sessions) + 1) << "turn " << i;
+    painter.openGate();
+}
+
+TEST_F(SchedulerTest, APictureTellsHowManyOthersMovedMeanwhile) {
+    painter.closeGate();
+    Scheduler scheduler(painter.open(), {}, metrics);
+    std::promise<std::size_t> rivals;
+    const auto a = scheduler.openMailbox();
+    scheduler.wish(a, moving(1), results.collect(1));
+    ASSERT_TRUE(painter.waitBegun(1));
+    scheduler.wish(a, moving(2), [&](const Expected<Picture>& picture) {
+        rivals.set_value(picture ? picture->rivals : 99);
+    });
+    for (int i = 3; i <= 5; ++i) scheduler.wish(scheduler.openMailbox(), moving(i), results.collect(i));
+    scheduler.wish(scheduler.openMailbox(), order(6, true), results.collect(6));
+    painter.openGate();
+    auto told = rivals.get_future();
+    ASSERT_EQ(told.wait_for(FakePainter::patience), std::future_status::ready);
+    EXPECT_EQ(told.get(), 3U) << "the still is no rival";
+    ASSERT_TRUE(results.waitFor(5));
+}
+
+TEST_F(SchedulerTest, DrainingFinishesWhatWasPromisedAndTakesNothingNew) {
+    painter.closeGate();
+    Scheduler scheduler(painter.open(), {}, metrics);
+    ASSERT_TRUE(scheduler.snapshot(order(1), results.collect(1)));
+    ASSERT_TRUE(scheduler.snapshot(order(2), results.collect(2)));
+    ASSERT_TRUE(painter.waitBegun(1));
+    scheduler.drain();
+    EXPECT_TRUE(scheduler.draining());
+    EXPECT_FALSE(scheduler.idle());
+    const auto refused = scheduler.snapshot(order(3), results.collect(3));
+    ASSERT_FALSE(refused);
+    EXPECT_EQ(refused.error().code, ErrorCode::ResourceLimit);
+    painter.openGate();
+    ASSERT_TRUE(results.waitFor(2));
+    EXPECT_EQ(results.code(1), std::nullopt);
+    EXPECT_EQ(results.code(2), std::nullopt);
+    scheduler.stop();
+    scheduler.wait();
+    EXPECT_TRUE(scheduler.idle());
 }
 
 TEST_F(SchedulerTest, ReplaceWaitingOnlyReplaces) {

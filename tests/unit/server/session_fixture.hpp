@@ -40,13 +40,16 @@ class RecordingPort final : public StreamPort {
     }
     void abandon() override { ++abandoned; }
     void close(CloseCode code, std::string) override { closed = code; }
+    std::function<void()> onTaken() override {
+        return [this] { ++takenOver; };
+    }
 
     std::vector<json> texts;
     std::vector<FrameHeader> frames;
     std::vector<Placed> orders;
     std::vector<std::tuple<std::uint64_t, double, double>> picks;
     bool canReplace = false;
-    int replaced = 0, abandoned = 0;
+    int replaced = 0, abandoned = 0, takenOver = 0;
     std::optional<CloseCode> closed;
 };
 
@@ -55,7 +58,7 @@ class TwoClouds final : public StreamWorld {
     std::string defaultCloud() const override { return "first"; }
     tl::expected<std::shared_ptr<const Cloud>, Problem> cloud(std::string_view id) const override {
         if (id == "first") return first;
-        if (id == "second") return second;
+        if (id == "second" && second) return second;
         return tl::unexpected(problemOf(404, "no such cloud"));
     }
     bool loading(std::string_view) const override { return isLoading; }

@@ -108,6 +108,27 @@ TEST_F(ColdCloud, MovingFramesLookAhead) {
     EXPECT_GT(ahead->eye.x, 14) << "0.3 s on, at 2 in 0.1 s";
 }
 
+TEST_F(SessionTest, AFinalStillThatFailsIsSaidAndTheNextViewHasItsOwn) {
+    greet();
+    view(5, 1);
+    finish(0);
+    ack(2);
+    pass(150);
+    session->pictureDone(port.orders.at(1).number, fail(ErrorCode::Internal, "broken"), now);
+    ASSERT_EQ(port.texts.size(), 1U);
+    EXPECT_EQ(port.texts[0]["type"], "problem");
+    EXPECT_EQ(port.texts[0]["seq"], 5);
+    pass(10'000);
+    EXPECT_EQ(port.orders.size(), 2U) << "not tried for ever";
+    view(6, 2);
+    finish(2);
+    ack(3);
+    pass(150);
+    finish(3);
+    EXPECT_TRUE(port.frames.back().final);
+    EXPECT_EQ(port.frames.back().seq, 6U);
+}
+
 TEST_F(SessionTest, WhoStandsStillSeesTheFinerCloudThatTakesThePlaceOfTheCoarse) {
     world.isLoading = true;
     hello();

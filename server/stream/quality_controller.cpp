@@ -1,0 +1,130 @@
+#include "server/stream/quality_controller.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace scancast {
+namespace {
+
+// How the bytes of a JPEG follow its settings, near enough: what is measured of one frame corrects it for the
+// next. Quantisation steps are `scale` times the standard's tables (libjpeg's rule).
+constexpr double bytesFallWith = 2.0 / 3;
+
+double weightOf(double quality) {
+    const double scale = quality < 50 ? 50 / quality : 2 - quality / 50;
+    return std::pow(std::max(scale, 0.01), -bytesFallWith);
+}
+
+double qualityOf(double weight) {
+    const double scale = std::pow(weight, -1 / bytesFallWith);
+    return scale > 1 ? 50 / scale : 100 - 50 * scale;
+}
+
+double weightOf(Subsampling subsampling) {
+    switch (subsampling) {
+        case Subsampling::S444:
+            return 1.35;
+        case Subsampling::S422:
+            return 1.15;
+        case Subsampling::S420:
+            break;
+    }
+    return 1;
+}
+
+// Where pixels are given up rather than more of the quality of each, as a share of the view's own quality;
+// they come back when the larger picture can have that much more.
+constexpr double goodEnough = 0.6;
+constexpr double betterBy = 1.2;
+constexpr int patienceWithPoor = 4, patienceWithGood = 12;  // frames
+constexpr double steepestRise = 6;                          // of JPEG quality, from frame to frame
+// Chroma comes back at once when the network allows it, and goes when it costs this much quality.
+constexpr double chromaCosts = 10;
+// The estimate of the bandwidth errs towards too much, never towards a blur; this makes up for it.
+constexpr double shareOfLink = 0.7;
+// Where a round trip decides the rate anyway, this share of it may go into a sharper picture.
+constexpr double shareOfLatency = 1.0 / 8;
+constexpr double rivalsSmoothing = 0.2;
+
+}  // namespace
+
+double QualityController::frameSeconds(const MovingLimits& limits) const {
+    return std::max(1 / limits.fps, link_.latency() * shareOfLatency);
+}
+
+MovingPlan QualityController::plan(const View& wanted, double ownDetail, const MovingLimits& limits) {
+    MovingPlan plan = planMoving(effort_, ownDetail, limits, resolution_);
+    resolution_ = plan.resolution;
+    plan.jpegQuality = wanted.quality.jpegQuality;
+    plan.subsampling = wanted.quality.subsampling;
+    if (link_.bandwidth() && bytesPerPixel_)
+        fitBytes(plan, wanted, limits, *link_.bandwidth() * shareOfLink * frameSeconds(limits));
+    sentResolution_ = plan.resolution;
+    news_ = 0;
+    return plan;
+}
+
+// A size is given up when its pixels get poor, and another taken when they can be good there: at once where
+// there is no doubt, else only when most of several plans agree, because a picture that changes its size
+// again and again is worse than one that is too small.
+template <class QualityAt>
+double QualityController::steadySide(double most, double least, double floor, double own,
+                                     QualityAt qualityAt) {
+    const double good = std::clamp(goodEnough * own, floor, own);
+    double side = std::clamp(sentResolution_, std::min(least, most), most);
+    const auto larger = [&] { return std::min(side + resolutionStep, most); };
+    const double now = qualityAt(side), then = qualityAt(larger());
+    strained_ = now < good ? strained_ + news_ : 0;
+    eased_ = side < most && then > betterBy * good ? eased_ + news_ : std::max(eased_ - 2 * news_, 0);
+    if (now < floor || strained_ > patienceWithPoor) {
+        while (side > least && qualityAt(side) < good) side = std::max(side - resolutionStep, least);
+    } else if (then > own || eased_ > patienceWithGood) {
+        while (side < most && qualityAt(larger()) > betterBy * good) side = larger();
+    } else {
+        return side;
+    }
+    strained_ = eased_ = 0;
+    return side;
+}
+
+void QualityController::fitBytes(MovingPlan& plan, const View& wanted, const MovingLimits& limits,
+                                 double budget) {
+    const double pixels = double(wanted.width) * double(wanted.height);
+    const double own = wanted.quality.jpegQuality;
+    const auto qualityAt = [&](double resolution, Subsampling chroma) {
+        const double bytes = *bytesPerPixel_ * pixels * resolution * resolution * weightOf(chroma);
+        return qualityOf(budget / bytes);
+    };
+    const double atFull = qualityAt(plan.resolution, wanted.quality.subsampling);
+    coarseChroma_ = atFull < (coarseChroma_ ? own : own - chromaCosts);
+    if (coarseChroma_) plan.subsampling = Subsampling::S420;
+    const double floor = std::min(double(limits.minJpegQuality), own);
+    const double side = steadySide(plan.resolution, limits.minResolution, floor, own, [&](double resolution) {
+        return qualityAt(resolution, plan.subsampling);
+    });
+    plan.resolution = side;
+    const double affordable = std::clamp(qualityAt(side, plan.subsampling), floor, own);
+    jpegQuality_ = std::min(affordable, jpegQuality_.value_or(own) + steepestRise * news_);
+    plan.jpegQuality = int(std::lround(std::clamp(*jpegQuality_, floor, own)));
+}
+
+void QualityController::drawn(const MovingPlan& plan, const FrameCost& cost, double ownDetail,
+                              const MovingLimits& limits) {
+    rivals_ += rivalsSmoothing * (double(cost.rivals) - rivals_);
+    // The device is shared: a frame costs a session the turns of the others, too.
+    const double milliseconds = cost.renderMs * (1 + rivals_) + cost.encodeMs;
+    effort_ = nextEffort(plan, milliseconds, ownDetail, limits);
+}
+
+void QualityController::sent(std::uint64_t frame, const View& view, std::size_t bytes, Time now) {
+    const double weight = weightOf(view.quality.jpegQuality) * weightOf(view.quality.subsampling);
+    bytesPerPixel_ = double(bytes) / (double(view.width) * double(view.height) * weight);
+    link_.sent(frame, bytes, now);
+    news_ = 1;
+}
+
+void QualityController::acknowledged(std::uint64_t frame, const MovingLimits& limits, Time now) {
+    link_.acknowledged(frame, frameSeconds(limits), now);
+}
+
+}  // namespace scancast

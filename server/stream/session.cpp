@@ -106,6 +106,9 @@ void StreamSession::handle(const messages::Hello& hello, Time now) {
     limits_.fps = hello.fps;
     state_ = State::Open;
     nextStats_ = now + options_.statsInterval;
+    // The view of the welcome is shown without being asked for, unless the client's own view comes first. Who
+    // knows the id from the welcome can follow at once: the view stands in the register by then.
+    viewChanged(now);
 
     messages::Welcome welcome;
     welcome.session = options_.id;
@@ -114,8 +117,6 @@ void StreamSession::handle(const messages::Hello& hello, Time now) {
     welcome.limits.maxPixels = options_.maxPixels;
     welcome.view = toJson(scene_.view);
     port_.sendText(printMessage(welcome));
-    // The view of the welcome is shown without being asked for, unless the client's own view comes first.
-    viewChanged(now);
     followLeader(now);  // it may have moved on meanwhile
     pump(now);
 }
@@ -439,10 +440,10 @@ void StreamSession::deliver(const Order& order, Picture picture, Time now) {
     header.height = std::uint32_t(picture.height);
     header.renderMicroseconds = microseconds(picture.renderMs);
     header.encodeMicroseconds = microseconds(picture.encodeMs);
+    if (options_.seat != nullptr) options_.seat->frameSent();
     port_.sendFrame(header, picture.bytes);
 
     metrics_.frameSent(secondsBetween(order.viewTime, now));
-    if (options_.seat != nullptr) options_.seat->frameSent();
     sentTimes_.push_back(now);
     while (now - sentTimes_.front() > std::chrono::seconds(1)) sentTimes_.pop_front();
     weigh(order, picture.stats, now);

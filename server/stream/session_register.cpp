@@ -135,6 +135,15 @@ SessionSeat::~SessionSeat() {
     sessions_.leave(id_);
 }
 
+bool SessionSeat::resumeAs(const std::string& id) {
+    const std::lock_guard lock(sessions_.mutex_);
+    if (sessions_.entries_.contains(id)) return id == id_;
+    auto node = sessions_.entries_.extract(id_);
+    node.key() = node.mapped().facts.id = id_ = id;
+    sessions_.entries_.insert(std::move(node));
+    return true;
+}
+
 void SessionSeat::show(SharedView view) {
     SessionRegister::Sessions followers;
     {

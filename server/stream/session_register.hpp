@@ -68,6 +68,9 @@ class SessionSeat {
     SessionSeat& operator=(const SessionSeat&) = delete;
 
     const std::string& id() const { return id_; }
+    /// For a session that goes on after its connection was lost: it takes its earlier id again. False, and
+    /// the id stays as it is, while somebody else has that one.
+    bool resumeAs(const std::string& id);
     /// Followers are told.
     void show(SharedView view);
     void frameSent();
@@ -85,7 +88,7 @@ class SessionSeat {
     tl::expected<SharedView, Problem> mayFollowLocked(const std::string& leader) const;
 
     SessionRegister& sessions_;
-    const std::string id_;
+    std::string id_;
 };
 
 class SessionRegister {

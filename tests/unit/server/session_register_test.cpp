@@ -59,6 +59,22 @@ TEST_F(RegisterTest, IdsCannotBeGuessed) {
     EXPECT_GE(ids.begin()->size(), 25U);
 }
 
+TEST_F(RegisterTest, ASessionThatGoesOnTakesItsIdAgain) {
+    auto before = enter(first);
+    const std::string id = before->id();
+    auto after = enter(second);
+    EXPECT_FALSE(after->resumeAs(id)) << "the old connection is still there";
+    before.reset();
+    ASSERT_TRUE(after->resumeAs(id));
+    EXPECT_TRUE(after->resumeAs(id));
+    EXPECT_EQ(after->id(), id);
+    EXPECT_EQ(sessions.find(id), second);
+    EXPECT_EQ(sessions.list().size(), 1U);
+    EXPECT_EQ(sessions.list()[0].id, id);
+    after.reset();
+    EXPECT_TRUE(sessions.list().empty());
+}
+
 TEST_F(RegisterTest, FollowersAreToldOfEveryChangeAndOfTheEnd) {
     auto leader = enter(first);
     auto follower = enter(second);

@@ -13,7 +13,7 @@ using Clock = std::chrono::steady_clock;
 using Time = Clock::time_point;
 using namespace std::chrono_literals;
 
-constexpr auto patience = 120s;  // for the first still of hundreds of sessions, and for the last one
+constexpr auto patience = 600s;  // for the first still of hundreds of sessions, and for the last one
 
 double millisecondsSince(Time then) {
     return std::chrono::duration<double, std::milli>(Clock::now() - then).count();

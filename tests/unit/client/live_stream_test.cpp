@@ -207,7 +207,7 @@ TEST(LiveStream, ASilentServerIsLeft) {
     }}));
     auto options = quick();
     options.silence = 20ms;
-    options.timeouts.answer = 2s;
+    options.timeouts.answer = 4s;
     const LiveStream stream(fake.url(), {}, listenerOf(diary), options);
     EXPECT_TRUE(diary.saw("lost")) << diary.all();
 }

@@ -37,6 +37,7 @@ done
 
 ensure_packages build test
 npm_modules importers/laz || die "npm could not install what reads LAZ and Potree"
+npm_modules tests/foreign || die "npm could not install what the tests with another WebSocket library need"
 npm_modules tests/browser || die "npm could not install what the browser tests need"
 
 [ -d "$root/../shared/data" ] || say "NOTE: ../shared/data is missing: tests on real scans will be skipped."

@@ -37,6 +37,9 @@ Expected<ClientMessage> readHello(FieldReader& fields) {
         checkRange(fields, "pixelRatio", hello.pixelRatio, 0.25, 8);
     if (fields.number("fps", hello.fps)) checkRange(fields, "fps", hello.fps, 1, 240);
     if (fields.findValue("resume")) fields.text("resume", hello.resume);
+    if (fields.findValue("follow")) fields.text("follow", hello.follow);
+    if (!hello.follow.empty() && !hello.cloud.empty())
+        fields.error("follow", "shows its own cloud; leave cloud out");
     return finish(fields, hello);
 }
 
@@ -46,9 +49,14 @@ Expected<ClientMessage> readView(const json& object) {
     if (fields.require("seq")) fields.integer("seq", view.seq, 0, UINT64_MAX);
     std::string cloud;
     if (fields.text("cloud", cloud)) view.cloud = cloud;
+    std::string leader;
+    if (fields.find("follow")) {
+        if (fields.findValue("follow")) fields.text("follow", leader);
+        view.follow = leader;
+    }
     if (auto sound = fields.finishLenient(); !sound) return tl::unexpected(sound.error());
     view.changes = object;
-    for (const auto* own : {"type", "seq", "cloud"}) view.changes.erase(own);
+    for (const auto* own : {"type", "seq", "cloud", "follow"}) view.changes.erase(own);
     return view;
 }
 
@@ -91,6 +99,7 @@ json print(const Hello& hello) {
     if (hello.width) object["width"] = *hello.width;
     if (hello.height) object["height"] = *hello.height;
     if (!hello.resume.empty()) object["resume"] = hello.resume;
+    if (!hello.follow.empty()) object["follow"] = hello.follow;
     return object;
 }
 
@@ -99,6 +108,7 @@ json print(const ViewChange& view) {
     object["type"] = "view";
     object["seq"] = view.seq;
     if (view.cloud) object["cloud"] = *view.cloud;
+    if (view.follow) object["follow"] = view.follow->empty() ? json() : json(*view.follow);
     return object;
 }
 

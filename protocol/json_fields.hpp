@@ -1,7 +1,7 @@
 // Takes a JSON object apart, field by field, with errors that name the path. Keeps the first error and goes
 // on as if nothing were there, so that callers read a list of fields and ask once at the end.
 //
-// Inside the protocol room only. Lives on the stack of one function; the object must outlive it.
+// Not among the installed headers. Lives on the stack of one function; the object must outlive it.
 #pragma once
 
 #include <array>

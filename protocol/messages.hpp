@@ -27,7 +27,7 @@ inline constexpr int maxUnacknowledgedFrames = 2;
 /// Close codes that the server sends (RFC 6455 and its registry).
 enum class CloseCode : std::uint16_t {
     Normal = 1000,
-    GoingAway = 1001,        ///< the server shuts down
+    GoingAway = 1001,        ///< the server shuts down, or the cloud that is shown was removed
     ProtocolError = 1002,    ///< wrong subprotocol or version
     UnsupportedData = 1003,  ///< a binary message, or a first message that is no hello
     InvalidPayload = 1007,   ///< text that is no JSON
@@ -48,6 +48,7 @@ struct Hello {
     double pixelRatio = 1;  ///< how many of those px make one CSS px, 0.25–8; the server only takes note
     double fps = 30;        ///< wanted while moving, 1–240
     std::string resume;     ///< token of an earlier welcome, whose session goes on if it still can
+    std::string follow;     ///< id of a session whose view is shown; empty = a view of one's own
     bool operator==(const Hello&) const = default;
 };
 
@@ -58,6 +59,8 @@ struct ViewChange {
     std::optional<std::string>
         cloud;  ///< switches to another cloud; the base is then that cloud's default view
     nlohmann::json changes = nlohmann::json::object();
+    /// Shows what that session shows from now on; empty (in JSON null) = a view of one's own again.
+    std::optional<std::string> follow{};
     bool operator==(const ViewChange&) const = default;
 };
 
@@ -99,7 +102,7 @@ struct Welcome {
         int maxUnacknowledged = maxUnacknowledgedFrames;
         bool operator==(const Limits&) const = default;
     };
-    std::string session;    ///< id of the session, no secret
+    std::string session;    ///< id of the session: who knows it may follow and drive it
     std::string resume;     ///< token; empty when sessions cannot be resumed
     bool resumed = false;   ///< an earlier session goes on; else this is a new one
     std::uint64_t seq = 0;  ///< of `view`: what an earlier session was asked for last; 0 in a new one

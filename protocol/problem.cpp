@@ -77,6 +77,8 @@ std::string_view reasonPhrase(int status) {
     switch (status) {
         case 200:
             return "OK";
+        case 202:
+            return "Accepted";
         case 204:
             return "No Content";
         case 304:
@@ -95,6 +97,8 @@ std::string_view reasonPhrase(int status) {
             return "Not Acceptable";
         case 408:
             return "Request Timeout";
+        case 409:
+            return "Conflict";
         case 413:
             return "Content Too Large";
         case 414:

@@ -50,11 +50,40 @@ std::string Catalog::add(std::string_view title) {
     const std::string wanted = cloudIdFor(title);
     std::string id = wanted;
     for (int n = 2; findLocked(id) != nullptr; ++n) id = wanted + "-" + std::to_string(n);
+    addLocked(id, title);
+    return id;
+}
+
+bool Catalog::addAs(std::string_view id, std::string_view title) {
+    const std::lock_guard lock(mutex_);
+    if (findLocked(id) != nullptr) return false;
+    addLocked(std::string(id), title);
+    return true;
+}
+
+void Catalog::addLocked(std::string id, std::string_view title) {
     CatalogEntry entry;
-    entry.id = id;
+    entry.id = std::move(id);
     entry.title = std::string(title);
     entries_.push_back(std::move(entry));
-    return id;
+}
+
+void Catalog::setTitle(std::string_view id, std::string_view title) {
+    const std::lock_guard lock(mutex_);
+    CatalogEntry* entry = findLocked(id);
+    if (entry == nullptr) return;
+    entry->title = std::string(title);
+    entry->titled = true;
+}
+
+bool Catalog::remove(std::string_view id) {
+    CatalogEntry last;  // a large cloud takes its time to go, which nobody else waits for
+    const std::lock_guard lock(mutex_);
+    const auto at = std::find_if(entries_.begin(), entries_.end(), [&](const auto& e) { return e.id == id; });
+    if (at == entries_.end()) return false;
+    last = std::move(*at);
+    entries_.erase(at);
+    return true;
 }
 
 void Catalog::setProgress(std::string_view id, std::string_view stage, std::uint64_t done,

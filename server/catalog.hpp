@@ -22,8 +22,9 @@ enum class CloudState : std::uint8_t { Loading, Ready, Failed };
 std::string_view name(CloudState state);
 
 struct CatalogEntry {
-    std::string id;     ///< the name in URLs
-    std::string title;  ///< for people
+    std::string id;       ///< the name in URLs
+    std::string title;    ///< for people
+    bool titled = false;  ///< it was chosen for this entry: the cloud's own does not replace it
     CloudState state = CloudState::Loading;
     std::string stage;               ///< while loading: "reading", "sorting" …
     std::optional<double> progress;  ///< while loading: 0–1 of the stage, where that is known
@@ -40,6 +41,11 @@ class Catalog {
   public:
     /// A new entry, Loading. Its id is cloudIdFor(title), with "-2", "-3" … behind it where that is taken.
     std::string add(std::string_view title);
+    /// The same under this id; false, and nothing is added, where it is taken.
+    bool addAs(std::string_view id, std::string_view title);
+    void setTitle(std::string_view id, std::string_view title);
+    /// Forgets the entry; who looks at its cloud goes on looking. False when there is none of that id.
+    bool remove(std::string_view id);
     void setProgress(std::string_view id, std::string_view stage, std::uint64_t done, std::uint64_t total);
     /// A coarse cloud to look at while the entry is Loading; ignored afterwards.
     void setPreview(std::string_view id, std::shared_ptr<const Cloud> cloud);
@@ -60,6 +66,7 @@ class Catalog {
     std::uint64_t pointsResident() const;
 
   private:
+    void addLocked(std::string id, std::string_view title);
     CatalogEntry* findLocked(std::string_view id);
     const CatalogEntry* findLocked(std::string_view id) const;
 

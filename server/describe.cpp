@@ -112,7 +112,7 @@ nlohmann::json cloudJson(const CatalogEntry& entry) {
     if (!entry.cloud) return pendingJson(entry);
     nlohmann::json json = toJson(describe(entry.id, *entry.cloud));
     json.update(pendingJson(entry));
-    json["title"] = entry.cloud->title;
+    if (!entry.titled) json["title"] = entry.cloud->title;
     json["columns"] = columnsJson(*entry.cloud);
     json["classNames"] = classNamesJson(*entry.cloud);
     json["crsName"] = crsName(entry.cloud->crsWkt, entry.cloud->crsEpsg);

@@ -77,8 +77,14 @@ std::shared_ptr<const Cloud> counted(std::shared_ptr<const Cloud> cloud, BlockCa
 }  // namespace
 
 Loader::Loader(std::vector<fs::path> files, Catalog& catalog, LoaderOptions options)
-    : files_(std::move(files)), catalog_(catalog), options_(std::move(options)) {
-    for (const auto& file : files_) ids_.push_back(catalog_.add(file.stem().string()));
+    : catalog_(catalog), options_(std::move(options)) {
+    for (auto& file : files) {
+        std::string id = catalog_.add(file.stem().string());
+        waiting_.push_back({std::move(file), std::move(id)});
+    }
+    // What opens in milliseconds does not wait for what takes minutes.
+    std::stable_partition(waiting_.begin(), waiting_.end(),
+                          [](const Job& job) { return isCloudFileAt(job.file); });
     thread_ = std::thread([this] { run(); });
 }
 
@@ -87,27 +93,49 @@ Loader::~Loader() {
     thread_.join();
 }
 
-void Loader::run() {
-    const auto isQuick = [&](std::size_t i) { return isCloudFileAt(files_[i]); };
-    std::vector<std::size_t> order(files_.size());
-    for (std::size_t i = 0; i < order.size(); ++i) order[i] = i;
-    // What opens in milliseconds does not wait for what takes minutes.
-    std::stable_partition(order.begin(), order.end(), isQuick);
-    for (const std::size_t i : order)
-        if (!stop_.stop_requested()) loadOne(i);
-    finished_ = true;
+bool Loader::load(fs::path file, std::string id) {
+    const std::lock_guard lock(mutex_);
+    if (stop_.stop_requested() || waiting_.size() >= mostAdded) return false;
+    waiting_.push_back({std::move(file), std::move(id)});
+    changed_.notify_one();
+    return true;
 }
 
-void Loader::loadOne(std::size_t index) {
+void Loader::requestStop() {
+    const std::lock_guard lock(mutex_);
+    stop_.request_stop();
+    changed_.notify_one();
+}
+
+bool Loader::finished() const {
+    const std::lock_guard lock(mutex_);
+    return !busy_ && (waiting_.empty() || stop_.stop_requested());
+}
+
+void Loader::run() {
+    std::unique_lock lock(mutex_);
+    while (true) {
+        changed_.wait(lock, [this] { return !waiting_.empty() || stop_.stop_requested(); });
+        if (stop_.stop_requested()) return;
+        const Job job = std::move(waiting_.front());
+        waiting_.pop_front();
+        busy_ = true;
+        lock.unlock();
+        loadOne(job);
+        lock.lock();
+        busy_ = false;
+    }
+}
+
+void Loader::loadOne(const Job& job) {
     const auto start = std::chrono::steady_clock::now();
-    auto cloud = load(files_[index], ids_[index]);
-    settle(index, std::move(cloud),
+    auto cloud = cloudOf(job.file, job.id);
+    settle(job, std::move(cloud),
            std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
 }
 
-void Loader::settle(std::size_t index, Result cloud, double seconds) {
-    const fs::path& file = files_[index];
-    const std::string& id = ids_[index];
+void Loader::settle(const Job& job, Result cloud, double seconds) {
+    const auto& [file, id] = job;
     if (cloud) {
         if (options_.onLoaded) options_.onLoaded({id, **cloud, seconds});
         catalog_.setReady(id, std::move(*cloud));
@@ -127,7 +155,7 @@ void Loader::settle(std::size_t index, Result cloud, double seconds) {
     if (options_.onFailed && error.code != ErrorCode::Cancelled) options_.onFailed(error);
 }
 
-Loader::Result Loader::load(const fs::path& file, const std::string& id) {
+Loader::Result Loader::cloudOf(const fs::path& file, const std::string& id) {
     if (isCloudFileAt(file)) return openCloud(file, options_.cache);
     auto source = openScan(file, options_.import);
     if (!source) return tl::unexpected(std::move(source.error()));

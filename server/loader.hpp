@@ -7,9 +7,12 @@
 
 #include <atomic>
 #include <chrono>
+#include <condition_variable>
+#include <deque>
 #include <filesystem>
 #include <functional>
 #include <memory>
+#include <mutex>
 #include <stop_token>
 #include <string>
 #include <thread>
@@ -47,23 +50,34 @@ struct LoaderOptions {
 
 class Loader {
   public:
-    /// The entries are in the catalog when this returns; loading has begun. The catalog outlives the loader.
+    static constexpr std::size_t mostAdded = 64;  ///< by load(), waiting
+
+    /// The entries are in the catalog when this returns; loading has begun, what opens in milliseconds first.
+    /// The catalog outlives the loader.
     Loader(std::vector<std::filesystem::path> files, Catalog& catalog, LoaderOptions options);
     /// requestStop(), then waits. A tree that is being built is finished first.
     ~Loader();
     Loader(const Loader&) = delete;
     Loader& operator=(const Loader&) = delete;
 
-    void requestStop() { stop_.request_stop(); }
-    bool finished() const { return finished_; }
+    /// Loads one more into an entry that is in the catalog, after those that wait; false when too many do, or
+    /// after requestStop().
+    bool load(std::filesystem::path file, std::string id);
+    void requestStop();
+    /// Nothing is being loaded, and nothing waits; after requestStop(): nothing is being loaded.
+    bool finished() const;
     std::size_t failed() const { return failed_; }
 
   private:
     void run();
     using Result = Expected<std::shared_ptr<const Cloud>>;
-    void loadOne(std::size_t index);
-    void settle(std::size_t index, Result cloud, double seconds);
-    Result load(const std::filesystem::path& file, const std::string& id);
+    struct Job {
+        std::filesystem::path file;
+        std::string id;
+    };
+    void loadOne(const Job& job);
+    void settle(const Job& job, Result cloud, double seconds);
+    Result cloudOf(const std::filesystem::path& file, const std::string& id);
     Result build(const std::filesystem::path& file, const std::string& id);
     Result ingestTo(const std::filesystem::path& output, const std::filesystem::path& file,
                     const std::string& id);
@@ -72,13 +86,14 @@ class Loader {
     ProgressSink progressOf(const std::string& id) const;
     void note(const std::string& text) const;
 
-    const std::vector<std::filesystem::path> files_;
     Catalog& catalog_;
     const LoaderOptions options_;
-    std::vector<std::string> ids_;
     std::stop_source stop_;
-    std::atomic<bool> finished_{false};
     std::atomic<std::size_t> failed_{0};
+    mutable std::mutex mutex_;
+    std::condition_variable changed_;
+    std::deque<Job> waiting_;
+    bool busy_ = false;
     std::thread thread_;
 };
 

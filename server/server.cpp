@@ -28,8 +28,9 @@ class RunningServer final : public Server {
         : options_(options),
           metrics_(scancastVersion()),
           scheduler_(std::move(openPainter), options.scheduler, metrics_),
-          api_(apiOptions(options), catalog_, scheduler_, metrics_),
-          context_{options.limits, api_, catalog_, scheduler_, metrics_},
+          admin_(catalog_, options.dataRoot),
+          api_(apiOptions(options), catalog_, admin_, sessions_, scheduler_, metrics_),
+          context_{options.limits, api_, catalog_, scheduler_, metrics_, sessions_},
           io_(std::max(1, options.netThreads)),
           work_(asio::make_work_guard(io_)) {}
 
@@ -62,6 +63,7 @@ class RunningServer final : public Server {
     }
 
     Catalog& catalog() override { return catalog_; }
+    CloudAdmin& admin() override { return admin_; }
     Scheduler& scheduler() override { return scheduler_; }
     std::uint16_t port() const override { return listener_->port(); }
     std::size_t connections() const override { return context_.connections.size(); }
@@ -101,6 +103,8 @@ class RunningServer final : public Server {
     Metrics metrics_;
     Catalog catalog_;
     Scheduler scheduler_;
+    CloudAdmin admin_;
+    SessionRegister sessions_;
     Api api_;
     NetContext context_;
     asio::io_context io_;

@@ -12,6 +12,7 @@
 
 #include "renderer/residency/block_cache.hpp"
 #include "server/catalog.hpp"
+#include "server/cloud_admin.hpp"
 #include "server/metrics.hpp"
 #include "server/net/net_context.hpp"
 #include "server/net/tls.hpp"
@@ -29,6 +30,7 @@ struct ServerOptions {
     NetLimits limits;
     SchedulerOptions scheduler;
     std::shared_ptr<BlockCache> cache;  ///< that the clouds' blocks live in, if any do
+    std::filesystem::path dataRoot;     ///< whose files administrators may add; empty = none
 };
 
 class Server {
@@ -40,6 +42,7 @@ class Server {
     virtual ~Server() = default;
 
     virtual Catalog& catalog() = 0;
+    virtual CloudAdmin& admin() = 0;
     virtual Scheduler& scheduler() = 0;
     virtual std::uint16_t port() const = 0;
     /// To open in a browser: "http://127.0.0.1:8080/".

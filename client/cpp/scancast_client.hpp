@@ -8,12 +8,19 @@
 //     auto stream = client::Stream::open(*url, messages::Hello{.cloud = "town"});
 //     auto frame = stream->receiveFrame();  // header and JPEG
 //     stream->ack(frame->header);
+//     auto picture = client::decodeJpeg(frame->jpeg);
 //
-// Synchronous: every call blocks until it is done, fails, or its deadline has passed. Every failure is an
-// Expected error with a sentence for people. Depends on protocol/ only; Boost does not show in the headers.
+// Server and Stream are synchronous: every call blocks until it is done, fails, or its deadline has passed.
+// LiveStream has a thread of its own, tells by callbacks, and connects again when the connection is lost.
+// Every failure is an Expected error with a sentence for people. Depends on protocol/ only; neither Boost nor
+// the JPEG decoder shows in the headers. Installed, it is `find_package(scancast)`, `scancast::client`,
+// `#include <scancast/client.hpp>`: example/ is a whole project.
 #pragma once
 
+#include "client/cpp/camera_path.hpp"
 #include "client/cpp/credentials.hpp"
+#include "client/cpp/decode.hpp"
+#include "client/cpp/live_stream.hpp"
 #include "client/cpp/orbit_path.hpp"
 #include "client/cpp/server.hpp"
 #include "client/cpp/server_url.hpp"

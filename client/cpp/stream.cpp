@@ -2,9 +2,12 @@
 
 #include "client/cpp/timed_io.hpp"
 
+#include <atomic>
+#include <boost/asio/post.hpp>
 #include <boost/beast/core/flat_buffer.hpp>
 #include <boost/beast/websocket.hpp>
 
+#include "client/cpp/paced_stream.hpp"
 #include "client/cpp/refusal.hpp"
 #include "protocol/nearest_name.hpp"
 #include "protocol/view_json.hpp"
@@ -27,17 +30,46 @@ Error goodbye(std::uint16_t code, std::string_view reason) {
     return {kind, message + " (close code " + std::to_string(code) + ")", {}};
 }
 
+/// What a message says; nothing when it is of a type from the future.
+Expected<std::optional<StreamEvent>> eventOf(std::span<const std::uint8_t> bytes, bool text) {
+    if (!text) {
+        const auto frame = parseFrame(bytes);
+        if (!frame) return tl::unexpected(frame.error());
+        return ReceivedFrame{frame->header, {frame->picture.begin(), frame->picture.end()}};
+    }
+    auto message = parseServerMessage({reinterpret_cast<const char*>(bytes.data()), bytes.size()});
+    if (!message) {
+        if (message.error().code == ErrorCode::Unsupported) return std::nullopt;
+        return tl::unexpected(message.error());
+    }
+    if (auto* stats = std::get_if<messages::Stats>(&*message)) return std::move(*stats);
+    if (auto* problem = std::get_if<messages::ProblemReport>(&*message)) return std::move(*problem);
+    if (auto* picked = std::get_if<messages::Picked>(&*message)) return std::move(*picked);
+    if (auto* pong = std::get_if<messages::Pong>(&*message)) return *pong;
+    if (const auto* bye = std::get_if<messages::Bye>(&*message))
+        return tl::unexpected(goodbye(static_cast<std::uint16_t>(bye->code), bye->reason));
+    return fail(ErrorCode::Malformed, "the server said welcome twice");
+}
+
 }  // namespace
 
 class Stream::Connection {
   public:
     Connection(ServerUrl url, const Timeouts& timeouts) : url_(std::move(url)), timeouts_(timeouts) {}
 
-    Expected<void> open(const Credentials& credentials) {
+    ~Connection() {
+        if (!socket_) return;
+        drop();
+        io_.restart();
+        io_.poll();  // a read that still waits ends here, while what it reads into is there
+    }
+
+    Expected<void> open(const Credentials& credentials, double readBytesPerSecond) {
         auto connected = connectUntil(io_, url_, credentials, Clock::now() + timeouts_.connect);
         if (!connected) return tl::unexpected(std::move(connected.error()));
         tls_ = std::move(connected->tls);
-        socket_ = std::make_unique<websocket::stream<NetStream>>(std::move(connected->stream));
+        socket_ = std::make_unique<websocket::stream<PacedStream>>(std::move(connected->stream),
+                                                                   readBytesPerSecond);
         socket_->read_message_max(longestMessage);
         socket_->auto_fragment(false);
         return handshake(credentials.token);
@@ -52,13 +84,43 @@ class Stream::Connection {
         return {};
     }
 
-    /// One whole message; it stays valid until the next call.
-    Expected<std::span<const std::uint8_t>> read() {
-        buffer_.clear();
-        const auto error = run([&](auto handler) { socket_->async_read(buffer_, handler); });
-        if (error) return tl::unexpected(lost(error, "waiting for the next message"));
+    using Bytes = std::span<const std::uint8_t>;
+
+    /// One whole message; it stays valid until the next call. Nothing when there is none by the deadline, or
+    /// when interrupted; what has arrived of it is kept.
+    Expected<std::optional<Bytes>> readUntil(Clock::time_point deadline) {
+        if (!reading_) {
+            buffer_.clear();
+            reading_ = true;
+            arrived_.reset();
+            socket_->async_read(buffer_, [this](ErrorCodeOfBoost error, std::size_t) { arrived_ = error; });
+        }
+        io_.restart();
+        while (!arrived_ && !interrupted_.exchange(false) && io_.run_one_until(deadline) > 0) {
+        }
+        if (!arrived_) return std::nullopt;
+        if (*arrived_) return tl::unexpected(lost(*arrived_, "waiting for the next message"));
+        reading_ = false;
         const auto data = buffer_.cdata();
-        return std::span(static_cast<const std::uint8_t*>(data.data()), data.size());
+        return Bytes(static_cast<const std::uint8_t*>(data.data()), data.size());
+    }
+
+    /// The same with the deadline of an answer, which ends the session.
+    Expected<Bytes> read() {
+        const auto deadline = Clock::now() + timeouts_.answer;
+        for (;;) {
+            const auto bytes = readUntil(deadline);
+            if (!bytes) return tl::unexpected(bytes.error());
+            if (*bytes) return **bytes;
+            if (Clock::now() < deadline) continue;  // interrupted
+            drop();
+            return tl::unexpected(lost(boost::asio::error::timed_out, "waiting for the next message"));
+        }
+    }
+
+    void interrupt() {
+        interrupted_ = true;
+        boost::asio::post(io_, [] {});
     }
 
     bool gotText() const { return socket_->got_text(); }
@@ -76,10 +138,12 @@ class Stream::Connection {
   private:
     template <class Start>
     ErrorCodeOfBoost run(Start start) {
-        return runUntil(io_, Clock::now() + timeouts_.answer, start, [this] {
-            ErrorCodeOfBoost ignored;  // the session is over either way
-            socket_->next_layer().tcp().socket().close(ignored);
-        });
+        return runUntil(io_, Clock::now() + timeouts_.answer, start, [this] { drop(); });
+    }
+
+    void drop() {
+        ErrorCodeOfBoost ignored;  // the session is over either way
+        socket_->next_layer().net().tcp().socket().close(ignored);
     }
 
     Expected<void> handshake(const std::string& token) {
@@ -117,8 +181,11 @@ class Stream::Connection {
     Timeouts timeouts_;
     boost::asio::io_context io_;
     std::shared_ptr<boost::asio::ssl::context> tls_;  // outlives the socket
-    std::unique_ptr<websocket::stream<NetStream>> socket_;
+    std::unique_ptr<websocket::stream<PacedStream>> socket_;
     beast::flat_buffer buffer_;
+    bool reading_ = false;                     // from the first wait for a message until it is handed over
+    std::optional<ErrorCodeOfBoost> arrived_;  // how that ended
+    std::atomic<bool> interrupted_ = false;
 };
 
 Stream::Stream(std::unique_ptr<Connection> connection) : connection_(std::move(connection)) {}
@@ -127,9 +194,10 @@ Stream& Stream::operator=(Stream&&) noexcept = default;
 Stream::~Stream() = default;
 
 Expected<Stream> Stream::open(const ServerUrl& url, const messages::Hello& hello, const Timeouts& timeouts,
-                              const Credentials& credentials) {
+                              const Credentials& credentials, double readBytesPerSecond) {
     auto connection = std::make_unique<Connection>(url, timeouts);
-    if (auto opened = connection->open(credentials); !opened) return tl::unexpected(opened.error());
+    if (auto opened = connection->open(credentials, readBytesPerSecond); !opened)
+        return tl::unexpected(opened.error());
     if (auto sent = connection->send(hello); !sent) return tl::unexpected(sent.error());
     const auto text = connection->read();
     if (!text) return tl::unexpected(text.error());
@@ -167,24 +235,25 @@ Expected<StreamEvent> Stream::receive() {
     for (;;) {
         const auto bytes = connection_->read();
         if (!bytes) return tl::unexpected(bytes.error());
-        if (!connection_->gotText()) {
-            const auto frame = parseFrame(*bytes);
-            if (!frame) return tl::unexpected(frame.error());
-            return ReceivedFrame{frame->header, {frame->picture.begin(), frame->picture.end()}};
-        }
-        auto message = parseServerMessage({reinterpret_cast<const char*>(bytes->data()), bytes->size()});
-        if (!message) {
-            if (message.error().code == ErrorCode::Unsupported) continue;  // a newer server's message
-            return tl::unexpected(message.error());
-        }
-        if (auto* stats = std::get_if<messages::Stats>(&*message)) return std::move(*stats);
-        if (auto* problem = std::get_if<messages::ProblemReport>(&*message)) return std::move(*problem);
-        if (auto* picked = std::get_if<messages::Picked>(&*message)) return std::move(*picked);
-        if (auto* pong = std::get_if<messages::Pong>(&*message)) return *pong;
-        if (const auto* bye = std::get_if<messages::Bye>(&*message))
-            return tl::unexpected(goodbye(static_cast<std::uint16_t>(bye->code), bye->reason));
-        return fail(ErrorCode::Malformed, "the server said welcome twice");
+        auto event = eventOf(*bytes, connection_->gotText());
+        if (!event) return tl::unexpected(std::move(event.error()));
+        if (*event) return std::move(**event);
     }
+}
+
+Expected<std::optional<StreamEvent>> Stream::receiveFor(std::chrono::milliseconds wait) {
+    const auto deadline = Clock::now() + wait;
+    for (;;) {
+        const auto bytes = connection_->readUntil(deadline);
+        if (!bytes) return tl::unexpected(bytes.error());
+        if (!*bytes) return std::nullopt;
+        auto event = eventOf(**bytes, connection_->gotText());
+        if (!event || *event) return event;
+    }
+}
+
+void Stream::interrupt() {
+    connection_->interrupt();
 }
 
 Expected<ReceivedFrame> Stream::receiveFrame() {

@@ -1,13 +1,15 @@
 // A live session: views go to the server, frames come back. Boost.Beast stays in the .cpp.
 //
-// Owned and used by one thread; every call blocks until it is done or its deadline has passed. After an error
-// other than a Problem the session is over: open another. A client that neither receives nor sends for a long
-// time is not there for the server's pings, and is dropped.
+// Owned and used by one thread, interrupt() excepted; every call blocks until it is done or its deadline has
+// passed. After an error other than a Problem the session is over: open another. A client that neither
+// receives nor sends for a long time is not there for the server's pings, and is dropped. live_stream.hpp has
+// a thread of its own and comes back after the connection is lost.
 #pragma once
 
 #include <chrono>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <variant>
 #include <vector>
 
@@ -33,9 +35,10 @@ class Stream {
   public:
     /// Connects, agrees on the subprotocol, says hello and awaits the welcome. Errors: the network's;
     /// Unsupported when the other side speaks another subprotocol; what the server refuses with; Malformed
-    /// for a welcome that is none.
+    /// for a welcome that is none. `readBytesPerSecond` plays a slow line, for measurements; 0 = unlimited.
     static Expected<Stream> open(const ServerUrl& url, const messages::Hello& hello,
-                                 const Timeouts& timeouts = {}, const Credentials& credentials = {});
+                                 const Timeouts& timeouts = {}, const Credentials& credentials = {},
+                                 double readBytesPerSecond = 0);
 
     Stream(Stream&&) noexcept;
     Stream& operator=(Stream&&) noexcept;
@@ -53,6 +56,11 @@ class Stream {
     /// Truncated, Malformed or Unsupported for frames and messages that are not what they should be;
     /// Cancelled or ResourceLimit when the server says goodbye.
     Expected<StreamEvent> receive();
+    /// The same, but waits for `wait` at most, and no longer than until interrupt() is called: then nothing,
+    /// and the session goes on.
+    Expected<std::optional<StreamEvent>> receiveFor(std::chrono::milliseconds wait);
+    /// Ends the receiveFor() that waits now, or else the next one. From any thread.
+    void interrupt();
     /// The next frame; skips stats, picked points and pongs. A problem that the server reports is an error
     /// here.
     Expected<ReceivedFrame> receiveFrame();

@@ -1,5 +1,5 @@
-# Turns files into a C++ source that defines scancast::assets() (server/net/page.hpp).
-# cmake -DOUTPUT=… -DROOT=folder "-DFILES=a.html;sub/b.js" -P EmbedFiles.cmake
+# Turns files into a C++ source that defines scancast::FUNCTION() (server/net/page.hpp).
+# cmake -DOUTPUT=… -DFUNCTION=assets -DROOT=folder "-DFILES=a.html;sub/b.js" -P EmbedFiles.cmake
 set(arrays "")
 set(table "")
 set(index 0)
@@ -25,7 +25,7 @@ const Asset table[] = {
 ${table}};
 }  // namespace
 
-std::span<const Asset> assets() { return table; }
+std::span<const Asset> ${FUNCTION}() { return table; }
 
 }  // namespace scancast
 ")

@@ -8,6 +8,7 @@
 
 #include "server/commands/byte_size.hpp"
 #include "server/commands/command.hpp"
+#include "server/commands/config_file.hpp"
 #include "server/commands/program_folder.hpp"
 #include "server/commands/progress_bar.hpp"
 #include "server/commands/serve_options.hpp"
@@ -78,11 +79,13 @@ bool reportDevice(Server& server, bool& reported) {
 }
 
 // Until a signal comes (0), or there is nothing to serve with or from (1).
-int waitForTheEnd(Server& server, const Loader& loader, std::size_t files, ShutdownSignals& signals) {
+int waitForTheEnd(Server& server, const Loader& loader, const ServeOptions& options,
+                  ShutdownSignals& signals) {
+    const bool mayGrow = !options.server.dataRoot.empty();
     bool deviceReported = false;
     while (signals.wait(std::chrono::milliseconds(100)) == 0) {
         if (!reportDevice(server, deviceReported)) return 1;
-        if (loader.finished() && loader.failed() == files) {
+        if (!mayGrow && loader.finished() && loader.failed() == options.files.size()) {
             spdlog::error("None of the files could be loaded; there is nothing to serve.");
             return 1;
         }
@@ -150,10 +153,33 @@ int serve(ServeOptions options) {
     ProgressBar bar(stderr,
                     options.logFormat == "json" ? ProgressBar::Style::Quiet : ProgressBar::Style::Automatic);
     Loader loader(options.files, (*server)->catalog(), loaderOptions(options, bar));
-    const int exitCode = waitForTheEnd(**server, loader, options.files.size(), signals);
+    (*server)->admin().loadWith([&loader](const std::filesystem::path& file, const std::string& id) {
+        return loader.load(file, id);
+    });
+    const int exitCode = waitForTheEnd(**server, loader, options, signals);
+    (*server)->admin().loadWith({});
     bar.clear();
     leave(**server, loader, *options.server.cache, signals, exitCode);
     return exitCode;
+}
+
+// What only a look at the files can tell.
+int checkConfig(const CLI::App& command, const ServeOptions& options) {
+    if (auto sound = check(options); !sound) return failure(sound.error());
+    if (auto tokens = accessTokens(options); !tokens) return failure(tokens.error());
+    if (options.server.tls.given()) {
+        if (auto tls = openTls(options.server.tls); !tls) return failure(tls.error());
+    }
+    std::printf("%s\n", effectiveConfig(command).dump(4).c_str());
+    return 0;
+}
+
+int run(CLI::App& command, ServeOptions& options) {
+    if (!options.config.empty()) {
+        if (auto applied = applyConfigFile(command, options.config); !applied)
+            return failure(applied.error());
+    }
+    return options.checkConfig ? checkConfig(command, options) : serve(options);
 }
 
 }  // namespace
@@ -164,9 +190,10 @@ void addServe(CLI::App& app, int& exitCode) {
     command->footer(
         "Every option can come from the environment too: --max-pixels is SCANCAST_MAX_PIXELS.\n"
         "Example: scancast serve town.las room.ply --port 9000\n"
-        "         scancast serve city.scan --memory-limit 2G");
+        "         scancast serve city.scan --memory-limit 2G\n"
+        "         scancast serve --config /etc/scancast.json --check-config");
     addServeFlags(*command, *options);
-    command->callback([options, &exitCode] { exitCode = serve(*options); });
+    command->callback([options, command, &exitCode] { exitCode = run(*command, *options); });
 }
 
 }  // namespace scancast

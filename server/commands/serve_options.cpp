@@ -80,6 +80,9 @@ void addServeFlags(CLI::App& app, ServeOptions& options) {
          "Folder that keeps scans as cloud files, and compiled GPU programs, so that the next start has "
          "them at once")
         ->type_name("FOLDER");
+    flag("--data-root", options.server.dataRoot, "SCANCAST_DATA_ROOT",
+         "Folder whose scans the administrator may add while the server runs (POST /api/v1/clouds)")
+        ->type_name("FOLDER");
     app.add_option("--allowed-origin", options.server.allowedOrigins,
                    "Another website whose pages may use this server; may be repeated")
         ->type_name("ORIGIN")
@@ -105,6 +108,11 @@ void addServeFlags(CLI::App& app, ServeOptions& options) {
     flag("--tls-key", options.server.tls.key, "SCANCAST_TLS_KEY",
          "The certificate's private key in PEM format")
         ->type_name("FILE");
+    flag("--config", options.config, "SCANCAST_CONFIG",
+         "JSON file with names of flags as keys; flags and the environment go before it")
+        ->type_name("FILE");
+    app.add_flag("--check-config", options.checkConfig,
+                 "Check everything that was given, print what holds, and exit");
     flag("--log-level", options.logLevel, "SCANCAST_LOG_LEVEL", "debug, info, warn, error or off")
         ->type_name("LEVEL");
     flag("--log-format", options.logFormat, "SCANCAST_LOG_FORMAT", "text, or json for one object a line")
@@ -126,7 +134,7 @@ Expected<std::uint64_t> memoryLimit(const ServeOptions& options) {
 }
 
 Expected<void> check(const ServeOptions& options) {
-    if (options.files.empty()) {
+    if (options.files.empty() && options.server.dataRoot.empty()) {
         return fail(ErrorCode::InvalidArgument,
                     "Nothing to serve: name at least one scan. Without one at hand, make a town: "
                     "scancast generate town --points 2000000 -o town.las && scancast serve town.las");
@@ -146,10 +154,18 @@ Expected<void> check(const ServeOptions& options) {
     if (auto limit = parseGpuMemoryLimit(options.gpuMemoryLimit); !limit)
         return tl::unexpected(std::move(limit.error()));
     std::error_code error;
-    if (!options.cacheDir.empty() && !std::filesystem::is_directory(options.cacheDir, error)) {
+    for (const auto& [flag, folder] :
+         {std::pair("cache-dir", &options.cacheDir), std::pair("data-root", &options.server.dataRoot)}) {
+        if (folder->empty() || std::filesystem::is_directory(*folder, error)) continue;
+        return fail(
+            ErrorCode::InvalidArgument,
+            "--" + std::string(flag) + ": there is no folder " + folder->string() + "; create it first.",
+            flag);
+    }
+    if (!options.server.dataRoot.empty() && options.adminTokenFile.empty()) {
         return fail(ErrorCode::InvalidArgument,
-                    "--cache-dir: there is no folder " + options.cacheDir.string() + "; create it first.",
-                    "cache-dir");
+                    "--data-root: only an administrator may add clouds; give --admin-token-file, too.",
+                    "data-root");
     }
     for (const std::string& origin : options.server.allowedOrigins) {
         if (auto sound = checkAllowedOrigin(origin); !sound) return sound;

@@ -1,5 +1,5 @@
 // What `scancast serve` can be told, and the rules between the options. Flag > environment (SCANCAST_…) >
-// default; the configuration file will stand between the last two.
+// configuration file (config_file.hpp) > default.
 #pragma once
 
 #include <CLI/CLI.hpp>
@@ -21,6 +21,8 @@ struct ServeOptions {
     std::string gpuMemoryLimit;      ///< as written; empty = most of what the GPU has free
     std::filesystem::path cacheDir;  ///< empty = built anew with every start
     bool noSurfels = false;          ///< scans are built without normals and radii
+    std::filesystem::path config;    ///< empty = none
+    bool checkConfig = false;        ///< say what holds, and serve nothing
     std::string logLevel = "info";
     std::string logFormat = "text";
 };
@@ -28,8 +30,8 @@ struct ServeOptions {
 /// `options` must outlive the parse.
 void addServeFlags(CLI::App& app, ServeOptions& options);
 
-/// What no single flag can know. InvalidArgument: no file, an address that needs a token or --insecure, an
-/// origin that is none.
+/// What no single flag can know. InvalidArgument: no file and no data root, an address that needs a token or
+/// --insecure, an origin that is none.
 Expected<void> check(const ServeOptions& options);
 
 /// --memory-limit in bytes. InvalidArgument when it is none, or too small to draw anything.

@@ -8,10 +8,16 @@
 namespace scancast {
 namespace {
 
-enum class Need : std::uint8_t { Nothing, Token };
+enum class Need : std::uint8_t { Nothing, Token, Admin };
 
-Need needOf(Route route) {
+Need needOf(Route route, const std::string& method) {
     switch (route) {
+        case Route::Sessions:
+            return Need::Admin;
+        case Route::Clouds:
+            return method == "POST" ? Need::Admin : Need::Token;
+        case Route::Cloud:
+            return method == "DELETE" ? Need::Admin : Need::Token;
         case Route::Asset:  // the page, which has to be there to ask for the token
         case Route::Health:
         case Route::Ready:
@@ -45,6 +51,12 @@ Credentials credentialsOf(const HttpRequest& request, Route route) {
     return {};
 }
 
+HttpResponse notAdmin(bool possible) {
+    return problemResponse(problemOf(403, possible ? "This needs the administrator's token."
+                                                   : "Nobody administers this server: it was started without "
+                                                     "--admin-token-file."));
+}
+
 HttpResponse unauthorized(bool given) {
     HttpResponse response =
         problemResponse(problemOf(401, given ? "The access token is not one of this server's."
@@ -74,11 +86,18 @@ bool Access::same(const std::optional<Digest>& known, const Digest& given) {
 }
 
 tl::expected<void, HttpResponse> Access::check(const HttpRequest& request, Route route) const {
-    if (needOf(route) == Need::Nothing || !user_) return {};
+    const Need need = needOf(route, request.method);
+    const bool administers = need == Need::Admin;
+    if (need == Need::Nothing || (!administers && !user_)) return {};
+    if (administers && !admin_ && !user_) return tl::unexpected(notAdmin(false));
     const Credentials credentials = credentialsOf(request, route);
     if (!credentials.token) return tl::unexpected(unauthorized(credentials.given));
     const Digest given = digestOf(*credentials.token);
-    if (same(user_, given) || same(admin_, given)) return {};
+    if (same(admin_, given)) return {};
+    if (same(user_, given)) {
+        if (!administers) return {};
+        return tl::unexpected(notAdmin(admin_.has_value()));
+    }
     return tl::unexpected(unauthorized(true));
 }
 

@@ -1,37 +1,20 @@
 #include "server/net/api.hpp"
 
+#include <algorithm>
+#include <array>
 #include <cstdio>
 #include <utility>
 
 #include "protocol/json_text.hpp"
 #include "protocol/pick_request.hpp"
 #include "server/describe.hpp"
+#include "server/net/mjpeg_request.hpp"
 #include "server/net/negotiate.hpp"
 #include "server/net/page.hpp"
 #include "server/net/picture_request.hpp"
 
 namespace scancast {
 namespace {
-
-std::vector<std::string> values(const HttpRequest& request, std::string_view name) {
-    std::vector<std::string> list;
-    for (const auto& [key, value] : request.headers) {
-        if (key == name) list.push_back(value);
-    }
-    return list;
-}
-
-// Browsers say where a request comes from even where they send no Origin: <img> and <script> of another site
-// could otherwise make this server work. Following a link to the page is fine.
-Expected<void> checkFetchSite(const HttpRequest& request, const OriginRules& rules) {
-    const std::string site = request.header("sec-fetch-site");
-    if (site.empty() || site == "same-origin" || site == "none") return {};
-    if (request.header("sec-fetch-mode") == "navigate" && request.header("sec-fetch-dest") == "document")
-        return {};
-    if (isAllowedOrigin(request.header("origin"), rules)) return {};
-    return fail(ErrorCode::Unsupported,
-                "Pages of another site may not use this server; --allowed-origin would let them.");
-}
 
 std::string serverTiming(const Picture& picture) {
     double select = 0;
@@ -57,86 +40,74 @@ HttpResponse pictureResponse(PictureFormat format, const View& view, const std::
     return response;
 }
 
-bool isPreflight(const HttpRequest& request) {
-    return request.method == "OPTIONS" && request.count("access-control-request-method") > 0;
+bool answersWithJson(Route route) {
+    constexpr std::array all{Route::OpenApi, Route::Clouds,   Route::Cloud,      Route::Methods,
+                             Route::Pick,    Route::Sessions, Route::SessionView};
+    return std::find(all.begin(), all.end(), route) != all.end();
 }
 
-HttpResponse preflightResponse(Route route) {
+HttpResponse refusal(Problem problem, const Routed& routed) {
+    problem.instance = routed.path;
+    return problemResponse(problem);
+}
+
+HttpResponse fileResponse(const HttpRequest& request, const Asset& file) {
+    const std::string tag = contentTag(file.bytes);
     HttpResponse response;
-    response.status = 204;
-    response.set("Access-Control-Allow-Methods", std::string(allowedMethods(route)))
-        .set("Access-Control-Allow-Headers", "Authorization, Content-Type, If-None-Match")
-        .set("Access-Control-Max-Age", "600");
+    response.set("ETag", tag).set("Cache-Control", "no-cache");
+    if (matchesAny(request.header("if-none-match"), tag)) {
+        response.status = 304;
+        return response;
+    }
+    response.set("Content-Type", std::string(contentTypeOf(file.path)));
+    response.text = std::string(file.bytes);
     return response;
+}
+
+/// The body of a POST that drives a session: a `view` message, whose `type` and `seq` may be left out.
+Expected<messages::ViewChange> parseViewChange(const std::string& body, std::uint64_t seq) {
+    auto object = parseJson(body);
+    if (!object) return tl::unexpected(object.error());
+    if (object->is_object()) {
+        object->emplace("type", "view");
+        object->emplace("seq", seq);
+    }
+    auto message = parseClientMessage(printJson(*object));
+    if (!message) return tl::unexpected(message.error());
+    if (auto* change = std::get_if<messages::ViewChange>(&*message)) return std::move(*change);
+    return fail(ErrorCode::InvalidArgument, "type: must be \"view\" here", "type");
 }
 
 }  // namespace
 
-Api::Api(ApiOptions options, const Catalog& catalog, Scheduler& scheduler, Metrics& metrics)
+Api::Api(ApiOptions options, const Catalog& catalog, CloudAdmin& admin, const SessionRegister& sessions,
+         Scheduler& scheduler, Metrics& metrics)
     : options_(std::move(options)),
       access_(options_.tokens),
       catalog_(catalog),
+      admin_(admin),
+      sessions_(sessions),
       scheduler_(scheduler),
       metrics_(metrics),
       pictures_(scheduler),
       picker_(pictures_, scheduler, options_.version) {}
 
-tl::expected<Routed, HttpResponse> Api::admit(const HttpRequest& request) const {
-    const auto refuse = [](const Problem& problem) { return tl::unexpected(problemResponse(problem)); };
-    const OriginRules& rules = options_.origins;
-    if (auto host = checkHost(values(request, "host"), rules); !host) {
-        return refuse(
-            problemOf(host.error().code == ErrorCode::InvalidArgument ? 400 : 403, host.error().message));
-    }
-    if (auto origin = checkOrigin(values(request, "origin"), request.header("host"), rules); !origin) {
-        return refuse(problemOf(403, origin.error().message));
-    }
-    if (auto site = checkFetchSite(request, rules); !site)
-        return refuse(problemOf(403, site.error().message));
-    auto routed = route(request.target);
-    if (!routed) return refuse(routed.error());
-    if (routed->route == Route::Asset && findAsset(routed->path) == nullptr) {
-        return refuse(problemOf(
-            404, "Nothing is served at this address; the page is at /, the API at /api/v1/clouds."));
-    }
-    // Asked by browsers before a page of an allowed origin may send its token; the question itself carries
-    // none.
-    if (isPreflight(request) && isAllowedOrigin(request.header("origin"), rules))
-        return tl::unexpected(preflightResponse(routed->route));
-    if (auto let = access_.check(request, routed->route); !let) return tl::unexpected(std::move(let.error()));
-    const bool post = takesBody(routed->route);
-    if (post ? request.method != "POST" : request.method != "GET" && request.method != "HEAD") {
-        const std::string allowed(allowedMethods(routed->route));
-        HttpResponse response =
-            problemResponse(problemOf(405, "Understood here: " + allowed + ".", routed->path));
-        response.set("Allow", allowed);
-        return tl::unexpected(std::move(response));
-    }
-    if (post) {
-        if (auto json = checkJsonBody(request); !json) return refuse(json.error());
-    }
-    return std::move(*routed);
-}
-
-void Api::complete(const HttpRequest& request, std::string_view routePattern, HttpResponse& response) const {
-    response.set("X-Content-Type-Options", "nosniff").set("Server", "scancast/" + options_.version);
-    const std::string origin = request.header("origin");
-    if (isAllowedOrigin(origin, options_.origins)) {
-        response.set("Access-Control-Allow-Origin", origin).set("Vary", "Origin");
-        response.set("Access-Control-Expose-Headers",
-                     "ETag, Retry-After, Server-Timing, Scancast-Width, Scancast-Height");
-    }
-    if (access_.isPrivate(request)) {
-        for (auto& [name, value] : response.headers)
-            if (name == "Cache-Control" && value == "no-cache") value = "private, no-cache";
-    }
-    metrics_.httpRequest(routePattern, response.status);
-}
-
 void Api::answer(const HttpRequest& request, const Routed& routed, Respond respond) const {
+    if (answersWithJson(routed.route) && !accepts(request.header("accept"), "application/json")) {
+        return respond(refusal(
+            problemOf(406, "This address answers with JSON, which the Accept header rules out."), routed));
+    }
     switch (routed.route) {
         case Route::Asset:
             return respond(asset(request, routed));
+        case Route::OpenApi:
+            return respond(apiDescription(request));
+        case Route::Sessions:
+            return respond(jsonResponse(sessionListJson(sessions_.list())));
+        case Route::SessionView:
+            return sessionView(request, routed, std::move(respond));
+        case Route::StreamMjpeg:
+            return respond(mjpegHead(request, routed));
         case Route::Health:
             return respond(textResponse(200, "ok\n"));
         case Route::Ready:
@@ -144,9 +115,9 @@ void Api::answer(const HttpRequest& request, const Routed& routed, Respond respo
         case Route::Metrics:
             return respond(metricsText());
         case Route::Clouds:
-            return respond(jsonResponse(cloudListJson(catalog_.list())));
+            return respond(clouds(request, routed));
         case Route::Cloud:
-            return respond(cloud(routed));
+            return respond(cloud(request, routed));
         case Route::Methods:
             return respond(jsonResponse(methodListJson()));
         case Route::SnapshotJpeg:
@@ -164,18 +135,49 @@ void Api::answer(const HttpRequest& request, const Routed& routed, Respond respo
 }
 
 HttpResponse Api::asset(const HttpRequest& request, const Routed& routed) const {
-    const Asset* asset = findAsset(routed.path);
-    const std::string tag = contentTag(asset->bytes);
-    HttpResponse response;
-    response.set("ETag", tag).set("Cache-Control", "no-cache");
+    HttpResponse response = fileResponse(request, *findAsset(routed.path));
     response.set("Content-Security-Policy", std::string(contentSecurityPolicy))
         .set("Referrer-Policy", "no-referrer");
-    if (matchesAny(request.header("if-none-match"), tag)) {
-        response.status = 304;
-        return response;
-    }
-    response.set("Content-Type", std::string(contentTypeOf(asset->path)));
-    response.text = std::string(asset->bytes);
+    return response;
+}
+
+HttpResponse Api::apiDescription(const HttpRequest& request) const {
+    return fileResponse(request, scancast::apiDescription().front());
+}
+
+// What a GET would begin; its words are looked at, but no session is opened.
+HttpResponse Api::mjpegHead(const HttpRequest& request, const Routed& routed) const {
+    if (const auto asked = mjpegRequest(request, routed, catalog_, options_.maxPixels); !asked)
+        return refusal(asked.error(), routed);
+    HttpResponse response;
+    response.set("Content-Type", std::string(mjpegMediaType)).set("Cache-Control", "no-store");
+    response.bodyUnknown = true;
+    return response;
+}
+
+HttpResponse Api::clouds(const HttpRequest& request, const Routed& routed) const {
+    if (request.method == "POST") return addCloud(request, routed);
+    return jsonResponse(cloudListJson(catalog_.list()));
+}
+
+HttpResponse Api::addCloud(const HttpRequest& request, const Routed& routed) const {
+    const auto asked = parseAddCloud(request.body);
+    if (!asked) return refusal(problemOf(asked.error()), routed);
+    const auto id = admin_.add(*asked);
+    if (!id) return refusal(id.error(), routed);
+    const auto entry = catalog_.find(*id);
+    HttpResponse response = jsonResponse(entry ? cloudJson(*entry) : nlohmann::json{{"id", *id}});
+    response.status = 202;
+    response.set("Location", "/api/v1/clouds/" + *id);
+    return response;
+}
+
+// Who looks at it is told at once; its memory is given back when the last picture of it is done.
+HttpResponse Api::removeCloud(const Routed& routed) const {
+    if (auto removed = admin_.remove(routed.id); !removed) return refusal(removed.error(), routed);
+    sessions_.wakeAll();
+    HttpResponse response;
+    response.status = 204;
     return response;
 }
 
@@ -190,19 +192,30 @@ HttpResponse Api::ready() const {
         return problemResponse(problemOf(503, "The rendering device is being opened.", "/readyz"));
     }
     if (!catalog_.settled())
-        return problemResponse(problemOf(503, "Clouds are still being loaded.", "/readyz"));
+        return problemResponse(problemOf(503, "Clouds are still being loaded, or there is none.", "/readyz"));
     if (!device.lost) return textResponse(200, "ready\n");
     return textResponse(200, "ready\nThe device " + title(device.lost->info) + " was lost, and " +
                                  title(device.info) + " draws in its place: " + device.lost->error.message +
                                  "\n");
 }
 
-HttpResponse Api::cloud(const Routed& routed) const {
-    const auto entry = catalog_.find(routed.cloud);
+HttpResponse Api::cloud(const HttpRequest& request, const Routed& routed) const {
+    if (request.method == "DELETE") return removeCloud(routed);
+    const auto entry = catalog_.find(routed.id);
     if (entry && entry->state != CloudState::Failed) return jsonResponse(cloudJson(*entry));
-    Problem problem = catalog_.cloud(routed.cloud).error();
-    problem.instance = routed.path;
-    return problemResponse(problem);
+    return refusal(catalog_.cloud(routed.id).error(), routed);
+}
+
+void Api::sessionView(const HttpRequest& request, const Routed& routed, Respond respond) const {
+    const auto session = sessions_.find(routed.id);
+    if (!session)
+        return respond(refusal(problemOf(404, "There is no session of that id; it may have ended."), routed));
+    auto change = parseViewChange(request.body, sessions_.seqOf(routed.id));
+    if (!change) return respond(refusal(problemOf(change.error()), routed));
+    session->changeView(std::move(*change),
+                        [respond, routed](const tl::expected<SharedView, Problem>& shown) {
+                            respond(shown ? jsonResponse(toJson(*shown)) : refusal(shown.error(), routed));
+                        });
 }
 
 HttpResponse Api::metricsText() const {
@@ -216,7 +229,7 @@ HttpResponse Api::metricsText() const {
 Expected<View> Api::snapshotView(const Cloud& cloud, const HttpRequest& request, const Routed& routed,
                                  PictureFormat format) const {
     Expected<View> view = tl::unexpected(Error());
-    if (takesBody(routed.route)) {
+    if (request.method == "POST") {
         const auto changes = parseJson(request.body);
         if (!changes) return tl::unexpected(changes.error());
         view = viewOfJson(cloud, *changes, options_.maxPixels);
@@ -228,11 +241,8 @@ Expected<View> Api::snapshotView(const Cloud& cloud, const HttpRequest& request,
 }
 
 void Api::snapshot(const HttpRequest& request, const Routed& routed, Respond respond) const {
-    const auto refuse = [&](Problem problem) {
-        problem.instance = routed.path;
-        respond(problemResponse(problem));
-    };
-    auto cloud = catalog_.cloud(routed.cloud);
+    const auto refuse = [&](Problem problem) { respond(refusal(std::move(problem), routed)); };
+    auto cloud = catalog_.cloud(routed.id);
     if (!cloud) return refuse(std::move(cloud.error()));
     const auto format = requestedFormat(request, routed.route);
     if (!format) return refuse(format.error());
@@ -271,14 +281,9 @@ void Api::snapshot(const HttpRequest& request, const Routed& routed, Respond res
 }
 
 void Api::pick(const HttpRequest& request, const Routed& routed, Respond respond) const {
-    const auto refuse = [&](Problem problem) {
-        problem.instance = routed.path;
-        respond(problemResponse(problem));
-    };
-    auto cloud = catalog_.cloud(routed.cloud);
+    const auto refuse = [&](Problem problem) { respond(refusal(std::move(problem), routed)); };
+    auto cloud = catalog_.cloud(routed.id);
     if (!cloud) return refuse(std::move(cloud.error()));
-    if (!accepts(request.header("accept"), "application/json"))
-        return refuse(problemOf(406, "This address answers with JSON, which the Accept header rules out."));
     const auto asked = parsePickRequest(request.body);
     if (!asked) return refuse(problemOf(asked.error()));
     const auto view = viewOfJson(**cloud, asked->view, options_.maxPixels);

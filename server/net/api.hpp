@@ -8,6 +8,7 @@
 #include <string>
 
 #include "server/catalog.hpp"
+#include "server/cloud_admin.hpp"
 #include "server/metrics.hpp"
 #include "server/net/access.hpp"
 #include "server/net/http_message.hpp"
@@ -16,6 +17,7 @@
 #include "server/net/router.hpp"
 #include "server/net/shared_pictures.hpp"
 #include "server/scheduler/scheduler.hpp"
+#include "server/stream/session_register.hpp"
 
 namespace scancast {
 
@@ -29,12 +31,14 @@ struct ApiOptions {
 
 class Api {
   public:
-    /// The three outlive the API.
-    Api(ApiOptions options, const Catalog& catalog, Scheduler& scheduler, Metrics& metrics);
+    /// All but the options outlive the API.
+    Api(ApiOptions options, const Catalog& catalog, CloudAdmin& admin, const SessionRegister& sessions,
+        Scheduler& scheduler, Metrics& metrics);
 
     /// Everything that can be refused before anything is done: Host, Origin, path, token, method.
     tl::expected<Routed, HttpResponse> admit(const HttpRequest& request) const;
-    /// Answers an admitted request, at once or when its picture is done. Not for a WebSocket's upgrade.
+    /// Answers an admitted request, at once or when its picture is done. Not for a WebSocket's upgrade or a
+    /// GET of an MJPEG stream.
     void answer(const HttpRequest& request, const Routed& routed, Respond respond) const;
     /// Counts a response and puts the headers on it that all of them carry. Goes over every response,
     /// refusals too.
@@ -47,7 +51,13 @@ class Api {
   private:
     HttpResponse asset(const HttpRequest& request, const Routed& routed) const;
     HttpResponse ready() const;
-    HttpResponse cloud(const Routed& routed) const;
+    HttpResponse apiDescription(const HttpRequest& request) const;
+    HttpResponse clouds(const HttpRequest& request, const Routed& routed) const;
+    HttpResponse addCloud(const HttpRequest& request, const Routed& routed) const;
+    HttpResponse cloud(const HttpRequest& request, const Routed& routed) const;
+    HttpResponse removeCloud(const Routed& routed) const;
+    HttpResponse mjpegHead(const HttpRequest& request, const Routed& routed) const;
+    void sessionView(const HttpRequest& request, const Routed& routed, Respond respond) const;
     HttpResponse metricsText() const;
     void snapshot(const HttpRequest& request, const Routed& routed, Respond respond) const;
     void pick(const HttpRequest& request, const Routed& routed, Respond respond) const;
@@ -57,6 +67,8 @@ class Api {
     const ApiOptions options_;
     const Access access_;
     const Catalog& catalog_;
+    CloudAdmin& admin_;
+    const SessionRegister& sessions_;
     Scheduler& scheduler_;
     Metrics& metrics_;
     const SharedPictures pictures_;

@@ -17,6 +17,7 @@
 #include <limits>
 #include <optional>
 
+#include "server/net/mjpeg_connection.hpp"
 #include "server/net/stream_connection.hpp"
 #include "transport/net_stream.hpp"
 
@@ -131,7 +132,11 @@ class HttpConnection final : public Connection, public std::enable_shared_from_t
             return startStream(std::move(stream_),
                                http::request<http::empty_body>(std::move(parser_->get().base())), context_);
         }
-        if (takesBody(routed->route)) return readBody(std::move(*routed));
+        if (routed->route == Route::StreamMjpeg && request_.method == "GET") {
+            context_.connections.remove(this);
+            return startMjpeg(std::move(stream_), std::move(request_), std::move(*routed), context_);
+        }
+        if (request_.method == "POST") return readBody(std::move(*routed));
         ask(*routed);
     }
 

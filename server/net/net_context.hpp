@@ -19,6 +19,7 @@
 #include "server/net/api.hpp"
 #include "server/scheduler/scheduler.hpp"
 #include "server/stream/resume_store.hpp"
+#include "server/stream/session_register.hpp"
 
 namespace boost::asio::ssl {
 class context;
@@ -77,10 +78,10 @@ struct NetContext {
     const Catalog& catalog;
     Scheduler& scheduler;
     Metrics& metrics;
+    SessionRegister& sessionRegister;
     std::shared_ptr<boost::asio::ssl::context> tls{};  ///< empty = in the clear
     ConnectionRegister connections{};
     std::atomic<std::size_t> sessions{0};
-    std::atomic<std::uint64_t> lastSession{0};
     ResumeStore resumable{};
 };
 

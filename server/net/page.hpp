@@ -16,6 +16,9 @@ struct Asset {
 /// Generated at build time.
 std::span<const Asset> assets();
 
+/// One file: protocol/openapi.json.
+std::span<const Asset> apiDescription();
+
 /// "/" is "/index.html". nullptr when there is none.
 const Asset* findAsset(std::string_view path);
 /// By the name's ending: "text/html; charset=utf-8".

@@ -91,12 +91,16 @@ tl::expected<void, Problem> checkJsonBody(const HttpRequest& request) {
 Expected<View> viewOfQuery(const Cloud& cloud, std::string_view query, std::uint64_t maxPixels) {
     const auto words = parseQuery(query);
     if (!words) return tl::unexpected(words.error());
+    return viewOfWords(cloud, *words, maxPixels);
+}
+
+Expected<View> viewOfWords(const Cloud& cloud, const WordValues& words, std::uint64_t maxPixels) {
     View size;
-    for (const auto& [word, value] : *words) {
+    for (const auto& [word, value] : words) {
         if (word != "width" && word != "height") continue;
         if (auto set = applyWord(size, word, value); !set) return tl::unexpected(std::move(set.error()));
     }
-    return changed(cloud, size, maxPixels, [&](const View& base) { return applyWords(base, *words); });
+    return changed(cloud, size, maxPixels, [&](const View& base) { return applyWords(base, words); });
 }
 
 Expected<View> viewOfJson(const Cloud& cloud, const nlohmann::json& changes, std::uint64_t maxPixels) {

@@ -4,6 +4,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "protocol/query.hpp"
 #include "renderer/cloud/cloud.hpp"
 #include "server/net/http_message.hpp"
 #include "server/net/router.hpp"
@@ -23,6 +24,7 @@ tl::expected<void, Problem> checkJsonBody(const HttpRequest& request);
 /// A complete view. What is not given is the cloud's default at the asked size, because its camera depends on
 /// the picture's shape. Errors: those of parseQuery(), applyWords(), applyJson() and checkView();
 /// ResourceLimit above `maxPixels`.
+Expected<View> viewOfWords(const Cloud& cloud, const WordValues& words, std::uint64_t maxPixels);
 Expected<View> viewOfQuery(const Cloud& cloud, std::string_view query, std::uint64_t maxPixels);
 Expected<View> viewOfJson(const Cloud& cloud, const nlohmann::json& changes, std::uint64_t maxPixels);
 

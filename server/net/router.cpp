@@ -27,64 +27,54 @@ std::vector<std::string_view> split(std::string_view path) {
     return segments;
 }
 
-std::optional<Route> apiRoute(const std::vector<std::string>& s) {
-    if (s.size() == 1 && s[0] == "clouds") return Route::Clouds;
-    if (s.size() == 1 && s[0] == "methods") return Route::Methods;
-    if (s.size() == 1 && s[0] == "stream") return Route::Stream;
-    if (s.size() < 2 || s[0] != "clouds" || s[1].empty()) return std::nullopt;
-    if (s.size() == 2) return Route::Cloud;
-    if (s.size() == 3 && s[2] == "snapshot.jpg") return Route::SnapshotJpeg;
-    if (s.size() == 3 && s[2] == "snapshot.png") return Route::SnapshotPng;
-    if (s.size() == 3 && s[2] == "snapshot") return Route::Snapshot;
-    if (s.size() == 3 && s[2] == "pick") return Route::Pick;
-    return std::nullopt;
-}
+constexpr std::string_view apiPrefix = "/api/v1";
 
-std::optional<Route> serviceRoute(std::string_view path) {
-    if (path == "/healthz") return Route::Health;
-    if (path == "/readyz") return Route::Ready;
-    if (path == "/metrics") return Route::Metrics;
-    return std::nullopt;
+constexpr RouteInfo table[] = {
+    {Route::Asset, "/", "GET, HEAD"},
+    {Route::OpenApi, "/openapi.json", "GET, HEAD"},
+    {Route::Health, "/healthz", "GET, HEAD"},
+    {Route::Ready, "/readyz", "GET, HEAD"},
+    {Route::Metrics, "/metrics", "GET, HEAD"},
+    {Route::Clouds, "/api/v1/clouds", "GET, HEAD, POST"},
+    {Route::Cloud, "/api/v1/clouds/{id}", "GET, HEAD, DELETE"},
+    {Route::Methods, "/api/v1/methods", "GET, HEAD"},
+    {Route::SnapshotJpeg, "/api/v1/clouds/{id}/snapshot.jpg", "GET, HEAD"},
+    {Route::SnapshotPng, "/api/v1/clouds/{id}/snapshot.png", "GET, HEAD"},
+    {Route::Snapshot, "/api/v1/clouds/{id}/snapshot", "POST"},
+    {Route::Pick, "/api/v1/clouds/{id}/pick", "POST"},
+    {Route::StreamMjpeg, "/api/v1/clouds/{id}/stream.mjpg", "GET, HEAD"},
+    {Route::Stream, "/api/v1/stream", "GET, HEAD"},
+    {Route::Sessions, "/api/v1/sessions", "GET, HEAD"},
+    {Route::SessionView, "/api/v1/sessions/{id}/view", "POST"},
+};
+
+// Whether the segments are those of the pattern; `id` is what stands for {id}.
+bool fits(const std::vector<std::string>& segments, std::string_view pattern, std::string& id) {
+    const auto parts = split(pattern);
+    if (parts.size() != segments.size()) return false;
+    for (std::size_t i = 0; i < parts.size(); ++i) {
+        if (parts[i] == "{id}" ? segments[i].empty() : segments[i] != parts[i]) return false;
+        if (parts[i] == "{id}") id = segments[i];
+    }
+    return true;
 }
 
 }  // namespace
 
+std::span<const RouteInfo> routes() {
+    return table;
+}
+
 std::string_view pattern(Route route) {
-    switch (route) {
-        case Route::Asset:
-            return "/";
-        case Route::Health:
-            return "/healthz";
-        case Route::Ready:
-            return "/readyz";
-        case Route::Metrics:
-            return "/metrics";
-        case Route::Clouds:
-            return "/api/v1/clouds";
-        case Route::Cloud:
-            return "/api/v1/clouds/{id}";
-        case Route::Methods:
-            return "/api/v1/methods";
-        case Route::SnapshotJpeg:
-            return "/api/v1/clouds/{id}/snapshot.jpg";
-        case Route::SnapshotPng:
-            return "/api/v1/clouds/{id}/snapshot.png";
-        case Route::Snapshot:
-            return "/api/v1/clouds/{id}/snapshot";
-        case Route::Pick:
-            return "/api/v1/clouds/{id}/pick";
-        case Route::Stream:
-            return "/api/v1/stream";
-    }
+    for (const RouteInfo& info : table)
+        if (info.route == route) return info.pattern;
     return "other";
 }
 
-bool takesBody(Route route) {
-    return route == Route::Snapshot || route == Route::Pick;
-}
-
 std::string_view allowedMethods(Route route) {
-    return takesBody(route) ? "POST" : "GET, HEAD";
+    for (const RouteInfo& info : table)
+        if (info.route == route) return info.methods;
+    return "";
 }
 
 Expected<std::string> percentDecode(std::string_view text) {
@@ -130,15 +120,15 @@ tl::expected<Routed, Problem> route(std::string_view target) {
         routed.path += "/" + *decoded;
         segments.push_back(std::move(*decoded));
     }
-    if (const auto service = serviceRoute(routed.path)) {
-        routed.route = *service;
-        return routed;
-    }
     const bool versioned = segments.size() > 2 && segments[0] == "api" && segments[1] == "v1";
     if (versioned) segments.erase(segments.begin(), segments.begin() + 2);
-    if (const auto api = apiRoute(segments)) {
-        routed.route = *api;
-        if (segments.size() > 1) routed.cloud = segments[1];
+    for (const RouteInfo& info : table) {
+        if (info.route == Route::Asset) continue;
+        const bool ofApi = info.pattern.starts_with(apiPrefix);
+        if (versioned && !ofApi) continue;
+        const auto rest = ofApi ? info.pattern.substr(apiPrefix.size()) : info.pattern;
+        if (!fits(segments, rest, routed.id)) continue;
+        routed.route = info.route;
         return routed;
     }
     if (versioned || segments[0] == "api") {

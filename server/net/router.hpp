@@ -2,6 +2,7 @@
 // Pipeline: http session → **router** → api.
 #pragma once
 
+#include <span>
 #include <string>
 #include <string_view>
 
@@ -12,6 +13,7 @@ namespace scancast {
 
 enum class Route : std::uint8_t {
     Asset,  ///< the page and what belongs to it
+    OpenApi,
     Health,
     Ready,
     Metrics,
@@ -20,24 +22,29 @@ enum class Route : std::uint8_t {
     Methods,
     SnapshotJpeg,
     SnapshotPng,
-    Snapshot,  ///< POST; Accept chooses
-    Pick,      ///< POST
+    Snapshot,  ///< Accept chooses
+    Pick,
+    StreamMjpeg,
     Stream,
+    Sessions,
+    SessionView,
 };
 
-/// As it is named in metrics: "/api/v1/clouds/{id}".
-std::string_view pattern(Route route);
+struct RouteInfo {
+    Route route;
+    std::string_view pattern;  ///< as it is named in metrics and in openapi.json: "/api/v1/clouds/{id}"
+    std::string_view methods;  ///< as Allow names them: "GET, HEAD"; a POST brings JSON
+};
+std::span<const RouteInfo> routes();
 
-/// The methods that it understands, as Allow names them: "GET, HEAD".
+std::string_view pattern(Route route);
 std::string_view allowedMethods(Route route);
-/// Whether requests bring a JSON body.
-bool takesBody(Route route);
 
 struct Routed {
     Route route = Route::Asset;
     std::string path;   ///< decoded
     std::string query;  ///< as sent, without the question mark
-    std::string cloud;  ///< decoded id; it is only ever looked up in the catalog
+    std::string id;     ///< decoded, of a cloud or a session; it is only ever looked up
 };
 
 inline constexpr std::size_t maxTargetLength = 8192;

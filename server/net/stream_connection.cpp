@@ -1,6 +1,5 @@
 #include "server/net/stream_connection.hpp"
 
-#include <boost/asio/post.hpp>
 #include <boost/asio/steady_timer.hpp>
 #include <boost/beast/core/flat_buffer.hpp>
 #include <boost/beast/http/rfc7230.hpp>
@@ -8,9 +7,7 @@
 #include <deque>
 #include <optional>
 
-#include "server/describe.hpp"
-#include "server/stream/catalog_world.hpp"
-#include "server/stream/session.hpp"
+#include "server/net/session_host.hpp"
 
 namespace scancast {
 namespace {
@@ -20,7 +17,6 @@ namespace beast = boost::beast;
 namespace http = boost::beast::http;
 namespace websocket = boost::beast::websocket;
 using boost::system::error_code;
-using Clock = StreamSession::Clock;
 
 bool offersProtocol(const http::request<http::empty_body>& request) {
     for (const auto& field : request) {
@@ -44,26 +40,13 @@ std::string shortReason(std::string reason) {
     return reason;
 }
 
-class StreamConnection final : public Connection,
-                               public StreamPort,
-                               public std::enable_shared_from_this<StreamConnection> {
+class StreamConnection final : public SessionHost {
   public:
     StreamConnection(NetStream stream, http::request<http::empty_body> request, NetContext& context)
-        : ws_(std::move(stream)),
-          context_(context),
-          world_(context.catalog),
+        : SessionHost(stream.get_executor(), context),
+          ws_(std::move(stream)),
           request_(std::move(request)),
-          timer_(ws_.get_executor()),
           closeTimer_(ws_.get_executor()) {}
-
-    ~StreamConnection() override {
-        context_.connections.remove(this);
-        if (!session_) return;
-        session_->connectionLost(false, Clock::now());
-        context_.scheduler.closeMailbox(mailbox_);
-        context_.sessions.fetch_sub(1);
-        context_.metrics.sessionClosed();
-    }
 
     void run() {
         // tcp_stream's own deadlines belong to HTTP; from here on the WebSocket keeps time.
@@ -80,20 +63,8 @@ class StreamConnection final : public Connection,
             if (known) response.set(http::field::sec_websocket_protocol, std::string(webSocketProtocol));
             response.set(http::field::server, "scancast");
         }));
-        ws_.async_accept(request_,
-                         [self = shared_from_this(), known](error_code ec) { self->onAccept(ec, known); });
+        ws_.async_accept(request_, [self = self(), known](error_code ec) { self->onAccept(ec, known); });
     }
-
-    void shutDown() override {
-        asio::post(ws_.get_executor(), [weak = weak_from_this()] {
-            const auto self = weak.lock();
-            if (!self) return;
-            if (self->session_) return self->session_->goAway();
-            self->ws_.next_layer().tcp().close();  // still shaking hands, or refused already
-        });
-    }
-
-    void sayGoodbye() override { shutDown(); }
 
     // ---- StreamPort
     // -------------------------------------------------------------------------------------------
@@ -117,53 +88,24 @@ class StreamConnection final : public Connection,
         enqueue(std::move(message));
     }
 
-    void order(std::uint64_t number, PictureOrder order) override {
-        context_.scheduler.wish(mailbox_, std::move(order), doneFor(number));
-    }
-
-    bool replaceWaiting(std::uint64_t number, PictureOrder order) override {
-        return context_.scheduler.replaceWaiting(mailbox_, std::move(order), doneFor(number));
-    }
-
-    void pick(std::uint64_t seq, std::shared_ptr<const Cloud> cloud, View view, double x, double y) override {
-        // The answer comes from another thread, or at once from here; either way it is posted.
-        auto done = [weak = weak_from_this(), executor = ws_.get_executor(), seq,
-                     cloud](Expected<std::optional<Picked>> picked) {
-            auto point = picked.map([&](const std::optional<Picked>& found) {
-                return found ? pickedJson(*cloud, *found) : nlohmann::json();
-            });
-            asio::post(executor, [weak, seq, point = std::move(point)]() mutable {
-                const auto self = weak.lock();
-                if (self && !self->gone_ && !self->closing_) self->session_->pickDone(seq, std::move(point));
-            });
-        };
-        if (auto asked = context_.api.picker().pick(cloud, view, x, y, done); !asked)
-            done(tl::unexpected(std::move(asked.error())));
-    }
-
-    void abandon() override { context_.scheduler.abandon(mailbox_); }
-
     void close(CloseCode code, std::string reason) override {
         if (closing_) return;
         closing_ = websocket::close_reason(websocket::close_code(code), shortReason(std::move(reason)));
         closeTimer_.expires_after(context_.limits.closeTimeout);
         closeTimer_.async_wait([weak = weak_from_this()](error_code ec) {
-            const auto self = weak.lock();
-            if (self && !ec) self->ws_.next_layer().tcp().close();
+            const auto self = std::static_pointer_cast<StreamConnection>(weak.lock());
+            if (self && !ec) self->cut();
         });
         if (!writing_) sendClose();
     }
 
-    std::function<void()> onTaken() override {
-        return [weak = weak_from_this(), executor = ws_.get_executor()] {
-            asio::post(executor, [weak] {
-                const auto self = weak.lock();
-                if (self && !self->gone_ && !self->closing_) self->session_->taken();
-            });
-        };
-    }
-
   private:
+    std::shared_ptr<StreamConnection> self() {
+        return std::static_pointer_cast<StreamConnection>(shared_from_this());
+    }
+    bool listening() const override { return !gone_ && !closing_; }
+    void cut() override { ws_.next_layer().tcp().close(); }
+
     struct Outgoing {
         std::string text;  ///< unless there is a picture
         std::array<std::uint8_t, frameHeaderLength> header{};
@@ -174,32 +116,22 @@ class StreamConnection final : public Connection,
         if (ec) return;
         if (!known) {
             close(CloseCode::ProtocolError, "Offer the subprotocol scancast.v1.");
-        } else if (context_.sessions.fetch_add(1) >= context_.limits.maxSessions) {
-            context_.sessions.fetch_sub(1);
+        } else if (!begin()) {
             close(CloseCode::TryAgainLater, "All sessions are taken; try again later.");
-        } else {
-            openSession();
         }
         read();
     }
 
-    void openSession() {
-        context_.metrics.sessionOpened();
-        mailbox_ = context_.scheduler.openMailbox();
+    bool begin() {
         SessionOptions options;
-        options.id = "s" + std::to_string(context_.lastSession.fetch_add(1) + 1);
         options.resumable = &context_.resumable;
-        options.maxPixels = context_.limits.maxPixels;
-        options.quiet = context_.limits.quiet;
-        options.helloPatience = context_.limits.helloTimeout;
-        session_.emplace(std::move(options), world_, *this, context_.metrics, Clock::now());
-        if (context_.scheduler.draining()) return session_->goAway();  // came in with the last goodbyes
-        keepTime();
+        if (!openSession(ClientKind::WebSocket, std::move(options))) return false;
+        if (context_.scheduler.draining()) session()->goAway();  // came in with the last goodbyes
+        return true;
     }
 
     void read() {
-        ws_.async_read(buffer_,
-                       [self = shared_from_this()](error_code ec, std::size_t) { self->onRead(ec); });
+        ws_.async_read(buffer_, [self = self()](error_code ec, std::size_t) { self->onRead(ec); });
     }
 
     void onRead(error_code ec) {
@@ -207,18 +139,18 @@ class StreamConnection final : public Connection,
             // Closed, gone, or sent what WebSocket forbids: Beast has answered with 1002, 1007 or 1009
             // itself.
             gone_ = true;
-            if (session_) session_->connectionLost(saidGoodbye(ec), Clock::now());
-            timer_.cancel();
+            if (session()) session()->connectionLost(saidGoodbye(ec), Clock::now());
+            stopTime();
             closeTimer_.cancel();
             return;
         }
-        if (session_ && !closing_) {
+        if (session() != nullptr && !closing_) {
             if (ws_.got_text()) {
-                session_->text({static_cast<const char*>(buffer_.data().data()), buffer_.size()},
-                               Clock::now());
-                if (session_->greeted()) ws_.read_message_max(maxMessageBytes);
+                session()->text({static_cast<const char*>(buffer_.data().data()), buffer_.size()},
+                                Clock::now());
+                if (session()->greeted()) ws_.read_message_max(maxMessageBytes);
             } else {
-                session_->binary();
+                session()->binary();
             }
             keepTime();
         }
@@ -231,34 +163,6 @@ class StreamConnection final : public Connection,
         return ec == websocket::error::closed && ws_.reason().code == websocket::close_code::normal;
     }
 
-    // The scheduler's threads only post; what is late for a connection that is gone falls away.
-    PictureDone doneFor(std::uint64_t number) {
-        return [weak = weak_from_this(), executor = ws_.get_executor(), number](Expected<Picture> result) {
-            asio::post(executor, [weak, number, result = std::move(result)]() mutable {
-                const auto self = weak.lock();
-                if (!self || self->gone_ || self->closing_) return;
-                self->session_->pictureDone(number, std::move(result), Clock::now());
-                self->keepTime();
-            });
-        };
-    }
-
-    void keepTime() {
-        const auto wake = session_->wakeAt();
-        if (wake == armed_) return;
-        armed_ = wake;
-        timer_.cancel();
-        if (!wake) return;
-        timer_.expires_at(*wake);
-        timer_.async_wait([weak = weak_from_this()](error_code ec) {
-            const auto self = weak.lock();
-            if (!self || ec || self->gone_ || self->closing_) return;
-            self->armed_.reset();
-            self->session_->tick(Clock::now());
-            self->keepTime();
-        });
-    }
-
     void enqueue(Outgoing message) {
         queue_.push_back(std::move(message));
         if (!writing_) writeNext();
@@ -267,7 +171,7 @@ class StreamConnection final : public Connection,
     void writeNext() {
         writing_ = true;
         const Outgoing& message = queue_.front();
-        auto onWritten = [self = shared_from_this()](error_code ec, std::size_t) { self->onWritten(ec); };
+        auto onWritten = [self = self()](error_code ec, std::size_t) { self->onWritten(ec); };
         if (message.picture) {
             ws_.binary(true);
             ws_.async_write(std::array<asio::const_buffer, 2>{asio::buffer(message.header),
@@ -291,18 +195,13 @@ class StreamConnection final : public Connection,
     }
 
     void sendClose() {
-        ws_.async_close(*closing_, [self = shared_from_this()](error_code) {});
+        ws_.async_close(*closing_, [self = self()](error_code) {});
     }
 
     websocket::stream<NetStream> ws_;
-    NetContext& context_;
-    const CatalogWorld world_;
     http::request<http::empty_body> request_;
     beast::flat_buffer buffer_;
-    asio::steady_timer timer_, closeTimer_;
-    std::optional<Clock::time_point> armed_;
-    Scheduler::MailboxId mailbox_ = 0;
-    std::optional<StreamSession> session_;
+    asio::steady_timer closeTimer_;
     std::deque<Outgoing> queue_;
     bool writing_ = false;
     bool gone_ = false;

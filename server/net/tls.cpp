@@ -6,6 +6,7 @@
 #include <openssl/x509.h>
 
 #include <boost/asio/ssl/context.hpp>
+#include <boost/system/system_error.hpp>
 #include <fstream>
 
 #include "transport/secret_file.hpp"

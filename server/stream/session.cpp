@@ -23,6 +23,12 @@ constexpr int mostPicks = 4;
 // How far prefetching looks ahead: about what a disk needs for a screenful.
 constexpr double aheadSeconds = 0.3;
 
+Problem followProblem(int status, std::string detail) {
+    Problem problem = problemOf(status, std::move(detail));
+    problem.errors.push_back({"follow", problem.detail});
+    return problem;
+}
+
 bool mayLackBlocks(const Cloud& cloud) {
     return !cloud.octree.nodes().empty() && !cloud.octree.store().whole();
 }
@@ -98,11 +104,18 @@ void StreamSession::handle(const messages::Hello& hello, Time now) {
     }
     if (auto resumed = resume(hello.resume, now)) return begin(std::move(*resumed), true, now);
     const View usual;
-    auto scene = openScene(hello.cloud.empty() ? world_.defaultCloud() : hello.cloud,
-                           hello.width.value_or(usual.width), hello.height.value_or(usual.height));
+    const int width = hello.width.value_or(usual.width);
+    const int height = hello.height.value_or(usual.height);
+    auto scene = hello.follow.empty()
+                     ? openScene(hello.cloud.empty() ? world_.defaultCloud() : hello.cloud, width, height)
+                     : sceneOf(leaderOf(hello.follow), width, height);
     if (!scene) {
         refuse(std::move(scene.error()), std::nullopt);
         return;
+    }
+    if (!hello.follow.empty()) {
+        if (auto followed = options_.seat->follow(hello.follow); !followed)
+            return refuse(std::move(followed.error()), std::nullopt);
     }
     limits_.fps = hello.fps;
     begin(std::move(*scene), false, now);
@@ -125,8 +138,12 @@ std::optional<StreamSession::Scene> StreamSession::resume(const std::string& tok
 
 void StreamSession::begin(Scene scene, bool resumed, Time now) {
     scene_ = std::move(scene);
+    if (resumed && options_.seat != nullptr) options_.seat->resumeAs(id_);
     state_ = State::Open;
     nextStats_ = now + options_.statsInterval;
+    // The view of the welcome is shown without being asked for, unless the client's own view comes first. Who
+    // knows the id from the welcome can follow at once: the view stands in the register by then.
+    viewChanged(now);
 
     messages::Welcome welcome;
     welcome.session = id_;
@@ -144,8 +161,7 @@ void StreamSession::begin(Scene scene, bool resumed, Time now) {
     welcome.limits.maxPixels = options_.maxPixels;
     welcome.view = toJson(scene_.view);
     port_.sendText(printMessage(welcome));
-    // The view of the welcome is shown without being asked for, unless the client's own view comes first.
-    viewChanged(now);
+    followLeader(now);  // it may have moved on meanwhile
     pump(now);
 }
 
@@ -156,17 +172,33 @@ void StreamSession::remember() {
 }
 
 void StreamSession::handle(const messages::ViewChange& change, Time now) {
+    if (auto shown = this->change(change, now); !shown) refuse(std::move(shown.error()), change.seq);
+}
+
+tl::expected<SharedView, Problem> StreamSession::change(const messages::ViewChange& change, Time now) {
+    if (state_ != State::Open)
+        return tl::unexpected(problemOf(409, "This session shows nothing; it has not begun, or has ended."));
     auto scene = sceneAfter(change);
-    if (!scene) {
-        refuse(std::move(scene.error()), change.seq);
-        return;
+    if (!scene) return tl::unexpected(std::move(scene.error()));
+    if (change.follow) {
+        if (change.follow->empty()) {
+            if (options_.seat != nullptr) options_.seat->unfollow();
+        } else if (auto followed = options_.seat->follow(*change.follow); !followed) {
+            return followed;
+        }
     }
+    show(std::move(*scene), now);
+    followLeader(now);  // it may have moved on meanwhile
+    return SharedView{scene_.cloudId, scene_.view, scene_.seq};
+}
+
+void StreamSession::show(Scene scene, Time now) {
     before_.reset();
-    if (scene->cloud == scene_.cloud) {
+    if (scene.cloud == scene_.cloud) {
         before_ = scene_.view.camera;
         beforeTime_ = viewTime_;
     }
-    scene_ = std::move(*scene);
+    scene_ = std::move(scene);
     if (fresh_) {
         ++overtaken_;
         metrics_.frameDropped(DropReason::Overwritten);
@@ -189,6 +221,39 @@ void StreamSession::viewChanged(Time now) {
     // A still of the old view is worth nothing now, and in the way of what the client waits for.
     if (std::erase_if(outstanding_, [](const Order& order) { return order.kind != Kind::Moving; }) > 0)
         port_.abandon();
+    if (options_.seat != nullptr) options_.seat->show({scene_.cloudId, scene_.view, scene_.seq});
+}
+
+void StreamSession::lookAround(Time now) {
+    if (state_ != State::Open) return;
+    const auto cloud = world_.cloud(scene_.cloudId);
+    if (!cloud && cloud.error().status == 404) {
+        refuse(cloud.error(), std::nullopt);
+        return close(CloseCode::GoingAway, "The cloud that this session showed has been removed.");
+    }
+    followLeader(now);
+    if (state_ != State::Open || !cloud || *cloud == scene_.cloud) return;
+    nextLook_ = now;  // another cloud has taken the name
+    lookForNewerCloud(now);
+    pump(now);
+}
+
+void StreamSession::followLeader(Time now) {
+    if (!following()) return;
+    auto shown = options_.seat->leader();
+    if (!shown) return leaderLeft();
+    auto scene = sceneOf(std::move(*shown), scene_.view.width, scene_.view.height);
+    if (!scene) return refuse(std::move(scene.error()), std::nullopt);
+    scene->seq = scene_.seq;
+    if (scene->cloud != scene_.cloud || scene->view != scene_.view) show(std::move(*scene), now);
+}
+
+void StreamSession::leaderLeft() {
+    options_.seat->unfollow();
+    if (options_.endsWithLeader)
+        return close(CloseCode::GoingAway, "The session that this one followed has ended.");
+    refuse(followProblem(404, "The session that this one followed has ended; the view stays as it is."),
+           std::nullopt);
 }
 
 // A client that stands still sees a cloud get finer while it is loaded.
@@ -261,9 +326,44 @@ tl::expected<StreamSession::Scene, Problem> StreamSession::openScene(const std::
     return scene;
 }
 
+tl::expected<SharedView, Problem> StreamSession::leaderOf(const std::string& id) const {
+    if (options_.seat == nullptr)
+        return tl::unexpected(followProblem(422, "This session can follow nobody."));
+    return options_.seat->mayFollow(id);
+}
+
+// What another session shows, in this one's size.
+tl::expected<StreamSession::Scene, Problem> StreamSession::sceneOf(
+    const tl::expected<SharedView, Problem>& shared, int width, int height) const {
+    if (!shared) return tl::unexpected(shared.error());
+    auto scene = openScene(shared->cloudId, width, height);
+    if (!scene) return scene;
+    scene->view = shared->view;
+    scene->view.width = width;
+    scene->view.height = height;
+    if (auto sound = checkScene(*scene); !sound) return tl::unexpected(problemOf(sound.error()));
+    return scene;
+}
+
 tl::expected<StreamSession::Scene, Problem> StreamSession::sceneAfter(
     const messages::ViewChange& change) const {
     Scene scene = scene_;
+    const bool follows = change.follow ? !change.follow->empty() : following();
+    if (follows) {
+        bool own = !change.cloud;
+        for (const auto& [field, value] : change.changes.items())
+            own = own && (field == "width" || field == "height");
+        if (!own)
+            return tl::unexpected(
+                followProblem(409,
+                              "While it follows another session, only width and height are this "
+                              "one's own; \"follow\": null ends that."));
+    }
+    if (follows && change.follow) {
+        auto followed = sceneOf(leaderOf(*change.follow), scene_.view.width, scene_.view.height);
+        if (!followed) return followed;
+        scene = std::move(*followed);
+    }
     if (change.cloud && *change.cloud != scene_.cloudId) {
         auto opened = openScene(*change.cloud, scene_.view.width, scene_.view.height);
         if (!opened) return tl::unexpected(std::move(opened.error()));
@@ -350,9 +450,7 @@ bool StreamSession::finalDue(Time now) const {
 // so a finished picture can always go out at once.
 void StreamSession::pump(Time now) {
     if (state_ != State::Open) return;
-    const auto room = [&] {
-        return unacknowledged() + outstanding_.size() < std::size_t(maxUnacknowledgedFrames);
-    };
+    const auto room = [&] { return unacknowledged() + outstanding_.size() < options_.window; };
     const bool quiet = unacknowledged() > 0 && quality_.link().wantsQuiet(now);
     if (fresh_ && room() && !quiet) {
         fresh_ = false;
@@ -405,6 +503,7 @@ void StreamSession::deliver(const Order& order, Picture picture, Time now) {
     if (order.kind == Kind::Moving)
         quality_.drawn(order.plan, {picture.renderMs, picture.encodeMs, picture.rivals}, own, limits_);
     quality_.sent(header.frameId, order.view, picture.bytes->size(), now);
+    if (options_.seat != nullptr) options_.seat->frameSent();
     port_.sendFrame(header, picture.bytes);
     remember();
 
@@ -460,8 +559,7 @@ std::optional<StreamSession::Time> StreamSession::wakeAt() const {
     if (state_ == State::Greeting) return opened_ + options_.helloPatience;
     if (state_ != State::Open) return std::nullopt;
     // Without room it is an acknowledgement or a finished picture that brings the next step, not time.
-    if (!finalWanted_ || unacknowledged() + outstanding_.size() >= std::size_t(maxUnacknowledgedFrames))
-        return nextLook_;
+    if (!finalWanted_ || unacknowledged() + outstanding_.size() >= options_.window) return nextLook_;
     if (stillsLeft_ > 0 && !outstanding_.empty()) return nextLook_;
     const Time due = std::max(viewTime_ + options_.quiet, stillsLeft_ > 0 ? nextStill_ : viewTime_);
     return nextLook_ ? std::min(*nextLook_, due) : due;

@@ -26,6 +26,7 @@
 #include "server/scheduler/picture.hpp"
 #include "server/stream/quality_controller.hpp"
 #include "server/stream/resume_store.hpp"
+#include "server/stream/session_register.hpp"
 
 namespace scancast {
 
@@ -68,10 +69,13 @@ class StreamWorld {
 };
 
 struct SessionOptions {
-    std::string id;                        ///< of a new session; one that is resumed keeps its own
-    ResumeStore* resumable = nullptr;      ///< null = sessions cannot be resumed
-    std::uint64_t maxPixels = 0;           ///< of a picture
-    std::chrono::milliseconds quiet{150};  ///< without a new view before the still is made
+    std::string id;               ///< of a new session; one that is resumed keeps its own
+    SessionSeat* seat = nullptr;  ///< its entry in the register; empty = it has none, and follows nobody
+    bool endsWithLeader = false;  ///< ends when the session that it follows does
+    std::size_t window = maxUnacknowledgedFrames;  ///< frames that are drawn before one is acknowledged
+    ResumeStore* resumable = nullptr;              ///< null = sessions cannot be resumed
+    std::uint64_t maxPixels = 0;                   ///< of a picture
+    std::chrono::milliseconds quiet{150};          ///< without a new view before the still is made
     std::chrono::milliseconds helloPatience{10000};
     std::chrono::milliseconds statsInterval{1000};
     std::chrono::milliseconds stillInterval{100};  ///< between stills that get sharper
@@ -92,6 +96,10 @@ class StreamSession {
     void pictureDone(std::uint64_t number, Expected<Picture> result, Time now);
     /// `point` as messages::Picked has it.
     void pickDone(std::uint64_t seq, Expected<nlohmann::json> point);
+    /// A `view` that came by another way than text(): what is shown then, or why it was refused.
+    tl::expected<SharedView, Problem> change(const messages::ViewChange& change, Time now);
+    /// Others may have changed something: the session that this one follows, or the clouds that there are.
+    void lookAround(Time now);
     /// Call at wakeAt(), or any time.
     void tick(Time now);
     std::optional<Time> wakeAt() const;
@@ -138,6 +146,13 @@ class StreamSession {
     void remember();
     tl::expected<Scene, Problem> openScene(const std::string& cloudId, int width, int height) const;
     tl::expected<Scene, Problem> sceneAfter(const messages::ViewChange& change) const;
+    tl::expected<Scene, Problem> sceneOf(const tl::expected<SharedView, Problem>& shared, int width,
+                                         int height) const;
+    tl::expected<SharedView, Problem> leaderOf(const std::string& id) const;
+    void show(Scene scene, Time now);
+    bool following() const { return options_.seat != nullptr && options_.seat->following(); }
+    void followLeader(Time now);
+    void leaderLeft();
     Expected<void> checkScene(const Scene& scene) const;
     void refuse(Problem problem, std::optional<std::uint64_t> seq);
     void pump(Time now);

@@ -32,7 +32,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     if (const auto routed = route(text)) {
         require(text.size() <= maxTargetLength && routed->path.front() == '/');
         require(std::none_of(routed->path.begin(), routed->path.end(), isControl));
-        require(std::none_of(routed->cloud.begin(), routed->cloud.end(), isControl));
+        require(std::none_of(routed->id.begin(), routed->id.end(), isControl));
     }
 
     const OriginRules rules{"127.0.0.1", {"https://viewer.example"}};

@@ -37,8 +37,9 @@ std::string requestText(const std::string& method, const std::string& target,
 
 }  // namespace
 
-RawSocket::RawSocket(std::uint16_t port) {
+RawSocket::RawSocket(std::uint16_t port, int receiveBuffer) {
     fd_ = ::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
+    if (receiveBuffer > 0) ::setsockopt(fd_, SOL_SOCKET, SO_RCVBUF, &receiveBuffer, sizeof receiveBuffer);
     sockaddr_in address{};
     address.sin_family = AF_INET;
     address.sin_port = htons(port);
@@ -82,6 +83,11 @@ std::string RawSocket::receiveAll(std::chrono::milliseconds patience) {
         if (part.empty()) return all;
         all += part;
     }
+}
+
+bool RawSocket::atEnd() const {
+    char next = 0;
+    return ::recv(fd_, &next, 1, MSG_PEEK | MSG_DONTWAIT) == 0;
 }
 
 void RawSocket::abort() {

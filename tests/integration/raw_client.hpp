@@ -17,7 +17,8 @@ inline constexpr std::chrono::seconds netPatience{20};
 /// A TCP connection to this machine.
 class RawSocket {
   public:
-    explicit RawSocket(std::uint16_t port);
+    /// `receiveBuffer` bytes are what the system keeps for a reader that is slow; 0 = as usual.
+    explicit RawSocket(std::uint16_t port, int receiveBuffer = 0);
     ~RawSocket();
     RawSocket(RawSocket&& other) noexcept : fd_(std::exchange(other.fd_, -1)) {}
     RawSocket& operator=(RawSocket&&) = delete;
@@ -27,6 +28,8 @@ class RawSocket {
     std::string receive(std::size_t most, std::chrono::milliseconds patience = netPatience);
     /// Everything up to the end of the stream.
     std::string receiveAll(std::chrono::milliseconds patience = netPatience);
+    /// Whether the other side has closed, and everything has been read.
+    bool atEnd() const;
     /// Closes with a reset, as when a machine dies.
     void abort();
 

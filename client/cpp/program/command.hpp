@@ -13,6 +13,9 @@ namespace scancast::client {
 void addSnapshot(CLI::App& app, int& exitCode);
 void addOrbit(CLI::App& app, int& exitCode);
 void addInfo(CLI::App& app, int& exitCode);
+void addBench(CLI::App& app, int& exitCode);
+void addPath(CLI::App& app, int& exitCode);
+void addView(CLI::App& app, int& exitCode);
 
 /// What every subcommand needs to know.
 struct ServerFlags {

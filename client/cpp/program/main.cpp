@@ -8,12 +8,16 @@ int main(int argc, char** argv) {
         "  scancast-client info http://127.0.0.1:8080/\n"
         "  scancast-client snapshot http://127.0.0.1:8080/ --method cone -o town.jpg\n"
         "  scancast-client orbit http://127.0.0.1:8080/ --frames 36 -o frames/\n"
+        "  scancast-client view http://127.0.0.1:8080/\n"
         "Each subcommand has a --help of its own.");
     app.require_subcommand(1);
     int exitCode = 0;
     scancast::client::addSnapshot(app, exitCode);
     scancast::client::addOrbit(app, exitCode);
     scancast::client::addInfo(app, exitCode);
+    scancast::client::addPath(app, exitCode);
+    scancast::client::addView(app, exitCode);
+    scancast::client::addBench(app, exitCode);
     CLI11_PARSE(app, argc, argv);
     return exitCode;
 }

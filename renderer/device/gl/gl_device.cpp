@@ -98,7 +98,8 @@ class GlDevice final : public Device {
         : context_(std::move(context)),
           shop_(std::make_unique<Workshop>(
               context_->functions(), options.programFolder,
-              sampleCacheOptions(context_->functions(), driver.software, options.gpuMemoryLimit))),
+              sampleCacheOptions(context_->functions(), driver.software, options.gpuMemoryLimit),
+              splatLimits(context_->functions(), driver.software))),
           memory_(*context_, shop_->samples, uploadBudget(driver.software, options.uploadBudget)) {
         info_ = {context_->backend(), driver.vendor, driver.renderer, driver.version, !driver.software, {}};
         info_.identity = info_.name + "; " + driver.renderer + "; " + driver.version;

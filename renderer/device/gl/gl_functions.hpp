@@ -13,6 +13,7 @@ namespace scancast::gl {
 #define SCANCAST_GL_FUNCTIONS(X)                        \
     X(ATTACHSHADER, AttachShader)                       \
     X(BINDBUFFERBASE, BindBufferBase)                   \
+    X(BINDTEXTUREUNIT, BindTextureUnit)                 \
     X(CLEARNAMEDBUFFERSUBDATA, ClearNamedBufferSubData) \
     X(CLIENTWAITSYNC, ClientWaitSync)                   \
     X(COMPILESHADER, CompileShader)                     \
@@ -21,6 +22,7 @@ namespace scancast::gl {
     X(CREATEPROGRAM, CreateProgram)                     \
     X(CREATEQUERIES, CreateQueries)                     \
     X(CREATESHADER, CreateShader)                       \
+    X(CREATETEXTURES, CreateTextures)                   \
     X(DEBUGMESSAGECALLBACK, DebugMessageCallback)       \
     X(DEBUGMESSAGECONTROL, DebugMessageControl)         \
     X(DELETEBUFFERS, DeleteBuffers)                     \
@@ -28,6 +30,7 @@ namespace scancast::gl {
     X(DELETEQUERIES, DeleteQueries)                     \
     X(DELETESHADER, DeleteShader)                       \
     X(DELETESYNC, DeleteSync)                           \
+    X(DELETETEXTURES, DeleteTextures)                   \
     X(DISPATCHCOMPUTE, DispatchCompute)                 \
     X(ENABLE, Enable)                                   \
     X(FENCESYNC, FenceSync)                             \
@@ -55,6 +58,7 @@ namespace scancast::gl {
     X(PROGRAMPARAMETERI, ProgramParameteri)             \
     X(QUERYCOUNTER, QueryCounter)                       \
     X(SHADERSOURCE, ShaderSource)                       \
+    X(TEXTUREBUFFER, TextureBuffer)                     \
     X(UNIFORM1UI, Uniform1ui)                           \
     X(USEPROGRAM, UseProgram)
 

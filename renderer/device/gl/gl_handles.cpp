@@ -72,6 +72,15 @@ void Buffer::read(std::span<std::byte> out) const {
     gl_->GetNamedBufferSubData(name_, 0, static_cast<GLsizeiptr>(out.size()), out.data());
 }
 
+Texels::Texels(const GlFunctions& gl, const Buffer& buffer) : gl_(&gl) {
+    gl.CreateTextures(GL_TEXTURE_BUFFER, 1, &name_);
+    gl.TextureBuffer(name_, GL_RGBA32UI, buffer.name());
+}
+
+Texels::~Texels() {
+    if (name_) gl_->DeleteTextures(1, &name_);
+}
+
 Program::Program(const GlFunctions& gl, const std::string& name) : gl_(&gl), name_(gl.CreateProgram()) {
     label(gl, GL_PROGRAM, name_, name);
 }

@@ -56,6 +56,24 @@ class Buffer {
     std::size_t capacity_ = 0;
 };
 
+/// What is in a buffer, to be fetched as texels of four words (uvec4). Read so where every thread reads
+/// another place: texels come through the texture units, and Mesa's rasteriser fetches them a vector at a
+/// time, while it reads a storage block lane by lane.
+class Texels {
+  public:
+    /// The buffer outlives them, and grows no more.
+    Texels(const GlFunctions& gl, const Buffer& buffer);
+    Texels(Texels&& other) noexcept : gl_(other.gl_), name_(std::exchange(other.name_, 0)) {}
+    Texels& operator=(Texels&&) = delete;
+    ~Texels();
+
+    void bind(unsigned unit) const { gl_->BindTextureUnit(unit, name_); }
+
+  private:
+    const GlFunctions* gl_;
+    GLuint name_ = 0;
+};
+
 /// A linked compute program.
 class Program {
   public:

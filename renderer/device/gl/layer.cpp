@@ -66,8 +66,9 @@ std::vector<std::uint32_t> Layer::addRuns(const Drawing& drawing, const Cut& cut
         runOfCut_[i] = tables_.add(*numbers, *dropped, stages_, *sight_.viewpoint);
         drawn.push_back(i);
     }
-    traits_ = {parts_.memory.limits().keys64, tables_.filters,
-               stages_.front().kind == SplatStage::Kind::Silhouette};
+    const SplatLimits& limits = parts_.memory.limits();
+    traits_ = {limits.keys64, tables_.filters, stages_.front().kind == SplatStage::Kind::Silhouette,
+               limits.groupSize};
     // Front to back: what is hidden then seldom needs an atomic operation.
     std::vector<double> fronts(cut.runs.size());
     for (const std::uint32_t i : drawn) fronts[i] = frontOf(*cut.runs[i].node, *sight_.viewpoint);
@@ -137,7 +138,7 @@ Expected<void> Layer::splatOnce(const SplatStage& stage, Keep keep, const std::s
         if (auto begun = begin(batch); !begun) return begun;
         chunks_.bindStorage(binding::splat::chunks);
         for (std::size_t i = 0; i < batch.pages.size(); ++i) {
-            batch.pages[i].samples->bindStorage(binding::samples);
+            batch.pages[i].samples->bind(binding::samples);
             if (auto done = parts_.slices.dispatch(pages_[i].firstChunk, pages_[i].chunks, stop); !done)
                 return done;
         }
@@ -221,7 +222,7 @@ Expected<void> Layer::resolveSamples(ResolveParams params, const GpuPlanes& plan
             params.look.x = pages_[i].firstExtent;
             params.look.y = pages_[i].extents;
             if (auto set = parts_.screen.set(params); !set) return set;
-            batch.pages[i].samples->bindStorage(binding::samples);
+            batch.pages[i].samples->bind(binding::samples);
             if (auto done = overPixels(params.area, variant); !done) return done;
         }
         return {};

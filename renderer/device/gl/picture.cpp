@@ -12,13 +12,13 @@ ivec4 vectorOf(const Window& w) {
 }  // namespace
 
 Workshop::Workshop(const GlFunctions& functions, const std::filesystem::path& programFolder,
-                   const SampleCacheOptions& cache)
+                   const SampleCacheOptions& cache, const SplatLimits& limits)
     : gl(functions),
       programs(functions, programFolder),
       shaders(functions, programs),
       samples(functions, cache),
       slices(functions),
-      splats(functions, splatLimits(functions)),
+      splats(functions, limits),
       pyramid(shaders),
       average(shaders),
       timers(functions),

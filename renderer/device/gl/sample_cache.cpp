@@ -13,9 +13,11 @@ constexpr std::uint64_t largestPageBytes = std::uint64_t(128) << 20;
 constexpr std::uint64_t stagingBytes = std::uint64_t(32) << 20;
 
 std::uint64_t mostPageBytes(const GlFunctions& gl) {
-    GLint64 block = 0;
-    gl.GetInteger64v(GL_MAX_SHADER_STORAGE_BLOCK_SIZE, &block);
-    return block > 0 ? std::min(largestPageBytes, static_cast<std::uint64_t>(block)) : largestPageBytes;
+    GLint64 texels = 0;
+    gl.GetInteger64v(GL_MAX_TEXTURE_BUFFER_SIZE, &texels);
+    constexpr GLint64 promised = 65536;  // by OpenGL
+    return std::min(largestPageBytes,
+                    static_cast<std::uint64_t>(std::max(texels, promised)) * sizeof(Sample));
 }
 
 /// Of a small memory, no node takes more than a part: pages are then never full of one node alone.
@@ -111,7 +113,8 @@ Expected<bool> SampleCache::makePages(std::span<const Place> places) {
             table_.close(place.page);
             return false;
         }
-        pages_[place.page].emplace(std::move(buffer));
+        Texels texels(gl_, buffer);
+        pages_[place.page].emplace(std::move(buffer), std::move(texels));
         bytes_ += bytes;
     }
     return true;
@@ -119,7 +122,7 @@ Expected<bool> SampleCache::makePages(std::span<const Place> places) {
 
 Expected<void> SampleCache::upload(std::span<const Place> places, std::span<const Sample> samples) {
     for (const Place& place : places) {
-        auto copied = staging_.copy(std::as_bytes(samples.first(place.count)), *pages_[place.page],
+        auto copied = staging_.copy(std::as_bytes(samples.first(place.count)), pages_[place.page]->buffer,
                                     place.at * sizeof(Sample));
         if (!copied) return copied;
         samples = samples.subspan(place.count);
@@ -184,7 +187,7 @@ Expected<std::size_t> CutSamples::loadBatch(std::size_t from, const std::stop_to
                     "more by --gpu-memory-limit, or use --backend=cpu.");
     batchPages_.clear();
     for (std::size_t page = 0; page < extents_.size(); ++page)
-        if (!extents_[page].empty()) batchPages_.push_back({&*cache_.pages_[page], extents_[page]});
+        if (!extents_[page].empty()) batchPages_.push_back({&cache_.pages_[page]->texels, extents_[page]});
     return at;
 }
 

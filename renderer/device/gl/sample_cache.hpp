@@ -1,6 +1,6 @@
-// Samples on the GPU: nodes' runs in pages of storage buffers, within a memory limit, least recently used
-// out. Layers ask for the runs of their cut and get them page by page; where a cut does not fit, batch by
-// batch, with uploads in between. Place: host blocks → provide() → **sample cache** → layer.
+// Samples on the GPU: nodes' runs in pages of buffers that are read as texels, within a memory limit, least
+// recently used out. Layers ask for the runs of their cut and get them page by page; where a cut does not
+// fit, batch by batch, with uploads in between. Place: host blocks → provide() → **sample cache** → layer.
 //
 // Owned by the GL device; everything, destruction included, on its thread and inside a Current scope of its
 // context. Uploads go through a mapped ring of staging memory and are ordered with the dispatches around them
@@ -23,7 +23,8 @@ namespace scancast::gl {
 
 struct SampleCacheOptions {
     std::uint64_t memoryLimit = 0;  ///< bytes of samples at most
-    /// Bytes of the first page; each next one is twice as large, up to a storage block or 128 MiB.
+    /// Bytes of the first page; each next one is twice as large, up to what the driver reads as texels, or
+    /// 128 MiB.
     std::uint64_t firstPage = 0;
 };
 
@@ -62,10 +63,15 @@ class SampleCache {
     /// False: the GPU has no memory for them, and there are fewer pages from now on.
     Expected<bool> makePages(std::span<const Place> places);
 
+    struct Page {
+        Buffer buffer;
+        Texels texels;
+    };
+
     const GlFunctions& gl_;
     PageTable table_;
     std::uint32_t mostInPart_;
-    std::vector<std::optional<Buffer>> pages_;  ///< as they are needed
+    std::vector<std::optional<Page>> pages_;  ///< as they are needed
     StagingRing staging_;
     std::uint64_t bytes_ = 0, bytesUploaded_ = 0;
 };
@@ -81,7 +87,7 @@ struct Extent {
 /// What is drawn without moving samples: one page bound after the other.
 struct SampleBatch {
     struct Page {
-        const Buffer* samples = nullptr;  ///< uvec4 a sample
+        const Texels* samples = nullptr;  ///< one a sample
         std::span<const Extent> extents;  ///< in the order of the runs that were asked for
     };
     std::span<const Page> pages;

@@ -38,9 +38,10 @@ inline constexpr std::uint32_t samplesPerChunk = 1024;
 
 /// Binding points of storage blocks by shader, as the shaders number them; OpenGL promises eight.
 namespace binding {
-inline constexpr unsigned samples = 0, runs = 1, tables = 3;  ///< splat.comp, resolve_samples.comp
-inline constexpr unsigned keys = 4, payloads = 5;             ///< without 64-bit keys `keys` are orders alone
-inline constexpr unsigned visible = 6;                        ///< the nearest pass' keys or orders
+inline constexpr unsigned samples = 0;             ///< splat.comp, resolve_samples.comp: a texture unit
+inline constexpr unsigned runs = 1, tables = 3;    ///< of the same two
+inline constexpr unsigned keys = 4, payloads = 5;  ///< without 64-bit keys `keys` are orders alone
+inline constexpr unsigned visible = 6;             ///< the nearest pass' keys or orders
 namespace splat {
 inline constexpr unsigned chunks = 2, sums = 4, silhouette = 7;
 }

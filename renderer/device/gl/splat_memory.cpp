@@ -7,16 +7,19 @@ namespace {
 
 /// Sums of more pixels than this take are drawn band by band.
 constexpr std::size_t largestPlane = std::size_t{512} << 20;
+/// One vector of 256 bits. More would be vectors one by one, each with a state of its own to set up.
+constexpr int softwareGroup = 8;
 
 }  // namespace
 
-SplatLimits splatLimits(const GlFunctions& gl) {
+SplatLimits splatLimits(const GlFunctions& gl, bool software) {
     SplatLimits limits;
     GLint64 block = 0;
     gl.GetInteger64v(GL_MAX_SHADER_STORAGE_BLOCK_SIZE, &block);
     if (block > 0) limits.storageBlockBytes = static_cast<std::size_t>(block);
     limits.keys64 =
         hasExtension(gl, "GL_NV_shader_atomic_int64") && hasExtension(gl, "GL_ARB_gpu_shader_int64");
+    if (software) limits.groupSize = softwareGroup;
     return limits;
 }
 

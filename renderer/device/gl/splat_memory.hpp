@@ -13,8 +13,10 @@ namespace scancast::gl {
 struct SplatLimits {
     std::size_t storageBlockBytes = std::size_t{128} << 20;
     bool keys64 = false;  ///< 64-bit atomics: GL_NV_shader_atomic_int64
+    int groupSize = 128;  ///< threads of a splat pass' work group
 };
-SplatLimits splatLimits(const GlFunctions& gl);
+/// `software`: a rasteriser on the CPU, which draws a work group's threads one vector after the other.
+SplatLimits splatLimits(const GlFunctions& gl, bool software);
 
 /// A key per pixel: order << 32 | payload as one, or orders and payloads apart.
 struct KeyPlane {

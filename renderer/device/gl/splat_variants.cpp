@@ -12,7 +12,6 @@ namespace {
 
 #include "renderer/device/gl/shaders/splat_kinds.glsl"
 
-constexpr int groupSize = 128;
 /// Splats of fewer px have fewer pixels than splat.comp shares out among threads.
 constexpr float smallestShared = 15;
 
@@ -45,7 +44,7 @@ ShaderVariant splatVariant(const SplatStage& stage, const LayerTraits& traits, K
     const bool colored = !bare && !n.payloadSample;
     const bool tested = traits.silhouette && surfels && stage.kind != SplatStage::Kind::Silhouette;
     return {"splat.comp",
-            {{"GROUP_SIZE", groupSize},
+            {{"GROUP_SIZE", traits.groupSize},
              {"TURN_STEP", static_cast<int>(turnStep)},
              {"REDUCTION", static_cast<int>(n.reduction)},
              {"KEEP", static_cast<int>(keep)},

@@ -26,6 +26,7 @@ struct LayerTraits {
     bool keys64 = false;      ///< keys are uint64_t; GL_NV_shader_atomic_int64
     bool filters = false;     ///< some samples are not drawn: classes, clip box, dropped regions
     bool silhouette = false;  ///< there is a silhouette to test by
+    int groupSize = 128;      ///< threads of a work group
 };
 
 /// splat.comp.

@@ -126,7 +126,7 @@ struct GlDrawing {
           screen(functions, *backend.programs),
           samples(functions, limits.samples),
           slices(functions),
-          memory(functions, {limits.storageBlockBytes, gl::splatLimits(functions).keys64}),
+          memory(functions, {limits.storageBlockBytes, gl::splatLimits(functions, false).keys64}),
           parts{functions, *backend.programs, screen, samples, slices, memory},
           planes{ivec4(c.area.x - border, c.area.y - border, c.area.z + 2 * border, c.area.w + 2 * border),
                  &rgba, &depth, &normals} {}

@@ -50,13 +50,17 @@ inline Bytes frameBytes(const FrameHeader& header, const std::string& picture) {
     return bytes;
 }
 
-inline bool welcome(FakePeer& peer) {
+/// `said` gets what the client says hello with.
+inline bool welcome(FakePeer& peer, const std::string& session = "s1", const std::string& resume = {},
+                    messages::Hello* said = nullptr) {
     std::string text;
     if (!peer.readText(text)) return false;
     const auto hello = parseClientMessage(text);
     if (!hello || !std::holds_alternative<messages::Hello>(*hello)) return false;
+    if (said) *said = std::get<messages::Hello>(*hello);
     messages::Welcome welcome;
-    welcome.session = "s1";
+    welcome.session = session;
+    welcome.resume = resume;
     welcome.cloud = "town";
     welcome.methods = {"point"};
     welcome.view = toJson(fakeCloud().view);

@@ -52,7 +52,7 @@ class Program : public testing::Test {
 TEST_F(Program, HelpHasExamplesAndEveryFlag) {
     const auto help = run("--help");
     EXPECT_EQ(help.exitCode, 0);
-    for (const auto* name : {"snapshot", "orbit", "info", "http://127.0.0.1:8080/"})
+    for (const auto* name : {"snapshot", "orbit", "info", "bench", "path", "view", "http://127.0.0.1:8080/"})
         EXPECT_NE(help.output.find(name), std::string::npos) << name;
     for (const auto* command : {"snapshot", "orbit"}) {
         const auto text = run(std::string(command) + " --help").output;
@@ -136,6 +136,71 @@ TEST_F(Program, OrbitWritesOneStillPerStepAllDifferent) {
         EXPECT_EQ((*view)["method"], "point");
         EXPECT_EQ((*view)["camera"]["target"], nlohmann::json({1.0, 1.0, 1.0}));
     }
+}
+
+TEST_F(Program, PathFliesAlongKeyFrames) {
+    auto script = test::fakeLists();
+    script.session = test::fakeSession;
+    const test::FakeServer fake(script);
+    const auto file = (folder_ / "flight.json").string();
+    std::ofstream(file) << R"({"keys": [{"camera": {"eye": [0, 0, 9]}}, {"camera": {"eye": [8, 0, 9]}}]})";
+    const auto outcome = run("path --quiet --fps 4 --method point " + fake.text() + " " + file + " -o " +
+                             (folder_ / "frames").string());
+    ASSERT_EQ(outcome.exitCode, 0) << outcome.output;
+    for (int i = 0; i <= 4; ++i) {
+        const auto view =
+            parseJson(contents(folder_ / "frames" / ("frame-00" + std::to_string(i + 1) + ".jpg")));
+        ASSERT_TRUE(view) << i;
+        EXPECT_EQ((*view)["camera"]["eye"], nlohmann::json({2.0 * i, 0.0, 9.0}));
+        EXPECT_EQ((*view)["method"], "point");
+    }
+    EXPECT_FALSE(std::filesystem::exists(folder_ / "frames" / "frame-006.jpg"));
+
+    std::ofstream(file) << R"({"keys": [{}, {"camera": {"eey": [8, 0, 9]}}]})";
+    const auto refused = run("path " + fake.text() + " " + file + " -o " + folder_.string());
+    EXPECT_EQ(refused.exitCode, 1);
+    EXPECT_NE(refused.output.find("keys[1].camera.eey"), std::string::npos) << refused.output;
+    EXPECT_NE(run("path " + fake.text() + " /no/such.json -o x").output.find("/no/such.json"),
+              std::string::npos);
+}
+
+TEST_F(Program, BenchMeasuresASessionAndKeepsItsFinalStill) {
+    auto script = test::fakeLists();
+    script.session = test::fakeSession;
+    const test::FakeServer fake(script);
+    const auto file = (folder_ / "final.jpg").string();
+    const auto outcome = run("bench --json --moving 1 --seconds 0.3 --warm-up 0.1 --method point --final " +
+                             file + " " + fake.text() + " 2>" + (folder_ / "phases").string() + " #");
+    ASSERT_EQ(outcome.exitCode, 0) << outcome.output << contents(folder_ / "phases");
+    const auto report = parseJson(outcome.output);
+    ASSERT_TRUE(report) << outcome.output;
+    const auto& group = (*report)["groups"][0];
+    EXPECT_EQ(group["behaviour"], "moving");
+    EXPECT_EQ(group["failed"], 0);
+    EXPECT_EQ(group["finalMs"]["count"], 1);
+    // The fake's pictures are the views themselves: what was kept is what was asked for last.
+    EXPECT_EQ(contents(file), contents(file + ".json"));
+    EXPECT_NE(contents(folder_ / "phases").find("bench: measured"), std::string::npos);
+}
+
+TEST_F(Program, BenchWakesIdleSessions) {
+    auto script = test::fakeLists();
+    script.session = test::fakeSession;
+    const test::FakeServer fake(script);
+    const auto outcome = run("bench --idle 1 --wake 0.1 --seconds 0.1 --warm-up 0 " + fake.text());
+    EXPECT_EQ(outcome.exitCode, 0) << outcome.output;
+    EXPECT_NE(outcome.output.find("0 frames while idle"), std::string::npos) << outcome.output;
+    EXPECT_NE(outcome.output.find("woken: answered"), std::string::npos) << outcome.output;
+}
+
+TEST_F(Program, BenchSaysWhatFailed) {
+    auto script = test::fakeLists();
+    script.session = [](test::FakePeer& peer) { test::welcome(peer); };
+    const test::FakeServer fake(script);
+    const auto outcome = run("bench --moving 1 --seconds 0.1 --warm-up 0 " + fake.text());
+    EXPECT_EQ(outcome.exitCode, 1) << outcome.output;
+    EXPECT_NE(outcome.output.find("1 sessions failed"), std::string::npos) << outcome.output;
+    EXPECT_NE(run("bench " + fake.text()).output.find("--moving"), std::string::npos);
 }
 
 TEST_F(Program, OrbitWhileMovingTakesTheFirstFrame) {

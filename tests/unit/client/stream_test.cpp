@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <thread>
+
 #include "protocol/view_json.hpp"
 #include "tests/unit/client/fake_session.hpp"
 
@@ -67,6 +69,58 @@ TEST(Stream, ARefusedViewIsAnErrorAndTheSessionGoesOn) {
     EXPECT_EQ(frame.error().message, "widht: unknown; did you mean width?");
     ASSERT_TRUE(stream->sendView(2, View{}));
     EXPECT_TRUE(stream->receiveFrame());
+}
+
+TEST(Stream, WaitingALittleLosesNothing) {
+    const FakeServer fake(scriptOf(test::fakeSession));
+    auto stream = Stream::open(fake.url(), messages::Hello{}, patient);
+    ASSERT_TRUE(stream) << stream.error().message;
+    const auto nothing = stream->receiveFor(1ms);
+    ASSERT_TRUE(nothing) << nothing.error().message;
+    EXPECT_FALSE(*nothing) << "nobody asked for anything yet";
+    int frames = 0;
+    for (std::uint64_t seq = 1; seq <= 20; ++seq) {
+        // A read waits while this is sent.
+        ASSERT_TRUE(stream->sendView(seq, View{}));
+        const auto event = stream->receiveFor(0ms);
+        ASSERT_TRUE(event) << event.error().message;
+        if (*event && std::holds_alternative<ReceivedFrame>(**event)) ++frames;
+    }
+    while (frames < 40) {
+        const auto event = stream->receiveFor(5s);
+        ASSERT_TRUE(event && *event) << frames << " frames came";
+        if (std::holds_alternative<ReceivedFrame>(**event)) ++frames;
+    }
+    EXPECT_TRUE(stream->close());
+}
+
+TEST(Stream, AnInterruptEndsTheWait) {
+    const FakeServer fake(scriptOf(test::fakeSession));
+    auto stream = Stream::open(fake.url(), messages::Hello{}, patient);
+    ASSERT_TRUE(stream) << stream.error().message;
+    stream->interrupt();
+    const auto early = stream->receiveFor(1h);
+    ASSERT_TRUE(early) << early.error().message;
+    EXPECT_FALSE(*early);
+    std::jthread other([&] { stream->interrupt(); });
+    const auto woken = stream->receiveFor(1h);
+    ASSERT_TRUE(woken) << woken.error().message;
+    EXPECT_FALSE(*woken);
+    other.join();
+    ASSERT_TRUE(stream->sendView(1, View{}));
+    EXPECT_TRUE(stream->receiveFrame()) << "the session goes on";
+}
+
+TEST(Stream, ASlowLineBringsTheSameFrames) {
+    const FakeServer fake(scriptOf(test::fakeSession));
+    auto stream = Stream::open(fake.url(), messages::Hello{}, patient, {}, 20e3);
+    ASSERT_TRUE(stream) << stream.error().message;
+    ASSERT_TRUE(stream->sendView(1, View{}));
+    for (const bool final : {false, true}) {
+        const auto frame = stream->receiveFrame();
+        ASSERT_TRUE(frame) << frame.error().message;
+        EXPECT_EQ(frame->header.final, final);
+    }
 }
 
 TEST(Stream, NobodyListens) {

@@ -15,7 +15,7 @@ namespace {
 constexpr const char* collector =
     "#version 450 core\n"
     "layout(local_size_x = 64) in;\n"
-    "layout(std430, binding = 0) readonly buffer Samples { uvec4 samples[]; };\n"
+    "layout(binding = 0) uniform usamplerBuffer samples;\n"
     "layout(std430, binding = 1) buffer Seen { uvec4 seen[]; };\n"
     "layout(std430, binding = 2) buffer Times { uint times[]; };\n"
     "layout(std430, binding = 3) readonly buffer Extents { uvec4 extents[]; };  // to, count, at\n"
@@ -23,7 +23,7 @@ constexpr const char* collector =
     "void main() {\n"
     "    uvec4 e = extents[extent];\n"
     "    for (uint i = gl_LocalInvocationID.x; i < e.y; i += 64u) {\n"
-    "        seen[e.x + i] = samples[e.z + i];\n"
+    "        seen[e.x + i] = texelFetch(samples, int(e.z + i));\n"
     "        atomicAdd(times[e.x + i], 1u);\n"
     "    }\n"
     "}\n";
@@ -104,7 +104,7 @@ class SampleCacheTest : public testing::TestWithParam<std::string> {
                     for (const Extent& e : page.extents)
                         told.emplace_back(test.cut.runs[e.run].firstOrdinal + e.first, e.count, e.at, 0);
                     EXPECT_TRUE(extents.write(std::as_bytes(std::span(told))));
-                    page.samples->bindStorage(0);
+                    page.samples->bind(0);
                     seen.bindStorage(1);
                     times.bindStorage(2);
                     extents.bindStorage(3);

@@ -24,10 +24,21 @@ TEST(ClientMessages, RoundTrip) {
     hello.pixelRatio = 1.5;
     hello.fps = 60;
     hello.resume = "token";
+    Hello follower;
+    follower.follow = "s1";
     ViewChange view{18446744073709551615u, "other", {{"width", 5}, {"camera", {{"fov", 50}}}}};
-    const std::vector<ClientMessage> all{
-        Hello{},           hello,  ViewChange{}, view, QualityLimits{}, QualityLimits{15, 0.25, 4, 20},
-        Pick{3, 10.5, 20}, Ack{7}, Ping{8}};
+    const std::vector<ClientMessage> all{Hello{},
+                                         hello,
+                                         ViewChange{},
+                                         view,
+                                         QualityLimits{},
+                                         QualityLimits{15, 0.25, 4, 20},
+                                         Pick{3, 10.5, 20},
+                                         Ack{7},
+                                         Ping{8},
+                                         follower,
+                                         ViewChange{4, {}, {{"width", 9}}, "s1"},
+                                         ViewChange{5, {}, nlohmann::json::object(), ""}};
     for (const auto& message : all) {
         const auto text = printMessage(message);
         const auto back = parseClientMessage(text);

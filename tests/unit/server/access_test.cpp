@@ -39,6 +39,27 @@ TEST(Access, ATokenIsAskedForAndCompared) {
     EXPECT_EQ(status(access, {"GET", "/?token=" + user, {}}), 401) << "never from an address";
 }
 
+TEST(Access, OnlyTheAdministratorAdministers) {
+    const auto asking = [](const std::string& token, const char* method) {
+        return HttpRequest{method, "/", {{"authorization", "Bearer " + token}}};
+    };
+    const Access both({user, admin});
+    const Access adminOnly({std::nullopt, admin});
+    for (const auto& [method, route] :
+         {std::pair("GET", Route::Sessions), {"POST", Route::Clouds}, {"DELETE", Route::Cloud}}) {
+        for (const Access* access : {&both, &adminOnly}) {
+            EXPECT_EQ(status(*access, asking(admin, method), route), 200);
+            EXPECT_EQ(status(*access, {method, "/", {}}, route), 401);
+            EXPECT_EQ(status(*access, asking("another-0123456789", method), route), 401);
+        }
+        EXPECT_EQ(status(both, asking(user, method), route), 403);
+        EXPECT_EQ(status(Access({user, std::nullopt}), asking(user, method), route), 403);
+        EXPECT_EQ(status(Access({}), {method, "/", {}}, route), 403) << "nobody can";
+    }
+    EXPECT_EQ(status(adminOnly, {"GET", "/", {}}, Route::Clouds), 200);
+    EXPECT_EQ(status(both, asking(user, "GET"), Route::Cloud), 200);
+}
+
 TEST(Access, ThePageAndItsHealthNeedNone) {
     const Access access({user, std::nullopt});
     for (const Route route : {Route::Asset, Route::Health, Route::Ready})

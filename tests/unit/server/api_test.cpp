@@ -39,9 +39,16 @@ class ApiTest : public ::testing::Test {
     test::FakePainter painter, spare{"spare"};
     std::shared_ptr<const Cloud> cloud = test::tinyCloud();
     Catalog catalog;
+    CloudAdmin admin{catalog, {}};
+    SessionRegister sessions;
     Metrics metrics{"test"};
     Scheduler scheduler{painter.open(spare.open()), {}, metrics};
-    Api api{{"1.2.3", 1000 * 1000, {"127.0.0.1", {"https://viewer.example"}}}, catalog, scheduler, metrics};
+    Api api{{"1.2.3", 1000 * 1000, {"127.0.0.1", {"https://viewer.example"}}},
+            catalog,
+            admin,
+            sessions,
+            scheduler,
+            metrics};
 };
 
 TEST_F(ApiTest, SnapshotIsAPictureOfTheAskedSize) {
@@ -85,6 +92,20 @@ TEST_F(ApiTest, WordsReachTheRendererAndTheOrderOfWordsDoesNotMatter) {
     EXPECT_EQ(*a.find("ETag"), *b.find("ETag"));
 }
 
+TEST_F(ApiTest, ClipAndClassesReachTheRenderer) {
+    ASSERT_EQ(ask("/api/v1/clouds/tiny/snapshot.jpg?classes=2,6&clip=0,0,0,10,10,5&width=8&height=8").status,
+              200);
+    const View view = painter.begun().back().view;
+    EXPECT_EQ(view.style.classes, (std::vector<std::uint8_t>{2, 6}));
+    ASSERT_TRUE(view.style.clip);
+    EXPECT_EQ(view.style.clip->max, glm::dvec3(10, 10, 5));
+    ASSERT_EQ(ask("/api/v1/clouds/tiny/snapshot.jpg?classes=none&clip=auto&width=8&height=8").status, 200);
+    EXPECT_TRUE(painter.begun().back().view.style.classes->empty());
+    EXPECT_FALSE(painter.begun().back().view.style.clip);
+    for (const char* wrong : {"classes=300", "classes=ground", "clip=0,0,0", "clip=5,0,0,1,1,1"})
+        EXPECT_EQ(ask(std::string("/api/v1/clouds/tiny/snapshot.jpg?") + wrong).status / 100, 4) << wrong;
+}
+
 TEST_F(ApiTest, Refusals) {
     const std::tuple<const char*, int, const char*> wrong[] = {
         {"/api/v1/clouds/tiny/snapshot.jpg?fvo=3", 400, "fvo"},
@@ -119,6 +140,12 @@ TEST_F(ApiTest, MethodsAcceptAndUpgrade) {
     EXPECT_EQ(*ask("/api/v1/clouds/tiny/snapshot").find("Allow"), "POST");
     EXPECT_EQ(ask(picture, {{"accept", "image/*"}}).status, 200);
     EXPECT_EQ(ask("/api/v1/stream").status, 426);
+    for (const char* target : {"/api/v1/clouds", "/api/v1/clouds/tiny", "/api/v1/methods", "/openapi.json"}) {
+        EXPECT_EQ(ask(target, {{"accept", "image/png"}}).status, 406) << target;
+        EXPECT_EQ(ask(target, {{"accept", "application/*"}}).status, 200) << target;
+        EXPECT_EQ(*ask(target, {}, "PATCH").find("Allow"), allowedMethods(route(target)->route)) << target;
+    }
+    EXPECT_EQ(ask("/openapi.json", {{"if-none-match", *ask("/openapi.json").find("ETag")}}).status, 304);
 }
 
 TEST_F(ApiTest, BrowsersOfOtherSitesAreRefused) {

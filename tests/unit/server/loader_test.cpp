@@ -121,6 +121,23 @@ TEST_F(LoaderTest, AScanIsBuiltInMemoryAndCounted) {
     EXPECT_GE(cache_->stats().bytes, entry.cloud->octree.bytesResident());
 }
 
+TEST_F(LoaderTest, MoreIsLoadedWhileItRunsAndNothingAfterItsStop) {
+    Loader loader({}, catalog_, options());
+    EXPECT_TRUE(loader.finished());
+    ASSERT_TRUE(catalog_.addAs("later", "ground"));
+    ASSERT_TRUE(loader.load(folder_ / "ground.xyz", "later"));
+    const auto end = std::chrono::steady_clock::now() + 60s;
+    while (!loader.finished() && std::chrono::steady_clock::now() < end) std::this_thread::sleep_for(1ms);
+    EXPECT_EQ(catalog_.find("later")->state, CloudState::Ready);
+    const std::weak_ptr<const Cloud> watched = catalog_.find("later")->cloud;
+    const auto resident = cache_->stats().bytes;
+    EXPECT_TRUE(catalog_.remove("later"));
+    EXPECT_TRUE(watched.expired());
+    EXPECT_LT(cache_->stats().bytes, resident) << "its memory is given back";
+    loader.requestStop();
+    EXPECT_FALSE(loader.load(folder_ / "ground.xyz", "later"));
+}
+
 TEST_F(LoaderTest, ACloudFileIsOpened) {
     test::SyntheticSource source(30'000, test::ground, {});
     test::writeCloud(*test::build(source), folder_ / "town.scan");

@@ -2,6 +2,11 @@
 
 #include <gtest/gtest.h>
 
+#include <fstream>
+#include <iterator>
+
+#include "protocol/json_text.hpp"
+
 namespace scancast {
 namespace {
 
@@ -19,7 +24,11 @@ TEST(Router, EveryRoute) {
         {"/api/v1/clouds/town/snapshot.png?width=3", Route::SnapshotPng},
         {"/api/v1/clouds/town/snapshot", Route::Snapshot},
         {"/api/v1/clouds/town/pick", Route::Pick},
+        {"/api/v1/clouds/town/stream.mjpg?fps=10", Route::StreamMjpeg},
         {"/api/v1/stream", Route::Stream},
+        {"/api/v1/sessions", Route::Sessions},
+        {"/api/v1/sessions/s1/view", Route::SessionView},
+        {"/openapi.json", Route::OpenApi},
         {"/clouds", Route::Clouds},
         {"/clouds/town", Route::Cloud},
         {"/methods", Route::Methods},
@@ -35,7 +44,7 @@ TEST(Router, EveryRoute) {
 TEST(Router, PartsOfATarget) {
     const auto routed = route("/api/v1/clouds/old%20town/snapshot.jpg?eye=1,2,3&color=%23ff0000");
     ASSERT_TRUE(routed);
-    EXPECT_EQ(routed->cloud, "old town");
+    EXPECT_EQ(routed->id, "old town");
     EXPECT_EQ(routed->query, "eye=1,2,3&color=%23ff0000");
     EXPECT_EQ(routed->path, "/api/v1/clouds/old town/snapshot.jpg");
 }
@@ -44,7 +53,7 @@ TEST(Router, AnEscapedSlashStaysInItsSegment) {
     const auto routed = route("/api/v1/clouds/..%2F..%2Fetc%2Fpasswd");
     ASSERT_TRUE(routed);
     EXPECT_EQ(routed->route, Route::Cloud);
-    EXPECT_EQ(routed->cloud, "../../etc/passwd");  // a name that no catalog holds
+    EXPECT_EQ(routed->id, "../../etc/passwd");  // a name that no catalog holds
 }
 
 TEST(Router, Refusals) {
@@ -66,6 +75,9 @@ TEST(Router, Refusals) {
         {"/api/v1/clouds/town/snapshot.gif", 404},
         {"/api/v1/clouds/town/snapshot.jpg/", 404},
         {"/api/v1/clouds//snapshot.jpg", 404},
+        {"/api/v1/healthz", 404},
+        {"/api/v1/sessions//view", 404},
+        {"/api/v1/sessions/s1", 404},
         {"/" + std::string(maxTargetLength, 'a'), 414},
     };
     for (const auto& [target, status] : wrong) {
@@ -81,6 +93,35 @@ TEST(Router, PercentDecode) {
     EXPECT_FALSE(percentDecode("%"));
     EXPECT_FALSE(percentDecode("%1"));
     EXPECT_FALSE(percentDecode("%g0"));
+}
+
+std::string fileText(const char* name) {
+    std::ifstream file(std::string(SCANCAST_SOURCE_DIR) + name);
+    return {std::istreambuf_iterator<char>(file), {}};
+}
+
+// What programs and people read names the same routes and methods as the table that answers them.
+TEST(Router, TheDescriptionsAgreeWithIt) {
+    const auto description = parseJson(fileText("/protocol/openapi.json"));
+    ASSERT_TRUE(description) << description.error().message;
+    const std::string page = fileText("/protocol/PROTOCOL.md");
+    const auto& paths = (*description)["paths"];
+    std::size_t described = 0;
+    for (const RouteInfo& info : routes()) {
+        ASSERT_TRUE(paths.contains(info.pattern)) << info.pattern;
+        for (const std::string method : {"GET", "POST", "DELETE"}) {
+            std::string lower = method;
+            for (char& c : lower) c = char(c - 'A' + 'a');
+            const bool understood = info.methods.find(method) != std::string_view::npos;
+            EXPECT_EQ(paths[std::string(info.pattern)].contains(lower), understood) << method << info.pattern;
+            const std::string row = "| `" + method + " " + std::string(info.pattern) + "`";
+            EXPECT_EQ(page.find(row) != std::string::npos, understood) << row;
+            described += understood ? 1 : 0;
+        }
+        EXPECT_EQ(info.methods.find("GET") == 0, info.methods.find("HEAD") != std::string_view::npos);
+    }
+    EXPECT_EQ(paths.size(), routes().size());
+    EXPECT_GE(described, 18U);
 }
 
 TEST(Router, PatternsHoldNoIds) {

@@ -57,6 +57,7 @@ class TwoClouds final : public StreamWorld {
   public:
     std::string defaultCloud() const override { return "first"; }
     tl::expected<std::shared_ptr<const Cloud>, Problem> cloud(std::string_view id) const override {
+        if (removed) return tl::unexpected(problemOf(404, "no such cloud any more"));
         if (id == "first") return first;
         if (id == "second" && second) return second;
         return tl::unexpected(problemOf(404, "no such cloud"));
@@ -70,7 +71,7 @@ class TwoClouds final : public StreamWorld {
     std::vector<std::string> methodNames() const override { return {"paraboloid"}; }
 
     std::shared_ptr<const Cloud> first = tinyCloud(1), second = tinyCloud(2);
-    bool isLoading = false;
+    bool isLoading = false, removed = false;
 };
 
 class SessionTest : public ::testing::Test {

@@ -5,7 +5,7 @@
 #include "layouts_splat.glsl"
 #include "resolve_area.glsl"
 
-layout(std430, binding = 0) readonly buffer Samples { uvec4 samples[]; };
+layout(binding = 0) uniform usamplerBuffer samples;
 layout(std430, binding = 1) readonly buffer Runs { SplatRun runs[]; };
 layout(std430, binding = 2) readonly buffer Extents { SplatExtent extents[]; };
 layout(std430, binding = 6) buffer Rgba { uint rgba[]; };
@@ -46,7 +46,7 @@ void main() {
     uint ordinal = ordinalAt(pixel);
     uvec4 extent = extentOf(ordinal);
     if (ordinal < extent.x || ordinal - extent.x >= extent.y) return;
-    uvec4 words = samples[extent.w + (ordinal - extent.x)];
+    uvec4 words = texelFetch(samples, int(extent.w + (ordinal - extent.x)));
     rgba[place] = colorOf(runs[extent.z], words, there) | 0xff000000u;
 #if NORMALS
     normals[place] = packNormal(toView(sampleDirection(words.w)));

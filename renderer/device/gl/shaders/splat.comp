@@ -14,7 +14,7 @@
 layout(local_size_x = GROUP_SIZE) in;
 
 layout(std140, binding = 0) uniform Params { SplatParams pass; };
-layout(std430, binding = 0) readonly buffer Samples { uvec4 samples[]; };
+layout(binding = 0) uniform usamplerBuffer samples;
 layout(std430, binding = 1) readonly buffer Runs { SplatRun runs[]; };
 layout(std430, binding = 2) readonly buffer Chunks { SplatChunk chunks[]; };
 layout(location = 0) uniform uint firstChunk;
@@ -54,7 +54,7 @@ uint carriedBy(SplatRun run, uvec4 words, uint index, float depth) {
 bool footprintOf(SplatRun run, uvec4 range, uint i, out Footprint f) {
     // Fading levels: the samples whose turn has come (renderer/select/fade.hpp).
     if ((range.w + i) * uint(TURN_STEP) > run.color.y) return false;
-    uvec4 words = samples[range.x + i];
+    uvec4 words = texelFetch(samples, int(range.x + i));
     Placed placed;
     if (!placeSample(run, words, placed)) return false;
     if (!setUp(run, words, placed, carriedBy(run, words, range.w + i, placed.depth), f)) return false;

@@ -1,0 +1,150 @@
+// `scancast-client bench`: many sessions at once, each with a behaviour, and what they see.
+#include <cstdio>
+#include <thread>
+
+#include "client/cpp/program/bench_report.hpp"
+#include "client/cpp/program/command.hpp"
+#include "protocol/json_text.hpp"
+#include "protocol/view_json.hpp"
+
+namespace scancast::client {
+namespace {
+
+struct BenchFlags {
+    ServerFlags server;
+    ViewFlags view;
+    BenchPlan plan;
+    std::array<int, behaviours.size()> sessions{};
+    std::string final;
+    bool json = false;
+};
+
+/// For scripts that look at the server meanwhile.
+void tell(const char* phase) {
+    std::fprintf(stderr, "bench: %s\n", phase);
+    std::fflush(stderr);
+}
+
+void sleepUntil(std::chrono::steady_clock::time_point start, double seconds) {
+    std::this_thread::sleep_until(start + std::chrono::microseconds(std::int64_t(seconds * 1e6)));
+}
+
+std::vector<BenchResult> runSessions(const Server& server, const BenchFlags& flags) {
+    const auto& plan = flags.plan;
+    std::vector<Behaviour> wanted;
+    for (std::size_t i = 0; i < behaviours.size(); ++i)
+        wanted.insert(wanted.end(), static_cast<std::size_t>(flags.sessions[i]), behaviours[i]);
+    std::vector<BenchResult> results(wanted.size());
+    BenchClock clock;
+    clock.notReady = static_cast<int>(wanted.size());
+    if (plan.wake) clock.unanswered = flags.sessions[std::size_t(Behaviour::Idle)];
+    tell("connecting");
+    std::vector<std::jthread> threads;
+    for (std::size_t i = 0; i < wanted.size(); ++i)
+        threads.emplace_back(
+            [&, i] { results[i] = benchSession(server, plan, wanted[i], static_cast<int>(i), clock); });
+    while (clock.notReady > 0) std::this_thread::sleep_for(std::chrono::milliseconds(5));
+    const auto start = std::chrono::steady_clock::now() + std::chrono::milliseconds(500);
+    clock.start = std::chrono::nanoseconds(start.time_since_epoch()).count();
+    sleepUntil(start, plan.warmUp);
+    tell("measuring");
+    sleepUntil(start, plan.warmUp + plan.seconds);
+    tell("measured");
+    threads.clear();
+    return results;
+}
+
+/// The first final still of all, and beside it the view that it shows.
+Expected<void> writeFinal(const std::string& path, const std::vector<BenchResult>& results) {
+    for (const auto& result : results) {
+        if (result.final.empty() || !result.finalMs) continue;
+        const auto view = printJson(toJson(result.finalView));
+        return writeFile(path, result.final).and_then([&] {
+            return writeFile(path + ".json", {view.begin(), view.end()});
+        });
+    }
+    return fail(ErrorCode::NotFound, "no moving session saw a final still, so there is nothing for " + path);
+}
+
+Expected<void> run(BenchFlags& flags) {
+    int total = 0;
+    for (const int count : flags.sessions) total += count;
+    if (total == 0)
+        return fail(ErrorCode::InvalidArgument,
+                    "nothing to do: give --moving, --idle, --slow or --never-ack");
+    const auto server = flags.server.server();
+    if (!server) return tl::unexpected(server.error());
+    const auto cloud = chooseCloud(*server, flags.plan.cloud).and_then([&](const std::string& id) {
+        return server->cloud(id);
+    });
+    if (!cloud) return tl::unexpected(cloud.error());
+    const auto start = orbitStart(flags.view, *cloud);
+    if (!start) return tl::unexpected(start.error());
+    flags.plan.cloud = cloud->id;
+    flags.plan.start = *start;
+
+    const auto results = runSessions(*server, flags);
+    const auto report = benchReport(flags.plan, results);
+    std::printf("%s", flags.json ? (printJson(report) + "\n").c_str() : benchText(report).c_str());
+    if (!flags.final.empty())
+        if (auto written = writeFinal(flags.final, results); !written) return written;
+    for (const auto& group : report.at("groups"))
+        if (group.at("failed") != 0)
+            return fail(ErrorCode::Io, group.at("failed").dump() + " sessions failed: " +
+                                           group.at("errors").front().get<std::string>());
+    return {};
+}
+
+void addSessions(CLI::App& command, BenchFlags& flags) {
+    const auto count = [&](const char* flag, Behaviour behaviour, const char* meaning) {
+        command.add_option(flag, flags.sessions[std::size_t(behaviour)], meaning)
+            ->type_name("N")
+            ->check(CLI::Range(0, 10000))
+            ->group("Sessions");
+    };
+    count("--moving", Behaviour::Moving, "So many walk around the cloud and acknowledge every frame");
+    count("--idle", Behaviour::Idle, "So many look at one view and wait");
+    count("--slow", Behaviour::Slow, "So many move, and read --slow-bytes a second");
+    count("--never-ack", Behaviour::NeverAck, "So many move, and acknowledge nothing");
+}
+
+void addNumbers(CLI::App& command, BenchPlan& plan) {
+    const auto number = [&](const char* flag, auto& value, const char* type, double least, double most,
+                            const char* meaning) {
+        command.add_option(flag, value, meaning)->type_name(type)->check(CLI::Range(least, most));
+    };
+    number("--seconds", plan.seconds, "SECONDS", 0.1, 86400, "How long to measure (10)");
+    number("--warm-up", plan.warmUp, "SECONDS", 0, 3600, "Moving before that, not measured (1)");
+    number("--views", plan.viewsPerSecond, "N", 0.1, 1000, "Views that a moving session sends a second (60)");
+    number("--fps", plan.fps, "N", 1, 240, "Frames a second that sessions ask the server for (30)");
+    number("--degrees", plan.degreesPerSecond, "N", 0, 360, "Of the walk, a second (30)");
+    number("--slow-bytes", plan.slowBytesPerSecond, "N", 1000, 1e9,
+           "What --slow sessions read a second (50000)");
+    number("--wake", plan.wake, "SECONDS", 0, 86400, "Idle sessions send one view so long after the start");
+}
+
+}  // namespace
+
+void addBench(CLI::App& app, int& exitCode) {
+    const auto flags = std::make_shared<BenchFlags>();
+    auto& command = *app.add_subcommand("bench", "Open many sessions at once and measure what they see");
+    flags->server.addTo(command);
+    addSessions(command, *flags);
+    addNumbers(command, flags->plan);
+    command
+        .add_option("--cloud", flags->plan.cloud, "Id of the cloud; the server's first one when not given")
+        ->type_name("ID");
+    command
+        .add_option("--final", flags->final,
+                    "Write a moving session's final still there, and the view that it shows to FILE.json")
+        ->type_name("FILE.jpg");
+    command.add_flag("--json", flags->json, "As one JSON object");
+    flags->view.addTo(command);
+    command.footer(
+        "All sessions first see their view's final still; then the clock starts. The time of a frame is that "
+        "since\nthe view which it shows was sent. Example:\n"
+        "  scancast-client bench http://127.0.0.1:8080/ --moving 8 --slow 1 --seconds 10");
+    command.callback([flags, &exitCode] { exitCode = report(run(*flags)); });
+}
+
+}  // namespace scancast::client

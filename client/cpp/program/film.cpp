@@ -1,0 +1,110 @@
+#include "client/cpp/program/film.hpp"
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cstdio>
+
+#include "client/cpp/program/bench_report.hpp"
+#include "client/cpp/program/film_writer.hpp"
+#include "client/cpp/stream.hpp"
+
+namespace scancast::client {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+/// One line that overwrites itself on a terminal; elsewhere, a line for every tenth of the way.
+class Progress {
+  public:
+    Progress(int total, bool quiet) : total_(total), quiet_(quiet), terminal_(isatty(STDERR_FILENO) == 1) {}
+    void step(int done) {
+        if (quiet_) return;
+        if (terminal_)
+            std::fprintf(stderr, "\rframe %d of %d%s", done, total_, done == total_ ? "\n" : "");
+        else if (done * 10 / total_ != (done - 1) * 10 / total_)
+            std::fprintf(stderr, "frame %d of %d\n", done, total_);
+    }
+
+  private:
+    int total_;
+    bool quiet_, terminal_;
+};
+
+/// Acknowledges everything; returns the frame that shows view `seq` and is good enough.
+Expected<ReceivedFrame> frameOf(Stream& stream, std::uint64_t seq, bool anyQuality) {
+    for (;;) {
+        auto frame = stream.receiveFrame();
+        if (!frame) return frame;
+        if (auto sent = stream.ack(frame->header); !sent) return tl::unexpected(sent.error());
+        if (frame->header.seq == seq && (anyQuality || frame->header.final)) return frame;
+    }
+}
+
+/// Takes the pictures; returns the milliseconds that each took.
+Expected<std::vector<double>> takePictures(Stream& stream, FilmWriter& writer, const FilmFlags& flags,
+                                           int count, const std::function<View(int)>& at) {
+    Progress progress(count, flags.quiet);
+    std::vector<double> milliseconds;
+    for (int i = 0; i < count; ++i) {
+        const auto asked = Clock::now();
+        const auto seq = static_cast<std::uint64_t>(i) + 1;
+        if (auto sent = stream.sendView(seq, at(i)); !sent) return tl::unexpected(sent.error());
+        const auto frame = frameOf(stream, seq, flags.moving);
+        if (!frame) return tl::unexpected(frame.error());
+        milliseconds.push_back(std::chrono::duration<double, std::milli>(Clock::now() - asked).count());
+        if (auto written = writer.add(frame->jpeg); !written) return tl::unexpected(written.error());
+        progress.step(i + 1);
+    }
+    return milliseconds;
+}
+
+}  // namespace
+
+void FilmFlags::addTo(CLI::App& command) {
+    command
+        .add_option(
+            "-o,--output", output,
+            "A folder for frame-001.jpg, frame-002.jpg …, or, with ffmpeg, a video: .mp4, .mkv, .webm")
+        ->type_name("FOLDER|VIDEO")
+        ->required();
+    command.add_option("--fps", framesPerSecond, "Frames a second of the video")
+        ->type_name("N")
+        ->check(CLI::Range(0.1, 240.0))
+        ->capture_default_str();
+    command.add_option("--cloud", cloud, "Id of the cloud; the server's first one when not given")
+        ->type_name("ID");
+    command.add_flag(
+        "--moving", moving,
+        "Take the first frame of each step, as a viewer does while moving, instead of the final still");
+    command.add_flag("--quiet", quiet, "No progress on standard error");
+}
+
+Expected<void> film(const Server& server, const std::string& cloud, const FilmFlags& flags, int count,
+                    const std::function<View(int)>& at) {
+    const auto first = at(0);
+    if (isVideo(flags.output) && flags.moving)
+        return fail(ErrorCode::InvalidArgument,
+                    "moving frames differ in size: a video is made of finals, without --moving");
+    auto writer = FilmWriter::create(flags.output, count, flags.framesPerSecond);
+    if (!writer) return tl::unexpected(writer.error());
+    messages::Hello hello;
+    hello.cloud = cloud;
+    hello.width = first.width;
+    hello.height = first.height;
+    auto stream = Stream::open(server.url(), hello, server.timeouts(), server.credentials());
+    if (!stream) return tl::unexpected(stream.error());
+    const auto begin = Clock::now();
+    const auto milliseconds = takePictures(*stream, *writer, flags, count, at);
+    if (!milliseconds) return tl::unexpected(milliseconds.error());
+    const std::chrono::duration<double> seconds = Clock::now() - begin;
+    if (auto closed = stream->close(); !closed) return closed;
+    if (auto finished = writer->finish(); !finished) return finished;
+    std::printf("%d frames of %s in %.2f s: %.1f frames/s, median %.1f ms, slowest %.1f ms, %dx%d, in %s\n",
+                count, cloud.c_str(), seconds.count(), count / seconds.count(), percentile(*milliseconds, 50),
+                percentile(*milliseconds, 100), first.width, first.height, flags.output.c_str());
+    return {};
+}
+
+}  // namespace scancast::client

@@ -1,0 +1,128 @@
+#include "client/cpp/program/film_writer.hpp"
+
+#include <fcntl.h>
+#include <signal.h>
+#include <spawn.h>
+#include <sys/socket.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <cstring>
+#include <filesystem>
+#include <utility>
+
+#include "client/cpp/program/command.hpp"
+
+extern char** environ;
+
+namespace scancast::client {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::string numbered(const std::string& folder, int number, int digits) {
+    auto text = std::to_string(number);
+    text.insert(0, std::max(0, digits - static_cast<int>(text.size())), '0');
+    return (fs::path(folder) / ("frame-" + text + ".jpg")).string();
+}
+
+/// Starts ffmpeg with its standard input at the other end of `input`; -1 when there is none.
+pid_t startProgram(std::vector<std::string> words, int input) {
+    std::vector<char*> argv;
+    for (auto& word : words) argv.push_back(word.data());
+    argv.push_back(nullptr);
+    posix_spawn_file_actions_t actions;
+    posix_spawn_file_actions_init(&actions);
+    posix_spawn_file_actions_adddup2(&actions, input, STDIN_FILENO);
+    pid_t program = -1;
+    const int failed = posix_spawnp(&program, argv[0], &actions, nullptr, argv.data(), environ);
+    posix_spawn_file_actions_destroy(&actions);
+    return failed ? -1 : program;
+}
+
+}  // namespace
+
+bool isVideo(const std::string& path) {
+    const auto ending = fs::path(path).extension().string();
+    constexpr std::array endings{".mp4", ".mkv", ".webm", ".mov", ".avi"};
+    return std::find(endings.begin(), endings.end(), ending) != endings.end();
+}
+
+Expected<FilmWriter> FilmWriter::create(const std::string& path, int total, double framesPerSecond) {
+    FilmWriter writer(path, std::max(3, static_cast<int>(std::to_string(total).size())));
+    if (isVideo(path)) {
+        if (auto started = writer.startVideo(framesPerSecond); !started)
+            return tl::unexpected(started.error());
+        return writer;
+    }
+    std::error_code error;
+    fs::create_directories(path, error);
+    if (error) return fail(ErrorCode::Io, "cannot make the folder " + path + ": " + error.message());
+    return writer;
+}
+
+FilmWriter::FilmWriter(FilmWriter&& other) noexcept
+    : path_(std::move(other.path_)),
+      digits_(other.digits_),
+      count_(other.count_),
+      program_(std::exchange(other.program_, -1)),
+      pipe_(std::exchange(other.pipe_, -1)) {}
+
+FilmWriter::~FilmWriter() {
+    if (program_ > 0) kill(program_, SIGTERM);
+    waitForProgram();
+}
+
+Expected<void> FilmWriter::startVideo(double framesPerSecond) {
+    // A socket, not a pipe: writing to a program that has ended is then an error and no signal.
+    int ends[2];
+    if (socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends) != 0)
+        return fail(ErrorCode::Io, std::string("cannot talk to ffmpeg: ") + std::strerror(errno));
+    pipe_ = ends[0];
+    // Sides must be even for the most common pixel format.
+    program_ = startProgram({"ffmpeg", "-y", "-loglevel", "error", "-f", "image2pipe", "-c:v", "mjpeg",
+                             "-framerate", std::to_string(framesPerSecond), "-i", "-", "-vf",
+                             "pad=ceil(iw/2)*2:ceil(ih/2)*2", "-pix_fmt", "yuv420p", "file:" + path_},
+                            ends[1]);
+    close(ends[1]);
+    if (program_ > 0) return {};
+    return fail(ErrorCode::NotFound, "there is no ffmpeg to make " + path_ +
+                                         ": install the package ffmpeg, or give a folder for numbered JPEGs");
+}
+
+Expected<void> FilmWriter::add(const std::vector<std::uint8_t>& jpeg) {
+    ++count_;
+    if (program_ <= 0) return writeFile(numbered(path_, count_, digits_), jpeg);
+    for (std::size_t done = 0; done < jpeg.size();) {
+        const auto sent = send(pipe_, jpeg.data() + done, jpeg.size() - done, MSG_NOSIGNAL);
+        if (sent < 0 && errno == EINTR) continue;
+        if (sent < 0) return tl::unexpected(videoFailed());
+        done += static_cast<std::size_t>(sent);
+    }
+    return {};
+}
+
+Expected<void> FilmWriter::finish() {
+    if (program_ > 0 && waitForProgram() != 0) return tl::unexpected(videoFailed());
+    return {};
+}
+
+Error FilmWriter::videoFailed() {
+    waitForProgram();
+    return {ErrorCode::Io, "ffmpeg could not make " + path_ + "; what it said stands above", {}};
+}
+
+int FilmWriter::waitForProgram() {
+    if (pipe_ >= 0) close(std::exchange(pipe_, -1));
+    if (program_ <= 0) return 0;
+    int status = 0;
+    while (waitpid(program_, &status, 0) < 0 && errno == EINTR) {
+    }
+    program_ = -1;
+    return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+}
+
+}  // namespace scancast::client

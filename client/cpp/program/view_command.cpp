@@ -1,0 +1,60 @@
+// `scancast-client view`: a cloud in a window.
+#include <cstdio>
+
+#include "client/cpp/program/command.hpp"
+#include "client/cpp/program/view_flags.hpp"
+#include "client/cpp/program/view_window.hpp"
+#include "protocol/view_words.hpp"
+
+namespace scancast::client {
+namespace {
+
+struct WindowFlags {
+    ServerFlags server;
+    ViewFlags view;
+    std::string cloud;
+    bool trace = false;
+    std::optional<int> finals;
+};
+
+Expected<void> run(const WindowFlags& flags) {
+    const auto words = flags.view.words();
+    if (!words) return tl::unexpected(words.error());
+    const auto server = flags.server.server();
+    if (!server) return tl::unexpected(server.error());
+    const auto cloud =
+        chooseCloud(*server, flags.cloud).and_then([&](const std::string& id) { return server->cloud(id); });
+    if (!cloud) return tl::unexpected(cloud.error());
+    const auto view = applyWords(cloud->view, *words);
+    if (!view) return tl::unexpected(view.error());
+    if (view->camera.viewMatrix)
+        return fail(ErrorCode::InvalidArgument,
+                    "a window is steered by --eye and --target, not by --view-matrix", "viewMatrix");
+    const auto methods = server->methods();
+    if (!methods) return tl::unexpected(methods.error());
+    WindowOptions options{*cloud, *view, {}, flags.trace, flags.finals};
+    for (const auto& method : *methods) options.methods.push_back(method.name);
+    return runWindow(*server, std::move(options));
+}
+
+}  // namespace
+
+void addView(CLI::App& app, int& exitCode) {
+    const auto flags = std::make_shared<WindowFlags>();
+    auto& command = *app.add_subcommand("view", "Look at a cloud in a window");
+    flags->server.addTo(command);
+    command.add_option("--cloud", flags->cloud, "Id of the cloud; the server's first one when not given")
+        ->type_name("ID");
+    command.add_flag("--trace", flags->trace, "Say on standard output what happens");
+    command.add_option("--finals", flags->finals, "Close after so many final stills")->type_name("N");
+    flags->view.addTo(command);
+    command.footer(
+        "Drag: turn; right drag, or shift: move; wheel: nearer, farther; W A S D Q E: fly; M and N: method;\n"
+        "1 2 3: quality while moving (sharp, even, fast); C: colours; R: first view; F: full screen; H: "
+        "help;\n"
+        "Escape: end. Example:\n"
+        "  scancast-client view http://127.0.0.1:8080/ --method disc");
+    command.callback([flags, &exitCode] { exitCode = report(run(*flags)); });
+}
+
+}  // namespace scancast::client

@@ -1,0 +1,137 @@
+#include "server/commands/config_file.hpp"
+
+#include <algorithm>
+#include <array>
+#include <fstream>
+#include <iterator>
+#include <vector>
+
+#include "protocol/json_text.hpp"
+#include "protocol/nearest_name.hpp"
+
+namespace scancast {
+namespace {
+
+using nlohmann::json;
+
+constexpr std::size_t longestFile = 1 << 20;
+// About the command line itself.
+constexpr std::array<std::string_view, 3> notInFiles{"help", "config", "check-config"};
+
+/// Empty for options that no file sets.
+std::string keyOf(const CLI::Option& option) {
+    if (option.get_lnames().empty()) return option.get_positional() ? filesKey : "";
+    const std::string& name = option.get_lnames().front();
+    return std::count(notInFiles.begin(), notInFiles.end(), name) > 0 ? "" : name;
+}
+
+bool isFlag(const CLI::Option& option) {
+    return option.get_items_expected_max() == 0;
+}
+
+bool isList(const CLI::Option& option) {
+    return option.get_items_expected_max() > 1;
+}
+
+Expected<std::string> textOf(const json& value) {
+    if (value.is_string()) return value.get<std::string>();
+    if (value.is_number() || value.is_boolean()) return printJson(value);
+    return fail(ErrorCode::InvalidArgument, "expected a string, a number, true or false");
+}
+
+Expected<std::vector<std::string>> textsOf(const CLI::Option& option, const json& value) {
+    if (isFlag(option) != value.is_boolean())
+        return fail(ErrorCode::InvalidArgument,
+                    isFlag(option) ? "expected true or false" : "takes more than true or false");
+    if (value.is_array() && !isList(option)) return fail(ErrorCode::InvalidArgument, "takes one value");
+    std::vector<std::string> texts;
+    for (const json& one : value.is_array() ? value : json::array({value})) {
+        auto text = textOf(one);
+        if (!text) return tl::unexpected(std::move(text.error()));
+        texts.push_back(std::move(*text));
+    }
+    return texts;
+}
+
+Expected<void> set(CLI::Option& option, const json& value) {
+    const auto texts = textsOf(option, value);
+    if (!texts) return tl::unexpected(texts.error());
+    if (option.count() > 0 || texts->empty()) return {};
+    try {
+        option.add_result(*texts);
+        option.run_callback();
+    } catch (const CLI::Error& error) {
+        return fail(ErrorCode::InvalidArgument, error.what());
+    }
+    return {};
+}
+
+Expected<json> readConfig(const std::filesystem::path& file) {
+    std::ifstream stream(file, std::ios::binary);
+    std::string text(longestFile + 1, '\0');
+    stream.read(text.data(), std::streamsize(text.size()));
+    text.resize(std::size_t(stream.gcount()));
+    if (stream.bad() || (text.empty() && !stream.eof())) return fail(ErrorCode::Io, "it cannot be read");
+    if (text.size() > longestFile) return fail(ErrorCode::ResourceLimit, "it is longer than 1 MiB");
+    auto config = parseJson(text);
+    if (config && !config->is_object())
+        return fail(ErrorCode::Malformed, "expected a JSON object such as {\"port\": 9000}");
+    return config;
+}
+
+json valueOf(const std::string& text) {
+    const auto number = parseJson(text);
+    return number && number->is_number() ? *number : json(text);
+}
+
+}  // namespace
+
+Expected<void> applyConfigFile(CLI::App& app, const std::filesystem::path& file) {
+    const auto refuse = [&](const Error& error, const std::string& key) {
+        const std::string at = key.empty() ? "" : key + ": ";
+        return fail(error.code, "--config " + file.string() + ": " + at + error.message, key);
+    };
+    const auto config = readConfig(file);
+    if (!config) return refuse(config.error(), "");
+    std::vector<std::string> keys;
+    std::vector<CLI::Option*> options;
+    for (CLI::Option* option : app.get_options()) {
+        if (keyOf(*option).empty()) continue;
+        keys.push_back(keyOf(*option));
+        options.push_back(option);
+    }
+    const std::vector<std::string_view> known(keys.begin(), keys.end());
+    for (const auto& [key, value] : config->items()) {
+        const auto at = std::find(keys.begin(), keys.end(), key);
+        if (at == keys.end())
+            return refuse({ErrorCode::InvalidArgument, unknownName(quoteText(key), key, known), {}}, "");
+        if (auto done = set(*options[std::size_t(at - keys.begin())], value); !done)
+            return refuse(done.error(), key);
+    }
+    return {};
+}
+
+json effectiveConfig(const CLI::App& app) {
+    json config = json::object();
+    for (const CLI::Option* option : app.get_options()) {
+        const std::string key = keyOf(*option);
+        if (key.empty()) continue;
+        std::vector<std::string> texts = option->results();
+        if (isFlag(*option)) {
+            config[key] = option->count() > 0 && option->as<bool>();
+            continue;
+        }
+        if (texts.empty() && !isList(*option) && !option->get_default_str().empty())
+            texts = {option->get_default_str()};
+        if (texts.empty()) continue;
+        json& value = config[key];
+        if (!isList(*option)) {
+            value = valueOf(texts.front());
+            continue;
+        }
+        for (const std::string& text : texts) value.push_back(valueOf(text));
+    }
+    return config;
+}
+
+}  // namespace scancast

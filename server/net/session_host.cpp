@@ -1,0 +1,139 @@
+#include "server/net/session_host.hpp"
+
+#include <boost/asio/post.hpp>
+
+#include "server/describe.hpp"
+
+namespace scancast {
+
+namespace asio = boost::asio;
+
+SessionHost::SessionHost(const Executor& strand, NetContext& context)
+    : context_(context), strand_(strand), world_(context.catalog), timer_(strand) {}
+
+SessionHost::~SessionHost() {
+    context_.connections.remove(this);
+    if (!session_) return;
+    session_->connectionLost(false, Clock::now());
+    context_.scheduler.closeMailbox(mailbox_);
+    context_.sessions.fetch_sub(1);
+    context_.metrics.sessionClosed();
+}
+
+bool SessionHost::openSession(ClientKind client, SessionOptions options) {
+    if (context_.sessions.fetch_add(1) >= context_.limits.maxSessions) {
+        context_.sessions.fetch_sub(1);
+        return false;
+    }
+    context_.metrics.sessionOpened();
+    mailbox_ = context_.scheduler.openMailbox();
+    seat_ = context_.sessionRegister.enter(client, weak_from_this());
+    options.seat = seat_.get();
+    options.id = seat_->id();
+    options.maxPixels = context_.limits.maxPixels;
+    options.quiet = context_.limits.quiet;
+    options.helloPatience = context_.limits.helloTimeout;
+    session_.emplace(std::move(options), world_, *this, context_.metrics, Clock::now());
+    keepTime();
+    return true;
+}
+
+template <class Work>
+void SessionHost::later(const Executor& strand, const Weak& weak, Work work) {
+    asio::post(strand, [weak, work = std::move(work)]() mutable {
+        const auto self = weak.lock();
+        if (!self || !self->session_ || !self->listening()) return;
+        work(*self->session_);
+        self->keepTime();
+    });
+}
+
+void SessionHost::shutDown() {
+    asio::post(strand_, [weak = weak_from_this()] {
+        const auto self = weak.lock();
+        if (!self) return;
+        if (self->session_) return self->session_->goAway();
+        self->cut();  // still shaking hands, or refused already
+    });
+}
+
+void SessionHost::changeView(messages::ViewChange change, Changed done) {
+    asio::post(strand_, [weak = weak_from_this(), change = std::move(change), done = std::move(done)] {
+        const auto self = weak.lock();
+        if (!self || !self->session_ || !self->listening())
+            return done(tl::unexpected(problemOf(404, "This session has ended.")));
+        done(self->session_->change(change, Clock::now()));
+        self->keepTime();
+    });
+}
+
+void SessionHost::lookAround() {
+    if (willLook_.exchange(true)) return;
+    asio::post(strand_, [weak = weak_from_this()] {
+        const auto self = weak.lock();
+        if (!self) return;
+        self->willLook_ = false;
+        if (!self->session_ || !self->listening()) return;
+        self->session_->lookAround(Clock::now());
+        self->keepTime();
+    });
+}
+
+void SessionHost::order(std::uint64_t number, PictureOrder order) {
+    context_.scheduler.wish(mailbox_, std::move(order), doneFor(number));
+}
+
+bool SessionHost::replaceWaiting(std::uint64_t number, PictureOrder order) {
+    return context_.scheduler.replaceWaiting(mailbox_, std::move(order), doneFor(number));
+}
+
+void SessionHost::abandon() {
+    context_.scheduler.abandon(mailbox_);
+}
+
+// Answers come from other threads, or at once from here; either way they are posted.
+void SessionHost::pick(std::uint64_t seq, std::shared_ptr<const Cloud> cloud, View view, double x, double y) {
+    auto done = [strand = strand_, weak = weak_from_this(), seq,
+                 cloud](Expected<std::optional<Picked>> picked) {
+        auto point = picked.map([&](const std::optional<Picked>& found) {
+            return found ? pickedJson(*cloud, *found) : nlohmann::json();
+        });
+        later(strand, weak, [seq, point = std::move(point)](StreamSession& session) mutable {
+            session.pickDone(seq, std::move(point));
+        });
+    };
+    if (auto asked = context_.api.picker().pick(cloud, view, x, y, done); !asked)
+        done(tl::unexpected(std::move(asked.error())));
+}
+
+std::function<void()> SessionHost::onTaken() {
+    return [strand = strand_, weak = weak_from_this()] {
+        later(strand, weak, [](StreamSession& session) { session.taken(); });
+    };
+}
+
+PictureDone SessionHost::doneFor(std::uint64_t number) {
+    return [strand = strand_, weak = weak_from_this(), number](Expected<Picture> result) {
+        later(strand, weak, [number, result = std::move(result)](StreamSession& session) mutable {
+            session.pictureDone(number, std::move(result), Clock::now());
+        });
+    };
+}
+
+void SessionHost::keepTime() {
+    const auto wake = session_->wakeAt();
+    if (wake == armed_) return;
+    armed_ = wake;
+    timer_.cancel();
+    if (!wake) return;
+    timer_.expires_at(*wake);
+    timer_.async_wait([weak = weak_from_this()](boost::system::error_code ec) {
+        const auto self = weak.lock();
+        if (!self || ec || !self->listening()) return;
+        self->armed_.reset();
+        self->session_->tick(Clock::now());
+        self->keepTime();
+    });
+}
+
+}  // namespace scancast

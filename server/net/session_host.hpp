@@ -1,0 +1,79 @@
+// What a connection does for its stream session, whatever it speaks: a place among the sessions, a mailbox at
+// the scheduler, an entry in the register, and the session's own time. WebSocket and MJPEG connections derive
+// from it and add how frames travel.
+//
+// Lives on the strand of its socket, kept alive by the connection's pending operations; what other threads
+// ask for is posted to it. Pipeline: connection ↔ **session host** ↔ session, scheduler, register.
+#pragma once
+
+#include <utility>  // before Asio: Boost 1.74 forgets it
+
+#include <atomic>
+#include <boost/asio/steady_timer.hpp>
+#include <memory>
+#include <optional>
+
+#include "server/net/net_context.hpp"
+#include "server/stream/catalog_world.hpp"
+#include "server/stream/session.hpp"
+
+namespace scancast {
+
+class SessionHost : public Connection,
+                    public StreamPort,
+                    public LiveSession,
+                    public std::enable_shared_from_this<SessionHost> {
+  public:
+    using Clock = StreamSession::Clock;
+    using Executor = boost::asio::steady_timer::executor_type;
+    ~SessionHost() override;
+
+    void shutDown() override;
+    void sayGoodbye() override { shutDown(); }
+    void changeView(messages::ViewChange change, Changed done) override;
+    void lookAround() override;
+
+    void order(std::uint64_t number, PictureOrder order) override;
+    bool replaceWaiting(std::uint64_t number, PictureOrder order) override;
+    void pick(std::uint64_t seq, std::shared_ptr<const Cloud> cloud, View view, double x, double y) override;
+    void abandon() override;
+    std::function<void()> onTaken() override;
+
+  protected:
+    /// The context outlives the host; the executor is a strand.
+    SessionHost(const Executor& strand, NetContext& context);
+
+    /// Takes one of --max-sessions; false, and there is no session, when all are taken. What the options say
+    /// of identity, limits and patience is filled in here.
+    bool openSession(ClientKind client, SessionOptions options = {});
+    StreamSession* session() { return session_ ? &*session_ : nullptr; }
+    std::string sessionId() const { return seat_->id(); }
+    /// After every call into the session: sets the timer for its next tick.
+    void keepTime();
+    void stopTime() { timer_.cancel(); }
+
+    /// Neither gone nor about to close: the session may be told things.
+    virtual bool listening() const = 0;
+    /// Closes the socket as it is.
+    virtual void cut() = 0;
+
+    NetContext& context_;
+
+  private:
+    using Weak = std::weak_ptr<SessionHost>;
+    /// Posts `work(session)`, which is not done when the session is over by then.
+    template <class Work>
+    static void later(const Executor& strand, const Weak& weak, Work work);
+    PictureDone doneFor(std::uint64_t number);
+
+    Executor strand_;
+    const CatalogWorld world_;
+    boost::asio::steady_timer timer_;
+    std::optional<Clock::time_point> armed_;
+    Scheduler::MailboxId mailbox_ = 0;
+    std::unique_ptr<SessionSeat> seat_;  // outlives the session
+    std::optional<StreamSession> session_;
+    std::atomic<bool> willLook_{false};
+};
+
+}  // namespace scancast

@@ -1,0 +1,214 @@
+#include "server/stream/session_register.hpp"
+
+#include <fmt/chrono.h>
+#include <fmt/format.h>
+#include <openssl/rand.h>
+
+#include <algorithm>
+#include <array>
+#include <cstdlib>
+
+#include "protocol/nearest_name.hpp"
+#include "protocol/view_json.hpp"
+
+namespace scancast {
+namespace {
+
+std::string newId() {
+    std::array<unsigned char, 12> bytes{};
+    if (RAND_bytes(bytes.data(), int(bytes.size())) != 1)
+        std::abort();  // a machine without randomness has no secrets
+    std::string id = "s";
+    for (const unsigned char byte : bytes) id += fmt::format("{:02x}", byte);
+    return id;
+}
+
+tl::unexpected<Problem> refuse(int status, std::string detail) {
+    Problem problem = problemOf(status, std::move(detail));
+    problem.errors.push_back({"follow", problem.detail});
+    return tl::unexpected(std::move(problem));
+}
+
+nlohmann::json toJson(const SessionFacts& facts) {
+    const auto seconds = std::chrono::floor<std::chrono::seconds>(facts.since);
+    nlohmann::json json{{"session", facts.id},
+                        {"client", name(facts.client)},
+                        {"since", fmt::format("{:%Y-%m-%dT%H:%M:%SZ}",
+                                              fmt::gmtime(std::chrono::system_clock::to_time_t(seconds)))},
+                        {"frames", facts.frames},
+                        {"follows", facts.follows.empty() ? nlohmann::json() : nlohmann::json(facts.follows)},
+                        {"cloud", nullptr},
+                        {"view", nullptr}};
+    if (facts.shows) json.update(toJson(*facts.shows));
+    return json;
+}
+
+}  // namespace
+
+std::string_view name(ClientKind kind) {
+    return kind == ClientKind::WebSocket ? "websocket" : "mjpeg";
+}
+
+nlohmann::json toJson(const SharedView& shows) {
+    return {{"cloud", shows.cloudId}, {"seq", shows.seq}, {"view", toJson(shows.view)}};
+}
+
+nlohmann::json sessionListJson(const std::vector<SessionFacts>& sessions) {
+    nlohmann::json list = nlohmann::json::array();
+    for (const SessionFacts& facts : sessions) list.push_back(toJson(facts));
+    return {{"sessions", std::move(list)}};
+}
+
+// ---- the register
+
+std::unique_ptr<SessionSeat> SessionRegister::enter(ClientKind client, std::weak_ptr<LiveSession> session) {
+    Entry entry;
+    entry.facts.id = newId();
+    entry.facts.client = client;
+    entry.facts.since = std::chrono::system_clock::now();
+    entry.session = std::move(session);
+    auto seat = std::make_unique<SessionSeat>(*this, entry.facts.id);
+    const std::lock_guard lock(mutex_);
+    entry.number = ++last_;
+    entry.seat = seat.get();
+    entries_.emplace(seat->id_, std::move(entry));
+    return seat;
+}
+
+std::vector<SessionFacts> SessionRegister::list() const {
+    std::vector<const Entry*> order;
+    std::vector<SessionFacts> facts;
+    const std::lock_guard lock(mutex_);
+    for (const auto& [id, entry] : entries_) order.push_back(&entry);
+    std::sort(order.begin(), order.end(),
+              [](const Entry* a, const Entry* b) { return a->number < b->number; });
+    for (const Entry* entry : order) facts.push_back(entry->facts);
+    return facts;
+}
+
+std::shared_ptr<LiveSession> SessionRegister::find(std::string_view id) const {
+    const std::lock_guard lock(mutex_);
+    const auto at = entries_.find(id);
+    return at == entries_.end() ? nullptr : at->second.session.lock();
+}
+
+std::uint64_t SessionRegister::seqOf(std::string_view id) const {
+    const std::lock_guard lock(mutex_);
+    const auto at = entries_.find(id);
+    return at == entries_.end() || !at->second.facts.shows ? 0 : at->second.facts.shows->seq;
+}
+
+void SessionRegister::wakeAll() const {
+    Sessions all;
+    {
+        const std::lock_guard lock(mutex_);
+        for (const auto& [id, entry] : entries_) all.push_back(entry.session);
+    }
+    wake(all);
+}
+
+void SessionRegister::leave(const SessionSeat& seat) {
+    Sessions followers;
+    {
+        const std::lock_guard lock(mutex_);
+        followers = followersLocked(seat.id_);
+        entries_.erase(seat.id_);
+    }
+    wake(followers);
+}
+
+void SessionRegister::renameLocked(SessionSeat& seat, const std::string& id) {
+    auto node = entries_.extract(seat.id_);
+    node.key() = node.mapped().facts.id = seat.id_ = id;
+    entries_.insert(std::move(node));
+}
+
+SessionRegister::Sessions SessionRegister::followersLocked(const std::string& id) const {
+    Sessions followers;
+    for (const auto& [other, entry] : entries_)
+        if (entry.facts.follows == id) followers.push_back(entry.session);
+    return followers;
+}
+
+// Outside the lock: a session may be destroyed here, and leaves the register then.
+void SessionRegister::wake(const Sessions& sessions) {
+    for (const auto& weak : sessions)
+        if (const auto session = weak.lock()) session->lookAround();
+}
+
+// ---- a seat
+
+SessionSeat::~SessionSeat() {
+    sessions_.leave(*this);
+}
+
+std::string SessionSeat::id() const {
+    const std::lock_guard lock(sessions_.mutex_);
+    return id_;
+}
+
+void SessionSeat::resumeAs(const std::string& id) {
+    const std::lock_guard lock(sessions_.mutex_);
+    const auto other = sessions_.entries_.find(id);
+    if (other != sessions_.entries_.end()) sessions_.renameLocked(*other->second.seat, newId());
+    sessions_.renameLocked(*this, id);
+}
+
+void SessionSeat::show(SharedView view) {
+    SessionRegister::Sessions followers;
+    {
+        const std::lock_guard lock(sessions_.mutex_);
+        sessions_.entries_.at(id_).facts.shows = std::move(view);
+        followers = sessions_.followersLocked(id_);
+    }
+    SessionRegister::wake(followers);
+}
+
+void SessionSeat::frameSent() {
+    const std::lock_guard lock(sessions_.mutex_);
+    ++sessions_.entries_.at(id_).facts.frames;
+}
+
+tl::expected<SharedView, Problem> SessionSeat::mayFollow(const std::string& leader) const {
+    const std::lock_guard lock(sessions_.mutex_);
+    return mayFollowLocked(leader);
+}
+
+tl::expected<SharedView, Problem> SessionSeat::follow(const std::string& leader) {
+    const std::lock_guard lock(sessions_.mutex_);
+    auto shown = mayFollowLocked(leader);
+    if (shown) sessions_.entries_.at(id_).facts.follows = leader;
+    return shown;
+}
+
+tl::expected<SharedView, Problem> SessionSeat::mayFollowLocked(const std::string& leader) const {
+    const auto at = sessions_.entries_.find(leader);
+    if (at == sessions_.entries_.end())
+        return refuse(404, "There is no session " + quoteText(leader) + "; it may have ended.");
+    const SessionFacts& facts = at->second.facts;
+    if (leader == id_) return refuse(409, "A session cannot follow itself.");
+    if (!facts.follows.empty())
+        return refuse(409, "That session follows another one itself; follow that one instead.");
+    if (!sessions_.followersLocked(id_).empty())
+        return refuse(409, "Others follow this session; it cannot follow at the same time.");
+    if (!facts.shows) return refuse(503, "That session shows nothing yet; try again in a moment.");
+    return *facts.shows;
+}
+
+void SessionSeat::unfollow() {
+    const std::lock_guard lock(sessions_.mutex_);
+    sessions_.entries_.at(id_).facts.follows.clear();
+}
+
+bool SessionSeat::following() const {
+    const std::lock_guard lock(sessions_.mutex_);
+    return !sessions_.entries_.at(id_).facts.follows.empty();
+}
+
+std::optional<SharedView> SessionSeat::leader() const {
+    const std::lock_guard lock(sessions_.mutex_);
+    const auto at = sessions_.entries_.find(sessions_.entries_.at(id_).facts.follows);
+    return at == sessions_.entries_.end() ? std::nullopt : at->second.facts.shows;
+}
+
+}  // namespace scancast

@@ -1,0 +1,132 @@
+// Who is looking at what: every live session by its id, so that an administrator can list them, plain HTTP
+// can drive one, and one session can follow what another one shows.
+//
+// The register is owned by the server and outlives every seat; a seat is owned by the session's connection
+// and leaves the register when it is destroyed. *Thread safety*: every function may be called from any
+// thread. Nobody is called from inside but LiveSession::lookAround(), which only posts. Place: net →
+// **register** ← session.
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "protocol/messages.hpp"
+#include "protocol/problem.hpp"
+#include "protocol/view.hpp"
+
+namespace scancast {
+
+enum class ClientKind : std::uint8_t { WebSocket, Mjpeg };
+std::string_view name(ClientKind kind);
+
+/// What a session shows.
+struct SharedView {
+    std::string cloudId;
+    View view;
+    std::uint64_t seq = 0;
+};
+
+/// A session as strangers may reach it.
+class LiveSession {
+  public:
+    using Changed = std::function<void(tl::expected<SharedView, Problem>)>;
+    virtual ~LiveSession() = default;
+    /// As if its client had sent this; posts. `done` is called once, on the session's strand, with what is
+    /// shown then, unless the server ends first.
+    virtual void changeView(messages::ViewChange change, Changed done) = 0;
+    /// The followed session shows something else or is gone, or a cloud was removed. Posts; calls that come
+    /// before the session has looked count as one.
+    virtual void lookAround() = 0;
+};
+
+struct SessionFacts {
+    std::string id;
+    ClientKind client = ClientKind::WebSocket;
+    std::chrono::system_clock::time_point since;
+    std::optional<SharedView> shows;  ///< empty before the session has been greeted
+    std::uint64_t frames = 0;         ///< sent
+    std::string follows;              ///< id; empty = nobody
+};
+
+class SessionRegister;
+
+/// A session's entry. One strand writes through it at a time.
+class SessionSeat {
+  public:
+    SessionSeat(SessionRegister& sessions, std::string id) : sessions_(sessions), id_(std::move(id)) {}
+    /// Leaves; followers are told.
+    ~SessionSeat();
+    SessionSeat(const SessionSeat&) = delete;
+    SessionSeat& operator=(const SessionSeat&) = delete;
+
+    std::string id() const;
+    /// For a session that goes on after its connection was lost: it takes its earlier id again. Whoever still
+    /// has that one - a line that is dead, and does not know it yet - gets a new one.
+    void resumeAs(const std::string& id);
+    /// Followers are told.
+    void show(SharedView view);
+    void frameSent();
+    /// What that session shows, if it can be followed: 404 when there is none of that id, 503 when it shows
+    /// nothing yet, 409 for oneself and wherever a follower would be followed.
+    tl::expected<SharedView, Problem> mayFollow(const std::string& leader) const;
+    /// The same, and follows it from now on; refused, whom this one follows stays as it was.
+    tl::expected<SharedView, Problem> follow(const std::string& leader);
+    void unfollow();
+    bool following() const;
+    /// What the followed session shows now; empty when it has ended.
+    std::optional<SharedView> leader() const;
+
+  private:
+    friend class SessionRegister;
+    tl::expected<SharedView, Problem> mayFollowLocked(const std::string& leader) const;
+
+    SessionRegister& sessions_;
+    std::string id_;
+};
+
+class SessionRegister {
+  public:
+    /// A new entry; its id cannot be guessed, because who knows it may follow the session and drive it.
+    std::unique_ptr<SessionSeat> enter(ClientKind client, std::weak_ptr<LiveSession> session);
+    /// In the order in which they came.
+    std::vector<SessionFacts> list() const;
+    std::shared_ptr<LiveSession> find(std::string_view id) const;
+    /// Of the view that it shows; 0 when there is no such session, or it shows nothing.
+    std::uint64_t seqOf(std::string_view id) const;
+    /// Every session looks around: a cloud was removed.
+    void wakeAll() const;
+
+  private:
+    friend class SessionSeat;
+    struct Entry {
+        SessionFacts facts;
+        std::uint64_t number = 0;
+        std::weak_ptr<LiveSession> session;
+        SessionSeat* seat = nullptr;
+    };
+    using Sessions = std::vector<std::weak_ptr<LiveSession>>;
+
+    void leave(const SessionSeat& seat);
+    void renameLocked(SessionSeat& seat, const std::string& id);
+    Sessions followersLocked(const std::string& id) const;
+    static void wake(const Sessions& sessions);
+
+    mutable std::mutex mutex_;
+    std::map<std::string, Entry, std::less<>> entries_;
+    std::uint64_t last_ = 0;
+};
+
+/// The body of GET /api/v1/sessions.
+nlohmann::json sessionListJson(const std::vector<SessionFacts>& sessions);
+/// What POST /api/v1/sessions/{id}/view answers.
+nlohmann::json toJson(const SharedView& shows);
+
+}  // namespace scancast

@@ -1,0 +1,169 @@
+"""What deploy/ offers does what its README says: nginx takes the file and passes pages and streams on, systemd takes the
+unit, the container installs all that the programs need.
+
+    deploy_test.py FOLDER_OF_THE_PROGRAMS
+"""
+import os
+import re
+import shutil
+import socket
+import subprocess
+import sys
+import tempfile
+import time
+import unittest
+
+ROOT = os.path.realpath(os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", ".."))
+sys.path.insert(0, os.path.join(ROOT, "tests", "load"))
+import serving
+
+PROGRAMS = os.path.abspath(sys.argv.pop())
+PATIENCE = 60  # seconds; only what hangs takes so long
+
+
+def text_of(*path):
+    with open(os.path.join(ROOT, *path)) as file:
+        return file.read()
+
+
+def run(*command):
+    done = subprocess.run(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, timeout=300)
+    if done.returncode:
+        raise AssertionError(f"{' '.join(command)} ended with {done.returncode}:\n{done.stdout[-4000:]}")
+    return done.stdout
+
+
+def free_port():
+    with socket.socket() as probe:
+        probe.bind(("127.0.0.1", 0))
+        return probe.getsockname()[1]
+
+
+def packages(name):
+    """Of deploy/packages/NAME.txt: package and the command that stands for it, if one does."""
+    lines = [line.split() for line in text_of("deploy", "packages", name + ".txt").splitlines()]
+    return {line[0]: line[1] if len(line) > 1 else None for line in lines if line and not line[0].startswith("#")}
+
+
+class Nginx(unittest.TestCase):
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.folder = folder.name
+        scan, log = os.path.join(self.folder, "ball.las"), open(os.path.join(self.folder, "log"), "w")
+        self.addCleanup(log.close)
+        run(os.path.join(PROGRAMS, "scancast"), "generate", "sphere", "--points", "20000", "-o", scan, "--quiet")
+        self.server = serving.Server(os.path.join(PROGRAMS, "scancast"), scan, 8, log)
+        self.addCleanup(self.server.stop)
+
+    def configuration(self, port):
+        """The file with the lines changed that it says are to be changed, in a nginx that needs nothing of the system."""
+        key, certificate = os.path.join(self.folder, "key.pem"), os.path.join(self.folder, "certificate.pem")
+        run("openssl", "req", "-x509", "-newkey", "ec", "-pkeyopt", "ec_paramgen_curve:P-256", "-nodes", "-days", "2", "-subj",
+            "/CN=localhost", "-addext", "subjectAltName=DNS:localhost,IP:127.0.0.1", "-keyout", key, "-out", certificate)
+        text = text_of("deploy", "nginx", "scancast.conf")
+        for pattern, value in (("127.0.0.1:8080", "%s:%d" % self.server.address),
+                               ("listen 443 ssl", f"listen 127.0.0.1:{port} ssl"),
+                               ("server_name scans.example.org", "server_name localhost"),
+                               ("/etc/ssl/scans.example.org.pem", certificate),
+                               ("/etc/ssl/private/scans.example.org.key", key)):
+            self.assertEqual(text.count(pattern), 1, f"{pattern} stands in the file once")
+            text = text.replace(pattern, value)
+        site, main = os.path.join(self.folder, "site.conf"), os.path.join(self.folder, "nginx.conf")
+        with open(site, "w") as file:
+            file.write(text)
+        temporary = "".join(f"{kind}_temp_path {self.folder}/{kind};\n" for kind in
+                            ("client_body", "proxy", "fastcgi", "uwsgi", "scgi"))
+        with open(main, "w") as file:
+            file.write(f"daemon off;\nmaster_process off;\npid {self.folder}/pid;\nerror_log {self.folder}/errors;\n"
+                       f"events {{}}\nhttp {{\naccess_log off;\n{temporary}include {site};\n}}\n")
+        self.certificate = certificate
+        return main
+
+    def test_the_file_is_taken_and_passes_pages_pictures_and_streams_on(self):
+        nginx = shutil.which("nginx") or "/usr/sbin/nginx"
+        port = free_port()
+        main = self.configuration(port)
+        run(nginx, "-t", "-c", main, "-p", self.folder)
+        process = subprocess.Popen([nginx, "-c", main, "-p", self.folder])
+        self.addCleanup(process.wait, 30)
+        self.addCleanup(process.terminate)
+        url = f"https://localhost:{port}"
+        patient_until = time.monotonic() + PATIENCE
+        while subprocess.run(["curl", "-s", "--cacert", self.certificate, url + "/healthz"],
+                             stdout=subprocess.DEVNULL).returncode:
+            self.assertLess(time.monotonic(), patient_until, "nginx answers")
+            self.assertIsNone(process.poll(), "nginx runs")
+            time.sleep(0.1)
+        get = ("curl", "-sS", "--fail", "--cacert", self.certificate)
+        self.assertIn("<html", run(*get, url + "/"))
+        self.assertIn('"ball"', run(*get, url + "/api/v1/clouds"))
+        pictures = os.path.join(self.folder, "pictures")
+        run(os.path.join(PROGRAMS, "scancast-client"), "orbit", url, "--ca-file", self.certificate, "--frames", "4", "--width",
+            "160", "--height", "120", "-o", pictures)
+        found = [name for _, _, names in os.walk(self.folder) for name in names if name.endswith(".jpg")]
+        self.assertEqual(len(found), 4, "frames came through the WebSocket")
+
+
+class Systemd(unittest.TestCase):
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.unit = os.path.join(folder.name, "scancast.service")
+        text = text_of("deploy", "systemd", "scancast.service")
+        self.assertEqual(text.count("/usr/bin/scancast "), 1)
+        with open(self.unit, "w") as file:
+            file.write(text.replace("/usr/bin/scancast ", os.path.join(PROGRAMS, "scancast") + " "))
+
+    def test_the_unit_is_sound(self):
+        said = run("systemd-analyze", "verify", "--man=no", self.unit)
+        self.assertNotIn("scancast.service", said, "not even a warning")
+
+    def test_the_unit_is_hardened(self):
+        run("systemd-analyze", "security", "--offline=true", "--threshold=20", self.unit)
+
+    def test_settings_are_flags_that_there_are(self):
+        flags = run(os.path.join(PROGRAMS, "scancast"), "serve", "--help")
+        named = re.findall(r"^#?(SCANCAST_[A-Z_]+)=", text_of("deploy", "systemd", "scancast.env"), re.M)
+        named += re.findall(r"(SCANCAST_[A-Z_]+)=", text_of("deploy", "systemd", "scancast.service"))
+        named += re.findall(r"(SCANCAST_[A-Z_]+)=", text_of("deploy", "container", "Containerfile"))
+        self.assertGreater(len(named), 8)
+        for name in set(named) - {"SCANCAST_CLOUDS", "SCANCAST_TESTS"}:
+            self.assertIn(name, flags)
+
+
+class Container(unittest.TestCase):
+    text = text_of("deploy", "container", "Containerfile")
+
+    def test_what_is_copied_is_there(self):
+        copied = re.findall(r"^COPY (?!--from)(.+) \S+$", self.text, re.M)
+        self.assertGreater(len(copied), 2)
+        for names in copied:
+            for name in names.split():
+                self.assertTrue(os.path.exists(os.path.join(ROOT, name)), name)
+
+    def test_every_shared_library_comes_from_a_package_that_is_installed(self):
+        named = packages("run")
+        of_system = {"libc6", "libgcc-s1", "libstdc++6"}  # in every image
+        for program in ("scancast", "scancast-client", "scancast-import-pcl"):
+            path = os.path.join(PROGRAMS, program)
+            needed = re.findall(r"NEEDED.*\[(.+)\]", run("readelf", "-d", path))
+            where = dict(re.findall(r"^\s*(\S+) => (\S+)", run("ldd", path), re.M))
+            for library in needed:
+                file = where.get(library)
+                if file is None:  # the loader itself
+                    continue
+                names = {os.path.realpath(file), file, os.path.realpath(file).removeprefix("/usr"), file.removeprefix("/usr")}
+                owners = {line.split(":")[0] for name in names
+                          for line in subprocess.run(["dpkg-query", "-S", name], capture_output=True,
+                                                     text=True).stdout.splitlines()}
+                self.assertTrue(owners & (set(named) | of_system),
+                                f"{program} needs {library} of {owners}, which deploy/packages/run.txt does not name")
+
+    def test_packages_exist(self):
+        for name in packages("run"):
+            self.assertIn("Package: " + name, run("apt-cache", "show", "--no-all-versions", name))
+
+
+if __name__ == "__main__":
+    unittest.main()

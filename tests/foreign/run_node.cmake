@@ -1,0 +1,11 @@
+# Runs Node's test runner, after saying, command included, what is missing for it. cmake -DNODE=… -P run_node.cmake
+if(NOT NODE OR NODE MATCHES "NOTFOUND")
+  message(FATAL_ERROR "Node.js is missing. Run this, and configure the build again:\n  apt-get install nodejs npm\n")
+endif()
+if(NOT EXISTS "${CMAKE_CURRENT_LIST_DIR}/node_modules/ws/package.json")
+  message(FATAL_ERROR "npm's ws is missing. Run this in the project's folder:\n  (cd tests/foreign && npm ci --ignore-scripts)\n")
+endif()
+execute_process(COMMAND "${NODE}" --test stream.test.mjs WORKING_DIRECTORY "${CMAKE_CURRENT_LIST_DIR}" RESULT_VARIABLE result)
+if(NOT result EQUAL 0)
+  message(FATAL_ERROR "node --test failed: ${result}")
+endif()

@@ -1,0 +1,79 @@
+// Administration and configuration as people meet them: a server that starts empty, gets a scan, and gives it
+// back.
+#include <gmock/gmock.h>
+
+#include <nlohmann/json.hpp>
+
+#include "tests/integration/program_fixture.hpp"
+
+namespace scancast::test {
+namespace {
+
+using nlohmann::json;
+using ::testing::HasSubstr;
+
+class AdministrationProgramTest : public ProgramTest {
+  protected:
+    void SetUp() override {
+        ProgramTest::SetUp();
+        std::ofstream(folder / "admin") << "admin-0123456789abcdef\n";
+        fs::permissions(folder / "admin", fs::perms::owner_read | fs::perms::owner_write);
+        fs::create_directories(folder / "scans");
+        generate("scans/ball.las");
+        generate("first.las");
+    }
+    int statusOf(const std::string& target) const { return request(port, target).status; }
+    bool becomes(const std::string& target, int status) const {
+        const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(60);
+        while (statusOf(target) != status) {
+            if (std::chrono::steady_clock::now() > end) return false;
+            std::this_thread::sleep_for(std::chrono::milliseconds(20));
+        }
+        return true;
+    }
+    const std::string bearer = "Authorization: Bearer admin-0123456789abcdef";
+};
+
+TEST_F(AdministrationProgramTest, AScanComesAndGoesWhileTheServerRuns) {
+    const auto server =
+        serve({file("first.las"), "--data-root", file("scans"), "--admin-token-file", file("admin")});
+    const HttpReply added = post(port, "/api/v1/clouds", R"({"file": "ball.las", "title": "A ball"})",
+                                 {bearer, "Content-Type: application/json"});
+    ASSERT_EQ(added.status, 202) << added.body;
+    ASSERT_TRUE(becomes("/api/v1/clouds/ball/snapshot.jpg?width=32&height=16", 200)) << server->err();
+    EXPECT_THAT(request(port, "/api/v1/clouds/ball").body, HasSubstr("A ball"));
+    EXPECT_TRUE(becomes("/readyz", 200));
+    EXPECT_EQ(request(port, "/api/v1/clouds/ball", {bearer}, "DELETE").status, 204);
+    EXPECT_EQ(statusOf("/api/v1/clouds/ball"), 404);
+    EXPECT_TRUE(fs::exists(folder / "scans" / "ball.las"));
+    EXPECT_EQ(statusOf("/api/v1/clouds/first"), 200);
+}
+
+TEST_F(AdministrationProgramTest, AConfigurationFileIsCheckedAndServed) {
+    std::ofstream(folder / "serve.json")
+        << json{{"files", {file("first.las")}}, {"threads", 1}, {"max-sessions", 3}};
+    std::string out;
+    ASSERT_EQ(run({"scancast", "serve", "--config", file("serve.json"), "--admin-token-file", file("admin"),
+                   "--check-config"},
+                  &out),
+              0)
+        << lastError;
+    const json holds = json::parse(out);
+    EXPECT_EQ(holds["max-sessions"], 3);
+    EXPECT_EQ(holds["admin-token-file"], file("admin"));
+    EXPECT_EQ(out.find("0123456789abcdef"), std::string::npos) << "no secret is printed";
+    {
+        const auto server = serve({"--config", file("serve.json")});
+        EXPECT_EQ(statusOf("/api/v1/clouds/first"), 200);
+    }
+    std::ofstream(folder / "serve.json") << json{{"files", {file("first.las")}}, {"thraeds", 1}};
+    EXPECT_EQ(run({"scancast", "serve", "--config", file("serve.json"), "--check-config"}), 1);
+    EXPECT_THAT(lastError, HasSubstr("did you mean threads?"));
+    EXPECT_EQ(
+        run({"scancast", "serve", file("first.las"), "--auth-token-file", file("none"), "--check-config"}),
+        1);
+    EXPECT_THAT(lastError, HasSubstr("--auth-token-file"));
+}
+
+}  // namespace
+}  // namespace scancast::test

@@ -1,0 +1,126 @@
+// What only the administrator's token opens: the list of sessions, and clouds that come and go.
+#include <gmock/gmock.h>
+
+#include <filesystem>
+#include <fstream>
+
+#include "tests/integration/server_fixture.hpp"
+
+namespace scancast::test {
+namespace {
+
+const std::string user = "user-0123456789abcdef", admin = "admin-0123456789abcdef";
+const std::string json = "Content-Type: application/json";
+
+std::string bearer(const std::string& token) {
+    return "Authorization: Bearer " + token;
+}
+
+class AdministrationTest : public ServerTest {
+  protected:
+    void SetUp() override {
+        folder = std::filesystem::path(::testing::TempDir()) / "scancast_administration";
+        std::filesystem::create_directories(folder);
+        std::ofstream(folder / "church.las") << "points";
+        options.dataRoot = folder;
+        options.tokens.user = user;
+        options.tokens.admin = admin;
+    }
+    void TearDown() override { std::filesystem::remove_all(folder); }
+    HttpReply add(const std::string& body, const std::string& token = admin) {
+        return post(port(), "/api/v1/clouds", body, {bearer(token), json});
+    }
+    HttpReply remove(const std::string& id, const std::string& token = admin) {
+        return request(port(), "/api/v1/clouds/" + id, {bearer(token)}, "DELETE");
+    }
+    nlohmann::json sessions() {
+        return parseJson(request(port(), "/api/v1/sessions", {bearer(admin)}).body).value()["sessions"];
+    }
+
+    std::filesystem::path folder;
+};
+
+TEST_F(AdministrationTest, OnlyTheAdminTokenAdministers) {
+    start();
+    EXPECT_EQ(request(port(), "/api/v1/sessions").status, 401);
+    EXPECT_EQ(request(port(), "/api/v1/sessions", {bearer(user)}).status, 403);
+    EXPECT_EQ(request(port(), "/api/v1/sessions", {bearer(admin)}).status, 200);
+    EXPECT_EQ(add("{}", user).status, 403);
+    EXPECT_EQ(remove("one", user).status, 403);
+    EXPECT_EQ(request(port(), "/api/v1/clouds/one", {}, "DELETE").status, 401);
+    EXPECT_EQ(request(port(), "/api/v1/clouds/one", {bearer(admin)}).status, 200);
+}
+
+TEST_F(AdministrationTest, TheListOfSessionsTellsWhoLooksAtWhat) {
+    start();
+    EXPECT_TRUE(sessions().empty());
+    RawWebSocket stream(port(), "scancast.v1", {bearer(user)});
+    stream.text(R"({"type":"hello","cloud":"two","width":32,"height":16})");
+    ASSERT_EQ(stream.receiveKind(WsMessage::Kind::Binary).kind, WsMessage::Kind::Binary);
+    const auto list = sessions();
+    ASSERT_EQ(list.size(), 1U);
+    EXPECT_EQ(list[0]["client"], "websocket");
+    EXPECT_EQ(list[0]["cloud"], "two");
+    EXPECT_EQ(list[0]["frames"], 1);
+    EXPECT_EQ(list[0]["view"]["width"], 32);
+    EXPECT_TRUE(list[0]["follows"].is_null());
+    stream.socket().abort();
+    EXPECT_TRUE(eventually([&] { return sessions().empty(); }));
+}
+
+TEST_F(AdministrationTest, ACloudIsAddedInTheBackground) {
+    start();
+    std::vector<std::string> loaded;
+    server->admin().loadWith([&](const auto& file, const std::string& id) {
+        loaded.push_back(file.filename().string() + " " + id);
+        return true;
+    });
+    const HttpReply added = add(R"({"file": "church.las", "title": "Our church"})");
+    EXPECT_EQ(added.status, 202) << added.body;
+    EXPECT_EQ(added.header("location"), "/api/v1/clouds/church");
+    EXPECT_EQ(parseJson(added.body).value()["state"], "loading");
+    EXPECT_THAT(loaded, ::testing::ElementsAre("church.las church"));
+    EXPECT_EQ(remove("church").status, 409);
+    server->catalog().setReady("church", tinyCloud());
+    EXPECT_EQ(parseJson(request(port(), added.header("location"), {bearer(user)}).body).value()["title"],
+              "Our church");
+    const std::pair<const char*, int> wrong[] = {
+        {R"({"file": "../church.las"})", 403},
+        {R"({"file": "none.las"})", 404},
+        {R"({"file": "church.las", "id": "church"})", 409},
+        {R"({"file": "church.las", "id": "a b"})", 400},
+        {R"({"fiel": "church.las"})", 400},
+        {R"({)", 400},
+    };
+    for (const auto& [body, status] : wrong) EXPECT_EQ(add(body).status, status) << body;
+    EXPECT_EQ(post(port(), "/api/v1/clouds", "{}", {bearer(admin)}).status, 415);
+    server->admin().loadWith({});
+}
+
+TEST_F(AdministrationTest, ARemovedCloudIsGoneForEverybodyWhoLooksAtIt) {
+    start();
+    server->catalog().setReady(server->catalog().add("short"), tinyCloud(50));
+    const std::weak_ptr<const Cloud> watched = server->catalog().cloud("short").value();
+    RawWebSocket looking(port(), "scancast.v1", {bearer(user)});
+    RawWebSocket elsewhere(port(), "scancast.v1", {bearer(user)});
+    looking.text(R"({"type":"hello","cloud":"short","width":32,"height":16})");
+    elsewhere.text(R"({"type":"hello","cloud":"two","width":32,"height":16})");
+    for (RawWebSocket* stream : {&looking, &elsewhere})
+        ASSERT_EQ(stream->receiveKind(WsMessage::Kind::Binary).kind, WsMessage::Kind::Binary);
+    EXPECT_EQ(remove("short").status, 204);
+    std::string texts;
+    WsMessage message = looking.receive();
+    for (; message.kind == WsMessage::Kind::Text; message = looking.receive()) texts += message.payload;
+    EXPECT_THAT(texts, ::testing::HasSubstr("short"));
+    EXPECT_THAT(texts, ::testing::HasSubstr("removed"));
+    EXPECT_EQ(message.closeCode(), 1001);
+    looking.socket().abort();
+    EXPECT_TRUE(eventually([&] { return watched.expired(); })) << "its memory is free";
+    EXPECT_EQ(request(port(), "/api/v1/clouds/short", {bearer(user)}).status, 404);
+    EXPECT_EQ(remove("short").status, 404);
+    elsewhere.text(R"({"type":"ping","id":3})");
+    EXPECT_THAT(elsewhere.receiveKind(WsMessage::Kind::Text).payload, ::testing::HasSubstr("pong"));
+}
+
+}  // namespace
+}  // namespace scancast::test

@@ -1,0 +1,263 @@
+#!/usr/bin/python3
+"""Streams and snapshots under load: what was promised, what is reached.
+
+    tests/load/load.py [--bin build/release/bin] [--points 20M] [--file town.scan] [--only moving,idle,…] [--json FILE]
+    tests/load/load.py --points 1M --quick      # a minute, to see that everything runs; the figures mean nothing
+
+Serves a generated town and prints every figure with its mark, "reached" or "missed". Ends with 0 when everything could be
+measured - whatever was missed - and nothing failed. README.md says what each part does.
+"""
+import argparse
+import concurrent.futures
+import json
+import os
+import random
+import statistics
+import subprocess
+import tempfile
+import time
+
+import serving
+
+MB = 1e6
+
+
+class Sheet:
+    """Prints figures as they come, and keeps them."""
+
+    def __init__(self):
+        self.rows, self.failures = [], []
+
+    def part(self, title):
+        print(f"\n{title}", flush=True)
+
+    def figure(self, name, value, unit="", most=None, least=None, digits=1):
+        """A number with the mark that it must not exceed, or fall below; without a mark it only informs."""
+        mark = most if most is not None else least
+        reached = None if mark is None else value <= most if most is not None else value >= least
+        self.rows.append({"name": name, "value": value, "unit": unit, "most": most, "least": least, "reached": reached})
+        verdict = "" if mark is None else f"   {'<=' if most is not None else '>='} {mark:g}: {'reached' if reached else 'MISSED'}"
+        print(f"  {name:<66} {value:>10.{digits}f} {unit:<9}{verdict}", flush=True)
+
+    def promise(self, name, kept):
+        """What must hold on any machine, in any time."""
+        print(f"  {name:<66} {'yes' if kept else 'NO':>10}", flush=True)
+        self.rows.append({"name": name, "value": bool(kept), "reached": bool(kept)})
+        if not kept:
+            self.failures.append(name)
+
+    def sound(self, groups):
+        for behaviour, group in groups.items():
+            if group["failed"]:
+                self.failures.append(f"{group['failed']} {behaviour} sessions failed: {'; '.join(group['errors'])}")
+                print(f"  FAILED: {self.failures[-1]}", flush=True)
+
+
+class Load:
+    def __init__(self, client, server, sheet, quick):
+        self.client, self.server, self.sheet, self.quick = client, server, sheet, quick
+        self.seconds = 2 if quick else 15
+
+    def bench(self, *flags, url=None, size=(1280, 720)):
+        groups, sampler = serving.bench(self.client, self.server, *flags, "--width", size[0], "--height", size[1], url=url)
+        self.sheet.sound(groups)
+        return groups, sampler
+
+    def frames(self, group):
+        """How good the frames were: the floors of the protocol."""
+        figure = self.sheet.figure
+        for key, name, unit, floor in (("resolution", "resolution", "of full", {"least": 0.5}),
+                                       ("jpegQuality", "JPEG quality", "", {"least": 40}),
+                                       ("detail", "detail", "px", {"most": 2})):
+            values = group[key]
+            if values:
+                worst = values["max"] if "most" in floor else values["min"]
+                figure(f"{name} of moving frames: median", values["p50"], unit, digits=2)
+                figure(f"{name} of moving frames: worst", worst, unit, digits=2, **floor)
+        print(f"  chroma of moving frames: {group['subsampling']}")
+
+    def moving(self):
+        self.sheet.part("One client moving, loopback")
+        before = self.server.resident()
+        groups, sampler = self.bench("--moving", 1, "--seconds", self.seconds)
+        group, figure = groups["moving"], self.sheet.figure
+        if not group["latencyMs"]:
+            return self.sheet.failures.append("no moving frame came")
+        figure("view to its frame: median", group["latencyMs"]["p50"], "ms", most=25)
+        figure("view to its frame: p99", group["latencyMs"]["p99"], "ms", most=60)
+        figure("frames a second", group["framesPerSecond"]["p50"], "", least=30)
+        figure("memory of the session", (max(size for _, size in sampler.during) - before) / MB, "MB", most=20)
+        self.frames(group)
+
+    def crowd(self):
+        clients = 3 if self.quick else 8
+        self.sheet.part(f"{clients} clients moving")
+        before = self.server.resident()
+        groups, sampler = self.bench("--moving", clients, "--seconds", self.seconds)
+        figure, alone = self.sheet.figure, groups["moving"]["framesPerSecond"]
+        figure("frames a second of each: median", alone["p50"])
+        figure("frames a second of each: slowest", alone["min"], least=8)
+        figure("slowest over median", alone["min"] / alone["p50"] if alone["p50"] else 0, least=0.5, digits=2)
+        figure("memory of each session", (max(size for _, size in sampler.during) - before) / clients / MB, "MB", most=20)
+        self.frames(groups["moving"])
+
+        self.sheet.part("The same with one that reads 50 kB/s and one that never acknowledges")
+        groups, sampler = self.bench("--moving", clients, "--slow", 1, "--slow-bytes", 50000, "--never-ack", 1,
+                                     "--seconds", self.seconds)
+        beside = groups["moving"]["framesPerSecond"]
+        figure("frames a second of the others: median", beside["p50"])
+        figure("what the others lose", 100 * (1 - beside["p50"] / alone["p50"]) if alone["p50"] else 100, "%", most=5)
+        figure("growth of the server's memory meanwhile", 100 * sampler.growth(), "%", most=2)
+        figure("frames a second of the slow one", groups["slow"]["framesPerSecond"]["p50"])
+        self.frames(groups["moving"])
+
+    def idle(self):
+        sessions = 20 if self.quick else 500
+        self.sheet.part(f"{sessions} idle sessions, their final stills sent; then all move once")
+        before = self.server.resident()
+        groups, sampler = self.bench("--idle", sessions, "--warm-up", 1, "--seconds", self.seconds, "--wake", self.seconds + 2)
+        figure, group = self.sheet.figure, groups["idle"]
+        figure("processor time while idle", 100 * sampler.cpu_share(), "%", most=1, digits=2)
+        figure("memory of each session", (sampler.during[-1][1] - before) / sessions / MB, "MB", most=20, digits=2)
+        self.sheet.promise("nothing is sent after the final still", group["idleFrames"] == 0)
+        figure("all move once: answered, median", group["answerMs"]["p50"] / 1000, "s", digits=2)
+        figure("all move once: answered, the last one", group["answerMs"]["max"] / 1000, "s", most=8, digits=2)
+        figure("sessions with a second frame before all had their first", group["secondBeforeAll"], most=0, digits=0)
+
+    def timed(self, paths, headers=None, expect=200):
+        milliseconds = []
+        connection = self.server.connect()
+        for path in paths:
+            start = time.perf_counter()
+            status, _, _ = self.server.get(path, connection, headers=headers)
+            milliseconds.append((time.perf_counter() - start) * 1000)
+            if status != expect:
+                self.sheet.failures.append(f"GET {path} answered {status}, not {expect}")
+        connection.close()
+        return statistics.median(milliseconds)
+
+    def views(self, count, more):
+        """Queries of pictures that nobody has asked for before."""
+        view = json.loads(self.server.get(f"/api/v1/clouds/{self.server.cloud}")[2])["view"]["camera"]
+        for _ in range(count):
+            x, y, z = (value + random.uniform(-2, 2) for value in view["eye"])
+            yield self.server.snapshot(f"width=1280&height=720&eye={x:.6f},{y:.6f},{z:.6f}&{more}")
+
+    def snapshots(self):
+        self.sheet.part("Snapshots, 1280 x 720")
+        path = self.server.snapshot("width=1280&height=720")
+        etag = self.server.get(path)[1].get("ETag", "")
+        count, figure = (5 if self.quick else 30), self.sheet.figure
+        figure("304: median", self.timed([path] * 10 * count, {"If-None-Match": etag}, 304), "ms", most=1, digits=2)
+        figure("uncached, samples=1: median", self.timed(self.views(count, "samples=1")), "ms", most=60)
+        figure("uncached, samples=4 (the default): median", self.timed(self.views(count, "")), "ms", most=180)
+        self.mixed(path, etag)
+
+    def mixed(self, path, etag):
+        requests = 50
+        views = list(self.views(requests, "samples=1"))
+        kinds = [(lambda i: (path, {"If-None-Match": etag})), (lambda i: (path, {})), (lambda i: (views[i], {})),
+                 (lambda i: (views[i].replace(".jpg", ".png"), {})), (lambda i: (views[i].replace("samples=1", "samples=4"), {}))]
+
+        def ask(i):
+            target, headers = kinds[i % len(kinds)](i)
+            status, answer, _ = self.server.get(target, headers=headers)
+            return status, "Retry-After" in answer
+
+        start = time.perf_counter()
+        with concurrent.futures.ThreadPoolExecutor(requests) as pool:
+            answers = list(pool.map(ask, range(requests)))
+        honest = all(status in (200, 304) or (status == 503 and retry) for status, retry in answers)
+        busy = sum(status == 503 for status, _ in answers)
+        self.sheet.promise(f"{requests} at once: pictures, 304, or 503 with Retry-After ({busy} of these)", honest)
+        self.sheet.figure(f"{requests} at once: all answered after", time.perf_counter() - start, "s", digits=2)
+
+    def shaped(self):
+        for delay, words in ((50, "100 ms there and back"), (100, "100 ms each way")):
+            self.through_line(delay, words)
+
+    def through_line(self, delay, words):
+        self.sheet.part(f"Through 2 Mbit/s, {words}, 640 x 360")
+        proxy = serving.Proxy(self.server, 2000, delay)
+        try:
+            with tempfile.TemporaryDirectory() as folder:
+                final = os.path.join(folder, "final.jpg")
+                groups, _ = self.bench("--moving", 1, "--views", 30, "--warm-up", 3, "--seconds", self.seconds, "--final", final,
+                                       url=proxy.url, size=(640, 360))
+                group, figure = groups["moving"], self.sheet.figure
+                figure("frames a second", group["framesPerSecond"]["p50"], least=10)
+                if group["latencyMs"]:
+                    figure("view to its frame: median", group["latencyMs"]["p50"], "ms", most=400)
+                    figure("view to its frame: p99", group["latencyMs"]["p99"], "ms")
+                    self.frames(group)
+                if group["finalMs"]:
+                    self.final(final, group["finalMs"]["p50"] / 1000)
+        finally:
+            proxy.stop()
+
+    def final(self, path, seconds):
+        with open(path, "rb") as file:
+            picture = file.read()
+        with open(path + ".json") as file:
+            view = file.read()
+        self.sheet.figure("final still, over the time of its bytes on the line", seconds - len(picture) / 250_000, "s", most=0.5,
+                          digits=2)
+        status, _, same = self.server.get(f"/api/v1/clouds/{self.server.cloud}/snapshot", method="POST", body=view,
+                                          headers={"Content-Type": "application/json", "Accept": "image/jpeg"})
+        if status != 200:
+            self.sheet.failures.append(f"POST snapshot answered {status}: {same[:200].decode(errors='replace')}")
+        self.sheet.promise("final still is the snapshot of its view, byte for byte", same == picture)
+
+
+PARTS = ("moving", "crowd", "idle", "snapshots", "shaped")
+
+
+def cloud_file(scancast, arguments, folder):
+    if arguments.file:
+        return arguments.file
+    las, scan = os.path.join(folder, "town.las"), os.path.join(folder, "town.scan")
+    subprocess.run([scancast, "generate", "town", "--points", arguments.points, "-o", las, "--quiet"], check=True)
+    subprocess.run([scancast, "ingest", las, "-o", scan], check=True, stderr=subprocess.DEVNULL)
+    os.remove(las)
+    return scan
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    root = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..")
+    parser.add_argument("--bin", default=os.path.join(root, "build/release/bin"), help="folder of the programs")
+    parser.add_argument("--points", default="20M", help="of the town")
+    parser.add_argument("--file", help="a scan or cloud file instead of the town")
+    parser.add_argument("--only", default=",".join(PARTS), help="some of " + ",".join(PARTS))
+    parser.add_argument("--quick", action="store_true", help="few sessions for a short time")
+    parser.add_argument("--json", help="write the figures there, too")
+    arguments = parser.parse_args()
+    parts = arguments.only.split(",")
+    if unknown := set(parts) - set(PARTS):
+        parser.error(f"--only knows {','.join(PARTS)}, not {','.join(sorted(unknown))}")
+    scancast, client = (os.path.join(arguments.bin, name) for name in ("scancast", "scancast-client"))
+    serving.allow_many_files()
+    sheet = Sheet()
+    with tempfile.TemporaryDirectory() as folder, open(os.path.join(folder, "log"), "w+") as log:
+        server = serving.Server(scancast, cloud_file(scancast, arguments, folder), 600, log)
+        try:
+            load = Load(client, server, sheet, arguments.quick)
+            load.timed(load.views(3, ""))  # blocks read, threads started
+            for part in parts:
+                getattr(load, part)()
+        finally:
+            code = server.stop()
+        sheet.part("Afterwards")
+        sheet.promise("the server ended gracefully", code == 0)
+    missed = [row["name"] for row in sheet.rows if row["reached"] is False]
+    judged = [row for row in sheet.rows if row["reached"] is not None]
+    print(f"\n{len(judged) - len(missed)} of {len(judged)} marks reached, on {os.cpu_count()} cores")
+    if arguments.json:
+        with open(arguments.json, "w") as file:
+            json.dump({"figures": sheet.rows, "failures": sheet.failures}, file, indent=2)
+    if sheet.failures:
+        raise SystemExit("failed: " + "; ".join(sheet.failures))
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,84 @@
+#include "client/cpp/program/film_writer.hpp"
+
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+
+#include "renderer/image/encode.hpp"
+
+namespace scancast::client {
+namespace {
+
+class Film : public testing::Test {
+  protected:
+    void SetUp() override {
+        folder_ =
+            std::filesystem::path(testing::TempDir()) /
+            (std::string("scancast_film_") + testing::UnitTest::GetInstance()->current_test_info()->name());
+        std::filesystem::remove_all(folder_);
+        std::filesystem::create_directories(folder_);
+    }
+    void TearDown() override { std::filesystem::remove_all(folder_); }
+
+    std::string file(const std::string& name) const { return (folder_ / name).string(); }
+
+    static std::vector<std::uint8_t> picture(std::uint8_t grey) {
+        Frame frame;
+        frame.width = 33;  // odd: most pixel formats of videos want even sides
+        frame.height = 25;
+        frame.rgba.assign(33U * 25 * 4, grey);
+        return encodeJpeg(frame, 90, Subsampling::S420).value();
+    }
+
+    std::filesystem::path folder_;
+};
+
+TEST_F(Film, PicturesAreNumberedWithDigitsForAll) {
+    auto writer = FilmWriter::create(file("a/b"), 1200, 30);
+    ASSERT_TRUE(writer) << writer.error().message;
+    ASSERT_TRUE(writer->add({1, 2, 3}));
+    ASSERT_TRUE(writer->add({4}));
+    ASSERT_TRUE(writer->finish());
+    EXPECT_EQ(std::filesystem::file_size(folder_ / "a/b/frame-0001.jpg"), 3U);
+    EXPECT_EQ(std::filesystem::file_size(folder_ / "a/b/frame-0002.jpg"), 1U);
+}
+
+// Oracle: ffprobe counts the frames of the video that is there afterwards.
+TEST_F(Film, AVideoHasEveryPicture) {
+    auto writer = FilmWriter::create(file("film.mp4"), 12, 24);
+    ASSERT_TRUE(writer) << writer.error().message;
+    for (int i = 0; i < 12; ++i) ASSERT_TRUE(writer->add(picture(static_cast<std::uint8_t>(i * 20))));
+    const auto finished = writer->finish();
+    ASSERT_TRUE(finished) << finished.error().message;
+    auto* probe = popen(("ffprobe -v error -count_frames -select_streams v:0 -show_entries "
+                         "stream=nb_read_frames,r_frame_rate,width,height -of csv=p=0 '" +
+                         file("film.mp4") + "'")
+                            .c_str(),
+                        "r");
+    ASSERT_TRUE(probe);
+    char text[200] = {};
+    EXPECT_TRUE(fgets(text, sizeof text, probe));
+    EXPECT_EQ(pclose(probe), 0);
+    EXPECT_STREQ(text, "34,26,24/1,12\n");
+}
+
+TEST_F(Film, WhatFfmpegCannotMakeIsAnError) {
+    auto writer = FilmWriter::create(file("no/such/folder/film.mp4"), 2, 24);
+    ASSERT_TRUE(writer) << writer.error().message;
+    Expected<void> result;
+    for (int i = 0; i < 2 && result; ++i) result = writer->add(picture(9));
+    if (result) result = writer->finish();
+    ASSERT_FALSE(result);
+    EXPECT_NE(result.error().message.find("film.mp4"), std::string::npos) << result.error().message;
+}
+
+TEST_F(Film, AFolderThatCannotBeIsAnError) {
+    std::ofstream(file("taken")) << "a file";
+    EXPECT_FALSE(FilmWriter::create(file("taken/frames"), 2, 24));
+    EXPECT_TRUE(isVideo("a.mp4") && isVideo("b/c.webm"));
+    EXPECT_FALSE(isVideo("mp4") || isVideo("frames/"));
+}
+
+}  // namespace
+}  // namespace scancast::client

@@ -1,0 +1,123 @@
+#include "server/commands/config_file.hpp"
+
+#include <gmock/gmock.h>
+
+#include <algorithm>
+#include <cstdlib>
+#include <fstream>
+
+#include "server/commands/serve_options.hpp"
+
+namespace scancast {
+namespace {
+
+using ::testing::HasSubstr;
+
+class ConfigFileTest : public ::testing::Test {
+  protected:
+    struct Parsed {
+        ServeOptions options;
+        CLI::App app;
+        Expected<void> applied;
+    };
+    /// Command line first, then the file with this text, as `serve` does it.
+    std::unique_ptr<Parsed> parsed(const std::string& text, std::vector<std::string> arguments = {}) {
+        std::ofstream(file) << text;
+        auto result = std::make_unique<Parsed>();
+        addServeFlags(result->app, result->options);
+        std::reverse(arguments.begin(), arguments.end());
+        result->app.parse(arguments);
+        result->applied = applyConfigFile(result->app, file);
+        return result;
+    }
+    ~ConfigFileTest() override { std::filesystem::remove(file); }
+
+    const std::string file = ::testing::TempDir() + "scancast_config.json";
+};
+
+TEST_F(ConfigFileTest, KeysAreNamesOfFlags) {
+    const auto p =
+        parsed(R"({"files": ["a.las", "b.las"], "port": 9000, "memory-limit": "2G", "no-surfels": true,
+                              "allowed-origin": ["https://a.example", "https://b.example"], "host": "localhost"})");
+    ASSERT_TRUE(p->applied) << p->applied.error().message;
+    EXPECT_EQ(p->options.files.size(), 2U);
+    EXPECT_EQ(p->options.server.port, 9000);
+    EXPECT_EQ(p->options.memoryLimit, "2G");
+    EXPECT_TRUE(p->options.noSurfels);
+    EXPECT_EQ(p->options.server.allowedOrigins.size(), 2U);
+    EXPECT_EQ(p->options.server.host, "localhost");
+    EXPECT_EQ(p->options.logLevel, "info");
+}
+
+TEST_F(ConfigFileTest, FlagBeforeEnvironmentBeforeFileBeforeDefault) {
+    const std::string text = R"({"port": 9000, "files": "file.las", "max-sessions": 5})";
+    EXPECT_EQ(parsed(text)->options.server.port, 9000);
+    setenv("SCANCAST_PORT", "9001", 1);
+    EXPECT_EQ(parsed(text)->options.server.port, 9001);
+    EXPECT_EQ(parsed(text, {"--port", "9002"})->options.server.port, 9002);
+    unsetenv("SCANCAST_PORT");
+    EXPECT_EQ(parsed("{}")->options.server.port, 8080);
+    EXPECT_EQ(parsed(text, {"line.las"})->options.files.front(), "line.las");
+    EXPECT_EQ(parsed(text)->options.server.limits.maxSessions, 5U);
+}
+
+TEST_F(ConfigFileTest, WhatIsWrongIsNamed) {
+    const std::pair<const char*, const char*> wrong[] = {
+        {R"({"prot": 9000})", "did you mean port?"},
+        {R"({"port": 70000})", "port: "},
+        {R"({"port": "http"})", "port: "},
+        {R"({"port": [1, 2]})", "port: takes one value"},
+        {R"({"port": null})", "port: "},
+        {R"({"port": true})", "port: "},
+        {R"({"no-surfels": 1})", "no-surfels: expected true or false"},
+        {R"({"backend": "vulkan"})", "backend: "},
+        {R"({"config": "more.json"})", "unknown"},
+        {R"({"port": 1, "port": 2})", "port"},
+        {R"([])", "JSON object"},
+        {R"({)", "scancast_config.json"},
+    };
+    for (const auto& [text, words] : wrong) {
+        const auto p = parsed(text);
+        ASSERT_FALSE(p->applied) << text;
+        EXPECT_THAT(p->applied.error().message, HasSubstr(words)) << text;
+        EXPECT_THAT(p->applied.error().message, HasSubstr("--config ")) << text;
+    }
+    CLI::App app;
+    ServeOptions options;
+    addServeFlags(app, options);
+    EXPECT_FALSE(applyConfigFile(app, "/nowhere/at/all.json"));
+}
+
+TEST_F(ConfigFileTest, TheDocumentedExampleIsLegal) {
+    std::ifstream page(SCANCAST_SOURCE_DIR "/docs/configuration.md");
+    const std::string text{std::istreambuf_iterator<char>(page), {}};
+    const auto start = text.find("```json\n") + 8;
+    const auto p = parsed(text.substr(start, text.find("```", start) - start));
+    ASSERT_TRUE(p->applied) << p->applied.error().message;
+    EXPECT_EQ(p->options.server.port, 8443);
+    EXPECT_EQ(p->options.server.dataRoot, "/srv/scans");
+}
+
+/// The test: what is printed, read again, prints the same.
+TEST_F(ConfigFileTest, WhatHoldsIsAConfigurationFileItself) {
+    const auto p =
+        parsed(R"({"files": "town.las", "port": 9000, "insecure": true, "gpu-memory-limit": "1G"})",
+               {"--max-sessions", "7", "--auth-token-file", "token"});
+    ASSERT_TRUE(p->applied) << p->applied.error().message;
+    const auto config = effectiveConfig(p->app);
+    EXPECT_EQ(config["port"], 9000);
+    EXPECT_EQ(config["max-sessions"], 7);
+    EXPECT_EQ(config["insecure"], true);
+    EXPECT_EQ(config["no-surfels"], false);
+    EXPECT_EQ(config["host"], "127.0.0.1");
+    EXPECT_EQ(config["files"], nlohmann::json::array({"town.las"}));
+    EXPECT_EQ(config["auth-token-file"], "token");
+    EXPECT_FALSE(config.contains("config"));
+    EXPECT_FALSE(config.contains("cache-dir"));
+    const auto again = parsed(config.dump());
+    ASSERT_TRUE(again->applied) << again->applied.error().message;
+    EXPECT_EQ(effectiveConfig(again->app), config);
+}
+
+}  // namespace
+}  // namespace scancast

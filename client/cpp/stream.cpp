@@ -4,6 +4,7 @@
 
 #include <atomic>
 #include <boost/asio/post.hpp>
+#include <boost/asio/ssl/error.hpp>
 #include <boost/beast/core/flat_buffer.hpp>
 #include <boost/beast/websocket.hpp>
 
@@ -128,8 +129,12 @@ class Stream::Connection {
     Expected<void> close() {
         const auto error =
             run([&](auto handler) { socket_->async_close(websocket::close_code::normal, handler); });
-        if (error && error != websocket::error::closed && error != boost::asio::error::eof)
-            return tl::unexpected(lost(error, "closing the session"));
+        // Whoever hangs up first has closed, too; proxies do so without another word.
+        const bool hungUp = error == websocket::error::closed || error == boost::asio::error::eof ||
+                            error == boost::asio::error::connection_reset ||
+                            error == boost::asio::error::broken_pipe ||
+                            error == boost::asio::ssl::error::stream_truncated;
+        if (error && !hungUp) return tl::unexpected(lost(error, "closing the session"));
         return {};
     }
 

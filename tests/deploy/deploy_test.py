@@ -103,6 +103,19 @@ class Nginx(unittest.TestCase):
             "160", "--height", "120", "-o", pictures)
         found = [name for _, _, names in os.walk(self.folder) for name in names if name.endswith(".jpg")]
         self.assertEqual(len(found), 4, "frames came through the WebSocket")
+        self.assertIn(b"Scancast-Kind: final", self.stream(url + f"/api/v1/clouds/{self.server.cloud}/stream.mjpg?width=160"))
+
+    def stream(self, url):
+        """An MJPEG stream up to its final still: nothing may be held back, since nothing comes behind it."""
+        process = subprocess.Popen(["curl", "-sSN", "--fail", "--cacert", self.certificate, "--max-time", str(PATIENCE), url],
+                                   stdout=subprocess.PIPE)
+        seen = b""
+        while b"Scancast-Kind: final" not in seen and (some := process.stdout.read1(65536)):
+            seen += some
+        process.kill()
+        process.wait()
+        process.stdout.close()
+        return seen
 
 
 class Systemd(unittest.TestCase):

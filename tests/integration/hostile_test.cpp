@@ -53,7 +53,7 @@ TEST_F(HostileTest, LongHeadsAndTargets) {
 TEST_F(HostileTest, BodiesAreRefusedWithoutBeingRead) {
     start();
     RawSocket socket(port());
-    socket.send("POST /api/v1/clouds HTTP/1.1\r\nHost: localhost\r\nContent-Length: 1000000000000\r\n\r\nx");
+    socket.send("POST /api/v1/methods HTTP/1.1\r\nHost: localhost\r\nContent-Length: 1000000000000\r\n\r\nx");
     const HttpReply reply = readReply(socket);
     EXPECT_EQ(reply.status, 405);
     EXPECT_EQ(reply.header("allow"), "GET, HEAD");

@@ -106,12 +106,11 @@ class MjpegConnection final : public SessionHost {
         begun_ = true;
         setUpSocket();
         keepTime();
-        writeHead();
         read();
+        writeHead();
     }
 
     void setUpSocket() {
-        stream_.tcp().expires_never();
         const int socket = stream_.tcp().socket().native_handle();
         const auto set = [socket](int level, int option, int value) {
             ::setsockopt(socket, level, option, &value, sizeof value);
@@ -174,6 +173,7 @@ class MjpegConnection final : public SessionHost {
 
     // What a client sends now is for nobody; its end is the end of the stream.
     void read() {
+        stream_.tcp().expires_never();  // writes have deadlines; a view may stand still, and its client be silent
         stream_.async_read_some(asio::buffer(ignored_),
                                 [self = self()](error_code ec, std::size_t n) { self->onRead(ec, n); });
     }

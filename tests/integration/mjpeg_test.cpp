@@ -98,6 +98,16 @@ TEST_F(MjpegTest, PlainHttpGetsTheFinalStillAndThenSilence) {
     EXPECT_EQ(metric("scancast_sessions"), "scancast_sessions 1");
 }
 
+TEST_F(MjpegTest, AViewMayStandStillForLongerThanAWriteMayTake) {
+    options.limits.writeTimeout = std::chrono::seconds(1);
+    start();
+    MjpegClient client(port(), "?width=48&height=32");
+    ASSERT_EQ(client.finalPart(0).kind, "final");
+    EXPECT_EQ(client.part(std::chrono::milliseconds(2000)).kind, "");
+    EXPECT_EQ(drive(client.session(), {{"seq", 3}, {"camera", {{"eye", {9, -50, 30}}}}}).status, 200);
+    EXPECT_EQ(client.finalPart(3).kind, "final");
+}
+
 TEST_F(MjpegTest, CurlDrivesItByThatSessionsAddress) {
     start();
     MjpegClient client(port(), "?width=48&height=32");

@@ -5,6 +5,7 @@
 #include "protocol/bearer.hpp"
 #include "tests/integration/server_fixture.hpp"
 #include "tests/support/test_certificate.hpp"
+#include "tests/support/temporary_folder.hpp"
 
 namespace scancast::test {
 namespace {
@@ -88,19 +89,14 @@ TEST_F(AccessTest, MessagesBeforeTheHelloAreShort) {
 class TlsTest : public ServerTest {
   protected:
     void SetUp() override {
-        folder =
-            std::filesystem::path(::testing::TempDir()) /
-            (std::string("scancast_net_") + ::testing::UnitTest::GetInstance()->current_test_info()->name());
-        std::filesystem::create_directories(folder);
         files = makeCertificate(folder, "server");
         options.tls = {files.certificate, files.key};
         options.tokens.user = token;
         credentials = {token, files.certificate};
     }
-    void TearDown() override { std::filesystem::remove_all(folder); }
     client::ServerUrl url(const char* host = "localhost") const { return {host, port(), true}; }
 
-    std::filesystem::path folder;
+    const TemporaryFolder folder;
     CertificateFiles files;
     client::Credentials credentials;
 };

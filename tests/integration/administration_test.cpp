@@ -5,6 +5,7 @@
 #include <fstream>
 
 #include "tests/integration/server_fixture.hpp"
+#include "tests/support/temporary_folder.hpp"
 
 namespace scancast::test {
 namespace {
@@ -19,14 +20,11 @@ std::string bearer(const std::string& token) {
 class AdministrationTest : public ServerTest {
   protected:
     void SetUp() override {
-        folder = std::filesystem::path(::testing::TempDir()) / "scancast_administration";
-        std::filesystem::create_directories(folder);
         std::ofstream(folder / "church.las") << "points";
         options.dataRoot = folder;
         options.tokens.user = user;
         options.tokens.admin = admin;
     }
-    void TearDown() override { std::filesystem::remove_all(folder); }
     HttpReply add(const std::string& body, const std::string& token = admin) {
         return post(port(), "/api/v1/clouds", body, {bearer(token), json});
     }
@@ -37,7 +35,7 @@ class AdministrationTest : public ServerTest {
         return parseJson(request(port(), "/api/v1/sessions", {bearer(admin)}).body).value()["sessions"];
     }
 
-    std::filesystem::path folder;
+    const TemporaryFolder folder;
 };
 
 TEST_F(AdministrationTest, OnlyTheAdminTokenAdministers) {

@@ -82,7 +82,7 @@ TEST_F(CloudFileProgram, DamagedAndImpossibleRequestsSayWhy) {
     EXPECT_EQ(list["pending"][0]["state"], "failed");
     const std::string why = list["pending"][0]["error"];
     EXPECT_THAT(why, HasSubstr("town.scan"));
-    EXPECT_THAT(why, ::testing::Not(HasSubstr(folder.string())));
+    EXPECT_THAT(why, ::testing::Not(HasSubstr(folder.path().string())));
 }
 
 }  // namespace

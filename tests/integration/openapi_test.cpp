@@ -9,6 +9,7 @@
 #include "protocol/view_words.hpp"
 #include "tests/integration/server_fixture.hpp"
 #include "tests/support/json_schema.hpp"
+#include "tests/support/temporary_folder.hpp"
 
 namespace scancast::test {
 namespace {
@@ -39,7 +40,6 @@ TEST(JsonSchema, FindsWhatIsWrong) {
 class OpenApiTest : public ServerTest {
   protected:
     void SetUp() override {
-        folder = std::filesystem::path(::testing::TempDir()) / "scancast_openapi";
         std::filesystem::create_directories(folder / "scans");
         std::ofstream(folder / "scans" / "church.las") << "a scan";
         options.dataRoot = folder;
@@ -50,7 +50,6 @@ class OpenApiTest : public ServerTest {
         server->admin().loadWith([](const auto&, const auto&) { return true; });
         document = parseJson(request(port(), "/openapi.json").body).value();
     }
-    void TearDown() override { std::filesystem::remove_all(folder); }
 
     /// `path` with the example of its {id}, or, of a session, one that lives.
     std::string addressOf(const std::string& path, const json& operation) {
@@ -97,7 +96,7 @@ class OpenApiTest : public ServerTest {
 
     const std::string admin = "admin-0123456789abcdef";
     const std::string authorization = "Authorization: Bearer " + admin;
-    std::filesystem::path folder;
+    const TemporaryFolder folder;
     json document;
     std::string session;
 };

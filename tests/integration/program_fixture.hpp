@@ -18,6 +18,7 @@
 
 #include "protocol/frame_header.hpp"
 #include "tests/integration/raw_client.hpp"
+#include "tests/support/temporary_folder.hpp"
 
 namespace scancast::test {
 
@@ -96,14 +97,6 @@ inline void receiveFinal(RawWebSocket& stream, std::uint64_t seq, std::string& p
 
 class ProgramTest : public ::testing::Test {
   protected:
-    void SetUp() override {
-        const auto* info = ::testing::UnitTest::GetInstance()->current_test_info();
-        folder = fs::path(::testing::TempDir()) / (std::string("scancast_program_") + info->name());
-        fs::remove_all(folder);
-        fs::create_directories(folder);
-    }
-    void TearDown() override { fs::remove_all(folder); }
-
     /// Runs a program to its end.
     int run(const std::vector<std::string>& arguments, std::string* out = nullptr) {
         Process process(folder, arguments);
@@ -137,7 +130,7 @@ class ProgramTest : public ::testing::Test {
         return process;
     }
 
-    fs::path folder;
+    const TemporaryFolder folder;
     std::string url, lastError;
     std::uint16_t port = 0;
 };

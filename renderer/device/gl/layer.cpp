@@ -56,6 +56,7 @@ Layer::Layer(const LayerParts& parts, const Drawing& drawing, const SampleFilter
 std::vector<std::uint32_t> Layer::addRuns(const Drawing& drawing, const Cut& cut,
                                           const SampleFilter& filter) {
     std::vector<std::uint32_t> drawn;
+    std::size_t regions = 0;
     runOfCut_.resize(cut.runs.size());
     for (std::uint32_t i = 0; i < cut.runs.size(); ++i) {
         const CutRun& run = cut.runs[i];
@@ -64,11 +65,15 @@ std::vector<std::uint32_t> Layer::addRuns(const Drawing& drawing, const Cut& cut
         const auto dropped = droppedRegions(*run.node, filter);
         if (!numbers || !dropped) continue;
         runOfCut_[i] = tables_.add(*numbers, *dropped, stages_, *sight_.viewpoint);
+        regions = std::max(regions, dropped->size());
         drawn.push_back(i);
     }
     const SplatLimits& limits = parts_.memory.limits();
     traits_ = {limits.keys64, tables_.filters, stages_.front().kind == SplatStage::Kind::Silhouette,
                limits.groupSize};
+    chunkSamples_ = samplesPerChunk;
+    for (const SplatStage& stage : stages_)
+        chunkSamples_ = std::min(chunkSamples_, chunkSamples(stage, traits_, limits.loopTurns, pixelsOf(area_), regions));
     // Front to back: what is hidden then seldom needs an atomic operation.
     std::vector<double> fronts(cut.runs.size());
     for (const std::uint32_t i : drawn) fronts[i] = frontOf(*cut.runs[i].node, *sight_.viewpoint);
@@ -100,8 +105,8 @@ Expected<void> Layer::begin(const SampleBatch& batch) {
         for (const Extent& e : page.extents) {
             const std::uint32_t run = runOfCut_[e.run];
             extents.push_back({uvec4(tables_.runs[run].color.z + e.first, e.count, run, e.at)});
-            for (std::uint32_t i = 0; i < e.count; i += samplesPerChunk)
-                chunks.push_back({uvec4(e.at + i, std::min(samplesPerChunk, e.count - i), run, e.first + i)});
+            for (std::uint32_t i = 0; i < e.count; i += chunkSamples_)
+                chunks.push_back({uvec4(e.at + i, std::min(chunkSamples_, e.count - i), run, e.first + i)});
         }
         std::sort(extents.begin() + work.firstExtent, extents.end(),
                   [](const SplatExtent& a, const SplatExtent& b) { return a.range.x < b.range.x; });

@@ -79,6 +79,7 @@ class Layer {
     const ivec4 area_;
     std::vector<SplatStage> stages_;
     LayerTraits traits_;
+    std::uint32_t chunkSamples_ = 0;  ///< of a chunk at most
     SplatTables tables_;
     std::vector<std::uint32_t> background_;  ///< rows of area_
     const bool byClass_;

@@ -9,6 +9,9 @@ namespace {
 constexpr std::size_t largestPlane = std::size_t{512} << 20;
 /// One vector of 256 bits. More would be vectors one by one, each with a state of its own to set up.
 constexpr int softwareGroup = 8;
+/// Mesa's rasteriser ends a shader's loops, whatever they are doing, after 65,535 turns of all of them together (its
+/// LP_MAX_TGSI_LOOP_ITERATIONS). Some of them are left for the loops that are not counted below.
+constexpr std::uint32_t softwareLoopTurns = 60'000;
 
 }  // namespace
 
@@ -19,7 +22,10 @@ SplatLimits splatLimits(const GlFunctions& gl, bool software) {
     if (block > 0) limits.storageBlockBytes = static_cast<std::size_t>(block);
     limits.keys64 =
         hasExtension(gl, "GL_NV_shader_atomic_int64") && hasExtension(gl, "GL_ARB_gpu_shader_int64");
-    if (software) limits.groupSize = softwareGroup;
+    if (software) {
+        limits.groupSize = softwareGroup;
+        limits.loopTurns = softwareLoopTurns;
+    }
     return limits;
 }
 

@@ -14,6 +14,8 @@ struct SplatLimits {
     std::size_t storageBlockBytes = std::size_t{128} << 20;
     bool keys64 = false;  ///< 64-bit atomics: GL_NV_shader_atomic_int64
     int groupSize = 128;  ///< threads of a splat pass' work group
+    /// Turns that all loops of a thread may take together; 0: as many as they like.
+    std::uint32_t loopTurns = 0;
 };
 /// `software`: a rasteriser on the CPU, which draws a work group's threads one vector after the other.
 SplatLimits splatLimits(const GlFunctions& gl, bool software);

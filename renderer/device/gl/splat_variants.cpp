@@ -14,6 +14,22 @@ namespace {
 
 /// Splats of fewer px have fewer pixels than splat.comp shares out among threads.
 constexpr float smallestShared = 15;
+/// Threads that share out large footprints.
+constexpr int sharingGroup = 128;
+/// Planes of a dropped region at most, and one turn for itself.
+constexpr double turnsOfRegion = 6;
+/// Pixels by which a footprint's box may be wider than its diameter: it covers those that it touches.
+constexpr double boxBorder = 4;
+
+bool isSinglePixel(const SplatStage& stage) {
+    return !ofSurfels(stage.splat) && stage.numbers.reduction != Reduction::Sum && stage.numbers.maxPx <= 1;
+}
+bool sharesFootprints(const SplatStage& stage) {
+    return !isSinglePixel(stage) && (ofSurfels(stage.splat) || stage.numbers.maxPx >= smallestShared);
+}
+int groupSize(const SplatStage& stage, const LayerTraits& traits) {
+    return sharesFootprints(stage) ? std::max(sharingGroup, traits.groupSize) : traits.groupSize;
+}
 
 static_assert(SHAPE_FLAT_SQUARE == int(SplatShape::FlatSquare));
 static_assert(SHAPE_FLAT_CIRCLE == int(SplatShape::FlatCircle));
@@ -38,26 +54,41 @@ static_assert(KEEP_KEY == int(Keep::Key) && CHUNK_SAMPLES == samplesPerChunk);
 ShaderVariant splatVariant(const SplatStage& stage, const LayerTraits& traits, Keep keep) {
     const SplatNumbers& n = stage.numbers;
     const bool surfels = ofSurfels(stage.splat), sums = n.reduction == Reduction::Sum;
-    const bool singlePixel = !surfels && !sums && n.maxPx <= 1;
     // Where only orders count, neither colours nor ordinals do.
     const bool bare = !sums && keep == Keep::Order;
     const bool colored = !bare && !n.payloadSample;
     const bool tested = traits.silhouette && surfels && stage.kind != SplatStage::Kind::Silhouette;
     return {"splat.comp",
-            {{"GROUP_SIZE", traits.groupSize},
+            {{"GROUP_SIZE", groupSize(stage, traits)},
              {"TURN_STEP", static_cast<int>(turnStep)},
              {"REDUCTION", static_cast<int>(n.reduction)},
              {"KEEP", static_cast<int>(keep)},
              {"KEYS64", traits.keys64},
              {"SHAPE", static_cast<int>(n.shape)},
-             {"SINGLE_PIXEL", singlePixel},
-             {"SHARED_FOOTPRINTS", !singlePixel && (surfels || n.maxPx >= smallestShared)},
+             {"SINGLE_PIXEL", isSinglePixel(stage)},
+             {"SHARED_FOOTPRINTS", sharesFootprints(stage)},
              {"PERSPECTIVE", n.perspective},
              {"COLORING", colored ? static_cast<int>(n.coloring) : 0},
              {"PAYLOAD_SAMPLE", n.payloadSample && !bare},
              {"SUM_NORMALS", n.sumNormals},
              {"SILHOUETTE", tested},
              {"FILTERS", traits.filters}}};
+}
+
+std::uint32_t chunkSamples(const SplatStage& stage, const LayerTraits& traits, std::uint32_t loopTurns,
+                           std::size_t pixels, std::size_t regions) {
+    if (loopTurns == 0) return samplesPerChunk;
+    // What main() of splat.comp does for a sample: places it, and draws it alone, column by column within rows...
+    const double threads = groupSize(stage, traits);
+    const double side = isSinglePixel(stage) ? 1 : stage.numbers.maxPx + boxBorder;
+    const double largest = std::min(side * side, static_cast<double>(pixels));
+    const double place = 1 + turnsOfRegion * static_cast<double>(regions);
+    const bool shared = sharesFootprints(stage);
+    const double alone = place + 2 * (shared ? std::min<double>(largest, MANY_PIXELS) : largest);
+    // ... or all threads place it, and draw it together.
+    const double together = shared ? place + 1 + largest / threads : 0;
+    const double samples = loopTurns / (alone / threads + together);
+    return static_cast<std::uint32_t>(std::clamp<double>(samples, 1, samplesPerChunk));
 }
 
 ShaderVariant resolveKeysVariant(const PassPlan& plan, bool keys64, bool normals) {

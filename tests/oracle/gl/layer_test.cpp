@@ -114,7 +114,14 @@ GlLayers* const glLayers = [] {
 struct GlLimitsOfTest {
     std::size_t storageBlockBytes = std::size_t{128} << 20;
     gl::SampleCacheOptions samples{std::uint64_t{64} << 20, 0};
+    bool software = true;  ///< work is cut as for a rasteriser on the CPU, or as for a GPU
 };
+
+gl::SplatLimits splatLimits(const gl::GlFunctions& functions, const GlLimitsOfTest& of) {
+    gl::SplatLimits limits = gl::splatLimits(functions, of.software);
+    limits.storageBlockBytes = of.storageBlockBytes;
+    return limits;
+}
 
 /// The layer on the GPU and the planes that it is drawn into, which reach `border` pixels beyond its area.
 struct GlDrawing {
@@ -126,7 +133,7 @@ struct GlDrawing {
           screen(functions, *backend.programs),
           samples(functions, limits.samples),
           slices(functions),
-          memory(functions, {limits.storageBlockBytes, gl::splatLimits(functions, false).keys64}),
+          memory(functions, splatLimits(functions, limits)),
           parts{functions, *backend.programs, screen, samples, slices, memory},
           planes{ivec4(c.area.x - border, c.area.y - border, c.area.z + 2 * border, c.area.w + 2 * border),
                  &rgba, &depth, &normals} {}
@@ -402,6 +409,27 @@ TEST_P(GlLayerDrawing, BatchByBatch) {
     limits.samples = {40'000, 16'384};
     check(
         {sprites, blended, cells}, [](Drawing&) {}, nullptr, limits);
+}
+
+/// Work groups of as many threads as a GPU likes.
+TEST_P(GlLayerDrawing, GroupsOfAGpu) {
+    GlLimitsOfTest limits;
+    limits.software = false;
+    check(
+        {sprites, {"sphere", {{"sizePx", 23.0}}, ""}, blended, cells}, [](Drawing&) {}, nullptr, limits);
+}
+
+/// 500 points in one run, each as large as the picture: Mesa's rasteriser ends a thread's loops after 65,535
+/// turns, which one work group would need for a third of them.
+TEST_P(GlLayerDrawing, NoThreadLoopsLongerThanTheDriverLetsIt) {
+    Numbers numbers(29);
+    std::vector<AnalyticPoint> points(500);
+    for (AnalyticPoint& p : points) {
+        p.position = 0.3 * numbers.onSphere();
+        p.rgb = numbers.color();
+    }
+    const AnalyticCloud cloud(points, 0.06, 1000);
+    check({{"paraboloid", {{"sizePx", 256.0}}, ""}}, [](Drawing&) {}, &cloud.cut());
 }
 
 /// 30,000 points in a few pixels, with normals of both signs: sums of more than 32 bits.

@@ -6,22 +6,14 @@
 #include <fstream>
 
 #include "renderer/image/encode.hpp"
+#include "tests/support/temporary_folder.hpp"
 
 namespace scancast::client {
 namespace {
 
 class Film : public testing::Test {
   protected:
-    void SetUp() override {
-        folder_ =
-            std::filesystem::path(testing::TempDir()) /
-            (std::string("scancast_film_") + testing::UnitTest::GetInstance()->current_test_info()->name());
-        std::filesystem::remove_all(folder_);
-        std::filesystem::create_directories(folder_);
-    }
-    void TearDown() override { std::filesystem::remove_all(folder_); }
-
-    std::string file(const std::string& name) const { return (folder_ / name).string(); }
+    std::string file(const std::string& name) const { return folder_.file(name); }
 
     static std::vector<std::uint8_t> picture(std::uint8_t grey) {
         Frame frame;
@@ -31,7 +23,7 @@ class Film : public testing::Test {
         return encodeJpeg(frame, 90, Subsampling::S420).value();
     }
 
-    std::filesystem::path folder_;
+    const scancast::test::TemporaryFolder folder_;
 };
 
 TEST_F(Film, PicturesAreNumberedWithDigitsForAll) {

@@ -8,6 +8,7 @@
 #include <set>
 
 #include "protocol/json_text.hpp"
+#include "tests/support/temporary_folder.hpp"
 #include "tests/unit/client/fake_session.hpp"
 
 namespace scancast::client {
@@ -30,23 +31,9 @@ Outcome run(const std::string& arguments) {
     return outcome;
 }
 
-std::string contents(const std::filesystem::path& path) {
-    std::ifstream file(path, std::ios::binary);
-    return {std::istreambuf_iterator<char>(file), {}};
-}
-
 class Program : public testing::Test {
   protected:
-    void SetUp() override {
-        const auto* test = testing::UnitTest::GetInstance()->current_test_info();
-        folder_ =
-            std::filesystem::path(testing::TempDir()) / (std::string("scancast_client_") + test->name());
-        std::filesystem::remove_all(folder_);
-        std::filesystem::create_directories(folder_);
-    }
-    void TearDown() override { std::filesystem::remove_all(folder_); }
-
-    std::filesystem::path folder_;
+    const scancast::test::TemporaryFolder folder_;
 };
 
 TEST_F(Program, HelpHasExamplesAndEveryFlag) {
@@ -71,7 +58,7 @@ TEST_F(Program, SnapshotWritesThePicture) {
     const auto outcome = run("snapshot --eye -1,2,3 --param sizePx=5 --param smooth=true " + fake.text() +
                              " --color '#ff8800' -o " + file.string());
     EXPECT_EQ(outcome.exitCode, 0) << outcome.output;
-    EXPECT_EQ(contents(file), "\xFF\xD8\xFF!");
+    EXPECT_EQ(scancast::test::contentOf(file), "\xFF\xD8\xFF!");
     EXPECT_TRUE(fake.requests().back().starts_with(
         "GET /api/v1/clouds/town/snapshot.jpg?eye=-1,2,3&color=%23ff8800&param.sizePx=5&param.smooth=true "))
         << fake.requests().back();
@@ -100,7 +87,7 @@ TEST_F(Program, UnwritableOutputIsNamed) {
     const auto outcome =
         run("snapshot " + fake.text() + " -o " + (folder_ / "no" / "such" / "a.jpg").string());
     EXPECT_EQ(outcome.exitCode, 1);
-    EXPECT_NE(outcome.output.find("cannot write " + folder_.string()), std::string::npos) << outcome.output;
+    EXPECT_NE(outcome.output.find("cannot write " + folder_.path().string()), std::string::npos) << outcome.output;
 }
 
 TEST_F(Program, InfoListsAndPrintsJson) {
@@ -127,7 +114,7 @@ TEST_F(Program, OrbitWritesOneStillPerStepAllDifferent) {
     std::set<std::string> pictures;
     for (int i = 1; i <= 36; ++i) {
         const auto name = "frame-0" + std::string(i < 10 ? "0" : "") + std::to_string(i) + ".jpg";
-        const auto picture = contents(folder_ / "frames" / name);
+        const auto picture = scancast::test::contentOf(folder_ / "frames" / name);
         EXPECT_TRUE(pictures.insert(picture).second) << name;
         // The fake's pictures are views: complete JSON means a final still, for moving ones have a word
         // behind it.
@@ -149,7 +136,7 @@ TEST_F(Program, PathFliesAlongKeyFrames) {
     ASSERT_EQ(outcome.exitCode, 0) << outcome.output;
     for (int i = 0; i <= 4; ++i) {
         const auto view =
-            parseJson(contents(folder_ / "frames" / ("frame-00" + std::to_string(i + 1) + ".jpg")));
+            parseJson(scancast::test::contentOf(folder_ / "frames" / ("frame-00" + std::to_string(i + 1) + ".jpg")));
         ASSERT_TRUE(view) << i;
         EXPECT_EQ((*view)["camera"]["eye"], nlohmann::json({2.0 * i, 0.0, 9.0}));
         EXPECT_EQ((*view)["method"], "point");
@@ -157,7 +144,7 @@ TEST_F(Program, PathFliesAlongKeyFrames) {
     EXPECT_FALSE(std::filesystem::exists(folder_ / "frames" / "frame-006.jpg"));
 
     std::ofstream(file) << R"({"keys": [{}, {"camera": {"eey": [8, 0, 9]}}]})";
-    const auto refused = run("path " + fake.text() + " " + file + " -o " + folder_.string());
+    const auto refused = run("path " + fake.text() + " " + file + " -o " + folder_.path().string());
     EXPECT_EQ(refused.exitCode, 1);
     EXPECT_NE(refused.output.find("keys[1].camera.eey"), std::string::npos) << refused.output;
     EXPECT_NE(run("path " + fake.text() + " /no/such.json -o x").output.find("/no/such.json"),
@@ -171,7 +158,7 @@ TEST_F(Program, BenchMeasuresASessionAndKeepsItsFinalStill) {
     const auto file = (folder_ / "final.jpg").string();
     const auto outcome = run("bench --json --moving 1 --seconds 0.3 --warm-up 0.1 --method point --final " +
                              file + " " + fake.text() + " 2>" + (folder_ / "phases").string() + " #");
-    ASSERT_EQ(outcome.exitCode, 0) << outcome.output << contents(folder_ / "phases");
+    ASSERT_EQ(outcome.exitCode, 0) << outcome.output << scancast::test::contentOf(folder_ / "phases");
     const auto report = parseJson(outcome.output);
     ASSERT_TRUE(report) << outcome.output;
     const auto& group = (*report)["groups"][0];
@@ -179,8 +166,8 @@ TEST_F(Program, BenchMeasuresASessionAndKeepsItsFinalStill) {
     EXPECT_EQ(group["failed"], 0);
     EXPECT_EQ(group["finalMs"]["count"], 1);
     // The fake's pictures are the views themselves: what was kept is what was asked for last.
-    EXPECT_EQ(contents(file), contents(file + ".json"));
-    EXPECT_NE(contents(folder_ / "phases").find("bench: measured"), std::string::npos);
+    EXPECT_EQ(scancast::test::contentOf(file), scancast::test::contentOf(file + ".json"));
+    EXPECT_NE(scancast::test::contentOf(folder_ / "phases").find("bench: measured"), std::string::npos);
 }
 
 TEST_F(Program, BenchWakesIdleSessions) {
@@ -208,9 +195,9 @@ TEST_F(Program, OrbitWhileMovingTakesTheFirstFrame) {
     script.session = test::fakeSession;
     const test::FakeServer fake(script);
     const auto outcome =
-        run("orbit --moving --quiet --frames 3 --target 0,0,0 " + fake.text() + " -o " + folder_.string());
+        run("orbit --moving --quiet --frames 3 --target 0,0,0 " + fake.text() + " -o " + folder_.path().string());
     ASSERT_EQ(outcome.exitCode, 0) << outcome.output;
-    EXPECT_TRUE(contents(folder_ / "frame-003.jpg").ends_with(" moving"));
+    EXPECT_TRUE(scancast::test::contentOf(folder_ / "frame-003.jpg").ends_with(" moving"));
     EXPECT_EQ(outcome.output.find("frame 1 of"), std::string::npos) << outcome.output;
 }
 

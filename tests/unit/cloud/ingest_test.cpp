@@ -15,6 +15,7 @@
 #include "renderer/cloud/revision.hpp"
 #include "tests/support/octree_checks.hpp"
 #include "tests/support/synthetic_source.hpp"
+#include "tests/support/temporary_folder.hpp"
 
 namespace scancast {
 namespace {
@@ -25,25 +26,9 @@ using test::SyntheticSource;
 
 class Ingest : public ::testing::Test {
   protected:
-    void SetUp() override {
-        folder_ = fs::path(::testing::TempDir()) /
-                  (std::string("scancast_ingest_") +
-                   ::testing::UnitTest::GetInstance()->current_test_info()->name());
-        fs::remove_all(folder_);
-        fs::create_directories(folder_);
-    }
-    void TearDown() override { fs::remove_all(folder_); }
-
     fs::path file(const char* name) const { return folder_ / name; }
-    std::size_t entries() const {
-        return std::size_t(std::distance(fs::directory_iterator(folder_), fs::directory_iterator()));
-    }
-    static std::string contents(const fs::path& path) {
-        std::ifstream in(path, std::ios::binary);
-        return {std::istreambuf_iterator<char>(in), {}};
-    }
 
-    fs::path folder_;
+    const test::TemporaryFolder folder_;
 };
 
 constexpr Shape smallShape{.leafPoints = 256, .chunkPoints = 4000, .surfels = true};
@@ -106,10 +91,10 @@ TEST_F(Ingest, NeitherMemoryNorThreadsShow) {
     buildWithin(Workspace::unlimited, 1, 1, file("a.scan"));
     buildWithin(0, 2, 2, file("b.scan"));
     buildWithin(700'000, 3, 3, file("c.scan"));
-    const std::string expected = contents(file("a.scan"));
-    EXPECT_TRUE(contents(file("b.scan")) == expected);
-    EXPECT_TRUE(contents(file("c.scan")) == expected);
-    EXPECT_EQ(entries(), 3u) << "temporary files have no names";
+    const std::string expected = test::contentOf(file("a.scan"));
+    EXPECT_TRUE(test::contentOf(file("b.scan")) == expected);
+    EXPECT_TRUE(test::contentOf(file("c.scan")) == expected);
+    EXPECT_EQ(folder_.entries(), 3u) << "temporary files have no names";
 }
 
 /// A source with a row for each point, made of its position.
@@ -202,7 +187,7 @@ TEST_F(Ingest, WhatFailsLeavesNothing) {
     const auto failed = ingest(one(std::move(failing)), {.output = file("a.scan"), .shape = smallShape});
     ASSERT_FALSE(failed);
     EXPECT_EQ(failed.error().message, "it ends early");
-    EXPECT_EQ(entries(), 0u);
+    EXPECT_EQ(folder_.entries(), 0u);
 
     std::stop_source stop;
     auto stopping = std::make_unique<EndingSource>(ground(200'000), [&]() -> Expected<void> {
@@ -213,7 +198,7 @@ TEST_F(Ingest, WhatFailsLeavesNothing) {
                                 stop.get_token());
     ASSERT_FALSE(stopped);
     EXPECT_EQ(stopped.error().code, ErrorCode::Cancelled);
-    EXPECT_EQ(entries(), 0u);
+    EXPECT_EQ(folder_.entries(), 0u);
 }
 
 TEST_F(Ingest, StopsInEveryStage) {
@@ -229,7 +214,7 @@ TEST_F(Ingest, StopsInEveryStage) {
         if (stage != "finishing") {
             EXPECT_FALSE(stopped) << stage;
         }
-        EXPECT_EQ(entries(), stopped ? 1u : 0u) << stage;
+        EXPECT_EQ(folder_.entries(), stopped ? 1u : 0u) << stage;
         fs::remove(file("a.scan"));
     }
 }
@@ -252,7 +237,7 @@ TEST_F(Ingest, RefusesWhatTheDiskCannotHold) {
     ASSERT_FALSE(refused);
     EXPECT_EQ(refused.error().code, ErrorCode::ResourceLimit);
     EXPECT_NE(refused.error().message.find("are free"), std::string::npos) << refused.error().message;
-    EXPECT_EQ(entries(), 0u);
+    EXPECT_EQ(folder_.entries(), 0u);
 }
 
 TEST_F(Ingest, AMemoryLimitThatIsTooSmallIsRefused) {

@@ -6,7 +6,7 @@
 #include <array>
 #include <memory>
 
-#include "tests/unit/import/temporary_folder.hpp"
+#include "tests/support/temporary_folder.hpp"
 
 namespace scancast {
 namespace {

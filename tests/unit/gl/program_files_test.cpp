@@ -5,7 +5,7 @@
 #include <fstream>
 #include <iterator>
 
-#include "tests/unit/import/temporary_folder.hpp"
+#include "tests/support/temporary_folder.hpp"
 
 namespace scancast::gl {
 namespace {

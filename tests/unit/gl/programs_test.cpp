@@ -7,7 +7,7 @@
 
 #include "renderer/device/gl/egl_context.hpp"
 #include "renderer/device/gl/osmesa_context.hpp"
-#include "tests/unit/import/temporary_folder.hpp"
+#include "tests/support/temporary_folder.hpp"
 
 namespace scancast::gl {
 namespace {

@@ -9,6 +9,7 @@
 #include <set>
 
 #include "renderer/device/gl/splat_variants.hpp"
+#include "tests/support/temporary_folder.hpp"
 
 namespace scancast::gl {
 namespace {
@@ -54,12 +55,9 @@ class Shaders : public testing::Test {
     void SetUp() override {
         if (std::system((std::string(compiler) + " --version > /dev/null 2>&1").c_str()) != 0)
             GTEST_SKIP() << "MISSING: " << compiler << " (Debian's glslang-tools)";
-        fs::remove_all(folder_);
-        fs::create_directories(folder_);
     }
-    void TearDown() override { fs::remove_all(folder_); }
 
-    const fs::path folder_ = fs::path(testing::TempDir()) / "scancast_shaders";
+    const test::TemporaryFolder folder_;
 };
 
 TEST_F(Shaders, CompileInEveryVariantAsOpenGl45) {
@@ -80,7 +78,7 @@ TEST_F(Shaders, CompileInEveryVariantAsOpenGl45) {
     EXPECT_TRUE(atomics64);
     std::printf("    %zu variants\n", sources.size());
     const std::string command =
-        "cd '" + folder_.string() + "' && xargs -n 200 -P 2 " + compiler + " < list > log 2>&1";
+        "cd '" + folder_.path().string() + "' && xargs -n 200 -P 2 " + compiler + " < list > log 2>&1";
     const int status = std::system(command.c_str());
     EXPECT_EQ(status, 0) << errorsIn(contents(folder_ / "log"));
 }

@@ -8,7 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "renderer/simulate/scene.hpp"
-#include "tests/unit/import/temporary_folder.hpp"
+#include "tests/support/temporary_folder.hpp"
 
 namespace scancast::test {
 

@@ -9,7 +9,7 @@
 
 #include "renderer/cloud/import/open_scan.hpp"
 #include "tests/unit/import/scan_summary.hpp"
-#include "tests/unit/import/temporary_folder.hpp"
+#include "tests/support/temporary_folder.hpp"
 
 namespace scancast::test {
 

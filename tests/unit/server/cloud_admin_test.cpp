@@ -5,6 +5,7 @@
 #include <fstream>
 
 #include "tests/support/fake_painter.hpp"
+#include "tests/support/temporary_folder.hpp"
 
 namespace scancast {
 namespace {
@@ -14,7 +15,6 @@ namespace fs = std::filesystem;
 class CloudAdminTest : public ::testing::Test {
   protected:
     CloudAdminTest() {
-        fs::remove_all(folder);
         fs::create_directories(root / "scans");
         for (const fs::path& file :
              {root / "scans" / "church.las", folder / "secret.las", folder / "rootless.las"})
@@ -26,13 +26,12 @@ class CloudAdminTest : public ::testing::Test {
             return room;
         });
     }
-    ~CloudAdminTest() override { fs::remove_all(folder); }
     int refusal(const AddCloud& asked) {
         const auto added = admin.add(asked);
         return added ? 0 : added.error().status;
     }
 
-    const fs::path folder = fs::path(::testing::TempDir()) / "scancast_cloud_admin";
+    const test::TemporaryFolder folder;
     const fs::path root = folder / "root";
     Catalog catalog;
     CloudAdmin admin{catalog, root};

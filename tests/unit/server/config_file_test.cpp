@@ -7,6 +7,7 @@
 #include <fstream>
 
 #include "server/commands/serve_options.hpp"
+#include "tests/support/temporary_folder.hpp"
 
 namespace scancast {
 namespace {
@@ -30,9 +31,9 @@ class ConfigFileTest : public ::testing::Test {
         result->applied = applyConfigFile(result->app, file);
         return result;
     }
-    ~ConfigFileTest() override { std::filesystem::remove(file); }
 
-    const std::string file = ::testing::TempDir() + "scancast_config.json";
+    const test::TemporaryFolder folder;
+    const std::string file = folder.file("scancast.json");
 };
 
 TEST_F(ConfigFileTest, KeysAreNamesOfFlags) {
@@ -74,7 +75,7 @@ TEST_F(ConfigFileTest, WhatIsWrongIsNamed) {
         {R"({"config": "more.json"})", "unknown"},
         {R"({"port": 1, "port": 2})", "port"},
         {R"([])", "JSON object"},
-        {R"({)", "scancast_config.json"},
+        {R"({)", "scancast.json"},
     };
     for (const auto& [text, words] : wrong) {
         const auto p = parsed(text);

@@ -2,13 +2,13 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <fstream>
 
 #include "server/preview.hpp"
 #include "tests/support/octree_checks.hpp"
 #include "tests/support/synthetic_source.hpp"
+#include "tests/support/temporary_folder.hpp"
 #include "tests/support/write_cloud.hpp"
 
 namespace scancast {
@@ -76,7 +76,6 @@ TEST(Preview, ShowsWhatHasBeenReadAndPassesEverythingOn) {
 class LoaderTest : public testing::Test {
   protected:
     void SetUp() override {
-        folder_ = fs::temp_directory_path() / ("scancast_loader_" + std::to_string(::getpid()));
         fs::create_directories(folder_ / "cache");
         std::ofstream text(folder_ / "ground.xyz");
         for (std::uint64_t i = 0; i < 20'000; ++i) {
@@ -84,7 +83,6 @@ class LoaderTest : public testing::Test {
             text << p.x << ' ' << p.y << ' ' << p.z << '\n';
         }
     }
-    void TearDown() override { fs::remove_all(folder_); }
 
     LoaderOptions options(std::uint64_t memoryLimit = std::uint64_t(1) << 30) {
         BlockCacheOptions cache;
@@ -107,7 +105,7 @@ class LoaderTest : public testing::Test {
         return files;
     }
 
-    fs::path folder_;
+    const test::TemporaryFolder folder_;
     Catalog catalog_;
     std::shared_ptr<BlockCache> cache_;
 };
@@ -196,7 +194,7 @@ TEST_F(LoaderTest, AFailureSaysWhyWithoutSayingWhere) {
     const auto entry = load(folder_ / "broken.las", options());
     EXPECT_EQ(entry.state, CloudState::Failed);
     EXPECT_THAT(entry.error, testing::HasSubstr("broken.las"));
-    EXPECT_THAT(entry.error, testing::Not(testing::HasSubstr(folder_.string())));
+    EXPECT_THAT(entry.error, testing::Not(testing::HasSubstr(folder_.path().string())));
 }
 
 }  // namespace

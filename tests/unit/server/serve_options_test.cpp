@@ -1,4 +1,5 @@
 #include "server/commands/serve_options.hpp"
+#include "tests/support/temporary_folder.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -92,8 +93,9 @@ TEST(ServeOptions, OtherAddressesNeedATokenOrInsecure) {
 }
 
 TEST(ServeOptions, TokensComeFromFilesAndDiffer) {
-    const auto write = [](const char* name, const char* text) {
-        const auto path = std::filesystem::path(testing::TempDir()) / name;
+    const test::TemporaryFolder folder;
+    const auto write = [&](const char* name, const char* text) {
+        const auto path = folder / name;
         std::ofstream(path) << text;
         std::filesystem::permissions(path, std::filesystem::perms::owner_read);
         return path.string();

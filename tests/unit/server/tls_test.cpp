@@ -6,6 +6,7 @@
 #include <fstream>
 
 #include "tests/support/test_certificate.hpp"
+#include "tests/support/temporary_folder.hpp"
 
 namespace scancast {
 namespace {
@@ -14,19 +15,11 @@ namespace fs = std::filesystem;
 
 class Tls : public ::testing::Test {
   protected:
-    void SetUp() override {
-        folder =
-            fs::path(::testing::TempDir()) /
-            (std::string("scancast_tls_") + ::testing::UnitTest::GetInstance()->current_test_info()->name());
-        fs::remove_all(folder);
-        fs::create_directories(folder);
-    }
-    void TearDown() override { fs::remove_all(folder); }
     static std::string refusal(const fs::path& certificate, const fs::path& key) {
         const auto opened = openTls({certificate, key});
         return opened ? "it was taken" : opened.error().message;
     }
-    fs::path folder;
+    const test::TemporaryFolder folder;
 };
 
 TEST_F(Tls, ACertificateAndItsKey) {

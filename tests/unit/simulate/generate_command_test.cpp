@@ -7,7 +7,7 @@
 
 #include "server/commands/command.hpp"
 #include "tests/unit/simulate/scan_file_checker.hpp"
-#include "tests/unit/simulate/temporary_folder.hpp"
+#include "tests/support/temporary_folder.hpp"
 
 namespace scancast {
 namespace {

@@ -5,7 +5,7 @@
 
 #include <filesystem>
 
-#include "tests/unit/simulate/temporary_folder.hpp"
+#include "tests/support/temporary_folder.hpp"
 
 namespace scancast {
 namespace {

@@ -6,7 +6,7 @@
 #include "renderer/simulate/scene.hpp"
 #include "renderer/simulate/write/point_writer.hpp"
 #include "tests/unit/simulate/scan_file_checker.hpp"
-#include "tests/unit/simulate/temporary_folder.hpp"
+#include "tests/support/temporary_folder.hpp"
 
 namespace scancast {
 namespace {

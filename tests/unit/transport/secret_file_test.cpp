@@ -1,4 +1,5 @@
 #include "transport/secret_file.hpp"
+#include "tests/support/temporary_folder.hpp"
 
 #include <gtest/gtest.h>
 #include <sys/stat.h>
@@ -17,10 +18,8 @@ class SecretFile : public ::testing::Test {
         ::chmod(path.c_str(), mode);
         return path;
     }
-    void TearDown() override { fs::remove(path); }
-    const fs::path path =
-        fs::path(::testing::TempDir()) /
-        (std::string("scancast_secret_") + ::testing::UnitTest::GetInstance()->current_test_info()->name());
+    const test::TemporaryFolder folder;
+    const fs::path path = folder / "token";
 };
 
 constexpr const char* token = "0123456789abcdef";

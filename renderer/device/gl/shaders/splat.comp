@@ -77,8 +77,6 @@ void drawAlone(Footprint f) {
 }
 
 #if SHARED_FOOTPRINTS
-// Pixels of a footprint, from which on it is not for one thread alone.
-const int manyPixels = 256;
 shared uint queued;
 shared uint queue[CHUNK_SAMPLES];
 
@@ -102,7 +100,7 @@ void main() {
     for (uint i = gl_LocalInvocationID.x; i < range.y; i += GROUP_SIZE) {
         if (!footprintOf(run, range, i, f)) continue;
 #if SHARED_FOOTPRINTS
-        if (pixelsOf(f) >= manyPixels) {
+        if (pixelsOf(f) >= MANY_PIXELS) {
             queue[atomicAdd(queued, 1u)] = i;
             continue;
         }

@@ -27,3 +27,5 @@
 #define KEEP_KEY 2
 
 #define CHUNK_SAMPLES 1024
+// Pixels of a footprint, from which on it is not for one thread alone.
+#define MANY_PIXELS 256

@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/unit/cloud/file/sample_cloud.hpp"
-#include "tests/unit/import/temporary_folder.hpp"
+#include "tests/support/temporary_folder.hpp"
 
 namespace scancast {
 namespace {

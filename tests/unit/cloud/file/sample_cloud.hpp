@@ -2,7 +2,7 @@
 #pragma once
 
 #include "tests/support/cloud_file_bytes.hpp"
-#include "tests/unit/import/temporary_folder.hpp"
+#include "tests/support/temporary_folder.hpp"
 
 namespace scancast::test {
 

@@ -31,7 +31,7 @@ bool SessionHost::openSession(ClientKind client, SessionOptions options) {
     options.seat = seat_.get();
     options.id = seat_->id();
     options.maxPixels = context_.limits.maxPixels;
-    options.quiet = context_.limits.quiet;
+    options.stills.quiet = context_.limits.quiet;
     options.helloPatience = context_.limits.helloTimeout;
     session_.emplace(std::move(options), world_, *this, context_.metrics, Clock::now());
     keepTime();

@@ -16,18 +16,10 @@ std::uint32_t microseconds(double milliseconds) {
         std::clamp(milliseconds * 1000, 0.0, double(std::numeric_limits<std::uint32_t>::max())));
 }
 
-// Two seconds of getting sharper; then the final still's wait brings what is missing faster than wishes do.
-constexpr int mostStills = 20;
 // Each has a picture drawn; who asks faster than it is answered gains nothing by a longer queue.
 constexpr int mostPicks = 4;
 // How far prefetching looks ahead: about what a disk needs for a screenful.
 constexpr double aheadSeconds = 0.3;
-
-Problem followProblem(int status, std::string detail) {
-    Problem problem = problemOf(status, std::move(detail));
-    problem.errors.push_back({"follow", problem.detail});
-    return problem;
-}
 
 bool mayLackBlocks(const Cloud& cloud) {
     return !cloud.octree.nodes().empty() && !cloud.octree.store().whole();
@@ -46,11 +38,12 @@ StreamSession::StreamSession(SessionOptions options, const StreamWorld& world, S
       port_(port),
       metrics_(metrics),
       opened_(now),
+      desk_(world, options_.seat, options_.maxPixels),
       id_(options_.id),
+      stills_(options_.stills),
       nextStats_(now) {}
 
 // ---- messages
-// -------------------------------------------------------------------------------------------------
 
 void StreamSession::text(std::string_view message, Time now) {
     if (state_ == State::Closed) return;
@@ -103,16 +96,8 @@ void StreamSession::handle(const messages::Hello& hello, Time now) {
         return;
     }
     if (auto resumed = resume(hello.resume, now)) return begin(std::move(*resumed), true, now);
-    const View usual;
-    const int width = hello.width.value_or(usual.width);
-    const int height = hello.height.value_or(usual.height);
-    auto scene = hello.follow.empty()
-                     ? openScene(hello.cloud.empty() ? world_.defaultCloud() : hello.cloud, width, height)
-                     : sceneOf(leaderOf(hello.follow), width, height);
-    if (!scene) {
-        refuse(std::move(scene.error()), std::nullopt);
-        return;
-    }
+    auto scene = desk_.opened(hello);
+    if (!scene) return refuse(std::move(scene.error()), std::nullopt);
     if (!hello.follow.empty()) {
         if (auto followed = options_.seat->follow(hello.follow); !followed)
             return refuse(std::move(followed.error()), std::nullopt);
@@ -122,14 +107,14 @@ void StreamSession::handle(const messages::Hello& hello, Time now) {
 }
 
 // A session that cannot go on as it was - its time is up, its cloud is gone - begins anew.
-std::optional<StreamSession::Scene> StreamSession::resume(const std::string& token, Time now) {
+std::optional<Scene> StreamSession::resume(const std::string& token, Time now) {
     if (token.empty() || !options_.resumable) return std::nullopt;
     auto saved = options_.resumable->resume(token, now);
     if (!saved) return std::nullopt;
     auto cloud = world_.cloud(saved->cloudId);
     if (!cloud) return std::nullopt;
     Scene scene{saved->cloudId, std::move(*cloud), std::move(saved->view), saved->seq};
-    if (!checkScene(scene)) return std::nullopt;
+    if (!desk_.check(scene)) return std::nullopt;
     id_ = std::move(saved->id);
     limits_ = saved->limits;
     lastFrame_ = ackedFrame_ = saved->lastFrame;  // what was under way then is not waited for
@@ -178,7 +163,7 @@ void StreamSession::handle(const messages::ViewChange& change, Time now) {
 tl::expected<SharedView, Problem> StreamSession::change(const messages::ViewChange& change, Time now) {
     if (state_ != State::Open)
         return tl::unexpected(problemOf(409, "This session shows nothing; it has not begun, or has ended."));
-    auto scene = sceneAfter(change);
+    auto scene = desk_.changed(scene_, change);
     if (!scene) return tl::unexpected(std::move(scene.error()));
     if (change.follow) {
         if (change.follow->empty()) {
@@ -212,10 +197,7 @@ void StreamSession::show(Scene scene, Time now) {
 // The scene is another one: everything that was made of the old one at leisure is moot.
 void StreamSession::viewChanged(Time now) {
     viewTime_ = now;
-    nextStill_ = now;
-    stillsLeft_ = mayLackBlocks(*scene_.cloud) ? mostStills : 0;
-    leastMissing_ = std::numeric_limits<std::uint64_t>::max();
-    finalWanted_ = true;
+    stills_.begin(mayLackBlocks(*scene_.cloud), now);
     nextLook_.reset();
     if (world_.loading(scene_.cloudId)) nextLook_ = now + options_.cloudInterval;
     // A still of the old view is worth nothing now, and in the way of what the client waits for.
@@ -242,7 +224,7 @@ void StreamSession::followLeader(Time now) {
     if (!following()) return;
     auto shown = options_.seat->leader();
     if (!shown) return leaderLeft();
-    auto scene = sceneOf(std::move(*shown), scene_.view.width, scene_.view.height);
+    auto scene = desk_.followed(*shown, scene_.view.width, scene_.view.height);
     if (!scene) return refuse(std::move(scene.error()), std::nullopt);
     scene->seq = scene_.seq;
     if (scene->cloud != scene_.cloud || scene->view != scene_.view) show(std::move(*scene), now);
@@ -252,7 +234,7 @@ void StreamSession::leaderLeft() {
     options_.seat->unfollow();
     if (options_.endsWithLeader)
         return close(CloseCode::GoingAway, "The session that this one followed has ended.");
-    refuse(followProblem(404, "The session that this one followed has ended; the view stays as it is."),
+    refuse(SceneDesk::followProblem(404, "The session that this one followed has ended; the view stays as it is."),
            std::nullopt);
 }
 
@@ -267,7 +249,7 @@ void StreamSession::lookForNewerCloud(Time now) {
     if (!cloud || *cloud == scene_.cloud) return;
     Scene scene = scene_;
     scene.cloud = std::move(*cloud);
-    if (!checkScene(scene)) return;
+    if (!desk_.check(scene)) return;
     scene_ = std::move(scene);
     before_.reset();
     viewChanged(now);
@@ -311,84 +293,6 @@ void StreamSession::handle(const messages::Ping& ping, Time) {
     port_.sendText(printMessage(messages::Pong{ping.id}));
 }
 
-// ---- scene
-// ----------------------------------------------------------------------------------------------------
-
-tl::expected<StreamSession::Scene, Problem> StreamSession::openScene(const std::string& cloudId, int width,
-                                                                     int height) const {
-    auto cloud = world_.cloud(cloudId);
-    if (!cloud) return tl::unexpected(std::move(cloud.error()));
-    Scene scene;
-    scene.cloudId = cloudId;
-    scene.view = defaultView(**cloud, width, height);
-    scene.cloud = std::move(*cloud);
-    if (auto sound = checkScene(scene); !sound) return tl::unexpected(problemOf(sound.error()));
-    return scene;
-}
-
-tl::expected<SharedView, Problem> StreamSession::leaderOf(const std::string& id) const {
-    if (options_.seat == nullptr)
-        return tl::unexpected(followProblem(422, "This session can follow nobody."));
-    return options_.seat->mayFollow(id);
-}
-
-// What another session shows, in this one's size.
-tl::expected<StreamSession::Scene, Problem> StreamSession::sceneOf(
-    const tl::expected<SharedView, Problem>& shared, int width, int height) const {
-    if (!shared) return tl::unexpected(shared.error());
-    auto scene = openScene(shared->cloudId, width, height);
-    if (!scene) return scene;
-    scene->view = shared->view;
-    scene->view.width = width;
-    scene->view.height = height;
-    if (auto sound = checkScene(*scene); !sound) return tl::unexpected(problemOf(sound.error()));
-    return scene;
-}
-
-tl::expected<StreamSession::Scene, Problem> StreamSession::sceneAfter(
-    const messages::ViewChange& change) const {
-    Scene scene = scene_;
-    const bool follows = change.follow ? !change.follow->empty() : following();
-    if (follows) {
-        bool own = !change.cloud;
-        for (const auto& [field, value] : change.changes.items())
-            own = own && (field == "width" || field == "height");
-        if (!own)
-            return tl::unexpected(
-                followProblem(409,
-                              "While it follows another session, only width and height are this "
-                              "one's own; \"follow\": null ends that."));
-    }
-    if (follows && change.follow) {
-        auto followed = sceneOf(leaderOf(*change.follow), scene_.view.width, scene_.view.height);
-        if (!followed) return followed;
-        scene = std::move(*followed);
-    }
-    if (change.cloud && *change.cloud != scene_.cloudId) {
-        auto opened = openScene(*change.cloud, scene_.view.width, scene_.view.height);
-        if (!opened) return tl::unexpected(std::move(opened.error()));
-        scene = std::move(*opened);
-    }
-    auto view = applyJson(scene.view, change.changes);
-    if (!view) return tl::unexpected(problemOf(view.error()));
-    scene.view = std::move(*view);
-    scene.seq = change.seq;
-    if (auto sound = checkScene(scene); !sound) return tl::unexpected(problemOf(sound.error()));
-    return scene;
-}
-
-Expected<void> StreamSession::checkScene(const Scene& scene) const {
-    const auto pixels = std::uint64_t(scene.view.width) * std::uint64_t(scene.view.height);
-    if (pixels > options_.maxPixels) {
-        return fail(ErrorCode::ResourceLimit,
-                    "A picture of " + std::to_string(scene.view.width) + " x " +
-                        std::to_string(scene.view.height) + " has " + std::to_string(pixels) +
-                        " pixels; this server draws at most " + std::to_string(options_.maxPixels) + ".",
-                    "width");
-    }
-    return world_.check(*scene.cloud, scene.view);
-}
-
 void StreamSession::refuse(Problem problem, std::optional<std::uint64_t> seq) {
     messages::ProblemReport report;
     report.seq = seq;
@@ -397,7 +301,6 @@ void StreamSession::refuse(Problem problem, std::optional<std::uint64_t> seq) {
 }
 
 // ---- pictures
-// -------------------------------------------------------------------------------------------------
 
 StreamSession::Order StreamSession::nextOrder(Kind kind) {
     Order order;
@@ -435,15 +338,8 @@ void StreamSession::place(const Order& order) {
     port_.order(order.number, pictureOf(order));
 }
 
-bool StreamSession::stillDue(Time now) const {
-    return finalWanted_ && stillsLeft_ > 0 && outstanding_.empty() &&
-           now >= std::max(viewTime_ + options_.quiet, nextStill_);
-}
-
-bool StreamSession::finalDue(Time now) const {
-    const bool stillComing = std::any_of(outstanding_.begin(), outstanding_.end(),
-                                         [](const Order& o) { return o.kind == Kind::Still; });
-    return finalWanted_ && stillsLeft_ <= 0 && !stillComing && now >= viewTime_ + options_.quiet;
+bool StreamSession::stillComing() const {
+    return std::ranges::any_of(outstanding_, [](const Order& o) { return o.kind == Kind::Still; });
 }
 
 // Orders what is due. A frame that is sent or being made counts against the two that may be unacknowledged,
@@ -464,11 +360,9 @@ void StreamSession::pump(Time now) {
         }
     }
     if (fresh_ || !room()) return;
-    if (stillDue(now)) {
-        place(nextOrder(Kind::Still));
-    } else if (finalDue(now)) {
-        finalWanted_ = false;
-        place(nextOrder(Kind::Final));
+    if (const auto still = stills_.due(!outstanding_.empty(), stillComing(), now)) {
+        stills_.ordered(*still);
+        place(nextOrder(*still == StillPlan::Still::Final ? Kind::Final : Kind::Still));
     }
 }
 
@@ -481,7 +375,7 @@ void StreamSession::pictureDone(std::uint64_t number, Expected<Picture> result, 
     if (result) {
         deliver(order, std::move(*result), now);
     } else {
-        if (order.kind == Kind::Still) stillsLeft_ = 0;  // no second try; the final one has its own
+        if (order.kind == Kind::Still) stills_.failed();
         if (result.error().code != ErrorCode::Cancelled) refuse(problemOf(result.error()), order.seq);
     }
     pump(now);
@@ -510,18 +404,8 @@ void StreamSession::deliver(const Order& order, Picture picture, Time now) {
     metrics_.frameSent(secondsBetween(order.viewTime, now));
     sentTimes_.push_back(now);
     while (now - sentTimes_.front() > std::chrono::seconds(1)) sentTimes_.pop_front();
-    weigh(order, picture.stats, now);
+    if (order.kind == Kind::Still) stills_.drawn(picture.stats.samplesMissing, now);
     if (now >= nextStats_) sendStats(order, picture, now);
-}
-
-// What is missing in a still decides what comes next: another one, or the final one, which waits for the
-// rest.
-void StreamSession::weigh(const Order& order, const FrameStats& stats, Time now) {
-    if (order.kind != Kind::Still) return;
-    const bool nearer = stats.samplesMissing < leastMissing_;
-    leastMissing_ = std::min(leastMissing_, stats.samplesMissing);
-    stillsLeft_ = stats.samplesMissing == 0 ? 0 : stillsLeft_ - (nearer ? 1 : mostStills / 4);
-    nextStill_ = now + options_.stillInterval;
 }
 
 void StreamSession::sendStats(const Order& order, const Picture& picture, Time now) {
@@ -544,7 +428,6 @@ void StreamSession::sendStats(const Order& order, const Picture& picture, Time n
 }
 
 // ---- time and end
-// ---------------------------------------------------------------------------------------------
 
 void StreamSession::tick(Time now) {
     if (state_ == State::Greeting && now >= opened_ + options_.helloPatience) {
@@ -559,10 +442,10 @@ std::optional<StreamSession::Time> StreamSession::wakeAt() const {
     if (state_ == State::Greeting) return opened_ + options_.helloPatience;
     if (state_ != State::Open) return std::nullopt;
     // Without room it is an acknowledgement or a finished picture that brings the next step, not time.
-    if (!finalWanted_ || unacknowledged() + outstanding_.size() >= options_.window) return nextLook_;
-    if (stillsLeft_ > 0 && !outstanding_.empty()) return nextLook_;
-    const Time due = std::max(viewTime_ + options_.quiet, stillsLeft_ > 0 ? nextStill_ : viewTime_);
-    return nextLook_ ? std::min(*nextLook_, due) : due;
+    if (unacknowledged() + outstanding_.size() >= options_.window) return nextLook_;
+    const auto due = stills_.dueAt(!outstanding_.empty());
+    if (!due) return nextLook_;
+    return nextLook_ ? std::min(*nextLook_, *due) : *due;
 }
 
 void StreamSession::close(CloseCode code, std::string reason) {

@@ -26,7 +26,9 @@
 #include "server/scheduler/picture.hpp"
 #include "server/stream/quality_controller.hpp"
 #include "server/stream/resume_store.hpp"
+#include "server/stream/scene.hpp"
 #include "server/stream/session_register.hpp"
+#include "server/stream/still_plan.hpp"
 
 namespace scancast {
 
@@ -53,21 +55,6 @@ class StreamPort {
     virtual std::function<void()> onTaken() = 0;
 };
 
-/// What a session may know of the server.
-class StreamWorld {
-  public:
-    virtual ~StreamWorld() = default;
-    virtual std::string defaultCloud() const = 0;
-    virtual tl::expected<std::shared_ptr<const Cloud>, Problem> cloud(std::string_view id) const = 0;
-    /// Whether another cloud will take this one's place soon.
-    virtual bool loading(std::string_view id) const = 0;
-    /// The checks that need no device: method, parameters, what the cloud has.
-    virtual Expected<void> check(const Cloud& cloud, const View& view) const = 0;
-    /// τ of a full picture of this view, px.
-    virtual double ownDetail(const View& view) const = 0;
-    virtual std::vector<std::string> methodNames() const = 0;
-};
-
 struct SessionOptions {
     std::string id;               ///< of a new session; one that is resumed keeps its own
     SessionSeat* seat = nullptr;  ///< its entry in the register; empty = it has none, and follows nobody
@@ -75,10 +62,9 @@ struct SessionOptions {
     std::size_t window = maxUnacknowledgedFrames;  ///< frames that are drawn before one is acknowledged
     ResumeStore* resumable = nullptr;              ///< null = sessions cannot be resumed
     std::uint64_t maxPixels = 0;                   ///< of a picture
-    std::chrono::milliseconds quiet{150};          ///< without a new view before the still is made
     std::chrono::milliseconds helloPatience{10000};
     std::chrono::milliseconds statsInterval{1000};
-    std::chrono::milliseconds stillInterval{100};  ///< between stills that get sharper
+    StillTimes stills;
     std::chrono::milliseconds cloudInterval{250};  ///< between looks whether a cloud has been loaded
 };
 
@@ -117,7 +103,6 @@ class StreamSession {
   private:
     enum class State : std::uint8_t { Greeting, Open, Closed };
 
-    /// A still is drawn with what is in memory; the final one waits for everything.
     enum class Kind : std::uint8_t { Moving, Still, Final };
     struct Order {
         std::uint64_t number = 0, seq = 0;
@@ -126,14 +111,6 @@ class StreamSession {
         MovingPlan plan;  // of a moving frame
         View view;        // as it is drawn
     };
-    /// Everything that a `view` message may change, changed all at once or not at all.
-    struct Scene {
-        std::string cloudId;
-        std::shared_ptr<const Cloud> cloud;
-        View view;
-        std::uint64_t seq = 0;
-    };
-
     void handle(const messages::Hello& hello, Time now);
     void handle(const messages::ViewChange& change, Time now);
     void handle(const messages::QualityLimits& quality, Time now);
@@ -144,24 +121,16 @@ class StreamSession {
     void begin(Scene scene, bool resumed, Time now);
     std::optional<Scene> resume(const std::string& token, Time now);
     void remember();
-    tl::expected<Scene, Problem> openScene(const std::string& cloudId, int width, int height) const;
-    tl::expected<Scene, Problem> sceneAfter(const messages::ViewChange& change) const;
-    tl::expected<Scene, Problem> sceneOf(const tl::expected<SharedView, Problem>& shared, int width,
-                                         int height) const;
-    tl::expected<SharedView, Problem> leaderOf(const std::string& id) const;
     void show(Scene scene, Time now);
     bool following() const { return options_.seat != nullptr && options_.seat->following(); }
     void followLeader(Time now);
     void leaderLeft();
-    Expected<void> checkScene(const Scene& scene) const;
     void refuse(Problem problem, std::optional<std::uint64_t> seq);
     void pump(Time now);
     void place(const Order& order);
     void viewChanged(Time now);
     void lookForNewerCloud(Time now);
-    void weigh(const Order& order, const FrameStats& stats, Time now);
-    bool stillDue(Time now) const;
-    bool finalDue(Time now) const;
+    bool stillComing() const;
     Order nextOrder(Kind kind);
     View viewOf(const Order& order) const;
     PictureOrder pictureOf(const Order& order) const;
@@ -180,17 +149,15 @@ class StreamSession {
     Scene scene_;
     MovingLimits limits_;
     QualityController quality_;
+    const SceneDesk desk_;
     std::string id_;
     std::optional<ResumeStore::Key> ticket_;
 
     bool fresh_ = false;            // a view came for which nothing has been ordered
     std::optional<Camera> before_;  // the camera of the view before, while the camera moves
     Time beforeTime_;
-    int stillsLeft_ = 0;              // before the final one is ordered, whatever is missing
-    std::uint64_t leastMissing_ = 0;  // of the stills so far
-    Time nextStill_;
+    StillPlan stills_;
     std::optional<Time> nextLook_;  // for the cloud that takes the place of the one that is shown
-    bool finalWanted_ = false;      // the still of the scene has not been ordered, or came to nothing
     Time viewTime_;                 // arrival of the newest view
     std::deque<Order>
         outstanding_;  // in the scheduler's hands, oldest first; the last one may still be waiting

@@ -4,8 +4,8 @@
 #include "client/cpp/scancast_client.hpp"
 #include "protocol/bearer.hpp"
 #include "tests/integration/server_fixture.hpp"
-#include "tests/support/test_certificate.hpp"
 #include "tests/support/temporary_folder.hpp"
+#include "tests/support/test_certificate.hpp"
 
 namespace scancast::test {
 namespace {

@@ -1,5 +1,5 @@
-// A folder for one test, empty when it is made and gone with it. Tests run side by side, as processes of their
-// own: no two share one.
+// A folder for one test, empty when it is made and gone with it. Tests run side by side, as processes of
+// their own: no two share one.
 #pragma once
 
 #include <stdlib.h>

@@ -72,13 +72,21 @@ void Buffer::read(std::span<std::byte> out) const {
     gl_->GetNamedBufferSubData(name_, 0, static_cast<GLsizeiptr>(out.size()), out.data());
 }
 
-Texels::Texels(const GlFunctions& gl, const Buffer& buffer) : gl_(&gl) {
+Texels::Texels(const GlFunctions& gl, const Buffer& buffer, std::size_t words) : gl_(&gl) {
+    const GLenum format = words == 1 ? GL_R32UI : words == 2 ? GL_RG32UI : GL_RGBA32UI;
     gl.CreateTextures(GL_TEXTURE_BUFFER, 1, &name_);
-    gl.TextureBuffer(name_, GL_RGBA32UI, buffer.name());
+    gl.TextureBuffer(name_, format, buffer.name());
 }
 
 Texels::~Texels() {
     if (name_) gl_->DeleteTextures(1, &name_);
+}
+
+std::size_t mostTexels(const GlFunctions& gl) {
+    constexpr GLint64 promised = 65536;
+    GLint64 texels = 0;
+    gl.GetInteger64v(GL_MAX_TEXTURE_BUFFER_SIZE, &texels);
+    return static_cast<std::size_t>(std::max(texels, promised));
 }
 
 Program::Program(const GlFunctions& gl, const std::string& name) : gl_(&gl), name_(gl.CreateProgram()) {

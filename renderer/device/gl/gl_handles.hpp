@@ -56,13 +56,13 @@ class Buffer {
     std::size_t capacity_ = 0;
 };
 
-/// What is in a buffer, to be fetched as texels of four words (uvec4). Read so where every thread reads
-/// another place: texels come through the texture units, and Mesa's rasteriser fetches them a vector at a
-/// time, while it reads a storage block lane by lane.
+/// What is in a buffer, to be fetched as texels of one, two or four words (uvec4). Read so where every thread
+/// reads another place: texels come through the texture units, and Mesa's rasteriser fetches them a vector at
+/// a time, while it reads a storage block lane by lane.
 class Texels {
   public:
     /// The buffer outlives them, and grows no more.
-    Texels(const GlFunctions& gl, const Buffer& buffer);
+    Texels(const GlFunctions& gl, const Buffer& buffer, std::size_t words);
     Texels(Texels&& other) noexcept : gl_(other.gl_), name_(std::exchange(other.name_, 0)) {}
     Texels& operator=(Texels&&) = delete;
     ~Texels();
@@ -73,6 +73,9 @@ class Texels {
     const GlFunctions* gl_;
     GLuint name_ = 0;
 };
+
+/// Texels that a buffer may have, at least the 65,536 that OpenGL promises.
+std::size_t mostTexels(const GlFunctions& gl);
 
 /// A linked compute program.
 class Program {

@@ -6,9 +6,8 @@
 namespace scancast::gl {
 namespace {
 
-/// An order at or above infinity's bits is none, and any payload is smaller than all ones.
-constexpr std::uint32_t noKey = 0xffffffff;
-constexpr GLbitfield afterSplats = GL_SHADER_STORAGE_BARRIER_BIT | GL_BUFFER_UPDATE_BARRIER_BIT;
+constexpr GLbitfield afterSplats =
+    GL_SHADER_STORAGE_BARRIER_BIT | GL_TEXTURE_FETCH_BARRIER_BIT | GL_BUFFER_UPDATE_BARRIER_BIT;
 constexpr const char* stageNames[] = {"silhouette", "nearest", "sum", "cell"};
 
 template <class T>
@@ -68,12 +67,10 @@ std::vector<std::uint32_t> Layer::addRuns(const Drawing& drawing, const Cut& cut
         regions = std::max(regions, dropped->size());
         drawn.push_back(i);
     }
-    const SplatLimits& limits = parts_.memory.limits();
-    traits_ = {limits.keys64, tables_.filters, stages_.front().kind == SplatStage::Kind::Silhouette,
-               limits.groupSize};
+    traits_ = {parts_.memory.limits(), tables_.filters, stages_.front().kind == SplatStage::Kind::Silhouette};
     chunkSamples_ = samplesPerChunk;
     for (const SplatStage& stage : stages_)
-        chunkSamples_ = std::min(chunkSamples_, chunkSamples(stage, traits_, limits.loopTurns, pixelsOf(area_), regions));
+        chunkSamples_ = std::min(chunkSamples_, chunkSamples(stage, traits_, pixelsOf(area_), regions));
     // Front to back: what is hidden then seldom needs an atomic operation.
     std::vector<double> fronts(cut.runs.size());
     for (const std::uint32_t i : drawn) fronts[i] = frontOf(*cut.runs[i].node, *sight_.viewpoint);
@@ -126,8 +123,8 @@ const KeyPlane& Layer::colors() const {
 }
 
 void Layer::bindColors() const {
-    colors().keys.bindStorage(binding::keys);
-    if (!traits_.keys64) colors().payloads.bindStorage(binding::payloads);
+    colors().keys.bindTexels(unit::keys);
+    if (!traits_.limits.keys64) colors().payloads.bindTexels(unit::payloads);
 }
 
 Expected<void> Layer::overPixels(ivec4 area, const ShaderVariant& variant) {
@@ -143,7 +140,7 @@ Expected<void> Layer::splatOnce(const SplatStage& stage, Keep keep, const std::s
         if (auto begun = begin(batch); !begun) return begun;
         chunks_.bindStorage(binding::splat::chunks);
         for (std::size_t i = 0; i < batch.pages.size(); ++i) {
-            batch.pages[i].samples->bind(binding::samples);
+            batch.pages[i].samples->bind(unit::samples);
             if (auto done = parts_.slices.dispatch(pages_[i].firstChunk, pages_[i].chunks, stop); !done)
                 return done;
         }
@@ -156,15 +153,15 @@ Expected<void> Layer::splatOnce(const SplatStage& stage, Keep keep, const std::s
 
 Expected<void> Layer::splatKeys(const SplatStage& stage, KeyPlane& into, std::size_t pixels, bool payloads,
                                 const std::stop_token& stop) {
-    const bool keys64 = traits_.keys64;
-    into.keys.clear(pixels * (keys64 ? 2 : 1), noKey);
-    into.keys.bindStorage(binding::keys);
-    if (keys64) return splatOnce(stage, Keep::Key, stop);
-    into.payloads.clear(pixels, noKey);
-    into.payloads.bindStorage(binding::payloads);
+    into.keys.clear(pixels);
+    into.keys.bindStorage(binding::splat::keys);
+    if (traits_.limits.keys64) return splatOnce(stage, Keep::Key, stop);
     auto drawn = splatOnce(stage, Keep::Order, stop);
-    if (drawn && payloads) drawn = splatOnce(stage, Keep::Payload, stop);
-    return drawn;
+    if (!drawn || !payloads) return drawn;
+    into.keys.bindTexels(unit::keys);
+    into.payloads.clear(pixels);
+    into.payloads.bindStorage(binding::splat::payloads);
+    return splatOnce(stage, Keep::Payload, stop);
 }
 
 Expected<void> Layer::splat(std::size_t index, const SplatStage& stage, ivec4 band,
@@ -175,12 +172,12 @@ Expected<void> Layer::splat(std::size_t index, const SplatStage& stage, ivec4 ba
     if (auto set = parts_.screen.set(splatParams(stage.numbers, band, index, byClass_)); !set) return set;
     runs_.bindStorage(binding::runs);
     lookUps_.bindStorage(binding::tables);
-    if (traits_.silhouette) memory.silhouette.bindStorage(binding::splat::silhouette);
-    if (stage.kind == Sum || stage.kind == Cell) memory.nearest.keys.bindStorage(binding::visible);
+    if (traits_.silhouette) memory.silhouette.bindTexels(unit::silhouette);
+    if (stage.kind == Sum || stage.kind == Cell) memory.nearest.keys.bindTexels(unit::visible);
     switch (stage.kind) {
         case Silhouette:
-            memory.silhouette.clear(pixels, noKey);
-            memory.silhouette.bindStorage(binding::keys);
+            memory.silhouette.clear(pixels);
+            memory.silhouette.bindStorage(binding::splat::keys);
             return splatOnce(stage, Keep::Order, stop);
         case Nearest:
             // Where there are cells, theirs are the colours.
@@ -199,23 +196,22 @@ Expected<void> Layer::resolveKeys(const ResolveParams& params, const GpuPlanes& 
     namespace at = binding::resolveKeys;
     if (auto set = parts_.screen.set(params); !set) return set;
     bindColors();
-    if (plan_.cell) parts_.memory.nearest.keys.bindStorage(binding::visible);
+    if (plan_.cell) parts_.memory.nearest.keys.bindTexels(unit::visible);
     planes.rgba->bindStorage(at::rgba);
     planes.depth->bindStorage(at::depth);
     if (normals) planes.normals->bindStorage(at::normals);
     rows_.bindStorage(at::background);
-    return overPixels(params.area, resolveKeysVariant(plan_, traits_.keys64, normals));
+    return overPixels(params.area, resolveKeysVariant(plan_, traits_.limits.keys64, normals));
 }
 
 Expected<void> Layer::resolveSamples(ResolveParams params, const GpuPlanes& planes, bool normals,
                                      const std::stop_token& stop) {
     namespace at = binding::resolveSamples;
     const ShaderVariant variant =
-        resolveSamplesVariant(stages_.front().numbers.coloring, traits_.keys64, normals);
-    const KeyPlane& keys = colors();
+        resolveSamplesVariant(stages_.front().numbers.coloring, traits_.limits.keys64, normals);
     runs_.bindStorage(binding::runs);
     lookUps_.bindStorage(binding::tables);
-    (traits_.keys64 ? keys.keys : keys.payloads).bindStorage(at::ordinals);
+    bindColors();
     planes.rgba->bindStorage(at::rgba);
     planes.depth->bindStorage(at::depth);
     if (normals) planes.normals->bindStorage(at::normals);
@@ -227,7 +223,7 @@ Expected<void> Layer::resolveSamples(ResolveParams params, const GpuPlanes& plan
             params.look.x = pages_[i].firstExtent;
             params.look.y = pages_[i].extents;
             if (auto set = parts_.screen.set(params); !set) return set;
-            batch.pages[i].samples->bind(binding::samples);
+            batch.pages[i].samples->bind(unit::samples);
             if (auto done = overPixels(params.area, variant); !done) return done;
         }
         return {};
@@ -242,7 +238,7 @@ Expected<void> Layer::resolveSums(const ResolveParams& params, const GpuPlanes& 
     parts_.memory.sums.bindStorage(at::sums);
     planes.rgba->bindStorage(at::rgba);
     if (normals) planes.normals->bindStorage(at::normals);
-    return overPixels(params.area, resolveSumsVariant(plan_, traits_.keys64, normals));
+    return overPixels(params.area, resolveSumsVariant(plan_, traits_.limits.keys64, normals));
 }
 
 Expected<void> Layer::resolve(ivec4 band, const GpuPlanes& planes, const std::stop_token& stop) {

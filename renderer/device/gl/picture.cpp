@@ -79,25 +79,30 @@ Expected<std::unique_ptr<ReadBack::Pixels>> Picture::draw(StageTimes& times) {
     if (!planes) return tl::unexpected(planes.error());
     const std::size_t pixels = static_cast<std::size_t>(window_.z) * static_cast<std::size_t>(window_.w);
     const bool averaged = drawing_.jitter.size() > 1;
-    Expected<void> done = shop_.rgba.reserve(pixels * 4);
-    if (done) done = shop_.depth.reserve(pixels * 4);
+    // One frame with nothing around it is read from where it was drawn.
+    const bool asDrawn = !averaged && area_ == window_;
+    Expected<void> done;
+    if (!asDrawn) done = shop_.rgba.reserve(pixels * 4);
+    if (done && !asDrawn) done = shop_.depth.reserve(pixels * 4);
     if (done && averaged) done = shop_.average.begin(window_.z, window_.w);
     for (std::size_t i = 0; done && i < drawing_.jitter.size(); ++i) {
         done = drawFrame(drawing_.jitter[i], *planes, times);
-        if (done && i == 0) done = crop(*planes->depth, area_, window_, shop_.depth, shop_.shaders);
+        if (done && i == 0 && !asDrawn)
+            done = crop(*planes->depth, area_, window_, shop_.depth, shop_.shaders);
         if (done && averaged) {
             const StageTimes::Scope timed(times, "average");
             done = shop_.average.add(*planes, window_);
         }
     }
-    if (done) {
+    if (done && !asDrawn) {
         const StageTimes::Scope timed(times, averaged ? "average" : "read-back");
         done = averaged ? shop_.average.write(shop_.rgba)
                         : crop(*planes->rgba, area_, window_, shop_.rgba, shop_.shaders);
     }
     if (!done) return tl::unexpected(done.error());
     const StageTimes::Scope timed(times, "read-back");
-    return shop_.readBack.start(shop_.rgba, shop_.depth, pixels);
+    return asDrawn ? shop_.readBack.start(*planes->rgba, *planes->depth, pixels)
+                   : shop_.readBack.start(shop_.rgba, shop_.depth, pixels);
 }
 
 }  // namespace scancast::gl

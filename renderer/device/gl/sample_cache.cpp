@@ -13,11 +13,7 @@ constexpr std::uint64_t largestPageBytes = std::uint64_t(128) << 20;
 constexpr std::uint64_t stagingBytes = std::uint64_t(32) << 20;
 
 std::uint64_t mostPageBytes(const GlFunctions& gl) {
-    GLint64 texels = 0;
-    gl.GetInteger64v(GL_MAX_TEXTURE_BUFFER_SIZE, &texels);
-    constexpr GLint64 promised = 65536;  // by OpenGL
-    return std::min(largestPageBytes,
-                    static_cast<std::uint64_t>(std::max(texels, promised)) * sizeof(Sample));
+    return std::min(largestPageBytes, std::uint64_t{mostTexels(gl)} * sizeof(Sample));
 }
 
 /// Of a small memory, no node takes more than a part: pages are then never full of one node alone.
@@ -113,7 +109,7 @@ Expected<bool> SampleCache::makePages(std::span<const Place> places) {
             table_.close(place.page);
             return false;
         }
-        Texels texels(gl_, buffer);
+        Texels texels(gl_, buffer, sizeof(Sample) / 4);
         pages_[place.page].emplace(std::move(buffer), std::move(texels));
         bytes_ += bytes;
     }

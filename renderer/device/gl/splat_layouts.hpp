@@ -36,20 +36,25 @@ static_assert(offsetof(ResolveParams, look) == 48 && offsetof(ResolveParams, rot
 /// Samples of a chunk at most: the work of one work group.
 inline constexpr std::uint32_t samplesPerChunk = 1024;
 
+/// Texture units, as the shaders number them.
+namespace unit {
+inline constexpr unsigned samples = 0;             ///< splat.comp, resolve_samples.comp
+inline constexpr unsigned keys = 1, payloads = 2;  ///< without 64-bit keys `keys` are orders alone
+inline constexpr unsigned visible = 3;             ///< the nearest pass' keys or orders
+inline constexpr unsigned silhouette = 4;
+}  // namespace unit
+
 /// Binding points of storage blocks by shader, as the shaders number them; OpenGL promises eight.
 namespace binding {
-inline constexpr unsigned samples = 0;             ///< splat.comp, resolve_samples.comp: a texture unit
-inline constexpr unsigned runs = 1, tables = 3;    ///< of the same two
-inline constexpr unsigned keys = 4, payloads = 5;  ///< without 64-bit keys `keys` are orders alone
-inline constexpr unsigned visible = 6;             ///< the nearest pass' keys or orders
+inline constexpr unsigned runs = 1, tables = 3;  ///< splat.comp, resolve_samples.comp
 namespace splat {
-inline constexpr unsigned chunks = 2, sums = 4, silhouette = 7;
+inline constexpr unsigned chunks = 2, sums = 4, keys = 4, payloads = 5;
 }
 namespace resolveKeys {
 inline constexpr unsigned rgba = 0, depth = 1, normals = 2, background = 3;
 }
 namespace resolveSamples {
-inline constexpr unsigned extents = 2, ordinals = 4, normals = 5, rgba = 6, depth = 7;
+inline constexpr unsigned extents = 2, normals = 5, rgba = 6, depth = 7;
 }
 namespace resolveSums {
 inline constexpr unsigned sums = 3, rgba = 6, normals = 7;

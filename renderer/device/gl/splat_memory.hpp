@@ -3,27 +3,39 @@
 #pragma once
 
 #include <cstddef>
+#include <optional>
 
 #include "renderer/device/gl/gl_handles.hpp"
+#include "renderer/device/gl/splat_limits.hpp"
 #include "renderer/device/plan/pass_plan.hpp"
 
 namespace scancast::gl {
 
-/// What a driver allows.
-struct SplatLimits {
-    std::size_t storageBlockBytes = std::size_t{128} << 20;
-    bool keys64 = false;  ///< 64-bit atomics: GL_NV_shader_atomic_int64
-    int groupSize = 128;  ///< threads of a splat pass' work group
-    /// Turns that all loops of a thread may take together; 0: as many as they like.
-    std::uint32_t loopTurns = 0;
+/// One or two words a pixel: what passes change by atomic operations, and later ones read as texels.
+class PixelPlane {
+  public:
+    PixelPlane(const GlFunctions& gl, const char* what, std::size_t words)
+        : gl_(gl), words_(words), buffer_(gl, what) {}
+
+    /// Makes room. ResourceLimit.
+    Expected<void> reserve(std::size_t pixels);
+    /// All ones, for so many pixels.
+    void clear(std::size_t pixels);
+    void bindStorage(unsigned binding) const { buffer_.bindStorage(binding); }
+    void bindTexels(unsigned unit) const { texels_->bind(unit); }
+
+  private:
+    const GlFunctions& gl_;
+    const std::size_t words_;
+    std::size_t pixels_ = 0;
+    Buffer buffer_;
+    std::optional<Texels> texels_;
 };
-/// `software`: a rasteriser on the CPU, which draws a work group's threads one vector after the other.
-SplatLimits splatLimits(const GlFunctions& gl, bool software);
 
 /// A key per pixel: order << 32 | payload as one, or orders and payloads apart.
 struct KeyPlane {
-    Buffer keys;  ///< 64 bits a pixel, or the 32 of the orders
-    Buffer payloads;
+    PixelPlane keys;  ///< two words a pixel, or the one of the orders
+    PixelPlane payloads;
 };
 
 class SplatMemory {
@@ -37,8 +49,8 @@ class SplatMemory {
     Expected<void> reserve(const PassPlan& plan, std::size_t pixels);
 
     KeyPlane nearest, cells;
-    Buffer silhouette;  ///< orders
-    Buffer sums;        ///< shaders/sums.glsl
+    PixelPlane silhouette;  ///< orders
+    Buffer sums;            ///< shaders/sums.glsl
 
   private:
     Expected<void> reserve(KeyPlane& plane, std::size_t pixels);

@@ -28,7 +28,8 @@ bool sharesFootprints(const SplatStage& stage) {
     return !isSinglePixel(stage) && (ofSurfels(stage.splat) || stage.numbers.maxPx >= smallestShared);
 }
 int groupSize(const SplatStage& stage, const LayerTraits& traits) {
-    return sharesFootprints(stage) ? std::max(sharingGroup, traits.groupSize) : traits.groupSize;
+    return sharesFootprints(stage) ? std::max(sharingGroup, traits.limits.groupSize)
+                                   : traits.limits.groupSize;
 }
 
 static_assert(SHAPE_FLAT_SQUARE == int(SplatShape::FlatSquare));
@@ -63,7 +64,8 @@ ShaderVariant splatVariant(const SplatStage& stage, const LayerTraits& traits, K
              {"TURN_STEP", static_cast<int>(turnStep)},
              {"REDUCTION", static_cast<int>(n.reduction)},
              {"KEEP", static_cast<int>(keep)},
-             {"KEYS64", traits.keys64},
+             {"KEYS64", traits.limits.keys64},
+             {"LOOK_FIRST", !sums && traits.limits.lookFirst},
              {"SHAPE", static_cast<int>(n.shape)},
              {"SINGLE_PIXEL", isSinglePixel(stage)},
              {"SHARED_FOOTPRINTS", sharesFootprints(stage)},
@@ -75,10 +77,12 @@ ShaderVariant splatVariant(const SplatStage& stage, const LayerTraits& traits, K
              {"FILTERS", traits.filters}}};
 }
 
-std::uint32_t chunkSamples(const SplatStage& stage, const LayerTraits& traits, std::uint32_t loopTurns,
-                           std::size_t pixels, std::size_t regions) {
+std::uint32_t chunkSamples(const SplatStage& stage, const LayerTraits& traits, std::size_t pixels,
+                           std::size_t regions) {
+    const double loopTurns = traits.limits.loopTurns;
     if (loopTurns == 0) return samplesPerChunk;
-    // What main() of splat.comp does for a sample: places it, and draws it alone, column by column within rows...
+    // What main() of splat.comp does for a sample: places it, and draws it alone, column by column within
+    // rows...
     const double threads = groupSize(stage, traits);
     const double side = isSinglePixel(stage) ? 1 : stage.numbers.maxPx + boxBorder;
     const double largest = std::min(side * side, static_cast<double>(pixels));
@@ -138,11 +142,16 @@ void addStage(SplatStage stage, bool silhouettes, Variants& variants) {
         for (const bool filters : {false, true}) {
             for (const bool silhouette : {false, true}) {
                 if (silhouette && !silhouettes) continue;
-                for (const Keep keep : {Keep::Order, Keep::Payload})
-                    variants.add(splatVariant(stage, {false, filters, silhouette}, keep));
-                variants.add(splatVariant(stage, {true, filters, silhouette}, Keep::Key));
-                // Silhouettes are orders alone everywhere.
-                variants.add(splatVariant(stage, {true, filters, silhouette}, Keep::Order));
+                // Keys in halves, with and without a look; whole keys, with silhouettes that are orders
+                // alone.
+                for (const bool lookFirst : {false, true}) {
+                    const LayerTraits halves{{.lookFirst = lookFirst}, filters, silhouette};
+                    for (const Keep keep : {Keep::Order, Keep::Payload})
+                        variants.add(splatVariant(stage, halves, keep));
+                }
+                const LayerTraits whole{{.keys64 = true}, filters, silhouette};
+                for (const Keep keep : {Keep::Key, Keep::Order})
+                    variants.add(splatVariant(stage, whole, keep));
             }
         }
     }

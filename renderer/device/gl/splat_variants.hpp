@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "renderer/device/gl/shader_source.hpp"
+#include "renderer/device/gl/splat_limits.hpp"
 #include "renderer/device/plan/pass_plan.hpp"
 #include "renderer/device/plan/stages.hpp"
 
@@ -23,18 +24,17 @@ enum class Keep : std::uint8_t { Order, Payload, Key };
 
 /// What holds for all passes of a layer.
 struct LayerTraits {
-    bool keys64 = false;      ///< keys are uint64_t; GL_NV_shader_atomic_int64
+    SplatLimits limits;       ///< the driver's
     bool filters = false;     ///< some samples are not drawn: classes, clip box, dropped regions
     bool silhouette = false;  ///< there is a silhouette to test by
-    int groupSize = 128;      ///< threads of a work group, where footprints are small
 };
 
 /// splat.comp.
 ShaderVariant splatVariant(const SplatStage& stage, const LayerTraits& traits, Keep keep);
-/// Samples that a work group may take, so that no thread's loops turn more than `loopTurns` times, on pictures of
-/// `pixels`; `regions` = dropped regions that a sample is tested against. 1 .. samplesPerChunk.
-std::uint32_t chunkSamples(const SplatStage& stage, const LayerTraits& traits, std::uint32_t loopTurns,
-                           std::size_t pixels, std::size_t regions);
+/// Samples that a work group may take, 1 .. samplesPerChunk, so that no thread's loops turn more often than
+/// the driver allows, on pictures of `pixels`; `regions` = dropped regions that a sample is tested against.
+std::uint32_t chunkSamples(const SplatStage& stage, const LayerTraits& traits, std::size_t pixels,
+                           std::size_t regions);
 /// resolve_keys.comp, resolve_samples.comp, resolve_sums.comp; `normals`: into a plane of them.
 ShaderVariant resolveKeysVariant(const PassPlan& plan, bool keys64, bool normals);
 ShaderVariant resolveSamplesVariant(SplatColoring coloring, bool keys64, bool normals);

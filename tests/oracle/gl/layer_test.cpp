@@ -114,12 +114,14 @@ GlLayers* const glLayers = [] {
 struct GlLimitsOfTest {
     std::size_t storageBlockBytes = std::size_t{128} << 20;
     gl::SampleCacheOptions samples{std::uint64_t{64} << 20, 0};
+    std::optional<std::size_t> texels;
     bool software = true;  ///< work is cut as for a rasteriser on the CPU, or as for a GPU
 };
 
 gl::SplatLimits splatLimits(const gl::GlFunctions& functions, const GlLimitsOfTest& of) {
     gl::SplatLimits limits = gl::splatLimits(functions, of.software);
     limits.storageBlockBytes = of.storageBlockBytes;
+    if (of.texels) limits.texels = *of.texels;
     return limits;
 }
 
@@ -401,6 +403,10 @@ TEST_P(GlLayerDrawing, BandByBand) {
     limits.storageBlockBytes = 500'000;
     check(
         {blended, cells}, [](Drawing&) {}, nullptr, limits);
+    // So few texels as no driver has.
+    limits.texels = 5000;
+    check(
+        {sprites, cells}, [](Drawing&) {}, nullptr, limits);
 }
 
 /// Room for a quarter of the samples, in small pages: batches, and runs dealt out to several places.
@@ -429,7 +435,8 @@ TEST_P(GlLayerDrawing, NoThreadLoopsLongerThanTheDriverLetsIt) {
         p.rgb = numbers.color();
     }
     const AnalyticCloud cloud(points, 0.06, 1000);
-    check({{"paraboloid", {{"sizePx", 256.0}}, ""}}, [](Drawing&) {}, &cloud.cut());
+    check(
+        {{"paraboloid", {{"sizePx", 256.0}}, ""}}, [](Drawing&) {}, &cloud.cut());
 }
 
 /// 30,000 points in a few pixels, with normals of both signs: sums of more than 32 bits.

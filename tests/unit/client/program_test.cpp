@@ -87,7 +87,8 @@ TEST_F(Program, UnwritableOutputIsNamed) {
     const auto outcome =
         run("snapshot " + fake.text() + " -o " + (folder_ / "no" / "such" / "a.jpg").string());
     EXPECT_EQ(outcome.exitCode, 1);
-    EXPECT_NE(outcome.output.find("cannot write " + folder_.path().string()), std::string::npos) << outcome.output;
+    EXPECT_NE(outcome.output.find("cannot write " + folder_.path().string()), std::string::npos)
+        << outcome.output;
 }
 
 TEST_F(Program, InfoListsAndPrintsJson) {
@@ -135,8 +136,8 @@ TEST_F(Program, PathFliesAlongKeyFrames) {
                              (folder_ / "frames").string());
     ASSERT_EQ(outcome.exitCode, 0) << outcome.output;
     for (int i = 0; i <= 4; ++i) {
-        const auto view =
-            parseJson(scancast::test::contentOf(folder_ / "frames" / ("frame-00" + std::to_string(i + 1) + ".jpg")));
+        const auto view = parseJson(
+            scancast::test::contentOf(folder_ / "frames" / ("frame-00" + std::to_string(i + 1) + ".jpg")));
         ASSERT_TRUE(view) << i;
         EXPECT_EQ((*view)["camera"]["eye"], nlohmann::json({2.0 * i, 0.0, 9.0}));
         EXPECT_EQ((*view)["method"], "point");
@@ -194,8 +195,8 @@ TEST_F(Program, OrbitWhileMovingTakesTheFirstFrame) {
     auto script = test::fakeLists();
     script.session = test::fakeSession;
     const test::FakeServer fake(script);
-    const auto outcome =
-        run("orbit --moving --quiet --frames 3 --target 0,0,0 " + fake.text() + " -o " + folder_.path().string());
+    const auto outcome = run("orbit --moving --quiet --frames 3 --target 0,0,0 " + fake.text() + " -o " +
+                             folder_.path().string());
     ASSERT_EQ(outcome.exitCode, 0) << outcome.output;
     EXPECT_TRUE(scancast::test::contentOf(folder_ / "frame-003.jpg").ends_with(" moving"));
     EXPECT_EQ(outcome.output.find("frame 1 of"), std::string::npos) << outcome.output;

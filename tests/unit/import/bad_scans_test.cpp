@@ -5,9 +5,9 @@
 #include <unistd.h>
 
 #include "renderer/cloud/import/open_scan.hpp"
+#include "tests/support/temporary_folder.hpp"
 #include "tests/support/test_data.hpp"
 #include "tests/unit/import/scan_summary.hpp"
-#include "tests/support/temporary_folder.hpp"
 
 namespace scancast::test {
 

@@ -7,8 +7,8 @@
 #include <cstdlib>
 
 #include "renderer/cloud/import/importer_source.hpp"
-#include "tests/unit/import/scan_summary.hpp"
 #include "tests/support/temporary_folder.hpp"
+#include "tests/unit/import/scan_summary.hpp"
 
 namespace scancast::test {
 

@@ -8,8 +8,8 @@
 #include <functional>
 
 #include "renderer/cloud/import/open_scan.hpp"
-#include "tests/unit/import/scan_summary.hpp"
 #include "tests/support/temporary_folder.hpp"
+#include "tests/unit/import/scan_summary.hpp"
 
 namespace scancast::test {
 

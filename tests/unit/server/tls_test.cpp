@@ -5,8 +5,8 @@
 
 #include <fstream>
 
-#include "tests/support/test_certificate.hpp"
 #include "tests/support/temporary_folder.hpp"
+#include "tests/support/test_certificate.hpp"
 
 namespace scancast {
 namespace {

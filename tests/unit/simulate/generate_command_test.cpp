@@ -6,8 +6,8 @@
 #include <nlohmann/json.hpp>
 
 #include "server/commands/command.hpp"
-#include "tests/unit/simulate/scan_file_checker.hpp"
 #include "tests/support/temporary_folder.hpp"
+#include "tests/unit/simulate/scan_file_checker.hpp"
 
 namespace scancast {
 namespace {

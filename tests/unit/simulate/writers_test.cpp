@@ -5,8 +5,8 @@
 
 #include "renderer/simulate/scene.hpp"
 #include "renderer/simulate/write/point_writer.hpp"
-#include "tests/unit/simulate/scan_file_checker.hpp"
 #include "tests/support/temporary_folder.hpp"
+#include "tests/unit/simulate/scan_file_checker.hpp"
 
 namespace scancast {
 namespace {

@@ -2,13 +2,12 @@
 // Variant: KEYS64.
 const uint infiniteOrder = 0x7f800000u;  // an order at or above it means "nothing here"
 
+layout(binding = 1) uniform usamplerBuffer keys;
 #if KEYS64
-layout(std430, binding = 4) readonly buffer Keys { uvec2 keys[]; };
-uint keyOrder(uint pixel) { return keys[pixel].y; }
-uint keyPayload(uint pixel) { return keys[pixel].x; }
+uint keyOrder(uint pixel) { return texelFetch(keys, int(pixel)).y; }
+uint keyPayload(uint pixel) { return texelFetch(keys, int(pixel)).x; }
 #else
-layout(std430, binding = 4) readonly buffer Orders { uint orders[]; };
-layout(std430, binding = 5) readonly buffer Payloads { uint payloads[]; };
-uint keyOrder(uint pixel) { return orders[pixel]; }
-uint keyPayload(uint pixel) { return payloads[pixel]; }
+layout(binding = 2) uniform usamplerBuffer payloads;
+uint keyOrder(uint pixel) { return texelFetch(keys, int(pixel)).x; }
+uint keyPayload(uint pixel) { return texelFetch(payloads, int(pixel)).x; }
 #endif

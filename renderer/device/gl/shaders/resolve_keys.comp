@@ -11,18 +11,12 @@ layout(std430, binding = 1) writeonly buffer Depth { uint depth[]; };  // bits o
 layout(std430, binding = 2) writeonly buffer Normals { uint normals[]; };
 layout(std430, binding = 3) readonly buffer Background { uint background[]; };  // one rgba per row
 #if CELLS
-#if KEYS64
-layout(std430, binding = 6) readonly buffer Visible { uvec2 visibleKeys[]; };
-#else
-layout(std430, binding = 6) readonly buffer Visible { uint visibleOrders[]; };
-#endif
+#include "visible_order.glsl"
 #endif
 
 uint depthBits(uint pixel, uint order) {
-#if CELLS && KEYS64
-    return visibleKeys[pixel].y;
-#elif CELLS
-    return visibleOrders[pixel];
+#if CELLS
+    return visibleOrder(pixel);
 #else
     return order;
 #endif
@@ -32,15 +26,20 @@ void main() {
     ivec2 at;
     uint pixel, place;
     if (!pixelHere(at, pixel, place)) return;
-    uint order = keyOrder(pixel);
-    bool covered = order < infiniteOrder;
+    uint order = keyOrder(pixel), color, bits;
+    if (order < infiniteOrder) {
 #if BY_SAMPLE
-    uint color = 0u;
+        color = 0xff000000u;
 #else
-    uint color = keyPayload(pixel);
+        color = keyPayload(pixel) | 0xff000000u;
 #endif
-    rgba[place] = covered ? color | 0xff000000u : background[pass.look.z + uint(at.y)];
-    depth[place] = covered ? depthBits(pixel, order) : infiniteOrder;
+        bits = depthBits(pixel, order);
+    } else {
+        color = background[pass.look.z + uint(at.y)];
+        bits = infiniteOrder;
+    }
+    rgba[place] = color;
+    depth[place] = bits;
 #if NORMALS
     normals[place] = 0u;
 #endif

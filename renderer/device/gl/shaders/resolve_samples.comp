@@ -4,19 +4,13 @@
 #include "splat_kinds.glsl"
 #include "layouts_splat.glsl"
 #include "resolve_area.glsl"
+#include "read_keys.glsl"
 
 layout(binding = 0) uniform usamplerBuffer samples;
 layout(std430, binding = 1) readonly buffer Runs { SplatRun runs[]; };
 layout(std430, binding = 2) readonly buffer Extents { SplatExtent extents[]; };
 layout(std430, binding = 6) buffer Rgba { uint rgba[]; };
 layout(std430, binding = 7) readonly buffer Depth { float depth[]; };
-#if KEYS64
-layout(std430, binding = 4) readonly buffer Keys { uvec2 keys[]; };
-uint ordinalAt(uint pixel) { return keys[pixel].x; }
-#else
-layout(std430, binding = 4) readonly buffer Payloads { uint payloads[]; };
-uint ordinalAt(uint pixel) { return payloads[pixel]; }
-#endif
 #if NORMALS
 layout(std430, binding = 5) writeonly buffer Normals { uint normals[]; };
 #endif
@@ -42,8 +36,8 @@ void main() {
     uint pixel, place;
     if (!pixelHere(at, pixel, place)) return;
     float there = depth[place];
-    if (floatBitsToUint(there) >= 0x7f800000u) return;
-    uint ordinal = ordinalAt(pixel);
+    if (floatBitsToUint(there) >= infiniteOrder) return;
+    uint ordinal = keyPayload(pixel);
     uvec4 extent = extentOf(ordinal);
     if (ordinal < extent.x || ordinal - extent.x >= extent.y) return;
     uvec4 words = texelFetch(samples, int(extent.w + (ordinal - extent.x)));

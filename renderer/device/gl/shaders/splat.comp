@@ -1,8 +1,8 @@
 // A splat pass over samples of one page: silhouette, nearest, sum or cell (renderer/device/pass.hpp). A work group takes
 // one chunk; each thread draws its samples' footprints itself, but for the large ones, which are put down in a queue and
 // then drawn by all threads together, pixel by pixel. Nothing depends on the order: reductions are integers.
-// Variants: GROUP_SIZE, TURN_STEP, REDUCTION, KEEP, KEYS64, SHAPE, SINGLE_PIXEL, SHARED_FOOTPRINTS, PERSPECTIVE, COLORING,
-// PAYLOAD_SAMPLE, SUM_NORMALS, SILHOUETTE, FILTERS.
+// Variants: GROUP_SIZE, TURN_STEP, REDUCTION, KEEP, KEYS64, LOOK_FIRST, SHAPE, SINGLE_PIXEL, SHARED_FOOTPRINTS,
+// PERSPECTIVE, COLORING, PAYLOAD_SAMPLE, SUM_NORMALS, SILHOUETTE, FILTERS.
 #version 450 core
 #if KEYS64
 #extension GL_ARB_gpu_shader_int64 : require

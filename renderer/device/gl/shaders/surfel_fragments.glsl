@@ -81,7 +81,7 @@ void reduce(Footprint f, uint pixel, float distance2, float square, float c) {
     if (!nearVisible(f, c, pixel)) return;
 #endif
 #if SILHOUETTE
-    uint border = silhouetteOrders[pixel];
+    uint border = silhouetteOrder(pixel);
     if (border < infiniteOrder && behind(f, c, uintBitsToFloat(border))) return;
 #endif
 #if REDUCTION == REDUCTION_SUM

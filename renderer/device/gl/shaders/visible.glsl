@@ -3,15 +3,10 @@
 const uint infiniteOrder = 0x7f800000u;
 
 #if REDUCTION != REDUCTION_NEAREST
-#if KEYS64
-layout(std430, binding = 6) readonly buffer Visible { uvec2 visibleKeys[]; };
-uint visibleOrder(uint pixel) { return visibleKeys[pixel].y; }
-#else
-layout(std430, binding = 6) readonly buffer Visible { uint visibleOrders[]; };
-uint visibleOrder(uint pixel) { return visibleOrders[pixel]; }
-#endif
+#include "visible_order.glsl"
 #endif
 
 #if SILHOUETTE
-layout(std430, binding = 7) readonly buffer Silhouette { uint silhouetteOrders[]; };
+layout(binding = 4) uniform usamplerBuffer silhouette;
+uint silhouetteOrder(uint pixel) { return texelFetch(silhouette, int(pixel)).x; }
 #endif

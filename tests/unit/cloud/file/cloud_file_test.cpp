@@ -3,8 +3,8 @@
 
 #include <gtest/gtest.h>
 
-#include "tests/unit/cloud/file/sample_cloud.hpp"
 #include "tests/support/temporary_folder.hpp"
+#include "tests/unit/cloud/file/sample_cloud.hpp"
 
 namespace scancast {
 namespace {

@@ -1,0 +1,94 @@
+#include "server/stream/scene.hpp"
+
+#include "protocol/view_json.hpp"
+#include "renderer/render.hpp"
+
+namespace scancast {
+
+Problem SceneDesk::followProblem(int status, std::string detail) {
+    Problem problem = problemOf(status, std::move(detail));
+    problem.errors.push_back({"follow", problem.detail});
+    return problem;
+}
+
+tl::expected<Scene, Problem> SceneDesk::opened(const messages::Hello& hello) const {
+    const View usual;
+    const int width = hello.width.value_or(usual.width);
+    const int height = hello.height.value_or(usual.height);
+    if (!hello.follow.empty()) return followed(leader(hello.follow), width, height);
+    return ofCloud(hello.cloud.empty() ? world_.defaultCloud() : hello.cloud, width, height);
+}
+
+tl::expected<Scene, Problem> SceneDesk::ofCloud(const std::string& cloudId, int width, int height) const {
+    auto cloud = world_.cloud(cloudId);
+    if (!cloud) return tl::unexpected(std::move(cloud.error()));
+    Scene scene;
+    scene.cloudId = cloudId;
+    scene.view = defaultView(**cloud, width, height);
+    scene.cloud = std::move(*cloud);
+    if (auto sound = check(scene); !sound) return tl::unexpected(problemOf(sound.error()));
+    return scene;
+}
+
+tl::expected<SharedView, Problem> SceneDesk::leader(const std::string& id) const {
+    if (seat_ == nullptr) return tl::unexpected(followProblem(422, "This session can follow nobody."));
+    return seat_->mayFollow(id);
+}
+
+tl::expected<Scene, Problem> SceneDesk::followed(const tl::expected<SharedView, Problem>& shared, int width,
+                                                 int height) const {
+    if (!shared) return tl::unexpected(shared.error());
+    auto scene = ofCloud(shared->cloudId, width, height);
+    if (!scene) return scene;
+    scene->view = shared->view;
+    scene->view.width = width;
+    scene->view.height = height;
+    if (auto sound = check(*scene); !sound) return tl::unexpected(problemOf(sound.error()));
+    return scene;
+}
+
+tl::expected<Scene, Problem> SceneDesk::changed(const Scene& now, const messages::ViewChange& change) const {
+    Scene scene = now;
+    const bool follows =
+        change.follow ? !change.follow->empty() : seat_ != nullptr && seat_->following();
+    if (follows) {
+        bool own = !change.cloud;
+        for (const auto& [field, value] : change.changes.items())
+            own = own && (field == "width" || field == "height");
+        if (!own)
+            return tl::unexpected(
+                followProblem(409,
+                              "While it follows another session, only width and height are this "
+                              "one's own; \"follow\": null ends that."));
+    }
+    if (follows && change.follow) {
+        auto theirs = followed(leader(*change.follow), now.view.width, now.view.height);
+        if (!theirs) return theirs;
+        scene = std::move(*theirs);
+    }
+    if (change.cloud && *change.cloud != now.cloudId) {
+        auto other = ofCloud(*change.cloud, now.view.width, now.view.height);
+        if (!other) return tl::unexpected(std::move(other.error()));
+        scene = std::move(*other);
+    }
+    auto view = applyJson(scene.view, change.changes);
+    if (!view) return tl::unexpected(problemOf(view.error()));
+    scene.view = std::move(*view);
+    scene.seq = change.seq;
+    if (auto sound = check(scene); !sound) return tl::unexpected(problemOf(sound.error()));
+    return scene;
+}
+
+Expected<void> SceneDesk::check(const Scene& scene) const {
+    const auto pixels = std::uint64_t(scene.view.width) * std::uint64_t(scene.view.height);
+    if (pixels > maxPixels_) {
+        return fail(ErrorCode::ResourceLimit,
+                    "A picture of " + std::to_string(scene.view.width) + " x " +
+                        std::to_string(scene.view.height) + " has " + std::to_string(pixels) +
+                        " pixels; this server draws at most " + std::to_string(maxPixels_) + ".",
+                    "width");
+    }
+    return world_.check(*scene.cloud, scene.view);
+}
+
+}  // namespace scancast

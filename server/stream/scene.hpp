@@ -1,0 +1,71 @@
+// What a session shows, and what it may show next: a message's changes make a whole new scene or none at all.
+// Nothing here draws or sends, and nothing of the session changes.
+//
+// Used by a stream session; its thread.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "protocol/messages.hpp"
+#include "protocol/problem.hpp"
+#include "server/stream/session_register.hpp"
+
+namespace scancast {
+
+struct Cloud;
+
+/// What a session may know of the server.
+class StreamWorld {
+  public:
+    virtual ~StreamWorld() = default;
+    virtual std::string defaultCloud() const = 0;
+    virtual tl::expected<std::shared_ptr<const Cloud>, Problem> cloud(std::string_view id) const = 0;
+    /// Whether another cloud will take this one's place soon.
+    virtual bool loading(std::string_view id) const = 0;
+    /// The checks that need no device: method, parameters, what the cloud has.
+    virtual Expected<void> check(const Cloud& cloud, const View& view) const = 0;
+    /// τ of a full picture of this view, px.
+    virtual double ownDetail(const View& view) const = 0;
+    virtual std::vector<std::string> methodNames() const = 0;
+};
+
+/// Everything that a `view` message may change.
+struct Scene {
+    std::string cloudId;
+    std::shared_ptr<const Cloud> cloud;
+    View view;
+    std::uint64_t seq = 0;
+};
+
+class SceneDesk {
+  public:
+    /// `seat`: of the session in the register; null = it can follow nobody. Both outlive the desk.
+    SceneDesk(const StreamWorld& world, const SessionSeat* seat, std::uint64_t maxPixels)
+        : world_(world), seat_(seat), maxPixels_(maxPixels) {}
+
+    /// What a hello asks for.
+    tl::expected<Scene, Problem> opened(const messages::Hello& hello) const;
+    /// The scene after this change. Following a session, only width and height are one's own.
+    tl::expected<Scene, Problem> changed(const Scene& now, const messages::ViewChange& change) const;
+    /// What another session shows, in this one's size.
+    tl::expected<Scene, Problem> followed(const tl::expected<SharedView, Problem>& shared, int width,
+                                          int height) const;
+    /// Whether it can be drawn here.
+    Expected<void> check(const Scene& scene) const;
+
+    /// A problem with the field `follow`.
+    static Problem followProblem(int status, std::string detail);
+
+  private:
+    tl::expected<Scene, Problem> ofCloud(const std::string& cloudId, int width, int height) const;
+    tl::expected<SharedView, Problem> leader(const std::string& id) const;
+
+    const StreamWorld& world_;
+    const SessionSeat* seat_;
+    const std::uint64_t maxPixels_;
+};
+
+}  // namespace scancast

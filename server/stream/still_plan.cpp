@@ -1,0 +1,47 @@
+#include "server/stream/still_plan.hpp"
+
+#include <algorithm>
+#include <limits>
+
+namespace scancast {
+namespace {
+
+// Two seconds of getting sharper; then the final still's wait brings what is missing faster than wishes do.
+constexpr int mostStills = 20;
+
+}  // namespace
+
+void StillPlan::begin(bool mayLack, Time now) {
+    since_ = next_ = now;
+    stillsLeft_ = mayLack ? mostStills : 0;
+    leastMissing_ = std::numeric_limits<std::uint64_t>::max();
+    finalWanted_ = true;
+}
+
+std::optional<StillPlan::Still> StillPlan::due(bool busy, bool stillComing, Time now) const {
+    const auto at = dueAt(busy);
+    if (!at || now < *at) return std::nullopt;
+    if (stillsLeft_ > 0) return Still::AsFarAsRead;
+    return stillComing ? std::nullopt : std::optional(Still::Final);
+}
+
+std::optional<StillPlan::Time> StillPlan::dueAt(bool busy) const {
+    if (!finalWanted_) return std::nullopt;
+    if (stillsLeft_ <= 0) return since_ + times_.quiet;
+    if (busy) return std::nullopt;
+    return std::max(since_ + times_.quiet, next_);
+}
+
+void StillPlan::ordered(Still still) {
+    if (still == Still::Final) finalWanted_ = false;
+}
+
+// What is missing in a still decides what comes next: another one, or the final one, which waits for the rest.
+void StillPlan::drawn(std::uint64_t samplesMissing, Time now) {
+    const bool nearer = samplesMissing < leastMissing_;
+    leastMissing_ = std::min(leastMissing_, samplesMissing);
+    stillsLeft_ = samplesMissing == 0 ? 0 : stillsLeft_ - (nearer ? 1 : mostStills / 4);
+    next_ = now + times_.interval;
+}
+
+}  // namespace scancast

@@ -29,6 +29,8 @@ const char* name(DropReason reason) {
             return "failed";
         case DropReason::Gone:
             return "gone";
+        case DropReason::Lacking:
+            return "lacking";
     }
     return "unknown";
 }
@@ -140,7 +142,7 @@ Metrics::Metrics(std::string_view version) : families_(std::make_unique<Families
         .Set(1);
     // Counters that exist from the start read as 0 instead of "no data".
     for (DropReason reason : {DropReason::Overwritten, DropReason::Abandoned, DropReason::Deadline,
-                              DropReason::Failed, DropReason::Gone}) {
+                              DropReason::Failed, DropReason::Gone, DropReason::Lacking}) {
         families_->dropped.Add({{"reason", name(reason)}});
     }
 }

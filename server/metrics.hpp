@@ -19,6 +19,7 @@ enum class DropReason : std::uint8_t {
     Deadline,     ///< waited or rendered for too long
     Failed,       ///< the renderer reported an error
     Gone,         ///< the client left
+    Lacking,      ///< a still for which samples were still to be read; it is tried again
 };
 
 class Metrics {

@@ -194,6 +194,8 @@ Expected<std::unique_ptr<PendingFrame>> Scheduler::begin(Wish& wish, const std::
         }
         deferred = wish.order.complete && !wish.prepared->complete;
         if (deferred) return tl::unexpected(cancelled());
+        wish.lacking = wish.order.onlyWhole && !wish.prepared->complete;
+        if (wish.lacking) return fail(ErrorCode::Cancelled, "Samples of this picture are still to be read.");
         auto frame = guarded([&] { return painter_->begin(wish.order, *wish.prepared, token); });
         if (!isLost(frame)) return frame;
         replacePainter(frame.error());
@@ -259,6 +261,7 @@ void Scheduler::finishFailed(Wish& wish, Error error, const Running& how) {
     const bool wasCancelled = error.code == ErrorCode::Cancelled;
     finish(wish, tl::unexpected(std::move(error)),
            how.orphaned   ? DropReason::Gone
+           : wish.lacking ? DropReason::Lacking
            : wasCancelled ? DropReason::Abandoned
                           : DropReason::Failed);
 }

@@ -105,6 +105,7 @@ class Scheduler {
         std::optional<PreparedPicture> prepared{};
         std::size_t rivals = 0;  // moving frames that waited when its turn came
         Clock::time_point givesWayUntil{};
+        bool lacking = false;  // samples, and it is drawn with all of them or not at all
     };
     struct Running {
         MailboxId mailbox = 0;

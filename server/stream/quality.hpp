@@ -27,8 +27,8 @@ struct MovingPlan {
 
 /// Sizes come in steps of this share, so that a client does not see a new size with every frame.
 inline constexpr double resolutionStep = 1.0 / 8;
-/// Part of a frame's time that making it may take.
-inline constexpr double usableShare = 0.9;
+/// Part of a frame's time that making it may take: what is not taken is gained in latency.
+inline constexpr double usableShare = 0.5;
 
 /// The smallest effort that changes anything: everything at its limit.
 double leastEffort(double ownDetail, const MovingLimits& limits);

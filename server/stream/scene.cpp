@@ -49,8 +49,7 @@ tl::expected<Scene, Problem> SceneDesk::followed(const tl::expected<SharedView, 
 
 tl::expected<Scene, Problem> SceneDesk::changed(const Scene& now, const messages::ViewChange& change) const {
     Scene scene = now;
-    const bool follows =
-        change.follow ? !change.follow->empty() : seat_ != nullptr && seat_->following();
+    const bool follows = change.follow ? !change.follow->empty() : seat_ != nullptr && seat_->following();
     if (follows) {
         bool own = !change.cloud;
         for (const auto& [field, value] : change.changes.items())

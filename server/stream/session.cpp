@@ -201,7 +201,7 @@ void StreamSession::viewChanged(Time now) {
     nextLook_.reset();
     if (world_.loading(scene_.cloudId)) nextLook_ = now + options_.cloudInterval;
     // A still of the old view is worth nothing now, and in the way of what the client waits for.
-    if (std::erase_if(outstanding_, [](const Order& order) { return order.kind != Kind::Moving; }) > 0)
+    if (std::erase_if(outstanding_, [](const Order& order) { return order.still.has_value(); }) > 0)
         port_.abandon();
     if (options_.seat != nullptr) options_.seat->show({scene_.cloudId, scene_.view, scene_.seq});
 }
@@ -234,7 +234,8 @@ void StreamSession::leaderLeft() {
     options_.seat->unfollow();
     if (options_.endsWithLeader)
         return close(CloseCode::GoingAway, "The session that this one followed has ended.");
-    refuse(SceneDesk::followProblem(404, "The session that this one followed has ended; the view stays as it is."),
+    refuse(SceneDesk::followProblem(404,
+                                    "The session that this one followed has ended; the view stays as it is."),
            std::nullopt);
 }
 
@@ -302,21 +303,21 @@ void StreamSession::refuse(Problem problem, std::optional<std::uint64_t> seq) {
 
 // ---- pictures
 
-StreamSession::Order StreamSession::nextOrder(Kind kind) {
+StreamSession::Order StreamSession::nextOrder(std::optional<StillPlan::Still> still) {
     Order order;
     order.number = ++lastOrder_;
     order.seq = scene_.seq;
     order.viewTime = viewTime_;
-    order.kind = kind;
-    if (kind == Kind::Moving) order.plan = quality_.plan(scene_.view, world_.ownDetail(scene_.view), limits_);
+    order.still = still;
+    if (!still) order.plan = quality_.plan(scene_.view, world_.ownDetail(scene_.view), limits_);
     order.view = viewOf(order);
     return order;
 }
 
 View StreamSession::viewOf(const Order& order) const {
-    if (order.kind == Kind::Moving) return movingView(scene_.view, order.plan);
+    if (!order.still) return movingView(scene_.view, order.plan);
     View view = scene_.view;
-    if (order.kind == Kind::Still) view.quality.samples = 1;
+    if (order.still == StillPlan::Still::Sharper) view.quality.samples = 1;
     return view;
 }
 
@@ -324,9 +325,10 @@ PictureOrder StreamSession::pictureOf(const Order& order) const {
     PictureOrder picture;
     picture.cloud = scene_.cloud;
     picture.view = order.view;
-    picture.complete = order.kind == Kind::Final;
-    picture.interruptible = order.kind != Kind::Moving;
-    if (order.kind == Kind::Moving && before_) {
+    picture.complete = order.still == StillPlan::Still::Final;
+    picture.onlyWhole = order.still == StillPlan::Still::Trial;
+    picture.interruptible = order.still.has_value();
+    if (!order.still && before_) {
         picture.ahead =
             extrapolate(*before_, scene_.view.camera, secondsBetween(beforeTime_, viewTime_), aheadSeconds);
     }
@@ -339,20 +341,21 @@ void StreamSession::place(const Order& order) {
 }
 
 bool StreamSession::stillComing() const {
-    return std::ranges::any_of(outstanding_, [](const Order& o) { return o.kind == Kind::Still; });
+    return std::ranges::any_of(outstanding_,
+                               [](const Order& o) { return o.still && o.still != StillPlan::Still::Final; });
 }
 
 // Orders what is due. A frame that is sent or being made counts against the two that may be unacknowledged,
 // so a finished picture can always go out at once.
 void StreamSession::pump(Time now) {
     if (state_ != State::Open) return;
-    const auto room = [&] { return unacknowledged() + outstanding_.size() < options_.window; };
     const bool quiet = unacknowledged() > 0 && quality_.link().wantsQuiet(now);
-    if (fresh_ && room() && !quiet) {
+    if (fresh_ && room() && !quiet && pace_.allows(viewTime_, limits_.fps, now)) {
         fresh_ = false;
-        place(nextOrder(Kind::Moving));
+        pace_.begin(now);
+        place(nextOrder(std::nullopt));
     } else if (fresh_ && !outstanding_.empty()) {
-        const Order order = nextOrder(Kind::Moving);
+        const Order order = nextOrder(std::nullopt);
         if (port_.replaceWaiting(order.number, pictureOf(order))) {
             fresh_ = false;
             ++overtaken_;
@@ -362,7 +365,7 @@ void StreamSession::pump(Time now) {
     if (fresh_ || !room()) return;
     if (const auto still = stills_.due(!outstanding_.empty(), stillComing(), now)) {
         stills_.ordered(*still);
-        place(nextOrder(*still == StillPlan::Still::Final ? Kind::Final : Kind::Still));
+        place(nextOrder(*still));
     }
 }
 
@@ -375,17 +378,22 @@ void StreamSession::pictureDone(std::uint64_t number, Expected<Picture> result, 
     if (result) {
         deliver(order, std::move(*result), now);
     } else {
-        if (order.kind == Kind::Still) stills_.failed();
-        if (result.error().code != ErrorCode::Cancelled) refuse(problemOf(result.error()), order.seq);
+        const bool cancelled = result.error().code == ErrorCode::Cancelled;
+        if (order.still == StillPlan::Still::Trial && cancelled)
+            stills_.lacked(now);
+        else if (order.still && order.still != StillPlan::Still::Final)
+            stills_.failed();
+        if (!cancelled) refuse(problemOf(result.error()), order.seq);
     }
     pump(now);
 }
 
 void StreamSession::deliver(const Order& order, Picture picture, Time now) {
     FrameHeader header;
-    header.moving = order.kind == Kind::Moving;
-    header.still = order.kind != Kind::Moving;
-    header.final = order.kind == Kind::Final;
+    header.moving = !order.still;
+    header.still = order.still.has_value();
+    header.final = order.still && order.still != StillPlan::Still::Sharper;
+    if (order.still) stills_.drawn(*order.still, picture.stats.samplesMissing, now);
     header.pictureLength = std::uint32_t(picture.bytes->size());
     header.frameId = ++lastFrame_;
     header.seq = order.seq;
@@ -394,8 +402,9 @@ void StreamSession::deliver(const Order& order, Picture picture, Time now) {
     header.renderMicroseconds = microseconds(picture.renderMs);
     header.encodeMicroseconds = microseconds(picture.encodeMs);
     const double own = world_.ownDetail(scene_.view);
-    if (order.kind == Kind::Moving)
+    if (!order.still) {
         quality_.drawn(order.plan, {picture.renderMs, picture.encodeMs, picture.rivals}, own, limits_);
+    }
     quality_.sent(header.frameId, order.view, picture.bytes->size(), now);
     if (options_.seat != nullptr) options_.seat->frameSent();
     port_.sendFrame(header, picture.bytes);
@@ -404,7 +413,6 @@ void StreamSession::deliver(const Order& order, Picture picture, Time now) {
     metrics_.frameSent(secondsBetween(order.viewTime, now));
     sentTimes_.push_back(now);
     while (now - sentTimes_.front() > std::chrono::seconds(1)) sentTimes_.pop_front();
-    if (order.kind == Kind::Still) stills_.drawn(picture.stats.samplesMissing, now);
     if (now >= nextStats_) sendStats(order, picture, now);
 }
 
@@ -414,7 +422,7 @@ void StreamSession::sendStats(const Order& order, const Picture& picture, Time n
     stats.frame = lastFrame_;
     stats.seq = order.seq;
     stats.fps = double(sentTimes_.size());
-    const bool moving = order.kind == Kind::Moving;
+    const bool moving = !order.still;
     stats.detail = moving ? order.plan.detail : world_.ownDetail(scene_.view);
     stats.resolution = moving ? order.plan.resolution : 1;
     stats.jpegQuality = order.view.quality.jpegQuality;
@@ -442,8 +450,8 @@ std::optional<StreamSession::Time> StreamSession::wakeAt() const {
     if (state_ == State::Greeting) return opened_ + options_.helloPatience;
     if (state_ != State::Open) return std::nullopt;
     // Without room it is an acknowledgement or a finished picture that brings the next step, not time.
-    if (unacknowledged() + outstanding_.size() >= options_.window) return nextLook_;
-    const auto due = stills_.dueAt(!outstanding_.empty());
+    if (!room()) return nextLook_;
+    const auto due = fresh_ ? std::optional(pace_.due(limits_.fps)) : stills_.dueAt(!outstanding_.empty());
     if (!due) return nextLook_;
     return nextLook_ ? std::min(*nextLook_, *due) : *due;
 }

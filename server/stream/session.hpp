@@ -24,6 +24,7 @@
 #include "protocol/problem.hpp"
 #include "server/metrics.hpp"
 #include "server/scheduler/picture.hpp"
+#include "server/stream/frame_pace.hpp"
 #include "server/stream/quality_controller.hpp"
 #include "server/stream/resume_store.hpp"
 #include "server/stream/scene.hpp"
@@ -103,13 +104,12 @@ class StreamSession {
   private:
     enum class State : std::uint8_t { Greeting, Open, Closed };
 
-    enum class Kind : std::uint8_t { Moving, Still, Final };
     struct Order {
         std::uint64_t number = 0, seq = 0;
         Time viewTime;
-        Kind kind = Kind::Moving;
-        MovingPlan plan;  // of a moving frame
-        View view;        // as it is drawn
+        std::optional<StillPlan::Still> still;  // empty = a moving frame
+        MovingPlan plan;                        // of a moving frame
+        View view;                              // as it is drawn
     };
     void handle(const messages::Hello& hello, Time now);
     void handle(const messages::ViewChange& change, Time now);
@@ -131,12 +131,13 @@ class StreamSession {
     void viewChanged(Time now);
     void lookForNewerCloud(Time now);
     bool stillComing() const;
-    Order nextOrder(Kind kind);
+    Order nextOrder(std::optional<StillPlan::Still> still);
     View viewOf(const Order& order) const;
     PictureOrder pictureOf(const Order& order) const;
     void deliver(const Order& order, Picture picture, Time now);
     void sendStats(const Order& order, const Picture& picture, Time now);
     void close(CloseCode code, std::string reason);
+    bool room() const { return unacknowledged() + outstanding_.size() < options_.window; }
     std::size_t unacknowledged() const { return std::size_t(lastFrame_ - ackedFrame_); }
 
     const SessionOptions options_;
@@ -156,6 +157,7 @@ class StreamSession {
     bool fresh_ = false;            // a view came for which nothing has been ordered
     std::optional<Camera> before_;  // the camera of the view before, while the camera moves
     Time beforeTime_;
+    FramePace pace_;
     StillPlan stills_;
     std::optional<Time> nextLook_;  // for the cloud that takes the place of the one that is shown
     Time viewTime_;                 // arrival of the newest view

@@ -8,12 +8,16 @@ namespace {
 
 // Two seconds of getting sharper; then the final still's wait brings what is missing faster than wishes do.
 constexpr int mostStills = 20;
+// A disk answers between two of them.
+constexpr int mostTrials = 2;
 
 }  // namespace
 
 void StillPlan::begin(bool mayLack, Time now) {
     since_ = next_ = now;
     stillsLeft_ = mayLack ? mostStills : 0;
+    trialNext_ = true;
+    trialsLeft_ = mostTrials;
     leastMissing_ = std::numeric_limits<std::uint64_t>::max();
     finalWanted_ = true;
 }
@@ -21,7 +25,7 @@ void StillPlan::begin(bool mayLack, Time now) {
 std::optional<StillPlan::Still> StillPlan::due(bool busy, bool stillComing, Time now) const {
     const auto at = dueAt(busy);
     if (!at || now < *at) return std::nullopt;
-    if (stillsLeft_ > 0) return Still::AsFarAsRead;
+    if (stillsLeft_ > 0) return trialNext_ ? Still::Trial : Still::Sharper;
     return stillComing ? std::nullopt : std::optional(Still::Final);
 }
 
@@ -36,11 +40,22 @@ void StillPlan::ordered(Still still) {
     if (still == Still::Final) finalWanted_ = false;
 }
 
-// What is missing in a still decides what comes next: another one, or the final one, which waits for the rest.
-void StillPlan::drawn(std::uint64_t samplesMissing, Time now) {
+void StillPlan::lacked(Time now) {
+    trialNext_ = --trialsLeft_ > 0;
+    next_ = trialNext_ ? now + times_.retry : now;
+}
+
+// What is missing in a still decides what comes next: another one, or the final one, which waits for the
+// rest.
+void StillPlan::drawn(Still still, std::uint64_t samplesMissing, Time now) {
+    if (still != Still::Sharper) {
+        finalWanted_ = false;
+        return;
+    }
     const bool nearer = samplesMissing < leastMissing_;
     leastMissing_ = std::min(leastMissing_, samplesMissing);
     stillsLeft_ = samplesMissing == 0 ? 0 : stillsLeft_ - (nearer ? 1 : mostStills / 4);
+    trialNext_ = true;
     next_ = now + times_.interval;
 }
 

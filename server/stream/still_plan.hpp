@@ -1,6 +1,7 @@
-// Which stills a view that stands gets, and when: after a moment of quiet, stills that get sharper while blocks
-// are still being read, and then the final one, which waits for everything. Nothing here has a clock, draws or
-// sends.
+// Which stills a view that stands gets, and when. After a moment of quiet the final one, if all that it needs
+// is in memory. If not, that is asked for, and tried again soon: where it was only a disk away, the final one
+// comes then. Else stills that get sharper while blocks arrive, and at last the final one that waits for
+// everything. Nothing here has a clock, draws or sends.
 //
 // Owned by a stream session; its thread.
 #pragma once
@@ -13,34 +14,44 @@ namespace scancast {
 
 struct StillTimes {
     std::chrono::milliseconds quiet{150};     ///< without a new view before the first still is made
+    std::chrono::milliseconds retry{50};      ///< between trials
     std::chrono::milliseconds interval{100};  ///< between stills that get sharper
 };
 
 class StillPlan {
   public:
     using Time = std::chrono::steady_clock::time_point;
-    /// A still is drawn with what is in memory; the final one with everything.
-    enum class Still : std::uint8_t { AsFarAsRead, Final };
+    enum class Still : std::uint8_t {
+        Trial,    ///< with everything, if that is in memory: then it is the final one
+        Sharper,  ///< one sample a pixel, with what is in memory
+        Final,    ///< with everything, whatever that takes
+    };
 
     explicit StillPlan(const StillTimes& times) : times_(times) {}
 
     /// Another view is shown. `mayLack`: some of its samples may not have been read yet.
     void begin(bool mayLack, Time now);
-    /// What to order now, if anything; `busy` = pictures are still being made, `stillComing` = one is a still.
+    /// What to order now, if anything; `busy` = pictures are still being made, `stillComing` = one is a
+    /// still.
     std::optional<Still> due(bool busy, bool stillComing, Time now) const;
-    /// When due() will have an answer, pictures being made or not; empty when only a picture brings the next one.
+    /// When due() will have an answer, pictures being made or not; empty when only a picture brings the next
+    /// one.
     std::optional<Time> dueAt(bool busy) const;
     /// It has been ordered.
     void ordered(Still still);
-    /// A still that is not the final one lacked that many samples.
-    void drawn(std::uint64_t samplesMissing, Time now);
-    /// ... or could not be drawn: no second try, the final one has its own.
+    /// A trial came to nothing: samples are missing.
+    void lacked(Time now);
+    /// A still was drawn; `samplesMissing` from it.
+    void drawn(Still still, std::uint64_t samplesMissing, Time now);
+    /// One that is not the final one could not be drawn: no second try, the final one has its own.
     void failed() { stillsLeft_ = 0; }
 
   private:
     const StillTimes times_;
     Time since_;                      // when the view came
     bool finalWanted_ = false;        // it has not been ordered
+    bool trialNext_ = false;          // else a sharper one
+    int trialsLeft_ = 0;              // before the first sharper one
     int stillsLeft_ = 0;              // before the final one is ordered, whatever is missing
     std::uint64_t leastMissing_ = 0;  // of the stills so far
     Time next_;

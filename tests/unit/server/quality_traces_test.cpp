@@ -174,8 +174,8 @@ TEST(QualityController, FramesOfOthersCountAgainstTheRate) {
     const View view;
     const MovingLimits limits;
     for (int i = 0; i < 50; ++i) {
-        alone.drawn(alone.plan(view, 1, limits), {20, 1, 0}, 1, limits);
-        crowded.drawn(crowded.plan(view, 1, limits), {20, 1, 7}, 1, limits);
+        alone.drawn(alone.plan(view, 1, limits), {15, 1, 0}, 1, limits);
+        crowded.drawn(crowded.plan(view, 1, limits), {15, 1, 7}, 1, limits);
     }
     EXPECT_TRUE(isFull(alone.plan(view, 1, limits)));
     EXPECT_EQ(crowded.plan(view, 1, limits).detail, 2);

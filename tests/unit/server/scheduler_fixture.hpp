@@ -68,6 +68,13 @@ class SchedulerTest : public ::testing::Test {
         frame.complete = false;
         return frame;
     }
+    /// A still that is drawn with everything, if that is in memory.
+    PictureOrder trial(int width) const {
+        PictureOrder still = order(width, true);
+        still.complete = false;
+        still.onlyWhole = true;
+        return still;
+    }
     std::vector<int> begunWidths() const {
         std::vector<int> widths;
         for (const auto& painted : painter.begun()) widths.push_back(painted.view.width);

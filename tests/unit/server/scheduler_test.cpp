@@ -387,6 +387,23 @@ TEST_F(SchedulerTest, NobodyWaitsForSomebodyElsesBlocks) {
     EXPECT_EQ(results.code(1), std::nullopt);
 }
 
+TEST_F(SchedulerTest, ATrialIsDrawnWholeOrNotAtAll) {
+    painter.unload();
+    Scheduler scheduler(painter.open(), {}, metrics);
+    const auto mailbox = scheduler.openMailbox();
+    scheduler.wish(mailbox, trial(1), results.collect(1));
+    ASSERT_TRUE(results.waitFor(1)) << "it does not wait";
+    EXPECT_EQ(results.code(1), ErrorCode::Cancelled);
+    EXPECT_TRUE(begunWidths().empty());
+    painter.load();
+    scheduler.wish(mailbox, trial(2), results.collect(2));
+    ASSERT_TRUE(results.waitFor(2));
+    EXPECT_EQ(results.code(2), std::nullopt);
+    EXPECT_EQ(begunWidths(), std::vector<int>{2});
+    EXPECT_EQ(metric("scancast_frames_dropped_total{reason=\"lacking\"}"),
+              "scancast_frames_dropped_total{reason=\"lacking\"} 1");
+}
+
 TEST_F(SchedulerTest, AWaitForBlocksEndsWithItsReason) {
     painter.unload();
     Scheduler scheduler(painter.open(), {}, metrics);

@@ -85,7 +85,9 @@ class SessionTest : public ::testing::Test {
 
     void say(const json& message) { session->text(message.dump(), now); }
     void hello() { say({{"type", "hello"}, {"width", 640}, {"height", 480}}); }
+    /// A view; they come no faster than frames are wanted.
     void view(std::uint64_t seq, double x) {
+        now += milliseconds(34);
         say({{"type", "view"}, {"seq", seq}, {"camera", {{"eye", {x, -50, 30}}, {"target", {5, 5, 0}}}}});
     }
     void ack(std::uint64_t frame) { say({{"type", "ack"}, {"frame", frame}}); }

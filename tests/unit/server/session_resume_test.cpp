@@ -21,7 +21,7 @@ class ResumedSession : public SessionTest {
     std::string loseASession() {
         hello();
         const std::string token = port.texts.at(0)["resume"];
-        say({{"type", "quality"}, {"fps", 12}, {"maxDetail", 8}, {"minResolution", 1.0}});
+        say({{"type", "quality"}, {"fps", 40}, {"maxDetail", 8}, {"minResolution", 1.0}});
         say({{"type", "view"}, {"seq", 7}, {"cloud", "second"}, {"width", 300}, {"method", "cone"}});
         finish(0);
         pass(150);

@@ -84,6 +84,38 @@ TEST_F(SessionTest, AtMostTwoFramesAreUnacknowledgedAndTheLatestViewWins) {
     EXPECT_EQ(port.frames.back().seq, 50U);
 }
 
+/// 60 views a second, 30 frames wanted: every second view is drawn the moment that it comes.
+TEST_F(SessionTest, FramesAreBegunAsOftenAsWantedOfAViewThatHasJustCome) {
+    greet();
+    std::uint64_t frame = 1;
+    for (std::uint64_t seq = 1; seq <= 60; ++seq) {
+        now += std::chrono::microseconds(16'667 - 34'000);
+        view(seq, double(seq));
+        if (port.orders.size() == port.frames.size()) continue;
+        EXPECT_EQ(order(port.orders.size() - 1).view.camera.eye.x, double(seq));
+        finish(port.orders.size() - 1);
+        ack(++frame);
+    }
+    EXPECT_EQ(port.frames.size(), 30U);
+}
+
+/// A view that comes too early to be drawn, and is the last one, is drawn all the same, and in time.
+TEST_F(SessionTest, AViewThatCameTooEarlyIsDrawnWhenTheNextOneShouldHaveCome) {
+    greet();
+    view(1, 1);
+    finish(0);
+    ack(2);
+    now += milliseconds(5 - 34);
+    view(2, 2);
+    EXPECT_EQ(port.orders.size(), 1U);
+    ASSERT_TRUE(session->wakeAt());
+    EXPECT_LE(*session->wakeAt(), now + milliseconds(33));
+    now = *session->wakeAt();
+    session->tick(now);
+    ASSERT_EQ(port.orders.size(), 2U);
+    EXPECT_EQ(order(1).view.camera.eye.x, 2);
+}
+
 TEST_F(SessionTest, AWaitingOrderIsReplacedByTheNewerView) {
     greet();
     view(1, 1);
@@ -161,6 +193,7 @@ TEST_F(SessionTest, SizeAndCloudAreSwitchedByView) {
     EXPECT_EQ(order(0).cloud, world.first);
     finish(0);
     ack(2);
+    pass(40);
     say({{"type", "view"}, {"seq", 2}, {"cloud", "second"}, {"method", "cone"}});
     ASSERT_EQ(port.orders.size(), 2U);
     EXPECT_EQ(order(1).cloud, world.second);

@@ -20,8 +20,10 @@ class PacedStream {
     PacedStream(NetStream stream, double bytesPerSecond)
         : stream_(std::move(stream)), bytesPerSecond_(bytesPerSecond), timer_(stream_.get_executor()) {
         if (bytesPerSecond_ <= 0) return;
-        ErrorCode ignored;  // a larger buffer only hides the slow line for a while
-        stream_.tcp().socket().set_option(boost::asio::socket_base::receive_buffer_size(4096), ignored);
+        // A larger buffer only hides the slow line for a while. In a smaller one a packet of the loopback's
+        // does not fit: it is dropped, and sent again after a long while.
+        ErrorCode ignored;
+        stream_.tcp().socket().set_option(boost::asio::socket_base::receive_buffer_size(65536), ignored);
     }
 
     NetStream& net() { return stream_; }

@@ -19,7 +19,12 @@ class FramePace {
     }
     /// When a view that waits is drawn at the latest.
     Time due(double fps) const { return begun_ + share(late, fps); }
-    void begin(Time now) { begun_ = now; }
+    /// A frame is begun. That one is late, because no view came in time, does not delay those after it.
+    void begin(double fps, Time now) {
+        const Time nominal = begun_ + share(1, fps);
+        const bool late = now >= nominal && now - nominal < share(early, fps);
+        begun_ = late ? nominal : now;
+    }
 
   private:
     // Of the time of a frame. Between the two there is room for a view at 60 a second when 30 frames are

@@ -352,7 +352,7 @@ void StreamSession::pump(Time now) {
     const bool quiet = unacknowledged() > 0 && quality_.link().wantsQuiet(now);
     if (fresh_ && room() && !quiet && pace_.allows(viewTime_, limits_.fps, now)) {
         fresh_ = false;
-        pace_.begin(now);
+        pace_.begin(limits_.fps, now);
         place(nextOrder(std::nullopt));
     } else if (fresh_ && !outstanding_.empty()) {
         const Order order = nextOrder(std::nullopt);

@@ -22,8 +22,8 @@ class FramePace {
     /// A frame is begun. That one is late, because no view came in time, does not delay those after it.
     void begin(double fps, Time now) {
         const Time nominal = begun_ + share(1, fps);
-        const bool late = now >= nominal && now - nominal < share(early, fps);
-        begun_ = late ? nominal : now;
+        const bool onlyLate = now >= nominal && now - nominal < share(early, fps);
+        begun_ = onlyLate ? nominal : now;
     }
 
   private:

@@ -14,8 +14,9 @@ double coarsestDetail(double ownDetail, const MovingLimits& limits) {
 }
 
 // Rounded up to a step; measured times tremble, so the size before is kept a quarter of a step beyond its
-// own.
+// own. Not where nothing larger than the least is affordable: there every pixel more makes frames fewer than wanted.
 double steadyResolution(double affordable, double before, double least) {
+    if (affordable <= least + 1e-9) return least;
     const bool near = before > 0 && affordable <= before + resolutionStep / 4 &&
                       affordable > before - resolutionStep * 5 / 4;
     const double steps = std::ceil(affordable / resolutionStep - 1e-9) * resolutionStep;

@@ -54,6 +54,8 @@ TEST(Quality, LeastEffortIsEverythingAtItsLimit) {
     const MovingPlan plan = planMoving(leastEffort(1, limits), 1, limits);
     EXPECT_EQ(plan.detail, limits.maxDetail);
     EXPECT_EQ(plan.resolution, limits.minResolution);
+    EXPECT_EQ(planMoving(leastEffort(1, limits), 1, limits, 0.625).resolution, limits.minResolution)
+        << "whatever the size was before";
 }
 
 // Oracle: a renderer that behaves as the model says must end at the wanted time, or at the limits when that

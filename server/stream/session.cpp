@@ -349,8 +349,8 @@ bool StreamSession::stillComing() const {
 // so a finished picture can always go out at once.
 void StreamSession::pump(Time now) {
     if (state_ != State::Open) return;
-    const bool quiet = unacknowledged() > 0 && quality_.link().wantsQuiet(now);
-    if (fresh_ && room() && !quiet && pace_.allows(viewTime_, limits_.fps, now)) {
+    quiet_ = unacknowledged() > 0 && quality_.link().wantsQuiet(now);
+    if (fresh_ && room() && !quiet_ && pace_.allows(viewTime_, limits_.fps, now)) {
         fresh_ = false;
         pace_.begin(limits_.fps, now);
         place(nextOrder(std::nullopt));
@@ -449,8 +449,9 @@ void StreamSession::tick(Time now) {
 std::optional<StreamSession::Time> StreamSession::wakeAt() const {
     if (state_ == State::Greeting) return opened_ + options_.helloPatience;
     if (state_ != State::Open) return std::nullopt;
-    // Without room it is an acknowledgement or a finished picture that brings the next step, not time.
-    if (!room()) return nextLook_;
+    // Without room, or while the link is to be quiet, it is an acknowledgement or a finished picture that
+    // brings the next step, not time.
+    if (!room() || (fresh_ && quiet_)) return nextLook_;
     const auto due = fresh_ ? std::optional(pace_.due(limits_.fps)) : stills_.dueAt(!outstanding_.empty());
     if (!due) return nextLook_;
     return nextLook_ ? std::min(*nextLook_, *due) : *due;

@@ -155,6 +155,7 @@ class StreamSession {
     std::optional<ResumeStore::Key> ticket_;
 
     bool fresh_ = false;            // a view came for which nothing has been ordered
+    bool quiet_ = false;            // ... because a frame is to have the link to itself
     std::optional<Camera> before_;  // the camera of the view before, while the camera moves
     Time beforeTime_;
     FramePace pace_;

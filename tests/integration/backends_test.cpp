@@ -19,7 +19,7 @@ class Backends : public ProgramTest, public testing::WithParamInterface<std::str
                        "--width", "200", "--height", "150", "--samples", "2", "-o", picture}),
                   0)
             << lastError;
-        const std::string bytes = contents(picture);
+        const std::string bytes = contentOf(picture);
         auto frame = decodePng({reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size()});
         return frame ? std::move(*frame) : Frame{};
     }

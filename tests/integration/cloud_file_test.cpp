@@ -32,7 +32,7 @@ TEST_F(CloudFileProgram, RendersAsTheScanDoes) {
                        "--height", "200", "-o", file(std::string(name) + ".png")}),
                   0)
             << lastError;
-    EXPECT_TRUE(contents(file("town.las.png")) == contents(file("town.scan.png")));
+    EXPECT_TRUE(contentOf(file("town.las.png")) == contentOf(file("town.scan.png")));
 }
 
 TEST_F(CloudFileProgram, IsServedWithinALimitAndItsFinalStillIsTheSnapshot) {

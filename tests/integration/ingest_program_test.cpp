@@ -59,7 +59,7 @@ TEST_F(IngestProgram, ReadsLasFromStandardInput) {
     ASSERT_EQ(process.wait(), 0) << process.err();
     ASSERT_EQ(run({"scancast", "ingest", file("a.las"), "-o", file("d.scan"), "--title", "a"}), 0)
         << lastError;
-    EXPECT_TRUE(contents(file("c.scan")) == contents(file("d.scan")));
+    EXPECT_TRUE(contentOf(file("c.scan")) == contentOf(file("d.scan")));
 }
 
 TEST_F(IngestProgram, AFileThatIsThereIsReplacedOnRequestOnly) {

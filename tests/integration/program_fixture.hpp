@@ -24,11 +24,6 @@ namespace scancast::test {
 
 namespace fs = std::filesystem;
 
-inline std::string contents(const fs::path& path) {
-    std::ifstream file(path, std::ios::binary);
-    return {std::istreambuf_iterator<char>(file), {}};
-}
-
 /// A program of ours, its output in files; killed when the test leaves it behind.
 class Process {
   public:
@@ -72,8 +67,8 @@ class Process {
         pid_ = -1;
         return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
     }
-    std::string out() const { return contents(out_); }
-    std::string err() const { return contents(err_); }
+    std::string out() const { return contentOf(out_); }
+    std::string err() const { return contentOf(err_); }
 
   private:
     fs::path out_, err_;

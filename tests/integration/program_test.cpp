@@ -31,7 +31,7 @@ TEST_F(ProgramTest, ServeSnapshotInfoAndOrbit) {
         << lastError;
     // Oracle: two clients that share no code get the same bytes.
     const HttpReply same = request(port, "/api/v1/clouds/ball/snapshot.jpg?width=200&height=100");
-    EXPECT_EQ(contents(folder / "a.jpg"), same.body);
+    EXPECT_EQ(contentOf(folder / "a.jpg"), same.body);
     const auto frame =
         decodeJpeg({reinterpret_cast<const std::uint8_t*>(same.body.data()), same.body.size()});
     ASSERT_TRUE(frame);
@@ -44,7 +44,7 @@ TEST_F(ProgramTest, ServeSnapshotInfoAndOrbit) {
         << lastError;
     std::set<std::string> pictures;
     for (const auto& entry : fs::directory_iterator(folder / "orbit"))
-        pictures.insert(contents(entry.path()));
+        pictures.insert(contentOf(entry.path()));
     EXPECT_EQ(pictures.size(), 6U) << "each step must be another picture";
 }
 
@@ -61,7 +61,7 @@ TEST_F(ProgramTest, RenderAndServeGiveTheSameBytesOnAnyNumberOfThreads) {
                  "320", "--height", "240", "--eye", "3,2,1", "--target", "0,0,0", "-o", file("r.jpg")}),
             0)
             << lastError;
-        EXPECT_EQ(contents(folder / "r.jpg"), served) << threads << " threads";
+        EXPECT_EQ(contentOf(folder / "r.jpg"), served) << threads << " threads";
     }
 }
 

@@ -34,11 +34,6 @@ std::vector<ShaderVariant> allVariants() {
     return all;
 }
 
-std::string contents(const fs::path& path) {
-    std::ifstream file(path);
-    return {std::istreambuf_iterator<char>(file), {}};
-}
-
 /// The lines of a log that tell what is wrong.
 std::string errorsIn(const std::string& log) {
     std::istringstream lines(log);
@@ -80,7 +75,7 @@ TEST_F(Shaders, CompileInEveryVariantAsOpenGl45) {
     const std::string command =
         "cd '" + folder_.path().string() + "' && xargs -n 200 -P 2 " + compiler + " < list > log 2>&1";
     const int status = std::system(command.c_str());
-    EXPECT_EQ(status, 0) << errorsIn(contents(folder_ / "log"));
+    EXPECT_EQ(status, 0) << errorsIn(test::contentOf(folder_ / "log"));
 }
 
 }  // namespace

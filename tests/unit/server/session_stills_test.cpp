@@ -29,11 +29,10 @@ class ColdCloud : public SessionTest {
     }
     /// Two trials find that something is missing.
     void tryTwice() {
-        pass(150);
-        for (int i = 0; i < 2; ++i, pass(50)) {
+        for (const int ms : {150, 50}) {
+            pass(ms);
             ASSERT_TRUE(port.orders.back().order.onlyWhole);
             refuse(port.orders.size() - 1);
-            if (i == 1) break;
         }
     }
     void refuse(std::size_t n) {

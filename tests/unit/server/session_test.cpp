@@ -116,6 +116,33 @@ TEST_F(SessionTest, AViewThatCameTooEarlyIsDrawnWhenTheNextOneShouldHaveCome) {
     EXPECT_EQ(order(1).view.camera.eye.x, 2);
 }
 
+/// One frame is always on its way; now and then the link must be quiet until that one has come. Whoever calls
+/// at wakeAt() must then not be called again and again in the meantime.
+TEST_F(SessionTest, IsNeverToBeWokenForNothing) {
+    greet();
+    std::uint64_t acked = 1;
+    int held = 0;
+    for (std::uint64_t seq = 1; seq <= 400; ++seq) {
+        view(seq, double(seq));
+        const bool begun = port.orders.size() > port.frames.size();
+        held += begun ? 0 : 1;
+        if (begun) finish(port.orders.size() - 1);
+        session->tick(now);
+        if (session->wakeAt()) {
+            EXPECT_GT(*session->wakeAt(), now) << "view " << seq;
+        }
+        now += milliseconds(20);
+        session->tick(now);
+        if (session->wakeAt()) {
+            EXPECT_GT(*session->wakeAt(), now) << "after view " << seq;
+        }
+        const std::uint64_t newest = port.frames.back().frameId;
+        if (!begun) ack(acked = newest);
+        if (newest > acked + 1) ack(++acked);
+    }
+    EXPECT_GT(held, 0) << "the link was never to be quiet: this proves nothing";
+}
+
 TEST_F(SessionTest, AWaitingOrderIsReplacedByTheNewerView) {
     greet();
     view(1, 1);

@@ -16,6 +16,22 @@ if(SCANCAST_CCACHE)
   set(CMAKE_C_COMPILER_LAUNCHER "${SCANCAST_CCACHE}")
 endif()
 
+# Most of what compiling a file takes is reading headers and instantiating their templates, which files of a target
+# have in common: compiled together they take about a third of the time. Alone, a change rebuilds little, and a file
+# that forgets an include is seen; so `dev` compiles them alone, and the builds that are made in one go together.
+option(SCANCAST_UNITY "Compile the files of each target together" OFF)
+set(CMAKE_UNITY_BUILD ${SCANCAST_UNITY})
+set(CMAKE_UNITY_BUILD_BATCH_SIZE 16)
+
+# Sixty test programs are linked: with mold, or else lld, in a fraction of the time.
+find_program(SCANCAST_MOLD mold)
+find_program(SCANCAST_LLD ld.lld)
+if(SCANCAST_MOLD)
+  add_link_options(-fuse-ld=mold)
+elseif(SCANCAST_LLD)
+  add_link_options(-fuse-ld=lld)
+endif()
+
 # Everything runs on any x86-64-v2 machine; kernels that want more are compiled once more per level
 # and chosen at run time (renderer/device/cpu). Contraction is off because a fused multiply-add
 # rounds differently: pictures are promised to be the same bytes on every machine.
@@ -51,5 +67,7 @@ function(scancast_library name)
 endfunction()
 
 function(scancast_warnings name)
-  target_compile_options(${name} PRIVATE -Wall -Wextra -Wshadow -Wnon-virtual-dtor -Werror)
+  target_compile_options(${name} PRIVATE -Wall -Wextra -Wnon-virtual-dtor -Werror
+                         # Compiled together, another file's names shadow nothing, and every file but the first is "included".
+                         $<IF:$<BOOL:${SCANCAST_UNITY}>,-Wshadow=local;-Wno-subobject-linkage,-Wshadow>)
 endfunction()

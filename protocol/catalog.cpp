@@ -12,10 +12,6 @@ using nlohmann::json;
 constexpr std::size_t longestText = 64 * 1024;  // a CRS in well-known text can be long
 constexpr std::size_t mostEntries = 100'000;
 
-json array(const glm::dvec3& v) {
-    return json::array({v.x, v.y, v.z});
-}
-
 json toJson(const AttributeInfo& attribute) {
     json object = {{"name", attribute.name}};
     if (attribute.range) object["range"] = *attribute.range;
@@ -23,8 +19,8 @@ json toJson(const AttributeInfo& attribute) {
 }
 
 json toJson(const MirrorInfo& mirror) {
-    return {{"center", array(mirror.center)}, {"normal", array(mirror.normal)},
-            {"up", array(mirror.up)},         {"width", mirror.width},
+    return {{"center", jsonArray(mirror.center)}, {"normal", jsonArray(mirror.normal)},
+            {"up", jsonArray(mirror.up)},         {"width", mirror.width},
             {"height", mirror.height},        {"tint", values::print(mirror.tint)}};
 }
 
@@ -197,8 +193,8 @@ json toJson(const CloudInfo& info) {
         {"revision", info.revision},
         {"points", info.points},
         {"droppedPoints", info.droppedPoints},
-        {"bounds", {{"min", array(info.bounds[0])}, {"max", array(info.bounds[1])}}},
-        {"origin", array(info.origin)},
+        {"bounds", {{"min", jsonArray(info.bounds[0])}, {"max", jsonArray(info.bounds[1])}}},
+        {"origin", jsonArray(info.origin)},
         {"spacing", info.spacing},
         {"surfels", info.surfels},
         {"attributes", listToJson(info.attributes)},

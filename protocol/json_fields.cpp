@@ -7,6 +7,10 @@
 
 namespace scancast {
 
+nlohmann::json jsonArray(const glm::dvec3& v) {
+    return nlohmann::json::array({v.x, v.y, v.z});
+}
+
 FieldReader::FieldReader(const nlohmann::json& object, std::string path, ErrorCode code)
     : object_(object), path_(std::move(path)), code_(code) {
     if (!object_.is_object())

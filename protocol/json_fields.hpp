@@ -19,6 +19,9 @@
 
 namespace scancast {
 
+/// [x, y, z].
+nlohmann::json jsonArray(const glm::dvec3& v);
+
 class FieldReader {
   public:
     /// `path` of the object itself: empty at the top. Every error carries `code`.

@@ -8,7 +8,7 @@
 namespace scancast {
 namespace {
 
-constexpr std::size_t longestName = 64;
+constexpr std::size_t longestCompared = 64;
 constexpr std::size_t longestQuote = 60;
 
 char lower(char c) {
@@ -41,7 +41,7 @@ std::size_t tolerance(std::size_t length) {
 }  // namespace
 
 std::string_view nearestName(std::string_view name, std::span<const std::string_view> known) {
-    if (name.size() > longestName) return {};
+    if (name.size() > longestCompared) return {};
     std::string_view best;
     std::size_t least = tolerance(name.size()) + 1;
     for (const auto candidate : known) {

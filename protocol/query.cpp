@@ -1,17 +1,12 @@
 #include "protocol/query.hpp"
 
+#include "protocol/hex_digit.hpp"
+
 namespace scancast {
 namespace {
 
 constexpr std::size_t mostWords = 256;
 constexpr std::size_t longestQuery = 16 * 1024;
-
-int hexDigit(char c) {
-    if (c >= '0' && c <= '9') return c - '0';
-    if (c >= 'a' && c <= 'f') return c - 'a' + 10;
-    if (c >= 'A' && c <= 'F') return c - 'A' + 10;
-    return -1;
-}
 
 Expected<std::string> decode(std::string_view text) {
     std::string result;

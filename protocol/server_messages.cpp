@@ -10,7 +10,7 @@ namespace {
 using namespace messages;
 using nlohmann::json;
 
-constexpr std::size_t longestText = 4096;
+constexpr std::size_t longestReason = 4096;
 
 /// Reads each entry of an array of strings or objects; absent is empty.
 template <class Use>
@@ -107,7 +107,7 @@ Expected<ServerMessage> readBye(FieldReader& fields) {
     std::uint16_t code = 1000;
     fields.integer("code", code, 1000, 4999);
     bye.code = static_cast<CloseCode>(code);
-    fields.text("reason", bye.reason, longestText);
+    fields.text("reason", bye.reason, longestReason);
     return finish(fields, std::move(bye));
 }
 

@@ -166,10 +166,6 @@ Error atJsonPath(Error error) {
     return error;
 }
 
-json array(const glm::dvec3& v) {
-    return json::array({v.x, v.y, v.z});
-}
-
 template <class T>
 json orNull(const std::optional<T>& value) {
     return value ? json(*value) : json();
@@ -181,9 +177,9 @@ json toJson(const Camera& camera) {
     if (camera.viewMatrix) {
         object["viewMatrix"] = *camera.viewMatrix;
     } else {
-        object["eye"] = array(camera.eye);
-        object["target"] = array(camera.target);
-        object["up"] = array(camera.up);
+        object["eye"] = jsonArray(camera.eye);
+        object["target"] = jsonArray(camera.target);
+        object["up"] = jsonArray(camera.up);
     }
     if (camera.projection == Projection::Perspective)
         object["fov"] = camera.fov;
@@ -241,7 +237,7 @@ json toJson(const View& view) {
         {"range", orNull(style.range)},
         {"classes", orNull(style.classes)},
         {"clip",
-         style.clip ? json{{"min", array(style.clip->min)}, {"max", array(style.clip->max)}} : json()},
+         style.clip ? json{{"min", jsonArray(style.clip->min)}, {"max", jsonArray(style.clip->max)}} : json()},
         {"shading", style.shading ? json(name(*style.shading)) : json()},
         {"mirrors", style.mirrors},
         {"behindMirrors", style.behindMirrors},

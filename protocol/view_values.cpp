@@ -3,6 +3,7 @@
 #include <array>
 #include <span>
 
+#include "protocol/hex_digit.hpp"
 #include "protocol/nearest_name.hpp"
 
 namespace scancast::values {
@@ -24,13 +25,6 @@ Parsed<T> choose(std::string_view text, const std::array<T, N>& choices, std::st
     if (const auto nearest = nearestName(text, names); !nearest.empty())
         message += "; did you mean " + std::string(nearest) + "?";
     return tl::unexpected(message);
-}
-
-int hexDigit(char c) {
-    if (c >= '0' && c <= '9') return c - '0';
-    if (c >= 'a' && c <= 'f') return c - 'a' + 10;
-    if (c >= 'A' && c <= 'F') return c - 'A' + 10;
-    return -1;
 }
 
 }  // namespace

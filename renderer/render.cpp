@@ -1,10 +1,10 @@
 #include "renderer/render.hpp"
 
 #include <algorithm>
-#include <chrono>
 #include <glm/matrix.hpp>
 #include <limits>
 
+#include "renderer/clock.hpp"
 #include "renderer/mirrors.hpp"
 #include "renderer/plan.hpp"
 #include "renderer/residency/on_device.hpp"
@@ -14,12 +14,6 @@
 namespace scancast {
 
 namespace {
-
-using Clock = std::chrono::steady_clock;
-
-double millisecondsSince(Clock::time_point start) {
-    return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
-}
 
 /// Larger pictures are drawn in tiles of at most this side, so that a poster needs no more memory than a
 /// screen and can be abandoned between tiles.

@@ -5,6 +5,7 @@
 #include <map>
 #include <optional>
 
+#include "importers/pcl/header_words.hpp"
 #include "renderer/cloud/import/printable_text.hpp"
 
 namespace scancast::import_pcl {
@@ -12,7 +13,6 @@ namespace scancast::import_pcl {
 namespace {
 
 constexpr std::size_t mostFields = 1000;
-constexpr std::uint64_t mostItems = std::uint64_t(1) << 48;
 constexpr std::uint32_t longestPoint = 65536;
 
 struct Line {
@@ -32,16 +32,6 @@ std::optional<std::uint64_t> number(std::string_view text) {
     if (parsed.ec != std::errc{} || parsed.ptr != text.data() + text.size() || value > mostItems)
         return std::nullopt;
     return value;
-}
-
-std::vector<std::string_view> words(std::string_view line) {
-    std::vector<std::string_view> result;
-    for (std::size_t at = 0;;) {
-        const auto begin = line.find_first_not_of(" \t\r", at);
-        if (begin == std::string_view::npos) return result;
-        at = std::min(line.find_first_of(" \t\r", begin), line.size());
-        result.push_back(line.substr(begin, at - begin));
-    }
 }
 
 /// Lines up to DATA, by keyword; sets where the body starts.

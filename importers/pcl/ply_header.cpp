@@ -4,6 +4,7 @@
 #include <charconv>
 #include <limits>
 
+#include "importers/pcl/header_words.hpp"
 #include "renderer/cloud/import/printable_text.hpp"
 
 namespace scancast::import_pcl {
@@ -12,8 +13,6 @@ namespace {
 
 constexpr std::size_t mostElements = 100;
 constexpr std::size_t mostProperties = 1000;
-// More than any file holds; keeps products within 64 bits.
-constexpr std::uint64_t mostItems = std::uint64_t(1) << 48;
 
 struct TypeName {
     std::string_view name;
@@ -27,18 +26,6 @@ constexpr TypeName typeNames[] = {
     {"float", ScalarType::Float32},   {"float32", ScalarType::Float32}, {"double", ScalarType::Float64},
     {"float64", ScalarType::Float64},
 };
-
-std::vector<std::string_view> words(std::string_view line) {
-    std::vector<std::string_view> result;
-    for (;;) {
-        const auto begin = line.find_first_not_of(" \t\r");
-        if (begin == std::string_view::npos) return result;
-        line.remove_prefix(begin);
-        const auto end = std::min(line.find_first_of(" \t\r"), line.size());
-        result.push_back(line.substr(0, end));
-        line.remove_prefix(end);
-    }
-}
 
 std::optional<ScalarType> typeOf(std::string_view name) {
     for (const auto& known : typeNames)

@@ -13,7 +13,7 @@ namespace {
 
 constexpr double pi = std::numbers::pi;
 constexpr double margin = 1e-6;  // of floats: axis and normals are unit vectors up to rounding
-constexpr int steps = 12;
+constexpr int anglesTried = 12;
 
 double angleBetween(const glm::dvec3& a, const glm::dvec3& b) {
     return std::atan2(glm::length(glm::cross(a, b)), glm::dot(a, b));
@@ -79,7 +79,7 @@ NormalCone coneOf(std::span<const glm::vec3> normals) {
     // less.
     glm::dvec3 axis = glm::normalize(sum), best = axis;
     double least = 4;
-    for (int step = 1; step <= steps; ++step) {
+    for (int step = 1; step <= anglesTried; ++step) {
         const glm::dvec3 far(farthest(normals, glm::vec3(axis)));
         const double angle = angleBetween(axis, far);
         if (angle < least) {

@@ -15,7 +15,6 @@ constexpr int firstCode = 1, lastCode = 254;
 constexpr double radiusStep = 1.0221596546204528;
 constexpr int angles = 32;
 constexpr int ratios = 8;
-constexpr float leastRatio = 0.25f;
 // Of the angle between two directions, 180° / 32.
 constexpr double stepCosine = 0.9951847266721969, stepSine = 0.0980171403295606;
 
@@ -57,8 +56,8 @@ std::uint8_t radiusCode(float inSpacings) {
 
 std::uint8_t ellipseCode(const Surfel& surfel, glm::vec3 decodedNormal) {
     if (!(surfel.major > 0) || decodedNormal == glm::vec3(0)) return 0;
-    const float ratio = std::clamp(surfel.minor / surfel.major, leastRatio, 1.0f);
-    const int step = int((1 - ratio) / (1 - leastRatio) * float(ratios - 1) + 0.5f);
+    const float ratio = std::clamp(surfel.minor / surfel.major, leastSurfelRatio, 1.0f);
+    const int step = int((1 - ratio) / (1 - leastSurfelRatio) * float(ratios - 1) + 0.5f);
     if (step == 0) return 0;
     const TangentFrame frame = tangentFrame(decodedNormal);
     const float u = glm::dot(surfel.majorAxis, frame.first), v = glm::dot(surfel.majorAxis, frame.second);
@@ -109,7 +108,7 @@ Surfel decodeSurfel(const Sample& sample, float nodeSpacing) {
     const bool known = sample.logRadius != noRadius && !s.outlier;
     s.radius = known ? radii[sample.logRadius] * nodeSpacing : nodeSpacing;
     s.major = known ? s.radius * majorPerRadius : s.radius;
-    const float ratio = 1 - float(sample.ellipse >> 5) * ((1 - leastRatio) / float(ratios - 1));
+    const float ratio = 1 - float(sample.ellipse >> 5) * ((1 - leastSurfelRatio) / float(ratios - 1));
     s.minor = s.major * ratio;
     const TangentFrame frame = tangentFrame(s.normal);
     const int angle = sample.ellipse & (angles - 1);

@@ -17,7 +17,6 @@ namespace scancast {
 namespace {
 
 constexpr float outlierFactor = 4;
-constexpr float leastRatio = 0.25f;
 constexpr std::size_t groupsPerTask = 512;
 
 /// One for each thread, for as long as it lives: kernels never wait, so nobody else uses it meanwhile.
@@ -75,7 +74,7 @@ class Estimate {
         surfel.normal = glm::vec3(s.normal[0], s.normal[1], s.normal[2]);
         surfel.majorAxis = glm::vec3(s.axis[0], s.axis[1], s.axis[2]);
         surfel.major = std::sqrt(s.reach2);
-        surfel.minor = surfel.major * std::max(float(std::sqrt(s.ratio)), leastRatio);
+        surfel.minor = surfel.major * std::max(float(std::sqrt(s.ratio)), leastSurfelRatio);
         surfel.radius = s.radius;
         for (const std::uint32_t i : index_.pointsAt(s.point))
             if (i < out_.size()) out_[i] = surfel;

@@ -10,6 +10,9 @@
 
 namespace scancast {
 
+/// minor / major of a surfel is never less: a longer ellipse is measured from too few neighbours.
+inline constexpr float leastSurfelRatio = 0.25f;
+
 struct Surfel {
     glm::vec3 normal{
         0};  ///< unit; sign arbitrary; (0,0,0) where the points tell none (fewer than 3, or all on a line)

@@ -16,7 +16,7 @@ std::string sentence(const char* has, double spacingPx, const char* therefore) {
     return text;
 }
 
-PassList passes(const PassRequest& request) {
+PassList passesOfChosen(const PassRequest& request) {
     const Method& chosen = *chooseMethod(request.cloud, 1).method;
     const ParameterValues defaults = resolveParameters(chosen, {}).value_or(ParameterValues());
     return chosen.passes({chosen, defaults, request.shading, request.cloud, request.detail});
@@ -49,7 +49,7 @@ Method automaticMethod() {
         "Chooses among the others by what the scan carries and how dense it is on screen, and says in the "
         "frame's statistics which and why.";
     m.source = "this program's own comparison, docs/methods.md";
-    m.passes = passes;
+    m.passes = passesOfChosen;
     return m;
 }
 

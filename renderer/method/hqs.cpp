@@ -6,7 +6,7 @@
 namespace scancast {
 namespace {
 
-PassList passes(const PassRequest& request) {
+PassList hqsPasses(const PassRequest& request) {
     Splat splat;
     splat.footprint = Footprint::Circle;
     splat.profile = Profile::Flat;
@@ -38,7 +38,7 @@ Method hqsMethod() {
         "High-Quality Point-Based Rendering Using Fast Single-Pass Interpolation, 2015, its comparator";
     m.parameters = sizeParameters();
     m.defaultDetail = 2;
-    m.passes = passes;
+    m.passes = hqsPasses;
     return m;
 }
 

@@ -10,7 +10,7 @@ namespace {
 /// Points less than this many spacings, or noises, in front of others hide nobody.
 constexpr double gapInSpacings = 3;
 
-PassList passes(const PassRequest& request) {
+PassList pyramidPasses(const PassRequest& request) {
     const ParameterValues& values = request.values;
     const double given = numberOf(values, "spacing");
     const double spacing = given > 0 ? given : request.cloud.spacing;
@@ -72,7 +72,7 @@ Method pyramidMethod() {
     m.defaultDetail = 1.5;
     m.defaultShading = Shading::Phong;
     m.makesNormals = true;
-    m.passes = passes;
+    m.passes = pyramidPasses;
     return m;
 }
 

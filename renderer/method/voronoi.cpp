@@ -6,7 +6,7 @@
 namespace scancast {
 namespace {
 
-PassList passes(const PassRequest& request) {
+PassList voronoiPasses(const PassRequest& request) {
     const Splat splat = surfelSplat(Footprint::Disc, request.values);
     const bool lit = request.shading == Shading::Phong;
     PassList list;
@@ -57,7 +57,7 @@ Method voronoiMethod() {
     m.defaultDetail = 2;
     m.defaultShading = Shading::Phong;
     m.needs = Needs::Surfels;
-    m.passes = passes;
+    m.passes = voronoiPasses;
     return m;
 }
 

@@ -15,7 +15,7 @@ constexpr double half = 60, river = 20, bankTop = 28;  ///< metres from the midd
 constexpr double deckBottom = 5.2, deckTop = 6.0, deckHalf = 5, landHeight = 5.6;
 constexpr double openingHalfX = 2, openingHalfY = 1.2;
 constexpr std::array openings{-18.0, -6.0, 6.0, 18.0};
-constexpr std::uint8_t groundClass = 2, bridgeClass = 17, waterClass = 9, buildingClass = 6, boatClass = 1;
+constexpr std::uint8_t bridgeClass = 17, waterClass = 9, boatClass = 1;
 
 class WaterMaterial final : public Material {
   public:
@@ -105,7 +105,7 @@ class DeckMaterial final : public Material {
     }
 };
 
-struct Builder {
+struct BridgeBuilder {
     Model& model;
 
     const Material* plain(int color, std::uint8_t classification, float variation = 0.05F) {
@@ -121,7 +121,7 @@ struct Builder {
     void village();
 };
 
-void Builder::land() {
+void BridgeBuilder::land() {
     constexpr double tile = 10;
     const Material* water = model.add<WaterMaterial>();
     const Material* meadow = model.add<MeadowMaterial>();
@@ -141,7 +141,7 @@ void Builder::land() {
 }
 
 /// A slab from bank to bank: top and bottom around the openings, their four sides, and the two edges.
-void Builder::deck() {
+void BridgeBuilder::deck() {
     const Material* road = model.add<DeckMaterial>();
     const Material* concrete = model.add<ConcreteMaterial>();
     const double thick = deckTop - deckBottom;
@@ -169,7 +169,7 @@ void Builder::deck() {
     model.add(Patch::trapezoid({bankTop, deckHalf, deckBottom}, -length, up), concrete, 2);
 }
 
-void Builder::pillars() {
+void BridgeBuilder::pillars() {
     const Material* stone = model.add<MasonryMaterial>(bridgeClass);
     const Material* concrete = model.add<ConcreteMaterial>();
     for (const double x : {-12.0, 0.0, 12.0}) {
@@ -184,7 +184,7 @@ void Builder::pillars() {
     }
 }
 
-void Builder::railings() {
+void BridgeBuilder::railings() {
     const Material* iron = plain(0x2f4f4a, bridgeClass);
     const Material* lamp = plain(0xf3e6b8, bridgeClass);
     for (const double y : {-4.85, 4.85}) {
@@ -208,7 +208,7 @@ void Builder::railings() {
 }
 
 /// A barge under the second opening: a flared hull with bow and stern, a cabin and barrels.
-void Builder::boat() {
+void BridgeBuilder::boat() {
     const Material* hull = model.add<StripedMaterial>(StripedMaterial::Options{
         .first = rgb(0x7c2f2a), .second = rgb(0x8a3a33), .width = 0.4F, .classification = boatClass});
     const Material* planks = model.add<StripedMaterial>(StripedMaterial::Options{
@@ -255,7 +255,7 @@ void Builder::boat() {
 }
 
 /// What stands on the far banks, so that there is something to see at the end of the depth.
-void Builder::village() {
+void BridgeBuilder::village() {
     const Material* stone = model.add<MasonryMaterial>(buildingClass);
     const Material* slate = plain(0x515a66, buildingClass);
     const Material* clay = plain(0xa9573c, buildingClass, 0.15F);
@@ -286,7 +286,7 @@ Model makeBridge() {
     model.light.color = glm::vec3(1.0F, 0.94F, 0.82F);
     model.light.sky = glm::vec3(0.42F, 0.47F, 0.55F);
     model.light.ground = glm::vec3(0.27F, 0.26F, 0.23F);
-    Builder build{model};
+    BridgeBuilder build{model};
     build.land();
     build.deck();
     build.pillars();

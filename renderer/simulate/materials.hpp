@@ -8,6 +8,9 @@
 
 namespace scancast {
 
+// Classes of ASPRS LAS 1.4 R15, table 17, that more than one scene gives to its points.
+inline constexpr std::uint8_t groundClass = 2, buildingClass = 6;
+
 /// One colour with a little life in it: clouds of lighter and darker, and grain.
 class PlainMaterial final : public Material {
   public:

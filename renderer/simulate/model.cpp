@@ -2,14 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 namespace scancast {
-namespace {
-
-constexpr double tau = 2 * std::numbers::pi;
-
-}  // namespace
 
 Patch Patch::trapezoid(glm::dvec3 corner, glm::dvec3 u, glm::dvec3 v, double taper) {
     Patch patch;

@@ -10,6 +10,7 @@
 #include <glm/vec3.hpp>
 #include <glm/vec4.hpp>
 #include <memory>
+#include <numbers>
 #include <optional>
 #include <string_view>
 #include <vector>
@@ -18,6 +19,9 @@
 #include "renderer/simulate/random.hpp"
 
 namespace scancast {
+
+/// A whole turn.
+inline constexpr double tau = 2 * std::numbers::pi;
 
 /// A point on its way from a patch to the scan. Materials read where it is and write what it looks like.
 struct SurfacePoint {

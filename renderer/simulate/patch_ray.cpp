@@ -2,14 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include "renderer/simulate/polynomial.hpp"
 
 namespace scancast {
 namespace {
 
-constexpr double tau = 2 * std::numbers::pi;
 /// Neighbouring patches overlap by this part of their size, so that no ray slips through between them.
 constexpr double seam = 1e-9;
 

@@ -118,7 +118,7 @@ class OutdoorMaterial final : public Material {
     }
 };
 
-struct Builder {
+struct RoomBuilder {
     Model& model;
 
     const Material* plain(int color, float reflectance = 0.5F, float variation = 0.03F) {
@@ -152,7 +152,7 @@ struct Builder {
     void lampAndPlant();
 };
 
-void Builder::shell() {
+void RoomBuilder::shell() {
     model.add(Patch::trapezoid({wallX0, wallY0, 0}, {width, 0, 0}, {0, depth, 0}), model.add<TileMaterial>());
     model.add(Patch::trapezoid({wallX0, wallY1, height}, {width, 0, 0}, {0, -depth, 0}),
               plain(0xf4f1ea, 0.8F), 0.8);
@@ -174,7 +174,7 @@ void Builder::shell() {
     for (const double x : {0.97, 2.23}) box({x, wallY0 + 0.03, 1.65}, {0.06, 0.06, 0.92}, frame, 0, false);
 }
 
-void Builder::window() {
+void RoomBuilder::window() {
     const double recess = 0.2;
     const Material* white = plain(0xf7f5ef, 0.8F);
     const dvec3 out(recess, 0, 0), y(0, windowY1 - windowY0, 0), z(0, 0, windowZ1 - windowZ0);
@@ -192,7 +192,7 @@ void Builder::window() {
     box({wallX1 - 0.06, 0, windowZ0 - 0.02}, {0.24, 2.2, 0.04}, white, 0, false);
 }
 
-void Builder::mirror() {
+void RoomBuilder::mirror() {
     Mirror mirror;
     mirror.center = {mirrorX, wallY1, mirrorZ};
     mirror.normal = {0, -1, 0};
@@ -223,7 +223,7 @@ void Builder::mirror() {
             }
 }
 
-void Builder::chair(dvec3 at, double turn, const Material* wood, const Material* cushion) {
+void RoomBuilder::chair(dvec3 at, double turn, const Material* wood, const Material* cushion) {
     const dvec3 x(std::cos(turn), std::sin(turn), 0), y(-x.y, x.x, 0), z(0, 0, 1);
     box(at + z * 0.44, {0.44, 0.44, 0.05}, cushion, turn, false);
     for (const double i : {-0.19, 0.19}) {
@@ -236,7 +236,7 @@ void Builder::chair(dvec3 at, double turn, const Material* wood, const Material*
     model.occluders.push_back(Occluder::box(at - reach + z * 0.40, at + reach + z * 0.46));
 }
 
-void Builder::table() {
+void RoomBuilder::table() {
     const Material* oak = model.add<WoodMaterial>(rgb(0xa87844), 83);
     const Material* walnut = model.add<WoodMaterial>(rgb(0x6e4a2e), 84);
     const Material* cushion = plain(0x2f6f74, 0.4F, 0.1F);
@@ -265,7 +265,7 @@ void Builder::table() {
         model.add(Patch::ball(at, 0.045), fruit, 4);
 }
 
-void Builder::shelf() {
+void RoomBuilder::shelf() {
     const Material* pine = model.add<WoodMaterial>(rgb(0xc9a06a), 85);
     constexpr double deep = 0.32, y0 = -1.9, y1 = 0.5, top = 2.1, x = wallX0 + deep / 2;
     for (const double y : {y0, (y0 + y1) / 2, y1})
@@ -295,7 +295,7 @@ void Builder::shelf() {
     }
 }
 
-void Builder::lampAndPlant() {
+void RoomBuilder::lampAndPlant() {
     const Material* brass = plain(0xb08d45, 0.7F);
     model.add(Patch::tube({0.1, 0, 2.1}, {0, 0, 0.6}, 0.008, 0.008), brass, 3);
     model.add(Patch::tube({0.1, 0, 1.92}, {0, 0, 0.22}, 0.26, 0.09), plain(0xf5e3b5, 0.7F), 2);
@@ -337,7 +337,7 @@ Model makeRoom() {
     model.rangeNoise = 0.001;
     model.smallestCell = 0.06;
     model.largestCell = 0.5;
-    Builder build{model};
+    RoomBuilder build{model};
     build.shell();
     build.window();
     build.mirror();

@@ -14,7 +14,7 @@ namespace {
 using glm::dvec3;
 
 constexpr double plinthTop = 1.2, dieHalf = 0.34, dieFoot = 0.26, dieTop = 1.0;
-constexpr std::uint8_t statueClass = 1, plinthClass = 6, groundClass = 2;
+constexpr std::uint8_t statueClass = 1, plinthClass = 6;
 
 /// Smooth noise in space, 0 … 1: three planes of it.
 float noise3(const glm::vec3& at, std::uint32_t salt) {

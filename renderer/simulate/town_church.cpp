@@ -7,7 +7,6 @@
 namespace scancast {
 namespace {
 
-constexpr std::uint8_t buildingClass = 6;
 
 /// Ashlar with tall round-headed windows.
 class ChurchWall final : public Material {

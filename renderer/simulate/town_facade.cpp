@@ -9,7 +9,6 @@ namespace scancast {
 namespace {
 
 constexpr double eaves = 0.45;  ///< how far the roof hangs over
-constexpr std::uint8_t buildingClass = 6;
 constexpr double shopFoot = 0.5, shopTop = 2.55, signFoot = 2.68, signTop = 3.22;
 
 }  // namespace

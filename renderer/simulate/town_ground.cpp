@@ -15,7 +15,7 @@ constexpr double pavementWidth = 2.5, kerbWidth = 0.22, cornerRadius = 3.5;
 /// How far a kerb's face leans back: points are even as seen from above, so a steeper face would be a gap in
 /// them.
 constexpr double kerbFace = 0.12;
-constexpr std::uint8_t groundClass = 2, roadClass = 11;
+constexpr std::uint8_t roadClass = 11;
 
 /// The block that a coordinate belongs to, in the middle of streets the nearer one.
 int blockAt(const std::array<double, 10>& edges, double at) {

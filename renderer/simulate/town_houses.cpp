@@ -8,7 +8,6 @@ namespace scancast {
 namespace {
 
 constexpr double setback = 2.5, houseDepth = 9.5, overhang = 0.45, roofDensity = 0.55;
-constexpr std::uint8_t buildingClass = 6;
 
 /// Clay tiles in rows down the slope.
 class RoofMaterial final : public Material {

@@ -12,7 +12,6 @@ namespace {
 
 const std::string token = "letmein-0123456789";
 const std::string bearer = "Authorization: Bearer " + token;
-constexpr const char* picture = "/api/v1/clouds/one/snapshot.jpg?width=32&height=16";
 
 class AccessTest : public ServerTest {
   protected:
@@ -23,7 +22,7 @@ TEST_F(AccessTest, OnlyThePageAndHealthAreThereForEverybody) {
     start();
     for (const char* target : {"/", "/main.js", "/healthz", "/readyz"})
         EXPECT_EQ(request(port(), target).status, 200) << target;
-    for (const char* target : {"/metrics", "/api/v1/clouds", "/api/v1/clouds/one", "/api/v1/methods", picture,
+    for (const char* target : {"/metrics", "/api/v1/clouds", "/api/v1/clouds/one", "/api/v1/methods", onePicture,
                                "/api/v1/stream", "/api/v1/clouds/unknown"}) {
         const HttpReply refused = request(port(), target);
         EXPECT_EQ(refused.status, 401) << target;
@@ -37,7 +36,7 @@ TEST_F(AccessTest, OnlyThePageAndHealthAreThereForEverybody) {
 
 TEST_F(AccessTest, WhatNeedsATokenIsNotForSharedCaches) {
     start();
-    EXPECT_EQ(request(port(), picture, {bearer}).header("cache-control"), "private, no-cache");
+    EXPECT_EQ(request(port(), onePicture, {bearer}).header("cache-control"), "private, no-cache");
     EXPECT_EQ(request(port(), "/api/v1/clouds", {bearer}).header("cache-control"), "private, no-cache");
     EXPECT_EQ(request(port(), "/").header("cache-control"), "no-cache");
 }

@@ -11,9 +11,8 @@ namespace scancast::test {
 namespace {
 
 const std::string user = "user-0123456789abcdef", admin = "admin-0123456789abcdef";
-const std::string json = "Content-Type: application/json";
 
-std::string bearer(const std::string& token) {
+std::string withToken(const std::string& token) {
     return "Authorization: Bearer " + token;
 }
 
@@ -26,13 +25,13 @@ class AdministrationTest : public ServerTest {
         options.tokens.admin = admin;
     }
     HttpReply add(const std::string& body, const std::string& token = admin) {
-        return post(port(), "/api/v1/clouds", body, {bearer(token), json});
+        return post(port(), "/api/v1/clouds", body, {withToken(token), sendsJson});
     }
     HttpReply remove(const std::string& id, const std::string& token = admin) {
-        return request(port(), "/api/v1/clouds/" + id, {bearer(token)}, "DELETE");
+        return request(port(), "/api/v1/clouds/" + id, {withToken(token)}, "DELETE");
     }
     nlohmann::json sessions() {
-        return parseJson(request(port(), "/api/v1/sessions", {bearer(admin)}).body).value()["sessions"];
+        return parseJson(request(port(), "/api/v1/sessions", {withToken(admin)}).body).value()["sessions"];
     }
 
     const TemporaryFolder folder;
@@ -41,18 +40,18 @@ class AdministrationTest : public ServerTest {
 TEST_F(AdministrationTest, OnlyTheAdminTokenAdministers) {
     start();
     EXPECT_EQ(request(port(), "/api/v1/sessions").status, 401);
-    EXPECT_EQ(request(port(), "/api/v1/sessions", {bearer(user)}).status, 403);
-    EXPECT_EQ(request(port(), "/api/v1/sessions", {bearer(admin)}).status, 200);
+    EXPECT_EQ(request(port(), "/api/v1/sessions", {withToken(user)}).status, 403);
+    EXPECT_EQ(request(port(), "/api/v1/sessions", {withToken(admin)}).status, 200);
     EXPECT_EQ(add("{}", user).status, 403);
     EXPECT_EQ(remove("one", user).status, 403);
     EXPECT_EQ(request(port(), "/api/v1/clouds/one", {}, "DELETE").status, 401);
-    EXPECT_EQ(request(port(), "/api/v1/clouds/one", {bearer(admin)}).status, 200);
+    EXPECT_EQ(request(port(), "/api/v1/clouds/one", {withToken(admin)}).status, 200);
 }
 
 TEST_F(AdministrationTest, TheListOfSessionsTellsWhoLooksAtWhat) {
     start();
     EXPECT_TRUE(sessions().empty());
-    RawWebSocket stream(port(), "scancast.v1", {bearer(user)});
+    RawWebSocket stream(port(), "scancast.v1", {withToken(user)});
     stream.text(R"({"type":"hello","cloud":"two","width":32,"height":16})");
     ASSERT_EQ(stream.receiveKind(WsMessage::Kind::Binary).kind, WsMessage::Kind::Binary);
     const auto list = sessions();
@@ -80,7 +79,7 @@ TEST_F(AdministrationTest, ACloudIsAddedInTheBackground) {
     EXPECT_THAT(loaded, ::testing::ElementsAre("church.las church"));
     EXPECT_EQ(remove("church").status, 409);
     server->catalog().setReady("church", tinyCloud());
-    EXPECT_EQ(parseJson(request(port(), added.header("location"), {bearer(user)}).body).value()["title"],
+    EXPECT_EQ(parseJson(request(port(), added.header("location"), {withToken(user)}).body).value()["title"],
               "Our church");
     const std::pair<const char*, int> wrong[] = {
         {R"({"file": "../church.las"})", 403},
@@ -91,7 +90,7 @@ TEST_F(AdministrationTest, ACloudIsAddedInTheBackground) {
         {R"({)", 400},
     };
     for (const auto& [body, status] : wrong) EXPECT_EQ(add(body).status, status) << body;
-    EXPECT_EQ(post(port(), "/api/v1/clouds", "{}", {bearer(admin)}).status, 415);
+    EXPECT_EQ(post(port(), "/api/v1/clouds", "{}", {withToken(admin)}).status, 415);
     server->admin().loadWith({});
 }
 
@@ -99,8 +98,8 @@ TEST_F(AdministrationTest, ARemovedCloudIsGoneForEverybodyWhoLooksAtIt) {
     start();
     server->catalog().setReady(server->catalog().add("short"), tinyCloud(50));
     const std::weak_ptr<const Cloud> watched = server->catalog().cloud("short").value();
-    RawWebSocket looking(port(), "scancast.v1", {bearer(user)});
-    RawWebSocket elsewhere(port(), "scancast.v1", {bearer(user)});
+    RawWebSocket looking(port(), "scancast.v1", {withToken(user)});
+    RawWebSocket elsewhere(port(), "scancast.v1", {withToken(user)});
     looking.text(R"({"type":"hello","cloud":"short","width":32,"height":16})");
     elsewhere.text(R"({"type":"hello","cloud":"two","width":32,"height":16})");
     for (RawWebSocket* stream : {&looking, &elsewhere})
@@ -114,7 +113,7 @@ TEST_F(AdministrationTest, ARemovedCloudIsGoneForEverybodyWhoLooksAtIt) {
     EXPECT_EQ(message.closeCode(), 1001);
     looking.socket().abort();
     EXPECT_TRUE(eventually([&] { return watched.expired(); })) << "its memory is free";
-    EXPECT_EQ(request(port(), "/api/v1/clouds/short", {bearer(user)}).status, 404);
+    EXPECT_EQ(request(port(), "/api/v1/clouds/short", {withToken(user)}).status, 404);
     EXPECT_EQ(remove("short").status, 404);
     elsewhere.text(R"({"type":"ping","id":3})");
     EXPECT_THAT(elsewhere.receiveKind(WsMessage::Kind::Text).payload, ::testing::HasSubstr("pong"));

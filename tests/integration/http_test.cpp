@@ -6,7 +6,6 @@
 namespace scancast::test {
 namespace {
 
-constexpr const char* picture = "/api/v1/clouds/one/snapshot.jpg?width=32&height=16";
 
 class HttpTest : public ServerTest {};
 
@@ -20,7 +19,7 @@ TEST_F(HttpTest, EveryRouteAnswers) {
         {"/api/v1/clouds", 200, "application/json"},
         {"/api/v1/clouds/one", 200, "application/json"},
         {"/api/v1/methods", 200, "application/json"},
-        {picture, 200, "image/jpeg"},
+        {onePicture, 200, "image/jpeg"},
         {"/api/v1/clouds/two/snapshot.png?width=5&height=5", 200, "image/png"},
         {"/api/v1/stream", 426, "application/problem+json"},
         {"/api/v1/clouds/three", 404, "application/problem+json"},
@@ -69,22 +68,22 @@ TEST_F(HttpTest, HeadIsGetWithoutItsBody) {
     EXPECT_EQ(head.status, 200);
     EXPECT_EQ(head.header("content-length"), std::to_string(get.body.size()));
     EXPECT_TRUE(head.body.empty());
-    const HttpReply pictureHead = requestOn(socket, picture, {}, "HEAD");
+    const HttpReply pictureHead = requestOn(socket, onePicture, {}, "HEAD");
     EXPECT_EQ(pictureHead.status, 200);
-    EXPECT_EQ(pictureHead.header("etag"), requestOn(socket, picture).header("etag"));
+    EXPECT_EQ(pictureHead.header("etag"), requestOn(socket, onePicture).header("etag"));
 }
 
 TEST_F(HttpTest, RevalidationIsAnsweredWithoutRendering) {
     start();
     RawSocket socket(port());
-    const HttpReply first = requestOn(socket, picture);
+    const HttpReply first = requestOn(socket, onePicture);
     ASSERT_EQ(first.status, 200);
     const auto rendered = painter.begun().size();
-    const HttpReply second = requestOn(socket, picture, {"If-None-Match: " + first.header("etag")});
+    const HttpReply second = requestOn(socket, onePicture, {"If-None-Match: " + first.header("etag")});
     EXPECT_EQ(second.status, 304);
     EXPECT_TRUE(second.header("content-length").empty());
     EXPECT_EQ(painter.begun().size(), rendered);
-    EXPECT_EQ(requestOn(socket, picture).body, first.body);
+    EXPECT_EQ(requestOn(socket, onePicture).body, first.body);
 }
 
 TEST_F(HttpTest, ConnectionsAreKeptAndClosedAsAsked) {
@@ -156,7 +155,7 @@ TEST_F(HttpTest, ASnapshotThatTakesTooLongIs504) {
     options.scheduler.snapshotDeadline = std::chrono::milliseconds(50);
     painter.closeGate();
     start();
-    const HttpReply reply = request(port(), picture);
+    const HttpReply reply = request(port(), onePicture);
     EXPECT_EQ(reply.status, 504);
     EXPECT_EQ(parseJson(reply.body).value()["status"], 504);
 }
@@ -171,11 +170,11 @@ TEST_F(HttpTest, PicturesAreLimited) {
 TEST_F(HttpTest, HostAndOriginAreCheckedOnEveryRoute) {
     options.allowedOrigins = {"https://viewer.example"};
     start();
-    for (const char* target : {"/", "/healthz", "/metrics", "/api/v1/clouds", picture, "/nothing"}) {
+    for (const char* target : {"/", "/healthz", "/metrics", "/api/v1/clouds", onePicture, "/nothing"}) {
         EXPECT_EQ(request(port(), target, {"Host: evil.example"}).status, 403) << target;
         EXPECT_EQ(request(port(), target, {"Origin: http://evil.example"}).status, 403) << target;
     }
-    const HttpReply allowed = request(port(), picture, {"Origin: https://viewer.example"});
+    const HttpReply allowed = request(port(), onePicture, {"Origin: https://viewer.example"});
     EXPECT_EQ(allowed.status, 200);
     EXPECT_EQ(allowed.header("access-control-allow-origin"), "https://viewer.example");
 }

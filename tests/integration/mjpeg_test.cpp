@@ -6,7 +6,6 @@
 namespace scancast::test {
 namespace {
 
-const std::string json = "Content-Type: application/json";
 
 /// A client that reads parts; what it has read and not used yet is kept.
 class MjpegClient {
@@ -80,7 +79,7 @@ class MjpegClient {
 class MjpegTest : public ServerTest {
   protected:
     HttpReply drive(const std::string& session, const nlohmann::json& view) {
-        return post(port(), "/api/v1/sessions/" + session + "/view", view.dump(), {json});
+        return post(port(), "/api/v1/sessions/" + session + "/view", view.dump(), {sendsJson});
     }
 };
 

@@ -10,7 +10,7 @@ constexpr const char* target = "/api/v1/clouds/one/pick";
 class PickTest : public ServerTest {
   protected:
     HttpReply ask(const nlohmann::json& body) const {
-        return post(port(), target, body.dump(), {"Content-Type: application/json"});
+        return post(port(), target, body.dump(), {sendsJson});
     }
 };
 
@@ -60,7 +60,7 @@ TEST_F(PickTest, RefusalsNameTheField) {
     }
     EXPECT_TRUE(painter.begun().empty());
     EXPECT_EQ(request(port(), target).header("allow"), "POST");
-    EXPECT_EQ(post(port(), "/api/v1/clouds/none/pick", "{}", {"Content-Type: application/json"}).status, 404);
+    EXPECT_EQ(post(port(), "/api/v1/clouds/none/pick", "{}", {sendsJson}).status, 404);
 }
 
 TEST_F(PickTest, StreamsPickInTheViewThatTheyAskedForLast) {

@@ -14,6 +14,10 @@
 
 namespace scancast::test {
 
+inline const std::string sendsJson = "Content-Type: application/json";
+/// A small picture of the first of the server's clouds.
+inline constexpr const char* onePicture = "/api/v1/clouds/one/snapshot.jpg?width=32&height=16";
+
 /// A stream session as a client sees it.
 class StreamClient {
   public:

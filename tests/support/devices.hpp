@@ -85,9 +85,10 @@ inline const auto deviceName = [](const testing::TestParamInfo<std::string>& p) 
 }  // namespace scancast::test
 
 /// Instances of a suite over OnDevice: on the cpu device, and on the GL devices that are named. Without a
-/// graphics card EGL and OSMesa run the same driver, so every suite is asked of EGL, and of OSMesa the quick
-/// ones that together use every pass. The prefixes, Cpu and Gl, are what tests/CMakeLists.txt labels tests
-/// by.
+/// graphics card EGL and OSMesa run the same driver, so every suite is asked of EGL. OSMesa proves what differs
+/// there: its context, reading back, and a picture in every method (tests/unit/gl/context_test.cpp,
+/// tests/oracle/gl/picture_test.cpp and render_agreement_test.cpp, tests/integration/backends_test.cpp).
+/// The prefixes, Cpu and Gl, are what tests/CMakeLists.txt labels tests by.
 #define SCANCAST_ON_DEVICES(SUITE, ...)                                                           \
     INSTANTIATE_TEST_SUITE_P(Cpu, SUITE, ::testing::Values("cpu"), ::scancast::test::deviceName); \
     INSTANTIATE_TEST_SUITE_P(Gl, SUITE, ::testing::Values(__VA_ARGS__), ::scancast::test::deviceName)

@@ -62,7 +62,7 @@ inline SharedBackends* const sharedBackends = [] {
     return backends;
 }();
 
-/// Parameter: "egl" or "osmesa". Its context is current while a test runs.
+/// Parameter: the backend. Its context is current while a test runs.
 class OnGl : public testing::TestWithParam<std::string> {
   protected:
     void SetUp() override {
@@ -86,7 +86,7 @@ class OnGl : public testing::TestWithParam<std::string> {
 };
 
 #define INSTANTIATE_ON_GL(FIXTURE)                                          \
-    INSTANTIATE_TEST_SUITE_P(Gl, FIXTURE, testing::Values("egl", "osmesa"), \
+    INSTANTIATE_TEST_SUITE_P(Gl, FIXTURE, testing::Values("egl"), \
                              [](const testing::TestParamInfo<std::string>& c) { return c.param; })
 
 /// The content of planes, in main memory.

@@ -26,9 +26,9 @@ struct Fragment {
     double place = 0;  ///< Disc: distance from the centre, radii; Ellipse: xᵀV⁻¹x / 6
 };
 
-class Renderer {
+class SurfelRenderer {
   public:
-    explicit Renderer(const Drawing& drawing) : drawing_(drawing), view_(*drawing.viewpoint) {}
+    explicit SurfelRenderer(const Drawing& drawing) : drawing_(drawing), view_(*drawing.viewpoint) {}
 
     ReferenceSurfels run() {
         picture_.width = view_.width;
@@ -57,7 +57,7 @@ class Renderer {
         return {middleX() + q * p.x, middleY() - q * p.y};
     }
 
-    std::optional<Seen> see(const CutRun& run, std::size_t i, const Splat& splat) const {
+    std::optional<Seen> see(const CutRun& run, std::size_t i, const AnySplat& splat) const {
         const Sample& sample = run.samples[i];
         const Surfel surfel = decodeSurfel(sample, run.node->radiusUnit);
         if (surfel.outlier) return std::nullopt;
@@ -163,7 +163,7 @@ class Renderer {
     }
 
     template <class Visit>
-    void overSurfels(const Splat& splat, const Visit& visit) {
+    void overSurfels(const AnySplat& splat, const Visit& visit) {
         for (const CutRun& run : drawing_.cut->runs) {
             for (std::size_t i = 0; i < run.samples.size(); ++i) {
                 if (const auto seen = see(run, i, splat)) visit(*seen);
@@ -171,7 +171,7 @@ class Renderer {
         }
     }
 
-    void silhouette(const Splat& splat) {
+    void silhouette(const AnySplat& splat) {
         if (!drawing_.oriented) return;
         overSurfels(splat, [&](const Seen& seen) {
             drawDisc(seen, seen.radius, [](const Seen&, const Fragment& f, ReferencePixel& p) {
@@ -186,7 +186,7 @@ class Renderer {
         p.nearest = s.ordinal;
     }
 
-    void nearest(const Splat& splat) {
+    void nearest(const AnySplat& splat) {
         overSurfels(splat, [&](const Seen& seen) {
             if (splat.footprint == Footprint::Disc) return drawDisc(seen, seen.radius, keepNearest);
             drawEllipse(
@@ -245,7 +245,7 @@ class Renderer {
 }  // namespace
 
 ReferenceSurfels referenceSurfels(const Drawing& drawing) {
-    return Renderer(drawing).run();
+    return SurfelRenderer(drawing).run();
 }
 
 }  // namespace scancast::test

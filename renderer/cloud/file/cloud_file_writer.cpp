@@ -22,10 +22,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-std::string reason(int error) {
-    return std::generic_category().message(error);
-}
-
 bool isFull(int error) {
     return error == ENOSPC || error == EDQUOT || error == EFBIG;
 }
@@ -111,7 +107,7 @@ class Writer final : public CloudFileWriter {
         if (auto done = sync(fd_.get()); !done) return done;
         if (::rename(partial_.c_str(), path_.c_str()) != 0)
             return fail(ErrorCode::Io,
-                        fmt::format("{}: cannot get its name: {}", path_.string(), reason(errno)));
+                        fmt::format("{}: cannot get its name: {}", path_.string(), systemReason(errno)));
         finished_ = true;
         const fs::path folder = path_.has_parent_path() ? path_.parent_path() : fs::path(".");
         const UniqueFd entry(::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
@@ -151,9 +147,9 @@ class Writer final : public CloudFileWriter {
                 ErrorCode::ResourceLimit,
                 fmt::format("{}: there is no more room for it after {} bytes ({}); free some space or choose "
                             "another place. Nothing of it is left",
-                            path_.string(), written_, reason(error)));
+                            path_.string(), written_, systemReason(error)));
         return fail(ErrorCode::Io, fmt::format("{}: cannot be written after {} bytes: {}", path_.string(),
-                                               written_, reason(error)));
+                                               written_, systemReason(error)));
     }
 
     const UniqueFd fd_;
@@ -193,22 +189,22 @@ Expected<UniqueFd> openLocked(const fs::path& partial) {
                         fmt::format("{}: the folder is not there; make it first", partial.string()));
         if (!fd && isFull(errno))
             return fail(ErrorCode::ResourceLimit,
-                        fmt::format("{}: there is no room for it: {}", partial.string(), reason(errno)));
+                        fmt::format("{}: there is no room for it: {}", partial.string(), systemReason(errno)));
         if (!fd)
             return fail(ErrorCode::Io,
-                        fmt::format("{}: cannot be created: {}", partial.string(), reason(errno)));
+                        fmt::format("{}: cannot be created: {}", partial.string(), systemReason(errno)));
         if (::flock(fd.get(), LOCK_EX | LOCK_NB) != 0) {
             if (errno == EWOULDBLOCK)
                 return fail(ErrorCode::InvalidArgument,
                             partial.string() +
                                 ": another run is writing this file; wait for it, or give another name");
             return fail(ErrorCode::Io,
-                        fmt::format("{}: cannot be locked: {}", partial.string(), reason(errno)));
+                        fmt::format("{}: cannot be locked: {}", partial.string(), systemReason(errno)));
         }
         if (!isStillNamed(fd.get(), partial)) continue;
         if (::ftruncate(fd.get(), 0) != 0)
             return fail(ErrorCode::Io,
-                        fmt::format("{}: cannot be written: {}", partial.string(), reason(errno)));
+                        fmt::format("{}: cannot be written: {}", partial.string(), systemReason(errno)));
         return fd;
     }
     return fail(ErrorCode::Io, partial.string() + ": other runs keep taking this name away");

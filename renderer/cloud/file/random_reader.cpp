@@ -48,10 +48,6 @@ class MemoryReader final : public RandomReader {
     const std::span<const std::byte> bytes_;
 };
 
-std::string reason(int error) {
-    return std::generic_category().message(error);
-}
-
 }  // namespace
 
 Expected<std::size_t> readFullyAt(int fd, std::uint64_t offset, std::span<std::byte> into,
@@ -66,7 +62,7 @@ Expected<std::size_t> readFullyAt(int fd, std::uint64_t offset, std::span<std::b
             done += static_cast<std::size_t>(got);
         else if (errno != EINTR)
             return fail(ErrorCode::Io, fmt::format("{}, byte {}: cannot be read: {}", name.string(),
-                                                   offset + done, reason(errno)));
+                                                   offset + done, systemReason(errno)));
     }
     return done;
 }
@@ -77,7 +73,7 @@ Expected<std::unique_ptr<RandomReader>> openForReading(const std::filesystem::pa
     if (!fd && errno == ENOENT) return fail(ErrorCode::NotFound, path.string() + ": there is no such file");
     struct stat info {};
     if (!fd || ::fstat(fd.get(), &info) != 0)
-        return fail(ErrorCode::Io, fmt::format("{}: cannot be opened: {}", path.string(), reason(errno)));
+        return fail(ErrorCode::Io, fmt::format("{}: cannot be opened: {}", path.string(), systemReason(errno)));
     if (!S_ISREG(info.st_mode))
         return fail(ErrorCode::Unsupported,
                     path.string() + ": this is no file (a folder, a pipe or a device); give a cloud file");

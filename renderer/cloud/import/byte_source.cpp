@@ -11,10 +11,6 @@ namespace scancast {
 
 namespace {
 
-std::string systemReason(int error) {
-    return std::generic_category().message(error);
-}
-
 // The kernel transfers at most 2 GiB at once; one bound for all keeps the arithmetic simple.
 constexpr std::size_t largestTransfer = std::size_t(1) << 30;
 

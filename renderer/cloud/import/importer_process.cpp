@@ -35,10 +35,6 @@ constexpr bool limitsMemory = false;
 constexpr bool limitsMemory = true;
 #endif
 
-std::string systemReason(int error) {
-    return std::generic_category().message(error);
-}
-
 struct Pipe {
     UniqueFd read, write;
 };

@@ -14,13 +14,13 @@ namespace {
 
 // One descriptor of the Extra Bytes record, ASPRS LAS 1.4 R15, table 24.
 constexpr std::size_t descriptorBytes = 192;
-enum At : std::size_t {
-    atType = 2,
-    atOptions = 3,
-    atName = 4,
-    atScale = 112,
-    atOffset = 136,
-    atDescription = 160,
+enum InDescriptor : std::size_t {
+    inType = 2,
+    inOptions = 3,
+    inName = 4,
+    inScale = 112,
+    inOffset = 136,
+    inDescription = 160,
 };
 constexpr std::size_t textBytes = 32;
 constexpr unsigned hasScale = 8, hasOffset = 16;
@@ -105,10 +105,10 @@ class ExtraColumns {
 
     /// False when the bytes that it speaks of are not there, or it makes no sense.
     bool describe(std::span<const std::byte> descriptor) {
-        const auto type = loadLe<std::uint8_t>(descriptor.data() + atType);
-        const unsigned options = loadLe<std::uint8_t>(descriptor.data() + atOptions);
-        const auto name = textAt(descriptor, atName);
-        const auto text = textAt(descriptor, atDescription);
+        const auto type = loadLe<std::uint8_t>(descriptor.data() + inType);
+        const unsigned options = loadLe<std::uint8_t>(descriptor.data() + inOptions);
+        const auto name = textAt(descriptor, inName);
+        const auto text = textAt(descriptor, inDescription);
         if (type == 0) return undocumented(name, options);
         if (type > highestType) return false;
         const auto& [columnType, bytes] = types[(type - 1) % 10];
@@ -116,8 +116,8 @@ class ExtraColumns {
         if (values * bytes > end_ - at_) return false;
         for (std::size_t i = 0; i < values; ++i) {
             LasColumn column = field("", at_, columnType, bytes);
-            if (options & hasScale) column.column.scale = number(descriptor, atScale + 8 * i, 1);
-            if (options & hasOffset) column.column.offset = number(descriptor, atOffset + 8 * i, 0);
+            if (options & hasScale) column.column.scale = number(descriptor, inScale + 8 * i, 1);
+            if (options & hasOffset) column.column.offset = number(descriptor, inOffset + 8 * i, 0);
             column.column.description = text;
             add(std::move(column), values == 1 ? name : name.empty() ? name : name + "_" + std::to_string(i));
         }

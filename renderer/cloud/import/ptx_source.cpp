@@ -12,9 +12,6 @@ namespace scancast {
 namespace {
 
 constexpr int headLines = 10;
-constexpr std::size_t lookedAtLines = 500;
-constexpr std::size_t lookedAtPlaces = 16;
-constexpr std::size_t lookedAtBytes = 4096;
 
 /// The first line that is not empty, behind the head of the first scan.
 std::string_view firstPoint(std::string_view text, char lineEnd) {

@@ -14,6 +14,11 @@
 
 namespace scancast {
 
+// How much of a text is looked at to understand its columns: lines of its beginning, then places all over it.
+inline constexpr std::size_t lookedAtLines = 500;
+inline constexpr std::size_t lookedAtPlaces = 16;
+inline constexpr std::size_t lookedAtBytes = 4096;  ///< of each place
+
 /// Ends of lines are \n, \r\n, or \r alone where the text has no \n at all. A byte order mark is passed over.
 class TextLines {
   public:

@@ -8,9 +8,6 @@ namespace scancast {
 namespace {
 
 // The first lines, and a few from places all over a file.
-constexpr std::size_t lookedAtLines = 500;
-constexpr std::size_t lookedAtPlaces = 16;
-constexpr std::size_t lookedAtBytes = 4096;
 
 }  // namespace
 

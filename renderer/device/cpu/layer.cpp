@@ -1,20 +1,14 @@
 #include "renderer/device/cpu/layer.hpp"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 
+#include "renderer/clock.hpp"
 #include "renderer/cloud/surfel_codec.hpp"
 #include "renderer/device/cpu/grown.hpp"
 
 namespace scancast::cpu {
 namespace {
-
-using Clock = std::chrono::steady_clock;
-
-double millisecondsSince(Clock::time_point start) {
-    return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
-}
 
 /// Samples between two looks at the stop token: under a millisecond.
 constexpr std::uint32_t sliceSamples = 16384;

@@ -1,19 +1,13 @@
 #include "renderer/device/cpu/picture.hpp"
 
 #include <algorithm>
-#include <chrono>
 
+#include "renderer/clock.hpp"
 #include "renderer/device/cpu/grown.hpp"
 #include "renderer/device/plan/picture_area.hpp"
 
 namespace scancast::cpu {
 namespace {
-
-using Clock = std::chrono::steady_clock;
-
-double millisecondsSince(Clock::time_point start) {
-    return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
-}
 
 std::size_t pixelsOf(const Rect& area) {
     return static_cast<std::size_t>(area.width()) * static_cast<std::size_t>(area.height());

@@ -1,16 +1,14 @@
 #include "renderer/device/cpu/screen_passes.hpp"
 
 #include <algorithm>
-#include <chrono>
 #include <limits>
 
+#include "renderer/clock.hpp"
 #include "renderer/device/cpu/grown.hpp"
 #include "renderer/device/plan/screen_plan.hpp"
 
 namespace scancast::cpu {
 namespace {
-
-using Clock = std::chrono::steady_clock;
 
 /// One picture's planes, and what screen passes work with.
 struct Screen {
@@ -113,7 +111,7 @@ void runScreenPasses(std::span<const Pass> passes, const Sight& sight, const glm
         if (const auto* pullPush = std::get_if<PullPushPass>(&pass)) name = run(*pullPush, screen);
         if (const auto* normals = std::get_if<DepthNormalsPass>(&pass)) name = run(*normals, screen);
         if (name == nullptr) continue;
-        stats.add(name, std::chrono::duration<double, std::milli>(Clock::now() - start).count());
+        stats.add(name, millisecondsSince(start));
     }
 }
 

@@ -46,7 +46,7 @@ const char* eglErrorName(EGLint error) {
     }
 }
 
-Expected<EglFunctions> openLibrary() {
+Expected<EglFunctions> openEglLibrary() {
     void* const library = dlopen("libEGL.so.1", RTLD_NOW | RTLD_LOCAL);
     if (!library) {
         const char* reason = dlerror();
@@ -94,7 +94,7 @@ Expected<EglFunctions> openLibrary() {
 }  // namespace
 
 Expected<const EglFunctions*> eglLibrary() {
-    static const Expected<EglFunctions> library = openLibrary();
+    static const Expected<EglFunctions> library = openEglLibrary();
     if (!library) return tl::unexpected(library.error());
     return &*library;
 }

@@ -8,7 +8,6 @@ namespace scancast::gl {
 namespace {
 
 constexpr std::size_t smallestBuffer = 256;
-constexpr GLuint64 longestWaitNs = 10'000'000'000;
 
 /// A shader object while its program is being linked.
 struct Shader {

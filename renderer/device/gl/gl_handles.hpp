@@ -13,6 +13,9 @@
 
 namespace scancast::gl {
 
+/// Nothing that is asked of a GPU in one piece takes longer, unless it is lost.
+inline constexpr GLuint64 longestWaitNs = 10'000'000'000;
+
 /// A buffer that grows and is used again from frame to frame.
 class Buffer {
   public:

@@ -21,7 +21,7 @@ struct OsmesaFunctions {
     GetProcAddress getProcAddress = nullptr;
 };
 
-Expected<OsmesaFunctions> openLibrary() {
+Expected<OsmesaFunctions> openOsmesaLibrary() {
     void* const library = dlopen("libOSMesa.so.8", RTLD_NOW | RTLD_LOCAL);
     if (!library) {
         const char* reason = dlerror();
@@ -48,7 +48,7 @@ Expected<OsmesaFunctions> openLibrary() {
 }
 
 Expected<const OsmesaFunctions*> osmesaLibrary() {
-    static const Expected<OsmesaFunctions> library = openLibrary();
+    static const Expected<OsmesaFunctions> library = openOsmesaLibrary();
     if (!library) return tl::unexpected(library.error());
     return &*library;
 }

@@ -8,7 +8,6 @@ namespace {
 /// OpenGL promises 65,535 work groups.
 constexpr std::uint32_t largestSlice = 32768;
 constexpr double shortSliceMs = 2, longSliceMs = 6;
-constexpr GLuint64 longestWaitNs = 10'000'000'000;
 
 }  // namespace
 

@@ -8,7 +8,6 @@ namespace scancast::gl {
 
 namespace {
 
-constexpr GLuint64 longestWaitNs = 10'000'000'000;
 
 }  // namespace
 

@@ -20,7 +20,7 @@ Size sizeOf(const PyramidView& view, double factor, double spacing, double detai
 }
 
 /// The largest depth at which scaled / depth is `px` or more; -1 = none.
-float farthestDepth(double scaled, double px) {
+float farthestDepthOf(double scaled, double px) {
     const double limit = scaled / px;
     if (!(limit >= std::numeric_limits<float>::min())) return -1;
     if (limit >= largest) return largest;
@@ -93,7 +93,7 @@ HiddenPointsNumbers hiddenPointsNumbers(const PyramidView& view, const HiddenPoi
         const double px = std::ldexp(1.0, level);
         float& farthest = n.farthest[static_cast<std::size_t>(level)];
         const bool always = size.least >= px || (!view.perspective && size.scaled >= px);
-        farthest = always ? infinite : view.perspective ? farthestDepth(size.scaled, px) : -1;
+        farthest = always ? infinite : view.perspective ? farthestDepthOf(size.scaled, px) : -1;
     }
     n.minGap = std::max(0.0f, pass.minGap);
     n.threshold = pass.threshold;

@@ -8,7 +8,7 @@ namespace scancast::test {
 namespace {
 
 class Discs : public OnDevice {};
-SCANCAST_ON_DEVICES(Discs, "egl", "osmesa");
+SCANCAST_ON_DEVICES(Discs, "egl");
 class Surfels : public OnDevice {};
 SCANCAST_ON_DEVICES(Surfels, "egl");
 

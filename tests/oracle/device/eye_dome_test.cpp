@@ -11,7 +11,7 @@ namespace scancast::test {
 namespace {
 
 class EyeDome : public OnDevice {};
-SCANCAST_ON_DEVICES(EyeDome, "egl", "osmesa");
+SCANCAST_ON_DEVICES(EyeDome, "egl");
 
 /// The plane y = depth(x), one white point every half pixel or closer.
 template <class Depth>

@@ -10,7 +10,7 @@ namespace scancast::test {
 namespace {
 
 class BlendedCircles : public OnDevice {};
-SCANCAST_ON_DEVICES(BlendedCircles, "egl", "osmesa");
+SCANCAST_ON_DEVICES(BlendedCircles, "egl");
 
 constexpr int width = 400, height = 300;
 

@@ -13,7 +13,7 @@ namespace scancast::test {
 namespace {
 
 class PyramidMethod : public OnDevice {};
-SCANCAST_ON_DEVICES(PyramidMethod, "egl", "osmesa");
+SCANCAST_ON_DEVICES(PyramidMethod, "egl");
 
 /// The method's passes for a cloud of this spacing, drawn in full.
 PassList passesFor(double spacing, Shading shading) {
@@ -33,14 +33,14 @@ Frame drawn(Device& device, const Viewpoint& view, const AnalyticCloud& cloud, d
     return mustDraw(device, scene.drawing);
 }
 
-struct Setting {
+struct PictureSetting {
     int width, height;
     bool perspective;
     double spacingPx;
 };
 
-std::vector<Setting> settings(bool small) {
-    std::vector<Setting> all;
+std::vector<PictureSetting> pictureSettings(bool small) {
+    std::vector<PictureSetting> all;
     for (const auto& [width, height] : {std::pair{480, 360}, {801, 603}}) {
         if (small && width > 480) continue;
         for (const bool perspective : {true, false}) {
@@ -50,7 +50,7 @@ std::vector<Setting> settings(bool small) {
     return all;
 }
 
-std::string nameOf(const Setting& s) {
+std::string nameOf(const PictureSetting& s) {
     return std::to_string(s.width) + " x " + std::to_string(s.height) + ", every " +
            std::to_string(s.spacingPx) + " px, " + (s.perspective ? "perspective" : "orthographic");
 }
@@ -59,7 +59,7 @@ constexpr Rgb8 green{0, 200, 0}, red{200, 0, 0};
 
 TEST_P(PyramidMethod, CoversASphere) {
     // Inside its silhouette a sphere has no holes, outside it nothing is drawn.
-    for (const Setting& s : settings(slow_)) {
+    for (const PictureSetting& s : pictureSettings(slow_)) {
         const double eye = 3, viewHeight = 2.6;
         const Viewpoint view =
             s.perspective ? lookAt({0, -eye, 0}, {0, 0, 0}, s.width, s.height, 50)
@@ -102,7 +102,7 @@ TEST_P(PyramidMethod, CoversASphere) {
 TEST_P(PyramidMethod, HidesTheRearSheetUpToThePicturesBorder) {
     // A green sheet before a red one: not one pixel in a hundred may be red or empty, the outermost ones
     // included, which is what the guard band is for.
-    for (const Setting& s : settings(slow_)) {
+    for (const PictureSetting& s : pictureSettings(slow_)) {
         const Viewpoint view = s.perspective
                                    ? lookAt({0, -10, 0}, {0, 0, 0}, s.width, s.height, 50)
                                    : lookAtOrthographic({0, -10, 0}, {0, 0, 0}, s.width, s.height, 9);

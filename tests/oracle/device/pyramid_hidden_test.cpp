@@ -12,16 +12,16 @@ namespace scancast::test {
 namespace {
 
 class HiddenPoints : public OnPointPasses {};
-SCANCAST_ON_DEVICES(HiddenPoints, "egl", "osmesa");
+SCANCAST_ON_DEVICES(HiddenPoints, "egl");
 
-struct Setting {
+struct HiddenSetting {
     int width, height;
     bool perspective;
     double spacingPx, noise;  ///< noise in spacings
 };
 
-std::vector<Setting> settings(bool small) {
-    std::vector<Setting> all;
+std::vector<HiddenSetting> hiddenSettings(bool small) {
+    std::vector<HiddenSetting> all;
     for (const auto& [width, height] : {std::pair{640, 480}, {1248, 768}, {401, 333}}) {
         if (small && width > 401) continue;
         for (const bool perspective : {true, false}) {
@@ -35,7 +35,7 @@ std::vector<Setting> settings(bool small) {
     return all;
 }
 
-std::string nameOf(const Setting& s) {
+std::string nameOf(const HiddenSetting& s) {
     return std::to_string(s.width) + " x " + std::to_string(s.height) + ", every " +
            std::to_string(s.spacingPx) + " px, noise " + std::to_string(s.noise) + " spacings, " +
            (s.perspective ? "perspective" : "orthographic");
@@ -46,11 +46,11 @@ constexpr int guardBand = 32;
 constexpr int front = 0, rear = 1;
 
 /// In perspective about 60° high.
-PointScreen screenFor(const Setting& s) {
+PointScreen screenFor(const HiddenSetting& s) {
     return {s.width, s.height, s.perspective, s.perspective ? 0.87 * s.height : 0.1 * s.height};
 }
 
-double spacingOf(const Setting& s, const PointScreen& screen) {
+double spacingOf(const HiddenSetting& s, const PointScreen& screen) {
     return s.spacingPx * (s.perspective ? depth : 1) / screen.pixelsPerUnit;
 }
 
@@ -64,7 +64,7 @@ HiddenPointsPass hiding(double spacing) {
 
 /// A front sheet, as far as `keep` wants it, and a rear one of which no point is less than six spacings
 /// behind it, both wider than the picture and displaced at random.
-PointScreen twoSheets(const Setting& s, std::uint64_t seed,
+PointScreen twoSheets(const HiddenSetting& s, std::uint64_t seed,
                       const std::function<bool(const ScreenPoint&)>& keep) {
     PointScreen screen = screenFor(s);
     const double spacing = spacingOf(s, screen), gap = (6 + 2 * s.noise) * spacing;
@@ -107,7 +107,7 @@ struct Share {
 
 TEST_P(HiddenPoints, OfTheRearOfTwoSheetsGoAndTheFrontStays) {
     // All of the rear sheet is covered by the front one, none of the front one by anything.
-    for (const Setting& setting : settings(slow_)) {
+    for (const HiddenSetting& setting : hiddenSettings(slow_)) {
         Share removed, lost, closed;
         // About as many points of small pictures as of large ones.
         for (std::uint64_t seed = 0; seed < (slow_ ? 250'000u : 1'000'000u) /
@@ -132,7 +132,7 @@ TEST_P(HiddenPoints, OfTheRearOfTwoSheetsGoAndTheFrontStays) {
 TEST_P(HiddenPoints, KeepAWindowOpen) {
     // What lies behind an opening of radius 1.5 · hprScale · s0 is seen through it; the wall around hides the
     // rest.
-    for (const Setting& setting : settings(slow_)) {
+    for (const HiddenSetting& setting : hiddenSettings(slow_)) {
         const PointScreen size = screenFor(setting);
         const double spacing = spacingOf(setting, size), radius = 15 * spacing;
         const double radiusPx = radius / spacing * setting.spacingPx;

@@ -16,19 +16,19 @@ SCANCAST_ON_DEVICES(PyramidSurface, "egl");
 
 constexpr double degrees = 57.29577951308232;
 
-struct Setting {
+struct SurfaceSetting {
     int width, height;
     bool perspective;
     double spacingPx;
 };
 
-std::string nameOf(const Setting& s) {
+std::string nameOf(const SurfaceSetting& s) {
     return std::to_string(s.width) + " x " + std::to_string(s.height) + ", every " +
            std::to_string(s.spacingPx) + " px, " + (s.perspective ? "perspective" : "orthographic");
 }
 
-std::vector<Setting> settings(bool small) {
-    std::vector<Setting> all;
+std::vector<SurfaceSetting> surfaceSettings(bool small) {
+    std::vector<SurfaceSetting> all;
     for (const auto& [width, height] : {std::pair{640, 480}, {1248, 768}, {333, 301}}) {
         if (small && width > 333) continue;
         for (const bool perspective : {true, false}) {
@@ -49,7 +49,7 @@ struct SpherePicture {
 };
 
 /// Points evenly spread by the golden angle; `spacingPx` where the sphere is nearest.
-SpherePicture sphere(const Setting& s) {
+SpherePicture sphere(const SurfaceSetting& s) {
     const double pixels = s.perspective ? 1.1 * s.height : 0.4 * s.height;
     SpherePicture p{{s.width, s.height, s.perspective, pixels}, 0, 0};
     p.spacing = s.spacingPx * (s.perspective ? distance - 1 : 1) / pixels;
@@ -110,7 +110,7 @@ Sums compare(const PointScreen& s, double silhouettePx, double spacingPx) {
 }
 
 TEST_P(PyramidSurface, CoversASphereAndKnowsItsNormals) {
-    for (const Setting& setting : settings(slow_)) {
+    for (const SurfaceSetting& setting : surfaceSettings(slow_)) {
         SpherePicture p = sphere(setting);
         passes_->run(p.screen, p.spacing);
         const Sums sums = compare(p.screen, p.silhouettePx, setting.spacingPx);

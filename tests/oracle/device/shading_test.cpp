@@ -12,7 +12,7 @@ namespace scancast::test {
 namespace {
 
 class Shading : public OnDevice {};
-SCANCAST_ON_DEVICES(Shading, "egl", "osmesa");
+SCANCAST_ON_DEVICES(Shading, "egl");
 
 /// What the light makes of a colour; n and the way to the eye are unit vectors in view space.
 double shaded(double color, glm::dvec3 n, glm::dvec3 toEye) {

@@ -8,7 +8,7 @@ namespace scancast::test {
 namespace {
 
 class VoronoiSurfels : public OnDevice {};
-SCANCAST_ON_DEVICES(VoronoiSurfels, "egl", "osmesa");
+SCANCAST_ON_DEVICES(VoronoiSurfels, "egl");
 
 /// Of the covered pixels, the share for which `right` holds (x, y, number of the point there).
 template <class Right>

@@ -127,7 +127,7 @@ TEST_P(DeviceAgreement, Method) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Gl, DeviceAgreement,
-                         testing::Combine(testing::Values("egl", "osmesa"), testing::ValuesIn(methodCases),
+                         testing::Combine(testing::Values("egl"), testing::ValuesIn(methodCases),
                                           testing::Values(Projection::Perspective, Projection::Orthographic)),
                          [](const testing::TestParamInfo<AgreementCase>& c) {
                              return std::get<0>(c.param) + "_" + std::get<1>(c.param).label + "_" +
@@ -166,7 +166,7 @@ TEST_P(DrawingAgreement, ARunInPartIsItsDrawnSamples) {
     EXPECT_EQ(inPart->depth, whole->depth);
 }
 
-INSTANTIATE_TEST_SUITE_P(Gl, DrawingAgreement, testing::Values("egl", "osmesa"),
+INSTANTIATE_TEST_SUITE_P(Gl, DrawingAgreement, testing::Values("egl"),
                          [](const testing::TestParamInfo<std::string>& c) { return c.param; });
 
 // Right because both devices look a sample's radius up in the same table of the same bits.

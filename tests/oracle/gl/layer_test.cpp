@@ -309,7 +309,7 @@ TEST_P(GlLayer, LeavesTheBytesOfTheCpuDevice) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Gl, GlLayer,
-                         testing::Combine(testing::Values("egl", "osmesa"), testing::ValuesIn(methodCases),
+                         testing::Combine(testing::Values("egl"), testing::ValuesIn(methodCases),
                                           testing::Values(Projection::Perspective, Projection::Orthographic)),
                          [](const testing::TestParamInfo<AgreementCase>& c) {
                              return std::get<0>(c.param) + "_" + std::get<1>(c.param).label + "_" +
@@ -337,7 +337,7 @@ class GlLayerDrawing : public testing::TestWithParam<std::string> {
         }
     }
 };
-INSTANTIATE_TEST_SUITE_P(Gl, GlLayerDrawing, testing::Values("egl", "osmesa"),
+INSTANTIATE_TEST_SUITE_P(Gl, GlLayerDrawing, testing::Values("egl"),
                          [](const testing::TestParamInfo<std::string>& c) { return c.param; });
 
 /// Looked up while splatting, for sums, and by ordinal.

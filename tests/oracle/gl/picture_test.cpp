@@ -29,7 +29,7 @@ class GlPicture : public testing::TestWithParam<std::string> {
 INSTANTIATE_TEST_SUITE_P(Gl, GlPicture, testing::Values("egl", "osmesa"),
                          [](const testing::TestParamInfo<std::string>& c) { return c.param; });
 
-const PassList points{NearestPass{{Footprint::Pixel, Profile::Flat, {}, 0}}, ResolvePass{}};
+const PassList onePixelPoints{NearestPass{{Footprint::Pixel, Profile::Flat, {}, 0}}, ResolvePass{}};
 
 /// Oracle: in front of an orthographic camera that shows one unit a pixel, a point's pixel is its own
 /// coordinates.
@@ -43,7 +43,7 @@ TEST_P(GlPicture, PointsLandOnTheirPixels) {
     }
     const AnalyticCloud cloud(cloudPoints, 1);
     const Viewpoint from = lookAtOrthographic({15, 0, 10}, {15, 1, 10}, 30, 20, 20);
-    const auto frame = gl->draw(onBlack(from, cloud.cut(), points), {});
+    const auto frame = gl->draw(onBlack(from, cloud.cut(), onePixelPoints), {});
     ASSERT_TRUE(frame) << frame.error().message;
     for (int y = 0; y < 20; ++y) {
         for (int x = 0; x < 30; ++x) {
@@ -67,7 +67,7 @@ TEST_P(GlPicture, TheNearestOfManyWins) {
         *std::ranges::min_element(stack, {}, [](const auto& p) { return p.position.y; });
     const AnalyticCloud cloud(stack, 1, 1u << 20, false);
     const Viewpoint from = lookAt({0, 0, 0}, {0, 1, 0}, 5, 5);
-    const auto frame = gl->draw(onBlack(from, cloud.cut(), points), {});
+    const auto frame = gl->draw(onBlack(from, cloud.cut(), onePixelPoints), {});
     ASSERT_TRUE(frame) << frame.error().message;
     EXPECT_EQ(at(*frame, 2, 2), first.rgb);
     EXPECT_NEAR(frame->depth[12], first.position.y, 1e-6);
@@ -171,7 +171,7 @@ TEST_P(GlPicture, AnEmptyCutIsBackground) {
     REQUIRE_DEVICE(gl, GetParam());
     const Cut nothing;
     const Viewpoint from = lookAt({0, 0, 0}, {0, 1, 0}, 17, 9);
-    const auto frame = gl->draw(onBlack(from, nothing, points), {});
+    const auto frame = gl->draw(onBlack(from, nothing, onePixelPoints), {});
     ASSERT_TRUE(frame) << frame.error().message;
     for (int y = 0; y < 9; ++y) {
         for (int x = 0; x < 17; ++x) EXPECT_EQ(at(*frame, x, y), black);
@@ -187,15 +187,15 @@ TEST_P(GlPicture, PicturesLeaveNoTrace) {
     const AnalyticCloud cloud(ball, 0.03);
     const Viewpoint small = lookAt({0, -3, 0}, {0, 0, 0}, 90, 70),
                     large = lookAt({0, -3, 0}, {0, 0, 0}, 300, 200);
-    const auto first = gl->draw(onBlack(small, cloud.cut(), points), {});
+    const auto first = gl->draw(onBlack(small, cloud.cut(), onePixelPoints), {});
     ASSERT_TRUE(first) << first.error().message;
-    ASSERT_TRUE(gl->draw(onBlack(large, cloud.cut(), points), {}));
+    ASSERT_TRUE(gl->draw(onBlack(large, cloud.cut(), onePixelPoints), {}));
     std::stop_source stopped;
     stopped.request_stop();
-    const auto abandoned = gl->draw(onBlack(large, cloud.cut(), points), stopped.get_token());
+    const auto abandoned = gl->draw(onBlack(large, cloud.cut(), onePixelPoints), stopped.get_token());
     ASSERT_FALSE(abandoned);
     EXPECT_EQ(abandoned.error().code, ErrorCode::Cancelled);
-    const auto again = gl->draw(onBlack(small, cloud.cut(), points), {});
+    const auto again = gl->draw(onBlack(small, cloud.cut(), onePixelPoints), {});
     ASSERT_TRUE(again) << again.error().message;
     EXPECT_EQ(first->rgba, again->rgba);
     EXPECT_EQ(first->depth, again->depth);
@@ -205,7 +205,7 @@ TEST_P(GlPicture, WhatItCannotDrawIsSaid) {
     REQUIRE_DEVICE(gl, GetParam());
     const Cut nothing;
     const Viewpoint from = lookAt({0, 0, 0}, {0, 1, 0}, 16384, 16384);
-    Drawing huge = onBlack(from, nothing, points);
+    Drawing huge = onBlack(from, nothing, onePixelPoints);
     const auto tooLarge = gl->draw(huge, {});
     ASSERT_FALSE(tooLarge);
     EXPECT_EQ(tooLarge.error().code, ErrorCode::ResourceLimit);

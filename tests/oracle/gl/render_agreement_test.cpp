@@ -19,8 +19,8 @@
 namespace scancast::test {
 namespace {
 
-constexpr std::uint64_t points = 50'000;
-constexpr int width = 301, height = 203;  // no multiple of any work group
+constexpr std::uint64_t agreedPoints = 50'000;
+constexpr int agreedWidth = 301, agreedHeight = 203;  // no multiple of any work group
 constexpr Projection projections[] = {Projection::Perspective, Projection::Orthographic};
 
 /// Only integers are compared and kept: what lies nearest, by its depth's bits.
@@ -32,14 +32,14 @@ bool onlyKeepsTheNearest(const View& view) {
 }
 
 /// Built once for all tests of this program.
-const Cloud& cloudOf(const std::string& scene) {
+const Cloud& agreedCloud(const std::string& scene) {
     static std::map<std::string, std::shared_ptr<const Cloud>> clouds;
     auto& cloud = clouds[scene];
-    if (!cloud) cloud = sceneCloud(scene, points).value();
+    if (!cloud) cloud = sceneCloud(scene, agreedPoints).value();
     return *cloud;
 }
 
-void expectAgreement(Device& gl, Device& cpu, const Cloud& cloud, const View& view,
+void expectPicturesAgree(Device& gl, Device& cpu, const Cloud& cloud, const View& view,
                      const RenderOptions& options = {}) {
     const auto a = render(gl, cloud, view, options), b = render(cpu, cloud, view, options);
     ASSERT_TRUE(b) << b.error().message;
@@ -73,11 +73,11 @@ class SceneAgreement : public OnDeviceWith<std::tuple<std::string, std::string>>
 TEST_P(SceneAgreement, InEveryMethodAndProjection) {
     REQUIRE_DEVICE(cpu, "cpu");
     const auto& [device, scene] = GetParam();
-    const Cloud& cloud = cloudOf(scene);
+    const Cloud& cloud = agreedCloud(scene);
     for (const Projection projection : projections) {
         SCOPED_TRACE(std::string(name(projection)));
-        inEveryMethod(sceneView(cloud, sceneViews(scene)[0], projection, width, height),
-                      [&](const View& view) { expectAgreement(*device_, *cpu, cloud, view); });
+        inEveryMethod(sceneView(cloud, sceneViews(scene)[0], projection, agreedWidth, agreedHeight),
+                      [&](const View& view) { expectPicturesAgree(*device_, *cpu, cloud, view); });
     }
 }
 
@@ -101,13 +101,13 @@ class ViewAgreement : public OnDevice {
         OnDevice::SetUp();
     }
     View view(Projection projection = Projection::Perspective, std::size_t from = 0) const {
-        return sceneView(cloud_, sceneViews("room")[from], projection, width, height);
+        return sceneView(cloud_, sceneViews("room")[from], projection, agreedWidth, agreedHeight);
     }
     void check(const View& view, const RenderOptions& options = {}) {
-        expectAgreement(*device_, *cpu_, cloud_, view, options);
+        expectPicturesAgree(*device_, *cpu_, cloud_, view, options);
     }
     Device* cpu_ = nullptr;
-    const Cloud& cloud_ = cloudOf("room");
+    const Cloud& cloud_ = agreedCloud("room");
 };
 INSTANTIATE_TEST_SUITE_P(Gl, ViewAgreement, testing::Values("egl"), deviceName);
 
@@ -152,10 +152,10 @@ TEST_P(ViewAgreement, ClipAndClasses) {
     from.style.clip = ClipBox{{-1.1, -1.2, 0.3}, {1.7, 1.9, 2}};
     inEveryMethod(from, [&](const View& v) { check(v); });
     // Only the town has classes.
-    const Cloud& town = cloudOf("town");
-    from = sceneView(town, sceneViews("town")[0], Projection::Perspective, width, height);
+    const Cloud& town = agreedCloud("town");
+    from = sceneView(town, sceneViews("town")[0], Projection::Perspective, agreedWidth, agreedHeight);
     from.style.classes = std::vector<std::uint8_t>{2, 6};
-    inEveryMethod(from, [&](const View& v) { expectAgreement(*device_, *cpu_, town, v); });
+    inEveryMethod(from, [&](const View& v) { expectPicturesAgree(*device_, *cpu_, town, v); });
 }
 
 TEST_P(ViewAgreement, AveragedFramesOnTransparency) {

@@ -11,7 +11,7 @@
 namespace scancast {
 namespace {
 
-constexpr std::uint64_t views = 120;
+constexpr std::uint64_t fadingViews = 120;
 
 class FadingCuts : public testing::TestWithParam<bool> {
   protected:
@@ -28,7 +28,7 @@ class FadingCuts : public testing::TestWithParam<bool> {
 TEST_P(FadingCuts, CoverEveryLeafByAWholeRun) {
     const Octree& o = cloud_->octree;
     std::uint64_t partial = 0;
-    for (std::uint64_t v = 0; v < views; ++v) {
+    for (std::uint64_t v = 0; v < fadingViews; ++v) {
         const Viewpoint viewpoint = test::randomViewpoint(*cloud_, v);
         SelectOptions options;
         options.cull = false;
@@ -54,12 +54,12 @@ TEST_P(FadingCuts, CoverEveryLeafByAWholeRun) {
         }
         EXPECT_EQ(cut.points, cloud_->points);
     }
-    EXPECT_GT(partial, views);
+    EXPECT_GT(partial, fadingViews);
 }
 
 // Right by definition: as the band closes, what is left of a cut that fades is the cut that switches.
 TEST_P(FadingCuts, WithoutABandAreTheCutsThatSwitch) {
-    for (std::uint64_t v = 0; v < views; ++v) {
+    for (std::uint64_t v = 0; v < fadingViews; ++v) {
         const Viewpoint viewpoint = test::randomViewpoint(*cloud_, v);
         SelectOptions options;
         options.detail = std::array{0.5, 2.0, 10.0}[v % 3];
@@ -77,7 +77,7 @@ TEST_P(FadingCuts, WithoutABandAreTheCutsThatSwitch) {
 // Right because a cut that is not culled is known to cover everything: culling may only leave out runs, and
 // must change nothing in those that stay.
 TEST_P(FadingCuts, CullingOnlyLeavesRunsOut) {
-    for (std::uint64_t v = 0; v < views; ++v) {
+    for (std::uint64_t v = 0; v < fadingViews; ++v) {
         const Viewpoint viewpoint = test::randomViewpoint(*cloud_, v);
         SelectOptions options;
         options.detail = 1 + double(v % 5);
@@ -102,7 +102,7 @@ TEST_P(FadingCuts, CullingOnlyLeavesRunsOut) {
 TEST_P(FadingCuts, KeepABudget) {
     const std::uint64_t root = cloud_->octree.node(0).sampleCount;
     std::uint64_t reached = 0, better = 0;
-    for (std::uint64_t v = 0; v < views; ++v) {
+    for (std::uint64_t v = 0; v < fadingViews; ++v) {
         const Viewpoint viewpoint = test::randomViewpoint(*cloud_, v);
         SelectOptions options;
         options.detail = v % 2 ? 0.0 : 1.0;
@@ -116,7 +116,7 @@ TEST_P(FadingCuts, KeepABudget) {
         reached += cut.budgetReached;
         better += cut.budgetReached && samples > *options.budget / 2;
     }
-    EXPECT_GT(reached, views / 4);
+    EXPECT_GT(reached, fadingViews / 4);
     EXPECT_GT(better, reached / 2) << "budgets are to be used";
 }
 

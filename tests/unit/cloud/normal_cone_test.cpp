@@ -11,7 +11,7 @@
 namespace scancast {
 namespace {
 
-constexpr double pi = std::numbers::pi;
+using std::numbers::pi;
 
 glm::vec3 direction(std::uint64_t i, std::uint64_t stream) {
     for (;; i += 1000003) {

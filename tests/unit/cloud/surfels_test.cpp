@@ -18,7 +18,7 @@ namespace {
 
 using test::Points;
 
-constexpr double pi = std::numbers::pi;
+using std::numbers::pi;
 
 std::vector<Surfel> estimate(const Points& points, int k = 10) {
     std::vector<Surfel> out(points.size());

@@ -15,7 +15,7 @@ namespace {
 class GlGlass : public OnGl {};
 INSTANTIATE_ON_GL(GlGlass);
 
-PixelPlanes randomPlanes(const glm::ivec4& area, std::uint64_t seed, bool normals) {
+PixelPlanes randomGlass(const glm::ivec4& area, std::uint64_t seed, bool normals) {
     PixelPlanes planes;
     planes.area = area;
     Numbers numbers(seed);
@@ -79,9 +79,9 @@ TEST_P(GlGlass, IsTheCpus) {
             sight.viewpoint = &mirror.viewpoint;
             sight.pad = 7;
             const GlassNumbers glass = glassNumbers(mirror, sight, {0.25, -0.125});
-            PixelPlanes here = randomPlanes({4, 6, 171, 123}, 1, normals);
+            PixelPlanes here = randomGlass({4, 6, 171, 123}, 1, normals);
             const PixelPlanes before = here;
-            PixelPlanes seen = randomPlanes({40, 29, 101, 77}, 2, normals), there = here;
+            PixelPlanes seen = randomGlass({40, 29, 101, 77}, 2, normals), there = here;
             const gl::GpuPlanes picture = pictures.upload(there);
             ASSERT_TRUE(gl::lookThrough(glass, reflections.upload(seen), picture, shaders()));
             pictures.download(there);

@@ -146,7 +146,7 @@ class SampleCacheTest : public testing::TestWithParam<std::string> {
     std::optional<Context::Current> current_;
     std::optional<Program> program_;
 };
-INSTANTIATE_TEST_SUITE_P(Gl, SampleCacheTest, testing::Values("egl", "osmesa"),
+INSTANTIATE_TEST_SUITE_P(Gl, SampleCacheTest, testing::Values("egl"),
                          [](const testing::TestParamInfo<std::string>& c) { return c.param; });
 
 constexpr std::uint64_t mib = 1 << 20;

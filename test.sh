@@ -35,25 +35,59 @@ while [ $# -gt 0 ]; do
     shift
 done
 
-ensure_packages build test
-npm_modules importers/laz || die "npm could not install what reads LAZ and Potree"
-npm_modules tests/foreign || die "npm could not install what the tests with another WebSocket library need"
-npm_modules tests/browser || die "npm could not install what the browser tests need"
+install_all() {
+    ensure_packages build test
+    npm_modules importers/laz || die "npm could not install what reads LAZ and Potree"
+    npm_modules tests/foreign || die "npm could not install what the tests with another WebSocket library need"
+    npm_modules tests/browser || die "npm could not install what the browser tests need"
+}
 
 [ -d "$root/../shared/data" ] || say "NOTE: ../shared/data is missing: tests on real scans will be skipped."
 
-run() { (cd "$root" && as_caller ctest --preset "$@" --no-tests=error); }
+# What a run skipped, and why: GoogleTest says it of each test, and CTest only of suites of which nothing ran.
+skipped() {
+    local log=$root/build/$1/Testing/Temporary/LastTest.log
+    grep -h -A1 -E '^(.*: Skipped|SKIPPED)' "$log" | grep -vE '^--$' | sort | uniq -c | sort -rn | head -40 >&2 || true
+}
 
+# part NAME COMMAND…: runs it, and remembers how long it took, on the clock and in processor time.
+parts=()
+read_processor_time() {  # into `processor`; `times` tells a subshell nothing
+    local file=${TMPDIR:-/tmp}/scancast-times.$$
+    times >"$file"
+    processor=$(awk 'NR == 2 {split($1, u, "[ms]"); split($2, s, "[ms]"); printf "%d", u[1] * 60 + u[2] + s[1] * 60 + s[2]}' "$file")
+    rm -f "$file"
+}
+part() {
+    local name=$1 clock=$SECONDS before
+    shift
+    read_processor_time; before=$processor
+    "$@"
+    read_processor_time
+    parts+=("$(printf '%-16s %4d s, %4d s of processor time' "$name" $((SECONDS - clock)) $((processor - before)))")
+}
+
+run() {
+    local preset=$1
+    shift
+    (cd "$root" && as_caller ctest --preset "$preset" -j "$(nproc)" --no-tests=error "$@") || { skipped "$preset"; exit 1; }
+    skipped "$preset"
+}
+
+part "installation" install_all
 say "== release: every test"
-build release
-run release "${exclude[@]}"
+part "release: build" build release
+part "release: tests" run release "${exclude[@]}"
 
 if [ "$quick" = no ]; then
     say "== asan: unit and network tests"
-    build asan
-    run asan -L '^(unit|net)$'
+    part "asan: build" build asan
+    part "asan: tests" run asan -L '^(unit|net)$'
 
     say "== tsan: scheduler and stream"
-    build tsan --target scancast_tsan_tests
-    run tsan
+    part "tsan: build" build tsan --target scancast_tsan_tests
+    part "tsan: tests" run tsan
 fi
+
+say "== all green"
+printf '%s\n' "${parts[@]}" >&2

@@ -57,6 +57,12 @@ elseif(SCANCAST_SANITIZE)
   message(FATAL_ERROR "SCANCAST_SANITIZE is '${SCANCAST_SANITIZE}': expected address, thread or nothing")
 endif()
 
+option(SCANCAST_COVERAGE "Count the lines that run (tests/support/coverage.py)" OFF)
+if(SCANCAST_COVERAGE)
+  add_compile_options(--coverage -fprofile-update=atomic)
+  add_link_options(--coverage)
+endif()
+
 # scancast_library(NAME SOURCES … [PUBLIC libs…] [PRIVATE libs…]): one room, warnings as errors.
 function(scancast_library name)
   cmake_parse_arguments(ARG "" "" "SOURCES;PUBLIC;PRIVATE" ${ARGN})

@@ -1,5 +1,7 @@
 #include "protocol/catalog.hpp"
 
+#include <nlohmann/json.hpp>
+
 #include "protocol/json_fields.hpp"
 #include "protocol/view_json.hpp"
 #include "protocol/view_values.hpp"
@@ -19,9 +21,12 @@ json toJson(const AttributeInfo& attribute) {
 }
 
 json toJson(const MirrorInfo& mirror) {
-    return {{"center", jsonArray(mirror.center)}, {"normal", jsonArray(mirror.normal)},
-            {"up", jsonArray(mirror.up)},         {"width", mirror.width},
-            {"height", mirror.height},        {"tint", values::print(mirror.tint)}};
+    return {{"center", jsonArray(mirror.center)},
+            {"normal", jsonArray(mirror.normal)},
+            {"up", jsonArray(mirror.up)},
+            {"width", mirror.width},
+            {"height", mirror.height},
+            {"tint", values::print(mirror.tint)}};
 }
 
 json toJson(const ParameterInfo& parameter) {

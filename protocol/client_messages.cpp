@@ -1,4 +1,6 @@
 // client → server: read strictly, printed without what is at its default.
+#include <nlohmann/json.hpp>
+
 #include "protocol/json_fields.hpp"
 #include "protocol/json_text.hpp"
 #include "protocol/messages.hpp"

@@ -1,5 +1,6 @@
 #include "protocol/json_text.hpp"
 
+#include <nlohmann/json.hpp>
 #include <set>
 #include <vector>
 

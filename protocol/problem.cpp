@@ -1,5 +1,7 @@
 #include "protocol/problem.hpp"
 
+#include <nlohmann/json.hpp>
+
 #include "protocol/json_fields.hpp"
 
 namespace scancast {

@@ -1,4 +1,6 @@
 // server → client: read leniently, printed whole.
+#include <nlohmann/json.hpp>
+
 #include "protocol/json_fields.hpp"
 #include "protocol/json_text.hpp"
 #include "protocol/messages.hpp"

@@ -1,6 +1,7 @@
 #include "protocol/view_json.hpp"
 
 #include <algorithm>
+#include <nlohmann/json.hpp>
 
 #include "protocol/json_fields.hpp"
 #include "protocol/nearest_name.hpp"
@@ -236,8 +237,8 @@ json toJson(const View& view) {
         {"colormap", style.colormap},
         {"range", orNull(style.range)},
         {"classes", orNull(style.classes)},
-        {"clip",
-         style.clip ? json{{"min", jsonArray(style.clip->min)}, {"max", jsonArray(style.clip->max)}} : json()},
+        {"clip", style.clip ? json{{"min", jsonArray(style.clip->min)}, {"max", jsonArray(style.clip->max)}}
+                            : json()},
         {"shading", style.shading ? json(name(*style.shading)) : json()},
         {"mirrors", style.mirrors},
         {"behindMirrors", style.behindMirrors},

@@ -4,7 +4,7 @@
 // Pure functions without state; any thread. Pipeline: parseJson → **applyJson** → the view that is rendered.
 #pragma once
 
-#include <nlohmann/json.hpp>
+#include <nlohmann/json_fwd.hpp>
 
 #include "protocol/view.hpp"
 

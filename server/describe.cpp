@@ -1,5 +1,7 @@
 #include "server/describe.hpp"
 
+#include <nlohmann/json.hpp>
+
 #include "protocol/classification.hpp"
 #include "renderer/cloud/import/crs_text.hpp"
 #include "renderer/image/colormap.hpp"

@@ -2,7 +2,7 @@
 // Pure functions; any thread.
 #pragma once
 
-#include <nlohmann/json.hpp>
+#include <nlohmann/json_fwd.hpp>
 #include <vector>
 
 #include "protocol/catalog.hpp"

@@ -6,6 +6,7 @@
 
 #include <ctime>
 #include <memory>
+#include <nlohmann/json.hpp>
 #include <utility>
 
 #include "protocol/json_text.hpp"

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <glm/geometric.hpp>
+#include <nlohmann/json.hpp>
 
 #include "protocol/json_fields.hpp"
 #include "protocol/json_text.hpp"

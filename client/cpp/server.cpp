@@ -1,6 +1,7 @@
 #include "client/cpp/server.hpp"
 
 #include <algorithm>
+#include <nlohmann/json.hpp>
 
 #include "client/cpp/http_get.hpp"
 #include "protocol/json_text.hpp"

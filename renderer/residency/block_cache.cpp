@@ -15,7 +15,7 @@ namespace scancast {
 
 namespace {
 
-using Cloud = BlockTable::Cloud;
+using CachedCloud = BlockTable::Cloud;
 
 // Of one cloud; a screenful of samples, so that a picture is never coarser than that.
 constexpr std::uint64_t mostPinned = 16u << 20;
@@ -54,12 +54,12 @@ class Cache final : public BlockCache, public std::enable_shared_from_this<Cache
     BlockCacheStats stats() const override;
     void stop() override;
 
-    std::optional<SampleRun> find(Cloud& cloud, std::uint32_t node);
-    std::vector<Expected<SampleRun>> loadAll(Cloud& cloud, std::span<const std::uint32_t> nodes,
+    std::optional<SampleRun> find(CachedCloud& cloud, std::uint32_t node);
+    std::vector<Expected<SampleRun>> loadAll(CachedCloud& cloud, std::span<const std::uint32_t> nodes,
                                              const std::stop_token& stop);
-    void request(Cloud& cloud, std::uint64_t requester, std::vector<Wish> wishes);
-    bool damaged(Cloud& cloud, std::uint32_t node);
-    void remove(Cloud& cloud);
+    void request(CachedCloud& cloud, std::uint64_t requester, std::vector<Wish> wishes);
+    bool damaged(CachedCloud& cloud, std::uint32_t node);
+    void remove(CachedCloud& cloud);
     std::uint64_t limit() const { return table_.limit(); }
 
   private:
@@ -70,8 +70,10 @@ class Cache final : public BlockCache, public std::enable_shared_from_this<Cache
     bool serveWish(Lock& lock);
     bool anyDemandHasWork() const;
     void work(Demand& demand, Lock& lock);
-    void load(std::shared_ptr<Cloud> cloud, std::uint32_t node, std::shared_ptr<Block> room, Lock& lock);
-    void answer(const Cloud& cloud, std::uint32_t node, const Expected<std::shared_ptr<const Block>>& result);
+    void load(std::shared_ptr<CachedCloud> cloud, std::uint32_t node, std::shared_ptr<Block> room,
+              Lock& lock);
+    void answer(const CachedCloud& cloud, std::uint32_t node,
+                const Expected<std::shared_ptr<const Block>>& result);
 
     const BlockCacheOptions options_;
     mutable std::mutex mutex_;
@@ -91,7 +93,7 @@ class Cache final : public BlockCache, public std::enable_shared_from_this<Cache
 
 class ResidentStore final : public SampleStore {
   public:
-    ResidentStore(std::shared_ptr<Cache> cache, std::shared_ptr<Cloud> cloud)
+    ResidentStore(std::shared_ptr<Cache> cache, std::shared_ptr<CachedCloud> cloud)
         : cache_(std::move(cache)), cloud_(std::move(cloud)), tables_(cache_->reserve(tableBytes())) {}
     ~ResidentStore() override { cache_->remove(*cloud_); }
 
@@ -122,12 +124,12 @@ class ResidentStore final : public SampleStore {
     }
 
     const std::shared_ptr<Cache> cache_;
-    const std::shared_ptr<Cloud> cloud_;
+    const std::shared_ptr<CachedCloud> cloud_;
     const std::shared_ptr<const void> tables_;
 };
 
 std::shared_ptr<SampleStore> Cache::add(std::shared_ptr<const CloudFile> file) {
-    std::shared_ptr<Cloud> cloud;
+    std::shared_ptr<CachedCloud> cloud;
     {
         const Lock lock(mutex_);
         // However many clouds there are, their pins leave three quarters of the memory to what is looked at.
@@ -143,13 +145,13 @@ std::shared_ptr<SampleStore> Cache::add(std::shared_ptr<const CloudFile> file) {
     return store;
 }
 
-void Cache::remove(Cloud& cloud) {
+void Cache::remove(CachedCloud& cloud) {
     const Lock lock(mutex_);
     wishes_.forget(cloud.id);
     table_.remove(cloud);
 }
 
-std::optional<SampleRun> Cache::find(Cloud& cloud, std::uint32_t node) {
+std::optional<SampleRun> Cache::find(CachedCloud& cloud, std::uint32_t node) {
     const BlockTable::Time time = now();
     const Lock lock(mutex_);
     auto block = table_.use(cloud, node, time);
@@ -157,12 +159,12 @@ std::optional<SampleRun> Cache::find(Cloud& cloud, std::uint32_t node) {
     return runOf(std::move(block));
 }
 
-bool Cache::damaged(Cloud& cloud, std::uint32_t node) {
+bool Cache::damaged(CachedCloud& cloud, std::uint32_t node) {
     const Lock lock(mutex_);
     return table_.state(cloud, node, now()) == BlockState::Damaged;
 }
 
-void Cache::request(Cloud& cloud, std::uint64_t requester, std::vector<Wish> wishes) {
+void Cache::request(CachedCloud& cloud, std::uint64_t requester, std::vector<Wish> wishes) {
     const BlockTable::Time time = now();
     {
         const Lock lock(mutex_);
@@ -178,7 +180,7 @@ void Cache::request(Cloud& cloud, std::uint64_t requester, std::vector<Wish> wis
 // ---- waiting
 // --------------------------------------------------------------------------------------------------
 
-std::vector<Expected<SampleRun>> Cache::loadAll(Cloud& cloud, std::span<const std::uint32_t> nodes,
+std::vector<Expected<SampleRun>> Cache::loadAll(CachedCloud& cloud, std::span<const std::uint32_t> nodes,
                                                 const std::stop_token& stop) {
     Demand demand(cloud, nodes);
     Lock lock(mutex_);
@@ -212,7 +214,7 @@ std::vector<Expected<SampleRun>> Cache::loadAll(Cloud& cloud, std::span<const st
 // The next block of a demand: here already, being loaded by somebody else, or ours to load.
 void Cache::work(Demand& demand, Lock& lock) {
     const std::uint32_t node = demand.takeNode();
-    Cloud& cloud = demand.cloud();
+    CachedCloud& cloud = demand.cloud();
     switch (table_.state(cloud, node, now())) {
         case BlockState::Resident:
             return answer(cloud, node, table_.use(cloud, node, now()));
@@ -229,7 +231,7 @@ void Cache::work(Demand& demand, Lock& lock) {
     load(std::move(shared), node, std::move(room), lock);
 }
 
-void Cache::answer(const Cloud& cloud, std::uint32_t node,
+void Cache::answer(const CachedCloud& cloud, std::uint32_t node,
                    const Expected<std::shared_ptr<const Block>>& result) {
     for (Demand* demand : demands_) demand->answer(cloud, node, result);
     changed_.notify_all();
@@ -276,7 +278,8 @@ bool Cache::serveWish(Lock& lock) {
 }
 
 // Reads without the lock; the slot is Loading meanwhile.
-void Cache::load(std::shared_ptr<Cloud> cloud, std::uint32_t node, std::shared_ptr<Block> room, Lock& lock) {
+void Cache::load(std::shared_ptr<CachedCloud> cloud, std::uint32_t node, std::shared_ptr<Block> room,
+                 Lock& lock) {
     lock.unlock();
     const auto read = [&]() -> Expected<std::vector<Sample>> {
         try {

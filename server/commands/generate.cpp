@@ -145,7 +145,7 @@ Expected<void> generate(const GenerateArguments& arguments) {
     return {};
 }
 
-constexpr const char* examples =
+constexpr const char* generateExamples =
     "Examples:\n"
     "  scancast generate town --points 20M -o town.las         # points about 6 cm apart\n"
     "  scancast generate room --points 3M -o room.ply          # and room.ply.mirrors.json\n"
@@ -195,7 +195,7 @@ void addGenerate(CLI::App& app, int& exitCode) {
         ->capture_default_str()
         ->type_name("N");
     command->add_flag("-q,--quiet", arguments->quiet, "No progress on standard error");
-    command->footer(examples);
+    command->footer(generateExamples);
     command->callback([arguments, &exitCode] {
         std::signal(SIGPIPE, SIG_IGN);  // a closed pipe is an error to report, not a death
         std::signal(SIGINT, onInterrupt);

@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <memory>
+#include <nlohmann/json.hpp>
 
 #include "server/commands/command.hpp"
 #include "server/commands/file_info.hpp"

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <nlohmann/json.hpp>
 
 #include "protocol/classification.hpp"
 #include "renderer/cloud/import/crs_text.hpp"

@@ -1,7 +1,7 @@
 // What is known of a file as text for people and as JSON (docs/info.md). Pure functions.
 #pragma once
 
-#include <nlohmann/json.hpp>
+#include <nlohmann/json_fwd.hpp>
 #include <string>
 
 #include "server/commands/file_info.hpp"

@@ -145,7 +145,7 @@ Expected<void> runIngest(const IngestArguments& arguments) {
     return {};
 }
 
-constexpr const char* examples =
+constexpr const char* ingestExamples =
     "Examples:\n"
     "  scancast ingest town.las -o town.scan\n"
     "  scancast ingest flight/*.laz -o flight.scan --memory-limit 4G --orient up\n"
@@ -203,7 +203,7 @@ void addIngest(CLI::App& app, int& exitCode) {
         ->capture_default_str()
         ->type_name("N");
     command->add_flag("-q,--quiet", arguments->quiet, "No progress on standard error");
-    command->footer(examples);
+    command->footer(ingestExamples);
     command->callback([arguments, &exitCode] {
         const auto done = runIngest(*arguments);
         exitCode = done ? 0 : 1;

@@ -19,7 +19,7 @@ void onSignal(int) {
     const int saved = errno;
     received.fetch_add(1);
     // A full pipe is as good a wake-up as one more byte.
-    [[maybe_unused]] const auto written = write(pipeEnds[1], "", 1);
+    [[maybe_unused]] const auto written = ::write(pipeEnds[1], "", 1);
     errno = saved;
 }
 

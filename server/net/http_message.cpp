@@ -1,6 +1,7 @@
 #include "server/net/http_message.hpp"
 
 #include <algorithm>
+#include <nlohmann/json.hpp>
 
 #include "protocol/json_text.hpp"
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <nlohmann/json.hpp>
 
 #include "protocol/query.hpp"
 #include "protocol/view_json.hpp"

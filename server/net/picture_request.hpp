@@ -2,7 +2,7 @@
 // query or a JSON body. Pure functions; any thread. Pipeline: router → **picture request** → api.
 #pragma once
 
-#include <nlohmann/json.hpp>
+#include <nlohmann/json_fwd.hpp>
 
 #include "protocol/query.hpp"
 #include "renderer/cloud/cloud.hpp"

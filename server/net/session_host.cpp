@@ -1,6 +1,7 @@
 #include "server/net/session_host.hpp"
 
 #include <boost/asio/post.hpp>
+#include <nlohmann/json.hpp>
 
 #include "server/describe.hpp"
 

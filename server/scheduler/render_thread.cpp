@@ -5,15 +5,12 @@
 #include <algorithm>
 #include <utility>
 
+#include "renderer/clock.hpp"
 #include "server/scheduler/outcome.hpp"
 #include "server/scheduler/scheduler.hpp"
 
 namespace scancast {
 namespace {
-
-double millisecondsSince(Scheduler::Clock::time_point start) {
-    return std::chrono::duration<double, std::milli>(Scheduler::Clock::now() - start).count();
-}
 
 template <class T>
 bool isLost(const Expected<T>& result) {

@@ -3,16 +3,10 @@
 #include <algorithm>
 #include <utility>
 
+#include "renderer/clock.hpp"
 #include "server/scheduler/outcome.hpp"
 
 namespace scancast {
-namespace {
-
-double millisecondsSince(Scheduler::Clock::time_point start) {
-    return std::chrono::duration<double, std::milli>(Scheduler::Clock::now() - start).count();
-}
-
-}  // namespace
 
 Scheduler::Scheduler(OpenPainter openPainter, const SchedulerOptions& options, Metrics& metrics)
     : openPainter_(std::move(openPainter)), options_(options), metrics_(metrics) {

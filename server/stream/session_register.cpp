@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <array>
 #include <cstdlib>
+#include <nlohmann/json.hpp>
 
 #include "protocol/nearest_name.hpp"
 #include "protocol/view_json.hpp"

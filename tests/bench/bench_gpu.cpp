@@ -192,8 +192,8 @@ Settings parse(int argc, char** argv) {
         std::exit(app.exit(error));
     }
     if (quick) {
-        s.points = {30'000};
-        s.sizes = {{1248, 768}};
+        s.points = {10'000};
+        s.sizes = {{320, 192}};
         s.repeat = 1;
     }
     if (!points.empty())

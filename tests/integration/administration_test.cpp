@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <fstream>
+#include <nlohmann/json.hpp>
 
 #include "tests/integration/server_fixture.hpp"
 #include "tests/support/temporary_folder.hpp"

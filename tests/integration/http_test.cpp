@@ -1,11 +1,11 @@
 // Every route over a real socket, and what HTTP asks of a server beyond them.
+#include <nlohmann/json.hpp>
 #include <thread>
 
 #include "tests/integration/server_fixture.hpp"
 
 namespace scancast::test {
 namespace {
-
 
 class HttpTest : public ServerTest {};
 

@@ -1,11 +1,11 @@
 // Pictures over plain HTTP, sessions driven by POST, and one session that follows another: over real sockets.
 #include <gmock/gmock.h>
+#include <nlohmann/json.hpp>
 
 #include "tests/integration/server_fixture.hpp"
 
 namespace scancast::test {
 namespace {
-
 
 /// A client that reads parts; what it has read and not used yet is kept.
 class MjpegClient {

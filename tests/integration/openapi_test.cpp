@@ -4,6 +4,7 @@
 
 #include <filesystem>
 #include <fstream>
+#include <nlohmann/json.hpp>
 
 #include "protocol/query.hpp"
 #include "protocol/view_words.hpp"

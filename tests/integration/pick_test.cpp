@@ -1,17 +1,17 @@
 // What lies under a pixel, over HTTP and over a stream. The fake device draws depth 1 everywhere, and the
 // cloud has one point: what is tested is everything around the search itself (tests/oracle/pick).
+#include <nlohmann/json.hpp>
+
 #include "tests/integration/server_fixture.hpp"
 
 namespace scancast::test {
 namespace {
 
-constexpr const char* target = "/api/v1/clouds/one/pick";
+constexpr const char* pickTarget = "/api/v1/clouds/one/pick";
 
 class PickTest : public ServerTest {
   protected:
-    HttpReply ask(const nlohmann::json& body) const {
-        return post(port(), target, body.dump(), {sendsJson});
-    }
+    HttpReply ask(const nlohmann::json& body) const { return post(port(), pickTarget, body.dump(), {sendsJson}); }
 };
 
 const nlohmann::json view{{"width", 32}, {"height", 16}};
@@ -59,7 +59,7 @@ TEST_F(PickTest, RefusalsNameTheField) {
         EXPECT_EQ(parseJson(reply.body).value()["errors"][0]["parameter"], field) << body;
     }
     EXPECT_TRUE(painter.begun().empty());
-    EXPECT_EQ(request(port(), target).header("allow"), "POST");
+    EXPECT_EQ(request(port(), pickTarget).header("allow"), "POST");
     EXPECT_EQ(post(port(), "/api/v1/clouds/none/pick", "{}", {sendsJson}).status, 404);
 }
 

@@ -1,5 +1,6 @@
 // POST /clouds/{id}/snapshot over a real socket: formats, bodies, and pictures that many ask for at once.
 #include <cstring>
+#include <nlohmann/json.hpp>
 #include <set>
 #include <span>
 #include <thread>
@@ -9,15 +10,14 @@
 namespace scancast::test {
 namespace {
 
-constexpr const char* target = "/api/v1/clouds/one/snapshot";
+constexpr const char* snapshotTarget = "/api/v1/clouds/one/snapshot";
 const std::string small = R"({"width":32,"height":16})";
-const std::string json = "Content-Type: application/json";
 
 class SnapshotTest : public ServerTest {
   protected:
     HttpReply ask(const std::string& body, std::vector<std::string> headers = {}) const {
-        headers.push_back(json);
-        return post(port(), target, body, headers);
+        headers.push_back(sendsJson);
+        return post(port(), snapshotTarget, body, headers);
     }
 };
 
@@ -86,8 +86,8 @@ TEST_F(SnapshotTest, EqualOnesAtOnceAreRenderedOnce) {
 
 TEST_F(SnapshotTest, BodiesAreCheckedBeforeAnythingIsDrawn) {
     start();
-    EXPECT_EQ(post(port(), target, small, {}).status, 415);
-    EXPECT_EQ(post(port(), target, small, {"Content-Type: text/plain"}).status, 415);
+    EXPECT_EQ(post(port(), snapshotTarget, small, {}).status, 415);
+    EXPECT_EQ(post(port(), snapshotTarget, small, {"Content-Type: text/plain"}).status, 415);
     EXPECT_EQ(ask("").status, 400);
     EXPECT_EQ(ask("{").status, 400);
     EXPECT_EQ(ask("[]").status, 400);
@@ -96,8 +96,8 @@ TEST_F(SnapshotTest, BodiesAreCheckedBeforeAnythingIsDrawn) {
     EXPECT_EQ(typo.status, 400);
     EXPECT_EQ(parseJson(typo.body).value()["errors"][0]["parameter"], "camera.fvo");
     EXPECT_EQ(ask(R"({"camera":{"eye":[1,1,1],"target":[1,1,1]}})").status, 422);
-    EXPECT_EQ(post(port(), "/api/v1/clouds/none/snapshot", small, {json}).status, 404);
-    const HttpReply get = request(port(), target);
+    EXPECT_EQ(post(port(), "/api/v1/clouds/none/snapshot", small, {sendsJson}).status, 404);
+    const HttpReply get = request(port(), snapshotTarget);
     EXPECT_EQ(get.status, 405);
     EXPECT_EQ(get.header("allow"), "POST");
     EXPECT_TRUE(painter.begun().empty());
@@ -106,13 +106,13 @@ TEST_F(SnapshotTest, BodiesAreCheckedBeforeAnythingIsDrawn) {
 TEST_F(SnapshotTest, LongBodiesAre413WhateverTheySayOfTheirLength) {
     start();
     RawSocket announced(port());
-    announced.send(std::string("POST ") + target + " HTTP/1.1\r\nHost: localhost\r\n" + json +
+    announced.send(std::string("POST ") + snapshotTarget + " HTTP/1.1\r\nHost: localhost\r\n" + sendsJson +
                    "\r\nContent-Length: 1000000000\r\n\r\n{");
     const HttpReply reply = readReply(announced);
     EXPECT_EQ(reply.status, 413);
     EXPECT_EQ(reply.header("connection"), "close");
     RawSocket chunked(port());
-    chunked.send(std::string("POST ") + target + " HTTP/1.1\r\nHost: localhost\r\n" + json +
+    chunked.send(std::string("POST ") + snapshotTarget + " HTTP/1.1\r\nHost: localhost\r\n" + sendsJson +
                  "\r\nTransfer-Encoding: chunked\r\n\r\n");
     const std::string chunk = "4000\r\n" + std::string(0x4000, ' ') + "\r\n";
     for (int i = 0; i < 6; ++i) chunked.send(chunk);
@@ -123,12 +123,12 @@ TEST_F(SnapshotTest, ChunkedAndExpectingBodiesAreRead) {
     start();
     RawSocket chunked(port());
     chunked.send(
-        std::string("POST ") + target + " HTTP/1.1\r\nHost: localhost\r\n" + json +
+        std::string("POST ") + snapshotTarget + " HTTP/1.1\r\nHost: localhost\r\n" + sendsJson +
         "\r\nTransfer-Encoding: chunked\r\n\r\n9\r\n{\"width\":\r\n10\r\n32,\"height\": 16}\r\n0\r\n\r\n");
     EXPECT_EQ(readReply(chunked).status, 200);
     EXPECT_EQ(requestOn(chunked, "/healthz").status, 200) << "the connection is kept";
     RawSocket expecting(port());
-    expecting.send(std::string("POST ") + target + " HTTP/1.1\r\nHost: localhost\r\n" + json +
+    expecting.send(std::string("POST ") + snapshotTarget + " HTTP/1.1\r\nHost: localhost\r\n" + sendsJson +
                    "\r\nExpect: 100-continue\r\nContent-Length: " + std::to_string(small.size()) +
                    "\r\n\r\n");
     EXPECT_EQ(expecting.receive(25), "HTTP/1.1 100 Continue\r\n\r\n");
@@ -140,7 +140,7 @@ TEST_F(SnapshotTest, ABodyThatNeverComesRunsIntoTheDeadline) {
     options.limits.requestTimeout = std::chrono::milliseconds(300);
     start();
     RawSocket socket(port());
-    socket.send(std::string("POST ") + target + " HTTP/1.1\r\nHost: localhost\r\n" + json +
+    socket.send(std::string("POST ") + snapshotTarget + " HTTP/1.1\r\nHost: localhost\r\n" + sendsJson +
                 "\r\nContent-Length: 100\r\n\r\n{");
     EXPECT_TRUE(socket.receiveAll().empty());
     EXPECT_TRUE(eventually([&] { return server->connections() == 0; }));
@@ -150,7 +150,7 @@ TEST_F(SnapshotTest, NobodyReadsABodyWithoutAToken) {
     options.tokens.user = "letmein-0123456789";
     start();
     RawSocket socket(port());
-    socket.send(std::string("POST ") + target + " HTTP/1.1\r\nHost: localhost\r\n" + json +
+    socket.send(std::string("POST ") + snapshotTarget + " HTTP/1.1\r\nHost: localhost\r\n" + sendsJson +
                 "\r\nContent-Length: 60000\r\n\r\n");
     EXPECT_EQ(readReply(socket).status, 401);
 }

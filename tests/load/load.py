@@ -56,7 +56,7 @@ class Sheet:
 class Load:
     def __init__(self, client, server, sheet, quick):
         self.client, self.server, self.sheet, self.quick = client, server, sheet, quick
-        self.seconds = 2 if quick else 15
+        self.seconds = 1 if quick else 15
 
     def bench(self, *flags, url=None, size=(1280, 720)):
         groups, sampler = serving.bench(self.client, self.server, *flags, "--width", size[0], "--height", size[1], url=url)

@@ -23,6 +23,9 @@ foreach(suite IN LISTS suites)
   if(GL_LABEL AND suite MATCHES "^Gl/")
     set(label "${GL_LABEL}")
   endif()
+  if(suite MATCHES "^Slow/")
+    set(label slow)
+  endif()
   string(APPEND tests "add_test([==[${suite} (${NAME})]==] [==[${LAUNCHER}]==] ${budget} [==[${PROGRAM}]==] "
                       "[==[--gtest_filter=${suite}.*]==])\n"
                       "set_tests_properties([==[${suite} (${NAME})]==] PROPERTIES LABELS ${label} TIMEOUT 600 COST ${budget} "

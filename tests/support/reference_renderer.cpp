@@ -73,13 +73,13 @@ double oneMinusWeight(Profile profile, double u, double v) {
     return 0;
 }
 
-struct Splat {
+struct FlatSplat {
     double x, y, depth, p, q;
     std::uint64_t ordinal;
     Rgb8 color;
 };
 
-void draw(const Splat& s, const NearestPass& pass, ReferencePicture& picture) {
+void draw(const FlatSplat& s, const NearestPass& pass, ReferencePicture& picture) {
     const double reach = s.p / 2 + 1;
     for (int y = std::max(0, int(std::floor(s.y - reach)));
          y <= std::min(picture.height - 1, int(s.y + reach)); ++y) {
@@ -115,7 +115,7 @@ ReferencePicture referenceNearest(const Drawing& drawing) {
         for (std::size_t i = 0; i < run.samples.size(); ++i) {
             const glm::dvec3 place = position(*run.node, run.samples[i]);
             const glm::dvec4 eye = v.cloudToView * glm::dvec4(place, 1);
-            Splat s;
+            FlatSplat s;
             s.depth = -eye.z;
             if (!(s.depth >= v.near && s.depth <= v.far) || !(s.depth > 0)) continue;
             if (!wanted(drawing.filter, run.samples[i], place)) continue;

@@ -57,7 +57,7 @@ class SurfelRenderer {
         return {middleX() + q * p.x, middleY() - q * p.y};
     }
 
-    std::optional<Seen> see(const CutRun& run, std::size_t i, const AnySplat& splat) const {
+    std::optional<Seen> see(const CutRun& run, std::size_t i, const Splat& splat) const {
         const Sample& sample = run.samples[i];
         const Surfel surfel = decodeSurfel(sample, run.node->radiusUnit);
         if (surfel.outlier) return std::nullopt;
@@ -163,7 +163,7 @@ class SurfelRenderer {
     }
 
     template <class Visit>
-    void overSurfels(const AnySplat& splat, const Visit& visit) {
+    void overSurfels(const Splat& splat, const Visit& visit) {
         for (const CutRun& run : drawing_.cut->runs) {
             for (std::size_t i = 0; i < run.samples.size(); ++i) {
                 if (const auto seen = see(run, i, splat)) visit(*seen);
@@ -171,7 +171,7 @@ class SurfelRenderer {
         }
     }
 
-    void silhouette(const AnySplat& splat) {
+    void silhouette(const Splat& splat) {
         if (!drawing_.oriented) return;
         overSurfels(splat, [&](const Seen& seen) {
             drawDisc(seen, seen.radius, [](const Seen&, const Fragment& f, ReferencePixel& p) {
@@ -186,7 +186,7 @@ class SurfelRenderer {
         p.nearest = s.ordinal;
     }
 
-    void nearest(const AnySplat& splat) {
+    void nearest(const Splat& splat) {
         overSurfels(splat, [&](const Seen& seen) {
             if (splat.footprint == Footprint::Disc) return drawDisc(seen, seen.radius, keepNearest);
             drawEllipse(

@@ -1,5 +1,6 @@
 // `scancast-client bench`: many sessions at once, each with a behaviour, and what they see.
 #include <cstdio>
+#include <nlohmann/json.hpp>
 #include <thread>
 
 #include "client/cpp/program/bench_report.hpp"

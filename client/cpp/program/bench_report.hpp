@@ -1,7 +1,7 @@
 // What the sessions of a bench saw, put together: as JSON for programs, as lines for people. Pure functions.
 #pragma once
 
-#include <nlohmann/json.hpp>
+#include <nlohmann/json_fwd.hpp>
 
 #include "client/cpp/program/bench_session.hpp"
 

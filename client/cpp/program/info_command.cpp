@@ -1,5 +1,6 @@
 // `scancast-client info`: what a server has and what it can do.
 #include <cstdio>
+#include <nlohmann/json.hpp>
 
 #include "client/cpp/program/command.hpp"
 #include "protocol/json_text.hpp"

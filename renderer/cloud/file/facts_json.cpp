@@ -5,6 +5,7 @@
 #include <charconv>
 #include <cmath>
 #include <glm/geometric.hpp>
+#include <nlohmann/json.hpp>
 
 #include "protocol/json_text.hpp"
 

@@ -65,19 +65,28 @@ TEST_P(Voronoi, EqualParaboloidsOnAFacingPlaneAreTheVoronoiDiagramOfTheirCentres
     const double sizePx = 12;
     const std::vector<AnalyticPoint> points = facingPlane(view, 5, 6);
     const AnalyticCloud cloud(points, 0.1);
+    const std::vector<Seen> places = projected(view, cloud, points.size());
+    struct Nearest {
+        std::size_t number = 0;
+        double distance = 1e9;
+    };
+    std::vector<Nearest> diagram;  // by brute force, of every pixel
+    for (int y = 0; y < height; ++y) {
+        for (int x = 0; x < width; ++x) {
+            Nearest& nearest = diagram.emplace_back();
+            for (std::size_t i = 1; i < places.size(); ++i) {
+                const double d = std::hypot(x + 0.5 - places[i].x, y + 0.5 - places[i].y);
+                if (d < nearest.distance) nearest = {i, d};
+            }
+        }
+    }
     for (const Profile profile : {Profile::Paraboloid, Profile::Cone, Profile::Sphere, Profile::Flat}) {
         Scene scene(view, cloud.cut(), sprite(Footprint::Circle, profile, float(sizePx)));
         const Frame frame = mustDraw(*device_, scene.drawing);
-        const std::vector<Seen> places = projected(view, cloud, points.size());
         int covered = 0, right = 0, outside = 0;
         for (int y = 0; y < frame.height; ++y) {
             for (int x = 0; x < frame.width; ++x) {
-                std::size_t nearest = 0;
-                double best = 1e9;
-                for (std::size_t i = 1; i < places.size(); ++i) {
-                    const double d = std::hypot(x + 0.5 - places[i].x, y + 0.5 - places[i].y);
-                    if (d < best) best = d, nearest = i;
-                }
+                const auto& [nearest, best] = diagram[static_cast<std::size_t>(y * width + x)];
                 const std::size_t shown = number(pixel(frame, x, y));
                 if (best > sizePx / 2 + 1) outside += shown != 0 ? 1 : 0;
                 if (best > sizePx / 2) continue;

@@ -1,6 +1,7 @@
 #include "client/cpp/server.hpp"
 
 #include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
 
 #include "protocol/json_text.hpp"
 #include "protocol/problem.hpp"

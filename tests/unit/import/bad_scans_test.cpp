@@ -15,12 +15,12 @@ using ::testing::HasSubstr;
 
 namespace {
 
-ImportOptions options() {
+ImportOptions badScanOptions() {
     return {.importerDirectory = SCANCAST_BIN_DIR};
 }
 
-void expectError(const std::filesystem::path& file, ErrorCode code, const char* reason) {
-    const auto scan = summarizeOpened(openScan(file, options()));
+void expectBadScan(const std::filesystem::path& file, ErrorCode code, const char* reason) {
+    const auto scan = summarizeOpened(openScan(file, badScanOptions()));
     ASSERT_FALSE(scan) << file;
     EXPECT_EQ(name(scan.error().code), name(code)) << scan.error().message;
     EXPECT_THAT(scan.error().message, HasSubstr(file.string()));
@@ -68,7 +68,7 @@ class BadScans : public ::testing::TestWithParam<BadScan> {};
 TEST_P(BadScans, AreRefusedByReason) {
     const auto& bad = GetParam();
     REQUIRE_TEST_DATA(bad.file);
-    expectError(testData(bad.file), bad.code, bad.reason);
+    expectBadScan(testData(bad.file), bad.code, bad.reason);
 }
 
 INSTANTIATE_TEST_SUITE_P(All, BadScans, ::testing::ValuesIn(badScans), fileAsTestName<BadScan>);
@@ -80,30 +80,30 @@ TEST(DamagedBesideThePoints, IsRead) {
                                        {"bad/malformed_extrabytes.las", 10},
                                        {"bad/gps-time-nan.las", 1}}) {
         REQUIRE_TEST_DATA(file);
-        const auto scan = summarizeOpened(openScan(testData(file), options()));
+        const auto scan = summarizeOpened(openScan(testData(file), badScanOptions()));
         ASSERT_TRUE(scan) << scan.error().message;
         EXPECT_EQ(scan->points, static_cast<std::uint64_t>(points)) << file;
     }
 }
 
 TEST(NotAScan, MissingFile) {
-    expectError("/nowhere/scan.las", ErrorCode::NotFound, "no such file");
+    expectBadScan("/nowhere/scan.las", ErrorCode::NotFound, "no such file");
 }
 
 TEST(NotAScan, Directory) {
     const TemporaryFolder folder;
-    expectError(folder.path(), ErrorCode::Unsupported, "is a directory without cloud.js or metadata.json");
+    expectBadScan(folder.path(), ErrorCode::Unsupported, "is a directory without cloud.js or metadata.json");
 }
 
 TEST(NotAScan, EmptyFile) {
     const TemporaryFolder folder;
     for (const char* name : {"a.las", "a.ply", "a"})
-        expectError(folder.write(name, ""), ErrorCode::Empty, "is an empty file (0 bytes)");
+        expectBadScan(folder.write(name, ""), ErrorCode::Empty, "is an empty file (0 bytes)");
 }
 
 TEST(NotAScan, Devices) {
-    expectError("/dev/zero", ErrorCode::Unsupported, "is a device");
-    expectError("/dev/null", ErrorCode::Unsupported, "is a device");
+    expectBadScan("/dev/zero", ErrorCode::Unsupported, "is a device");
+    expectBadScan("/dev/null", ErrorCode::Unsupported, "is a device");
 }
 
 // Opening a pipe that nobody writes to would wait for ever.
@@ -111,7 +111,7 @@ TEST(NotAScan, NamedPipe) {
     const TemporaryFolder folder;
     const auto pipe = folder.path() / "pipe.las";
     ASSERT_EQ(::mkfifo(pipe.c_str(), 0600), 0);
-    expectError(pipe, ErrorCode::Unsupported, "a pipe");
+    expectBadScan(pipe, ErrorCode::Unsupported, "a pipe");
 }
 
 TEST(NotAScan, UnreadableFile) {
@@ -124,7 +124,7 @@ TEST(NotAScan, UnreadableFile) {
     if (user == 0) {
         ASSERT_EQ(::seteuid(nobody), 0);
     }
-    expectError(file, ErrorCode::Io, "cannot be opened: Permission denied");
+    expectBadScan(file, ErrorCode::Io, "cannot be opened: Permission denied");
     ASSERT_EQ(::seteuid(user), 0);
 }
 
@@ -141,7 +141,7 @@ TEST(NotAScan, OtherThings) {
           {"{\n  \"points\": [1, 2, 3]\n}\n"s, "it is text, but not of points"},
           {"Dear all,\n\nthe 3 scans of 2024 are 12 GB.\n"s, "Scancast reads"},
           {std::string(5000, '\0'), "starts with the bytes 00 00 00 00"}})
-        expectError(folder.write("scan.las", content), ErrorCode::Unsupported, reason);
+        expectBadScan(folder.write("scan.las", content), ErrorCode::Unsupported, reason);
 }
 
 // The name says nothing: a LAS file called .ply is a LAS file.
@@ -154,7 +154,7 @@ TEST(Formats, GoByContent) {
                                    {"pcd/bun0.pcd", "no extension"}}) {
         std::filesystem::copy_file(testData(from), folder.path() / to);
         std::filesystem::permissions(folder.path() / to, std::filesystem::perms::owner_all);
-        const auto scan = summarizeOpened(openScan(folder.path() / to, options()));
+        const auto scan = summarizeOpened(openScan(folder.path() / to, badScanOptions()));
         EXPECT_TRUE(scan) << scan.error().message;
     }
 }

@@ -90,7 +90,7 @@ struct Kept {
     std::map<std::string, Values> values;
 };
 
-Kept read(const std::vector<std::byte>& bytes, bool seekable = true) {
+Kept readKept(const std::vector<std::byte>& bytes, bool seekable = true) {
     auto source = LasSource::create(std::make_unique<MemoryByteSource>(bytes, seekable), "a.las", true);
     EXPECT_TRUE(source) << source.error().message;
     if (!source) return {};
@@ -168,7 +168,7 @@ TEST(LasColumns, OldPointFormats) {
         put(bytes, at + 18, std::uint16_t(60000));
         const bool timed = format != 0 && format != 2;
         if (timed) put(bytes, at + 20, 123456.789);
-        const auto kept = read(bytes);
+        const auto kept = readKept(bytes);
         EXPECT_THAT(kept.values.at("return_number"), ElementsAre(0, 5));
         EXPECT_THAT(kept.values.at("number_of_returns"), ElementsAre(0, 6));
         EXPECT_THAT(kept.values.at("scan_direction_flag"), ElementsAre(0, 1));
@@ -199,7 +199,7 @@ TEST(LasColumns, NewPointFormats) {
         put(bytes, at + 22, -98765.4321);
         const bool infrared = format == 8 || format == 10;
         if (infrared) put(bytes, at + 36, std::uint16_t(54321));
-        const auto kept = read(bytes);
+        const auto kept = readKept(bytes);
         EXPECT_EQ(kept.values.at("return_number")[1], 9);
         EXPECT_EQ(kept.values.at("number_of_returns")[1], 15);
         EXPECT_EQ(kept.values.at("class_flags")[1], 10);
@@ -256,7 +256,7 @@ TEST(LasColumns, ExtraBytesOfEveryType) {
         next(1e-300);
         for (const int i : {1, 2, 3}) next(static_cast<std::uint16_t>(i));
         for (const int i : {11, 12, 13, 14, 15}) next(static_cast<std::uint8_t>(i));
-        const auto kept = read(bytes);
+        const auto kept = readKept(bytes);
         const auto value = [&](const char* name) { return kept.values.at(name).at(1); };
         EXPECT_EQ(value("a"), 255);
         EXPECT_EQ(value("b"), -128);
@@ -291,7 +291,7 @@ TEST(LasColumns, WrongDescriptionsCostNothing) {
                                                 {{30, 0, "three doubles"}}}) {
         auto file = fileOf(2, 0, 4);
         file.records = {extraBytesRecord(wrong)};
-        const auto kept = read(file.bytes());
+        const auto kept = readKept(file.bytes());
         const auto found = names(kept.header);
         EXPECT_THAT(std::vector(found.end() - 4, found.end()),
                     ElementsAre("extra_0", "extra_1", "extra_2", "extra_3"));
@@ -300,13 +300,13 @@ TEST(LasColumns, WrongDescriptionsCostNothing) {
     auto file = fileOf(2, 0, 2);
     file.records = {extraBytesRecord({{1, 8, "a", {std::numeric_limits<double>::infinity()}}, {1, 8, "b"}})};
     file.records[0].content.resize(192 + 100);
-    const auto found = names(read(file.bytes()).header);
+    const auto found = names(readKept(file.bytes()).header);
     EXPECT_THAT(std::vector(found.end() - 2, found.end()), ElementsAre("a", "extra_0"));
-    EXPECT_EQ(read(file.bytes()).header.columns[found.size() - 2].scale, 1);
+    EXPECT_EQ(readKept(file.bytes()).header.columns[found.size() - 2].scale, 1);
 }
 
 TEST(LasColumns, NumberOfColumnsIsBounded) {
-    const auto kept = read(fileOf(2, 0, 60000).bytes());
+    const auto kept = readKept(fileOf(2, 0, 60000).bytes());
     EXPECT_EQ(kept.header.columns.size(), 8 + mostExtraColumns);
 }
 
@@ -320,7 +320,7 @@ TEST(LasColumns, OnlyOnRequestAndTheSameOnAPipe) {
     PointBatch batch;
     EXPECT_TRUE((*plain)->read(batch));
     EXPECT_TRUE(batch.rows.empty());
-    EXPECT_EQ(read(bytes, true).values, read(bytes, false).values);
+    EXPECT_EQ(readKept(bytes, true).values, readKept(bytes, false).values);
 }
 
 // Points without a place are dropped with their rows.
@@ -333,7 +333,7 @@ TEST(LasColumns, RowsFollowThePointsThatStay) {
     file.points[0].y = file.points[4].y = 2000000000;
     auto bytes = file.bytes();
     for (std::size_t i = 0; i < 10; ++i) put(bytes, record(bytes, i) + 17, static_cast<std::uint8_t>(i));
-    EXPECT_THAT(read(bytes).values.at("user_data"), ElementsAre(1, 2, 3, 5, 6, 7, 8, 9));
+    EXPECT_THAT(readKept(bytes).values.at("user_data"), ElementsAre(1, 2, 3, 5, 6, 7, 8, 9));
 }
 
 // This file's extra bytes repeat what its records say: colour, return number and number of returns,

@@ -17,7 +17,7 @@ Expected<std::unique_ptr<LasSource>> open(const std::vector<std::byte>& bytes, b
     return LasSource::create(std::make_unique<MemoryByteSource>(bytes, seekable), "test.las");
 }
 
-Expected<ScanSummary> readAll(const std::vector<std::byte>& bytes, bool seekable = true) {
+Expected<ScanSummary> readLas(const std::vector<std::byte>& bytes, bool seekable = true) {
     return summarizeOpened(open(bytes, seekable));
 }
 
@@ -62,9 +62,9 @@ void expectPoints(const LasFile& file, const PointBatch& batch) {
     }
 }
 
-void expectError(const std::vector<std::byte>& bytes, ErrorCode code, const char* reason) {
+void expectLasError(const std::vector<std::byte>& bytes, ErrorCode code, const char* reason) {
     for (const bool seekable : {true, false}) {
-        const auto scan = readAll(bytes, seekable);
+        const auto scan = readLas(bytes, seekable);
         ASSERT_FALSE(scan) << reason;
         EXPECT_EQ(name(scan.error().code), name(code)) << scan.error().message;
         EXPECT_THAT(scan.error().message, HasSubstr("test.las"));
@@ -137,7 +137,7 @@ TEST(LasSource, OneBrightPointDecidesTheColourDepth) {
             LasFile file = sample(2, 2, 1, 150000);
             for (auto& p : file.points) p.red = p.green = p.blue = 200;
             file.points[bright].*channel = 256;
-            const auto scan = readAll(file.bytes());
+            const auto scan = readLas(file.bytes());
             ASSERT_TRUE(scan);
             EXPECT_EQ(scan->colorMax, 1);  // 200 of 65,535 is black
         }
@@ -147,7 +147,7 @@ TEST(LasSource, ContradictoryColoursOfAPipeAreAnError) {
     LasFile file = sample(2, 2, 1, 150000);
     for (auto& p : file.points) p.red = p.green = p.blue = 200;
     file.points[149999].blue = 256;
-    const auto scan = readAll(file.bytes(), false);
+    const auto scan = readLas(file.bytes(), false);
     ASSERT_FALSE(scan);
     EXPECT_THAT(scan.error().message, HasSubstr("save the scan to a file"));
 }
@@ -157,7 +157,7 @@ TEST(LasSource, BlackStartOfAPipe) {
     LasFile file = sample(2, 2, 256, 150000);
     for (std::size_t i = 0; i < 100000; ++i)
         file.points[i].red = file.points[i].green = file.points[i].blue = 0;
-    const auto scan = readAll(file.bytes(), false);
+    const auto scan = readLas(file.bytes(), false);
     ASSERT_TRUE(scan) << scan.error().message;
     EXPECT_EQ(scan->colorMax, 255);
 }
@@ -173,7 +173,7 @@ TEST(LasSource, TruncatedAtEveryByte) {
     for (std::size_t size = 0; size < whole.size(); ++size) {
         const std::vector<std::byte> cut(whole.begin(), whole.begin() + static_cast<std::ptrdiff_t>(size));
         for (const bool seekable : {true, false}) {
-            const auto scan = readAll(cut, seekable);
+            const auto scan = readLas(cut, seekable);
             ASSERT_EQ(scan.has_value(), size >= pointsEnd) << size;
             if (scan) continue;
             const auto code = scan.error().code;
@@ -188,14 +188,15 @@ TEST(LasSource, TruncatedAtEveryByte) {
 TEST(LasSource, TruncatedPointsAreCounted) {
     auto bytes = sample(2, 0, 1, 50).bytes();
     bytes.resize(227 + 20 * 30 + 5);
-    expectError(bytes, ErrorCode::Truncated, "ends at byte 832: its header promises 50 points, there are 30");
+    expectLasError(bytes, ErrorCode::Truncated,
+                   "ends at byte 832: its header promises 50 points, there are 30");
 }
 
 // More points than 32 bits count: a LAS 1.4 header says so in its 64-bit field, and the old field is 0.
 TEST(LasSource, CountsBeyond32Bits) {
     auto bytes = sample(4, 6, 1, 3).bytes();
     put(bytes, 247, std::uint64_t(5000000000));
-    const auto scan = readAll(bytes);
+    const auto scan = readLas(bytes);
     ASSERT_FALSE(scan);
     EXPECT_THAT(scan.error().message, HasSubstr("promises 5,000,000,000 points, there are 3"));
     // A pipe has no size to check it against; the header stands until the pipe ends.
@@ -210,7 +211,7 @@ TEST(LasSource, CountsBeyond32Bits) {
 TEST(LasSource, TheOldCountServesWhereTheNewOneIsZero) {
     auto bytes = sample(4, 3, 1, 3).bytes();
     put(bytes, 247, std::uint64_t(0));
-    const auto scan = readAll(bytes);
+    const auto scan = readLas(bytes);
     ASSERT_TRUE(scan);
     EXPECT_EQ(scan->points, 3U);
 }
@@ -223,21 +224,22 @@ TEST(LasSource, RefusesWhatMakesPointsDoubtful) {
         return bytes;
     };
     constexpr double nan = std::numeric_limits<double>::quiet_NaN();
-    expectError(changed(139, 0.0), ErrorCode::Malformed, "byte 139: the scale of y is 0");
-    expectError(changed(131, -0.01), ErrorCode::Malformed, "the scale of x");
-    expectError(changed(147, nan), ErrorCode::Malformed, "the scale of z");
-    expectError(changed(163, nan), ErrorCode::Malformed, "the offset of y is not a number");
-    expectError(changed(105, std::uint16_t(33)), ErrorCode::Malformed,
-                "a point record has 33 bytes; point format 3 needs 34");
-    expectError(changed(94, std::uint16_t(200)), ErrorCode::Malformed,
-                "the header says that it has 200 bytes");
-    expectError(changed(96, std::uint32_t(100)), ErrorCode::Malformed, "within the header");
-    expectError(changed(25, std::uint8_t(5)), ErrorCode::Unsupported, "LAS version 1.5");
-    expectError(changed(24, std::uint8_t(2)), ErrorCode::Unsupported, "LAS version 2.2");
-    expectError(changed(104, std::uint8_t(11)), ErrorCode::Unsupported, "point format 11");
-    expectError(changed(104, std::uint8_t(0x83)), ErrorCode::Unsupported, "LAZ (compressed LAS), which is read from files only");
-    expectError(changed(107, std::uint32_t(0)), ErrorCode::Empty, "without points");
-    const auto beyond = readAll(changed(96, std::uint32_t(4000000000)));
+    expectLasError(changed(139, 0.0), ErrorCode::Malformed, "byte 139: the scale of y is 0");
+    expectLasError(changed(131, -0.01), ErrorCode::Malformed, "the scale of x");
+    expectLasError(changed(147, nan), ErrorCode::Malformed, "the scale of z");
+    expectLasError(changed(163, nan), ErrorCode::Malformed, "the offset of y is not a number");
+    expectLasError(changed(105, std::uint16_t(33)), ErrorCode::Malformed,
+                   "a point record has 33 bytes; point format 3 needs 34");
+    expectLasError(changed(94, std::uint16_t(200)), ErrorCode::Malformed,
+                   "the header says that it has 200 bytes");
+    expectLasError(changed(96, std::uint32_t(100)), ErrorCode::Malformed, "within the header");
+    expectLasError(changed(25, std::uint8_t(5)), ErrorCode::Unsupported, "LAS version 1.5");
+    expectLasError(changed(24, std::uint8_t(2)), ErrorCode::Unsupported, "LAS version 2.2");
+    expectLasError(changed(104, std::uint8_t(11)), ErrorCode::Unsupported, "point format 11");
+    expectLasError(changed(104, std::uint8_t(0x83)), ErrorCode::Unsupported,
+                   "LAZ (compressed LAS), which is read from files only");
+    expectLasError(changed(107, std::uint32_t(0)), ErrorCode::Empty, "without points");
+    const auto beyond = readLas(changed(96, std::uint32_t(4000000000)));
     ASSERT_FALSE(beyond);
     EXPECT_EQ(beyond.error().code, ErrorCode::Malformed);
     EXPECT_THAT(beyond.error().message, HasSubstr("beyond the end of the file"));
@@ -248,7 +250,7 @@ TEST(LasSource, RefusesRecordsAmongThePoints) {
     file.records = {{true, "LASF_Projection", 2112, "PROJCS[]"}};
     auto bytes = file.bytes();
     put(bytes, 235, std::uint64_t(400));
-    expectError(bytes, ErrorCode::Malformed, "among the points");
+    expectLasError(bytes, ErrorCode::Malformed, "among the points");
 }
 
 // scale × the largest integer is infinite: such points have no place.
@@ -270,7 +272,7 @@ TEST(LasSource, DropsInfinitePoints) {
     EXPECT_THAT(scan->first.intensity, ::testing::ElementsAre(0, 11, 22, 33, 55, 66, 88, 99));
 
     for (auto& p : file.points) p.x = 2000000000;
-    const auto none = readAll(file.bytes());
+    const auto none = readLas(file.bytes());
     ASSERT_FALSE(none);
     EXPECT_EQ(none.error().code, ErrorCode::Empty);
 }
@@ -322,13 +324,13 @@ TEST(LasCrs, DamagedRecordsHarmNoPoint) {
         for (const int value : {0x00, 0x7f, 0xff}) {
             auto bytes = whole;
             bytes[at] = static_cast<std::byte>(value);
-            const auto scan = readAll(bytes);
+            const auto scan = readLas(bytes);
             ASSERT_TRUE(scan) << at;
             expectPoints(file, scan->first);
         }
     auto bytes = whole;
     put(bytes, 100, std::uint32_t(0xffffffff));
-    EXPECT_TRUE(readAll(bytes));
+    EXPECT_TRUE(readLas(bytes));
 }
 
 }  // namespace scancast::test

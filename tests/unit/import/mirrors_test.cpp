@@ -26,7 +26,7 @@ Expected<std::vector<Mirror>> parse(const json& document) {
     return parseMirrors(document.dump(), "a.mirrors.json");
 }
 
-void expectError(const json& document, const char* field, const char* reason) {
+void expectMirrorError(const json& document, const char* field, const char* reason) {
     const auto mirrors = parse(document);
     ASSERT_FALSE(mirrors) << document;
     EXPECT_EQ(mirrors.error().code, ErrorCode::Malformed);
@@ -88,39 +88,41 @@ TEST(Mirrors, OfTheGeneratedRoom) {
 TEST(Mirrors, EveryFieldIsChecked) {
     for (const char* key : {"center", "normal", "up"}) {
         const auto field = std::string("mirrors[1].") + key;
-        expectError(with(key, {1, 2}), field.c_str(), "expected an array of 3 numbers");
-        expectError(with(key, {1, 2, "3"}), field.c_str(), "expected an array of 3 numbers");
-        expectError(with(key, nullptr), field.c_str(), "expected an array of 3 numbers");
-        expectError(with(key, {1, 2, 1e300}), field.c_str(), "within -1e15 and 1e15");
+        expectMirrorError(with(key, {1, 2}), field.c_str(), "expected an array of 3 numbers");
+        expectMirrorError(with(key, {1, 2, "3"}), field.c_str(), "expected an array of 3 numbers");
+        expectMirrorError(with(key, nullptr), field.c_str(), "expected an array of 3 numbers");
+        expectMirrorError(with(key, {1, 2, 1e300}), field.c_str(), "within -1e15 and 1e15");
     }
     for (const char* key : {"normal", "up"})
-        expectError(with(key, {0, 0, 0}), (std::string("mirrors[1].") + key).c_str(), "must not be zero");
-    expectError(with("up", {0, 7, 0}), "mirrors[1].up", "must not be parallel to normal");
-    expectError(with("up", {0, 7, 1e-9}), "mirrors[1].up", "must not be parallel to normal");
+        expectMirrorError(with(key, {0, 0, 0}), (std::string("mirrors[1].") + key).c_str(),
+                          "must not be zero");
+    expectMirrorError(with("up", {0, 7, 0}), "mirrors[1].up", "must not be parallel to normal");
+    expectMirrorError(with("up", {0, 7, 1e-9}), "mirrors[1].up", "must not be parallel to normal");
     for (const char* key : {"width", "height"}) {
         const auto field = std::string("mirrors[1].") + key;
         for (const double size : {0.0, -1.0, 1e16})
-            expectError(with(key, size), field.c_str(), "greater than 0");
-        expectError(with(key, "1"), field.c_str(), "expected a number");
+            expectMirrorError(with(key, size), field.c_str(), "greater than 0");
+        expectMirrorError(with(key, "1"), field.c_str(), "expected a number");
     }
     for (const json& tint : {json("red"), json("0a14ff"), json("#0a14f"), json(7)})
-        expectError(with("tint", tint), "mirrors[1].tint", "expected a");
-    expectError(with("widht", 1), "mirrors[1].widht", "widht");
+        expectMirrorError(with("tint", tint), "mirrors[1].tint", "expected a");
+    expectMirrorError(with("widht", 1), "mirrors[1].widht", "widht");
     for (const char* key : {"center", "normal", "up", "width", "height"}) {
         auto incomplete = mirror();
         incomplete.erase(key);
-        expectError({{"mirrors", {incomplete}}}, (std::string("mirrors[0].") + key).c_str(), "is missing");
+        expectMirrorError({{"mirrors", {incomplete}}}, (std::string("mirrors[0].") + key).c_str(),
+                          "is missing");
     }
 }
 
 TEST(Mirrors, WholeDocument) {
-    expectError(json::object(), "mirrors", "is missing");
-    expectError({{"mirrors", 1}}, "mirrors", "expected an array");
-    expectError({{"mirrors", {1}}}, "mirrors[0]", "expected an object");
-    expectError({{"mirrors", json::array()}, {"lamps", 1}}, "lamps", "lamps");
-    expectError(json::array(), "", "expected a JSON object");
+    expectMirrorError(json::object(), "mirrors", "is missing");
+    expectMirrorError({{"mirrors", 1}}, "mirrors", "expected an array");
+    expectMirrorError({{"mirrors", {1}}}, "mirrors[0]", "expected an object");
+    expectMirrorError({{"mirrors", json::array()}, {"lamps", 1}}, "lamps", "lamps");
+    expectMirrorError(json::array(), "", "expected a JSON object");
     EXPECT_EQ(parse({{"mirrors", std::vector<json>(64, mirror())}})->size(), 64U);
-    expectError({{"mirrors", std::vector<json>(65, mirror())}}, "mirrors", "at most 64");
+    expectMirrorError({{"mirrors", std::vector<json>(65, mirror())}}, "mirrors", "at most 64");
     const auto broken = parseMirrors("{\"mirrors\": [", "a.mirrors.json");
     ASSERT_FALSE(broken);
     EXPECT_THAT(broken.error().message, HasSubstr("a.mirrors.json: "));

@@ -60,13 +60,13 @@ Bytes small(std::optional<std::uint64_t> declared = 2) {
 constexpr std::size_t chunkAt = 136 + 6;  // header, "TEST 1"
 constexpr std::size_t doneAt = chunkAt + 8 + 2 * (24 + 3 + 2 + 1 + 12);
 
-Expected<ScanSummary> readAll(const Bytes& bytes,
-                              std::uint64_t most = std::numeric_limits<std::uint64_t>::max()) {
+Expected<ScanSummary> readStream(const Bytes& bytes,
+                                 std::uint64_t most = std::numeric_limits<std::uint64_t>::max()) {
     return summarizeOpened(PointStreamReader::create(std::make_unique<MemoryByteSource>(bytes, false), most));
 }
 
 void expectImporterError(const Bytes& bytes, const char* reason) {
-    const auto scan = readAll(bytes);
+    const auto scan = readStream(bytes);
     ASSERT_FALSE(scan) << reason;
     EXPECT_EQ(scan.error().code, ErrorCode::Importer) << scan.error().message;
     EXPECT_THAT(scan.error().message, HasSubstr(reason));
@@ -195,7 +195,7 @@ TEST(PointStream, LayoutIsAsDocumented) {
 // A missing end means that the importer died, wherever it was.
 TEST(PointStream, TruncatedAtEveryByte) {
     const auto whole = small();
-    ASSERT_TRUE(readAll(whole));
+    ASSERT_TRUE(readStream(whole));
     for (std::size_t size = 0; size < whole.size(); ++size) {
         const Bytes cut(whole.begin(), whole.begin() + static_cast<std::ptrdiff_t>(size));
         expectImporterError(cut, "broke off");
@@ -231,8 +231,8 @@ TEST(PointStream, LiesAreErrors) {
 }
 
 TEST(PointStream, NoMorePointsThanTheFileCanHold) {
-    EXPECT_TRUE(readAll(small(std::nullopt), 2));
-    const auto scan = readAll(small(std::nullopt), 1);
+    EXPECT_TRUE(readStream(small(std::nullopt), 2));
+    const auto scan = readStream(small(std::nullopt), 1);
     ASSERT_FALSE(scan);
     EXPECT_THAT(scan.error().message, HasSubstr("more points than such a file can hold"));
 }
@@ -253,7 +253,7 @@ TEST(PointStream, FailuresCarryTheirCode) {
         ASSERT_TRUE(later.writer.writeHeader(headerOf({}, 100)));
         ASSERT_TRUE(later.writer.writeChunk(batchOf(5, {})));
         ASSERT_TRUE(later.writer.writeFailure({code, std::string(9000, 'x'), {}}));
-        const auto scan = readAll(later.bytes);
+        const auto scan = readStream(later.bytes);
         ASSERT_FALSE(scan);
         EXPECT_EQ(scan.error().code, code);
         EXPECT_EQ(scan.error().message.size(), 4096U);
@@ -265,7 +265,7 @@ TEST(PointStream, NoPointsAreEmpty) {
         Recorder recorder;
         ASSERT_TRUE(recorder.writer.writeHeader(headerOf({})));
         ASSERT_TRUE(recorder.writer.finish(dropped));
-        const auto scan = readAll(recorder.bytes);
+        const auto scan = readStream(recorder.bytes);
         ASSERT_FALSE(scan);
         EXPECT_EQ(scan.error().code, ErrorCode::Empty);
     }

@@ -25,7 +25,7 @@ Expected<PointBatch> readPtx(const std::string& text, bool seekable = true) {
     return readAll(**source);
 }
 
-void expectError(const std::string& text, ErrorCode code, const char* reason) {
+void expectPtxError(const std::string& text, ErrorCode code, const char* reason) {
     const auto scan = readPtx(text);
     ASSERT_FALSE(scan) << text;
     EXPECT_EQ(name(scan.error().code), name(code)) << scan.error().message;
@@ -93,30 +93,31 @@ TEST(PtxSource, ColumnsOfAPoint) {
         EXPECT_EQ((*source)->header().attributes, attributes);
         EXPECT_TRUE(readAll(**source));
     }
-    expectError(head(1, 1) + "1 2 3 4 5\n", ErrorCode::Malformed, "the first point has 5 columns");
+    expectPtxError(head(1, 1) + "1 2 3 4 5\n", ErrorCode::Malformed, "the first point has 5 columns");
 }
 
 TEST(PtxSource, WhatCannotBeUnderstood) {
-    expectError(head(2, 2) + "1 2 3\n4 5 6\n", ErrorCode::Truncated,
-                "line 12: the file ends: its scan 1 promises 4 points, there are 2");
-    expectError(head(2, 2), ErrorCode::Truncated, "promises 4 points, there are none");
-    expectError(head(1, 1) + "1 2 3\n4 5 6\n", ErrorCode::Malformed,
-                "line 12: \"4 5 6\" should be the number of columns");
-    expectError("1\n1\n0 0 0\n", ErrorCode::Truncated, "where the scanner's x axis of a scan should follow");
-    expectError("1\n-1\n0 0 0\n", ErrorCode::Malformed, "line 2: \"-1\" should be the number of rows");
-    expectError("4294967296\n1\n", ErrorCode::Malformed, "line 1");
-    expectError(head(1, 1, "1 0 0 0\n0 1 0 0\n0 0 1\n0 0 0 1\n") + "1 2 3\n", ErrorCode::Malformed,
-                "line 9: \"0 0 1\" should be a row of the matrix: 4 numbers");
-    expectError(head(1, 1, "1 0 0 0\n0 1 0 0\n0 0 1 7\n0 0 0 1\n") + "1 2 3\n", ErrorCode::Malformed,
-                "line 9: the fourth number of the matrix's row 3 must be 0");
-    expectError(head(1, 1, "1 0 0 0\n0 1 0 0\n0 1 0 0\n0 0 0 1\n") + "1 2 3\n", ErrorCode::Malformed,
-                "flattens all points");
-    expectError(head(1, 1, "1 0 0 0\n0 nan 0 0\n0 1 0 0\n0 0 0 1\n") + "1 2 3\n", ErrorCode::Malformed,
-                "line 8");
-    expectError(head(1, 2) + "0 0 0\n0 0 0\n", ErrorCode::Empty, "none of the 2 directions");
-    expectError(head(1, 2) + "1 2 3 0.5\n1 2 3\n", ErrorCode::Malformed,
-                "line 12: there are 3 columns, but 4");
-    expectError(head(1, 1) + "1 2 x\n", ErrorCode::Malformed, "line 11: column 3: \"x\" is not a number");
+    expectPtxError(head(2, 2) + "1 2 3\n4 5 6\n", ErrorCode::Truncated,
+                   "line 12: the file ends: its scan 1 promises 4 points, there are 2");
+    expectPtxError(head(2, 2), ErrorCode::Truncated, "promises 4 points, there are none");
+    expectPtxError(head(1, 1) + "1 2 3\n4 5 6\n", ErrorCode::Malformed,
+                   "line 12: \"4 5 6\" should be the number of columns");
+    expectPtxError("1\n1\n0 0 0\n", ErrorCode::Truncated,
+                   "where the scanner's x axis of a scan should follow");
+    expectPtxError("1\n-1\n0 0 0\n", ErrorCode::Malformed, "line 2: \"-1\" should be the number of rows");
+    expectPtxError("4294967296\n1\n", ErrorCode::Malformed, "line 1");
+    expectPtxError(head(1, 1, "1 0 0 0\n0 1 0 0\n0 0 1\n0 0 0 1\n") + "1 2 3\n", ErrorCode::Malformed,
+                   "line 9: \"0 0 1\" should be a row of the matrix: 4 numbers");
+    expectPtxError(head(1, 1, "1 0 0 0\n0 1 0 0\n0 0 1 7\n0 0 0 1\n") + "1 2 3\n", ErrorCode::Malformed,
+                   "line 9: the fourth number of the matrix's row 3 must be 0");
+    expectPtxError(head(1, 1, "1 0 0 0\n0 1 0 0\n0 1 0 0\n0 0 0 1\n") + "1 2 3\n", ErrorCode::Malformed,
+                   "flattens all points");
+    expectPtxError(head(1, 1, "1 0 0 0\n0 nan 0 0\n0 1 0 0\n0 0 0 1\n") + "1 2 3\n", ErrorCode::Malformed,
+                   "line 8");
+    expectPtxError(head(1, 2) + "0 0 0\n0 0 0\n", ErrorCode::Empty, "none of the 2 directions");
+    expectPtxError(head(1, 2) + "1 2 3 0.5\n1 2 3\n", ErrorCode::Malformed,
+                   "line 12: there are 3 columns, but 4");
+    expectPtxError(head(1, 1) + "1 2 x\n", ErrorCode::Malformed, "line 11: column 3: \"x\" is not a number");
 }
 
 }  // namespace scancast::test

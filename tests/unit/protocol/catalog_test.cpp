@@ -1,6 +1,7 @@
 #include "protocol/catalog.hpp"
 
 #include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
 
 #include "sample_views.hpp"
 

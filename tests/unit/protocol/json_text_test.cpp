@@ -1,6 +1,7 @@
 #include "protocol/json_text.hpp"
 
 #include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
 
 #include "protocol/nearest_name.hpp"
 

@@ -1,6 +1,7 @@
 #include "protocol/messages.hpp"
 
 #include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
 
 #include "protocol/view_json.hpp"
 

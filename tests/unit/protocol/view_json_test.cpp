@@ -1,6 +1,7 @@
 #include "protocol/view_json.hpp"
 
 #include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
 
 #include "protocol/json_text.hpp"
 #include "sample_views.hpp"

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <future>
+#include <nlohmann/json.hpp>
 
 #include "protocol/json_text.hpp"
 #include "tests/support/fake_painter.hpp"

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cstdlib>
 #include <fstream>
+#include <nlohmann/json.hpp>
 
 #include "server/commands/serve_options.hpp"
 #include "tests/support/temporary_folder.hpp"

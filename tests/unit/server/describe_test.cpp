@@ -1,6 +1,7 @@
 #include "server/describe.hpp"
 
 #include <gmock/gmock.h>
+#include <nlohmann/json.hpp>
 
 #include "tests/support/fake_painter.hpp"
 

@@ -1,6 +1,7 @@
 #include "server/net/picture_request.hpp"
 
 #include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
 
 #include "protocol/json_text.hpp"
 #include "protocol/view_json.hpp"

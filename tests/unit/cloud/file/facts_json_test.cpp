@@ -3,6 +3,7 @@
 #include "renderer/cloud/file/facts_json.hpp"
 
 #include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
 
 #include "protocol/json_text.hpp"
 #include "tests/unit/cloud/file/sample_cloud.hpp"

@@ -40,7 +40,7 @@ SCANCAST_ON_DEVICES(MirrorRules, "egl");
 TEST_P(MirrorRules, WhatStandsBeforeItHidesIt) {
     for (const char* name : {"paraboloid", "point", "hqs", "square"}) {
         const Method& method = *findMethod(name);
-        for (const Setting& setting : settings(room_)) {
+        for (const Setting& setting : settings(room_, slow_)) {
             const Frame before = drawWithout(method, setting.view), with = drawWith(method, setting.view);
             const GlassPixels glass = glassOf(room_.mirror, setting.view);
             const PixelMask inside = eroded(glass.mask, setting.view.width, setting.view.height, 1);
@@ -66,7 +66,7 @@ TEST_P(MirrorRules, WhatStandsBeforeItHidesIt) {
 
 TEST_P(MirrorRules, NothingChangesOutsideTheGlass) {
     const Method& method = *findMethod("ewa");
-    for (const Setting& setting : settings(room_)) {
+    for (const Setting& setting : settings(room_, slow_)) {
         const Frame before = drawWithout(method, setting.view), with = drawWith(method, setting.view);
         const GlassPixels glass = glassOf(room_.mirror, setting.view);
         PixelMask outside = glass.mask;

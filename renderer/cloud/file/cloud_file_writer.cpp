@@ -8,27 +8,19 @@
 
 #include <algorithm>
 #include <cerrno>
-#include <system_error>
 
+#include "files/input_file.hpp"
+#include "files/system_error.hpp"
+#include "files/unique_fd.hpp"
 #include "renderer/cloud/file/facts_json.hpp"
 #include "renderer/cloud/file/file_layout.hpp"
 #include "renderer/cloud/file/node_index.hpp"
-#include "renderer/cloud/file/random_reader.hpp"
-#include "renderer/cloud/import/unique_fd.hpp"
 
 namespace scancast {
 
 namespace {
 
 namespace fs = std::filesystem;
-
-std::string reason(int error) {
-    return std::generic_category().message(error);
-}
-
-bool isFull(int error) {
-    return error == ENOSPC || error == EDQUOT || error == EFBIG;
-}
 
 class Writer final : public CloudFileWriter {
   public:
@@ -111,7 +103,7 @@ class Writer final : public CloudFileWriter {
         if (auto done = sync(fd_.get()); !done) return done;
         if (::rename(partial_.c_str(), path_.c_str()) != 0)
             return fail(ErrorCode::Io,
-                        fmt::format("{}: cannot get its name: {}", path_.string(), reason(errno)));
+                        fmt::format("{}: cannot get its name: {}", path_.string(), systemReason(errno)));
         finished_ = true;
         const fs::path folder = path_.has_parent_path() ? path_.parent_path() : fs::path(".");
         const UniqueFd entry(::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
@@ -149,11 +141,10 @@ class Writer final : public CloudFileWriter {
         if (isFull(error))
             return fail(
                 ErrorCode::ResourceLimit,
-                fmt::format("{}: there is no more room for it after {} bytes ({}); free some space or choose "
-                            "another place. Nothing of it is left",
-                            path_.string(), written_, reason(error)));
+                fmt::format("{}: there is no more room for it after {} bytes ({}); {}. Nothing of it is left",
+                            path_.string(), written_, systemReason(error), wayOutOfFull(error)));
         return fail(ErrorCode::Io, fmt::format("{}: cannot be written after {} bytes: {}", path_.string(),
-                                               written_, reason(error)));
+                                               written_, systemReason(error)));
     }
 
     const UniqueFd fd_;
@@ -192,23 +183,23 @@ Expected<UniqueFd> openLocked(const fs::path& partial) {
             return fail(ErrorCode::NotFound,
                         fmt::format("{}: the folder is not there; make it first", partial.string()));
         if (!fd && isFull(errno))
-            return fail(ErrorCode::ResourceLimit,
-                        fmt::format("{}: there is no room for it: {}", partial.string(), reason(errno)));
+            return fail(ErrorCode::ResourceLimit, fmt::format("{}: there is no room for it: {}",
+                                                              partial.string(), systemReason(errno)));
         if (!fd)
             return fail(ErrorCode::Io,
-                        fmt::format("{}: cannot be created: {}", partial.string(), reason(errno)));
+                        fmt::format("{}: cannot be created: {}", partial.string(), systemReason(errno)));
         if (::flock(fd.get(), LOCK_EX | LOCK_NB) != 0) {
             if (errno == EWOULDBLOCK)
                 return fail(ErrorCode::InvalidArgument,
                             partial.string() +
                                 ": another run is writing this file; wait for it, or give another name");
             return fail(ErrorCode::Io,
-                        fmt::format("{}: cannot be locked: {}", partial.string(), reason(errno)));
+                        fmt::format("{}: cannot be locked: {}", partial.string(), systemReason(errno)));
         }
         if (!isStillNamed(fd.get(), partial)) continue;
         if (::ftruncate(fd.get(), 0) != 0)
             return fail(ErrorCode::Io,
-                        fmt::format("{}: cannot be written: {}", partial.string(), reason(errno)));
+                        fmt::format("{}: cannot be written: {}", partial.string(), systemReason(errno)));
         return fd;
     }
     return fail(ErrorCode::Io, partial.string() + ": other runs keep taking this name away");

@@ -1,12 +1,6 @@
 #include "protocol/error.hpp"
 
-#include <system_error>
-
 namespace scancast {
-
-std::string systemReason(int errorNumber) {
-    return std::generic_category().message(errorNumber);
-}
 
 std::string_view name(ErrorCode code) {
     switch (code) {

@@ -29,9 +29,6 @@ enum class ErrorCode : std::uint8_t {
     Internal,           ///< a fault of ours
 };
 
-/// What the operating system says of an `errno`: "No space left on device".
-std::string systemReason(int errorNumber);
-
 /// The code's name in kebab case, as it stands in problem details and logs: "invalid-argument".
 std::string_view name(ErrorCode code);
 

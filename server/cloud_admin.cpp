@@ -1,7 +1,6 @@
 #include "server/cloud_admin.hpp"
 
-#include <algorithm>
-#include <system_error>
+#include <utility>
 
 #include "protocol/nearest_name.hpp"
 
@@ -16,10 +15,6 @@ tl::unexpected<Problem> refuse(int status, std::string detail, const char* field
     return tl::unexpected(std::move(problem));
 }
 
-bool isUnder(const fs::path& root, const fs::path& path) {
-    return std::mismatch(root.begin(), root.end(), path.begin(), path.end()).first == root.end();
-}
-
 }  // namespace
 
 CloudAdmin::CloudAdmin(Catalog& catalog, fs::path dataRoot)
@@ -30,23 +25,28 @@ void CloudAdmin::loadWith(Load load) {
     load_ = std::move(load);
 }
 
-// Links are followed before it is decided where a file lies; answers repeat what was asked, not where things
-// are.
-tl::expected<fs::path, Problem> CloudAdmin::fileOf(const std::string& name) const {
+// Answers repeat what was asked, not where things are.
+tl::expected<ScanInput, Problem> CloudAdmin::open(const std::string& name) const {
     if (dataRoot_.empty())
         return refuse(403, "This server opens no further files: it was started without --data-root.", "file");
-    std::error_code error;
-    const fs::path root = fs::canonical(dataRoot_, error);
-    if (error) return refuse(404, "The folder of --data-root is not there any more.", "file");
+    // Every time anew: whoever runs the server may have put another folder there.
+    const auto root = InputFolder::open(dataRoot_);
+    if (!root) return refuse(404, "The folder of --data-root is not there any more.", "file");
     const auto outside =
         refuse(403, "Only files below --data-root can be opened, by their path relative to it.", "file");
-    if (name.empty() || name.find('\0') != std::string::npos || fs::path(name).is_absolute()) return outside;
-    const fs::path whole = fs::weakly_canonical(root / name, error);
-    if (error || !isUnder(root, whole)) return outside;
-    if (!fs::exists(whole, error))
-        return refuse(404, "There is no file " + quoteText(name) + " below --data-root.", "file");
-    if (!fs::is_regular_file(whole, error)) return refuse(422, quoteText(name) + " is no file.", "file");
-    return whole;
+    if (name.empty() || name.find('\0') != std::string::npos) return outside;
+    auto input = ScanInput::openBeneath(*root, name);
+    if (input) return std::move(*input);
+    switch (input.error().code) {
+        case ErrorCode::InvalidArgument:
+            return outside;
+        case ErrorCode::NotFound:
+            return refuse(404, "There is no file " + quoteText(name) + " below --data-root.", "file");
+        case ErrorCode::Unsupported:
+            return refuse(422, quoteText(name) + " is no file, and no folder of a Potree octree.", "file");
+        default:
+            return refuse(422, quoteText(name) + " cannot be opened by this server.", "file");
+    }
 }
 
 tl::expected<std::string, Problem> CloudAdmin::add(const AddCloud& asked) {
@@ -55,20 +55,21 @@ tl::expected<std::string, Problem> CloudAdmin::add(const AddCloud& asked) {
             400,
             "id: letters, digits, '.', '_' and single '-' make an id, such as " + cloudIdFor(asked.id) + ".",
             "id");
-    const auto file = fileOf(asked.file);
-    if (!file) return tl::unexpected(file.error());
+    auto input = open(asked.file);
+    if (!input) return tl::unexpected(input.error());
+    const std::string name = input->path().stem().string();
     const std::lock_guard lock(mutex_);
     if (!load_) return refuse(503, "This server does not load files now.", "file");
     std::string id = asked.id;
     if (id.empty()) {
-        id = catalog_.add(file->stem().string());
-    } else if (!catalog_.addAs(id, file->stem().string())) {
+        id = catalog_.add(name);
+    } else if (!catalog_.addAs(id, name)) {
         return refuse(
             409, "There is a cloud named " + quoteText(id) + " already; DELETE it first, or take another id.",
             "id");
     }
     if (!asked.title.empty()) catalog_.setTitle(id, asked.title);
-    if (load_(*file, id)) return id;
+    if (load_(std::move(*input), id)) return id;
     catalog_.remove(id);
     return refuse(503, "Too many clouds wait to be loaded; try again in a moment.", "file");
 }

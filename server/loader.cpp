@@ -8,7 +8,6 @@
 #include <system_error>
 #include <utility>
 
-#include "renderer/cloud/import/mirrors.hpp"
 #include "renderer/cloud/ingest.hpp"
 #include "renderer/residency/open_cloud.hpp"
 #include "server/preview.hpp"
@@ -42,25 +41,22 @@ class StoppableSource final : public PointSource {
 };
 
 /// Another path, size, time, program or way to build gives another name.
-std::string keptName(const fs::path& file, const LoaderOptions& options) {
+std::string keptName(const ScanInput& input, const LoaderOptions& options) {
     std::error_code error;
-    const fs::path whole = fs::weakly_canonical(file, error);
-    const std::uint64_t size = fs::file_size(file, error);
-    const auto changed = fs::last_write_time(file, error).time_since_epoch().count();
-    const auto mirrorsChanged = fs::last_write_time(mirrorsFileOf(file), error).time_since_epoch().count();
+    const fs::path whole = fs::weakly_canonical(input.path(), error);
+    const FileIdentity& file = input.file().identity();
     const Shape& shape = options.shape;
-    const std::string all = fmt::format("{}\n{}\n{} {}\n{}\n{} {} {} {} {}", whole.string(), size, changed,
-                                        mirrorsChanged, options.version, shape.leafPoints, shape.chunkPoints,
-                                        shape.surfels, shape.neighbours, options.import.keepAttributes);
-    return fmt::format("{}-{:016x}.scan", cloudIdFor(file.stem().string()),
+    const std::string all =
+        fmt::format("{}\n{}\n{} {}\n{}\n{} {} {} {} {}", whole.string(), file.bytes, file.changed,
+                    input.mirrorsChanged(), options.version, shape.leafPoints, shape.chunkPoints,
+                    shape.surfels, shape.neighbours, options.import.keepAttributes);
+    return fmt::format("{}-{:016x}.scan", cloudIdFor(input.path().stem().string()),
                        XXH3_64bits(all.data(), all.size()));
 }
 
-std::uint64_t memoryToBuild(const PointSource& source, const fs::path& file) {
+std::uint64_t memoryToBuild(const PointSource& source, const ScanInput& input) {
     if (source.header().points) return *source.header().points * bytesPerPoint;
-    std::error_code error;
-    const std::uintmax_t size = fs::file_size(file, error);
-    return error ? 0 : size * bytesPerUnknownByte;
+    return input.bytes() * bytesPerUnknownByte;
 }
 
 /// Counts what it takes, as long as anybody looks at it.
@@ -93,10 +89,11 @@ Loader::~Loader() {
     thread_.join();
 }
 
-bool Loader::load(fs::path file, std::string id) {
+bool Loader::load(ScanInput input, std::string id) {
     const std::lock_guard lock(mutex_);
     if (stop_.stop_requested() || waiting_.size() >= mostAdded) return false;
-    waiting_.push_back({std::move(file), std::move(id)});
+    fs::path file = input.path();
+    waiting_.push_back({std::move(file), std::move(id), std::move(input)});
     changed_.notify_one();
     return true;
 }
@@ -117,7 +114,7 @@ void Loader::run() {
     while (true) {
         changed_.wait(lock, [this] { return !waiting_.empty() || stop_.stop_requested(); });
         if (stop_.stop_requested()) return;
-        const Job job = std::move(waiting_.front());
+        Job job = std::move(waiting_.front());
         waiting_.pop_front();
         busy_ = true;
         lock.unlock();
@@ -127,15 +124,16 @@ void Loader::run() {
     }
 }
 
-void Loader::loadOne(const Job& job) {
+void Loader::loadOne(Job& job) {
     const auto start = std::chrono::steady_clock::now();
-    auto cloud = cloudOf(job.file, job.id);
+    auto opened = job.opened ? Expected<ScanInput>(std::move(*job.opened)) : ScanInput::open(job.file);
+    auto cloud = opened ? cloudOf(*opened, job.id) : tl::unexpected(std::move(opened.error()));
     settle(job, std::move(cloud),
            std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
 }
 
 void Loader::settle(const Job& job, Result cloud, double seconds) {
-    const auto& [file, id] = job;
+    const auto& [file, id, opened] = job;
     if (cloud) {
         if (options_.onLoaded) options_.onLoaded({id, **cloud, seconds});
         catalog_.setReady(id, std::move(*cloud));
@@ -155,25 +153,31 @@ void Loader::settle(const Job& job, Result cloud, double seconds) {
     if (options_.onFailed && error.code != ErrorCode::Cancelled) options_.onFailed(error);
 }
 
-Loader::Result Loader::cloudOf(const fs::path& file, const std::string& id) {
-    if (isCloudFileAt(file)) return openCloud(file, options_.cache);
-    auto source = openScan(file, options_.import);
+Loader::Result Loader::cloudOf(const ScanInput& input, const std::string& id) {
+    if (isCloudFile(input.file())) {
+        auto file = input.file().share();
+        if (!file) return tl::unexpected(std::move(file.error()));
+        return openCloud(std::move(*file), options_.cache);
+    }
+    auto source = openScan(input, options_.import);
     if (!source) return tl::unexpected(std::move(source.error()));
     const BlockCacheStats memory = options_.cache->stats();
-    const bool fits = memory.bytes + memoryToBuild(**source, file) <= memory.limit;
+    const bool fits = memory.bytes + memoryToBuild(**source, input) <= memory.limit;
     source->reset();
-    if (options_.cacheDir.empty() && fits) return build(file, id);
+    if (options_.cacheDir.empty() && fits) return build(input, id);
 
     std::error_code none;
     const fs::path folder = options_.cacheDir.empty() ? fs::temp_directory_path(none) : options_.cacheDir;
-    fs::path output = folder / keptName(file, options_);
+    fs::path output = folder / keptName(input, options_);
     if (options_.cacheDir.empty()) output += fmt::format(".{}", ::getpid());
-    if (!options_.cacheDir.empty() && fs::exists(output, none)) {
+    const std::string title = input.path().filename().string();
+    if (!options_.cacheDir.empty()) {
         auto kept = openCloud(output, options_.cache);
         if (kept) return kept;
-        note(fmt::format("{} is built anew: {}", file.filename().string(), kept.error().message));
+        if (kept.error().code != ErrorCode::NotFound)
+            note(fmt::format("{} is built anew: {}", title, kept.error().message));
     }
-    auto cloud = ingestTo(output, file, id);
+    auto cloud = ingestTo(output, input, id);
     // An open file without a name goes away with the process, whatever ends it.
     if (options_.cacheDir.empty()) fs::remove(output, none);
     if (cloud || cloud.error().code == ErrorCode::Cancelled || !fits) return cloud;
@@ -181,19 +185,19 @@ Loader::Result Loader::cloudOf(const fs::path& file, const std::string& id) {
                                  cloud.error().code == ErrorCode::ResourceLimit ||
                                  cloud.error().code == ErrorCode::InvalidArgument;
     if (!worthAnotherTry) return cloud;
-    note(fmt::format("{} is kept in memory only: {}", file.filename().string(), cloud.error().message));
-    return build(file, id);
+    note(fmt::format("{} is kept in memory only: {}", title, cloud.error().message));
+    return build(input, id);
 }
 
-Loader::Result Loader::build(const fs::path& file, const std::string& id) {
-    auto source = open(file, id);
+Loader::Result Loader::build(const ScanInput& input, const std::string& id) {
+    auto source = open(input, id);
     if (!source) return tl::unexpected(std::move(source.error()));
-    const auto building = options_.cache->reserve(memoryToBuild(**source, file));
+    const auto building = options_.cache->reserve(memoryToBuild(**source, input));
     BuildOptions options;
     options.shape = options_.shape;
-    options.title = file.filename().string();
+    options.title = input.path().filename().string();
     options.threads = options_.threads;
-    auto mirrors = mirrorsBeside(file);
+    auto mirrors = input.mirrors();
     if (!mirrors) return tl::unexpected(std::move(mirrors.error()));
     options.mirrors = std::move(*mirrors);
     auto cloud = buildCloud(**source, options, progressOf(id));
@@ -201,16 +205,16 @@ Loader::Result Loader::build(const fs::path& file, const std::string& id) {
     return counted(std::move(*cloud), *options_.cache);
 }
 
-Loader::Result Loader::ingestTo(const fs::path& output, const fs::path& file, const std::string& id) {
-    auto source = open(file, id);
+Loader::Result Loader::ingestTo(const fs::path& output, const ScanInput& input, const std::string& id) {
+    auto source = open(input, id);
     if (!source) return tl::unexpected(std::move(source.error()));
     IngestOptions options;
     options.output = output;
     options.shape = options_.shape;
-    options.title = file.filename().string();
+    options.title = input.path().filename().string();
     options.threads = options_.threads;
     options.memoryLimit = std::max(options_.cache->stats().limit / 2, leastIngestMemory);
-    auto mirrors = mirrorsBeside(file);
+    auto mirrors = input.mirrors();
     if (!mirrors) return tl::unexpected(std::move(mirrors.error()));
     options.mirrors = std::move(*mirrors);
     {
@@ -223,11 +227,11 @@ Loader::Result Loader::ingestTo(const fs::path& output, const fs::path& file, co
     return openCloud(output, options_.cache);
 }
 
-Expected<std::unique_ptr<PointSource>> Loader::open(const fs::path& file, const std::string& id) const {
-    auto source = openScan(file, options_.import);
+Expected<std::unique_ptr<PointSource>> Loader::open(const ScanInput& input, const std::string& id) const {
+    auto source = openScan(input, options_.import);
     if (!source) return source;
     PreviewOptions preview;
-    preview.title = file.filename().string();
+    preview.title = input.path().filename().string();
     preview.threads = options_.threads;
     preview.first = options_.firstPreview;
     preview.show = [this, id](std::shared_ptr<const Cloud> cloud) {

@@ -13,6 +13,7 @@
 #include <functional>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <stop_token>
 #include <string>
 #include <thread>
@@ -60,9 +61,9 @@ class Loader {
     Loader(const Loader&) = delete;
     Loader& operator=(const Loader&) = delete;
 
-    /// Loads one more into an entry that is in the catalog, after those that wait; false when too many do, or
-    /// after requestStop().
-    bool load(std::filesystem::path file, std::string id);
+    /// Loads one more, opened already, into an entry that is in the catalog, after those that wait; false
+    /// when too many do, or after requestStop().
+    bool load(ScanInput input, std::string id);
     void requestStop();
     /// Nothing is being loaded, and nothing waits; after requestStop(): nothing is being loaded.
     bool finished() const;
@@ -74,15 +75,14 @@ class Loader {
     struct Job {
         std::filesystem::path file;
         std::string id;
+        std::optional<ScanInput> opened{};  ///< empty: when it is its turn
     };
-    void loadOne(const Job& job);
+    void loadOne(Job& job);
     void settle(const Job& job, Result cloud, double seconds);
-    Result cloudOf(const std::filesystem::path& file, const std::string& id);
-    Result build(const std::filesystem::path& file, const std::string& id);
-    Result ingestTo(const std::filesystem::path& output, const std::filesystem::path& file,
-                    const std::string& id);
-    Expected<std::unique_ptr<PointSource>> open(const std::filesystem::path& file,
-                                                const std::string& id) const;
+    Result cloudOf(const ScanInput& input, const std::string& id);
+    Result build(const ScanInput& input, const std::string& id);
+    Result ingestTo(const std::filesystem::path& output, const ScanInput& input, const std::string& id);
+    Expected<std::unique_ptr<PointSource>> open(const ScanInput& input, const std::string& id) const;
     ProgressSink progressOf(const std::string& id) const;
     void note(const std::string& text) const;
 

@@ -1,13 +1,15 @@
 // `scancast`: one program, one subcommand for each thing that it does.
 #include <CLI/CLI.hpp>
-#include <cstdio>
 
+#include "files/program_start.hpp"
 #include "renderer/device/device.hpp"
 #include "server/commands/backends.hpp"
 #include "server/commands/command.hpp"
+#include "server/commands/terminal.hpp"
 #include "server/server.hpp"
 
 int main(int argc, char** argv) {
+    scancast::startProgram();
     CLI::App app{"Scancast holds huge scanned point clouds in memory and shows any view of them."};
     app.set_version_flag("--version", "scancast " + std::string(scancast::scancastVersion()));
     app.footer("Example: scancast serve town.las   (then open http://127.0.0.1:8080/)");
@@ -27,9 +29,9 @@ int main(int argc, char** argv) {
         return app.exit(error) == 0 ? 0 : usage;
     }
     if (backends) {
-        std::fputs(scancast::backendsText(scancast::listDevices()).c_str(), stdout);
+        exitCode = scancast::print(scancast::backendsText(scancast::listDevices())) ? 0 : 1;
     } else if (app.get_subcommands().empty()) {
-        std::fputs(app.help().c_str(), stderr);
+        scancast::tellText(app.help());
         exitCode = 1;
     }
     return exitCode;

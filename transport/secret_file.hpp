@@ -8,12 +8,12 @@
 
 namespace scancast {
 
-/// That it is a file, can be read, and is nobody else's to read or anybody else's to write: its owner's, at
-/// most readable by its group (as service managers mount secrets). Errors: NotFound, Io, InvalidArgument;
-/// each names the file and the way out.
-Expected<void> checkSecretFile(const std::filesystem::path& path);
+/// What is in a file that is nobody else's to read or anybody else's to write: its owner's, at most readable
+/// by its group (as service managers mount secrets). Errors: those of InputFile::open(), InvalidArgument,
+/// ResourceLimit beyond `most` bytes; each names the file and the way out.
+Expected<std::string> readSecretFile(const std::filesystem::path& path, std::size_t most);
 
-/// The token in a file: checked as above, trimmed, and parsed (protocol/bearer.hpp).
+/// The token in a file: read as above, trimmed, and parsed (protocol/bearer.hpp).
 Expected<std::string> readTokenFile(const std::filesystem::path& path);
 
 }  // namespace scancast

@@ -1,11 +1,14 @@
 #include "client/cpp/timed_io.hpp"
 
+#include <boost/asio/buffer.hpp>
 #include <boost/asio/ip/address.hpp>
 #include <boost/asio/ssl/context.hpp>
 #include <boost/asio/ssl/error.hpp>
 #include <boost/beast/core/error.hpp>
 #include <boost/beast/http/error.hpp>
 #include <boost/beast/websocket/error.hpp>
+
+#include "files/input_file.hpp"
 
 namespace scancast::client {
 namespace {
@@ -62,14 +65,20 @@ Expected<std::shared_ptr<ssl::context>> clientContext(const Credentials& credent
     SSL_CTX_set_min_proto_version(context->native_handle(), TLS1_2_VERSION);
     context->set_verify_mode(ssl::verify_peer, error);
     if (!error && credentials.authority.empty()) context->set_default_verify_paths(error);
-    if (!error && !credentials.authority.empty())
-        context->load_verify_file(credentials.authority.string(), error);
+    if (!error && !credentials.authority.empty()) {
+        // Those of a whole system have less than one MiB.
+        constexpr std::size_t longest = std::size_t(16) << 20;
+        const auto file = InputFile::open(credentials.authority);
+        const auto text = file ? file->text(longest) : tl::unexpected(file.error());
+        if (!text) return tl::unexpected(text.error());
+        context->add_certificate_authority(boost::asio::buffer(*text), error);
+    }
     if (!error) return context;
-    return fail(ErrorCode::Io,
-                credentials.authority.empty()
-                    ? "the system's list of trusted authorities cannot be read: " + error.message()
-                    : credentials.authority.string() +
-                          " holds no certificates in PEM format, or cannot be read: " + error.message());
+    return fail(
+        ErrorCode::Io,
+        credentials.authority.empty()
+            ? "the system's list of trusted authorities cannot be read: " + error.message()
+            : credentials.authority.string() + " holds no certificates in PEM format: " + error.message());
 }
 
 Expected<void> agreeOnTls(boost::asio::io_context& io, NetStream& stream, const ServerUrl& url,

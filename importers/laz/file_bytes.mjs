@@ -1,13 +1,30 @@
-// A file as bytes at offsets: regular files only, every read bounded by the caller.
-import { closeSync, constants, fstatSync, openSync, readSync } from 'node:fs';
+// A file as bytes at offsets: regular files only, every read bounded by the caller. Files are judged when they are open, not by
+// their names: what has a name now may be something else when it is opened.
+import { closeSync, constants, fstatSync, openSync, readSync, readlinkSync } from 'node:fs';
+import { relative, sep } from 'node:path';
 
-import { ScanFailure, failureCode, grouped, truncated } from './failure.mjs';
+import { ScanFailure, failureCode, grouped, malformed, truncated } from './failure.mjs';
+
+const readOnly = constants.O_RDONLY | constants.O_NONBLOCK;
+// What is in a folder that this process has open.
+const inOpenFolder = /^(\/proc\/self\/fd\/\d+)\/(.+)$/;
+
+/// A descriptor. What is asked of an open folder (/proc/self/fd/3/…) has to be in there, whatever links lead to it.
+export function openFile(path) {
+  const fd = openSync(path, readOnly);
+  const [, folder, name] = inOpenFolder.exec(path) ?? [];
+  if (!folder) return fd;
+  const inside = relative(readlinkSync(folder), readlinkSync(`/proc/self/fd/${fd}`));
+  if (inside !== '..' && !inside.startsWith(`..${sep}`) && !inside.startsWith(sep)) return fd;
+  closeSync(fd);
+  throw malformed(`its file ${name} is outside its folder`);
+}
 
 export class FileBytes {
   #fd;
 
   constructor(path) {
-    this.#fd = openSync(path, constants.O_RDONLY | constants.O_NONBLOCK);
+    this.#fd = openFile(path);
     const info = fstatSync(this.#fd);
     if (!info.isFile()) {
       closeSync(this.#fd);

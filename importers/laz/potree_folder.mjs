@@ -1,9 +1,9 @@
 // A Potree octree on disk: its JSON file and the files beside it. Nothing outside its folder is ever opened.
-import { existsSync, readFileSync, realpathSync, statSync } from 'node:fs';
-import { basename, dirname, join, relative, sep } from 'node:path';
+import { closeSync, constants, existsSync, openSync } from 'node:fs';
+import { basename, dirname, join } from 'node:path';
 
 import { ScanFailure, failureCode, grouped, malformed, unsupported } from './failure.mjs';
-import { FileBytes } from './file_bytes.mjs';
+import { FileBytes, openFile } from './file_bytes.mjs';
 
 export const entryFiles = ['metadata.json', 'cloud.js'];
 const longestJson = 64 << 20;
@@ -13,12 +13,12 @@ export class PotreeFolder {
 
   /// `path`: the folder, or its cloud.js or metadata.json.
   constructor(path) {
-    const isFolder = statSync(path).isDirectory();
-    const entry = isFolder ? entryFiles.find((name) => existsSync(join(path, name))) : basename(path);
-    if (!entryFiles.includes(entry))
-      throw unsupported('it is a folder without cloud.js or metadata.json, so it is no Potree octree');
-    this.#root = realpathSync(isFolder ? path : dirname(path));
-    this.entry = entry;
+    const isEntry = entryFiles.includes(basename(path));
+    const folder = openSync(isEntry ? dirname(path) : path, constants.O_RDONLY | constants.O_DIRECTORY);
+    // Stays open: everything is looked up in this very folder.
+    this.#root = `/proc/self/fd/${folder}`;
+    this.entry = isEntry ? basename(path) : entryFiles.find((name) => existsSync(join(this.#root, name)));
+    if (!this.entry) throw unsupported('it is a folder without cloud.js or metadata.json, so it is no Potree octree');
   }
 
   readJson() {
@@ -36,17 +36,16 @@ export class PotreeFolder {
     }
   }
 
-  /// The absolute path of a file that is there and in the folder, whatever links there are.
+  /// A path for FileBytes, of a file or a folder that is there and in the folder, whatever links there are.
   resolve(name) {
-    let path;
+    const path = join(this.#root, name);
+    if (path !== this.#root && !path.startsWith(`${this.#root}/`)) throw malformed(`its file ${name} is outside its folder`);
     try {
-      path = realpathSync(join(this.#root, name));
-    } catch {
-      throw malformed(`its file ${name} is missing`);
+      closeSync(openFile(path));
+    } catch (error) {
+      if (error.code === 'ENOENT' || error.code === 'ENOTDIR') throw malformed(`its file ${name} is missing`);
+      throw error;
     }
-    const inside = relative(this.#root, path);
-    if (inside.startsWith(`..${sep}`) || inside === '..' || inside.startsWith(sep))
-      throw malformed(`its file ${name} is outside its folder`);
     return path;
   }
 
@@ -55,15 +54,20 @@ export class PotreeFolder {
   }
 
   readFile(name, longest) {
-    const path = this.resolve(name);
-    const { size } = statSync(path);
-    if (size > longest)
-      throw new ScanFailure(failureCode.tooLarge, `its file ${name} has ${grouped(size)} bytes; ${grouped(longest)} at most are read`);
-    return readFileSync(path);
+    const file = this.open(name);
+    try {
+      if (file.size > longest)
+        throw new ScanFailure(failureCode.tooLarge, `its file ${name} has ${grouped(file.size)} bytes; ${grouped(longest)} at most are read`);
+      return file.readAll(0, file.size, `its file ${name}`);
+    } finally {
+      file.close();
+    }
   }
 
   sizeOf(name) {
-    return statSync(this.resolve(name)).size;
+    const file = this.open(name);
+    file.close();
+    return file.size;
   }
 }
 

@@ -11,23 +11,22 @@
 #include <new>
 #include <utility>
 
-#include "renderer/cloud/import/unique_fd.hpp"
+#include "files/system_error.hpp"
+#include "files/unique_fd.hpp"
 
 namespace scancast {
 
 namespace {
 
 Error diskError(int number, const std::filesystem::path& folder, const char* what) {
-    if (number == ENOSPC || number == EDQUOT || number == EFBIG)
+    if (isFull(number))
         return {ErrorCode::ResourceLimit,
-                fmt::format(
-                    "The disk of the temporary folder {} is full; free some space, or choose another folder "
-                    "with --scratch.",
-                    folder.string()),
+                fmt::format("There is no more room in the temporary folder {} ({}); {} with --scratch.",
+                            folder.string(), systemReason(number), wayOutOfFull(number)),
                 {}};
     return {
         ErrorCode::Io,
-        fmt::format("A temporary file in {} cannot be {}: {}.", folder.string(), what, std::strerror(number)),
+        fmt::format("A temporary file in {} cannot be {}: {}.", folder.string(), what, systemReason(number)),
         {}};
 }
 

@@ -1,8 +1,5 @@
 #include "renderer/residency/open_cloud.hpp"
 
-#include <array>
-#include <fstream>
-
 namespace scancast {
 
 Expected<std::shared_ptr<const Cloud>> openCloud(std::shared_ptr<const CloudFile> file,
@@ -23,17 +20,20 @@ Expected<std::shared_ptr<const Cloud>> openCloud(std::shared_ptr<const CloudFile
 
 Expected<std::shared_ptr<const Cloud>> openCloud(const std::filesystem::path& path,
                                                  const std::shared_ptr<BlockCache>& cache) {
-    auto file = CloudFile::open(path);
+    auto file = InputFile::open(path);
     if (!file) return tl::unexpected(std::move(file.error()));
     return openCloud(std::move(*file), cache);
 }
 
+Expected<std::shared_ptr<const Cloud>> openCloud(InputFile file, const std::shared_ptr<BlockCache>& cache) {
+    auto opened = CloudFile::open(std::move(file));
+    if (!opened) return tl::unexpected(std::move(opened.error()));
+    return openCloud(std::move(*opened), cache);
+}
+
 bool isCloudFileAt(const std::filesystem::path& path) {
-    std::ifstream in(path, std::ios::binary);
-    std::array<char, 64> start{};
-    in.read(start.data(), start.size());
-    const auto count = static_cast<std::size_t>(std::max<std::streamsize>(in.gcount(), 0));
-    return isCloudFile(std::as_bytes(std::span(start.data(), count)));
+    const auto file = InputFile::open(path);
+    return file && isCloudFile(*file);
 }
 
 }  // namespace scancast

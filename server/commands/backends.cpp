@@ -2,8 +2,16 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 namespace scancast {
 namespace {
+
+// The program cannot know what others have tried; this is what we have.
+constexpr const char* aboutHardware =
+    "hardware: Scancast has not yet run on a GPU, only on software drivers. It is expected to work; if it "
+    "does not,\n"
+    "    --backend=cpu draws the same pictures (docs/backends.md).\n";
 
 /// "egl --egl-device=1"
 std::string wayToAsk(const DeviceInfo& device) {
@@ -37,6 +45,10 @@ std::string backendsText(std::span<const DeviceInfo> devices) {
         text += fmt::format("{:<32}{}\n    {}\n", wayToAsk(device), opens ? device.renderer : "does not open",
                             opens ? details(device) : device.version);
     }
+    const auto drawsOnGpu = [](const DeviceInfo& device) {
+        return device.hardware && !device.renderer.empty();
+    };
+    if (std::any_of(devices.begin(), devices.end(), drawsOnGpu)) text += aboutHardware;
     return text;
 }
 

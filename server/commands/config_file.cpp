@@ -2,11 +2,11 @@
 
 #include <algorithm>
 #include <array>
-#include <fstream>
 #include <iterator>
 #include <nlohmann/json.hpp>
 #include <vector>
 
+#include "files/input_file.hpp"
 #include "protocol/json_text.hpp"
 #include "protocol/nearest_name.hpp"
 
@@ -67,13 +67,13 @@ Expected<void> set(CLI::Option& option, const json& value) {
     return {};
 }
 
-Expected<json> readConfig(const std::filesystem::path& file) {
-    std::ifstream stream(file, std::ios::binary);
-    std::string text(longestFile + 1, '\0');
-    stream.read(text.data(), std::streamsize(text.size()));
-    text.resize(std::size_t(stream.gcount()));
-    if (stream.bad() || (text.empty() && !stream.eof())) return fail(ErrorCode::Io, "it cannot be read");
-    if (text.size() > longestFile) return fail(ErrorCode::ResourceLimit, "it is longer than 1 MiB");
+Expected<std::string> contentOf(const std::filesystem::path& path) {
+    const auto file = InputFile::open(path);
+    if (!file) return tl::unexpected(file.error());
+    return file->text(longestFile);
+}
+
+Expected<json> parseConfig(const std::string& text) {
     auto config = parseJson(text);
     if (config && !config->is_object())
         return fail(ErrorCode::Malformed, "expected a JSON object such as {\"port\": 9000}");
@@ -92,7 +92,9 @@ Expected<void> applyConfigFile(CLI::App& app, const std::filesystem::path& file)
         const std::string at = key.empty() ? "" : key + ": ";
         return fail(error.code, "--config " + file.string() + ": " + at + error.message, key);
     };
-    const auto config = readConfig(file);
+    const auto text = contentOf(file);
+    if (!text) return fail(text.error().code, "--config " + text.error().message);
+    const auto config = parseConfig(*text);
     if (!config) return refuse(config.error(), "");
     std::vector<std::string> keys;
     std::vector<CLI::Option*> options;

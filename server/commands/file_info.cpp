@@ -6,8 +6,6 @@
 #include <limits>
 
 #include "renderer/cloud/file/cloud_file.hpp"
-#include "renderer/cloud/file/random_reader.hpp"
-#include "renderer/cloud/import/mirrors.hpp"
 #include "renderer/cloud/import/open_scan.hpp"
 
 namespace scancast {
@@ -42,12 +40,14 @@ std::vector<DamagedBlock> checkBlocks(const CloudFile& file, const ProgressSink&
     return damaged;
 }
 
-Expected<FileInfo> cloudInfo(const fs::path& path, bool check, const ProgressSink& progress) {
-    const auto opened = CloudFile::open(path);
+Expected<FileInfo> cloudInfo(const ScanInput& input, bool check, const ProgressSink& progress) {
+    auto shared = input.file().share();
+    if (!shared) return tl::unexpected(shared.error());
+    const auto opened = CloudFile::open(std::move(*shared));
     if (!opened) return tl::unexpected(opened.error());
     const CloudFile& file = **opened;
     FileInfo info;
-    info.file = path;
+    info.file = input.path();
     info.bytes = file.bytes();
     info.facts = file.facts();
     info.points = file.facts().points;
@@ -105,18 +105,17 @@ Expected<void> readThrough(PointSource& source, FileInfo& info, const ProgressSi
     return {};
 }
 
-Expected<FileInfo> scanInfo(const fs::path& path, bool check, const ProgressSink& progress) {
+Expected<FileInfo> scanInfo(const ScanInput& input, bool check, const ProgressSink& progress) {
     ImportOptions options;
     options.keepAttributes = true;
-    auto source = openScan(path, options);
+    auto source = openScan(input, options);
     if (!source) return tl::unexpected(source.error());
     const ScanHeader& header = (*source)->header();
     FileInfo info;
-    info.file = path;
-    std::error_code ignored;
-    if (fs::is_regular_file(path, ignored)) info.bytes = fs::file_size(path, ignored);
+    info.file = input.path();
+    info.bytes = input.bytes();
     info.points = header.points;
-    info.facts.title = path.filename().string();
+    info.facts.title = input.path().filename().string();
     info.facts.format = header.format;
     info.facts.points = header.points.value_or(0);
     info.facts.attributes = header.attributes;
@@ -127,7 +126,7 @@ Expected<FileInfo> scanInfo(const fs::path& path, bool check, const ProgressSink
     if (header.bounds) info.facts.bounds = *header.bounds;
     info.gridStep = header.gridStep;
     info.scannerOrigin = header.scannerOrigin;
-    auto mirrors = mirrorsBeside(path);
+    auto mirrors = input.mirrors();
     if (!mirrors) return tl::unexpected(mirrors.error());
     info.facts.mirrors = std::move(*mirrors);
     if (check)
@@ -136,11 +135,9 @@ Expected<FileInfo> scanInfo(const fs::path& path, bool check, const ProgressSink
 }
 
 /// A cloud file that was never finished begins with zeros, which no scan does.
-bool looksLikeCloudFile(const fs::path& path) {
-    const auto reader = openForReading(path);
-    if (!reader) return false;
+bool looksLikeCloudFile(const InputFile& file) {
     std::array<std::byte, 64> start{};
-    const auto got = (*reader)->readAt(0, start);
+    const auto got = file.readAt(0, start);
     const auto there = std::span(start).first(got.value_or(0));
     return isCloudFile(there) || (!there.empty() && std::all_of(there.begin(), there.end(), [](std::byte b) {
                return b == std::byte(0);
@@ -150,7 +147,10 @@ bool looksLikeCloudFile(const fs::path& path) {
 }  // namespace
 
 Expected<FileInfo> fileInfo(const fs::path& file, bool check, const ProgressSink& progress) {
-    return looksLikeCloudFile(file) ? cloudInfo(file, check, progress) : scanInfo(file, check, progress);
+    const auto input = ScanInput::open(file);
+    if (!input) return tl::unexpected(input.error());
+    return looksLikeCloudFile(input->file()) ? cloudInfo(*input, check, progress)
+                                             : scanInfo(*input, check, progress);
 }
 
 }  // namespace scancast

@@ -1,5 +1,4 @@
 // `scancast generate`: a simulated scan, streamed to a file or to standard output.
-#include <fmt/format.h>
 #include <unistd.h>
 
 #include <atomic>
@@ -15,6 +14,7 @@
 #include "renderer/simulate/write/point_writer.hpp"
 #include "server/commands/command.hpp"
 #include "server/commands/progress_bar.hpp"
+#include "server/commands/terminal.hpp"
 
 namespace scancast {
 namespace {
@@ -27,7 +27,8 @@ struct GenerateArguments {
     bool quiet = false;
 };
 
-/// Ctrl-C ends the loop, so that the unfinished file is removed as after any other failure.
+/// Ctrl-C, or the end of its terminal, ends the loop, so that the unfinished file is removed as after any
+/// other failure.
 std::atomic<bool> interrupted = false;
 static_assert(std::atomic<bool>::is_always_lock_free);
 
@@ -138,9 +139,9 @@ Expected<void> generate(const GenerateArguments& arguments) {
     bar.clear();
     if (!arguments.quiet) {
         const std::chrono::duration<double> took = std::chrono::steady_clock::now() - start;
-        fmt::print(stderr, "{}: {} points, {:.1f} MB, {:.1f} s\n",
-                   arguments.output == "-" ? "standard output" : arguments.output, *points,
-                   double((*writer)->bytesWritten()) / 1e6, took.count());
+        tell("{}: {} points, {:.1f} MB, {:.1f} s\n",
+             arguments.output == "-" ? "standard output" : arguments.output, *points,
+             double((*writer)->bytesWritten()) / 1e6, took.count());
     }
     return {};
 }
@@ -197,12 +198,13 @@ void addGenerate(CLI::App& app, int& exitCode) {
     command->add_flag("-q,--quiet", arguments->quiet, "No progress on standard error");
     command->footer(generateExamples);
     command->callback([arguments, &exitCode] {
-        std::signal(SIGPIPE, SIG_IGN);  // a closed pipe is an error to report, not a death
         std::signal(SIGINT, onInterrupt);
         std::signal(SIGTERM, onInterrupt);
+        // Its terminal went away; nohup has it ignored, and it stays so.
+        if (std::signal(SIGHUP, onInterrupt) == SIG_IGN) std::signal(SIGHUP, SIG_IGN);
         const auto done = generate(*arguments);
         exitCode = done ? 0 : 1;
-        if (!done) fmt::print(stderr, "scancast generate: {}\n", done.error().message);
+        if (!done) tell("scancast generate: {}\n", done.error().message);
     });
 }
 

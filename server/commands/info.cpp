@@ -1,6 +1,4 @@
 // `scancast info`: what is in a cloud file or a scan, and whether it is sound.
-#include <fmt/format.h>
-
 #include <memory>
 #include <nlohmann/json.hpp>
 
@@ -8,6 +6,7 @@
 #include "server/commands/file_info.hpp"
 #include "server/commands/info_print.hpp"
 #include "server/commands/progress_bar.hpp"
+#include "server/commands/terminal.hpp"
 
 namespace scancast {
 namespace {
@@ -28,7 +27,7 @@ bool runInfo(const InfoArguments& arguments) {
         const auto info = fileInfo(file, arguments.check, bar.sink());
         bar.clear();
         sound = sound && info && info->damaged.empty();
-        if (!info) fmt::print(stderr, "scancast info: {}\n", info.error().message);
+        if (!info) tell("scancast info: {}\n", info.error().message);
         if (arguments.json)
             all["files"].push_back(
                 info ? infoJson(*info)
@@ -36,9 +35,10 @@ bool runInfo(const InfoArguments& arguments) {
                             {"error",
                              {{"code", name(info.error().code)}, {"message", info.error().message}}}});
         else if (info)
-            fmt::print("{}", infoText(*info));
+            sound = bool(print(infoText(*info))) && sound;
     }
-    if (arguments.json) fmt::print("{}\n", all.dump(2, ' ', false, Json::error_handler_t::replace));
+    if (arguments.json)
+        sound = bool(print(all.dump(2, ' ', false, Json::error_handler_t::replace) + "\n")) && sound;
     return sound;
 }
 

@@ -8,7 +8,6 @@
 #include <stop_token>
 #include <thread>
 
-#include "renderer/cloud/import/mirrors.hpp"
 #include "renderer/cloud/import/open_scan.hpp"
 #include "renderer/cloud/import/standard_input.hpp"
 #include "renderer/cloud/ingest.hpp"
@@ -17,6 +16,7 @@
 #include "server/commands/command.hpp"
 #include "server/commands/progress_bar.hpp"
 #include "server/commands/shutdown_signals.hpp"
+#include "server/commands/terminal.hpp"
 
 namespace scancast {
 namespace {
@@ -38,8 +38,9 @@ void returnFreedMemory() {
     ::mallopt(M_TRIM_THRESHOLD, 64 << 20);
 }
 
-/// While it lives, Ctrl-C asks the work to stop; a second one ends the process as it is (temporary files are
-/// unnamed and the unfinished file is marked as such, so nothing misleading is left even then).
+/// While it lives, Ctrl-C, or the end of its terminal, asks the work to stop; a second one ends the process
+/// as it is (temporary files are unnamed and the unfinished file is marked as such, so nothing misleading is
+/// left even then).
 class Interruption {
   public:
     Interruption() : watcher_([this](const std::stop_token& done) { watch(done); }) {}
@@ -54,7 +55,7 @@ class Interruption {
         }
     }
 
-    ShutdownSignals signals_;
+    ShutdownSignals signals_{ShutdownSignals::Hangup::Ends};
     std::stop_source stop_;
     std::jthread watcher_;
 };
@@ -81,26 +82,45 @@ Expected<IngestOptions> ingestOptions(const IngestArguments& arguments) {
         if (fs::equivalent(input, options.output, error))
             return fail(ErrorCode::InvalidArgument, fmt::format("{} is both input and output.", input),
                         "output");
-    for (const std::string& input : arguments.inputs) {
-        if (input == "-") continue;
-        const auto mirrors = mirrorsBeside(input);
-        if (!mirrors) return tl::unexpected(mirrors.error());
-        options.mirrors.insert(options.mirrors.end(), mirrors->begin(), mirrors->end());
-    }
     return options;
 }
 
-Expected<std::vector<std::unique_ptr<PointSource>>> openAll(const IngestArguments& arguments) {
+/// One of many, opened again when its turn comes: thousands do not wait open. It has to be the file then that
+/// it is now.
+Expected<std::unique_ptr<PointSource>> openInTurn(const ScanInput& input, const ImportOptions& import) {
+    return lazyScan(
+        [=, path = input.path(), seen = input.file().identity()]() -> Expected<std::unique_ptr<PointSource>> {
+            const auto again = ScanInput::open(path);
+            if (!again) return tl::unexpected(again.error());
+            if (again->file().identity() == seen) return openScan(*again, import);
+            return fail(ErrorCode::Io, path.string() + " has changed since this began; begin again");
+        });
+}
+
+/// Their mirrors go into the options.
+Expected<std::vector<std::unique_ptr<PointSource>>> openAll(const IngestArguments& arguments,
+                                                            IngestOptions& options) {
     ImportOptions import;
     import.keepAttributes = arguments.keepAttributes;
     std::vector<std::unique_ptr<PointSource>> sources;
-    for (const std::string& input : arguments.inputs) {
-        const auto open = [=] { return openScan(input, import); };
-        auto source = input == "-"                   ? openStandardInput(import)
-                      : arguments.inputs.size() == 1 ? open()
-                                                     : lazyScan(open);
+    const auto add = [&](Expected<std::unique_ptr<PointSource>> source) -> Expected<void> {
         if (!source) return tl::unexpected(source.error());
         sources.push_back(std::move(*source));
+        return {};
+    };
+    for (const std::string& name : arguments.inputs) {
+        if (name == "-") {
+            if (auto added = add(openStandardInput(import)); !added) return tl::unexpected(added.error());
+            continue;
+        }
+        const auto input = ScanInput::open(name);
+        if (!input) return tl::unexpected(input.error());
+        const auto mirrors = input->mirrors();
+        if (!mirrors) return tl::unexpected(mirrors.error());
+        options.mirrors.insert(options.mirrors.end(), mirrors->begin(), mirrors->end());
+        const bool alone = arguments.inputs.size() == 1;
+        if (auto added = add(alone ? openScan(*input, import) : openInTurn(*input, import)); !added)
+            return tl::unexpected(added.error());
     }
     return sources;
 }
@@ -115,17 +135,17 @@ void tellNeeds(const std::vector<std::unique_ptr<PointSource>>& sources, const I
         sum.file += needs->file;
         sum.scratch += needs->scratch;
     }
-    fmt::print(stderr, "{} points: the cloud file will need up to {}{}\n", shortCount(double(points)),
-               byteSizeText(sum.file),
-               sum.scratch > 0 ? fmt::format(", temporary files up to {}", byteSizeText(sum.scratch)) : "");
+    tell("{} points: the cloud file will need up to {}{}\n", shortCount(double(points)),
+         byteSizeText(sum.file),
+         sum.scratch > 0 ? fmt::format(", temporary files up to {}", byteSizeText(sum.scratch)) : "");
 }
 
 Expected<void> runIngest(const IngestArguments& arguments) {
     returnFreedMemory();
-    const auto options = ingestOptions(arguments);
+    auto options = ingestOptions(arguments);
     if (!options) return tl::unexpected(options.error());
     const Interruption interruption;
-    auto sources = openAll(arguments);
+    auto sources = openAll(arguments, *options);
     if (!sources) return tl::unexpected(sources.error());
     if (!arguments.quiet) tellNeeds(*sources, *options);
     ProgressBar bar(stderr, arguments.quiet ? ProgressBar::Style::Quiet : ProgressBar::Style::Automatic);
@@ -136,12 +156,11 @@ Expected<void> runIngest(const IngestArguments& arguments) {
     if (!report) return tl::unexpected(report.error());
     if (arguments.quiet) return {};
     const double points = double(report->facts.points);
-    fmt::print(stderr, "{}: {} points in {} nodes, {} ({:.1f} bytes a point), {:.1f} s ({:.2f} M points/s)\n",
-               arguments.output, report->facts.points, report->nodes, byteSizeText(report->fileBytes),
-               double(report->fileBytes) / points, report->seconds, points / report->seconds / 1e6);
+    tell("{}: {} points in {} nodes, {} ({:.1f} bytes a point), {:.1f} s ({:.2f} M points/s)\n",
+         arguments.output, report->facts.points, report->nodes, byteSizeText(report->fileBytes),
+         double(report->fileBytes) / points, report->seconds, points / report->seconds / 1e6);
     if (report->facts.droppedPoints > 0)
-        fmt::print(stderr, "{} points without finite coordinates were left out.\n",
-                   report->facts.droppedPoints);
+        tell("{} points without finite coordinates were left out.\n", report->facts.droppedPoints);
     return {};
 }
 
@@ -207,7 +226,7 @@ void addIngest(CLI::App& app, int& exitCode) {
     command->callback([arguments, &exitCode] {
         const auto done = runIngest(*arguments);
         exitCode = done ? 0 : 1;
-        if (!done) fmt::print(stderr, "scancast ingest: {}\n", done.error().message);
+        if (!done) tell("scancast ingest: {}\n", done.error().message);
     });
 }
 

@@ -1,17 +1,15 @@
 // `scancast render`: a picture of a scan without a server, and the stopwatch of the renderer.
-#include <fmt/format.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <chrono>
-#include <cstdio>
 #include <filesystem>
-#include <fstream>
 #include <glm/gtc/matrix_transform.hpp>
 #include <map>
 #include <nlohmann/json.hpp>
 
-#include "renderer/cloud/import/mirrors.hpp"
+#include "files/output_file.hpp"
+#include "renderer/cloud/file/cloud_file.hpp"
 #include "renderer/cloud/import/open_scan.hpp"
 #include "renderer/image/encode.hpp"
 #include "renderer/render.hpp"
@@ -20,6 +18,7 @@
 #include "server/commands/command.hpp"
 #include "server/commands/program_folder.hpp"
 #include "server/commands/progress_bar.hpp"
+#include "server/commands/terminal.hpp"
 #include "server/commands/view_flags.hpp"
 
 namespace scancast {
@@ -98,15 +97,6 @@ Expected<Bytes> encode(const Frame& frame, const View& view, const fs::path& fil
     return encodePng(frame, view.style.background.kind == Background::Kind::Transparent);
 }
 
-Expected<void> write(const fs::path& file, const Bytes& bytes) {
-    std::ofstream out(file, std::ios::binary);
-    out.write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
-    out.close();
-    if (!out)
-        return fail(ErrorCode::Io, "cannot write " + file.string() + ": is the folder there, the disk full?");
-    return {};
-}
-
 Expected<void> checkArguments(const RenderArguments& arguments) {
     const fs::path output(arguments.output);
     if (!arguments.output.empty() && !isJpeg(output) && output.extension() != ".png") {
@@ -121,7 +111,9 @@ Expected<void> checkArguments(const RenderArguments& arguments) {
 }
 
 Expected<std::shared_ptr<const Cloud>> load(const RenderArguments& arguments) {
-    if (isCloudFileAt(arguments.file)) {
+    auto input = ScanInput::open(arguments.file);
+    if (!input) return tl::unexpected(input.error());
+    if (isCloudFile(input->file())) {
         BlockCacheOptions cache;
         cache.memoryLimit =
             std::uint64_t(::sysconf(_SC_PHYS_PAGES)) * std::uint64_t(::sysconf(_SC_PAGESIZE)) / 2;
@@ -131,18 +123,19 @@ Expected<std::shared_ptr<const Cloud>> load(const RenderArguments& arguments) {
             cache.memoryLimit = *limit;
         }
         cache.onDamaged = [](const fs::path& file, const Error& error) {
-            fmt::print(stderr, "{}: {} Coarser points are shown in its place.\n", file.string(),
-                       error.message);
+            tell("{}: {} Coarser points are shown in its place.\n", file.string(), error.message);
         };
-        return openCloud(arguments.file, BlockCache::create(cache));
+        auto file = input->file().share();
+        if (!file) return tl::unexpected(file.error());
+        return openCloud(std::move(*file), BlockCache::create(cache));
     }
-    auto source = openScan(arguments.file);
+    auto source = openScan(*input);
     if (!source) return tl::unexpected(source.error());
     BuildOptions options;
     options.title = fs::path(arguments.file).filename().string();
     options.threads = arguments.device.threads;
     options.shape.surfels = !arguments.noSurfels;
-    auto mirrors = mirrorsBeside(arguments.file);
+    auto mirrors = input->mirrors();
     if (!mirrors) return tl::unexpected(mirrors.error());
     options.mirrors = std::move(*mirrors);
     ProgressBar bar;
@@ -154,8 +147,8 @@ Expected<Frame> renderOrReplace(std::unique_ptr<Device>& device, const Cloud& cl
                                 const RenderArguments& arguments) {
     auto drawn = render(*device, cloud, view, arguments.render);
     if (drawn || drawn.error().code != ErrorCode::DeviceLost) return drawn;
-    fmt::print(stderr, "The device {} was lost: {} Drawing with --backend=cpu instead.\n",
-               title(device->info()), drawn.error().message);
+    tell("The device {} was lost: {} Drawing with --backend=cpu instead.\n", title(device->info()),
+         drawn.error().message);
     DeviceOptions options;
     options.backend = "cpu";
     options.threads = arguments.device.threads;
@@ -198,10 +191,11 @@ Expected<void> runRender(const RenderArguments& arguments) {
         if (arguments.orbit != 0 && i + 1 < arguments.repeat) orbitBy(view->camera, arguments.orbit);
     }
     if (!arguments.output.empty()) {
-        if (auto written = write(arguments.output, bytes); !written) return written;
+        if (auto written = writeWholeFile(arguments.output, std::as_bytes(std::span(bytes))); !written)
+            return written;
     }
-    if (!arguments.stats.empty()) fmt::print("{}\n", statsJson(timings, frame, **cloud));
-    return {};
+    if (arguments.stats.empty()) return {};
+    return print(statsJson(timings, frame, **cloud) + "\n");
 }
 
 }  // namespace
@@ -245,7 +239,7 @@ void addRender(CLI::App& app, int& exitCode) {
     addViewFlags(*command, arguments->words);
     command->callback([arguments, &exitCode] {
         if (auto done = runRender(*arguments); !done) {
-            fmt::print(stderr, "scancast render: {}\n", done.error().message);
+            tell("scancast render: {}\n", done.error().message);
             exitCode = 1;
         }
     });

@@ -13,6 +13,7 @@
 #include "server/commands/progress_bar.hpp"
 #include "server/commands/serve_options.hpp"
 #include "server/commands/shutdown_signals.hpp"
+#include "server/commands/terminal.hpp"
 #include "server/loader.hpp"
 #include "server/log.hpp"
 #include "server/server.hpp"
@@ -78,12 +79,24 @@ bool reportDevice(Server& server, bool& reported) {
     return true;
 }
 
+// Until a later version reads certificates, tokens and clouds anew.
+void reportReloads(const ShutdownSignals& signals, int& reported) {
+    if (signals.reloads() == reported) return;
+    reported = signals.reloads();
+    spdlog::warn(
+        "A signal to reload (SIGHUP, SIGUSR1 or SIGUSR2) came and was ignored: this server reads its files "
+        "when "
+        "it starts; restart it for others.");
+}
+
 // Until a signal comes (0), or there is nothing to serve with or from (1).
 int waitForTheEnd(Server& server, const Loader& loader, const ServeOptions& options,
                   ShutdownSignals& signals) {
     const bool mayGrow = !options.server.dataRoot.empty();
     bool deviceReported = false;
+    int reloadsReported = 0;
     while (signals.wait(std::chrono::milliseconds(100)) == 0) {
+        reportReloads(signals, reloadsReported);
         if (!reportDevice(server, deviceReported)) return 1;
         if (!mayGrow && loader.finished() && loader.failed() == options.files.size()) {
             spdlog::error("None of the files could be loaded; there is nothing to serve.");
@@ -144,7 +157,7 @@ int serve(ServeOptions options) {
     options.server.cache = blockCache(*memoryLimit(options));
     options.device.programFolder = programFolder(options.cacheDir);
     options.device.gpuMemoryLimit = *parseGpuMemoryLimit(options.gpuMemoryLimit);
-    ShutdownSignals signals;
+    ShutdownSignals signals(ShutdownSignals::Hangup::Reloads);
     auto server = Server::create(options.server, devicePainter(options.device));
     if (!server) return failure(server.error());
     std::printf("Open %s\n", (*server)->url().c_str());
@@ -153,9 +166,8 @@ int serve(ServeOptions options) {
     ProgressBar bar(stderr,
                     options.logFormat == "json" ? ProgressBar::Style::Quiet : ProgressBar::Style::Automatic);
     Loader loader(options.files, (*server)->catalog(), loaderOptions(options, bar));
-    (*server)->admin().loadWith([&loader](const std::filesystem::path& file, const std::string& id) {
-        return loader.load(file, id);
-    });
+    (*server)->admin().loadWith(
+        [&loader](ScanInput input, const std::string& id) { return loader.load(std::move(input), id); });
     const int exitCode = waitForTheEnd(**server, loader, options, signals);
     (*server)->admin().loadWith({});
     bar.clear();
@@ -170,8 +182,8 @@ int checkConfig(const CLI::App& command, const ServeOptions& options) {
     if (options.server.tls.given()) {
         if (auto tls = openTls(options.server.tls); !tls) return failure(tls.error());
     }
-    std::printf("%s\n", effectiveConfig(command).dump(4).c_str());
-    return 0;
+    const auto printed = print(effectiveConfig(command).dump(4) + "\n");
+    return printed ? 0 : failure(printed.error());
 }
 
 int run(CLI::App& command, ServeOptions& options) {

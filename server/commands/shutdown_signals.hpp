@@ -1,5 +1,6 @@
-// SIGINT and SIGTERM as a count that can be waited for. One per process, on the main thread; the handler only
-// counts and writes to a pipe. Children do not inherit it (a handler does not survive exec).
+// SIGINT and SIGTERM as a count that can be waited for, and those that ask a server to begin anew as another.
+// One per process, on the main thread; the handlers only count and write to a pipe. Children do not inherit
+// them (a handler does not survive exec).
 #pragma once
 
 #include <chrono>
@@ -8,13 +9,22 @@ namespace scancast {
 
 class ShutdownSignals {
   public:
-    ShutdownSignals();
+    enum class Hangup {
+        Ends,    ///< SIGHUP is one of wait()'s: the terminal is gone. Where it is ignored already (nohup), it
+                 ///< stays so
+        Reloads  ///< SIGHUP, SIGUSR1 and SIGUSR2, as administrators and log rotation send them, are
+                 ///< reloads()'s
+    };
+
+    explicit ShutdownSignals(Hangup hangup);
     ~ShutdownSignals();
     ShutdownSignals(const ShutdownSignals&) = delete;
     ShutdownSignals& operator=(const ShutdownSignals&) = delete;
 
-    /// Signals so far. Returns early when one comes.
+    /// Signals to end so far. Returns early when any comes.
     int wait(std::chrono::milliseconds patience);
+    /// Signals to begin anew so far.
+    int reloads() const;
 };
 
 }  // namespace scancast

@@ -107,6 +107,7 @@ class HttpConnection final : public Connection, public std::enable_shared_from_t
         // What is not read of a request would be taken for the next one.
         keepAlive_ = head.keep_alive() && parser_->is_done();
         version_ = head.version();
+        if (std::string fault = framingFault(request_, version_); !fault.empty()) return refuse(400, fault);
         answering_ = true;
         stream_.tcp().expires_never();
         answer();

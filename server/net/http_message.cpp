@@ -7,6 +7,16 @@
 
 namespace scancast {
 
+namespace {
+
+std::string lowerCase(std::string text) {
+    for (char& c : text)
+        if (c >= 'A' && c <= 'Z') c = char(c - 'A' + 'a');
+    return text;
+}
+
+}  // namespace
+
 std::string HttpRequest::header(std::string_view name) const {
     std::string joined;
     bool first = true;
@@ -22,6 +32,18 @@ std::string HttpRequest::header(std::string_view name) const {
 std::size_t HttpRequest::count(std::string_view name) const {
     return std::size_t(
         std::count_if(headers.begin(), headers.end(), [&](const auto& h) { return h.first == name; }));
+}
+
+std::string framingFault(const HttpRequest& request, unsigned version) {
+    constexpr unsigned http11 = 11;
+    if (request.count("transfer-encoding") == 0) return {};
+    if (version < http11) return "Transfer-Encoding is not part of HTTP/1.0.";
+    // Beast goes by the last coding of the last line, and by Content-Length where that is not chunked.
+    if (lowerCase(request.header("transfer-encoding")) != "chunked")
+        return "Transfer-Encoding: this server understands \"chunked\", once, and nothing else.";
+    if (request.count("content-length") > 0)
+        return "A request has a Content-Length or a Transfer-Encoding, not both.";
+    return {};
 }
 
 std::string_view HttpResponse::body() const {

@@ -26,6 +26,11 @@ struct HttpRequest {
     std::size_t count(std::string_view name) const;
 };
 
+/// Why nobody can tell where the body of this request ends, as a sentence; empty when one can (RFC
+/// 9112, 6.3). A sender and a proxy between that understood such a request differently would let one request
+/// hide in another.
+std::string framingFault(const HttpRequest& request, unsigned version);
+
 struct HttpResponse {
     int status = 200;
     std::vector<std::pair<std::string, std::string>> headers;

@@ -2,13 +2,15 @@
 
 #include "server/net/tls.hpp"
 
+#include <openssl/crypto.h>
 #include <openssl/err.h>
 #include <openssl/x509.h>
 
+#include <boost/asio/buffer.hpp>
 #include <boost/asio/ssl/context.hpp>
 #include <boost/system/system_error.hpp>
-#include <fstream>
 
+#include "files/input_file.hpp"
 #include "transport/secret_file.hpp"
 
 namespace scancast {
@@ -16,6 +18,9 @@ namespace {
 
 namespace ssl = boost::asio::ssl;
 using boost::system::error_code;
+
+// Chains have kilobytes.
+constexpr std::size_t longestPem = std::size_t(1) << 20;
 
 tl::unexpected<Error> refuse(const char* flag, const std::filesystem::path& file, const std::string& why) {
     return fail(ErrorCode::InvalidArgument, std::string("--") + flag + " " + file.string() + ": " + why,
@@ -30,11 +35,17 @@ std::string dateOf(const ASN1_TIME* time) {
     return text;
 }
 
+Expected<std::string> contentOf(const std::filesystem::path& path) {
+    const auto file = InputFile::open(path);
+    if (!file) return tl::unexpected(file.error());
+    return file->text(longestPem);
+}
+
 Expected<void> loadCertificate(ssl::context& context, const std::filesystem::path& file) {
-    if (std::ifstream readable(file); !readable)
-        return refuse("tls-cert", file, "there is no such file, or it cannot be read.");
+    const auto chain = contentOf(file);
+    if (!chain) return fail(chain.error().code, "--tls-cert " + chain.error().message, "tls-cert");
     error_code ec;
-    context.use_certificate_chain_file(file.string(), ec);
+    context.use_certificate_chain(boost::asio::buffer(*chain), ec);
     if (ec) return refuse("tls-cert", file, "this is no certificate in PEM format (" + ec.message() + ").");
     const X509* certificate = SSL_CTX_get0_certificate(context.native_handle());
     const ASN1_TIME* from = X509_get0_notBefore(certificate);
@@ -50,11 +61,11 @@ Expected<void> loadCertificate(ssl::context& context, const std::filesystem::pat
 }
 
 Expected<void> loadKey(ssl::context& context, const TlsFiles& files) {
-    if (auto secret = checkSecretFile(files.key); !secret) {
-        return fail(secret.error().code, "--tls-key: " + secret.error().message, "tls-key");
-    }
+    auto key = readSecretFile(files.key, longestPem);
+    if (!key) return fail(key.error().code, "--tls-key: " + key.error().message, "tls-key");
     error_code ec;
-    context.use_private_key_file(files.key.string(), ssl::context::pem, ec);
+    context.use_private_key(boost::asio::buffer(*key), ssl::context::pem, ec);
+    OPENSSL_cleanse(key->data(), key->size());
     if (!ec) return {};
     const auto reason = ERR_GET_REASON(static_cast<unsigned long>(ec.value()));
     if (reason == X509_R_KEY_VALUES_MISMATCH || reason == X509_R_KEY_TYPE_MISMATCH) {

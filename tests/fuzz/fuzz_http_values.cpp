@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstdlib>
 
+#include "server/net/http_message.hpp"
 #include "server/net/negotiate.hpp"
 #include "server/net/origin_check.hpp"
 #include "server/net/router.hpp"
@@ -56,5 +57,9 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     require(!matchesAny(text, "\"0123456789abcdef\"") || text.find("0123456789abcdef") != std::string::npos ||
             text.find('*') != std::string::npos);
     accepts(text, "image/jpeg");
+    // One spelling of one coding frames a body; whatever else it is, it is refused.
+    const HttpRequest coded{"POST", "/", {{"transfer-encoding", text}}};
+    require(framingFault(coded, 11).empty() == (lower(text) == "chunked"));
+    require(!framingFault(coded, 10).empty());
     return 0;
 }

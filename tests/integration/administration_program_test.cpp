@@ -1,6 +1,7 @@
 // Administration and configuration as people meet them: a server that starts empty, gets a scan, and gives it
 // back.
 #include <gmock/gmock.h>
+#include <sys/stat.h>
 
 #include <nlohmann/json.hpp>
 
@@ -47,6 +48,26 @@ TEST_F(AdministrationProgramTest, AScanComesAndGoesWhileTheServerRuns) {
     EXPECT_EQ(statusOf("/api/v1/clouds/ball"), 404);
     EXPECT_TRUE(fs::exists(folder / "scans" / "ball.las"));
     EXPECT_EQ(statusOf("/api/v1/clouds/first"), 200);
+}
+
+TEST_F(AdministrationProgramTest, WhatIsNoFileOrLiesOutsideIsRefusedAtOnce) {
+    ASSERT_EQ(mkfifo(file("scans/pipe.las").c_str(), 0600), 0);
+    fs::create_symlink("../first.las", folder / "scans" / "out.las");
+    fs::create_symlink("loop.las", folder / "scans" / "loop.las");
+    fs::create_symlink("/dev/zero", folder / "scans" / "zero.las");
+    fs::create_directories(folder / "scans" / "folder.las");
+    const auto server =
+        serve({file("first.las"), "--data-root", file("scans"), "--admin-token-file", file("admin")});
+    const std::pair<const char*, int> names[] = {{"pipe.las", 422}, {"loop.las", 422}, {"folder.las", 422},
+                                                 {"out.las", 403},  {"zero.las", 403}, {"../first.las", 403},
+                                                 {"ball.las", 202}};
+    for (const auto& [name, status] : names)
+        EXPECT_EQ(post(port, "/api/v1/clouds", json{{"file", name}}.dump(),
+                       {bearer, "Content-Type: application/json"})
+                      .status,
+                  status)
+            << name;
+    EXPECT_TRUE(becomes("/api/v1/clouds/ball/snapshot.jpg?width=32&height=16", 200)) << server->err();
 }
 
 TEST_F(AdministrationProgramTest, AConfigurationFileIsCheckedAndServed) {

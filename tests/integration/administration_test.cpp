@@ -69,8 +69,8 @@ TEST_F(AdministrationTest, TheListOfSessionsTellsWhoLooksAtWhat) {
 TEST_F(AdministrationTest, ACloudIsAddedInTheBackground) {
     start();
     std::vector<std::string> loaded;
-    server->admin().loadWith([&](const auto& file, const std::string& id) {
-        loaded.push_back(file.filename().string() + " " + id);
+    server->admin().loadWith([&](const ScanInput& input, const std::string& id) {
+        loaded.push_back(input.path().filename().string() + " " + id);
         return true;
     });
     const HttpReply added = add(R"({"file": "church.las", "title": "Our church"})");

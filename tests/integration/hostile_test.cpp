@@ -38,6 +38,63 @@ TEST_F(HostileTest, MalformedRequestsAreAnswered400AndClosed) {
     }
 }
 
+// RFC 9112, 6.3: nobody can tell where such a request ends, and whoever guesses lets another one hide in it.
+TEST_F(HostileTest, TransferEncodingsOtherThanChunkedAreRefusedAndClosed) {
+    start();
+    const std::string hidden = "GET /healthz HTTP/1.1\r\nHost: localhost\r\n\r\n";
+    const std::string length = "Content-Length: " + std::to_string(hidden.size()) + "\r\n";
+    const std::string wrong[] = {"Transfer-Encoding: gzip\r\n",
+                                 "Transfer-Encoding: gzip\r\n" + length,
+                                 length + "Transfer-Encoding: identity\r\n",
+                                 "Transfer-Encoding: chunked, gzip\r\n" + length,
+                                 "Transfer-Encoding: gzip, chunked\r\n",
+                                 "Transfer-Encoding: chunked, chunked\r\n",
+                                 "Transfer-Encoding: chunked,\r\n",
+                                 "Transfer-Encoding: ,chunked\r\n",
+                                 "Transfer-Encoding: chunked;q=1\r\n",
+                                 "Transfer-Encoding: \"chunked\"\r\n",
+                                 "Transfer-Encoding: xchunked\r\n" + length,
+                                 "Transfer-Encoding:\r\n" + length,
+                                 "Transfer-Encoding: gzip\r\nTransfer-Encoding: chunked\r\n",
+                                 "Transfer-Encoding: chunked\r\nTransfer-Encoding: gzip\r\n" + length,
+                                 "Transfer-Encoding: chunked\r\nTransfer-Encoding: chunked\r\n",
+                                 "Transfer-Encoding: chunked\r\nTransfer-Encoding:\r\n",
+                                 "Transfer-Encoding: chunked\r\n" + length,
+                                 length + "Transfer-Encoding: chunked\r\n",
+                                 "Transfer-Encoding : chunked\r\n" + length};
+    for (const std::string& fields : wrong) {
+        for (const std::string& start :
+             {std::string("POST /api/v1/clouds HTTP/1.1"), std::string("GET /healthz HTTP/1.1")}) {
+            RawSocket socket(port());
+            socket.send(start + "\r\nHost: localhost\r\nContent-Type: application/json\r\n" + fields +
+                        "\r\n" + hidden);
+            const std::string all = socket.receiveAll();
+            EXPECT_EQ(all.substr(0, 12), "HTTP/1.1 400") << start << '\n' << fields;
+            EXPECT_NE(all.find("Connection: close"), std::string::npos) << fields;
+            EXPECT_EQ(all.find("\r\nContent-Length", all.find("\r\nContent-Length") + 1), std::string::npos)
+                << "one answer, not two: " << fields << all;
+        }
+    }
+    RawSocket old(port());
+    old.send("GET /healthz HTTP/1.0\r\nHost: localhost\r\nTransfer-Encoding: chunked\r\n\r\n0\r\n\r\n");
+    EXPECT_EQ(old.receiveAll().substr(0, 12), "HTTP/1.1 400");
+}
+
+TEST_F(HostileTest, ChunkedBodiesAreRead) {
+    options.tokens.admin = "admin-0123456789abcdef";
+    start();
+    for (const char* name : {"chunked", "Chunked", " chunked "}) {
+        RawSocket socket(port());
+        socket.send(
+            "POST /api/v1/clouds HTTP/1.1\r\nHost: localhost\r\nAuthorization: Bearer "
+            "admin-0123456789abcdef\r\n"
+            "Content-Type: application/json\r\nTransfer-Encoding:" +
+            std::string(name) + "\r\n\r\n10\r\n{\"file\": \"a.las\"\r\n1\r\n}\r\n0\r\n\r\n");
+        EXPECT_EQ(readReply(socket).status, 403) << name << ": understood, and refused without --data-root";
+        EXPECT_EQ(requestOn(socket, "/healthz").status, 200) << "the next request begins behind it";
+    }
+}
+
 TEST_F(HostileTest, LongHeadsAndTargets) {
     start();
     EXPECT_EQ(request(port(), "/" + std::string(9000, 'a')).status, 414);

@@ -74,10 +74,10 @@ TEST_F(IngestProgram, AFileThatIsThereIsReplacedOnRequestOnly) {
 
 TEST_F(IngestProgram, InterruptedItLeavesNothing) {
     generate("a.las", "2M");
-    for (const char* stage : {"reading", "sorting"}) {
+    for (const auto& [stage, signal] : {std::pair("reading", SIGINT), {"sorting", SIGHUP}}) {
         Process process(folder, {"scancast", "ingest", file("a.las"), "-o", file("c.scan")});
         ASSERT_TRUE(reaches(process, stage)) << process.err();
-        process.signal(SIGINT);
+        process.signal(signal);
         const int code = process.wait();
         if (code == 0) continue;  // it was done before the signal came
         EXPECT_EQ(code, 1) << process.err();

@@ -4,12 +4,14 @@
 #include <fcntl.h>
 #include <gtest/gtest.h>
 #include <signal.h>
+#include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
 #include <chrono>
 #include <filesystem>
 #include <fstream>
+#include <functional>
 #include <iterator>
 #include <memory>
 #include <string>
@@ -27,8 +29,10 @@ namespace fs = std::filesystem;
 /// A program of ours, its output in files; killed when the test leaves it behind.
 class Process {
   public:
-    Process(const fs::path& folder, const std::vector<std::string>& arguments,
-            const fs::path& input = "/dev/null")
+    /// `before` is done in the new process, before it becomes the program.
+    Process(
+        const fs::path& folder, const std::vector<std::string>& arguments,
+        const fs::path& input = "/dev/null", const std::function<void()>& before = [] {})
         : out_(folder / "stdout.txt"), err_(folder / "stderr.txt") {
         std::vector<std::string> words = arguments;
         words[0] = std::string(SCANCAST_BIN_DIR) + "/" + words[0];
@@ -43,6 +47,7 @@ class Process {
             dup2(open(in.c_str(), O_RDONLY), 0);
             dup2(open(out.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0644), 1);
             dup2(open(err.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0644), 2);
+            before();
             execv(argv[0], argv.data());
             _exit(127);
         }
@@ -93,8 +98,10 @@ inline void receiveFinal(RawWebSocket& stream, std::uint64_t seq, std::string& p
 class ProgramTest : public ::testing::Test {
   protected:
     /// Runs a program to its end.
-    int run(const std::vector<std::string>& arguments, std::string* out = nullptr) {
-        Process process(folder, arguments);
+    int run(
+        const std::vector<std::string>& arguments, std::string* out = nullptr,
+        const std::function<void()>& before = [] {}) {
+        Process process(folder, arguments, "/dev/null", before);
         const int code = process.wait();
         if (out != nullptr) *out = process.out();
         lastError = process.err();
@@ -106,10 +113,11 @@ class ProgramTest : public ::testing::Test {
             << lastError;
     }
     /// Starts a server and waits until it is ready; its files are in a folder of their own.
-    std::unique_ptr<Process> serve(std::vector<std::string> arguments) {
+    std::unique_ptr<Process> serve(
+        std::vector<std::string> arguments, const std::function<void()>& before = [] {}) {
         fs::create_directories(folder / "server");
         arguments.insert(arguments.begin(), {"scancast", "serve", "--port", "0"});
-        auto process = std::make_unique<Process>(folder / "server", arguments);
+        auto process = std::make_unique<Process>(folder / "server", arguments, "/dev/null", before);
         const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(60);
         while (std::chrono::steady_clock::now() < end) {
             const std::string out = process->out();

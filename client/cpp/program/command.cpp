@@ -1,10 +1,8 @@
 #include "client/cpp/program/command.hpp"
 
-#include <cerrno>
 #include <cstdio>
-#include <cstring>
-#include <fstream>
 
+#include "files/output_file.hpp"
 #include "transport/secret_file.hpp"
 
 namespace scancast::client {
@@ -58,13 +56,8 @@ Expected<std::string> chooseCloud(const Server& server, const std::string& given
 }
 
 Expected<void> writeFile(const std::string& path, const std::vector<std::uint8_t>& bytes) {
-    errno = 0;
-    std::ofstream file(path, std::ios::binary | std::ios::trunc);
-    file.write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
-    file.close();
-    if (file) return {};
-    return fail(ErrorCode::Io, "cannot write " + path +
-                                   (errno != 0 ? std::string(": ") + std::strerror(errno) : std::string()));
+    // "-" is a name here, too: standard output is for words.
+    return writeWholeFile(path == "-" ? "./-" : path, std::as_bytes(std::span(bytes)));
 }
 
 }  // namespace scancast::client

@@ -29,6 +29,14 @@ std::string numbered(const std::string& folder, int number, int digits) {
     return (fs::path(folder) / ("frame-" + text + ".jpg")).string();
 }
 
+/// "flight.mp4" → "flight.partial-123.mp4": the ending tells ffmpeg the format.
+std::string partialName(const std::string& path) {
+    const fs::path whole(path);
+    const auto name =
+        whole.stem().string() + ".partial-" + std::to_string(getpid()) + whole.extension().string();
+    return (whole.parent_path() / name).string();
+}
+
 /// Starts ffmpeg with its standard input at the other end of `input`; -1 when there is none.
 pid_t startProgram(std::vector<std::string> words, int input) {
     std::vector<char*> argv;
@@ -66,6 +74,7 @@ Expected<FilmWriter> FilmWriter::create(const std::string& path, int total, doub
 
 FilmWriter::FilmWriter(FilmWriter&& other) noexcept
     : path_(std::move(other.path_)),
+      partial_(std::exchange(other.partial_, {})),
       digits_(other.digits_),
       count_(other.count_),
       program_(std::exchange(other.program_, -1)),
@@ -74,6 +83,8 @@ FilmWriter::FilmWriter(FilmWriter&& other) noexcept
 FilmWriter::~FilmWriter() {
     if (program_ > 0) kill(program_, SIGTERM);
     waitForProgram();
+    std::error_code ignored;
+    if (!partial_.empty()) fs::remove(partial_, ignored);
 }
 
 Expected<void> FilmWriter::startVideo(double framesPerSecond) {
@@ -82,10 +93,11 @@ Expected<void> FilmWriter::startVideo(double framesPerSecond) {
     if (socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends) != 0)
         return fail(ErrorCode::Io, std::string("cannot talk to ffmpeg: ") + std::strerror(errno));
     pipe_ = ends[0];
+    partial_ = partialName(path_);
     // Sides must be even for the most common pixel format.
     program_ = startProgram({"ffmpeg", "-y", "-loglevel", "error", "-f", "image2pipe", "-c:v", "mjpeg",
                              "-framerate", std::to_string(framesPerSecond), "-i", "-", "-vf",
-                             "pad=ceil(iw/2)*2:ceil(ih/2)*2", "-pix_fmt", "yuv420p", "file:" + path_},
+                             "pad=ceil(iw/2)*2:ceil(ih/2)*2", "-pix_fmt", "yuv420p", "file:" + partial_},
                             ends[1]);
     close(ends[1]);
     if (program_ > 0) return {};
@@ -106,7 +118,12 @@ Expected<void> FilmWriter::add(const std::vector<std::uint8_t>& jpeg) {
 }
 
 Expected<void> FilmWriter::finish() {
-    if (program_ > 0 && waitForProgram() != 0) return tl::unexpected(videoFailed());
+    if (program_ <= 0) return {};
+    if (waitForProgram() != 0) return tl::unexpected(videoFailed());
+    std::error_code error;
+    fs::rename(partial_, path_, error);
+    if (error) return fail(ErrorCode::Io, path_ + " cannot get its name: " + error.message());
+    partial_.clear();
     return {};
 }
 

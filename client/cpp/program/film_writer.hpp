@@ -1,4 +1,5 @@
-// Where the pictures of a walk go: numbered JPEGs in a folder, or a video that ffmpeg makes of them.
+// Where the pictures of a walk go: numbered JPEGs in a folder, or a video that ffmpeg makes of them. Each
+// file appears under its name when it is complete.
 //
 // Owned by one command; one thread.
 #pragma once
@@ -35,7 +36,7 @@ class FilmWriter {
     Error videoFailed();
     int waitForProgram();
 
-    std::string path_;
+    std::string path_, partial_;  ///< partial_: where an unfinished video is
     int digits_, count_ = 0;
     pid_t program_ = -1;
     int pipe_ = -1;

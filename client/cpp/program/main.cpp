@@ -1,7 +1,9 @@
 // `scancast-client`: pictures and facts from a Scancast server, without a browser.
 #include "client/cpp/program/command.hpp"
+#include "files/program_start.hpp"
 
 int main(int argc, char** argv) {
+    scancast::startProgram();
     CLI::App app{"Pictures and facts from a Scancast server"};
     app.footer(
         "Examples:\n"

@@ -1,11 +1,10 @@
 // `scancast-client path`: along key frames of a file, every step a picture.
 #include <cmath>
-#include <fstream>
-#include <sstream>
 
 #include "client/cpp/camera_path.hpp"
 #include "client/cpp/program/film.hpp"
 #include "client/cpp/program/view_flags.hpp"
+#include "files/input_file.hpp"
 #include "protocol/view_words.hpp"
 
 namespace scancast::client {
@@ -19,19 +18,19 @@ struct PathFlags {
 };
 
 Expected<std::string> readText(const std::string& path) {
-    std::ifstream file(path, std::ios::binary);
-    std::ostringstream text;
-    text << file.rdbuf();
-    if (!file || !text) return fail(ErrorCode::Io, "cannot read " + path);
-    return text.str();
+    constexpr std::size_t longest = std::size_t(64) << 20;
+    const auto file = InputFile::open(path);
+    if (!file) return tl::unexpected(file.error());
+    return file->text(longest);
 }
 
 /// The file's path, with flags having the last word.
 Expected<CameraPath> readPath(const PathFlags& flags, const View& base) {
     const auto words = flags.view.words();
     if (!words) return tl::unexpected(words.error());
-    auto path =
-        readText(flags.file).and_then([&](const std::string& text) { return parseCameraPath(text, base); });
+    const auto text = readText(flags.file);
+    if (!text) return tl::unexpected(text.error());
+    auto path = parseCameraPath(*text, base);
     if (!path) {
         path.error().message = flags.file + ": " + path.error().message;
         return path;

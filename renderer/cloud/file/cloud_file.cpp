@@ -199,15 +199,26 @@ Expected<std::shared_ptr<const CloudFile>> CloudFile::open(std::unique_ptr<Rando
     }
 }
 
+Expected<std::shared_ptr<const CloudFile>> CloudFile::open(InputFile file) {
+    const fs::path name = file.name();
+    return open(readerOf(std::move(file)), name);
+}
+
 Expected<std::shared_ptr<const CloudFile>> CloudFile::open(const fs::path& path) {
-    auto reader = openForReading(path);
-    if (!reader) return tl::unexpected(reader.error());
-    return open(std::move(*reader), path);
+    auto file = InputFile::open(path);
+    if (!file) return tl::unexpected(std::move(file.error()));
+    return open(std::move(*file));
 }
 
 bool isCloudFile(std::span<const std::byte> start) {
     return start.size() >= cloudFileMagic.size() && std::equal(cloudFileMagic.begin(), cloudFileMagic.end(),
                                                                reinterpret_cast<const char*>(start.data()));
+}
+
+bool isCloudFile(const InputFile& file) {
+    std::array<std::byte, cloudFileMagic.size()> start{};
+    const auto got = file.readAt(0, start);
+    return got && isCloudFile(std::span(start).first(*got));
 }
 
 }  // namespace scancast

@@ -12,6 +12,7 @@
 #include <string_view>
 #include <vector>
 
+#include "files/input_file.hpp"
 #include "renderer/cloud/cloud.hpp"
 #include "renderer/cloud/file/block_place.hpp"
 
@@ -24,6 +25,8 @@ class CloudFile {
     /// Errors name the file, the offset and the reason: NotFound, Io, Unsupported (not a cloud file, another
     /// version), Truncated, Malformed.
     static Expected<std::shared_ptr<const CloudFile>> open(const std::filesystem::path& path);
+    /// What somebody opened.
+    static Expected<std::shared_ptr<const CloudFile>> open(InputFile file);
     /// The same over any bytes. `name` is what path() says and messages call it.
     static Expected<std::shared_ptr<const CloudFile>> open(std::unique_ptr<RandomReader> reader,
                                                            const std::filesystem::path& name);
@@ -44,5 +47,7 @@ class CloudFile {
 
 /// Whether a file with these first bytes is (meant to be) a cloud file.
 bool isCloudFile(std::span<const std::byte> start);
+/// The same by a look at them. Files that cannot be read are none.
+bool isCloudFile(const InputFile& file);
 
 }  // namespace scancast

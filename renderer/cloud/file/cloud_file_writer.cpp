@@ -8,23 +8,19 @@
 
 #include <algorithm>
 #include <cerrno>
-#include <system_error>
 
+#include "files/input_file.hpp"
+#include "files/system_error.hpp"
+#include "files/unique_fd.hpp"
 #include "renderer/cloud/file/facts_json.hpp"
 #include "renderer/cloud/file/file_layout.hpp"
 #include "renderer/cloud/file/node_index.hpp"
-#include "renderer/cloud/file/random_reader.hpp"
-#include "renderer/cloud/import/unique_fd.hpp"
 
 namespace scancast {
 
 namespace {
 
 namespace fs = std::filesystem;
-
-bool isFull(int error) {
-    return error == ENOSPC || error == EDQUOT || error == EFBIG;
-}
 
 class Writer final : public CloudFileWriter {
   public:
@@ -145,9 +141,8 @@ class Writer final : public CloudFileWriter {
         if (isFull(error))
             return fail(
                 ErrorCode::ResourceLimit,
-                fmt::format("{}: there is no more room for it after {} bytes ({}); free some space or choose "
-                            "another place. Nothing of it is left",
-                            path_.string(), written_, systemReason(error)));
+                fmt::format("{}: there is no more room for it after {} bytes ({}); {}. Nothing of it is left",
+                            path_.string(), written_, systemReason(error), wayOutOfFull(error)));
         return fail(ErrorCode::Io, fmt::format("{}: cannot be written after {} bytes: {}", path_.string(),
                                                written_, systemReason(error)));
     }
@@ -188,8 +183,8 @@ Expected<UniqueFd> openLocked(const fs::path& partial) {
             return fail(ErrorCode::NotFound,
                         fmt::format("{}: the folder is not there; make it first", partial.string()));
         if (!fd && isFull(errno))
-            return fail(ErrorCode::ResourceLimit,
-                        fmt::format("{}: there is no room for it: {}", partial.string(), systemReason(errno)));
+            return fail(ErrorCode::ResourceLimit, fmt::format("{}: there is no room for it: {}",
+                                                              partial.string(), systemReason(errno)));
         if (!fd)
             return fail(ErrorCode::Io,
                         fmt::format("{}: cannot be created: {}", partial.string(), systemReason(errno)));

@@ -4,11 +4,10 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <filesystem>
 #include <memory>
 #include <span>
 
-#include "protocol/error.hpp"
+#include "files/input_file.hpp"
 
 namespace scancast {
 
@@ -20,14 +19,9 @@ class RandomReader {
     virtual Expected<std::size_t> readAt(std::uint64_t offset, std::span<std::byte> into) const = 0;
 };
 
-/// A regular file. Errors: NotFound, Io; Unsupported for what is no file.
-Expected<std::unique_ptr<RandomReader>> openForReading(const std::filesystem::path& path);
+std::unique_ptr<RandomReader> readerOf(InputFile file);
 
 /// Bytes that somebody else owns and keeps.
 std::unique_ptr<RandomReader> readerOf(std::span<const std::byte> bytes);
-
-/// All bytes of `fd` from `offset`, as far as there are any. `name` is what messages call it.
-Expected<std::size_t> readFullyAt(int fd, std::uint64_t offset, std::span<std::byte> into,
-                                  const std::filesystem::path& name);
 
 }  // namespace scancast

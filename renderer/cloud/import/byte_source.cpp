@@ -1,11 +1,14 @@
 #include "renderer/cloud/import/byte_source.hpp"
 
+#include <fcntl.h>
 #include <sys/stat.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <cerrno>
 #include <cstring>
-#include <system_error>
+
+#include "files/system_error.hpp"
 
 namespace scancast {
 
@@ -49,32 +52,24 @@ Expected<std::unique_ptr<FileByteSource>> FileByteSource::create(UniqueFd fd, st
 }
 
 Expected<std::size_t> FileByteSource::read(std::span<std::byte> into) {
+    const std::size_t most = std::min(into.size(), largestTransfer);
     for (;;) {
-        const auto got = ::read(fd_.get(), into.data(), std::min(into.size(), largestTransfer));
-        if (got >= 0) return static_cast<std::size_t>(got);
+        const auto got = size_ ? ::pread(fd_.get(), into.data(), most, static_cast<off_t>(position_))
+                               : ::read(fd_.get(), into.data(), most);
+        if (got >= 0) {
+            position_ += static_cast<std::uint64_t>(got);
+            return static_cast<std::size_t>(got);
+        }
         if (errno != EINTR) return fail(ErrorCode::Io, name_ + ": " + systemReason(errno));
     }
 }
 
 Expected<std::size_t> FileByteSource::readAt(std::uint64_t offset, std::span<std::byte> into) {
-    std::size_t done = 0;
-    while (done < into.size()) {
-        const auto got = ::pread(fd_.get(), into.data() + done, std::min(into.size() - done, largestTransfer),
-                                 static_cast<off_t>(offset + done));
-        if (got == 0) break;
-        if (got > 0) {
-            done += static_cast<std::size_t>(got);
-        } else if (errno != EINTR) {
-            return fail(ErrorCode::Io,
-                        name_ + ", byte " + std::to_string(offset + done) + ": " + systemReason(errno));
-        }
-    }
-    return done;
+    return readFullyAt(fd_.get(), offset, into, name_);
 }
 
 Expected<void> FileByteSource::seek(std::uint64_t offset) {
-    if (::lseek(fd_.get(), static_cast<off_t>(offset), SEEK_SET) < 0)
-        return fail(ErrorCode::Io, name_ + ": " + systemReason(errno));
+    position_ = offset;
     return {};
 }
 

@@ -11,8 +11,7 @@
 #include <span>
 #include <string>
 
-#include "protocol/error.hpp"
-#include "renderer/cloud/import/unique_fd.hpp"
+#include "files/input_file.hpp"
 
 namespace scancast {
 
@@ -33,7 +32,8 @@ class ByteSource {
 /// Reads until `into` is full or the source ends.
 Expected<std::size_t> readFully(ByteSource& source, std::span<std::byte> into);
 
-/// An open file, pipe or terminal. A regular file has a size and can seek.
+/// An open file, pipe or terminal. A regular file has a size, can seek, and has its own place in it, whoever
+/// else reads the same open file.
 class FileByteSource final : public ByteSource {
   public:
     /// `name` is what messages call it.
@@ -51,6 +51,7 @@ class FileByteSource final : public ByteSource {
     UniqueFd fd_;
     std::string name_;
     std::optional<std::uint64_t> size_;
+    std::uint64_t position_ = 0;
 };
 
 /// Bytes in memory that somebody else owns and keeps.

@@ -12,10 +12,10 @@
 #include <cerrno>
 #include <cstdlib>
 #include <cstring>
-#include <system_error>
 #include <thread>
 #include <vector>
 
+#include "files/system_error.hpp"
 #include "renderer/cloud/import/printable_text.hpp"
 
 namespace scancast {
@@ -26,7 +26,8 @@ using namespace std::chrono_literals;
 
 constexpr std::size_t errorTextBytes = 4096;
 constexpr int pipeBytes = 1 << 20;
-constexpr auto endGrace = 2s;  // between the end of its output and the end of the process
+constexpr int scanDescriptor = STDERR_FILENO + 1;  // in the importer
+constexpr auto endGrace = 2s;                      // between the end of its output and the end of the process
 
 // The sanitizers reserve terabytes at once: a limit would stop the importer at its start.
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
@@ -80,13 +81,15 @@ struct SpawnArguments {
 
 /// Spawning shares the parent's memory until exec: forking a server that holds gigabytes would copy its page
 /// tables and stall rendering.
-Expected<pid_t> spawn(std::vector<std::string> arguments, int output, int errors) {
+Expected<pid_t> spawn(std::vector<std::string> arguments, int scan, int output, int errors) {
     SpawnArguments spawn;
     ::posix_spawn_file_actions_addopen(&spawn.actions, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
     ::posix_spawn_file_actions_adddup2(&spawn.actions, output, STDOUT_FILENO);
     ::posix_spawn_file_actions_adddup2(&spawn.actions, errors, STDERR_FILENO);
+    // After the others: until here, one of the pipes may have this number.
+    ::posix_spawn_file_actions_adddup2(&spawn.actions, scan, scanDescriptor);
     // Not every library opens its sockets with O_CLOEXEC; an importer that kept one would keep a port busy.
-    ::posix_spawn_file_actions_addclosefrom_np(&spawn.actions, STDERR_FILENO + 1);
+    ::posix_spawn_file_actions_addclosefrom_np(&spawn.actions, scanDescriptor + 1);
     sigset_t all, none;
     ::sigfillset(&all);
     ::sigdelset(&all, SIGKILL);
@@ -138,6 +141,13 @@ std::vector<std::string> limitedCommand(const ImporterProgram& importer, const s
     return command;
 }
 
+/// Opening it anew gives the importer a place of its own in the file, and, unlike a name, always the same
+/// file.
+std::string pathInImporter(const ScanInput& input) {
+    const std::string opened = "/proc/self/fd/" + std::to_string(scanDescriptor);
+    return input.octree() ? opened + "/" + input.file().name().filename().string() : opened;
+}
+
 std::string lastLine(const std::string& text) {
     const auto trimmed = printableText(text, errorTextBytes * 2);
     const auto start = trimmed.find_last_of('\n');
@@ -147,7 +157,7 @@ std::string lastLine(const std::string& text) {
 }  // namespace
 
 Expected<std::unique_ptr<ImporterProcess>> ImporterProcess::start(const ImporterProgram& importer,
-                                                                  const std::filesystem::path& file,
+                                                                  const ScanInput& input,
                                                                   const ImportOptions& options) {
     const auto program = findImporter(importer.name, options);
     if (!program) return tl::unexpected(program.error());
@@ -159,11 +169,12 @@ Expected<std::unique_ptr<ImporterProcess>> ImporterProcess::start(const Importer
     for (const auto& end : {output->read.get(), errors->read.get()})
         ::fcntl(end, F_SETFL, ::fcntl(end, F_GETFL) | O_NONBLOCK);
 
-    std::error_code ignored;
-    // An absolute path can never be taken for an option.
-    const auto path = std::filesystem::absolute(file, ignored);
-    const auto pid = spawn(limitedCommand(importer, program->string(), path.string(), options),
-                           output->write.get(), errors->write.get());
+    // Beyond the standard streams, which are set up before it.
+    const int opened = input.octree() ? input.octree()->descriptor() : input.file().descriptor();
+    const UniqueFd scan(::fcntl(opened, F_DUPFD_CLOEXEC, scanDescriptor));
+    if (!scan) return fail(ErrorCode::Io, "it cannot be handed on: " + systemReason(errno));
+    const auto pid = spawn(limitedCommand(importer, program->string(), pathInImporter(input), options),
+                           scan.get(), output->write.get(), errors->write.get());
     if (!pid) return tl::unexpected(pid.error());
     return std::unique_ptr<ImporterProcess>(
         new ImporterProcess(*pid, std::move(output->read), std::move(errors->read),

@@ -2,9 +2,9 @@
 // Pipeline: file → **importer process** → point stream → points. Owned and used by one thread.
 //
 // The process has its own group, limits on memory and processor time that hold before it starts, no core
-// dumps, no descriptors but its three, and a small environment. A fixed shell script sets the limits and
-// becomes the program; nothing from outside is ever part of that script. The process is killed and waited for
-// when this object goes.
+// dumps, no descriptors but its three and that of the scan, and a small environment. A fixed shell script
+// sets the limits and becomes the program; nothing from outside is ever part of that script. The process is
+// killed and waited for when this object goes.
 #pragma once
 
 #include <sys/types.h>
@@ -34,10 +34,11 @@ struct ImporterProgram {
 
 class ImporterProcess final : public ByteSource {
   public:
-    /// Starts `PROGRAM [--keep-attributes] FILE`, with the file's absolute path. Errors: Importer when there
-    /// is no such program; one that the system refuses to run shows in badEnd().
+    /// Starts `PROGRAM [--keep-attributes] FILE`. FILE leads to what is open, not to what has its name by
+    /// now: /proc/self/fd/3, or a description in there for the folder of an octree. Errors: Importer when
+    /// there is no such program; one that the system refuses to run shows in badEnd().
     static Expected<std::unique_ptr<ImporterProcess>> start(const ImporterProgram& importer,
-                                                            const std::filesystem::path& file,
+                                                            const ScanInput& input,
                                                             const ImportOptions& options);
     ~ImporterProcess() override;
     ImporterProcess(const ImporterProcess&) = delete;

@@ -24,18 +24,15 @@ class SharedBytes final : public ByteSource {
 }  // namespace
 
 Expected<std::unique_ptr<ImporterSource>> ImporterSource::create(const ImporterProgram& program,
-                                                                 const std::filesystem::path& file,
-                                                                 std::uint64_t fileBytes,
+                                                                 const ScanInput& input,
                                                                  const ImportOptions& options) {
-    std::unique_ptr<ImporterSource> source(new ImporterSource(program.name, file.string()));
-    const auto named = [&](Error error) {
-        error.message = file.string() + ": " + error.message;
-        return tl::unexpected(std::move(error));
-    };
-    auto process = ImporterProcess::start(program, file, options);
-    if (!process) return named(process.error());
+    const std::string name = input.path().string();
+    std::unique_ptr<ImporterSource> source(new ImporterSource(program.name, name));
+    auto process = ImporterProcess::start(program, input, options);
+    if (!process) return fail(process.error().code, name + ": " + process.error().message);
     source->process_ = std::move(*process);
 
+    const std::uint64_t fileBytes = input.bytes();
     constexpr auto unbounded = std::numeric_limits<std::uint64_t>::max();
     const auto mostPoints =
         fileBytes > unbounded / mostPointsPerByte ? unbounded : fileBytes * mostPointsPerByte;

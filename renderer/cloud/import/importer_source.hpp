@@ -13,10 +13,9 @@ namespace scancast {
 
 class ImporterSource final : public PointSource {
   public:
-    /// `fileBytes`: the file's size, which bounds what it can hold.
+    /// The bytes of `input` bound what it can hold.
     static Expected<std::unique_ptr<ImporterSource>> create(const ImporterProgram& program,
-                                                            const std::filesystem::path& file,
-                                                            std::uint64_t fileBytes,
+                                                            const ScanInput& input,
                                                             const ImportOptions& options);
 
     const ScanHeader& header() const override { return reader_->header(); }

@@ -1,7 +1,6 @@
 #include "renderer/cloud/import/mirrors.hpp"
 
 #include <cmath>
-#include <fstream>
 #include <glm/geometric.hpp>
 #include <nlohmann/json.hpp>
 
@@ -96,20 +95,19 @@ Expected<std::vector<Mirror>> parseMirrors(std::string_view text, const std::str
     return mirrors;
 }
 
-Expected<std::vector<Mirror>> readMirrors(const std::filesystem::path& file) {
-    const auto name = file.string();
-    std::error_code problem;
-    const auto status = std::filesystem::status(file, problem);
-    if (!std::filesystem::exists(status)) return fail(ErrorCode::NotFound, name + ": there is no such file");
-    if (!std::filesystem::is_regular_file(status)) return fail(ErrorCode::Io, name + " is not a file");
-    std::ifstream stream(file, std::ios::binary);
-    std::string text(longestFile + 1, '\0');
-    stream.read(text.data(), static_cast<std::streamsize>(text.size()));
-    if (stream.bad() || !stream.is_open()) return fail(ErrorCode::Io, name + " cannot be read");
-    text.resize(static_cast<std::size_t>(stream.gcount()));
-    if (text.size() > longestFile)
+Expected<std::vector<Mirror>> readMirrors(const InputFile& file) {
+    const auto name = file.name().string();
+    const auto text = file.text(longestFile);
+    if (!text && text.error().code == ErrorCode::ResourceLimit)
         return fail(ErrorCode::Malformed, name + " is longer than 1 MiB; mirrors need a few kilobytes");
-    return parseMirrors(text, name);
+    if (!text) return tl::unexpected(text.error());
+    return parseMirrors(*text, name);
+}
+
+Expected<std::vector<Mirror>> readMirrors(const std::filesystem::path& path) {
+    const auto file = InputFile::open(path);
+    if (!file) return tl::unexpected(file.error());
+    return readMirrors(*file);
 }
 
 std::filesystem::path mirrorsFileOf(const std::filesystem::path& scan) {

@@ -7,7 +7,7 @@
 #include <string_view>
 #include <vector>
 
-#include "protocol/error.hpp"
+#include "files/input_file.hpp"
 #include "renderer/cloud/cloud.hpp"
 
 namespace scancast {
@@ -18,8 +18,10 @@ inline constexpr std::size_t mostMirrors = 64;
 /// Malformed, with the path of the field ("mirrors[2].width"). Unknown fields are errors.
 Expected<std::vector<Mirror>> parseMirrors(std::string_view text, const std::string& name);
 
-/// Errors: parseMirrors()'s, NotFound, Io.
-Expected<std::vector<Mirror>> readMirrors(const std::filesystem::path& file);
+/// Errors: parseMirrors()'s, Io.
+Expected<std::vector<Mirror>> readMirrors(const InputFile& file);
+/// The same, and those of InputFile::open().
+Expected<std::vector<Mirror>> readMirrors(const std::filesystem::path& path);
 
 /// "scan.las" → "scan.las.mirrors.json".
 std::filesystem::path mirrorsFileOf(const std::filesystem::path& scan);

@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <memory>
 
+#include "renderer/cloud/import/scan_input.hpp"
 #include "renderer/cloud/point_batch.hpp"
 
 namespace scancast {
@@ -20,9 +21,11 @@ struct ImportOptions {
     bool keepAttributes = false;
 };
 
-/// Errors name the file, the byte offset where there is one, and the reason: NotFound, Io, Unsupported (with
-/// the formats that are), Malformed, Truncated, Empty, Importer.
-Expected<std::unique_ptr<PointSource>> openScan(const std::filesystem::path& file,
+/// Reads from what is open there, also when somebody else does. Errors name the file, the byte offset where there is one,
+/// and the reason: Io, Unsupported (with the formats that are), Malformed, Truncated, Empty, Importer.
+Expected<std::unique_ptr<PointSource>> openScan(const ScanInput& input, const ImportOptions& options = {});
+/// The same, and the errors of ScanInput::open().
+Expected<std::unique_ptr<PointSource>> openScan(const std::filesystem::path& path,
                                                 const ImportOptions& options = {});
 
 }  // namespace scancast

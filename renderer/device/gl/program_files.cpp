@@ -1,12 +1,13 @@
 #include "renderer/device/gl/program_files.hpp"
 
 #include <spdlog/spdlog.h>
-#include <unistd.h>
 #include <xxhash.h>
 
 #include <algorithm>
 #include <cstring>
-#include <fstream>
+
+#include "files/input_file.hpp"
+#include "files/output_file.hpp"
 
 namespace scancast::gl {
 namespace {
@@ -65,17 +66,10 @@ std::uint64_t checksumOf(std::span<const std::byte> bytes) {
     return XXH3_64bits(bytes.data(), bytes.size());
 }
 
-Expected<std::vector<std::byte>> contentOf(const fs::path& path) {
-    std::ifstream in(path, std::ios::binary | std::ios::ate);
-    const auto size = static_cast<std::streamoff>(in.tellg());
-    if (!in || size < 0) return fail(ErrorCode::Io, "it cannot be read");
-    if (static_cast<std::uint64_t>(size) > largestFile)
-        return fail(ErrorCode::Malformed, "it is larger than any program");
-    std::vector<std::byte> bytes(static_cast<std::size_t>(size));
-    in.seekg(0);
-    if (!in.read(reinterpret_cast<char*>(bytes.data()), size))
-        return fail(ErrorCode::Io, "it cannot be read to its end");
-    return bytes;
+Expected<std::string> contentOf(const fs::path& path) {
+    const auto file = InputFile::open(path);
+    if (!file) return tl::unexpected(file.error());
+    return file->text(largestFile);
 }
 
 }  // namespace
@@ -135,10 +129,10 @@ fs::path ProgramFiles::pathOf(const ProgramKey& key) const {
 
 std::optional<ProgramBinary> ProgramFiles::read(const ProgramKey& key) const {
     const fs::path path = pathOf(key);
-    std::error_code none;
-    if (!fs::exists(path, none)) return std::nullopt;
     const auto bytes = contentOf(path);
-    auto binary = bytes ? parseProgramFile(*bytes, key) : tl::unexpected(bytes.error());
+    if (!bytes && bytes.error().code == ErrorCode::NotFound) return std::nullopt;
+    auto binary =
+        bytes ? parseProgramFile(std::as_bytes(std::span(*bytes)), key) : tl::unexpected(bytes.error());
     if (binary) return std::move(*binary);
     spdlog::debug("The compiled program {} is not used: {}.", path.string(), binary.error().message);
     return std::nullopt;
@@ -146,19 +140,15 @@ std::optional<ProgramBinary> ProgramFiles::read(const ProgramKey& key) const {
 
 void ProgramFiles::write(const ProgramKey& key, const ProgramBinary& binary) const {
     const fs::path path = pathOf(key);
-    const fs::path unfinished = path.string() + "." + std::to_string(::getpid());
     std::error_code error;
     fs::create_directories(folder_, error);
     const auto bytes = printProgramFile(key, binary);
     if (bytes.size() > std::min(largestFile, mostBytes_)) return;
-    std::ofstream out(unfinished, std::ios::binary);
-    out.write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
-    out.close();
-    if (out) fs::rename(unfinished, path, error);
-    if (out && !error) return removeOldest();
-    spdlog::debug("The compiled program {} cannot be kept: {}.", path.string(),
-                  error ? error.message() : "it cannot be written");
-    fs::remove(unfinished, error);
+    if (const auto done = writeWholeFile(path.string(), bytes); !done) {
+        spdlog::debug("The compiled program is not kept: {}", done.error().message);
+        return;
+    }
+    removeOldest();
 }
 
 void ProgramFiles::removeOldest() const {
@@ -172,7 +162,7 @@ void ProgramFiles::removeOldest() const {
     std::error_code error;
     for (fs::directory_iterator i(folder_, error), end; !error && i != end; i.increment(error)) {
         std::error_code gone;  // another process may be at it, too
-        // Unfinished ones that a process left behind count, too: KEY.program.PID.
+        // Unfinished ones that a process left behind count, too: KEY.program.partial-PID.
         if (i->path().filename().string().find(extension) == std::string::npos) continue;
         if (!i->is_regular_file(gone)) continue;
         Kept file{i->path(), i->last_write_time(gone), i->file_size(gone)};

@@ -5,8 +5,8 @@
 #include <optional>
 #include <string_view>
 
+#include "files/output_file.hpp"
 #include "renderer/cloud/point_batch.hpp"
-#include "renderer/simulate/write/output_file.hpp"
 
 namespace scancast {
 

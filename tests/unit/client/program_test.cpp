@@ -88,7 +88,7 @@ TEST_F(Program, UnwritableOutputIsNamed) {
     const auto outcome =
         run("snapshot " + fake.text() + " -o " + (folder_ / "no" / "such" / "a.jpg").string());
     EXPECT_EQ(outcome.exitCode, 1);
-    EXPECT_NE(outcome.output.find("cannot write " + folder_.path().string()), std::string::npos)
+    EXPECT_NE(outcome.output.find("Cannot create " + folder_.path().string()), std::string::npos)
         << outcome.output;
 }
 

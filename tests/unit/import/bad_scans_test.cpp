@@ -114,6 +114,65 @@ TEST(NotAScan, NamedPipe) {
     expectBadScan(pipe, ErrorCode::Unsupported, "a pipe");
 }
 
+TEST(NotAScan, LinkToItself) {
+    const TemporaryFolder folder;
+    std::filesystem::create_symlink("loop.las", folder / "loop.las");
+    expectError(folder / "loop.las", ErrorCode::Io, "cannot be opened");
+}
+
+// The description of an octree, and the mirrors beside a scan, are files like others.
+TEST(NotAScan, PipesBesideAScan) {
+    const TemporaryFolder folder;
+    ASSERT_EQ(::mkfifo(folder.file("cloud.js").c_str(), 0600), 0);
+    expectError(folder / "cloud.js", ErrorCode::Unsupported, "cloud.js is a pipe, not a file");
+    EXPECT_THAT(ScanInput::open(folder).error().message, HasSubstr("cloud.js is a pipe, not a file"));
+    const auto scan = folder.write("a.xyz", "1 2 3\n");
+    ASSERT_EQ(::mkfifo(folder.file("a.xyz.mirrors.json").c_str(), 0600), 0);
+    const auto input = ScanInput::open(scan);
+    ASSERT_TRUE(input) << input.error().message;
+    EXPECT_THAT(input->mirrors().error().message, HasSubstr("a.xyz.mirrors.json is a pipe, not a file"));
+}
+
+// Whoever may write in the folder puts a pipe there after the scan was opened: nobody looks at it.
+TEST(ScanInputs, AreReadAsOftenAsOneLikesAndNeverByName) {
+    const TemporaryFolder folder;
+    const auto scan = folder.write("a.xyz", "1 2 3\n4 5 6\n");
+    const auto input = ScanInput::open(scan);
+    ASSERT_TRUE(input) << input.error().message;
+    std::filesystem::remove(scan);
+    ASSERT_EQ(::mkfifo(scan.c_str(), 0600), 0);
+    for (int i = 0; i < 2; ++i) {
+        const auto read = summarizeOpened(openScan(*input, options()));
+        ASSERT_TRUE(read) << read.error().message;
+        EXPECT_EQ(read->points, 2U);
+    }
+    EXPECT_TRUE(input->mirrors()->empty());
+    EXPECT_EQ(input->bytes(), 12U);
+}
+
+TEST(ScanInputs, BeneathAFolderLeadNowhereElse) {
+    const TemporaryFolder folder;
+    std::filesystem::create_directories(folder / "root" / "octree");
+    folder.write("root/a.xyz", "1 2 3\n");
+    folder.write("a.xyz.mirrors.json", R"({"mirrors": []})");
+    std::filesystem::create_symlink("../a.xyz.mirrors.json", folder / "root" / "a.xyz.mirrors.json");
+    folder.write("root/octree/cloud.js", "{}");
+    const auto root = InputFolder::open(folder / "root");
+    ASSERT_TRUE(root);
+    const auto scan = ScanInput::openBeneath(*root, "a.xyz");
+    ASSERT_TRUE(scan) << scan.error().message;
+    EXPECT_EQ(scan->path(), folder / "root" / "a.xyz");
+    EXPECT_EQ(scan->mirrors().error().code, ErrorCode::InvalidArgument) << "its mirrors lie outside";
+    for (const char* name : {"octree", "octree/cloud.js"}) {
+        const auto octree = ScanInput::openBeneath(*root, name);
+        ASSERT_TRUE(octree) << octree.error().message;
+        ASSERT_TRUE(octree->octree());
+        EXPECT_EQ(octree->file().text(10).value(), "{}");
+    }
+    EXPECT_EQ(ScanInput::openBeneath(*root, "../a.xyz.mirrors.json").error().code,
+              ErrorCode::InvalidArgument);
+}
+
 TEST(NotAScan, UnreadableFile) {
     const TemporaryFolder folder;
     const auto file = folder.write("a.las", "LASF");

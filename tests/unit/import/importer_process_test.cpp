@@ -1,6 +1,7 @@
 // Importers that crash, hang, lie or flood cost an error message that names the file, nothing else.
 #include <gmock/gmock.h>
 #include <signal.h>
+#include <sys/stat.h>
 #include <sys/wait.h>
 
 #include <chrono>
@@ -20,7 +21,7 @@ class FakeImporter : public ::testing::Test {
   protected:
     Expected<std::unique_ptr<ImporterSource>> open(const std::string& behaviour) {
         file_ = folder_.write("scan of " + behaviour + ".pcd", behaviour);
-        return ImporterSource::create(program_, file_, std::filesystem::file_size(file_), options_);
+        return ImporterSource::create(program_, *ScanInput::open(file_), options_);
     }
 
     void expectError(const std::string& behaviour, ErrorCode code, const char* reason) {
@@ -85,7 +86,7 @@ TEST_F(FakeImporter, ChildrenOfTheImporterEndWithIt) {
     pid_t group = 0;
     {
         const auto file = folder_.write("a", "child-hangs");
-        auto process = ImporterProcess::start(program_, file, options_);
+        auto process = ImporterProcess::start(program_, *ScanInput::open(file), options_);
         ASSERT_TRUE(process);
         group = (*process)->pid();
         std::array<std::byte, 136> header{};
@@ -176,19 +177,32 @@ TEST_F(FakeImporter, PathsAreNeverCommands) {
     options_.importerDirectory = folder;
     program_.name = hostile;
     const auto file = folder_.write(hostile + ".pcd", "good");
-    const auto scan = summarizeOpened(ImporterSource::create(program_, file, 4, options_));
+    const auto scan = summarizeOpened(ImporterSource::create(program_, *ScanInput::open(file), options_));
     std::filesystem::current_path(before);
     ASSERT_TRUE(scan) << scan.error().message;
     EXPECT_EQ(scan->points, 10U);
     EXPECT_FALSE(std::filesystem::exists(folder_.path() / "broken"));
 }
 
-// A file name that looks like an option reaches the program as an absolute path.
+// What somebody puts in the place of a file that is open already: the importer reads the file, and waits for
+// no pipe.
+TEST_F(FakeImporter, ReadsWhatIsOpenNotWhatHasItsNameByNow) {
+    const auto file = folder_.write("scan.pcd", "good");
+    const auto input = ScanInput::open(file);
+    ASSERT_TRUE(input);
+    std::filesystem::remove(file);
+    ASSERT_EQ(::mkfifo(file.c_str(), 0600), 0);
+    const auto scan = summarizeOpened(ImporterSource::create(program_, *input, options_));
+    ASSERT_TRUE(scan) << scan.error().message;
+    EXPECT_EQ(scan->points, 10U);
+}
+
+// A file name that looks like an option never reaches the program.
 TEST_F(FakeImporter, FileNamesAreNotOptions) {
     const auto file = folder_.write("--help", "good");
     const auto before = std::filesystem::current_path();
     std::filesystem::current_path(folder_.path());
-    const auto scan = summarizeOpened(ImporterSource::create(program_, "--help", 4, options_));
+    const auto scan = summarizeOpened(ImporterSource::create(program_, *ScanInput::open("--help"), options_));
     std::filesystem::current_path(before);
     EXPECT_TRUE(scan) << scan.error().message;
 }

@@ -134,7 +134,7 @@ TEST(Mirrors, Files) {
     const TemporaryFolder folder;
     EXPECT_TRUE(mirrorsBeside(folder.path() / "scan.las")->empty());
     EXPECT_EQ(readMirrors(folder.path() / "no").error().code, ErrorCode::NotFound);
-    EXPECT_EQ(readMirrors(folder.path()).error().code, ErrorCode::Io);
+    EXPECT_EQ(readMirrors(folder.path()).error().code, ErrorCode::Unsupported);
     folder.write("bad.las.mirrors.json", "{}");
     const auto bad = mirrorsBeside(folder.path() / "bad.las");
     ASSERT_FALSE(bad);

@@ -38,7 +38,21 @@ TEST(Backends, ALineHowToAskForItAndOneWhatItIs) {
               "--backend=egl --egl-device=1    llvmpipe\n"
               "    Mesa, 4.5, software, memory unknown, no 64-bit atomics\n"
               "--backend=osmesa                does not open\n"
-              "    Install libosmesa6.\n");
+              "    Install libosmesa6.\n"
+              "hardware: Scancast has not yet run on a GPU, only on software drivers. It is expected to "
+              "work; if it does "
+              "not,\n"
+              "    --backend=cpu draws the same pictures (docs/backends.md).\n");
+}
+
+TEST(Backends, WithoutAGpuNothingIsSaidOfOne) {
+    DeviceInfo rasteriser, missing;
+    rasteriser.name = "egl";
+    rasteriser.renderer = "llvmpipe";
+    missing.name = "egl";
+    missing.hardware = true;
+    missing.version = "Mount /dev/dri.";
+    EXPECT_EQ(backendsText(std::array{rasteriser, missing}).find("GPU"), std::string::npos);
 }
 
 }  // namespace

@@ -87,7 +87,10 @@ TEST_F(ConfigFileTest, WhatIsWrongIsNamed) {
     CLI::App app;
     ServeOptions options;
     addServeFlags(app, options);
-    EXPECT_FALSE(applyConfigFile(app, "/nowhere/at/all.json"));
+    const auto nowhere = applyConfigFile(app, "/nowhere/at/all.json");
+    ASSERT_FALSE(nowhere);
+    EXPECT_EQ(nowhere.error().message, "--config /nowhere/at/all.json: there is no such file");
+    EXPECT_THAT(applyConfigFile(app, "/dev/zero").error().message, HasSubstr("is a device, not a file"));
 }
 
 TEST_F(ConfigFileTest, TheDocumentedExampleIsLegal) {

@@ -2,6 +2,7 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 
 #include <fstream>
 
@@ -123,7 +124,7 @@ TEST_F(LoaderTest, MoreIsLoadedWhileItRunsAndNothingAfterItsStop) {
     Loader loader({}, catalog_, options());
     EXPECT_TRUE(loader.finished());
     ASSERT_TRUE(catalog_.addAs("later", "ground"));
-    ASSERT_TRUE(loader.load(folder_ / "ground.xyz", "later"));
+    ASSERT_TRUE(loader.load(*ScanInput::open(folder_ / "ground.xyz"), "later"));
     const auto end = std::chrono::steady_clock::now() + 60s;
     while (!loader.finished() && std::chrono::steady_clock::now() < end) std::this_thread::sleep_for(1ms);
     EXPECT_EQ(catalog_.find("later")->state, CloudState::Ready);
@@ -133,7 +134,7 @@ TEST_F(LoaderTest, MoreIsLoadedWhileItRunsAndNothingAfterItsStop) {
     EXPECT_TRUE(watched.expired());
     EXPECT_LT(cache_->stats().bytes, resident) << "its memory is given back";
     loader.requestStop();
-    EXPECT_FALSE(loader.load(folder_ / "ground.xyz", "later"));
+    EXPECT_FALSE(loader.load(*ScanInput::open(folder_ / "ground.xyz"), "later"));
 }
 
 TEST_F(LoaderTest, ACloudFileIsOpened) {
@@ -187,6 +188,21 @@ TEST_F(LoaderTest, WhatDoesNotFitIntoMemoryGoesThroughAFile) {
         ASSERT_TRUE(entry.cloud->octree.run(node)) << "though its name is gone";
     for (const auto& left : fs::directory_iterator(fs::temp_directory_path()))
         EXPECT_FALSE(left.path().filename().string().starts_with("ground-")) << left.path();
+}
+
+// Nobody writes to the pipe, and nobody waits for that: neither who starts the loader, nor its thread.
+TEST_F(LoaderTest, APipeADeviceAndAFolderKeepNobodyWaiting) {
+    ASSERT_EQ(::mkfifo((folder_ / "pipe.las").c_str(), 0600), 0);
+    fs::create_symlink("pipe.las", folder_ / "link.scan");
+    for (const fs::path& file :
+         {folder_ / "pipe.las", folder_ / "link.scan", fs::path("/dev/zero"), folder_.path()}) {
+        const auto entry = load(file, options());
+        EXPECT_EQ(entry.state, CloudState::Failed) << file;
+        EXPECT_THAT(entry.error,
+                    testing::AnyOf(testing::HasSubstr("not a file"), testing::HasSubstr("a directory")))
+            << file;
+    }
+    EXPECT_EQ(load(folder_ / "ground.xyz", options()).state, CloudState::Ready);
 }
 
 TEST_F(LoaderTest, AFailureSaysWhyWithoutSayingWhere) {

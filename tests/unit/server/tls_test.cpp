@@ -2,6 +2,7 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 
 #include <fstream>
 
@@ -49,6 +50,10 @@ TEST_F(Tls, EveryErrorNamesFlagFileAndReason) {
     EXPECT_THAT(refusal(old.certificate, old.key), HasSubstr("expired"));
     EXPECT_THAT(refusal(early.certificate, early.key), HasSubstr("valid from"));
     EXPECT_THAT(refusal(good.certificate, {}), HasSubstr("give both --tls-cert and --tls-key"));
+    const auto pipe = folder / "pipe.pem";
+    ASSERT_EQ(::mkfifo(pipe.c_str(), 0600), 0);
+    EXPECT_THAT(refusal(pipe, good.key), HasSubstr("--tls-cert " + pipe.string() + " is a pipe, not a file"));
+    EXPECT_THAT(refusal(good.certificate, pipe), HasSubstr(pipe.string() + " is a pipe, not a file"));
     fs::permissions(good.key, fs::perms::others_read, fs::perm_options::add);
     EXPECT_THAT(refusal(good.certificate, good.key), HasSubstr("chmod 600"));
 }

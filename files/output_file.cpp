@@ -1,12 +1,13 @@
-#include "renderer/simulate/write/output_file.hpp"
+#include "files/output_file.hpp"
 
 #include <fcntl.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
 #include <cerrno>
-#include <cstring>
 #include <utility>
+
+#include "files/system_error.hpp"
 
 namespace scancast {
 namespace {
@@ -32,7 +33,8 @@ Expected<OutputFile> OutputFile::create(const std::string& path) {
     }
     const bool inPlace = exists && !S_ISREG(status.st_mode);
     if (!inPlace) out.temporary_ = path + ".partial-" + std::to_string(getpid());
-    const int flags = O_WRONLY | O_CLOEXEC | (inPlace ? 0 : O_CREAT | O_TRUNC);
+    // Nobody else's link decides where the temporary file is.
+    const int flags = O_WRONLY | O_CLOEXEC | (inPlace ? 0 : O_CREAT | O_TRUNC | O_NOFOLLOW);
     out.file_ = open(inPlace ? path.c_str() : out.temporary_.c_str(), flags, 0666);
     if (out.file_ < 0) {
         auto error = out.failure("create");
@@ -60,8 +62,12 @@ OutputFile::~OutputFile() {
 
 tl::unexpected<Error> OutputFile::failure(const char* what) const {
     const int reason = errno;
-    const std::string why = reason == EPIPE ? "its reader went away" : std::strerror(reason);
-    return fail(ErrorCode::Io, std::string("Cannot ") + what + " " + path_ + ": " + why + ".");
+    const std::string start = std::string("Cannot ") + what + " " + path_ + ": ";
+    if (isFull(reason))
+        return fail(ErrorCode::ResourceLimit,
+                    start + systemReason(reason) + "; " + wayOutOfFull(reason) + ".");
+    return fail(ErrorCode::Io,
+                start + (reason == EPIPE ? "its reader went away" : systemReason(reason)) + ".");
 }
 
 Expected<void> OutputFile::writeAll(std::span<const std::byte> bytes) {
@@ -112,6 +118,13 @@ Expected<void> OutputFile::finish() {
         temporary_.clear();
     }
     return {};
+}
+
+Expected<void> writeWholeFile(const std::string& path, std::span<const std::byte> bytes) {
+    auto file = OutputFile::create(path);
+    if (!file) return tl::unexpected(std::move(file.error()));
+    if (auto done = file->write(bytes); !done) return done;
+    return file->finish();
 }
 
 }  // namespace scancast

@@ -1,4 +1,4 @@
-#include "renderer/simulate/write/output_file.hpp"
+#include "files/output_file.hpp"
 
 #include <gtest/gtest.h>
 #include <sys/stat.h>

@@ -1,5 +1,5 @@
-// Where a scan is written: a file that appears under its name only when it is complete, or standard output.
-// Owner: a point writer; one thread.
+// Where a scan or a picture is written: a file that appears under its name only when it is complete, or
+// standard output. Owner: a point writer, a command; one thread.
 #pragma once
 
 #include <cstddef>
@@ -16,7 +16,7 @@ class OutputFile {
   public:
     /// "-" is standard output. A regular file is written beside its final name and renamed by finish(); what
     /// is not finished is removed again. Devices and pipes are written in place. Errors: Io, with the
-    /// system's reason.
+    /// system's reason; ResourceLimit where there is no more room.
     static Expected<OutputFile> create(const std::string& path);
     OutputFile(OutputFile&& other) noexcept;
     OutputFile& operator=(OutputFile&&) = delete;
@@ -42,5 +42,8 @@ class OutputFile {
     std::vector<std::byte> buffer_;
     std::uint64_t written_ = 0;
 };
+
+/// The same for what is in memory already.
+Expected<void> writeWholeFile(const std::string& path, std::span<const std::byte> bytes);
 
 }  // namespace scancast

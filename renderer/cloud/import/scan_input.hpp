@@ -1,0 +1,51 @@
+// A scan as it was opened, once: its file, for an octree of Potree the folder around it, and the mirrors
+// beside it. Whatever reads it reads these, however often and however late; what has their names by then does
+// not matter. Owned by who loads it, used on one thread. Pipeline: outside → **scan input** → reader,
+// importer process.
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <vector>
+
+#include "files/input_folder.hpp"
+#include "renderer/cloud/cloud.hpp"
+
+namespace scancast {
+
+class ScanInput {
+  public:
+    /// A file, or the folder of an octree, or its description in there (metadata.json, cloud.js). Links are
+    /// followed. Errors: NotFound, Io, Unsupported for what can be no scan; they name the path.
+    static Expected<ScanInput> open(const std::filesystem::path& path);
+    /// The same for what lies beneath `root`, and nothing else: InvalidArgument for a name or a link that
+    /// leads out.
+    static Expected<ScanInput> openBeneath(const InputFolder& root, const std::filesystem::path& name);
+
+    /// As it was asked for; what messages call it.
+    const std::filesystem::path& path() const { return path_; }
+    /// A scan, a cloud file, or the description of an octree.
+    const InputFile& file() const { return file_; }
+    /// Around file() for an octree of Potree, else nullptr.
+    const InputFolder* octree() const { return octree_ ? &*octree_ : nullptr; }
+    /// Of file(), or of everything in octree().
+    std::uint64_t bytes() const { return octree_ ? octree_->bytes() : file_.bytes(); }
+
+    /// Those of the file beside it (MIRRORS.md); none where there is none. Errors: readMirrors()'s.
+    Expected<std::vector<Mirror>> mirrors() const;
+    /// When they were written, in nanoseconds since 1970; 0 without.
+    std::int64_t mirrorsChanged() const;
+
+  private:
+    struct Lookup;
+    static Expected<ScanInput> find(const Lookup& lookup);
+
+    ScanInput(std::filesystem::path path, InputFile file) : path_(std::move(path)), file_(std::move(file)) {}
+
+    std::filesystem::path path_;
+    InputFile file_;
+    std::optional<InputFolder> octree_;
+    Expected<InputFile> mirrors_ = fail(ErrorCode::NotFound, {});
+};
+
+}  // namespace scancast

@@ -117,14 +117,14 @@ TEST(NotAScan, NamedPipe) {
 TEST(NotAScan, LinkToItself) {
     const TemporaryFolder folder;
     std::filesystem::create_symlink("loop.las", folder / "loop.las");
-    expectError(folder / "loop.las", ErrorCode::Io, "cannot be opened");
+    expectBadScan(folder / "loop.las", ErrorCode::Io, "cannot be opened");
 }
 
 // The description of an octree, and the mirrors beside a scan, are files like others.
 TEST(NotAScan, PipesBesideAScan) {
     const TemporaryFolder folder;
     ASSERT_EQ(::mkfifo(folder.file("cloud.js").c_str(), 0600), 0);
-    expectError(folder / "cloud.js", ErrorCode::Unsupported, "cloud.js is a pipe, not a file");
+    expectBadScan(folder / "cloud.js", ErrorCode::Unsupported, "cloud.js is a pipe, not a file");
     EXPECT_THAT(ScanInput::open(folder).error().message, HasSubstr("cloud.js is a pipe, not a file"));
     const auto scan = folder.write("a.xyz", "1 2 3\n");
     ASSERT_EQ(::mkfifo(folder.file("a.xyz.mirrors.json").c_str(), 0600), 0);
@@ -142,7 +142,7 @@ TEST(ScanInputs, AreReadAsOftenAsOneLikesAndNeverByName) {
     std::filesystem::remove(scan);
     ASSERT_EQ(::mkfifo(scan.c_str(), 0600), 0);
     for (int i = 0; i < 2; ++i) {
-        const auto read = summarizeOpened(openScan(*input, options()));
+        const auto read = summarizeOpened(openScan(*input, badScanOptions()));
         ASSERT_TRUE(read) << read.error().message;
         EXPECT_EQ(read->points, 2U);
     }

@@ -139,9 +139,7 @@ Expected<void> runIngest(const IngestArguments& arguments) {
     fmt::print(stderr, "{}: {} points in {} nodes, {} ({:.1f} bytes a point), {:.1f} s ({:.2f} M points/s)\n",
                arguments.output, report->facts.points, report->nodes, byteSizeText(report->fileBytes),
                double(report->fileBytes) / points, report->seconds, points / report->seconds / 1e6);
-    if (report->facts.droppedPoints > 0)
-        fmt::print(stderr, "{} points without finite coordinates were left out.\n",
-                   report->facts.droppedPoints);
+    for (const std::string& remark : remarksOn(report->facts)) fmt::print(stderr, "{}\n", remark);
     return {};
 }
 

@@ -9,16 +9,18 @@ namespace scancast {
 
 namespace {
 
-bool has(const Attributes& attributes, ColorSource source) {
+/// Attributes that are the same everywhere are not offered, but drawn when asked for: they are what the scan
+/// has.
+bool has(const CloudFacts& cloud, ColorSource source) {
     switch (source) {
         case ColorSource::Rgb:
-            return attributes.color;
+            return cloud.attributes.color || cloud.constant.color;
         case ColorSource::Intensity:
-            return attributes.intensity;
+            return cloud.attributes.intensity || cloud.constant.intensity;
         case ColorSource::Classification:
-            return attributes.classification;
+            return cloud.attributes.classification;
         case ColorSource::Normal:
-            return attributes.normal;
+            return cloud.attributes.normal;
         case ColorSource::Elevation:
         case ColorSource::Depth:
         case ColorSource::Lod:
@@ -28,11 +30,11 @@ bool has(const Attributes& attributes, ColorSource source) {
     return false;
 }
 
-std::string available(const Attributes& attributes) {
+std::string available(const CloudFacts& cloud) {
     std::string list;
     for (const auto source :
          {ColorSource::Rgb, ColorSource::Intensity, ColorSource::Classification, ColorSource::Normal}) {
-        if (has(attributes, source)) list += std::string(name(source)) + ", ";
+        if (has(cloud, source)) list += std::string(name(source)) + ", ";
     }
     return list + "elevation, depth, lod and #rrggbb";
 }
@@ -72,10 +74,10 @@ ColorSource bestColorSource(const Attributes& attributes) {
 }
 
 Expected<ColorRule> colorRule(const Cloud& cloud, const Style& style, const Viewpoint& viewpoint) {
-    if (!has(cloud.attributes, style.color)) {
+    if (!has(cloud, style.color)) {
         return fail(ErrorCode::Unsupported,
                     "this cloud has no " + std::string(name(style.color)) + " to colour by; it has " +
-                        available(cloud.attributes),
+                        available(cloud),
                     "color");
     }
     const auto ramp = colormap(style.colormap);

@@ -22,6 +22,14 @@ std::vector<AttributeInfo> attributesOf(const Cloud& cloud) {
     return list;
 }
 
+/// {"rgb": [0, 0, 0], "intensity": 65535}: what all points have alike.
+nlohmann::json constantJson(const ConstantValues& constant) {
+    nlohmann::json json = nlohmann::json::object();
+    if (constant.color) json["rgb"] = *constant.color;
+    if (constant.intensity) json["intensity"] = *constant.intensity;
+    return json;
+}
+
 std::string_view name(Parameter::Type type) {
     switch (type) {
         case Parameter::Type::Number:
@@ -116,6 +124,8 @@ nlohmann::json cloudJson(const CatalogEntry& entry) {
     json.update(pendingJson(entry));
     if (!entry.titled) json["title"] = entry.cloud->title;
     json["columns"] = columnsJson(*entry.cloud);
+    json["constant"] = constantJson(entry.cloud->constant);
+    json["notes"] = entry.cloud->notes;
     json["classNames"] = classNamesJson(*entry.cloud);
     json["crsName"] = crsName(entry.cloud->crsWkt, entry.cloud->crsEpsg);
     json["crsUnit"] = crsUnit(entry.cloud->crsWkt, entry.cloud->crsEpsg);

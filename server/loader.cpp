@@ -33,6 +33,7 @@ class StoppableSource final : public PointSource {
         return source_->read(batch);
     }
     std::uint64_t droppedPoints() const override { return source_->droppedPoints(); }
+    std::vector<std::string> notes() const override { return source_->notes(); }
     std::array<std::uint64_t, 2> bytesRead() const override { return source_->bytesRead(); }
 
   private:

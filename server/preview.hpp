@@ -50,6 +50,7 @@ class PreviewSource final : public PointSource {
     const ScanHeader& header() const override { return source_->header(); }
     Expected<bool> read(PointBatch& batch) override;
     std::uint64_t droppedPoints() const override { return source_->droppedPoints(); }
+    std::vector<std::string> notes() const override { return source_->notes(); }
     std::array<std::uint64_t, 2> bytesRead() const override { return source_->bytesRead(); }
 
   private:

@@ -1,5 +1,5 @@
-// The arithmetic coder of LASzip, as far as chunk tables need it: symbols, raw bits, and integers predicted from the
-// one before. 32-bit arithmetic as in its reference; numbers stay exact because every product is of 32 bits.
+// The arithmetic coder of LASzip, as far as chunk tables and items of version 4 need it: symbols, raw bits, and
+// integers predicted from the one before. 32-bit arithmetic as in its reference; numbers stay exact because every product is of 32 bits.
 const minLength = 0x01000000;
 const lengthShift = 15;
 const maxCount = 1 << lengthShift;
@@ -27,7 +27,8 @@ class BitModel {
   }
 }
 
-class SymbolModel {
+/// How likely each of `symbols` symbols is, learnt while they are decoded.
+export class SymbolModel {
   constructor(symbols) {
     this.symbols = symbols;
     this.distribution = new Uint32Array(symbols);

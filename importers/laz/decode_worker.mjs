@@ -12,8 +12,7 @@ import { depthOfNode, encodeNode } from './potree_piece.mjs';
 // Pieces that may wait to be written; more would only fill memory while another worker is behind.
 const mostWaiting = 4;
 
-const decoder = createChunkDecoder();
-decoder.catch(() => {}); // said when the first job asks for it
+let decoder; // made for the first chunk: nodes and plain records need none
 let waiting = 0;
 let wake = () => {};
 let opened = { path: '', file: null };
@@ -37,7 +36,7 @@ async function give(buffer, points, dropped) {
 /// Records of LAS, decompressed where they are not plain, in pieces.
 async function eachPiece({ path, las, chunk }, consume, most) {
   if (chunk.isPlain) await eachPlainPiece(open(path), las, chunk, consume, most);
-  else await (await decoder).decode(open(path), las, chunk, chunkPoints, consume, most);
+  else await (await (decoder ??= createChunkDecoder())).decode(open(path), las, chunk, chunkPoints, consume, most);
 }
 
 async function eachPlainPiece(file, las, chunk, consume, most = chunk.points) {

@@ -60,15 +60,17 @@ function checkItems(las, items) {
         `point format ${las.pointFormat}`,
     );
   const known = layered ? [3, 4] : [2];
-  if (!items.every((item) => known.includes(item.version)))
+  const { version } = items[0];
+  if (!known.includes(version) || items.some((item) => item.version !== version))
     throw unsupported(
       `it is LAZ with items that cannot be decoded here (${describe(items)}; version ${known.join(' and ')} can): ` +
         'write it again with a newer LASzip, for example with "laszip -i old.laz -o new.laz"',
     );
+  return version;
 }
 
-/// Checks that the points can be decoded. Returns how they are cut: { chunkPoints }, variableChunks where the chunk
-/// table says it for each, 0 for one single piece without a table.
+/// Checks that the points can be decoded. Returns { chunkPoints, itemVersion }: how they are cut - variableChunks where
+/// the chunk table says it for each, 0 for one single piece without a table -, and the version that all items have.
 export function parseLaszipRecord(bytes, las) {
   if (waveforms.has(las.pointFormat))
     throw unsupported(
@@ -86,7 +88,8 @@ export function parseLaszipRecord(bytes, las) {
   const layered = isLayered(las.pointFormat);
   if (layered !== (compressor === 3))
     throw malformed(`its LASzip record says compressor ${compressor}, which point format ${las.pointFormat} never has`);
-  checkItems(las, parseItems(bytes));
-  if (compressor !== 1 && chunkPoints === 0) throw malformed('its LASzip record says chunks of 0 points');
-  return { chunkPoints: compressor === 1 ? 0 : chunkPoints };
+  const itemVersion = checkItems(las, parseItems(bytes));
+  if (compressor === 1) return { chunkPoints: 0, itemVersion };
+  // Both 0 and all bits set mean that the table says how many points each chunk has; COPC files are written with either.
+  return { chunkPoints: chunkPoints || variableChunks, itemVersion };
 }

@@ -27,7 +27,8 @@ export function openLaz(path, { mayBePlain = false } = {}) {
     if (las.points > mostPointsPerByte * file.size)
       throw malformed(`it promises ${grouped(las.points)} points; ${grouped(file.size)} bytes cannot hold that`);
     const records = readRecords(file, las);
-    const { chunkPoints } = parseLaszipRecord(records.laszip, las);
+    const { chunkPoints, itemVersion } = parseLaszipRecord(records.laszip, las);
+    las.itemVersion = itemVersion;
     return { las, records, chunks: readChunks(file, las, chunkPoints) };
   } finally {
     file.close();

@@ -6,6 +6,7 @@ export const chunkPoints = 65536;
 const longestFormat = 256;
 const longestWkt = 65536;
 const longestFailure = 4096;
+const longestNote = 1024;
 const magic = [0x53, 0x43, 0x41, 0x4e, 0x50, 0x54, 0x53, 0x1a];
 const version = 1;
 const headerBytes = 136;
@@ -82,6 +83,15 @@ function encodeDone(sent, dropped) {
   return bytes;
 }
 
+function encodeNote(sentence) {
+  const text = Buffer.from(printableText(sentence, longestNote) || 'something was strange', 'latin1');
+  const bytes = Buffer.alloc(8 + text.length);
+  bytes.write('NOTE', 'latin1');
+  bytes.writeUInt32LE(text.length, 4);
+  text.copy(bytes, 8);
+  return bytes;
+}
+
 function encodeFailure(code, sentence) {
   const text = Buffer.from(printableText(sentence, longestFailure) || 'it cannot be read', 'latin1');
   const bytes = Buffer.alloc(12 + text.length);
@@ -106,6 +116,11 @@ export class PointStreamWriter {
   header(scan) {
     this.#started = true;
     this.#write(encodeHeader(scan));
+  }
+
+  /// Something about the scan that its reader should hear: one plain sentence without an end.
+  note(sentence) {
+    this.#write(encodeNote(sentence));
   }
 
   /// `buffer`: a whole CHNK record of `points` points; null when all of them were dropped.

@@ -29,7 +29,8 @@ const bytesOfName = {
 
 // What becomes a column, by name (small letters, blanks for underscores) and bytes: [role, how it is stored].
 const roles = {
-  'position cartesian/12': ['position', 'uint32'],
+  // Potree itself reads them as unsigned; what writes them does not, and points a step outside of their cube are real.
+  'position cartesian/12': ['position', 'int32'],
   'position/12': ['position', 'int32'],
   'color packed/4': ['color', 'uint8'],
   'color packed/3': ['color', 'uint8'],

@@ -45,7 +45,6 @@ function eachPoint({ view, base, stride }, first, count, act) {
 }
 
 const readNumber = {
-  uint32: (view, at) => view.getUint32(at, true),
   int32: (view, at) => view.getInt32(at, true),
   float: (view, at) => view.getFloat32(at, true),
 };

@@ -1,5 +1,5 @@
 // A Potree octree on disk: its JSON file and the files beside it. Nothing outside its folder is ever opened.
-import { closeSync, constants, existsSync, openSync } from 'node:fs';
+import { closeSync, constants, existsSync, openSync, readdirSync } from 'node:fs';
 import { basename, dirname, join } from 'node:path';
 
 import { ScanFailure, failureCode, grouped, malformed, unsupported } from './failure.mjs';
@@ -53,6 +53,16 @@ export class PotreeFolder {
     return new FileBytes(this.resolve(name));
   }
 
+  /// Whether there is something of that name; resolve() judges where it is.
+  has(name) {
+    return existsSync(join(this.#root, name));
+  }
+
+  /// What a folder holds, as Dirents: a link is neither folder nor file.
+  list(name) {
+    return readdirSync(this.resolve(name), { withFileTypes: true });
+  }
+
   readFile(name, longest) {
     const file = this.open(name);
     try {
@@ -85,4 +95,23 @@ export function vectorOf(value, what) {
 export function countOf(value, what, most = Number.MAX_SAFE_INTEGER) {
   if (Number.isInteger(value) && value >= 0 && value <= most) return value;
   throw malformed(`${what} is ${JSON.stringify(value)?.slice(0, 40)}; it must be a whole number from 0 to ${most}`);
+}
+
+/// Whatever `value` is, the coordinate reference system that it names, if any. PROJ's strings are none.
+export function crsOf(value) {
+  if (typeof value !== 'string') return {};
+  const epsg = /^\s*EPSG:(\d{4,6})\s*$/i.exec(value);
+  if (epsg) return { epsg: Number(epsg[1]) };
+  return /^\s*[A-Z_]{4,}\s*\[/.test(value) ? { wkt: value } : {};
+}
+
+/// A hint, so a wrong one is none.
+export function boundsOf(min, max) {
+  const sound = [min, max].every((corner) => Array.isArray(corner) && corner.length === 3 && corner.every(Number.isFinite));
+  return sound && min.every((low, i) => low <= max[i]) ? [min, max] : undefined;
+}
+
+export function checkGrid({ scale, offset }, file) {
+  if (scale.some((s, i) => !(s > 0) || !Number.isFinite(Math.abs(offset[i]) + 2 ** 32 * s)))
+    throw malformed(`${file}: the scale must be positive, and the points near enough to be numbers`);
 }

@@ -59,6 +59,21 @@ Expected<std::shared_ptr<const Cloud>> buildCloud(PointSource& source, const Bui
     }
 }
 
+std::vector<std::string> remarksOn(const CloudFacts& facts) {
+    std::vector<std::string> remarks;
+    if (facts.droppedPoints > 0)
+        remarks.push_back(
+            fmt::format("{} points without finite coordinates were left out.", facts.droppedPoints));
+    if (const auto& color = facts.constant.color)
+        remarks.push_back(fmt::format("All points have the same colour, {} {} {}: that is taken for none.",
+                                      (*color)[0], (*color)[1], (*color)[2]));
+    if (const auto& intensity = facts.constant.intensity)
+        remarks.push_back(
+            fmt::format("All points have the same intensity, {}: that is taken for none.", *intensity));
+    for (const std::string& note : facts.notes) remarks.push_back(note + ".");
+    return remarks;
+}
+
 Camera Cloud::defaultCamera(double aspect) const {
     Camera camera;
     const double down = std::numbers::pi / 6, turn = std::numbers::pi / 4;

@@ -10,6 +10,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "protocol/view.hpp"
 #include "renderer/cloud/octree.hpp"
@@ -32,6 +33,17 @@ struct KeptColumn {
     bool operator==(const KeptColumn&) const = default;
 };
 
+/// What a scan's points have, but all of them the same: no information, so that the cloud does not count it
+/// among its attributes. Still there, and drawn when asked for by name.
+struct ConstantValues {
+    std::optional<Rgb8> color;
+    std::optional<std::uint16_t> intensity;
+    bool operator==(const ConstantValues&) const = default;
+};
+
+/// Hundreds of scans can have something strange each; a cloud tells of so many.
+inline constexpr std::size_t mostCloudNotes = 100;
+
 /// Everything about a cloud but its octree: what `info` tells and what the cloud file keeps beside its
 /// blocks.
 struct CloudFacts {
@@ -41,7 +53,8 @@ struct CloudFacts {
     std::array<glm::dvec3, 2> bounds{};  ///< min, max in file coordinates, of the points really read
     std::uint64_t points = 0;            ///< points of the scan that are in the octree
     std::uint64_t droppedPoints = 0;     ///< left out: NaN or infinite coordinates
-    Attributes attributes;
+    Attributes attributes;  ///< those that tell points apart
+    ConstantValues constant;
     std::array<std::uint16_t, 2> intensityRange{0, 65535};
     std::array<std::uint64_t, 256> classCounts{};
     std::string crsWkt;
@@ -51,8 +64,13 @@ struct CloudFacts {
     bool oriented = false;  ///< normals point to the side that was scanned; else their sign says nothing
     std::vector<KeptColumn> columns;
     std::vector<Mirror> mirrors;
+    std::vector<std::string> notes;  ///< what was strange about the scan, one sentence each without an end
     std::string revision;  ///< hex digest of everything that pictures depend on
 };
+
+/// What somebody who reads or opens the cloud should be told once, as whole sentences: points left out,
+/// attributes that are none because they are the same everywhere, notes.
+std::vector<std::string> remarksOn(const CloudFacts& facts);
 
 struct Cloud : CloudFacts {
     Octree octree;

@@ -80,6 +80,14 @@ GridBox boxOf(const StagedScan& scan, const Grid& grid) {
     return box;
 }
 
+std::vector<std::string> firstNotes(std::vector<std::string> notes) {
+    if (notes.size() <= mostCloudNotes) return notes;
+    const std::size_t more = notes.size() - (mostCloudNotes - 1);
+    notes.resize(mostCloudNotes - 1);
+    notes.push_back("there are " + std::to_string(more) + " notes more");
+    return notes;
+}
+
 CloudFacts factsOf(const StagedScan& scan, const ScanHeader& header, const Shape& shape) {
     CloudFacts facts;
     facts.format = header.format;
@@ -89,7 +97,8 @@ CloudFacts factsOf(const StagedScan& scan, const ScanHeader& header, const Shape
     facts.droppedPoints = scan.droppedPoints;
     facts.attributes = header.attributes;
     facts.attributes.normal |= shape.surfels;
-    facts.intensityRange = scan.intensityRange;
+    scan.values.settle(facts);
+    facts.notes = firstNotes(scan.notes);
     facts.classCounts = scan.classCounts;
     facts.crsWkt = header.crsWkt;
     facts.crsEpsg = header.crsEpsg;

@@ -21,6 +21,7 @@ class LazyScan final : public PointSource {
         const auto more = source_->read(batch);
         dropped_ = source_->droppedPoints();
         bytes_ = source_->bytesRead();
+        notes_ = source_->notes();
         if (!more || !*more) {
             ended_ = true;
             source_.reset();
@@ -29,6 +30,7 @@ class LazyScan final : public PointSource {
     }
 
     std::uint64_t droppedPoints() const override { return dropped_; }
+    std::vector<std::string> notes() const override { return notes_; }
     std::array<std::uint64_t, 2> bytesRead() const override { return bytes_; }
 
   private:
@@ -36,6 +38,7 @@ class LazyScan final : public PointSource {
     const ScanHeader header_;
     std::unique_ptr<PointSource> source_;
     std::uint64_t dropped_ = 0;
+    std::vector<std::string> notes_;
     std::array<std::uint64_t, 2> bytes_{};
     bool ended_ = false;
 };

@@ -69,6 +69,13 @@ class ManyScans final : public PointSource {
         return sum;
     }
 
+    std::vector<std::string> notes() const override {
+        std::vector<std::string> all;
+        for (const auto& source : sources_)
+            for (std::string& note : source->notes()) all.push_back(std::move(note));
+        return all;
+    }
+
     std::array<std::uint64_t, 2> bytesRead() const override {
         std::array<std::uint64_t, 2> sum{};
         for (const auto& source : sources_) {

@@ -102,6 +102,9 @@ class PointSource {
     virtual Expected<bool> read(PointBatch& batch) = 0;
     /// Points left out so far because a coordinate was NaN or infinite.
     virtual std::uint64_t droppedPoints() const = 0;
+    /// What else its user should hear about the scan, one sentence each without an end; all of them at the
+    /// end of it.
+    virtual std::vector<std::string> notes() const { return {}; }
     /// How far the source is, for progress: bytes read of the total (0 = unknown).
     virtual std::array<std::uint64_t, 2> bytesRead() const { return {0, 0}; }
 };

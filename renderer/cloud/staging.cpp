@@ -165,10 +165,7 @@ void learn(const PointBatch& batch, PackedBatch& packed, StagedScan& scan) {
         scan.bounds[0] = glm::min(scan.bounds[0], p);
         scan.bounds[1] = glm::max(scan.bounds[1], p);
     }
-    for (const std::uint16_t i : batch.intensity) {
-        scan.intensityRange[0] = std::min(scan.intensityRange[0], i);
-        scan.intensityRange[1] = std::max(scan.intensityRange[1], i);
-    }
+    scan.values.add(batch);
     for (const std::uint8_t c : batch.classification) ++scan.classCounts[c];
     if (packed.positions != Positions::Own) scan.onOwnGrid = false;
     if (scan.onOwnGrid) {
@@ -225,12 +222,12 @@ Expected<StagedScan> stage(PointSource& source, Workspace& workspace, ProgressMe
     }
     if (!more) return tl::unexpected(more.error());
     scan.droppedPoints = source.droppedPoints();
+    scan.notes = source.notes();
     if (scan.points == 0)
         return fail(ErrorCode::Empty,
                     fmt::format("The scan has no point to show ({} left out because a coordinate "
                                 "is not a number).",
                                 scan.droppedPoints));
-    if (scan.intensityRange[0] > scan.intensityRange[1]) scan.intensityRange = {0, 65535};
     for (auto& [low, high] : scan.columnRanges)
         if (!(low <= high)) low = high = 0;
     progress.finish();

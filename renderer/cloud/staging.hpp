@@ -8,6 +8,7 @@
 
 #include "renderer/cloud/grid.hpp"
 #include "renderer/cloud/progress_meter.hpp"
+#include "renderer/cloud/value_ranges.hpp"
 #include "renderer/cloud/workspace.hpp"
 
 namespace scancast {
@@ -39,7 +40,8 @@ struct StagedScan {
     std::uint64_t points = 0;
     std::uint64_t droppedPoints = 0;
     std::array<glm::dvec3, 2> bounds{glm::dvec3(1e300), glm::dvec3(-1e300)};  ///< file coordinates
-    std::array<std::uint16_t, 2> intensityRange{65535, 0};
+    std::vector<std::string> notes;                                           ///< the source's
+    ValueRanges values;
     std::array<std::uint64_t, 256> classCounts{};
     std::vector<std::array<double, 2>> columnRanges;  ///< of header.columns, scaled
     bool onOwnGrid = true;

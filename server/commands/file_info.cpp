@@ -7,6 +7,7 @@
 
 #include "renderer/cloud/file/cloud_file.hpp"
 #include "renderer/cloud/import/open_scan.hpp"
+#include "renderer/cloud/value_ranges.hpp"
 
 namespace scancast {
 
@@ -64,27 +65,25 @@ class Counted {
   public:
     void add(const PointBatch& batch) {
         for (const glm::dvec3& p : batch.position) low_ = glm::min(low_, p), high_ = glm::max(high_, p);
-        for (const std::uint16_t i : batch.intensity) {
-            intensity_[0] = std::min(intensity_[0], i);
-            intensity_[1] = std::max(intensity_[1], i);
-        }
+        values_.add(batch);
         for (const std::uint8_t c : batch.classification) ++classes_[c];
         points_ += batch.size();
     }
 
-    void tell(FileInfo& info, std::uint64_t dropped) const {
+    void tell(FileInfo& info, const PointSource& source) const {
         info.points = info.facts.points = points_;
-        info.facts.droppedPoints = dropped;
+        info.facts.droppedPoints = source.droppedPoints();
+        info.facts.notes = source.notes();
         info.facts.bounds = {low_, high_};
         info.boundsKnown = points_ > 0;
-        info.facts.intensityRange = intensity_;
+        values_.settle(info.facts);
         info.facts.classCounts = classes_;
         info.checked = true;
     }
 
   private:
     glm::dvec3 low_{std::numeric_limits<double>::max()}, high_{std::numeric_limits<double>::lowest()};
-    std::array<std::uint16_t, 2> intensity_{65535, 0};
+    ValueRanges values_;
     std::array<std::uint64_t, 256> classes_{};
     std::uint64_t points_ = 0;
 };
@@ -101,7 +100,7 @@ Expected<void> readThrough(PointSource& source, FileInfo& info, const ProgressSi
         done += batch.size();
         if (progress) progress({"reading", done, source.header().points.value_or(0), "points"});
     }
-    counted.tell(info, source.droppedPoints());
+    counted.tell(info, source);
     return {};
 }
 
@@ -121,6 +120,7 @@ Expected<FileInfo> scanInfo(const ScanInput& input, bool check, const ProgressSi
     info.facts.attributes = header.attributes;
     info.facts.crsWkt = header.crsWkt;
     info.facts.crsEpsg = header.crsEpsg;
+    info.facts.notes = (*source)->notes();
     for (const Column& column : header.columns) info.facts.columns.push_back({column, {0, 0}});
     info.boundsKnown = header.bounds.has_value();
     if (header.bounds) info.facts.bounds = *header.bounds;

@@ -83,6 +83,17 @@ void tellOctree(const FileInfo& info, Lines& lines) {
                                                : "yes, normals point to either side");
 }
 
+void tellStrange(const CloudFacts& f, Lines& lines) {
+    CloudFacts strange;
+    strange.constant = f.constant;
+    strange.notes = f.notes;
+    std::string_view label = "note";
+    for (const std::string& remark : remarksOn(strange)) {
+        lines.add(label, remark);
+        label = "";
+    }
+}
+
 void tellAttributes(const FileInfo& info, Lines& lines) {
     const CloudFacts& f = info.facts;
     std::vector<std::string> has;
@@ -96,6 +107,7 @@ void tellAttributes(const FileInfo& info, Lines& lines) {
     std::string list;
     for (const std::string& attribute : has) list += (list.empty() ? "" : ", ") + attribute;
     lines.add("attributes", has.empty() ? "none" : list);
+    tellStrange(f, lines);
     if (f.attributes.classification && (info.octree || info.checked)) {
         std::string_view label = "classes";
         for (std::size_t c = 0; c < f.classCounts.size(); ++c) {
@@ -188,6 +200,11 @@ Json mirrorsJson(const CloudFacts& f) {
     return mirrors;
 }
 
+Json constantJson(const ConstantValues& constant) {
+    return {{"color", constant.color ? Json(*constant.color) : Json()},
+            {"intensity", constant.intensity ? Json(*constant.intensity) : Json()}};
+}
+
 Json octreeJson(const FileInfo& info) {
     if (!info.octree) return {};
     const OctreeInfo& o = *info.octree;
@@ -256,6 +273,8 @@ Json infoJson(const FileInfo& info) {
                           {"intensity", f.attributes.intensity},
                           {"classification", f.attributes.classification},
                           {"normal", f.attributes.normal}};
+    json["constant"] = constantJson(f.constant);
+    json["notes"] = f.notes;
     json["intensityRange"] = f.attributes.intensity && counted ? Json(f.intensityRange) : Json();
     json["classes"] = f.attributes.classification && counted ? classesJson(f) : Json();
     json["columns"] = columnsJson(info);

@@ -159,8 +159,7 @@ Expected<void> runIngest(const IngestArguments& arguments) {
     tell("{}: {} points in {} nodes, {} ({:.1f} bytes a point), {:.1f} s ({:.2f} M points/s)\n",
          arguments.output, report->facts.points, report->nodes, byteSizeText(report->fileBytes),
          double(report->fileBytes) / points, report->seconds, points / report->seconds / 1e6);
-    if (report->facts.droppedPoints > 0)
-        tell("{} points without finite coordinates were left out.\n", report->facts.droppedPoints);
+    for (const std::string& remark : remarksOn(report->facts)) tell("{}\n", remark);
     return {};
 }
 

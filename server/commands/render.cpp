@@ -139,7 +139,11 @@ Expected<std::shared_ptr<const Cloud>> load(const RenderArguments& arguments) {
     if (!mirrors) return tl::unexpected(mirrors.error());
     options.mirrors = std::move(*mirrors);
     ProgressBar bar;
-    return buildCloud(**source, options, bar.sink());
+    auto cloud = buildCloud(**source, options, bar.sink());
+    bar.clear();
+    if (cloud)
+        for (const std::string& remark : remarksOn(**cloud)) fmt::print(stderr, "{}\n", remark);
+    return cloud;
 }
 
 /// A lost device is replaced by the cpu device, which draws the picture instead.

@@ -53,10 +53,9 @@ LoaderOptions loaderOptions(const ServeOptions& options, ProgressBar& bar) {
     loading.onProgress = [&bar](const std::string&, const Progress& progress) { bar.report(progress); };
     loading.onLoaded = [&bar](const LoadedCloud& loaded) {
         bar.clear();
-        const auto left = loaded.cloud.droppedPoints;
-        spdlog::info("{}: {} points in {} nodes, ready after {:.1f} s{}", loaded.id, loaded.cloud.points,
-                     loaded.cloud.octree.nodes().size(), loaded.seconds,
-                     left == 0 ? "" : fmt::format(" ({} points without finite coordinates left out)", left));
+        spdlog::info("{}: {} points in {} nodes, ready after {:.1f} s", loaded.id, loaded.cloud.points,
+                     loaded.cloud.octree.nodes().size(), loaded.seconds);
+        for (const std::string& remark : remarksOn(loaded.cloud)) spdlog::info("{}: {}", loaded.id, remark);
     };
     loading.onFailed = [&bar](const Error& error) {
         bar.clear();

@@ -16,6 +16,7 @@ namespace {
 using Json = nlohmann::json;
 
 constexpr std::size_t mostColumns = 1024, mostRowBytes = 65536, mostMirrors = 1024, longestText = 65536;
+constexpr std::size_t longestNote = 2048;
 constexpr ColumnType lastColumnType = ColumnType::Float64;
 
 Json vectorJson(const glm::dvec3& v) {
@@ -41,6 +42,14 @@ Json mirrorJson(const Mirror& m) {
             {"width", m.width},
             {"height", m.height},
             {"tint", m.tint}};
+}
+
+/// Only what is there: most clouds have neither constant attributes nor notes.
+void addRare(const CloudFacts& f, Json& json) {
+    if (f.crsEpsg) json["crsEpsg"] = *f.crsEpsg;
+    if (f.constant.color) json["constant"]["color"] = *f.constant.color;
+    if (f.constant.intensity) json["constant"]["intensity"] = *f.constant.intensity;
+    if (!f.notes.empty()) json["notes"] = f.notes;
 }
 
 Json factsJson(const CloudFacts& f, std::string_view writtenBy) {
@@ -71,7 +80,7 @@ Json factsJson(const CloudFacts& f, std::string_view writtenBy) {
               {"columns", columns},
               {"mirrors", mirrors},
               {"revision", f.revision}};
-    if (f.crsEpsg) json["crsEpsg"] = *f.crsEpsg;
+    addRare(f, json);
     return json;
 }
 
@@ -217,6 +226,30 @@ void takeAttributes(Fields fields, Attributes& into) {
     fields.flag("normal", into.normal);
 }
 
+void takeConstant(Fields fields, ConstantValues& into) {
+    if (fields.has("color")) fields.wholes("color", into.color.emplace());
+    if (fields.has("intensity")) fields.whole("intensity", into.intensity.emplace());
+}
+
+void takeNotes(Fields& fields, std::vector<std::string>& into) {
+    const Json* notes = fields.list("notes", Fields::noSize, mostCloudNotes);
+    if (!notes) return;
+    for (const Json& note : *notes) {
+        if (!note.is_string() || note.get_ref<const std::string&>().size() > longestNote)
+            return fields.blame("notes", "has one that is not a text, or too long a one");
+        into.push_back(note.get<std::string>());
+    }
+}
+
+/// What few clouds have, and older files never.
+void takeRare(Fields& fields, CloudFacts& facts) {
+    if (fields.has("crsEpsg"))
+        fields.whole("crsEpsg", facts.crsEpsg.emplace(), std::numeric_limits<int>::max());
+    if (fields.has("constant"))
+        takeConstant({*fields.find("constant"), fields.member("constant"), fields.fault()}, facts.constant);
+    if (fields.has("notes")) takeNotes(fields, facts.notes);
+}
+
 void takeLists(Fields& fields, CloudFacts& facts) {
     if (const Json* columns = fields.list("columns", Fields::noSize, mostColumns)) {
         std::size_t bytes = 0;
@@ -245,7 +278,7 @@ void takeAll(Fields fields, StoredFacts& into) {
     fields.wholes("intensityRange", f.intensityRange);
     takeClassCounts(fields, f.classCounts);
     fields.text("crsWkt", f.crsWkt, longestFacts);
-    if (fields.has("crsEpsg")) fields.whole("crsEpsg", f.crsEpsg.emplace(), std::numeric_limits<int>::max());
+    takeRare(fields, f);
     fields.number("spacing", f.spacing);
     if (!(f.spacing >= 0)) fields.blame("spacing", "is negative");
     fields.flag("surfels", f.surfels);

@@ -48,6 +48,14 @@ Expected<bool> ImporterSource::read(PointBatch& batch) {
     return more;
 }
 
+std::vector<std::string> ImporterSource::notes() const {
+    const std::filesystem::path file(name_);
+    const auto short_ = (file.has_filename() ? file : file.parent_path()).filename().string();
+    auto notes = reader_->notes();
+    for (auto& note : notes) note = short_ + ": " + note;
+    return notes;
+}
+
 Error ImporterSource::explain(const Error& error, ImporterProcess& process) const {
     // What the importer itself reports is about the file; everything else is about the importer.
     if (error.code != ErrorCode::Importer) return {error.code, name_ + ": " + error.message, {}};

@@ -4,6 +4,7 @@
 
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "renderer/cloud/import/importer_process.hpp"
 #include "renderer/cloud/import/open_scan.hpp"
@@ -21,6 +22,7 @@ class ImporterSource final : public PointSource {
     const ScanHeader& header() const override { return reader_->header(); }
     Expected<bool> read(PointBatch& batch) override;
     std::uint64_t droppedPoints() const override { return reader_->droppedPoints(); }
+    std::vector<std::string> notes() const override;
     std::array<std::uint64_t, 2> bytesRead() const override { return reader_->bytesRead(); }
 
   private:

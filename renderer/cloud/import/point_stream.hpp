@@ -21,6 +21,8 @@ inline constexpr std::size_t headerBytes = 136;
 inline constexpr std::size_t longestFormat = 256;
 inline constexpr std::size_t longestWkt = 65536;
 inline constexpr std::size_t longestFailure = 4096;
+inline constexpr std::size_t longestNote = 1024;
+inline constexpr std::size_t mostNotes = 16;
 inline constexpr std::size_t recordHeadBytes = 8;
 inline constexpr std::uint32_t chunkPoints = 65536;
 static_assert(chunkPoints == PointSource::batchPoints);
@@ -28,6 +30,7 @@ static_assert(chunkPoints == PointSource::batchPoints);
 inline constexpr std::array<char, 4> chunkTag{'C', 'H', 'N', 'K'};
 inline constexpr std::array<char, 4> doneTag{'D', 'O', 'N', 'E'};
 inline constexpr std::array<char, 4> failTag{'F', 'A', 'I', 'L'};
+inline constexpr std::array<char, 4> noteTag{'N', 'O', 'T', 'E'};
 
 /// Bytes of one point in a chunk.
 std::size_t pointBytes(const Attributes& attributes);

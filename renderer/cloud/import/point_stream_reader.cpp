@@ -62,11 +62,22 @@ Expected<void> PointStreamReader::readHeader() {
 }
 
 Expected<void> PointStreamReader::readHead() {
-    std::array<std::byte, stream::recordHeadBytes> bytes{};
-    if (auto ok = readExactly(bytes); !ok) return ok;
-    std::memcpy(head_.tag.data(), bytes.data(), head_.tag.size());
-    head_.n = loadLe<std::uint32_t>(bytes.data() + 4);
-    return {};
+    for (;;) {
+        std::array<std::byte, stream::recordHeadBytes> bytes{};
+        if (auto ok = readExactly(bytes); !ok) return ok;
+        std::memcpy(head_.tag.data(), bytes.data(), head_.tag.size());
+        head_.n = loadLe<std::uint32_t>(bytes.data() + 4);
+        if (head_.tag != stream::noteTag) return {};
+        if (auto ok = readNote(); !ok) return ok;
+    }
+}
+
+Expected<void> PointStreamReader::readNote() {
+    if (head_.n == 0 || head_.n > stream::longestNote)
+        return wrong("a note of " + grouped(head_.n) + " bytes");
+    if (notes_.size() == stream::mostNotes)
+        return wrong("more than " + grouped(stream::mostNotes) + " notes");
+    return readText(head_.n, stream::longestNote, notes_.emplace_back());
 }
 
 template <class T>

@@ -8,6 +8,7 @@
 #include <limits>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "renderer/cloud/import/byte_source.hpp"
 #include "renderer/cloud/import/point_stream.hpp"
@@ -29,6 +30,7 @@ class PointStreamReader final : public PointSource {
     Expected<bool> read(PointBatch& batch) override;
     /// Known at the end of the stream only.
     std::uint64_t droppedPoints() const override { return dropped_; }
+    std::vector<std::string> notes() const override { return notes_; }
     std::array<std::uint64_t, 2> bytesRead() const override;
 
   private:
@@ -42,7 +44,9 @@ class PointStreamReader final : public PointSource {
 
     Expected<void> readHeader();
     Expected<void> readText(std::size_t length, std::size_t longest, std::string& text);
+    /// Of the next record that is no note.
     Expected<void> readHead();
+    Expected<void> readNote();
     Expected<void> readExactly(std::span<std::byte> into);
     template <class T>
     Expected<void> readColumn(std::vector<T>& column, bool present, std::size_t count);
@@ -60,6 +64,7 @@ class PointStreamReader final : public PointSource {
     std::uint64_t at_ = 0;      ///< bytes read
     std::uint64_t points_ = 0;
     std::uint64_t dropped_ = 0;
+    std::vector<std::string> notes_;
     bool done_ = false;
 };
 

@@ -60,6 +60,18 @@ Expected<void> PointStreamWriter::writeChunk(const PointBatch& batch) {
     return send(buffer_);
 }
 
+Expected<void> PointStreamWriter::writeNote(std::string_view sentence) {
+    assert(headerSent_);
+    const auto text = printableText(sentence, stream::longestNote);
+    if (text.empty()) return {};
+    const auto bytes = static_cast<std::uint32_t>(text.size());
+    buffer_.clear();
+    append(stream::noteTag.data(), 4);
+    append(&bytes, 4);
+    append(text.data(), text.size());
+    return send(buffer_);
+}
+
 Expected<void> PointStreamWriter::finish(std::uint64_t droppedPoints) {
     const std::uint32_t nothing = 0;
     buffer_.clear();

@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <functional>
 #include <span>
+#include <string_view>
 #include <vector>
 
 #include "protocol/error.hpp"
@@ -26,6 +27,9 @@ class PointStreamWriter {
     /// Any number of points up to PointSource::batchPoints; none is allowed and writes nothing. Columns as
     /// announced.
     Expected<void> writeChunk(const PointBatch& batch);
+    /// Something about the scan that whoever reads it should hear: one sentence, without the file's name or
+    /// an end.
+    Expected<void> writeNote(std::string_view sentence);
     /// The scan was sound to its end.
     Expected<void> finish(std::uint64_t droppedPoints);
     /// It was not; sends an empty header first if none was sent. `error.message` without the file's name.

@@ -63,6 +63,49 @@ TEST(BuildCloud, RefusesColumnsOfDifferentLengths) {
     EXPECT_EQ(cloud.error().code, ErrorCode::Internal);
 }
 
+/// The cloud of `points` points on a line, of which only the last has `last`; the others have `all`.
+std::shared_ptr<const Cloud> cloudOf(std::uint64_t points, ScanPoint all, ScanPoint last,
+                                     Attributes has = {.color = true, .intensity = true}) {
+    SyntheticSource source(
+        points,
+        [=](std::uint64_t i, std::uint64_t n) {
+            ScanPoint p = i + 1 < n ? all : last;
+            p.position = {double(i), 0, 0};
+            return p;
+        },
+        has);
+    const auto cloud = buildCloud(source, {});
+    EXPECT_TRUE(cloud) << cloud.error().message;
+    return *cloud;
+}
+
+// Over the border of a batch: what the last point alone has is known at the end of the scan only.
+TEST(BuildCloud, WhatIsTheSameEverywhereIsNoAttribute) {
+    const ScanPoint black{.color = {0, 0, 0}, .intensity = 0}, red{.color = {255, 0, 0}, .intensity = 7};
+    constexpr std::uint64_t points = PointSource::batchPoints + 1;
+    for (const ScanPoint& same : {black, red}) {
+        const auto cloud = cloudOf(points, same, same);
+        EXPECT_EQ(cloud->attributes, Attributes{});
+        EXPECT_EQ(cloud->constant, (ConstantValues{same.color, same.intensity}));
+        EXPECT_EQ(cloud->intensityRange[0], same.intensity);
+        EXPECT_EQ(cloud->intensityRange[1], same.intensity);
+        EXPECT_EQ(cloud->octree.run(0)->samples[0].r, same.color[0]) << "what is there stays";
+        EXPECT_EQ(remarksOn(*cloud).size(), 2U);
+    }
+    const auto cloud = cloudOf(points, black, red);
+    EXPECT_EQ(cloud->attributes, (Attributes{.color = true, .intensity = true}));
+    EXPECT_EQ(cloud->constant, ConstantValues{});
+    EXPECT_EQ(remarksOn(*cloud), std::vector<std::string>{});
+    EXPECT_EQ(cloudOf(9, red, red, {})->constant, ConstantValues{}) << "what is not there is not constant";
+}
+
+TEST(BuildCloud, OnePointKeepsWhatIsNotZero) {
+    const auto red = cloudOf(1, {}, {.color = {255, 0, 0}, .intensity = 7});
+    EXPECT_EQ(red->attributes, (Attributes{.color = true, .intensity = true}));
+    const auto black = cloudOf(1, {}, {.color = {0, 0, 0}, .intensity = 0});
+    EXPECT_EQ(black->attributes, Attributes{});
+}
+
 TEST(BuildCloud, RefusesAnEmptyScan) {
     SyntheticSource source(0, test::ball, {});
     const auto cloud = buildCloud(source, {});

@@ -36,6 +36,7 @@ class Described final : public PointSource {
         return more;
     }
     std::uint64_t droppedPoints() const override { return 3; }
+    std::vector<std::string> notes() const override { return {"strange"}; }
 
   private:
     std::unique_ptr<PointSource> source_;
@@ -66,6 +67,7 @@ TEST(ManyScans, AreOneCloud) {
     ASSERT_TRUE(cloud);
     EXPECT_EQ(cloud->points, 3000u);
     EXPECT_EQ(cloud->droppedPoints, 9u);
+    EXPECT_EQ(cloud->notes, (std::vector<std::string>(3, "strange")));
     EXPECT_EQ(cloud->bounds[1].x, 299);
     test::checkStructure(*cloud, 512);
 }

@@ -131,7 +131,7 @@ TEST_P(IngestedScan, HoldsWhatTheScanHolds) {
     if (facts.attributes.classification) {
         EXPECT_EQ(stored.classes, read.classes);
     }
-    if (facts.attributes.color) {
+    if (facts.attributes.color || facts.constant.color) {
         EXPECT_EQ(stored.color, read.color);
     }
     EXPECT_EQ(stored.intensity, read.intensity);

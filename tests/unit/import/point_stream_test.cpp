@@ -230,6 +230,42 @@ TEST(PointStream, LiesAreErrors) {
     expectImporterError(changed(16, std::uint64_t(5)), "declared 5 points");
 }
 
+TEST(PointStream, NotesAreHeardWhereverTheyStand) {
+    Recorder recorder;
+    ASSERT_TRUE(recorder.writer.writeHeader(headerOf(all, 4)));
+    ASSERT_TRUE(recorder.writer.writeNote("cloud.js says 5 \x01 points"));
+    ASSERT_TRUE(recorder.writer.writeChunk(batchOf(2, all)));
+    ASSERT_TRUE(recorder.writer.writeNote(std::string(9000, 'x')));
+    ASSERT_TRUE(recorder.writer.writeChunk(batchOf(2, all)));
+    ASSERT_TRUE(recorder.writer.writeNote("the last"));
+    ASSERT_TRUE(recorder.writer.finish(0));
+    const auto reader = PointStreamReader::create(std::make_unique<MemoryByteSource>(recorder.bytes, false));
+    ASSERT_TRUE(reader) << reader.error().message;
+    PointBatch batch;
+    std::size_t points = 0;
+    while ((*reader)->read(batch).value()) points += batch.size();
+    EXPECT_EQ(points, 4U);
+    EXPECT_EQ((*reader)->notes(),
+              (std::vector<std::string>{"cloud.js says 5 ? points", std::string(1024, 'x'), "the last"}));
+}
+
+TEST(PointStream, NotesThatLieAreErrors) {
+    const auto withNotes = [](std::uint32_t bytes, int count) {
+        auto stream = small();
+        for (int i = 0; i < count; ++i) {
+            Bytes note(8 + bytes, std::byte('x'));
+            put(note, 0, std::array<char, 4>{'N', 'O', 'T', 'E'});
+            put(note, 4, bytes);
+            stream.insert(stream.begin() + chunkAt, note.begin(), note.end());
+        }
+        return stream;
+    };
+    EXPECT_TRUE(readAll(withNotes(1024, 16)));
+    expectImporterError(withNotes(1025, 1), "a note of 1,025 bytes");
+    expectImporterError(withNotes(0, 1), "a note of 0 bytes");
+    expectImporterError(withNotes(3, 17), "more than 16 notes");
+}
+
 TEST(PointStream, NoMorePointsThanTheFileCanHold) {
     EXPECT_TRUE(readStream(small(std::nullopt), 2));
     const auto scan = readStream(small(std::nullopt), 1);

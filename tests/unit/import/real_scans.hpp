@@ -1,4 +1,5 @@
-// What an independent program found in the real scans, as SOURCES.md (beside them) prints it.
+// What an independent program found in the real scans, as SOURCES.md (beside them) prints it - but for the colours of
+// laz/pdrf7-v4-1.4.laz, which that program decoded as items of version 3; these are those of the uncompressed file.
 #pragma once
 
 #include <array>
@@ -145,7 +146,7 @@ inline const RealScan realScans[] = {
     {"laz/pdrf6-1.4.laz", "LAZ 1.4, point format 6", 1024, 0, "ik",
      "4.27e+09 x 4.29e+09 x 4.29e+09; min -2.14e+09 -2.15e+09 -2.15e+09", {27, 65524}, "0,1,2,3,4,5,6,7,8,9,11,12,13,14", -1},
     {"laz/pdrf7-v4-1.4.laz", "LAZ 1.4, point format 7", 1024, 0, "cik",
-     "1998.10 x 1498.94 x 799.42; min -1500.01 250.00 -350.04", {0, 65457}, "0,1,2,3,4,5,6,7,8,9,10,11,12,13", 65518},
+     "1998.10 x 1498.94 x 799.42; min -1500.01 250.00 -350.04", {0, 65457}, "0,1,2,3,4,5,6,7,8,9,10,11,12,13", 65520},
     {"laz/pdrf8-1.4.laz", "LAZ 1.4, point format 8", 1024, 0, "cik",
      "4.29e+09 x 4.29e+09 x 4.29e+09; min -2.14e+09 -2.15e+09 -2.15e+09", {27, 65529}, "0,2,3,4,5,6,7,8,9,11,12,13,14,15", 65528},
     {"laz/strand-statue-1m.laz", "LAZ 1.2, point format 2", 1065717, 0, "cik",

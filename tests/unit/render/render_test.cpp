@@ -86,6 +86,28 @@ View fromAbove(const Cloud& cloud, int width = 64, int height = 48) {
     return view;
 }
 
+// A cloud whose colours are all the same is not shown in them, unless they are asked for.
+TEST(Render, WhatIsTheSameEverywhereIsLeftOutUnlessAskedFor) {
+    Cloud cloud = fourPoints();
+    EXPECT_EQ(defaultView(cloud).style.color, ColorSource::Intensity);
+    cloud.attributes.intensity = false;
+    View view = defaultView(cloud);
+    EXPECT_EQ(view.style.color, ColorSource::Elevation);
+    view.style.color = ColorSource::Rgb;
+    EXPECT_FALSE(checkView(cloud, view)) << "there are none";
+    cloud.constant.color = Rgb8{0, 0, 0};
+    NotingDevice device;
+    const auto frame = render(device, cloud, view);
+    ASSERT_TRUE(frame) << frame.error().message;
+    EXPECT_EQ(device.color.source, ColorSource::Rgb);
+    cloud.constant.intensity = 65535;
+    cloud.intensityRange = {65535, 65535};
+    view.style.color = ColorSource::Intensity;
+    ASSERT_TRUE(render(device, cloud, view));
+    EXPECT_EQ(device.color.low, 65535);
+    EXPECT_GT(device.color.high, device.color.low);
+}
+
 TEST(Render, APosterIsDrawnInTilesThatFitTogether) {
     const Cloud cloud = fourPoints();
     NotingDevice device;

@@ -45,6 +45,9 @@ TEST(Describe, ACloudThatIsBeingReadCanBeLookedAtAndSaysHowFarItIs) {
     cloud->attributes.classification = true;
     cloud->classCounts[2] = 3;
     cloud->crsEpsg = 25833;
+    cloud->attributes.color = false;
+    cloud->constant.color = Rgb8{1, 2, 3};
+    cloud->notes = {"cloud.js says 5 points"};
     cloud->mirrors = {{{1, 2, 3}, {0, 1, 0}, {0, 0, 1}, 2, 1, {236, 243, 240}}};
     catalog.setPreview(id, cloud);
     const auto json = cloudListJson(catalog.list());
@@ -61,6 +64,9 @@ TEST(Describe, ACloudThatIsBeingReadCanBeLookedAtAndSaysHowFarItIs) {
     EXPECT_EQ(one["classNames"], (nlohmann::json{{"2", "ground"}}));
     EXPECT_THAT(one["crsName"].get<std::string>(), testing::HasSubstr("25833"));
     EXPECT_EQ(one["mirrors"][0]["tint"], "#ecf3f0");
+    EXPECT_EQ(one["constant"], (nlohmann::json{{"rgb", {1, 2, 3}}}));
+    EXPECT_EQ(one["notes"], (nlohmann::json{"cloud.js says 5 points"}));
+    EXPECT_EQ(one["attributes"][0]["name"], "intensity") << "the same everywhere is none";
     EXPECT_TRUE(cloudListFromJson(json));
 }
 

@@ -75,7 +75,8 @@ TEST_F(Info, TellsPeopleWhatIsInACloudFile) {
          {"cloud file by scancast ", "Hill", "LAS 1.4, point format 7", "3,000", "bytes a point", "EPSG:2994",
           "colour, intensity (3 to 65534), classification", "  2 ground", "66.7 %", "  6 building", "33.3 %",
           "gps_time, float64", "seconds of the week", "return_number, uint8, 1 to 5", "2.7 x 0.1", "levels, ",
-          "yes, normals point to"})
+          "yes, normals point to", "All points have the same colour, 0 255 7: that is taken for none.",
+          "town: cloud.js says 5 points."})
         EXPECT_THAT(told.output, HasSubstr(words));
     EXPECT_THAT(told.output, Not(HasSubstr("checked")));
 }
@@ -96,6 +97,8 @@ TEST_F(Info, TellsProgramsTheSame) {
     EXPECT_EQ(one.at("crs").at("epsg"), 2994);
     EXPECT_EQ(one.at("crs").at("wkt"), facts_.crsWkt);
     EXPECT_EQ(one.at("intensityRange"), (json{3, 65534}));
+    EXPECT_EQ(one.at("constant"), json::parse(R"({"color":[0,255,7],"intensity":65535})"));
+    EXPECT_EQ(one.at("notes"), json(facts_.notes));
     EXPECT_EQ(one.at("classes"), json::parse(R"([{"class":2,"name":"ground","points":2000},
                                                  {"class":6,"name":"building","points":1000}])"));
     EXPECT_EQ(one.at("columns").size(), 3u);
@@ -167,6 +170,16 @@ TEST(InfoOfAScan, TellsTheHeaderAndWithCheckThePoints) {
     std::uint64_t points = 0;
     for (const json& c : one.at("classes")) points += c.at("points").get<std::uint64_t>();
     EXPECT_EQ(points, 110000u) << "every point has a class";
+}
+
+// SOURCES.md: every point of it has the intensity 65535.
+TEST(InfoOfAScan, WhatIsTheSameEverywhereIsToldOnceItIsRead) {
+    REQUIRE_TEST_DATA("las/lonlat-pdrf0.las");
+    const auto scan = test::testData("las/lonlat-pdrf0.las").string();
+    EXPECT_THAT(info({scan}).output, HasSubstr("attributes  intensity, classification"));
+    const auto told = info({"--check", scan});
+    EXPECT_THAT(told.output, HasSubstr("attributes  classification\n"));
+    EXPECT_THAT(told.output, HasSubstr("All points have the same intensity, 65535"));
 }
 
 TEST(InfoOfAScan, CutOffIsAnErrorOnlyWhenRead) {

@@ -34,8 +34,8 @@ TEST(FactsJson, EveryFieldIsNeededAndOfItsType) {
         auto without = json;
         without.erase(key);
         const auto missing = parseFacts(printJson(without));
-        if (key == "crsEpsg") {
-            EXPECT_TRUE(missing) << "not every scan has one";
+        if (key == "crsEpsg" || key == "constant" || key == "notes") {
+            EXPECT_TRUE(missing) << "not every scan has one, and older files have no " << key;
         } else {
             ASSERT_FALSE(missing) << key;
             EXPECT_EQ(missing.error().message, "\"" + key + "\" is missing");
@@ -85,6 +85,14 @@ TEST(FactsJson, ImpossibleValuesAreNamed) {
          [](auto& j) {
              j["mirrors"][0]["tint"] = {1, 2, 256};
          }},
+        {"constant.color",
+         [](auto& j) {
+             j["constant"]["color"] = {1, 2};
+         }},
+        {"constant.intensity", [](auto& j) { j["constant"]["intensity"] = 65536; }},
+        {"notes", [](auto& j) { j["notes"] = {7}; }},
+        {"notes", [](auto& j) { j["notes"] = {std::string(100000, 'x')}; }},
+        {"notes", [](auto& j) { j["notes"] = std::vector<std::string>(mostCloudNotes + 1, "x"); }},
         {"title", [](auto& j) { j["title"] = std::string(100000, 'x'); }},
     };
     for (const auto& [field, change] : changes) {

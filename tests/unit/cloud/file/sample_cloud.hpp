@@ -23,6 +23,8 @@ inline CloudFacts fullFacts(const CloudFacts& from, bool columns) {
     f.droppedPoints = 0xffffffffffffffffull;
     f.attributes = {true, false, true, false};
     f.intensityRange = {3, 65534};
+    f.constant = {Rgb8{0, 255, 7}, std::uint16_t(65535)};
+    f.notes = {"town: cloud.js says 5 points", "Straße: \"\\"};
     f.classCounts[0] = (1ull << 53) + 1;
     f.classCounts[255] = 0x8000000000000001ull;
     f.crsWkt = "PROJCS[\"NAD83 / Oregon\"]";
@@ -50,6 +52,8 @@ inline void expectSameFacts(const CloudFacts& a, const CloudFacts& b) {
     EXPECT_EQ(a.droppedPoints, b.droppedPoints);
     EXPECT_EQ(a.attributes, b.attributes);
     EXPECT_EQ(a.intensityRange, b.intensityRange);
+    EXPECT_EQ(a.constant, b.constant);
+    EXPECT_EQ(a.notes, b.notes);
     EXPECT_EQ(a.classCounts, b.classCounts);
     EXPECT_EQ(a.crsWkt, b.crsWkt);
     EXPECT_EQ(a.crsEpsg, b.crsEpsg);

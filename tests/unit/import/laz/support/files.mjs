@@ -20,6 +20,7 @@ export function temporaryFolder(t) {
 /// A writer of the point stream that only counts.
 export class CountingWriter {
   scan = null;
+  notes = [];
   points = 0;
   dropped = 0;
   ended = false;
@@ -30,6 +31,9 @@ export class CountingWriter {
   }
   header(scan) {
     this.scan = scan;
+  }
+  note(sentence) {
+    this.notes.push(sentence);
   }
   chunk(buffer, points, dropped) {
     this.points += points;

@@ -1,16 +1,20 @@
 // Writes small Potree octrees for tests, from the published descriptions of the formats; shares no code with what reads
-// them. Bits are shuffled one by one with big integers, slowly and plainly.
+// them. Bits are shuffled with big integers, by a table that is made bit by bit.
 import { mkdirSync, writeFileSync } from 'node:fs';
 import { join } from 'node:path';
-import { brotliCompressSync } from 'node:zlib';
+import { brotliCompressSync, constants } from 'node:zlib';
 
-/// Interleaves three numbers of `bits` bits: bit i of number k becomes bit 3i + k.
-function interleave(numbers, bits) {
+/// Of every byte: bit i at place 3i.
+const spread = Array.from({ length: 256 }, (_, byte) => {
   let code = 0n;
-  for (let i = 0; i < bits; ++i)
-    numbers.forEach((n, k) => {
-      code |= ((BigInt(n >>> 0) >> BigInt(i)) & 1n) << BigInt(3 * i + k);
-    });
+  for (let i = 0; i < 8; ++i) if (byte & (1 << i)) code |= 1n << BigInt(3 * i);
+  return code;
+});
+
+/// Interleaves three numbers of 16 bits: bit i of number k becomes bit 3i + k.
+function interleave(numbers) {
+  let code = 0n;
+  for (let k = 0; k < 3; ++k) code |= (spread[numbers[k] & 255] | (spread[(numbers[k] >>> 8) & 255] << 24n)) << BigInt(k);
   return code;
 }
 
@@ -31,43 +35,38 @@ export const attributes2 = [
   { name: 'NormalZ', size: 4, numElements: 1, elementSize: 4, type: 'float' },
 ];
 
-/// Bytes of one attribute of one point: { xyz, intensity, classification, time, rgb, normal }.
-function attributeBytes(point, name) {
-  const make = (size, write) => {
-    const bytes = Buffer.alloc(size);
-    write(bytes);
-    return bytes;
-  };
-  switch (name) {
-    case 'position':
-      return make(12, (b) => point.xyz.forEach((v, i) => b.writeInt32LE(v, 4 * i)));
-    case 'intensity':
-      return make(2, (b) => b.writeUInt16LE(point.intensity));
-    case 'classification':
-      return make(1, (b) => b.writeUInt8(point.classification));
-    case 'gps-time':
-      return make(8, (b) => b.writeDoubleLE(point.time));
-    case 'rgb':
-      return make(6, (b) => point.rgb.forEach((v, i) => b.writeUInt16LE(v, 2 * i)));
-    default:
-      return make(4, (b) => b.writeFloatLE(point.normal['XYZ'.indexOf(name.at(-1))]));
-  }
-}
+/// Writes one attribute of one point - { xyz, intensity, classification, time, rgb, normal } - at `at`.
+const writers2 = {
+  position: (b, at, { xyz }) => xyz.forEach((v, i) => b.writeInt32LE(v, at + 4 * i)),
+  intensity: (b, at, { intensity }) => b.writeUInt16LE(intensity, at),
+  classification: (b, at, { classification }) => b.writeUInt8(classification, at),
+  'gps-time': (b, at, { time }) => b.writeDoubleLE(time, at),
+  rgb: (b, at, { rgb }) => rgb.forEach((v, i) => b.writeUInt16LE(v, at + 2 * i)),
+  NormalX: (b, at, { normal }) => b.writeFloatLE(normal[0], at),
+  NormalY: (b, at, { normal }) => b.writeFloatLE(normal[1], at),
+  NormalZ: (b, at, { normal }) => b.writeFloatLE(normal[2], at),
+};
 
-function encodePlain(points) {
-  return Buffer.concat(points.flatMap((point) => attributes2.map(({ name }) => attributeBytes(point, name))));
+/// `attributes` of every point, one point after the other.
+function inRecords(points, attributes) {
+  const bytes = Buffer.alloc(points.length * attributes.reduce((sum, { size }) => sum + size, 0));
+  let at = 0;
+  for (const point of points)
+    for (const { name, size } of attributes) {
+      writers2[name](bytes, at, point);
+      at += size;
+    }
+  return bytes;
 }
 
 function encodeBrotli(points) {
-  const columns = attributes2.map(({ name }) => {
-    if (name === 'position')
-      return words(
-        points.flatMap(({ xyz }) => [interleave(xyz.map((v) => v >>> 16), 16), interleave(xyz.map((v) => v & 0xffff), 16)]),
-      );
-    if (name === 'rgb') return words(points.map(({ rgb }) => interleave(rgb, 16)));
-    return Buffer.concat(points.map((point) => attributeBytes(point, name)));
+  const columns = attributes2.map((attribute) => {
+    if (attribute.name === 'position')
+      return words(points.flatMap(({ xyz }) => [interleave(xyz.map((v) => v >>> 16)), interleave(xyz)]));
+    if (attribute.name === 'rgb') return words(points.map(({ rgb }) => interleave(rgb)));
+    return inRecords(points, [attribute]);
   });
-  return brotliCompressSync(Buffer.concat(columns));
+  return brotliCompressSync(Buffer.concat(columns), { params: { [constants.BROTLI_PARAM_QUALITY]: 1 } });
 }
 
 /// `nodes`: a map from name ("r", "r4") to points. Names in `ownChunk` start a hierarchy chunk of their own.
@@ -77,7 +76,7 @@ export function writePotree2(folder, nodes, { encoding = 'DEFAULT', ownChunk = [
   const pieces = [];
   let at = 0;
   for (const [name, points] of nodes) {
-    const bytes = encoding === 'BROTLI' ? encodeBrotli(points) : encodePlain(points);
+    const bytes = encoding === 'BROTLI' ? encodeBrotli(points) : inRecords(points, attributes2);
     places.set(name, { at, bytes: bytes.length, points: points.length });
     pieces.push(bytes);
     at += bytes.length;
@@ -138,9 +137,46 @@ function hierarchy2(places, ownChunk) {
   return { hierarchy: Buffer.concat(entries), firstChunkSize: chunkPlaces.get('r').bytes };
 }
 
-/// Potree 1.7 with BIN nodes; points are { xyz (steps from the node's corner), rgba, intensity, classification,
-/// normal: Buffer }. `step`: levels of a .hrc file.
-export function writePotree1(folder, nodes, { step = 2, normal = ['NORMAL_OCT16', 2], change = {} } = {}) {
+/// A LAS 1.2 file of point format 0, points on a grid of 0.01.
+function lasNode(points) {
+  const head = Buffer.alloc(227);
+  head.write('LASF', 'latin1');
+  head.set([1, 2], 24);
+  head.writeUInt16LE(227, 94);
+  head.writeUInt32LE(227, 96);
+  head.writeUInt16LE(20, 105);
+  head.writeUInt32LE(points.length, 107);
+  for (let i = 0; i < 3; ++i) head.writeDoubleLE(0.01, 131 + 8 * i);
+  const records = points.map(({ xyz, intensity, classification }) => {
+    const bytes = Buffer.alloc(20);
+    xyz.forEach((v, i) => bytes.writeInt32LE(v, 4 * i));
+    bytes.writeUInt16LE(intensity, 12);
+    bytes.writeUInt8(classification, 15);
+    return bytes;
+  });
+  return Buffer.concat([head, ...records]);
+}
+
+const binNode = (points) =>
+  Buffer.concat(
+    points.map((point) => {
+      const bytes = Buffer.alloc(12 + 4 + 2 + 1);
+      point.xyz.forEach((v, i) => bytes.writeInt32LE(v, 4 * i));
+      bytes.set(point.rgba, 12);
+      bytes.writeUInt16LE(point.intensity, 16);
+      bytes.writeUInt8(point.classification, 18);
+      return Buffer.concat([bytes, point.normal]);
+    }),
+  );
+
+/// Potree 1.7 with BIN or LAS nodes; points are { xyz (steps from the node's corner; LAS: from 0), rgba, intensity,
+/// classification, normal: Buffer }. `step`: levels of a .hrc file. `counted(name, points)`: what that says of a node, and
+/// `maskedIn(root, name)`: whether the .hrc file of `root` knows that `name` has children.
+export function writePotree1(
+  folder,
+  nodes,
+  { step = 2, normal = 'NORMAL_OCT16', las = false, counted = (_, points) => points, maskedIn = () => true, change = {} } = {},
+) {
   const names = [...nodes.keys()];
   const pathOf = (name) => {
     let path = 'data/r';
@@ -151,29 +187,15 @@ export function writePotree1(folder, nodes, { step = 2, normal = ['NORMAL_OCT16'
     mkdirSync(join(folder, pathOf(name)), { recursive: true });
     writeFileSync(join(folder, pathOf(name), `${name}.${extension}`), bytes);
   };
-  for (const [name, points] of nodes)
-    write(
-      name,
-      'bin',
-      Buffer.concat(
-        points.map((point) => {
-          const bytes = Buffer.alloc(12 + 4 + 2 + 1);
-          point.xyz.forEach((v, i) => bytes.writeUInt32LE(v, 4 * i));
-          bytes.set(point.rgba, 12);
-          bytes.writeUInt16LE(point.intensity, 16);
-          bytes.writeUInt8(point.classification, 18);
-          return Buffer.concat([bytes, point.normal]);
-        }),
-      ),
-    );
+  for (const [name, points] of nodes) write(name, las ? 'las' : 'bin', las ? lasNode(points) : binNode(points));
   for (const root of names.filter((name) => (name.length - 1) % step === 0)) {
     if (root !== 'r' && childrenOf(names, root).length === 0) continue;
     const order = [root];
     for (const name of order) if (name.length - root.length < step) order.push(...childrenOf(names, name));
     const bytes = Buffer.alloc(5 * order.length);
     order.forEach((name, i) => {
-      bytes.writeUInt8(maskOf(names, name), 5 * i);
-      bytes.writeUInt32LE(nodes.get(name).length, 5 * i + 1);
+      bytes.writeUInt8(maskedIn(root, name) ? maskOf(names, name) : 0, 5 * i);
+      bytes.writeUInt32LE(counted(name, nodes.get(name).length), 5 * i + 1);
     });
     write(root, 'hrc', bytes);
   }
@@ -181,7 +203,7 @@ export function writePotree1(folder, nodes, { step = 2, normal = ['NORMAL_OCT16'
     version: '1.7',
     octreeDir: 'data',
     boundingBox: { lx: 10, ly: 20, lz: 30, ux: 18, uy: 28, uz: 38 },
-    pointAttributes: ['POSITION_CARTESIAN', 'RGBA_PACKED', 'INTENSITY', 'CLASSIFICATION', normal[0]],
+    pointAttributes: las ? 'LAS' : ['POSITION_CARTESIAN', 'RGBA_PACKED', 'INTENSITY', 'CLASSIFICATION', normal],
     spacing: 0.1,
     scale: 0.01,
     hierarchyStepSize: step,

@@ -1,6 +1,11 @@
 // A point stream, read back: written from POINT_STREAM.md, sharing no code with what writes it.
 import { execFileSync } from 'node:child_process';
+import { closeSync, mkdtempSync, openSync, readFileSync, rmSync } from 'node:fs';
+import { tmpdir } from 'node:os';
+import { join } from 'node:path';
 import { fileURLToPath } from 'node:url';
+
+import { PointStreamWriter } from '../../../../../importers/laz/point_stream.mjs';
 
 const importers = new URL('../../../../../importers/laz/', import.meta.url);
 
@@ -8,6 +13,22 @@ const importers = new URL('../../../../../importers/laz/', import.meta.url);
 export function runImporter(name, path) {
   const program = fileURLToPath(new URL(name, importers));
   return readStream(execFileSync(program, [path], { maxBuffer: 1 << 30, timeout: 120_000 }));
+}
+
+/// The stream that importLaz() or importPotree() writes, without a process of its own. Failures are thrown.
+export async function importHere(importScan, path) {
+  const folder = mkdtempSync(join(tmpdir(), 'scancast-test-'));
+  const file = join(folder, 'stream');
+  const descriptor = openSync(file, 'w');
+  try {
+    const writer = new PointStreamWriter(descriptor);
+    await importScan(path, writer);
+    writer.done();
+    return readStream(readFileSync(file));
+  } finally {
+    closeSync(descriptor);
+    rmSync(folder, { recursive: true });
+  }
 }
 
 const columnBytes = [
@@ -32,6 +53,7 @@ export function readStream(bytes) {
     format: bytes.toString('latin1', 136, formatEnd),
     wkt: bytes.toString('latin1', formatEnd, formatEnd + bytes.readUInt32LE(128)),
     points: 0,
+    notes: [],
   };
   const parts = { position: [] };
   for (const [name, bit] of columnBytes) if (bits & bit) parts[name] = [];
@@ -43,6 +65,11 @@ export function readStream(bytes) {
     if (tag === 'FAIL') {
       scan.failure = { code: bytes.readUInt32LE(at), text: bytes.toString('latin1', at + 4, at + 4 + n) };
       break;
+    }
+    if (tag === 'NOTE') {
+      scan.notes.push(bytes.toString('latin1', at, at + n));
+      at += n;
+      continue;
     }
     if (tag === 'DONE') {
       scan.sent = Number(bytes.readBigUInt64LE(at));
@@ -91,4 +118,21 @@ export function sortedPoints(scan) {
       ].join(' '),
     );
   return lines.sort();
+}
+
+/// [points, digest]: the same for the same points in any order, for scans that are too large for sortedPoints(). Positions
+/// are whole numbers.
+export function pointsDigest({ points, position, color, intensity, classification }) {
+  let [sum, mixed] = [0, 0];
+  for (let i = 0; i < points; ++i) {
+    let hash = 0;
+    const add = (value) => (hash = Math.imul(hash ^ value, 0x01000193) ^ (hash >>> 15));
+    for (let k = 3 * i; k < 3 * i + 3; ++k) add(position[k]);
+    for (let k = 3 * i; k < 3 * i + 3; ++k) add(color[k]);
+    add(intensity[i]);
+    add(classification[i]);
+    sum = (sum + hash) | 0;
+    mixed = (mixed + Math.imul(hash, hash | 1)) | 0;
+  }
+  return [points, sum, mixed];
 }

@@ -1,0 +1,23 @@
+// Which colours and intensities the points of a scan have, learnt while they flow by, and what that says of
+// the cloud: a value that is the same in all of them tells nothing, and is no attribute. Used by one thread.
+// Pipeline: import → **staging** → facts. In any order of the points and on any number of threads the same.
+#pragma once
+
+#include "renderer/cloud/cloud.hpp"
+
+namespace scancast {
+
+class ValueRanges {
+  public:
+    /// Columns that the batch lacks are left alone: scans without colours do not make those of others vary.
+    void add(const PointBatch& batch);
+    /// Tells the facts, whose points and attributes stand already: intensityRange, and what of the attributes
+    /// is constant. One single point varies in nothing; it keeps what is not 0.
+    void settle(CloudFacts& facts) const;
+
+  private:
+    std::array<std::uint8_t, 3> colorLow_{255, 255, 255}, colorHigh_{0, 0, 0};
+    std::array<std::uint16_t, 2> intensity_{65535, 0};
+};
+
+}  // namespace scancast

@@ -13,6 +13,7 @@
 #include "server/commands/progress_bar.hpp"
 #include "server/commands/serve_options.hpp"
 #include "server/commands/shutdown_signals.hpp"
+#include "server/faults.hpp"
 #include "server/loader.hpp"
 #include "server/log.hpp"
 #include "server/server.hpp"
@@ -32,6 +33,8 @@ std::shared_ptr<BlockCache> blockCache(std::uint64_t memoryLimit) {
     BlockCacheOptions options;
     options.memoryLimit = memoryLimit;
     options.onDamaged = [](const std::filesystem::path& file, const Error& error) {
+        // Nothing is wrong with the file, and every block may have a part in it.
+        if (error.code == ErrorCode::ResourceLimit) return reportFault(error);
         spdlog::error("{}: {} Coarser points are shown in its place.", file.filename().string(),
                       error.message);
     };

@@ -4,6 +4,7 @@
 #include <fcntl.h>
 #include <gtest/gtest.h>
 #include <signal.h>
+#include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -24,11 +25,12 @@ namespace scancast::test {
 
 namespace fs = std::filesystem;
 
-/// A program of ours, its output in files; killed when the test leaves it behind.
+/// A program of ours, its output in files, its address space limited if that is said; killed when the test
+/// leaves it behind.
 class Process {
   public:
     Process(const fs::path& folder, const std::vector<std::string>& arguments,
-            const fs::path& input = "/dev/null")
+            const fs::path& input = "/dev/null", std::uint64_t addressSpace = 0)
         : out_(folder / "stdout.txt"), err_(folder / "stderr.txt") {
         std::vector<std::string> words = arguments;
         words[0] = std::string(SCANCAST_BIN_DIR) + "/" + words[0];
@@ -40,6 +42,8 @@ class Process {
         const std::string in = input.string();
         pid_ = fork();
         if (pid_ == 0) {
+            const rlimit limit{addressSpace, addressSpace};
+            if (addressSpace > 0) setrlimit(RLIMIT_AS, &limit);
             dup2(open(in.c_str(), O_RDONLY), 0);
             dup2(open(out.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0644), 1);
             dup2(open(err.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0644), 2);
@@ -109,7 +113,7 @@ class ProgramTest : public ::testing::Test {
     std::unique_ptr<Process> serve(std::vector<std::string> arguments) {
         fs::create_directories(folder / "server");
         arguments.insert(arguments.begin(), {"scancast", "serve", "--port", "0"});
-        auto process = std::make_unique<Process>(folder / "server", arguments);
+        auto process = std::make_unique<Process>(folder / "server", arguments, "/dev/null", addressSpace);
         const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(60);
         while (std::chrono::steady_clock::now() < end) {
             const std::string out = process->out();
@@ -126,6 +130,7 @@ class ProgramTest : public ::testing::Test {
     }
 
     const TemporaryFolder folder;
+    std::uint64_t addressSpace = 0;  ///< of the server, bytes; 0 = no limit
     std::string url, lastError;
     std::uint16_t port = 0;
 };

@@ -6,10 +6,12 @@
 
 #include <algorithm>
 #include <system_error>
+#include <tuple>
 #include <utility>
 
 #include "renderer/cloud/ingest.hpp"
 #include "renderer/residency/open_cloud.hpp"
+#include "server/faults.hpp"
 #include "server/preview.hpp"
 
 namespace scancast {
@@ -91,57 +93,66 @@ Loader::~Loader() {
 }
 
 bool Loader::load(ScanInput input, std::string id) {
-    const std::lock_guard lock(mutex_);
+    const Monitor::Lock lock(monitor_);
     if (stop_.stop_requested() || waiting_.size() >= mostAdded) return false;
     fs::path file = input.path();
     waiting_.push_back({std::move(file), std::move(id), std::move(input)});
-    changed_.notify_one();
     return true;
 }
 
 void Loader::requestStop() {
-    const std::lock_guard lock(mutex_);
+    const Monitor::Lock lock(monitor_);
     stop_.request_stop();
-    changed_.notify_one();
 }
 
 bool Loader::finished() const {
-    const std::lock_guard lock(mutex_);
+    const Monitor::Look look(monitor_);
     return !busy_ && (waiting_.empty() || stop_.stop_requested());
 }
 
 void Loader::run() {
-    std::unique_lock lock(mutex_);
-    while (true) {
-        changed_.wait(lock, [this] { return !waiting_.empty() || stop_.stop_requested(); });
-        if (stop_.stop_requested()) return;
-        Job job = std::move(waiting_.front());
+    while (step()) {
+    }
+}
+
+bool Loader::step() {
+    Job job;
+    {
+        Monitor::Lock lock(monitor_);
+        monitor_.wait(lock, [this] { return isDue(); });
+        if (stop_.stop_requested()) return false;
+        job = std::move(waiting_.front());
         waiting_.pop_front();
         busy_ = true;
-        lock.unlock();
-        loadOne(job);
-        lock.lock();
-        busy_ = false;
     }
+    if (!contained("The loader", [&] { loadOne(job); }))
+        std::ignore = contained("The loader", [&] { catalog_.setFailed(job.id, {}); });
+    const Monitor::Lock lock(monitor_);
+    busy_ = false;
+    return true;
 }
 
 void Loader::loadOne(Job& job) {
     const auto start = std::chrono::steady_clock::now();
-    auto opened = job.opened ? Expected<ScanInput>(std::move(*job.opened)) : ScanInput::open(job.file);
-    auto cloud = opened ? cloudOf(*opened, job.id) : tl::unexpected(std::move(opened.error()));
+    auto cloud = contained("Loading", [&] {
+        auto opened = job.opened ? Expected<ScanInput>(std::move(*job.opened)) : ScanInput::open(job.file);
+        return opened ? cloudOf(*opened, job.id) : tl::unexpected(std::move(opened.error()));
+    });
     settle(job, std::move(cloud),
            std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
 }
 
 void Loader::settle(const Job& job, Result cloud, double seconds) {
+    if (!cloud) return settleFailed(job, std::move(cloud.error()));
+    if (options_.onLoaded)
+        std::ignore = contained("Telling of a cloud", [&] { options_.onLoaded({job.id, **cloud, seconds}); });
+    auto ready = contained("The catalog", [&] { catalog_.setReady(job.id, std::move(*cloud)); });
+    if (!ready) settleFailed(job, std::move(ready.error()));
+}
+
+void Loader::settleFailed(const Job& job, Error error) {
     const auto& [file, id, opened] = job;
-    if (cloud) {
-        if (options_.onLoaded) options_.onLoaded({id, **cloud, seconds});
-        catalog_.setReady(id, std::move(*cloud));
-        return;
-    }
     ++failed_;
-    Error error = std::move(cloud.error());
     // Everybody may read the catalog: it names files, not where they are.
     std::string reason = error.message;
     for (auto at = reason.find(file.string()); file.has_parent_path() && at != std::string::npos;

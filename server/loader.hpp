@@ -1,18 +1,18 @@
 // Brings clouds into the catalog, one after the other, while the server already answers: cloud files are
 // opened, scans are read and built, in memory or, when they would not fit or are to be kept, as a cloud file.
 //
+// A cloud whose loading throws has failed, and the next one is loaded.
+//
 // Owned by `serve`. Its thread reads; the octree builder uses all cores by itself. *Thread safety*: its
 // functions may be called from any thread.
 #pragma once
 
 #include <atomic>
 #include <chrono>
-#include <condition_variable>
 #include <deque>
 #include <filesystem>
 #include <functional>
 #include <memory>
-#include <mutex>
 #include <optional>
 #include <stop_token>
 #include <string>
@@ -23,6 +23,7 @@
 #include "renderer/cloud/import/open_scan.hpp"
 #include "renderer/residency/block_cache.hpp"
 #include "server/catalog.hpp"
+#include "threads/monitor.hpp"
 
 namespace scancast {
 
@@ -70,7 +71,9 @@ class Loader {
     std::size_t failed() const { return failed_; }
 
   private:
+    bool isDue() const { return !waiting_.empty() || stop_.stop_requested(); }
     void run();
+    bool step();
     using Result = Expected<std::shared_ptr<const Cloud>>;
     struct Job {
         std::filesystem::path file;
@@ -79,6 +82,7 @@ class Loader {
     };
     void loadOne(Job& job);
     void settle(const Job& job, Result cloud, double seconds);
+    void settleFailed(const Job& job, Error error);
     Result cloudOf(const ScanInput& input, const std::string& id);
     Result build(const ScanInput& input, const std::string& id);
     Result ingestTo(const std::filesystem::path& output, const ScanInput& input, const std::string& id);
@@ -90,8 +94,7 @@ class Loader {
     const LoaderOptions options_;
     std::stop_source stop_;
     std::atomic<std::size_t> failed_{0};
-    mutable std::mutex mutex_;
-    std::condition_variable changed_;
+    mutable Monitor monitor_;  // guards what follows, and requests of a stop
     std::deque<Job> waiting_;
     bool busy_ = false;
     std::thread thread_;

@@ -1,7 +1,10 @@
 #include "server/preview.hpp"
 
 #include <algorithm>
+#include <tuple>
 #include <utility>
+
+#include "server/faults.hpp"
 
 namespace scancast {
 namespace {
@@ -97,19 +100,26 @@ Expected<bool> PreviewSource::read(PointBatch& batch) {
     return more;
 }
 
+// A preview that cannot be made is left out: the scan goes on being read.
 void PreviewSource::build() {
     if (builder_.joinable()) builder_.join();
     building_ = true;
-    builder_ = std::thread([this, header = source_->header(), points = sample_.points()]() mutable {
-        BuildOptions build;
-        build.title = options_.title;
-        build.threads = options_.threads;
-        MemorySource source(header, std::move(points));
-        // What goes wrong here goes wrong again, and is told of, when the whole scan is built.
-        if (auto cloud = buildCloud(source, build))
-            options_.show(withDeclaredBounds(std::move(*cloud), header));
-        building_ = false;
+    const auto begun = contained("Starting a preview", [this] {
+        builder_ = std::thread([this, header = source_->header(), points = sample_.points()]() mutable {
+            std::ignore = contained("A preview", [&] { show(header, std::move(points)); });
+            building_ = false;
+        });
     });
+    if (!begun) building_ = false;
+}
+
+void PreviewSource::show(const ScanHeader& header, PointBatch points) const {
+    BuildOptions build;
+    build.title = options_.title;
+    build.threads = options_.threads;
+    MemorySource source(header, std::move(points));
+    // What goes wrong here goes wrong again, and is told of, when the whole scan is built.
+    if (auto cloud = buildCloud(source, build)) options_.show(withDeclaredBounds(std::move(*cloud), header));
 }
 
 }  // namespace scancast

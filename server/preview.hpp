@@ -56,6 +56,7 @@ class PreviewSource final : public PointSource {
   private:
     using Clock = std::chrono::steady_clock;
     void build();
+    void show(const ScanHeader& header, PointBatch points) const;
 
     const std::unique_ptr<PointSource> source_;
     const PreviewOptions options_;

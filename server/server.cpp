@@ -5,7 +5,9 @@
 #include <boost/asio/executor_work_guard.hpp>
 #include <boost/asio/io_context.hpp>
 #include <thread>
+#include <tuple>
 
+#include "server/faults.hpp"
 #include "server/net/api.hpp"
 #include "server/net/listener.hpp"
 
@@ -57,7 +59,7 @@ class RunningServer final : public Server {
         listener_ = std::move(*listener);
         listener_->run();
         for (int i = 0; i < std::max(1, options_.netThreads); ++i) {
-            threads_.emplace_back([this] { io_.run(); });
+            threads_.emplace_back([this] { runNetwork(); });
         }
         return {};
     }
@@ -84,8 +86,10 @@ class RunningServer final : public Server {
     bool drained() const override { return context_.sessions == 0 && scheduler_.idle(); }
 
     void shutDown() override {
-        if (listener_) listener_->close();
-        context_.connections.shutDownAll();
+        std::ignore = contained("Shutting down", [this] {
+            if (listener_) listener_->close();
+        });
+        std::ignore = contained("Shutting down", [this] { context_.connections.shutDownAll(); });
         scheduler_.stop();
     }
 
@@ -99,6 +103,12 @@ class RunningServer final : public Server {
     }
 
   private:
+    // What a handler throws ends with that handler, and run() may be entered again.
+    void runNetwork() {
+        while (!contained("A network thread", [this] { io_.run(); })) {
+        }
+    }
+
     const ServerOptions options_;
     Metrics metrics_;
     Catalog catalog_;

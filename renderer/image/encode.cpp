@@ -48,7 +48,20 @@ bool sound(const Frame& frame) {
     return frame.width > 0 && frame.height > 0 && frame.rgba.size() == pixelCount(frame) * 4;
 }
 
+tl::unexpected<Error> noMemory() {
+    return fail(ErrorCode::ResourceLimit,
+                "There is not enough memory to encode this picture; ask for a smaller one.");
+}
+
+/// Of compressing a sound frame: there is nothing else that it fails for at run time.
+tl::unexpected<Error> jpegFailure(void* encoder) {
+    const std::string reason = tjGetErrorStr2(encoder);
+    if (reason.find("emory") != std::string::npos) return noMemory();
+    return fail(ErrorCode::Internal, "JPEG: " + reason);
+}
+
 tl::unexpected<Error> pngFailure(ErrorCode code, int status) {
+    if (code == ErrorCode::Internal && status == SPNG_EMEM) return noMemory();
     return fail(code, std::string("PNG: ") + spng_strerror(status));
 }
 
@@ -69,7 +82,7 @@ Expected<Bytes> encodeJpeg(const Frame& frame, int quality, Subsampling subsampl
     const int failed = tjCompress2(encoder.get(), frame.rgba.data(), frame.width, 0, frame.height, TJPF_RGBX,
                                    &raw, &size, turboSubsampling(subsampling), quality, 0);
     const std::unique_ptr<unsigned char, TurboBufferDeleter> buffer(raw);
-    if (failed) return fail(ErrorCode::Internal, std::string("JPEG: ") + tjGetErrorStr2(encoder.get()));
+    if (failed) return jpegFailure(encoder.get());
     return Bytes(raw, raw + size);
 }
 

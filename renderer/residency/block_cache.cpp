@@ -1,15 +1,15 @@
 #include "renderer/residency/block_cache.hpp"
 
 #include <algorithm>
-#include <condition_variable>
-#include <exception>
-#include <mutex>
 #include <stop_token>
 #include <thread>
+#include <tuple>
 
 #include "renderer/residency/block_table.hpp"
 #include "renderer/residency/demand.hpp"
 #include "renderer/residency/wish_list.hpp"
+#include "threads/guarded.hpp"
+#include "threads/monitor.hpp"
 
 namespace scancast {
 
@@ -63,22 +63,26 @@ class Cache final : public BlockCache, public std::enable_shared_from_this<Cache
     std::uint64_t limit() const { return table_.limit(); }
 
   private:
-    using Lock = std::unique_lock<std::mutex>;
+    class Enlisted;
+    using Lock = Monitor::Lock;
+    using Loaded = Expected<std::shared_ptr<const Block>>;
+
+    // What threads wait for; with the lock held.
+    bool loadIsDue() const { return stopping_ || anyDemandHasWork() || !wishes_.empty(); }
+    bool isOver(const Demand& demand) const { return demand.complete() || stopping_; }
 
     void loadLoop();
-    bool serveDemand(Lock& lock);
-    bool serveWish(Lock& lock);
+    void serveDemand(Lock& lock);
+    void serveWish(Lock& lock);
     bool anyDemandHasWork() const;
     void work(Demand& demand, Lock& lock);
-    void load(std::shared_ptr<CachedCloud> cloud, std::uint32_t node, std::shared_ptr<Block> room,
-              Lock& lock);
-    void answer(const CachedCloud& cloud, std::uint32_t node,
-                const Expected<std::shared_ptr<const Block>>& result);
+    void look(CachedCloud& cloud, std::uint32_t node, Lock& lock);
+    void load(std::shared_ptr<CachedCloud> cloud, std::uint32_t node, std::shared_ptr<Block> room, Lock& lock);
+    Loaded read(const CachedCloud& cloud, std::uint32_t node, std::shared_ptr<Block> room) const;
+    void answer(const CachedCloud& cloud, std::uint32_t node, const Loaded& result);
 
     const BlockCacheOptions options_;
-    mutable std::mutex mutex_;
-    std::condition_variable work_;         // wishes_ or demands_ grew, stopping_
-    std::condition_variable_any changed_;  // a demand was answered, stopping_
+    mutable Monitor monitor_;  // guards what follows
     BlockTable table_;
     WishList wishes_;
     std::vector<Demand*> demands_;
@@ -131,7 +135,7 @@ class ResidentStore final : public SampleStore {
 std::shared_ptr<SampleStore> Cache::add(std::shared_ptr<const CloudFile> file) {
     std::shared_ptr<CachedCloud> cloud;
     {
-        const Lock lock(mutex_);
+        const Lock lock(monitor_);
         // However many clouds there are, their pins leave three quarters of the memory to what is looked at.
         const std::uint64_t all = table_.limit() / 4;
         const std::uint64_t left = all - std::min(all, table_.pinnedBytes());
@@ -146,56 +150,63 @@ std::shared_ptr<SampleStore> Cache::add(std::shared_ptr<const CloudFile> file) {
 }
 
 void Cache::remove(CachedCloud& cloud) {
-    const Lock lock(mutex_);
+    const Lock lock(monitor_);
     wishes_.forget(cloud.id);
     table_.remove(cloud);
 }
 
 std::optional<SampleRun> Cache::find(CachedCloud& cloud, std::uint32_t node) {
     const BlockTable::Time time = now();
-    const Lock lock(mutex_);
+    const Lock lock(monitor_);
     auto block = table_.use(cloud, node, time);
     if (!block) return std::nullopt;
     return runOf(std::move(block));
 }
 
 bool Cache::damaged(CachedCloud& cloud, std::uint32_t node) {
-    const Lock lock(mutex_);
+    const Lock lock(monitor_);
     return table_.state(cloud, node, now()) == BlockState::Damaged;
 }
 
 void Cache::request(CachedCloud& cloud, std::uint64_t requester, std::vector<Wish> wishes) {
     const BlockTable::Time time = now();
-    {
-        const Lock lock(mutex_);
-        std::erase_if(wishes, [&](const Wish& wish) {
-            return wish.node >= cloud.slots.size() ||
-                   table_.state(cloud, wish.node, time) != BlockState::Absent;
-        });
-        wishes_.set(cloud.id, requester, std::move(wishes));
-    }
-    work_.notify_all();
+    const Lock lock(monitor_);
+    std::erase_if(wishes, [&](const Wish& wish) {
+        return wish.node >= cloud.slots.size() || table_.state(cloud, wish.node, time) != BlockState::Absent;
+    });
+    wishes_.set(cloud.id, requester, std::move(wishes));
 }
 
 // ---- waiting
 // --------------------------------------------------------------------------------------------------
 
+/// A demand in the list of all, as long as somebody waits for it.
+class Cache::Enlisted {
+  public:
+    Enlisted(std::vector<Demand*>& all, Demand& one) : all_(all), one_(one) { all_.push_back(&one_); }
+    ~Enlisted() { std::erase(all_, &one_); }
+    Enlisted(const Enlisted&) = delete;
+    Enlisted& operator=(const Enlisted&) = delete;
+
+  private:
+    std::vector<Demand*>& all_;
+    Demand& one_;
+};
+
 std::vector<Expected<SampleRun>> Cache::loadAll(CachedCloud& cloud, std::span<const std::uint32_t> nodes,
                                                 const std::stop_token& stop) {
     Demand demand(cloud, nodes);
-    Lock lock(mutex_);
-    demands_.push_back(&demand);
-    work_.notify_all();
-    // The waiting thread is a loader thread for itself meanwhile.
-    while (!demand.complete() && !stopping_ && !stop.stop_requested()) {
-        if (demand.hasWork()) {
-            work(demand, lock);
-        } else {
-            changed_.wait(lock, stop, [&] { return demand.complete() || stopping_; });
+    {
+        Lock lock(monitor_);
+        const Enlisted enlisted(demands_, demand);
+        // The waiting thread is a loader thread for itself meanwhile.
+        while (!isOver(demand) && !stop.stop_requested()) {
+            if (demand.hasWork())
+                work(demand, lock);
+            else
+                monitor_.wait(lock, stop, [&] { return isOver(demand); });
         }
     }
-    std::erase(demands_, &demand);
-    lock.unlock();
 
     std::vector<Expected<SampleRun>> runs;
     runs.reserve(nodes.size());
@@ -211,10 +222,15 @@ std::vector<Expected<SampleRun>> Cache::loadAll(CachedCloud& cloud, std::span<co
     return runs;
 }
 
-// The next block of a demand: here already, being loaded by somebody else, or ours to load.
+// The next block of a demand, which is answered for it whatever happens.
 void Cache::work(Demand& demand, Lock& lock) {
     const std::uint32_t node = demand.takeNode();
-    CachedCloud& cloud = demand.cloud();
+    auto worked = guarded("Loading a block", [&] { look(demand.cloud(), node, lock); });
+    if (!worked) answer(demand.cloud(), node, tl::unexpected(std::move(worked.error())));
+}
+
+// Here already, being loaded by somebody else, or ours to load.
+void Cache::look(CachedCloud& cloud, std::uint32_t node, Lock& lock) {
     switch (table_.state(cloud, node, now())) {
         case BlockState::Resident:
             return answer(cloud, node, table_.use(cloud, node, now()));
@@ -231,23 +247,21 @@ void Cache::work(Demand& demand, Lock& lock) {
     load(std::move(shared), node, std::move(room), lock);
 }
 
-void Cache::answer(const CachedCloud& cloud, std::uint32_t node,
-                   const Expected<std::shared_ptr<const Block>>& result) {
+void Cache::answer(const CachedCloud& cloud, std::uint32_t node, const Loaded& result) {
     for (Demand* demand : demands_) demand->answer(cloud, node, result);
-    changed_.notify_all();
 }
 
 // ---- loader threads
 // -------------------------------------------------------------------------------------------
 
 void Cache::loadLoop() {
-    Lock lock(mutex_);
+    Lock lock(monitor_);
     while (true) {
-        work_.wait(lock, [&] { return stopping_ || anyDemandHasWork() || !wishes_.empty(); });
+        monitor_.wait(lock, [this] { return loadIsDue(); });
         if (stopping_) return;
         // One for somebody who waits, one for those who make do with ancestors meanwhile.
         serveDemand(lock);
-        if (!stopping_) serveWish(lock);
+        if (!stopping_) std::ignore = guarded("Loading a block", [&] { serveWish(lock); });
     }
 }
 
@@ -255,76 +269,71 @@ bool Cache::anyDemandHasWork() const {
     return std::any_of(demands_.begin(), demands_.end(), [](const Demand* d) { return d->hasWork(); });
 }
 
-bool Cache::serveDemand(Lock& lock) {
+void Cache::serveDemand(Lock& lock) {
     for (std::size_t i = 0; i < demands_.size(); ++i) {
         Demand* demand = demands_[++turn_ % demands_.size()];
-        if (!demand->hasWork()) continue;
-        work(*demand, lock);
-        return true;
+        if (demand->hasWork()) return work(*demand, lock);
     }
-    return false;
 }
 
-bool Cache::serveWish(Lock& lock) {
+// Where there is no memory even to begin, a wish is dropped, like one that there is no room for: whoever
+// still has it asks again with the next picture.
+void Cache::serveWish(Lock& lock) {
     while (const auto next = wishes_.next()) {
         auto cloud = table_.find(next->cloud);
         if (!cloud || table_.state(*cloud, next->node, now()) != BlockState::Absent) continue;
         auto room = table_.beginLoad(*cloud, next->node, false, now());
-        if (!room) continue;  // whoever still wants it asks again with the next picture
-        load(std::move(cloud), next->node, std::move(room), lock);
-        return true;
+        if (!room) continue;
+        return load(std::move(cloud), next->node, std::move(room), lock);
     }
-    return false;
 }
 
-// Reads without the lock; the slot is Loading meanwhile.
-void Cache::load(std::shared_ptr<CachedCloud> cloud, std::uint32_t node, std::shared_ptr<Block> room,
-                 Lock& lock) {
+// Reads without the lock; the slot is Loading meanwhile, and whatever happens, it is not afterwards.
+void Cache::load(std::shared_ptr<CachedCloud> cloud, std::uint32_t node, std::shared_ptr<Block> room, Lock& lock) {
     lock.unlock();
-    const auto read = [&]() -> Expected<std::vector<Sample>> {
-        try {
-            return cloud->file->samples(node);
-        } catch (const std::exception& e) {
-            return fail(ErrorCode::ResourceLimit, std::string("A block could not be read: ") + e.what());
-        }
-    };
-    auto samples = read();
-    if (samples && samples->size() != cloud->file->nodes()[node].node.sampleCount) {
-        samples = fail(ErrorCode::Malformed, "Node " + std::to_string(node) +
-                                                 " has another number of samples than its index says.");
-    }
-    Expected<std::shared_ptr<const Block>> result = tl::unexpected(samples ? Error{} : samples.error());
-    if (samples) {
-        room->limits = limitsOf(*samples);
-        room->samples = std::move(*samples);
-        result = std::shared_ptr<const Block>(std::move(room));
-    } else {
-        room.reset();
-        if (options_.onDamaged) options_.onDamaged(cloud->file->path(), samples.error());
+    Loaded result = guarded("Reading a block", [&] { return read(*cloud, node, std::move(room)); });
+    room.reset();
+    if (!result && options_.onDamaged) {
+        std::ignore =
+            guarded("Telling of a block", [&] { options_.onDamaged(cloud->file->path(), result.error()); });
     }
     lock.lock();
     if (result) {
+        auto kept = guarded("Keeping a block", [&] { table_.finishLoad(*cloud, node, *result, now()); });
+        if (!kept) result = tl::unexpected(std::move(kept.error()));
+    }
+    if (result) {
         ++loaded_;
-        table_.finishLoad(*cloud, node, *result, now());
     } else {
         ++damaged_;
-        table_.failLoad(*cloud, node, result.error(), now());
+        std::ignore =
+            guarded("Remembering a block", [&] { table_.failLoad(*cloud, node, result.error(), now()); });
     }
     answer(*cloud, node, result);
+}
+
+Cache::Loaded Cache::read(const CachedCloud& cloud, std::uint32_t node, std::shared_ptr<Block> room) const {
+    auto samples = cloud.file->samples(node);
+    if (!samples) return tl::unexpected(std::move(samples.error()));
+    if (samples->size() != cloud.file->nodes()[node].node.sampleCount) {
+        return fail(ErrorCode::Malformed,
+                    "Node " + std::to_string(node) + " has another number of samples than its index says.");
+    }
+    room->limits = limitsOf(*samples);
+    room->samples = std::move(*samples);
+    return room;
 }
 
 // ---- the rest
 // -------------------------------------------------------------------------------------------------
 
 void Cache::stop() {
-    const Lock lock(mutex_);
+    const Lock lock(monitor_);
     stopping_ = true;
-    work_.notify_all();
-    changed_.notify_all();
 }
 
 BlockCacheStats Cache::stats() const {
-    const Lock lock(mutex_);
+    const Monitor::Look look(monitor_);
     return {table_.limit(), table_.bytes(), loaded_, table_.evicted(), damaged_, wishes_.size()};
 }
 

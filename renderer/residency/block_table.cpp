@@ -91,26 +91,29 @@ std::shared_ptr<Block> BlockTable::beginLoad(Cloud& cloud, std::uint32_t node, b
         if (!must) return nullptr;
         break;
     }
+    auto room = std::make_shared<Block>(meter_, needed);
     cloud.slots[node].state = BlockState::Loading;
-    return std::make_shared<Block>(meter_, needed);
+    return room;
 }
 
 void BlockTable::finishLoad(Cloud& cloud, std::uint32_t node, std::shared_ptr<const Block> block, Time now) {
     if (cloud.removed) return;
     Slot& slot = cloud.slots[node];
+    if (!slot.pinned) {
+        order_.push_front({&cloud, node});  // may fail for want of memory; what follows does not
+        slot.place = order_.begin();
+    }
     cloud.bytes += block->bytes();
     slot.block = std::move(block);
     slot.state = BlockState::Resident;
     slot.usedAt = now;
-    if (slot.pinned) return;
-    order_.push_front({&cloud, node});
-    slot.place = order_.begin();
 }
 
 void BlockTable::failLoad(Cloud& cloud, std::uint32_t node, Error error, Time now) {
     if (cloud.removed) return;
-    cloud.slots[node].state = BlockState::Damaged;
+    cloud.slots[node].state = BlockState::Absent;  // and stays so where its damage cannot be remembered
     cloud.damage.insert_or_assign(node, Damage{std::move(error), now});
+    cloud.slots[node].state = BlockState::Damaged;
 }
 
 }  // namespace scancast

@@ -89,6 +89,7 @@ class BlockTable {
     std::shared_ptr<Block> beginLoad(Cloud& cloud, std::uint32_t node, bool must, Time now);
     void finishLoad(Cloud& cloud, std::uint32_t node, std::shared_ptr<const Block> block, Time now);
     void failLoad(Cloud& cloud, std::uint32_t node, Error error, Time now);
+    // An exception in these three leaves everything as it was; in failLoad() the node is Absent.
 
     static std::uint64_t bytesOf(const Cloud& cloud, std::uint32_t node) {
         const std::uint64_t samples = cloud.file->nodes()[node].node.sampleCount;

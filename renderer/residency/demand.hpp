@@ -33,7 +33,11 @@ class Demand {
         if (&cloud != &cloud_) return;
         const auto at = answers_.find(node);
         if (at == answers_.end() || at->second) return;
-        at->second = result;
+        try {
+            at->second = result;
+        } catch (...) {  // no memory for the sentence; the answer must come nevertheless
+            at->second = tl::unexpected(Error{ErrorCode::ResourceLimit, "Out of memory.", {}});
+        }
         --open_;
     }
     const Answer& answerTo(std::uint32_t node) const { return answers_.at(node); }

@@ -14,26 +14,31 @@ void WishList::set(std::uint64_t cloud, std::uint64_t requester, std::vector<Wis
         return a.urgency != b.urgency ? a.urgency < b.urgency : a.node > b.node;
     });
     if (wishes.size() > mostWishes) wishes.erase(wishes.begin(), wishes.end() - mostWishes);
-    const bool isNew = lists_.insert_or_assign(key, std::move(wishes)).second;
-    if (!isNew) return;
-    if (turns_.size() == mostRequesters) {
-        lists_.erase(turns_.back());
-        turns_.pop_back();
+    std::list<Requester> turn;
+    if (!lists_.contains(key)) {
+        turn.push_back(key);
+        if (turns_.size() == mostRequesters) {
+            lists_.erase(turns_.back());
+            turns_.pop_back();
+        }
     }
-    turns_.push_back(key);
+    lists_.insert_or_assign(key,
+                            std::move(wishes));  // the last that may fail: nobody has one without the other
+    turns_.splice(turns_.end(), turn);
 }
 
 std::optional<WishList::Next> WishList::next() {
     if (turns_.empty()) return std::nullopt;
     const Requester turn = turns_.front();
-    turns_.pop_front();
     std::vector<Wish>& wishes = lists_.at(turn);
     const Next next{turn.first, wishes.back().node};
     wishes.pop_back();
-    if (wishes.empty())
+    if (wishes.empty()) {
         lists_.erase(turn);
-    else
-        turns_.push_back(turn);
+        turns_.pop_front();
+    } else {
+        turns_.splice(turns_.end(), turns_, turns_.begin());
+    }
     return next;
 }
 

@@ -7,7 +7,7 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <deque>
+#include <list>
 #include <map>
 #include <optional>
 #include <utility>
@@ -41,7 +41,7 @@ class WishList {
   private:
     using Requester = std::pair<std::uint64_t, std::uint64_t>;  // cloud, who
     std::map<Requester, std::vector<Wish>> lists_;              // most urgent last; never empty
-    std::deque<Requester> turns_;                               // the keys of lists_
+    std::list<Requester> turns_;                                // the keys of lists_
 };
 
 }  // namespace scancast

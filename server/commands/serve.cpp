@@ -14,6 +14,7 @@
 #include "server/commands/serve_options.hpp"
 #include "server/commands/shutdown_signals.hpp"
 #include "server/commands/terminal.hpp"
+#include "server/faults.hpp"
 #include "server/loader.hpp"
 #include "server/log.hpp"
 #include "server/server.hpp"
@@ -33,6 +34,8 @@ std::shared_ptr<BlockCache> blockCache(std::uint64_t memoryLimit) {
     BlockCacheOptions options;
     options.memoryLimit = memoryLimit;
     options.onDamaged = [](const std::filesystem::path& file, const Error& error) {
+        // Nothing is wrong with the file, and every block may have a part in it.
+        if (error.code == ErrorCode::ResourceLimit) return reportFault(error);
         spdlog::error("{}: {} Coarser points are shown in its place.", file.filename().string(),
                       error.message);
     };

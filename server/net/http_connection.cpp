@@ -17,6 +17,7 @@
 #include <limits>
 #include <optional>
 
+#include "server/net/handler.hpp"
 #include "server/net/mjpeg_connection.hpp"
 #include "server/net/stream_connection.hpp"
 #include "transport/net_stream.hpp"
@@ -56,7 +57,7 @@ class HttpConnection final : public Connection, public std::enable_shared_from_t
     ~HttpConnection() override { context_.connections.remove(this); }
 
     void run() {
-        asio::dispatch(stream_.get_executor(), [self = shared_from_this()] { self->greet(); });
+        asio::dispatch(stream_.get_executor(), handler([](HttpConnection& self) { self.greet(); }));
     }
 
     void shutDown() override {
@@ -64,11 +65,25 @@ class HttpConnection final : public Connection, public std::enable_shared_from_t
             const auto self = weak.lock();
             if (!self) return;
             self->leaving_ = true;
-            if (!self->answering_) self->stream_.tcp().close();
+            if (!self->answering_) self->close();
         });
     }
 
+    void fault() noexcept {
+        if (!context_.connections.shuttingDown()) close();
+    }
+
   private:
+    template <class Work>
+    Handler<HttpConnection, Work> handler(Work work) {
+        return {shared_from_this(), std::move(work)};
+    }
+
+    void close() noexcept {
+        if (handedOver_) return;
+        std::ignore = contained("Closing a connection", [this] { stream_.tcp().close(); });
+    }
+
     static NetStream streamOf(asio::ip::tcp::socket socket, NetContext& context) {
         beast::tcp_stream tcp(std::move(socket));
         return context.tls ? NetStream(std::move(tcp), *context.tls) : NetStream(std::move(tcp));
@@ -76,9 +91,10 @@ class HttpConnection final : public Connection, public std::enable_shared_from_t
 
     void greet() {
         stream_.tcp().expires_after(context_.limits.requestTimeout);
-        stream_.handshake(NetStream::Side::Server, [self = shared_from_this()](error_code ec) {
-            if (!ec) self->readHead();
-        });
+        stream_.handshake(NetStream::Side::Server,
+                          sharedHandler(shared_from_this(), [](HttpConnection& self, error_code ec) {
+                              if (!ec) self.readHead();
+                          }));
     }
 
     void readHead() {
@@ -93,7 +109,7 @@ class HttpConnection final : public Connection, public std::enable_shared_from_t
         stream_.tcp().expires_after(context_.limits.requestTimeout);
         http::async_read_header(
             stream_, buffer_, *parser_,
-            [self = shared_from_this()](error_code ec, std::size_t) { self->onHead(ec); });
+            handler([](HttpConnection& self, error_code ec, std::size_t) { self.onHead(ec); }));
     }
 
     void onHead(error_code ec) {
@@ -110,7 +126,8 @@ class HttpConnection final : public Connection, public std::enable_shared_from_t
         if (std::string fault = framingFault(request_, version_); !fault.empty()) return refuse(400, fault);
         answering_ = true;
         stream_.tcp().expires_never();
-        answer();
+        auto answered = contained("The server", [this] { answer(); });
+        if (!answered && !handedOver_) refuse(problemOf(answered.error()));
     }
 
     // Errors of the parser are about what was sent; all others are about the connection, which is gone.
@@ -130,11 +147,13 @@ class HttpConnection final : public Connection, public std::enable_shared_from_t
         if (routed->route == Route::Stream && upgrade) {
             context_.metrics.httpRequest(pattern(Route::Stream), 101);
             context_.connections.remove(this);
+            handedOver_ = true;
             return startStream(std::move(stream_),
                                http::request<http::empty_body>(std::move(parser_->get().base())), context_);
         }
         if (routed->route == Route::StreamMjpeg && request_.method == "GET") {
             context_.connections.remove(this);
+            handedOver_ = true;
             return startMjpeg(std::move(stream_), std::move(request_), std::move(*routed), context_);
         }
         if (request_.method == "POST") return readBody(std::move(*routed));
@@ -148,25 +167,26 @@ class HttpConnection final : public Connection, public std::enable_shared_from_t
         stream_.tcp().expires_after(context_.limits.requestTimeout);
         if (request_.header("expect") == "100-continue") {
             static constexpr std::string_view goOn = "HTTP/1.1 100 Continue\r\n\r\n";
-            return asio::async_write(
-                stream_, asio::buffer(goOn),
-                [self = shared_from_this(), routed = std::move(routed)](error_code ec, std::size_t) mutable {
-                    if (!ec) self->readRest(std::move(routed));
-                });
+            return asio::async_write(stream_, asio::buffer(goOn),
+                                     handler([routed = std::move(routed)](HttpConnection& self, error_code ec,
+                                                                          std::size_t) mutable {
+                                         if (!ec) self.readRest(std::move(routed));
+                                     }));
         }
         readRest(std::move(routed));
     }
 
     void readRest(Routed routed) {
-        http::async_read(stream_, buffer_, *parser_,
-                         [self = shared_from_this(), routed = std::move(routed)](error_code ec, std::size_t) {
-                             if (ec == http::error::body_limit) return self->refuseBody();
-                             if (ec) return self->dropOrRefuse(ec);
-                             self->stream_.tcp().expires_never();
-                             self->keepAlive_ = self->parser_->get().keep_alive();
-                             self->request_.body = std::move(self->parser_->get().body());
-                             self->ask(routed);
-                         });
+        http::async_read(
+            stream_, buffer_, *parser_,
+            handler([routed = std::move(routed)](HttpConnection& self, error_code ec, std::size_t) {
+                if (ec == http::error::body_limit) return self.refuseBody();
+                if (ec) return self.dropOrRefuse(ec);
+                self.stream_.tcp().expires_never();
+                self.keepAlive_ = self.parser_->get().keep_alive();
+                self.request_.body = std::move(self.parser_->get().body());
+                self.ask(routed);
+            }));
     }
 
     void refuseBody() {
@@ -174,32 +194,45 @@ class HttpConnection final : public Connection, public std::enable_shared_from_t
                "The body of a request may have " + std::to_string(context_.limits.maxBodyBytes) + " bytes.");
     }
 
+    // The answer may come from the scheduler's threads; it is written on the strand. Where asking fails
+    // half-way, an answer may come nevertheless: the first one counts.
     void ask(const Routed& routed) {
         answering_ = true;
-        // The answer may come from the scheduler's threads; it is written on the strand.
-        context_.api.answer(request_, routed,
-                            [self = shared_from_this(), route = routed.route](HttpResponse response) {
-                                asio::post(self->stream_.get_executor(),
-                                           [self, route, response = std::move(response)]() mutable {
-                                               self->write(std::move(response), pattern(route));
-                                           });
-                            });
+        const std::uint64_t request = unanswered_ = ++requests_;
+        const Respond respond = [self = shared_from_this(), request,
+                                 route = routed.route](HttpResponse response) {
+            asio::post(self->stream_.get_executor(), [self, request, route,
+                                                      response = std::move(response)]() mutable {
+                onBehalfOf(*self, [&] { self->answered(request, std::move(response), pattern(route)); });
+            });
+        };
+        const auto asked = contained("The server", [&] { context_.api.answer(request_, routed, respond); });
+        if (!asked)
+            answered(request, problemResponse(problemOf(asked.error(), routed.path)), pattern(routed.route));
     }
 
-    void refuse(int status, std::string detail) {
+    void answered(std::uint64_t request, HttpResponse response, std::string_view route) {
+        if (unanswered_ == request) write(std::move(response), route);
+    }
+
+    void refuse(int status, std::string detail) { refuse(problemOf(status, std::move(detail))); }
+
+    void refuse(const Problem& problem) {
         request_ = {};
         keepAlive_ = false;
         version_ = 11;
-        write(problemResponse(problemOf(status, std::move(detail))), "refused");
+        write(problemResponse(problem), "refused");
     }
 
     void write(HttpResponse response, std::string_view route) {
+        unanswered_ = 0;
         response_ = std::move(response);
         context_.api.complete(request_, route, response_);
         keepAlive_ = keepAlive_ && !leaving_;
         const auto body = response_.body();
         stream_.tcp().expires_after(context_.limits.writeTimeout + std::chrono::seconds(body.size() / 65536));
-        auto onWritten = [self = shared_from_this()](error_code ec, std::size_t) { self->onWritten(ec); };
+        auto onWritten =
+            handler([](HttpConnection& self, error_code ec, std::size_t) { self.onWritten(ec); });
         const bool neverHasBody = response_.status == 304 || response_.status == 204;
         if (request_.method == "HEAD" || neverHasBody) {
             bodyless_.emplace(http::int_to_status(unsigned(response_.status)), version_);
@@ -237,19 +270,20 @@ class HttpConnection final : public Connection, public std::enable_shared_from_t
     // still sends is read and thrown away for a moment.
     void closeGently() {
         stream_.tcp().expires_after(std::chrono::seconds(2));
-        stream_.goodbye([self = shared_from_this()](error_code) {
+        stream_.goodbye(sharedHandler(shared_from_this(), [](HttpConnection& self, error_code) {
             error_code ignored;
-            self->stream_.tcp().socket().shutdown(asio::ip::tcp::socket::shutdown_send, ignored);
-            self->discard(256 * 1024);
-        });
+            self.stream_.tcp().socket().shutdown(asio::ip::tcp::socket::shutdown_send, ignored);
+            self.discard(256 * 1024);
+        }));
     }
 
     void discard(std::size_t allowance) {
         buffer_.clear();
-        stream_.tcp().async_read_some(buffer_.prepare(context_.limits.maxHeaderBytes),
-                                      [self = shared_from_this(), allowance](error_code ec, std::size_t n) {
-                                          if (!ec && n < allowance) self->discard(allowance - n);
-                                      });
+        stream_.tcp().async_read_some(
+            buffer_.prepare(context_.limits.maxHeaderBytes),
+            handler([allowance](HttpConnection& self, error_code ec, std::size_t n) {
+                if (!ec && n < allowance) self.discard(allowance - n);
+            }));
     }
 
     NetStream stream_;
@@ -261,6 +295,8 @@ class HttpConnection final : public Connection, public std::enable_shared_from_t
     bool keepAlive_ = false;
     bool answering_ = false;
     bool leaving_ = false;
+    bool handedOver_ = false;                      // the stream has gone to a session
+    std::uint64_t requests_ = 0, unanswered_ = 0;  // numbers; 0 = none
     HttpResponse response_;  // kept while it is written: the messages below point into it
     std::optional<http::response<http::span_body<const char>>> message_;
     std::optional<http::response<http::empty_body>> bodyless_;

@@ -4,13 +4,22 @@
 
 #include <boost/asio/post.hpp>
 #include <boost/asio/strand.hpp>
+#include <thread>
+#include <tuple>
 
+#include "server/net/handler.hpp"
 #include "server/net/http_connection.hpp"
 
 namespace scancast {
 
 namespace asio = boost::asio;
 using boost::system::error_code;
+
+namespace {
+
+constexpr std::chrono::milliseconds pauseTime{100};
+
+}  // namespace
 
 Listener::Listener(asio::io_context& io, NetContext& context)
     : io_(io), context_(context), acceptor_(asio::make_strand(io)), pause_(acceptor_.get_executor()) {}
@@ -52,20 +61,40 @@ void Listener::close() {
     });
 }
 
-void Listener::accept() {
-    if (!acceptor_.is_open()) return;
-    acceptor_.async_accept(asio::make_strand(io_), [self = shared_from_this()](error_code ec, auto socket) {
-        if (!self->acceptor_.is_open()) return;
-        if (!ec) {
-            error_code ignored;
-            socket.set_option(asio::ip::tcp::no_delay(true), ignored);
-            startHttp(std::move(socket), self->context_);
-            return self->accept();
-        }
-        // Out of file descriptors, most likely: a pause instead of a spin.
-        self->pause_.expires_after(std::chrono::milliseconds(100));
-        self->pause_.async_wait([self](error_code) { self->accept(); });
+// Whatever becomes of one connection, somebody goes on accepting: without memory even for that, this thread
+// waits until there is some.
+void Listener::accept() noexcept {
+    if (std::exchange(beginning_, true)) return;  // called by the handler of an attempt that failed, below
+    while (acceptor_.is_open() && !contained("The listener", [this] { acceptNext(); }))
+        std::this_thread::sleep_for(pauseTime);
+    beginning_ = false;
+}
+
+void Listener::acceptNext() {
+    acceptor_.async_accept(asio::make_strand(io_),
+                           Handler(shared_from_this(), [](Listener& self, error_code ec, auto socket) {
+                               if (!self.acceptor_.is_open()) return;
+                               if (ec) return self.pause();
+                               std::ignore = contained("The listener", [&] {
+                                   error_code ignored;
+                                   socket.set_option(asio::ip::tcp::no_delay(true), ignored);
+                                   startHttp(std::move(socket), self.context_);
+                               });
+                               self.accept();
+                           }));
+}
+
+// Out of file descriptors, most likely: a pause instead of a spin.
+void Listener::pause() {
+    std::ignore = contained("The listener", [this] {
+        Handler goOn(shared_from_this(), [](Listener& self, error_code) { self.accept(); });
+        pause_.expires_after(pauseTime);
+        pause_.async_wait(std::move(goOn));
     });
+}
+
+void Listener::fault() noexcept {
+    if (!context_.connections.shuttingDown()) accept();
 }
 
 }  // namespace scancast

@@ -23,15 +23,20 @@ class Listener : public std::enable_shared_from_this<Listener> {
     void run();
     void close();
     std::uint16_t port() const { return port_; }
+    /// Accepting failed in between (handler.hpp): it goes on.
+    void fault() noexcept;
 
   private:
     Listener(boost::asio::io_context& io, NetContext& context);
-    void accept();
+    void accept() noexcept;
+    void acceptNext();
+    void pause();
 
     boost::asio::io_context& io_;
     NetContext& context_;
     boost::asio::ip::tcp::acceptor acceptor_;
     boost::asio::steady_timer pause_;
+    bool beginning_ = false;  // to accept
     std::uint16_t port_ = 0;
 };
 

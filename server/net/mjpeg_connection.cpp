@@ -9,6 +9,7 @@
 #include <boost/asio/write.hpp>
 
 #include "protocol/json_text.hpp"
+#include "server/net/handler.hpp"
 #include "server/net/mjpeg_request.hpp"
 #include "server/net/session_host.hpp"
 
@@ -48,7 +49,7 @@ class MjpegConnection final : public SessionHost {
           routed_(std::move(routed)) {}
 
     void run() {
-        asio::dispatch(stream_.get_executor(), [self = self()] { self->begin(); });
+        asio::dispatch(stream_.get_executor(), handler([](MjpegConnection& self) { self.begin(); }));
     }
 
     // ---- StreamPort
@@ -86,6 +87,11 @@ class MjpegConnection final : public SessionHost {
     }
     bool listening() const override { return !gone_ && !closing_; }
     void cut() override { stream_.tcp().close(); }
+    void giveUp() noexcept override { gone_ = true; }
+    template <class Work>
+    Handler<MjpegConnection, Work> handler(Work work) {
+        return {self(), std::move(work)};
+    }
 
     void begin() {
         auto asked = mjpegRequest(request_, routed_, context_.catalog, context_.limits.maxPixels);
@@ -151,7 +157,9 @@ class MjpegConnection final : public SessionHost {
         stream_.tcp().expires_after(context_.limits.writeTimeout +
                                     std::chrono::seconds(asio::buffer_size(buffers) / 65536));
         asio::async_write(stream_, buffers,
-                          [self = self(), frame](error_code ec, std::size_t) { self->onWritten(ec, frame); });
+                          handler([frame](MjpegConnection& self, error_code ec, std::size_t) {
+                              self.onWritten(ec, frame);
+                          }));
     }
 
     void onWritten(error_code ec, std::optional<std::uint64_t> frame) {
@@ -173,9 +181,10 @@ class MjpegConnection final : public SessionHost {
 
     // What a client sends now is for nobody; its end is the end of the stream.
     void read() {
-        stream_.tcp().expires_never();  // writes have deadlines; a view may stand still, and its client be silent
-        stream_.async_read_some(asio::buffer(ignored_),
-                                [self = self()](error_code ec, std::size_t n) { self->onRead(ec, n); });
+        stream_.tcp()
+            .expires_never();  // writes have deadlines; a view may stand still, and its client be silent
+        stream_.async_read_some(asio::buffer(ignored_), handler([](MjpegConnection& self, error_code ec,
+                                                                   std::size_t n) { self.onRead(ec, n); }));
     }
 
     void onRead(error_code ec, std::size_t bytes) {
@@ -188,7 +197,7 @@ class MjpegConnection final : public SessionHost {
 
     void finish() {
         stream_.tcp().expires_after(context_.limits.closeTimeout);
-        stream_.goodbye([self = self()](error_code) { self->cut(); });
+        stream_.goodbye(sharedHandler(self(), [](MjpegConnection& self, error_code) { self.cut(); }));
     }
 
     void refuse(Problem problem) {
@@ -199,9 +208,10 @@ class MjpegConnection final : public SessionHost {
         text_ = headText(response) + fmt::format("Content-Length: {}\r\n\r\n", response.text.size()) +
                 response.text;
         stream_.tcp().expires_after(context_.limits.writeTimeout);
-        asio::async_write(stream_, asio::buffer(text_), [self = self()](error_code ec, std::size_t) {
-            if (!ec) self->finish();
-        });
+        asio::async_write(stream_, asio::buffer(text_),
+                          handler([](MjpegConnection& self, error_code ec, std::size_t) {
+                              if (!ec) self.finish();
+                          }));
     }
 
     NetStream stream_;

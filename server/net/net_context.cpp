@@ -1,6 +1,9 @@
 #include "server/net/net_context.hpp"
 
+#include <tuple>
 #include <vector>
+
+#include "server/faults.hpp"
 
 namespace scancast {
 
@@ -30,7 +33,8 @@ void ConnectionRegister::shutDownAll() {
         all = allLocked();
     }
     for (const auto& weak : all) {
-        if (const auto connection = weak.lock()) connection->shutDown();
+        const auto connection = weak.lock();
+        if (connection) std::ignore = contained("Closing a connection", [&] { connection->shutDown(); });
     }
 }
 
@@ -41,13 +45,19 @@ void ConnectionRegister::sayGoodbye() const {
         all = allLocked();
     }
     for (const auto& weak : all) {
-        if (const auto connection = weak.lock()) connection->sayGoodbye();
+        const auto connection = weak.lock();
+        if (connection) std::ignore = contained("Ending a session", [&] { connection->sayGoodbye(); });
     }
 }
 
 std::size_t ConnectionRegister::size() const {
     const std::lock_guard lock(mutex_);
     return connections_.size();
+}
+
+bool ConnectionRegister::shuttingDown() const {
+    const std::lock_guard lock(mutex_);
+    return shuttingDown_;
 }
 
 }  // namespace scancast

@@ -63,6 +63,7 @@ class ConnectionRegister {
     /// To everybody who is connected now.
     void sayGoodbye() const;
     std::size_t size() const;
+    bool shuttingDown() const;
 
   private:
     std::vector<std::weak_ptr<Connection>> allLocked() const;

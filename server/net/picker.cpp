@@ -4,6 +4,7 @@
 #include <cstring>
 #include <utility>
 
+#include "server/faults.hpp"
 #include "server/net/negotiate.hpp"
 #include "server/net/picture_request.hpp"
 
@@ -53,11 +54,15 @@ Expected<void> Picker::pick(std::shared_ptr<const Cloud> cloud, const View& aske
     auto drawn = [this, cloud, view, pixel = *pixel, done](const Expected<Picture>& picture) {
         if (!picture) return done(tl::unexpected(picture.error()));
         const double depth = depthAt(*picture, pixel);
-        const bool posted = worker_.post([cloud, view, pixel, depth, done](const std::stop_token& stop) {
-            auto picked = scancast::pick(*cloud, view, pixel, depth, stop);
-            if (!stop.stop_requested()) done(std::move(picked));
+        const auto posted = contained("The queue of picks", [&] {
+            return worker_.post([cloud, view, pixel, depth, done](const std::stop_token& stop) {
+                auto picked =
+                    contained("Picking", [&] { return scancast::pick(*cloud, view, pixel, depth, stop); });
+                if (!stop.stop_requested()) done(std::move(picked));
+            });
         });
-        if (!posted) done(tl::unexpected(busy("Too many picks are waiting; try again in a moment.")));
+        if (!posted) return done(tl::unexpected(posted.error()));
+        if (!*posted) done(tl::unexpected(busy("Too many picks are waiting; try again in a moment.")));
     };
     if (auto queued = pictures_.order(tag, std::move(order), std::move(drawn)); !queued)
         return tl::unexpected(busy(queued.error().message));

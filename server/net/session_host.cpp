@@ -2,8 +2,10 @@
 
 #include <boost/asio/post.hpp>
 #include <nlohmann/json.hpp>
+#include <tuple>
 
 #include "server/describe.hpp"
+#include "server/net/handler.hpp"
 
 namespace scancast {
 
@@ -14,11 +16,22 @@ SessionHost::SessionHost(const Executor& strand, NetContext& context)
 
 SessionHost::~SessionHost() {
     context_.connections.remove(this);
-    if (!session_) return;
-    session_->connectionLost(false, Clock::now());
-    context_.scheduler.closeMailbox(mailbox_);
+    if (session_)
+        std::ignore =
+            contained("Ending a session", [this] { session_->connectionLost(false, Clock::now()); });
+    if (mailbox_ != 0) context_.scheduler.closeMailbox(mailbox_);
+    if (!counted_) return;
     context_.sessions.fetch_sub(1);
     context_.metrics.sessionClosed();
+}
+
+void SessionHost::fault() noexcept {
+    if (context_.connections.shuttingDown()) return;
+    giveUp();
+    std::ignore = contained("Closing a connection", [this] {
+        stopTime();
+        cut();
+    });
 }
 
 bool SessionHost::openSession(ClientKind client, SessionOptions options) {
@@ -26,6 +39,7 @@ bool SessionHost::openSession(ClientKind client, SessionOptions options) {
         context_.sessions.fetch_sub(1);
         return false;
     }
+    counted_ = true;
     context_.metrics.sessionOpened();
     mailbox_ = context_.scheduler.openMailbox();
     seat_ = context_.sessionRegister.enter(client, weak_from_this());
@@ -44,8 +58,10 @@ void SessionHost::later(const Executor& strand, const Weak& weak, Work work) {
     asio::post(strand, [weak, work = std::move(work)]() mutable {
         const auto self = weak.lock();
         if (!self || !self->session_ || !self->listening()) return;
-        work(*self->session_);
-        self->keepTime();
+        onBehalfOf(*self, [&] {
+            work(*self->session_);
+            self->keepTime();
+        });
     });
 }
 
@@ -53,8 +69,10 @@ void SessionHost::shutDown() {
     asio::post(strand_, [weak = weak_from_this()] {
         const auto self = weak.lock();
         if (!self) return;
-        if (self->session_) return self->session_->goAway();
-        self->cut();  // still shaking hands, or refused already
+        onBehalfOf(*self, [&] {
+            if (self->session_) return self->session_->goAway();
+            self->cut();  // still shaking hands, or refused already
+        });
     });
 }
 
@@ -63,21 +81,28 @@ void SessionHost::changeView(messages::ViewChange change, Changed done) {
         const auto self = weak.lock();
         if (!self || !self->session_ || !self->listening())
             return done(tl::unexpected(problemOf(404, "This session has ended.")));
-        done(self->session_->change(change, Clock::now()));
-        self->keepTime();
+        onBehalfOf(*self, [&] {
+            done(self->session_->change(change, Clock::now()));
+            self->keepTime();
+        });
     });
 }
 
 void SessionHost::lookAround() {
     if (willLook_.exchange(true)) return;
-    asio::post(strand_, [weak = weak_from_this()] {
-        const auto self = weak.lock();
-        if (!self) return;
-        self->willLook_ = false;
-        if (!self->session_ || !self->listening()) return;
-        self->session_->lookAround(Clock::now());
-        self->keepTime();
+    const auto posted = contained("Telling a session", [this] {
+        asio::post(strand_, [weak = weak_from_this()] {
+            const auto self = weak.lock();
+            if (!self) return;
+            self->willLook_ = false;
+            if (!self->session_ || !self->listening()) return;
+            onBehalfOf(*self, [&] {
+                self->session_->lookAround(Clock::now());
+                self->keepTime();
+            });
+        });
     });
+    if (!posted) willLook_ = false;  // or it would never look again
 }
 
 void SessionHost::order(std::uint64_t number, PictureOrder order) {
@@ -131,9 +156,11 @@ void SessionHost::keepTime() {
     timer_.async_wait([weak = weak_from_this()](boost::system::error_code ec) {
         const auto self = weak.lock();
         if (!self || ec || !self->listening()) return;
-        self->armed_.reset();
-        self->session_->tick(Clock::now());
-        self->keepTime();
+        onBehalfOf(*self, [&] {
+            self->armed_.reset();
+            self->session_->tick(Clock::now());
+            self->keepTime();
+        });
     });
 }
 

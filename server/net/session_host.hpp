@@ -39,6 +39,9 @@ class SessionHost : public Connection,
     void abandon() override;
     std::function<void()> onTaken() override;
 
+    /// Something that was to be done for the session threw (handler.hpp): its connection closes.
+    void fault() noexcept;
+
   protected:
     /// The context outlives the host; the executor is a strand.
     SessionHost(const Executor& strand, NetContext& context);
@@ -56,6 +59,8 @@ class SessionHost : public Connection,
     virtual bool listening() const = 0;
     /// Closes the socket as it is.
     virtual void cut() = 0;
+    /// No longer listening().
+    virtual void giveUp() noexcept = 0;
 
     NetContext& context_;
 
@@ -70,7 +75,8 @@ class SessionHost : public Connection,
     const CatalogWorld world_;
     boost::asio::steady_timer timer_;
     std::optional<Clock::time_point> armed_;
-    Scheduler::MailboxId mailbox_ = 0;
+    bool counted_ = false;               // it is one of --max-sessions
+    Scheduler::MailboxId mailbox_ = 0;   // 0 = none
     std::unique_ptr<SessionSeat> seat_;  // outlives the session
     std::optional<StreamSession> session_;
     std::atomic<bool> willLook_{false};

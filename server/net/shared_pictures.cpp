@@ -1,36 +1,48 @@
 #include "server/net/shared_pictures.hpp"
 
+#include <tuple>
 #include <utility>
 
+#include "server/faults.hpp"
+
 namespace scancast {
+namespace {
+
+void answer(const PictureDone& one, const Expected<Picture>& result) {
+    std::ignore = contained("Handing over a picture", [&] { one(result); });
+}
+
+}  // namespace
+
+bool SharedPictures::Waiting::add(const std::string& tag, PictureDone done) {
+    const std::lock_guard lock(mutex);
+    std::vector<PictureDone>& all = byTag[tag];
+    all.push_back(std::move(done));
+    return all.size() == 1;  // also where an exception left an empty list behind
+}
+
+std::vector<PictureDone> SharedPictures::Waiting::take(const std::string& tag) {
+    const std::lock_guard lock(mutex);
+    const auto at = byTag.find(tag);
+    if (at == byTag.end()) return {};
+    auto all = std::move(at->second);
+    byTag.erase(at);
+    return all;
+}
 
 Expected<void> SharedPictures::order(const std::string& tag, PictureOrder order, PictureDone done) const {
-    {
-        const std::lock_guard lock(waiting_->mutex);
-        const auto [at, first] = waiting_->byTag.try_emplace(tag);
-        at->second.push_back(std::move(done));
-        if (!first) return {};
-    }
-    auto queued =
-        scheduler_.snapshot(std::move(order), [waiting = waiting_, tag](const Expected<Picture>& result) {
-            std::vector<PictureDone> all;
-            {
-                const std::lock_guard lock(waiting->mutex);
-                all = std::exchange(waiting->byTag[tag], {});
-                waiting->byTag.erase(tag);
-            }
-            for (const PictureDone& one : all) one(result);
-        });
+    if (!waiting_->add(tag, std::move(done))) return {};
+    auto queued = contained("The queue of pictures", [&] {
+        return scheduler_.snapshot(std::move(order),
+                                   [waiting = waiting_, tag](const Expected<Picture>& result) {
+                                       for (const PictureDone& one : waiting->take(tag)) answer(one, result);
+                                   });
+    });
     if (queued) return {};
     // Whoever joined in between waits for a picture that will never come.
-    std::vector<PictureDone> others;
-    {
-        const std::lock_guard lock(waiting_->mutex);
-        others = std::exchange(waiting_->byTag[tag], {});
-        waiting_->byTag.erase(tag);
-    }
-    const Error full{ErrorCode::Cancelled, queued.error().message, {}};
-    for (std::size_t i = 1; i < others.size(); ++i) others[i](tl::unexpected(full));
+    const Expected<Picture> full = fail(ErrorCode::Cancelled, queued.error().message);
+    const auto others = waiting_->take(tag);
+    for (std::size_t i = 1; i < others.size(); ++i) answer(others[i], full);
     return queued;
 }
 

@@ -25,6 +25,10 @@ class SharedPictures {
 
   private:
     struct Waiting {
+        /// Whether this is the first, who has to order the picture.
+        bool add(const std::string& tag, PictureDone done);
+        std::vector<PictureDone> take(const std::string& tag);
+
         std::mutex mutex;
         std::map<std::string, std::vector<PictureDone>> byTag;
     };

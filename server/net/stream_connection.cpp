@@ -7,6 +7,7 @@
 #include <deque>
 #include <optional>
 
+#include "server/net/handler.hpp"
 #include "server/net/session_host.hpp"
 
 namespace scancast {
@@ -63,7 +64,8 @@ class StreamConnection final : public SessionHost {
             if (known) response.set(http::field::sec_websocket_protocol, std::string(webSocketProtocol));
             response.set(http::field::server, "scancast");
         }));
-        ws_.async_accept(request_, [self = self(), known](error_code ec) { self->onAccept(ec, known); });
+        ws_.async_accept(
+            request_, handler([known](StreamConnection& self, error_code ec) { self.onAccept(ec, known); }));
     }
 
     // ---- StreamPort
@@ -105,6 +107,11 @@ class StreamConnection final : public SessionHost {
     }
     bool listening() const override { return !gone_ && !closing_; }
     void cut() override { ws_.next_layer().tcp().close(); }
+    void giveUp() noexcept override { gone_ = true; }
+    template <class Work>
+    Handler<StreamConnection, Work> handler(Work work) {
+        return {self(), std::move(work)};
+    }
 
     struct Outgoing {
         std::string text;  ///< unless there is a picture
@@ -131,7 +138,8 @@ class StreamConnection final : public SessionHost {
     }
 
     void read() {
-        ws_.async_read(buffer_, [self = self()](error_code ec, std::size_t) { self->onRead(ec); });
+        ws_.async_read(buffer_,
+                       handler([](StreamConnection& self, error_code ec, std::size_t) { self.onRead(ec); }));
     }
 
     void onRead(error_code ec) {
@@ -171,7 +179,8 @@ class StreamConnection final : public SessionHost {
     void writeNext() {
         writing_ = true;
         const Outgoing& message = queue_.front();
-        auto onWritten = [self = self()](error_code ec, std::size_t) { self->onWritten(ec); };
+        auto onWritten =
+            handler([](StreamConnection& self, error_code ec, std::size_t) { self.onWritten(ec); });
         if (message.picture) {
             ws_.binary(true);
             ws_.async_write(std::array<asio::const_buffer, 2>{asio::buffer(message.header),
@@ -195,7 +204,7 @@ class StreamConnection final : public SessionHost {
     }
 
     void sendClose() {
-        ws_.async_close(*closing_, [self = self()](error_code) {});
+        ws_.async_close(*closing_, handler([](StreamConnection&, error_code) {}));
     }
 
     websocket::stream<NetStream> ws_;

@@ -1,14 +1,15 @@
-// One thread for work that may wait for a disk, so that neither network nor render threads do.
+// One thread for work that may wait for a disk, so that neither network nor render threads do. A task that
+// throws ends there, and the log says so; the thread goes on.
 //
 // Owned by the API. *Thread safety*: any thread, except destruction.
 #pragma once
 
-#include <condition_variable>
 #include <deque>
 #include <functional>
-#include <mutex>
 #include <stop_token>
 #include <thread>
+
+#include "threads/monitor.hpp"
 
 namespace scancast {
 
@@ -29,13 +30,15 @@ class Worker {
     void stop();
 
   private:
-    void run(const std::stop_token& token);
+    bool isDue() const { return stop_.stop_requested() || !tasks_.empty(); }
+    void run();
+    bool step();
 
     const std::size_t room_;
-    std::mutex mutex_;
-    std::condition_variable_any changed_;
+    Monitor monitor_;  // guards tasks_, and requests of a stop
+    std::stop_source stop_;
     std::deque<Task> tasks_;
-    std::jthread thread_;
+    std::thread thread_;
 };
 
 }  // namespace scancast

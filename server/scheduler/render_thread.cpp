@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "renderer/clock.hpp"
+#include "server/faults.hpp"
 #include "server/scheduler/outcome.hpp"
 #include "server/scheduler/scheduler.hpp"
 
@@ -22,7 +23,11 @@ bool isLost(const Expected<T>& result) {
 // ---- the device
 
 void Scheduler::openDevice() {
-    usePainter(openPainter_(), std::nullopt);
+    auto opened = contained("Opening the device", [this] { usePainter(openPainter_(), std::nullopt); });
+    if (opened) return;
+    const Monitor::Lock lock(monitor_);
+    device_.state = DeviceStatus::State::Failed;
+    device_.error = std::move(opened.error());
 }
 
 void Scheduler::usePainter(Expected<Painter> opened, std::optional<LostDevice> lost) {
@@ -36,11 +41,10 @@ void Scheduler::usePainter(Expected<Painter> opened, std::optional<LostDevice> l
         status.state = DeviceStatus::State::Failed;
         status.error = std::move(opened.error());
     }
-    metrics_.setDevice(status.info.name, status.info.renderer);
-    const std::lock_guard lock(mutex_);
+    std::ignore = contained("Counting", [&] { metrics_.setDevice(status.info.name, status.info.renderer); });
+    const Monitor::Lock lock(monitor_);
     if (painter_) prepare_ = painter_->prepare;
     device_ = std::move(status);
-    opened_.notify_all();
 }
 
 void Scheduler::replacePainter(const Error& lost) {
@@ -50,7 +54,8 @@ void Scheduler::replacePainter(const Error& lost) {
     ++painterNumber_;
     metrics_.deviceLost();
     spdlog::error("The device {} was lost: {}", title(device.info), lost.message);
-    auto opened = instead ? instead() : Expected<Painter>(tl::unexpected(lost));
+    auto opened =
+        instead ? contained("Opening another device", instead) : Expected<Painter>(tl::unexpected(lost));
     if (opened) {
         spdlog::warn("drawing with {} from now on; to try {} again, restart", title(opened->device),
                      device.info.name);
@@ -65,59 +70,65 @@ void Scheduler::replacePainter(const Error& lost) {
 
 // ---- one picture after the other
 
+bool Scheduler::renderIsDue() const {
+    // Room for the result first, and only then a wish: what is taken is then as new as can be.
+    return stopping_ || (encoding_.size() < maxEncoding && (begun_ || !turns_.empty()));
+}
+
 void Scheduler::renderLoop() {
     openDevice();
     std::optional<Begun> begun;  // its pixels may still be on their way
-    std::unique_lock lock(mutex_);
-    while (true) {
-        // Room for the result first, and only then a wish: what is taken is then as new as can be.
-        work_.wait(lock, [&] {
-            return stopping_ || (encoding_.size() < maxEncoding && (begun || !turns_.empty()));
-        });
-        if (stopping_) break;
-        lock.unlock();
-        // What is finished waits for nobody else's picture to be begun.
-        if (begun && begun->frame->ready())
-            completeOne(*std::exchange(begun, std::nullopt));
-        else
-            beginNext(begun);
-        lock.lock();
+    while (contained("The render thread", [&] { return renderStep(begun); }).value_or(true)) {
     }
-    lock.unlock();
     if (begun) completeOne(std::move(*begun));
     painter_.reset();
-    lock.lock();
+    const Monitor::Lock lock(monitor_);
     rendering_ = false;
-    encodeWork_.notify_all();
+}
+
+bool Scheduler::renderStep(std::optional<Begun>& begun) {
+    {
+        Monitor::Lock lock(monitor_);
+        monitor_.wait(lock, [this] { return renderIsDue(); });
+        if (stopping_) return false;
+    }
+    // What is finished waits for nobody else's picture to be begun.
+    const auto finished = contained("The renderer", [&] { return begun && begun->frame->ready(); });
+    if (begun && finished.value_or(true))
+        completeOne(*std::exchange(begun, std::nullopt));
+    else
+        beginNext(begun);
+    return true;
 }
 
 /// Begins the next picture, if one is wished for, and only then waits for the pixels of the one before.
 void Scheduler::beginNext(std::optional<Begun>& begun) {
-    std::optional<Wish> wish;
+    std::optional<Wish> wish;  // ends, if it must, without the lock
     {
-        const std::lock_guard lock(mutex_);
-        wish = takeNext();
+        const Monitor::Lock lock(monitor_);
+        takeNext(wish);
     }
     // A still or a snapshot may take long to begin, and a moving frame's pixels do not wait for that.
     if (wish && wish->order.complete && begun) completeOne(*std::exchange(begun, std::nullopt));
     std::optional<Begun> next;
     if (wish) next = beginOne(std::move(*wish));
-    if (begun) completeOne(std::move(*begun));
+    if (begun) completeOne(*std::exchange(begun, std::nullopt));
     begun = std::move(next);
     if (!begun) return;
-    const std::lock_guard lock(mutex_);
+    const Monitor::Lock lock(monitor_);
     begun_ = std::exchange(running_, std::nullopt);
 }
 
 // What waits for that turn, or nullptr. Called with the lock held.
 const Scheduler::Wish* Scheduler::waiting(MailboxId turn) const {
-    if (turn == preparedOne) return prepared_ ? &*prepared_ : nullptr;
+    if (turn == preparedOne) return prepared_.empty() ? nullptr : &prepared_.front();
     if (turn == snapshots) return snapshots_.empty() ? nullptr : &snapshots_.front();
     const auto at = mailboxes_.find(turn);
     return at == mailboxes_.end() || !at->second ? nullptr : &*at->second;
 }
 
-// The first in line, but for stills that give way to somebody behind them. Called with the lock held.
+// The first in line, but for stills that give way to somebody behind them; goes to the end of the line where
+// more waits for it. Called with the lock held.
 Scheduler::MailboxId Scheduler::takeTurn() {
     const auto now = Clock::now();
     const auto takesIt = [&](MailboxId turn) {
@@ -127,32 +138,25 @@ Scheduler::MailboxId Scheduler::takeTurn() {
     auto at = std::find_if(turns_.begin(), turns_.end(), takesIt);
     if (at == turns_.end()) at = turns_.begin();
     const MailboxId turn = *at;
-    turns_.erase(at);
+    std::rotate(at, at + 1, turns_.end());
+    if (turn != snapshots || snapshots_.size() <= 1) turns_.pop_back();
     return turn;
 }
 
-std::optional<Scheduler::Wish> Scheduler::takeNext() {
-    if (turns_.empty()) return std::nullopt;
+// Into `wish`, if there is any. Called with the lock held.
+void Scheduler::takeNext(std::optional<Wish>& wish) {
+    if (turns_.empty()) return;
     const MailboxId turn = takeTurn();
-    std::optional<Wish> wish;
-    if (turn == preparedOne) {
-        wish = std::exchange(prepared_, std::nullopt);
-        if (!wish) return std::nullopt;
-    } else if (turn == snapshots) {
-        if (snapshots_.empty()) return std::nullopt;
-        wish = std::move(snapshots_.front());
-        snapshots_.pop_front();
-        if (!snapshots_.empty()) turns_.push_back(snapshots);
+    if (!waiting(turn)) return;
+    if (turn == preparedOne || turn == snapshots) {
+        Wishes& line = turn == snapshots ? snapshots_ : prepared_;
+        wish = std::move(line.front());
+        line.pop_front();
     } else {
-        const auto at = mailboxes_.find(turn);
-        if (at == mailboxes_.end()) return std::nullopt;
-        wish = std::exchange(at->second, std::nullopt);
-        if (!wish) return std::nullopt;
+        wish = std::exchange(mailboxes_.at(turn), std::nullopt);
     }
     wish->rivals = movingWishes();
     running_ = runningOf(*wish);
-    deadlines_.notify_one();
-    return wish;
 }
 
 // Called with the lock held.
@@ -163,9 +167,16 @@ std::size_t Scheduler::movingWishes() const {
 }
 
 std::optional<Scheduler::Begun> Scheduler::beginOne(Wish wish) {
+    auto begun = contained("The render thread", [&] { return tryBegin(wish); });
+    if (begun) return std::move(*begun);
+    endFaulty(running_, wish, std::move(begun.error()));
+    return std::nullopt;
+}
+
+std::optional<Scheduler::Begun> Scheduler::tryBegin(Wish& wish) {
     std::stop_token token;
     {
-        const std::lock_guard lock(mutex_);
+        const Monitor::Look look(monitor_);
         token = running_->stop.get_token();
     }
     const auto start = Clock::now();
@@ -173,11 +184,17 @@ std::optional<Scheduler::Begun> Scheduler::beginOne(Wish wish) {
     auto frame = begin(wish, token, deferred);
     wish.prepared.reset();  // what is begun needs no samples any more
     if (!frame) {
-        endWithout(running_, std::move(wish), std::move(frame.error()), deferred);
+        endWithout(running_, wish, std::move(frame.error()), deferred);
         return std::nullopt;
     }
-    return Begun{std::move(wish), std::move(*frame), painter_->device, painterNumber_,
+    DeviceInfo device = painter_->device;
+    return Begun{std::move(wish), std::move(*frame), std::move(device), painterNumber_,
                  millisecondsSince(start)};
+}
+
+Expected<void> Scheduler::checkMemory(const View& view) const {
+    if (std::int64_t{view.width} * view.height <= smallPicturePixels) return {};
+    return checkRoom(view, options_.room());
 }
 
 /// `deferred`: the picture lacks blocks that it must not lack.
@@ -185,7 +202,8 @@ Expected<std::unique_ptr<PendingFrame>> Scheduler::begin(Wish& wish, const std::
                                                          bool& deferred) {
     while (painter_) {
         if (!wish.prepared) {
-            auto prepared = guarded([&] { return painter_->prepare(wish.order, false, token); });
+            auto prepared =
+                contained("The renderer", [&] { return painter_->prepare(wish.order, false, token); });
             if (!prepared) return tl::unexpected(std::move(prepared.error()));
             wish.prepared = std::move(*prepared);
         }
@@ -193,7 +211,9 @@ Expected<std::unique_ptr<PendingFrame>> Scheduler::begin(Wish& wish, const std::
         if (deferred) return tl::unexpected(cancelled());
         wish.lacking = wish.order.onlyWhole && !wish.prepared->complete;
         if (wish.lacking) return fail(ErrorCode::Cancelled, "Samples of this picture are still to be read.");
-        auto frame = guarded([&] { return painter_->begin(wish.order, *wish.prepared, token); });
+        if (auto fits = checkMemory(wish.order.view); !fits) return tl::unexpected(std::move(fits.error()));
+        auto frame =
+            contained("The renderer", [&] { return painter_->begin(wish.order, *wish.prepared, token); });
         if (!isLost(frame)) return frame;
         replacePainter(frame.error());
     }
@@ -201,30 +221,35 @@ Expected<std::unique_ptr<PendingFrame>> Scheduler::begin(Wish& wish, const std::
 }
 
 void Scheduler::completeOne(Begun begun) {
+    auto completed = contained("The render thread", [&] { complete(begun); });
+    if (!completed) endFaulty(begun_, begun.wish, std::move(completed.error()));
+}
+
+void Scheduler::complete(Begun& begun) {
     std::stop_token token;
     {
-        const std::lock_guard lock(mutex_);
+        const Monitor::Look look(monitor_);
         token = begun_->stop.get_token();
     }
     const auto start = Clock::now();
     bool deferred = false;
     auto frame = finish(begun, token, deferred);
     begun.wish.prepared.reset();
-    if (!frame) return endWithout(begun_, std::move(begun.wish), std::move(frame.error()), deferred);
+    if (!frame) return endWithout(begun_, begun.wish, std::move(frame.error()), deferred);
     const double renderMs = begun.renderMs + millisecondsSince(start);
     metrics_.frameRendered(begun.wish.order.view.style.method, renderMs / 1000,
                            frame->stats.samplesMissing == 0);
     metrics_.setDeviceMemory(frame->stats.deviceBytes);
-    const std::lock_guard lock(mutex_);
+    const Monitor::Lock lock(monitor_);
+    encoding_.emplace_back();  // may fail for want of memory; what follows does not
+    encoding_.back() = {std::move(begun.wish), std::move(*frame), std::move(begun.device), renderMs};
     begun_.reset();
-    encoding_.push_back({std::move(begun.wish), std::move(*frame), std::move(begun.device), renderMs});
-    encodeWork_.notify_one();
 }
 
 /// What was lost with its device is begun again with the painter that took over.
 Expected<Frame> Scheduler::finish(Begun& begun, const std::stop_token& token, bool& deferred) {
     while (true) {
-        auto frame = guarded([&] { return begun.frame->finish(); });
+        auto frame = contained("The renderer", [&] { return begun.frame->finish(); });
         begun.frame.reset();
         if (!isLost(frame)) return frame;
         if (begun.painter == painterNumber_) replacePainter(frame.error());
@@ -237,30 +262,23 @@ Expected<Frame> Scheduler::finish(Begun& begun, const std::stop_token& token, bo
 }
 
 /// The picture in `slot` ends without one: it waits for blocks, gave way to another, or failed.
-void Scheduler::endWithout(std::optional<Running>& slot, Wish wish, Error error, bool deferred) {
+void Scheduler::endWithout(std::optional<Running>& slot, Wish& wish, Error error, bool deferred) {
     Running how;
     {
-        const std::lock_guard lock(mutex_);
+        const Monitor::Lock lock(monitor_);
         how = *std::exchange(slot, std::nullopt);
-        if (deferred && !stopping_ && !how.stop.stop_requested()) {
-            toPrepare_.push_back(std::move(wish));
-            prepareWork_.notify_one();
-            deadlines_.notify_one();
-            return;
-        }
-        if (how.gaveWay && !how.orphaned && putBack(wish)) return;
+        if (waitsOn(how, wish, deferred)) return;
     }
     finishFailed(wish, std::move(error), how);
 }
 
-void Scheduler::finishFailed(Wish& wish, Error error, const Running& how) {
-    if (how.late) return finish(wish, tl::unexpected(tooLate()), DropReason::Deadline);
-    const bool wasCancelled = error.code == ErrorCode::Cancelled;
-    finish(wish, tl::unexpected(std::move(error)),
-           how.orphaned   ? DropReason::Gone
-           : wish.lacking ? DropReason::Lacking
-           : wasCancelled ? DropReason::Abandoned
-                          : DropReason::Failed);
+// Called with the lock held.
+bool Scheduler::waitsOn(const Running& how, Wish& wish, bool deferred) {
+    if (!deferred || stopping_ || how.stop.stop_requested())
+        return how.gaveWay && !how.orphaned && putBack(wish);
+    toPrepare_.emplace_back();  // may fail for want of memory; what follows does not
+    toPrepare_.back() = std::move(wish);
+    return true;
 }
 
 }  // namespace scancast

@@ -6,10 +6,15 @@
 // - Mailboxes take turns; all snapshots together are one more participant, first come first served.
 // - Stills give way: they wait until nobody else wishes for anything, and one that is being drawn is put back
 //   when a moving frame is wished for. After some patience a still takes turns like everybody, so it comes.
+// - A large picture that there is no memory for is refused before it is begun.
 // - The queue of snapshots is bounded, and each has a deadline that counts waiting and rendering.
 // - Pictures that must be complete and lack blocks wait for them on a thread of its own, one at a time, and
 //   take another turn when they are there: nobody else's picture waits for somebody's disk.
 // - When the device is lost, the painter that takes over draws what was asked of it: nobody sees an error.
+// - What a thread waits for is a condition of the state that they share (the functions named ...IsDue), and
+// the
+//   monitor wakes whoever can go on: no change has to remember whom to wake.
+// - An exception ends the picture that it is about, with its error; the threads go on.
 //
 // Owned by the server, which outlives every session. *Thread safety*: every public function may be called
 // from any thread; callbacks come from the scheduler's threads, or from inside the call, and must only post.
@@ -18,18 +23,20 @@
 
 #include <array>
 #include <chrono>
-#include <condition_variable>
 #include <cstdint>
 #include <deque>
+#include <functional>
+#include <list>
 #include <map>
-#include <mutex>
 #include <optional>
 #include <stop_token>
 #include <thread>
-#include <vector>
 
+#include "server/memory_room.hpp"
 #include "server/metrics.hpp"
 #include "server/scheduler/picture.hpp"
+#include "server/scheduler/picture_promise.hpp"
+#include "threads/monitor.hpp"
 
 namespace scancast {
 
@@ -37,6 +44,7 @@ struct SchedulerOptions {
     std::size_t maxSnapshots = 64;                      ///< waiting at most; one more is refused
     std::chrono::milliseconds snapshotDeadline{30000};  ///< from the request to the finished picture
     std::chrono::milliseconds stillPatience{2000};      ///< of an interruptible picture that gives way
+    std::function<MemoryRoom()> room = memoryRoom;      ///< asked before a large picture is begun
 };
 
 /// A device that was there and is gone.
@@ -99,7 +107,7 @@ class Scheduler {
   private:
     struct Wish {
         PictureOrder order;
-        PictureDone done;
+        PicturePromise promise;
         Clock::time_point deadline = Clock::time_point::max();
         MailboxId mailbox = 0;
         std::optional<PreparedPicture> prepared{};
@@ -132,56 +140,81 @@ class Scheduler {
         double renderMs = 0;
     };
 
+    enum class Fate : std::uint8_t { Waits, Overwrote, Refused };  ///< of a wish
+    /// In the order in which they came. Wishes go from one list to another without needing memory.
+    using Wishes = std::list<Wish>;
+
     static constexpr MailboxId snapshots = 0;                // the participant that stands for all snapshots
     static constexpr MailboxId preparedOne = ~MailboxId(0);  // the one that stands for what has been prepared
     static constexpr std::size_t maxEncoding = 2;
 
+    // What each thread waits for; with the lock held.
+    bool renderIsDue() const;
+    bool prepareIsDue() const { return stopping_ || (!toPrepare_.empty() && prepared_.empty()); }
+    bool encodeIsDue() const { return !encoding_.empty() || (stopping_ && !rendering_); }
+    Clock::time_point firstDeadline() const;
+
+    // A thread is one step after another until one returns false.
     void renderLoop();
+    bool renderStep(std::optional<Begun>& begun);
     void prepareLoop();
+    bool prepareStep();
     void encodeLoop();
+    bool encodeStep();
     void deadlineLoop();
+    bool deadlineStep();
+
     void openDevice();
     void replacePainter(const Error& lost);
     void usePainter(Expected<Painter> opened, std::optional<LostDevice> lost);
-    std::optional<Wish> takeNext();
+    Fate placeWish(Wish& wish, Wishes& abandoned);
+    std::optional<Wish> takeWaitingAfter(MailboxId& last);
+    void standInLine(MailboxId turn);
+    void takeNext(std::optional<Wish>& wish);
     MailboxId takeTurn();
     const Wish* waiting(MailboxId turn) const;
+    Wish wishOf(MailboxId mailbox, PictureOrder order, PictureDone done) const;
     static Running runningOf(const Wish& wish);
     void makeWay();
     bool putBack(Wish& wish);
     std::size_t movingWishes() const;
     void beginNext(std::optional<Begun>& begun);
     std::optional<Begun> beginOne(Wish wish);
+    std::optional<Begun> tryBegin(Wish& wish);
     void completeOne(Begun begun);
+    void complete(Begun& begun);
+    Expected<void> checkMemory(const View& view) const;
     Expected<std::unique_ptr<PendingFrame>> begin(Wish& wish, const std::stop_token& token, bool& deferred);
     Expected<Frame> finish(Begun& begun, const std::stop_token& token, bool& deferred);
-    void endWithout(std::optional<Running>& slot, Wish wish, Error error, bool deferred);
-    void prepareOne(Wish wish);
+    void endWithout(std::optional<Running>& slot, Wish& wish, Error error, bool deferred);
+    bool waitsOn(const Running& how, Wish& wish, bool deferred);
+    void prepareOne(Wishes& one);
+    Expected<Picture> encoded(Rendered& job);
+    std::optional<Wish> takeLate(Clock::time_point now);
     void finishFailed(Wish& wish, Error error, const Running& how);
-    std::vector<Wish> takePreparing(MailboxId mailbox, bool alsoMoving);
-    void finish(Wish& wish, Expected<Picture> result, std::optional<DropReason> dropped);
+    Wishes takePreparing(MailboxId mailbox, bool alsoMoving);
+    void endFaulty(std::optional<Running>& slot, Wish& wish, Error fault) noexcept;
+    void drop(Wish& wish, Error (*why)(), std::optional<DropReason> reason) noexcept;
+    void drop(Wishes wishes, DropReason reason) noexcept;
+    void finish(Wish& wish, Expected<Picture> result, std::optional<DropReason> dropped) noexcept;
     void stopRunning(MailboxId mailbox, bool alsoMoving);
     std::array<std::optional<Running>*, 3> allBusy() { return {&running_, &begun_, &preparing_}; }
+    std::array<const std::optional<Running>*, 3> allBusy() const { return {&running_, &begun_, &preparing_}; }
 
     const OpenPainter openPainter_;
     const SchedulerOptions options_;
     Metrics& metrics_;
 
-    mutable std::mutex mutex_;
-    std::condition_variable work_;            // turns_, encoding_ shrank, stopping_
-    std::condition_variable prepareWork_;     // toPrepare_ grew, prepared_ was taken, stopping_
-    std::condition_variable encodeWork_;      // encoding_ grew, stopping_
-    std::condition_variable deadlines_;       // snapshots_, running_, stopping_
-    mutable std::condition_variable opened_;  // device_
+    mutable Monitor monitor_;  // guards what follows, up to the render thread's own
     DeviceStatus device_;
     std::map<MailboxId, std::optional<Wish>> mailboxes_;
     MailboxId lastMailbox_ = 0;
-    std::deque<Wish> snapshots_;
+    Wishes snapshots_;
     std::deque<MailboxId> turns_;  // who has something waiting, in the order in which they are served
     // Being begun; begun before, and its pixels on their way; waiting for blocks.
     std::optional<Running> running_, begun_, preparing_;
-    std::deque<Wish> toPrepare_;    // at most one of each mailbox, and maxSnapshots
-    std::optional<Wish> prepared_;  // holds on to its samples, hence only one
+    Wishes toPrepare_;  // at most one still of each mailbox, and maxSnapshots
+    Wishes prepared_;   // holds on to its samples, hence only one
     PreparePicture prepare_;
     std::deque<Rendered> encoding_;
     bool rendering_ = true;  // the render thread may still add to encoding_

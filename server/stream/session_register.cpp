@@ -8,9 +8,12 @@
 #include <array>
 #include <cstdlib>
 #include <nlohmann/json.hpp>
+#include <stdexcept>
+#include <tuple>
 
 #include "protocol/nearest_name.hpp"
 #include "protocol/view_json.hpp"
+#include "server/faults.hpp"
 
 namespace scancast {
 namespace {
@@ -18,7 +21,7 @@ namespace {
 std::string newId() {
     std::array<unsigned char, 12> bytes{};
     if (RAND_bytes(bytes.data(), int(bytes.size())) != 1)
-        std::abort();  // a machine without randomness has no secrets
+        throw std::runtime_error("there is no randomness for a session's id");  // which would be no secret
     std::string id = "s";
     for (const unsigned char byte : bytes) id += fmt::format("{:02x}", byte);
     return id;
@@ -112,15 +115,19 @@ void SessionRegister::leave(const SessionSeat& seat) {
     Sessions followers;
     {
         const std::lock_guard lock(mutex_);
-        followers = followersLocked(seat.id_);
+        // Called by a destructor: without memory for the list nobody is told, but the entry goes.
+        std::ignore = contained("The register of sessions", [&] { followers = followersLocked(seat.id_); });
         entries_.erase(seat.id_);
     }
     wake(followers);
 }
 
 void SessionRegister::renameLocked(SessionSeat& seat, const std::string& id) {
+    std::string key = id, own = id, shown = id;  // may fail for want of memory; what follows does not
     auto node = entries_.extract(seat.id_);
-    node.key() = node.mapped().facts.id = seat.id_ = id;
+    node.key() = std::move(key);
+    node.mapped().facts.id = std::move(shown);
+    seat.id_ = std::move(own);
     entries_.insert(std::move(node));
 }
 

@@ -1,5 +1,6 @@
 // The programs as people run them: generate a scan, serve it, and ask for it with curl's means and with the
 // client.
+#include <sys/resource.h>
 #include <gmock/gmock.h>
 
 #include <functional>
@@ -177,6 +178,40 @@ TEST_F(ProgramTest, VersionBackendsAndHelp) {
     EXPECT_EQ(run({"scancast", "serve", "--help"}, &out), 0);
     EXPECT_THAT(out, HasSubstr("scancast serve town.las"));
     EXPECT_EQ(run({"scancast"}), 1);
+}
+
+// Large pictures where there is no memory for them: each is answered, with a picture or with what is missing,
+// and the server lives on.
+TEST_F(ProgramTest, AServerWithLittleMemoryRefusesWhatDoesNotFitAndLivesOn) {
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+    GTEST_SKIP()
+        << "sanitizers need more address space than this test leaves: it runs in the other builds only";
+#endif
+    generate("ball.las");
+    const auto server = serve({file("ball.las"), "--backend", "cpu", "--threads", "2", "--max-pixels",
+                               "268435456", "--memory-limit", "64M"},
+                              [] {
+                                  const rlimit limit{rlim_t(3) << 30, rlim_t(3) << 30};
+                                  setrlimit(RLIMIT_AS, &limit);
+                              });
+    const auto ask = [&](const std::string& name, int width, int height) {
+        return request(port, "/api/v1/clouds/ball/" + name + "?samples=1&width=" + std::to_string(width) +
+                                 "&height=" + std::to_string(height));
+    };
+    std::vector<std::thread> crowd;
+    for (const char* name : {"snapshot.png", "snapshot.jpg"})
+        for (const int side : {10000, 16384})
+            crowd.emplace_back([&, name, side] {
+                const HttpReply reply = ask(name, side, side);
+                EXPECT_TRUE(reply.status == 200 || reply.status == 413)
+                    << name << side << ": " << reply.status;
+                if (reply.status == 413) {
+                    EXPECT_THAT(reply.body, HasSubstr("memory"));
+                }
+            });
+    for (std::thread& one : crowd) one.join();
+    EXPECT_THAT(ask("snapshot.png", 16384, 16384).body, HasSubstr("RLIMIT_AS")) << "the limit is named";
+    EXPECT_EQ(ask("snapshot.jpg", 64, 48).status, 200) << server->err();
 }
 
 }  // namespace

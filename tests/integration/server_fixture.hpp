@@ -100,7 +100,7 @@ class ServerTest : public ::testing::Test {
         const auto end = std::chrono::steady_clock::now() + netPatience;
         while (!condition()) {
             if (std::chrono::steady_clock::now() > end) return false;
-            std::this_thread::sleep_for(std::chrono::milliseconds(5));
+            std::this_thread::sleep_for(std::chrono::milliseconds(1));
         }
         return true;
     }

@@ -7,6 +7,7 @@
 #include <mutex>
 
 #include "renderer/residency/provide.hpp"
+#include "tests/support/failing_allocation.hpp"
 #include "tests/support/fake_cloud_file.hpp"
 
 namespace scancast {
@@ -310,6 +311,67 @@ TEST(BlockCache, CapacityDependsOnLimitAndCloudAlone) {
     const auto more = cache->reserve(1000000);
     EXPECT_EQ(store->capacity(), before);
     EXPECT_GE(cache->stats().bytes, 1000000u);
+}
+
+// Whatever the one loader thread is doing - nothing, or reading a wish of somebody's - when two ask for
+// something: a wish, a block of their own, or the very block that is being read. Everybody gets it.
+TEST(BlockCache, EveryPairIsServedWhateverTheLoaderIsDoing) {
+    constexpr std::uint32_t read = 30, own = 40;
+    const auto ask = [](SampleStore& store, int kind, std::uint32_t who) {
+        if (kind == 0) {
+            store.request(who, {{own + who, 1}});
+            return soon([&] { return store.find(own + who).has_value(); });
+        }
+        return store.load(kind == 1 ? own + who : read).has_value();
+    };
+    for (const bool reading : {false, true}) {
+        for (int pair = 0; pair < 9; ++pair) {
+            const auto scan = file();
+            const auto cache = BlockCache::create(roomFor(1000, *scan, 1));
+            const auto store = cache->add(scan);
+            ASSERT_TRUE(soon([&] { return cache->stats().wishes == 0 && store->find(0); }));
+            if (reading) {
+                scan->setOpen(false);
+                const auto before = scan->reads().size();
+                store->request(7, {{read, 1}});
+                ASSERT_TRUE(scan->waitReads(before + 1, true));
+            }
+            std::atomic<bool> a{false}, b{false};
+            std::thread first([&] { a = ask(*store, pair / 3, 1); });
+            std::thread second([&] { b = ask(*store, pair % 3, 2); });
+            scan->setOpen(true);
+            first.join();
+            second.join();
+            EXPECT_TRUE(a && b) << "pair " << pair << (reading ? " while it reads" : "");
+        }
+    }
+}
+
+// Of all the allocations that loading causes, each in turn fails: whoever waits gets an answer, and the cache
+// goes on.
+TEST(BlockCache, EveryAllocationMayFail) {
+    const auto scan = file();
+    const std::vector<std::uint32_t> nodes{20, 21, 22};
+    bool happened = true;
+    std::uint64_t nth = 0;
+    while (happened) {
+        BlockCacheOptions options = roomFor(1000, *scan, 1);
+        options.onDamaged = [](const std::filesystem::path&, const Error& error) {
+            throw std::runtime_error("who would listen to this: " + error.message);
+        };
+        const auto cache = BlockCache::create(options);
+        const auto store = cache->add(scan);
+        {
+            const test::FailingAllocation fails(++nth);
+            store->request(1, {{10, 1}, {11, 2}});
+            for (const auto& run : store->loadAll(nodes))
+                EXPECT_TRUE(run || run.error().code == ErrorCode::ResourceLimit) << nth;
+            ASSERT_TRUE(soon([&] { return cache->stats().wishes == 0; })) << nth;
+            happened = fails.happened();
+        }
+        ASSERT_TRUE(store->load(23)) << nth;
+    }
+    EXPECT_GT(nth, 5U);
 }
 
 }  // namespace

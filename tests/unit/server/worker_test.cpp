@@ -34,6 +34,40 @@ TEST(Worker, KeepsOnlySoManyWaiting) {
     go.set_value();
 }
 
+TEST(Worker, ATaskThatThrowsEndsAlone) {
+    std::promise<void> next;
+    Worker worker(10);
+    EXPECT_TRUE(worker.post([](const std::stop_token&) { throw std::bad_alloc(); }));
+    EXPECT_TRUE(worker.post([&](const std::stop_token&) { next.set_value(); }));
+    next.get_future().wait();
+}
+
+// It waits, or works on something, when the next thing comes: posted twice, then posted and stopped.
+TEST(Worker, TakesWhatComesWhateverItIsDoing) {
+    for (const bool busy : {false, true}) {
+        for (const bool last : {false, true}) {
+            std::promise<void> begun, go, done;
+            std::atomic<bool> ranLast{false};
+            Worker worker(10);
+            if (busy) {
+                EXPECT_TRUE(worker.post([&](const std::stop_token&) {
+                    begun.set_value();
+                    go.get_future().wait();
+                }));
+                begun.get_future().wait();
+            }
+            EXPECT_TRUE(worker.post([&](const std::stop_token&) { done.set_value(); }));
+            if (last) {
+                EXPECT_TRUE(worker.post([&](const std::stop_token&) { ranLast = true; }));
+            }
+            go.set_value();
+            done.get_future().wait();
+            worker.stop();
+            EXPECT_TRUE(last || !ranLast);
+        }
+    }
+}
+
 TEST(Worker, StoppingEndsWhatRunsAndForgetsTheRest) {
     std::promise<void> begun;
     std::atomic<bool> second{false};

@@ -77,7 +77,8 @@ class Cache final : public BlockCache, public std::enable_shared_from_this<Cache
     bool anyDemandHasWork() const;
     void work(Demand& demand, Lock& lock);
     void look(CachedCloud& cloud, std::uint32_t node, Lock& lock);
-    void load(std::shared_ptr<CachedCloud> cloud, std::uint32_t node, std::shared_ptr<Block> room, Lock& lock);
+    void load(std::shared_ptr<CachedCloud> cloud, std::uint32_t node, std::shared_ptr<Block> room,
+              Lock& lock);
     Loaded read(const CachedCloud& cloud, std::uint32_t node, std::shared_ptr<Block> room) const;
     void answer(const CachedCloud& cloud, std::uint32_t node, const Loaded& result);
 
@@ -289,7 +290,8 @@ void Cache::serveWish(Lock& lock) {
 }
 
 // Reads without the lock; the slot is Loading meanwhile, and whatever happens, it is not afterwards.
-void Cache::load(std::shared_ptr<CachedCloud> cloud, std::uint32_t node, std::shared_ptr<Block> room, Lock& lock) {
+void Cache::load(std::shared_ptr<CachedCloud> cloud, std::uint32_t node, std::shared_ptr<Block> room,
+                 Lock& lock) {
     lock.unlock();
     Loaded result = guarded("Reading a block", [&] { return read(*cloud, node, std::move(room)); });
     room.reset();

@@ -200,7 +200,7 @@ Json mirrorsJson(const CloudFacts& f) {
     return mirrors;
 }
 
-Json constantJson(const ConstantValues& constant) {
+Json infoOfConstants(const ConstantValues& constant) {
     return {{"color", constant.color ? Json(*constant.color) : Json()},
             {"intensity", constant.intensity ? Json(*constant.intensity) : Json()}};
 }
@@ -273,7 +273,7 @@ Json infoJson(const FileInfo& info) {
                           {"intensity", f.attributes.intensity},
                           {"classification", f.attributes.classification},
                           {"normal", f.attributes.normal}};
-    json["constant"] = constantJson(f.constant);
+    json["constant"] = infoOfConstants(f.constant);
     json["notes"] = f.notes;
     json["intensityRange"] = f.attributes.intensity && counted ? Json(f.intensityRange) : Json();
     json["classes"] = f.attributes.classification && counted ? classesJson(f) : Json();

@@ -32,7 +32,7 @@ struct IngestArguments {
 
 /// Large blocks go back to the system when they are freed, or the limit would be kept in name only; small
 /// ones are used again, for getting pages anew costs more than what is done in them.
-void returnFreedMemory() {
+void returnMemoryOfChunks() {
     ::mallopt(M_ARENA_MAX, 4);
     ::mallopt(M_MMAP_THRESHOLD, 4 << 20);
     ::mallopt(M_TRIM_THRESHOLD, 64 << 20);
@@ -141,7 +141,7 @@ void tellNeeds(const std::vector<std::unique_ptr<PointSource>>& sources, const I
 }
 
 Expected<void> runIngest(const IngestArguments& arguments) {
-    returnFreedMemory();
+    returnMemoryOfChunks();
     auto options = ingestOptions(arguments);
     if (!options) return tl::unexpected(options.error());
     const Interruption interruption;

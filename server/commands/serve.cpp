@@ -133,7 +133,7 @@ void leave(Server& server, Loader& loader, BlockCache& cache, ShutdownSignals& s
 }
 
 /// What blocks leave behind goes back to the system, or the limit would be kept in name only.
-void returnFreedMemory() {
+void returnMemoryOfBlocks() {
     ::mallopt(M_ARENA_MAX, 4);
     ::mallopt(M_MMAP_THRESHOLD, 64 << 10);
     ::mallopt(M_TRIM_THRESHOLD, 1 << 20);
@@ -155,7 +155,7 @@ int serve(ServeOptions options) {
     auto tokens = accessTokens(options);
     if (!tokens) return failure(tokens.error());
     options.server.tokens = std::move(*tokens);
-    returnFreedMemory();
+    returnMemoryOfBlocks();
     options.server.cache = blockCache(*memoryLimit(options));
     options.device.programFolder = programFolder(options.cacheDir);
     options.device.gpuMemoryLimit = *parseGpuMemoryLimit(options.gpuMemoryLimit);

@@ -1,6 +1,7 @@
 // What the outside does to the programs: signals, readers that go away, no room for a file, and names of
 // files that lead to something else.
 #include <gmock/gmock.h>
+#include <sys/resource.h>
 #include <sys/stat.h>
 
 #include <algorithm>

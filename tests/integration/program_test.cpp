@@ -1,7 +1,7 @@
 // The programs as people run them: generate a scan, serve it, and ask for it with curl's means and with the
 // client.
-#include <sys/resource.h>
 #include <gmock/gmock.h>
+#include <sys/resource.h>
 
 #include <functional>
 #include <nlohmann/json.hpp>

@@ -8,6 +8,7 @@
 #include <condition_variable>
 #include <memory>
 #include <mutex>
+#include <thread>
 #include <vector>
 
 #include "server/scheduler/picture.hpp"
@@ -230,6 +231,17 @@ inline std::shared_ptr<const Cloud> tinyCloud(std::uint64_t points = 1) {
     root.points = points;
     cloud->octree = Octree({root}, {Sample{}});
     return cloud;
+}
+
+/// Whether that comes true in time: a hang fails, not blocks.
+template <class Condition>
+bool soon(Condition condition) {
+    const auto end = std::chrono::steady_clock::now() + FakePainter::patience;
+    while (!condition()) {
+        if (std::chrono::steady_clock::now() > end) return false;
+        std::this_thread::yield();
+    }
+    return true;
 }
 
 }  // namespace scancast::test

@@ -13,6 +13,7 @@ namespace {
 
 using test::FailingAllocation;
 using test::FakePainter;
+using test::soon;
 
 /// Throws where it is told to, once.
 struct ThrowingPainter {
@@ -65,17 +66,6 @@ struct ThrowingPainter {
         };
     }
 };
-
-/// A hang fails, not blocks.
-template <class Condition>
-bool soon(Condition condition) {
-    const auto end = std::chrono::steady_clock::now() + FakePainter::patience;
-    while (!condition()) {
-        if (std::chrono::steady_clock::now() > end) return false;
-        std::this_thread::yield();
-    }
-    return true;
-}
 
 class SchedulerHasFaults : public test::SchedulerTest {
   protected:

@@ -13,6 +13,7 @@ namespace {
 
 using test::FakePainter;
 using test::Gate;
+using test::soon;
 
 constexpr int cold = 9;  // the height of pictures whose blocks are not in memory
 
@@ -40,17 +41,6 @@ class GatedPainter {
         };
     }
 };
-
-/// A hang fails, not blocks.
-template <class Condition>
-bool soon(Condition condition) {
-    const auto end = std::chrono::steady_clock::now() + FakePainter::patience;
-    while (!condition()) {
-        if (std::chrono::steady_clock::now() > end) return false;
-        std::this_thread::yield();
-    }
-    return true;
-}
 
 class SchedulerIsLive : public test::SchedulerTest {
   protected:

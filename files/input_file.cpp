@@ -90,6 +90,12 @@ Expected<std::string> InputFile::text(std::size_t most) const {
     }
 }
 
+Expected<std::string> readTextFile(const std::filesystem::path& path, std::size_t most) {
+    const auto file = InputFile::open(path);
+    if (!file) return tl::unexpected(file.error());
+    return file->text(most);
+}
+
 Expected<std::size_t> readFullyAt(int fd, std::uint64_t offset, std::span<std::byte> into,
                                   const std::filesystem::path& name) {
     constexpr std::size_t largestTransfer = std::size_t(1) << 30;  // the kernel's is 2 GiB

@@ -58,6 +58,9 @@ class InputFile {
     mode_t permissions_ = 0;
 };
 
+/// All of a file, opened as above. Errors: InputFile::open()'s and InputFile::text()'s.
+Expected<std::string> readTextFile(const std::filesystem::path& path, std::size_t most);
+
 /// How everything from outside is opened: named pipes without a writer and devices do not wait, no terminal
 /// becomes this process's own.
 extern const int inputFlags;

@@ -68,8 +68,7 @@ Expected<std::shared_ptr<ssl::context>> clientContext(const Credentials& credent
     if (!error && !credentials.authority.empty()) {
         // Those of a whole system have less than one MiB.
         constexpr std::size_t longest = std::size_t(16) << 20;
-        const auto file = InputFile::open(credentials.authority);
-        const auto text = file ? file->text(longest) : tl::unexpected(file.error());
+        const auto text = readTextFile(credentials.authority, longest);
         if (!text) return tl::unexpected(text.error());
         context->add_certificate_authority(boost::asio::buffer(*text), error);
     }

@@ -67,12 +67,6 @@ Expected<void> set(CLI::Option& option, const json& value) {
     return {};
 }
 
-Expected<std::string> contentOf(const std::filesystem::path& path) {
-    const auto file = InputFile::open(path);
-    if (!file) return tl::unexpected(file.error());
-    return file->text(longestFile);
-}
-
 Expected<json> parseConfig(const std::string& text) {
     auto config = parseJson(text);
     if (config && !config->is_object())
@@ -92,7 +86,7 @@ Expected<void> applyConfigFile(CLI::App& app, const std::filesystem::path& file)
         const std::string at = key.empty() ? "" : key + ": ";
         return fail(error.code, "--config " + file.string() + ": " + at + error.message, key);
     };
-    const auto text = contentOf(file);
+    const auto text = readTextFile(file, longestFile);
     if (!text) return fail(text.error().code, "--config " + text.error().message);
     const auto config = parseConfig(*text);
     if (!config) return refuse(config.error(), "");

@@ -30,20 +30,13 @@ namespace beast = boost::beast;
 namespace http = boost::beast::http;
 using boost::system::error_code;
 
-std::string lowerCase(beast::string_view text) {
-    std::string result(text);
-    for (char& c : result) {
-        if (c >= 'A' && c <= 'Z') c = char(c - 'A' + 'a');
-    }
-    return result;
-}
-
 HttpRequest plain(const http::request_header<>& request) {
     HttpRequest result;
     result.method = std::string(request.method_string());
     result.target = std::string(request.target());
     for (const auto& field : request) {
-        result.headers.emplace_back(lowerCase(field.name_string()), std::string(field.value()));
+        result.headers.emplace_back(lowerCase({field.name_string().data(), field.name_string().size()}),
+                                    std::string(field.value()));
     }
     return result;
 }

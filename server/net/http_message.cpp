@@ -7,15 +7,12 @@
 
 namespace scancast {
 
-namespace {
-
-std::string lowerCase(std::string text) {
-    for (char& c : text)
+std::string lowerCase(std::string_view text) {
+    std::string result(text);
+    for (char& c : result)
         if (c >= 'A' && c <= 'Z') c = char(c - 'A' + 'a');
-    return text;
+    return result;
 }
-
-}  // namespace
 
 std::string HttpRequest::header(std::string_view name) const {
     std::string joined;

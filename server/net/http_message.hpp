@@ -26,6 +26,9 @@ struct HttpRequest {
     std::size_t count(std::string_view name) const;
 };
 
+/// ASCII letters alone, as HTTP compares names.
+std::string lowerCase(std::string_view text);
+
 /// Why nobody can tell where the body of this request ends, as a sentence; empty when one can (RFC
 /// 9112, 6.3). A sender and a proxy between that understood such a request differently would let one request
 /// hide in another.

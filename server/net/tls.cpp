@@ -35,14 +35,8 @@ std::string dateOf(const ASN1_TIME* time) {
     return text;
 }
 
-Expected<std::string> contentOf(const std::filesystem::path& path) {
-    const auto file = InputFile::open(path);
-    if (!file) return tl::unexpected(file.error());
-    return file->text(longestPem);
-}
-
 Expected<void> loadCertificate(ssl::context& context, const std::filesystem::path& file) {
-    const auto chain = contentOf(file);
+    const auto chain = readTextFile(file, longestPem);
     if (!chain) return fail(chain.error().code, "--tls-cert " + chain.error().message, "tls-cert");
     error_code ec;
     context.use_certificate_chain(boost::asio::buffer(*chain), ec);

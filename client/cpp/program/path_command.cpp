@@ -17,18 +17,13 @@ struct PathFlags {
     std::string file;
 };
 
-Expected<std::string> readText(const std::string& path) {
-    constexpr std::size_t longest = std::size_t(64) << 20;
-    const auto file = InputFile::open(path);
-    if (!file) return tl::unexpected(file.error());
-    return file->text(longest);
-}
+constexpr std::size_t longestFile = std::size_t(64) << 20;
 
 /// The file's path, with flags having the last word.
 Expected<CameraPath> readPath(const PathFlags& flags, const View& base) {
     const auto words = flags.view.words();
     if (!words) return tl::unexpected(words.error());
-    const auto text = readText(flags.file);
+    const auto text = readTextFile(flags.file, longestFile);
     if (!text) return tl::unexpected(text.error());
     auto path = parseCameraPath(*text, base);
     if (!path) {

@@ -66,12 +66,6 @@ std::uint64_t checksumOf(std::span<const std::byte> bytes) {
     return XXH3_64bits(bytes.data(), bytes.size());
 }
 
-Expected<std::string> contentOf(const fs::path& path) {
-    const auto file = InputFile::open(path);
-    if (!file) return tl::unexpected(file.error());
-    return file->text(largestFile);
-}
-
 }  // namespace
 
 ProgramKey ProgramKey::of(std::string_view source, std::string driver) {
@@ -129,7 +123,7 @@ fs::path ProgramFiles::pathOf(const ProgramKey& key) const {
 
 std::optional<ProgramBinary> ProgramFiles::read(const ProgramKey& key) const {
     const fs::path path = pathOf(key);
-    const auto bytes = contentOf(path);
+    const auto bytes = readTextFile(path, largestFile);
     if (!bytes && bytes.error().code == ErrorCode::NotFound) return std::nullopt;
     auto binary =
         bytes ? parseProgramFile(std::as_bytes(std::span(*bytes)), key) : tl::unexpected(bytes.error());

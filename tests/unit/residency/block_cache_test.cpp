@@ -316,8 +316,9 @@ TEST(BlockCache, CapacityDependsOnLimitAndCloudAlone) {
 // Whatever the one loader thread is doing - nothing, or reading a wish of somebody's - when two ask for
 // something: a wish, a block of their own, or the very block that is being read. Everybody gets it.
 TEST(BlockCache, EveryPairIsServedWhateverTheLoaderIsDoing) {
-    constexpr std::uint32_t read = 30, own = 40;
-    const auto ask = [](SampleStore& store, int kind, std::uint32_t who) {
+    const auto last = std::uint32_t(file()->nodes().size() - 1);  // far from those that stay in memory
+    const std::uint32_t read = last, own = last - 10;
+    const auto ask = [&](SampleStore& store, int kind, std::uint32_t who) {
         if (kind == 0) {
             store.request(who, {{own + who, 1}});
             return soon([&] { return store.find(own + who).has_value(); });
@@ -351,7 +352,8 @@ TEST(BlockCache, EveryPairIsServedWhateverTheLoaderIsDoing) {
 // goes on.
 TEST(BlockCache, EveryAllocationMayFail) {
     const auto scan = file();
-    const std::vector<std::uint32_t> nodes{20, 21, 22};
+    const auto last = std::uint32_t(scan->nodes().size() - 1);  // far from those that stay in memory
+    const std::vector<std::uint32_t> nodes{last - 1, last - 2, last - 3};
     bool happened = true;
     std::uint64_t nth = 0;
     while (happened) {
@@ -363,13 +365,13 @@ TEST(BlockCache, EveryAllocationMayFail) {
         const auto store = cache->add(scan);
         {
             const test::FailingAllocation fails(++nth);
-            store->request(1, {{10, 1}, {11, 2}});
+            store->request(1, {{last - 4, 1}, {last - 5, 2}});
             for (const auto& run : store->loadAll(nodes))
                 EXPECT_TRUE(run || run.error().code == ErrorCode::ResourceLimit) << nth;
             ASSERT_TRUE(soon([&] { return cache->stats().wishes == 0; })) << nth;
             happened = fails.happened();
         }
-        ASSERT_TRUE(store->load(23)) << nth;
+        ASSERT_TRUE(store->load(last)) << nth;
     }
     EXPECT_GT(nth, 5U);
 }

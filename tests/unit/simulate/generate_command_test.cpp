@@ -5,6 +5,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "files/program_start.hpp"
 #include "server/commands/command.hpp"
 #include "tests/support/temporary_folder.hpp"
 #include "tests/unit/simulate/scan_file_checker.hpp"
@@ -136,6 +137,7 @@ TEST(Generate, WritesToStandardOutput) {
 }
 
 TEST(Generate, ReportsAClosedPipe) {
+    startProgram();  // as main() does: the write fails, no signal comes
     int ends[2];
     ASSERT_EQ(pipe(ends), 0);
     close(ends[0]);

@@ -59,7 +59,7 @@ TEST(ProgramStart, NoFileGetsTheNumberOfAStandardStream) {
     EXPECT_EQ(statusOf([] {
                   for (int fd = 0; fd < 3; ++fd) ::close(fd);
                   startProgram();
-                  return ::open("/dev/null", O_RDONLY) == 3 ? 0 : 1;
+                  return ::open("/dev/null", O_RDONLY) > 2 ? 0 : 1;
               }),
               0);
 }

@@ -16,6 +16,7 @@
 #include "server/faults.hpp"
 #include "server/loader.hpp"
 #include "server/log.hpp"
+#include "server/memory_reserve.hpp"
 #include "server/server.hpp"
 
 namespace scancast {
@@ -144,6 +145,7 @@ int serve(ServeOptions options) {
     if (!tokens) return failure(tokens.error());
     options.server.tokens = std::move(*tokens);
     returnFreedMemory();
+    keepMemoryReserve();
     options.server.cache = blockCache(*memoryLimit(options));
     options.device.programFolder = programFolder(options.cacheDir);
     options.device.gpuMemoryLimit = *parseGpuMemoryLimit(options.gpuMemoryLimit);

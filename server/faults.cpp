@@ -4,6 +4,8 @@
 
 #include <cstdio>
 
+#include "server/memory_reserve.hpp"
+
 namespace scancast {
 namespace {
 
@@ -31,6 +33,7 @@ void FaultLog::report(const Error& fault) noexcept {
 }
 
 void reportFault(const Error& fault) noexcept {
+    refillMemoryReserve();
     static FaultLog log([](const std::string& line) { spdlog::error("{}", line); });
     log.report(fault);
 }

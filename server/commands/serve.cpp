@@ -17,6 +17,7 @@
 #include "server/faults.hpp"
 #include "server/loader.hpp"
 #include "server/log.hpp"
+#include "server/memory_reserve.hpp"
 #include "server/server.hpp"
 
 namespace scancast {
@@ -156,6 +157,7 @@ int serve(ServeOptions options) {
     if (!tokens) return failure(tokens.error());
     options.server.tokens = std::move(*tokens);
     returnMemoryOfBlocks();
+    keepMemoryReserve();
     options.server.cache = blockCache(*memoryLimit(options));
     options.device.programFolder = programFolder(options.cacheDir);
     options.device.gpuMemoryLimit = *parseGpuMemoryLimit(options.gpuMemoryLimit);

@@ -23,9 +23,13 @@ void* allocate(std::size_t size, std::size_t alignment) {
 }
 
 void* allocateOrThrow(std::size_t size, std::size_t alignment = 1) {
-    void* const memory = allocate(size, alignment);
-    if (memory == nullptr) throw std::bad_alloc();
-    return memory;
+    while (true) {
+        void* const memory = allocate(size, alignment);
+        if (memory != nullptr) return memory;
+        const std::new_handler handler = std::get_new_handler();
+        if (handler == nullptr) throw std::bad_alloc();
+        handler();  // what it gave free is enough, the second time
+    }
 }
 
 }  // namespace

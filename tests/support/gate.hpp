@@ -11,21 +11,23 @@ class Gate {
   public:
     void close() { set(false); }
     void open() { set(true); }
-    /// Waits while it is closed.
+    /// Waits while it is closed; not for ever, so that a test that fails ends.
     void pass() {
         std::unique_lock lock(mutex_);
         ++waiting_;
         changed_.notify_all();
-        changed_.wait(lock, [this] { return open_; });
+        changed_.wait_for(lock, patience, [this] { return open_; });
         --waiting_;
     }
     /// Waits until somebody stands before it; false = it took too long.
     bool waitForSomebody() {
         std::unique_lock lock(mutex_);
-        return changed_.wait_for(lock, std::chrono::seconds(20), [this] { return waiting_ > 0 && !open_; });
+        return changed_.wait_for(lock, patience, [this] { return waiting_ > 0 && !open_; });
     }
 
   private:
+    static constexpr std::chrono::seconds patience{20};
+
     void set(bool open) {
         const std::lock_guard lock(mutex_);
         open_ = open;

@@ -4,6 +4,7 @@
 #include <array>
 #include <atomic>
 
+#include "server/memory_reserve.hpp"
 #include "tests/support/failing_allocation.hpp"
 #include "tests/support/gate.hpp"
 #include "tests/unit/server/scheduler_fixture.hpp"
@@ -222,6 +223,22 @@ TEST(Faults, SayWhatWasThrown) {
     EXPECT_EQ(
         guarded("The lens", []() -> Expected<int> { return fail(ErrorCode::Io, "dusty"); }).error().code,
         ErrorCode::Io);
+}
+
+TEST(MemoryReserve, HelpsOnceUntilTheFailureIsDealtWith) {
+    keepMemoryReserve();
+    const auto canAllocate = [] {
+        bool could = false;
+        const FailingAllocation fails(1);  // of other threads than this one
+        std::thread other([&] { could = guarded("", [] { return std::make_unique<int>(7); }).has_value(); });
+        other.join();
+        return could;
+    };
+    EXPECT_TRUE(canAllocate());
+    EXPECT_FALSE(canAllocate());
+    refillMemoryReserve();
+    EXPECT_TRUE(canAllocate());
+    std::set_new_handler(nullptr);
 }
 
 TEST(MemoryRoom, IsWhatTheTightestLimitLeaves) {

@@ -2,18 +2,12 @@
 #include <algorithm>
 #include <utility>
 
+#include "renderer/clock.hpp"
 #include "server/faults.hpp"
 #include "server/scheduler/outcome.hpp"
 #include "server/scheduler/scheduler.hpp"
 
 namespace scancast {
-namespace {
-
-double millisecondsSince(Scheduler::Clock::time_point start) {
-    return std::chrono::duration<double, std::milli>(Scheduler::Clock::now() - start).count();
-}
-
-}  // namespace
 
 // ---- prepare thread
 

@@ -47,7 +47,7 @@ install_all() {
 # What a run skipped, and why: GoogleTest says it of each test, and CTest only of suites of which nothing ran.
 skipped() {
     local log=$root/build/$1/Testing/Temporary/LastTest.log
-    grep -h -A1 -E '^(.*: Skipped|SKIPPED)' "$log" | grep -vE '^--$' | sort | uniq -c | sort -rn | head -40 >&2 || true
+    grep -a -h -A1 -E '^(.*: Skipped|SKIPPED)' "$log" | grep -vE '^--$' | sort | uniq -c | sort -rn | head -40 >&2 || true
 }
 
 # part NAME COMMAND…: runs it, and remembers how long it took, on the clock and in processor time.

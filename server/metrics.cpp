@@ -81,6 +81,11 @@ struct Metrics::Families {
                                     .Help("Scan points held in memory")
                                     .Register(registry)
                                     .Add({});
+    prometheus::Gauge& awaited = prometheus::BuildGauge()
+                                     .Name("scancast_pictures_awaited")
+                                     .Help("Requests that wait for a snapshot or a pick")
+                                     .Register(registry)
+                                     .Add({});
     prometheus::Counter& incomplete = prometheus::BuildCounter()
                                           .Name("scancast_frames_incomplete_total")
                                           .Help("Frames rendered with ancestors for blocks not in memory")
@@ -190,6 +195,10 @@ void Metrics::sessionClosed() {
 }
 void Metrics::setPointsResident(std::uint64_t points) {
     families_->points.Set(double(points));
+}
+
+void Metrics::setPicturesAwaited(std::size_t requests) {
+    families_->awaited.Set(double(requests));
 }
 
 void Metrics::setDeviceMemory(std::uint64_t bytes) {

@@ -42,6 +42,8 @@ class Metrics {
     void sessionOpened();
     void sessionClosed();
     void setPointsResident(std::uint64_t points);
+    /// Requests that wait for a picture now; those that share one count each.
+    void setPicturesAwaited(std::size_t requests);
     /// Of the memory of the device that draws, for samples.
     void setDeviceMemory(std::uint64_t bytes);
     /// Of everything that counts against the memory limit, now and since the start.

@@ -221,6 +221,7 @@ void Api::sessionView(const HttpRequest& request, const Routed& routed, Respond 
 
 HttpResponse Api::metricsText() const {
     metrics_.setPointsResident(catalog_.pointsResident());
+    metrics_.setPicturesAwaited(pictures_.waiting());
     if (options_.cache) metrics_.setResidency(options_.cache->stats());
     HttpResponse response = textResponse(200, metrics_.text());
     response.headers.front().second = "text/plain; version=0.0.4; charset=utf-8";

@@ -30,6 +30,17 @@ std::vector<PictureDone> SharedPictures::Waiting::take(const std::string& tag) {
     return all;
 }
 
+std::size_t SharedPictures::Waiting::size() const {
+    const std::lock_guard lock(mutex);
+    std::size_t all = 0;
+    for (const auto& [tag, those] : byTag) all += those.size();
+    return all;
+}
+
+std::size_t SharedPictures::waiting() const {
+    return waiting_->size();
+}
+
 Expected<void> SharedPictures::order(const std::string& tag, PictureOrder order, PictureDone done) const {
     if (!waiting_->add(tag, std::move(done))) return {};
     auto queued = contained("The queue of pictures", [&] {

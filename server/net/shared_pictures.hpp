@@ -4,6 +4,7 @@
 // Owned by the API. *Thread safety*: any thread. Pipeline: api → **shared pictures** → scheduler.
 #pragma once
 
+#include <cstddef>
 #include <map>
 #include <memory>
 #include <mutex>
@@ -22,14 +23,17 @@ class SharedPictures {
     /// As Scheduler::snapshot(). `tag` is the picture's ETag: equal exactly when the bytes are. Who comes
     /// later shares the deadline of the first.
     Expected<void> order(const std::string& tag, PictureOrder order, PictureDone done) const;
+    /// Who waits for a picture now.
+    std::size_t waiting() const;
 
   private:
     struct Waiting {
         /// Whether this is the first, who has to order the picture.
         bool add(const std::string& tag, PictureDone done);
         std::vector<PictureDone> take(const std::string& tag);
+        std::size_t size() const;
 
-        std::mutex mutex;
+        mutable std::mutex mutex;
         std::map<std::string, std::vector<PictureDone>> byTag;
     };
 

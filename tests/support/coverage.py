@@ -16,7 +16,7 @@ import pathlib
 import subprocess
 import sys
 
-ROOMS = ("protocol", "files", "renderer", "transport", "server", "importers", "client")
+ROOMS = ("protocol", "files", "threads", "renderer", "transport", "server", "importers", "client")
 
 
 def lines_of(note: pathlib.Path, root: pathlib.Path):

@@ -16,6 +16,7 @@ TEST(Metrics, NamesAndUnitsOfTheProtocol) {
     metrics.frameDropped(DropReason::Overwritten);
     metrics.sessionOpened();
     metrics.setPointsResident(1234);
+    metrics.setPicturesAwaited(3);
     metrics.httpRequest("/api/v1/clouds/{id}", 404);
     const std::string text = metrics.text();
     for (const char* line : {
@@ -28,6 +29,7 @@ TEST(Metrics, NamesAndUnitsOfTheProtocol) {
              "scancast_view_to_frame_seconds_count 1",
              "scancast_sessions 1",
              "scancast_points_resident 1234",
+             "scancast_pictures_awaited 3",
              "scancast_http_requests_total{code=\"404\",route=\"/api/v1/clouds/{id}\"} 1",
              "scancast_build_info{version=\"9.8.7\"} 1",
              "# TYPE scancast_frames_sent_total counter",

@@ -35,8 +35,10 @@ TEST_F(SharedPicturesTest, EqualOnesAreDrawnOnceWhileTheyAreUnderWay) {
     const SharedPictures pictures(*scheduler);
     for (int i = 0; i < 20; ++i) EXPECT_TRUE(pictures.order("a", order(), count()));
     EXPECT_TRUE(pictures.order("b", order(), count()));
+    EXPECT_EQ(pictures.waiting(), 21U);
     painter.openGate();
     EXPECT_TRUE(reached(good, 21));
+    EXPECT_EQ(pictures.waiting(), 0U);
     EXPECT_EQ(painter.begun().size(), 2U);
     EXPECT_TRUE(pictures.order("a", order(), count()));
     EXPECT_TRUE(reached(good, 22));

@@ -162,7 +162,8 @@ void Loader::settleFailed(const Job& job, Error error) {
     if (error.message.find(file.filename().string()) == std::string::npos) {
         error.message = file.string() + ": " + error.message;
     }
-    if (options_.onFailed && error.code != ErrorCode::Cancelled) options_.onFailed(error);
+    if (options_.onFailed && error.code != ErrorCode::Cancelled)
+        std::ignore = contained("Telling of a failure", [&] { options_.onFailed(error); });
 }
 
 Loader::Result Loader::cloudOf(const ScanInput& input, const std::string& id) {

@@ -16,7 +16,7 @@ namespace {
 
 using Bytes = std::vector<std::uint8_t>;
 
-constexpr std::size_t seedBytes = 64 * 1024;  // longer seeds are cut: mutations matter at the front, where lengths are
+constexpr std::size_t seedBytes = 16 * 1024;  // longer seeds are cut: mutations matter at the front, where lengths are
 constexpr int mutationsPerSeed = 400;
 
 void collect(const std::filesystem::path& path, std::vector<Bytes>& seeds) {

@@ -5,6 +5,7 @@
 #include <set>
 
 #include "tests/integration/program_fixture.hpp"
+#include "tests/support/sized.hpp"
 #include "tests/support/test_data.hpp"
 
 namespace scancast::test {
@@ -73,7 +74,7 @@ TEST_F(IngestProgram, AFileThatIsThereIsReplacedOnRequestOnly) {
 }
 
 TEST_F(IngestProgram, InterruptedItLeavesNothing) {
-    generate("a.las", "2M");
+    generate("a.las", test::sized("1M", "200k"));
     for (const auto& [stage, signal] : {std::pair("reading", SIGINT), {"sorting", SIGHUP}}) {
         Process process(folder, {"scancast", "ingest", file("a.las"), "-o", file("c.scan")});
         ASSERT_TRUE(reaches(process, stage)) << process.err();
@@ -87,10 +88,10 @@ TEST_F(IngestProgram, InterruptedItLeavesNothing) {
 }
 
 TEST_F(IngestProgram, KilledItLeavesNothingThatLooksFinishedAndTheNextRunCleansUp) {
-    generate("a.las", "2M");
+    generate("a.las", test::sized("1M", "200k"));
     {
         Process process(folder, {"scancast", "ingest", file("a.las"), "-o", file("c.scan")});
-        ASSERT_TRUE(reaches(process, "sorting")) << process.err();  // more than a second before it ends
+        ASSERT_TRUE(reaches(process, "sorting")) << process.err();  // long before it ends
         process.signal(SIGKILL);
         process.wait();
     }

@@ -41,6 +41,8 @@ class Process {
         const std::string out = out_.string();
         const std::string err = err_.string();
         const std::string in = input.string();
+        // Here, not by the new process: what another one wrote must not be taken for its output.
+        for (const fs::path& one : {out_, err_}) fs::remove(one);
         pid_ = fork();
         if (pid_ == 0) {
             dup2(open(in.c_str(), O_RDONLY), 0);

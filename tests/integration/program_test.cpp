@@ -10,6 +10,7 @@
 #include "protocol/frame_header.hpp"
 #include "renderer/image/encode.hpp"
 #include "tests/integration/program_fixture.hpp"
+#include "tests/support/sized.hpp"
 #include "tests/support/test_data.hpp"
 
 namespace scancast::test {
@@ -183,10 +184,8 @@ TEST_F(ProgramTest, VersionBackendsAndHelp) {
 // Large pictures where there is no memory for them: each is answered, with a picture or with what is missing,
 // and the server lives on.
 TEST_F(ProgramTest, AServerWithLittleMemoryRefusesWhatDoesNotFitAndLivesOn) {
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-    GTEST_SKIP()
-        << "sanitizers need more address space than this test leaves: it runs in the other builds only";
-#endif
+    if (test::sanitized)
+        GTEST_SKIP() << "sanitizers need more address space than this test leaves: it runs in the other builds only";
     generate("ball.las");
     const auto server = serve({file("ball.las"), "--backend", "cpu", "--threads", "2", "--max-pixels",
                                "268435456", "--memory-limit", "64M"},

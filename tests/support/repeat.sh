@@ -8,15 +8,16 @@ Usage: tests/support/repeat.sh BUILD_FOLDER [TIMES] [ctest options…]
 
   tests/support/repeat.sh build/release 20 -L '^(unit|net)$'
 
-Beside it as many loops as the machine has processors keep them busy. Budgets hold: they count the tests' own time.
+Beside it as many loops as the machine has processors keep them busy (LOOPS=0 where something else does, a build for one).
+Budgets hold: they count the tests' own time.
 EOF
 }
 [ $# -ge 1 ] && [ -d "$1" ] || { usage >&2; exit 2; }
 build=$1 times=${2:-20}
 shift; [ $# -eq 0 ] || shift
 failed=$(mktemp) load=()
-trap 'kill "${load[@]}" 2>/dev/null; rm -f "$failed"' EXIT
-for ((i = 0; i < $(nproc); ++i)); do
+trap '[ ${#load[@]} -eq 0 ] || kill "${load[@]}" 2>/dev/null; rm -f "$failed"' EXIT
+for ((i = 0; i < ${LOOPS:-$(nproc)}; ++i)); do
     (while :; do :; done) &
     load+=($!)
 done

@@ -14,6 +14,7 @@
 #include "renderer/cloud/ingest.hpp"
 #include "renderer/cloud/revision.hpp"
 #include "tests/support/octree_checks.hpp"
+#include "tests/support/sized.hpp"
 #include "tests/support/synthetic_source.hpp"
 #include "tests/support/temporary_folder.hpp"
 
@@ -205,7 +206,7 @@ TEST_F(Ingest, StopsInEveryStage) {
     for (const std::string stage : {"reading", "sorting", "building", "finishing"}) {
         std::stop_source stop;
         const auto stopped = ingest(
-            one(ground(200'000)), {.output = file("a.scan"), .shape = smallShape},
+            one(ground(test::sized(200'000, 50'000))), {.output = file("a.scan"), .shape = smallShape},
             [&](const Progress& p) {
                 if (p.stage == stage) stop.request_stop();
             },

@@ -3,6 +3,7 @@
 #include <tbb/global_control.h>
 
 #include "tests/support/octree_checks.hpp"
+#include "tests/support/sized.hpp"
 #include "tests/support/synthetic_source.hpp"
 
 namespace scancast {
@@ -79,12 +80,12 @@ TEST(Octree, OfALine) {
 }
 
 TEST(Octree, AnOutlierDoesNotBlurTheRest) {
-    const auto cloud = checked(20'000, [](auto i, auto n) {
+    const auto cloud = checked(5000, [](auto i, auto n) {
         return i == 0 ? ScanPoint{.position = {1e9, -1e9, 1e9}} : test::ball(i, n);
     });
     ASSERT_TRUE(cloud);
-    // 20,000 points on a ball of radius 10 are 0.25 apart; the outlier's own node may know no spacing.
-    EXPECT_LT(cloud->spacing, 0.6);
+    // 5000 points on a ball of radius 10 are 0.5 apart; the outlier's own node may know no spacing.
+    EXPECT_LT(cloud->spacing, 1.2);
 }
 
 TEST(Octree, OfPointsScatteredOverAllOf32Bits) {
@@ -204,7 +205,7 @@ TEST(Octree, NodesStayModestWhereDensitiesDifferAHundredfold) {
 TEST(Octree, IsTheSameOnAnyNumberOfThreadsAndInAnyOrder) {
     const tbb::global_control allow(tbb::global_control::max_allowed_parallelism, 8);
     const Attributes everything{.color = true, .intensity = true, .classification = true, .normal = true};
-    constexpr std::uint64_t n = 300'000;
+    constexpr std::uint64_t n = test::sized(300'000, 60'000);
     const SyntheticSource::Make make = [](std::uint64_t i, std::uint64_t count) {
         ScanPoint p = test::ball(i, count);
         p.intensity = std::uint16_t(i * 7);

@@ -10,6 +10,7 @@
 #include <thread>
 
 #include "tests/support/draw_cut.hpp"
+#include "tests/support/sized.hpp"
 
 namespace scancast::test {
 namespace {
@@ -222,7 +223,7 @@ TEST_F(CpuDeviceTest, AveragesTheFramesAsIfDrawnOneByOne) {
 
 TEST_F(CpuDeviceTest, AnAbandonedPictureLeavesNoTrace) {
     Numbers numbers(6);
-    std::vector<AnalyticPoint> points(400000);
+    std::vector<AnalyticPoint> points(test::sized(200'000, 40'000));
     for (AnalyticPoint& p : points) {
         p.position = numbers.onSphere() * 3.0;
         p.rgb = numbers.color();

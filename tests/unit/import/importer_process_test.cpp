@@ -8,6 +8,7 @@
 #include <cstdlib>
 
 #include "renderer/cloud/import/importer_source.hpp"
+#include "tests/support/sized.hpp"
 #include "tests/support/temporary_folder.hpp"
 #include "tests/unit/import/scan_summary.hpp"
 
@@ -134,9 +135,7 @@ TEST_F(FakeImporter, Floods) {
 }
 
 TEST_F(FakeImporter, MemoryIsLimited) {
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-    GTEST_SKIP() << "sanitizers need more address space than any limit";
-#endif
+    if (test::sanitized) GTEST_SKIP() << "sanitizers need more address space than any limit";
     options_.importerMemoryLimit = std::uint64_t(1) << 30;
     options_.importerTimeoutSeconds = 30;
     expectError("allocate", ErrorCode::Importer, "crashed (signal 6");

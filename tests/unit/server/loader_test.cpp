@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 #include <sys/stat.h>
 
+#include <atomic>
 #include <fstream>
 
 #include "server/preview.hpp"
@@ -135,6 +136,29 @@ TEST_F(LoaderTest, MoreIsLoadedWhileItRunsAndNothingAfterItsStop) {
     EXPECT_LT(cache_->stats().bytes, resident) << "its memory is given back";
     loader.requestStop();
     EXPECT_FALSE(loader.load(*ScanInput::open(folder_ / "ground.xyz"), "later"));
+}
+
+TEST_F(LoaderTest, WhoeverIsToldAndThrowsHarmsNoCloud) {
+    std::ofstream(folder_ / "bad.xyz") << "no numbers\n";
+    LoaderOptions telling = options();
+    std::atomic<int> told{0};
+    telling.onLoaded = [&](const LoadedCloud&) {
+        ++told;
+        throw std::bad_alloc();
+    };
+    telling.onFailed = [&](const Error&) {
+        ++told;
+        throw std::runtime_error("the log is full");
+    };
+    Loader loader({folder_ / "bad.xyz", folder_ / "ground.xyz"}, catalog_, telling);
+    const auto end = std::chrono::steady_clock::now() + 60s;
+    while (!loader.finished() && std::chrono::steady_clock::now() < end) std::this_thread::sleep_for(1ms);
+    const auto entries = catalog_.list();
+    ASSERT_EQ(entries.size(), 2u);
+    EXPECT_EQ(entries[0].state, CloudState::Failed);
+    EXPECT_THAT(entries[0].error, testing::HasSubstr("bad.xyz")) << "the reason stays";
+    EXPECT_EQ(entries[1].state, CloudState::Ready) << entries[1].error;
+    EXPECT_EQ(told, 2);
 }
 
 TEST_F(LoaderTest, ACloudFileIsOpened) {

@@ -7,6 +7,7 @@
 
 #include "files/program_start.hpp"
 #include "server/commands/command.hpp"
+#include "tests/support/sized.hpp"
 #include "tests/support/temporary_folder.hpp"
 #include "tests/unit/simulate/scan_file_checker.hpp"
 
@@ -55,7 +56,7 @@ TEST(Generate, SameSeedSameBytesOnAnyNumberOfThreads) {
         std::vector<std::string> files;
         for (const auto& [threads, seed] : {std::pair("1", "7"), {"2", "7"}, {"5", "7"}, {"2", "8"}}) {
             const std::string name = folder.file("t.las");
-            ASSERT_EQ(generate({"town", "-n", "300001", "--order", order, "--threads", threads, "--seed",
+            ASSERT_EQ(generate({"town", "-n", test::sized("300001", "140001"), "--order", order, "--threads", threads, "--seed",
                                 seed, "-o", name, "-q"})
                           .exitCode,
                       0);

@@ -73,6 +73,34 @@ struct Found {
     std::uint64_t intensity = 0;
 };
 
+/// A source, and the sums of what it delivers.
+class AddedUp final : public PointSource {
+  public:
+    /// `found` outlives this.
+    AddedUp(std::unique_ptr<PointSource> source, Found& found) : source_(std::move(source)), found_(found) {}
+    const ScanHeader& header() const override { return source_->header(); }
+    Expected<bool> read(PointBatch& batch) override {
+        auto more = source_->read(batch);
+        found_.points += batch.size();
+        for (const glm::dvec3& p : batch.position) {
+            found_.low = glm::min(found_.low, p);
+            found_.high = glm::max(found_.high, p);
+        }
+        for (const auto c : batch.classification) ++found_.classes[c];
+        for (const auto i : batch.intensity) found_.intensity += i;
+        for (const auto& c : batch.color)
+            for (int a = 0; a < 3; ++a) found_.color[std::size_t(a)] += c[a];
+        return more;
+    }
+    std::uint64_t droppedPoints() const override { return source_->droppedPoints(); }
+    std::vector<std::string> notes() const override { return source_->notes(); }
+    std::array<std::uint64_t, 2> bytesRead() const override { return source_->bytesRead(); }
+
+  private:
+    std::unique_ptr<PointSource> source_;
+    Found& found_;
+};
+
 class IngestedScan : public testing::TestWithParam<test::RealScan> {};
 
 // Right because what the reader delivered (itself compared with an independent program's findings, in
@@ -85,25 +113,12 @@ TEST_P(IngestedScan, HoldsWhatTheScanHolds) {
     const ImportOptions options{.importerDirectory = SCANCAST_BIN_DIR, .keepAttributes = true};
     auto source = openScan(test::testData(expected.file), options);
     ASSERT_TRUE(source) << source.error().message;
-    Found read;
-    PointBatch batch;
-    while ((*source)->read(batch).value()) {
-        read.points += batch.size();
-        for (const glm::dvec3& p : batch.position) {
-            read.low = glm::min(read.low, p);
-            read.high = glm::max(read.high, p);
-        }
-        for (const auto c : batch.classification) ++read.classes[c];
-        for (const auto i : batch.intensity) read.intensity += i;
-        for (const auto& c : batch.color)
-            for (int a = 0; a < 3; ++a) read.color[a] += c[a];
-    }
     const std::size_t columns = (*source)->header().columns.size();
-
+    Found read;
+    std::vector<std::unique_ptr<PointSource>> sources;
+    sources.push_back(std::make_unique<AddedUp>(std::move(*source), read));
     const auto output = std::filesystem::path(testing::TempDir()) /
                         ("scancast_real_" + test::fileAsTestName<test::RealScan>({expected, 0}) + ".scan");
-    std::vector<std::unique_ptr<PointSource>> sources;
-    sources.push_back(openScan(test::testData(expected.file), options).value());
     const auto report =
         ingest(std::move(sources), {.output = output, .shape = {.chunkPoints = 300'000, .surfels = true}});
     ASSERT_TRUE(report) << report.error().message;

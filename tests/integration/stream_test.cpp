@@ -23,7 +23,8 @@ TEST_F(StreamTest, HelloWelcomeMovingFinal) {
     EXPECT_EQ(welcome["cloud"], "two");
     EXPECT_EQ(welcome["view"]["width"], 64);
     client.view(1, 60);
-    const auto moving = client.frame();
+    auto moving = client.frame();
+    while (moving && moving->header.seq == 0) moving = client.frame();  // the welcome's view, if that took long
     ASSERT_TRUE(moving);
     EXPECT_TRUE(moving->header.moving);
     EXPECT_EQ(moving->header.seq, 1U);
@@ -253,13 +254,16 @@ TEST_F(StreamTest, DrainingEndsStreamsAndFinishesSnapshots) {
 TEST_F(StreamTest, AClientThatComesBackGoesOnWithItsSession) {
     start();
     std::string token, id;
+    std::uint64_t last = 0;
     {
         StreamClient client(port());
         const auto welcome = client.greet({{"cloud", "two"}});
         token = welcome["resume"];
         id = welcome["session"];
         client.view(5, 90);
-        ASSERT_TRUE(client.finalFrame(5));
+        const auto shown = client.finalFrame(5);
+        ASSERT_TRUE(shown);
+        last = shown->header.frameId;
         client.socket.socket().abort();
     }
     StreamClient client(port());
@@ -270,7 +274,7 @@ TEST_F(StreamTest, AClientThatComesBackGoesOnWithItsSession) {
     EXPECT_EQ(welcome["seq"], 5);
     const auto again = client.finalFrame(5);
     ASSERT_TRUE(again);
-    EXPECT_GT(again->header.frameId, 2U);
+    EXPECT_GT(again->header.frameId, last);
     EXPECT_NEAR(redOf(again->picture), 90, 12);
 }
 

@@ -408,8 +408,8 @@ void StreamSession::deliver(const Order& order, Picture picture, Time now) {
     }
     quality_.sent(header.frameId, order.view, picture.bytes->size(), now);
     if (options_.seat != nullptr) options_.seat->frameSent();
+    remember();  // first: who gets the frame may come back at once, by another connection
     port_.sendFrame(header, picture.bytes);
-    remember();
 
     metrics_.frameSent(secondsBetween(order.viewTime, now));
     sentTimes_.push_back(now);

@@ -25,6 +25,7 @@ class RecordingPort final : public StreamPort {
     void sendText(std::string text) override { texts.push_back(json::parse(text)); }
     void sendFrame(const FrameHeader& header, std::shared_ptr<const Bytes>) override {
         frames.push_back(header);
+        if (onFrame) onFrame(header);
     }
     void order(std::uint64_t number, PictureOrder order) override {
         orders.push_back({number, std::move(order)});
@@ -46,6 +47,7 @@ class RecordingPort final : public StreamPort {
 
     std::vector<json> texts;
     std::vector<FrameHeader> frames;
+    std::function<void(const FrameHeader&)> onFrame;
     std::vector<Placed> orders;
     std::vector<std::tuple<std::uint64_t, double, double>> picks;
     bool canReplace = false;

@@ -68,6 +68,20 @@ TEST_F(ResumedSession, GoesOnWithItsIdCloudViewLimitsAndNumbers) {
     EXPECT_GT(*order(2).view.quality.detail, 2) << "and so does maxDetail 8";
 }
 
+TEST_F(ResumedSession, WhoeverHasAFrameAndComesBackAtOnceIsNotSentItsNumberAgain) {
+    hello();
+    const std::string token = port.texts.at(0)["resume"];
+    std::optional<SavedSession> saved;
+    port.onFrame = [&](const FrameHeader& sent) {
+        EXPECT_EQ(sent.frameId, 1U);
+        saved = store.resume(token, now);  // by another connection, before this one has done anything more
+    };
+    view(7, 1);
+    finish(0);
+    ASSERT_TRUE(saved);
+    EXPECT_EQ(saved->lastFrame, 1U);
+}
+
 TEST_F(ResumedSession, FramesThatWereUnderWayHoldNoPlaceInTheWindow) {
     const std::string token = loseASession();  // two frames, neither acknowledged
     connect();

@@ -18,6 +18,9 @@ namespace scancast {
 
 namespace {
 
+/// What a node takes until the end: itself, its parent's pointer to it, and what it becomes when the tree is finished.
+constexpr std::uint64_t nodeBytes = sizeof(BuildNode) + 4 * sizeof(void*) + 2 * (sizeof(StoredNode) + sizeof(void*));
+
 struct LeafBlocks {
     BuildNode* leaf = nullptr;
     std::vector<std::byte> samples, rows;
@@ -141,6 +144,7 @@ class TreeBuilder {
         BuildNode& root = *work.chunk.root;
         Expected<void> result;
         forEachNode(root, [&](BuildNode& n) {
+            workspace_.occupy(nodeBytes);
             if (n.isLeaf()) {
                 if (&n != &root) n.points = {};
             } else {

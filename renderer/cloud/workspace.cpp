@@ -18,6 +18,12 @@ namespace scancast {
 
 namespace {
 
+/// What bytes take, in memory and as places of a file of which each can become a hole.
+std::uint64_t wholePages(std::uint64_t bytes) {
+    constexpr std::uint64_t page = 4096;
+    return (bytes + page - 1) / page * page;
+}
+
 Error diskError(int number, const std::filesystem::path& folder, const char* what) {
     if (isFull(number))
         return {ErrorCode::ResourceLimit,
@@ -43,10 +49,7 @@ class Scratch {
         return std::unique_ptr<Scratch>(new Scratch(std::move(fd), folder));
     }
 
-    std::uint64_t reserve(std::uint64_t bytes) {
-        // Whole pages, so that every hole is one.
-        return end_.fetch_add((bytes + 4095) / 4096 * 4096);
-    }
+    std::uint64_t reserve(std::uint64_t bytes) { return end_.fetch_add(wholePages(bytes)); }
 
     Expected<void> write(std::uint64_t at, std::span<const std::byte> from) const {
         while (!from.empty()) {
@@ -73,7 +76,7 @@ class Scratch {
     /// Best effort: a file system without holes keeps the room until the end.
     void release(std::uint64_t at, std::uint64_t bytes) const {
         (void)::fallocate(fd_.get(), FALLOC_FL_PUNCH_HOLE | FALLOC_FL_KEEP_SIZE, static_cast<off_t>(at),
-                          static_cast<off_t>((bytes + 4095) / 4096 * 4096));
+                          static_cast<off_t>(wholePages(bytes)));
     }
 
   private:
@@ -91,10 +94,9 @@ void UnmapPages::operator()(std::byte* pages) const {
 namespace {
 
 Pages mapPages(std::uint64_t bytes) {
-    const std::uint64_t whole = std::max<std::uint64_t>(bytes, 1);
-    void* pages = ::mmap(nullptr, whole, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
+    void* pages = ::mmap(nullptr, bytes, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
     if (pages == MAP_FAILED) throw std::bad_alloc();
-    return Pages(static_cast<std::byte*>(pages), UnmapPages{whole});
+    return Pages(static_cast<std::byte*>(pages), UnmapPages{bytes});
 }
 
 }  // namespace
@@ -118,9 +120,10 @@ Expected<Scratch*> Workspace::scratch() {
 
 Expected<Workspace::Buffer> Workspace::allocate(std::uint64_t bytes) {
     Buffer buffer;
+    if (bytes == 0) return buffer;
     buffer.home_ = this;
     buffer.bytes_ = bytes;
-    const auto size = static_cast<std::int64_t>(bytes);
+    const auto size = static_cast<std::int64_t>(wholePages(bytes));
     if (left_.fetch_sub(size) >= size) {
         buffer.memory_ = mapPages(bytes);
         return buffer;
@@ -159,7 +162,7 @@ Workspace::Buffer::~Buffer() {
 void Workspace::Buffer::clear() {
     if (!home_) return;
     if (memory_) {
-        home_->left_ += static_cast<std::int64_t>(bytes_);
+        home_->left_ += static_cast<std::int64_t>(wholePages(bytes_));
         memory_.reset();
     } else {
         home_->scratch_->release(place_, bytes_);

@@ -66,6 +66,8 @@ class Workspace {
     /// Errors: Io, ResourceLimit for a full disk (on writing) or no folder to write to. Throws std::bad_alloc
     /// where the system has no memory left.
     Expected<Buffer> allocate(std::uint64_t bytes);
+    /// For memory outside of buffers that stays until the end: as much less is left for those to come.
+    void occupy(std::uint64_t bytes) { left_ -= static_cast<std::int64_t>(bytes); }
     /// Most bytes that the temporary file held at once.
     std::uint64_t mostOnDisk() const { return mostOnDisk_; }
 

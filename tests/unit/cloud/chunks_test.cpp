@@ -139,7 +139,22 @@ TEST(Workspace, WhatDoesNotFitInMemoryWaitsOnTheDisk) {
         EXPECT_EQ((*bytes)[3999], std::byte(i));
     }
     buffers.clear();
-    EXPECT_NE(workspace.allocate(9000)->memory(), nullptr);  // room was given back
+    EXPECT_NE(workspace.allocate(8192)->memory(), nullptr);  // room was given back, two pages of it
+}
+
+TEST(Workspace, WhatOthersOccupyIsNotLeftForBuffers) {
+    Workspace workspace(20'000, std::filesystem::temp_directory_path());
+    const auto one = workspace.allocate(1);
+    EXPECT_NE(one->memory(), nullptr);
+    workspace.occupy(8000);
+    EXPECT_EQ(workspace.allocate(8000)->memory(), nullptr) << "one byte takes a page: 7904 are left";
+    EXPECT_NE(workspace.allocate(4096)->memory(), nullptr);
+    workspace.occupy(100'000);
+    EXPECT_EQ(workspace.allocate(1)->memory(), nullptr);
+    const auto none = workspace.allocate(0);
+    ASSERT_TRUE(none);
+    std::vector<std::byte> space;
+    EXPECT_TRUE(none->view(space)->empty());
 }
 
 TEST(Workspace, AFolderThatIsNotThereIsAnError) {

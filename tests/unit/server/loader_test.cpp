@@ -94,11 +94,15 @@ class LoaderTest : public testing::Test {
         options.version = "1";
         return options;
     }
+    /// Until everything has been loaded, or for far longer than any test takes.
+    static void awaitEnd(const Loader& loader) {
+        const auto end = std::chrono::steady_clock::now() + 60s;
+        while (!loader.finished() && std::chrono::steady_clock::now() < end) std::this_thread::sleep_for(1ms);
+    }
     /// What the catalog says when everything has been loaded.
     CatalogEntry load(const fs::path& file, LoaderOptions options) {
         Loader loader({file}, catalog_, std::move(options));
-        const auto end = std::chrono::steady_clock::now() + 60s;
-        while (!loader.finished() && std::chrono::steady_clock::now() < end) std::this_thread::sleep_for(1ms);
+        awaitEnd(loader);
         return catalog_.list().back();
     }
     std::vector<fs::path> kept() const {
@@ -126,8 +130,7 @@ TEST_F(LoaderTest, MoreIsLoadedWhileItRunsAndNothingAfterItsStop) {
     EXPECT_TRUE(loader.finished());
     ASSERT_TRUE(catalog_.addAs("later", "ground"));
     ASSERT_TRUE(loader.load(*ScanInput::open(folder_ / "ground.xyz"), "later"));
-    const auto end = std::chrono::steady_clock::now() + 60s;
-    while (!loader.finished() && std::chrono::steady_clock::now() < end) std::this_thread::sleep_for(1ms);
+    awaitEnd(loader);
     EXPECT_EQ(catalog_.find("later")->state, CloudState::Ready);
     const std::weak_ptr<const Cloud> watched = catalog_.find("later")->cloud;
     const auto resident = cache_->stats().bytes;
@@ -151,8 +154,7 @@ TEST_F(LoaderTest, WhoeverIsToldAndThrowsHarmsNoCloud) {
         throw std::runtime_error("the log is full");
     };
     Loader loader({folder_ / "bad.xyz", folder_ / "ground.xyz"}, catalog_, telling);
-    const auto end = std::chrono::steady_clock::now() + 60s;
-    while (!loader.finished() && std::chrono::steady_clock::now() < end) std::this_thread::sleep_for(1ms);
+    awaitEnd(loader);
     const auto entries = catalog_.list();
     ASSERT_EQ(entries.size(), 2u);
     EXPECT_EQ(entries[0].state, CloudState::Failed);

@@ -99,6 +99,8 @@ struct DeviceInfo {
     std::string node{};        ///< egl: its file, "/dev/dri/renderD128"; empty = unknown
     std::uint64_t memory = 0;  ///< of a GPU, bytes: all, or what is free if its driver tells no more; 0 = unknown
     bool atomics64 = false;    ///< egl, osmesa: finds the smallest of 64-bit integers in one step
+    bool exact = true;         ///< rounds as IEEE 754 says: draws the cpu device's bytes
+    bool tellsLoss = true;     ///< says when its GPU was reset; else it is found lost when it does not answer
 };
 
 /// For people: "egl (NVIDIA H100 …)".

@@ -32,6 +32,8 @@ std::string details(const DeviceInfo& device) {
         text += device.hardware ? ", hardware, " : ", software, ";
         text += memoryText(device);
         text += device.atomics64 ? ", 64-bit atomics" : ", no 64-bit atomics";
+        text += device.exact ? ", rounds exactly" : ", rounds approximately";
+        if (device.hardware) text += device.tellsLoss ? ", tells resets" : ", does not tell resets";
     }
     return device.node.empty() ? text : text + ", " + device.node;
 }

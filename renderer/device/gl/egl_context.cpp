@@ -11,6 +11,38 @@
 namespace scancast::gl {
 namespace {
 
+/// OpenGL 4.5 core, at best one that tells when the GPU was reset and keeps shaders inside their buffers
+/// (EGL_KHR_create_context: what a driver does not offer is an error); EGL_NO_CONTEXT: none.
+EGLContext createContext(const EglFunctions& egl, EGLDisplay display) {
+    // Drivers check and tell more in a debug context, and some are slower for it.
+    const EGLint debug = spdlog::should_log(spdlog::level::debug) ? EGL_CONTEXT_OPENGL_DEBUG_BIT_KHR : 0;
+    struct Robustness {
+        EGLint access, notification;
+    };
+    for (const Robustness& wanted :
+         {Robustness{EGL_CONTEXT_OPENGL_ROBUST_ACCESS_BIT_KHR, EGL_LOSE_CONTEXT_ON_RESET_KHR},
+          Robustness{0, EGL_LOSE_CONTEXT_ON_RESET_KHR}, Robustness{0, EGL_NO_RESET_NOTIFICATION_KHR}}) {
+        std::vector<EGLint> attributes{EGL_CONTEXT_MAJOR_VERSION_KHR,
+                                       4,
+                                       EGL_CONTEXT_MINOR_VERSION_KHR,
+                                       5,
+                                       EGL_CONTEXT_OPENGL_PROFILE_MASK_KHR,
+                                       EGL_CONTEXT_OPENGL_CORE_PROFILE_BIT_KHR,
+                                       EGL_CONTEXT_FLAGS_KHR,
+                                       debug | wanted.access};
+        // The last try asks for nothing that an old driver may not know.
+        if (wanted.notification != EGL_NO_RESET_NOTIFICATION_KHR) {
+            attributes.push_back(EGL_CONTEXT_OPENGL_RESET_NOTIFICATION_STRATEGY_KHR);
+            attributes.push_back(wanted.notification);
+        }
+        attributes.push_back(EGL_NONE);
+        const EGLContext context =
+            egl.CreateContext(display, EGL_NO_CONFIG_KHR, EGL_NO_CONTEXT, attributes.data());
+        if (context != EGL_NO_CONTEXT) return context;
+    }
+    return EGL_NO_CONTEXT;
+}
+
 class EglContext final : public Context {
   public:
     static Expected<std::unique_ptr<Context>> create(const EglFunctions& egl, EGLenum platform,
@@ -31,18 +63,7 @@ class EglContext final : public Context {
             return eglFailure(
                 egl, "eglBindAPI(EGL_OPENGL_API)",
                 std::string("The driver has OpenGL ES only; desktop OpenGL 4.5 is needed. ") + driverHint);
-        // Drivers check and tell more in a debug context, and some are slower for it.
-        const EGLint flags = spdlog::should_log(spdlog::level::debug) ? EGL_CONTEXT_OPENGL_DEBUG_BIT_KHR : 0;
-        const EGLint attributes[] = {EGL_CONTEXT_MAJOR_VERSION_KHR,
-                                     4,
-                                     EGL_CONTEXT_MINOR_VERSION_KHR,
-                                     5,
-                                     EGL_CONTEXT_OPENGL_PROFILE_MASK_KHR,
-                                     EGL_CONTEXT_OPENGL_CORE_PROFILE_BIT_KHR,
-                                     EGL_CONTEXT_FLAGS_KHR,
-                                     flags,
-                                     EGL_NONE};
-        const EGLContext context = egl.CreateContext(handle, EGL_NO_CONFIG_KHR, EGL_NO_CONTEXT, attributes);
+        const EGLContext context = createContext(egl, handle);
         if (context == EGL_NO_CONTEXT)
             return eglFailure(
                 egl, "eglCreateContext(OpenGL 4.5 core)",

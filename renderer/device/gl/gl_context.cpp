@@ -47,6 +47,9 @@ Expected<DriverStrings> describeDriver(const GlFunctions& gl) {
                                                       "; 4.5 is needed.");
     driver.memory = gpuMemory(gl);
     driver.atomics64 = hasExtension(gl, "GL_NV_shader_atomic_int64");
+    GLint strategy = 0;
+    gl.GetIntegerv(GL_RESET_NOTIFICATION_STRATEGY, &strategy);
+    driver.tellsLoss = strategy == GL_LOSE_CONTEXT_ON_RESET;
     return driver;
 }
 

@@ -59,6 +59,7 @@ struct DriverStrings {
     bool software = false;     ///< a rasteriser on the CPU: llvmpipe, softpipe, SwiftShader …
     std::uint64_t memory = 0;  ///< of the GPU: all, or what is free where the driver says no more, bytes
     bool atomics64 = false;    ///< GL_NV_shader_atomic_int64
+    bool tellsLoss = false;    ///< glGetGraphicsResetStatus tells when the GPU was reset
 };
 
 /// Needs a Current scope. DeviceUnavailable when the version is below 4.5.

@@ -63,8 +63,12 @@ class GlDevice final : public Device {
         if (!current) return tl::unexpected(current.error());
         auto driver = describeDriver((*context)->functions());
         if (!driver) return tl::unexpected(driver.error());
-        logDriverMessages((*context)->functions());
-        return std::unique_ptr<Device>(new GlDevice(std::move(*context), *driver, options));
+        const GlFunctions& gl = (*context)->functions();
+        logDriverMessages(gl);
+        const auto arithmetic = options.arithmetic ? Expected<Arithmetic>(*options.arithmetic)
+                                                   : findArithmetic(gl, options.programFolder);
+        if (!arithmetic) return tl::unexpected(arithmetic.error());
+        return std::unique_ptr<Device>(new GlDevice(std::move(*context), *driver, *arithmetic, options));
     }
 
     ~GlDevice() override {
@@ -94,10 +98,11 @@ class GlDevice final : public Device {
     }
 
   private:
-    GlDevice(std::unique_ptr<Context> context, const DriverStrings& driver, const GlOptions& options)
+    GlDevice(std::unique_ptr<Context> context, const DriverStrings& driver, const Arithmetic& arithmetic,
+             const GlOptions& options)
         : context_(std::move(context)),
           shop_(std::make_unique<Workshop>(
-              context_->functions(), options.programFolder,
+              context_->functions(), options.programFolder, arithmetic,
               sampleCacheOptions(context_->functions(), driver.software, options.gpuMemoryLimit),
               splatLimits(context_->functions(), driver.software))),
           memory_(*context_, shop_->samples, uploadBudget(driver.software, options.uploadBudget)) {
@@ -106,6 +111,8 @@ class GlDevice final : public Device {
         info_.mirrors = true;
         info_.memory = driver.memory;
         info_.atomics64 = driver.atomics64;
+        info_.exact = arithmetic.exact;
+        info_.tellsLoss = driver.tellsLoss;
     }
 
     Expected<void> check(const Drawing& drawing) const {

@@ -7,9 +7,11 @@
 
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "renderer/device/device.hpp"
+#include "renderer/device/gl/arithmetic.hpp"
 
 namespace scancast {
 
@@ -18,6 +20,7 @@ struct GlOptions {
     std::filesystem::path programFolder{};  ///< empty = nothing is kept from run to run
     std::uint64_t gpuMemoryLimit = 0;       ///< bytes; 0 = by default (memory_limit.hpp), as the next one
     std::uint64_t uploadBudget = 0;         ///< bytes
+    std::optional<gl::Arithmetic> arithmetic{};  ///< for tests; nullopt = what fits the driver
 };
 
 /// `device` as listed by listEglDevices(); -1 = best. DeviceUnavailable says what is missing and how to get

@@ -34,6 +34,24 @@ void label(const GlFunctions& gl, GLenum kind, GLuint object, std::string_view w
     gl.ObjectLabel(kind, object, static_cast<GLsizei>(std::min(words.size(), longest)), words.data());
 }
 
+/// DeviceLost, and by whose fault, where the context tells such things (egl_context.cpp).
+Expected<void> checkReset(const GlFunctions& gl, const std::string& during) {
+    const char* fault = nullptr;
+    switch (gl.GetGraphicsResetStatus()) {
+        case GL_NO_ERROR:
+            return {};
+        case GL_GUILTY_CONTEXT_RESET:
+            fault = "by what Scancast asked of it";
+            break;
+        case GL_INNOCENT_CONTEXT_RESET:
+            fault = "by what another program asked of it";
+            break;
+        default:
+            fault = "and the driver does not say why";
+    }
+    return fail(ErrorCode::DeviceLost, "The GPU was reset while " + during + ", " + fault + ".");
+}
+
 }  // namespace
 
 Buffer::~Buffer() {
@@ -149,21 +167,27 @@ Program::~Program() {
     if (name_) gl_->DeleteProgram(name_);
 }
 
-Expected<void> waitForGpu(const GlFunctions& gl) {
-    const GLsync fence = gl.FenceSync(GL_SYNC_GPU_COMMANDS_COMPLETE, 0);
+Expected<void> finishFence(const GlFunctions& gl, GLsync fence, const std::string& during) {
     const GLenum result =
         fence ? gl.ClientWaitSync(fence, GL_SYNC_FLUSH_COMMANDS_BIT, longestWaitNs) : GL_WAIT_FAILED;
     if (fence) gl.DeleteSync(fence);
+    // Of a context that was lost, fences count as passed.
+    if (auto alive = checkReset(gl, during); !alive) return alive;
     if (result == GL_ALREADY_SIGNALED || result == GL_CONDITION_SATISFIED) return {};
-    if (auto checked = checkErrors(gl, "waiting for the GPU"); !checked) return checked;
+    if (auto checked = checkErrors(gl, during); !checked) return checked;
     return fail(ErrorCode::DeviceLost,
-                "glClientWaitSync: the GPU did not finish a slice of work within ten seconds.");
+                "glClientWaitSync: the GPU was not done within ten seconds, " + during + ".");
+}
+
+Expected<void> waitForGpu(const GlFunctions& gl) {
+    return finishFence(gl, gl.FenceSync(GL_SYNC_GPU_COMMANDS_COMPLETE, 0), "waiting for the GPU");
 }
 
 Expected<void> checkErrors(const GlFunctions& gl, const std::string& during) {
+    if (auto alive = checkReset(gl, during); !alive) return alive;
     const GLenum first = gl.GetError();
-    if (gl.GetGraphicsResetStatus() != GL_NO_ERROR || first == GL_CONTEXT_LOST)
-        return fail(ErrorCode::DeviceLost, "The GPU was reset while " + during + ".");
+    if (first == GL_CONTEXT_LOST)
+        return fail(ErrorCode::DeviceLost, "The GPU was lost while " + during + " (GL_CONTEXT_LOST).");
     if (first == GL_NO_ERROR) return {};
     // A second look at most finds the next error; a broken driver must not hold us here.
     for (int i = 0; i < 16 && gl.GetError() != GL_NO_ERROR; ++i) {

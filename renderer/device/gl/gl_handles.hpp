@@ -104,8 +104,11 @@ class Program {
     GLuint name_;
 };
 
-/// Waits until everything asked of the GPU so far is done. DeviceLost when that takes more than ten seconds:
-/// slices of work are milliseconds long.
+/// Waits for a fence and deletes it. DeviceLost, naming `during`, when the GPU was reset, or takes more than
+/// ten seconds: slices of work are milliseconds long.
+Expected<void> finishFence(const GlFunctions& gl, GLsync fence, const std::string& during);
+
+/// Waits until everything asked of the GPU so far is done. DeviceLost as above.
 Expected<void> waitForGpu(const GlFunctions& gl);
 
 /// What went wrong since the last look: ResourceLimit, DeviceLost, Internal.

@@ -12,9 +12,9 @@ ivec4 vectorOf(const Window& w) {
 }  // namespace
 
 Workshop::Workshop(const GlFunctions& functions, const std::filesystem::path& programFolder,
-                   const SampleCacheOptions& cache, const SplatLimits& limits)
+                   const Arithmetic& arithmetic, const SampleCacheOptions& cache, const SplatLimits& limits)
     : gl(functions),
-      programs(functions, programFolder),
+      programs(functions, programFolder, arithmetic),
       shaders(functions, programs),
       samples(functions, cache),
       slices(functions),

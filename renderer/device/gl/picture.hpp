@@ -19,7 +19,7 @@ namespace scancast::gl {
 /// memory.
 struct Workshop {
     Workshop(const GlFunctions& functions, const std::filesystem::path& programFolder,
-             const SampleCacheOptions& cache, const SplatLimits& limits);
+             const Arithmetic& arithmetic, const SampleCacheOptions& cache, const SplatLimits& limits);
 
     const GlFunctions& gl;
     Programs programs;

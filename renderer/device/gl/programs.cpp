@@ -2,6 +2,10 @@
 
 #include <spdlog/spdlog.h>
 
+#include <algorithm>
+#include <iterator>
+#include <vector>
+
 namespace scancast::gl {
 namespace {
 
@@ -25,8 +29,8 @@ std::string variantName(std::string_view shader, std::span<const Define> defines
 
 }  // namespace
 
-Programs::Programs(const GlFunctions& gl, const std::filesystem::path& folder)
-    : gl_(gl), driver_(driverName(gl)) {
+Programs::Programs(const GlFunctions& gl, const std::filesystem::path& folder, const Arithmetic& arithmetic)
+    : gl_(gl), arithmetic_(arithmetic), driver_(driverName(gl)) {
     GLint formats = 0;
     gl_.GetIntegerv(GL_NUM_PROGRAM_BINARY_FORMATS, &formats);
     if (!folder.empty() && formats > 0) files_.emplace(folder);
@@ -35,7 +39,9 @@ Programs::Programs(const GlFunctions& gl, const std::filesystem::path& folder)
 Expected<const Program*> Programs::get(std::string_view shader, std::span<const Define> defines) {
     std::string name = variantName(shader, defines);
     if (const auto found = programs_.find(name); found != programs_.end()) return &found->second;
-    const auto source = assembleShader(shader, defines);
+    std::vector<Define> all(defines.begin(), defines.end());
+    std::ranges::copy(definesOf(arithmetic_), std::back_inserter(all));
+    const auto source = assembleShader(shader, all);
     if (!source) return tl::unexpected(source.error());
     auto made = make(name, *source);
     if (!made) return tl::unexpected(made.error());

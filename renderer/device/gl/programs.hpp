@@ -10,6 +10,7 @@
 #include <string>
 #include <string_view>
 
+#include "renderer/device/gl/arithmetic.hpp"
 #include "renderer/device/gl/gl_handles.hpp"
 #include "renderer/device/gl/program_files.hpp"
 #include "renderer/device/gl/shader_source.hpp"
@@ -19,7 +20,7 @@ namespace scancast::gl {
 class Programs {
   public:
     /// An empty `folder` keeps nothing from run to run; nor does a driver without program binaries.
-    Programs(const GlFunctions& gl, const std::filesystem::path& folder);
+    Programs(const GlFunctions& gl, const std::filesystem::path& folder, const Arithmetic& arithmetic = {});
 
     /// "splat.comp" and its variant; valid as long as this lives. Internal, with the driver's log and the
     /// numbered source, when it does not compile.
@@ -29,6 +30,7 @@ class Programs {
     Expected<Program> make(const std::string& name, const std::string& source) const;
 
     const GlFunctions& gl_;
+    const Arithmetic arithmetic_;
     std::string driver_;
     std::optional<ProgramFiles> files_;
     std::map<std::string, Program, std::less<>> programs_;  ///< by "splat.comp SHAPE=2 …"

@@ -27,11 +27,8 @@ Expected<void> Slices::finishOldest() {
     const Fence oldest = underWay_[0];
     underWay_ = {underWay_[1], {}};
     if (!oldest.sync) return {};
-    const GLenum result = gl_.ClientWaitSync(oldest.sync, GL_SYNC_FLUSH_COMMANDS_BIT, longestWaitNs);
-    gl_.DeleteSync(oldest.sync);
-    if (result != GL_ALREADY_SIGNALED && result != GL_CONDITION_SATISFIED)
-        return fail(ErrorCode::DeviceLost,
-                    "glClientWaitSync: the GPU did not finish a slice of work within ten seconds.");
+    if (auto finished = finishFence(gl_, oldest.sync, "drawing a slice of a picture"); !finished)
+        return finished;
     const auto now = Clock::now();
     learn(oldest.groups, std::chrono::duration<double, std::milli>(now - last_).count());
     last_ = now;

@@ -6,11 +6,6 @@
 
 namespace scancast::gl {
 
-namespace {
-
-
-}  // namespace
-
 StagingRing::~StagingRing() {
     for (const GLsync fence : copied_)
         if (fence) gl_->DeleteSync(fence);
@@ -39,13 +34,7 @@ Expected<void> StagingRing::nextSection() {
     section_ = (section_ + 1) % sections;
     filled_ = 0;
     const GLsync before = std::exchange(copied_[section_], nullptr);
-    if (!before) return {};
-    const GLenum result = gl_->ClientWaitSync(before, GL_SYNC_FLUSH_COMMANDS_BIT, longestWaitNs);
-    gl_->DeleteSync(before);
-    if (result == GL_ALREADY_SIGNALED || result == GL_CONDITION_SATISFIED) return {};
-    if (auto checked = checkErrors(*gl_, "waiting for uploads"); !checked) return checked;
-    return fail(ErrorCode::DeviceLost,
-                "glClientWaitSync: the GPU did not take an upload within ten seconds.");
+    return before ? finishFence(*gl_, before, "waiting for uploads") : Expected<void>{};
 }
 
 Expected<void> StagingRing::copy(std::span<const std::byte> bytes, const Buffer& target, std::size_t offset) {

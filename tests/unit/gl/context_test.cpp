@@ -5,6 +5,7 @@
 #include <thread>
 #include <vector>
 
+#include "renderer/device/gl/arithmetic.hpp"
 #include "renderer/device/gl/egl_context.hpp"
 #include "renderer/device/gl/gl_handles.hpp"
 #include "renderer/device/gl/osmesa_context.hpp"
@@ -71,6 +72,9 @@ TEST_P(GlContext, SaysWhatItRunsOn) {
     EXPECT_FALSE(driver->version.empty());
     const bool rasteriser = driver->renderer.find("llvmpipe") != std::string::npos;
     EXPECT_TRUE(driver->software || !rasteriser);
+    if (GetParam() == "egl") {
+        EXPECT_TRUE(driver->tellsLoss) << "nobody would hear that a GPU was reset";
+    }
 }
 
 TEST_P(GlContext, AShaderThatDoesNotCompileIsShownWithLineNumbers) {
@@ -97,6 +101,48 @@ TEST_P(GlContext, ErrorsAreNamed) {
     ASSERT_FALSE(checked);
     EXPECT_EQ(checked.error().message, "OpenGL reports GL_INVALID_ENUM while doing nonsense.");
     EXPECT_TRUE(checkErrors(context->functions(), "doing nothing")) << "an error is told once";
+}
+
+/// A reset is told by the next call that looks, whatever it was about: by a driver that says so of its own
+/// context.
+TEST_P(GlContext, AResetIsToldWithWhoseFaultItWas) {
+    REQUIRE_CONTEXT(context, GetParam());
+    const auto current = Context::Current::enter(*context);
+    ASSERT_TRUE(current);
+    GlFunctions gl = context->functions();
+    const auto expectLost = [&](const char* words) {
+        for (const auto& looked : {checkErrors(gl, "testing"), waitForGpu(gl)}) {
+            ASSERT_FALSE(looked);
+            EXPECT_EQ(looked.error().code, ErrorCode::DeviceLost);
+            EXPECT_NE(looked.error().message.find(words), std::string::npos) << looked.error().message;
+        }
+    };
+    gl.GetGraphicsResetStatus = [] { return GLenum(GL_GUILTY_CONTEXT_RESET); };
+    expectLost("by what Scancast asked of it");
+    gl.GetGraphicsResetStatus = [] { return GLenum(GL_INNOCENT_CONTEXT_RESET); };
+    expectLost("by what another program asked of it");
+    gl.GetGraphicsResetStatus = [] { return GLenum(GL_UNKNOWN_CONTEXT_RESET); };
+    expectLost("does not say why");
+    gl = context->functions();
+    EXPECT_TRUE(waitForGpu(gl));
+}
+
+/// Oracle: the processor's quotients and roots. Spoilt ones must be found out, and what corrects them found.
+TEST_P(GlContext, HowTheDriverRoundsIsFoundOut) {
+    REQUIRE_CONTEXT(context, GetParam());
+    const auto current = Context::Current::enter(*context);
+    ASSERT_TRUE(current);
+    const GlFunctions& gl = context->functions();
+    const auto found = findArithmetic(gl, {});
+    ASSERT_TRUE(found) << found.error().message;
+    EXPECT_TRUE(found->exact);
+    const auto spoilt = isExact(gl, {}, {.rounding = Rounding::Own, .rough = true});
+    ASSERT_TRUE(spoilt) << spoilt.error().message;
+    EXPECT_FALSE(*spoilt);
+    const auto corrected = findArithmetic(gl, {}, true);
+    ASSERT_TRUE(corrected) << corrected.error().message;
+    EXPECT_NE(corrected->rounding, Rounding::Own);
+    EXPECT_TRUE(corrected->exact);
 }
 
 TEST(GlContexts, LiveSideBySideInOneProcess) {

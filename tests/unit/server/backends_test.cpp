@@ -22,6 +22,7 @@ TEST(Backends, ALineHowToAskForItAndOneWhatItIs) {
     rasteriser.renderer = "llvmpipe";
     rasteriser.version = "4.5";
     rasteriser.eglDevice = 1;
+    rasteriser.exact = false;
     cpu.name = "cpu";
     cpu.vendor = "Scancast";
     cpu.renderer = "x86-64-v3";
@@ -32,11 +33,11 @@ TEST(Backends, ALineHowToAskForItAndOneWhatItIs) {
     EXPECT_EQ(backendsText(all),
               "--backend=egl --egl-device=0    NVIDIA H100\n"
               "    NVIDIA Corporation, 4.6.0 NVIDIA 535, hardware, 80.0 GiB of memory, 64-bit atomics, "
-              "/dev/dri/renderD128\n"
+              "rounds exactly, tells resets, /dev/dri/renderD128\n"
               "--backend=cpu                   x86-64-v3\n"
               "    Scancast, kernels 1\n"
               "--backend=egl --egl-device=1    llvmpipe\n"
-              "    Mesa, 4.5, software, memory unknown, no 64-bit atomics\n"
+              "    Mesa, 4.5, software, memory unknown, no 64-bit atomics, rounds approximately\n"
               "--backend=osmesa                does not open\n"
               "    Install libosmesa6.\n"
               "hardware: Scancast has not yet run on a GPU, only on software drivers. It is expected to "

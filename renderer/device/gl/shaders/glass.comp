@@ -2,6 +2,7 @@
 // seen, the reflected pixels instead of what is there; 0: its tint, and its own depth.
 #version 450 core
 #include "layouts_screen.glsl"
+#include "exact.glsl"
 
 layout(local_size_x = 32, local_size_y = 8) in;
 
@@ -29,7 +30,7 @@ bool seesGlass(ivec2 at, float scene, out float depth) {
     float up = linearAt(glass.upAt, pixel);
     float edge = perspective ? linear : 1.0;
     bool inFront = linear > 0.0;
-    precise float inverse = 1.0 / (inFront ? linear : 1.0);
+    float inverse = quotient(1.0, inFront ? linear : 1.0);
     depth = perspective ? inverse : linear;
     precise float front = depth - glass.depthAt.w;
     return inFront && right <= edge && right >= -edge && up <= edge && up >= -edge && front <= scene;

@@ -5,6 +5,7 @@
 // to shared memory: (16 >> level) + 4 on a side.
 #version 450 core
 #include "layouts_screen.glsl"
+#include "exact.glsl"
 #include "pyramid.glsl"
 #include "unproject.glsl"
 
@@ -94,6 +95,13 @@ uint leavingFrom(ivec2 at, int reach) {
     return (before.x ? 0x29u : 0u) | (behind.x ? 0x94u : 0u) | (before.y ? 0x07u : 0u) | (behind.y ? 0xe0u : 0u);
 }
 
+// Whether what lies at depth `front` is far enough in front. Nobody is there where that is infinite: background behind
+// nobody must not be a matter of infinity minus infinity, since a driver need not know what is not a number.
+bool occludes(float front, float depth) {
+    precise float gap = depth - front;
+    return front <= finiteDepths && gap >= pyramid.hide.x;
+}
+
 // Sectors with somebody in front, as bits.
 uint occupiedAround(ivec2 at, ivec2 corner, int reach, float depth) {
     float nearest[8] = float[](infinity, infinity, infinity, infinity, infinity, infinity, infinity, infinity);
@@ -107,8 +115,7 @@ uint occupiedAround(ivec2 at, ivec2 corner, int reach, float depth) {
     }
     uint occupied = 0u;
     for (int s = 0; s < 8; ++s) {
-        precise float gap = depth - nearest[s];
-        if (gap >= pyramid.hide.x) occupied |= 1u << s;
+        if (occludes(nearest[s], depth)) occupied |= 1u << s;
     }
     return occupied;
 }
@@ -129,16 +136,17 @@ Judged judged(ivec2 at, float depth) {
 
 // The squared cosine between the direction from x to y and that from y to the eye; 0 where y does not occlude.
 float squaredCosine(Judged own, vec4 y) {
+    if (!occludes(y.x, own.depth)) return 0.0;
     precise float gap = own.depth - y.x;
-    if (!(gap >= pyramid.hide.x)) return 0.0;
     precise float dx = own.background ? own.place.x : own.place.x - y.y;
     precise float dy = own.background ? own.place.y : own.place.y - y.z;
     float dz = own.background ? 1.0 : gap;
     precise float distance2 = dx * dx + dy * dy + dz * dz;
     precise float inner = dx * y.y + dy * y.z + dz * y.x;
     float along = perspective() ? (inner > 0.0 ? inner : 0.0) : dz;
-    precise float squared = along * along / (perspective() ? distance2 * y.w : distance2);
-    return squared;
+    precise float along2 = along * along;
+    precise float scale = perspective() ? distance2 * y.w : distance2;
+    return quotient(along2, scale);
 }
 
 // Sum of 1 - cosine over the sectors that count; `exact`, or an upper bound without roots.
@@ -146,7 +154,7 @@ float occlusion(float best[8], uint leaving, bool exact) {
     precise float sum = 0.0;
     for (int s = 0; s < 8; ++s) {
         float bounded = best[s] < 1.0 ? best[s] : 1.0;
-        precise float open = 1.0 - (exact ? sqrt(bounded) : bounded);
+        precise float open = 1.0 - (exact ? root(bounded) : bounded);
         if ((leaving >> s & 1u) == 0u) sum += open;
     }
     return sum;

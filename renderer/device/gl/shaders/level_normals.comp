@@ -1,6 +1,7 @@
 // Normals of all levels but the picture's, one after another in the work groups: methods.md section 8 step 5.
 #version 450 core
 #include "layouts_screen.glsl"
+#include "exact.glsl"
 #include "pyramid.glsl"
 
 layout(local_size_x = 256) in;

@@ -2,6 +2,7 @@
 // (kernels/screen.hpp).
 #version 450 core
 #include "layouts_screen.glsl"
+#include "exact.glsl"
 
 layout(local_size_x = 32, local_size_y = 8) in;
 

@@ -2,6 +2,7 @@
 // (kernels/shade.hpp). Pixels without a normal stay.
 #version 450 core
 #include "layouts_screen.glsl"
+#include "exact.glsl"
 
 layout(local_size_x = 32, local_size_y = 8) in;
 
@@ -19,7 +20,8 @@ vec3 toEye(ivec2 at) {
     if (pass.eye.z == 0.0) return vec3(0.0, 0.0, 1.0);
     precise float x = (pass.eye.x + float(pass.size.z + at.x)) * pass.eye.z;
     precise float y = -((pass.eye.y + float(pass.size.w + at.y)) * pass.eye.z);
-    precise float inverse = 1.0 / sqrt(x * x + y * y + 1.0);
+    precise float length2 = x * x + y * y + 1.0;
+    float inverse = quotient(1.0, root(length2));
     precise vec3 v = vec3(-x * inverse, -y * inverse, inverse);
     return v;
 }
@@ -35,7 +37,8 @@ vec2 brightnessOf(vec3 n, vec3 v) {
     precise float hz = v.z + light;
     precise float halfway = side * (n.x * hx + n.y * hy + n.z * hz);
     // The halfway vector is never 0: the light stands behind the viewer, v before him.
-    precise float shine = (halfway > 0.0 ? halfway : 0.0) / sqrt(hx * hx + hy * hy + hz * hz);
+    precise float length2 = hx * hx + hy * hy + hz * hz;
+    precise float shine = quotient(halfway > 0.0 ? halfway : 0.0, root(length2));
     for (int doubled = 0; doubled < 5; ++doubled) shine = shine * shine;
     precise float diffuse = pass.shares.x + pass.shares.y * (side * facing) + pass.shares.z * lit;
     precise float specular = (pass.shares.w * 255.0) * shine;

@@ -2,6 +2,7 @@
 // 5; as the cpu device computes it (kernels/depth_normals.hpp).
 #version 450 core
 #include "layouts_screen.glsl"
+#include "exact.glsl"
 #include "pyramid.glsl"
 
 layout(local_size_x = 32, local_size_y = 8) in;
@@ -22,7 +23,7 @@ float depthAt(int level, ivec2 at) {
 // A level's bilinear value; level >= 1.
 vec3 levelValue(int level, ivec2 at) {
     ivec2 size = sizeOf(level);
-    float texels = 1.0 / float(1 << level);
+    float texels = intBitsToFloat((127 - level) << 23);  // 1 / 2^level
     precise vec2 place = (vec2(at) + 0.5) * texels - 0.5;
     precise vec2 f = place - floor(place);
     ivec2 before = ivec2(floor(place)), first = max(before, ivec2(0)), second = min(before + 1, size - 1);
@@ -38,7 +39,7 @@ vec3 levelValue(int level, ivec2 at) {
 
 // The level that a depth calls for.
 float levelOf(float depth) {
-    precise float size = pyramid.normals.x / (perspective() ? depth : 1.0);
+    float size = quotient(pyramid.normals.x, perspective() ? depth : 1.0);
     float wished = log2Of(size > pyramid.normals.y ? size : pyramid.normals.y);
     float last = float(pyramid.normalLevels.y - 1);
     wished = wished > 0.0 ? wished : 0.0;

@@ -1,11 +1,12 @@
 // log2 and 2^x as the cpu device computes them (kernels/screen.hpp), operation by operation: a driver's own differ
-// from one to the next.
+// from one to the next. Needs exact.glsl.
 
 float log2Of(float value) {
     int bits = floatBitsToInt(value);
     int exponent = (bits - 0x3f3504f3) >> 23;
     float m = intBitsToFloat(bits - exponent * (1 << 23));
-    precise float s = (m - 1.0) / (m + 1.0);
+    precise float below = m - 1.0, above = m + 1.0;
+    precise float s = quotient(below, above);
     precise float s2 = s * s;
     precise float series = 0.41219858 + s2 * 0.32059890;
     precise float log2m = s * (2.88539008 + s2 * (0.96179669 + s2 * (0.57707802 + s2 * series)));

@@ -1,6 +1,6 @@
 // First half of a splat pass: a sample's words -> place on the picture, depth, size. Operation by operation what the cpu
-// device computes (kernels/project.hpp), in the same order, so that both draw the same picture. Needs `pass`, SplatRun
-// and splat_tables.glsl. Variants: PERSPECTIVE, FILTERS 0 or 1.
+// device computes (kernels/project.hpp), in the same order, so that both draw the same picture. Needs `pass`, SplatRun,
+// exact.glsl and splat_tables.glsl. Variants: PERSPECTIVE, FILTERS 0 or 1.
 
 struct Placed {
     float x, y;    // px in the whole picture
@@ -44,6 +44,13 @@ float radiusRatio(SplatRun run, uvec4 words) {
     return radius > 0.0 ? ratio : 1.0;
 }
 
+// Of the pass. Not by its index: a vector that is indexed by what only the GPU knows is put into slow memory by some compilers,
+// and the whole run with it.
+float sizeFactor(vec4 factors) {
+    int stage = pass.flags.x;
+    return stage == 0 ? factors.x : stage == 1 ? factors.y : stage == 2 ? factors.z : factors.w;
+}
+
 // False: it is not drawn.
 bool placeSample(SplatRun run, uvec4 words, out Placed placed) {
     float sx = float(words.x & 0xffffu);
@@ -58,14 +65,14 @@ bool placeSample(SplatRun run, uvec4 words, out Placed placed) {
     precise float across = a.x * sx + (a.y * sy + (a.z * sz + a.w));
     precise float down = b.x * sx + (b.y * sy + (b.z * sz + b.w));
 #if PERSPECTIVE
-    precise float inverse = 1.0 / depth;
+    float inverse = quotient(1.0, depth);
 #else
     float inverse = 1.0;
 #endif
     precise float x = pass.view.x + across * inverse;
     precise float y = pass.view.y + down * inverse;
     placed.ratio = radiusRatio(run, words);
-    precise float wanted = run.sizeFactors[pass.flags.x] * placed.ratio;
+    precise float wanted = sizeFactor(run.sizeFactors) * placed.ratio;
     precise float size = wanted * inverse;
     placed.x = clamp(x, -outsidePx, outsidePx);
     placed.y = clamp(y, -outsidePx, outsidePx);

@@ -2,6 +2,7 @@
 // step 4; as the cpu device computes it (kernels/pull_push.hpp).
 #version 450 core
 #include "layouts_screen.glsl"
+#include "exact.glsl"
 #include "pyramid.glsl"
 
 layout(std430, binding = 0) readonly buffer Colors { uint colors[]; };
@@ -32,7 +33,7 @@ vec4 mergedOf(vec4 a, vec4 b, vec4 c, vec4 d) {
             count += 1.0;
         }
     }
-    precise float share = 1.0 / (count > 0.0 ? count : 1.0);
+    float share = quotient(1.0, count > 0.0 ? count : 1.0);
     precise vec4 mean = sum * share;
     return count > 0.0 ? mean : nothing;
 }

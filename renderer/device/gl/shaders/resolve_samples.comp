@@ -3,6 +3,7 @@
 #version 450 core
 #include "splat_kinds.glsl"
 #include "layouts_splat.glsl"
+#include "exact.glsl"
 #include "resolve_area.glsl"
 #include "read_keys.glsl"
 

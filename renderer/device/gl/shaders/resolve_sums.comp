@@ -2,6 +2,7 @@
 // Variants: KEYS64, SUM_NORMALS, NORMALS 0 or 1.
 #version 450 core
 #include "layouts_splat.glsl"
+#include "exact.glsl"
 #include "resolve_area.glsl"
 #include "read_keys.glsl"
 #include "normal_plane.glsl"
@@ -48,7 +49,7 @@ void main() {
     if (!pixelHere(at, pixel, place)) return;
     uvec2 weight = sumAt(pixel, 0u);
     if (keyOrder(pixel) >= infiniteOrder || (weight.x | weight.y) == 0u) return;
-    precise float inverse = 1.0 / toFloat(weight);
+    float inverse = quotient(1.0, toFloat(weight));
     uint mean = 0xff000000u;
     for (uint c = 0u; c < 3u; ++c) {
         precise float channel = toFloat(sumAt(pixel, 1u + c)) * inverse + 0.5;

@@ -1,5 +1,5 @@
 // Normals of samples, out of their 8 + 8 bits and into view space, as kernels/normal_plane.hpp and view_normals.hpp do.
-// Needs `pass.rotation`.
+// Needs `pass.rotation` and exact.glsl.
 
 // Cloud space, of any length: the direction is exact. (0, 0, 0) where there is none.
 vec3 sampleDirection(uint code) {
@@ -15,7 +15,7 @@ vec3 sampleDirection(uint code) {
 vec3 sampleNormal(uint code) {
     vec3 n = sampleDirection(code);
     precise float length2 = n.x * n.x + n.y * n.y + n.z * n.z;
-    precise float inverse = 1.0 / sqrt(length2 > 0.0 ? length2 : 1.0);
+    float inverse = quotient(1.0, root(length2 > 0.0 ? length2 : 1.0));
     precise vec3 unit = n * inverse;
     return unit;
 }

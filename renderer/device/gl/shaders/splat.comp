@@ -19,6 +19,7 @@ layout(std430, binding = 1) readonly buffer Runs { SplatRun runs[]; };
 layout(std430, binding = 2) readonly buffer Chunks { SplatChunk chunks[]; };
 layout(location = 0) uniform uint firstChunk;
 
+#include "exact.glsl"
 #include "splat_tables.glsl"
 #include "colors.glsl"
 #include "project.glsl"

@@ -31,8 +31,7 @@ bool setUp(SplatRun run, uvec4 words, Placed placed, uint color, out Footprint f
     f.box = ivec4(min(ivec2(low), f.centre), max(ivec2(high), f.centre));
     precise float half2 = h * h;
     f.half2 = half2;
-    precise float inverse = 1.0 / half2;
-    f.inverse = inverse;
+    f.inverse = quotient(1.0, half2);
 #if PERSPECTIVE
     precise float radius = (h * pass.size.z) * placed.depth;
 #else
@@ -57,6 +56,6 @@ void drawFragment(Footprint f, ivec2 at, uint pixel) {
     if (!(s <= f.half2) && at != f.centre) return;
     precise float rest = 1.0 - s * f.inverse;
     float bounded = max(rest, 0.0);
-    precise float weight = bounded * sqrt(bounded);
+    precise float weight = bounded * root(bounded);
     addFragment(pixel, weight, f.addends);
 }

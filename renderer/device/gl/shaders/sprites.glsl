@@ -20,21 +20,21 @@ float riseOf(float depth, float h) {
 #if SHAPE == SHAPE_SPHERE_CIRCLE
     return borderDepth;
 #elif SHAPE == SHAPE_CONE_SQUARE || SHAPE == SHAPE_CONE_CIRCLE
-    precise float perPx = borderDepth / h;
-    return perPx;
+    return quotient(borderDepth, h);
 #else
-    precise float perPx2 = borderDepth / (h * h);
-    return perPx2;
+    precise float h2 = h * h;
+    return quotient(borderDepth, h2);
 #endif
 }
 
 float orderOf(float depth, float rise, float distance2, float h) {
     precise float order = depth;
 #if SHAPE == SHAPE_SPHERE_CIRCLE
-    precise float rest = 1.0 - distance2 / (h * h);
-    order = depth + rise * (1.0 - sqrt(max(rest, 0.0)));
+    precise float h2 = h * h;
+    precise float rest = 1.0 - quotient(distance2, h2);
+    order = depth + rise * (1.0 - root(max(rest, 0.0)));
 #elif SHAPE == SHAPE_CONE_SQUARE || SHAPE == SHAPE_CONE_CIRCLE
-    order = depth + rise * sqrt(distance2);
+    order = depth + rise * root(distance2);
 #elif SHAPE == SHAPE_PARABOLOID_SQUARE || SHAPE == SHAPE_PARABOLOID_CIRCLE
     order = depth + rise * distance2;
 #endif
@@ -63,8 +63,8 @@ bool setUp(SplatRun run, uvec4 words, Placed placed, uint payload, out Footprint
     float h = f.halfPx;
     f.rise = riseOf(f.depth, h);
     float atLeastHalf = max(h, 0.5);
-    precise float scale = 127.5 / (atLeastHalf * atLeastHalf);
-    f.distance = scale;
+    precise float atLeastHalf2 = atLeastHalf * atLeastHalf;
+    f.distance = quotient(127.5, atLeastHalf2);
     precise vec2 low = (vec2(f.x, f.y) - h) - 0.5;
 #if SHAPE == SHAPE_FLAT_SQUARE || SHAPE == SHAPE_PARABOLOID_SQUARE || SHAPE == SHAPE_CONE_SQUARE
     // What lies exactly on a square's lower border is not covered, as this finds it, however covers() rounds.

@@ -1,6 +1,6 @@
 // Normals from the depths of one level: central differences; towards a side without depth, outside, or across an
 // outline, one-sided ones. methods.md section 8 step 5; as the cpu device computes it (kernels/depth_normals.hpp).
-// After pyramid.glsl; whoever includes this defines depthAt(), of a texel inside the level.
+// After exact.glsl and pyramid.glsl; whoever includes this defines depthAt(), of a texel inside the level.
 
 float depthAt(int level, ivec2 at);
 
@@ -21,7 +21,8 @@ float riseOf(float depth, float side) {
 }
 
 float shareOf(float own, float other, float least, float depth) {
-    precise float s = 2.0 - own / (least + outlineSteepness * other);
+    precise float size = least + outlineSteepness * other;
+    precise float s = 2.0 - quotient(own, size);
     s = s > 0.0 ? s : 0.0;
     s = s < 1.0 ? s : 1.0;
     return depth < finiteDepths ? s : 0.0;
@@ -62,7 +63,7 @@ vec3 normalAt(int level, ivec2 at) {
     precise float square = nx * nx + ny * ny + nz * nz;
     // Nothing to compare with: facing the viewer.
     if (!(square > 1e-37 && square < finiteDepths)) return vec3(0.0, 0.0, 1.0);
-    precise float scale = 1.0 / sqrt(square);
+    float scale = quotient(1.0, root(square));
     precise vec3 unit = vec3(nx, ny, nz) * scale;
     return unit;
 }

@@ -13,7 +13,7 @@ float bell(float x) {
 // Below, `c` tells the depth: d / c in perspective, else the depth itself.
 float depthOf(Footprint f, float c) {
 #if PERSPECTIVE
-    precise float depth = f.depth / c;
+    float depth = quotient(f.depth, c);
     return depth;
 #else
     return c;
@@ -58,9 +58,9 @@ bool nearVisible(Footprint f, float c, uint pixel) {
 #if SHAPE == SHAPE_DISC
 // Distance from the centre in radii; at most 1, also in the centre's pixel.
 float placeOnDisc(float square, float c) {
-    precise float place = sqrt(square);
+    float place = root(square);
 #if PERSPECTIVE
-    place = place / c;
+    place = quotient(place, c);
 #endif
     return min(place, 1.0);
 }

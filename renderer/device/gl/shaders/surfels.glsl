@@ -57,7 +57,7 @@ bool facesRight(Pose p) {
 float halfPixels(float radius, float depth) {
     precise float px = radius * pass.surfel.x;
 #if PERSPECTIVE
-    precise float seen = px / depth;
+    float seen = quotient(px, depth);
 #else
     float seen = px;
 #endif
@@ -85,9 +85,10 @@ bool poseOf(SplatRun run, uvec4 words, Placed placed, float radiusFactor, out Po
     p.unitsPerPx = unitsPerPx;
     if (radiusCode(words) == outlierCode || !facesRight(p)) return false;
     p.m = m < 0.0 ? min(m, -leastCosine) : max(m, leastCosine);
-    precise float slant = sqrt(p.n.x * p.n.x + p.n.y * p.n.y);
+    precise float slant2 = p.n.x * p.n.x + p.n.y * p.n.y;
+    float slant = root(slant2);
     bool facing = slant < 1e-6;
-    precise float inverse = 1.0 / (facing ? 1.0 : slant);
+    float inverse = quotient(1.0, facing ? 1.0 : slant);
     precise vec2 across = p.n.xy * inverse;
     p.slant = slant;
     p.across = facing ? vec2(1.0, 0.0) : across;
@@ -98,8 +99,8 @@ bool poseOf(SplatRun run, uvec4 words, Placed placed, float radiusFactor, out Po
 
 // Sets the box: pixels whose centres lie inside, and the one that holds the surfel's centre.
 void setOutline(Outline o, inout Footprint f, out Rows rows) {
-    precise vec2 halfSize = sqrt(max(o.v.xz, vec2(0.0, leastHalf * leastHalf)));
-    precise float inverseY = 1.0 / halfSize.y;
+    vec2 halfSize = vec2(root(max(o.v.x, 0.0)), root(max(o.v.z, leastHalf * leastHalf)));
+    float inverseY = quotient(1.0, halfSize.y);
     precise float skew = (o.v.y * inverseY) * inverseY;
     precise float rest = o.v.x - o.v.y * skew;
     precise vec2 first = 0.5 - (vec2(f.x, f.y) + (o.middle - halfSize));
@@ -111,14 +112,14 @@ void setOutline(Outline o, inout Footprint f, out Rows rows) {
                   ivec2(max(floor(clamp(last, -most, most)), centre)));
     rows.inverseY = inverseY;
     rows.skew = skew;
-    rows.narrow = sqrt(max(rest, 0.0));
+    rows.narrow = root(max(rest, 0.0));
 }
 
 void setCommon(Placed placed, Pose p, uint payload, inout Footprint f) {
     f.payload = payload;
     float atLeastHalf = max(p.halfPx, 0.5);
-    precise float distance = 127.5 / (atLeastHalf * atLeastHalf);
-    f.distance = distance;
+    precise float atLeastHalf2 = atLeastHalf * atLeastHalf;
+    f.distance = quotient(127.5, atLeastHalf2);
 #if REDUCTION == REDUCTION_SUM
     // Turned to the eye unless a side is known; in view space y is up and z towards the viewer.
     vec3 n = vec3(p.n.x, -p.n.y, -p.n.z);
@@ -137,7 +138,8 @@ Outline outlineOf(Pose p, float halfPx) {
 #if PERSPECTIVE
     float pixel = pass.surfel.y;
     precise float e = h2 * (pixel * pixel);
-    precise float grown = h2 / (1.0 - e * (1.0 - p.n.z * p.n.z));
+    precise float shrunk = 1.0 - e * (1.0 - p.n.z * p.n.z);
+    float grown = quotient(h2, shrunk);
     precise float middleX = (grown * pixel) * (p.u + x * p.n.z);
     precise float middleY = (grown * pixel) * (p.v + y * p.n.z);
     precise float vxx = middleX * middleX + grown * max(xx, 0.0);
@@ -164,7 +166,8 @@ bool setUp(SplatRun run, uvec4 words, Placed placed, uint payload, out Footprint
     halfPx = min(reached, pass.extent.y);
 #endif
 #endif
-    precise float inverse = 1.0 / (halfPx * p.m);
+    precise float towards = halfPx * p.m;
+    float inverse = quotient(1.0, towards);
     precise float sx = (p.v * p.slant + p.across.y * p.n.z) * inverse;
     precise float sy = -((p.u * p.slant + p.across.x * p.n.z) * inverse);
     precise vec2 t = p.across * inverse;
@@ -188,7 +191,7 @@ bool setUp(SplatRun run, uvec4 words, Placed placed, uint payload, out Footprint
 }
 #else
 // renderer/cloud/surfel_codec.hpp
-const float majorAxisPerRadius = 1.36, axisRatioStep = 0.75 / 7.0;
+const float majorAxisPerRadius = 1.36, axisRatioStep = 0.10714286;  // 0.75 / 7
 
 // Of a unit normal in cloud space, one unit long: Frisvad's frame, turned by the code's angle.
 vec3 majorAxis(vec3 n, uint code) {
@@ -198,7 +201,7 @@ vec3 majorAxis(vec3 n, uint code) {
     bool down = n.z < 0.0, pole = down && across == 0.0;
     precise float above = down ? 1.0 - n.z : 1.0;
     precise float below = down ? across : 1.0 + n.z;
-    precise float a = above / (pole ? 1.0 : below);
+    float a = quotient(above, pole ? 1.0 : below);
     precise float b = -n.x * n.y * a;
     precise float firstX = pole ? 0.0 : 1.0 - n.x * n.x * a, secondY = pole ? 0.0 : 1.0 - n.y * n.y * a;
     float firstY = pole ? -1.0 : b, secondX = pole ? -1.0 : b;
@@ -231,22 +234,24 @@ void setAxes(Pose p, uint code, out Axes axes) {
 float depthRange(Pose p, Axes axes) {
     float steep = abs(p.n.z);
     precise float limit = 8.0 * steep;
-    precise float open = p.slant / max(steep, 0.1);
+    float open = quotient(p.slant, max(steep, 0.1));
     precise float blur = pass.blur.y * (p.slant < limit ? open : 8.0);
-    precise float range = sqrt(axes.a.z * axes.a.z + axes.b.z * axes.b.z + blur * blur);
-    return range;
+    precise float range2 = axes.a.z * axes.a.z + axes.b.z * axes.b.z + blur * blur;
+    return root(range2);
 }
 
 void setDepths(Pose p, float range, inout Footprint f) {
 #if PERSPECTIVE
-    precise float perM = 1.0 / (p.m * pass.surfel.x);
+    precise float towards = p.m * pass.surfel.x;
+    float perM = quotient(1.0, towards);
     // 1 / (1 + share) and 1 / (1 - share), by one division.
     precise float share = range * pass.surfel.y;
     precise float front = max(1.0 - share, 1e-6), back = 1.0 + share;
-    precise float both = 1.0 / (front * back);
+    precise float area = front * back;
+    float both = quotient(1.0, area);
     precise float low = front * both, high = back * both;
 #else
-    precise float perM = -p.unitsPerPx / p.m;
+    float perM = quotient(-p.unitsPerPx, p.m);
     precise float low = f.depth - range * p.unitsPerPx, high = f.depth + range * p.unitsPerPx;
 #endif
     precise vec2 slope = p.n.xy * perM;
@@ -274,7 +279,7 @@ bool setUp(SplatRun run, uvec4 words, Placed placed, uint payload, out Footprint
     precise float vyy = ay * ay + by * by + pass.blur.x;
     Rows rows;
     setOutline(Outline(vec2(0.0), vec3(vxx, vxy, vyy)), f, rows);
-    precise float inverse = 1.0 / max(rows.narrow, leastHalf);
+    float inverse = quotient(1.0, max(rows.narrow, leastHalf));
     precise float sy = -(rows.skew * inverse);
     f.s = vec2(inverse, sy);
     f.t = vec2(0.0, rows.inverseY);

@@ -4,6 +4,13 @@
 
 namespace scancast {
 
+std::vector<std::optional<SampleRun>> SampleStore::findAll(std::span<const std::uint32_t> nodes) {
+    std::vector<std::optional<SampleRun>> found;
+    found.reserve(nodes.size());
+    for (const std::uint32_t node : nodes) found.push_back(find(node));
+    return found;
+}
+
 namespace {
 
 class MemoryStore final : public SampleStore {

@@ -35,6 +35,8 @@ class SampleStore {
     virtual ~SampleStore() = default;
     /// What is in memory now; never waits. Marks it as used.
     virtual std::optional<SampleRun> find(std::uint32_t node) = 0;
+    /// The same for many, in the order asked for: a lock is taken once at most.
+    virtual std::vector<std::optional<SampleRun>> findAll(std::span<const std::uint32_t> nodes);
     /// Loads it if need be, and waits for that. Errors: Malformed, Truncated, Io for a damaged block;
     /// Cancelled.
     virtual Expected<SampleRun> load(std::uint32_t node, std::stop_token stop = {}) = 0;

@@ -55,6 +55,7 @@ class Cache final : public BlockCache, public std::enable_shared_from_this<Cache
     void stop() override;
 
     std::optional<SampleRun> find(CachedCloud& cloud, std::uint32_t node);
+    std::vector<std::optional<SampleRun>> findAll(CachedCloud& cloud, std::span<const std::uint32_t> nodes);
     std::vector<Expected<SampleRun>> loadAll(CachedCloud& cloud, std::span<const std::uint32_t> nodes,
                                              const std::stop_token& stop);
     void request(CachedCloud& cloud, std::uint64_t requester, std::vector<Wish> wishes);
@@ -103,6 +104,9 @@ class ResidentStore final : public SampleStore {
     ~ResidentStore() override { cache_->remove(*cloud_); }
 
     std::optional<SampleRun> find(std::uint32_t node) override { return cache_->find(*cloud_, node); }
+    std::vector<std::optional<SampleRun>> findAll(std::span<const std::uint32_t> nodes) override {
+        return cache_->findAll(*cloud_, nodes);
+    }
     Expected<SampleRun> load(std::uint32_t node, std::stop_token stop) override {
         return std::move(cache_->loadAll(*cloud_, std::span(&node, 1), stop).front());
     }
@@ -162,6 +166,16 @@ std::optional<SampleRun> Cache::find(CachedCloud& cloud, std::uint32_t node) {
     auto block = table_.use(cloud, node, time);
     if (!block) return std::nullopt;
     return runOf(std::move(block));
+}
+
+std::vector<std::optional<SampleRun>> Cache::findAll(CachedCloud& cloud,
+                                                     std::span<const std::uint32_t> nodes) {
+    std::vector<std::optional<SampleRun>> found(nodes.size());
+    const BlockTable::Time time = now();
+    const Lock lock(monitor_);
+    for (std::size_t i = 0; i < nodes.size(); ++i)
+        if (auto block = table_.use(cloud, nodes[i], time)) found[i] = runOf(std::move(block));
+    return found;
 }
 
 bool Cache::damaged(CachedCloud& cloud, std::uint32_t node) {

@@ -11,16 +11,30 @@ namespace scancast {
 
 namespace {
 
+/// Nothing is missing that drawing may not upload as it goes.
+bool fits(const Octree& octree, std::span<Cut* const> cuts, const DeviceMemory& memory) {
+    std::uint64_t all = 0, missing = 0;
+    std::vector<bool> seen(octree.nodes().size());
+    for (const Cut* cut : cuts) {
+        for (const CutRun& run : cut->runs) {
+            if (seen[run.nodeIndex]) continue;
+            seen[run.nodeIndex] = true;
+            const std::uint32_t samples = run.node->sampleCount;
+            all += samples;
+            if (!memory.has(octree.source(), run.nodeIndex, samples)) missing += samples;
+        }
+    }
+    return missing == 0 || (missing <= memory.frameBudget() && all <= memory.capacity());
+}
+
 class DeviceProvision {
   public:
     DeviceProvision(const Octree& octree, std::span<Cut* const> cuts, DeviceMemory& memory)
-        : octree_(octree), cuts_(cuts), memory_(memory), runs_(octree) {
-        for (const Cut* cut : cuts_)
-            for (const CutRun& run : cut->runs) runs_.give(run.nodeIndex, {run.samples, run.limits, {}});
-    }
+        : octree_(octree), cuts_(cuts), memory_(memory), runs_(octree) {}
 
     Expected<void> provide(const std::stop_token& stop) {
-        if (fits()) return {};
+        for (const Cut* cut : cuts_)
+            for (const CutRun& run : cut->runs) runs_.give(run.nodeIndex, {run.samples, run.limits, {}});
         // In this order: what must be there, what is there and wanted, what is to come.
         add(0);
         for (const Cut* cut : cuts_)
@@ -37,19 +51,6 @@ class DeviceProvision {
   private:
     bool isThere(std::uint32_t node) const {
         return memory_.has(octree_.source(), node, octree_.node(node).sampleCount);
-    }
-
-    /// Nothing is missing that drawing may not upload as it goes.
-    bool fits() const {
-        std::uint64_t all = 0, missing = 0;
-        std::unordered_set<std::uint32_t> seen;
-        for (const Cut* cut : cuts_)
-            for (const CutRun& run : cut->runs) {
-                if (!seen.insert(run.nodeIndex).second) continue;
-                all += run.node->sampleCount;
-                if (!isThere(run.nodeIndex)) missing += run.node->sampleCount;
-            }
-        return missing == 0 || (missing <= memory_.frameBudget() && all <= memory_.capacity());
     }
 
     void add(std::uint32_t node) {
@@ -106,7 +107,7 @@ class DeviceProvision {
 
 Expected<void> provideOnDevice(const Octree& octree, std::span<Cut* const> cuts, DeviceMemory& memory,
                                const std::stop_token& stop) {
-    if (octree.nodes().empty()) return {};
+    if (octree.nodes().empty() || fits(octree, cuts, memory)) return {};
     return DeviceProvision(octree, cuts, memory).provide(stop);
 }
 

@@ -17,14 +17,25 @@ constexpr std::size_t mostWishes = 4096;
 // positive, and these are below.
 constexpr double aheadUrgency = -1e9;
 
+std::vector<std::uint32_t> nodesOf(const Cut& cut) {
+    std::vector<std::uint32_t> nodes;
+    nodes.reserve(cut.runs.size());
+    for (const CutRun& run : cut.runs) nodes.push_back(run.nodeIndex);
+    return nodes;
+}
+
 class Provision {
   public:
     Provision(const Octree& octree, Cut wanted, const ProvideOptions& options)
         : octree_(octree), options_(options), cut_(std::move(wanted)), runs_(octree) {}
 
     Expected<Cut> provide(const std::stop_token& stop) {
+        const std::vector<std::uint32_t> wanted = nodesOf(cut_);
         if (options_.wait) {
-            if (auto loaded = loadWanted(stop); !loaded) return tl::unexpected(std::move(loaded.error()));
+            if (auto loaded = loadWanted(wanted, stop); !loaded)
+                return tl::unexpected(std::move(loaded.error()));
+        } else {
+            runs_.ask(wanted);
         }
         const AtHand atHand = [&](std::uint32_t node) { return runs_.has(node); };
         if (!options_.wait && options_.request) request(atHand);
@@ -38,9 +49,7 @@ class Provision {
     std::uint32_t parent(std::uint32_t node) const { return octree_.node(node).parent; }
 
     /// Damaged blocks fall back on their ancestors, which are loaded in turn.
-    Expected<void> loadWanted(const std::stop_token& stop) {
-        std::vector<std::uint32_t> nodes;
-        for (const CutRun& run : cut_.runs) nodes.push_back(run.nodeIndex);
+    Expected<void> loadWanted(std::vector<std::uint32_t> nodes, const std::stop_token& stop) {
         while (!nodes.empty()) {
             if (auto loaded = runs_.load(nodes, stop); !loaded) return loaded;
             std::vector<std::uint32_t> above;
@@ -76,6 +85,7 @@ class Provision {
 
     void fill() {
         cut_.keep.clear();
+        cut_.keep.reserve(cut_.runs.size());
         for (CutRun& run : cut_.runs) {
             const SampleRun& samples = runs_.run(run.nodeIndex);
             run.samples = samples.samples;

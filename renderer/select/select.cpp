@@ -156,6 +156,7 @@ class Selection {
     }
 
     void drawLeaves() {
+        cut_.runs.reserve(octree_.nodes().size());
         for (std::uint32_t i = 0; i < octree_.nodes().size(); ++i) {
             ++cut_.nodesVisited;
             if (octree_.node(i).isLeaf()) draw(i);

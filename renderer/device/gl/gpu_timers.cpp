@@ -1,5 +1,6 @@
 #include "renderer/device/gl/gpu_timers.hpp"
 
+#include <algorithm>
 #include <cassert>
 
 namespace scancast::gl {
@@ -71,14 +72,21 @@ void StageTimes::end() {
     }
 }
 
+void StageTimes::addHost(std::string stage, double milliseconds) {
+    Stage& added = *stages_.insert(stages_.begin(), Stage{std::move(stage)});
+    added.hostMs = milliseconds;
+}
+
 Expected<void> StageTimes::collect(FrameStats& stats) {
     assert(depth_ == 0);
     const GlFunctions& gl = timers_->gl_;
     if (!waited_) return waited_;
     // Reading a result waits without a deadline; a fence has one.
-    if (timers_->clock_ == GpuTimers::Clock::Gpu && !stages_.empty()) {
+    const auto last =
+        std::ranges::find_if(stages_.rbegin(), stages_.rend(), [](const Stage& s) { return s.ended != 0; });
+    if (last != stages_.rend()) {
         GLuint64 isThere = GL_FALSE;
-        gl.GetQueryObjectui64v(stages_.back().ended, GL_QUERY_RESULT_AVAILABLE, &isThere);
+        gl.GetQueryObjectui64v(last->ended, GL_QUERY_RESULT_AVAILABLE, &isThere);
         if (!isThere) {
             if (auto done = waitForGpu(gl); !done) return done;
         }

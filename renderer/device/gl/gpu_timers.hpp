@@ -45,6 +45,8 @@ class GpuTimers {
 /// The stages of one picture, in the order in which they began. A stage inside another is a part of that one.
 class StageTimes {
   public:
+    using HostClock = std::chrono::steady_clock;
+
     explicit StageTimes(GpuTimers& timers) : timers_(&timers) {}
     StageTimes(StageTimes&& other) noexcept = default;
     StageTimes& operator=(StageTimes&&) = delete;
@@ -52,6 +54,8 @@ class StageTimes {
 
     void begin(std::string stage);
     void end();
+    /// What the host did, by its own clock, and before all stages of the GPU's. Adds to others of that name.
+    void addHost(std::string stage, double milliseconds);
 
     /// Ends its stage with itself.
     class Scope {
@@ -65,12 +69,29 @@ class StageTimes {
         StageTimes& times_;
     };
 
+    /// Times what the host does as long as it lives.
+    class HostScope {
+      public:
+        HostScope(StageTimes& times, std::string stage)
+            : times_(times), stage_(std::move(stage)), start_(HostClock::now()) {}
+        HostScope(const HostScope&) = delete;
+        HostScope& operator=(const HostScope&) = delete;
+        ~HostScope() {
+            const std::chrono::duration<double, std::milli> passed = HostClock::now() - start_;
+            times_.addHost(std::move(stage_), passed.count());
+        }
+
+      private:
+        StageTimes& times_;
+        std::string stage_;
+        const std::chrono::steady_clock::time_point start_;
+    };
+
     /// Adds every stage to the picture's; stages of the same name add up. Waits for the GPU where it is not
     /// done yet. DeviceLost when it does not get done.
     Expected<void> collect(FrameStats& stats);
 
   private:
-    using HostClock = std::chrono::steady_clock;
     struct Stage {
         std::string name;
         GLuint began = 0, ended = 0;

@@ -1,6 +1,7 @@
 #include "renderer/device/gl/layer.hpp"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 
 namespace scancast::gl {
@@ -9,11 +10,6 @@ namespace {
 constexpr GLbitfield afterSplats =
     GL_SHADER_STORAGE_BARRIER_BIT | GL_TEXTURE_FETCH_BARRIER_BIT | GL_BUFFER_UPDATE_BARRIER_BIT;
 constexpr const char* stageNames[] = {"silhouette", "nearest", "sum", "cell"};
-
-template <class T>
-std::span<const std::byte> bytesOf(const std::vector<T>& values) {
-    return std::as_bytes(std::span(values));
-}
 
 std::size_t pixelsOf(ivec4 area) {
     return static_cast<std::size_t>(area.z) * static_cast<std::size_t>(area.w);
@@ -43,18 +39,15 @@ Layer::Layer(const LayerParts& parts, const Drawing& drawing, const SampleFilter
       plan_(plan),
       area_(area),
       stages_(splatStages(plan, sight, drawing.color)),
-      tables_(colorTables(drawing.color, filter)),
+      tables_(parts.tables.host),
       background_(backgroundRows(drawing.background, area.y - sight.pad, area.w, sight.viewpoint->height)),
-      byClass_(filter.classes.has_value()),
-      runs_(parts.gl, "runs"),
-      lookUps_(parts.gl, "tables"),
-      rows_(parts.gl, "background"),
-      chunks_(parts.gl, "chunks"),
-      extents_(parts.gl, "extents") {}
+      byClass_(filter.classes.has_value()) {}
 
 std::vector<std::uint32_t> Layer::addRuns(const Drawing& drawing, const Cut& cut,
                                           const SampleFilter& filter) {
+    tables_.begin(colorTables(drawing.color, filter), cut.runs.size());
     std::vector<std::uint32_t> drawn;
+    drawn.reserve(cut.runs.size());
     std::size_t regions = 0;
     runOfCut_.resize(cut.runs.size());
     for (std::uint32_t i = 0; i < cut.runs.size(); ++i) {
@@ -71,29 +64,47 @@ std::vector<std::uint32_t> Layer::addRuns(const Drawing& drawing, const Cut& cut
     chunkSamples_ = samplesPerChunk;
     for (const SplatStage& stage : stages_)
         chunkSamples_ = std::min(chunkSamples_, chunkSamples(stage, traits_, pixelsOf(area_), regions));
-    // Front to back: what is hidden then seldom needs an atomic operation.
-    std::vector<double> fronts(cut.runs.size());
-    for (const std::uint32_t i : drawn) fronts[i] = frontOf(*cut.runs[i].node, *sight_.viewpoint);
-    std::ranges::stable_sort(drawn, {}, [&](std::uint32_t i) { return fronts[i]; });
+    sortByDepth(drawn, cut);
     return drawn;
+}
+
+/// Front to back: what is hidden then seldom needs an atomic operation.
+void Layer::sortByDepth(std::vector<std::uint32_t>& runs, const Cut& cut) const {
+    // A depth's order as an integer, above the run: no other run has the same.
+    std::vector<std::uint64_t> order;
+    order.reserve(runs.size());
+    for (const std::uint32_t i : runs) {
+        const auto front = static_cast<float>(frontOf(*cut.runs[i].node, *sight_.viewpoint));
+        const auto bits = std::bit_cast<std::uint32_t>(front);
+        const std::uint32_t rising = bits & 0x80000000u ? ~bits : bits | 0x80000000u;
+        order.push_back(std::uint64_t{rising} << 32 | i);
+    }
+    std::ranges::sort(order);
+    std::ranges::transform(order, runs.begin(),
+                           [](std::uint64_t o) { return static_cast<std::uint32_t>(o); });
 }
 
 Expected<void> Layer::upload() {
     const std::size_t limit = parts_.memory.limits().storageBlockBytes;
-    if (bytesOf(tables_.runs).size() > limit || bytesOf(tables_.words).size() > limit)
+    if (std::as_bytes(std::span(tables_.runs)).size() > limit ||
+        std::as_bytes(std::span(tables_.words)).size() > limit)
         return fail(ErrorCode::ResourceLimit,
                     "The cut has " + std::to_string(tables_.runs.size()) +
                         " runs, more than the OpenGL driver takes at once; ask for less detail or use "
                         "--backend=cpu.");
-    if (auto written = runs_.write(bytesOf(tables_.runs)); !written) return written;
-    if (auto written = lookUps_.write(bytesOf(tables_.words)); !written) return written;
-    return rows_.write(bytesOf(background_));
+    LayerMemory& tables = parts_.tables;
+    if (auto filled = tables.fill(tables.runs, tables_.runs); !filled) return filled;
+    if (auto filled = tables.fill(tables.lookUps, tables_.words); !filled) return filled;
+    return tables.fill(tables.rows, background_);
 }
 
 Expected<void> Layer::begin(const SampleBatch& batch) {
     if (batch.version == version_) return {};
-    std::vector<SplatChunk> chunks;
-    std::vector<SplatExtent> extents;
+    LayerMemory& tables = parts_.tables;
+    std::vector<SplatChunk>& chunks = tables.chunkList;
+    std::vector<SplatExtent>& extents = tables.extentList;
+    chunks.clear();
+    extents.clear();
     pages_.clear();
     for (const SampleBatch::Page& page : batch.pages) {
         PageWork work;
@@ -101,7 +112,8 @@ Expected<void> Layer::begin(const SampleBatch& batch) {
         work.firstExtent = static_cast<std::uint32_t>(extents.size());
         for (const Extent& e : page.extents) {
             const std::uint32_t run = runOfCut_[e.run];
-            extents.push_back({uvec4(tables_.runs[run].color.z + e.first, e.count, run, e.at)});
+            if (plan_.bySample())
+                extents.push_back({uvec4(tables_.runs[run].color.z + e.first, e.count, run, e.at)});
             for (std::uint32_t i = 0; i < e.count; i += chunkSamples_)
                 chunks.push_back({uvec4(e.at + i, std::min(chunkSamples_, e.count - i), run, e.first + i)});
         }
@@ -112,8 +124,8 @@ Expected<void> Layer::begin(const SampleBatch& batch) {
         pages_.push_back(work);
     }
     version_ = 0;
-    if (auto written = chunks_.write(bytesOf(chunks)); !written) return written;
-    if (auto written = extents_.write(bytesOf(extents)); !written) return written;
+    if (auto filled = tables.fill(tables.chunks, chunks); !filled) return filled;
+    if (auto filled = tables.fill(tables.extents, extents); !filled) return filled;
     version_ = batch.version;
     return {};
 }
@@ -138,7 +150,7 @@ Expected<void> Layer::splatOnce(const SplatStage& stage, Keep keep, const std::s
     (*program)->use();
     const auto drawBatch = [&](const SampleBatch& batch) -> Expected<void> {
         if (auto begun = begin(batch); !begun) return begun;
-        chunks_.bindStorage(binding::splat::chunks);
+        parts_.tables.chunks.bindStorage(binding::splat::chunks);
         for (std::size_t i = 0; i < batch.pages.size(); ++i) {
             batch.pages[i].samples->bind(unit::samples);
             if (auto done = parts_.slices.dispatch(pages_[i].firstChunk, pages_[i].chunks, stop); !done)
@@ -170,8 +182,8 @@ Expected<void> Layer::splat(std::size_t index, const SplatStage& stage, ivec4 ba
     SplatMemory& memory = parts_.memory;
     const std::size_t pixels = pixelsOf(band);
     if (auto set = parts_.screen.set(splatParams(stage.numbers, band, index, byClass_)); !set) return set;
-    runs_.bindStorage(binding::runs);
-    lookUps_.bindStorage(binding::tables);
+    parts_.tables.runs.bindStorage(binding::runs);
+    parts_.tables.lookUps.bindStorage(binding::tables);
     if (traits_.silhouette) memory.silhouette.bindTexels(unit::silhouette);
     if (stage.kind == Sum || stage.kind == Cell) memory.nearest.keys.bindTexels(unit::visible);
     switch (stage.kind) {
@@ -200,7 +212,7 @@ Expected<void> Layer::resolveKeys(const ResolveParams& params, const GpuPlanes& 
     planes.rgba->bindStorage(at::rgba);
     planes.depth->bindStorage(at::depth);
     if (normals) planes.normals->bindStorage(at::normals);
-    rows_.bindStorage(at::background);
+    parts_.tables.rows.bindStorage(at::background);
     return overPixels(params.area, resolveKeysVariant(plan_, traits_.limits.keys64, normals));
 }
 
@@ -209,15 +221,15 @@ Expected<void> Layer::resolveSamples(ResolveParams params, const GpuPlanes& plan
     namespace at = binding::resolveSamples;
     const ShaderVariant variant =
         resolveSamplesVariant(stages_.front().numbers.coloring, traits_.limits.keys64, normals);
-    runs_.bindStorage(binding::runs);
-    lookUps_.bindStorage(binding::tables);
+    parts_.tables.runs.bindStorage(binding::runs);
+    parts_.tables.lookUps.bindStorage(binding::tables);
     bindColors();
     planes.rgba->bindStorage(at::rgba);
     planes.depth->bindStorage(at::depth);
     if (normals) planes.normals->bindStorage(at::normals);
     const auto look = [&](const SampleBatch& batch) -> Expected<void> {
         if (auto begun = begin(batch); !begun) return begun;
-        extents_.bindStorage(at::extents);
+        parts_.tables.extents.bindStorage(at::extents);
         for (std::size_t i = 0; i < batch.pages.size(); ++i) {
             if (pages_[i].extents == 0) continue;
             params.look.x = pages_[i].firstExtent;
@@ -264,8 +276,18 @@ Expected<void> Layer::drawBand(ivec4 band, std::span<const SplatStage> stages, c
     return checkErrors(parts_.gl, "resolving splats");
 }
 
+/// What the first pass would do when it is asked for, done before: the GPU need not wait for it within a
+/// pass.
+Expected<void> Layer::gather(StageTimes& times, const std::stop_token& stop) {
+    const StageTimes::HostScope timed(times, "prepare");
+    const auto batch = samples_->gather(stop);
+    if (!batch) return tl::unexpected(batch.error());
+    return begin(*batch);
+}
+
 Expected<void> Layer::draw(const glm::dvec2& jitter, const GpuPlanes& planes, StageTimes& times,
                            const std::stop_token& stop) {
+    if (auto gathered = gather(times, stop); !gathered) return gathered;
     std::vector<SplatStage> stages = stages_;
     for (SplatStage& stage : stages) stage.numbers = jittered(stage.numbers, sight_, jitter);
     // As many rows at a time as sums and keys fit a storage block.

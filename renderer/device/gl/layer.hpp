@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "renderer/device/gl/gpu_timers.hpp"
+#include "renderer/device/gl/layer_memory.hpp"
 #include "renderer/device/gl/planes.hpp"
 #include "renderer/device/gl/programs.hpp"
 #include "renderer/device/gl/sample_cache.hpp"
@@ -29,6 +30,7 @@ struct LayerParts {
     SampleCache& samples;
     Slices& slices;
     SplatMemory& memory;  ///< of the layer being drawn: all layers of a device may share one
+    LayerMemory& tables;  ///< this layer's alone
 };
 
 class Layer {
@@ -41,7 +43,8 @@ class Layer {
 
     /// Splats and resolves one frame; `planes` cover the layer's area, and nothing outside it is touched.
     /// Normals are written where there is a plane of them and the plan resolves them. Adds to the stages
-    /// "silhouette", "nearest", "sum", "cell" and "resolve". Errors: Cancelled, ResourceLimit, DeviceLost.
+    /// "prepare" (the host finds or uploads samples, and tells where they are), "silhouette", "nearest",
+    /// "sum", "cell" and "resolve". Errors: Cancelled, ResourceLimit, DeviceLost.
     Expected<void> draw(const glm::dvec2& jitter, const GpuPlanes& planes, StageTimes& times,
                         const std::stop_token& stop);
 
@@ -55,7 +58,9 @@ class Layer {
     Layer(const LayerParts& parts, const Drawing& drawing, const SampleFilter& filter, const Sight& sight,
           const PassPlan& plan, ivec4 area);
     std::vector<std::uint32_t> addRuns(const Drawing& drawing, const Cut& cut, const SampleFilter& filter);
+    void sortByDepth(std::vector<std::uint32_t>& runs, const Cut& cut) const;
     Expected<void> upload();
+    Expected<void> gather(StageTimes& times, const std::stop_token& stop);
     Expected<void> begin(const SampleBatch& batch);
     Expected<void> drawBand(ivec4 band, std::span<const SplatStage> stages, const GpuPlanes& planes,
                             StageTimes& times, const std::stop_token& stop);
@@ -80,11 +85,10 @@ class Layer {
     std::vector<SplatStage> stages_;
     LayerTraits traits_;
     std::uint32_t chunkSamples_ = 0;  ///< of a chunk at most
-    SplatTables tables_;
+    SplatTables& tables_;
     std::vector<std::uint32_t> background_;  ///< rows of area_
     const bool byClass_;
     std::vector<std::uint32_t> runOfCut_;  ///< from the cut's runs to the tables'
-    Buffer runs_, lookUps_, rows_, chunks_, extents_;
     std::unique_ptr<CutSamples> samples_;
     std::uint64_t version_ = 0;  ///< of the batch that pages_ stand for
     std::vector<PageWork> pages_;

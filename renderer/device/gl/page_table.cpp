@@ -66,6 +66,60 @@ void Holes::drop(std::uint32_t from, std::uint32_t end) {
     }
 }
 
+// ---- KeyIndex
+
+std::size_t KeyIndex::KeyHash::operator()(const SampleKey& key) const {
+    // Multiplied by odd constants, so that neighbouring nodes spread.
+    std::uint64_t mixed = key.source * 0x9e3779b97f4a7c15u;
+    mixed = (mixed ^ key.run) * 0xbf58476d1ce4e5b9u;
+    mixed = (mixed ^ key.first) * 0x94d049bb133111ebu;
+    return static_cast<std::size_t>(mixed ^ (mixed >> 31));
+}
+
+const KeyIndex::Source* KeyIndex::sourceOf(std::uint64_t id) const {
+    if (last_ == nullptr || id != lastId_) {
+        const auto found = sources_.find(id);
+        if (found == sources_.end()) return nullptr;
+        lastId_ = id;
+        last_ = &found->second;
+    }
+    return last_;
+}
+
+std::uint32_t KeyIndex::find(const SampleKey& key) const {
+    if (key.first != 0) {
+        const auto found = laterParts_.find(key);
+        return found == laterParts_.end() ? none : found->second;
+    }
+    const Source* const source = sourceOf(key.source);
+    return source != nullptr && key.run < source->byRun.size() ? source->byRun[key.run] : none;
+}
+
+void KeyIndex::add(const SampleKey& key, std::uint32_t number) {
+    assert(find(key) == none);
+    if (key.first != 0) {
+        laterParts_.emplace(key, number);
+        return;
+    }
+    Source& source = sources_[key.source];
+    if (source.byRun.size() <= key.run) source.byRun.resize(std::size_t{key.run} + 1, none);
+    source.byRun[key.run] = number;
+    ++source.known;
+}
+
+void KeyIndex::remove(const SampleKey& key) {
+    assert(find(key) != none);
+    if (key.first != 0) {
+        laterParts_.erase(key);
+        return;
+    }
+    const auto source = sources_.find(key.source);
+    source->second.byRun[key.run] = none;
+    if (--source->second.known > 0) return;
+    last_ = nullptr;
+    sources_.erase(source);
+}
+
 // ---- PageTable
 
 namespace {
@@ -92,14 +146,6 @@ std::vector<std::uint32_t> pageSizes(std::uint64_t limit, std::uint64_t first, s
     return pages;
 }
 
-std::size_t PageTable::KeyHash::operator()(const SampleKey& key) const {
-    // Multiplied by odd constants, so that neighbouring nodes spread.
-    std::uint64_t mixed = key.source * 0x9e3779b97f4a7c15u;
-    mixed = (mixed ^ key.run) * 0xbf58476d1ce4e5b9u;
-    mixed = (mixed ^ key.first) * 0x94d049bb133111ebu;
-    return static_cast<std::size_t>(mixed ^ (mixed >> 31));
-}
-
 PageTable::PageTable(const std::vector<std::uint32_t>& pageSamples)
     : pageGrains_(grainsOf(pageSamples)), holes_(pageGrains_) {
     for (const std::uint32_t grains : pageGrains_) {
@@ -108,19 +154,53 @@ PageTable::PageTable(const std::vector<std::uint32_t>& pageSamples)
     }
 }
 
+void PageTable::link(std::uint32_t number) {
+    Entry& entry = entries_[number];
+    entry.newer = KeyIndex::none;
+    entry.older = newest_;
+    (newest_ == KeyIndex::none ? oldest_ : entries_[newest_].newer) = number;
+    newest_ = number;
+}
+
+void PageTable::unlink(std::uint32_t number) {
+    const Entry& entry = entries_[number];
+    (entry.newer == KeyIndex::none ? newest_ : entries_[entry.newer].older) = entry.older;
+    (entry.older == KeyIndex::none ? oldest_ : entries_[entry.older].newer) = entry.newer;
+}
+
+void PageTable::use(std::uint32_t number) {
+    if (number == newest_) return;
+    unlink(number);
+    link(number);
+}
+
+std::uint32_t PageTable::newEntry(const SampleKey& key) {
+    if (unused_.empty()) {
+        unused_.push_back(static_cast<std::uint32_t>(entries_.size()));
+        entries_.emplace_back();
+    }
+    const std::uint32_t number = unused_.back();
+    index_.add(key, number);
+    unused_.pop_back();
+    entries_[number].key = key;
+    entries_[number].batch = batch_;
+    link(number);
+    return number;
+}
+
 bool PageTable::touch(const SampleKey& key) {
-    const auto found = entries_.find(key);
-    if (found == entries_.end()) return false;
-    order_.splice(order_.begin(), order_, found->second.order);
+    const std::uint32_t number = index_.find(key);
+    if (number == KeyIndex::none) return false;
+    use(number);
     return true;
 }
 
 std::span<const Place> PageTable::need(const SampleKey& key) {
-    const auto found = entries_.find(key);
-    if (found == entries_.end()) return {};
-    order_.splice(order_.begin(), order_, found->second.order);
-    found->second.batch = batch_;
-    return found->second.places;
+    const std::uint32_t number = index_.find(key);
+    if (number == KeyIndex::none) return {};
+    use(number);
+    entries_[number].batch = batch_;
+    return entries_[number].places;
 }
 
 std::span<const Place> PageTable::insert(const SampleKey& key, std::uint32_t count) {
@@ -128,35 +208,34 @@ std::span<const Place> PageTable::insert(const SampleKey& key, std::uint32_t cou
     const std::uint32_t wanted = (count + grain - 1) / grain;
     while (holes_.free() < wanted) {
         // Whatever the batch needs was touched last.
-        if (order_.empty() || entries_.at(order_.back()).batch == batch_) return {};
-        remove(entries_.find(order_.back()));
+        if (oldest_ == KeyIndex::none || entries_[oldest_].batch == batch_) return {};
+        remove(oldest_);
         ++evicted_;
     }
-    Entry& entry = entries_[key];
+    Entry& entry = entries_[newEntry(key)];
     for (std::uint32_t grains = wanted; grains > 0;) {
         const Holes::Hole hole = holes_.take(grains);
         entry.places.push_back(placeOf(hole));
         grains -= hole.length;
     }
     entry.places.back().count -= wanted * grain - count;
-    entry.order = order_.insert(order_.begin(), key);
-    entry.batch = batch_;
     return entry.places;
 }
 
 void PageTable::erase(const SampleKey& key) {
-    const auto found = entries_.find(key);
-    if (found != entries_.end()) remove(found);
+    const std::uint32_t number = index_.find(key);
+    if (number != KeyIndex::none) remove(number);
 }
 
 void PageTable::close(std::uint32_t page) {
-    for (auto entry = entries_.begin(); entry != entries_.end();) {
-        const auto at = entry++;
-        const auto& places = at->second.places;
+    for (std::uint32_t number = newest_; number != KeyIndex::none;) {
+        const std::uint32_t next = entries_[number].older;
+        const auto& places = entries_[number].places;
         if (std::ranges::any_of(places, [&](const Place& place) { return place.page == page; })) {
-            remove(at);
+            remove(number);
             ++evicted_;
         }
+        number = next;
     }
     holes_.drop(pageStarts_[page], pageStarts_[page] + pageGrains_[page]);
     grains_ -= pageGrains_[page];
@@ -169,11 +248,14 @@ Place PageTable::placeOf(const Holes::Hole& hole) const {
             hole.length * grain};
 }
 
-void PageTable::remove(Entries::iterator entry) {
-    for (const Place& place : entry->second.places)
+void PageTable::remove(std::uint32_t number) {
+    Entry& entry = entries_[number];
+    for (const Place& place : entry.places)
         holes_.give({pageStarts_[place.page] + place.at / grain, (place.count + grain - 1) / grain});
-    order_.erase(entry->second.order);
-    entries_.erase(entry);
+    entry.places.clear();
+    index_.remove(entry.key);
+    unlink(number);
+    unused_.push_back(number);
 }
 
 }  // namespace scancast::gl

@@ -8,7 +8,6 @@
 
 #include <compare>
 #include <cstdint>
-#include <list>
 #include <map>
 #include <set>
 #include <span>
@@ -58,6 +57,34 @@ class Holes {
     std::uint64_t free_ = 0;
 };
 
+/// From keys to small numbers. The first parts of a source's nodes - nearly all that there are - are looked
+/// up by the node's number, without a search: pictures ask for thousands of them.
+class KeyIndex {
+  public:
+    static constexpr std::uint32_t none = 0xffffffff;
+
+    std::uint32_t find(const SampleKey& key) const;
+    /// Expects a key that has none.
+    void add(const SampleKey& key, std::uint32_t number);
+    /// Expects one that has.
+    void remove(const SampleKey& key);
+
+  private:
+    struct Source {
+        std::vector<std::uint32_t> byRun;
+        std::size_t known = 0;
+    };
+    struct KeyHash {
+        std::size_t operator()(const SampleKey& key) const;
+    };
+    const Source* sourceOf(std::uint64_t id) const;
+
+    std::unordered_map<std::uint64_t, Source> sources_;
+    mutable std::uint64_t lastId_ = 0;  ///< of the source that was asked for last; pictures are of one
+    mutable const Source* last_ = nullptr;
+    std::unordered_map<SampleKey, std::uint32_t, KeyHash> laterParts_;
+};
+
 /// In samples: the first holds `first` bytes, each next one twice as much as the one before, up to `most`,
 /// and all together at most `limit`; at least a grain.
 std::vector<std::uint32_t> pageSizes(std::uint64_t limit, std::uint64_t first, std::uint64_t most);
@@ -76,7 +103,7 @@ class PageTable {
     std::uint32_t pageSamples(std::uint32_t page) const { return pageGrains_[page] * grain; }
     std::uint64_t evicted() const { return evicted_; }  ///< parts, since the beginning
 
-    bool has(const SampleKey& key) const { return entries_.contains(key); }
+    bool has(const SampleKey& key) const { return index_.find(key) != KeyIndex::none; }
     /// It goes after everything that was touched before. False: it is not here.
     bool touch(const SampleKey& key);
     /// From now on, nothing is needed. What the batch may need is touched before it needs anything: what it
@@ -93,25 +120,30 @@ class PageTable {
     void close(std::uint32_t page);
 
   private:
-    struct KeyHash {
-        std::size_t operator()(const SampleKey& key) const;
-    };
+    /// One part that is here; between the one used next and the one used before.
     struct Entry {
-        std::vector<Place> places;
-        std::list<SampleKey>::iterator order;
+        SampleKey key;
+        std::vector<Place> places;  ///< none: nobody's
+        std::uint32_t newer = KeyIndex::none, older = KeyIndex::none;
         std::uint64_t batch = 0;
     };
-    using Entries = std::unordered_map<SampleKey, Entry, KeyHash>;
 
     Place placeOf(const Holes::Hole& hole) const;
-    void remove(Entries::iterator entry);
+    std::uint32_t newEntry(const SampleKey& key);
+    void remove(std::uint32_t number);
+    // In the order of use.
+    void link(std::uint32_t number);
+    void unlink(std::uint32_t number);
+    void use(std::uint32_t number);
 
     std::vector<std::uint32_t> pageGrains_;
     std::vector<std::uint32_t> pageStarts_;  // grains, pages counted through
     std::uint64_t grains_ = 0;
     Holes holes_;
-    Entries entries_;
-    std::list<SampleKey> order_;  // most recently used first
+    KeyIndex index_;
+    std::vector<Entry> entries_;
+    std::vector<std::uint32_t> unused_;  ///< of entries_
+    std::uint32_t newest_ = KeyIndex::none, oldest_ = KeyIndex::none;
     std::uint64_t batch_ = 0, evicted_ = 0;
 };
 

@@ -5,6 +5,9 @@
 namespace scancast::gl {
 namespace {
 
+/// Of a picture of a hundred million points, all its tables.
+constexpr std::size_t tablesRingBytes = std::size_t{16} << 20;
+
 ivec4 vectorOf(const Window& w) {
     return {w.x, w.y, w.width, w.height};
 }
@@ -22,10 +25,16 @@ Workshop::Workshop(const GlFunctions& functions, const std::filesystem::path& pr
       pyramid(shaders),
       average(shaders),
       timers(functions),
+      tablesRing(functions, tablesRingBytes),
       frame(functions),
       rgba(functions, "picture's colours"),
       depth(functions, "picture's depths"),
       readBack(functions) {}
+
+LayerParts Workshop::layerParts(std::size_t layer) {
+    while (tables.size() <= layer) tables.push_back(std::make_unique<LayerMemory>(gl, tablesRing));
+    return {gl, programs, shaders, samples, slices, splats, *tables[layer]};
+}
 
 Picture::Picture(Workshop& shop, const Drawing& drawing, const PassPlan& plan, std::stop_token stop)
     : shop_(shop),
@@ -36,16 +45,17 @@ Picture::Picture(Workshop& shop, const Drawing& drawing, const PassPlan& plan, s
       window_(vectorOf(shown_.window)),
       area_(vectorOf(shown_.area)) {}
 
-Expected<void> Picture::makeLayers() {
-    const LayerParts parts = shop_.layerParts();
-    auto layer = Layer::create(parts, drawing_, *drawing_.cut, drawing_.filter, shown_.sight, plan_, area_);
+Expected<void> Picture::makeLayers(StageTimes& times) {
+    const StageTimes::HostScope timed(times, "prepare");
+    auto layer = Layer::create(shop_.layerParts(0), drawing_, *drawing_.cut, drawing_.filter, shown_.sight,
+                               plan_, area_);
     if (!layer) return tl::unexpected(layer.error());
     layer_ = std::move(*layer);
     for (const Reflection& reflection : drawing_.reflections) {
         const std::size_t at = mirrors_.size();
         if (shop_.mirrors.size() <= at) shop_.mirrors.push_back(std::make_unique<PlaneMemory>(shop_.gl));
-        auto mirror = MirrorLayer::create(parts, shop_.shaders, *shop_.mirrors[at], drawing_, reflection,
-                                          shown_.sight, plan_, area_);
+        auto mirror = MirrorLayer::create(shop_.layerParts(at + 1), shop_.shaders, *shop_.mirrors[at],
+                                          drawing_, reflection, shown_.sight, plan_, area_);
         if (!mirror) return tl::unexpected(mirror.error());
         if (*mirror) mirrors_.push_back(std::move(*mirror));
     }
@@ -74,7 +84,7 @@ Expected<void> Picture::drawFrame(const glm::dvec2& jitter, const GpuPlanes& pla
 }
 
 Expected<std::unique_ptr<ReadBack::Pixels>> Picture::draw(StageTimes& times) {
-    if (auto made = makeLayers(); !made) return tl::unexpected(made.error());
+    if (auto made = makeLayers(times); !made) return tl::unexpected(made.error());
     const auto planes = shop_.frame.planes(area_, plan_.normals());
     if (!planes) return tl::unexpected(planes.error());
     const std::size_t pixels = static_cast<std::size_t>(window_.z) * static_cast<std::size_t>(window_.w);

@@ -30,12 +30,15 @@ struct Workshop {
     Pyramid pyramid;
     Average average;
     GpuTimers timers;
+    StagingRing tablesRing;
+    std::vector<std::unique_ptr<LayerMemory>> tables;  ///< by layer
     PlaneMemory frame;
     std::vector<std::unique_ptr<PlaneMemory>> mirrors;
     Buffer rgba, depth;  ///< of the window
     ReadBack readBack;
 
-    LayerParts layerParts() { return {gl, programs, shaders, samples, slices, splats}; }
+    /// For a picture's layer (0), or its mirrors' (from 1 on).
+    LayerParts layerParts(std::size_t layer);
 };
 
 class Picture {
@@ -46,7 +49,7 @@ class Picture {
     Expected<std::unique_ptr<ReadBack::Pixels>> draw(StageTimes& times);
 
   private:
-    Expected<void> makeLayers();
+    Expected<void> makeLayers(StageTimes& times);
     Expected<void> drawFrame(const glm::dvec2& jitter, const GpuPlanes& planes, StageTimes& times);
     template <class Work>
     Expected<void> onMirrors(StageTimes& times, const Work& work);

@@ -132,6 +132,7 @@ Expected<void> SampleCache::upload(std::span<const Place> places, std::span<cons
 CutSamples::CutSamples(SampleCache& cache, const Cut& cut, std::span<const std::uint32_t> runs)
     : cache_(cache), extents_(cache.pages_.size()), passing_(cut.source == 0) {
     const std::uint64_t source = passing_ ? newSource() : cut.source;
+    parts_.reserve(runs.size());
     for (const std::uint32_t run : runs) {
         const std::uint32_t key = passing_ ? run : cut.runs[run].nodeIndex;
         cache.addParts({source, key, 0}, run, cut.runs[run].samples, parts_);
@@ -143,20 +144,33 @@ CutSamples::~CutSamples() {
     for (const SampleCache::Part& part : parts_) cache_.table_.erase(part.key);
 }
 
+Expected<SampleBatch> CutSamples::gather(const std::stop_token& stop) {
+    const bool asItWas = gathered_ > 0 && evicted_ == cache_.table_.evicted();
+    if (!asItWas && !parts_.empty()) {
+        whole_ = false;
+        cache_.touch(parts_);
+        const auto end = loadBatch(0, stop);
+        if (!end) return tl::unexpected(end.error());
+        gathered_ = *end;
+        whole_ = gathered_ == parts_.size();
+        evicted_ = cache_.table_.evicted();
+    }
+    return SampleBatch{batchPages_, version_};
+}
+
 Expected<void> CutSamples::forEachBatch(const Draw& draw, const std::stop_token& stop) {
-    if (whole_ && evicted_ == cache_.table_.evicted()) return draw({batchPages_, version_});
-    whole_ = false;
-    cache_.touch(parts_);
-    for (std::size_t from = 0; from < parts_.size();) {
+    const auto first = gather(stop);
+    if (!first) return tl::unexpected(first.error());
+    if (parts_.empty()) return {};
+    if (auto drawn = draw(*first); !drawn || whole_) return drawn;
+    for (std::size_t from = std::exchange(gathered_, 0); from < parts_.size();) {
         const auto end = loadBatch(from, stop);
         if (!end) return tl::unexpected(end.error());
-        whole_ = from == 0 && *end == parts_.size();
-        evicted_ = cache_.table_.evicted();
         if (auto drawn = draw({batchPages_, version_}); !drawn) return drawn;
         from = *end;
     }
     // The next round begins with what is here.
-    if (!whole_) std::ranges::reverse(parts_);
+    std::ranges::reverse(parts_);
     return {};
 }
 

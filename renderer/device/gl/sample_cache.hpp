@@ -106,6 +106,9 @@ class CutSamples {
     CutSamples(const CutSamples&) = delete;
     CutSamples& operator=(const CutSamples&) = delete;
 
+    /// The first batch, loaded; what forEachBatch() will begin with, and true until it is called, or anybody
+    /// else's loads. Errors: forEachBatch()'s.
+    Expected<SampleBatch> gather(const std::stop_token& stop);
     /// Calls `draw` with every wanted sample in exactly one batch: one call where they all fit, which costs
     /// nothing from the second time on. What `draw` gets is true until it returns. Errors: Cancelled; those
     /// of `draw`; ResourceLimit, DeviceLost: the driver's.
@@ -120,6 +123,7 @@ class CutSamples {
     std::vector<std::vector<Extent>> extents_;  ///< of the batch, by page
     std::vector<SampleBatch::Page> batchPages_;
     bool passing_ = false;       ///< parts that leave room when this goes
+    std::size_t gathered_ = 0;   ///< parts in the batch that is loaded, from the first on
     bool whole_ = false;         ///< the batch holds everything, and
     std::uint64_t evicted_ = 0;  ///< nothing has gone since then
     std::uint64_t version_ = 0;

@@ -7,46 +7,54 @@ namespace {
 
 /// OpenGL promises 65,535 work groups.
 constexpr std::uint32_t largestSlice = 32768;
-constexpr double shortSliceMs = 2, longSliceMs = 6;
+constexpr double sliceMs = 4, underWayMs = 3 * sliceMs;
+constexpr std::size_t mostUnderWay = 32;
+/// What is learned of one slice changes what is known by so much at most: clocks tell of other things, too.
+constexpr double mostFaster = 2, mostSlower = 8;
 
 }  // namespace
 
 Slices::~Slices() {
-    for (const Fence& fence : underWay_) {
-        if (fence.sync) gl_.DeleteSync(fence.sync);
-    }
-}
-
-void Slices::learn(std::uint32_t groups, double milliseconds) {
-    if (groups < slice_) return;  // the end of a page, or from before slices grew: it says little
-    if (milliseconds < shortSliceMs) slice_ = std::min(slice_ * 2, largestSlice);
-    if (milliseconds > longSliceMs) slice_ = std::max(slice_ / 2, 1u);
+    for (const Slice& slice : underWay_) gl_.DeleteSync(slice.fence);
 }
 
 Expected<void> Slices::finishOldest() {
-    const Fence oldest = underWay_[0];
-    underWay_ = {underWay_[1], {}};
-    if (!oldest.sync) return {};
-    if (auto finished = finishFence(gl_, oldest.sync, "drawing a slice of a picture"); !finished)
+    const Slice oldest = underWay_.front();
+    underWay_.pop_front();
+    groupsUnderWay_ -= oldest.groups;
+    if (auto finished = finishFence(gl_, oldest.fence, "drawing a slice of a picture"); !finished)
         return finished;
     const auto now = Clock::now();
-    learn(oldest.groups, std::chrono::duration<double, std::milli>(now - last_).count());
+    const double took = std::chrono::duration<double, std::milli>(now - last_).count() / oldest.groups;
+    groupMs_ = std::clamp(took, groupMs_ / mostFaster, groupMs_ * mostSlower);
     last_ = now;
     return {};
 }
 
+std::uint32_t Slices::sliceOf(std::uint32_t left) const {
+    const double groups = std::clamp(sliceMs / groupMs_, 1.0, double(largestSlice));
+    return std::min(static_cast<std::uint32_t>(groups), left);
+}
+
+bool Slices::hasRoomFor(std::uint32_t groups) const {
+    // Two at any rate, or the GPU would wait.
+    if (underWay_.size() < 2) return true;
+    return underWay_.size() < mostUnderWay && (groupsUnderWay_ + groups) * groupMs_ <= underWayMs;
+}
+
 Expected<void> Slices::dispatch(std::uint32_t first, std::uint32_t count, const std::stop_token& stop) {
     for (const std::uint32_t end = first + count; first < end;) {
-        if (underWay_[1].sync) {
+        const std::uint32_t groups = sliceOf(end - first);
+        while (!hasRoomFor(groups)) {
             if (auto finished = finishOldest(); !finished) return finished;
         }
         if (stop.stop_requested())
             return fail(ErrorCode::Cancelled, "The picture was abandoned: it is no longer wanted.");
-        if (!underWay_[0].sync) last_ = Clock::now();
-        const std::uint32_t groups = std::min(slice_, end - first);
+        if (underWay_.empty()) last_ = Clock::now();
         gl_.Uniform1ui(0, first);
         gl_.DispatchCompute(groups, 1, 1);
-        underWay_[underWay_[0].sync ? 1 : 0] = {gl_.FenceSync(GL_SYNC_GPU_COMMANDS_COMPLETE, 0), groups};
+        underWay_.push_back({gl_.FenceSync(GL_SYNC_GPU_COMMANDS_COMPLETE, 0), groups});
+        groupsUnderWay_ += groups;
         first += groups;
     }
     return {};

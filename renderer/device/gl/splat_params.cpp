@@ -46,7 +46,10 @@ ResolveParams resolveParams(const SplatNumbers& n, ivec4 area, ivec4 planes, int
     return p;
 }
 
-SplatTables::SplatTables(const ColorTables& colors) : filters(colors.byClass) {
+void SplatTables::begin(const ColorTables& colors, std::size_t mostRuns) {
+    filters = colors.byClass;
+    runs.clear();
+    runs.reserve(mostRuns);
     words.assign(colors.ramp.begin(), colors.ramp.end());
     words.insert(words.end(), colors.classes.begin(), colors.classes.end());
     std::ranges::transform(surfelRadii(), std::back_inserter(words), bits);

@@ -24,7 +24,8 @@ struct SplatTables {
     std::vector<SplatRun> runs;
     bool filters = false;  ///< some of the runs' samples are not drawn
 
-    explicit SplatTables(const ColorTables& colors);
+    /// Forgets all runs; what memory there is stays, for as many as these.
+    void begin(const ColorTables& colors, std::size_t mostRuns);
     /// The run's index in `runs`.
     std::uint32_t add(const RunNumbers& run, std::span<const DroppedRegion> dropped,
                       std::span<const SplatStage> stages, const Viewpoint& viewpoint);

@@ -136,7 +136,7 @@ struct GlDrawing {
           samples(functions, limits.samples),
           slices(functions),
           memory(functions, splatLimits(functions, limits)),
-          parts{functions, *backend.programs, screen, samples, slices, memory},
+          parts{functions, *backend.programs, screen, samples, slices, memory, tables},
           planes{ivec4(c.area.x - border, c.area.y - border, c.area.z + 2 * border, c.area.w + 2 * border),
                  &rgba, &depth, &normals} {}
 
@@ -164,6 +164,8 @@ struct GlDrawing {
     gl::SampleCache samples;
     gl::Slices slices;
     gl::SplatMemory memory;
+    gl::StagingRing ring{functions, 1 << 20};
+    gl::LayerMemory tables{functions, ring};
     gl::LayerParts parts;
     gl::Buffer rgba{functions, "rgba"}, depth{functions, "depth"}, normals{functions, "normals"};
     gl::GpuPlanes planes;

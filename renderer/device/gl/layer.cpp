@@ -1,8 +1,11 @@
 #include "renderer/device/gl/layer.hpp"
 
 #include <algorithm>
-#include <bit>
+#include <array>
 #include <cmath>
+#include <numeric>
+
+#include "renderer/device/plan/splat_plan.hpp"
 
 namespace scancast::gl {
 namespace {
@@ -15,9 +18,31 @@ std::size_t pixelsOf(ivec4 area) {
     return static_cast<std::size_t>(area.z) * static_cast<std::size_t>(area.w);
 }
 
-/// Depth of the nearest that a node may hold.
-double frontOf(const Node& node, const Viewpoint& viewpoint) {
-    return -(viewpoint.cloudToView * glm::dvec4(node.center, 1)).z - node.radius;
+/// Depth of the nearest that a node may hold, within what may be drawn.
+float frontOf(const Node& node, const Viewpoint& viewpoint) {
+    const glm::dmat4& m = viewpoint.cloudToView;
+    const double depth =
+        -(m[0][2] * node.center.x + m[1][2] * node.center.y + m[2][2] * node.center.z + m[3][2]);
+    return static_cast<float>(
+        std::clamp(depth - node.radius, 0.0, std::min(viewpoint.far, double(farthestDepth))));
+}
+
+/// Roughly front to back, by one count: what is hidden then seldom needs an atomic operation, and nothing
+/// else depends on it. `depths[i]` is the i-th run's.
+std::vector<std::uint32_t> frontToBack(std::span<const std::uint32_t> runs, std::span<const float> depths) {
+    constexpr std::size_t steps = 1024;
+    if (runs.empty()) return {};
+    const auto [first, last] = std::ranges::minmax(depths);
+    const double scale = last > first ? (steps - 1) / (double(last) - first) : 0;
+    const auto stepOf = [&, first = double(first)](float depth) {
+        return static_cast<std::size_t>((depth - first) * scale);
+    };
+    std::array<std::uint32_t, steps + 1> begins{};
+    for (const float depth : depths) ++begins[stepOf(depth) + 1];
+    std::partial_sum(begins.begin(), begins.end(), begins.begin());
+    std::vector<std::uint32_t> sorted(runs.size());
+    for (std::size_t i = 0; i < runs.size(); ++i) sorted[begins[stepOf(depths[i])]++] = runs[i];
+    return sorted;
 }
 
 }  // namespace
@@ -47,7 +72,9 @@ std::vector<std::uint32_t> Layer::addRuns(const Drawing& drawing, const Cut& cut
                                           const SampleFilter& filter) {
     tables_.begin(colorTables(drawing.color, filter), cut.runs.size());
     std::vector<std::uint32_t> drawn;
+    std::vector<float> depths;
     drawn.reserve(cut.runs.size());
+    depths.reserve(cut.runs.size());
     std::size_t regions = 0;
     runOfCut_.resize(cut.runs.size());
     for (std::uint32_t i = 0; i < cut.runs.size(); ++i) {
@@ -59,29 +86,13 @@ std::vector<std::uint32_t> Layer::addRuns(const Drawing& drawing, const Cut& cut
         runOfCut_[i] = tables_.add(*numbers, *dropped, stages_, *sight_.viewpoint);
         regions = std::max(regions, dropped->size());
         drawn.push_back(i);
+        depths.push_back(frontOf(*run.node, *sight_.viewpoint));
     }
     traits_ = {parts_.memory.limits(), tables_.filters, stages_.front().kind == SplatStage::Kind::Silhouette};
     chunkSamples_ = samplesPerChunk;
     for (const SplatStage& stage : stages_)
         chunkSamples_ = std::min(chunkSamples_, chunkSamples(stage, traits_, pixelsOf(area_), regions));
-    sortByDepth(drawn, cut);
-    return drawn;
-}
-
-/// Front to back: what is hidden then seldom needs an atomic operation.
-void Layer::sortByDepth(std::vector<std::uint32_t>& runs, const Cut& cut) const {
-    // A depth's order as an integer, above the run: no other run has the same.
-    std::vector<std::uint64_t> order;
-    order.reserve(runs.size());
-    for (const std::uint32_t i : runs) {
-        const auto front = static_cast<float>(frontOf(*cut.runs[i].node, *sight_.viewpoint));
-        const auto bits = std::bit_cast<std::uint32_t>(front);
-        const std::uint32_t rising = bits & 0x80000000u ? ~bits : bits | 0x80000000u;
-        order.push_back(std::uint64_t{rising} << 32 | i);
-    }
-    std::ranges::sort(order);
-    std::ranges::transform(order, runs.begin(),
-                           [](std::uint64_t o) { return static_cast<std::uint32_t>(o); });
+    return frontToBack(drawn, depths);
 }
 
 Expected<void> Layer::upload() {

@@ -58,7 +58,6 @@ class Layer {
     Layer(const LayerParts& parts, const Drawing& drawing, const SampleFilter& filter, const Sight& sight,
           const PassPlan& plan, ivec4 area);
     std::vector<std::uint32_t> addRuns(const Drawing& drawing, const Cut& cut, const SampleFilter& filter);
-    void sortByDepth(std::vector<std::uint32_t>& runs, const Cut& cut) const;
     Expected<void> upload();
     Expected<void> gather(StageTimes& times, const std::stop_token& stop);
     Expected<void> begin(const SampleBatch& batch);

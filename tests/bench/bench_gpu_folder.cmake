@@ -1,12 +1,13 @@
-# Makes FOLDER all that a machine with a driver needs: PROGRAMS (a list with commas), the shared libraries that they need
-# but for those of the C library, and SCRIPT. In FOLDER/egl lies libEGL, which some machines with a driver lack; gpu_day.sh
-# uses it only there: EGL_LIBRARIES, with commas, are GLVND's, which find the driver's own library.
+# Makes FOLDER all that a machine with a driver needs: PROGRAMS and SCRIPTS, and the shared libraries that the programs need,
+# but for those of the C library. In FOLDER/egl lies libEGL (EGL_LIBRARIES, GLVND's, which find the driver's own), which some
+# machines with a driver lack; gpu_day.sh uses it only there. Lists have commas.
 string(REPLACE "," ";" programs "${PROGRAMS}")
+string(REPLACE "," ";" scripts "${SCRIPTS}")
 string(REPLACE "," ";" EGL_LIBRARIES "${EGL_LIBRARIES}")
 file(GET_RUNTIME_DEPENDENCIES EXECUTABLES ${programs} RESOLVED_DEPENDENCIES_VAR libraries
   POST_EXCLUDE_REGEXES "/(ld-linux[^/]*|lib(c|m|dl|rt|pthread))\\.so")
 file(REMOVE_RECURSE "${FOLDER}")
-file(COPY ${programs} "${SCRIPT}" ${libraries} DESTINATION "${FOLDER}" FOLLOW_SYMLINK_CHAIN)
+file(COPY ${programs} ${scripts} ${libraries} DESTINATION "${FOLDER}" FOLLOW_SYMLINK_CHAIN)
 foreach(library IN LISTS libraries)
   message("${library}")
 endforeach()

@@ -10,10 +10,12 @@ namespace scancast::bench {
 BuiltForBench buildOrExit(const std::string& scene, std::uint64_t points, bool surfels) {
     const double needed = double(points) * double(bytesPerPoint);
     const MemoryRoom room = memoryRoom();
-    std::fprintf(stderr,
-                 "Building %s: %s points %s surfels; takes about %.1f GB of memory, %.1f GB are left.\n",
-                 scene.c_str(), shortCount(double(points)).c_str(), surfels ? "with" : "without",
-                 needed / 1e9, double(room.bytes) / 1e9);
+    std::fprintf(stderr, "Building %s: %s points %s surfels; takes up to %.2f GB of memory, ", scene.c_str(),
+                 shortCount(double(points)).c_str(), surfels ? "with" : "without", needed / 1e9);
+    if (room.limit.empty())
+        std::fprintf(stderr, "how much is left is not told.\n");
+    else
+        std::fprintf(stderr, "%.2f GB are left.\n", double(room.bytes) / 1e9);
     if (needed > double(room.bytes)) {
         std::fprintf(stderr,
                      "This cloud of %s points does not fit in %s; name fewer, for example --points %lluM.\n",

@@ -10,7 +10,7 @@
 
 namespace scancast::bench {
 
-/// At its peak, while a cloud is built; measured: 69 bytes a point, with and without surfels.
+/// While a cloud is built, with room to spare: 69 were measured at 10 million points, 44 at 100 million.
 inline constexpr std::uint64_t bytesPerPoint = 72;
 
 struct BuiltForBench {

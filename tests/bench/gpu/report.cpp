@@ -139,9 +139,10 @@ void Report::add(const Row& row) {
 }
 
 void Report::end() {
-    std::printf("\n%d of %d marks met.", met_, marks_);
+    std::printf("\n");
+    if (marks_ > 0) std::printf("%d of %d marks met. ", met_, marks_);
     if (compared_ > 0)
-        std::printf(" Of %d pictures %d are the same bytes as the cpu device's, %d are below %.0f dB.",
+        std::printf("Of %d pictures %d are the same bytes as the cpu device's, %d are below %.0f dB.",
                     compared_, same_, wrong_, owedDecibels);
     std::printf("\n");
     std::fflush(stdout);

@@ -14,8 +14,8 @@ namespace scancast::test {
 
 /// Leaves of at most `leafPoints`: the fewer, the more levels even a small cloud has.
 inline Expected<std::shared_ptr<const Cloud>> sceneCloud(const std::string& scene, std::uint64_t points,
-                                                         std::uint32_t leafPoints = 2048,
-                                                         bool surfels = true) {
+                                                         std::uint32_t leafPoints = 2048, bool surfels = true,
+                                                         const ProgressSink& progress = {}) {
     SceneOptions options;
     options.scene = scene;
     options.points = points;
@@ -26,7 +26,7 @@ inline Expected<std::shared_ptr<const Cloud>> sceneCloud(const std::string& scen
     build.shape.leafPoints = leafPoints;
     build.shape.surfels = surfels;
     build.mirrors = sceneMirrors(options);
-    return buildCloud(**source, build);
+    return buildCloud(**source, build, progress);
 }
 
 /// One of the scene's own views; without perspective it shows as much at its target.

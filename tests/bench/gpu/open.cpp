@@ -44,7 +44,9 @@ void printDevice(const DeviceInfo& info) {
         std::printf("- memory: %.1f GB\n", double(info.memory) / 1e9);
     else
         std::printf("- memory: not told\n");
-    std::printf("- 64-bit atomics: %s\n- node: %s\n", info.atomics64 ? "yes" : "no", orUnknown(info.node));
+    std::printf("- 64-bit atomics: %s\n- rounds exactly: %s\n- tells resets: %s\n- node: %s\n",
+                info.atomics64 ? "yes" : "no", info.exact ? "yes" : "no", info.tellsLoss ? "yes" : "no",
+                orUnknown(info.node));
 }
 
 }  // namespace scancast::bench

@@ -98,6 +98,8 @@ Report::Report(const DeviceInfo& device, const Settings& settings)
              {"driver", device.version},
              {"memoryBytes", device.memory},
              {"atomics64", device.atomics64},
+             {"roundsExactly", device.exact},
+             {"tellsResets", device.tellsLoss},
              {"node", device.node},
              {"repeat", settings.repeat},
              {"warmUpSeconds", settings.warmUp},

@@ -47,6 +47,8 @@ Expected<void> checkBruteForce(const Cloud& cloud) {
 
 /// Copies the part of `tile` (which covers `drawn`) that lies in `wanted` into the whole picture.
 void paste(const Frame& tile, const Window& drawn, const Window& wanted, Frame& picture) {
+    std::uint8_t* const rgba = picture.rgba.own().data();
+    float* const depth = picture.depth.own().data();
     for (int y = 0; y < wanted.height; ++y) {
         const auto from =
             static_cast<std::size_t>(wanted.y + y - drawn.y) * static_cast<std::size_t>(drawn.width) +
@@ -54,10 +56,8 @@ void paste(const Frame& tile, const Window& drawn, const Window& wanted, Frame& 
         const auto to = static_cast<std::size_t>(wanted.y + y) * static_cast<std::size_t>(picture.width) +
                         static_cast<std::size_t>(wanted.x);
         const auto count = static_cast<std::size_t>(wanted.width);
-        std::copy_n(tile.rgba.begin() + static_cast<std::ptrdiff_t>(from * 4), count * 4,
-                    picture.rgba.begin() + static_cast<std::ptrdiff_t>(to * 4));
-        std::copy_n(tile.depth.begin() + static_cast<std::ptrdiff_t>(from), count,
-                    picture.depth.begin() + static_cast<std::ptrdiff_t>(to));
+        std::copy_n(tile.rgba.begin() + from * 4, count * 4, rgba + to * 4);
+        if (!tile.depth.empty()) std::copy_n(tile.depth.begin() + from, count, depth + to);
     }
 }
 
@@ -79,8 +79,8 @@ Expected<Frame> drawTiles(Device& device, Drawing drawing, int margin, const std
     const int width = drawing.viewpoint->width, height = drawing.viewpoint->height;
     Frame picture{width, height, {}, {}, {}};
     const auto pixels = static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
-    picture.rgba.resize(pixels * 4);
-    picture.depth.resize(pixels);
+    picture.rgba.own().resize(pixels * 4);
+    if (drawing.depth) picture.depth.own().resize(pixels);
     for (int y = 0; y < height; y += tileSide) {
         for (int x = 0; x < width; x += tileSide) {
             const Window wanted{x, y, std::min(tileSide, width - x), std::min(tileSide, height - y)};
@@ -149,6 +149,7 @@ struct PreparedView {
     Background background;
     bool surfels = false, oriented = false;
     int samples = 1;
+    bool depth = true;
     double selectMs = 0, provideMs = 0;
 };
 
@@ -242,6 +243,7 @@ Expected<std::shared_ptr<const PreparedView>> prepare(const Cloud& cloud, const 
     prepared->surfels = cloud.surfels;
     prepared->oriented = cloud.oriented;
     prepared->samples = view.quality.samples.value_or(defaultSamples);
+    prepared->depth = options.depth;
 
     auto start = Clock::now();
     prepareMirrors(cloud, view.style, *prepared);
@@ -354,6 +356,7 @@ Expected<std::unique_ptr<PendingFrame>> beginDrawing(Device& device, const Prepa
     drawing.background = prepared.background;
     drawing.jitter = jitter;
     drawing.reflections = prepared.reflections;
+    drawing.depth = prepared.depth;
     std::optional<CutsOnDevice> onDevice;
     const auto start = Clock::now();
     if (DeviceMemory* const memory = device.memory(); memory && uploads == Uploads::ForAFrame) {

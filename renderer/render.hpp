@@ -29,6 +29,7 @@ struct RenderOptions {
     /// Levels are chosen as this camera sees them, without culling, whatever the view's own camera: two
     /// pictures of one view that differ in this differ by changes of level alone. For tools and tests.
     std::optional<Camera> levelsOf{};
+    bool depth = true;  ///< the frame shall have its depth: what is only encoded comes sooner without
 };
 
 /// Where a client starts: the cloud's default camera, coloured by the best attribute that the cloud has.

@@ -87,6 +87,7 @@ struct Drawing {
     Window window;                       ///< what to draw; the frame has its size
     std::span<const glm::dvec2> jitter;  ///< one sub-pixel shift (px) per anti-aliasing frame; at least one
     std::span<const Reflection> reflections{};
+    bool depth = true;  ///< the frame shall have its depth; what only is encoded needs none
 };
 
 struct DeviceInfo {

@@ -1,6 +1,5 @@
 #include "renderer/device/gl/gl_device.hpp"
 
-#include <chrono>
 #include <new>
 #include <utility>
 
@@ -17,7 +16,7 @@ namespace {
 /// A picture whose pixels are on their way.
 class GlPicture final : public PendingFrame {
   public:
-    GlPicture(Context& context, std::unique_ptr<ReadBack::Pixels> pixels, StageTimes times, Frame frame,
+    GlPicture(Context& context, std::unique_ptr<ReadBack::Transfer> pixels, StageTimes times, Frame frame,
               std::stop_token stop)
         : context_(context),
           pixels_(std::move(pixels)),
@@ -34,21 +33,16 @@ class GlPicture final : public PendingFrame {
         const auto current = Context::Current::enter(context_);
         if (!current) return tl::unexpected(current.error());
         if (auto here = pixels_->wait(stop_); !here) return tl::unexpected(here.error());
-        const auto start = std::chrono::steady_clock::now();
-        const auto rgba = pixels_->rgba();
-        const auto depth = pixels_->depth();
-        frame_.rgba.assign(rgba.begin(), rgba.end());
-        frame_.depth.assign(depth.begin(), depth.end());
-        const auto passed = std::chrono::steady_clock::now() - start;
+        frame_.rgba = pixels_->rgba();
+        frame_.depth = pixels_->depth();
         if (auto collected = times_.collect(frame_.stats); !collected)
             return tl::unexpected(collected.error());
-        frame_.stats.add("read-back", std::chrono::duration<double, std::milli>(passed).count());
         return std::move(frame_);
     }
 
   private:
     Context& context_;
-    std::unique_ptr<ReadBack::Pixels> pixels_;
+    std::unique_ptr<ReadBack::Transfer> pixels_;
     StageTimes times_;
     Frame frame_;
     std::stop_token stop_;
@@ -56,15 +50,16 @@ class GlPicture final : public PendingFrame {
 
 class GlDevice final : public Device {
   public:
-    static Expected<std::unique_ptr<Device>> create(Expected<std::unique_ptr<Context>> context,
+    static Expected<std::unique_ptr<Device>> create(Expected<std::unique_ptr<Context>> opened,
                                                     const GlOptions& options) {
-        if (!context) return tl::unexpected(context.error());
-        auto current = Context::Current::enter(**context);
+        if (!opened) return tl::unexpected(opened.error());
+        std::shared_ptr<Context> context = std::move(*opened);
+        auto current = Context::Current::enter(*context);
         if (!current) return tl::unexpected(current.error());
-        auto driver = describeDriver((*context)->functions());
+        auto driver = describeDriver(context->functions());
         if (!driver) return tl::unexpected(driver.error());
-        logDriverMessages((*context)->functions());
-        return std::unique_ptr<Device>(new GlDevice(std::move(*context), *driver, options));
+        logDriverMessages(context->functions());
+        return std::unique_ptr<Device>(new GlDevice(std::move(context), *driver, options));
     }
 
     ~GlDevice() override {
@@ -94,10 +89,10 @@ class GlDevice final : public Device {
     }
 
   private:
-    GlDevice(std::unique_ptr<Context> context, const DriverStrings& driver, const GlOptions& options)
+    GlDevice(std::shared_ptr<Context> context, const DriverStrings& driver, const GlOptions& options)
         : context_(std::move(context)),
           shop_(std::make_unique<Workshop>(
-              context_->functions(), options.programFolder,
+              context_, options.programFolder,
               sampleCacheOptions(context_->functions(), driver.software, options.gpuMemoryLimit),
               splatLimits(context_->functions(), driver.software))),
           memory_(*context_, shop_->samples, uploadBudget(driver.software, options.uploadBudget)) {
@@ -148,7 +143,7 @@ class GlDevice final : public Device {
         stats.device = info_.name;
     }
 
-    std::unique_ptr<Context> context_;
+    const std::shared_ptr<Context> context_;  ///< its pictures' loans keep it, too
     std::unique_ptr<Workshop> shop_;
     GlMemory memory_;
     std::uint64_t bytesUploaded_ = 0;  ///< up to the last picture

@@ -32,8 +32,9 @@ class NotingDevice : public Device {
         for (int y = w.y; y < w.y + w.height; ++y) {
             for (int x = w.x; x < w.x + w.width; ++x) {
                 for (const int value : {x, y, x + y, 255})
-                    frame.rgba.push_back(static_cast<std::uint8_t>(value));
-                frame.depth.push_back(static_cast<float>(x) + static_cast<float>(y) * 0.5f);
+                    frame.rgba.own().push_back(static_cast<std::uint8_t>(value));
+                if (drawing.depth)
+                    frame.depth.own().push_back(static_cast<float>(x) + static_cast<float>(y) * 0.5f);
             }
         }
         frame.stats.add("nearest", 1);
@@ -132,6 +133,20 @@ TEST(Render, APosterIsDrawnInTilesThatFitTogether) {
     }
     // Eye-dome lighting looks at neighbours, so inner tiles are drawn with a margin.
     EXPECT_GT(device.windows[1].width, 2048);
+}
+
+TEST(Render, DepthIsOnlyDrawnWhereItIsAskedFor) {
+    const Cloud cloud = fourPoints();
+    NotingDevice device;
+    for (const int width : {64, 2500}) {  // in one piece, and in tiles
+        const View view = fromAbove(cloud, width, 48);
+        const auto with = render(device, cloud, view),
+                   without = render(device, cloud, view, {.depth = false});
+        ASSERT_TRUE(with && without);
+        EXPECT_EQ(with->depth.size() * 4, with->rgba.size());
+        EXPECT_TRUE(without->depth.empty());
+        EXPECT_EQ(without->rgba, with->rgba);
+    }
 }
 
 TEST(Render, DevicesWithoutMirrorsDrawThePointsAsRecordedAndSaySo) {

@@ -87,6 +87,7 @@ struct Drawing {
     Window window;                       ///< what to draw; the frame has its size
     std::span<const glm::dvec2> jitter;  ///< one sub-pixel shift (px) per anti-aliasing frame; at least one
     std::span<const Reflection> reflections{};
+    bool depth = true;  ///< the frame shall have its depth; what only is encoded needs none
 };
 
 struct DeviceInfo {
@@ -115,6 +116,10 @@ class Device {
     /// Memory of its own that samples are moved to before they are drawn (renderer/residency); nullptr: it
     /// draws them where they are. Lives as long as the device.
     virtual DeviceMemory* memory() { return nullptr; }
+    /// Pixels that a picture may have, whatever its shape, for it to be drawn in one piece rather than in
+    /// tiles (renderer/render.hpp): in tiles nothing is read back while the next picture is begun, and every
+    /// tile projects all samples. No byte depends on it. 0: no more than a tile.
+    virtual std::int64_t pixelsAtOnce() const { return 0; }
     /// Draws one picture: for each jitter all passes, then the integer mean of the frames (colour weighted by
     /// coverage; depth is that of the first). Checks `stop` every few milliseconds: Cancelled leaves no
     /// trace. Errors: Cancelled, ResourceLimit (picture or cut too large for the device), Unsupported,

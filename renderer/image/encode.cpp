@@ -103,16 +103,15 @@ Expected<Bytes> encodePng(const Frame& frame, bool alpha) {
         return pngFailure(ErrorCode::Internal, status);
 
     Bytes rgb;
-    const Bytes* pixels = &frame.rgba;
+    std::span<const std::uint8_t> pixels = frame.rgba;
     if (!alpha) {
         rgb.reserve(pixelCount(frame) * 3);
         for (std::size_t i = 0; i < frame.rgba.size(); i += 4) {
-            rgb.insert(rgb.end(), frame.rgba.begin() + static_cast<std::ptrdiff_t>(i),
-                       frame.rgba.begin() + static_cast<std::ptrdiff_t>(i + 3));
+            rgb.insert(rgb.end(), frame.rgba.begin() + i, frame.rgba.begin() + i + 3);
         }
-        pixels = &rgb;
+        pixels = rgb;
     }
-    if (const int status = spng_encode_image(encoder.get(), pixels->data(), pixels->size(), SPNG_FMT_PNG,
+    if (const int status = spng_encode_image(encoder.get(), pixels.data(), pixels.size(), SPNG_FMT_PNG,
                                              SPNG_ENCODE_FINALIZE)) {
         return pngFailure(ErrorCode::Internal, status);
     }
@@ -135,8 +134,8 @@ Expected<Frame> decodeJpeg(std::span<const std::uint8_t> bytes) {
         return fail(ErrorCode::Malformed,
                     std::string("not a JPEG picture: ") + tjGetErrorStr2(decoder.get()));
     }
-    frame.rgba.resize(pixelCount(frame) * 4);
-    if (tjDecompress2(decoder.get(), bytes.data(), bytes.size(), frame.rgba.data(), frame.width, 0,
+    frame.rgba.own().resize(pixelCount(frame) * 4);
+    if (tjDecompress2(decoder.get(), bytes.data(), bytes.size(), frame.rgba.own().data(), frame.width, 0,
                       frame.height, TJPF_RGBA, 0)) {
         return fail(ErrorCode::Truncated,
                     std::string("damaged JPEG picture: ") + tjGetErrorStr2(decoder.get()));
@@ -157,8 +156,8 @@ Expected<Frame> decodePng(std::span<const std::uint8_t> bytes) {
     Frame frame;
     frame.width = static_cast<int>(header.width);
     frame.height = static_cast<int>(header.height);
-    frame.rgba.resize(pixelCount(frame) * 4);
-    if (const int status = spng_decode_image(decoder.get(), frame.rgba.data(), frame.rgba.size(),
+    frame.rgba.own().resize(pixelCount(frame) * 4);
+    if (const int status = spng_decode_image(decoder.get(), frame.rgba.own().data(), frame.rgba.size(),
                                              SPNG_FMT_RGBA8, SPNG_DECODE_TRNS)) {
         return pngFailure(ErrorCode::Truncated, status);
     }

@@ -1,9 +1,15 @@
 // A rendered picture and what it cost. Pipeline: device → **frame** → encode. A plain value, row 0 is the top.
+//
+// A device may lend its pixels from where they arrived (pixels.hpp): such a frame may outlive the device, and
+// be copied, encoded and dropped on any thread.
 #pragma once
 
 #include <cstdint>
 #include <string>
+#include <string_view>
 #include <vector>
+
+#include "renderer/image/pixels.hpp"
 
 namespace scancast {
 
@@ -33,8 +39,10 @@ struct FrameStats {
 
 struct Frame {
     int width = 0, height = 0;
-    std::vector<std::uint8_t> rgba;     ///< width·height·4, straight alpha; 255 everywhere unless transparent
-    std::vector<float> depth;           ///< width·height linear depth, cloud units; +infinity = background
+    Pixels<std::uint8_t> rgba;  ///< width·height·4, straight alpha; 255 everywhere unless transparent
+    /// width·height linear depth, cloud units; +infinity = background. Empty where none was asked for, on
+    /// every device alike.
+    Pixels<float> depth;
     FrameStats stats;
 };
 

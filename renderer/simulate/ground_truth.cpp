@@ -75,14 +75,15 @@ Frame GroundTruth::frame(const std::array<std::uint8_t, 3>& background) const {
     frame.width = width;
     frame.height = height;
     frame.depth = depth;
-    frame.rgba.resize(color.size() * 4);
+    std::vector<std::uint8_t>& rgba = frame.rgba.own();
+    rgba.resize(color.size() * 4);
     for (std::size_t pixel = 0; pixel < color.size(); ++pixel) {
         for (std::size_t c = 0; c < 3; ++c) {
             const float value =
                 color[pixel][int(c)] * 255 * coverage[pixel] + float(background[c]) * (1 - coverage[pixel]);
-            frame.rgba[4 * pixel + c] = std::uint8_t(std::clamp(value + 0.5F, 0.0F, 255.0F));
+            rgba[4 * pixel + c] = std::uint8_t(std::clamp(value + 0.5F, 0.0F, 255.0F));
         }
-        frame.rgba[4 * pixel + 3] = 255;
+        rgba[4 * pixel + 3] = 255;
     }
     return frame;
 }

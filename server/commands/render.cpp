@@ -213,6 +213,7 @@ void addRender(CLI::App& app, int& exitCode) {
         "0,1,0\n"
         "  scancast render church.las --repeat 50 --stats json --samples 1 --method point");
     auto arguments = std::make_shared<RenderArguments>();
+    arguments->render.depth = false;  // of what it writes, no format shows it
     command->add_option("file", arguments->file, "The cloud file or the scan")->required();
     command->add_option("-o,--output", arguments->output, "The picture to write: .png, .jpg or .jpeg");
     command->add_option("--backend", arguments->device.backend, "auto, cpu, egl or osmesa")

@@ -24,6 +24,7 @@ Expected<PreparedPicture> preparePicture(const PictureOrder& order, bool wait, s
                                          std::optional<std::uint64_t> most) {
     RenderOptions options{.wait = wait, .requester = order.requester, .ahead = order.ahead};
     if (!order.complete) options.mostSamples = most;
+    options.depth = order.format == PictureFormat::Depth;
     auto prepared = prepare(*order.cloud, order.view, options, std::move(stop));
     if (!prepared) return tl::unexpected(std::move(prepared.error()));
     const bool complete = samplesMissing(**prepared) == 0;

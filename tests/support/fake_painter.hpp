@@ -185,12 +185,13 @@ class FakePainter {
         frame.width = view.width;
         frame.height = view.height;
         const auto pixels = std::size_t(view.width) * std::size_t(view.height);
-        frame.rgba.resize(pixels * 4, 255);
-        frame.depth.resize(pixels, 1.0F);
+        std::vector<std::uint8_t>& rgba = frame.rgba.own();
+        rgba.resize(pixels * 4, 255);
+        frame.depth.own().resize(pixels, 1.0F);
         for (std::size_t i = 0; i < pixels; ++i) {
-            frame.rgba[4 * i] = std::uint8_t(view.camera.eye.x);
-            frame.rgba[4 * i + 1] = std::uint8_t(cloud.points);
-            frame.rgba[4 * i + 2] = std::uint8_t(40 * view.quality.samples.value_or(defaultSamples));
+            rgba[4 * i] = std::uint8_t(view.camera.eye.x);
+            rgba[4 * i + 1] = std::uint8_t(cloud.points);
+            rgba[4 * i + 2] = std::uint8_t(40 * view.quality.samples.value_or(defaultSamples));
         }
         frame.stats.add("select", 0.1);
         frame.stats.samplesDrawn = 7;

@@ -43,7 +43,7 @@ Planes Picture::framePlanes(std::uint32_t* out, bool first, Frame& frame) {
     if (plan_.normals()) planes.normals = grown(buffers_.frame.normals, pixels);
     if (same(area_, window_)) {
         planes.rgba = out;
-        planes.depth = first ? frame.depth.data() : nullptr;
+        planes.depth = first && drawing_.depth ? frame.depth.own().data() : nullptr;
     } else {
         planes.rgba = grown(buffers_.frame.rgba, pixels);
     }
@@ -54,12 +54,13 @@ Planes Picture::framePlanes(std::uint32_t* out, bool first, Frame& frame) {
 
 void Picture::crop(const Planes& planes, bool first, std::uint32_t* out, Frame& frame) {
     const int width = window_.width();
+    float* const depth = first && drawing_.depth ? frame.depth.own().data() : nullptr;
     workers_.overRows(window_.height(), [&](int y0, int y1) {
         for (int y = y0; y < y1; ++y) {
             const std::ptrdiff_t from = planes.at(window_.x0, window_.y0 + y);
             const std::ptrdiff_t to = static_cast<std::ptrdiff_t>(y) * width;
             std::copy_n(planes.rgba + from, width, out + to);
-            if (first) std::copy_n(planes.depth + from, width, frame.depth.data() + to);
+            if (depth) std::copy_n(planes.depth + from, width, depth + to);
         }
     });
 }
@@ -103,7 +104,7 @@ void Picture::accumulate(const std::uint32_t* rgba) {
 }
 
 void Picture::drawAveraged(Layer& layer, Frame& frame) {
-    const std::size_t pixels = frame.depth.size();
+    const std::size_t pixels = pixelsOf(window_);
     std::uint32_t* const one = grown(buffers_.one, pixels);
     buffers_.sums.assign(pixels * 4, 0);
     for (std::size_t i = 0; i < drawing_.jitter.size() && !workers_.stopped(); ++i) {
@@ -113,10 +114,11 @@ void Picture::drawAveraged(Layer& layer, Frame& frame) {
         frame.stats.add("average", millisecondsSince(start));
     }
     const auto start = Clock::now();
+    std::uint8_t* const mean = frame.rgba.own().data();
     workers_.overRows(window_.height(), [&](int y0, int y1) {
         const std::ptrdiff_t first = static_cast<std::ptrdiff_t>(y0) * window_.width();
-        kernels_.average(buffers_.sums.data() + 4 * first, frame.rgba.data() + 4 * first,
-                         (y1 - y0) * window_.width(), static_cast<int>(drawing_.jitter.size()));
+        kernels_.average(buffers_.sums.data() + 4 * first, mean + 4 * first, (y1 - y0) * window_.width(),
+                         static_cast<int>(drawing_.jitter.size()));
     });
     frame.stats.add("average", millisecondsSince(start));
 }
@@ -126,8 +128,8 @@ Expected<Frame> Picture::draw() {
     Frame frame;
     frame.width = window_.width();
     frame.height = window_.height();
-    frame.rgba.resize(pixelsOf(window_) * 4);
-    frame.depth.resize(pixelsOf(window_));
+    frame.rgba.own().resize(pixelsOf(window_) * 4);
+    if (drawing_.depth) frame.depth.own().resize(pixelsOf(window_));
     Layer layer(drawing_, *drawing_.cut, drawing_.filter, sight_, plan_, kernels_, workers_, buffers_.tiles,
                 area_);
     frame.stats.add("nearest", millisecondsSince(start));
@@ -137,7 +139,7 @@ Expected<Frame> Picture::draw() {
         if (!mirrors_.empty()) frame.stats.add("mirrors", millisecondsSince(mirrorsStart));
     }
     if (drawing_.jitter.size() == 1) {
-        drawFrame(layer, drawing_.jitter[0], true, reinterpret_cast<std::uint32_t*>(frame.rgba.data()),
+        drawFrame(layer, drawing_.jitter[0], true, reinterpret_cast<std::uint32_t*>(frame.rgba.own().data()),
                   frame);
     } else {
         drawAveraged(layer, frame);

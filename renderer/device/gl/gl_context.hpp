@@ -1,6 +1,7 @@
 // An OpenGL 4.5 core context without a surface: what EGL and OSMesa have in common.
 //
-// Owned by one GL device; used on the thread that created it. A context is current only inside a Current
+// Owned by one GL device, and kept by the frames that it has lent (read_back.hpp); used on the thread that
+// created it, destroyed on any on which no context is current. A context is current only inside a Current
 // scope: EGL's and OSMesa's notions of "current" share one dispatch table inside Mesa, so whoever leaves a
 // context current would have the other's calls land in it.
 #pragma once

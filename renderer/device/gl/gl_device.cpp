@@ -1,6 +1,5 @@
 #include "renderer/device/gl/gl_device.hpp"
 
-#include <chrono>
 #include <new>
 #include <utility>
 
@@ -17,7 +16,7 @@ namespace {
 /// A picture whose pixels are on their way.
 class GlPicture final : public PendingFrame {
   public:
-    GlPicture(Context& context, std::unique_ptr<ReadBack::Pixels> pixels, StageTimes times, Frame frame,
+    GlPicture(Context& context, std::unique_ptr<ReadBack::Transfer> pixels, StageTimes times, Frame frame,
               std::stop_token stop)
         : context_(context),
           pixels_(std::move(pixels)),
@@ -34,21 +33,16 @@ class GlPicture final : public PendingFrame {
         const auto current = Context::Current::enter(context_);
         if (!current) return tl::unexpected(current.error());
         if (auto here = pixels_->wait(stop_); !here) return tl::unexpected(here.error());
-        const auto start = std::chrono::steady_clock::now();
-        const auto rgba = pixels_->rgba();
-        const auto depth = pixels_->depth();
-        frame_.rgba.assign(rgba.begin(), rgba.end());
-        frame_.depth.assign(depth.begin(), depth.end());
-        const auto passed = std::chrono::steady_clock::now() - start;
+        frame_.rgba = pixels_->rgba();
+        frame_.depth = pixels_->depth();
         if (auto collected = times_.collect(frame_.stats); !collected)
             return tl::unexpected(collected.error());
-        frame_.stats.add("read-back", std::chrono::duration<double, std::milli>(passed).count());
         return std::move(frame_);
     }
 
   private:
     Context& context_;
-    std::unique_ptr<ReadBack::Pixels> pixels_;
+    std::unique_ptr<ReadBack::Transfer> pixels_;
     StageTimes times_;
     Frame frame_;
     std::stop_token stop_;
@@ -56,19 +50,23 @@ class GlPicture final : public PendingFrame {
 
 class GlDevice final : public Device {
   public:
-    static Expected<std::unique_ptr<Device>> create(Expected<std::unique_ptr<Context>> context,
+    static Expected<std::unique_ptr<Device>> create(Expected<std::unique_ptr<Context>> opened,
                                                     const GlOptions& options) {
-        if (!context) return tl::unexpected(context.error());
-        auto current = Context::Current::enter(**context);
+        if (!opened) return tl::unexpected(opened.error());
+        std::shared_ptr<Context> context = std::move(*opened);
+        auto current = Context::Current::enter(*context);
         if (!current) return tl::unexpected(current.error());
-        auto driver = describeDriver((*context)->functions());
+        auto driver = describeDriver(context->functions());
         if (!driver) return tl::unexpected(driver.error());
-        const GlFunctions& gl = (*context)->functions();
+        const GlFunctions& gl = context->functions();
         logDriverMessages(gl);
         const auto arithmetic = options.arithmetic ? Expected<Arithmetic>(*options.arithmetic)
                                                    : findArithmetic(gl, options.programFolder);
         if (!arithmetic) return tl::unexpected(arithmetic.error());
-        return std::unique_ptr<Device>(new GlDevice(std::move(*context), *driver, *arithmetic, options));
+        const auto samples = sampleCacheOptions(gl, driver->software, options.gpuMemoryLimit);
+        const Findings found{*driver, *arithmetic, samples,
+                             memoryBeside(gl, driver->software, samples.memoryLimit)};
+        return std::unique_ptr<Device>(new GlDevice(std::move(context), found, options));
     }
 
     ~GlDevice() override {
@@ -79,6 +77,7 @@ class GlDevice final : public Device {
 
     DeviceInfo info() const override { return info_; }
     DeviceMemory* memory() override { return &memory_; }
+    std::int64_t pixelsAtOnce() const override { return pixelsAtOnce_; }
 
     Expected<Frame> draw(const Drawing& drawing, std::stop_token stop) override {
         auto begun = begin(drawing, std::move(stop));
@@ -98,84 +97,96 @@ class GlDevice final : public Device {
     }
 
   private:
-    GlDevice(std::unique_ptr<Context> context, const DriverStrings& driver, const Arithmetic& arithmetic,
-             const GlOptions& options)
+    /// Found out when the device opens.
+    struct Findings {
+        DriverStrings driver;
+        Arithmetic arithmetic;
+        SampleCacheOptions samples;
+        std::uint64_t memoryForPictures = 0;  ///< bytes
+    };
+
+    GlDevice(std::shared_ptr<Context> context, const Findings& found, const GlOptions& options)
         : context_(std::move(context)),
-          shop_(std::make_unique<Workshop>(
-              context_->functions(), options.programFolder, arithmetic,
-              sampleCacheOptions(context_->functions(), driver.software, options.gpuMemoryLimit),
-              splatLimits(context_->functions(), driver.software))),
-          memory_(*context_, shop_->samples, uploadBudget(driver.software, options.uploadBudget)) {
-        info_ = {context_->backend(), driver.vendor, driver.renderer, driver.version, !driver.software, {}};
-        info_.identity = info_.name + "; " + driver.renderer + "; " + driver.version;
-        info_.mirrors = true;
-        info_.memory = driver.memory;
-        info_.atomics64 = driver.atomics64;
-        info_.exact = arithmetic.exact;
-        info_.tellsLoss = driver.tellsLoss;
-    }
+          shop_(std::make_unique<Workshop>(context_, options.programFolder, found.arithmetic, found.samples,
+                                           splatLimits(context_->functions(), found.driver.software))),
+          memory_(*context_, shop_->samples, uploadBudget(found.driver.software, options.uploadBudget)) {
+        const DriverStrings& driver = found.driver;
+        memory_(*context_, shop_->samples, uploadBudget(driver.software, options.uploadBudget)) {
+            info_ = {context_->backend(), driver.vendor,    driver.renderer,
+                     driver.version,      !driver.software, {}};
+            info_.identity = info_.name + "; " + driver.renderer + "; " + driver.version;
+            info_.mirrors = true;
+            info_.memory = driver.memory;
+            info_.atomics64 = driver.atomics64;
+            info_.exact = found.arithmetic.exact;
+            info_.tellsLoss = driver.tellsLoss;
+            pixelsAtOnce_ = scancast::gl::pixelsAtOnce(
+                {driver.software, found.memoryForPictures, shop_->splats.limits().storageBlockBytes});
+        }
 
-    Expected<void> check(const Drawing& drawing) const {
-        if (auto checked = checkDrawing(drawing); !checked) return checked;
-        const Window& w = drawing.window;
-        if (std::int64_t{w.width} * w.height * 4 <= std::int64_t(shop_->splats.limits().storageBlockBytes))
-            return {};
-        return fail(ErrorCode::ResourceLimit, "A window of " + std::to_string(w.width) + " x " +
-                                                  std::to_string(w.height) +
-                                                  " pixels does not fit a storage block of this OpenGL "
-                                                  "driver; draw it in parts.");
-    }
+        Expected<void> check(const Drawing& drawing) const {
+            if (auto checked = checkDrawing(drawing); !checked) return checked;
+            const Window& w = drawing.window;
+            if (std::int64_t{w.width} * w.height * 4 <=
+                std::int64_t(shop_->splats.limits().storageBlockBytes))
+                return {};
+            return fail(ErrorCode::ResourceLimit, "A window of " + std::to_string(w.width) + " x " +
+                                                      std::to_string(w.height) +
+                                                      " pixels does not fit a storage block of this OpenGL "
+                                                      "driver; draw it in parts.");
+        }
 
-    Expected<std::unique_ptr<PendingFrame>> beginCurrent(const Drawing& drawing, std::stop_token stop) {
-        if (auto checked = check(drawing); !checked) return tl::unexpected(checked.error());
-        const auto plan = planPasses(drawing.passes);
-        if (!plan) return tl::unexpected(plan.error());
-        Frame frame;
-        StageTimes times(shop_->timers);
-        auto pixels = Picture(*shop_, drawing, *plan, stop).draw(times);
-        if (!pixels) return tl::unexpected(pixels.error());
-        frame.width = drawing.window.width;
-        frame.height = drawing.window.height;
-        tellCut(drawing, frame.stats);
-        return std::make_unique<GlPicture>(*context_, std::move(*pixels), std::move(times), std::move(frame),
-                                           std::move(stop));
-    }
+        Expected<std::unique_ptr<PendingFrame>> beginCurrent(const Drawing& drawing, std::stop_token stop) {
+            if (auto checked = check(drawing); !checked) return tl::unexpected(checked.error());
+            const auto plan = planPasses(drawing.passes);
+            if (!plan) return tl::unexpected(plan.error());
+            Frame frame;
+            StageTimes times(shop_->timers);
+            auto pixels = Picture(*shop_, drawing, *plan, stop).draw(times);
+            if (!pixels) return tl::unexpected(pixels.error());
+            frame.width = drawing.window.width;
+            frame.height = drawing.window.height;
+            tellCut(drawing, frame.stats);
+            return std::make_unique<GlPicture>(*context_, std::move(*pixels), std::move(times),
+                                               std::move(frame), std::move(stop));
+        }
 
-    void tellCut(const Drawing& drawing, FrameStats& stats) {
-        const std::uint64_t uploaded = shop_->samples.bytesUploaded();
-        stats.bytesUploaded = uploaded - std::exchange(bytesUploaded_, uploaded);
-        stats.deviceBytes = shop_->samples.bytes();
-        const Cut& cut = *drawing.cut;
-        stats.samplesDrawn = cut.samples;
-        stats.pointsShown = cut.points;
-        stats.nodesVisited = cut.nodesVisited;
-        stats.nodesCulled = cut.nodesCulled;
-        stats.spacingReached = cut.spacingReached;
-        stats.mirrorsDrawn = static_cast<std::uint32_t>(drawing.reflections.size());
-        stats.device = info_.name;
-    }
+        void tellCut(const Drawing& drawing, FrameStats& stats) {
+            const std::uint64_t uploaded = shop_->samples.bytesUploaded();
+            stats.bytesUploaded = uploaded - std::exchange(bytesUploaded_, uploaded);
+            stats.deviceBytes = shop_->samples.bytes();
+            const Cut& cut = *drawing.cut;
+            stats.samplesDrawn = cut.samples;
+            stats.pointsShown = cut.points;
+            stats.nodesVisited = cut.nodesVisited;
+            stats.nodesCulled = cut.nodesCulled;
+            stats.spacingReached = cut.spacingReached;
+            stats.mirrorsDrawn = static_cast<std::uint32_t>(drawing.reflections.size());
+            stats.device = info_.name;
+        }
 
-    std::unique_ptr<Context> context_;
-    std::unique_ptr<Workshop> shop_;
-    GlMemory memory_;
-    std::uint64_t bytesUploaded_ = 0;  ///< up to the last picture
-    DeviceInfo info_;
-};
+        const std::shared_ptr<Context> context_;  ///< its pictures' loans keep it, too
+        std::unique_ptr<Workshop> shop_;
+        GlMemory memory_;
+        std::uint64_t bytesUploaded_ = 0;  ///< up to the last picture
+        DeviceInfo info_;
+        std::int64_t pixelsAtOnce_ = 0;
+    };
 
-/// What opens is described by its driver; what does not, by why.
-DeviceInfo describe(const char* backend, const EglDevice& egl,
-                    const Expected<std::unique_ptr<Device>>& device) {
-    DeviceInfo info;
-    if (device) {
-        info = (*device)->info();
-    } else {
-        info.name = backend;
-        info.version = device.error().message;
+    /// What opens is described by its driver; what does not, by why.
+    DeviceInfo describe(const char* backend, const EglDevice& egl,
+                        const Expected<std::unique_ptr<Device>>& device) {
+        DeviceInfo info;
+        if (device) {
+            info = (*device)->info();
+        } else {
+            info.name = backend;
+            info.version = device.error().message;
+        }
+        info.eglDevice = egl.index;
+        info.node = egl.node;
+        return info;
     }
-    info.eglDevice = egl.index;
-    info.node = egl.node;
-    return info;
-}
 
 }  // namespace
 }  // namespace gl

@@ -14,22 +14,22 @@ ivec4 vectorOf(const Window& w) {
 
 }  // namespace
 
-Workshop::Workshop(const GlFunctions& functions, const std::filesystem::path& programFolder,
+Workshop::Workshop(const std::shared_ptr<const Context>& context, const std::filesystem::path& programFolder,
                    const Arithmetic& arithmetic, const SampleCacheOptions& cache, const SplatLimits& limits)
-    : gl(functions),
-      programs(functions, programFolder, arithmetic),
-      shaders(functions, programs),
-      samples(functions, cache),
-      slices(functions),
-      splats(functions, limits),
+    : gl(context->functions()),
+      programs(gl, programFolder, arithmetic),
+      shaders(gl, programs),
+      samples(gl, cache),
+      slices(gl),
+      splats(gl, limits),
       pyramid(shaders),
       average(shaders),
-      timers(functions),
-      tablesRing(functions, tablesRingBytes),
-      frame(functions),
-      rgba(functions, "picture's colours"),
-      depth(functions, "picture's depths"),
-      readBack(functions) {}
+      timers(gl),
+      tablesRing(gl, tablesRingBytes),
+      frame(gl),
+      rgba(gl, "picture's colours"),
+      depth(gl, "picture's depths"),
+      readBack(gl, context) {}
 
 LayerParts Workshop::layerParts(std::size_t layer) {
     while (tables.size() <= layer) tables.push_back(std::make_unique<LayerMemory>(gl, tablesRing));
@@ -83,7 +83,7 @@ Expected<void> Picture::drawFrame(const glm::dvec2& jitter, const GpuPlanes& pla
     return onMirrors(times, [&](const MirrorLayer& mirror) { return mirror.finish(jitter, planes); });
 }
 
-Expected<std::unique_ptr<ReadBack::Pixels>> Picture::draw(StageTimes& times) {
+Expected<std::unique_ptr<ReadBack::Transfer>> Picture::draw(StageTimes& times) {
     if (auto made = makeLayers(times); !made) return tl::unexpected(made.error());
     const auto planes = shop_.frame.planes(area_, plan_.normals());
     if (!planes) return tl::unexpected(planes.error());
@@ -93,11 +93,11 @@ Expected<std::unique_ptr<ReadBack::Pixels>> Picture::draw(StageTimes& times) {
     const bool asDrawn = !averaged && area_ == window_;
     Expected<void> done;
     if (!asDrawn) done = shop_.rgba.reserve(pixels * 4);
-    if (done && !asDrawn) done = shop_.depth.reserve(pixels * 4);
+    if (done && !asDrawn && drawing_.depth) done = shop_.depth.reserve(pixels * 4);
     if (done && averaged) done = shop_.average.begin(window_.z, window_.w);
     for (std::size_t i = 0; done && i < drawing_.jitter.size(); ++i) {
         done = drawFrame(drawing_.jitter[i], *planes, times);
-        if (done && i == 0 && !asDrawn)
+        if (done && i == 0 && !asDrawn && drawing_.depth)
             done = crop(*planes->depth, area_, window_, shop_.depth, shop_.shaders);
         if (done && averaged) {
             const StageTimes::Scope timed(times, "average");
@@ -111,8 +111,8 @@ Expected<std::unique_ptr<ReadBack::Pixels>> Picture::draw(StageTimes& times) {
     }
     if (!done) return tl::unexpected(done.error());
     const StageTimes::Scope timed(times, "read-back");
-    return asDrawn ? shop_.readBack.start(*planes->rgba, *planes->depth, pixels)
-                   : shop_.readBack.start(shop_.rgba, shop_.depth, pixels);
+    const Buffer* const depth = !drawing_.depth ? nullptr : asDrawn ? planes->depth : &shop_.depth;
+    return shop_.readBack.start(asDrawn ? *planes->rgba : shop_.rgba, depth, pixels);
 }
 
 }  // namespace scancast::gl

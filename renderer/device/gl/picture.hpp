@@ -18,7 +18,8 @@ namespace scancast::gl {
 /// What lives as long as the device: programs, samples, and buffers, so that pictures do not wait for fresh
 /// memory.
 struct Workshop {
-    Workshop(const GlFunctions& functions, const std::filesystem::path& programFolder,
+    /// Pictures that are read back keep the context, too (read_back.hpp).
+    Workshop(const std::shared_ptr<const Context>& context, const std::filesystem::path& programFolder,
              const Arithmetic& arithmetic, const SampleCacheOptions& cache, const SplatLimits& limits);
 
     const GlFunctions& gl;
@@ -46,7 +47,7 @@ class Picture {
     Picture(Workshop& shop, const Drawing& drawing, const PassPlan& plan, std::stop_token stop);
     /// Everything is asked of the GPU; its pixels arrive later. Times its stages. Errors: Cancelled,
     /// ResourceLimit, DeviceLost.
-    Expected<std::unique_ptr<ReadBack::Pixels>> draw(StageTimes& times);
+    Expected<std::unique_ptr<ReadBack::Transfer>> draw(StageTimes& times);
 
   private:
     Expected<void> makeLayers(StageTimes& times);

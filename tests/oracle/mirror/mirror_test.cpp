@@ -13,11 +13,12 @@ using namespace test;
 
 /// The glass takes some of the light that comes through it, from whatever stands behind its plane.
 void tint(const MirroredRoom& room, const GlassPixels& glass, Frame& frame) {
+    std::vector<std::uint8_t>& rgba = frame.rgba.own();
     for (std::size_t i = 0; i < glass.mask.size(); ++i) {
         if (!glass.mask[i] || frame.depth[i] < glass.depth[i] - 2 * room.spacing) continue;
         for (std::size_t c = 0; c < 3; ++c)
-            frame.rgba[4 * i + c] =
-                static_cast<std::uint8_t>(std::lround(frame.rgba[4 * i + c] * room.mirror.tint[c] / 255.0));
+            rgba[4 * i + c] =
+                static_cast<std::uint8_t>(std::lround(rgba[4 * i + c] * room.mirror.tint[c] / 255.0));
     }
 }
 

@@ -14,7 +14,7 @@ TEST(Decode, PixelsAreThoseOfTheServersDecoder) {
     frame.height = 21;
     for (int i = 0; i < 37 * 21; ++i)
         for (const int value : {i % 256, i / 4 % 256, 255 - i % 200, 255})
-            frame.rgba.push_back(static_cast<std::uint8_t>(value));
+            frame.rgba.own().push_back(static_cast<std::uint8_t>(value));
     const auto jpeg = encodeJpeg(frame, 90, Subsampling::S444);
     ASSERT_TRUE(jpeg);
     const auto truth = scancast::decodeJpeg(*jpeg);

@@ -19,7 +19,7 @@ class Film : public testing::Test {
         Frame frame;
         frame.width = 33;  // odd: most pixel formats of videos want even sides
         frame.height = 25;
-        frame.rgba.assign(33U * 25 * 4, grey);
+        frame.rgba.own().assign(33U * 25 * 4, grey);
         return encodeJpeg(frame, 90, Subsampling::S420).value();
     }
 

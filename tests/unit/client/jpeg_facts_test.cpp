@@ -11,9 +11,9 @@ Frame colourful(int width, int height) {
     Frame frame;
     frame.width = width;
     frame.height = height;
-    frame.rgba.resize(static_cast<std::size_t>(width) * height * 4);
-    for (std::size_t i = 0; i < frame.rgba.size(); ++i)
-        frame.rgba[i] = static_cast<std::uint8_t>(i * 37 % 251);
+    std::vector<std::uint8_t>& rgba = frame.rgba.own();
+    rgba.resize(static_cast<std::size_t>(width) * height * 4);
+    for (std::size_t i = 0; i < rgba.size(); ++i) rgba[i] = static_cast<std::uint8_t>(i * 37 % 251);
     return frame;
 }
 

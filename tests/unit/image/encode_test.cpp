@@ -13,10 +13,10 @@ Frame gradient(int width, int height) {
     Frame frame{width, height, {}, {}, {}};
     for (int y = 0; y < height; ++y) {
         for (int x = 0; x < width; ++x) {
-            frame.rgba.push_back(static_cast<std::uint8_t>(255 * x / width));
-            frame.rgba.push_back(static_cast<std::uint8_t>(255 * y / height));
-            frame.rgba.push_back(static_cast<std::uint8_t>(255 - 255 * x / width));
-            frame.rgba.push_back(static_cast<std::uint8_t>(x % 2 ? 255 : 7));
+            frame.rgba.own().push_back(static_cast<std::uint8_t>(255 * x / width));
+            frame.rgba.own().push_back(static_cast<std::uint8_t>(255 * y / height));
+            frame.rgba.own().push_back(static_cast<std::uint8_t>(255 - 255 * x / width));
+            frame.rgba.own().push_back(static_cast<std::uint8_t>(x % 2 ? 255 : 7));
         }
     }
     return frame;

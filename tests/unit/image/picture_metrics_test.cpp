@@ -15,10 +15,10 @@ Frame paint(int width, int height, Color&& color) {
     for (int y = 0; y < height; ++y)
         for (int x = 0; x < width; ++x) {
             const int value = color(x, y);
-            for (int c = 0; c < 3; ++c) frame.rgba.push_back(std::uint8_t(value));
-            frame.rgba.push_back(255);
+            for (int c = 0; c < 3; ++c) frame.rgba.own().push_back(std::uint8_t(value));
+            frame.rgba.own().push_back(255);
         }
-    frame.depth.assign(std::size_t(width) * std::size_t(height), 1.0F);
+    frame.depth.own().assign(std::size_t(width) * std::size_t(height), 1.0F);
     return frame;
 }
 
@@ -109,9 +109,9 @@ TEST(Holes, AreBackgroundWellInsideTheSilhouette) {
     EXPECT_EQ(countHoles(frame, mask, 2)->counted, 64u);
     EXPECT_EQ(countHoles(frame, mask, 2)->pixels, 0u);
     const float nothing = std::numeric_limits<float>::infinity();
-    frame.depth[10 * 30 + 10] = frame.depth[6 * 30 + 7] =
-        nothing;                                          // inside; at the corner of what is counted
-    frame.depth[5 * 30 + 10] = frame.depth[0] = nothing;  // in the rim; outside
+    std::vector<float>& depth = frame.depth.own();
+    depth[10 * 30 + 10] = depth[6 * 30 + 7] = nothing;  // inside; at the corner of what is counted
+    depth[5 * 30 + 10] = depth[0] = nothing;            // in the rim; outside
     EXPECT_EQ(countHoles(frame, mask, 2)->pixels, 2u);
     EXPECT_DOUBLE_EQ(countHoles(frame, mask, 2)->part(), 2.0 / 64);
     EXPECT_EQ(countHoles(frame, mask, 0)->pixels, 3u);

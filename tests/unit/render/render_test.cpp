@@ -17,6 +17,7 @@ using testing::HasSubstr;
 class NotingDevice : public Device {
   public:
     DeviceInfo info() const override { return {"noting", "", "", "", false, "noting", -1, mirrors}; }
+    std::int64_t pixelsAtOnce() const override { return atOnce; }
 
     Expected<Frame> draw(const Drawing& drawing, std::stop_token stop) override {
         if (stop.stop_requested()) return fail(ErrorCode::Cancelled, "cancelled");
@@ -32,8 +33,9 @@ class NotingDevice : public Device {
         for (int y = w.y; y < w.y + w.height; ++y) {
             for (int x = w.x; x < w.x + w.width; ++x) {
                 for (const int value : {x, y, x + y, 255})
-                    frame.rgba.push_back(static_cast<std::uint8_t>(value));
-                frame.depth.push_back(static_cast<float>(x) + static_cast<float>(y) * 0.5f);
+                    frame.rgba.own().push_back(static_cast<std::uint8_t>(value));
+                if (drawing.depth)
+                    frame.depth.own().push_back(static_cast<float>(x) + static_cast<float>(y) * 0.5f);
             }
         }
         frame.stats.add("nearest", 1);
@@ -46,6 +48,7 @@ class NotingDevice : public Device {
     ColorRule color;
     std::uint64_t cutSamples = 0;
     bool mirrors = false;
+    std::int64_t atOnce = 0;
     std::size_t reflections = 0, regionsDropped = 0;
 };
 
@@ -132,6 +135,43 @@ TEST(Render, APosterIsDrawnInTilesThatFitTogether) {
     }
     // Eye-dome lighting looks at neighbours, so inner tiles are drawn with a margin.
     EXPECT_GT(device.windows[1].width, 2048);
+}
+
+TEST(Render, ADeviceThatCanDrawsAPosterInOnePiece) {
+    const Cloud cloud = fourPoints();
+    NotingDevice device;
+    View view = fromAbove(cloud, 200, 120);
+    const RenderOptions small{.tileSide = 64};
+    const auto inTiles = render(device, cloud, view, small);
+    EXPECT_EQ(device.windows.size(), 8u);
+    for (const auto& [pixels, pieces] : {std::pair{200 * 120 - 1, 8u}, {200 * 120, 1u}}) {
+        device.windows.clear();
+        device.atOnce = pixels;
+        const auto frame = render(device, cloud, view, small);
+        ASSERT_TRUE(inTiles && frame);
+        EXPECT_EQ(device.windows.size(), pieces);
+        EXPECT_EQ(frame->rgba, inTiles->rgba);
+        EXPECT_EQ(frame->depth, inTiles->depth);
+    }
+    // Its pyramid would show where tiles meet: the bytes would depend on the device's memory.
+    device.windows.clear();
+    view.style.method = "pyramid";
+    ASSERT_TRUE(render(device, cloud, view, small));
+    EXPECT_EQ(device.windows.size(), 8u);
+}
+
+TEST(Render, DepthIsOnlyDrawnWhereItIsAskedFor) {
+    const Cloud cloud = fourPoints();
+    NotingDevice device;
+    for (const int width : {64, 2500}) {  // in one piece, and in tiles
+        const View view = fromAbove(cloud, width, 48);
+        const auto with = render(device, cloud, view),
+                   without = render(device, cloud, view, {.depth = false});
+        ASSERT_TRUE(with && without);
+        EXPECT_EQ(with->depth.size() * 4, with->rgba.size());
+        EXPECT_TRUE(without->depth.empty());
+        EXPECT_EQ(without->rgba, with->rgba);
+    }
 }
 
 TEST(Render, DevicesWithoutMirrorsDrawThePointsAsRecordedAndSaySo) {

@@ -84,6 +84,21 @@ Picture snapshot(Scheduler& scheduler, const std::shared_ptr<const Cloud>& cloud
     return picture ? *picture : Picture{};
 }
 
+/// The cpu device, which says of what it draws whether depth is wanted.
+class NotingDevice final : public Device {
+  public:
+    explicit NotingDevice(std::vector<bool>& depth) : depth_(depth) {}
+    DeviceInfo info() const override { return cpu_->info(); }
+    Expected<Frame> draw(const Drawing& drawing, std::stop_token stop) override {
+        depth_.push_back(drawing.depth);
+        return cpu_->draw(drawing, std::move(stop));
+    }
+
+  private:
+    std::vector<bool>& depth_;
+    std::unique_ptr<Device> cpu_ = *createDevice({.backend = "cpu", .threads = 2});
+};
+
 class FragilePainter : public testing::TestWithParam<FragileDevice::Loss> {};
 INSTANTIATE_TEST_SUITE_P(Server, FragilePainter,
                          testing::Values(FragileDevice::Loss::Beginning, FragileDevice::Loss::Finishing));
@@ -105,6 +120,30 @@ TEST_P(FragilePainter, PicturesAfterTheLossAreThoseOfTheCpuDevice) {
             EXPECT_EQ(a.stats.stages[s].name, b.stats.stages[s].name);
     }
     EXPECT_EQ(fragile.device().lost->error.message, "It broke.");
+}
+
+TEST(DevicePainter, OnlyPicturesOfDepthAskForIt) {
+    const auto cloud = test::tinyCloud();
+    std::vector<bool> asked;
+    const auto painter = painterWith(
+        [&]() -> Expected<std::unique_ptr<Device>> { return std::make_unique<NotingDevice>(asked); })();
+    ASSERT_TRUE(painter) << painter.error().message;
+    for (const PictureFormat format : {PictureFormat::Jpeg, PictureFormat::Png, PictureFormat::Depth}) {
+        PictureOrder order;
+        order.cloud = cloud;
+        order.view = defaultView(*cloud, 40, 24);
+        order.format = format;
+        const auto prepared = painter->prepare(order, true, {});
+        ASSERT_TRUE(prepared) << prepared.error().message;
+        const auto begun = painter->begin(order, *prepared, {});
+        ASSERT_TRUE(begun) << begun.error().message;
+        const auto frame = (*begun)->finish();
+        ASSERT_TRUE(frame) << frame.error().message;
+        const auto bytes = encodePicture(*frame, order.view, format);
+        ASSERT_TRUE(bytes) << bytes.error().message;
+        EXPECT_EQ(bytes->size() == 40 * 24 * 4, format == PictureFormat::Depth);
+    }
+    EXPECT_EQ(asked, (std::vector<bool>{false, false, true}));
 }
 
 TEST(DevicePainter, WhatCannotBeOpenedIsAnErrorAndNotReplaced) {

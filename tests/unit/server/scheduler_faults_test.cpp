@@ -33,8 +33,8 @@ struct ThrowingPainter {
         Pending(ThrowingPainter& of, int side) : painter(of) {
             const auto pixels = std::size_t(side) * std::size_t(side);
             frame.width = frame.height = side;
-            frame.rgba.resize(pixels * 4, 255);
-            frame.depth.resize(pixels, 1.0F);
+            frame.rgba.own().resize(pixels * 4, 255);
+            frame.depth.own().resize(pixels, 1.0F);
         }
         bool ready() override {
             painter.maybe(Where::Ready);

@@ -111,82 +111,79 @@ class GlDevice final : public Device {
                                            splatLimits(context_->functions(), found.driver.software))),
           memory_(*context_, shop_->samples, uploadBudget(found.driver.software, options.uploadBudget)) {
         const DriverStrings& driver = found.driver;
-        memory_(*context_, shop_->samples, uploadBudget(driver.software, options.uploadBudget)) {
-            info_ = {context_->backend(), driver.vendor,    driver.renderer,
-                     driver.version,      !driver.software, {}};
-            info_.identity = info_.name + "; " + driver.renderer + "; " + driver.version;
-            info_.mirrors = true;
-            info_.memory = driver.memory;
-            info_.atomics64 = driver.atomics64;
-            info_.exact = found.arithmetic.exact;
-            info_.tellsLoss = driver.tellsLoss;
-            pixelsAtOnce_ = scancast::gl::pixelsAtOnce(
-                {driver.software, found.memoryForPictures, shop_->splats.limits().storageBlockBytes});
-        }
-
-        Expected<void> check(const Drawing& drawing) const {
-            if (auto checked = checkDrawing(drawing); !checked) return checked;
-            const Window& w = drawing.window;
-            if (std::int64_t{w.width} * w.height * 4 <=
-                std::int64_t(shop_->splats.limits().storageBlockBytes))
-                return {};
-            return fail(ErrorCode::ResourceLimit, "A window of " + std::to_string(w.width) + " x " +
-                                                      std::to_string(w.height) +
-                                                      " pixels does not fit a storage block of this OpenGL "
-                                                      "driver; draw it in parts.");
-        }
-
-        Expected<std::unique_ptr<PendingFrame>> beginCurrent(const Drawing& drawing, std::stop_token stop) {
-            if (auto checked = check(drawing); !checked) return tl::unexpected(checked.error());
-            const auto plan = planPasses(drawing.passes);
-            if (!plan) return tl::unexpected(plan.error());
-            Frame frame;
-            StageTimes times(shop_->timers);
-            auto pixels = Picture(*shop_, drawing, *plan, stop).draw(times);
-            if (!pixels) return tl::unexpected(pixels.error());
-            frame.width = drawing.window.width;
-            frame.height = drawing.window.height;
-            tellCut(drawing, frame.stats);
-            return std::make_unique<GlPicture>(*context_, std::move(*pixels), std::move(times),
-                                               std::move(frame), std::move(stop));
-        }
-
-        void tellCut(const Drawing& drawing, FrameStats& stats) {
-            const std::uint64_t uploaded = shop_->samples.bytesUploaded();
-            stats.bytesUploaded = uploaded - std::exchange(bytesUploaded_, uploaded);
-            stats.deviceBytes = shop_->samples.bytes();
-            const Cut& cut = *drawing.cut;
-            stats.samplesDrawn = cut.samples;
-            stats.pointsShown = cut.points;
-            stats.nodesVisited = cut.nodesVisited;
-            stats.nodesCulled = cut.nodesCulled;
-            stats.spacingReached = cut.spacingReached;
-            stats.mirrorsDrawn = static_cast<std::uint32_t>(drawing.reflections.size());
-            stats.device = info_.name;
-        }
-
-        const std::shared_ptr<Context> context_;  ///< its pictures' loans keep it, too
-        std::unique_ptr<Workshop> shop_;
-        GlMemory memory_;
-        std::uint64_t bytesUploaded_ = 0;  ///< up to the last picture
-        DeviceInfo info_;
-        std::int64_t pixelsAtOnce_ = 0;
-    };
-
-    /// What opens is described by its driver; what does not, by why.
-    DeviceInfo describe(const char* backend, const EglDevice& egl,
-                        const Expected<std::unique_ptr<Device>>& device) {
-        DeviceInfo info;
-        if (device) {
-            info = (*device)->info();
-        } else {
-            info.name = backend;
-            info.version = device.error().message;
-        }
-        info.eglDevice = egl.index;
-        info.node = egl.node;
-        return info;
+        info_ = {context_->backend(), driver.vendor, driver.renderer, driver.version, !driver.software, {}};
+        info_.identity = info_.name + "; " + driver.renderer + "; " + driver.version;
+        info_.mirrors = true;
+        info_.memory = driver.memory;
+        info_.atomics64 = driver.atomics64;
+        info_.exact = found.arithmetic.exact;
+        info_.tellsLoss = driver.tellsLoss;
+        pixelsAtOnce_ = scancast::gl::pixelsAtOnce(
+            {driver.software, found.memoryForPictures, shop_->splats.limits().storageBlockBytes});
     }
+
+    Expected<void> check(const Drawing& drawing) const {
+        if (auto checked = checkDrawing(drawing); !checked) return checked;
+        const Window& w = drawing.window;
+        if (std::int64_t{w.width} * w.height * 4 <= std::int64_t(shop_->splats.limits().storageBlockBytes))
+            return {};
+        return fail(ErrorCode::ResourceLimit, "A window of " + std::to_string(w.width) + " x " +
+                                                  std::to_string(w.height) +
+                                                  " pixels does not fit a storage block of this OpenGL "
+                                                  "driver; draw it in parts.");
+    }
+
+    Expected<std::unique_ptr<PendingFrame>> beginCurrent(const Drawing& drawing, std::stop_token stop) {
+        if (auto checked = check(drawing); !checked) return tl::unexpected(checked.error());
+        const auto plan = planPasses(drawing.passes);
+        if (!plan) return tl::unexpected(plan.error());
+        Frame frame;
+        StageTimes times(shop_->timers);
+        auto pixels = Picture(*shop_, drawing, *plan, stop).draw(times);
+        if (!pixels) return tl::unexpected(pixels.error());
+        frame.width = drawing.window.width;
+        frame.height = drawing.window.height;
+        tellCut(drawing, frame.stats);
+        return std::make_unique<GlPicture>(*context_, std::move(*pixels), std::move(times), std::move(frame),
+                                           std::move(stop));
+    }
+
+    void tellCut(const Drawing& drawing, FrameStats& stats) {
+        const std::uint64_t uploaded = shop_->samples.bytesUploaded();
+        stats.bytesUploaded = uploaded - std::exchange(bytesUploaded_, uploaded);
+        stats.deviceBytes = shop_->samples.bytes();
+        const Cut& cut = *drawing.cut;
+        stats.samplesDrawn = cut.samples;
+        stats.pointsShown = cut.points;
+        stats.nodesVisited = cut.nodesVisited;
+        stats.nodesCulled = cut.nodesCulled;
+        stats.spacingReached = cut.spacingReached;
+        stats.mirrorsDrawn = static_cast<std::uint32_t>(drawing.reflections.size());
+        stats.device = info_.name;
+    }
+
+    const std::shared_ptr<Context> context_;  ///< its pictures' loans keep it, too
+    std::unique_ptr<Workshop> shop_;
+    GlMemory memory_;
+    std::uint64_t bytesUploaded_ = 0;  ///< up to the last picture
+    DeviceInfo info_;
+    std::int64_t pixelsAtOnce_ = 0;
+};
+
+/// What opens is described by its driver; what does not, by why.
+DeviceInfo describe(const char* backend, const EglDevice& egl,
+                    const Expected<std::unique_ptr<Device>>& device) {
+    DeviceInfo info;
+    if (device) {
+        info = (*device)->info();
+    } else {
+        info.name = backend;
+        info.version = device.error().message;
+    }
+    info.eglDevice = egl.index;
+    info.node = egl.node;
+    return info;
+}
 
 }  // namespace
 }  // namespace gl

@@ -39,6 +39,13 @@ void growBySplats(const PassList& passes, bool surfels, SelectOptions& selection
     }
 }
 
+/// The pyramid of hidden points and colours reaches farther than any margin that a tile could have.
+bool looksNoFartherThanTheMargin(const PassList& passes) {
+    return std::ranges::none_of(passes, [](const Pass& pass) {
+        return std::holds_alternative<HiddenPointsPass>(pass) || std::holds_alternative<PullPushPass>(pass);
+    });
+}
+
 /// Whether nothing that faces away from the eye is drawn by any pass.
 bool drawsFrontOnly(const PassList& passes) {
     const auto front = [](const Pass& pass) {
@@ -162,6 +169,7 @@ Expected<Plan> plan(const Cloud& cloud, const View& view) {
     growBySplats(plan.passes, cloud.surfels, plan.selection);
     plan.selection.cullBackFaces = cloud.oriented && drawsFrontOnly(plan.passes);
     plan.margin = screenMargin(plan.passes);
+    plan.tilesAreExact = looksNoFartherThanTheMargin(plan.passes);
     return plan;
 }
 

@@ -21,6 +21,8 @@ struct Plan {
     ColorRule color;
     SelectOptions selection;
     int margin = 0;  ///< px around a tile that its screen passes look at
+    /// None of them looks farther, so a picture has the same bytes in tiles as in one piece.
+    bool tilesAreExact = true;
 };
 
 /// Errors: those of checkView() (renderer/render.hpp).

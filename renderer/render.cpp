@@ -15,10 +15,6 @@ namespace scancast {
 
 namespace {
 
-/// Larger pictures are drawn in tiles of at most this side, so that a poster needs no more memory than a
-/// screen and can be abandoned between tiles.
-constexpr int tileSide = 2048;
-
 /// Halton points (bases 2 and 3) around their own mean: anti-aliasing must not move the picture.
 std::vector<glm::dvec2> jitterSequence(int samples) {
     const auto radicalInverse = [](int i, int base) {
@@ -71,20 +67,30 @@ Window withMargin(const Window& wanted, int margin, int width, int height) {
     return drawn;
 }
 
-bool isOneTile(const Viewpoint& viewpoint) {
-    return viewpoint.width <= tileSide && viewpoint.height <= tileSide;
+/// How a picture is cut, where it is.
+struct Tiling {
+    int side = largestTile;
+    int margin = 0;     ///< that screen passes look at around a tile
+    bool exact = true;  ///< nobody can tell
+};
+
+/// What a device draws at once depends on its memory, and a picture's bytes must not.
+bool isOnePiece(const Device& device, const Viewpoint& viewpoint, const Tiling& tiling) {
+    return (viewpoint.width <= tiling.side && viewpoint.height <= tiling.side) ||
+           (tiling.exact && std::int64_t{viewpoint.width} * viewpoint.height <= device.pixelsAtOnce());
 }
 
-Expected<Frame> drawTiles(Device& device, Drawing drawing, int margin, const std::stop_token& stop) {
+Expected<Frame> drawTiles(Device& device, Drawing drawing, const Tiling& tiling,
+                          const std::stop_token& stop) {
     const int width = drawing.viewpoint->width, height = drawing.viewpoint->height;
     Frame picture{width, height, {}, {}, {}};
     const auto pixels = static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
     picture.rgba.own().resize(pixels * 4);
     if (drawing.depth) picture.depth.own().resize(pixels);
-    for (int y = 0; y < height; y += tileSide) {
-        for (int x = 0; x < width; x += tileSide) {
-            const Window wanted{x, y, std::min(tileSide, width - x), std::min(tileSide, height - y)};
-            drawing.window = withMargin(wanted, margin, width, height);
+    for (int y = 0; y < height; y += tiling.side) {
+        for (int x = 0; x < width; x += tiling.side) {
+            const Window wanted{x, y, std::min(tiling.side, width - x), std::min(tiling.side, height - y)};
+            drawing.window = withMargin(wanted, tiling.margin, width, height);
             auto tile = device.draw(drawing, stop);
             if (!tile) return tile;
             paste(*tile, drawing.window, wanted, picture);
@@ -96,13 +102,13 @@ Expected<Frame> drawTiles(Device& device, Drawing drawing, int margin, const std
     return picture;
 }
 
-Expected<std::unique_ptr<PendingFrame>> beginPicture(Device& device, Drawing drawing, int margin,
+Expected<std::unique_ptr<PendingFrame>> beginPicture(Device& device, Drawing drawing, const Tiling& tiling,
                                                      const std::stop_token& stop) {
-    if (isOneTile(*drawing.viewpoint)) {
+    if (isOnePiece(device, *drawing.viewpoint, tiling)) {
         drawing.window = {0, 0, drawing.viewpoint->width, drawing.viewpoint->height};
         return device.begin(drawing, stop);
     }
-    auto picture = drawTiles(device, drawing, margin, stop);
+    auto picture = drawTiles(device, drawing, tiling, stop);
     if (!picture) return tl::unexpected(std::move(picture.error()));
     return std::make_unique<DrawnFrame>(std::move(*picture));
 }
@@ -150,6 +156,7 @@ struct PreparedView {
     bool surfels = false, oriented = false;
     int samples = 1;
     bool depth = true;
+    int tileSide = largestTile;
     double selectMs = 0, provideMs = 0;
 };
 
@@ -244,6 +251,7 @@ Expected<std::shared_ptr<const PreparedView>> prepare(const Cloud& cloud, const 
     prepared->oriented = cloud.oriented;
     prepared->samples = view.quality.samples.value_or(defaultSamples);
     prepared->depth = options.depth;
+    prepared->tileSide = std::max(options.tileSide, 1);
 
     auto start = Clock::now();
     prepareMirrors(cloud, view.style, *prepared);
@@ -372,7 +380,8 @@ Expected<std::unique_ptr<PendingFrame>> beginDrawing(Device& device, const Prepa
         drawing.reflections = {};
         drawing.filter.dropped.clear();
     }
-    auto pixels = beginPicture(device, drawing, prepared.plan.margin, stop);
+    auto pixels = beginPicture(device, drawing,
+                               {prepared.tileSide, prepared.plan.margin, prepared.plan.tilesAreExact}, stop);
     if (!pixels) return pixels;
     return std::make_unique<RenderedFrame>(std::move(*pixels),
                                            statsOf(prepared, provideMs, drawing, info.name));

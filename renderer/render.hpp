@@ -15,6 +15,9 @@
 
 namespace scancast {
 
+/// A poster needs no more memory than a screen, and can be abandoned between tiles.
+inline constexpr int largestTile = 2048;
+
 struct RenderOptions {
     bool bruteForce = false;  ///< every leaf sample, no selection, no culling
     /// Blocks of a cloud file that are not in memory are waited for, as is what is not on the GPU; else
@@ -29,6 +32,10 @@ struct RenderOptions {
     /// Levels are chosen as this camera sees them, without culling, whatever the view's own camera: two
     /// pictures of one view that differ in this differ by changes of level alone. For tools and tests.
     std::optional<Camera> levelsOf{};
+    /// Pictures wider or higher than this are drawn in tiles of at most this side, px, unless the device
+    /// draws so many pixels at once (Device::pixelsAtOnce) and the method's bytes are the same then:
+    /// pyramid's are not, which looks farther than a tile. Smaller for tests.
+    int tileSide = largestTile;
     bool depth = true;  ///< the frame shall have its depth: what is only encoded comes sooner without
 };
 

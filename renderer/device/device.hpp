@@ -114,6 +114,10 @@ class Device {
     /// Memory of its own that samples are moved to before they are drawn (renderer/residency); nullptr: it
     /// draws them where they are. Lives as long as the device.
     virtual DeviceMemory* memory() { return nullptr; }
+    /// Pixels that a picture may have, whatever its shape, for it to be drawn in one piece rather than in
+    /// tiles (renderer/render.hpp): in tiles nothing is read back while the next picture is begun, and every
+    /// tile projects all samples. No byte depends on it. 0: no more than a tile.
+    virtual std::int64_t pixelsAtOnce() const { return 0; }
     /// Draws one picture: for each jitter all passes, then the integer mean of the frames (colour weighted by
     /// coverage; depth is that of the first). Checks `stop` every few milliseconds: Cancelled leaves no
     /// trace. Errors: Cancelled, ResourceLimit (picture or cut too large for the device), Unsupported,

@@ -59,7 +59,11 @@ class GlDevice final : public Device {
         auto driver = describeDriver(context->functions());
         if (!driver) return tl::unexpected(driver.error());
         logDriverMessages(context->functions());
-        return std::unique_ptr<Device>(new GlDevice(std::move(context), *driver, options));
+        const auto samples =
+            sampleCacheOptions(context->functions(), driver->software, options.gpuMemoryLimit);
+        const std::uint64_t beside =
+            memoryBeside(context->functions(), driver->software, samples.memoryLimit);
+        return std::unique_ptr<Device>(new GlDevice(std::move(context), *driver, options, samples, beside));
     }
 
     ~GlDevice() override {
@@ -70,6 +74,7 @@ class GlDevice final : public Device {
 
     DeviceInfo info() const override { return info_; }
     DeviceMemory* memory() override { return &memory_; }
+    std::int64_t pixelsAtOnce() const override { return pixelsAtOnce_; }
 
     Expected<Frame> draw(const Drawing& drawing, std::stop_token stop) override {
         auto begun = begin(drawing, std::move(stop));
@@ -89,18 +94,19 @@ class GlDevice final : public Device {
     }
 
   private:
-    GlDevice(std::shared_ptr<Context> context, const DriverStrings& driver, const GlOptions& options)
+    GlDevice(std::shared_ptr<Context> context, const DriverStrings& driver, const GlOptions& options,
+             const SampleCacheOptions& samples, std::uint64_t memoryForPictures)
         : context_(std::move(context)),
-          shop_(std::make_unique<Workshop>(
-              context_, options.programFolder,
-              sampleCacheOptions(context_->functions(), driver.software, options.gpuMemoryLimit),
-              splatLimits(context_->functions(), driver.software))),
+          shop_(std::make_unique<Workshop>(context_, options.programFolder, samples,
+                                           splatLimits(context_->functions(), driver.software))),
           memory_(*context_, shop_->samples, uploadBudget(driver.software, options.uploadBudget)) {
         info_ = {context_->backend(), driver.vendor, driver.renderer, driver.version, !driver.software, {}};
         info_.identity = info_.name + "; " + driver.renderer + "; " + driver.version;
         info_.mirrors = true;
         info_.memory = driver.memory;
         info_.atomics64 = driver.atomics64;
+        pixelsAtOnce_ = scancast::gl::pixelsAtOnce(
+            {driver.software, memoryForPictures, shop_->splats.limits().storageBlockBytes});
     }
 
     Expected<void> check(const Drawing& drawing) const {
@@ -148,6 +154,7 @@ class GlDevice final : public Device {
     GlMemory memory_;
     std::uint64_t bytesUploaded_ = 0;  ///< up to the last picture
     DeviceInfo info_;
+    std::int64_t pixelsAtOnce_ = 0;
 };
 
 /// What opens is described by its driver; what does not, by why.

@@ -40,7 +40,7 @@ const Cloud& agreedCloud(const std::string& scene) {
 }
 
 void expectPicturesAgree(Device& gl, Device& cpu, const Cloud& cloud, const View& view,
-                     const RenderOptions& options = {}) {
+                         const RenderOptions& options = {}) {
     const auto a = render(gl, cloud, view, options), b = render(cpu, cloud, view, options);
     ASSERT_TRUE(b) << b.error().message;
     ASSERT_TRUE(a) << a.error().message;
@@ -174,12 +174,53 @@ TEST_P(ViewAgreement, LevelsThatFadeAndNone) {
     });
 }
 
-/// Larger than a screen: drawn in two tiles, which share the mirror.
+/// Larger than a tile: drawn in two by the cpu device, which share the mirror, and in one piece where there is
+/// memory for that.
 TEST_P(ViewAgreement, Tiles) {
     View from = view();
     from.width = 2304;
     from.height = 120;
     inEveryMethod(from, [&](const View& v) { check(v); });
+}
+
+/// Draws what another draws, as many pixels at once as it is told.
+class AtOnce : public Device {
+  public:
+    AtOnce(Device& device, std::int64_t pixels) : device_(device), pixels_(pixels) {}
+    DeviceInfo info() const override { return device_.info(); }
+    DeviceMemory* memory() override { return device_.memory(); }
+    std::int64_t pixelsAtOnce() const override { return pixels_; }
+    Expected<Frame> draw(const Drawing& drawing, std::stop_token stop) override {
+        ++pieces;
+        return device_.draw(drawing, std::move(stop));
+    }
+    Expected<std::unique_ptr<PendingFrame>> begin(const Drawing& drawing, std::stop_token stop) override {
+        ++pieces;
+        return device_.begin(drawing, std::move(stop));
+    }
+    int pieces = 0;
+
+  private:
+    Device& device_;
+    const std::int64_t pixels_;
+};
+
+/// What a device draws at once depends on its memory, and a picture's bytes do not. Oracle: the same picture
+/// in tiles, and where it must be, the cpu device's.
+TEST_P(ViewAgreement, OnePieceHasTheBytesOfItsTiles) {
+    const RenderOptions options{.tileSide = 128};
+    inEveryMethod(view(), [&](const View& v) {
+        AtOnce tiles(*device_, 0), piece(*device_, 1 << 20);
+        const auto a = render(tiles, cloud_, v, options), b = render(piece, cloud_, v, options);
+        ASSERT_TRUE(a) << a.error().message;
+        ASSERT_TRUE(b) << b.error().message;
+        EXPECT_EQ(tiles.pieces, 6);
+        EXPECT_EQ(piece.pieces, v.style.method == "pyramid" ? 6 : 1);
+        EXPECT_EQ(b->rgba.lent(), piece.pieces == 1);
+        EXPECT_EQ(a->rgba, b->rgba);
+        EXPECT_EQ(a->depth, b->depth);
+        expectPicturesAgree(piece, *cpu_, cloud_, v, options);
+    });
 }
 
 }  // namespace

@@ -17,6 +17,7 @@ using testing::HasSubstr;
 class NotingDevice : public Device {
   public:
     DeviceInfo info() const override { return {"noting", "", "", "", false, "noting", -1, mirrors}; }
+    std::int64_t pixelsAtOnce() const override { return atOnce; }
 
     Expected<Frame> draw(const Drawing& drawing, std::stop_token stop) override {
         if (stop.stop_requested()) return fail(ErrorCode::Cancelled, "cancelled");
@@ -47,6 +48,7 @@ class NotingDevice : public Device {
     ColorRule color;
     std::uint64_t cutSamples = 0;
     bool mirrors = false;
+    std::int64_t atOnce = 0;
     std::size_t reflections = 0, regionsDropped = 0;
 };
 
@@ -133,6 +135,29 @@ TEST(Render, APosterIsDrawnInTilesThatFitTogether) {
     }
     // Eye-dome lighting looks at neighbours, so inner tiles are drawn with a margin.
     EXPECT_GT(device.windows[1].width, 2048);
+}
+
+TEST(Render, ADeviceThatCanDrawsAPosterInOnePiece) {
+    const Cloud cloud = fourPoints();
+    NotingDevice device;
+    View view = fromAbove(cloud, 200, 120);
+    const RenderOptions small{.tileSide = 64};
+    const auto inTiles = render(device, cloud, view, small);
+    EXPECT_EQ(device.windows.size(), 8u);
+    for (const auto& [pixels, pieces] : {std::pair{200 * 120 - 1, 8u}, {200 * 120, 1u}}) {
+        device.windows.clear();
+        device.atOnce = pixels;
+        const auto frame = render(device, cloud, view, small);
+        ASSERT_TRUE(inTiles && frame);
+        EXPECT_EQ(device.windows.size(), pieces);
+        EXPECT_EQ(frame->rgba, inTiles->rgba);
+        EXPECT_EQ(frame->depth, inTiles->depth);
+    }
+    // Its pyramid would show where tiles meet: the bytes would depend on the device's memory.
+    device.windows.clear();
+    view.style.method = "pyramid";
+    ASSERT_TRUE(render(device, cloud, view, small));
+    EXPECT_EQ(device.windows.size(), 8u);
 }
 
 TEST(Render, DepthIsOnlyDrawnWhereItIsAskedFor) {

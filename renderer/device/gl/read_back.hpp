@@ -6,8 +6,9 @@
 // What is lent is given back on any thread, without a call of OpenGL: a flag says so, and the device's thread
 // uses the memory for another picture. It may outlive the device: what is lent then is left to the context,
 // which every loan keeps, and which goes with the last of them - on that loan's thread, where no context may
-// be current. A context that is lost takes nothing away either: only what has arrived is lent, the GPU does
-// not write there any more, and mapped memory stays until the context is destroyed.
+// be current. A context that is lost takes nothing away either: only what arrived before is lent (wait()
+// looks for a reset last), and mapped memory stays until the context is destroyed. OpenGL does not say what a
+// reset does to it; it is the process's own memory, if drivers do as GL_CLIENT_STORAGE asks.
 //
 // There are as many buffers as pictures alive at once, so whoever keeps frames bounds them: the scheduler
 // does. A buffer is not used for a picture that needs less than a quarter of it, unless it is small, and goes

@@ -12,6 +12,8 @@
 
 #include "renderer/device/gl/egl_context.hpp"
 #include "renderer/device/gl/osmesa_context.hpp"
+#include "tests/support/draw_cut.hpp"
+#include "tests/support/reference_renderer.hpp"
 
 namespace scancast::gl {
 namespace {
@@ -220,6 +222,38 @@ TEST_P(GlReadBack, TheLastReaderAndTheDeviceMayGoTogether) {
         reader.join();
         SetUp();
     }
+}
+
+/// The same with a whole device, which is closed while its frames are being encoded.
+TEST_P(GlReadBack, FramesOutliveTheirDevice) {
+    TearDown();  // contexts are current one at a time
+    std::vector<Frame> frames;
+    const test::AnalyticPoint point{{0, 5, 0}, {10, 20, 30}};
+    const test::AnalyticCloud cloud({&point, 1}, 1);
+    const Viewpoint from = test::lookAt({0, 0, 0}, {0, 1, 0}, 65, 33);
+    const test::Scene scene(from, cloud.cut(), test::sprite(Footprint::Square, Profile::Flat, 200));
+    {
+        auto device = createDevice({.backend = GetParam()});
+        ASSERT_TRUE(device) << device.error().message;
+        for (int i = 0; i < 3; ++i) frames.push_back(test::mustDraw(**device, scene.drawing));
+        auto begun = (*device)->begin(scene.drawing, {});
+        ASSERT_TRUE(begun) << begun.error().message;
+        auto last = (*begun)->finish();
+        ASSERT_TRUE(last) << last.error().message;
+        frames.push_back(std::move(*last));
+        auto abandoned = (*device)->begin(scene.drawing, {});
+        ASSERT_TRUE(abandoned) << abandoned.error().message;
+    }
+    std::thread([frames = std::move(frames)]() mutable {
+        for (Frame& frame : frames) {
+            EXPECT_TRUE(frame.rgba.lent() && frame.depth.lent());
+            for (std::size_t i = 0; i < frame.depth.size(); ++i) {
+                ASSERT_EQ(frame.rgba[4 * i + 1], 20) << i;
+                ASSERT_NEAR(frame.depth[i], 5, 0.01) << i;
+            }
+            frame = {};
+        }
+    }).join();
 }
 
 }  // namespace

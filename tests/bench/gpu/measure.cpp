@@ -90,7 +90,7 @@ std::string Row::title() const {
 
 Row measureRow(Device& device, Device* truth, const Cloud& cloud, const View& view, Row row,
                const Settings& settings) {
-    const RenderOptions options{.bruteForce = row.bruteForce};
+    RenderOptions options{.bruteForce = row.bruteForce};
     const std::filesystem::path png = pictureName(row, settings);
     if (truth != nullptr || !png.empty()) {
         const Frame frame = orExit(render(device, cloud, view, options));
@@ -98,6 +98,7 @@ Row measureRow(Device& device, Device* truth, const Cloud& cloud, const View& vi
         if (truth != nullptr)
             row.agreement = test::agreementOf(orExit(render(*truth, cloud, view, options)), frame);
     }
+    options.depth = false;  // as a server asks, which encodes colours alone
     const bool wrong = row.agreement && row.agreement->psnr < owedDecibels;
     if (!wrong || settings.anyway) row.cost = costOf(device, cloud, view, options, settings);
     return row;

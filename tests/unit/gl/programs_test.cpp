@@ -95,7 +95,7 @@ TEST_P(ProgramsOnDisk, WhatTheDriverRejectsIsCompiledAndWrittenAnew) {
     std::string driver;
     for (const GLenum what : {GL_VENDOR, GL_RENDERER, GL_VERSION, GL_SHADING_LANGUAGE_VERSION})
         driver.append(reinterpret_cast<const char*>(gl().GetString(what))).append("\n");
-    const ProgramKey key = ProgramKey::of(*assembleShader("crop.comp", {}), driver);
+    const ProgramKey key = ProgramKey::of(*assembleShader("crop.comp", definesOf({})), driver);
     ASSERT_EQ(path.stem(), key.digest);
     for (const std::uint32_t format : {0x1u, 0x875Fu}) {  // unknown; Mesa's
         const ProgramFiles files(folder_.path());

@@ -129,9 +129,11 @@ gl::SplatLimits splatLimits(const gl::GlFunctions& functions, const GlLimitsOfTe
 struct GlDrawing {
     static constexpr std::uint32_t untouched = 0x12345678;
 
-    GlDrawing(GlLayers::Backend& backend, const LayerCase& what, const GlLimitsOfTest& limits, int border = 0)
+    /// `instead`: of the backend's own functions.
+    GlDrawing(GlLayers::Backend& backend, const LayerCase& what, const GlLimitsOfTest& limits, int border = 0,
+              const gl::GlFunctions* instead = nullptr)
         : c(what),
-          functions(backend.context->functions()),
+          functions(instead ? *instead : backend.context->functions()),
           screen(functions, *backend.programs),
           samples(functions, limits.samples),
           slices(functions),
@@ -397,6 +399,44 @@ TEST_P(GlLayerDrawing, WindowsNearAndFarAndBackgrounds) {
         d.background.kind = Background::Kind::Gradient;
         d.background.bottom = {200, 100, 50};
     });
+}
+
+/// A driver's functions, and how many buffers were made by them; one at a time.
+struct CountsBuffers {
+    explicit CountsBuffers(const gl::GlFunctions& own) : functions(own) {
+        made = 0;
+        real = own;
+        functions.CreateBuffers = [](GLsizei count, GLuint* names) {
+            made += count;
+            real.CreateBuffers(count, names);
+        };
+    }
+    gl::GlFunctions functions;
+    static inline int made = 0;
+    static inline gl::GlFunctions real;
+};
+
+/// Each picture has a layer of its own, and its tables are made anew, in the buffers of the one before: the
+/// same picture again needs others.
+TEST_P(GlLayerDrawing, PicturesAfterTheFirstMakeNoBuffers) {
+    REQUIRE_BACKEND(backend, GetParam());
+    const auto current = gl::Context::Current::enter(*backend.context);
+    ASSERT_TRUE(current);
+    SurfelScene s(from_, sharedScene().cut(), passesOf(cells, Shading::Unlit));
+    const LayerCase c = layerCase(s.drawing);
+    CountsBuffers counting(backend.context->functions());
+    GlDrawing gl(backend, c, {}, 0, &counting.functions);
+    gl.draw();
+    ASSERT_TRUE(gl.drawn) << gl.drawn.error().message;
+    const int first = counting.made;
+    EXPECT_GE(first, 5) << "a layer's tables at least";
+    const std::vector<std::uint32_t> rgba = gl.read(gl.rgba);
+    for (int i = 0; i < 3; ++i) {
+        gl.draw();
+        ASSERT_TRUE(gl.drawn);
+        EXPECT_EQ(gl.read(gl.rgba), rgba);
+    }
+    EXPECT_EQ(counting.made, first);
 }
 
 /// A storage block that holds a third of the picture's sums: bands of rows.

@@ -10,6 +10,7 @@
 #include "renderer/residency/on_device.hpp"
 #include "renderer/residency/provide.hpp"
 #include "renderer/style.hpp"
+#include "renderer/tiled_picture.hpp"
 
 namespace scancast {
 
@@ -39,78 +40,6 @@ Expected<void> checkBruteForce(const Cloud& cloud) {
                                               std::to_string(cloud.points) + ", and " +
                                               std::to_string(*most) +
                                               " fit; raise the limit, or draw without --brute-force");
-}
-
-/// Copies the part of `tile` (which covers `drawn`) that lies in `wanted` into the whole picture.
-void paste(const Frame& tile, const Window& drawn, const Window& wanted, Frame& picture) {
-    std::uint8_t* const rgba = picture.rgba.own().data();
-    float* const depth = picture.depth.own().data();
-    for (int y = 0; y < wanted.height; ++y) {
-        const auto from =
-            static_cast<std::size_t>(wanted.y + y - drawn.y) * static_cast<std::size_t>(drawn.width) +
-            static_cast<std::size_t>(wanted.x - drawn.x);
-        const auto to = static_cast<std::size_t>(wanted.y + y) * static_cast<std::size_t>(picture.width) +
-                        static_cast<std::size_t>(wanted.x);
-        const auto count = static_cast<std::size_t>(wanted.width);
-        std::copy_n(tile.rgba.begin() + from * 4, count * 4, rgba + to * 4);
-        if (!tile.depth.empty()) std::copy_n(tile.depth.begin() + from, count, depth + to);
-    }
-}
-
-/// The wanted window and the margin around it that lies inside the picture.
-Window withMargin(const Window& wanted, int margin, int width, int height) {
-    Window drawn;
-    drawn.x = std::max(0, wanted.x - margin);
-    drawn.y = std::max(0, wanted.y - margin);
-    drawn.width = std::min(width, wanted.x + wanted.width + margin) - drawn.x;
-    drawn.height = std::min(height, wanted.y + wanted.height + margin) - drawn.y;
-    return drawn;
-}
-
-/// How a picture is cut, where it is.
-struct Tiling {
-    int side = largestTile;
-    int margin = 0;     ///< that screen passes look at around a tile
-    bool exact = true;  ///< nobody can tell
-};
-
-/// What a device draws at once depends on its memory, and a picture's bytes must not.
-bool isOnePiece(const Device& device, const Viewpoint& viewpoint, const Tiling& tiling) {
-    return (viewpoint.width <= tiling.side && viewpoint.height <= tiling.side) ||
-           (tiling.exact && std::int64_t{viewpoint.width} * viewpoint.height <= device.pixelsAtOnce());
-}
-
-Expected<Frame> drawTiles(Device& device, Drawing drawing, const Tiling& tiling,
-                          const std::stop_token& stop) {
-    const int width = drawing.viewpoint->width, height = drawing.viewpoint->height;
-    Frame picture{width, height, {}, {}, {}};
-    const auto pixels = static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
-    picture.rgba.own().resize(pixels * 4);
-    if (drawing.depth) picture.depth.own().resize(pixels);
-    for (int y = 0; y < height; y += tiling.side) {
-        for (int x = 0; x < width; x += tiling.side) {
-            const Window wanted{x, y, std::min(tiling.side, width - x), std::min(tiling.side, height - y)};
-            drawing.window = withMargin(wanted, tiling.margin, width, height);
-            auto tile = device.draw(drawing, stop);
-            if (!tile) return tile;
-            paste(*tile, drawing.window, wanted, picture);
-            for (const auto& stage : tile->stats.stages) picture.stats.add(stage.name, stage.milliseconds);
-            picture.stats.bytesUploaded += tile->stats.bytesUploaded;
-            picture.stats.deviceBytes = tile->stats.deviceBytes;
-        }
-    }
-    return picture;
-}
-
-Expected<std::unique_ptr<PendingFrame>> beginPicture(Device& device, Drawing drawing, const Tiling& tiling,
-                                                     const std::stop_token& stop) {
-    if (isOnePiece(device, *drawing.viewpoint, tiling)) {
-        drawing.window = {0, 0, drawing.viewpoint->width, drawing.viewpoint->height};
-        return device.begin(drawing, stop);
-    }
-    auto picture = drawTiles(device, drawing, tiling, stop);
-    if (!picture) return tl::unexpected(std::move(picture.error()));
-    return std::make_unique<DrawnFrame>(std::move(*picture));
 }
 
 /// The runs that a picture from `camera` would draw; none where no such picture can be made.

@@ -11,6 +11,9 @@ constexpr double sliceMs = 4, underWayMs = 3 * sliceMs;
 constexpr std::size_t mostUnderWay = 32;
 /// What is learned of one slice changes what is known by so much at most: clocks tell of other things, too.
 constexpr double mostFaster = 2, mostSlower = 8;
+/// However quick a GPU seems - slices that were done while nobody looked seem to take no time -, no more is
+/// under way than a few of the largest slices: the next picture may be slow.
+constexpr double leastGroupMs = sliceMs / largestSlice;
 
 }  // namespace
 
@@ -26,7 +29,7 @@ Expected<void> Slices::finishOldest() {
         return finished;
     const auto now = Clock::now();
     const double took = std::chrono::duration<double, std::milli>(now - last_).count() / oldest.groups;
-    groupMs_ = std::clamp(took, groupMs_ / mostFaster, groupMs_ * mostSlower);
+    groupMs_ = std::max(std::clamp(took, groupMs_ / mostFaster, groupMs_ * mostSlower), leastGroupMs);
     last_ = now;
     return {};
 }

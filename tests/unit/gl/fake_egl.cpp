@@ -66,7 +66,15 @@ EGLBoolean eglInitialize(EGLDisplay, EGLint*, EGLint*) {
 EGLBoolean eglBindAPI(EGLenum) {
     return !fails("eglBindAPI");
 }
-EGLContext eglCreateContext(EGLDisplay, EGLConfig, EGLContext, const EGLint*) {
+EGLContext eglCreateContext(EGLDisplay, EGLConfig, EGLContext, const EGLint* attributes) {
+    // Drivers without robustness take none of its attributes.
+    for (const EGLint* a = attributes; *a != EGL_NONE; a += 2) {
+        const bool robust =
+            a[0] == EGL_CONTEXT_FLAGS_KHR && (a[1] & EGL_CONTEXT_OPENGL_ROBUST_ACCESS_BIT_KHR);
+        if (robust && fails("no-robust-access")) return EGL_NO_CONTEXT;
+        const bool tellsResets = a[0] == EGL_CONTEXT_OPENGL_RESET_NOTIFICATION_STRATEGY_KHR;
+        if ((robust || tellsResets) && fails("no-robustness")) return EGL_NO_CONTEXT;
+    }
     return fails("eglCreateContext") ? EGL_NO_CONTEXT : someContext;
 }
 EGLBoolean eglDestroyContext(EGLDisplay, EGLContext) {

@@ -82,6 +82,14 @@ TEST(MissingBackends, ALibEglWithoutDevicesOrExtensionsOrOpenGlIsTold) {
                 AllOf(HasSubstr("has no function gl"), HasSubstr("apt install libgl1-mesa-dri")));
 }
 
+/// A context that tells resets and stays in its buffers is asked for first, and done without where a driver
+/// has none: what is missed then is OpenGL, which this library has not.
+TEST(MissingBackends, ADriverWithoutRobustnessOpensAllTheSame) {
+    for (const char* lacks : {"no-robust-access 0x3004", "no-robustness 0x3004"})
+        EXPECT_THAT(withFake(lacks),
+                    AllOf(HasSubstr("has no function gl"), Not(HasSubstr("eglCreateContext"))));
+}
+
 TEST(MissingBackends, ADeviceBeyondTheListIsAnsweredWithTheList) {
     EXPECT_THAT(
         opened("LD_LIBRARY_PATH=" SCANCAST_FAKE_EGL, "egl 3"),

@@ -2,6 +2,10 @@
 
 #include <gmock/gmock.h>
 
+#include <regex>
+#include <set>
+#include <sstream>
+
 namespace scancast::gl {
 namespace {
 
@@ -45,6 +49,34 @@ TEST(ShaderSource, EveryEmbeddedShaderAssembles) {
         ASSERT_TRUE(text) << text.error().message;
         EXPECT_TRUE(text->starts_with("#version 450 core\n")) << name;
         EXPECT_THAT(*text, testing::Not(HasSubstr("#include"))) << name;
+    }
+}
+
+/// A shader without its comments and preprocessor lines.
+std::string codeOf(std::string_view text) {
+    std::string code;
+    std::istringstream lines{std::string(text)};
+    for (std::string line; std::getline(lines, line);) {
+        if (!line.starts_with('#')) code += line.substr(0, line.find("//")) + "\n";
+    }
+    return code;
+}
+
+/// Drivers round quotients, roots and powers as they like; shaders leave them to exact.glsl and powers.glsl,
+/// or pictures are no longer the cpu device's. What divides integers is named here.
+TEST(ShaderSource, QuotientsAndRootsAreLeftToWhatRoundsThem) {
+    const std::set<std::string> integers{"2u",        "18",   "255u", "divisor", "part.frames.x",
+                                         "part.side", "side", "width"};
+    const std::regex division(R"(/\s*([\w.]+))"),
+        inexact(
+            R"([^.\w](sqrt|inversesqrt|normalize|length|distance|pow|exp2?|log2?|sin|cos|mix|smoothstep|reflect)\()");
+    for (const EmbeddedShader& shader : std::span(embeddedShaders, embeddedShaderCount)) {
+        if (shader.name == "exact.glsl") continue;
+        const std::string code = codeOf(shader.text);
+        for (std::sregex_iterator at(code.begin(), code.end(), division), end; at != end; ++at)
+            EXPECT_TRUE(integers.contains((*at)[1])) << shader.name << ": " << at->str();
+        for (std::sregex_iterator at(code.begin(), code.end(), inexact), end; at != end; ++at)
+            ADD_FAILURE() << shader.name << ": " << at->str();
     }
 }
 

@@ -72,9 +72,11 @@ void StageTimes::end() {
     }
 }
 
-void StageTimes::addHost(std::string stage, double milliseconds) {
-    Stage& added = *stages_.insert(stages_.begin(), Stage{std::move(stage)});
-    added.hostMs = milliseconds;
+std::size_t StageTimes::hostStage(std::string_view name) {
+    const auto known = std::ranges::find(host_, name, &StageTime::name);
+    const auto place = static_cast<std::size_t>(known - host_.begin());
+    if (known == host_.end()) host_.push_back({std::string(name), 0});
+    return place;
 }
 
 Expected<void> StageTimes::collect(FrameStats& stats) {
@@ -91,6 +93,7 @@ Expected<void> StageTimes::collect(FrameStats& stats) {
             if (auto done = waitForGpu(gl); !done) return done;
         }
     }
+    for (const StageTime& stage : host_) stats.add(stage.name, stage.milliseconds);
     for (const Stage& stage : stages_) {
         double ms = stage.hostMs;
         if (stage.ended) {

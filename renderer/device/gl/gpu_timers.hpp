@@ -9,6 +9,7 @@
 #include <chrono>
 #include <cstdint>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -54,8 +55,6 @@ class StageTimes {
 
     void begin(std::string stage);
     void end();
-    /// What the host did, by its own clock, and before all stages of the GPU's. Adds to others of that name.
-    void addHost(std::string stage, double milliseconds);
 
     /// Ends its stage with itself.
     class Scope {
@@ -69,22 +68,23 @@ class StageTimes {
         StageTimes& times_;
     };
 
-    /// Times what the host does as long as it lives.
+    /// Times what the host does as long as it lives, by its own clock: stages before all of the GPU's. Adds
+    /// to others of that name.
     class HostScope {
       public:
-        HostScope(StageTimes& times, std::string stage)
-            : times_(times), stage_(std::move(stage)), start_(HostClock::now()) {}
+        HostScope(StageTimes& times, std::string_view stage)
+            : times_(times), stage_(times.hostStage(stage)), start_(HostClock::now()) {}
         HostScope(const HostScope&) = delete;
         HostScope& operator=(const HostScope&) = delete;
         ~HostScope() {
             const std::chrono::duration<double, std::milli> passed = HostClock::now() - start_;
-            times_.addHost(std::move(stage_), passed.count());
+            times_.host_[stage_].milliseconds += passed.count();
         }
 
       private:
         StageTimes& times_;
-        std::string stage_;
-        const std::chrono::steady_clock::time_point start_;
+        const std::size_t stage_;
+        const HostClock::time_point start_;
     };
 
     /// Adds every stage to the picture's; stages of the same name add up. Waits for the GPU where it is not
@@ -100,8 +100,11 @@ class StageTimes {
     };
 
     void waitForHost();
+    /// Its place in host_, from now on.
+    std::size_t hostStage(std::string_view name);
 
     GpuTimers* timers_;
+    std::vector<StageTime> host_;
     std::vector<Stage> stages_;
     int depth_ = 0;            ///< of stages that have begun
     Expected<void> waited_{};  ///< how waiting went, for the host's clock

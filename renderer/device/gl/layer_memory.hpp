@@ -17,27 +17,25 @@ namespace scancast::gl {
 
 /// One layer's tables (splat_layouts.hpp). The ring outlives them.
 struct LayerMemory {
-    LayerMemory(const GlFunctions& gl, StagingRing& ring)
-        : ring_(ring),
+    LayerMemory(const GlFunctions& gl, StagingRing& filledThrough)
+        : ring(filledThrough),
           runs(gl, "runs", Buffer::Use::Copies),
           lookUps(gl, "tables", Buffer::Use::Copies),
           rows(gl, "background", Buffer::Use::Copies),
           chunks(gl, "chunks", Buffer::Use::Copies),
           extents(gl, "extents", Buffer::Use::Copies) {}
 
-    /// From the table's beginning; with room for more, so that it grows seldom. ResourceLimit, DeviceLost.
+    /// Fills a table from its beginning, with room for more, so that it grows seldom. ResourceLimit,
+    /// DeviceLost.
     template <class T>
     Expected<void> fill(Buffer& table, const std::vector<T>& values) {
+        constexpr std::size_t smallest = 4096;
         const auto bytes = std::as_bytes(std::span(values));
         if (auto room = table.reserve(std::bit_ceil(std::max(bytes.size(), smallest))); !room) return room;
-        return ring_.copy(bytes, table, 0);
+        return ring.copy(bytes, table, 0);
     }
 
-  private:
-    static constexpr std::size_t smallest = 4096;
-    StagingRing& ring_;
-
-  public:
+    StagingRing& ring;
     Buffer runs, lookUps, rows, chunks, extents;
     // The host's side of them, whose memory is used again, too.
     SplatTables host;

@@ -178,6 +178,7 @@ std::uint32_t PageTable::newEntry(const SampleKey& key) {
     if (unused_.empty()) {
         unused_.push_back(static_cast<std::uint32_t>(entries_.size()));
         entries_.emplace_back();
+        unused_.reserve(entries_.size());  // remove() is called where memory may have run out
     }
     const std::uint32_t number = unused_.back();
     index_.add(key, number);

@@ -54,9 +54,10 @@ Expected<void> Slices::dispatch(std::uint32_t first, std::uint32_t count, const 
         if (stop.stop_requested())
             return fail(ErrorCode::Cancelled, "The picture was abandoned: it is no longer wanted.");
         if (underWay_.empty()) last_ = Clock::now();
+        Slice& slice = underWay_.emplace_back();
         gl_.Uniform1ui(0, first);
         gl_.DispatchCompute(groups, 1, 1);
-        underWay_.push_back({gl_.FenceSync(GL_SYNC_GPU_COMMANDS_COMPLETE, 0), groups});
+        slice = {gl_.FenceSync(GL_SYNC_GPU_COMMANDS_COMPLETE, 0), groups};
         groupsUnderWay_ += groups;
         first += groups;
     }

@@ -18,6 +18,7 @@
 #include "tests/support/analytic_cut.hpp"
 #include "tests/support/draw_surfels.hpp"
 #include "tests/support/faded_cut.hpp"
+#include "tests/support/gl_context_test.hpp"
 
 namespace scancast::test {
 namespace {
@@ -401,21 +402,6 @@ TEST_P(GlLayerDrawing, WindowsNearAndFarAndBackgrounds) {
     });
 }
 
-/// A driver's functions, and how many buffers were made by them; one at a time.
-struct CountsBuffers {
-    explicit CountsBuffers(const gl::GlFunctions& own) : functions(own) {
-        made = 0;
-        real = own;
-        functions.CreateBuffers = [](GLsizei count, GLuint* names) {
-            made += count;
-            real.CreateBuffers(count, names);
-        };
-    }
-    gl::GlFunctions functions;
-    static inline int made = 0;
-    static inline gl::GlFunctions real;
-};
-
 /// Each picture has a layer of its own, and its tables are made anew, in the buffers of the one before: the
 /// same picture again needs others.
 TEST_P(GlLayerDrawing, PicturesAfterTheFirstMakeNoBuffers) {
@@ -424,11 +410,11 @@ TEST_P(GlLayerDrawing, PicturesAfterTheFirstMakeNoBuffers) {
     ASSERT_TRUE(current);
     SurfelScene s(from_, sharedScene().cut(), passesOf(cells, Shading::Unlit));
     const LayerCase c = layerCase(s.drawing);
-    CountsBuffers counting(backend.context->functions());
-    GlDrawing gl(backend, c, {}, 0, &counting.functions);
+    gl::NotedGl noting(backend.context->functions());
+    GlDrawing gl(backend, c, {}, 0, &noting.functions);
     gl.draw();
     ASSERT_TRUE(gl.drawn) << gl.drawn.error().message;
-    const int first = counting.made;
+    const int first = noting.noted.created;
     EXPECT_GE(first, 5) << "a layer's tables at least";
     const std::vector<std::uint32_t> rgba = gl.read(gl.rgba);
     for (int i = 0; i < 3; ++i) {
@@ -436,7 +422,7 @@ TEST_P(GlLayerDrawing, PicturesAfterTheFirstMakeNoBuffers) {
         ASSERT_TRUE(gl.drawn);
         EXPECT_EQ(gl.read(gl.rgba), rgba);
     }
-    EXPECT_EQ(counting.made, first);
+    EXPECT_EQ(noting.noted.created, first);
 }
 
 /// A storage block that holds a third of the picture's sums: bands of rows.

@@ -2,7 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <chrono>
 #include <optional>
+#include <thread>
 
 #include "renderer/device/gl/egl_context.hpp"
 #include "renderer/device/gl/osmesa_context.hpp"
@@ -145,6 +147,28 @@ TEST_P(GpuTimersTest, APictureThatIsAbandonedLeavesNothing) {
     EXPECT_TRUE(none.collect(stats));
     EXPECT_TRUE(stats.stages.empty());
     EXPECT_TRUE(checkErrors(gl(), "timing"));
+}
+
+/// The host's own work is told first, however late in the picture it was, and once.
+TEST_P(GpuTimersTest, TheHostsStagesComeFirstAndAddUp) {
+    GpuTimers timers(gl(), clock());
+    StageTimes times(timers);
+    const auto host = [&] {
+        const StageTimes::HostScope timed(times, "prepare");
+        std::this_thread::sleep_for(std::chrono::milliseconds(2));
+    };
+    host();
+    {
+        const StageTimes::Scope stage(times, "pass");
+        work(1);
+        host();
+    }
+    FrameStats stats;
+    ASSERT_TRUE(times.collect(stats));
+    ASSERT_EQ(stats.stages.size(), 2u);
+    EXPECT_EQ(stats.stages[0].name, "prepare");
+    EXPECT_GE(stats.stages[0].milliseconds, 4);
+    EXPECT_EQ(stats.stages[1].name, "pass");
 }
 
 TEST_P(GpuTimersTest, AddToWhatIsThereAlready) {

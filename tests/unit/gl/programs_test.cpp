@@ -5,8 +5,7 @@
 #include <fstream>
 #include <iterator>
 
-#include "renderer/device/gl/egl_context.hpp"
-#include "renderer/device/gl/osmesa_context.hpp"
+#include "tests/support/gl_context_test.hpp"
 #include "tests/support/temporary_folder.hpp"
 
 namespace scancast::gl {
@@ -15,20 +14,15 @@ namespace {
 namespace fs = std::filesystem;
 using test::TemporaryFolder;
 
-class ProgramsOnDisk : public testing::TestWithParam<std::string> {
+class ProgramsOnDisk : public WithContext {
   protected:
     void SetUp() override {
-        auto opened = GetParam() == "egl" ? createEglContext() : createOsmesaContext();
-        if (!opened) GTEST_SKIP() << "MISSING BACKEND " << GetParam() << ": " << opened.error().message;
-        context_ = std::move(*opened);
-        current_.emplace(*Context::Current::enter(*context_));
+        WithContext::SetUp();
+        if (!context_) return;
         GLint formats = 0;
         gl().GetIntegerv(GL_NUM_PROGRAM_BINARY_FORMATS, &formats);
         keeps_ = formats > 0;
     }
-    void TearDown() override { current_.reset(); }
-
-    const GlFunctions& gl() const { return context_->functions(); }
     std::vector<fs::path> files() const {
         std::vector<fs::path> found;
         for (const auto& entry : fs::directory_iterator(folder_.path())) found.push_back(entry.path());
@@ -42,8 +36,6 @@ class ProgramsOnDisk : public testing::TestWithParam<std::string> {
     }
 
     TemporaryFolder folder_;
-    std::unique_ptr<Context> context_;
-    std::optional<Context::Current> current_;
     bool keeps_ = false;  ///< the driver gives binaries
 };
 INSTANTIATE_TEST_SUITE_P(Gl, ProgramsOnDisk, testing::Values("egl", "osmesa"),

@@ -10,67 +10,24 @@
 #include <numeric>
 #include <thread>
 
-#include "renderer/device/gl/egl_context.hpp"
-#include "renderer/device/gl/osmesa_context.hpp"
 #include "tests/support/draw_cut.hpp"
+#include "tests/support/gl_context_test.hpp"
 #include "tests/support/reference_renderer.hpp"
 
 namespace scancast::gl {
 namespace {
 
-struct Calls {
-    int created = 0, deleted = 0;
-    GLsizeiptr copied = 0;
-    std::vector<void*> mapped;
-};
-
-/// What the driver was asked for, in front of a context's own functions; one at a time.
-class Noting {
-  public:
-    explicit Noting(const GlFunctions& own) : functions(own) {
-        noted = {};
-        real = own;
-        functions.CreateBuffers = [](GLsizei count, GLuint* names) {
-            noted.created += count;
-            real.CreateBuffers(count, names);
-        };
-        functions.DeleteBuffers = [](GLsizei count, const GLuint* names) {
-            noted.deleted += count;
-            real.DeleteBuffers(count, names);
-        };
-        functions.MapNamedBufferRange = [](GLuint buffer, GLintptr from, GLsizeiptr bytes,
-                                           GLbitfield access) {
-            noted.mapped.push_back(real.MapNamedBufferRange(buffer, from, bytes, access));
-            return noted.mapped.back();
-        };
-        functions.CopyNamedBufferSubData = [](GLuint a, GLuint b, GLintptr from, GLintptr to,
-                                              GLsizeiptr bytes) {
-            noted.copied += bytes;
-            real.CopyNamedBufferSubData(a, b, from, to, bytes);
-        };
-    }
-    static inline Calls noted;
-    GlFunctions functions;
-
-  private:
-    static inline GlFunctions real;
-};
-
-class GlReadBack : public testing::TestWithParam<std::string> {
+class GlReadBack : public WithContext {
   protected:
     void SetUp() override {
-        auto opened = GetParam() == "egl" ? createEglContext() : createOsmesaContext();
-        if (!opened) GTEST_SKIP() << "MISSING BACKEND " << GetParam() << ": " << opened.error().message;
-        context_ = std::move(*opened);
-        auto current = Context::Current::enter(*context_);
-        ASSERT_TRUE(current) << current.error().message;
-        current_.emplace(std::move(*current));
-        noting_.emplace(context_->functions());
+        WithContext::SetUp();
+        if (!context_) return;
+        noting_.emplace(gl());
         readBack_.emplace(noting_->functions, context_);
     }
     void TearDown() override {
         readBack_.reset();
-        current_.reset();
+        WithContext::TearDown();
     }
 
     /// Words first, first + 1 …; depths half of them.
@@ -101,9 +58,7 @@ class GlReadBack : public testing::TestWithParam<std::string> {
         return true;
     }
 
-    std::shared_ptr<Context> context_;
-    std::optional<Context::Current> current_;
-    std::optional<Noting> noting_;
+    std::optional<NotedGl> noting_;
     std::optional<ReadBack> readBack_;
 };
 INSTANTIATE_TEST_SUITE_P(Gl, GlReadBack, testing::Values("egl", "osmesa"),
@@ -116,8 +71,8 @@ TEST_P(GlReadBack, LendsWhatIsMapped) {
     const Pixels<std::uint8_t> rgba = transfer->rgba();
     const Pixels<float> depth = transfer->depth();
     EXPECT_TRUE(rgba.lent() && depth.lent());
-    ASSERT_EQ(Noting::noted.mapped.size(), 1u);
-    EXPECT_EQ(static_cast<const void*>(rgba.data()), Noting::noted.mapped[0]);
+    ASSERT_EQ(NotedGl::noted.mapped.size(), 1u);
+    EXPECT_EQ(static_cast<const void*>(rgba.data()), NotedGl::noted.mapped[0]);
     EXPECT_EQ(static_cast<const void*>(depth.data()), rgba.data() + 4000);
     EXPECT_TRUE(holds(rgba, 5, 1000));
     ASSERT_EQ(depth.size(), 1000u);
@@ -128,10 +83,10 @@ TEST_P(GlReadBack, NoDepthIsCopiedUnlessAskedFor) {
     auto transfer = start(0, 1000, false);
     ASSERT_TRUE(transfer->wait({}));
     EXPECT_TRUE(transfer->depth().empty());
-    EXPECT_EQ(Noting::noted.copied, 4000);
+    EXPECT_EQ(NotedGl::noted.copied, 4000);
     EXPECT_EQ(readBack_->bytes(), 4000u);
     transfer = start(0, 1000, true);
-    EXPECT_EQ(Noting::noted.copied, 4000 + 8000);
+    EXPECT_EQ(NotedGl::noted.copied, 4000 + 8000);
 }
 
 TEST_P(GlReadBack, OneAfterTheOtherNeedsTwoBuffersAndNoMore) {
@@ -143,8 +98,8 @@ TEST_P(GlReadBack, OneAfterTheOtherNeedsTwoBuffersAndNoMore) {
         EXPECT_TRUE(holds(now, 100 * i, 640 - i)) << i;
         before = std::move(now);
     }
-    EXPECT_EQ(Noting::noted.created, 2);
-    EXPECT_EQ(Noting::noted.deleted, 0);
+    EXPECT_EQ(NotedGl::noted.created, 2);
+    EXPECT_EQ(NotedGl::noted.deleted, 0);
 }
 
 TEST_P(GlReadBack, WhatIsLentIsNotOverwritten) {
@@ -155,12 +110,12 @@ TEST_P(GlReadBack, WhatIsLentIsNotOverwritten) {
     frames.clear();
     for (std::uint32_t i = 0; i < 5; ++i) EXPECT_TRUE(holds(arrived(7 * i, 512), 7 * i, 512)) << i;
     EXPECT_TRUE(holds(copy, 2000, 512)) << "a copy is a reader, too";
-    EXPECT_EQ(Noting::noted.created, 6);
+    EXPECT_EQ(NotedGl::noted.created, 6);
 }
 
 TEST_P(GlReadBack, WhatIsAbandonedIsFreeAgain) {
     for (std::uint32_t i = 0; i < 5; ++i) start(i, 300);
-    EXPECT_EQ(Noting::noted.created, 1);
+    EXPECT_EQ(NotedGl::noted.created, 1);
     EXPECT_TRUE(holds(arrived(77, 300), 77, 300));
 }
 
@@ -168,8 +123,8 @@ TEST_P(GlReadBack, BuffersGrowWithThePictureAndAPosterOfOnceGoes) {
     constexpr std::size_t screen = ReadBack::smallSlot / 16, poster = ReadBack::smallSlot * 2;
     arrived(0, screen);
     arrived(0, 2 * screen);
-    EXPECT_EQ(Noting::noted.created, 2);
-    EXPECT_EQ(Noting::noted.deleted, 1) << "it grew";
+    EXPECT_EQ(NotedGl::noted.created, 2);
+    EXPECT_EQ(NotedGl::noted.deleted, 1) << "it grew";
     EXPECT_TRUE(holds(arrived(3, poster), 3, poster));
     EXPECT_EQ(readBack_->bytes(), 4 * poster);
     for (std::uint64_t i = 0; i <= ReadBack::longestIdle; ++i) arrived(0, screen);
@@ -181,7 +136,7 @@ TEST_P(GlReadBack, WhatIsLentOutlivesTheDeviceAndGoesOnAnyThread) {
     auto first = arrived(40, 2000), second = arrived(50, 2000);
     arrived(60, 2000);  // free, and goes with the device
     readBack_.reset();
-    EXPECT_EQ(Noting::noted.deleted, 1) << "and what is lent stays";
+    EXPECT_EQ(NotedGl::noted.deleted, 1) << "and what is lent stays";
     current_.reset();
     noting_.reset();
     const std::weak_ptr<Context> context = context_;
@@ -199,7 +154,7 @@ TEST_P(GlReadBack, WhatIsLentOutlivesTheDeviceAndGoesOnAnyThread) {
         EXPECT_TRUE(context.expired());
     }).join();
     // Whoever opens a context next is not disturbed by how the last one went.
-    auto opened = GetParam() == "egl" ? createEglContext() : createOsmesaContext();
+    auto opened = open();
     ASSERT_TRUE(opened) << opened.error().message;
     context_ = std::move(*opened);
     auto current = Context::Current::enter(*context_);

@@ -6,8 +6,7 @@
 #include <random>
 #include <utility>
 
-#include "renderer/device/gl/egl_context.hpp"
-#include "renderer/device/gl/osmesa_context.hpp"
+#include "tests/support/gl_context_test.hpp"
 
 namespace scancast::gl {
 namespace {
@@ -66,25 +65,19 @@ struct TestCut {
     }
 };
 
-class SampleCacheTest : public testing::TestWithParam<std::string> {
+class SampleCacheTest : public WithContext {
   protected:
     void SetUp() override {
-        auto opened = GetParam() == "egl" ? createEglContext() : createOsmesaContext();
-        if (!opened) GTEST_SKIP() << "MISSING BACKEND " << GetParam() << ": " << opened.error().message;
-        context_ = std::move(*opened);
-        auto current = Context::Current::enter(*context_);
-        ASSERT_TRUE(current) << current.error().message;
-        current_.emplace(std::move(*current));
-        auto program = Program::compile(context_->functions(), "collector", collector);
+        WithContext::SetUp();
+        if (!context_) return;
+        auto program = Program::compile(gl(), "collector", collector);
         ASSERT_TRUE(program) << program.error().message;
         program_.emplace(std::move(*program));
     }
     void TearDown() override {
         program_.reset();
-        current_.reset();
+        WithContext::TearDown();
     }
-
-    const GlFunctions& gl() const { return context_->functions(); }
 
     /// Oracle: what the GPU finds at the extents it was told of is what the host has, every sample once.
     /// Returns the number of batches.
@@ -142,8 +135,6 @@ class SampleCacheTest : public testing::TestWithParam<std::string> {
     }
     static std::uint64_t bytesOf(const TestCut& test) { return test.cut.samples * sizeof(Sample); }
 
-    std::unique_ptr<Context> context_;
-    std::optional<Context::Current> current_;
     std::optional<Program> program_;
 };
 INSTANTIATE_TEST_SUITE_P(Gl, SampleCacheTest, testing::Values("egl"),

@@ -49,7 +49,7 @@ Polygon clipped(const Polygon& polygon, const Value& value) {
 
 /// Pixels that the rectangle may cover in a picture moved by less than a pixel, and `margin` px around it;
 /// nothing where none.
-std::optional<Window> boundsOf(const Reflection& m, const Viewpoint& viewpoint, int margin) {
+std::optional<Window> boundsOf(const MirrorGlass& m, const Viewpoint& viewpoint, int margin) {
     Polygon corners{m.center - m.right - m.up, m.center + m.right - m.up, m.center + m.right + m.up,
                     m.center - m.right + m.up};
     corners = clipped(corners, [&](const glm::dvec3& p) { return -p.z - viewpoint.near; });
@@ -78,8 +78,21 @@ std::optional<Window> boundsOf(const Reflection& m, const Viewpoint& viewpoint, 
     return Window{x0, y0, x1 - x0, y1 - y0};
 }
 
+/// Without its bounds.
+MirrorGlass glassOf(const Mirror& mirror, const Cloud& cloud, const Viewpoint& viewpoint) {
+    const glm::dmat3 rotation(viewpoint.cloudToView);
+    MirrorGlass m;
+    m.center = viewpoint.cloudToView * glm::dvec4(mirror.center - cloud.origin, 1);
+    m.normal = rotation * mirror.normal;
+    m.right = rotation * glm::cross(mirror.up, mirror.normal) * (mirror.width / 2);
+    m.up = rotation * mirror.up * (mirror.height / 2);
+    m.tint = mirror.tint;
+    m.margin = marginInSpacings * cloud.spacing;
+    return m;
+}
+
 /// Whether the eye is on the reflecting side.
-bool facesTheEye(const Reflection& m, Projection projection) {
+bool facesTheEye(const MirrorGlass& m, Projection projection) {
     return projection == Projection::Perspective ? glm::dot(m.normal, m.center) < 0 : m.normal.z > 0;
 }
 
@@ -102,42 +115,39 @@ Viewpoint reflected(const Viewpoint& viewpoint, const Mirror& mirror, const glm:
     return v;
 }
 
-std::vector<Reflection> reflectionsIn(const Cloud& cloud, const Viewpoint& viewpoint,
-                                      const SampleFilter& filter, int marginPx) {
-    std::vector<Reflection> reflections;
-    const glm::dmat3 rotation(viewpoint.cloudToView);
+std::vector<CutView> reflectionsIn(const Cloud& cloud, const Viewpoint& viewpoint, const SampleFilter& filter,
+                                   int marginPx) {
+    std::vector<CutView> reflections;
     for (const Mirror& mirror : cloud.mirrors) {
-        Reflection m;
-        m.center = viewpoint.cloudToView * glm::dvec4(mirror.center - cloud.origin, 1);
-        m.normal = rotation * mirror.normal;
-        m.right = rotation * glm::cross(mirror.up, mirror.normal) * (mirror.width / 2);
-        m.up = rotation * mirror.up * (mirror.height / 2);
-        if (!facesTheEye(m, viewpoint.projection)) continue;
-        const auto bounds = boundsOf(m, viewpoint, marginPx);
+        MirrorGlass glass = glassOf(mirror, cloud, viewpoint);
+        if (!facesTheEye(glass, viewpoint.projection)) continue;
+        const auto bounds = boundsOf(glass, viewpoint, marginPx);
         if (!bounds) continue;
-        m.bounds = *bounds;
-        m.viewpoint = reflected(viewpoint, mirror, cloud.origin);
-        m.filter = filter;
-        m.filter.dropped.push_back({{-planeOf(mirror, cloud.origin)}, 1});
-        m.tint = mirror.tint;
-        m.margin = marginInSpacings * cloud.spacing;
-        reflections.push_back(std::move(m));
+        glass.bounds = *bounds;
+        CutView& view = reflections.emplace_back();
+        view.viewpoint = reflected(viewpoint, mirror, cloud.origin);
+        view.filter = filter;
+        view.filter.dropped.push_back({{-planeOf(mirror, cloud.origin)}, 1});
+        view.glass = glass;
     }
     return reflections;
 }
 
-SelectOptions selectionOf(const Reflection& reflection, SelectOptions pictures) {
-    const Window& b = reflection.bounds;
+SelectOptions selectionOf(const CutView& view, SelectOptions pictures) {
+    if (!view.glass) return pictures;
+    const Window& b = view.glass->bounds;
     pictures.part = {{double(b.x), double(b.y), double(b.x + b.width), double(b.y + b.height)}};
     // The last region dropped is what lies behind the mirror.
-    pictures.inFrontOf.push_back(-reflection.filter.dropped.back().planes[0]);
+    pictures.inFrontOf.push_back(-view.filter.dropped.back().planes[0]);
     return pictures;
 }
 
-std::vector<std::uint64_t> shareBudget(std::uint64_t budget, const Viewpoint& viewpoint,
-                                       const std::vector<Reflection>& reflections) {
-    std::vector<double> areas{double(viewpoint.width) * viewpoint.height};
-    for (const Reflection& r : reflections) areas.push_back(double(r.bounds.width) * r.bounds.height);
+std::vector<std::uint64_t> shareBudget(std::uint64_t budget, std::span<const CutView> cuts) {
+    std::vector<double> areas;
+    for (const CutView& view : cuts) {
+        areas.push_back(view.glass ? double(view.glass->bounds.width) * view.glass->bounds.height
+                                   : double(view.viewpoint.width) * view.viewpoint.height);
+    }
     double all = 0;
     for (const double area : areas) all += area;
     std::vector<std::uint64_t> shares;

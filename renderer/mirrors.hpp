@@ -4,6 +4,7 @@
 // Pure functions; any thread.
 #pragma once
 
+#include <span>
 #include <vector>
 
 #include "renderer/cloud/cloud.hpp"
@@ -17,19 +18,19 @@ namespace scancast {
 std::vector<Region> behindMirrors(const Cloud& cloud);
 
 /// The mirrors whose reflecting side is turned to the eye and of which something lies in the view volume, in
-/// the cloud's order, without their cuts. `filter` is the picture's own; `marginPx` is how far beyond its
-/// border screen passes look.
-std::vector<Reflection> reflectionsIn(const Cloud& cloud, const Viewpoint& viewpoint,
-                                      const SampleFilter& filter, int marginPx = 0);
+/// the cloud's order: what is to be drawn of them, with cuts that are still empty. `filter` is the main
+/// view's; `marginPx` is how far beyond its border screen passes look.
+std::vector<CutView> reflectionsIn(const Cloud& cloud, const Viewpoint& viewpoint, const SampleFilter& filter,
+                                   int marginPx = 0);
 
 /// The viewpoint's mirror image: what it sees is what the viewpoint sees in the mirror, pixel for pixel.
 Viewpoint reflected(const Viewpoint& viewpoint, const Mirror& mirror, const glm::dvec3& cloudOrigin);
 
-/// What to select for a reflection, from what is selected for its picture.
-SelectOptions selectionOf(const Reflection& reflection, SelectOptions pictures);
+/// What to select for one of a picture's cuts, from what is selected for the whole: of a reflection, what is
+/// seen in its mirror.
+SelectOptions selectionOf(const CutView& view, SelectOptions pictures);
 
-/// Shares of a budget: for the picture and for each of its mirrors, as the screen is.
-std::vector<std::uint64_t> shareBudget(std::uint64_t budget, const Viewpoint& viewpoint,
-                                       const std::vector<Reflection>& reflections);
+/// Shares of a budget for each of a picture's cuts, as the screen is theirs.
+std::vector<std::uint64_t> shareBudget(std::uint64_t budget, std::span<const CutView> cuts);
 
 }  // namespace scancast

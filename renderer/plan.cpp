@@ -113,25 +113,53 @@ struct ChosenMethod {
     std::string reason;
 };
 
-Expected<ChosenMethod> choose(const Cloud& cloud, const Style& style, const Viewpoint& viewpoint) {
+/// What depends on the view as `auto` chooses by it.
+bool choosesAlike(const View& view, const View& known) {
+    return known.style.method == automaticName && known.camera == view.camera && known.width == view.width &&
+           known.height == view.height;
+}
+
+/// The method that `auto` stands for, by name, and why.
+ChosenMethod chooseAutomatically(const Cloud& cloud, const View& view, const Viewpoint& viewpoint,
+                                 const PlannedView* known) {
+    if (known && choosesAlike(view, known->view)) return {findMethod(known->method), {}, known->reason};
+    const AutomaticChoice choice = chooseMethod(traits(cloud), spacingOnScreen(cloud, viewpoint));
+    return {choice.method, {}, choice.reason};
+}
+
+Expected<ChosenMethod> choose(const Cloud& cloud, const View& view, const Viewpoint& viewpoint,
+                              const PlannedView* known) {
+    const Style& style = view.style;
     ChosenMethod chosen;
     chosen.method = findMethod(style.method);
     if (!chosen.method) {
-        std::string known;
-        for (const auto& m : methods()) known += (known.empty() ? "" : ", ") + m.name;
+        std::string names;
+        for (const auto& m : methods()) names += (names.empty() ? "" : ", ") + m.name;
         return fail(ErrorCode::InvalidArgument,
-                    "there is no method '" + style.method + "'; there are " + known, "method");
+                    "there is no method '" + style.method + "'; there are " + names, "method");
     }
     auto parameters = resolveParameters(*chosen.method, style.parameters);
     if (parameters && chosen.method->name == automaticName) {
-        const AutomaticChoice choice = chooseMethod(traits(cloud), spacingOnScreen(cloud, viewpoint));
-        chosen.method = choice.method;
-        chosen.reason = choice.reason;
+        chosen = chooseAutomatically(cloud, view, viewpoint, known);
         parameters = resolveParameters(*chosen.method, {});
     }
     if (!parameters) return tl::unexpected(parameters.error());
     chosen.parameters = std::move(*parameters);
     return chosen;
+}
+
+/// How to select what the passes draw.
+SelectOptions selectionFor(const Cloud& cloud, const View& view, double detail, const PassList& passes) {
+    SelectOptions selection;
+    selection.detail = detail;
+    selection.fade = fadeBand(detail);
+    selection.budget = view.quality.budget;
+    // A picture holds on to its samples while it is drawn: no more of them than the memory limit allows.
+    if (const auto most = mostSamples(cloud))
+        selection.budget = std::min(selection.budget.value_or(*most), *most);
+    growBySplats(passes, cloud.surfels, selection);
+    selection.cullBackFaces = cloud.oriented && drawsFrontOnly(passes);
+    return selection;
 }
 
 }  // namespace
@@ -141,10 +169,11 @@ std::optional<std::uint64_t> mostSamples(const Cloud& cloud) {
     return cloud.octree.store().capacity();
 }
 
-Expected<Plan> plan(const Cloud& cloud, const View& view) {
+Expected<std::shared_ptr<const PlannedView>> plan(const Cloud& cloud, const View& view,
+                                                  const PlannedView* known) {
     auto viewpoint = Viewpoint::create(view, cloud.origin, cloud.bounds);
     if (!viewpoint) return tl::unexpected(viewpoint.error());
-    const auto chosen = choose(cloud, view.style, *viewpoint);
+    const auto chosen = choose(cloud, view, *viewpoint, known);
     if (!chosen) return tl::unexpected(chosen.error());
     const Method* const method = chosen->method;
     const Shading shading = view.style.shading.value_or(method->defaultShading);
@@ -152,25 +181,33 @@ Expected<Plan> plan(const Cloud& cloud, const View& view) {
     auto color = colorRule(cloud, view.style, *viewpoint);
     if (!color) return tl::unexpected(color.error());
 
-    Plan plan;
-    plan.viewpoint = *viewpoint;
-    plan.color = *color;
-    plan.selection.detail = view.quality.detail.value_or(method->defaultDetail);
-    plan.passes =
-        method->passes({*method, chosen->parameters, shading, traits(cloud), plan.selection.detail});
-    plan.method = method->name;
-    plan.reason = chosen->reason;
-    plan.selection.fade = fadeBand(plan.selection.detail);
-    plan.selection.budget = view.quality.budget;
-    // A picture holds on to its samples while it is drawn: no more of them than the memory limit allows.
-    if (const auto most = mostSamples(cloud);
-        most && (!plan.selection.budget || *plan.selection.budget > *most))
-        plan.selection.budget = most;
-    growBySplats(plan.passes, cloud.surfels, plan.selection);
-    plan.selection.cullBackFaces = cloud.oriented && drawsFrontOnly(plan.passes);
-    plan.margin = screenMargin(plan.passes);
-    plan.tilesAreExact = looksNoFartherThanTheMargin(plan.passes);
-    return plan;
+    auto planned = std::make_shared<PlannedView>();
+    planned->view = view;
+    planned->method = method->name;
+    planned->reason = chosen->reason;
+    planned->viewpoint = *viewpoint;
+    planned->color = *color;
+    planned->filter = sampleFilter(cloud, view.style);
+    const double detail = view.quality.detail.value_or(method->defaultDetail);
+    planned->passes = method->passes({*method, chosen->parameters, shading, traits(cloud), detail});
+    planned->selection = selectionFor(cloud, view, detail, planned->passes);
+    planned->margin = screenMargin(planned->passes);
+    planned->tilesAreExact = looksNoFartherThanTheMargin(planned->passes);
+    return planned;
+}
+
+Expected<void> checkView(const Cloud& cloud, const View& view) {
+    if (auto planned = plan(cloud, view); !planned) return tl::unexpected(planned.error());
+    return {};
+}
+
+View defaultView(const Cloud& cloud, int width, int height) {
+    View view;
+    view.width = width;
+    view.height = height;
+    view.camera = cloud.defaultCamera(static_cast<double>(width) / height);
+    view.style.color = bestColorSource(cloud.attributes);
+    return view;
 }
 
 }  // namespace scancast

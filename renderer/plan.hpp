@@ -1,8 +1,11 @@
-// What a view means for one cloud, looked up and checked: method, passes, camera, colours, and how to select.
-// The part of render() that touches neither samples nor devices. Pure functions; any thread.
+// What a view means for one cloud, looked up and checked once: method, passes, camera, colours, and how to
+// select. The order of a picture carries it, as does everything that is made of that order. Touches neither
+// samples nor devices. Pure functions; any thread. Pipeline: view + cloud → **planned view** → prepare →
+// draw.
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <string>
 
@@ -13,20 +16,33 @@
 
 namespace scancast {
 
-struct Plan {
+/// Immutable once it is made.
+struct PlannedView {
+    View view;
     std::string method;
     std::string reason;  ///< why this method, where the view left that open
-    PassList passes;
     Viewpoint viewpoint;
+    PassList passes;
     ColorRule color;
+    SampleFilter filter;
     SelectOptions selection;
     int margin = 0;  ///< px around a tile that its screen passes look at
     /// None of them looks farther, so a picture has the same bytes in tiles as in one piece.
     bool tilesAreExact = true;
 };
 
-/// Errors: those of checkView() (renderer/render.hpp).
-Expected<Plan> plan(const Cloud& cloud, const View& view);
+/// `known`: what is planned of the same cloud already. Where that is seen by the same camera at the same
+/// size, it answers what only a whole selection can (the method `auto`). Errors: those of validate();
+/// NotFound for a method; InvalidArgument for its parameters, colour map, range; Unsupported when the cloud
+/// lacks what the style needs.
+Expected<std::shared_ptr<const PlannedView>> plan(const Cloud& cloud, const View& view,
+                                                  const PlannedView* known = nullptr);
+
+/// Whether a view can be planned, for who needs nothing but the answer. Errors: those of plan().
+Expected<void> checkView(const Cloud& cloud, const View& view);
+
+/// Where a client starts: the cloud's default camera, coloured by the best attribute that the cloud has.
+View defaultView(const Cloud& cloud, int width = 1280, int height = 720);
 
 /// As many samples as a picture may hold on to; nullopt = as many as there are.
 std::optional<std::uint64_t> mostSamples(const Cloud& cloud);

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "renderer/image/colormap.hpp"
+#include "renderer/mirrors.hpp"
 
 namespace scancast {
 
@@ -111,6 +112,7 @@ SampleFilter sampleFilter(const Cloud& cloud, const Style& style) {
         for (const auto wanted : *style.classes) (*filter.classes)[wanted] = true;
     }
     if (style.clip) filter.clip = ClipBox{style.clip->min - cloud.origin, style.clip->max - cloud.origin};
+    if (!style.behindMirrors) filter.dropped = behindMirrors(cloud);
     return filter;
 }
 

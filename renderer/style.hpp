@@ -14,6 +14,8 @@ ColorSource bestColorSource(const Attributes& attributes);
 /// colour map or range that does not exist.
 Expected<ColorRule> colorRule(const Cloud& cloud, const Style& style, const Viewpoint& viewpoint);
 
+/// What the style leaves of the cloud: its classes, its clip box, and nothing behind mirrors unless it says
+/// so.
 SampleFilter sampleFilter(const Cloud& cloud, const Style& style);
 
 }  // namespace scancast

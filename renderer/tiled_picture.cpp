@@ -114,12 +114,13 @@ class TiledPicture final : public PendingFrame {
 
 Expected<std::unique_ptr<PendingFrame>> beginPicture(Device& device, const Drawing& drawing,
                                                      const Tiling& tiling, const std::stop_token& stop) {
-    if (isOnePiece(device, *drawing.viewpoint, tiling)) {
+    const Viewpoint& viewpoint = drawing.mainView().viewpoint;
+    if (isOnePiece(device, viewpoint, tiling)) {
         Drawing whole = drawing;
-        whole.window = {0, 0, drawing.viewpoint->width, drawing.viewpoint->height};
+        whole.window = {0, 0, viewpoint.width, viewpoint.height};
         return device.begin(whole, stop);
     }
-    auto picture = std::make_unique<TiledPicture>(*drawing.viewpoint, drawing.depth);
+    auto picture = std::make_unique<TiledPicture>(viewpoint, drawing.depth);
     if (auto begun = picture->begin(device, drawing, tiling, stop); !begun)
         return tl::unexpected(std::move(begun.error()));
     return picture;

@@ -57,51 +57,57 @@ struct Window {
     int x = 0, y = 0, width = 0, height = 0;  ///< part of the whole picture, px
 };
 
-/// A mirror in view, and what it shows: the cloud as the eye's mirror image sees it, which is the same pixel
-/// of the same picture. Where the mirror's rectangle lies at most `margin` behind the scene, each pixel gets
-/// the reflected one's colour times the tint (its background included), and the mirror's own depth: it is the
-/// mirror that is there, and that one can pick. Screen passes look through it, as if its image stood behind
-/// an opening. methods.md §10.
-struct Reflection {
-    Viewpoint viewpoint;    ///< the picture's own, after the mirror
-    Cut cut;                ///< seen from there
-    SampleFilter filter;    ///< drops what lies behind the mirror, too
-    glm::dvec3 center{0};   ///< of the rectangle; view space of the picture's own viewpoint, like the next three
-    glm::dvec3 normal{0};   ///< unit; out of the reflecting side
-    glm::dvec3 right{0};    ///< half the width, and its direction
-    glm::dvec3 up{0};       ///< half the height, and its direction
+/// A mirror in view, in the view space of the picture's own viewpoint. Where its rectangle lies at most
+/// `margin` behind the scene, each pixel gets the reflected one's colour times the tint (its background
+/// included), and the mirror's own depth: it is the mirror that is there, and that one can pick. Screen
+/// passes look through it, as if its image stood behind an opening. methods.md §10.
+struct MirrorGlass {
+    glm::dvec3 center{0};  ///< of the rectangle
+    glm::dvec3 normal{0};  ///< unit; out of the reflecting side
+    glm::dvec3 right{0};   ///< half the width, and its direction
+    glm::dvec3 up{0};      ///< half the height, and its direction
     Rgb8 tint{255, 255, 255};
-    double margin = 0;      ///< cloud units
-    Window bounds;          ///< no pixel outside is changed; may reach beyond the picture
+    double margin = 0;  ///< cloud units
+    Window bounds;      ///< no pixel outside is changed; may reach beyond the picture
+};
+
+/// The cloud as one eye sees it: the picture's own, or that eye's mirror image, which sees the same pixel of
+/// the same picture.
+struct CutView {
+    Viewpoint viewpoint;                 ///< of a reflection: the picture's own, after the mirror
+    Cut cut;                             ///< seen from there
+    SampleFilter filter;                 ///< of a reflection: drops what lies behind the mirror, too
+    std::optional<MirrorGlass> glass{};  ///< of a reflection; none: the main view
 };
 
 struct Drawing {
-    const Viewpoint* viewpoint = nullptr;
-    const Cut* cut = nullptr;
-    bool surfels = false;   ///< samples carry radii, ellipses and normals
-    bool oriented = false;  ///< a normal's sign means something
+    std::span<const CutView> cuts;  ///< the main view, then its reflections
+    bool surfels = false;           ///< samples carry radii, ellipses and normals
+    bool oriented = false;          ///< a normal's sign means something
     std::span<const Pass> passes;
     ColorRule color;
-    SampleFilter filter;
     Background background;
     Window window;                       ///< what to draw; the frame has its size
     std::span<const glm::dvec2> jitter;  ///< one sub-pixel shift (px) per anti-aliasing frame; at least one
-    std::span<const Reflection> reflections{};
-    bool depth = true;  ///< the frame shall have its depth; what only is encoded needs none
+    bool depth = true;                   ///< the frame shall have its depth; what only is encoded needs none
+
+    const CutView& mainView() const { return cuts.front(); }
+    std::span<const CutView> reflections() const { return cuts.subspan(1); }
 };
 
 struct DeviceInfo {
     std::string name;  ///< "cpu", "egl", "osmesa"
     std::string vendor, renderer, version;
-    bool hardware = false;     ///< a real GPU
-    std::string identity;      ///< what pictures may depend on, for ETags: "cpu" or the driver
-    int eglDevice = -1;        ///< egl, as listed: what --egl-device calls it
-    bool mirrors = false;      ///< draws reflections, and drops regions; Unsupported without
-    std::string node{};        ///< egl: its file, "/dev/dri/renderD128"; empty = unknown
-    std::uint64_t memory = 0;  ///< of a GPU, bytes: all, or what is free if its driver tells no more; 0 = unknown
-    bool atomics64 = false;    ///< egl, osmesa: finds the smallest of 64-bit integers in one step
-    bool exact = true;         ///< rounds as IEEE 754 says: draws the cpu device's bytes
-    bool tellsLoss = true;     ///< says when its GPU was reset; else it is found lost when it does not answer
+    bool hardware = false;  ///< a real GPU
+    std::string identity;   ///< what pictures may depend on, for ETags: "cpu" or the driver
+    int eglDevice = -1;     ///< egl, as listed: what --egl-device calls it
+    bool mirrors = false;   ///< draws reflections, and drops regions; Unsupported without
+    std::string node{};     ///< egl: its file, "/dev/dri/renderD128"; empty = unknown
+    std::uint64_t memory =
+        0;  ///< of a GPU, bytes: all, or what is free if its driver tells no more; 0 = unknown
+    bool atomics64 = false;  ///< egl, osmesa: finds the smallest of 64-bit integers in one step
+    bool exact = true;       ///< rounds as IEEE 754 says: draws the cpu device's bytes
+    bool tellsLoss = true;   ///< says when its GPU was reset; else it is found lost when it does not answer
 };
 
 /// For people: "egl (NVIDIA H100 …)".
@@ -140,8 +146,9 @@ struct DeviceOptions {
     int threads = 0;                        ///< cpu: 0 = all cores
     int eglDevice = -1;                     ///< egl: index as listed; -1 = best
     std::filesystem::path programFolder{};  ///< egl, osmesa: keeps compiled programs; empty = compiled anew
-    std::uint64_t gpuMemoryLimit = 0;       ///< egl, osmesa: bytes of samples at most; 0 = gl/memory_limit.hpp
-    std::uint64_t uploadBudget = 0;  ///< egl, osmesa: bytes a moving frame may upload; 0 = gl/memory_limit.hpp
+    std::uint64_t gpuMemoryLimit = 0;  ///< egl, osmesa: bytes of samples at most; 0 = gl/memory_limit.hpp
+    std::uint64_t uploadBudget =
+        0;  ///< egl, osmesa: bytes a moving frame may upload; 0 = gl/memory_limit.hpp
 };
 
 /// DeviceUnavailable names what is missing and how to get it.

@@ -9,18 +9,11 @@
 #include <limits>
 #include <queue>
 
-#include "renderer/mirrors.hpp"
 #include "renderer/select/viewpoint.hpp"
 #include "renderer/style.hpp"
 
 namespace scancast {
 namespace {
-
-SampleFilter filterOf(const Cloud& cloud, const Style& style) {
-    SampleFilter filter = sampleFilter(cloud, style);
-    if (!style.behindMirrors) filter.dropped = behindMirrors(cloud);
-    return filter;
-}
 
 bool inside(const Region& region, const glm::dvec3& p) {
     return std::all_of(
@@ -120,7 +113,7 @@ Expected<std::optional<Picked>> pick(const Cloud& cloud, const View& view, const
     const auto place = placeUnder(cloud, view, pixel, depth);
     if (!place) return tl::unexpected(place.error());
     if (view.style.mirrors && isGlass(cloud, *place, depth)) return std::nullopt;
-    const auto nearest = nearestLeafSample(cloud.octree, *place, filterOf(cloud, view.style), stop);
+    const auto nearest = nearestLeafSample(cloud.octree, *place, sampleFilter(cloud, view.style), stop);
     if (!nearest) return tl::unexpected(nearest.error());
     if (nearest->node == noNode) return std::nullopt;
     const Node& node = cloud.octree.node(nearest->node);

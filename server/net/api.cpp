@@ -228,18 +228,12 @@ HttpResponse Api::metricsText() const {
     return response;
 }
 
-Expected<View> Api::snapshotView(const Cloud& cloud, const HttpRequest& request, const Routed& routed,
-                                 PictureFormat format) const {
-    Expected<View> view = tl::unexpected(Error());
-    if (request.method == "POST") {
-        const auto changes = parseJson(request.body);
-        if (!changes) return tl::unexpected(changes.error());
-        view = viewOfJson(cloud, *changes, options_.maxPixels);
-    } else {
-        view = viewOfQuery(cloud, routed.query, options_.maxPixels);
-    }
-    if (view && format == PictureFormat::Depth) return depthView(std::move(*view));
-    return view;
+Expected<std::shared_ptr<const PlannedView>> Api::snapshotView(const Cloud& cloud, const HttpRequest& request,
+                                                               const Routed& routed) const {
+    if (request.method != "POST") return viewOfQuery(cloud, routed.query, options_.maxPixels);
+    const auto changes = parseJson(request.body);
+    if (!changes) return tl::unexpected(changes.error());
+    return viewOfJson(cloud, *changes, options_.maxPixels);
 }
 
 void Api::snapshot(const HttpRequest& request, const Routed& routed, Respond respond) const {
@@ -248,13 +242,15 @@ void Api::snapshot(const HttpRequest& request, const Routed& routed, Respond res
     if (!cloud) return refuse(std::move(cloud.error()));
     const auto format = requestedFormat(request, routed.route);
     if (!format) return refuse(format.error());
-    auto view = snapshotView(**cloud, request, routed, *format);
-    if (!view) return refuse(problemOf(view.error()));
+    const auto planned = snapshotView(**cloud, request, routed);
+    if (!planned) return refuse(problemOf(planned.error()));
+    View view = (*planned)->view;
+    if (*format == PictureFormat::Depth) view = depthView(std::move(view));
     const DeviceStatus device = scheduler_.device();
     if (device.state != DeviceStatus::State::Ready) {
         return refuse(problemOf(503, "The rendering device is not available."));
     }
-    const auto headBy = [cloud = *cloud, view = *view, format = *format,
+    const auto headBy = [cloud = *cloud, view, format = *format,
                          version = options_.version](const DeviceInfo& drawnBy) {
         return pictureResponse(format, view, pictureTag(*cloud, view, format, drawnBy, version));
     };
@@ -268,7 +264,8 @@ void Api::snapshot(const HttpRequest& request, const Routed& routed, Respond res
         head.bodyUnknown = true;
         return respond(std::move(head));
     }
-    PictureOrder order{std::move(*cloud), std::move(*view), *format, false};
+    PictureOrder order{std::move(*cloud), view, *format, false};
+    order.planned = *planned;
     auto done = [respond, headBy, path = routed.path](const Expected<Picture>& picture) {
         if (!picture) return respond(problemResponse(problemOf(picture.error(), path)));
         // Not by the device that was there when it was asked for: that one may have been lost since.
@@ -288,9 +285,9 @@ void Api::pick(const HttpRequest& request, const Routed& routed, Respond respond
     if (!cloud) return refuse(std::move(cloud.error()));
     const auto asked = parsePickRequest(request.body);
     if (!asked) return refuse(problemOf(asked.error()));
-    const auto view = viewOfJson(**cloud, asked->view, options_.maxPixels);
-    if (!view) {
-        Error error = view.error();
+    const auto planned = viewOfJson(**cloud, asked->view, options_.maxPixels);
+    if (!planned) {
+        Error error = planned.error();
         if (!error.field.empty()) error.field = "view." + error.field;
         return refuse(problemOf(error));
     }
@@ -298,7 +295,7 @@ void Api::pick(const HttpRequest& request, const Routed& routed, Respond respond
         if (!picked) return respond(problemResponse(problemOf(picked.error(), path)));
         respond(jsonResponse(*picked ? pickedJson(*cloud, **picked) : nlohmann::json()));
     };
-    if (auto queued = picker_.pick(*cloud, *view, asked->x, asked->y, std::move(done)); !queued)
+    if (auto queued = picker_.pick(*cloud, *planned, asked->x, asked->y, std::move(done)); !queued)
         refuse(problemOf(queued.error()));
 }
 

@@ -61,8 +61,8 @@ class Api {
     HttpResponse metricsText() const;
     void snapshot(const HttpRequest& request, const Routed& routed, Respond respond) const;
     void pick(const HttpRequest& request, const Routed& routed, Respond respond) const;
-    Expected<View> snapshotView(const Cloud& cloud, const HttpRequest& request, const Routed& routed,
-                                PictureFormat format) const;
+    Expected<std::shared_ptr<const PlannedView>> snapshotView(const Cloud& cloud, const HttpRequest& request,
+                                                              const Routed& routed) const;
 
     const ApiOptions options_;
     const Access access_;

@@ -67,13 +67,14 @@ tl::expected<MjpegRequest, Problem> mjpegRequest(const HttpRequest& request, con
     if (follows) {
         if (auto sound = checkFollower(*words); !sound) return refuse(sound.error());
     }
-    const auto view = viewOfWords(**cloud, *words, maxPixels);
-    if (!view) return refuse(view.error());
-    asked.hello.width = view->width;
-    asked.hello.height = view->height;
+    const auto planned = viewOfWords(**cloud, *words, maxPixels);
+    if (!planned) return refuse(planned.error());
+    const View& view = (*planned)->view;
+    asked.hello.width = view.width;
+    asked.hello.height = view.height;
     if (follows) return asked;
     asked.hello.cloud = routed.id;
-    asked.view = messages::ViewChange{0, std::nullopt, toJson(*view)};
+    asked.view = messages::ViewChange{0, std::nullopt, toJson(view)};
     return asked;
 }
 

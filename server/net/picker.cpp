@@ -41,16 +41,17 @@ Expected<glm::ivec2> pixelAt(const View& view, double x, double y) {
 Picker::Picker(const SharedPictures& pictures, Scheduler& scheduler, std::string version)
     : pictures_(pictures), scheduler_(scheduler), version_(std::move(version)), worker_(mostWaiting) {}
 
-Expected<void> Picker::pick(std::shared_ptr<const Cloud> cloud, const View& asked, double x, double y,
-                            PickDone done) const {
-    const auto pixel = pixelAt(asked, x, y);
+Expected<void> Picker::pick(std::shared_ptr<const Cloud> cloud, std::shared_ptr<const PlannedView> asked,
+                            double x, double y, PickDone done) const {
+    const auto pixel = pixelAt(asked->view, x, y);
     if (!pixel) return tl::unexpected(pixel.error());
-    const View view = depthView(asked);
+    const View view = depthView(asked->view);
     const DeviceStatus device = scheduler_.device();
     if (device.state != DeviceStatus::State::Ready)
         return fail(ErrorCode::DeviceUnavailable, "The rendering device is not available.");
     const std::string tag = pictureTag(*cloud, view, PictureFormat::Depth, device.info, version_);
     PictureOrder order{cloud, view, PictureFormat::Depth, false};
+    order.planned = std::move(asked);
     auto drawn = [this, cloud, view, pixel = *pixel, done](const Expected<Picture>& picture) {
         if (!picture) return done(tl::unexpected(picture.error()));
         const double depth = depthAt(*picture, pixel);

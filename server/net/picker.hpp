@@ -29,8 +29,8 @@ class Picker {
 
     /// Errors, `done` not being called then: those of pixelAt(); DeviceUnavailable; Cancelled when there are
     /// too many pictures waiting.
-    Expected<void> pick(std::shared_ptr<const Cloud> cloud, const View& view, double x, double y,
-                        PickDone done) const;
+    Expected<void> pick(std::shared_ptr<const Cloud> cloud, std::shared_ptr<const PlannedView> asked,
+                        double x, double y, PickDone done) const;
     /// No `done` is called afterwards. The scheduler must have ended.
     void stop() { worker_.stop(); }
 

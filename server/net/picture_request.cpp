@@ -7,11 +7,13 @@
 #include "protocol/query.hpp"
 #include "protocol/view_json.hpp"
 #include "protocol/view_words.hpp"
-#include "renderer/render.hpp"
+#include "renderer/plan.hpp"
 #include "server/net/negotiate.hpp"
 
 namespace scancast {
 namespace {
+
+using Planned = std::shared_ptr<const PlannedView>;
 
 constexpr std::array formats{PictureFormat::Jpeg, PictureFormat::Png, PictureFormat::Depth};
 
@@ -20,7 +22,7 @@ Problem notAcceptable(std::string_view answersWith) {
                               ", which the Accept header rules out.");
 }
 
-Expected<void> check(const Cloud& cloud, const View& view, std::uint64_t maxPixels) {
+Expected<Planned> planned(const Cloud& cloud, const View& view, std::uint64_t maxPixels) {
     if (std::uint64_t(view.width) * std::uint64_t(view.height) > maxPixels) {
         return fail(ErrorCode::ResourceLimit,
                     "A picture of " + std::to_string(view.width) + " x " + std::to_string(view.height) +
@@ -28,7 +30,7 @@ Expected<void> check(const Cloud& cloud, const View& view, std::uint64_t maxPixe
                         std::to_string(maxPixels) + " pixels.",
                     "width");
     }
-    return checkView(cloud, view);
+    return plan(cloud, view);
 }
 
 View defaultOfSize(const Cloud& cloud, const View& size) {
@@ -36,13 +38,12 @@ View defaultOfSize(const Cloud& cloud, const View& size) {
     return defaultView(cloud, side(size.width), side(size.height));
 }
 
-// The default view at the size that `size` says, changed by `change`, checked.
+// The default view at the size that `size` says, changed by `change`, planned.
 template <class Change>
-Expected<View> changed(const Cloud& cloud, const View& size, std::uint64_t maxPixels, Change change) {
-    Expected<View> view = change(defaultOfSize(cloud, size));
-    if (!view) return view;
-    if (auto sound = check(cloud, *view, maxPixels); !sound) return tl::unexpected(std::move(sound.error()));
-    return view;
+Expected<Planned> changed(const Cloud& cloud, const View& size, std::uint64_t maxPixels, Change change) {
+    const Expected<View> view = change(defaultOfSize(cloud, size));
+    if (!view) return tl::unexpected(view.error());
+    return planned(cloud, *view, maxPixels);
 }
 
 }  // namespace
@@ -89,13 +90,13 @@ tl::expected<void, Problem> checkJsonBody(const HttpRequest& request) {
     return tl::unexpected(problemOf(415, "Send JSON, and say so: Content-Type: application/json."));
 }
 
-Expected<View> viewOfQuery(const Cloud& cloud, std::string_view query, std::uint64_t maxPixels) {
+Expected<Planned> viewOfQuery(const Cloud& cloud, std::string_view query, std::uint64_t maxPixels) {
     const auto words = parseQuery(query);
     if (!words) return tl::unexpected(words.error());
     return viewOfWords(cloud, *words, maxPixels);
 }
 
-Expected<View> viewOfWords(const Cloud& cloud, const WordValues& words, std::uint64_t maxPixels) {
+Expected<Planned> viewOfWords(const Cloud& cloud, const WordValues& words, std::uint64_t maxPixels) {
     View size;
     for (const auto& [word, value] : words) {
         if (word != "width" && word != "height") continue;
@@ -104,14 +105,14 @@ Expected<View> viewOfWords(const Cloud& cloud, const WordValues& words, std::uin
     return changed(cloud, size, maxPixels, [&](const View& base) { return applyWords(base, words); });
 }
 
-Expected<View> viewOfJson(const Cloud& cloud, const nlohmann::json& changes, std::uint64_t maxPixels) {
+Expected<Planned> viewOfJson(const Cloud& cloud, const nlohmann::json& changes, std::uint64_t maxPixels) {
     nlohmann::json sides = nlohmann::json::object();
     if (changes.is_object()) {
         for (const char* side : {"width", "height"})
             if (const auto at = changes.find(side); at != changes.end()) sides[side] = *at;
     }
     const auto size = applyJson(View(), sides);
-    if (!size) return size;
+    if (!size) return tl::unexpected(size.error());
     return changed(cloud, *size, maxPixels, [&](const View& base) { return applyJson(base, changes); });
 }
 

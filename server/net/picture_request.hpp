@@ -5,7 +5,7 @@
 #include <nlohmann/json_fwd.hpp>
 
 #include "protocol/query.hpp"
-#include "renderer/cloud/cloud.hpp"
+#include "renderer/plan.hpp"
 #include "server/net/http_message.hpp"
 #include "server/net/router.hpp"
 #include "server/scheduler/picture.hpp"
@@ -21,12 +21,15 @@ tl::expected<PictureFormat, Problem> requestedFormat(const HttpRequest& request,
 /// 415 unless the request says that its body is JSON.
 tl::expected<void, Problem> checkJsonBody(const HttpRequest& request);
 
-/// A complete view. What is not given is the cloud's default at the asked size, because its camera depends on
-/// the picture's shape. Errors: those of parseQuery(), applyWords(), applyJson() and checkView();
+/// A complete view, planned. What is not given is the cloud's default at the asked size, because its camera
+/// depends on the picture's shape. Errors: those of parseQuery(), applyWords(), applyJson() and plan();
 /// ResourceLimit above `maxPixels`.
-Expected<View> viewOfWords(const Cloud& cloud, const WordValues& words, std::uint64_t maxPixels);
-Expected<View> viewOfQuery(const Cloud& cloud, std::string_view query, std::uint64_t maxPixels);
-Expected<View> viewOfJson(const Cloud& cloud, const nlohmann::json& changes, std::uint64_t maxPixels);
+Expected<std::shared_ptr<const PlannedView>> viewOfWords(const Cloud& cloud, const WordValues& words,
+                                                         std::uint64_t maxPixels);
+Expected<std::shared_ptr<const PlannedView>> viewOfQuery(const Cloud& cloud, std::string_view query,
+                                                         std::uint64_t maxPixels);
+Expected<std::shared_ptr<const PlannedView>> viewOfJson(const Cloud& cloud, const nlohmann::json& changes,
+                                                        std::uint64_t maxPixels);
 
 /// Depth is that of the pixels' centres, and neither blended nor encoded: what decides the looks is put to
 /// its default, so that equal pictures have equal tags.

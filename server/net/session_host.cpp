@@ -118,7 +118,8 @@ void SessionHost::abandon() {
 }
 
 // Answers come from other threads, or at once from here; either way they are posted.
-void SessionHost::pick(std::uint64_t seq, std::shared_ptr<const Cloud> cloud, View view, double x, double y) {
+void SessionHost::pick(std::uint64_t seq, std::shared_ptr<const Cloud> cloud,
+                       std::shared_ptr<const PlannedView> planned, double x, double y) {
     auto done = [strand = strand_, weak = weak_from_this(), seq,
                  cloud](Expected<std::optional<Picked>> picked) {
         auto point = picked.map([&](const std::optional<Picked>& found) {
@@ -128,7 +129,7 @@ void SessionHost::pick(std::uint64_t seq, std::shared_ptr<const Cloud> cloud, Vi
             session.pickDone(seq, std::move(point));
         });
     };
-    if (auto asked = context_.api.picker().pick(cloud, view, x, y, done); !asked)
+    if (auto asked = context_.api.picker().pick(cloud, std::move(planned), x, y, done); !asked)
         done(tl::unexpected(std::move(asked.error())));
 }
 

@@ -35,7 +35,8 @@ class SessionHost : public Connection,
 
     void order(std::uint64_t number, PictureOrder order) override;
     bool replaceWaiting(std::uint64_t number, PictureOrder order) override;
-    void pick(std::uint64_t seq, std::shared_ptr<const Cloud> cloud, View view, double x, double y) override;
+    void pick(std::uint64_t seq, std::shared_ptr<const Cloud> cloud,
+              std::shared_ptr<const PlannedView> planned, double x, double y) override;
     void abandon() override;
     std::function<void()> onTaken() override;
 

@@ -19,16 +19,24 @@ class PaintedFrame final : public PendingFrame {
     std::unique_ptr<PendingFrame> frame_;
 };
 
+/// Once for each order: who ordered may know, and a second turn does.
+Expected<std::shared_ptr<const PlannedView>> planOf(const PictureOrder& order) {
+    if (order.planned && order.planned->view == order.view) return order.planned;
+    return plan(*order.cloud, order.view, order.planned.get());
+}
+
 /// `most`: what the device can draw at once.
 Expected<PreparedPicture> preparePicture(const PictureOrder& order, bool wait, std::stop_token stop,
                                          std::optional<std::uint64_t> most) {
+    auto planned = planOf(order);
+    if (!planned) return tl::unexpected(std::move(planned.error()));
     RenderOptions options{.wait = wait, .requester = order.requester, .ahead = order.ahead};
     if (!order.complete) options.mostSamples = most;
     options.depth = order.format == PictureFormat::Depth;
-    auto prepared = prepare(*order.cloud, order.view, options, std::move(stop));
+    auto prepared = prepare(*order.cloud, *planned, options, std::move(stop));
     if (!prepared) return tl::unexpected(std::move(prepared.error()));
     const bool complete = samplesMissing(**prepared) == 0;
-    return PreparedPicture{std::move(*prepared), complete};
+    return PreparedPicture{std::move(*prepared), complete, std::move(*planned)};
 }
 
 }  // namespace

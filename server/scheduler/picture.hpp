@@ -16,6 +16,7 @@
 
 namespace scancast {
 
+struct PlannedView;
 struct PreparedView;
 
 /// Depth is the frame's depth as it is: float32, little-endian, row by row from the top, +infinity =
@@ -32,11 +33,14 @@ struct PictureOrder {
     /// Everything that it draws is in memory when it is drawn, however long that takes; else ancestors stand
     /// in for what is missing, and the picture's stats say how much that is.
     bool complete = true;
-    /// Of those that need not be complete: Cancelled at once, rather than drawn with something missing. What is
-    /// missing has been asked for then.
+    /// Of those that need not be complete: Cancelled at once, rather than drawn with something missing. What
+    /// is missing has been asked for then.
     bool onlyWhole = false;
     std::optional<Camera> ahead{};  ///< where the camera will be soon
     std::uint64_t requester = 0;    ///< set by the scheduler: whose wishes for blocks these are
+    /// What the view means for the cloud; of a view that differs (in its quality, mostly), what still holds
+    /// is kept. Empty: not known yet. The scheduler keeps what the painter found out.
+    std::shared_ptr<const PlannedView> planned{};
 };
 
 struct Picture {
@@ -56,6 +60,7 @@ using PictureDone = std::function<void(Expected<Picture>)>;
 struct PreparedPicture {
     std::shared_ptr<const PreparedView> view;  ///< the renderer's own; may be empty
     bool complete = true;
+    std::shared_ptr<const PlannedView> planned{};  ///< of the order's view
 };
 
 /// From any thread, also from several at once. With `wait` the result is complete, and may take long.

@@ -206,6 +206,7 @@ Expected<std::unique_ptr<PendingFrame>> Scheduler::begin(Wish& wish, const std::
                 contained("The renderer", [&] { return painter_->prepare(wish.order, false, token); });
             if (!prepared) return tl::unexpected(std::move(prepared.error()));
             wish.prepared = std::move(*prepared);
+            wish.order.planned = wish.prepared->planned;
         }
         deferred = wish.order.complete && !wish.prepared->complete;
         if (deferred) return tl::unexpected(cancelled());

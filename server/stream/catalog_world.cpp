@@ -1,12 +1,13 @@
 #include "server/stream/catalog_world.hpp"
 
 #include "renderer/method/method.hpp"
-#include "renderer/render.hpp"
+#include "renderer/plan.hpp"
 
 namespace scancast {
 
-Expected<void> CatalogWorld::check(const Cloud& cloud, const View& view) const {
-    return checkView(cloud, view);
+Expected<std::shared_ptr<const PlannedView>> CatalogWorld::plan(const Cloud& cloud, const View& view,
+                                                                const PlannedView* known) const {
+    return scancast::plan(cloud, view, known);
 }
 
 double CatalogWorld::ownDetail(const View& view) const {

@@ -1,7 +1,7 @@
 #include "server/stream/scene.hpp"
 
 #include "protocol/view_json.hpp"
-#include "renderer/render.hpp"
+#include "renderer/plan.hpp"
 
 namespace scancast {
 
@@ -26,7 +26,7 @@ tl::expected<Scene, Problem> SceneDesk::ofCloud(const std::string& cloudId, int 
     scene.cloudId = cloudId;
     scene.view = defaultView(**cloud, width, height);
     scene.cloud = std::move(*cloud);
-    if (auto sound = check(scene); !sound) return tl::unexpected(problemOf(sound.error()));
+    if (auto sound = plan(scene); !sound) return tl::unexpected(problemOf(sound.error()));
     return scene;
 }
 
@@ -43,7 +43,7 @@ tl::expected<Scene, Problem> SceneDesk::followed(const tl::expected<SharedView, 
     scene->view = shared->view;
     scene->view.width = width;
     scene->view.height = height;
-    if (auto sound = check(*scene); !sound) return tl::unexpected(problemOf(sound.error()));
+    if (auto sound = plan(*scene); !sound) return tl::unexpected(problemOf(sound.error()));
     return scene;
 }
 
@@ -74,11 +74,11 @@ tl::expected<Scene, Problem> SceneDesk::changed(const Scene& now, const messages
     if (!view) return tl::unexpected(problemOf(view.error()));
     scene.view = std::move(*view);
     scene.seq = change.seq;
-    if (auto sound = check(scene); !sound) return tl::unexpected(problemOf(sound.error()));
+    if (auto sound = plan(scene); !sound) return tl::unexpected(problemOf(sound.error()));
     return scene;
 }
 
-Expected<void> SceneDesk::check(const Scene& scene) const {
+Expected<void> SceneDesk::plan(Scene& scene) const {
     const auto pixels = std::uint64_t(scene.view.width) * std::uint64_t(scene.view.height);
     if (pixels > maxPixels_) {
         return fail(ErrorCode::ResourceLimit,
@@ -87,7 +87,10 @@ Expected<void> SceneDesk::check(const Scene& scene) const {
                         " pixels; this server draws at most " + std::to_string(maxPixels_) + ".",
                     "width");
     }
-    return world_.check(*scene.cloud, scene.view);
+    auto planned = world_.plan(*scene.cloud, scene.view, scene.planned.get());
+    if (!planned) return tl::unexpected(std::move(planned.error()));
+    scene.planned = std::move(*planned);
+    return {};
 }
 
 }  // namespace scancast

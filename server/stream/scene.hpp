@@ -16,6 +16,7 @@
 namespace scancast {
 
 struct Cloud;
+struct PlannedView;
 
 /// What a session may know of the server.
 class StreamWorld {
@@ -25,8 +26,10 @@ class StreamWorld {
     virtual tl::expected<std::shared_ptr<const Cloud>, Problem> cloud(std::string_view id) const = 0;
     /// Whether another cloud will take this one's place soon.
     virtual bool loading(std::string_view id) const = 0;
-    /// The checks that need no device: method, parameters, what the cloud has.
-    virtual Expected<void> check(const Cloud& cloud, const View& view) const = 0;
+    /// What the view means for the cloud (renderer/plan.hpp); `known`: what another of the same cloud does,
+    /// or null.
+    virtual Expected<std::shared_ptr<const PlannedView>> plan(const Cloud& cloud, const View& view,
+                                                              const PlannedView* known) const = 0;
     /// τ of a full picture of this view, px.
     virtual double ownDetail(const View& view) const = 0;
     virtual std::vector<std::string> methodNames() const = 0;
@@ -38,6 +41,8 @@ struct Scene {
     std::shared_ptr<const Cloud> cloud;
     View view;
     std::uint64_t seq = 0;
+    std::shared_ptr<const PlannedView>
+        planned{};  ///< of the view; before it is checked, of another of this cloud
 };
 
 class SceneDesk {
@@ -53,8 +58,8 @@ class SceneDesk {
     /// What another session shows, in this one's size.
     tl::expected<Scene, Problem> followed(const tl::expected<SharedView, Problem>& shared, int width,
                                           int height) const;
-    /// Whether it can be drawn here.
-    Expected<void> check(const Scene& scene) const;
+    /// Plans it, if it can be drawn here.
+    Expected<void> plan(Scene& scene) const;
 
     /// A problem with the field `follow`.
     static Problem followProblem(int status, std::string detail);

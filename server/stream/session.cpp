@@ -115,7 +115,7 @@ std::optional<Scene> StreamSession::resume(const std::string& token, Time now) {
     auto cloud = world_.cloud(saved->cloudId);
     if (!cloud) return std::nullopt;
     Scene scene{saved->cloudId, std::move(*cloud), std::move(saved->view), saved->seq};
-    if (!desk_.check(scene)) return std::nullopt;
+    if (!desk_.plan(scene)) return std::nullopt;
     id_ = std::move(saved->id);
     limits_ = saved->limits;
     lastFrame_ = ackedFrame_ = saved->lastFrame;  // what was under way then is not waited for
@@ -251,7 +251,8 @@ void StreamSession::lookForNewerCloud(Time now) {
     if (!cloud || *cloud == scene_.cloud) return;
     Scene scene = scene_;
     scene.cloud = std::move(*cloud);
-    if (!desk_.check(scene)) return;
+    scene.planned.reset();
+    if (!desk_.plan(scene)) return;
     scene_ = std::move(scene);
     before_.reset();
     viewChanged(now);
@@ -271,7 +272,7 @@ void StreamSession::handle(const messages::Pick& pick, Time) {
         return;
     }
     ++picks_;
-    port_.pick(pick.seq, scene_.cloud, scene_.view, pick.x, pick.y);
+    port_.pick(pick.seq, scene_.cloud, scene_.planned, pick.x, pick.y);
 }
 
 void StreamSession::pickDone(std::uint64_t seq, Expected<nlohmann::json> point) {
@@ -326,6 +327,7 @@ PictureOrder StreamSession::pictureOf(const Order& order) const {
     PictureOrder picture;
     picture.cloud = scene_.cloud;
     picture.view = order.view;
+    picture.planned = scene_.planned;
     picture.complete = order.still == StillPlan::Still::Final;
     picture.onlyWhole = order.still == StillPlan::Still::Trial;
     picture.interruptible = order.still.has_value();

@@ -45,8 +45,8 @@ class StreamPort {
     /// Overwrites the wish that waits in the mailbox, if one does.
     virtual bool replaceWaiting(std::uint64_t number, PictureOrder order) = 0;
     /// What lies under that pixel; the answer comes back through pickDone() with this number.
-    virtual void pick(std::uint64_t seq, std::shared_ptr<const Cloud> cloud, View view, double x,
-                      double y) = 0;
+    virtual void pick(std::uint64_t seq, std::shared_ptr<const Cloud> cloud,
+                      std::shared_ptr<const PlannedView> planned, double x, double y) = 0;
     /// Empties the mailbox and stops a running still.
     virtual void abandon() = 0;
     /// After everything sent so far. Nothing is called on the port afterwards.

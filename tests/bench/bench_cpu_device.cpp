@@ -76,8 +76,8 @@ void measure(Device& device, const test::AnalyticCloud& cloud, const char* name,
         const Viewpoint view =
             test::lookAt({2.3 * std::cos(angle), 2.3 * std::sin(angle), 0.3}, {0, 0, 0}, 1280, 720);
         Drawing d;
-        d.viewpoint = &view;
-        d.cut = &cloud.cut();
+        const CutView cut{view, cloud.cut(), {}};
+        d.cuts = {&cut, 1};
         d.passes = passes;
         d.window = {0, 0, 1280, 720};
         d.jitter = {&jitter, 1};

@@ -20,24 +20,34 @@ inline NearestPass sprite(Footprint footprint, Profile profile, float sizePx, fl
     return pass;
 }
 
-/// The whole picture, one frame of it.
-inline Drawing drawingOf(const Viewpoint& viewpoint, const Cut& cut, std::span<const Pass> passes) {
-    Drawing d;
-    d.viewpoint = &viewpoint;
-    d.cut = &cut;
-    d.passes = passes;
-    d.window = {0, 0, viewpoint.width, viewpoint.height};
-    d.jitter = {&noJitter, 1};
-    return d;
-}
+/// A drawing that owns its cuts: the whole picture, one frame of it.
+struct OwnDrawing : Drawing {
+    OwnDrawing(const Viewpoint& viewpoint, const Cut& cut, std::span<const Pass> what)
+        : own_{{viewpoint, cut, {}}} {
+        cuts = own_;
+        passes = what;
+        window = {0, 0, viewpoint.width, viewpoint.height};
+        jitter = {&noJitter, 1};
+    }
+    OwnDrawing(const OwnDrawing& other) : Drawing(other), own_(other.own_) { cuts = own_; }
+
+    CutView& view() { return own_.front(); }
+    void add(std::span<const CutView> reflections) {
+        own_.insert(own_.end(), reflections.begin(), reflections.end());
+        cuts = own_;
+    }
+
+  private:
+    std::vector<CutView> own_;
+};
 
 /// A drawing that owns its pass list.
 struct Scene {
     PassList passes;
-    Drawing drawing;
+    OwnDrawing drawing;
 
     Scene(const Viewpoint& viewpoint, const Cut& cut, const NearestPass& nearest)
-        : passes{nearest, ResolvePass{}}, drawing(drawingOf(viewpoint, cut, passes)) {
+        : passes{nearest, ResolvePass{}}, drawing(viewpoint, cut, passes) {
         drawing.background.kind = Background::Kind::Color;
         drawing.background.top = {0, 0, 0};
     }

@@ -4,6 +4,7 @@
 
 #include <glm/geometric.hpp>
 
+#include "renderer/cloud/surfel_codec.hpp"
 #include "tests/support/draw_cut.hpp"
 
 namespace scancast::test {
@@ -13,7 +14,7 @@ inline Surfel surfelOf(glm::dvec3 normal, double radius, glm::dvec3 majorAxis = 
     s.normal = glm::normalize(glm::vec3(normal));
     s.majorAxis = glm::vec3(majorAxis);
     s.radius = static_cast<float>(radius);
-    s.major = 1.36f * s.radius;
+    s.major = majorPerRadius * s.radius;
     s.minor = static_cast<float>(ratio) * s.major;
     return s;
 }
@@ -21,10 +22,10 @@ inline Surfel surfelOf(glm::dvec3 normal, double radius, glm::dvec3 majorAxis = 
 /// A drawing that owns its pass list.
 struct SurfelScene {
     PassList passes;
-    Drawing drawing;
+    OwnDrawing drawing;
 
     SurfelScene(const Viewpoint& viewpoint, const Cut& cut, PassList list)
-        : passes(std::move(list)), drawing(drawingOf(viewpoint, cut, passes)) {
+        : passes(std::move(list)), drawing(viewpoint, cut, passes) {
         drawing.surfels = true;
         drawing.background.kind = Background::Kind::Color;
         drawing.background.top = {0, 0, 0};

@@ -105,20 +105,20 @@ void draw(const FlatSplat& s, const NearestPass& pass, ReferencePicture& picture
 }  // namespace
 
 ReferencePicture referenceNearest(const Drawing& drawing) {
-    const Viewpoint& v = *drawing.viewpoint;
+    const Viewpoint& v = drawing.mainView().viewpoint;
     const auto& pass = std::get<NearestPass>(drawing.passes[0]);
     ReferencePicture picture{v.width, v.height, {}};
     ReferenceFragment nothing;
     nothing.order = infinity;
     picture.pixels.assign(static_cast<std::size_t>(v.width) * v.height, nothing);
-    for (const CutRun& run : drawing.cut->runs) {
+    for (const CutRun& run : drawing.mainView().cut.runs) {
         for (std::size_t i = 0; i < run.samples.size(); ++i) {
             const glm::dvec3 place = position(*run.node, run.samples[i]);
             const glm::dvec4 eye = v.cloudToView * glm::dvec4(place, 1);
             FlatSplat s;
             s.depth = -eye.z;
             if (!(s.depth >= v.near && s.depth <= v.far) || !(s.depth > 0)) continue;
-            if (!wanted(drawing.filter, run.samples[i], place)) continue;
+            if (!wanted(drawing.mainView().filter, run.samples[i], place)) continue;
             s.q = v.projection == Projection::Perspective ? v.pixelsPerUnit / s.depth : v.pixelsPerUnit;
             s.x = v.width / 2.0 + drawing.jitter[0].x + s.q * eye.x;
             s.y = v.height / 2.0 + drawing.jitter[0].y - s.q * eye.y;

@@ -28,13 +28,14 @@ struct Fragment {
 
 class SurfelRenderer {
   public:
-    explicit SurfelRenderer(const Drawing& drawing) : drawing_(drawing), view_(*drawing.viewpoint) {}
+    explicit SurfelRenderer(const Drawing& drawing)
+        : drawing_(drawing), view_(drawing.mainView().viewpoint) {}
 
     ReferenceSurfels run() {
         picture_.width = view_.width;
         picture_.height = view_.height;
         picture_.pixels.resize(static_cast<std::size_t>(view_.width) * view_.height);
-        for (const CutRun& run : drawing_.cut->runs) {
+        for (const CutRun& run : drawing_.mainView().cut.runs) {
             for (const Sample& s : run.samples) picture_.colors.push_back({s.r, s.g, s.b});
         }
         for (const Pass& pass : drawing_.passes) {
@@ -164,7 +165,7 @@ class SurfelRenderer {
 
     template <class Visit>
     void overSurfels(const Splat& splat, const Visit& visit) {
-        for (const CutRun& run : drawing_.cut->runs) {
+        for (const CutRun& run : drawing_.mainView().cut.runs) {
             for (std::size_t i = 0; i < run.samples.size(); ++i) {
                 if (const auto seen = see(run, i, splat)) visit(*seen);
             }

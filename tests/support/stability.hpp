@@ -5,11 +5,14 @@
 
 #include <cmath>
 #include <glm/geometric.hpp>
+#include <glm/matrix.hpp>
 #include <glm/trigonometric.hpp>
 #include <span>
 #include <vector>
 
+#include "renderer/mirrors.hpp"
 #include "renderer/render.hpp"
+#include "renderer/residency/provide.hpp"
 
 namespace scancast::test {
 
@@ -72,6 +75,32 @@ struct StabilityOptions {
     bool bruteForce = true;
 };
 
+/// The view, with the nodes that another camera would choose, without culling.
+inline Expected<Frame> renderWithLevelsOf(const Camera& camera, Device& device, const Cloud& cloud,
+                                          const View& view) {
+    const auto planned = plan(cloud, view);
+    if (!planned) return tl::unexpected(planned.error());
+    View other = view;
+    other.camera = camera;
+    const auto levels = Viewpoint::create(other, cloud.origin, cloud.bounds);
+    if (!levels) return tl::unexpected(levels.error());
+    PreparedView prepared;
+    prepared.planned = *planned;
+    prepared.cloud = &cloud;
+    prepared.cuts = cutsOf(cloud, **planned);
+    SelectOptions selection = (*planned)->selection;
+    selection.cull = selection.cullBackFaces = false;
+    const glm::dmat4 toCloud = glm::inverse((*planned)->viewpoint.cloudToView);
+    for (CutView& seen : prepared.cuts) {
+        Viewpoint from = *levels;
+        if (seen.glass) from.cloudToView *= toCloud * seen.viewpoint.cloudToView;
+        auto cut = provide(cloud.octree, select(cloud.octree, from, selectionOf(seen, selection)));
+        if (!cut) return tl::unexpected(cut.error());
+        seen.cut = std::move(*cut);
+    }
+    return draw(device, prepared);
+}
+
 inline Expected<Stability> measureStability(Device& device, const Cloud& cloud, View view,
                                             const StabilityOptions& options) {
     Stability result;
@@ -96,7 +125,7 @@ inline Expected<Stability> measureStability(Device& device, const Cloud& cloud, 
         }
         if (last) {
             result.frames.add(changed(*last, *frame));
-            auto before = render(device, cloud, view, {.levelsOf = lastCamera});
+            auto before = renderWithLevelsOf(lastCamera, device, cloud, view);
             if (!before) return tl::unexpected(before.error());
             result.levels.add(changed(*before, *frame));
         }

@@ -59,32 +59,32 @@ void emptySums(const KeyTile& tile, int planes, TileMemory& memory) {
 
 }  // namespace
 
-Layer::Layer(const Drawing& drawing, const Cut& cut, const SampleFilter& filter, const Sight& sight,
-             const PassPlan& plan, const Kernels& kernels, const Workers& workers, TileMemories& memories,
-             const Rect& area)
+Layer::Layer(const Drawing& drawing, const CutView& view, const Sight& sight, const PassPlan& plan,
+             const Kernels& kernels, const Workers& workers, TileMemories& memories, const Rect& area)
     : sight_(sight),
       plan_(plan),
       kernels_(kernels),
       workers_(workers),
       memories_(memories),
       area_(area),
-      tables_(colorTables(drawing.color, filter)),
+      tables_(colorTables(drawing.color, view.filter)),
       stages_(splatStages(plan, sight, drawing.color)) {
     background_ =
         backgroundRows(drawing.background, area_.y0 - sight.pad, area_.height(), sight.viewpoint->height);
-    prepareRuns(drawing, cut, filter);
+    prepareRuns(drawing, view);
     if (plan.bySample()) listSamples();
     if (!workers_.stopped()) tiles_ = cutIntoTiles(area_, runs_, workers_.threads() * tilesPerThread);
 }
 
-void Layer::prepareRuns(const Drawing& drawing, const Cut& cut, const SampleFilter& filter) {
+void Layer::prepareRuns(const Drawing& drawing, const CutView& view) {
+    const Cut& cut = view.cut;
     std::vector<std::optional<PreparedRun>> prepared(cut.runs.size());
     const double shift = largestShift(drawing.jitter);
     constexpr std::size_t batch = 64;
     workers_.inParallel(static_cast<int>((cut.runs.size() + batch - 1) / batch), [&](int b) {
         const std::size_t first = static_cast<std::size_t>(b) * batch;
         for (std::size_t i = first; i < std::min(cut.runs.size(), first + batch); ++i) {
-            prepared[i] = prepareRun(cut.runs[i], sight_, stages_, drawing.color, filter, area_, shift);
+            prepared[i] = prepareRun(cut.runs[i], sight_, stages_, drawing.color, view.filter, area_, shift);
         }
     });
     for (const auto& run : prepared) {

@@ -38,15 +38,14 @@ struct Planes {
 class Layer {
   public:
     /// Everything outlives the layer.
-    Layer(const Drawing& drawing, const Cut& cut, const SampleFilter& filter, const Sight& sight,
-          const PassPlan& plan, const Kernels& kernels, const Workers& workers, TileMemories& memories,
-          const Rect& area);
+    Layer(const Drawing& drawing, const CutView& view, const Sight& sight, const PassPlan& plan,
+          const Kernels& kernels, const Workers& workers, TileMemories& memories, const Rect& area);
     /// Splats and resolves one frame; `planes` cover the layer's area. Adds to the stages "nearest", "sum",
     /// "cell" and "resolve".
     void draw(const glm::dvec2& jitter, const Planes& planes, FrameStats& stats);
 
   private:
-    void prepareRuns(const Drawing& drawing, const Cut& cut, const SampleFilter& filter);
+    void prepareRuns(const Drawing& drawing, const CutView& view);
     void listSamples();
     SplatPass pass(const SplatStage& stage, const glm::dvec2& jitter) const;
     void drawTile(const Tile& tile, std::span<const SplatPass> passes, const Planes& planes);

@@ -6,26 +6,24 @@
 namespace scancast::cpu {
 namespace {
 
-Rect areaOf(const Reflection& reflection, int pad, const Rect& picture) {
-    const Window& b = reflection.bounds;
+Rect areaOf(const MirrorGlass& glass, int pad, const Rect& picture) {
+    const Window& b = glass.bounds;
     return Rect{b.x + pad, b.y + pad, b.x + b.width + pad, b.y + b.height + pad}.intersect(picture);
 }
 
 }  // namespace
 
-MirrorLayer::MirrorLayer(const Drawing& drawing, const Reflection& reflection, const Sight& picturesSight,
+MirrorLayer::MirrorLayer(const Drawing& drawing, const CutView& reflection, const Sight& picturesSight,
                          const PassPlan& plan, const Kernels& kernels, const Workers& workers,
                          TileMemories& tiles, LayerMemory& memory, const Rect& picture)
-    : reflection_(reflection),
+    : glass_(*reflection.glass),
       sight_{&reflection.viewpoint, picturesSight.pad, picturesSight.surfels, picturesSight.oriented},
       plan_(plan),
       kernels_(kernels),
       workers_(workers),
       memory_(memory),
-      area_(areaOf(reflection, picturesSight.pad, picture)) {
-    if (!empty())
-        layer_.emplace(drawing, reflection.cut, reflection.filter, sight_, plan, kernels, workers, tiles,
-                       area_);
+      area_(areaOf(*reflection.glass, picturesSight.pad, picture)) {
+    if (!empty()) layer_.emplace(drawing, reflection, sight_, plan, kernels, workers, tiles, area_);
 }
 
 void MirrorLayer::draw(const glm::dvec2& jitter, const Planes& picture) {
@@ -48,7 +46,7 @@ void MirrorLayer::finish(const glm::dvec2& jitter, const Planes& picture) const 
 void MirrorLayer::layOver(const glm::dvec2& jitter, const Planes& reflected, const Planes& picture,
                           Lay lay) const {
     Glass whole;
-    static_cast<GlassNumbers&>(whole) = glassNumbers(reflection_, sight_, jitter);
+    static_cast<GlassNumbers&>(whole) = glassNumbers(glass_, sight_, jitter);
     whole.stride = picture.area.width();
     whole.reflectedStride = area_.width();
     whole.x = area_.x0;

@@ -20,7 +20,7 @@ struct LayerMemory {
 class MirrorLayer {
   public:
     /// `picture`: the area that is drawn of it. Everything outlives the layer.
-    MirrorLayer(const Drawing& drawing, const Reflection& reflection, const Sight& picturesSight,
+    MirrorLayer(const Drawing& drawing, const CutView& reflection, const Sight& picturesSight,
                 const PassPlan& plan, const Kernels& kernels, const Workers& workers, TileMemories& tiles,
                 LayerMemory& memory, const Rect& picture);
 
@@ -36,7 +36,7 @@ class MirrorLayer {
     using Lay = void (*)(const Glass&);
     void layOver(const glm::dvec2& jitter, const Planes& reflected, const Planes& picture, Lay lay) const;
 
-    const Reflection& reflection_;
+    const MirrorGlass& glass_;
     const Sight sight_;  ///< of the reflected eye
     const PassPlan& plan_;
     const Kernels& kernels_;

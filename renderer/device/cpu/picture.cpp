@@ -66,7 +66,7 @@ void Picture::crop(const Planes& planes, bool first, std::uint32_t* out, Frame& 
 }
 
 void Picture::makeMirrors() {
-    for (const Reflection& reflection : drawing_.reflections) {
+    for (const CutView& reflection : drawing_.reflections()) {
         const std::size_t at = mirrors_.size();
         if (buffers_.mirrors.size() <= at) buffers_.mirrors.push_back(std::make_unique<LayerMemory>());
         auto layer = std::make_unique<MirrorLayer>(drawing_, reflection, sight_, plan_, kernels_, workers_,
@@ -130,10 +130,9 @@ Expected<Frame> Picture::draw() {
     frame.height = window_.height();
     frame.rgba.own().resize(pixelsOf(window_) * 4);
     if (drawing_.depth) frame.depth.own().resize(pixelsOf(window_));
-    Layer layer(drawing_, *drawing_.cut, drawing_.filter, sight_, plan_, kernels_, workers_, buffers_.tiles,
-                area_);
+    Layer layer(drawing_, drawing_.mainView(), sight_, plan_, kernels_, workers_, buffers_.tiles, area_);
     frame.stats.add("nearest", millisecondsSince(start));
-    if (!drawing_.reflections.empty()) {
+    if (!drawing_.reflections().empty()) {
         const auto mirrorsStart = Clock::now();
         makeMirrors();
         if (!mirrors_.empty()) frame.stats.add("mirrors", millisecondsSince(mirrorsStart));
@@ -146,13 +145,7 @@ Expected<Frame> Picture::draw() {
     }
     if (workers_.stopped())
         return fail(ErrorCode::Cancelled, "The picture was abandoned: it is no longer wanted.");
-    const Cut& cut = *drawing_.cut;
-    frame.stats.samplesDrawn = cut.samples;
-    frame.stats.pointsShown = cut.points;
-    frame.stats.nodesVisited = cut.nodesVisited;
-    frame.stats.nodesCulled = cut.nodesCulled;
-    frame.stats.spacingReached = cut.spacingReached;
-    frame.stats.mirrorsDrawn = static_cast<std::uint32_t>(drawing_.reflections.size());
+    tellCuts(drawing_.cuts, frame.stats);
     frame.stats.device = "cpu";
     return frame;
 }

@@ -143,22 +143,16 @@ class GlDevice final : public Device {
         if (!pixels) return tl::unexpected(pixels.error());
         frame.width = drawing.window.width;
         frame.height = drawing.window.height;
-        tellCut(drawing, frame.stats);
+        tell(drawing, frame.stats);
         return std::make_unique<GlPicture>(*context_, std::move(*pixels), std::move(times), std::move(frame),
                                            std::move(stop));
     }
 
-    void tellCut(const Drawing& drawing, FrameStats& stats) {
+    void tell(const Drawing& drawing, FrameStats& stats) {
         const std::uint64_t uploaded = shop_->samples.bytesUploaded();
         stats.bytesUploaded = uploaded - std::exchange(bytesUploaded_, uploaded);
         stats.deviceBytes = shop_->samples.bytes();
-        const Cut& cut = *drawing.cut;
-        stats.samplesDrawn = cut.samples;
-        stats.pointsShown = cut.points;
-        stats.nodesVisited = cut.nodesVisited;
-        stats.nodesCulled = cut.nodesCulled;
-        stats.spacingReached = cut.spacingReached;
-        stats.mirrorsDrawn = static_cast<std::uint32_t>(drawing.reflections.size());
+        scancast::tellCuts(drawing.cuts, stats);
         stats.device = info_.name;
     }
 

@@ -48,16 +48,16 @@ std::vector<std::uint32_t> frontToBack(std::span<const std::uint32_t> runs, std:
 }  // namespace
 
 Expected<std::unique_ptr<Layer>> Layer::create(const LayerParts& parts, const Drawing& drawing,
-                                               const Cut& cut, const SampleFilter& filter, const Sight& sight,
-                                               const PassPlan& plan, ivec4 area) {
-    std::unique_ptr<Layer> layer(new Layer(parts, drawing, filter, sight, plan, area));
-    const std::vector<std::uint32_t> drawn = layer->addRuns(drawing, cut, filter);
+                                               const CutView& view, const Sight& sight, const PassPlan& plan,
+                                               ivec4 area) {
+    std::unique_ptr<Layer> layer(new Layer(parts, drawing, view, sight, plan, area));
+    const std::vector<std::uint32_t> drawn = layer->addRuns(drawing, view);
     if (auto made = layer->upload(); !made) return tl::unexpected(made.error());
-    layer->samples_ = std::make_unique<CutSamples>(parts.samples, cut, drawn);
+    layer->samples_ = std::make_unique<CutSamples>(parts.samples, view.cut, drawn);
     return layer;
 }
 
-Layer::Layer(const LayerParts& parts, const Drawing& drawing, const SampleFilter& filter, const Sight& sight,
+Layer::Layer(const LayerParts& parts, const Drawing& drawing, const CutView& view, const Sight& sight,
              const PassPlan& plan, ivec4 area)
     : parts_(parts),
       sight_(sight),
@@ -66,10 +66,11 @@ Layer::Layer(const LayerParts& parts, const Drawing& drawing, const SampleFilter
       stages_(splatStages(plan, sight, drawing.color)),
       tables_(parts.tables.host),
       background_(backgroundRows(drawing.background, area.y - sight.pad, area.w, sight.viewpoint->height)),
-      byClass_(filter.classes.has_value()) {}
+      byClass_(view.filter.classes.has_value()) {}
 
-std::vector<std::uint32_t> Layer::addRuns(const Drawing& drawing, const Cut& cut,
-                                          const SampleFilter& filter) {
+std::vector<std::uint32_t> Layer::addRuns(const Drawing& drawing, const CutView& view) {
+    const Cut& cut = view.cut;
+    const SampleFilter& filter = view.filter;
     tables_.begin(colorTables(drawing.color, filter), cut.runs.size());
     std::vector<std::uint32_t> drawn;
     std::vector<float> depths;

@@ -38,8 +38,8 @@ class Layer {
     /// `area` (x, y, width, height) of the whole picture, shifted by sight.pad as planes are. Everything
     /// given outlives the layer. ResourceLimit: too many runs for a storage block, or no memory.
     static Expected<std::unique_ptr<Layer>> create(const LayerParts& parts, const Drawing& drawing,
-                                                   const Cut& cut, const SampleFilter& filter,
-                                                   const Sight& sight, const PassPlan& plan, ivec4 area);
+                                                   const CutView& view, const Sight& sight,
+                                                   const PassPlan& plan, ivec4 area);
 
     /// Splats and resolves one frame; `planes` cover the layer's area, and nothing outside it is touched.
     /// Normals are written where there is a plane of them and the plan resolves them. Adds to the stages
@@ -55,9 +55,9 @@ class Layer {
         std::uint32_t firstExtent = 0, extents = 0;
     };
 
-    Layer(const LayerParts& parts, const Drawing& drawing, const SampleFilter& filter, const Sight& sight,
+    Layer(const LayerParts& parts, const Drawing& drawing, const CutView& view, const Sight& sight,
           const PassPlan& plan, ivec4 area);
-    std::vector<std::uint32_t> addRuns(const Drawing& drawing, const Cut& cut, const SampleFilter& filter);
+    std::vector<std::uint32_t> addRuns(const Drawing& drawing, const CutView& view);
     Expected<void> upload();
     Expected<void> gather(StageTimes& times, const std::stop_token& stop);
     Expected<void> begin(const SampleBatch& batch);

@@ -32,15 +32,16 @@ Expected<GpuPlanes> PlaneMemory::planes(ivec4 area, bool withNormals) {
 
 Expected<std::unique_ptr<MirrorLayer>> MirrorLayer::create(const LayerParts& parts, ScreenShaders& shaders,
                                                            PlaneMemory& memory, const Drawing& drawing,
-                                                           const Reflection& reflection,
+                                                           const CutView& reflection,
                                                            const Sight& picturesSight, const PassPlan& plan,
                                                            ivec4 area) {
-    const ivec4 part = partOf(area, reflection.bounds, picturesSight.pad);
+    const ivec4 part = partOf(area, reflection.glass->bounds, picturesSight.pad);
     if (part.z == 0 || part.w == 0) return nullptr;
     Sight sight = picturesSight;
     sight.viewpoint = &reflection.viewpoint;
-    std::unique_ptr<MirrorLayer> mirror(new MirrorLayer(shaders, memory, reflection, sight, plan, part));
-    auto layer = Layer::create(parts, drawing, reflection.cut, reflection.filter, mirror->sight_, plan, part);
+    std::unique_ptr<MirrorLayer> mirror(
+        new MirrorLayer(shaders, memory, *reflection.glass, sight, plan, part));
+    auto layer = Layer::create(parts, drawing, reflection, mirror->sight_, plan, part);
     if (!layer) return tl::unexpected(layer.error());
     mirror->layer_ = std::move(*layer);
     return mirror;
@@ -51,11 +52,11 @@ Expected<void> MirrorLayer::draw(const glm::dvec2& jitter, const GpuPlanes& pict
     const auto planes = memory_.planes(area_, plan_.resolve.normals);
     if (!planes) return tl::unexpected(planes.error());
     if (auto drawn = layer_->draw(jitter, *planes, times, stop); !drawn) return drawn;
-    return lookThrough(glassNumbers(reflection_, sight_, jitter), *planes, picture, shaders_);
+    return lookThrough(glassNumbers(glass_, sight_, jitter), *planes, picture, shaders_);
 }
 
 Expected<void> MirrorLayer::finish(const glm::dvec2& jitter, const GpuPlanes& picture) const {
-    return tintGlass(glassNumbers(reflection_, sight_, jitter), area_, picture, shaders_);
+    return tintGlass(glassNumbers(glass_, sight_, jitter), area_, picture, shaders_);
 }
 
 }  // namespace scancast::gl

@@ -27,7 +27,7 @@ class MirrorLayer {
     /// outlives the layer. Errors: the layer's.
     static Expected<std::unique_ptr<MirrorLayer>> create(const LayerParts& parts, ScreenShaders& shaders,
                                                          PlaneMemory& memory, const Drawing& drawing,
-                                                         const Reflection& reflection,
+                                                         const CutView& reflection,
                                                          const Sight& picturesSight, const PassPlan& plan,
                                                          ivec4 area);
 
@@ -38,18 +38,13 @@ class MirrorLayer {
     Expected<void> finish(const glm::dvec2& jitter, const GpuPlanes& picture) const;
 
   private:
-    MirrorLayer(ScreenShaders& shaders, PlaneMemory& memory, const Reflection& reflection, const Sight& sight,
+    MirrorLayer(ScreenShaders& shaders, PlaneMemory& memory, const MirrorGlass& glass, const Sight& sight,
                 const PassPlan& plan, ivec4 area)
-        : shaders_(shaders),
-          memory_(memory),
-          reflection_(reflection),
-          sight_(sight),
-          plan_(plan),
-          area_(area) {}
+        : shaders_(shaders), memory_(memory), glass_(glass), sight_(sight), plan_(plan), area_(area) {}
 
     ScreenShaders& shaders_;
     PlaneMemory& memory_;
-    const Reflection& reflection_;
+    const MirrorGlass& glass_;
     const Sight sight_;  ///< of the reflected eye
     const PassPlan& plan_;
     const ivec4 area_;  ///< pixels that may change

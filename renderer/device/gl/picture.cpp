@@ -47,11 +47,11 @@ Picture::Picture(Workshop& shop, const Drawing& drawing, const PassPlan& plan, s
 
 Expected<void> Picture::makeLayers(StageTimes& times) {
     const StageTimes::HostScope timed(times, "prepare");
-    auto layer = Layer::create(shop_.layerParts(0), drawing_, *drawing_.cut, drawing_.filter, shown_.sight,
-                               plan_, area_);
+    auto layer =
+        Layer::create(shop_.layerParts(0), drawing_, drawing_.mainView(), shown_.sight, plan_, area_);
     if (!layer) return tl::unexpected(layer.error());
     layer_ = std::move(*layer);
-    for (const Reflection& reflection : drawing_.reflections) {
+    for (const CutView& reflection : drawing_.reflections()) {
         const std::size_t at = mirrors_.size();
         if (shop_.mirrors.size() <= at) shop_.mirrors.push_back(std::make_unique<PlaneMemory>(shop_.gl));
         auto mirror = MirrorLayer::create(shop_.layerParts(at + 1), shop_.shaders, *shop_.mirrors[at],

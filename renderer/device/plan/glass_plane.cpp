@@ -16,7 +16,7 @@ void setLinear(double atZero, double stepX, double stepY, float out[3]) {
 /// normal · (d r - center) = 0: so 1/d = normal · r / normal · center, linear in the pixel, and the place
 /// right · (d r - center) / right² is linear, too, once divided by d. Else the ray is r = (u, v, 0) with
 /// -d in the place of z.
-void setPlane(const Reflection& m, double unit, const glm::dvec2& axis, GlassNumbers& g) {
+void setPlane(const MirrorGlass& m, double unit, const glm::dvec2& axis, GlassNumbers& g) {
     // r at the picture's pixel (0, 0): at its centre.
     const glm::dvec3 r((0.5 - axis.x) * unit, (axis.y - 0.5) * unit, 0);
     double at = 0, stepX = 0, stepY = 0;
@@ -48,12 +48,12 @@ void setPlane(const Reflection& m, double unit, const glm::dvec2& axis, GlassNum
 
 }  // namespace
 
-GlassNumbers glassNumbers(const Reflection& reflection, const Sight& sight, const glm::dvec2& jitter) {
+GlassNumbers glassNumbers(const MirrorGlass& glass, const Sight& sight, const glm::dvec2& jitter) {
     GlassNumbers g;
     g.perspective = sight.perspective();
-    setPlane(reflection, 1 / sight.viewpoint->pixelsPerUnit, sight.center() + jitter, g);
-    g.margin = static_cast<float>(reflection.margin);
-    for (std::size_t c = 0; c < 3; ++c) g.tint[c] = reflection.tint[c];
+    setPlane(glass, 1 / sight.viewpoint->pixelsPerUnit, sight.center() + jitter, g);
+    g.margin = static_cast<float>(glass.margin);
+    for (std::size_t c = 0; c < 3; ++c) g.tint[c] = glass.tint[c];
     return g;
 }
 

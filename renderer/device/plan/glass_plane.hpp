@@ -8,6 +8,6 @@
 namespace scancast {
 
 /// In one jittered frame of the picture; `sight` is the picture's, or that of the reflected eye.
-GlassNumbers glassNumbers(const Reflection& reflection, const Sight& sight, const glm::dvec2& jitter);
+GlassNumbers glassNumbers(const MirrorGlass& glass, const Sight& sight, const glm::dvec2& jitter);
 
 }  // namespace scancast

@@ -19,6 +19,9 @@ struct PictureArea {
     Window window;
     Window area;  ///< the window, and what screen passes look at beyond it
 };
+/// What a frame's statistics say of its cuts, all of them together.
+void tellCuts(std::span<const CutView> cuts, FrameStats& stats);
+
 PictureArea pictureArea(const Drawing& drawing, const PassPlan& plan);
 
 }  // namespace scancast

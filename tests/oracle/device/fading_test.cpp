@@ -84,7 +84,7 @@ TEST_P(RunsInPart, AreTheirDrawnSamplesInEveryMethod) {
                                       2});
         scene.drawing.passes = scene.passes;
         const Frame a = mustDraw(*device_, scene.drawing);
-        scene.drawing.cut = &drawn.cut();
+        scene.drawing.view().cut = drawn.cut();
         const Frame b = mustDraw(*device_, scene.drawing);
         EXPECT_EQ(a.rgba, b.rgba) << method.name;
         EXPECT_EQ(a.depth, b.depth) << method.name;

@@ -127,9 +127,9 @@ TEST_P(Reference, ColoursAndFilters) {
     ColorRule& rule = scene.drawing.color;
     for (std::size_t i = 0; i < 256; ++i)
         rule.ramp[i] = {std::uint8_t(i), std::uint8_t(3 * i), std::uint8_t(255 - i)};
-    scene.drawing.filter.clip = ClipBox{{-1.5, -1.7, -1.9}, {1.8, 1.1, 1.2}};
-    scene.drawing.filter.classes.emplace().fill(true);
-    for (const std::size_t c : {2u, 5u, 29u}) (*scene.drawing.filter.classes)[c] = false;
+    scene.drawing.view().filter.clip = ClipBox{{-1.5, -1.7, -1.9}, {1.8, 1.1, 1.2}};
+    scene.drawing.view().filter.classes.emplace().fill(true);
+    for (const std::size_t c : {2u, 5u, 29u}) (*scene.drawing.view().filter.classes)[c] = false;
     using enum ColorSource;
     const std::tuple<ColorSource, double, double> rules[] = {{Rgb, 0, 1},
                                                              {Intensity, 500, 60000},

@@ -122,7 +122,7 @@ TEST_P(DeviceAgreement, Method) {
     const Viewpoint from = viewpoint(projection);
     for (const Shading shading : {Shading::Unlit, Shading::EyeDome}) {
         const PassList passes = passesOf(method.method, method.parameters, shading);
-        expectAgreement(*gl, *cpu, drawingOf(from, sharedScene().cut(), passes));
+        expectAgreement(*gl, *cpu, OwnDrawing(from, sharedScene().cut(), passes));
     }
 }
 
@@ -144,11 +144,11 @@ class DrawingAgreement : public testing::TestWithParam<std::string> {
     const Viewpoint from_ = viewpoint(Projection::Perspective);
     const PassList passes_ = passesOf("paraboloid", {}, Shading::Unlit);
     const PassList lit_ = passesOf("paraboloid", {}, Shading::EyeDome);
-    Drawing drawing_ = drawingOf(from_, sharedScene().cut(), passes_);
+    OwnDrawing drawing_{from_, sharedScene().cut(), passes_};
 };
 TEST_P(DrawingAgreement, RunsDrawnInPart) {
     const Cut faded = withShares(sharedScene().cut());
-    drawing_.cut = &faded;
+    drawing_.view().cut = faded;
     check(drawing_);
 }
 
@@ -157,9 +157,9 @@ TEST_P(DrawingAgreement, ARunInPartIsItsDrawnSamples) {
     REQUIRE_DEVICE(gl, GetParam());
     const Cut faded = withShares(sharedScene().cut());
     const DrawnOnly drawn(faded);
-    drawing_.cut = &faded;
+    drawing_.view().cut = faded;
     const auto inPart = gl->draw(drawing_, {});
-    drawing_.cut = &drawn.cut();
+    drawing_.view().cut = drawn.cut();
     const auto whole = gl->draw(drawing_, {});
     ASSERT_TRUE(inPart && whole);
     EXPECT_EQ(inPart->rgba, whole->rgba);
@@ -183,7 +183,7 @@ TEST_P(DrawingAgreement, SamplesWithRadiiOfTheirOwn) {
         p.surfel = surfel;
     }
     const AnalyticCloud cloud(points, 0.02);
-    drawing_.cut = &cloud.cut();
+    drawing_.view().cut = cloud.cut();
     drawing_.surfels = true;
     for (const char* method : {"paraboloid", "square", "circle", "sphere"}) {
         SCOPED_TRACE(method);
@@ -209,10 +209,10 @@ TEST_P(DrawingAgreement, EveryColorSource) {
 }
 
 TEST_P(DrawingAgreement, Filters) {
-    drawing_.filter.classes.emplace();
-    for (std::size_t c = 0; c < 256; c += 3) (*drawing_.filter.classes)[c] = true;
+    drawing_.view().filter.classes.emplace();
+    for (std::size_t c = 0; c < 256; c += 3) (*drawing_.view().filter.classes)[c] = true;
     check(drawing_);
-    drawing_.filter.clip = ClipBox{{-0.5, -1, -0.4}, {0.75, 3, 0.9}};
+    drawing_.view().filter.clip = ClipBox{{-0.5, -1, -0.4}, {0.75, 3, 0.9}};
     check(drawing_);
 }
 
@@ -228,7 +228,7 @@ TEST_P(DrawingAgreement, WindowsAndNearAndFar) {
     Viewpoint cut = from_;
     cut.near = 3.3;
     cut.far = 5;
-    drawing_.viewpoint = &cut;
+    drawing_.view().viewpoint = cut;
     drawing_.window = {97, 61, 203, 105};
     check(drawing_);
     drawing_.passes = lit_;
@@ -251,8 +251,8 @@ TEST_P(DrawingAgreement, FarFromTheOrigin) {
     for (int i = 0; i < 40000; ++i) points.push_back({offset + numbers.onSphere(), numbers.color()});
     const AnalyticCloud cloud(points, 0.03);
     const Viewpoint from = lookAt(offset + glm::dvec3(0.3, -4, 1), offset, width, height, 50);
-    drawing_.viewpoint = &from;
-    drawing_.cut = &cloud.cut();
+    drawing_.view().viewpoint = from;
+    drawing_.view().cut = cloud.cut();
     check(drawing_);
 }
 
@@ -263,7 +263,7 @@ TEST_P(DrawingAgreement, RunsOfEverySize) {
     for (int i = 0; i < 30011; ++i) points.push_back({numbers.onSphere(), numbers.color()});
     for (const std::uint32_t leaf : {1000u, 1025u, 30011u}) {
         const AnalyticCloud cloud(points, 0.03, leaf);
-        drawing_.cut = &cloud.cut();
+        drawing_.view().cut = cloud.cut();
         check(drawing_);
     }
 }

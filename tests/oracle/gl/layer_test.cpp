@@ -43,7 +43,7 @@ LayerCase layerCase(const Drawing& drawing) {
     LayerCase c;
     c.drawing = drawing;
     c.plan = planPasses(drawing.passes).value();
-    c.sight = {drawing.viewpoint, c.plan.guardBand(), drawing.surfels, drawing.oriented};
+    c.sight = {&drawing.mainView().viewpoint, c.plan.guardBand(), drawing.surfels, drawing.oriented};
     const Window& w = drawing.window;
     c.area = {w.x + c.sight.pad, w.y + c.sight.pad, w.width, w.height};
     return c;
@@ -59,7 +59,7 @@ Pixels drawOnCpu(const LayerCase& c) {
     cpu::TileMemories memories;
     memories.push_back(std::make_unique<cpu::TileMemory>());
     const cpu::Rect area{c.area.x, c.area.y, c.area.x + c.area.z, c.area.y + c.area.w};
-    cpu::Layer layer(c.drawing, *c.drawing.cut, c.drawing.filter, c.sight, c.plan,
+    cpu::Layer layer(c.drawing, c.drawing.mainView(), c.sight, c.plan,
                      *cpu::chooseSimdLevel("").value()->kernels, workers, memories, area);
     const std::vector<std::uint32_t> none(pixelsOf(c));
     Pixels out{none, none, none};
@@ -148,8 +148,7 @@ struct GlDrawing {
             ASSERT_TRUE(buffer->reserve(planes.pixels() * 4));
             buffer->clear(planes.pixels(), untouched);
         }
-        auto layer =
-            gl::Layer::create(parts, c.drawing, *c.drawing.cut, c.drawing.filter, c.sight, c.plan, c.area);
+        auto layer = gl::Layer::create(parts, c.drawing, c.drawing.mainView(), c.sight, c.plan, c.area);
         ASSERT_TRUE(layer) << layer.error().message;
         gl::GpuTimers timers(functions);
         gl::StageTimes times(timers);
@@ -351,7 +350,7 @@ TEST_P(GlLayerDrawing, EveryColorSource) {
          {ColorSource::Intensity, ColorSource::Elevation, ColorSource::Classification, ColorSource::Normal,
           ColorSource::Depth, ColorSource::Lod, ColorSource::Flat}) {
         SCOPED_TRACE(std::string(name(source)));
-        check({sprites, {"voronoi", {{"smooth", false}}, ""}}, [&](Drawing& d) {
+        check({sprites, {"voronoi", {{"smooth", false}}, ""}}, [&](OwnDrawing& d) {
             d.color.source = source;
             d.color.low = source == ColorSource::Intensity ? 5000 : -0.7;
             d.color.high = source == ColorSource::Intensity ? 60000 : 4.3;
@@ -366,12 +365,12 @@ TEST_P(GlLayerDrawing, EveryColorSource) {
 }
 
 TEST_P(GlLayerDrawing, ClassesClipBoxAndDroppedRegions) {
-    check({sprites, cells}, [](Drawing& d) {
-        d.filter.classes.emplace();
-        for (std::size_t c = 0; c < 256; c += 2) (*d.filter.classes)[c] = true;
+    check({sprites, cells}, [](OwnDrawing& d) {
+        d.view().filter.classes.emplace();
+        for (std::size_t c = 0; c < 256; c += 2) (*d.view().filter.classes)[c] = true;
     });
-    check({sprites, blended}, [](Drawing& d) {
-        d.filter.clip = ClipBox{{-0.6, -2, -0.8}, {0.9, 3, 0.7}};
+    check({sprites, blended}, [](OwnDrawing& d) {
+        d.view().filter.clip = ClipBox{{-0.6, -2, -0.8}, {0.9, 3, 0.7}};
         Region wedge;
         wedge.planes[0] = {0.6, 0, 0.8, -0.2};
         wedge.planes[1] = {0, -1, 0, 0.1};
@@ -380,22 +379,22 @@ TEST_P(GlLayerDrawing, ClassesClipBoxAndDroppedRegions) {
         slab.planes[0] = {1, 0, 0, 0.4};
         slab.planes[1] = {-1, 0, 0, -0.2};
         slab.count = 2;
-        d.filter.dropped = {wedge, slab};
+        d.view().filter.dropped = {wedge, slab};
     });
 }
 
 TEST_P(GlLayerDrawing, RunsDrawnInPart) {
     const Cut faded = withShares(sharedScene().cut());
     check(
-        {sprites, cells}, [](Drawing&) {}, &faded);
+        {sprites, cells}, [](OwnDrawing&) {}, &faded);
 }
 
 TEST_P(GlLayerDrawing, WindowsNearAndFarAndBackgrounds) {
     Viewpoint near = from_;
     near.near = 3.1;
     near.far = 4.6;
-    check({sprites, blended, cells}, [&](Drawing& d) {
-        d.viewpoint = &near;
+    check({sprites, blended, cells}, [&](OwnDrawing& d) {
+        d.view().viewpoint = near;
         d.window = {37, 21, 90, 83};
         d.background.kind = Background::Kind::Gradient;
         d.background.bottom = {200, 100, 50};
@@ -430,11 +429,11 @@ TEST_P(GlLayerDrawing, BandByBand) {
     GlLimitsOfTest limits;
     limits.storageBlockBytes = 500'000;
     check(
-        {blended, cells}, [](Drawing&) {}, nullptr, limits);
+        {blended, cells}, [](OwnDrawing&) {}, nullptr, limits);
     // So few texels as no driver has.
     limits.texels = 5000;
     check(
-        {sprites, cells}, [](Drawing&) {}, nullptr, limits);
+        {sprites, cells}, [](OwnDrawing&) {}, nullptr, limits);
 }
 
 /// Room for a quarter of the samples, in small pages: batches, and runs dealt out to several places.
@@ -442,7 +441,7 @@ TEST_P(GlLayerDrawing, BatchByBatch) {
     GlLimitsOfTest limits;
     limits.samples = {40'000, 16'384};
     check(
-        {sprites, blended, cells}, [](Drawing&) {}, nullptr, limits);
+        {sprites, blended, cells}, [](OwnDrawing&) {}, nullptr, limits);
 }
 
 /// Work groups of as many threads as a GPU likes.
@@ -450,7 +449,7 @@ TEST_P(GlLayerDrawing, GroupsOfAGpu) {
     GlLimitsOfTest limits;
     limits.software = false;
     check(
-        {sprites, {"sphere", {{"sizePx", 23.0}}, ""}, blended, cells}, [](Drawing&) {}, nullptr, limits);
+        {sprites, {"sphere", {{"sizePx", 23.0}}, ""}, blended, cells}, [](OwnDrawing&) {}, nullptr, limits);
 }
 
 /// 500 points in one run, each as large as the picture: Mesa's rasteriser ends a thread's loops after 65,535
@@ -464,7 +463,7 @@ TEST_P(GlLayerDrawing, NoThreadLoopsLongerThanTheDriverLetsIt) {
     }
     const AnalyticCloud cloud(points, 0.06, 1000);
     check(
-        {{"paraboloid", {{"sizePx", 256.0}}, ""}}, [](Drawing&) {}, &cloud.cut());
+        {{"paraboloid", {{"sizePx", 256.0}}, ""}}, [](OwnDrawing&) {}, &cloud.cut());
 }
 
 /// 30,000 points in a few pixels, with normals of both signs: sums of more than 32 bits.
@@ -480,7 +479,7 @@ TEST_P(GlLayerDrawing, SumsBeyond32Bits) {
     }
     const AnalyticCloud cloud(points, 0.3, 7000);
     check(
-        {blended, {"ewa", {}, ""}}, [](Drawing& d) { d.oriented = true; }, &cloud.cut());
+        {blended, {"ewa", {}, ""}}, [](OwnDrawing& d) { d.oriented = true; }, &cloud.cut());
 }
 
 /// A mirror's layer lies inside the picture's planes: not a word around its area changes.

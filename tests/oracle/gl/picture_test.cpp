@@ -16,8 +16,8 @@ constexpr Rgb8 black{0, 0, 0};
 
 class GlPicture : public testing::TestWithParam<std::string> {
   protected:
-    static Drawing onBlack(const Viewpoint& from, const Cut& cut, std::span<const Pass> passes) {
-        Drawing d = drawingOf(from, cut, passes);
+    static OwnDrawing onBlack(const Viewpoint& from, const Cut& cut, std::span<const Pass> passes) {
+        OwnDrawing d(from, cut, passes);
         d.background = {Background::Kind::Color, black, black};
         return d;
     }
@@ -145,7 +145,7 @@ TEST_P(GlPicture, EverySpriteIsTheReferences) {
     for (const Viewpoint& from : views) {
         for (const Profile profile : {Profile::Flat, Profile::Paraboloid, Profile::Cone, Profile::Sphere}) {
             const PassList sprites{NearestPass{{Footprint::Circle, profile, {}, 2}}, ResolvePass{}};
-            const Drawing drawing = onBlack(from, cloud.cut(), sprites);
+            const OwnDrawing drawing = onBlack(from, cloud.cut(), sprites);
             const auto frame = gl->draw(drawing, {});
             ASSERT_TRUE(frame) << frame.error().message;
             const ReferencePicture expected = referenceNearest(drawing);
@@ -205,7 +205,7 @@ TEST_P(GlPicture, WhatItCannotDrawIsSaid) {
     REQUIRE_DEVICE(gl, GetParam());
     const Cut nothing;
     const Viewpoint from = lookAt({0, 0, 0}, {0, 1, 0}, 16384, 16384);
-    Drawing huge = onBlack(from, nothing, onePixelPoints);
+    OwnDrawing huge = onBlack(from, nothing, onePixelPoints);
     const auto tooLarge = gl->draw(huge, {});
     ASSERT_FALSE(tooLarge);
     EXPECT_EQ(tooLarge.error().code, ErrorCode::ResourceLimit);

@@ -46,8 +46,8 @@ struct Setting {
     Viewpoint view;
 };
 
-/// `few`: one of each projection, for devices that are slow and are held against the cpu device, mirrors and all,
-/// byte by byte elsewhere (tests/oracle/gl/render_agreement_test.cpp).
+/// `few`: one of each projection, for devices that are slow and are held against the cpu device, mirrors and
+/// all, byte by byte elsewhere (tests/oracle/gl/render_agreement_test.cpp).
 inline std::vector<Setting> settings(const MirroredRoom& room, bool few = false) {
     const auto at = [&](double x, double y, double z) { return room.at({x, y, z}); };
     std::vector<Setting> all{
@@ -63,12 +63,13 @@ inline std::vector<Setting> settings(const MirroredRoom& room, bool few = false)
 /// What draw() of renderer/render.cpp does, for a cut known exactly.
 struct MethodScene {
     PassList passes;
-    Drawing drawing;
-    MethodScene(const MirroredRoom& room, const Method& method, const Viewpoint& view, const Cut& cut) {
+    OwnDrawing drawing;
+    MethodScene(const MirroredRoom& room, const Method& method, const Viewpoint& view, const Cut& cut)
+        : drawing(view, cut, {}) {
         const auto values = resolveParameters(method, {}).value();
         const CloudTraits traits{true, true, true, true, room.spacing};
         passes = method.passes({method, values, method.defaultShading, traits, method.defaultDetail});
-        drawing = drawingOf(view, cut, passes);
+        drawing.passes = passes;
         drawing.surfels = drawing.oriented = true;
         drawing.background.kind = Background::Kind::Color;
         drawing.background.top = {0, 0, 0};  // glass tints it, points behind do not
@@ -84,10 +85,9 @@ inline Cloud cloudOf(const MirroredRoom& room) {
     return cloud;
 }
 
-inline std::vector<Reflection> reflectionsFor(const MirroredRoom& room, const Viewpoint& view,
-                                              const Cut& cut) {
+inline std::vector<CutView> reflectionsFor(const MirroredRoom& room, const Viewpoint& view, const Cut& cut) {
     auto reflections = reflectionsIn(cloudOf(room), view, {}, screenMargin);
-    for (Reflection& r : reflections) r.cut = cut;
+    for (CutView& r : reflections) r.cut = cut;
     return reflections;
 }
 

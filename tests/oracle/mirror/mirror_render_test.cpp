@@ -134,7 +134,8 @@ class WholeToo : public Device {
     Expected<Frame> draw(const Drawing& drawing, std::stop_token stop) override {
         if (tiles++ == 0) {
             Drawing all = drawing;
-            all.window = {0, 0, drawing.viewpoint->width, drawing.viewpoint->height};
+            const Viewpoint& view = drawing.mainView().viewpoint;
+            all.window = {0, 0, view.width, view.height};
             whole = mustDraw(device_, all);
         }
         return device_.draw(drawing, stop);

@@ -28,7 +28,7 @@ class MirrorRules : public OnDevice {
     Frame drawWith(const Method& method, const Viewpoint& view) const {
         MethodScene scene(room_, method, view, cloud_.cut());
         const auto reflections = reflectionsFor(room_, view, cloud_.cut());
-        scene.drawing.reflections = reflections;
+        scene.drawing.add(reflections);
         return mustDraw(*device_, scene.drawing);
     }
 };
@@ -112,7 +112,7 @@ TEST_P(MirrorRules, PointsRecordedBehindItAreDropped) {
     const AnalyticCloud withGhosts(all, room_.spacing), without(kept, room_.spacing);
     const Viewpoint outdoors = lookAt({1, 6, 4}, {0, 2, 1}, 320, 240);
     MethodScene dropped(room_, method, outdoors, withGhosts.cut());
-    dropped.drawing.filter.dropped = behindMirrors(cloudOf(room_));
+    dropped.drawing.view().filter.dropped = behindMirrors(cloudOf(room_));
     const MethodScene built(room_, method, outdoors, without.cut());
     const MethodScene raw(room_, method, outdoors, withGhosts.cut());
     const Frame truth = mustDraw(*device_, built.drawing);
@@ -126,7 +126,7 @@ TEST_P(MirrorRules, TilesContinueEachOther) {
         if (method.name == "pyramid") continue;  // its tiles agree as its pictures without mirrors do
         MethodScene scene(room_, method, setting.view, cloud_.cut());
         const auto reflections = reflectionsFor(room_, setting.view, cloud_.cut());
-        scene.drawing.reflections = reflections;
+        scene.drawing.add(reflections);
         const Frame whole = mustDraw(*device_, scene.drawing);
         const Window parts[] = {{0, 0, 231, 480}, {231, 0, 249, 200}, {231, 200, 249, 280}};
         for (const Window& part : parts) {
@@ -152,7 +152,7 @@ TEST(Mirrors, AreTheSameBytesOnAnyThreadsAndSimdLevel) {
     for (const Method& method : methods()) {
         MethodScene scene(room, method, view, cloud.cut());
         const auto reflections = reflectionsFor(room, view, cloud.cut());
-        scene.drawing.reflections = reflections;
+        scene.drawing.add(reflections);
         scene.drawing.jitter = twoFrames;
         const Frame expected = mustDraw(*device, scene.drawing);
         for (const char* level : {"v2", "v3", "v4"}) {
@@ -175,7 +175,7 @@ TEST_P(MirrorRules, AnEmptyRoomIsReflectedAsBackground) {
     const Viewpoint view = settings(room_)[0].view;
     MethodScene scene(room_, method, view, empty.cut());
     const auto reflections = reflectionsFor(room_, view, empty.cut());
-    scene.drawing.reflections = reflections;
+    scene.drawing.add(reflections);
     scene.drawing.background.top = {100, 200, 51};
     const GlassPixels glass = glassOf(room_.mirror, view);
     const PixelMask inside = eroded(glass.mask, view.width, view.height, 1);

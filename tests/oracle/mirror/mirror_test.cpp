@@ -44,7 +44,7 @@ void compareWithGeometry(const MirroredRoom& room, Device& device, bool few, boo
             MethodScene mirrored(room, method, setting.view, once.cut());
             const auto reflections = reflectionsFor(room, setting.view, once.cut());
             ASSERT_EQ(reflections.size(), 1u);
-            mirrored.drawing.reflections = reflections;
+            mirrored.drawing.add(reflections);
             const Frame picture = mustDraw(device, mirrored.drawing);
             const MethodScene built(room, method, setting.view, twice);
             Frame truth = mustDraw(device, built.drawing);

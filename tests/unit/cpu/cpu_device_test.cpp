@@ -150,13 +150,13 @@ TEST_F(CpuDeviceTest, FiltersDropSamplesOneByOne) {
         return seen;
     };
     EXPECT_EQ(drawn(), (std::array{true, true, true}));
-    scene.drawing.filter.classes.emplace().fill(false);
-    (*scene.drawing.filter.classes)[1] = true;
+    scene.drawing.view().filter.classes.emplace().fill(false);
+    (*scene.drawing.view().filter.classes)[1] = true;
     EXPECT_EQ(drawn(), (std::array{false, true, false}));
-    scene.drawing.filter.classes.reset();
-    scene.drawing.filter.clip = ClipBox{{-1, -1, -1}, {9, 1, 1}};
+    scene.drawing.view().filter.classes.reset();
+    scene.drawing.view().filter.clip = ClipBox{{-1, -1, -1}, {9, 1, 1}};
     EXPECT_EQ(drawn(), (std::array{false, true, true}));
-    scene.drawing.filter.clip = ClipBox{{5, 5, 5}, {9, 9, 9}};
+    scene.drawing.view().filter.clip = ClipBox{{5, 5, 5}, {9, 9, 9}};
     EXPECT_EQ(drawn(), (std::array{false, false, false}));
 }
 

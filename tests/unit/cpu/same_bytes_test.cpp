@@ -45,14 +45,14 @@ Frame drawEverything(Device& device, const AnalyticCloud& cloud, const NearestPa
     const Viewpoint view = lookAt({0.4, -1.9, 0.6}, {0, 0, 0}, 233, 171);
     Scene scene(view, cloud.cut(), pass);
     scene.addEyeDome();
-    Drawing& d = scene.drawing;
+    OwnDrawing& d = scene.drawing;
     d.color.source = ColorSource::Intensity;
     d.color.high = 65535;
     for (std::size_t i = 0; i < 256; ++i)
         d.color.ramp[i] = {std::uint8_t(i), std::uint8_t(i * 7), std::uint8_t(255 - i)};
-    d.filter.classes.emplace().fill(true);
-    (*d.filter.classes)[3] = false;
-    d.filter.clip = ClipBox{{-2, -2, -0.8}, {2, 2, 0.9}};
+    d.view().filter.classes.emplace().fill(true);
+    (*d.view().filter.classes)[3] = false;
+    d.view().filter.clip = ClipBox{{-2, -2, -0.8}, {2, 2, 0.9}};
     d.background = Background{};
     const glm::dvec2 jitter[] = {{0.25, -0.1}, {-0.25, 0.4}};
     d.jitter = jitter;

@@ -30,19 +30,20 @@ PixelPlanes randomGlass(const glm::ivec4& area, std::uint64_t seed, bool normals
 }
 
 /// A tilted mirror about 5 units in front of the eye.
-Reflection tiltedMirror(bool perspective) {
-    Reflection m;
-    m.viewpoint.width = 180;
-    m.viewpoint.height = 130;
-    m.viewpoint.projection = perspective ? Projection::Perspective : Projection::Orthographic;
-    m.viewpoint.pixelsPerUnit = perspective ? 150 : 28;
+CutView tiltedMirror(bool perspective) {
+    CutView view;
+    MirrorGlass& m = view.glass.emplace();
+    view.viewpoint.width = 180;
+    view.viewpoint.height = 130;
+    view.viewpoint.projection = perspective ? Projection::Perspective : Projection::Orthographic;
+    view.viewpoint.pixelsPerUnit = perspective ? 150 : 28;
     m.center = {0.3, -0.2, -5};
     m.normal = glm::normalize(glm::dvec3(0.5, 0.2, 1));
     m.right = 1.4 * glm::normalize(glm::cross(glm::dvec3(0, 1, 0), m.normal));
     m.up = 0.9 * glm::normalize(glm::cross(m.normal, m.right));
     m.tint = {250, 128, 3};
     m.margin = 0.3;
-    return m;
+    return view;
 }
 
 cpu::Glass onCpu(const GlassNumbers& numbers, const glm::ivec4& area, PixelPlanes& picture) {
@@ -74,11 +75,11 @@ TEST_P(GlGlass, IsTheCpus) {
     PlaneBuffers pictures(shaders().functions()), reflections(shaders().functions());
     for (const bool perspective : {true, false}) {
         for (const bool normals : {true, false}) {
-            const Reflection mirror = tiltedMirror(perspective);
+            const CutView mirror = tiltedMirror(perspective);
             Sight sight;
             sight.viewpoint = &mirror.viewpoint;
             sight.pad = 7;
-            const GlassNumbers glass = glassNumbers(mirror, sight, {0.25, -0.125});
+            const GlassNumbers glass = glassNumbers(*mirror.glass, sight, {0.25, -0.125});
             PixelPlanes here = randomGlass({4, 6, 171, 123}, 1, normals);
             const PixelPlanes before = here;
             PixelPlanes seen = randomGlass({40, 29, 101, 77}, 2, normals), there = here;

@@ -25,9 +25,9 @@ class NotingDevice : public Device {
         jitter.assign(drawing.jitter.begin(), drawing.jitter.end());
         passes.assign(drawing.passes.begin(), drawing.passes.end());
         color = drawing.color;
-        cutSamples = drawing.cut->samples;
-        reflections = drawing.reflections.size();
-        regionsDropped = drawing.filter.dropped.size();
+        cutSamples = drawing.mainView().cut.samples;
+        reflections = drawing.reflections().size();
+        regionsDropped = drawing.mainView().filter.dropped.size();
         const Window& w = drawing.window;
         Frame frame{w.width, w.height, {}, {}, {}};
         for (int y = w.y; y < w.y + w.height; ++y) {

@@ -58,11 +58,11 @@ class SlowDevice final : public Device {
 };
 
 Expected<std::unique_ptr<PendingFrame>> begin(SlowDevice& device, int width, int height) {
-    Viewpoint viewpoint;
-    viewpoint.width = width;
-    viewpoint.height = height;
+    CutView view;
+    view.viewpoint.width = width;
+    view.viewpoint.height = height;
     Drawing drawing;
-    drawing.viewpoint = &viewpoint;
+    drawing.cuts = {&view, 1};
     drawing.depth = false;
     return beginPicture(device, drawing, {.side = 10, .margin = 3, .exact = false}, {});
 }

@@ -146,6 +146,30 @@ TEST(DevicePainter, OnlyPicturesOfDepthAskForIt) {
     EXPECT_EQ(asked, (std::vector<bool>{false, false, true}));
 }
 
+/// A plan that the order brings is the one that is drawn; one of another quality lends what it knows; and
+/// what the painter had to find out comes back for the next turn.
+TEST(DevicePainter, PlansAnOrderOnce) {
+    const auto cloud = test::tinyCloud();
+    const auto painter = cpuPainter()();
+    ASSERT_TRUE(painter) << painter.error().message;
+    PictureOrder order;
+    order.cloud = cloud;
+    order.view = defaultView(*cloud, 40, 24);
+    order.view.style.method = "auto";
+    const auto found = painter->prepare(order, true, {});
+    ASSERT_TRUE(found) << found.error().message;
+    ASSERT_TRUE(found->planned);
+    EXPECT_EQ(found->view->planned, found->planned);
+
+    order.planned = found->planned;
+    EXPECT_EQ(painter->prepare(order, true, {})->planned, found->planned);
+    order.view.quality.samples = 1;
+    const auto other = painter->prepare(order, true, {})->planned;
+    EXPECT_NE(other, found->planned);
+    EXPECT_EQ(other->view, order.view);
+    EXPECT_EQ(other->method, found->planned->method);
+}
+
 TEST(DevicePainter, WhatCannotBeOpenedIsAnErrorAndNotReplaced) {
     Metrics metrics("test");
     Scheduler scheduler(devicePainter({.backend = "vulkan"}), {}, metrics);

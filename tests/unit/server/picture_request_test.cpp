@@ -56,9 +56,9 @@ TEST(PictureRequest, QueryAndJsonMeanTheSame) {
         *cloud, parseJson(R"({"width":300,"height":200,"camera":{"eye":[1,2,3]},"method":"cone"})").value(),
         maxPixels);
     ASSERT_TRUE(byWords && byJson);
-    EXPECT_EQ(toJson(*byWords), toJson(*byJson));
-    EXPECT_EQ(toJson(*viewOfQuery(*cloud, "", maxPixels)),
-              toJson(*viewOfJson(*cloud, nlohmann::json::object(), maxPixels)));
+    EXPECT_EQ(toJson((*byWords)->view), toJson((*byJson)->view));
+    EXPECT_EQ(toJson((*viewOfQuery(*cloud, "", maxPixels))->view),
+              toJson((*viewOfJson(*cloud, nlohmann::json::object(), maxPixels))->view));
 }
 
 TEST(PictureRequest, WrongViewsAreRefusedByName) {

@@ -36,7 +36,8 @@ class RecordingPort final : public StreamPort {
         orders.push_back({number, std::move(order)});
         return true;
     }
-    void pick(std::uint64_t seq, std::shared_ptr<const Cloud>, View, double x, double y) override {
+    void pick(std::uint64_t seq, std::shared_ptr<const Cloud>, std::shared_ptr<const PlannedView>, double x,
+              double y) override {
         picks.emplace_back(seq, x, y);
     }
     void abandon() override { ++abandoned; }
@@ -65,9 +66,10 @@ class TwoClouds final : public StreamWorld {
         return tl::unexpected(problemOf(404, "no such cloud"));
     }
     bool loading(std::string_view) const override { return isLoading; }
-    Expected<void> check(const Cloud&, const View& view) const override {
+    Expected<std::shared_ptr<const PlannedView>> plan(const Cloud&, const View& view,
+                                                      const PlannedView*) const override {
         if (view.style.method == "nonsense") return fail(ErrorCode::NotFound, "no such method", "method");
-        return {};
+        return nullptr;
     }
     double ownDetail(const View&) const override { return 1; }
     std::vector<std::string> methodNames() const override { return {"paraboloid"}; }

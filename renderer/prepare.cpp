@@ -1,0 +1,116 @@
+#include "renderer/prepare.hpp"
+
+#include <algorithm>
+
+#include "renderer/clock.hpp"
+#include "renderer/mirrors.hpp"
+#include "renderer/residency/provide.hpp"
+
+namespace scancast {
+namespace {
+
+Expected<void> checkBruteForce(const Cloud& cloud) {
+    const auto most = mostSamples(cloud);
+    if (!most || cloud.points <= *most) return {};
+    return fail(ErrorCode::ResourceLimit, "every point of this cloud does not fit the memory limit: it has " +
+                                              std::to_string(cloud.points) + ", and " +
+                                              std::to_string(*most) +
+                                              " fit; raise the limit, or draw without --brute-force");
+}
+
+SelectOptions selectionWith(const RenderOptions& options, SelectOptions selection) {
+    selection.bruteForce = options.bruteForce;
+    if (!options.wait && options.mostSamples)
+        selection.budget = std::min(selection.budget.value_or(*options.mostSamples), *options.mostSamples);
+    return selection;
+}
+
+/// Chooses the runs of all cuts; returns how the main view's were chosen.
+SelectOptions selectCuts(const Octree& octree, SelectOptions selection, std::vector<CutView>& cuts) {
+    const auto budget = selection.budget;
+    std::vector<std::uint64_t> shares;
+    if (budget) shares = shareBudget(*budget, cuts);
+    std::uint64_t used = 0;
+    // The coarsest cut of a reflection may exceed its share: then the main view, chosen last, gets less.
+    for (std::size_t i = cuts.size(); i-- > 0;) {
+        CutView& view = cuts[i];
+        if (budget) selection.budget = i > 0 ? shares[i] : *budget - std::min(used, *budget - 1);
+        view.cut = select(octree, view.viewpoint, selectionOf(view, selection));
+        used += view.cut.samples;
+    }
+    return selection;
+}
+
+/// The runs that a picture from `camera` would draw; none where no such picture can be made.
+Cut cutAhead(const Cloud& cloud, View view, const Camera& camera, const SelectOptions& selection) {
+    view.camera = camera;
+    const auto viewpoint = Viewpoint::create(view, cloud.origin, cloud.bounds);
+    return viewpoint ? select(cloud.octree, *viewpoint, selection) : Cut();
+}
+
+std::vector<CutRun> runsOf(std::span<const CutView> cuts) {
+    std::vector<CutRun> runs;
+    for (const CutView& view : cuts) runs.insert(runs.end(), view.cut.runs.begin(), view.cut.runs.end());
+    return runs;
+}
+
+/// The samples of all cuts; what is missing is requested once for all, by the main view.
+Expected<void> provideCuts(const Octree& octree, ProvideOptions options, std::vector<CutView>& cuts,
+                           const std::stop_token& stop) {
+    const std::vector<CutRun> beside = runsOf(std::span(cuts).subspan(1));
+    options.beside = beside;
+    for (CutView& view : cuts) {
+        auto cut = provide(octree, std::move(view.cut), options, stop);
+        if (!cut) return tl::unexpected(cut.error());
+        view.cut = std::move(*cut);
+        options.request = false;
+    }
+    return {};
+}
+
+}  // namespace
+
+std::vector<CutView> cutsOf(const Cloud& cloud, const PlannedView& planned) {
+    std::vector<CutView> cuts;
+    if (planned.view.style.mirrors)
+        cuts = reflectionsIn(cloud, planned.viewpoint, planned.filter, planned.margin);
+    cuts.insert(cuts.begin(), CutView{planned.viewpoint, {}, planned.filter});
+    return cuts;
+}
+
+Expected<std::shared_ptr<const PreparedView>> prepare(const Cloud& cloud,
+                                                      std::shared_ptr<const PlannedView> planned,
+                                                      const RenderOptions& options, std::stop_token stop) {
+    if (options.bruteForce) {
+        if (auto fits = checkBruteForce(cloud); !fits) return tl::unexpected(fits.error());
+    }
+    auto prepared = std::make_shared<PreparedView>();
+    prepared->planned = std::move(planned);
+    prepared->cloud = &cloud;
+    prepared->depth = options.depth;
+    prepared->tileSide = std::max(options.tileSide, 1);
+
+    const PlannedView& plan = *prepared->planned;
+    auto start = Clock::now();
+    prepared->cuts = cutsOf(cloud, plan);
+    const SelectOptions selection =
+        selectCuts(cloud.octree, selectionWith(options, plan.selection), prepared->cuts);
+    Cut soon;
+    if (options.ahead && !options.wait && mostSamples(cloud))
+        soon = cutAhead(cloud, plan.view, *options.ahead, selection);
+    prepared->selectMs = millisecondsSince(start);
+    start = Clock::now();
+    const ProvideOptions provision{.wait = options.wait, .requester = options.requester, .ahead = soon.runs};
+    if (auto provided = provideCuts(cloud.octree, provision, prepared->cuts, stop); !provided)
+        return tl::unexpected(provided.error());
+    prepared->provideMs = millisecondsSince(start);
+    return prepared;
+}
+
+std::uint64_t samplesMissing(const PreparedView& prepared) {
+    std::uint64_t missing = 0;
+    for (const CutView& view : prepared.cuts) missing += view.cut.samplesMissing;
+    return missing;
+}
+
+}  // namespace scancast

@@ -2,8 +2,8 @@
 
 #include <algorithm>
 
-#include "renderer/clock.hpp"
 #include "renderer/device/plan/picture_area.hpp"
+#include "renderer/image/clock.hpp"
 #include "renderer/jitter.hpp"
 #include "renderer/residency/on_device.hpp"
 #include "renderer/tiled_picture.hpp"

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "renderer/clock.hpp"
+#include "renderer/image/clock.hpp"
 #include "renderer/mirrors.hpp"
 #include "renderer/residency/provide.hpp"
 

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "renderer/device/plan/picture_area.hpp"
+#include "renderer/device/host/drawing.hpp"
 #include "renderer/image/clock.hpp"
 #include "renderer/jitter.hpp"
 #include "renderer/residency/on_device.hpp"

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "renderer/cloud/surfel_codec.hpp"
+#include "renderer/device/host/drawing.hpp"
 #include "renderer/method/automatic.hpp"
 #include "renderer/method/method.hpp"
 #include "renderer/select/fade.hpp"
@@ -11,9 +12,8 @@
 namespace scancast {
 namespace {
 
-/// Pixels around a tile that hidden point removal and pull-push look at, and around the whole picture (the
-/// device's guard band).
-constexpr int hiddenPointsMargin = 128, hiddenPointsBand = 32;
+/// Pixels around a tile that hidden point removal and pull-push look at.
+constexpr int hiddenPointsMargin = 128;
 
 /// Bounds must grow by half of the largest splat, or culling would cut splats off at the picture's edge.
 /// `factor`: how much larger than `splat` says, and than a node's spacing, they may be.
@@ -35,7 +35,7 @@ void growBySplats(const PassList& passes, bool surfels, SelectOptions& selection
         if (const auto* sum = std::get_if<SumPass>(&pass); sum && sum->footprint == Footprint::Disc)
             growBySplat(*sum, largest * sum->reach, selection);
         if (std::holds_alternative<HiddenPointsPass>(pass))
-            selection.growPx = std::max(selection.growPx, double(hiddenPointsBand + 1));
+            selection.growPx = std::max(selection.growPx, double(pyramidGuardBand + 1));
     }
 }
 

@@ -10,14 +10,9 @@
 
 #include "renderer/cloud/sample.hpp"
 #include "renderer/cloud/surfel.hpp"
+#include "renderer/cloud/surfel_bytes.hpp"
 
 namespace scancast {
-
-inline constexpr std::uint8_t noRadius = 0;         ///< not known: the node's spacing stands in
-inline constexpr std::uint8_t outlierRadius = 255;  ///< an outlier: not drawn by surfel methods
-/// The k-th neighbour's distance over the neighbours' average distance: how `major` follows from `radius`.
-/// The median of real scans (docs/decisions/005-surfel-in-four-bytes.md).
-inline constexpr float majorPerRadius = 1.36f;
 
 /// World radius by logRadius, in the node's radiusUnit; 0 for noRadius and outlierRadius.
 const std::array<float, 256>& surfelRadii();

@@ -31,39 +31,40 @@ double leastEffort(double ownDetail, const MovingLimits& limits) {
     return side * side;
 }
 
-double costOf(const MovingPlan& plan, double ownDetail) {
+double costOf(const MovingQuality& quality, double ownDetail) {
     const double own = std::max(ownDetail, finestDetail);
-    const double side = own / std::max(plan.detail, own) * plan.resolution;
+    const double side = own / std::max(quality.detail, own) * quality.resolution;
     return side * side;
 }
 
-double nextEffort(const MovingPlan& plan, double milliseconds, double ownDetail, const MovingLimits& limits) {
+double nextEffort(const MovingQuality& quality, double milliseconds, double ownDetail,
+                  const MovingLimits& limits) {
     const double allowedMs = usableShare * 1000 / limits.fps;
-    const double ideal = costOf(plan, ownDetail) * allowedMs / std::max(milliseconds, 1e-3);
-    return std::clamp(std::min(ideal, plan.effort * 1.25), leastEffort(ownDetail, limits), 1.0);
+    const double ideal = costOf(quality, ownDetail) * allowedMs / std::max(milliseconds, 1e-3);
+    return std::clamp(std::min(ideal, quality.effort * 1.25), leastEffort(ownDetail, limits), 1.0);
 }
 
-MovingPlan planMoving(double effort, double ownDetail, const MovingLimits& limits, double before) {
-    MovingPlan plan;
-    plan.effort = effort;
-    plan.detail = ownDetail;
-    if (effort >= 1) return plan;
+MovingQuality movingQuality(double effort, double ownDetail, const MovingLimits& limits, double before) {
+    MovingQuality quality;
+    quality.effort = effort;
+    quality.detail = ownDetail;
+    if (effort >= 1) return quality;
     const double own = std::max(ownDetail, finestDetail);
-    plan.detail = std::min(own / std::sqrt(effort), coarsestDetail(ownDetail, limits));
-    const double left = std::sqrt(effort) * plan.detail / own;
-    plan.resolution = steadyResolution(left, before, limits.minResolution);
-    return plan;
+    quality.detail = std::min(own / std::sqrt(effort), coarsestDetail(ownDetail, limits));
+    const double left = std::sqrt(effort) * quality.detail / own;
+    quality.resolution = steadyResolution(left, before, limits.minResolution);
+    return quality;
 }
 
-View movingView(const View& wanted, const MovingPlan& plan) {
+View movingView(const View& wanted, const MovingQuality& quality) {
     View view = wanted;
     view.quality.samples = 1;
-    view.quality.detail = plan.detail;
-    view.quality.jpegQuality = plan.jpegQuality;
-    view.quality.subsampling = plan.subsampling;
+    view.quality.detail = quality.detail;
+    view.quality.jpegQuality = quality.jpegQuality;
+    view.quality.subsampling = quality.subsampling;
     // Rounded up: never below the limit that the client set.
-    view.width = std::clamp(int(std::ceil(wanted.width * plan.resolution)), 1, wanted.width);
-    view.height = std::clamp(int(std::ceil(wanted.height * plan.resolution)), 1, wanted.height);
+    view.width = std::clamp(int(std::ceil(wanted.width * quality.resolution)), 1, wanted.width);
+    view.height = std::clamp(int(std::ceil(wanted.height * quality.resolution)), 1, wanted.height);
     return view;
 }
 

@@ -17,7 +17,7 @@ struct MovingLimits {
 };
 
 /// What a moving frame is to be.
-struct MovingPlan {
+struct MovingQuality {
     double effort = 1;      ///< it was made for
     double detail = 1;      ///< τ, px
     double resolution = 1;  ///< of width and height
@@ -33,20 +33,21 @@ inline constexpr double usableShare = 0.5;
 /// The smallest effort that changes anything: everything at its limit.
 double leastEffort(double ownDetail, const MovingLimits& limits);
 
-/// What the plan costs to draw, as a share of the full picture without anti-aliasing: about 1/τ² and about
+/// What the quality costs to draw, as a share of the full picture without anti-aliasing: about 1/τ² and about
 /// the number of pixels. `ownDetail` is the τ of the full picture.
-double costOf(const MovingPlan& plan, double ownDetail);
+double costOf(const MovingQuality& quality, double ownDetail);
 
-/// The effort for the next frame, after one of that plan took `milliseconds`. Falls at once to what the
+/// The effort for the next frame, after one of that quality took `milliseconds`. Falls at once to what the
 /// wanted rate allows and rises by a quarter at most, so that one quick frame does not make the picture pump.
 /// In [leastEffort, 1].
-double nextEffort(const MovingPlan& plan, double milliseconds, double ownDetail, const MovingLimits& limits);
+double nextEffort(const MovingQuality& quality, double milliseconds, double ownDetail,
+                  const MovingLimits& limits);
 
 /// Detail and resolution for an effort; 1 is the full picture without anti-aliasing. Keeps to the resolution
 /// `before` while that is near enough.
-MovingPlan planMoving(double effort, double ownDetail, const MovingLimits& limits, double before = 0);
+MovingQuality movingQuality(double effort, double ownDetail, const MovingLimits& limits, double before = 0);
 
-/// The view as it is drawn while moving: one sample a pixel, as the plan says.
-View movingView(const View& wanted, const MovingPlan& plan);
+/// The view as it is drawn while moving: one sample a pixel, as the quality says.
+View movingView(const View& wanted, const MovingQuality& quality);
 
 }  // namespace scancast

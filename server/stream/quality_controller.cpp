@@ -52,20 +52,20 @@ double QualityController::frameSeconds(const MovingLimits& limits) const {
     return std::max(1 / limits.fps, link_.latency() * shareOfLatency);
 }
 
-MovingPlan QualityController::plan(const View& wanted, double ownDetail, const MovingLimits& limits) {
-    MovingPlan plan = planMoving(effort_, ownDetail, limits, resolution_);
-    resolution_ = plan.resolution;
-    plan.jpegQuality = wanted.quality.jpegQuality;
-    plan.subsampling = wanted.quality.subsampling;
+MovingQuality QualityController::choose(const View& wanted, double ownDetail, const MovingLimits& limits) {
+    MovingQuality quality = movingQuality(effort_, ownDetail, limits, resolution_);
+    resolution_ = quality.resolution;
+    quality.jpegQuality = wanted.quality.jpegQuality;
+    quality.subsampling = wanted.quality.subsampling;
     if (link_.bandwidth() && bytesPerPixel_)
-        fitBytes(plan, wanted, limits, *link_.bandwidth() * shareOfLink * frameSeconds(limits));
-    sentResolution_ = plan.resolution;
+        fitBytes(quality, wanted, limits, *link_.bandwidth() * shareOfLink * frameSeconds(limits));
+    sentResolution_ = quality.resolution;
     news_ = 0;
-    return plan;
+    return quality;
 }
 
 // A size is given up when its pixels get poor, and another taken when they can be good there: at once where
-// there is no doubt, else only when most of several plans agree, because a picture that changes its size
+// there is no doubt, else only when most of several qualities agree, because a picture that changes its size
 // again and again is worse than one that is too small.
 template <class QualityAt>
 double QualityController::steadySide(double most, double least, double floor, double own,
@@ -87,7 +87,7 @@ double QualityController::steadySide(double most, double least, double floor, do
     return side;
 }
 
-void QualityController::fitBytes(MovingPlan& plan, const View& wanted, const MovingLimits& limits,
+void QualityController::fitBytes(MovingQuality& quality, const View& wanted, const MovingLimits& limits,
                                  double budget) {
     const double pixels = double(wanted.width) * double(wanted.height);
     const double own = wanted.quality.jpegQuality;
@@ -95,25 +95,25 @@ void QualityController::fitBytes(MovingPlan& plan, const View& wanted, const Mov
         const double bytes = *bytesPerPixel_ * pixels * resolution * resolution * weightOf(chroma);
         return qualityOf(budget / bytes);
     };
-    const double atFull = qualityAt(plan.resolution, wanted.quality.subsampling);
+    const double atFull = qualityAt(quality.resolution, wanted.quality.subsampling);
     coarseChroma_ = atFull < (coarseChroma_ ? own : own - chromaCosts);
-    if (coarseChroma_) plan.subsampling = Subsampling::S420;
+    if (coarseChroma_) quality.subsampling = Subsampling::S420;
     const double floor = std::min(double(limits.minJpegQuality), own);
-    const double side = steadySide(plan.resolution, limits.minResolution, floor, own, [&](double resolution) {
-        return qualityAt(resolution, plan.subsampling);
-    });
-    plan.resolution = side;
-    const double affordable = std::clamp(qualityAt(side, plan.subsampling), floor, own);
+    const double side =
+        steadySide(quality.resolution, limits.minResolution, floor, own,
+                   [&](double resolution) { return qualityAt(resolution, quality.subsampling); });
+    quality.resolution = side;
+    const double affordable = std::clamp(qualityAt(side, quality.subsampling), floor, own);
     jpegQuality_ = std::min(affordable, jpegQuality_.value_or(own) + steepestRise * news_);
-    plan.jpegQuality = int(std::lround(std::clamp(*jpegQuality_, floor, own)));
+    quality.jpegQuality = int(std::lround(std::clamp(*jpegQuality_, floor, own)));
 }
 
-void QualityController::drawn(const MovingPlan& plan, const FrameCost& cost, double ownDetail,
+void QualityController::drawn(const MovingQuality& quality, const FrameCost& cost, double ownDetail,
                               const MovingLimits& limits) {
     rivals_ += rivalsSmoothing * (double(cost.rivals) - rivals_);
     // The device is shared: a frame costs a session the turns of the others, too.
     const double milliseconds = cost.renderMs * (1 + rivals_) + cost.encodeMs;
-    effort_ = nextEffort(plan, milliseconds, ownDetail, limits);
+    effort_ = nextEffort(quality, milliseconds, ownDetail, limits);
 }
 
 void QualityController::sent(std::uint64_t frame, const View& view, std::size_t bytes, Time now) {

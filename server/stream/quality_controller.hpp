@@ -21,10 +21,11 @@ class QualityController {
   public:
     using Time = LinkEstimate::Time;
 
-    MovingPlan plan(const View& wanted, double ownDetail, const MovingLimits& limits);
+    MovingQuality choose(const View& wanted, double ownDetail, const MovingLimits& limits);
 
-    /// A moving frame of that plan is ready.
-    void drawn(const MovingPlan& plan, const FrameCost& cost, double ownDetail, const MovingLimits& limits);
+    /// A moving frame of that quality is ready.
+    void drawn(const MovingQuality& quality, const FrameCost& cost, double ownDetail,
+               const MovingLimits& limits);
     /// Any frame goes out; `view` is what was encoded.
     void sent(std::uint64_t frame, const View& view, std::size_t bytes, Time now);
     void acknowledged(std::uint64_t frame, const MovingLimits& limits, Time now);
@@ -35,17 +36,17 @@ class QualityController {
     double frameSeconds(const MovingLimits& limits) const;
     template <class QualityAt>
     double steadySide(double most, double least, double floor, double own, QualityAt qualityAt);
-    void fitBytes(MovingPlan& plan, const View& wanted, const MovingLimits& limits, double budget);
+    void fitBytes(MovingQuality& quality, const View& wanted, const MovingLimits& limits, double budget);
 
     LinkEstimate link_;
     double effort_ = 1;
     double rivals_ = 0;                    // smoothed
     std::optional<double> bytesPerPixel_;  // that the newest frame would have had at weight 1
-    double resolution_ = 1;                // of the newest plan, as far as it was drawing's decision
+    double resolution_ = 1;                // of the newest quality, as far as it was drawing's decision
     double sentResolution_ = 1;            // the same after the network's
-    int strained_ = 0, eased_ = 0;         // plans for which another resolution would have been better
-    std::optional<double> jpegQuality_;    // of the newest plan that the network limited
-    int news_ = 1;  // 0 = no frame went out since the newest plan: asking again teaches nothing
+    int strained_ = 0, eased_ = 0;         // qualities for which another resolution would have been better
+    std::optional<double> jpegQuality_;    // of the newest quality that the network limited
+    int news_ = 1;  // 0 = no frame went out since the newest quality: asking again teaches nothing
     bool coarseChroma_ = false;
 };
 

@@ -305,21 +305,21 @@ void StreamSession::refuse(Problem problem, std::optional<std::uint64_t> seq) {
 
 // ---- pictures
 
-StreamSession::Order StreamSession::nextOrder(std::optional<StillPlan::Still> still) {
+StreamSession::Order StreamSession::nextOrder(std::optional<StillSchedule::Still> still) {
     Order order;
     order.number = ++lastOrder_;
     order.seq = scene_.seq;
     order.viewTime = viewTime_;
     order.still = still;
-    if (!still) order.plan = quality_.plan(scene_.view, world_.ownDetail(scene_.view), limits_);
+    if (!still) order.quality = quality_.choose(scene_.view, world_.ownDetail(scene_.view), limits_);
     order.view = viewOf(order);
     return order;
 }
 
 View StreamSession::viewOf(const Order& order) const {
-    if (!order.still) return movingView(scene_.view, order.plan);
+    if (!order.still) return movingView(scene_.view, order.quality);
     View view = scene_.view;
-    if (order.still == StillPlan::Still::Sharper) view.quality.samples = 1;
+    if (order.still == StillSchedule::Still::Sharper) view.quality.samples = 1;
     return view;
 }
 
@@ -328,8 +328,8 @@ PictureOrder StreamSession::pictureOf(const Order& order) const {
     picture.cloud = scene_.cloud;
     picture.view = order.view;
     picture.planned = scene_.planned;
-    picture.complete = order.still == StillPlan::Still::Final;
-    picture.onlyWhole = order.still == StillPlan::Still::Trial;
+    picture.complete = order.still == StillSchedule::Still::Final;
+    picture.onlyWhole = order.still == StillSchedule::Still::Trial;
     picture.interruptible = order.still.has_value();
     if (!order.still && before_) {
         picture.ahead =
@@ -344,8 +344,8 @@ void StreamSession::place(const Order& order) {
 }
 
 bool StreamSession::stillComing() const {
-    return std::ranges::any_of(outstanding_,
-                               [](const Order& o) { return o.still && o.still != StillPlan::Still::Final; });
+    return std::ranges::any_of(
+        outstanding_, [](const Order& o) { return o.still && o.still != StillSchedule::Still::Final; });
 }
 
 // Orders what is due. A frame that is sent or being made counts against the two that may be unacknowledged,
@@ -382,9 +382,9 @@ void StreamSession::pictureDone(std::uint64_t number, Expected<Picture> result, 
         deliver(order, std::move(*result), now);
     } else {
         const bool cancelled = result.error().code == ErrorCode::Cancelled;
-        if (order.still == StillPlan::Still::Trial && cancelled)
+        if (order.still == StillSchedule::Still::Trial && cancelled)
             stills_.lacked(now);
-        else if (order.still && order.still != StillPlan::Still::Final)
+        else if (order.still && order.still != StillSchedule::Still::Final)
             stills_.failed();
         if (!cancelled) refuse(problemOf(result.error()), order.seq);
     }
@@ -395,7 +395,7 @@ void StreamSession::deliver(const Order& order, Picture picture, Time now) {
     FrameHeader header;
     header.moving = !order.still;
     header.still = order.still.has_value();
-    header.final = order.still && order.still != StillPlan::Still::Sharper;
+    header.final = order.still && order.still != StillSchedule::Still::Sharper;
     if (order.still) stills_.drawn(*order.still, picture.stats.samplesMissing, now);
     header.pictureLength = std::uint32_t(picture.bytes->size());
     header.frameId = ++lastFrame_;
@@ -406,7 +406,7 @@ void StreamSession::deliver(const Order& order, Picture picture, Time now) {
     header.encodeMicroseconds = microseconds(picture.encodeMs);
     const double own = world_.ownDetail(scene_.view);
     if (!order.still) {
-        quality_.drawn(order.plan, {picture.renderMs, picture.encodeMs, picture.rivals}, own, limits_);
+        quality_.drawn(order.quality, {picture.renderMs, picture.encodeMs, picture.rivals}, own, limits_);
     }
     quality_.sent(header.frameId, order.view, picture.bytes->size(), now);
     if (options_.seat != nullptr) options_.seat->frameSent();
@@ -426,8 +426,8 @@ void StreamSession::sendStats(const Order& order, const Picture& picture, Time n
     stats.seq = order.seq;
     stats.fps = double(sentTimes_.size());
     const bool moving = !order.still;
-    stats.detail = moving ? order.plan.detail : world_.ownDetail(scene_.view);
-    stats.resolution = moving ? order.plan.resolution : 1;
+    stats.detail = moving ? order.quality.detail : world_.ownDetail(scene_.view);
+    stats.resolution = moving ? order.quality.resolution : 1;
     stats.jpegQuality = order.view.quality.jpegQuality;
     stats.bandwidth = quality_.link().bandwidth().value_or(0);
     stats.samples = picture.stats.samplesDrawn;

@@ -29,7 +29,7 @@
 #include "server/stream/resume_store.hpp"
 #include "server/stream/scene.hpp"
 #include "server/stream/session_register.hpp"
-#include "server/stream/still_plan.hpp"
+#include "server/stream/still_schedule.hpp"
 
 namespace scancast {
 
@@ -107,9 +107,9 @@ class StreamSession {
     struct Order {
         std::uint64_t number = 0, seq = 0;
         Time viewTime;
-        std::optional<StillPlan::Still> still;  // empty = a moving frame
-        MovingPlan plan;                        // of a moving frame
-        View view;                              // as it is drawn
+        std::optional<StillSchedule::Still> still;  // empty = a moving frame
+        MovingQuality quality;                      // of a moving frame
+        View view;                                  // as it is drawn
     };
     void handle(const messages::Hello& hello, Time now);
     void handle(const messages::ViewChange& change, Time now);
@@ -131,7 +131,7 @@ class StreamSession {
     void viewChanged(Time now);
     void lookForNewerCloud(Time now);
     bool stillComing() const;
-    Order nextOrder(std::optional<StillPlan::Still> still);
+    Order nextOrder(std::optional<StillSchedule::Still> still);
     View viewOf(const Order& order) const;
     PictureOrder pictureOf(const Order& order) const;
     void deliver(const Order& order, Picture picture, Time now);
@@ -159,7 +159,7 @@ class StreamSession {
     std::optional<Camera> before_;  // the camera of the view before, while the camera moves
     Time beforeTime_;
     FramePace pace_;
-    StillPlan stills_;
+    StillSchedule stills_;
     std::optional<Time> nextLook_;  // for the cloud that takes the place of the one that is shown
     Time viewTime_;                 // arrival of the newest view
     std::deque<Order>

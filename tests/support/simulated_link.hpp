@@ -26,7 +26,7 @@ inline std::function<double(double)> always(double value) {
 
 struct SimulatedFrame {
     double ordered = 0, sent = 0, acknowledged = 0;  ///< s
-    MovingPlan plan;
+    MovingQuality quality;
     std::size_t bytes = 0;
 };
 
@@ -69,16 +69,16 @@ class SimulatedStream {
     void order(double now) {
         drawing_ = SimulatedFrame{};
         drawing_->ordered = now;
-        drawing_->plan = controller_.plan(view, 1, limits);
-        renderMs_ = fullRenderMs * costOf(drawing_->plan, 1);
+        drawing_->quality = controller_.choose(view, 1, limits);
+        renderMs_ = fullRenderMs * costOf(drawing_->quality, 1);
         drawnAt_ = now + (renderMs_ + encodeMs) / 1000;
     }
 
     void send(double now) {
-        const View drawn = movingView(view, drawing_->plan);
+        const View drawn = movingView(view, drawing_->quality);
         drawing_->sent = now;
         drawing_->bytes = bytesOf(drawn);
-        controller_.drawn(drawing_->plan, {renderMs_, encodeMs, 0}, 1, limits);
+        controller_.drawn(drawing_->quality, {renderMs_, encodeMs, 0}, 1, limits);
         controller_.sent(++lastId_, drawn, drawing_->bytes, at(now));
         left_ = queue_.empty() ? double(drawing_->bytes) : left_;
         queue_.push_back(*drawing_);

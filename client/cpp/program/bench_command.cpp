@@ -14,7 +14,7 @@ namespace {
 struct BenchFlags {
     ServerFlags server;
     ViewFlags view;
-    BenchPlan plan;
+    BenchOptions options;
     std::array<int, behaviours.size()> sessions{};
     std::string final;
     bool json = false;
@@ -31,25 +31,25 @@ void sleepUntil(std::chrono::steady_clock::time_point start, double seconds) {
 }
 
 std::vector<BenchResult> runSessions(const Server& server, const BenchFlags& flags) {
-    const auto& plan = flags.plan;
+    const auto& options = flags.options;
     std::vector<Behaviour> wanted;
     for (std::size_t i = 0; i < behaviours.size(); ++i)
         wanted.insert(wanted.end(), static_cast<std::size_t>(flags.sessions[i]), behaviours[i]);
     std::vector<BenchResult> results(wanted.size());
     BenchClock clock;
     clock.notReady = static_cast<int>(wanted.size());
-    if (plan.wake) clock.unanswered = flags.sessions[std::size_t(Behaviour::Idle)];
+    if (options.wake) clock.unanswered = flags.sessions[std::size_t(Behaviour::Idle)];
     tell("connecting");
     std::vector<std::jthread> threads;
     for (std::size_t i = 0; i < wanted.size(); ++i)
         threads.emplace_back(
-            [&, i] { results[i] = benchSession(server, plan, wanted[i], static_cast<int>(i), clock); });
+            [&, i] { results[i] = benchSession(server, options, wanted[i], static_cast<int>(i), clock); });
     while (clock.notReady > 0) std::this_thread::sleep_for(std::chrono::milliseconds(5));
     const auto start = std::chrono::steady_clock::now() + std::chrono::milliseconds(500);
     clock.start = std::chrono::nanoseconds(start.time_since_epoch()).count();
-    sleepUntil(start, plan.warmUp);
+    sleepUntil(start, options.warmUp);
     tell("measuring");
-    sleepUntil(start, plan.warmUp + plan.seconds);
+    sleepUntil(start, options.warmUp + options.seconds);
     tell("measured");
     threads.clear();
     return results;
@@ -75,17 +75,17 @@ Expected<void> run(BenchFlags& flags) {
                     "nothing to do: give --moving, --idle, --slow or --never-ack");
     const auto server = flags.server.server();
     if (!server) return tl::unexpected(server.error());
-    const auto cloud = chooseCloud(*server, flags.plan.cloud).and_then([&](const std::string& id) {
+    const auto cloud = chooseCloud(*server, flags.options.cloud).and_then([&](const std::string& id) {
         return server->cloud(id);
     });
     if (!cloud) return tl::unexpected(cloud.error());
     const auto start = orbitStart(flags.view, *cloud);
     if (!start) return tl::unexpected(start.error());
-    flags.plan.cloud = cloud->id;
-    flags.plan.start = *start;
+    flags.options.cloud = cloud->id;
+    flags.options.start = *start;
 
     const auto results = runSessions(*server, flags);
-    const auto report = benchReport(flags.plan, results);
+    const auto report = benchReport(flags.options, results);
     std::printf("%s", flags.json ? (printJson(report) + "\n").c_str() : benchText(report).c_str());
     if (!flags.final.empty())
         if (auto written = writeFinal(flags.final, results); !written) return written;
@@ -109,19 +109,21 @@ void addSessions(CLI::App& command, BenchFlags& flags) {
     count("--never-ack", Behaviour::NeverAck, "So many move, and acknowledge nothing");
 }
 
-void addNumbers(CLI::App& command, BenchPlan& plan) {
+void addNumbers(CLI::App& command, BenchOptions& options) {
     const auto number = [&](const char* flag, auto& value, const char* type, double least, double most,
                             const char* meaning) {
         command.add_option(flag, value, meaning)->type_name(type)->check(CLI::Range(least, most));
     };
-    number("--seconds", plan.seconds, "SECONDS", 0.1, 86400, "How long to measure (10)");
-    number("--warm-up", plan.warmUp, "SECONDS", 0, 3600, "Moving before that, not measured (1)");
-    number("--views", plan.viewsPerSecond, "N", 0.1, 1000, "Views that a moving session sends a second (60)");
-    number("--fps", plan.fps, "N", 1, 240, "Frames a second that sessions ask the server for (30)");
-    number("--degrees", plan.degreesPerSecond, "N", 0, 360, "Of the walk, a second (30)");
-    number("--slow-bytes", plan.slowBytesPerSecond, "N", 1000, 1e9,
+    number("--seconds", options.seconds, "SECONDS", 0.1, 86400, "How long to measure (10)");
+    number("--warm-up", options.warmUp, "SECONDS", 0, 3600, "Moving before that, not measured (1)");
+    number("--views", options.viewsPerSecond, "N", 0.1, 1000,
+           "Views that a moving session sends a second (60)");
+    number("--fps", options.fps, "N", 1, 240, "Frames a second that sessions ask the server for (30)");
+    number("--degrees", options.degreesPerSecond, "N", 0, 360, "Of the walk, a second (30)");
+    number("--slow-bytes", options.slowBytesPerSecond, "N", 1000, 1e9,
            "What --slow sessions read a second (50000)");
-    number("--wake", plan.wake, "SECONDS", 0, 86400, "Idle sessions send one view so long after the start");
+    number("--wake", options.wake, "SECONDS", 0, 86400,
+           "Idle sessions send one view so long after the start");
 }
 
 }  // namespace
@@ -131,9 +133,9 @@ void addBench(CLI::App& app, int& exitCode) {
     auto& command = *app.add_subcommand("bench", "Open many sessions at once and measure what they see");
     flags->server.addTo(command);
     addSessions(command, *flags);
-    addNumbers(command, flags->plan);
+    addNumbers(command, flags->options);
     command
-        .add_option("--cloud", flags->plan.cloud, "Id of the cloud; the server's first one when not given")
+        .add_option("--cloud", flags->options.cloud, "Id of the cloud; the server's first one when not given")
         ->type_name("ID");
     command
         .add_option("--final", flags->final,

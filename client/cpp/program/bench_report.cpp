@@ -37,14 +37,14 @@ std::vector<double> present(const Group& group, Member member) {
     return all;
 }
 
-json groupReport(const BenchPlan& plan, Behaviour behaviour, const Group& group) {
+json groupReport(const BenchOptions& options, Behaviour behaviour, const Group& group) {
     std::vector<double> rates;
     std::set<std::string> errors;
     std::uint64_t bytes = 0;
     int failed = 0, idleFrames = 0, secondBeforeAll = 0;
     json subsamplings = json::object();
     for (const auto* result : group) {
-        rates.push_back(result->frames / plan.seconds);
+        rates.push_back(result->frames / options.seconds);
         bytes += result->bytes;
         failed += result->error.empty() ? 0 : 1;
         if (!result->error.empty()) errors.insert(result->error);
@@ -95,17 +95,17 @@ double percentile(std::vector<double> values, double percent) {
     return *at;
 }
 
-json benchReport(const BenchPlan& plan, const std::vector<BenchResult>& results) {
+json benchReport(const BenchOptions& options, const std::vector<BenchResult>& results) {
     json groups = json::array();
     for (const auto behaviour : behaviours) {
         Group group;
         for (const auto& result : results)
             if (result.behaviour == behaviour) group.push_back(&result);
-        if (!group.empty()) groups.push_back(groupReport(plan, behaviour, group));
+        if (!group.empty()) groups.push_back(groupReport(options, behaviour, group));
     }
-    const auto& view = plan.start.view;
-    return {{"sessions", results.size()}, {"seconds", plan.seconds},     {"width", view.width},
-            {"height", view.height},      {"method", view.style.method}, {"cloud", plan.cloud},
+    const auto& view = options.start.view;
+    return {{"sessions", results.size()}, {"seconds", options.seconds},  {"width", view.width},
+            {"height", view.height},      {"method", view.style.method}, {"cloud", options.cloud},
             {"groups", std::move(groups)}};
 }
 

@@ -11,7 +11,7 @@ namespace scancast::client {
 double percentile(std::vector<double> values, double percent);
 
 /// `{"sessions": …, "seconds": …, "width": …, "height": …, "method": …, "groups": [one for each behaviour]}`.
-nlohmann::json benchReport(const BenchPlan& plan, const std::vector<BenchResult>& results);
+nlohmann::json benchReport(const BenchOptions& options, const std::vector<BenchResult>& results);
 
 /// The same in a few lines for each behaviour.
 std::string benchText(const nlohmann::json& report);

@@ -25,10 +25,10 @@ Clock::duration seconds(double value) {
 
 class Session {
   public:
-    Session(const BenchPlan& plan, Behaviour behaviour, int number, BenchClock& clock)
-        : plan_(plan), clock_(clock), number_(number) {
+    Session(const BenchOptions& options, Behaviour behaviour, int number, BenchClock& clock)
+        : options_(options), clock_(clock), number_(number) {
         result_.behaviour = behaviour;
-        waking_ = behaviour == Behaviour::Idle && plan.wake;
+        waking_ = behaviour == Behaviour::Idle && options.wake;
     }
 
     BenchResult run(const Server& server) {
@@ -43,12 +43,12 @@ class Session {
   private:
     Expected<void> play(const Server& server, bool& ready) {
         messages::Hello hello;
-        hello.cloud = plan_.cloud;
-        hello.width = plan_.start.view.width;
-        hello.height = plan_.start.view.height;
-        hello.fps = plan_.fps;
+        hello.cloud = options_.cloud;
+        hello.width = options_.start.view.width;
+        hello.height = options_.start.view.height;
+        hello.fps = options_.fps;
         auto opened = Stream::open(server.url(), hello, server.timeouts(), server.credentials(),
-                                   is(Behaviour::Slow) ? plan_.slowBytesPerSecond : 0);
+                                   is(Behaviour::Slow) ? options_.slowBytesPerSecond : 0);
         if (!opened) return tl::unexpected(opened.error());
         stream_.emplace(std::move(*opened));
         return sendView(true).and_then([&] { return waitForStart(ready); }).and_then([&] {
@@ -61,8 +61,9 @@ class Session {
     /// The whole view at first, then the camera alone, as viewers do.
     Expected<void> sendView(bool whole) {
         // Sessions start at places of their own: no two of them want the same picture.
-        const double degrees = 137.5 * number_ + plan_.degreesPerSecond / plan_.viewsPerSecond * double(seq_);
-        result_.finalView = plan_.start.at(degrees);
+        const double degrees =
+            137.5 * number_ + options_.degreesPerSecond / options_.viewsPerSecond * double(seq_);
+        result_.finalView = options_.start.at(degrees);
         auto changes = toJson(result_.finalView);
         if (!whole) changes = {{"camera", changes["camera"]}};
         ++seq_;
@@ -109,7 +110,7 @@ class Session {
         if (!header.moving || header.seq == 0 || header.seq > seq_) return;
         result_.latencies.push_back(millisecondsSince(sent_[header.seq - 1]));
         result_.frameBytes.push_back(double(frame.jpeg.size()));
-        result_.resolutions.push_back(double(header.width) / plan_.start.view.width);
+        result_.resolutions.push_back(double(header.width) / options_.start.view.width);
         if (const auto facts = jpegFacts(frame.jpeg)) {
             result_.qualities.push_back(facts->quality);
             ++result_.subsamplings[facts->subsampling];
@@ -134,8 +135,8 @@ class Session {
     }
 
     Expected<void> move() {
-        const auto interval = seconds(1 / plan_.viewsPerSecond);
-        const auto measured = start_ + seconds(plan_.warmUp), end = measured + seconds(plan_.seconds);
+        const auto interval = seconds(1 / options_.viewsPerSecond);
+        const auto measured = start_ + seconds(options_.warmUp), end = measured + seconds(options_.seconds);
         // Spread over the interval, as viewers are that know nothing of each other.
         auto next = start_ + interval * (number_ % 8) / 8;
         for (; next < end; next += interval) {
@@ -156,10 +157,10 @@ class Session {
 
     Expected<void> idle() {
         const int before = received_;
-        const auto end = start_ + seconds(plan_.wake.value_or(plan_.warmUp + plan_.seconds));
+        const auto end = start_ + seconds(options_.wake.value_or(options_.warmUp + options_.seconds));
         if (auto waited = receiveUntil(end, [] { return false; }); !waited) return waited;
         result_.idleFrames = received_ - before;
-        if (!plan_.wake) return {};
+        if (!options_.wake) return {};
         measuring_ = true;
         if (auto sent = sendView(false); !sent) return sent;
         const auto answered = [&] { return last_.seq == seq_; };
@@ -176,7 +177,7 @@ class Session {
         });
     }
 
-    const BenchPlan& plan_;
+    const BenchOptions& options_;
     BenchClock& clock_;
     const int number_;
     std::optional<Stream> stream_;
@@ -206,9 +207,9 @@ std::string_view name(Behaviour behaviour) {
     return "";
 }
 
-BenchResult benchSession(const Server& server, const BenchPlan& plan, Behaviour behaviour, int number,
+BenchResult benchSession(const Server& server, const BenchOptions& options, Behaviour behaviour, int number,
                          BenchClock& clock) {
-    return Session(plan, behaviour, number, clock).run(server);
+    return Session(options, behaviour, number, clock).run(server);
 }
 
 }  // namespace scancast::client

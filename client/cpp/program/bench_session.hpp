@@ -17,7 +17,7 @@
 namespace scancast::client {
 
 enum class Behaviour : std::uint8_t {
-    Moving,    ///< sends views at the plan's rate, acknowledges every frame
+    Moving,    ///< sends views at the rate of the options, acknowledges every frame
     Idle,      ///< looks at one view; sends another one when it is woken
     Slow,      ///< as moving, but reads no more than so many bytes a second
     NeverAck,  ///< as moving, but acknowledges nothing
@@ -26,7 +26,7 @@ inline constexpr std::array behaviours{Behaviour::Moving, Behaviour::Idle, Behav
                                        Behaviour::NeverAck};
 std::string_view name(Behaviour behaviour);
 
-struct BenchPlan {
+struct BenchOptions {
     OrbitStart start;
     std::string cloud;
     double seconds = 10;           ///< measured
@@ -62,7 +62,7 @@ struct BenchResult {
     View finalView;                   ///< what that shows
 };
 
-BenchResult benchSession(const Server& server, const BenchPlan& plan, Behaviour behaviour, int number,
+BenchResult benchSession(const Server& server, const BenchOptions& options, Behaviour behaviour, int number,
                          BenchClock& clock);
 
 }  // namespace scancast::client

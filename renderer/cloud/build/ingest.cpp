@@ -29,20 +29,20 @@ std::uint64_t machineMemory() {
     return std::uint64_t(::sysconf(_SC_PHYS_PAGES)) * std::uint64_t(::sysconf(_SC_PAGESIZE));
 }
 
-struct MemoryPlan {
+struct MemoryShares {
     int lanes = 1;
     std::uint64_t workspace = 0;
 };
 
 /// What is left beside the program and the chunks being worked on may hold points that wait.
-MemoryPlan planMemory(std::uint64_t limit, int threads, const OctreeShape& shape) {
+MemoryShares shareMemory(std::uint64_t limit, int threads, const OctreeShape& shape) {
     const std::uint64_t lane = shape.chunkPoints * (shape.surfels ? laneBytesWithSurfels : laneBytes);
-    MemoryPlan plan;
-    plan.lanes = int(std::clamp<std::uint64_t>(limit / 2 / std::max<std::uint64_t>(lane, 1), 1,
-                                               std::uint64_t(std::max(threads, 1))));
-    const std::uint64_t used = fixedBytes + std::uint64_t(plan.lanes) * lane;
-    plan.workspace = limit > used ? limit - used : 0;
-    return plan;
+    MemoryShares shares;
+    shares.lanes = int(std::clamp<std::uint64_t>(limit / 2 / std::max<std::uint64_t>(lane, 1), 1,
+                                                 std::uint64_t(std::max(threads, 1))));
+    const std::uint64_t used = fixedBytes + std::uint64_t(shares.lanes) * lane;
+    shares.workspace = limit > used ? limit - used : 0;
+    return shares;
 }
 
 std::string gigabytes(std::uint64_t bytes) {
@@ -100,7 +100,7 @@ Expected<IngestReport> build(std::vector<std::unique_ptr<PointSource>> sources, 
         options.output.has_parent_path() ? options.output.parent_path() : fs::path(".");
     const fs::path scratch = options.scratch.empty() ? outputFolder : options.scratch;
     const int threads = options.threads > 0 ? options.threads : int(std::thread::hardware_concurrency());
-    const MemoryPlan memory = planMemory(*limit, threads, options.shape);
+    const MemoryShares memory = shareMemory(*limit, threads, options.shape);
     if (const auto needs = diskNeeds((*source)->header(), options))
         if (auto fits = checkDisk(*needs, outputFolder, scratch); !fits) return tl::unexpected(fits.error());
 
@@ -135,7 +135,7 @@ std::optional<DiskNeeds> diskNeeds(const ScanHeader& header, const IngestOptions
     if (!header.points) return std::nullopt;
     const std::uint64_t limit = options.memoryLimit > 0 ? options.memoryLimit : machineMemory() / 2;
     const int threads = options.threads > 0 ? options.threads : int(std::thread::hardware_concurrency());
-    const std::uint64_t inMemory = planMemory(limit, threads, options.shape).workspace;
+    const std::uint64_t inMemory = shareMemory(limit, threads, options.shape).workspace;
     const std::uint64_t row = rowBytes(header.columns);
     const std::uint64_t waiting = *header.points * (std::max(stagedBytes, chunkBytes) + 4 + row);
     return DiskNeeds{.file = *header.points * (fileBytes + row),

@@ -10,7 +10,7 @@
 
 #include "renderer/device/cpu/picture.hpp"
 #include "renderer/device/cpu/simd_level.hpp"
-#include "renderer/device/plan/picture_area.hpp"
+#include "renderer/device/host/drawing.hpp"
 
 namespace scancast {
 namespace {
@@ -51,10 +51,11 @@ class CpuDevice final : public Device {
 
     Expected<Frame> draw(const Drawing& drawing, std::stop_token stop) override {
         if (auto checked = check(drawing); !checked) return tl::unexpected(checked.error());
-        const auto plan = planPasses(drawing.passes);
-        if (!plan) return tl::unexpected(plan.error());
+        const auto passes = framePasses(drawing.passes);
+        if (!passes) return tl::unexpected(passes.error());
         try {
-            return cpu::Picture(drawing, *plan, *level_.kernels, threads_, arena_, buffers_, std::move(stop))
+            return cpu::Picture(drawing, *passes, *level_.kernels, threads_, arena_, buffers_,
+                                std::move(stop))
                 .draw();
         } catch (const std::bad_alloc&) {
             return fail(ErrorCode::ResourceLimit,

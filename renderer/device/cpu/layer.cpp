@@ -16,8 +16,6 @@ constexpr std::uint32_t sliceSamples = 16384;
 constexpr int tilesPerThread = 3;
 /// Of a look-up from ordinals to runs: how many ordinals share a place to begin.
 constexpr int ordinalShift = 10;
-constexpr std::size_t resolveTime = 4;
-constexpr const char* stageNames[] = {"silhouette", "nearest", "sum", "cell", "resolve"};
 
 double largestShift(std::span<const glm::dvec2> jitter) {
     double largest = 0;
@@ -59,20 +57,27 @@ void emptySums(const KeyTile& tile, int planes, TileMemory& memory) {
 
 }  // namespace
 
-Layer::Layer(const Drawing& drawing, const CutView& view, const Sight& sight, const PassPlan& plan,
-             const Kernels& kernels, const Workers& workers, TileMemories& memories, const Rect& area)
-    : sight_(sight),
-      plan_(plan),
+Layer::Layer(const Drawing& drawing, const CutView& view, const LayerView& layerView,
+             const FramePasses& passes, const Kernels& kernels, const Workers& workers,
+             TileMemories& memories, const Rect& area)
+    : layerView_(layerView),
+      passes_(passes),
       kernels_(kernels),
       workers_(workers),
       memories_(memories),
       area_(area),
       tables_(colorTables(drawing.color, view.filter)),
-      stages_(splatStages(plan, sight, drawing.color)) {
-    background_ =
-        backgroundRows(drawing.background, area_.y0 - sight.pad, area_.height(), sight.viewpoint->height);
+      splats_(splatPasses(passes, layerView, drawing.color)) {
+    for (SplatPass& pass : splats_) {
+        if (pass.ownRadii) pass.radii = surfelRadii().data();
+        pass.ramp = tables_.ramp.data();
+        pass.normals = tables_.normals.data();
+        if (tables_.byClass) pass.classes = tables_.classes.data();
+    }
+    background_ = backgroundRows(drawing.background, area_.y0 - layerView.pad, area_.height(),
+                                 layerView.viewpoint->height);
     prepareRuns(drawing, view);
-    if (plan.bySample()) listSamples();
+    if (passes.bySample()) listSamples();
     if (!workers_.stopped()) tiles_ = cutIntoTiles(area_, runs_, workers_.threads() * tilesPerThread);
 }
 
@@ -84,7 +89,8 @@ void Layer::prepareRuns(const Drawing& drawing, const CutView& view) {
     workers_.inParallel(static_cast<int>((cut.runs.size() + batch - 1) / batch), [&](int b) {
         const std::size_t first = static_cast<std::size_t>(b) * batch;
         for (std::size_t i = first; i < std::min(cut.runs.size(), first + batch); ++i) {
-            prepared[i] = prepareRun(cut.runs[i], sight_, stages_, drawing.color, view.filter, area_, shift);
+            prepared[i] =
+                prepareRun(cut.runs[i], layerView_, splats_, drawing.color, view.filter, area_, shift);
         }
     });
     for (const auto& run : prepared) {
@@ -124,13 +130,13 @@ void Layer::splatRun(const PreparedRun& prepared, SplatRun slice, const SplatPas
     }
 }
 
-void Layer::drawRuns(const Tile& tile, std::size_t stage, const SplatPass& pass, const KeyTile& target,
+void Layer::drawRuns(const Tile& tile, std::size_t index, const SplatPass& pass, const KeyTile& target,
                      TileMemory& memory) {
     KeyTile visible = target;
     if (target.visible != nullptr) visible.keys = const_cast<Key*>(target.visible);
-    for (const std::uint32_t index : tile.runs) {
-        const PreparedRun& prepared = runs_[index];
-        const PassSize& size = prepared.sizes[stage];
+    for (const std::uint32_t at : tile.runs) {
+        const PreparedRun& prepared = runs_[at];
+        const PassSize& size = prepared.sizes[index];
         const Rect part = prepared.bounds.intersect(tile.area);
         if (kernels_.hidden(visible, part.x0 - target.x, part.y0 - target.y, part.x1 - target.x,
                             part.y1 - target.y, size.frontOrder)) {
@@ -143,16 +149,6 @@ void Layer::drawRuns(const Tile& tile, std::size_t stage, const SplatPass& pass,
             part.width() < prepared.bounds.width() || part.height() < prepared.bounds.height();
         splatRun(prepared, slice, pass, target, memory);
     }
-}
-
-SplatPass Layer::pass(const SplatStage& stage, const glm::dvec2& jitter) const {
-    SplatPass pass;
-    static_cast<SplatNumbers&>(pass) = jittered(stage.numbers, sight_, jitter);
-    if (pass.ownRadii) pass.radii = surfelRadii().data();
-    pass.ramp = tables_.ramp.data();
-    pass.normals = tables_.normals.data();
-    if (tables_.byClass) pass.classes = tables_.classes.data();
-    return pass;
 }
 
 void Layer::drawTile(const Tile& tile, std::span<const SplatPass> passes, const Planes& planes) {
@@ -169,19 +165,17 @@ void Layer::drawTile(const Tile& tile, std::span<const SplatPass> passes, const 
         start = now;
     };
     for (std::size_t i = 0; i < passes.size(); ++i) {
-        const SplatStage::Kind kind = stages_[i].kind;
         KeyTile target = nearest;
         target.silhouette = silhouette;
-        switch (kind) {
-            case SplatStage::Kind::Silhouette:
-                target = withKeys(empty, memory, 1);
-                silhouette = target.keys;
+        switch (passes[i].reduction) {
+            case Reduction::Nearest:
+                if (passes[i].silhouette) {
+                    target = withKeys(empty, memory, 1);
+                    silhouette = target.keys;
+                }
                 kernels_.clear(target);
                 break;
-            case SplatStage::Kind::Nearest:
-                kernels_.clear(target);
-                break;
-            case SplatStage::Kind::Sum: {
+            case Reduction::Sum: {
                 const int count = colorPlanes + (passes[i].sumNormals ? normalPlanes : 0);
                 memory.sums.assign(static_cast<std::size_t>(count * empty.planeSize), 0);
                 target.visible = nearest.keys;
@@ -189,7 +183,7 @@ void Layer::drawTile(const Tile& tile, std::span<const SplatPass> passes, const 
                 colors.sums = target.sums;
                 break;
             }
-            case SplatStage::Kind::Cell:
+            case Reduction::Cell:
                 target = withKeys(nearest, memory, 2);
                 target.visible = nearest.keys;
                 target.silhouette = silhouette;
@@ -199,10 +193,10 @@ void Layer::drawTile(const Tile& tile, std::span<const SplatPass> passes, const 
                 break;
         }
         drawRuns(tile, i, passes[i], target, memory);
-        spend(static_cast<std::size_t>(kind));
+        spend(i);
     }
     resolveTile(nearest, colors, passes.back(), memory, planes);
-    spend(resolveTime);
+    spend(passes.size());
 }
 
 void Layer::resolveTile(const KeyTile& nearest, const KeyTile& colors, const SplatPass& pass,
@@ -212,10 +206,10 @@ void Layer::resolveTile(const KeyTile& nearest, const KeyTile& colors, const Spl
     const std::ptrdiff_t offset = planes.at(nearest.x, nearest.y);
     pixels.rgba = planes.rgba + offset;
     pixels.depth = planes.depth != nullptr ? planes.depth + offset : nullptr;
-    const bool normals = plan_.resolve.normals && planes.normals != nullptr;
+    const bool normals = passes_.resolve.normals && planes.normals != nullptr;
     pixels.normals = normals ? planes.normals + offset : nullptr;
     pixels.background = background_.data() + (nearest.y - area_.y0);
-    if (plan_.bySample()) {
+    if (passes_.bySample()) {
         kernels_.resolveSamples(pass, samples_, colors, pixels);
     } else {
         if (normals) {
@@ -224,29 +218,26 @@ void Layer::resolveTile(const KeyTile& nearest, const KeyTile& colors, const Spl
         }
         kernels_.resolve(nearest, pixels);
     }
-    if (!plan_.resolve.sums) return;
+    if (!passes_.resolve.sums) return;
     const std::int64_t* wide =
         memory.wide.empty() ? nullptr : memory.wide.data() + guard * nearest.stride + guard;
     kernels_.resolveSums(colors, wide, pixels);
 }
 
 void Layer::draw(const glm::dvec2& jitter, const Planes& planes, FrameStats& stats) {
-    std::vector<SplatPass> passes;
-    for (const SplatStage& stage : stages_) passes.push_back(pass(stage, jitter));
+    std::vector<SplatPass> passes = splats_;
+    for (SplatPass& pass : passes) pass = jittered(pass, layerView_, jitter);
     for (auto& time : spent_) time = 0;
     const auto start = Clock::now();
     workers_.inParallel(static_cast<int>(tiles_.size()),
                         [&](int i) { drawTile(tiles_[static_cast<std::size_t>(i)], passes, planes); });
-    // All stages run side by side: the time that passed is shared out by what the threads spent on each.
+    // All passes run side by side: the time that passed is shared out by what the threads spent on each.
     const double passed = millisecondsSince(start);
     std::int64_t all = 0;
     for (const auto& time : spent_) all += time;
-    for (std::size_t i = 0; i < spent_.size(); ++i) {
-        const bool listed = i == resolveTime || std::ranges::any_of(stages_, [&](const SplatStage& stage) {
-                                return static_cast<std::size_t>(stage.kind) == i;
-                            });
-        if (listed)
-            stats.add(stageNames[i], passed * double(spent_[i]) / double(std::max<std::int64_t>(1, all)));
+    for (std::size_t i = 0; i <= passes.size(); ++i) {
+        stats.add(i < passes.size() ? nameOf(passes[i]) : "resolve",
+                  passed * double(spent_[i]) / double(std::max<std::int64_t>(1, all)));
     }
 }
 

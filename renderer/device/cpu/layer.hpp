@@ -10,7 +10,7 @@
 #include "renderer/device/cpu/prepare.hpp"
 #include "renderer/device/cpu/tiles.hpp"
 #include "renderer/device/cpu/workers.hpp"
-#include "renderer/device/plan/colors.hpp"
+#include "renderer/device/host/colors.hpp"
 
 namespace scancast::cpu {
 
@@ -38,7 +38,7 @@ struct Planes {
 class Layer {
   public:
     /// Everything outlives the layer.
-    Layer(const Drawing& drawing, const CutView& view, const Sight& sight, const PassPlan& plan,
+    Layer(const Drawing& drawing, const CutView& view, const LayerView& layerView, const FramePasses& passes,
           const Kernels& kernels, const Workers& workers, TileMemories& memories, const Rect& area);
     /// Splats and resolves one frame; `planes` cover the layer's area. Adds to the stages "nearest", "sum",
     /// "cell" and "resolve".
@@ -47,30 +47,30 @@ class Layer {
   private:
     void prepareRuns(const Drawing& drawing, const CutView& view);
     void listSamples();
-    SplatPass pass(const SplatStage& stage, const glm::dvec2& jitter) const;
     void drawTile(const Tile& tile, std::span<const SplatPass> passes, const Planes& planes);
-    void drawRuns(const Tile& tile, std::size_t stage, const SplatPass& pass, const KeyTile& target,
+    void drawRuns(const Tile& tile, std::size_t index, const SplatPass& pass, const KeyTile& target,
                   TileMemory& memory);
     void splatRun(const PreparedRun& prepared, SplatRun slice, const SplatPass& pass, const KeyTile& target,
                   TileMemory& memory);
     void resolveTile(const KeyTile& nearest, const KeyTile& colors, const SplatPass& pass,
                      const TileMemory& memory, const Planes& planes);
 
-    const Sight sight_;
-    const PassPlan& plan_;
+    const LayerView layerView_;
+    const FramePasses& passes_;
     const Kernels& kernels_;
     const Workers& workers_;
     TileMemories& memories_;
     const Rect area_;
     const ColorTables tables_;
-    std::vector<SplatStage> stages_;
+    std::vector<SplatPass> splats_;
     std::vector<PreparedRun> runs_;  ///< front to back
     std::vector<Tile> tiles_;
     std::vector<std::uint32_t> background_;  ///< rows of area_
     std::vector<SplatRun> byOrdinal_;        ///< with `samples`
     std::vector<std::uint32_t> runAt_;
     SampleTable samples_;
-    std::array<std::atomic<std::int64_t>, 5> spent_{};  ///< ns of all threads: by kind of stage, and resolve
+    std::array<std::atomic<std::int64_t>, mostSplatPasses + 1>
+        spent_{};  ///< ns of all threads: by pass, and resolve
 };
 
 }  // namespace scancast::cpu

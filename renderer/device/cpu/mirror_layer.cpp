@@ -1,7 +1,7 @@
 #include "renderer/device/cpu/mirror_layer.hpp"
 
 #include "renderer/device/cpu/grown.hpp"
-#include "renderer/device/plan/glass_plane.hpp"
+#include "renderer/device/host/screens.hpp"
 
 namespace scancast::cpu {
 namespace {
@@ -13,17 +13,17 @@ Rect areaOf(const MirrorGlass& glass, int pad, const Rect& picture) {
 
 }  // namespace
 
-MirrorLayer::MirrorLayer(const Drawing& drawing, const CutView& reflection, const Sight& picturesSight,
-                         const PassPlan& plan, const Kernels& kernels, const Workers& workers,
+MirrorLayer::MirrorLayer(const Drawing& drawing, const CutView& reflection, const LayerView& mainView,
+                         const FramePasses& passes, const Kernels& kernels, const Workers& workers,
                          TileMemories& tiles, LayerMemory& memory, const Rect& picture)
     : glass_(*reflection.glass),
-      sight_{&reflection.viewpoint, picturesSight.pad, picturesSight.surfels, picturesSight.oriented},
-      plan_(plan),
+      layerView_{&reflection.viewpoint, mainView.pad, mainView.surfels, mainView.oriented},
+      passes_(passes),
       kernels_(kernels),
       workers_(workers),
       memory_(memory),
-      area_(areaOf(*reflection.glass, picturesSight.pad, picture)) {
-    if (!empty()) layer_.emplace(drawing, reflection, sight_, plan, kernels, workers, tiles, area_);
+      area_(areaOf(*reflection.glass, mainView.pad, picture)) {
+    if (!empty()) layer_.emplace(drawing, reflection, layerView_, passes, kernels, workers, tiles, area_);
 }
 
 void MirrorLayer::draw(const glm::dvec2& jitter, const Planes& picture) {
@@ -33,7 +33,7 @@ void MirrorLayer::draw(const glm::dvec2& jitter, const Planes& picture) {
     planes.area = area_;
     planes.rgba = grown(memory_.rgba, pixels);
     planes.depth = grown(memory_.depth, pixels);
-    if (plan_.resolve.normals) planes.normals = grown(memory_.normals, pixels);
+    if (passes_.resolve.normals) planes.normals = grown(memory_.normals, pixels);
     FrameStats own;  // its stages are the picture's one stage "mirrors"
     layer_->draw(jitter, planes, own);
     layOver(jitter, planes, picture, kernels_.lookThrough);
@@ -46,7 +46,7 @@ void MirrorLayer::finish(const glm::dvec2& jitter, const Planes& picture) const 
 void MirrorLayer::layOver(const glm::dvec2& jitter, const Planes& reflected, const Planes& picture,
                           Lay lay) const {
     Glass whole;
-    static_cast<GlassNumbers&>(whole) = glassNumbers(glass_, sight_, jitter);
+    static_cast<GlassNumbers&>(whole) = glassNumbers(glass_, layerView_, jitter);
     whole.stride = picture.area.width();
     whole.reflectedStride = area_.width();
     whole.x = area_.x0;

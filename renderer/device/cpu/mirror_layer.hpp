@@ -20,9 +20,9 @@ struct LayerMemory {
 class MirrorLayer {
   public:
     /// `picture`: the area that is drawn of it. Everything outlives the layer.
-    MirrorLayer(const Drawing& drawing, const CutView& reflection, const Sight& picturesSight,
-                const PassPlan& plan, const Kernels& kernels, const Workers& workers, TileMemories& tiles,
-                LayerMemory& memory, const Rect& picture);
+    MirrorLayer(const Drawing& drawing, const CutView& reflection, const LayerView& mainView,
+                const FramePasses& passes, const Kernels& kernels, const Workers& workers,
+                TileMemories& tiles, LayerMemory& memory, const Rect& picture);
 
     /// Nothing of it lies in the picture.
     bool empty() const { return area_.empty(); }
@@ -37,8 +37,8 @@ class MirrorLayer {
     void layOver(const glm::dvec2& jitter, const Planes& reflected, const Planes& picture, Lay lay) const;
 
     const MirrorGlass& glass_;
-    const Sight sight_;  ///< of the reflected eye
-    const PassPlan& plan_;
+    const LayerView layerView_;  ///< of the reflected eye
+    const FramePasses& passes_;
     const Kernels& kernels_;
     const Workers& workers_;
     LayerMemory& memory_;

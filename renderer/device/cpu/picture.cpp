@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "renderer/device/cpu/grown.hpp"
-#include "renderer/device/plan/picture_area.hpp"
+#include "renderer/device/host/drawing.hpp"
 #include "renderer/image/clock.hpp"
 
 namespace scancast::cpu {
@@ -23,15 +23,15 @@ bool same(const Rect& a, const Rect& b) {
 
 }  // namespace
 
-Picture::Picture(const Drawing& drawing, const PassPlan& plan, const Kernels& kernels, int threads,
+Picture::Picture(const Drawing& drawing, const FramePasses& passes, const Kernels& kernels, int threads,
                  tbb::task_arena& arena, Buffers& buffers, std::stop_token stop)
     : drawing_(drawing),
-      plan_(plan),
+      passes_(passes),
       kernels_(kernels),
       workers_(arena, threads, std::move(stop)),
       buffers_(buffers) {
-    const PictureArea shown = pictureArea(drawing, plan);
-    sight_ = shown.sight;
+    const PictureArea shown = pictureArea(drawing, passes);
+    layerView_ = shown.view;
     window_ = rectOf(shown.window);
     area_ = rectOf(shown.area);
 }
@@ -40,14 +40,14 @@ Planes Picture::framePlanes(std::uint32_t* out, bool first, Frame& frame) {
     Planes planes;
     planes.area = area_;
     const std::size_t pixels = pixelsOf(area_);
-    if (plan_.normals()) planes.normals = grown(buffers_.frame.normals, pixels);
+    if (passes_.normals()) planes.normals = grown(buffers_.frame.normals, pixels);
     if (same(area_, window_)) {
         planes.rgba = out;
         planes.depth = first && drawing_.depth ? frame.depth.own().data() : nullptr;
     } else {
         planes.rgba = grown(buffers_.frame.rgba, pixels);
     }
-    const bool needed = !plan_.screen.empty() || !mirrors_.empty();
+    const bool needed = !passes_.screen.empty() || !mirrors_.empty();
     if (planes.depth == nullptr && needed) planes.depth = grown(buffers_.frame.depth, pixels);
     return planes;
 }
@@ -69,8 +69,8 @@ void Picture::makeMirrors() {
     for (const CutView& reflection : drawing_.reflections()) {
         const std::size_t at = mirrors_.size();
         if (buffers_.mirrors.size() <= at) buffers_.mirrors.push_back(std::make_unique<LayerMemory>());
-        auto layer = std::make_unique<MirrorLayer>(drawing_, reflection, sight_, plan_, kernels_, workers_,
-                                                   buffers_.tiles, *buffers_.mirrors[at], area_);
+        auto layer = std::make_unique<MirrorLayer>(drawing_, reflection, layerView_, passes_, kernels_,
+                                                   workers_, buffers_.tiles, *buffers_.mirrors[at], area_);
         if (!layer->empty()) mirrors_.push_back(std::move(layer));
     }
 }
@@ -90,7 +90,8 @@ void Picture::drawFrame(Layer& layer, const glm::dvec2& jitter, bool first, std:
     const Planes planes = framePlanes(out, first, frame);
     layer.draw(jitter, planes, frame.stats);
     onMirrors(frame.stats, [&](MirrorLayer& mirror) { mirror.draw(jitter, planes); });
-    runScreenPasses(plan_.screen, sight_, jitter, planes, kernels_, workers_, buffers_.screen, frame.stats);
+    runScreenPasses(passes_.screen, layerView_, jitter, planes, kernels_, workers_, buffers_.screen,
+                    frame.stats);
     onMirrors(frame.stats, [&](const MirrorLayer& mirror) { mirror.finish(jitter, planes); });
     if (planes.rgba != out && !workers_.stopped()) crop(planes, first, out, frame);
 }
@@ -130,7 +131,8 @@ Expected<Frame> Picture::draw() {
     frame.height = window_.height();
     frame.rgba.own().resize(pixelsOf(window_) * 4);
     if (drawing_.depth) frame.depth.own().resize(pixelsOf(window_));
-    Layer layer(drawing_, drawing_.mainView(), sight_, plan_, kernels_, workers_, buffers_.tiles, area_);
+    Layer layer(drawing_, drawing_.mainView(), layerView_, passes_, kernels_, workers_, buffers_.tiles,
+                area_);
     frame.stats.add("nearest", millisecondsSince(start));
     if (!drawing_.reflections().empty()) {
         const auto mirrorsStart = Clock::now();

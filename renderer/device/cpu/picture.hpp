@@ -23,7 +23,7 @@ struct Buffers {
 
 class Picture {
   public:
-    Picture(const Drawing& drawing, const PassPlan& plan, const Kernels& kernels, int threads,
+    Picture(const Drawing& drawing, const FramePasses& passes, const Kernels& kernels, int threads,
             tbb::task_arena& arena, Buffers& buffers, std::stop_token stop);
     Expected<Frame> draw();
 
@@ -38,11 +38,11 @@ class Picture {
     void accumulate(const std::uint32_t* rgba);
 
     const Drawing& drawing_;
-    const PassPlan& plan_;
+    const FramePasses& passes_;
     const Kernels& kernels_;
     const Workers workers_;
     Buffers& buffers_;
-    Sight sight_;
+    LayerView layerView_;
     Rect window_;
     Rect area_;  ///< the window, and what screen passes look at beyond it
     std::vector<std::unique_ptr<MirrorLayer>> mirrors_;  ///< those that lie in the area

@@ -7,7 +7,7 @@
 #include <glm/geometric.hpp>
 
 #include "renderer/cloud/surfel_codec.hpp"
-#include "renderer/device/plan/runs.hpp"
+#include "renderer/device/host/splats.hpp"
 
 namespace scancast::cpu {
 namespace {
@@ -62,17 +62,17 @@ Rect boundsOf(const Node& node, const Viewpoint& viewpoint, int pad, double grow
 }
 
 /// Cycles a sample costs, roughly: what tiles are balanced by.
-double cyclesPerSample(const SplatStage& stage, float largestPx) {
-    if (largestPx <= 1 && !ofSurfels(stage.splat)) return 10;
+double cyclesPerSample(const SplatPass& pass, float largestPx) {
+    if (largestPx <= 1 && !ofSurfels(pass)) return 10;
     const double rows = std::ceil(largestPx);
     const double chunks = std::ceil(rows / 8);
-    const Shape shape = stage.numbers.shape;
+    const Shape shape = pass.shape;
     const bool roots =
         shape == Shape::ConeCircle || shape == Shape::ConeSquare || shape == Shape::SphereCircle;
     double perChunk = roots ? 10 : 6;
-    if (ofSurfels(stage.splat)) perChunk = 20;
-    if (stage.kind == SplatStage::Kind::Sum) perChunk += 30;
-    return (ofSurfels(stage.splat) ? 60 : 25) + rows * chunks * perChunk;
+    if (ofSurfels(pass)) perChunk = 20;
+    if (pass.reduction == Reduction::Sum) perChunk += 30;
+    return (ofSurfels(pass) ? 60 : 25) + rows * chunks * perChunk;
 }
 
 void setLargestRatio(const CutRun& cutRun, SplatRun& run) {
@@ -97,63 +97,61 @@ struct Extent {
     double radius = 0;  ///< how far in front of its centre a fragment may lie, cloud units
 };
 
-Extent surfelExtent(const SplatStage& stage, const SplatRun& run, const Viewpoint& viewpoint, double front) {
-    const bool ellipse = stage.splat.footprint == Footprint::Ellipse;
-    double radius = double(run.plainRadius) * run.largestRatio * stage.numbers.scale;
+Extent surfelExtent(const SplatPass& pass, const SplatRun& run, const Viewpoint& viewpoint, double front) {
+    const bool ellipse = pass.shape == Shape::Ellipse;
+    double radius = double(run.plainRadius) * run.largestRatio * pass.scale;
     if (ellipse) radius *= majorPerRadius;
-    radius *= std::max(1.0f, stage.numbers.reach);
+    radius *= std::max(1.0f, pass.reach);
     // Off the axis a disc appears larger by as much as its ray is longer.
     const double slope = 0.5 * std::hypot(viewpoint.width, viewpoint.height) / viewpoint.pixelsPerUnit;
     const bool perspective = viewpoint.projection == Projection::Perspective;
     const double stretch = perspective ? 1.5 * std::sqrt(1 + slope * slope) : 1.0;
     const double nearest = perspective ? front - radius : 1.0;
     double px = nearest > 0 ? stretch * radius * viewpoint.pixelsPerUnit / nearest : DBL_MAX;
-    px = std::min(px, stretch * stretch * stage.numbers.maxPx);
+    px = std::min(px, stretch * stretch * pass.maxPx);
     // dz, with |n_xy/n_z| at its bound of 8.
-    const double blur = 2.5 * 8 * stage.numbers.lowPassPx / viewpoint.q(front);
-    return {px + 2.5 * stage.numbers.lowPassPx + 0.5, radius + blur};
+    const double blur = 2.5 * 8 * pass.lowPassPx / viewpoint.q(front);
+    return {px + 2.5 * pass.lowPassPx + 0.5, radius + blur};
 }
 
-/// How far behind the visible surface a fragment of the run may lie and still be drawn by the stage.
-double tolerance(const SplatStage& stage, const SplatRun& run, const Viewpoint& viewpoint, double farthest,
+/// How far behind the visible surface a fragment of the run may lie and still be drawn by the pass.
+double tolerance(const SplatPass& pass, const SplatRun& run, const Viewpoint& viewpoint, double farthest,
                  double largestPx) {
-    using enum SplatStage::Kind;
-    if (stage.kind == Silhouette || stage.kind == Nearest) return 0;
+    if (pass.reduction == Reduction::Nearest) return 0;
     const double pixel = 1 / viewpoint.q(farthest);
-    const double radius = double(run.plainRadius) * run.largestRatio * stage.numbers.scale;
-    switch (stage.splat.footprint) {
-        case Footprint::Ellipse: {
+    const double radius = double(run.plainRadius) * run.largestRatio * pass.scale;
+    switch (pass.shape) {
+        case Shape::Ellipse: {
             // 2a + 2dz, with |n_xy/n_z| at its bound of 8.
             const double a = radius * majorPerRadius;
-            return 2 * a + 2 * (1.5 * a + 2.5 * 8 * stage.numbers.lowPassPx * pixel);
+            return 2 * a + 2 * (1.5 * a + 2.5 * 8 * pass.lowPassPx * pixel);
         }
-        case Footprint::Disc:
-            return radius * stage.numbers.tolerance;
+        case Shape::Disc:
+            return radius * pass.tolerance;
         default:
             return 2 * (0.5 * largestPx) * pixel;
     }
 }
 
 /// Sizes in one pass; grows `grow` (px) and `reach` (cloud units) to what its splats need.
-PassSize sizeIn(const SplatStage& stage, const SplatRun& run, const Viewpoint& viewpoint,
-                const Depths& depths, double front, double& grow, double& reach) {
+PassSize sizeIn(const SplatPass& pass, const SplatRun& run, const Viewpoint& viewpoint, const Depths& depths,
+                double front, double& grow, double& reach) {
     PassSize size;
     double forward = 0;
-    if (ofSurfels(stage.splat)) {
-        const Extent extent = surfelExtent(stage, run, viewpoint, front);
+    if (ofSurfels(pass)) {
+        const Extent extent = surfelExtent(pass, run, viewpoint, front);
         size.largestPx = static_cast<float>(std::min(2 * extent.px, 1e6));
         forward = extent.radius;
     } else {
-        const double factor = spriteFactor(run, stage, viewpoint);
+        const double factor = spriteFactor(run, pass, viewpoint);
         size.sizeFactor = static_cast<float>(std::clamp(factor, 0.0, 1e30));
         const bool perspective = viewpoint.projection == Projection::Perspective;
         const double grown = 1.000001 * factor * run.largestRatio / (perspective ? front : 1.0);
-        size.largestPx =
-            static_cast<float>(std::clamp(grown, double(stage.numbers.minPx), double(stage.numbers.maxPx)));
+        size.largestPx = static_cast<float>(std::clamp(grown, double(pass.minPx), double(pass.maxPx)));
     }
     grow = std::max(grow, 0.5 * size.largestPx);
     reach = std::max(reach, forward);
-    const double behind = tolerance(stage, run, viewpoint, depths.farthest, size.largestPx);
+    const double behind = tolerance(pass, run, viewpoint, depths.farthest, size.largestPx);
     const auto order = static_cast<float>((front - forward - behind) * 0.9999998);
     size.frontOrder = order > 0 ? std::bit_cast<std::int32_t>(order) : 0;
     return size;
@@ -161,18 +159,18 @@ PassSize sizeIn(const SplatStage& stage, const SplatRun& run, const Viewpoint& v
 
 }  // namespace
 
-std::optional<PreparedRun> prepareRun(const CutRun& cutRun, const Sight& sight,
-                                      std::span<const SplatStage> stages, const ColorRule& color,
+std::optional<PreparedRun> prepareRun(const CutRun& cutRun, const LayerView& layerView,
+                                      std::span<const SplatPass> passes, const ColorRule& color,
                                       const SampleFilter& filter, const Rect& area, double maxJitter) {
     const Node& node = *cutRun.node;
-    const Viewpoint& viewpoint = *sight.viewpoint;
+    const Viewpoint& viewpoint = *layerView.viewpoint;
     if (cutRun.samples.empty() || area.empty()) return std::nullopt;
-    const SplatNumbers& pass = stages.front().numbers;
+    const SplatPass& pass = passes.front();
     const Depths depths = depthsOf(node, viewpoint);
     if (!(depths.farthest + depths.error >= pass.near) || !(depths.nearest - depths.error <= pass.far)) {
         return std::nullopt;
     }
-    const auto numbers = runNumbers(cutRun, sight, color, filter);
+    const auto numbers = runNumbers(cutRun, layerView, color, filter);
     if (!numbers) return std::nullopt;
     PreparedRun out;
     SplatRun& run = out.run;
@@ -185,18 +183,18 @@ std::optional<PreparedRun> prepareRun(const CutRun& cutRun, const Sight& sight,
 
     const double front = std::max(depths.nearest - depths.error, static_cast<double>(pass.near));
     double grow = 0, reach = 0;
-    for (std::size_t i = 0; i < stages.size(); ++i) {
-        out.sizes[i] = sizeIn(stages[i], run, viewpoint, depths, front, grow, reach);
+    for (std::size_t i = 0; i < passes.size(); ++i) {
+        out.sizes[i] = sizeIn(passes[i], run, viewpoint, depths, front, grow, reach);
     }
     out.front = static_cast<float>((front - reach) * 0.9999998);
     if (pass.perspective && depths.nearest - depths.error - reach < pass.near) {
         out.bounds = area;  // reaches behind the eye: its corners say nothing
     } else {
-        out.bounds = boundsOf(node, viewpoint, sight.pad, grow + maxJitter + 1.5).intersect(area);
+        out.bounds = boundsOf(node, viewpoint, layerView.pad, grow + maxJitter + 1.5).intersect(area);
     }
     if (out.bounds.empty()) return std::nullopt;
-    for (std::size_t i = 0; i < stages.size(); ++i) {
-        out.work += run.count * cyclesPerSample(stages[i], std::min(out.sizes[i].largestPx, 64.0f));
+    for (std::size_t i = 0; i < passes.size(); ++i) {
+        out.work += run.count * cyclesPerSample(passes[i], std::min(out.sizes[i].largestPx, 64.0f));
     }
     return out;
 }

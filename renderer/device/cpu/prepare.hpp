@@ -1,4 +1,4 @@
-// From a cut to kernel input: each run's numbers (renderer/device/plan), and what is known of a run before
+// From a cut to kernel input: each run's numbers (renderer/device/host), and what is known of a run before
 // its samples are touched - where it lies on the picture, how near, how large its splats get. Pure functions;
 // any thread.
 #pragma once
@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "renderer/device/cpu/kernels/kernels.hpp"
-#include "renderer/device/plan/stages.hpp"
+#include "renderer/device/host/splats.hpp"
 
 namespace scancast::cpu {
 
@@ -37,14 +37,14 @@ struct PreparedRun {
     SplatRun run;
     std::shared_ptr<const std::vector<DroppedRegion>> dropped;  ///< what `run` points to
     Rect bounds;  ///< no fragment of any jittered frame lies outside; clipped to the area drawn
-    std::array<PassSize, mostSplatStages> sizes;  ///< by stage
+    std::array<PassSize, mostSplatPasses> sizes;  ///< by pass
     float front = 0;                              ///< no fragment lies in front of this depth
     double work = 0;                              ///< estimated cost, cycles
 };
 
 /// nullopt: nothing of the run can be seen in `area`. `maxJitter` is the largest shift of any frame, px.
-std::optional<PreparedRun> prepareRun(const CutRun& run, const Sight& sight,
-                                      std::span<const SplatStage> stages, const ColorRule& color,
+std::optional<PreparedRun> prepareRun(const CutRun& run, const LayerView& layerView,
+                                      std::span<const SplatPass> passes, const ColorRule& color,
                                       const SampleFilter& filter, const Rect& area, double maxJitter);
 
 }  // namespace scancast::cpu

@@ -12,7 +12,7 @@
 
 #include "renderer/device/cpu/kernels/pyramid.hpp"
 #include "renderer/device/cpu/workers.hpp"
-#include "renderer/device/plan/pyramid_plan.hpp"
+#include "renderer/device/host/screens.hpp"
 
 namespace scancast::cpu {
 

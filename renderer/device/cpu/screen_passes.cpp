@@ -4,7 +4,7 @@
 #include <limits>
 
 #include "renderer/device/cpu/grown.hpp"
-#include "renderer/device/plan/screen_plan.hpp"
+#include "renderer/device/host/screens.hpp"
 #include "renderer/image/clock.hpp"
 
 namespace scancast::cpu {
@@ -12,7 +12,7 @@ namespace {
 
 /// One picture's planes, and what screen passes work with.
 struct Screen {
-    const Sight& sight;
+    const LayerView& layerView;
     const glm::dvec2& jitter;
     const Planes& planes;
     const Kernels& kernels;
@@ -55,7 +55,7 @@ const char* run(const EyeDomePass& pass, const Screen& s) {
 const char* run(const PhongPass& pass, const Screen& s) {
     const Rect& area = s.planes.area;
     Phong whole;
-    static_cast<PhongNumbers&>(whole) = phongNumbers(pass, s.sight, s.jitter, area.x0, area.y0);
+    static_cast<PhongNumbers&>(whole) = phongNumbers(pass, s.layerView, s.jitter, area.x0, area.y0);
     whole.stride = whole.width = area.width();
     whole.rgba = s.planes.rgba;
     whole.normals = s.planes.normals;
@@ -72,7 +72,7 @@ PyramidPlanes pyramidPlanes(const Screen& s) {
     const Rect& area = s.planes.area;
     PyramidPlanes p;
     static_cast<PyramidView&>(p) =
-        pyramidView(s.sight, s.jitter, area.x0, area.y0, area.width(), area.height());
+        pyramidView(s.layerView, s.jitter, area.x0, area.y0, area.width(), area.height());
     p.rgba = s.planes.rgba;
     p.depth = s.planes.depth;
     p.stride = area.width();
@@ -97,10 +97,10 @@ const char* run(const DepthNormalsPass& pass, const Screen& s) {
 
 }  // namespace
 
-void runScreenPasses(std::span<const Pass> passes, const Sight& sight, const glm::dvec2& jitter,
+void runScreenPasses(std::span<const Pass> passes, const LayerView& layerView, const glm::dvec2& jitter,
                      const Planes& planes, const Kernels& kernels, const Workers& workers,
                      ScreenMemory& memory, FrameStats& stats) {
-    const Screen screen{sight, jitter, planes, kernels, workers, memory};
+    const Screen screen{layerView, jitter, planes, kernels, workers, memory};
     for (const Pass& pass : passes) {
         if (workers.stopped()) return;
         const auto start = Clock::now();

@@ -1,4 +1,4 @@
-// The screen passes of a plan: planes of colour, depth and normal, changed in place. Called on the render
+// The screen passes of a frame: planes of colour, depth and normal, changed in place. Called on the render
 // thread; rows are shared out to the workers.
 #pragma once
 
@@ -15,8 +15,8 @@ struct ScreenMemory {
     Pyramid pyramid;
 };
 
-/// Runs them in their order, for planes drawn with this sight and jitter. Adds one stage each.
-void runScreenPasses(std::span<const Pass> passes, const Sight& sight, const glm::dvec2& jitter,
+/// Runs them in their order, for planes drawn with this layerView and jitter. Adds one stage each.
+void runScreenPasses(std::span<const Pass> passes, const LayerView& layerView, const glm::dvec2& jitter,
                      const Planes& planes, const Kernels& kernels, const Workers& workers,
                      ScreenMemory& memory, FrameStats& stats);
 

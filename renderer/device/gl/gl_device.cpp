@@ -135,11 +135,11 @@ class GlDevice final : public Device {
 
     Expected<std::unique_ptr<PendingFrame>> beginCurrent(const Drawing& drawing, std::stop_token stop) {
         if (auto checked = check(drawing); !checked) return tl::unexpected(checked.error());
-        const auto plan = planPasses(drawing.passes);
-        if (!plan) return tl::unexpected(plan.error());
+        const auto passes = framePasses(drawing.passes);
+        if (!passes) return tl::unexpected(passes.error());
         Frame frame;
         StageTimes times(shop_->timers);
-        auto pixels = Picture(*shop_, drawing, *plan, stop).draw(times);
+        auto pixels = Picture(*shop_, drawing, *passes, stop).draw(times);
         if (!pixels) return tl::unexpected(pixels.error());
         frame.width = drawing.window.width;
         frame.height = drawing.window.height;

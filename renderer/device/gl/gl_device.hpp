@@ -1,7 +1,7 @@
 // The `gl` device: every pass a compute shader on OpenGL 4.5 core, without a window, by EGL or OSMesa.
 //
 // It draws what the cpu device draws, pass by pass and in the same order of operations, from the same numbers
-// (renderer/device/plan); a picture's pixels are read back while the next one is begun (picture.hpp). The
+// (renderer/device/host); a picture's pixels are read back while the next one is begun (picture.hpp). The
 // context is current only inside calls, so several GL devices may live on one thread.
 #pragma once
 

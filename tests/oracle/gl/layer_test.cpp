@@ -33,8 +33,8 @@ struct Pixels {
 /// A layer to be drawn.
 struct LayerCase {
     Drawing drawing;
-    PassPlan plan;
-    Sight sight;
+    FramePasses passes;
+    LayerView layerView;
     ivec4 area;
     glm::dvec2 jitter{0.25, -0.4375};
 };
@@ -42,10 +42,10 @@ struct LayerCase {
 LayerCase layerCase(const Drawing& drawing) {
     LayerCase c;
     c.drawing = drawing;
-    c.plan = planPasses(drawing.passes).value();
-    c.sight = {&drawing.mainView().viewpoint, c.plan.guardBand(), drawing.surfels, drawing.oriented};
+    c.passes = framePasses(drawing.passes).value();
+    c.layerView = {&drawing.mainView().viewpoint, c.passes.guardBand(), drawing.surfels, drawing.oriented};
     const Window& w = drawing.window;
-    c.area = {w.x + c.sight.pad, w.y + c.sight.pad, w.width, w.height};
+    c.area = {w.x + c.layerView.pad, w.y + c.layerView.pad, w.width, w.height};
     return c;
 }
 
@@ -59,7 +59,7 @@ Pixels drawOnCpu(const LayerCase& c) {
     cpu::TileMemories memories;
     memories.push_back(std::make_unique<cpu::TileMemory>());
     const cpu::Rect area{c.area.x, c.area.y, c.area.x + c.area.z, c.area.y + c.area.w};
-    cpu::Layer layer(c.drawing, c.drawing.mainView(), c.sight, c.plan,
+    cpu::Layer layer(c.drawing, c.drawing.mainView(), c.layerView, c.passes,
                      *cpu::chooseSimdLevel("").value()->kernels, workers, memories, area);
     const std::vector<std::uint32_t> none(pixelsOf(c));
     Pixels out{none, none, none};
@@ -148,7 +148,7 @@ struct GlDrawing {
             ASSERT_TRUE(buffer->reserve(planes.pixels() * 4));
             buffer->clear(planes.pixels(), untouched);
         }
-        auto layer = gl::Layer::create(parts, c.drawing, c.drawing.mainView(), c.sight, c.plan, c.area);
+        auto layer = gl::Layer::create(parts, c.drawing, c.drawing.mainView(), c.layerView, c.passes, c.area);
         ASSERT_TRUE(layer) << layer.error().message;
         gl::GpuTimers timers(functions);
         gl::StageTimes times(timers);
@@ -207,7 +207,7 @@ void expectTheSame(GlLayers::Backend& backend, const LayerCase& c, const GlLimit
     EXPECT_GT(covered(cpu), pixelsOf(c) / 100) << "a picture of nothing proves nothing";
     EXPECT_EQ(differing(cpu.depth, gl.depth), 0u) << "depths";
     EXPECT_EQ(differing(cpu.rgba, gl.rgba), 0u) << "colours";
-    if (c.plan.resolve.normals) {
+    if (c.passes.resolve.normals) {
         EXPECT_EQ(differing(cpu.normals, gl.normals), 0u) << "normals";
     }
 }

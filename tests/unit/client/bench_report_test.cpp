@@ -21,8 +21,8 @@ TEST(BenchReport, PercentilesAreNearestRanks) {
 }
 
 TEST(BenchReport, EachBehaviourIsAGroup) {
-    BenchPlan plan;
-    plan.seconds = 2;
+    BenchOptions options;
+    options.seconds = 2;
     BenchResult fast, slower, idle;
     fast.frames = 40;
     fast.latencies = {10, 20, 30};
@@ -32,7 +32,7 @@ TEST(BenchReport, EachBehaviourIsAGroup) {
     slower.error = "gone";
     idle.behaviour = Behaviour::Idle;
     idle.answerMs = 12;
-    const auto report = benchReport(plan, {fast, slower, idle});
+    const auto report = benchReport(options, {fast, slower, idle});
     ASSERT_EQ(report["groups"].size(), 2U);
     const auto& moving = report["groups"][0];
     EXPECT_EQ(moving["behaviour"], "moving");

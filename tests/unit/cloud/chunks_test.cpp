@@ -8,7 +8,7 @@
 #include <set>
 
 #include "renderer/cloud/build/build_cloud.hpp"
-#include "renderer/cloud/build/chunks/chunk_plan.hpp"
+#include "renderer/cloud/build/chunks/chunk_layout.hpp"
 #include "renderer/cloud/build/workspace.hpp"
 #include "renderer/cloud/cloud.hpp"
 #include "renderer/cloud/surfel_codec.hpp"
@@ -79,32 +79,32 @@ TEST(CountingGrid, TheRungDependsOnTheSetAlone) {
         ASSERT_TRUE(a[i].key == b[i].key && a[i].points == b[i].points);
 }
 
-TEST(ChunkPlan, EveryCellGoesToOneChunkAndHalosAreWhatLiesAround) {
+TEST(ChunkLayout, EveryCellGoesToOneChunkAndHalosAreWhatLiesAround) {
     const auto points = randomPoints(40'000, 100'000);
     CountingGrid counts(boxOf(points));
     counts.add(points);
     const auto cells = counts.cells();
     Grid grid;
-    const ChunkPlan plan = planChunks(counts.frame(), cells, grid, 5000, true);
-    ASSERT_GT(plan.chunks.size(), 5u);
-    std::vector<std::uint64_t> own(plan.chunks.size()), halo(plan.chunks.size());
+    const ChunkLayout layout = layOutChunks(counts.frame(), cells, grid, 5000, true);
+    ASSERT_GT(layout.chunks.size(), 5u);
+    std::vector<std::uint64_t> own(layout.chunks.size()), halo(layout.chunks.size());
     for (const CountedCell& c : cells) {
-        const auto& to = plan.destination(c.key);
+        const auto& to = layout.destination(c.key);
         own[to.chunk] += c.points;
         std::set<std::uint32_t> seen{to.chunk};
         for (std::uint32_t h = to.firstHalo; h < to.firstHalo + to.halos; ++h) {
-            EXPECT_TRUE(seen.insert(plan.haloChunks[h]).second) << "its own chunk, or twice";
-            halo[plan.haloChunks[h]] += c.points;
+            EXPECT_TRUE(seen.insert(layout.haloChunks[h]).second) << "its own chunk, or twice";
+            halo[layout.haloChunks[h]] += c.points;
         }
     }
-    for (std::size_t i = 0; i < plan.chunks.size(); ++i) {
-        EXPECT_EQ(own[i], plan.chunks[i].points);
+    for (std::size_t i = 0; i < layout.chunks.size(); ++i) {
+        EXPECT_EQ(own[i], layout.chunks[i].points);
         EXPECT_LE(own[i], 5000u);
-        EXPECT_EQ(halo[i], plan.chunks[i].halo);
+        EXPECT_EQ(halo[i], layout.chunks[i].halo);
     }
     // Brute force: cells that touch, at a distance of one, are in each other's halo.
     std::map<CellKey, std::uint32_t> chunkOf;
-    for (const CountedCell& c : cells) chunkOf[c.key] = plan.destination(c.key).chunk;
+    for (const CountedCell& c : cells) chunkOf[c.key] = layout.destination(c.key).chunk;
     for (std::size_t i = 0; i < cells.size(); i += 7)
         for (int dx = -1; dx <= 1; ++dx)
             for (int dy = -1; dy <= 1; ++dy) {
@@ -112,9 +112,9 @@ TEST(ChunkPlan, EveryCellGoesToOneChunkAndHalosAreWhatLiesAround) {
                            y = std::int64_t(cellAxis(cells[i].key, 1)) + dy;
                 if (x < 0 || y < 0) continue;
                 const auto near = chunkOf.find(CellKey(x) | CellKey(y) << 21 | (cells[i].key >> 42) << 42);
-                const auto& to = plan.destination(cells[i].key);
+                const auto& to = layout.destination(cells[i].key);
                 if (near == chunkOf.end() || near->second == to.chunk) continue;
-                const auto first = plan.haloChunks.begin() + to.firstHalo;
+                const auto first = layout.haloChunks.begin() + to.firstHalo;
                 EXPECT_NE(std::find(first, first + to.halos, near->second), first + to.halos);
             }
 }

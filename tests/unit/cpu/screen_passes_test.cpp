@@ -35,8 +35,8 @@ struct Part {
 
 TEST(ScreenPasses, LightEveryPixelAlikeWhoeverTakesIt) {
     const Viewpoint viewpoint = lookAt({0, -5, 0}, {0, 0, 0}, 1000, 700);
-    Sight sight;
-    sight.viewpoint = &viewpoint;
+    LayerView layerView;
+    layerView.viewpoint = &viewpoint;
     const Pass passes[] = {PhongPass{0.1f, 0.5f, 0.7f, 0.9f}, EyeDomePass{}};
     // From the view axis outwards: there the first place has more digits than the last can keep.
     for (const cpu::Rect& area : {cpu::Rect{500, 350, 1000, 700}, {0, 0, 501, 351}, {499, 349, 640, 360}}) {
@@ -49,7 +49,7 @@ TEST(ScreenPasses, LightEveryPixelAlikeWhoeverTakesIt) {
                 cpu::ScreenMemory memory;
                 FrameStats stats;
                 Part part(area);
-                cpu::runScreenPasses(passes, sight, {0.3, -0.4}, part.planes(), *level.kernels, workers,
+                cpu::runScreenPasses(passes, layerView, {0.3, -0.4}, part.planes(), *level.kernels, workers,
                                      memory, stats);
                 results.push_back(std::move(part.rgba));
             }

@@ -5,7 +5,7 @@
 #include <glm/geometric.hpp>
 
 #include "renderer/device/cpu/simd_level.hpp"
-#include "renderer/device/plan/glass_plane.hpp"
+#include "renderer/device/host/screens.hpp"
 #include "tests/support/analytic_cut.hpp"
 #include "tests/support/on_gl.hpp"
 
@@ -76,10 +76,10 @@ TEST_P(GlGlass, IsTheCpus) {
     for (const bool perspective : {true, false}) {
         for (const bool normals : {true, false}) {
             const CutView mirror = tiltedMirror(perspective);
-            Sight sight;
-            sight.viewpoint = &mirror.viewpoint;
-            sight.pad = 7;
-            const GlassNumbers glass = glassNumbers(*mirror.glass, sight, {0.25, -0.125});
+            LayerView layerView;
+            layerView.viewpoint = &mirror.viewpoint;
+            layerView.pad = 7;
+            const GlassNumbers glass = glassNumbers(*mirror.glass, layerView, {0.25, -0.125});
             PixelPlanes here = randomGlass({4, 6, 171, 123}, 1, normals);
             const PixelPlanes before = here;
             PixelPlanes seen = randomGlass({40, 29, 101, 77}, 2, normals), there = here;

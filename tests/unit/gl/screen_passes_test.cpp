@@ -18,8 +18,8 @@ struct Scene {
     glm::dvec2 jitter{0};
     PixelPlanes planes;
 
-    Sight sight() const {
-        Sight s;
+    LayerView layerView() const {
+        LayerView s;
         s.viewpoint = &viewpoint;
         s.pad = pad;
         return s;
@@ -67,7 +67,7 @@ class GlScreenPasses : public OnGl {
     PixelPlanes onGpu(const Scene& scene, std::span<const Pass> passes) {
         PixelPlanes planes = scene.planes;
         gl::StageTimes times(*timers_);
-        auto done = gl::runScreenPasses(passes, scene.sight(), scene.jitter, buffers_->upload(planes),
+        auto done = gl::runScreenPasses(passes, scene.layerView(), scene.jitter, buffers_->upload(planes),
                                         shaders(), *pyramid_, times, {});
         if (done) done = times.collect(stats_);
         EXPECT_TRUE(done) << done.error().message;
@@ -83,7 +83,7 @@ class GlScreenPasses : public OnGl {
         planes.depth = result.depth.data();
         planes.normals = result.normals.data();
         const cpu::Workers workers(arena_, 2, {});
-        cpu::runScreenPasses(passes, scene.sight(), scene.jitter, planes, *kernels_, workers, memory_,
+        cpu::runScreenPasses(passes, scene.layerView(), scene.jitter, planes, *kernels_, workers, memory_,
                              cpuStats_);
         return result;
     }
@@ -171,8 +171,8 @@ TEST_P(GlScreenPasses, AreAbandonedWhenAsked) {
     gl::Pyramid pyramid(shaders());
     gl::StageTimes times(*timers_);
     const auto done =
-        gl::runScreenPasses(everything(), scenes[0].sight(), {}, buffers.upload(scenes[0].planes), shaders(),
-                            pyramid, times, stop.get_token());
+        gl::runScreenPasses(everything(), scenes[0].layerView(), {}, buffers.upload(scenes[0].planes),
+                            shaders(), pyramid, times, stop.get_token());
     ASSERT_FALSE(done);
     EXPECT_EQ(done.error().code, ErrorCode::Cancelled);
 }

@@ -260,6 +260,32 @@ TEST(Render, TheDefaultViewCanBeDrawn) {
     EXPECT_EQ(frame->stats.stages.front().name, "select");
 }
 
+/// What `auto` chose is asked of the plan that is there, as long as the cloud is seen alike.
+TEST(Plan, KeepsWhatAutoChose) {
+    const Cloud cloud = fourPoints();
+    View view = fromAbove(cloud);
+    view.style.method = "auto";
+    const auto chosen = plan(cloud, view);
+    ASSERT_TRUE(chosen) << chosen.error().message;
+    PlannedView known = **chosen;
+    known.method = known.method == "point" ? "square" : "point";
+    known.reason = "known";
+    const auto again = [&] { return plan(cloud, view, &known).value(); };
+
+    view.quality.samples = 1;
+    view.quality.detail = 3;
+    EXPECT_EQ(again()->method, known.method);
+    EXPECT_EQ(again()->reason, known.reason);
+    EXPECT_EQ(again()->selection.detail, 3);
+    view.width /= 2;
+    EXPECT_EQ(again()->method, (*chosen)->method) << "at another size it may be another";
+    view.width *= 2;
+    view.camera.eye.x += 1;
+    EXPECT_EQ(again()->method, (*chosen)->method);
+    view.style.method = "cone";
+    EXPECT_EQ(again()->method, "cone");
+}
+
 TEST(Render, UnknownMethodNamesTheKnownOnes) {
     const Cloud cloud = fourPoints();
     View view = fromAbove(cloud);

@@ -10,7 +10,7 @@ TEST(Quality, FullEffortIsTheViewItselfWithOneSample) {
     wanted.width = 801;
     wanted.height = 603;
     wanted.quality.samples = 16;
-    const View moving = movingView(wanted, planMoving(1, 1.3, {}));
+    const View moving = movingView(wanted, movingQuality(1, 1.3, {}));
     View expected = wanted;
     expected.quality.samples = 1;
     expected.quality.detail = 1.3;
@@ -21,40 +21,40 @@ TEST(Quality, NeverBelowTheLimits) {
     const MovingLimits limits;
     for (double detail : {0.0, 0.5, 1.0, 2.0, 7.0}) {
         for (double effort : {1e-9, 0.01, 0.1, 0.3, 0.9}) {
-            const MovingPlan plan = planMoving(effort, detail, limits);
-            EXPECT_LE(plan.detail, std::max(limits.maxDetail, detail)) << detail << " " << effort;
-            EXPECT_GE(plan.detail, detail);
-            EXPECT_GE(plan.resolution, limits.minResolution);
-            EXPECT_LE(plan.resolution, 1);
+            const MovingQuality quality = movingQuality(effort, detail, limits);
+            EXPECT_LE(quality.detail, std::max(limits.maxDetail, detail)) << detail << " " << effort;
+            EXPECT_GE(quality.detail, detail);
+            EXPECT_GE(quality.resolution, limits.minResolution);
+            EXPECT_LE(quality.resolution, 1);
         }
     }
 }
 
 TEST(Quality, DetailPaysBeforeResolution) {
-    const MovingPlan plan = planMoving(0.5, 1, {});
-    EXPECT_GT(plan.detail, 1);
-    EXPECT_EQ(plan.resolution, 1);
-    const MovingPlan poor = planMoving(0.1, 1, {});
+    const MovingQuality quality = movingQuality(0.5, 1, {});
+    EXPECT_GT(quality.detail, 1);
+    EXPECT_EQ(quality.resolution, 1);
+    const MovingQuality poor = movingQuality(0.1, 1, {});
     EXPECT_EQ(poor.detail, 2);
     EXPECT_LT(poor.resolution, 1);
 }
 
 TEST(Quality, TheSizeDoesNotTrembleWithTheMeasurements) {
-    double before = planMoving(0.16, 1, {}).resolution;
+    double before = movingQuality(0.16, 1, {}).resolution;
     const double first = before;
     for (int i = 0; i < 20; ++i) {
-        before = planMoving(i % 2 ? 0.15 : 0.165, 1, {}, before).resolution;
+        before = movingQuality(i % 2 ? 0.15 : 0.165, 1, {}, before).resolution;
         EXPECT_EQ(before, first);
     }
-    EXPECT_GT(planMoving(0.24, 1, {}, before).resolution, first);
+    EXPECT_GT(movingQuality(0.24, 1, {}, before).resolution, first);
 }
 
 TEST(Quality, LeastEffortIsEverythingAtItsLimit) {
     const MovingLimits limits;
-    const MovingPlan plan = planMoving(leastEffort(1, limits), 1, limits);
-    EXPECT_EQ(plan.detail, limits.maxDetail);
-    EXPECT_EQ(plan.resolution, limits.minResolution);
-    EXPECT_EQ(planMoving(leastEffort(1, limits), 1, limits, 0.625).resolution, limits.minResolution)
+    const MovingQuality quality = movingQuality(leastEffort(1, limits), 1, limits);
+    EXPECT_EQ(quality.detail, limits.maxDetail);
+    EXPECT_EQ(quality.resolution, limits.minResolution);
+    EXPECT_EQ(movingQuality(leastEffort(1, limits), 1, limits, 0.625).resolution, limits.minResolution)
         << "whatever the size was before";
 }
 
@@ -66,9 +66,9 @@ TEST(Quality, SettlesAtTheWantedRateOfAModelRenderer) {
         double effort = 1;
         double frameMs = 0;
         for (int frame = 0; frame < 60; ++frame) {
-            const MovingPlan plan = planMoving(effort, 1, limits);
-            frameMs = fullMs * costOf(plan, 1);
-            effort = nextEffort(plan, frameMs, 1, limits);
+            const MovingQuality quality = movingQuality(effort, 1, limits);
+            frameMs = fullMs * costOf(quality, 1);
+            effort = nextEffort(quality, frameMs, 1, limits);
         }
         const double floorMs = fullMs * leastEffort(1, limits);
         const double wantedMs = 1000 / limits.fps;
@@ -85,14 +85,14 @@ TEST(Quality, SettlesAtTheWantedRateOfAModelRenderer) {
 }
 
 TEST(Quality, FallsAtOnceAndRisesSlowly) {
-    EXPECT_LT(nextEffort(planMoving(1, 1, {}), 120, 1, {}), 0.3);
-    EXPECT_DOUBLE_EQ(nextEffort(planMoving(0.4, 1, {}), 0.001, 1, {}), 0.5);
+    EXPECT_LT(nextEffort(movingQuality(1, 1, {}), 120, 1, {}), 0.3);
+    EXPECT_DOUBLE_EQ(nextEffort(movingQuality(0.4, 1, {}), 0.001, 1, {}), 0.5);
 }
 
 TEST(Quality, TinyPicturesStayPictures) {
     View wanted;
     wanted.width = wanted.height = 1;
-    const View moving = movingView(wanted, planMoving(1e-6, 1, {}));
+    const View moving = movingView(wanted, movingQuality(1e-6, 1, {}));
     EXPECT_EQ(moving.width, 1);
     EXPECT_EQ(moving.height, 1);
 }

@@ -26,12 +26,12 @@ Summary between(const std::vector<SimulatedFrame>& frames, double from, double t
         if (frame.acknowledged < from || frame.acknowledged >= to) continue;
         ++count;
         sum.latency += frame.acknowledged - frame.ordered;
-        sum.jpegQuality += frame.plan.jpegQuality;
-        sum.resolution += frame.plan.resolution;
-        sum.leastJpegQuality = std::min(sum.leastJpegQuality, frame.plan.jpegQuality);
-        sum.leastResolution = std::min(sum.leastResolution, frame.plan.resolution);
-        if (before > 0 && before != frame.plan.resolution) ++sum.sizeChanges;
-        before = frame.plan.resolution;
+        sum.jpegQuality += frame.quality.jpegQuality;
+        sum.resolution += frame.quality.resolution;
+        sum.leastJpegQuality = std::min(sum.leastJpegQuality, frame.quality.jpegQuality);
+        sum.leastResolution = std::min(sum.leastResolution, frame.quality.resolution);
+        if (before > 0 && before != frame.quality.resolution) ++sum.sizeChanges;
+        before = frame.quality.resolution;
     }
     sum.framesPerSecond = count / (to - from);
     if (count == 0) return sum;
@@ -39,13 +39,13 @@ Summary between(const std::vector<SimulatedFrame>& frames, double from, double t
     return sum;
 }
 
-bool isFull(const MovingPlan& plan) {
-    return plan.resolution == 1 && plan.jpegQuality == 90 && plan.detail == 1;
+bool isFull(const MovingQuality& quality) {
+    return quality.resolution == 1 && quality.jpegQuality == 90 && quality.detail == 1;
 }
 
 TEST(QualityTraces, ALocalNetworkIsNeverALimit) {
     SimulatedStream stream({always(1000 * mbit), always(0.0005)});
-    for (const auto& frame : stream.run(5)) ASSERT_TRUE(isFull(frame.plan)) << "at " << frame.ordered;
+    for (const auto& frame : stream.run(5)) ASSERT_TRUE(isFull(frame.quality)) << "at " << frame.ordered;
 }
 
 TEST(QualityTraces, NoFirstFrameIsBlurredByAGuess) {
@@ -54,7 +54,8 @@ TEST(QualityTraces, NoFirstFrameIsBlurredByAGuess) {
             SimulatedStream stream({always(bandwidth * mbit), always(roundTrip)});
             const auto frames = stream.run(20);
             ASSERT_GE(frames.size(), 2U);
-            EXPECT_TRUE(isFull(frames[0].plan) && isFull(frames[1].plan)) << bandwidth << " " << roundTrip;
+            EXPECT_TRUE(isFull(frames[0].quality) && isFull(frames[1].quality))
+                << bandwidth << " " << roundTrip;
         }
     }
 }
@@ -130,9 +131,9 @@ TEST(QualityTraces, TheFloorsHoldHoweverSlowTheNetwork) {
     SimulatedStream stream({[](double t) { return (t < 1 ? 8 : 0.3) * mbit; }, always(0.05)});
     stream.fullRenderMs = 400;
     for (const auto& frame : stream.run(20)) {
-        ASSERT_GE(frame.plan.resolution, 0.5);
-        ASSERT_GE(frame.plan.jpegQuality, 40);
-        ASSERT_LE(frame.plan.detail, 2);
+        ASSERT_GE(frame.quality.resolution, 0.5);
+        ASSERT_GE(frame.quality.jpegQuality, 40);
+        ASSERT_LE(frame.quality.detail, 2);
     }
     EXPECT_EQ(between(stream.run(21), 15, 21).leastJpegQuality, 40) << "and are used";
     SimulatedStream lower({always(0.3 * mbit), always(0.05)});
@@ -147,9 +148,9 @@ TEST(QualityTraces, ChromaPaysFirst) {
     SimulatedStream stream({always(20 * mbit), always(0.02)});
     stream.view.quality.subsampling = Subsampling::S444;
     const auto frames = stream.run(4);
-    EXPECT_EQ(frames.front().plan.subsampling, Subsampling::S444);
-    EXPECT_EQ(frames.back().plan.subsampling, Subsampling::S420);
-    EXPECT_EQ(frames.back().plan.resolution, 1);
+    EXPECT_EQ(frames.front().quality.subsampling, Subsampling::S444);
+    EXPECT_EQ(frames.back().quality.subsampling, Subsampling::S420);
+    EXPECT_EQ(frames.back().quality.resolution, 1);
 }
 
 TEST(QualityTraces, ASlowRendererIsFollowedWithoutANetworkToBlame) {
@@ -165,7 +166,7 @@ TEST(QualityTraces, ASlowRendererIsFollowedWithoutANetworkToBlame) {
 TEST(QualityController, AViewThatAsksForLessThanTheFloorGetsIt) {
     SimulatedStream stream({always(0.5 * mbit), always(0.02)});
     stream.view.quality.jpegQuality = 25;
-    for (const auto& frame : stream.run(8)) ASSERT_EQ(frame.plan.jpegQuality, 25);
+    for (const auto& frame : stream.run(8)) ASSERT_EQ(frame.quality.jpegQuality, 25);
 }
 
 // Eight sessions share one device: what one of them measures is its own frame, what counts is the round.
@@ -174,11 +175,11 @@ TEST(QualityController, FramesOfOthersCountAgainstTheRate) {
     const View view;
     const MovingLimits limits;
     for (int i = 0; i < 50; ++i) {
-        alone.drawn(alone.plan(view, 1, limits), {15, 1, 0}, 1, limits);
-        crowded.drawn(crowded.plan(view, 1, limits), {15, 1, 7}, 1, limits);
+        alone.drawn(alone.choose(view, 1, limits), {15, 1, 0}, 1, limits);
+        crowded.drawn(crowded.choose(view, 1, limits), {15, 1, 7}, 1, limits);
     }
-    EXPECT_TRUE(isFull(alone.plan(view, 1, limits)));
-    EXPECT_EQ(crowded.plan(view, 1, limits).detail, 2);
+    EXPECT_TRUE(isFull(alone.choose(view, 1, limits)));
+    EXPECT_EQ(crowded.choose(view, 1, limits).detail, 2);
 }
 
 TEST(LinkEstimate, SaysNothingBeforeSomethingIsProved) {

@@ -79,19 +79,20 @@ struct Addressed {
 /// What one thread holds back of several portions, to write it chunk by chunk.
 class Sorter {
   public:
-    Sorter(const ChunkPlan& plan, std::span<const std::unique_ptr<Filling>> fillings, std::size_t rowBytes)
-        : plan_(plan), fillings_(fillings), rowBytes_(rowBytes) {}
+    Sorter(const ChunkLayout& layout, std::span<const std::unique_ptr<Filling>> fillings,
+           std::size_t rowBytes)
+        : layout_(layout), fillings_(fillings), rowBytes_(rowBytes) {}
 
     void add(const PointPortions::Portion& portion) {
-        const ChunkPlan::Destination* to = nullptr;
+        const ChunkLayout::Destination* to = nullptr;
         CellKey last = ~CellKey(0);
         for (const BuildPoint& p : portion.points) {
-            const CellKey key = plan_.frame.key(p.position());
-            if (key != last) to = &plan_.destination(key);
+            const CellKey key = layout_.frame.key(p.position());
+            if (key != last) to = &layout_.destination(key);
             last = key;
             own_.add(p, to->chunk);
             for (std::uint32_t h = to->firstHalo; h < to->firstHalo + to->halos; ++h)
-                halo_.add(p, plan_.haloChunks[h]);
+                halo_.add(p, layout_.haloChunks[h]);
         }
         rows_.insert(rows_.end(), portion.rows.begin(), portion.rows.end());
     }
@@ -139,7 +140,7 @@ class Sorter {
         return {};
     }
 
-    const ChunkPlan& plan_;
+    const ChunkLayout& layout_;
     std::span<const std::unique_ptr<Filling>> fillings_;
     const std::size_t rowBytes_;
     Addressed own_, halo_;
@@ -148,17 +149,17 @@ class Sorter {
     std::vector<BuildPoint> run_;
 };
 
-Expected<std::vector<Chunk>> distribute(PointPortions& portions, const ChunkPlan& plan,
+Expected<std::vector<Chunk>> distribute(PointPortions& portions, const ChunkLayout& layout,
                                         const ChunkOptions& options, Workspace& workspace,
                                         ProgressMeter& progress, const std::stop_token& stop) {
     std::vector<std::unique_ptr<Filling>> fillings;
-    for (const ChunkPlan::Chunk& planned : plan.chunks) {
+    for (const ChunkLayout::Chunk& place : layout.chunks) {
         Chunk& chunk = fillings.emplace_back(std::make_unique<Filling>())->chunk;
-        chunk.points = planned.points;
-        chunk.halo = planned.halo;
-        for (const auto& [buffer, bytes] : {std::pair(&chunk.pointBytes, planned.points * sizeof(BuildPoint)),
-                                            std::pair(&chunk.haloBytes, planned.halo * sizeof(BuildPoint)),
-                                            std::pair(&chunk.rowBytes, planned.points * options.rowBytes)}) {
+        chunk.points = place.points;
+        chunk.halo = place.halo;
+        for (const auto& [buffer, bytes] : {std::pair(&chunk.pointBytes, place.points * sizeof(BuildPoint)),
+                                            std::pair(&chunk.haloBytes, place.halo * sizeof(BuildPoint)),
+                                            std::pair(&chunk.rowBytes, place.points * options.rowBytes)}) {
             auto room = workspace.allocate(bytes);
             if (!room) return tl::unexpected(room.error());
             *buffer = std::move(*room);
@@ -166,7 +167,8 @@ Expected<std::vector<Chunk>> distribute(PointPortions& portions, const ChunkPlan
     }
     FirstError error;
     const std::size_t groups = (portions.size() + portionsAtOnce - 1) / portionsAtOnce;
-    tbb::enumerable_thread_specific<Sorter> sorters([&] { return Sorter(plan, fillings, options.rowBytes); });
+    tbb::enumerable_thread_specific<Sorter> sorters(
+        [&] { return Sorter(layout, fillings, options.rowBytes); });
     tbb::parallel_for(std::size_t(0), groups, [&](std::size_t g) {
         if (error.failed() || stop.stop_requested()) return;
         thread_local PointPortions::Portion portion;
@@ -247,10 +249,10 @@ Expected<GridBox> boxOf(const PointPortions& portions) {
     return box;
 }
 
-/// Grows tree nodes as planned and lists the places of the chunks, in order.
-void growTop(const PlanNode& from, BuildNode& to, std::vector<BuildNode*>& places) {
+/// Grows tree nodes as laid out and lists the places of the chunks, in order.
+void growTop(const LayoutNode& from, BuildNode& to, std::vector<BuildNode*>& places) {
     if (from.children.empty()) places.push_back(&to);
-    for (const PlanNode& child : from.children) {
+    for (const LayoutNode& child : from.children) {
         BuildNode& node = *to.children.emplace_back(std::make_unique<BuildNode>());
         node.level = to.level + 1;
         node.parent = &to;
@@ -268,10 +270,10 @@ Expected<std::vector<Chunk>> divide(PointPortions& portions, std::uint64_t point
     auto counted = count(portions, box, stop);
     if (!counted) return tl::unexpected(counted.error());
     const std::uint64_t most = box.isPoint() ? points : options.chunkPoints;
-    const ChunkPlan plan = planChunks(counted->frame(), counted->cells(), grid, most, options.halo);
+    const ChunkLayout layout = layOutChunks(counted->frame(), counted->cells(), grid, most, options.halo);
     std::vector<BuildNode*> places;
-    growTop(plan.root, root, places);
-    auto chunks = distribute(portions, plan, options, workspace, progress, stop);
+    growTop(layout.root, root, places);
+    auto chunks = distribute(portions, layout, options, workspace, progress, stop);
     if (!chunks) return chunks;
 
     std::vector<Chunk> fitting;

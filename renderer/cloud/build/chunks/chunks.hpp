@@ -1,5 +1,5 @@
 // Chunks: sets of neighbouring points, each small enough to become a subtree in memory. Pipeline: staging →
-// counting grid → chunk plan → **chunks** → octree builder.
+// counting grid → chunk layout → **chunks** → octree builder.
 #pragma once
 
 #include <cstddef>
@@ -10,7 +10,7 @@
 #include <stop_token>
 #include <vector>
 
-#include "renderer/cloud/build/chunks/chunk_plan.hpp"
+#include "renderer/cloud/build/chunks/chunk_layout.hpp"
 #include "renderer/cloud/build/nodes/build_node.hpp"
 #include "renderer/cloud/build/progress_meter.hpp"
 #include "renderer/cloud/build/workspace.hpp"

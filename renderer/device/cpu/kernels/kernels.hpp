@@ -12,7 +12,7 @@
 #include <cstdint>
 
 #include "renderer/device/cpu/kernels/pyramid.hpp"
-#include "renderer/device/plan/splat_numbers.hpp"
+#include "renderer/device/host/splat_numbers.hpp"
 
 namespace scancast::cpu {
 
@@ -27,15 +27,6 @@ inline constexpr std::int32_t infiniteOrder = 0x7f800000;
 
 using Shape = SplatShape;
 using Coloring = SplatColoring;
-
-/// Everything that holds for a whole splat pass.
-struct SplatPass : SplatNumbers {
-    const float* radii =
-        nullptr;  ///< 256 radii by logRadius; 0 for codes that know none. Null: no sample knows
-    const std::uint32_t* ramp = nullptr;     ///< 256 colours, r | g << 8 | b << 16
-    const std::uint32_t* normals = nullptr;  ///< 65,536 colours
-    const std::uint8_t* classes = nullptr;   ///< 256 flags, 1 = drawn; null = all
-};
 
 /// renderer/cloud/sample_limits.hpp, of limitsStep samples in a row.
 struct BlockLimits {
@@ -53,9 +44,9 @@ struct SplatRun : RunNumbers {
     std::uint32_t count = 0;
     /// p = clamp(sizeFactor · ratio (/ d in perspective), minPx, maxPx).
     float sizeFactor = 0;
-    float largestRatio = 1;    ///< no ratio of the run is larger
-    float largestPx = 0;       ///< no splat of the run is larger, in this pass
-    bool crossesTile = true;   ///< some of it lies in other tiles
+    float largestRatio = 1;   ///< no ratio of the run is larger
+    float largestPx = 0;      ///< no splat of the run is larger, in this pass
+    bool crossesTile = true;  ///< some of it lies in other tiles
     const DroppedRegion* dropped = nullptr;
     std::int32_t droppedCount = 0;
 };

@@ -2,13 +2,13 @@
 // the filled depth. Plain structs and one table of functions; the rules of kernels.hpp hold. Every function
 // computes the rows [y0, y1) of what it writes, so that threads can share a picture.
 //
-// Planes of levels (plan/screen_numbers.hpp) stand in blocks with padding around them, so that kernels may read beyond
+// Planes of levels (host/screen_numbers.hpp) stand in blocks with padding around them, so that kernels may read beyond
 // every side without asking: paddingX texels left and right, paddingY rows above and below.
 #pragma once
 
 #include <cstdint>
 
-#include "renderer/device/plan/screen_numbers.hpp"
+#include "renderer/device/host/screen_numbers.hpp"
 
 namespace scancast::cpu {
 

@@ -12,7 +12,7 @@
 #include "renderer/device/cpu/kernels/project.hpp"
 #include "renderer/device/cpu/kernels/surfel_codes.hpp"
 #include "renderer/device/cpu/kernels/view_normals.hpp"
-#include "renderer/device/plan/surfel_numbers.hpp"
+#include "renderer/device/host/splat_numbers.hpp"
 
 namespace scancast::cpu {
 namespace {

@@ -2,16 +2,14 @@
 // angle in 5, in the tangent frame of the decoded normal. Part of kernels.cpp.
 #pragma once
 
+#include "renderer/cloud/surfel_bytes.hpp"
 #include "renderer/device/cpu/kernels/view_normals.hpp"
-#include "renderer/device/plan/surfel_numbers.hpp"
+#include "renderer/device/host/splat_numbers.hpp"
 
 namespace scancast::cpu {
 namespace {
 
-inline constexpr int outlierCode = 255;
-/// renderer/cloud/surfel_codec.hpp says the same; tests compare what both decode.
-inline constexpr float majorAxisPerRadius = 1.36f;
-inline constexpr float axisRatioStep = 0.75f / 7;
+inline constexpr int outlierCode = outlierRadius;
 
 /// Of a block's samples: the major half-axis over the radius, the minor over the major, the angle.
 struct alignas(64) AxisCodes {
@@ -23,8 +21,8 @@ inline void decodeAxes(const SplatPass& pass, const Block& b, AxisCodes& out) {
         const std::uint32_t word = b.words[3][i];
         const std::uint32_t radius = (word >> 16) & 255;
         const std::uint32_t code = word >> 24;
-        const bool known = radius != 0 && radius != outlierCode && pass.radii != nullptr;
-        out.major[i] = known ? majorAxisPerRadius : 1.0f;
+        const bool known = radius != noRadius && radius != outlierCode && pass.radii != nullptr;
+        out.major[i] = known ? majorPerRadius : 1.0f;
         out.ratio[i] = 1.0f - static_cast<float>(static_cast<std::int32_t>(code >> 5)) * axisRatioStep;
         out.cosine[i] = axisDirections.cosine[code & (axisAngles - 1)];
         out.sine[i] = axisDirections.sine[code & (axisAngles - 1)];

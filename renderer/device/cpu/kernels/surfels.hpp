@@ -128,7 +128,7 @@ inline float largestReachOf(const SplatPass& pass, const SplatRun& run, std::uin
         if (low[7] == 0 && ratio < 1.0f) ratio = 1.0f;
     }
     const float radius = ratio * run.plainRadius * pass.scale;
-    return 1.001f * (pass.shape == Shape::Ellipse ? majorAxisPerRadius * radius : radius);
+    return 1.001f * (pass.shape == Shape::Ellipse ? majorPerRadius * radius : radius);
 }
 
 /// Grows a block's bounds, which hold its centres, by what its surfels may cover.

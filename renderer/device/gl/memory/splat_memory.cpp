@@ -14,8 +14,8 @@ std::size_t keyWords(const SplatLimits& limits) {
 
 }  // namespace
 
-std::size_t sumWords(const PassPlan& plan) {
-    return !plan.sum ? 0 : plan.sum->normals ? 14 : 8;
+std::size_t sumWords(const FramePasses& passes) {
+    return !passes.sum ? 0 : passes.sum->normals ? 14 : 8;
 }
 
 Expected<void> PixelPlane::reserve(std::size_t pixels) {
@@ -39,8 +39,8 @@ SplatMemory::SplatMemory(const GlFunctions& gl, const SplatLimits& limits)
       sums(gl, "sums"),
       limits_(limits) {}
 
-std::size_t SplatMemory::mostPixels(const PassPlan& plan) const {
-    const std::size_t words = std::max(keyWords(limits_), sumWords(plan));
+std::size_t SplatMemory::mostPixels(const FramePasses& passes) const {
+    const std::size_t words = std::max(keyWords(limits_), sumWords(passes));
     return std::min(limits_.texels, std::min(limits_.storageBlockBytes, largestPlane) / (4 * words));
 }
 
@@ -49,11 +49,11 @@ Expected<void> SplatMemory::reserve(KeyPlane& plane, std::size_t pixels) {
     return plane.payloads.reserve(pixels);
 }
 
-Expected<void> SplatMemory::reserve(const PassPlan& plan, std::size_t pixels) {
+Expected<void> SplatMemory::reserve(const FramePasses& passes, std::size_t pixels) {
     Expected<void> made = reserve(nearest, pixels);
-    if (made && plan.cell) made = reserve(cells, pixels);
-    if (made && plan.silhouette) made = silhouette.reserve(pixels);
-    if (made && plan.sum) made = sums.reserve(pixels * sumWords(plan) * 4);
+    if (made && passes.cell) made = reserve(cells, pixels);
+    if (made && passes.silhouette) made = silhouette.reserve(pixels);
+    if (made && passes.sum) made = sums.reserve(pixels * sumWords(passes) * 4);
     return made;
 }
 

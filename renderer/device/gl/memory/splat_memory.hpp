@@ -7,7 +7,7 @@
 
 #include "renderer/device/gl/programs/gl_handles.hpp"
 #include "renderer/device/gl/programs/splat_limits.hpp"
-#include "renderer/device/plan/pass_plan.hpp"
+#include "renderer/device/host/drawing.hpp"
 
 namespace scancast::gl {
 
@@ -44,9 +44,9 @@ class SplatMemory {
 
     const SplatLimits& limits() const { return limits_; }
     /// Pixels that there can be at once.
-    std::size_t mostPixels(const PassPlan& plan) const;
+    std::size_t mostPixels(const FramePasses& passes) const;
     /// Makes room. ResourceLimit.
-    Expected<void> reserve(const PassPlan& plan, std::size_t pixels);
+    Expected<void> reserve(const FramePasses& passes, std::size_t pixels);
 
     KeyPlane nearest, cells;
     PixelPlane silhouette;  ///< orders
@@ -59,6 +59,6 @@ class SplatMemory {
 };
 
 /// Words of a pixel's sums.
-std::size_t sumWords(const PassPlan& plan);
+std::size_t sumWords(const FramePasses& passes);
 
 }  // namespace scancast::gl

@@ -4,12 +4,12 @@
 #include <bit>
 
 #include "renderer/cloud/surfel_codec.hpp"
-#include "renderer/device/plan/surfel_numbers.hpp"
+#include "renderer/device/host/splat_numbers.hpp"
 
 namespace scancast::gl {
 namespace {
 
-void setRotation(const SplatNumbers& n, vec4 (&rows)[3]) {
+void setRotation(const SplatPass& n, vec4 (&rows)[3]) {
     for (int r = 0; r < 3; ++r) rows[r] = {n.rotation[r][0], n.rotation[r][1], n.rotation[r][2], 0};
 }
 
@@ -19,7 +19,7 @@ std::uint32_t bits(float value) {
 
 }  // namespace
 
-SplatParams splatParams(const SplatNumbers& n, ivec4 area, std::size_t index, bool byClass) {
+SplatParams splatParams(const SplatPass& n, ivec4 area, std::size_t index, bool byClass) {
     SplatParams p{};
     p.view = {n.centerX, n.centerY, n.near, n.far};
     p.area = area;
@@ -29,14 +29,14 @@ SplatParams splatParams(const SplatNumbers& n, ivec4 area, std::size_t index, bo
     if (n.perspective) most = std::min(most, largestSpread * n.pixelsPerUnit);
     p.surfel = {n.pixelsPerUnit, 1.0f / n.pixelsPerUnit, n.scale, most};
     p.extent = {n.reach, largestReach * n.pixelsPerUnit, n.tolerance, 0};
-    p.blur = {6.0f * n.lowPassPx * n.lowPassPx, rootOf6 * n.lowPassPx, 0, 0};
+    p.blur = {6.0f * n.lowPassPx * n.lowPassPx, rootOf6 * n.lowPassPx, majorPerRadius, axisRatioStep};
     setRotation(n, p.rotation);
     p.flags = {static_cast<int>(index), n.facing, n.oriented, n.ownRadii};
     p.filters = {byClass, 0, 0, 0};
     return p;
 }
 
-ResolveParams resolveParams(const SplatNumbers& n, ivec4 area, ivec4 planes, int backgroundRow) {
+ResolveParams resolveParams(const SplatPass& n, ivec4 area, ivec4 planes, int backgroundRow) {
     ResolveParams p{};
     p.area = area;
     p.planes = planes;
@@ -59,8 +59,8 @@ void SplatTables::begin(const ColorTables& colors, std::size_t mostRuns) {
 }
 
 std::uint32_t SplatTables::add(const RunNumbers& run, std::span<const DroppedRegion> dropped,
-                               std::span<const SplatStage> stages, const Viewpoint& viewpoint) {
-    SplatRun out{};
+                               std::span<const SplatPass> passes, const Viewpoint& viewpoint) {
+    RunParams out{};
     for (int r = 0; r < 3; ++r) {
         const float* const row = run.toPicture[r];
         out.toPicture[r] = {row[0], row[1], row[2], row[3]};
@@ -72,9 +72,9 @@ std::uint32_t SplatTables::add(const RunNumbers& run, std::span<const DroppedReg
         for (const auto& plane : region.planes)
             std::ranges::transform(plane, std::back_inserter(words), bits);
     }
-    for (std::size_t i = 0; i < stages.size(); ++i) {
-        if (ofSurfels(stages[i].splat)) continue;
-        const double factor = spriteFactor(run, stages[i], viewpoint);
+    for (std::size_t i = 0; i < passes.size(); ++i) {
+        if (ofSurfels(passes[i])) continue;
+        const double factor = spriteFactor(run, passes[i], viewpoint);
         out.sizeFactors[static_cast<int>(i)] = static_cast<float>(std::clamp(factor, 0.0, 1e30));
     }
     out.factors = {run.elevationStep, run.elevationBase, run.ratioUnit, run.plainRadius};

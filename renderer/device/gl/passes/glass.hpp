@@ -4,7 +4,7 @@
 
 #include "renderer/device/gl/passes/planes.hpp"
 #include "renderer/device/gl/programs/screen_shaders.hpp"
-#include "renderer/device/plan/screen_numbers.hpp"
+#include "renderer/device/host/screen_numbers.hpp"
 
 namespace scancast::gl {
 

@@ -5,14 +5,13 @@
 #include <cmath>
 #include <numeric>
 
-#include "renderer/device/plan/splat_plan.hpp"
+#include "renderer/device/host/splats.hpp"
 
 namespace scancast::gl {
 namespace {
 
 constexpr GLbitfield afterSplats =
     GL_SHADER_STORAGE_BARRIER_BIT | GL_TEXTURE_FETCH_BARRIER_BIT | GL_BUFFER_UPDATE_BARRIER_BIT;
-constexpr const char* stageNames[] = {"silhouette", "nearest", "sum", "cell"};
 
 std::size_t pixelsOf(ivec4 area) {
     return static_cast<std::size_t>(area.z) * static_cast<std::size_t>(area.w);
@@ -48,24 +47,25 @@ std::vector<std::uint32_t> frontToBack(std::span<const std::uint32_t> runs, std:
 }  // namespace
 
 Expected<std::unique_ptr<Layer>> Layer::create(const LayerParts& parts, const Drawing& drawing,
-                                               const CutView& view, const Sight& sight, const PassPlan& plan,
-                                               ivec4 area) {
-    std::unique_ptr<Layer> layer(new Layer(parts, drawing, view, sight, plan, area));
+                                               const CutView& view, const LayerView& layerView,
+                                               const FramePasses& passes, ivec4 area) {
+    std::unique_ptr<Layer> layer(new Layer(parts, drawing, view, layerView, passes, area));
     const std::vector<std::uint32_t> drawn = layer->addRuns(drawing, view);
     if (auto made = layer->upload(); !made) return tl::unexpected(made.error());
     layer->samples_ = std::make_unique<CutSamples>(parts.samples, view.cut, drawn);
     return layer;
 }
 
-Layer::Layer(const LayerParts& parts, const Drawing& drawing, const CutView& view, const Sight& sight,
-             const PassPlan& plan, ivec4 area)
+Layer::Layer(const LayerParts& parts, const Drawing& drawing, const CutView& view, const LayerView& layerView,
+             const FramePasses& passes, ivec4 area)
     : parts_(parts),
-      sight_(sight),
-      plan_(plan),
+      layerView_(layerView),
+      passes_(passes),
       area_(area),
-      stages_(splatStages(plan, sight, drawing.color)),
+      splats_(splatPasses(passes, layerView, drawing.color)),
       tables_(parts.tables.host),
-      background_(backgroundRows(drawing.background, area.y - sight.pad, area.w, sight.viewpoint->height)),
+      background_(
+          backgroundRows(drawing.background, area.y - layerView.pad, area.w, layerView.viewpoint->height)),
       byClass_(view.filter.classes.has_value()) {}
 
 std::vector<std::uint32_t> Layer::addRuns(const Drawing& drawing, const CutView& view) {
@@ -81,18 +81,18 @@ std::vector<std::uint32_t> Layer::addRuns(const Drawing& drawing, const CutView&
     for (std::uint32_t i = 0; i < cut.runs.size(); ++i) {
         const CutRun& run = cut.runs[i];
         if (run.samples.empty()) continue;
-        const auto numbers = runNumbers(run, sight_, drawing.color, filter);
+        const auto numbers = runNumbers(run, layerView_, drawing.color, filter);
         const auto dropped = droppedRegions(*run.node, filter);
         if (!numbers || !dropped) continue;
-        runOfCut_[i] = tables_.add(*numbers, *dropped, stages_, *sight_.viewpoint);
+        runOfCut_[i] = tables_.add(*numbers, *dropped, splats_, *layerView_.viewpoint);
         regions = std::max(regions, dropped->size());
         drawn.push_back(i);
-        depths.push_back(frontOf(*run.node, *sight_.viewpoint));
+        depths.push_back(frontOf(*run.node, *layerView_.viewpoint));
     }
-    traits_ = {parts_.memory.limits(), tables_.filters, stages_.front().kind == SplatStage::Kind::Silhouette};
+    traits_ = {parts_.memory.limits(), tables_.filters, splats_.front().silhouette};
     chunkSamples_ = samplesPerChunk;
-    for (const SplatStage& stage : stages_)
-        chunkSamples_ = std::min(chunkSamples_, chunkSamples(stage, traits_, pixelsOf(area_), regions));
+    for (const SplatPass& pass : splats_)
+        chunkSamples_ = std::min(chunkSamples_, chunkSamples(pass, traits_, pixelsOf(area_), regions));
     return frontToBack(drawn, depths);
 }
 
@@ -124,7 +124,7 @@ Expected<void> Layer::begin(const SampleBatch& batch) {
         work.firstExtent = static_cast<std::uint32_t>(extents.size());
         for (const Extent& e : page.extents) {
             const std::uint32_t run = runOfCut_[e.run];
-            if (plan_.bySample())
+            if (passes_.bySample())
                 extents.push_back({uvec4(tables_.runs[run].color.z + e.first, e.count, run, e.at)});
             for (std::uint32_t i = 0; i < e.count; i += chunkSamples_)
                 chunks.push_back({uvec4(e.at + i, std::min(chunkSamples_, e.count - i), run, e.first + i)});
@@ -143,7 +143,7 @@ Expected<void> Layer::begin(const SampleBatch& batch) {
 }
 
 const KeyPlane& Layer::colors() const {
-    return plan_.cell ? parts_.memory.cells : parts_.memory.nearest;
+    return passes_.cell ? parts_.memory.cells : parts_.memory.nearest;
 }
 
 void Layer::bindColors() const {
@@ -155,8 +155,8 @@ Expected<void> Layer::overPixels(ivec4 area, const ShaderVariant& variant) {
     return parts_.screen.overPixels(variant.shader, area.z, area.w, variant.defines);
 }
 
-Expected<void> Layer::splatOnce(const SplatStage& stage, Keep keep, const std::stop_token& stop) {
-    const ShaderVariant variant = splatVariant(stage, traits_, keep);
+Expected<void> Layer::splatOnce(const SplatPass& pass, Keep keep, const std::stop_token& stop) {
+    const ShaderVariant variant = splatVariant(pass, traits_, keep);
     const auto program = parts_.programs.get(variant.shader, variant.defines);
     if (!program) return tl::unexpected(program.error());
     (*program)->use();
@@ -175,43 +175,43 @@ Expected<void> Layer::splatOnce(const SplatStage& stage, Keep keep, const std::s
     return drawn;
 }
 
-Expected<void> Layer::splatKeys(const SplatStage& stage, KeyPlane& into, std::size_t pixels, bool payloads,
+Expected<void> Layer::splatKeys(const SplatPass& pass, KeyPlane& into, std::size_t pixels, bool payloads,
                                 const std::stop_token& stop) {
     into.keys.clear(pixels);
     into.keys.bindStorage(binding::splat::keys);
-    if (traits_.limits.keys64) return splatOnce(stage, Keep::Key, stop);
-    auto drawn = splatOnce(stage, Keep::Order, stop);
+    if (traits_.limits.keys64) return splatOnce(pass, Keep::Key, stop);
+    auto drawn = splatOnce(pass, Keep::Order, stop);
     if (!drawn || !payloads) return drawn;
     into.keys.bindTexels(unit::keys);
     into.payloads.clear(pixels);
     into.payloads.bindStorage(binding::splat::payloads);
-    return splatOnce(stage, Keep::Payload, stop);
+    return splatOnce(pass, Keep::Payload, stop);
 }
 
-Expected<void> Layer::splat(std::size_t index, const SplatStage& stage, ivec4 band,
+Expected<void> Layer::splat(std::size_t index, const SplatPass& pass, ivec4 band,
                             const std::stop_token& stop) {
-    using enum SplatStage::Kind;
     SplatMemory& memory = parts_.memory;
     const std::size_t pixels = pixelsOf(band);
-    if (auto set = parts_.screen.set(splatParams(stage.numbers, band, index, byClass_)); !set) return set;
+    if (auto set = parts_.screen.set(splatParams(pass, band, index, byClass_)); !set) return set;
     parts_.tables.runs.bindStorage(binding::runs);
     parts_.tables.lookUps.bindStorage(binding::tables);
     if (traits_.silhouette) memory.silhouette.bindTexels(unit::silhouette);
-    if (stage.kind == Sum || stage.kind == Cell) memory.nearest.keys.bindTexels(unit::visible);
-    switch (stage.kind) {
-        case Silhouette:
-            memory.silhouette.clear(pixels);
-            memory.silhouette.bindStorage(binding::splat::keys);
-            return splatOnce(stage, Keep::Order, stop);
-        case Nearest:
+    if (pass.reduction != Reduction::Nearest) memory.nearest.keys.bindTexels(unit::visible);
+    if (pass.silhouette) {
+        memory.silhouette.clear(pixels);
+        memory.silhouette.bindStorage(binding::splat::keys);
+        return splatOnce(pass, Keep::Order, stop);
+    }
+    switch (pass.reduction) {
+        case Reduction::Nearest:
             // Where there are cells, theirs are the colours.
-            return splatKeys(stage, memory.nearest, pixels, !plan_.cell, stop);
-        case Sum:
-            memory.sums.clear(pixels * sumWords(plan_), 0);
+            return splatKeys(pass, memory.nearest, pixels, !passes_.cell, stop);
+        case Reduction::Sum:
+            memory.sums.clear(pixels * sumWords(passes_), 0);
             memory.sums.bindStorage(binding::splat::sums);
-            return splatOnce(stage, Keep::Order, stop);
-        case Cell:
-            return splatKeys(stage, memory.cells, pixels, true, stop);
+            return splatOnce(pass, Keep::Order, stop);
+        case Reduction::Cell:
+            return splatKeys(pass, memory.cells, pixels, true, stop);
     }
     return {};
 }
@@ -220,19 +220,19 @@ Expected<void> Layer::resolveKeys(const ResolveParams& params, const GpuPlanes& 
     namespace at = binding::resolveKeys;
     if (auto set = parts_.screen.set(params); !set) return set;
     bindColors();
-    if (plan_.cell) parts_.memory.nearest.keys.bindTexels(unit::visible);
+    if (passes_.cell) parts_.memory.nearest.keys.bindTexels(unit::visible);
     planes.rgba->bindStorage(at::rgba);
     planes.depth->bindStorage(at::depth);
     if (normals) planes.normals->bindStorage(at::normals);
     parts_.tables.rows.bindStorage(at::background);
-    return overPixels(params.area, resolveKeysVariant(plan_, traits_.limits.keys64, normals));
+    return overPixels(params.area, resolveKeysVariant(passes_, traits_.limits.keys64, normals));
 }
 
 Expected<void> Layer::resolveSamples(ResolveParams params, const GpuPlanes& planes, bool normals,
                                      const std::stop_token& stop) {
     namespace at = binding::resolveSamples;
     const ShaderVariant variant =
-        resolveSamplesVariant(stages_.front().numbers.coloring, traits_.limits.keys64, normals);
+        resolveSamplesVariant(splats_.front().coloring, traits_.limits.keys64, normals);
     parts_.tables.runs.bindStorage(binding::runs);
     parts_.tables.lookUps.bindStorage(binding::tables);
     bindColors();
@@ -262,24 +262,24 @@ Expected<void> Layer::resolveSums(const ResolveParams& params, const GpuPlanes& 
     parts_.memory.sums.bindStorage(at::sums);
     planes.rgba->bindStorage(at::rgba);
     if (normals) planes.normals->bindStorage(at::normals);
-    return overPixels(params.area, resolveSumsVariant(plan_, traits_.limits.keys64, normals));
+    return overPixels(params.area, resolveSumsVariant(passes_, traits_.limits.keys64, normals));
 }
 
 Expected<void> Layer::resolve(ivec4 band, const GpuPlanes& planes, const std::stop_token& stop) {
-    const bool normals = plan_.resolve.normals && planes.normals != nullptr;
-    const ResolveParams params = resolveParams(stages_.front().numbers, band, planes.area, band.y - area_.y);
+    const bool normals = passes_.resolve.normals && planes.normals != nullptr;
+    const ResolveParams params = resolveParams(splats_.front(), band, planes.area, band.y - area_.y);
     Expected<void> done = resolveKeys(params, planes, normals);
-    if (done && plan_.bySample()) done = resolveSamples(params, planes, normals, stop);
-    if (done && plan_.resolve.sums) done = resolveSums(params, planes, normals);
+    if (done && passes_.bySample()) done = resolveSamples(params, planes, normals, stop);
+    if (done && passes_.resolve.sums) done = resolveSums(params, planes, normals);
     return done;
 }
 
-Expected<void> Layer::drawBand(ivec4 band, std::span<const SplatStage> stages, const GpuPlanes& planes,
+Expected<void> Layer::drawBand(ivec4 band, std::span<const SplatPass> splats, const GpuPlanes& planes,
                                StageTimes& times, const std::stop_token& stop) {
-    for (std::size_t i = 0; i < stages.size(); ++i) {
-        const char* const name = stageNames[static_cast<std::size_t>(stages[i].kind)];
+    for (std::size_t i = 0; i < splats.size(); ++i) {
+        const char* const name = nameOf(splats[i]);
         const StageTimes::Scope timed(times, name);
-        if (auto drawn = splat(i, stages[i], band, stop); !drawn) return drawn;
+        if (auto drawn = splat(i, splats[i], band, stop); !drawn) return drawn;
         if (auto checked = checkErrors(parts_.gl, std::string("splatting \"") + name + "\""); !checked)
             return checked;
     }
@@ -300,16 +300,16 @@ Expected<void> Layer::gather(StageTimes& times, const std::stop_token& stop) {
 Expected<void> Layer::draw(const glm::dvec2& jitter, const GpuPlanes& planes, StageTimes& times,
                            const std::stop_token& stop) {
     if (auto gathered = gather(times, stop); !gathered) return gathered;
-    std::vector<SplatStage> stages = stages_;
-    for (SplatStage& stage : stages) stage.numbers = jittered(stage.numbers, sight_, jitter);
+    std::vector<SplatPass> splats = splats_;
+    for (SplatPass& pass : splats) pass = jittered(pass, layerView_, jitter);
     // As many rows at a time as sums and keys fit a storage block.
-    const std::size_t most = parts_.memory.mostPixels(plan_) / static_cast<std::size_t>(area_.z);
+    const std::size_t most = parts_.memory.mostPixels(passes_) / static_cast<std::size_t>(area_.z);
     const int rows = static_cast<int>(std::clamp<std::size_t>(most, 1, static_cast<std::size_t>(area_.w)));
-    if (auto made = parts_.memory.reserve(plan_, static_cast<std::size_t>(rows * area_.z)); !made)
+    if (auto made = parts_.memory.reserve(passes_, static_cast<std::size_t>(rows * area_.z)); !made)
         return made;
     for (int y = 0; y < area_.w; y += rows) {
         const ivec4 band(area_.x, area_.y + y, area_.z, std::min(rows, area_.w - y));
-        if (auto drawn = drawBand(band, stages, planes, times, stop); !drawn) return drawn;
+        if (auto drawn = drawBand(band, splats, planes, times, stop); !drawn) return drawn;
     }
     return {};
 }

@@ -35,14 +35,14 @@ struct LayerParts {
 
 class Layer {
   public:
-    /// `area` (x, y, width, height) of the whole picture, shifted by sight.pad as planes are. Everything
+    /// `area` (x, y, width, height) of the whole picture, shifted by layerView.pad as planes are. Everything
     /// given outlives the layer. ResourceLimit: too many runs for a storage block, or no memory.
     static Expected<std::unique_ptr<Layer>> create(const LayerParts& parts, const Drawing& drawing,
-                                                   const CutView& view, const Sight& sight,
-                                                   const PassPlan& plan, ivec4 area);
+                                                   const CutView& view, const LayerView& layerView,
+                                                   const FramePasses& passes, ivec4 area);
 
     /// Splats and resolves one frame; `planes` cover the layer's area, and nothing outside it is touched.
-    /// Normals are written where there is a plane of them and the plan resolves them. Adds to the stages
+    /// Normals are written where there is a plane of them and the frame resolves them. Adds to the stages
     /// "prepare" (the host finds or uploads samples, and tells where they are), "silhouette", "nearest",
     /// "sum", "cell" and "resolve". Errors: Cancelled, ResourceLimit, DeviceLost.
     Expected<void> draw(const glm::dvec2& jitter, const GpuPlanes& planes, StageTimes& times,
@@ -55,18 +55,18 @@ class Layer {
         std::uint32_t firstExtent = 0, extents = 0;
     };
 
-    Layer(const LayerParts& parts, const Drawing& drawing, const CutView& view, const Sight& sight,
-          const PassPlan& plan, ivec4 area);
+    Layer(const LayerParts& parts, const Drawing& drawing, const CutView& view, const LayerView& layerView,
+          const FramePasses& passes, ivec4 area);
     std::vector<std::uint32_t> addRuns(const Drawing& drawing, const CutView& view);
     Expected<void> upload();
     Expected<void> gather(StageTimes& times, const std::stop_token& stop);
     Expected<void> begin(const SampleBatch& batch);
-    Expected<void> drawBand(ivec4 band, std::span<const SplatStage> stages, const GpuPlanes& planes,
+    Expected<void> drawBand(ivec4 band, std::span<const SplatPass> splats, const GpuPlanes& planes,
                             StageTimes& times, const std::stop_token& stop);
-    Expected<void> splat(std::size_t index, const SplatStage& stage, ivec4 band, const std::stop_token& stop);
-    Expected<void> splatKeys(const SplatStage& stage, KeyPlane& into, std::size_t pixels, bool payloads,
+    Expected<void> splat(std::size_t index, const SplatPass& pass, ivec4 band, const std::stop_token& stop);
+    Expected<void> splatKeys(const SplatPass& pass, KeyPlane& into, std::size_t pixels, bool payloads,
                              const std::stop_token& stop);
-    Expected<void> splatOnce(const SplatStage& stage, Keep keep, const std::stop_token& stop);
+    Expected<void> splatOnce(const SplatPass& pass, Keep keep, const std::stop_token& stop);
     Expected<void> resolve(ivec4 band, const GpuPlanes& planes, const std::stop_token& stop);
     Expected<void> resolveKeys(const ResolveParams& params, const GpuPlanes& planes, bool normals);
     Expected<void> resolveSamples(ResolveParams params, const GpuPlanes& planes, bool normals,
@@ -78,10 +78,10 @@ class Layer {
     void bindColors() const;
 
     const LayerParts parts_;
-    const Sight sight_;
-    const PassPlan& plan_;
+    const LayerView layerView_;
+    const FramePasses& passes_;
     const ivec4 area_;
-    std::vector<SplatStage> stages_;
+    std::vector<SplatPass> splats_;
     LayerTraits traits_;
     std::uint32_t chunkSamples_ = 0;  ///< of a chunk at most
     SplatTables& tables_;

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "renderer/device/plan/glass_plane.hpp"
+#include "renderer/device/host/screens.hpp"
 
 namespace scancast::gl {
 namespace {
@@ -33,15 +33,15 @@ Expected<GpuPlanes> PlaneMemory::planes(ivec4 area, bool withNormals) {
 Expected<std::unique_ptr<MirrorLayer>> MirrorLayer::create(const LayerParts& parts, ScreenShaders& shaders,
                                                            PlaneMemory& memory, const Drawing& drawing,
                                                            const CutView& reflection,
-                                                           const Sight& picturesSight, const PassPlan& plan,
-                                                           ivec4 area) {
-    const ivec4 part = partOf(area, reflection.glass->bounds, picturesSight.pad);
+                                                           const LayerView& mainView,
+                                                           const FramePasses& passes, ivec4 area) {
+    const ivec4 part = partOf(area, reflection.glass->bounds, mainView.pad);
     if (part.z == 0 || part.w == 0) return nullptr;
-    Sight sight = picturesSight;
-    sight.viewpoint = &reflection.viewpoint;
+    LayerView layerView = mainView;
+    layerView.viewpoint = &reflection.viewpoint;
     std::unique_ptr<MirrorLayer> mirror(
-        new MirrorLayer(shaders, memory, *reflection.glass, sight, plan, part));
-    auto layer = Layer::create(parts, drawing, reflection, mirror->sight_, plan, part);
+        new MirrorLayer(shaders, memory, *reflection.glass, layerView, passes, part));
+    auto layer = Layer::create(parts, drawing, reflection, mirror->layerView_, passes, part);
     if (!layer) return tl::unexpected(layer.error());
     mirror->layer_ = std::move(*layer);
     return mirror;
@@ -49,14 +49,14 @@ Expected<std::unique_ptr<MirrorLayer>> MirrorLayer::create(const LayerParts& par
 
 Expected<void> MirrorLayer::draw(const glm::dvec2& jitter, const GpuPlanes& picture, StageTimes& times,
                                  const std::stop_token& stop) {
-    const auto planes = memory_.planes(area_, plan_.resolve.normals);
+    const auto planes = memory_.planes(area_, passes_.resolve.normals);
     if (!planes) return tl::unexpected(planes.error());
     if (auto drawn = layer_->draw(jitter, *planes, times, stop); !drawn) return drawn;
-    return lookThrough(glassNumbers(glass_, sight_, jitter), *planes, picture, shaders_);
+    return lookThrough(glassNumbers(glass_, layerView_, jitter), *planes, picture, shaders_);
 }
 
 Expected<void> MirrorLayer::finish(const glm::dvec2& jitter, const GpuPlanes& picture) const {
-    return tintGlass(glassNumbers(glass_, sight_, jitter), area_, picture, shaders_);
+    return tintGlass(glassNumbers(glass_, layerView_, jitter), area_, picture, shaders_);
 }
 
 }  // namespace scancast::gl

@@ -27,9 +27,8 @@ class MirrorLayer {
     /// outlives the layer. Errors: the layer's.
     static Expected<std::unique_ptr<MirrorLayer>> create(const LayerParts& parts, ScreenShaders& shaders,
                                                          PlaneMemory& memory, const Drawing& drawing,
-                                                         const CutView& reflection,
-                                                         const Sight& picturesSight, const PassPlan& plan,
-                                                         ivec4 area);
+                                                         const CutView& reflection, const LayerView& mainView,
+                                                         const FramePasses& passes, ivec4 area);
 
     /// Draws one frame of the reflection into the same frame of the picture. Before its screen passes.
     Expected<void> draw(const glm::dvec2& jitter, const GpuPlanes& picture, StageTimes& times,
@@ -38,15 +37,20 @@ class MirrorLayer {
     Expected<void> finish(const glm::dvec2& jitter, const GpuPlanes& picture) const;
 
   private:
-    MirrorLayer(ScreenShaders& shaders, PlaneMemory& memory, const MirrorGlass& glass, const Sight& sight,
-                const PassPlan& plan, ivec4 area)
-        : shaders_(shaders), memory_(memory), glass_(glass), sight_(sight), plan_(plan), area_(area) {}
+    MirrorLayer(ScreenShaders& shaders, PlaneMemory& memory, const MirrorGlass& glass,
+                const LayerView& layerView, const FramePasses& passes, ivec4 area)
+        : shaders_(shaders),
+          memory_(memory),
+          glass_(glass),
+          layerView_(layerView),
+          passes_(passes),
+          area_(area) {}
 
     ScreenShaders& shaders_;
     PlaneMemory& memory_;
     const MirrorGlass& glass_;
-    const Sight sight_;  ///< of the reflected eye
-    const PassPlan& plan_;
+    const LayerView layerView_;  ///< of the reflected eye
+    const FramePasses& passes_;
     const ivec4 area_;  ///< pixels that may change
     std::unique_ptr<Layer> layer_;
 };

@@ -36,26 +36,26 @@ LayerParts Workshop::layerParts(std::size_t layer) {
     return {gl, programs, shaders, samples, slices, splats, *tables[layer]};
 }
 
-Picture::Picture(Workshop& shop, const Drawing& drawing, const PassPlan& plan, std::stop_token stop)
+Picture::Picture(Workshop& shop, const Drawing& drawing, const FramePasses& passes, std::stop_token stop)
     : shop_(shop),
       drawing_(drawing),
-      plan_(plan),
+      passes_(passes),
       stop_(std::move(stop)),
-      shown_(pictureArea(drawing, plan)),
+      shown_(pictureArea(drawing, passes)),
       window_(vectorOf(shown_.window)),
       area_(vectorOf(shown_.area)) {}
 
 Expected<void> Picture::makeLayers(StageTimes& times) {
     const StageTimes::HostScope timed(times, "prepare");
     auto layer =
-        Layer::create(shop_.layerParts(0), drawing_, drawing_.mainView(), shown_.sight, plan_, area_);
+        Layer::create(shop_.layerParts(0), drawing_, drawing_.mainView(), shown_.view, passes_, area_);
     if (!layer) return tl::unexpected(layer.error());
     layer_ = std::move(*layer);
     for (const CutView& reflection : drawing_.reflections()) {
         const std::size_t at = mirrors_.size();
         if (shop_.mirrors.size() <= at) shop_.mirrors.push_back(std::make_unique<PlaneMemory>(shop_.gl));
         auto mirror = MirrorLayer::create(shop_.layerParts(at + 1), shop_.shaders, *shop_.mirrors[at],
-                                          drawing_, reflection, shown_.sight, plan_, area_);
+                                          drawing_, reflection, shown_.view, passes_, area_);
         if (!mirror) return tl::unexpected(mirror.error());
         if (*mirror) mirrors_.push_back(std::move(*mirror));
     }
@@ -77,7 +77,7 @@ Expected<void> Picture::drawFrame(const glm::dvec2& jitter, const GpuPlanes& pla
     auto reflected =
         onMirrors(times, [&](MirrorLayer& mirror) { return mirror.draw(jitter, planes, times, stop_); });
     if (!reflected) return reflected;
-    auto screened = runScreenPasses(plan_.screen, shown_.sight, jitter, planes, shop_.shaders, shop_.pyramid,
+    auto screened = runScreenPasses(passes_.screen, shown_.view, jitter, planes, shop_.shaders, shop_.pyramid,
                                     times, stop_);
     if (!screened) return screened;
     return onMirrors(times, [&](const MirrorLayer& mirror) { return mirror.finish(jitter, planes); });
@@ -85,7 +85,7 @@ Expected<void> Picture::drawFrame(const glm::dvec2& jitter, const GpuPlanes& pla
 
 Expected<std::unique_ptr<ReadBack::Transfer>> Picture::draw(StageTimes& times) {
     if (auto made = makeLayers(times); !made) return tl::unexpected(made.error());
-    const auto planes = shop_.frame.planes(area_, plan_.normals());
+    const auto planes = shop_.frame.planes(area_, passes_.normals());
     if (!planes) return tl::unexpected(planes.error());
     const std::size_t pixels = static_cast<std::size_t>(window_.z) * static_cast<std::size_t>(window_.w);
     const bool averaged = drawing_.jitter.size() > 1;

@@ -11,7 +11,7 @@
 #include "renderer/device/gl/passes/average.hpp"
 #include "renderer/device/gl/passes/mirror_layer.hpp"
 #include "renderer/device/gl/passes/screen_passes.hpp"
-#include "renderer/device/plan/picture_area.hpp"
+#include "renderer/device/host/drawing.hpp"
 
 namespace scancast::gl {
 
@@ -44,7 +44,7 @@ struct Workshop {
 
 class Picture {
   public:
-    Picture(Workshop& shop, const Drawing& drawing, const PassPlan& plan, std::stop_token stop);
+    Picture(Workshop& shop, const Drawing& drawing, const FramePasses& passes, std::stop_token stop);
     /// Everything is asked of the GPU; its pixels arrive later. Times its stages. Errors: Cancelled,
     /// ResourceLimit, DeviceLost.
     Expected<std::unique_ptr<ReadBack::Transfer>> draw(StageTimes& times);
@@ -57,7 +57,7 @@ class Picture {
 
     Workshop& shop_;
     const Drawing& drawing_;
-    const PassPlan& plan_;
+    const FramePasses& passes_;
     const std::stop_token stop_;
     const PictureArea shown_;
     const ivec4 window_, area_;

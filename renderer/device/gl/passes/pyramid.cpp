@@ -42,7 +42,7 @@ PyramidParams Pyramid::paramsOf(const PyramidView& view) const {
     const Unprojection u = unprojectionOf(view);
     PyramidParams p{};
     p.size = ivec4(view.width, view.height, shape_.levels, shape_.widest);
-    p.sight = vec4(u.centerX, u.centerY, u.step, u.perspective ? 1 : 0);
+    p.layerView = vec4(u.centerX, u.centerY, u.step, u.perspective ? 1 : 0);
     for (std::size_t k = 0; k < maxPyramidLevels; ++k)
         p.levels[k] = ivec4(shape_.width[k], shape_.height[k], first_[k], 0);
     return p;

@@ -12,7 +12,7 @@
 #include "renderer/device/gl/passes/planes.hpp"
 #include "renderer/device/gl/programs/screen_layouts.hpp"
 #include "renderer/device/gl/programs/screen_shaders.hpp"
-#include "renderer/device/plan/pyramid_plan.hpp"
+#include "renderer/device/host/screens.hpp"
 
 namespace scancast::gl {
 

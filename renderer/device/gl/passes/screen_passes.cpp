@@ -1,13 +1,13 @@
 #include "renderer/device/gl/passes/screen_passes.hpp"
 
-#include "renderer/device/plan/screen_plan.hpp"
+#include "renderer/device/host/screens.hpp"
 
 namespace scancast::gl {
 namespace {
 
 /// One picture's planes, and what screen passes work with.
 struct Screen {
-    const Sight& sight;
+    const LayerView& layerView;
     const glm::dvec2& jitter;
     const GpuPlanes& planes;
     ScreenShaders& shaders;
@@ -15,13 +15,13 @@ struct Screen {
 
     PyramidView view() const {
         const ivec4& a = planes.area;
-        return pyramidView(sight, jitter, a.x, a.y, a.z, a.w);
+        return pyramidView(layerView, jitter, a.x, a.y, a.z, a.w);
     }
     ivec4 size() const { return {planes.area.z, planes.area.w, 0, 0}; }
 };
 
 Expected<void> run(const PhongPass& pass, const Screen& s) {
-    const PhongNumbers n = phongNumbers(pass, s.sight, s.jitter, s.planes.area.x, s.planes.area.y);
+    const PhongNumbers n = phongNumbers(pass, s.layerView, s.jitter, s.planes.area.x, s.planes.area.y);
     PhongParams params{};
     params.size = s.size();
     params.size.z = n.x;
@@ -71,10 +71,10 @@ const char* stageOf(const Pass& pass) {
 
 }  // namespace
 
-Expected<void> runScreenPasses(std::span<const Pass> passes, const Sight& sight, const glm::dvec2& jitter,
-                               const GpuPlanes& planes, ScreenShaders& shaders, Pyramid& pyramid,
-                               StageTimes& times, const std::stop_token& stop) {
-    const Screen screen{sight, jitter, planes, shaders, pyramid};
+Expected<void> runScreenPasses(std::span<const Pass> passes, const LayerView& layerView,
+                               const glm::dvec2& jitter, const GpuPlanes& planes, ScreenShaders& shaders,
+                               Pyramid& pyramid, StageTimes& times, const std::stop_token& stop) {
+    const Screen screen{layerView, jitter, planes, shaders, pyramid};
     for (const Pass& pass : passes) {
         const char* const name = stageOf(pass);
         if (name == nullptr) continue;

@@ -1,4 +1,4 @@
-// The screen passes of a plan: planes of colour, depth and normal, changed in place. On the render thread,
+// The screen passes of a frame: planes of colour, depth and normal, changed in place. On the render thread,
 // inside a Current scope of the shaders' context.
 #pragma once
 
@@ -10,10 +10,10 @@
 
 namespace scancast::gl {
 
-/// Runs them in their order, for planes drawn with this sight and jitter. Adds one stage each. Cancelled
+/// Runs them in their order, for planes drawn with this layerView and jitter. Adds one stage each. Cancelled
 /// between passes.
-Expected<void> runScreenPasses(std::span<const Pass> passes, const Sight& sight, const glm::dvec2& jitter,
-                               const GpuPlanes& planes, ScreenShaders& shaders, Pyramid& pyramid,
-                               StageTimes& times, const std::stop_token& stop);
+Expected<void> runScreenPasses(std::span<const Pass> passes, const LayerView& layerView,
+                               const glm::dvec2& jitter, const GpuPlanes& planes, ScreenShaders& shaders,
+                               Pyramid& pyramid, StageTimes& times, const std::stop_token& stop);
 
 }  // namespace scancast::gl

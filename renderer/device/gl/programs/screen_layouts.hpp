@@ -7,7 +7,7 @@
 #include <glm/ext/vector_uint4.hpp>
 #include <glm/vec4.hpp>
 
-#include "renderer/device/plan/screen_numbers.hpp"
+#include "renderer/device/host/screen_numbers.hpp"
 
 namespace scancast::gl {
 
@@ -26,7 +26,7 @@ static_assert(sizeof(GlassParams) == 96);
 static_assert(offsetof(GlassParams, depthAt) == 32 && offsetof(GlassParams, tint) == 80);
 static_assert(pyramidLevels == maxPyramidLevels);
 static_assert(sizeof(PyramidParams) == 560);
-static_assert(offsetof(PyramidParams, sight) == 16 && offsetof(PyramidParams, levels) == 32);
+static_assert(offsetof(PyramidParams, layerView) == 16 && offsetof(PyramidParams, levels) == 32);
 static_assert(offsetof(PyramidParams, farthest) == 416 && offsetof(PyramidParams, hide) == 512);
 static_assert(offsetof(PyramidParams, normals) == 528 && offsetof(PyramidParams, normalLevels) == 544);
 

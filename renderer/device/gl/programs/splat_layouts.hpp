@@ -24,10 +24,10 @@ static_assert(offsetof(SplatParams, ramp) == 48 && offsetof(SplatParams, surfel)
 static_assert(offsetof(SplatParams, extent) == 80 && offsetof(SplatParams, blur) == 96);
 static_assert(offsetof(SplatParams, rotation) == 112 && offsetof(SplatParams, flags) == 160);
 static_assert(offsetof(SplatParams, filters) == 176);
-static_assert(sizeof(SplatRun) == 128);
-static_assert(offsetof(SplatRun, clipMin) == 48 && offsetof(SplatRun, clipMax) == 64);
-static_assert(offsetof(SplatRun, sizeFactors) == 80 && offsetof(SplatRun, factors) == 96);
-static_assert(offsetof(SplatRun, color) == 112);
+static_assert(sizeof(RunParams) == 128);
+static_assert(offsetof(RunParams, clipMin) == 48 && offsetof(RunParams, clipMax) == 64);
+static_assert(offsetof(RunParams, sizeFactors) == 80 && offsetof(RunParams, factors) == 96);
+static_assert(offsetof(RunParams, color) == 112);
 static_assert(sizeof(SplatChunk) == 16 && sizeof(SplatExtent) == 16);
 static_assert(sizeof(ResolveParams) == 112);
 static_assert(offsetof(ResolveParams, planes) == 16 && offsetof(ResolveParams, ramp) == 32);

@@ -4,7 +4,7 @@
 #include <set>
 
 #include "renderer/device/gl/programs/splat_layouts.hpp"
-#include "renderer/device/plan/splat_plan.hpp"
+#include "renderer/device/host/splats.hpp"
 #include "renderer/select/fade.hpp"
 
 namespace scancast::gl {
@@ -21,15 +21,14 @@ constexpr double turnsOfRegion = 6;
 /// Pixels by which a footprint's box may be wider than its diameter: it covers those that it touches.
 constexpr double boxBorder = 4;
 
-bool isSinglePixel(const SplatStage& stage) {
-    return !ofSurfels(stage.splat) && stage.numbers.reduction != Reduction::Sum && stage.numbers.maxPx <= 1;
+bool isSinglePixel(const SplatPass& pass) {
+    return !ofSurfels(pass) && pass.reduction != Reduction::Sum && pass.maxPx <= 1;
 }
-bool sharesFootprints(const SplatStage& stage) {
-    return !isSinglePixel(stage) && (ofSurfels(stage.splat) || stage.numbers.maxPx >= smallestShared);
+bool sharesFootprints(const SplatPass& pass) {
+    return !isSinglePixel(pass) && (ofSurfels(pass) || pass.maxPx >= smallestShared);
 }
-int groupSize(const SplatStage& stage, const LayerTraits& traits) {
-    return sharesFootprints(stage) ? std::max(sharingGroup, traits.limits.groupSize)
-                                   : traits.limits.groupSize;
+int groupSize(const SplatPass& pass, const LayerTraits& traits) {
+    return sharesFootprints(pass) ? std::max(sharingGroup, traits.limits.groupSize) : traits.limits.groupSize;
 }
 
 static_assert(SHAPE_FLAT_SQUARE == int(SplatShape::FlatSquare));
@@ -52,42 +51,41 @@ static_assert(KEEP_KEY == int(Keep::Key) && CHUNK_SAMPLES == samplesPerChunk);
 
 }  // namespace
 
-ShaderVariant splatVariant(const SplatStage& stage, const LayerTraits& traits, Keep keep) {
-    const SplatNumbers& n = stage.numbers;
-    const bool surfels = ofSurfels(stage.splat), sums = n.reduction == Reduction::Sum;
+ShaderVariant splatVariant(const SplatPass& pass, const LayerTraits& traits, Keep keep) {
+    const bool surfels = ofSurfels(pass), sums = pass.reduction == Reduction::Sum;
     // Where only orders count, neither colours nor ordinals do.
     const bool bare = !sums && keep == Keep::Order;
-    const bool colored = !bare && !n.payloadSample;
-    const bool tested = traits.silhouette && surfels && stage.kind != SplatStage::Kind::Silhouette;
+    const bool colored = !bare && !pass.payloadSample;
+    const bool tested = traits.silhouette && surfels && !pass.silhouette;
     return {"splat.comp",
-            {{"GROUP_SIZE", groupSize(stage, traits)},
+            {{"GROUP_SIZE", groupSize(pass, traits)},
              {"TURN_STEP", static_cast<int>(turnStep)},
-             {"REDUCTION", static_cast<int>(n.reduction)},
+             {"REDUCTION", static_cast<int>(pass.reduction)},
              {"KEEP", static_cast<int>(keep)},
              {"KEYS64", traits.limits.keys64},
              {"LOOK_FIRST", !sums && traits.limits.lookFirst},
-             {"SHAPE", static_cast<int>(n.shape)},
-             {"SINGLE_PIXEL", isSinglePixel(stage)},
-             {"SHARED_FOOTPRINTS", sharesFootprints(stage)},
-             {"PERSPECTIVE", n.perspective},
-             {"COLORING", colored ? static_cast<int>(n.coloring) : 0},
-             {"PAYLOAD_SAMPLE", n.payloadSample && !bare},
-             {"SUM_NORMALS", n.sumNormals},
+             {"SHAPE", static_cast<int>(pass.shape)},
+             {"SINGLE_PIXEL", isSinglePixel(pass)},
+             {"SHARED_FOOTPRINTS", sharesFootprints(pass)},
+             {"PERSPECTIVE", pass.perspective},
+             {"COLORING", colored ? static_cast<int>(pass.coloring) : 0},
+             {"PAYLOAD_SAMPLE", pass.payloadSample && !bare},
+             {"SUM_NORMALS", pass.sumNormals},
              {"SILHOUETTE", tested},
              {"FILTERS", traits.filters}}};
 }
 
-std::uint32_t chunkSamples(const SplatStage& stage, const LayerTraits& traits, std::size_t pixels,
+std::uint32_t chunkSamples(const SplatPass& pass, const LayerTraits& traits, std::size_t pixels,
                            std::size_t regions) {
     const double loopTurns = traits.limits.loopTurns;
     if (loopTurns == 0) return samplesPerChunk;
     // What main() of splat.comp does for a sample: places it, and draws it alone, column by column within
     // rows...
-    const double threads = groupSize(stage, traits);
-    const double side = isSinglePixel(stage) ? 1 : stage.numbers.maxPx + boxBorder;
+    const double threads = groupSize(pass, traits);
+    const double side = isSinglePixel(pass) ? 1 : pass.maxPx + boxBorder;
     const double largest = std::min(side * side, static_cast<double>(pixels));
     const double place = 1 + turnsOfRegion * static_cast<double>(regions);
-    const bool shared = sharesFootprints(stage);
+    const bool shared = sharesFootprints(pass);
     const double alone = place + 2 * (shared ? std::min<double>(largest, MANY_PIXELS) : largest);
     // ... or all threads place it, and draw it together.
     const double together = shared ? place + 1 + largest / threads : 0;
@@ -95,11 +93,11 @@ std::uint32_t chunkSamples(const SplatStage& stage, const LayerTraits& traits, s
     return static_cast<std::uint32_t>(std::clamp<double>(samples, 1, samplesPerChunk));
 }
 
-ShaderVariant resolveKeysVariant(const PassPlan& plan, bool keys64, bool normals) {
+ShaderVariant resolveKeysVariant(const FramePasses& passes, bool keys64, bool normals) {
     return {"resolve_keys.comp",
             {{"KEYS64", keys64},
-             {"BY_SAMPLE", plan.bySample()},
-             {"CELLS", plan.cell.has_value()},
+             {"BY_SAMPLE", passes.bySample()},
+             {"CELLS", passes.cell.has_value()},
              {"NORMALS", normals}}};
 }
 
@@ -108,9 +106,9 @@ ShaderVariant resolveSamplesVariant(SplatColoring coloring, bool keys64, bool no
             {{"KEYS64", keys64}, {"COLORING", static_cast<int>(coloring)}, {"NORMALS", normals}}};
 }
 
-ShaderVariant resolveSumsVariant(const PassPlan& plan, bool keys64, bool normals) {
+ShaderVariant resolveSumsVariant(const FramePasses& passes, bool keys64, bool normals) {
     return {"resolve_sums.comp",
-            {{"KEYS64", keys64}, {"SUM_NORMALS", plan.sum->normals}, {"NORMALS", normals}}};
+            {{"KEYS64", keys64}, {"SUM_NORMALS", passes.sum->normals}, {"NORMALS", normals}}};
 }
 
 namespace {
@@ -136,9 +134,9 @@ class Variants {
 };
 
 /// In both projections, with and without filters and a silhouette, keys whole and in halves.
-void addStage(SplatStage stage, bool silhouettes, Variants& variants) {
+void addPass(SplatPass pass, bool silhouettes, Variants& variants) {
     for (const bool perspective : {false, true}) {
-        stage.numbers.perspective = perspective;
+        pass.perspective = perspective;
         for (const bool filters : {false, true}) {
             for (const bool silhouette : {false, true}) {
                 if (silhouette && !silhouettes) continue;
@@ -147,32 +145,30 @@ void addStage(SplatStage stage, bool silhouettes, Variants& variants) {
                 for (const bool lookFirst : {false, true}) {
                     const LayerTraits halves{{.lookFirst = lookFirst}, filters, silhouette};
                     for (const Keep keep : {Keep::Order, Keep::Payload})
-                        variants.add(splatVariant(stage, halves, keep));
+                        variants.add(splatVariant(pass, halves, keep));
                 }
                 const LayerTraits whole{{.keys64 = true}, filters, silhouette};
                 for (const Keep keep : {Keep::Key, Keep::Order})
-                    variants.add(splatVariant(stage, whole, keep));
+                    variants.add(splatVariant(pass, whole, keep));
             }
         }
     }
 }
 
-/// A stage of every colouring that its payload or its sums can have.
-void addColorings(SplatStage stage, bool silhouettes, Variants& variants) {
+/// A pass of every colouring that its payload or its sums can have.
+void addColorings(SplatPass pass, bool silhouettes, Variants& variants) {
     for (const SplatColoring coloring : colorings) {
-        stage.numbers.coloring = coloring;
-        addStage(stage, silhouettes, variants);
+        pass.coloring = coloring;
+        addPass(pass, silhouettes, variants);
     }
 }
 
-SplatStage stageOf(SplatStage::Kind kind, Footprint footprint, Profile profile, float maxPx) {
-    SplatStage stage;
-    stage.kind = kind;
-    stage.splat.footprint = footprint;
-    stage.splat.profile = profile;
-    stage.numbers.shape = splatShape(footprint, profile);
-    stage.numbers.maxPx = maxPx;
-    return stage;
+SplatPass passOf(Reduction reduction, Footprint footprint, Profile profile, float maxPx) {
+    SplatPass pass;
+    pass.reduction = reduction;
+    pass.shape = splatShape(footprint, profile);
+    pass.maxPx = maxPx;
+    return pass;
 }
 
 void addSprites(Variants& variants) {
@@ -180,10 +176,10 @@ void addSprites(Variants& variants) {
     for (const Footprint footprint : {Footprint::Square, Footprint::Circle}) {
         for (const Profile profile : {Flat, Paraboloid, Cone, Sphere}) {
             for (const float maxPx : {1.0f, 5.0f, 50.0f}) {
-                SplatStage stage = stageOf(SplatStage::Kind::Nearest, footprint, profile, maxPx);
-                addColorings(stage, false, variants);
-                stage.numbers.payloadSample = true;
-                addStage(stage, false, variants);
+                SplatPass pass = passOf(Reduction::Nearest, footprint, profile, maxPx);
+                addColorings(pass, false, variants);
+                pass.payloadSample = true;
+                addPass(pass, false, variants);
             }
         }
     }
@@ -191,41 +187,39 @@ void addSprites(Variants& variants) {
 
 void addSums(Footprint footprint, bool silhouettes, Variants& variants) {
     for (const float maxPx : {5.0f, 50.0f}) {
-        SplatStage stage = stageOf(SplatStage::Kind::Sum, footprint, Profile::Flat, maxPx);
-        stage.numbers.reduction = Reduction::Sum;
+        SplatPass pass = passOf(Reduction::Sum, footprint, Profile::Flat, maxPx);
         for (const bool normals : {false, true}) {
-            stage.numbers.sumNormals = normals;
-            addColorings(stage, silhouettes, variants);
+            pass.sumNormals = normals;
+            addColorings(pass, silhouettes, variants);
         }
     }
 }
 
 void addSurfels(Variants& variants) {
     for (const Footprint footprint : {Footprint::Disc, Footprint::Ellipse}) {
-        SplatStage stage = stageOf(SplatStage::Kind::Nearest, footprint, Profile::Flat, 256);
-        addColorings(stage, true, variants);
-        stage.numbers.payloadSample = true;
-        addStage(stage, true, variants);
+        SplatPass pass = passOf(Reduction::Nearest, footprint, Profile::Flat, 256);
+        addColorings(pass, true, variants);
+        pass.payloadSample = true;
+        addPass(pass, true, variants);
         addSums(footprint, true, variants);
     }
-    SplatStage cell = stageOf(SplatStage::Kind::Cell, Footprint::Disc, Profile::Flat, 256);
-    cell.numbers.reduction = Reduction::Cell;
-    cell.numbers.payloadSample = true;
-    addStage(cell, true, variants);
+    SplatPass cell = passOf(Reduction::Cell, Footprint::Disc, Profile::Flat, 256);
+    cell.payloadSample = true;
+    addPass(cell, true, variants);
 }
 
 void addResolves(bool keys64, bool normals, Variants& variants) {
-    PassPlan plan;
+    FramePasses passes;
     for (const Payload payload : {Payload::Color, Payload::Sample}) {
-        plan.nearest.payload = payload;
-        variants.add(resolveKeysVariant(plan, keys64, normals));
+        passes.nearest.payload = payload;
+        variants.add(resolveKeysVariant(passes, keys64, normals));
     }
-    plan.cell.emplace();
-    variants.add(resolveKeysVariant(plan, keys64, normals));
+    passes.cell.emplace();
+    variants.add(resolveKeysVariant(passes, keys64, normals));
     for (const SplatColoring coloring : colorings)
         variants.add(resolveSamplesVariant(coloring, keys64, normals));
-    plan.sum.emplace().normals = normals;
-    variants.add(resolveSumsVariant(plan, keys64, normals));
+    passes.sum.emplace().normals = normals;
+    variants.add(resolveSumsVariant(passes, keys64, normals));
 }
 
 }  // namespace

@@ -1,5 +1,5 @@
 // Which variants of the splat and resolve shaders there are: what is known before a pass runs is a #define,
-// the rest are parameters. Pure functions. Place: stages → **variants** → programs.
+// the rest are parameters. Pure functions. Place: splat passes → **variants** → programs.
 #pragma once
 
 #include <string>
@@ -7,8 +7,8 @@
 
 #include "renderer/device/gl/programs/shader_source.hpp"
 #include "renderer/device/gl/programs/splat_limits.hpp"
-#include "renderer/device/plan/pass_plan.hpp"
-#include "renderer/device/plan/stages.hpp"
+#include "renderer/device/host/drawing.hpp"
+#include "renderer/device/host/splats.hpp"
 
 namespace scancast::gl {
 
@@ -30,15 +30,15 @@ struct LayerTraits {
 };
 
 /// splat.comp.
-ShaderVariant splatVariant(const SplatStage& stage, const LayerTraits& traits, Keep keep);
+ShaderVariant splatVariant(const SplatPass& pass, const LayerTraits& traits, Keep keep);
 /// Samples that a work group may take, 1 .. samplesPerChunk, so that no thread's loops turn more often than
 /// the driver allows, on pictures of `pixels`; `regions` = dropped regions that a sample is tested against.
-std::uint32_t chunkSamples(const SplatStage& stage, const LayerTraits& traits, std::size_t pixels,
+std::uint32_t chunkSamples(const SplatPass& pass, const LayerTraits& traits, std::size_t pixels,
                            std::size_t regions);
 /// resolve_keys.comp, resolve_samples.comp, resolve_sums.comp; `normals`: into a plane of them.
-ShaderVariant resolveKeysVariant(const PassPlan& plan, bool keys64, bool normals);
+ShaderVariant resolveKeysVariant(const FramePasses& passes, bool keys64, bool normals);
 ShaderVariant resolveSamplesVariant(SplatColoring coloring, bool keys64, bool normals);
-ShaderVariant resolveSumsVariant(const PassPlan& plan, bool keys64, bool normals);
+ShaderVariant resolveSumsVariant(const FramePasses& passes, bool keys64, bool normals);
 
 /// Every variant that some list of passes can ask for, of all four shaders: for tests that compile them.
 std::vector<ShaderVariant> allSplatVariants();

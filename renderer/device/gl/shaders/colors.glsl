@@ -1,4 +1,4 @@
-// A sample's colour, as the cpu device finds it (kernels/project.hpp, resolve.hpp). Needs `pass.ramp`, SplatRun and
+// A sample's colour, as the cpu device finds it (kernels/project.hpp, resolve.hpp). Needs `pass.ramp`, RunParams and
 // splat_tables.glsl. Variant: COLORING.
 
 uint rampColor(float index) {
@@ -7,7 +7,7 @@ uint rampColor(float index) {
 }
 
 // r | g << 8 | b << 16
-uint colorOf(SplatRun run, uvec4 words, float depth) {
+uint colorOf(RunParams run, uvec4 words, float depth) {
 #if COLORING == COLOR_RGB
     return words.z & 0xffffffu;
 #elif COLORING == COLOR_PER_RUN

@@ -37,7 +37,7 @@ const int pyramidLevels = 24;
 // The passes of methods.md section 8. Level 0 is the picture; texels of the others stand in one buffer.
 struct PyramidParams {
     ivec4 size;                   // width, height of the picture; levels; the coarsest that a neighbourhood may use
-    vec4 sight;                   // view axis x, y, px; units per px (times depth in perspective); 1 in perspective, else 0
+    vec4 layerView;                   // view axis x, y, px; units per px (times depth in perspective); 1 in perspective, else 0
     ivec4 levels[pyramidLevels];  // width, height, first texel
     vec4 farthest[6];             // by level, four in one: whoever is not farther has neighbours in it
     vec4 hide;                    // least gap; threshold; up to this level neighbours all around hide what is at infinity

@@ -27,5 +27,5 @@ int pixelOf(ivec2 at) {
 }
 
 bool perspective() {
-    return pyramid.sight.w != 0.0;
+    return pyramid.layerView.w != 0.0;
 }

@@ -7,8 +7,8 @@ float depthAt(int level, ivec2 at);
 // A texel's point in view space, z towards the viewer.
 vec3 viewPointOf(float texel, vec2 at, float depth) {
     float scale = perspective() ? depth : 1.0;
-    precise float x = ((at.x + 0.5) * texel - pyramid.sight.x) * pyramid.sight.z * scale;
-    precise float y = (pyramid.sight.y - (at.y + 0.5) * texel) * pyramid.sight.z * scale;
+    precise float x = ((at.x + 0.5) * texel - pyramid.layerView.x) * pyramid.layerView.z * scale;
+    precise float y = (pyramid.layerView.y - (at.y + 0.5) * texel) * pyramid.layerView.z * scale;
     return vec3(x, y, -depth);
 }
 
@@ -50,7 +50,7 @@ vec3 normalAt(int level, ivec2 at) {
     float upper = at.y > 0 ? depthAt(level, ivec2(at.x, before.y)) : infinity;
     float lower = at.y < last.y ? depthAt(level, ivec2(at.x, behind.y)) : infinity;
     float texel = float(1 << level);
-    precise float texelSize = (texel * pyramid.sight.z) * (perspective() ? depth : 1.0);
+    precise float texelSize = (texel * pyramid.layerView.z) * (perspective() ? depth : 1.0);
     vec3 own = viewPointOf(texel, vec2(at), depth);
     vec2 across = sameSurface(depth, texelSize, right, left), along = sameSurface(depth, texelSize, upper, lower);
     precise vec3 a = beside(texel, own, depth, vec2(behind.x, at.y), right, across.x) -

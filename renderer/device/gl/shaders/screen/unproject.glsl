@@ -2,8 +2,8 @@
 
 // Of a pixel, per unit of depth in perspective.
 vec2 rayOf(vec2 pixel) {
-    precise float x = (pixel.x + (0.5 - pyramid.sight.x)) * pyramid.sight.z;
-    precise float y = ((pyramid.sight.y - 0.5) - pixel.y) * pyramid.sight.z;
+    precise float x = (pixel.x + (0.5 - pyramid.layerView.x)) * pyramid.layerView.z;
+    precise float y = ((pyramid.layerView.y - 0.5) - pixel.y) * pyramid.layerView.z;
     return vec2(x, y);
 }
 

@@ -1,5 +1,5 @@
 // What splat passes and their resolving share with C++: compiled by both (splat_layouts.hpp checks the offsets). Only
-// 16-byte members, so that std140, std430 and C++ lay them out alike. From plan/splat_numbers.hpp, word for word.
+// 16-byte members, so that std140, std430 and C++ lay them out alike. From host/splat_numbers.hpp, word for word.
 
 // One splat pass over an area of the picture.
 struct SplatParams {
@@ -9,14 +9,15 @@ struct SplatParams {
     vec4 ramp;         // colour index = (value - x) * y, clamped to the ramp
     vec4 surfel;       // pixels per unit; units per pixel; scale of radii; largest half size, px
     vec4 extent;       // Sum of discs: reach, and its largest half size, px; tolerance, drawn radii; unused
-    vec4 blur;         // Ellipse: 6 and sqrt(6) times the low-pass' variance and deviation, px; unused
+    vec4 blur;         // Ellipse: 6 and sqrt(6) times the low-pass' variance and deviation, px; an ellipse's major axis over its radius,
+                       // and a step of its axes' ratio (renderer/cloud/surfel_bytes.hpp)
     vec4 rotation[3];  // rows: cloud -> view space (x right, y up, z towards the viewer)
     ivec4 flags;       // which of a run's size factors; facing: 1, -1 or 0; 1 = oriented; 1 = samples know radii
     ivec4 filters;     // x: 1 = not all classes are drawn; unused
 };
 
 // One run of samples of the cut, composed in double on the host.
-struct SplatRun {
+struct RunParams {
     vec4 toPicture[3];  // rows times (x, y, z, 1): across, down, px (times depth in perspective); depth
     ivec4 clipMin;      // integers of the samples inside the clip box, inclusive; w: first word of its regions
     ivec4 clipMax;      // w: regions in which its samples are dropped

@@ -1,5 +1,5 @@
 // First half of a splat pass: a sample's words -> place on the picture, depth, size. Operation by operation what the cpu
-// device computes (kernels/project.hpp), in the same order, so that both draw the same picture. Needs `pass`, SplatRun,
+// device computes (kernels/project.hpp), in the same order, so that both draw the same picture. Needs `pass`, RunParams,
 // exact.glsl and splat_tables.glsl. Variants: PERSPECTIVE, FILTERS 0 or 1.
 
 struct Placed {
@@ -25,7 +25,7 @@ bool insideRegion(uint word, vec3 p) {
     return true;
 }
 
-bool passesFilters(SplatRun run, uvec4 words) {
+bool passesFilters(RunParams run, uvec4 words) {
     if (pass.filters.x != 0 && tables[classWords + (words.z >> 24)] == 0u) return false;
     ivec3 place = ivec3(words.x & 0xffffu, words.x >> 16, words.y & 0xffffu);
     if (any(lessThan(place, run.clipMin.xyz)) || any(greaterThan(place, run.clipMax.xyz))) return false;
@@ -37,7 +37,7 @@ bool passesFilters(SplatRun run, uvec4 words) {
 #endif
 
 // 1 where no radius is known.
-float radiusRatio(SplatRun run, uvec4 words) {
+float radiusRatio(RunParams run, uvec4 words) {
     if (pass.flags.w == 0) return 1.0;
     float radius = uintBitsToFloat(tables[radiusWords + ((words.w >> 16) & 255u)]);
     precise float ratio = radius * run.factors.z;
@@ -52,7 +52,7 @@ float sizeFactor(vec4 factors) {
 }
 
 // False: it is not drawn.
-bool placeSample(SplatRun run, uvec4 words, out Placed placed) {
+bool placeSample(RunParams run, uvec4 words, out Placed placed) {
     float sx = float(words.x & 0xffffu);
     float sy = float(words.x >> 16);
     float sz = float(words.y & 0xffffu);

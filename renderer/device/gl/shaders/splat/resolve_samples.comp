@@ -8,7 +8,7 @@
 #include "read_keys.glsl"
 
 layout(binding = 0) uniform usamplerBuffer samples;
-layout(std430, binding = 1) readonly buffer Runs { SplatRun runs[]; };
+layout(std430, binding = 1) readonly buffer Runs { RunParams runs[]; };
 layout(std430, binding = 2) readonly buffer Extents { SplatExtent extents[]; };
 layout(std430, binding = 6) buffer Rgba { uint rgba[]; };
 layout(std430, binding = 7) readonly buffer Depth { float depth[]; };

@@ -15,7 +15,7 @@ layout(local_size_x = GROUP_SIZE) in;
 
 layout(std140, binding = 0) uniform Params { SplatParams pass; };
 layout(binding = 0) uniform usamplerBuffer samples;
-layout(std430, binding = 1) readonly buffer Runs { SplatRun runs[]; };
+layout(std430, binding = 1) readonly buffer Runs { RunParams runs[]; };
 layout(std430, binding = 2) readonly buffer Chunks { SplatChunk chunks[]; };
 layout(location = 0) uniform uint firstChunk;
 
@@ -41,7 +41,7 @@ layout(location = 0) uniform uint firstChunk;
 #endif
 
 // What a key carries, or a sum adds, of a sample with this index in its run.
-uint carriedBy(SplatRun run, uvec4 words, uint index, float depth) {
+uint carriedBy(RunParams run, uvec4 words, uint index, float depth) {
 #if REDUCTION != REDUCTION_SUM && KEEP == KEEP_ORDER
     return 0u;
 #elif PAYLOAD_SAMPLE
@@ -52,7 +52,7 @@ uint carriedBy(SplatRun run, uvec4 words, uint index, float depth) {
 }
 
 // A sample of the chunk; false: nothing of it lies in the area.
-bool footprintOf(SplatRun run, uvec4 range, uint i, out Footprint f) {
+bool footprintOf(RunParams run, uvec4 range, uint i, out Footprint f) {
     // Fading levels: the samples whose turn has come (renderer/select/fade.hpp).
     if ((range.w + i) * uint(TURN_STEP) > run.color.y) return false;
     uvec4 words = texelFetch(samples, int(range.x + i));
@@ -92,7 +92,7 @@ void drawTogether(Footprint f) {
 
 void main() {
     uvec4 range = chunks[firstChunk + gl_WorkGroupID.x].range;
-    SplatRun run = runs[range.z];
+    RunParams run = runs[range.z];
     Footprint f;
 #if SHARED_FOOTPRINTS
     if (gl_LocalInvocationID.x == 0u) queued = 0u;

@@ -1,4 +1,4 @@
-// Kinds that shaders are specialised for, as plan/splat_kind.hpp and plan/splat_numbers.hpp number them
+// Kinds that shaders are specialised for, as plan/splat_kind.hpp and host/splat_numbers.hpp number them
 // (splat_variants.cpp checks that).
 #define SHAPE_FLAT_SQUARE 0
 #define SHAPE_FLAT_CIRCLE 1

@@ -21,7 +21,7 @@ vec3 viewNormal(uint code, Placed placed) {
     return towards < 0.0 ? -n : n;
 }
 
-bool setUp(SplatRun run, uvec4 words, Placed placed, uint color, out Footprint f) {
+bool setUp(RunParams run, uvec4 words, Placed placed, uint color, out Footprint f) {
     float h = placed.halfPx;
     f.x = placed.x;
     f.y = placed.y;

@@ -50,7 +50,7 @@ bool covers(float dx, float dy, float distance2, float h) {
 #endif
 }
 
-bool setUp(SplatRun run, uvec4 words, Placed placed, uint payload, out Footprint f) {
+bool setUp(RunParams run, uvec4 words, Placed placed, uint payload, out Footprint f) {
     f.x = placed.x;
     f.y = placed.y;
     f.depth = placed.depth;

@@ -65,7 +65,7 @@ float halfPixels(float radius, float depth) {
 }
 
 // False: it is not drawn. `radiusFactor`: what is drawn, in the sample's radii.
-bool poseOf(SplatRun run, uvec4 words, Placed placed, float radiusFactor, out Pose p) {
+bool poseOf(RunParams run, uvec4 words, Placed placed, float radiusFactor, out Pose p) {
     p.cloud = sampleNormal(words.w & 0xffffu);
     p.hasNormal = any(notEqual(p.cloud, vec3(0.0)));
     vec3 n = toView(p.cloud);
@@ -152,7 +152,7 @@ Outline outlineOf(Pose p, float halfPx) {
 #endif
 }
 
-bool setUp(SplatRun run, uvec4 words, Placed placed, uint payload, out Footprint f) {
+bool setUp(RunParams run, uvec4 words, Placed placed, uint payload, out Footprint f) {
     Pose p;
     if (!poseOf(run, words, placed, 1.0, p)) return false;
     f.x = placed.x;
@@ -190,9 +190,6 @@ bool setUp(SplatRun run, uvec4 words, Placed placed, uint payload, out Footprint
     return true;
 }
 #else
-// renderer/cloud/surfel_codec.hpp
-const float majorAxisPerRadius = 1.36, axisRatioStep = 0.10714286;  // 0.75 / 7
-
 // Of a unit normal in cloud space, one unit long: Frisvad's frame, turned by the code's angle.
 vec3 majorAxis(vec3 n, uint code) {
     uint angle = code & 31u;
@@ -219,7 +216,7 @@ struct Axes {
 void setAxes(Pose p, uint code, out Axes axes) {
     vec3 view = toView(majorAxis(p.cloud, code));
     vec3 d = p.hasNormal ? vec3(view.x, -view.y, -view.z) : vec3(1.0, 0.0, 0.0);
-    precise float ratio = 1.0 - float(code >> 5) * axisRatioStep;
+    precise float ratio = 1.0 - float(code >> 5) * pass.blur.w;
     precise float minor = p.halfPx * ratio;
     precise vec3 a = p.halfPx * d;
     precise float bx = minor * (p.n.y * d.z - p.n.z * d.y);
@@ -262,11 +259,11 @@ void setDepths(Pose p, float range, inout Footprint f) {
     f.tolerance = tolerance;
 }
 
-bool setUp(SplatRun run, uvec4 words, Placed placed, uint payload, out Footprint f) {
+bool setUp(RunParams run, uvec4 words, Placed placed, uint payload, out Footprint f) {
     uint radius = radiusCode(words), code = words.w >> 24;
     bool known = radius != 0u && radius != outlierCode && pass.flags.w != 0;
     Pose p;
-    if (!poseOf(run, words, placed, known ? majorAxisPerRadius : 1.0, p)) return false;
+    if (!poseOf(run, words, placed, known ? pass.blur.z : 1.0, p)) return false;
     f.x = placed.x;
     f.y = placed.y;
     f.depth = placed.depth;

@@ -1,11 +1,14 @@
-#include "renderer/device/plan/pyramid_plan.hpp"
+#include "renderer/device/host/screens.hpp"
 
 #include <algorithm>
 #include <cmath>
+#include <glm/geometric.hpp>
 #include <limits>
 
 namespace scancast {
 namespace {
+
+// ---- the pyramid
 
 constexpr float infinite = std::numeric_limits<float>::infinity();
 constexpr float largest = std::numeric_limits<float>::max();
@@ -49,15 +52,94 @@ double levelOf(double px, double slack, int count) {
     return std::clamp(std::log2(std::max(px, 1.0)) + slack, 0.0, count - 1.0);
 }
 
+// ---- glass
+
+/// Value at the picture's pixel (0, 0), and steps.
+void setLinear(double atZero, double stepX, double stepY, float out[3]) {
+    out[0] = static_cast<float>(atZero);
+    out[1] = static_cast<float>(stepX);
+    out[2] = static_cast<float>(stepY);
+}
+
+/// Where the ray of a pixel meets the mirror's plane. In perspective the ray is d · r, r = (u, v, -1), with
+/// normal · (d r - center) = 0: so 1/d = normal · r / normal · center, linear in the pixel, and the place
+/// right · (d r - center) / right² is linear, too, once divided by d. Else the ray is r = (u, v, 0) with
+/// -d in the place of z.
+void setPlane(const MirrorGlass& m, double unit, const glm::dvec2& axis, GlassNumbers& g) {
+    // r at the picture's pixel (0, 0): at its centre.
+    const glm::dvec3 r((0.5 - axis.x) * unit, (axis.y - 0.5) * unit, 0);
+    double at = 0, stepX = 0, stepY = 0;
+    if (g.perspective) {
+        const double scale = 1 / glm::dot(m.normal, m.center);
+        at = (m.normal.x * r.x + m.normal.y * r.y - m.normal.z) * scale;
+        stepX = m.normal.x * unit * scale;
+        stepY = -m.normal.y * unit * scale;
+    } else {
+        at = (m.normal.x * r.x + m.normal.y * r.y - glm::dot(m.normal, m.center)) / m.normal.z;
+        stepX = m.normal.x * unit / m.normal.z;
+        stepY = -m.normal.y * unit / m.normal.z;
+    }
+    setLinear(at, stepX, stepY, g.depthAt);
+    const auto place = [&](const glm::dvec3& half, float out[3]) {
+        const glm::dvec3 h = half / glm::dot(half, half);
+        const double center = glm::dot(h, m.center);
+        const double along = h.x * r.x + h.y * r.y;
+        if (g.perspective) {
+            setLinear(along - h.z - center * at, h.x * unit - center * stepX, -h.y * unit - center * stepY,
+                      out);
+        } else {
+            setLinear(along - h.z * at - center, h.x * unit - h.z * stepX, -h.y * unit - h.z * stepY, out);
+        }
+    };
+    place(m.right, g.rightAt);
+    place(m.up, g.upAt);
+}
+
 }  // namespace
 
-PyramidView pyramidView(const Sight& sight, const glm::dvec2& jitter, int x, int y, int width, int height) {
+// ---- lighting
+
+PhongNumbers phongNumbers(const PhongPass& pass, const LayerView& view, const glm::dvec2& jitter, int x,
+                          int y) {
+    const glm::dvec2 axis = view.center() + jitter;
+    PhongNumbers n;
+    n.perspective = view.perspective();
+    n.x = x;
+    n.y = y;
+    n.offsetX = static_cast<float>(0.5 - axis.x);
+    n.offsetY = static_cast<float>(0.5 - axis.y);
+    n.inverseFocal = static_cast<float>(std::min(1 / view.viewpoint->pixelsPerUnit, 1e30));
+    n.ambient = pass.ambient;
+    n.headlight = pass.headlight;
+    n.directional = pass.directional;
+    n.specular = pass.specular;
+    return n;
+}
+
+EyeDomeNumbers eyeDomeNumbers(const EyeDomePass& pass) {
+    const double radius = std::clamp(pass.radiusPx, 0.0f, 64.0f);
+    EyeDomeNumbers n;
+    n.reach = static_cast<std::int32_t>(std::ceil(radius));
+    for (int k = 0; k < 8; ++k) {
+        const double angle = k * 0.785398163397448309616;
+        n.x[k] = static_cast<std::int32_t>(std::lround(radius * std::cos(angle)));
+        n.y[k] = static_cast<std::int32_t>(std::lround(radius * std::sin(angle)));
+    }
+    constexpr double log2e = 1.44269504088896340736;
+    n.factor = static_cast<float>(300.0 * std::clamp(pass.strength, 0.0f, 1000.0f) / 8 * log2e);
+    return n;
+}
+
+// ---- the pyramid
+
+PyramidView pyramidView(const LayerView& layer, const glm::dvec2& jitter, int x, int y, int width,
+                        int height) {
     PyramidView view;
     view.width = width;
     view.height = height;
-    view.perspective = sight.perspective();
-    view.pixelsPerUnit = sight.viewpoint->pixelsPerUnit;
-    view.center = sight.center() + jitter - glm::dvec2(x, y);
+    view.perspective = layer.perspective();
+    view.pixelsPerUnit = layer.viewpoint->pixelsPerUnit;
+    view.center = layer.center() + jitter - glm::dvec2(x, y);
     return view;
 }
 
@@ -114,6 +196,17 @@ int NormalNumbers::first() const {
 int NormalNumbers::last(float nearest) const {
     const double most = std::max(perspective ? scaled / nearest : scaled, least);
     return static_cast<int>(std::ceil(levelOf(most, 0.01, count)));
+}
+
+// ---- glass
+
+GlassNumbers glassNumbers(const MirrorGlass& glass, const LayerView& view, const glm::dvec2& jitter) {
+    GlassNumbers g;
+    g.perspective = view.perspective();
+    setPlane(glass, 1 / view.viewpoint->pixelsPerUnit, view.center() + jitter, g);
+    g.margin = static_cast<float>(glass.margin);
+    for (std::size_t c = 0; c < 3; ++c) g.tint[c] = glass.tint[c];
+    return g;
 }
 
 }  // namespace scancast

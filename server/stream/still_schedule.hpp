@@ -18,7 +18,7 @@ struct StillTimes {
     std::chrono::milliseconds interval{100};  ///< between stills that get sharper
 };
 
-class StillPlan {
+class StillSchedule {
   public:
     using Time = std::chrono::steady_clock::time_point;
     enum class Still : std::uint8_t {
@@ -27,7 +27,7 @@ class StillPlan {
         Final,    ///< with everything, whatever that takes
     };
 
-    explicit StillPlan(const StillTimes& times) : times_(times) {}
+    explicit StillSchedule(const StillTimes& times) : times_(times) {}
 
     /// Another view is shown. `mayLack`: some of its samples may not have been read yet.
     void begin(bool mayLack, Time now);

@@ -1,5 +1,4 @@
-// The numbers of screen passes, worked out once on the host (screen_plan.hpp, pyramid_plan.hpp,
-// glass_plane.hpp) and the same for every device, so that the same floats go into the same arithmetic. Plain
+// The numbers of screen passes, worked out once on the host (screens.hpp) and the same for every device, so that the same floats go into the same arithmetic. Plain
 // structs of plain types and nothing else, because SIMD kernels include this (decision 2); shaders get them
 // as layouts_screen.glsl packs them.
 #pragma once

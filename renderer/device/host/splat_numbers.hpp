@@ -1,14 +1,28 @@
-// The numbers of a splat pass and of a run of samples, worked out once on the host (stages.hpp, runs.hpp) and
-// the same for every device, so that the same floats go into the same arithmetic. Plain structs of plain
-// types and nothing else, because SIMD kernels include this (decision 2); shaders get them as layouts_splat.glsl
-// packs them.
+// The numbers of a splat pass and of a run of samples, worked out once on the host (splats.hpp) and the same for
+// every device, so that the same floats go into the same arithmetic. Plain structs of plain types and constants
+// of internal linkage, nothing else, because SIMD kernels include this (decision 2); shaders get them as
+// layouts_splat.glsl packs them.
 #pragma once
 
 #include <cstdint>
 
-#include "renderer/device/plan/splat_kind.hpp"
-
 namespace scancast {
+
+/// What a splat looks like: footprint and profile together, as far as they are drawn differently.
+enum class SplatShape : std::uint8_t {
+    FlatSquare,
+    FlatCircle,
+    ParaboloidSquare,
+    ParaboloidCircle,
+    ConeSquare,
+    ConeCircle,
+    SphereCircle,
+    Disc,  ///< surfels
+    Ellipse,
+};
+
+/// Where a splat's colour comes from. PerRun: one colour for every sample of a run (lod, flat).
+enum class SplatColoring : std::uint8_t { Rgb, PerRun, Intensity, Elevation, Classification, Normal, Depth };
 
 /// What a splat pass does with its fragments.
 enum class Reduction : std::uint8_t {
@@ -18,8 +32,9 @@ enum class Reduction : std::uint8_t {
 };
 
 /// Everything that holds for a whole splat pass.
-struct SplatNumbers {
+struct SplatPass {
     Reduction reduction = Reduction::Nearest;
+    bool silhouette = false;  ///< Nearest of what faces away: later passes drop what lies behind it
     SplatShape shape = SplatShape::FlatSquare;
     bool payloadSample = false;  ///< keys carry the sample's ordinal instead of distance and colour
     bool sumNormals = false;
@@ -43,7 +58,16 @@ struct SplatNumbers {
 
     SplatColoring coloring = SplatColoring::Rgb;
     float colorLow = 0, colorScale = 0;  ///< index = clamp((value - low) · scale, 0, 255)
+
+    /// What kernels look samples' bytes up in; a GPU has it in tables of its own.
+    const float* radii =
+        nullptr;  ///< 256 radii by logRadius; 0 for codes that know none. Null: no sample knows
+    const std::uint32_t* ramp = nullptr;     ///< 256 colours, r | g << 8 | b << 16
+    const std::uint32_t* normals = nullptr;  ///< 65,536 colours
+    const std::uint8_t* classes = nullptr;   ///< 256 flags, 1 = drawn; null = all
 };
+/// Of a list: silhouette, nearest, sum, cell.
+inline constexpr int mostSplatPasses = 4;
 
 /// Where samples of a run are dropped: inside all planes, planes[i] · (x, y, z, 1) ≥ 0 of a sample's
 /// integers.
@@ -71,5 +95,29 @@ struct RunNumbers {
     std::int32_t clipMin[3] = {},
                  clipMax[3] = {};  ///< integers of the samples inside the clip box, inclusive
 };
+
+/// Largest radius over depth in perspective: what reaches the eye's plane has no outline. Once for what is
+/// drawn, once for what a sum extends it to.
+constexpr float largestSpread = 0.5f, largestReach = 0.9f;
+constexpr float rootOf6 = 2.4494897f;
+
+/// Directions of the major axis that an ellipse byte may name (renderer/cloud/surfel_codec.hpp): 32, half a
+/// turn in all.
+constexpr int axisAngles = 32;
+struct AxisDirections {
+    float cosine[axisAngles], sine[axisAngles];
+};
+constexpr AxisDirections axisDirections = [] {
+    AxisDirections table{};
+    double c = 1, s = 0;
+    for (int i = 0; i < axisAngles; ++i) {
+        table.cosine[i] = static_cast<float>(c);
+        table.sine[i] = static_cast<float>(s);
+        const double next = c * 0.9951847266721969 - s * 0.0980171403295606;
+        s = s * 0.9951847266721969 + c * 0.0980171403295606;
+        c = next;
+    }
+    return table;
+}();
 
 }  // namespace scancast

@@ -1,6 +1,6 @@
 // How a cloud is divided into chunks that fit in memory: the top of the octree, split at counting-grid
 // boundaries nearest the average, and which chunk every cell belongs to. Pipeline: counting grid → **chunk
-// plan** → chunks. Source: methods.md §6 (out of core, above chunk size). Pure function; the result depends
+// layout** → chunks. Source: methods.md §6 (out of core, above chunk size). Pure function; the result depends
 // on the counts alone.
 #pragma once
 
@@ -14,12 +14,12 @@
 namespace scancast {
 
 /// A set of the top: its children, or a chunk.
-struct PlanNode {
-    std::vector<PlanNode> children;
+struct LayoutNode {
+    std::vector<LayoutNode> children;
     std::uint32_t chunk = 0;  ///< without children: which
 };
 
-struct ChunkPlan {
+struct ChunkLayout {
     struct Chunk {
         std::uint64_t points = 0;
         std::uint64_t halo = 0;  ///< points of other chunks near its border
@@ -31,7 +31,7 @@ struct ChunkPlan {
     };
 
     CellFrame frame;
-    PlanNode root;
+    LayoutNode root;
     std::vector<Chunk> chunks;  ///< in the order of a walk through the top, depth first
     std::vector<std::uint32_t> haloChunks;
 
@@ -43,7 +43,7 @@ struct ChunkPlan {
 
 /// Sets above chunkPoints are split; one cell is never. With `halo`, a chunk's halo is all points in the
 /// cells around it; cells are taken so large that an occupied one holds 64 points on average.
-ChunkPlan planChunks(const CellFrame& frame, std::vector<CountedCell> cells, const Grid& grid,
-                     std::uint64_t chunkPoints, bool halo);
+ChunkLayout layOutChunks(const CellFrame& frame, std::vector<CountedCell> cells, const Grid& grid,
+                         std::uint64_t chunkPoints, bool halo);
 
 }  // namespace scancast

@@ -7,10 +7,17 @@
 #include <vector>
 
 #include "renderer/device/device.hpp"
-#include "renderer/device/plan/splat_numbers.hpp"
-#include "renderer/device/plan/splat_plan.hpp"
+#include "renderer/device/host/splat_numbers.hpp"
 
 namespace scancast {
+
+/// r | g << 8 | b << 16, as samples and payloads hold it.
+inline std::uint32_t packed(const Rgb8& c) {
+    return static_cast<std::uint32_t>(c[0]) | static_cast<std::uint32_t>(c[1]) << 8 |
+           static_cast<std::uint32_t>(c[2]) << 16;
+}
+
+SplatColoring splatColoring(ColorSource source);
 
 /// What samples look their colours and classes up in.
 struct ColorTables {
@@ -26,7 +33,7 @@ ColorTables colorTables(const ColorRule& rule, const SampleFilter& filter);
 /// ramp's beginning.
 float colorScale(const ColorRule& rule);
 /// Sets coloring, colorLow and colorScale.
-void setColors(const ColorRule& rule, SplatNumbers& numbers);
+void setColors(const ColorRule& rule, SplatPass& pass);
 
 /// One rgba per row of the whole picture's rows [firstRow, firstRow + rows), `height` rows in all: a gradient
 /// runs over the whole picture, so tiles and windows continue each other.

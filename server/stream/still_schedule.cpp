@@ -1,4 +1,4 @@
-#include "server/stream/still_plan.hpp"
+#include "server/stream/still_schedule.hpp"
 
 #include <algorithm>
 #include <limits>
@@ -13,7 +13,7 @@ constexpr int mostTrials = 2;
 
 }  // namespace
 
-void StillPlan::begin(bool mayLack, Time now) {
+void StillSchedule::begin(bool mayLack, Time now) {
     since_ = next_ = now;
     stillsLeft_ = mayLack ? mostStills : 0;
     trialNext_ = true;
@@ -22,32 +22,32 @@ void StillPlan::begin(bool mayLack, Time now) {
     finalWanted_ = true;
 }
 
-std::optional<StillPlan::Still> StillPlan::due(bool busy, bool stillComing, Time now) const {
+std::optional<StillSchedule::Still> StillSchedule::due(bool busy, bool stillComing, Time now) const {
     const auto at = dueAt(busy);
     if (!at || now < *at) return std::nullopt;
     if (stillsLeft_ > 0) return trialNext_ ? Still::Trial : Still::Sharper;
     return stillComing ? std::nullopt : std::optional(Still::Final);
 }
 
-std::optional<StillPlan::Time> StillPlan::dueAt(bool busy) const {
+std::optional<StillSchedule::Time> StillSchedule::dueAt(bool busy) const {
     if (!finalWanted_) return std::nullopt;
     if (stillsLeft_ <= 0) return since_ + times_.quiet;
     if (busy) return std::nullopt;
     return std::max(since_ + times_.quiet, next_);
 }
 
-void StillPlan::ordered(Still still) {
+void StillSchedule::ordered(Still still) {
     if (still == Still::Final) finalWanted_ = false;
 }
 
-void StillPlan::lacked(Time now) {
+void StillSchedule::lacked(Time now) {
     trialNext_ = --trialsLeft_ > 0;
     next_ = trialNext_ ? now + times_.retry : now;
 }
 
 // What is missing in a still decides what comes next: another one, or the final one, which waits for the
 // rest.
-void StillPlan::drawn(Still still, std::uint64_t samplesMissing, Time now) {
+void StillSchedule::drawn(Still still, std::uint64_t samplesMissing, Time now) {
     if (still != Still::Sharper) {
         finalWanted_ = false;
         return;

@@ -1,13 +1,11 @@
-#include "renderer/device/plan/pass_plan.hpp"
+#include "renderer/device/host/drawing.hpp"
 
 #include <algorithm>
 #include <cmath>
+#include <string>
 
 namespace scancast {
 namespace {
-
-/// Hidden point removal finds 19 % of the hidden points near a border without it (methods.md §8).
-constexpr int pyramidGuardBand = 32;
 
 template <class P>
 bool is(const Pass& pass) {
@@ -25,7 +23,7 @@ tl::unexpected<Error> unsupported(const char* reason) {
 }
 
 /// Empty where the passes fit each other.
-const char* whatIsWrong(const PassPlan& p) {
+const char* whatIsWrong(const FramePasses& p) {
     if (p.sum && p.sum->footprint != p.nearest.footprint)
         return "sums need the footprint of the nearest pass";
     if (p.sum && !ofSurfels(*p.sum) &&
@@ -51,11 +49,11 @@ const char* whatIsWrong(const PassPlan& p) {
 
 }  // namespace
 
-bool PassPlan::makesNormals() const {
+bool FramePasses::makesNormals() const {
     return std::ranges::any_of(screen, is<DepthNormalsPass>);
 }
 
-int PassPlan::reach() const {
+int FramePasses::reach() const {
     int reach = 0;
     for (const Pass& pass : screen) {
         if (const auto* e = std::get_if<EyeDomePass>(&pass))
@@ -64,33 +62,77 @@ int PassPlan::reach() const {
     return reach;
 }
 
-int PassPlan::guardBand() const {
+int FramePasses::guardBand() const {
     const auto looksAround = [](const Pass& p) { return is<HiddenPointsPass>(p) || is<PullPushPass>(p); };
     return std::ranges::any_of(screen, looksAround) ? pyramidGuardBand : 0;
 }
 
-Expected<PassPlan> planPasses(std::span<const Pass> passes) {
-    PassPlan plan;
+Expected<FramePasses> framePasses(std::span<const Pass> passes) {
+    FramePasses sorted;
     auto next = passes.begin();
     const auto take = [&]<class P>(std::optional<P>& into) {
         if (next != passes.end() && is<P>(*next)) into = std::get<P>(*next++);
     };
-    take(plan.silhouette);
+    take(sorted.silhouette);
     if (next == passes.end() || !is<NearestPass>(*next)) return unsupported("it needs a nearest pass first");
-    plan.nearest = std::get<NearestPass>(*next++);
-    take(plan.sum);
-    take(plan.cell);
+    sorted.nearest = std::get<NearestPass>(*next++);
+    take(sorted.sum);
+    take(sorted.cell);
     if (next == passes.end() || !is<ResolvePass>(*next))
         return unsupported("splat passes must be resolved, in the order silhouette, nearest, sum, cell");
-    plan.resolve = std::get<ResolvePass>(*next++);
+    sorted.resolve = std::get<ResolvePass>(*next++);
     for (; next != passes.end(); ++next) {
         if (!isScreenPass(*next)) return unsupported("only screen passes may follow the resolve pass");
         const auto same = [&](const Pass& p) { return p.index() == next->index(); };
-        if (std::ranges::any_of(plan.screen, same)) return unsupported("it lists a screen pass twice");
-        plan.screen.push_back(*next);
+        if (std::ranges::any_of(sorted.screen, same)) return unsupported("it lists a screen pass twice");
+        sorted.screen.push_back(*next);
     }
-    if (const char* wrong = whatIsWrong(plan)) return unsupported(wrong);
-    return plan;
+    if (const char* wrong = whatIsWrong(sorted)) return unsupported(wrong);
+    return sorted;
+}
+
+Expected<void> checkDrawing(const Drawing& d) {
+    const Window& w = d.window;
+    if (d.cuts.empty() || d.jitter.empty())
+        return fail(ErrorCode::Internal, "A drawing needs a cut and at least one frame.");
+    const Viewpoint& viewpoint = d.mainView().viewpoint;
+    if (w.width < 1 || w.height < 1 || w.x < 0 || w.y < 0 || w.width > viewpoint.width - w.x ||
+        w.height > viewpoint.height - w.y)
+        return fail(ErrorCode::InvalidArgument, "The window to draw lies outside the picture of " +
+                                                    std::to_string(viewpoint.width) + " x " +
+                                                    std::to_string(viewpoint.height) + " pixels.");
+    if (d.jitter.size() > mostFrames)
+        return fail(ErrorCode::ResourceLimit,
+                    "At most " + std::to_string(mostFrames) + " frames can be averaged into one picture.");
+    return {};
+}
+
+void tellCuts(std::span<const CutView> cuts, FrameStats& stats) {
+    stats.spacingReached = cuts.front().cut.spacingReached;
+    stats.pointsShown = cuts.front().cut.points;
+    stats.mirrorsDrawn = static_cast<std::uint32_t>(cuts.size() - 1);
+    for (const CutView& view : cuts) {
+        stats.samplesDrawn += view.cut.samples;
+        stats.nodesVisited += view.cut.nodesVisited;
+        stats.nodesCulled += view.cut.nodesCulled;
+        stats.nodesMissing += view.cut.nodesMissing;
+        stats.samplesMissing += view.cut.samplesMissing;
+        stats.nodesDamaged += view.cut.nodesDamaged;
+    }
+}
+
+PictureArea pictureArea(const Drawing& drawing, const FramePasses& passes) {
+    const Window& w = drawing.window;
+    const Viewpoint& viewpoint = drawing.mainView().viewpoint;
+    const int pad = passes.guardBand(), reach = std::max(passes.reach(), pad);
+    PictureArea p;
+    p.view = {&viewpoint, pad, drawing.surfels, drawing.oriented};
+    p.window = {w.x + pad, w.y + pad, w.width, w.height};
+    p.area.x = std::max(0, p.window.x - reach);
+    p.area.y = std::max(0, p.window.y - reach);
+    p.area.width = std::min(viewpoint.width + 2 * pad, p.window.x + w.width + reach) - p.area.x;
+    p.area.height = std::min(viewpoint.height + 2 * pad, p.window.y + w.height + reach) - p.area.y;
+    return p;
 }
 
 }  // namespace scancast

@@ -1,14 +1,27 @@
-// The arithmetic of methods.md §8 that is done once for a picture: how deep its pyramid goes, how far a block
-// of pixels looks for neighbours, which levels have normals that somebody needs. Pure functions; any thread.
-// Pipeline: pass plan → **numbers** → a device's pyramid.
+// The arithmetic of screen passes that is done once for a picture: how it is lit (methods.md §9); how deep its
+// pyramid goes, how far a block of pixels looks for neighbours, which levels have normals that somebody needs (§8);
+// where a mirror's glass is seen (§10). Pure functions; any thread. Pipeline: passes, reflections → **numbers** → a
+// device's screen passes and mirrors.
 #pragma once
 
 #include <array>
 
-#include "renderer/device/plan/screen_numbers.hpp"
-#include "renderer/device/plan/stages.hpp"
+#include "renderer/device/host/drawing.hpp"
+#include "renderer/device/host/screen_numbers.hpp"
 
 namespace scancast {
+
+// ---- lighting
+
+/// For planes whose first pixel is (x, y) of the picture, guard band included.
+PhongNumbers phongNumbers(const PhongPass& pass, const LayerView& view, const glm::dvec2& jitter, int x,
+                          int y);
+
+/// The eight neighbours at the pass's radius, and methods.md §9's shade = exp(-300 · strength · mean
+/// response).
+EyeDomeNumbers eyeDomeNumbers(const EyeDomePass& pass);
+
+// ---- the pyramid
 
 /// A picture, guard band included, and where it stands in front of the eye.
 struct PyramidView {
@@ -19,7 +32,7 @@ struct PyramidView {
 };
 
 /// Of planes whose first pixel is (x, y) of the picture.
-PyramidView pyramidView(const Sight& sight, const glm::dvec2& jitter, int x, int y, int width, int height);
+PyramidView pyramidView(const LayerView& view, const glm::dvec2& jitter, int x, int y, int width, int height);
 
 Unprojection unprojectionOf(const PyramidView& view);
 
@@ -65,5 +78,10 @@ struct NormalNumbers {
 };
 
 NormalNumbers normalNumbers(const PyramidView& view, const PyramidShape& shape, const DepthNormalsPass& pass);
+
+// ---- glass
+
+/// In one jittered frame of the picture; `view` is the main one, or that of the reflected eye.
+GlassNumbers glassNumbers(const MirrorGlass& glass, const LayerView& view, const glm::dvec2& jitter);
 
 }  // namespace scancast

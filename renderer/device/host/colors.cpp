@@ -1,4 +1,4 @@
-#include "renderer/device/plan/colors.hpp"
+#include "renderer/device/host/colors.hpp"
 
 #include <cmath>
 
@@ -29,6 +29,27 @@ std::span<const std::uint32_t> normalColors() {
 
 }  // namespace
 
+SplatColoring splatColoring(ColorSource source) {
+    switch (source) {
+        case ColorSource::Rgb:
+            return SplatColoring::Rgb;
+        case ColorSource::Intensity:
+            return SplatColoring::Intensity;
+        case ColorSource::Elevation:
+            return SplatColoring::Elevation;
+        case ColorSource::Classification:
+            return SplatColoring::Classification;
+        case ColorSource::Normal:
+            return SplatColoring::Normal;
+        case ColorSource::Depth:
+            return SplatColoring::Depth;
+        case ColorSource::Lod:
+        case ColorSource::Flat:
+            return SplatColoring::PerRun;
+    }
+    return SplatColoring::Rgb;
+}
+
 ColorTables colorTables(const ColorRule& rule, const SampleFilter& filter) {
     ColorTables tables;
     for (std::size_t i = 0; i < 256; ++i) tables.ramp[i] = packed(rule.ramp[i]);
@@ -45,10 +66,10 @@ float colorScale(const ColorRule& rule) {
     return std::isnormal(width) ? static_cast<float>(255.0 / width) : 0.0f;
 }
 
-void setColors(const ColorRule& rule, SplatNumbers& numbers) {
-    numbers.coloring = splatColoring(rule.source);
-    numbers.colorLow = static_cast<float>(rule.low);
-    numbers.colorScale = colorScale(rule);
+void setColors(const ColorRule& rule, SplatPass& pass) {
+    pass.coloring = splatColoring(rule.source);
+    pass.colorLow = static_cast<float>(rule.low);
+    pass.colorScale = colorScale(rule);
 }
 
 std::vector<std::uint32_t> backgroundRows(const Background& background, int firstRow, int rows, int height) {

@@ -1,4 +1,4 @@
-#include "renderer/cloud/build/chunks/chunk_plan.hpp"
+#include "renderer/cloud/build/chunks/chunk_layout.hpp"
 
 #include <tbb/parallel_for.h>
 
@@ -51,18 +51,18 @@ struct CellCut {
     }
 };
 
-class Planner {
+class Divider {
   public:
-    Planner(const Grid& grid, std::uint64_t chunkPoints, ChunkPlan& plan)
-        : grid_(grid), chunkPoints_(chunkPoints), plan_(plan) {}
+    Divider(const Grid& grid, std::uint64_t chunkPoints, ChunkLayout& layout)
+        : grid_(grid), chunkPoints_(chunkPoints), layout_(layout) {}
 
-    void split(Cells cells, PlanNode& node) {
+    void split(Cells cells, LayoutNode& node) {
         const CellMeasure m = measure(cells);
         if (m.points <= chunkPoints_ || cells.size() == 1) {
-            node.chunk = std::uint32_t(plan_.chunks.size());
-            plan_.chunks.push_back({m.points, 0});
+            node.chunk = std::uint32_t(layout_.chunks.size());
+            layout_.chunks.push_back({m.points, 0});
             for (const CountedCell& c : cells)
-                plan_.destinations[*plan_.index.find(c.key)].chunk = node.chunk;
+                layout_.destinations[*layout_.index.find(c.key)].chunk = node.chunk;
             return;
         }
         const CellCut found = cut(m);
@@ -96,15 +96,15 @@ class Planner {
 
     const Grid& grid_;
     const std::uint64_t chunkPoints_;
-    ChunkPlan& plan_;
+    ChunkLayout& layout_;
 };
 
 /// The cells of a coarser frame and the chunks that lie in each.
 class Neighbourhood {
   public:
-    Neighbourhood(const ChunkPlan& plan, Cells cells, int up) : up_(up) {
+    Neighbourhood(const ChunkLayout& layout, Cells cells, int up) : up_(up) {
         std::vector<std::pair<CellKey, std::uint32_t>> pairs;
-        for (const CountedCell& c : cells) pairs.emplace_back(coarse(c.key), plan.destination(c.key).chunk);
+        for (const CountedCell& c : cells) pairs.emplace_back(coarse(c.key), layout.destination(c.key).chunk);
         std::sort(pairs.begin(), pairs.end());
         pairs.erase(std::unique(pairs.begin(), pairs.end()), pairs.end());
         for (std::size_t i = 0; i < pairs.size(); ++i) {
@@ -154,39 +154,39 @@ int haloRungs(std::uint64_t points, std::size_t cells) {
     return up;
 }
 
-void planHalos(ChunkPlan& plan, Cells cells, std::uint64_t points) {
-    const Neighbourhood neighbourhood(plan, cells, haloRungs(points, cells.size()));
+void layOutHalos(ChunkLayout& layout, Cells cells, std::uint64_t points) {
+    const Neighbourhood neighbourhood(layout, cells, haloRungs(points, cells.size()));
     std::vector<std::vector<std::uint32_t>> found(cells.size());
     tbb::parallel_for(std::size_t(0), cells.size(), [&](std::size_t i) {
-        found[i] = neighbourhood.around(cells[i].key, plan.destination(cells[i].key).chunk);
+        found[i] = neighbourhood.around(cells[i].key, layout.destination(cells[i].key).chunk);
     });
     for (std::size_t i = 0; i < cells.size(); ++i) {
-        ChunkPlan::Destination& d = plan.destinations[*plan.index.find(cells[i].key)];
-        d.firstHalo = std::uint32_t(plan.haloChunks.size());
+        ChunkLayout::Destination& d = layout.destinations[*layout.index.find(cells[i].key)];
+        d.firstHalo = std::uint32_t(layout.haloChunks.size());
         d.halos = std::uint32_t(found[i].size());
         for (const std::uint32_t chunk : found[i]) {
-            plan.haloChunks.push_back(chunk);
-            plan.chunks[chunk].halo += cells[i].points;
+            layout.haloChunks.push_back(chunk);
+            layout.chunks[chunk].halo += cells[i].points;
         }
     }
 }
 
 }  // namespace
 
-ChunkPlan planChunks(const CellFrame& frame, std::vector<CountedCell> cells, const Grid& grid,
-                     std::uint64_t chunkPoints, bool halo) {
-    ChunkPlan plan;
-    plan.frame = frame;
-    plan.index = CellTable(cells.size());
+ChunkLayout layOutChunks(const CellFrame& frame, std::vector<CountedCell> cells, const Grid& grid,
+                         std::uint64_t chunkPoints, bool halo) {
+    ChunkLayout layout;
+    layout.frame = frame;
+    layout.index = CellTable(cells.size());
     std::uint64_t points = 0;
     for (std::size_t i = 0; i < cells.size(); ++i) {
-        plan.index[cells[i].key] = i;
+        layout.index[cells[i].key] = i;
         points += cells[i].points;
     }
-    plan.destinations.resize(cells.size());
-    Planner(grid, chunkPoints, plan).split(cells, plan.root);
-    if (halo && plan.chunks.size() > 1) planHalos(plan, cells, points);
-    return plan;
+    layout.destinations.resize(cells.size());
+    Divider(grid, chunkPoints, layout).split(cells, layout.root);
+    if (halo && layout.chunks.size() > 1) layOutHalos(layout, cells, points);
+    return layout;
 }
 
 }  // namespace scancast

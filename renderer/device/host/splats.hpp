@@ -1,0 +1,46 @@
+// From splat passes and runs of a cut to their numbers: the host's arithmetic that devices share, so that it
+// cannot drift apart. Node → view → picture is composed in double, so that no large coordinate reaches a float
+// sum; clip box and dropped regions are in the integers of a run's samples. Pure functions; any thread.
+// Pipeline: passes, cut → **numbers** → device.
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "renderer/device/host/drawing.hpp"
+#include "renderer/device/host/splat_numbers.hpp"
+
+namespace scancast {
+
+/// Beyond these, floats of kernels and shaders could overflow; nothing real is that large.
+inline constexpr double largestCoefficient = 1e24;
+inline constexpr float farthestDepth = 1e30f;
+
+/// Footprint::Pixel counts as a square; spheres are not defined outside their circle (methods.md §3).
+SplatShape splatShape(Footprint footprint, Profile profile);
+
+/// Whether its splats lie in their surfels' planes.
+inline bool ofSurfels(const SplatPass& pass) {
+    return pass.shape == SplatShape::Disc || pass.shape == SplatShape::Ellipse;
+}
+
+/// "silhouette", "nearest", "sum", "cell": what a frame's times call it.
+const char* nameOf(const SplatPass& pass);
+
+/// The splat passes of a frame, in their order. Jitter is left out: it only moves centerX and centerY.
+std::vector<SplatPass> splatPasses(const FramePasses& passes, const LayerView& view, const ColorRule& color);
+
+/// The pass in one jittered frame. Added in double, as everything that places samples is.
+SplatPass jittered(SplatPass pass, const LayerView& view, const glm::dvec2& jitter);
+
+/// nullopt: nothing of the run can be drawn.
+std::optional<RunNumbers> runNumbers(const CutRun& run, const LayerView& view, const ColorRule& color,
+                                     const SampleFilter& filter);
+
+/// The dropped regions that cross the node; nullopt: one holds all of it.
+std::optional<std::vector<DroppedRegion>> droppedRegions(const Node& node, const SampleFilter& filter);
+
+/// p = clamp(factor · ratio (/ d in perspective), minPx, maxPx) of the run's sprites.
+double spriteFactor(const RunNumbers& run, const SplatPass& pass, const Viewpoint& viewpoint);
+
+}  // namespace scancast

@@ -1,5 +1,4 @@
 // `scancast render`: a picture of a scan without a server, and the stopwatch of the renderer.
-#include <unistd.h>
 
 #include <algorithm>
 #include <chrono>
@@ -8,6 +7,7 @@
 #include <map>
 #include <nlohmann/json.hpp>
 
+#include "files/machine_memory.hpp"
 #include "files/output_file.hpp"
 #include "renderer/cloud/build/build_cloud.hpp"
 #include "renderer/cloud/file/cloud_file.hpp"
@@ -116,8 +116,7 @@ Expected<std::shared_ptr<const Cloud>> load(const RenderArguments& arguments) {
     if (!input) return tl::unexpected(input.error());
     if (isCloudFile(input->file())) {
         BlockCacheOptions cache;
-        cache.memoryLimit =
-            std::uint64_t(::sysconf(_SC_PHYS_PAGES)) * std::uint64_t(::sysconf(_SC_PAGESIZE)) / 2;
+        cache.memoryLimit = machineMemory() / 2;
         if (!arguments.memoryLimit.empty()) {
             const auto limit = parseByteSize(arguments.memoryLimit, "memory-limit");
             if (!limit) return tl::unexpected(limit.error());

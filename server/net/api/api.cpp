@@ -17,7 +17,7 @@
 namespace scancast {
 namespace {
 
-std::string serverTiming(const Picture& picture) {
+std::string serverTiming(const EncodedPicture& picture) {
     double select = 0;
     for (const StageTime& stage : picture.stats.stages) {
         if (stage.name == "select") select += stage.milliseconds;
@@ -269,7 +269,7 @@ void Api::snapshot(const HttpRequest& request, const Routed& routed, Respond res
         return respond(std::move(head));
     }
     PictureOrder order{std::move(*cloud), std::move(*view), *format, false};
-    auto done = [respond, headBy, path = routed.path](const Expected<Picture>& picture) {
+    auto done = [respond, headBy, path = routed.path](const Expected<EncodedPicture>& picture) {
         if (!picture) return respond(problemResponse(problemOf(picture.error(), path)));
         // Not by the device that was there when it was asked for: that one may have been lost since.
         HttpResponse response = headBy(picture->device);

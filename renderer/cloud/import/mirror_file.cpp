@@ -1,4 +1,4 @@
-#include "renderer/cloud/import/mirrors.hpp"
+#include "renderer/cloud/import/mirror_file.hpp"
 
 #include <cmath>
 #include <glm/geometric.hpp>

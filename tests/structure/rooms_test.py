@@ -29,6 +29,9 @@ def declared(page):
             if name in rooms:
                 raise ValueError(f"{name} is declared twice")
             rooms[name] = (floor, set(only.split()) if colon else None)
+    for name, (floor, only) in rooms.items():
+        if wrong := [room for room in only or () if room not in rooms or rooms[room][0] >= floor]:
+            raise ValueError(f"{name} may not include {wrong[0]}, which does not stand below it")
     return rooms
 
 
@@ -135,6 +138,8 @@ class ComplaintsAreMade(unittest.TestCase):
     def test_of_rooms_without_files_and_rooms_declared_twice(self):
         self.assertEqual(["annex"], empty_rooms(["hall/h.hpp"], {"hall": (0, None), "annex": (0, None)}))
         self.assertRaises(ValueError, declared, "```rooms\nhall\nhall\n```\n")
+        self.assertRaises(ValueError, declared, "```rooms\nhall: attic\nporch\n```\n")
+        self.assertRaises(ValueError, declared, "```rooms\nattic\nhall: attic\nporch\n```\n")
         self.assertEqual({}, declared("no block"))
 
     def test_of_crowds(self):

@@ -4,7 +4,7 @@
 //
 //   page                                         here
 //
-//   radius: mean distance to the 8-10 nearest    Surfel::radius (renderer/cloud/surfels.hpp), at ingest
+//   radius: mean distance to the 8-10 nearest    Surfel::radius (surfels/surfels.hpp), at ingest
 //   geometry shader: a quad in the plane         Footprint::Disc: the exact outline, by the intersection of
 //   fragment shader: outside the circle, drop      the plane with the ray of each pixel
 //   splatSize, a uniform                         parameter `scale`; 1 is the radius itself (the page's quad

@@ -13,9 +13,7 @@ import tree
 PRODUCT = ("protocol/", "files/", "threads/", "transport/", "renderer/", "simulator/", "server/", "client/", "importers/")
 PICTURES = (".jpg", ".png", ".svg", ".ico")
 MOST_FILES = 30
-CROWDED = {  # to be divided; who does so takes them out here
-    "importers/laz", "protocol", "renderer/cloud", "renderer/cloud/import", "renderer/device/gl", "renderer/device/gl/shaders",
-    "renderer/simulate", "server/net"}
+CROWDED = {"protocol"}  # to be divided; who does so takes it out here
 
 
 def declared(page):

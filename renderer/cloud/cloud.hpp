@@ -19,7 +19,7 @@
 
 namespace scancast {
 
-/// A plane that mirrors the scene (002_e37b3096399c9e96); carried by the cloud, drawn by
+/// A plane that mirrors the scene (docs/spec/mirrors.md §2); carried by the cloud, drawn by
 /// renderer/mirrors.hpp.
 struct Mirror {
     glm::dvec3 center, normal, up;  ///< file coordinates; unit vectors

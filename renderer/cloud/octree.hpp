@@ -1,7 +1,8 @@
 // The hierarchy of a cloud in memory: nodes with bounds and spacing, each with a run of samples.
 // Pipeline: import → **octree** → select. Immutable once built; read from any thread.
-// Source: 001_c3e54385a9f0e90c "modified QSplat" (split at the average, averaged inner samples); methods.md
-// §6.
+// Source: Kaushik, Nagwanshi and Sharma, "Achieving a Smooth Interpolation between the Points Using Modified
+// Rendering Algorithm", undated, §IV-a (split at the average, averaged inner samples); docs/spec/hierarchy.md
+// §1.
 //
 // A node's samples *replace* its parent's: drawing a node instead of its ancestor shows the same surface,
 // finer. Leaves hold the scan's own points; inner nodes hold averages over cells. Cell sizes form one ladder

@@ -61,7 +61,7 @@ struct Window {
 /// of the same picture. Where the mirror's rectangle lies at most `margin` behind the scene, each pixel gets
 /// the reflected one's colour times the tint (its background included), and the mirror's own depth: it is the
 /// mirror that is there, and that one can pick. Screen passes look through it, as if its image stood behind
-/// an opening. methods.md §10.
+/// an opening. docs/spec/mirrors.md §3.
 struct Reflection {
     Viewpoint viewpoint;    ///< the picture's own, after the mirror
     Cut cut;                ///< seen from there

@@ -8,8 +8,8 @@
 
 #include "server/base/faults.hpp"
 #include "server/base/log.hpp"
+#include "server/base/memory_reserve.hpp"
 #include "server/catalog/loader.hpp"
-#include "server/catalog/memory_reserve.hpp"
 #include "server/commands/byte_size.hpp"
 #include "server/commands/command.hpp"
 #include "server/commands/config_file.hpp"

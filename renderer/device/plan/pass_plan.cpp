@@ -6,7 +6,7 @@
 namespace scancast {
 namespace {
 
-/// Hidden point removal finds 19 % of the hidden points near a border without it (methods.md §8).
+/// Hidden point removal finds 19 % of the hidden points near a border without it (docs/spec/pyramid.md §2).
 constexpr int pyramidGuardBand = 32;
 
 template <class P>

@@ -1,6 +1,6 @@
-// The arithmetic of methods.md §8 that is done once for a picture: how deep its pyramid goes, how far a block
-// of pixels looks for neighbours, which levels have normals that somebody needs. Pure functions; any thread.
-// Pipeline: pass plan → **numbers** → a device's pyramid.
+// The arithmetic of docs/spec/pyramid.md §1 that is done once for a picture: how deep its pyramid goes, how
+// far a block of pixels looks for neighbours, which levels have normals that somebody needs. Pure functions;
+// any thread. Pipeline: pass plan → **numbers** → a device's pyramid.
 #pragma once
 
 #include <array>

@@ -10,8 +10,8 @@ namespace scancast {
 /// For planes whose first pixel is (x, y) of the picture, guard band included.
 PhongNumbers phongNumbers(const PhongPass& pass, const Sight& sight, const glm::dvec2& jitter, int x, int y);
 
-/// The eight neighbours at the pass's radius, and methods.md §9's shade = exp(-300 · strength · mean
-/// response).
+/// The eight neighbours at the pass's radius, and shade = exp(-300 · strength · mean response) of
+/// docs/spec/shading.md §3.
 EyeDomeNumbers eyeDomeNumbers(const EyeDomePass& pass);
 
 }  // namespace scancast

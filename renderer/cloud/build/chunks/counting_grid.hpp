@@ -1,5 +1,5 @@
 // How many points lie in each cell of a coarse grid: what a cloud too large for memory is divided by.
-// Pipeline: staging → **counting grid** → chunk plan → chunks. Source: methods.md §6 (out of core).
+// Pipeline: staging → **counting grid** → chunk plan → chunks. Source: docs/spec/hierarchy.md §2.
 //
 // Cells are cubes of 2^cellLevel grid steps, anchored at the grid's 0; the cell level is the finest that leaves at most
 // mostCells of them occupied, and so depends on the set of points alone.

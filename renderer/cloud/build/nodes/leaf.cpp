@@ -90,7 +90,7 @@ Spacing spacingOf(std::span<const BuildPoint> points, const GridBox& box, const 
     return estimateSpacing(local);
 }
 
-/// 0.05 of the spacing is what positions may be coarse by (methods.md §6).
+/// 0.05 of the spacing is what positions may be coarse by (docs/spec/hierarchy.md §5).
 bool fineEnough(const LeafLattice& lattice, double spacing) {
     return lattice.exact || std::max({lattice.step.x, lattice.step.y, lattice.step.z}) <= 0.05 * spacing;
 }

@@ -1,9 +1,9 @@
-// The border between the host and the kernels of methods.md §8: hidden point removal, pull-push, normals of
-// the filled depth. Plain structs and one table of functions; the rules of kernels.hpp hold. Every function
-// computes the rows [y0, y1) of what it writes, so that threads can share a picture.
+// The border between the host and the kernels of docs/spec/pyramid.md §1: hidden point removal, pull-push,
+// normals of the filled depth. Plain structs and one table of functions; the rules of kernels.hpp hold. Every
+// function computes the rows [y0, y1) of what it writes, so that threads can share a picture.
 //
-// Planes of levels (plan/screen_numbers.hpp) stand in blocks with padding around them, so that kernels may read beyond
-// every side without asking: paddingX texels left and right, paddingY rows above and below.
+// Planes of levels (plan/screen_numbers.hpp) stand in blocks with padding around them, so that kernels may
+// read beyond every side without asking: paddingX texels left and right, paddingY rows above and below.
 #pragma once
 
 #include <cstdint>

@@ -15,11 +15,12 @@
 #include "protocol/view.hpp"
 #include "renderer/cloud/octree.hpp"
 #include "renderer/cloud/point_batch.hpp"
-#include "renderer/progress.hpp"
+#include "renderer/cloud/progress.hpp"
 
 namespace scancast {
 
-/// A plane that mirrors the scene (002_e37b3096399c9e96); carried by the cloud, drawn by renderer/mirrors.hpp.
+/// A plane that mirrors the scene (002_e37b3096399c9e96); carried by the cloud, drawn by
+/// renderer/mirrors.hpp.
 struct Mirror {
     glm::dvec3 center, normal, up;  ///< file coordinates; unit vectors
     double width = 0, height = 0;
@@ -53,7 +54,7 @@ struct CloudFacts {
     std::array<glm::dvec3, 2> bounds{};  ///< min, max in file coordinates, of the points really read
     std::uint64_t points = 0;            ///< points of the scan that are in the octree
     std::uint64_t droppedPoints = 0;     ///< left out: NaN or infinite coordinates
-    Attributes attributes;  ///< those that tell points apart
+    Attributes attributes;               ///< those that tell points apart
     ConstantValues constant;
     std::array<std::uint16_t, 2> intensityRange{0, 65535};
     std::array<std::uint64_t, 256> classCounts{};
@@ -65,7 +66,7 @@ struct CloudFacts {
     std::vector<KeptColumn> columns;
     std::vector<Mirror> mirrors;
     std::vector<std::string> notes;  ///< what was strange about the scan, one sentence each without an end
-    std::string revision;  ///< hex digest of everything that pictures depend on
+    std::string revision;            ///< hex digest of everything that pictures depend on
 };
 
 /// What somebody who reads or opens the cloud should be told once, as whole sentences: points left out,
@@ -79,33 +80,5 @@ struct Cloud : CloudFacts {
     /// y = 0.
     Camera defaultCamera(double aspect) const;
 };
-
-/// How estimated normals are made to point to one side; a scan's own normals stay as they are.
-enum class Orientation : std::uint8_t {
-    Scan,  ///< towards the scanner where the scan says where it stood, else left as they are: unoriented
-    Up,    ///< upwards: airborne scans
-};
-
-/// What decides how an octree looks.
-struct Shape {
-    std::uint32_t leafPoints = 16384;     ///< a leaf holds at most this many points
-    std::uint32_t chunkPoints = 1 << 20;  ///< larger sets are split on a counting grid, so that chunks fit in memory
-    bool surfels = false;                 ///< estimate normal, radius and ellipse of every sample
-    int neighbours = 10;                  ///< that surfels are estimated from
-    Orientation orientation = Orientation::Scan;
-};
-
-struct BuildOptions {
-    std::string title;
-    int threads = 0;  ///< 0 = all cores; the result does not depend on it
-    Shape shape{};
-    std::vector<Mirror> mirrors{};
-};
-
-/// Reads a scan to its end and builds its octree in memory, in parallel. Takes ownership of nothing; `source`
-/// is exhausted afterwards. Errors: the source's own; Empty when no point is left; ResourceLimit when memory
-/// runs out.
-Expected<std::shared_ptr<const Cloud>> buildCloud(PointSource& source, const BuildOptions& options,
-                                                  const ProgressSink& progress = {});
 
 }  // namespace scancast

@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "files/output_file.hpp"
+#include "renderer/cloud/build/build_cloud.hpp"
 #include "renderer/cloud/file/cloud_file.hpp"
 #include "renderer/cloud/import/open_scan.hpp"
 #include "renderer/image/encode.hpp"

@@ -24,9 +24,9 @@
 #include <string>
 
 #include "renderer/cloud/import/open_scan.hpp"
-#include "renderer/cloud/spatial_sort.hpp"
-#include "renderer/cloud/surfels.hpp"
-#include "renderer/simulate/scene.hpp"
+#include "renderer/cloud/surfels/spatial_sort.hpp"
+#include "renderer/cloud/surfels/surfels.hpp"
+#include "simulator/scene.hpp"
 #include "tests/bench/bench_tools.hpp"
 #include "tests/support/surfel_references.hpp"
 

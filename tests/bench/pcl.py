@@ -137,10 +137,9 @@ def libraries(path):
 
 
 def lines_of_ours(root):
-    files = [path for pattern in ("surfels.?pp", "neighbours.?pp", "spatial_sort.?pp", "surfel_kernels/*.?pp", "kernels/*.?pp")
-             for path in glob.glob(os.path.join(root, "renderer/cloud/**", pattern), recursive=True)]
+    files = glob.glob(os.path.join(root, "renderer/cloud/surfels/**/*.?pp"), recursive=True)
     count = 0
-    for path in set(files):
+    for path in files:
         with open(path, encoding="utf-8") as file:
             count += len(file.readlines())
     return count

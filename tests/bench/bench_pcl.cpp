@@ -11,12 +11,16 @@
 #include <xxhash.h>
 
 #include <algorithm>
-#include <chrono>
+#include <cmath>
+#include <cstdint>
+#include <cstdio>
+#include <cstdlib>
 #include <cstring>
 #include <ctime>
 #include <filesystem>
 #include <fstream>
 #include <glm/geometric.hpp>
+#include <memory>
 #include <nlohmann/json.hpp>
 #include <numeric>
 #include <random>

@@ -12,14 +12,15 @@
 #include <string>
 #include <vector>
 
-#include "protocol/view.hpp"
+#include "protocol/view/view.hpp"
 #include "renderer/cloud/octree.hpp"
 #include "renderer/cloud/point_batch.hpp"
 #include "renderer/progress.hpp"
 
 namespace scancast {
 
-/// A plane that mirrors the scene (002_e37b3096399c9e96); carried by the cloud, drawn by renderer/mirrors.hpp.
+/// A plane that mirrors the scene (002_e37b3096399c9e96); carried by the cloud, drawn by
+/// renderer/mirrors.hpp.
 struct Mirror {
     glm::dvec3 center, normal, up;  ///< file coordinates; unit vectors
     double width = 0, height = 0;
@@ -53,7 +54,7 @@ struct CloudFacts {
     std::array<glm::dvec3, 2> bounds{};  ///< min, max in file coordinates, of the points really read
     std::uint64_t points = 0;            ///< points of the scan that are in the octree
     std::uint64_t droppedPoints = 0;     ///< left out: NaN or infinite coordinates
-    Attributes attributes;  ///< those that tell points apart
+    Attributes attributes;               ///< those that tell points apart
     ConstantValues constant;
     std::array<std::uint16_t, 2> intensityRange{0, 65535};
     std::array<std::uint64_t, 256> classCounts{};
@@ -65,7 +66,7 @@ struct CloudFacts {
     std::vector<KeptColumn> columns;
     std::vector<Mirror> mirrors;
     std::vector<std::string> notes;  ///< what was strange about the scan, one sentence each without an end
-    std::string revision;  ///< hex digest of everything that pictures depend on
+    std::string revision;            ///< hex digest of everything that pictures depend on
 };
 
 /// What somebody who reads or opens the cloud should be told once, as whole sentences: points left out,
@@ -88,10 +89,11 @@ enum class Orientation : std::uint8_t {
 
 /// What decides how an octree looks.
 struct Shape {
-    std::uint32_t leafPoints = 16384;     ///< a leaf holds at most this many points
-    std::uint32_t chunkPoints = 1 << 20;  ///< larger sets are split on a counting grid, so that chunks fit in memory
-    bool surfels = false;                 ///< estimate normal, radius and ellipse of every sample
-    int neighbours = 10;                  ///< that surfels are estimated from
+    std::uint32_t leafPoints = 16384;  ///< a leaf holds at most this many points
+    std::uint32_t chunkPoints =
+        1 << 20;           ///< larger sets are split on a counting grid, so that chunks fit in memory
+    bool surfels = false;  ///< estimate normal, radius and ellipse of every sample
+    int neighbours = 10;   ///< that surfels are estimated from
     Orientation orientation = Orientation::Scan;
 };
 

@@ -1,19 +1,12 @@
 #include "server/net/router.hpp"
 
-#include <optional>
 #include <vector>
 
 #include "protocol/nearest_name.hpp"
+#include "protocol/view/query.hpp"
 
 namespace scancast {
 namespace {
-
-std::optional<int> hexDigit(char c) {
-    if (c >= '0' && c <= '9') return c - '0';
-    if (c >= 'a' && c <= 'f') return c - 'a' + 10;
-    if (c >= 'A' && c <= 'F') return c - 'A' + 10;
-    return std::nullopt;
-}
 
 // Segments are split before they are decoded, so that an escaped slash stays part of its segment.
 std::vector<std::string_view> split(std::string_view path) {
@@ -77,29 +70,6 @@ std::string_view allowedMethods(Route route) {
     return "";
 }
 
-Expected<std::string> percentDecode(std::string_view text) {
-    std::string decoded;
-    decoded.reserve(text.size());
-    for (std::size_t i = 0; i < text.size(); ++i) {
-        char c = text[i];
-        if (c == '%') {
-            const auto high = i + 1 < text.size() ? hexDigit(text[i + 1]) : std::nullopt;
-            const auto low = i + 2 < text.size() ? hexDigit(text[i + 2]) : std::nullopt;
-            if (!high || !low) {
-                return fail(ErrorCode::InvalidArgument,
-                            "The address has a % that two hexadecimal digits do not follow.");
-            }
-            c = char(*high * 16 + *low);
-            i += 2;
-        }
-        if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f) {
-            return fail(ErrorCode::InvalidArgument, "The address has a control character in it.");
-        }
-        decoded.push_back(c);
-    }
-    return decoded;
-}
-
 tl::expected<Routed, Problem> route(std::string_view target) {
     if (target.size() > maxTargetLength) {
         return tl::unexpected(
@@ -115,7 +85,7 @@ tl::expected<Routed, Problem> route(std::string_view target) {
 
     std::vector<std::string> segments;
     for (std::string_view segment : split(path)) {
-        auto decoded = percentDecode(segment);
+        auto decoded = percentDecode(segment, "The address");
         if (!decoded) return tl::unexpected(problemOf(decoded.error()));
         routed.path += "/" + *decoded;
         segments.push_back(std::move(*decoded));

@@ -54,7 +54,4 @@ inline constexpr std::size_t maxTargetLength = 8192;
 /// that prefix too.
 tl::expected<Routed, Problem> route(std::string_view target);
 
-/// "%2F" → "/"; InvalidArgument for an escape that is none, and for control characters.
-Expected<std::string> percentDecode(std::string_view text);
-
 }  // namespace scancast

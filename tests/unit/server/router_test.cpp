@@ -88,14 +88,6 @@ TEST(Router, Refusals) {
     }
 }
 
-TEST(Router, PercentDecode) {
-    EXPECT_EQ(*percentDecode("a%20b%2Bc+d"), "a b+c+d");
-    EXPECT_EQ(*percentDecode("%e8%a6%b3"), "観");
-    EXPECT_FALSE(percentDecode("%"));
-    EXPECT_FALSE(percentDecode("%1"));
-    EXPECT_FALSE(percentDecode("%g0"));
-}
-
 std::string fileText(const char* name) {
     std::ifstream file(std::string(SCANCAST_SOURCE_DIR) + name);
     return {std::istreambuf_iterator<char>(file), {}};

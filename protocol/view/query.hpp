@@ -19,6 +19,10 @@ using WordValues = std::vector<std::pair<std::string, std::string>>;
 /// escape that is none, control characters, more than 256 words or more than 16 KiB.
 Expected<WordValues> parseQuery(std::string_view query);
 
+/// "%2F" → "/". InvalidArgument for an escape that is none, and for control characters; `of` is what the text
+/// is a piece of, "the query".
+Expected<std::string> percentDecode(std::string_view text, std::string_view of);
+
 /// The other direction: everything but letters, digits and `-._~,:` is escaped.
 std::string printQuery(const WordValues& words);
 

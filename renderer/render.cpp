@@ -4,7 +4,7 @@
 #include <glm/matrix.hpp>
 #include <limits>
 
-#include "renderer/clock.hpp"
+#include "renderer/image/clock.hpp"
 #include "renderer/mirrors.hpp"
 #include "renderer/plan.hpp"
 #include "renderer/residency/on_device.hpp"

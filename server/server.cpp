@@ -7,8 +7,8 @@
 #include <thread>
 #include <tuple>
 
-#include "server/faults.hpp"
-#include "server/net/api.hpp"
+#include "server/base/faults.hpp"
+#include "server/net/api/api.hpp"
 #include "server/net/listener.hpp"
 
 namespace scancast {

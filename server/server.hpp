@@ -11,9 +11,9 @@
 #include <vector>
 
 #include "renderer/residency/block_cache.hpp"
-#include "server/catalog.hpp"
-#include "server/cloud_admin.hpp"
-#include "server/metrics.hpp"
+#include "server/base/metrics.hpp"
+#include "server/catalog/catalog.hpp"
+#include "server/catalog/cloud_admin.hpp"
 #include "server/net/net_context.hpp"
 #include "server/net/tls.hpp"
 #include "server/scheduler/scheduler.hpp"

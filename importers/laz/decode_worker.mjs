@@ -7,7 +7,7 @@ import { FileBytes } from './file_bytes.mjs';
 import { mayOverflow } from './las_header.mjs';
 import { colorDepth, depthOfColors, encodeRecords, keepFinite } from './las_columns.mjs';
 import { chunkPoints } from './point_stream.mjs';
-import { depthOfNode, encodeNode } from './potree_piece.mjs';
+import { depthOfNode, encodeNode } from './potree/piece.mjs';
 
 // Pieces that may wait to be written; more would only fill memory while another worker is behind.
 const mostWaiting = 4;

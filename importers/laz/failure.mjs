@@ -1,6 +1,6 @@
 // What an importer says when it cannot go on: a code of the point stream and one plain English sentence.
 
-/// Codes of a FAIL record, as renderer/cloud/import/POINT_STREAM.md lists them.
+/// Codes of a FAIL record, as renderer/cloud/import/stream/POINT_STREAM.md lists them.
 export const failureCode = Object.freeze({
   malformed: 1,
   truncated: 2,

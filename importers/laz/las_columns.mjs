@@ -1,5 +1,5 @@
 // LAS records to the columns of a CHNK record: the inner loop of every LAZ import. Pure functions on bytes, with the
-// rules of renderer/cloud/import/las_decode.cpp.
+// rules of renderer/cloud/import/las/las_decode.cpp.
 import { fillRows } from './las_extra.mjs';
 import { recordLayout } from './las_header.mjs';
 import { layOutChunk } from './point_stream.mjs';

@@ -1,5 +1,5 @@
 // What a LAS point record holds besides the sample: GPS time, returns, angles, flags, infrared, extra bytes. Pure
-// functions on bytes, with the names and rules of renderer/cloud/import/las_columns.cpp: LAS and LAZ must not differ.
+// functions on bytes, with the names and rules of renderer/cloud/import/las/las_columns.cpp: LAS and LAZ must not differ.
 import { recordLayout } from './las_header.mjs';
 import { printableText } from './point_stream.mjs';
 

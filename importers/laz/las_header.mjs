@@ -1,5 +1,5 @@
 // The public header block of LAS and LAZ (ASPRS LAS 1.0-1.4), parsed and checked. Pure functions on bytes.
-// The rules and words are those of renderer/cloud/import/las_header.cpp: LAS and LAZ must not differ.
+// The rules and words are those of renderer/cloud/import/las/las_header.cpp: LAS and LAZ must not differ.
 import { empty, malformed, truncated, unsupported } from './failure.mjs';
 
 export const longestHeader = 375; // LAS 1.4

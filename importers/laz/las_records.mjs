@@ -1,5 +1,5 @@
 // The variable length records of LAS and LAZ: coordinate reference system and LASzip's own. Like
-// renderer/cloud/import/las_crs.cpp: a damaged record is passed over, whatever number the header gives.
+// renderer/cloud/import/las/las_crs.cpp: a damaged record is passed over, whatever number the header gives.
 import { number64 } from './las_header.mjs';
 
 const vlrHeaderBytes = 54;

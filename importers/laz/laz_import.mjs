@@ -46,7 +46,7 @@ function plainChunks(file, las) {
 const what = ({ chunk, node }) =>
   node ? `the node ${node.name}` : `the chunk of ${grouped(chunk.points)} points at byte ${grouped(chunk.at)}`;
 
-/// `pieces`: [{ path, las, chunk }] of LAZ, [{ path, node }] of other octrees (potree_piece.mjs). The same rule as for LAS: 8 bits only if no number in the whole scan is above 255.
+/// `pieces`: [{ path, las, chunk }] of LAZ, [{ path, node }] of other octrees (potree/piece.mjs). The same rule as for LAS: 8 bits only if no number in the whole scan is above 255.
 export async function judgeColors(pool, pieces) {
   if (pieces.every(({ las }) => las && !lasColumns(las).color)) return colorDepth.unknown;
   const looks = (chosen, most) => chosen.map((piece) => ({ kind: 'look', what: what(piece), most, ...piece }));

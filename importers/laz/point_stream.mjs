@@ -1,4 +1,4 @@
-// The point stream (renderer/cloud/import/POINT_STREAM.md), as bytes. Pure functions, and one writer.
+// The point stream (renderer/cloud/import/stream/POINT_STREAM.md), as bytes. Pure functions, and one writer.
 import { writeSync } from 'node:fs';
 
 export const chunkPoints = 65536;

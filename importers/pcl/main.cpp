@@ -1,5 +1,5 @@
 // scancast-import-pcl FILE: reads a PLY or PCD file with the Point Cloud Library and writes the point stream
-// (renderer/cloud/import/POINT_STREAM.md) to standard output. Started by Scancast, once per file.
+// (renderer/cloud/import/stream/POINT_STREAM.md) to standard output. Started by Scancast, once per file.
 #include <unistd.h>
 
 #include <cstdio>

@@ -9,7 +9,7 @@
 #include <limits>
 #include <sstream>
 
-#include "renderer/cloud/import/bytes.hpp"
+#include "files/bytes.hpp"
 #include "renderer/cloud/import/printable_text.hpp"
 
 namespace scancast::import_pcl {

@@ -4,7 +4,7 @@
 #include <string>
 
 #include "protocol/error.hpp"
-#include "renderer/cloud/import/point_stream_writer.hpp"
+#include "renderer/cloud/import/stream/point_stream_writer.hpp"
 
 namespace scancast::import_pcl {
 

@@ -17,7 +17,7 @@
 #include <limits>
 
 #include "importers/pcl/point_fields.hpp"
-#include "renderer/cloud/import/point_stream_writer.hpp"
+#include "renderer/cloud/import/stream/point_stream_writer.hpp"
 
 namespace scancast::import_pcl {
 

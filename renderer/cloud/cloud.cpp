@@ -5,12 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <glm/geometric.hpp>
-#include <new>
 #include <numbers>
-#include <thread>
-
-#include "renderer/cloud/cloud_builder.hpp"
-#include "renderer/cloud/revision.hpp"
 
 namespace scancast {
 
@@ -24,40 +19,7 @@ bool standsOnXZ(const std::array<glm::dvec3, 2>& bounds) {
     return standsOn(1) && !standsOn(2) && straddles(0) && straddles(2);
 }
 
-Expected<std::shared_ptr<const Cloud>> build(PointSource& source, const BuildOptions& options,
-                                             const ProgressSink& progress) {
-    Workspace workspace(Workspace::unlimited, {});
-    const int lanes = options.threads > 0 ? options.threads : int(std::thread::hardware_concurrency());
-    auto built = buildFrom(source, options.shape,
-                           {.workspace = workspace, .file = nullptr, .threads = options.threads, .lanes = lanes},
-                           progress, {});
-    if (!built) return tl::unexpected(built.error());
-    auto cloud = std::make_shared<Cloud>();
-    static_cast<CloudFacts&>(*cloud) = std::move(built->facts);
-    cloud->title = options.title;
-    cloud->mirrors = options.mirrors;
-    cloud->revision = revisionOf(*cloud, built->octree);
-    std::vector<Node> nodes;
-    nodes.reserve(built->octree.nodes.size());
-    for (const StoredNode& n : built->octree.nodes) nodes.push_back(n.node);
-    cloud->octree = Octree(std::move(nodes), std::move(built->octree.samples));
-    return cloud;
-}
-
 }  // namespace
-
-Expected<std::shared_ptr<const Cloud>> buildCloud(PointSource& source, const BuildOptions& options,
-                                                  const ProgressSink& progress) {
-    try {
-        return build(source, options, progress);
-    } catch (const std::bad_alloc&) {
-        return fail(ErrorCode::ResourceLimit,
-                    "There is not enough memory for this scan; about 60 bytes a point are needed while it is "
-                    "loaded.");
-    } catch (const std::exception& e) {
-        return fail(ErrorCode::Internal, fmt::format("The octree could not be built: {}.", e.what()));
-    }
-}
 
 std::vector<std::string> remarksOn(const CloudFacts& facts) {
     std::vector<std::string> remarks;

@@ -15,7 +15,7 @@
 #include "protocol/view/view.hpp"
 #include "renderer/cloud/octree.hpp"
 #include "renderer/cloud/point_batch.hpp"
-#include "renderer/progress.hpp"
+#include "renderer/cloud/progress.hpp"
 
 namespace scancast {
 
@@ -80,34 +80,5 @@ struct Cloud : CloudFacts {
     /// y = 0.
     Camera defaultCamera(double aspect) const;
 };
-
-/// How estimated normals are made to point to one side; a scan's own normals stay as they are.
-enum class Orientation : std::uint8_t {
-    Scan,  ///< towards the scanner where the scan says where it stood, else left as they are: unoriented
-    Up,    ///< upwards: airborne scans
-};
-
-/// What decides how an octree looks.
-struct Shape {
-    std::uint32_t leafPoints = 16384;  ///< a leaf holds at most this many points
-    std::uint32_t chunkPoints =
-        1 << 20;           ///< larger sets are split on a counting grid, so that chunks fit in memory
-    bool surfels = false;  ///< estimate normal, radius and ellipse of every sample
-    int neighbours = 10;   ///< that surfels are estimated from
-    Orientation orientation = Orientation::Scan;
-};
-
-struct BuildOptions {
-    std::string title;
-    int threads = 0;  ///< 0 = all cores; the result does not depend on it
-    Shape shape{};
-    std::vector<Mirror> mirrors{};
-};
-
-/// Reads a scan to its end and builds its octree in memory, in parallel. Takes ownership of nothing; `source`
-/// is exhausted afterwards. Errors: the source's own; Empty when no point is left; ResourceLimit when memory
-/// runs out.
-Expected<std::shared_ptr<const Cloud>> buildCloud(PointSource& source, const BuildOptions& options,
-                                                  const ProgressSink& progress = {});
 
 }  // namespace scancast

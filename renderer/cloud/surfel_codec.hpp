@@ -9,7 +9,7 @@
 #include <glm/vec3.hpp>
 
 #include "renderer/cloud/sample.hpp"
-#include "renderer/cloud/surfels.hpp"
+#include "renderer/cloud/surfel.hpp"
 
 namespace scancast {
 

@@ -63,17 +63,16 @@ struct Window {
 /// mirror that is there, and that one can pick. Screen passes look through it, as if its image stood behind
 /// an opening. methods.md §10.
 struct Reflection {
-    Viewpoint viewpoint;  ///< the picture's own, after the mirror
-    Cut cut;              ///< seen from there
-    SampleFilter filter;  ///< drops what lies behind the mirror, too
-    glm::dvec3 center{
-        0};  ///< of the rectangle; view space of the picture's own viewpoint, like the next three
-    glm::dvec3 normal{0};  ///< unit; out of the reflecting side
-    glm::dvec3 right{0};   ///< half the width, and its direction
-    glm::dvec3 up{0};      ///< half the height, and its direction
+    Viewpoint viewpoint;    ///< the picture's own, after the mirror
+    Cut cut;                ///< seen from there
+    SampleFilter filter;    ///< drops what lies behind the mirror, too
+    glm::dvec3 center{0};   ///< of the rectangle; view space of the picture's own viewpoint, like the next three
+    glm::dvec3 normal{0};   ///< unit; out of the reflecting side
+    glm::dvec3 right{0};    ///< half the width, and its direction
+    glm::dvec3 up{0};       ///< half the height, and its direction
     Rgb8 tint{255, 255, 255};
-    double margin = 0;  ///< cloud units
-    Window bounds;      ///< no pixel outside is changed; may reach beyond the picture
+    double margin = 0;      ///< cloud units
+    Window bounds;          ///< no pixel outside is changed; may reach beyond the picture
 };
 
 struct Drawing {
@@ -94,16 +93,15 @@ struct Drawing {
 struct DeviceInfo {
     std::string name;  ///< "cpu", "egl", "osmesa"
     std::string vendor, renderer, version;
-    bool hardware = false;  ///< a real GPU
-    std::string identity;   ///< what pictures may depend on, for ETags: "cpu" or the driver
-    int eglDevice = -1;     ///< egl, as listed: what --egl-device calls it
-    bool mirrors = false;   ///< draws reflections, and drops regions; Unsupported without
-    std::string node{};     ///< egl: its file, "/dev/dri/renderD128"; empty = unknown
-    std::uint64_t memory =
-        0;  ///< of a GPU, bytes: all, or what is free if its driver tells no more; 0 = unknown
-    bool atomics64 = false;  ///< egl, osmesa: finds the smallest of 64-bit integers in one step
-    bool exact = true;       ///< rounds as IEEE 754 says: draws the cpu device's bytes
-    bool tellsLoss = true;   ///< says when its GPU was reset; else it is found lost when it does not answer
+    bool hardware = false;     ///< a real GPU
+    std::string identity;      ///< what pictures may depend on, for ETags: "cpu" or the driver
+    int eglDevice = -1;        ///< egl, as listed: what --egl-device calls it
+    bool mirrors = false;      ///< draws reflections, and drops regions; Unsupported without
+    std::string node{};        ///< egl: its file, "/dev/dri/renderD128"; empty = unknown
+    std::uint64_t memory = 0;  ///< of a GPU, bytes: all, or what is free if its driver tells no more; 0 = unknown
+    bool atomics64 = false;    ///< egl, osmesa: finds the smallest of 64-bit integers in one step
+    bool exact = true;         ///< rounds as IEEE 754 says: draws the cpu device's bytes
+    bool tellsLoss = true;     ///< says when its GPU was reset; else it is found lost when it does not answer
 };
 
 /// For people: "egl (NVIDIA H100 …)".
@@ -142,9 +140,8 @@ struct DeviceOptions {
     int threads = 0;                        ///< cpu: 0 = all cores
     int eglDevice = -1;                     ///< egl: index as listed; -1 = best
     std::filesystem::path programFolder{};  ///< egl, osmesa: keeps compiled programs; empty = compiled anew
-    std::uint64_t gpuMemoryLimit = 0;  ///< egl, osmesa: bytes of samples at most; 0 = gl/memory_limit.hpp
-    std::uint64_t uploadBudget =
-        0;  ///< egl, osmesa: bytes a moving frame may upload; 0 = gl/memory_limit.hpp
+    std::uint64_t gpuMemoryLimit = 0;       ///< egl, osmesa: bytes of samples at most; 0 = gl/memory_limit.hpp
+    std::uint64_t uploadBudget = 0;  ///< egl, osmesa: bytes a moving frame may upload; 0 = gl/memory_limit.hpp
 };
 
 /// DeviceUnavailable names what is missing and how to get it.

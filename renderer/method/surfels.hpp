@@ -2,7 +2,8 @@
 //
 // `disc`, 002_e37b3096399c9e96 ("Point-based Rendering", a blog), from the page to the code:
 //   page                                                    here
-//   "Calculating Splat Radii": mean distance to the 8-10    Surfel::radius (renderer/cloud/surfels.hpp), at
+//   "Calculating Splat Radii": mean distance to the 8-10    Surfel::radius
+//   (renderer/cloud/surfels/surfels.hpp), at
 //     nearest points                                          ingest
 //   geometry shader: a quad in the tangent plane            Footprint::Disc: the exact outline, by the
 //   plane's fragment shader: discard outside the circle               intersection with the ray of each pixel

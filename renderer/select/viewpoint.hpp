@@ -1,5 +1,5 @@
-// A camera made ready for one cloud and one picture size: the numbers that selection and devices compute
-// with. Pipeline: view → **viewpoint** → select, device. A pure value.
+// A camera made ready for one cloud and one picture size: the numbers that selection and devices compute with.
+// Pipeline: view → **viewpoint** → select, device. A pure value.
 //
 // Frame of reference (methods.md §1): cloud-relative coordinates → view space, right-handed, looking down -z;
 // depth d = -z_view > 0; picture row 0 is the top; pixel centres at +0.5.
@@ -16,11 +16,11 @@
 namespace scancast {
 
 struct Viewpoint {
-    int width = 0, height = 0;  ///< of the whole picture, px
+    int width = 0, height = 0;             ///< of the whole picture, px
     Projection projection = Projection::Perspective;
-    glm::dmat4 cloudToView{1};  ///< rigid; cloud-relative → view space
-    double pixelsPerUnit = 1;   ///< perspective: focal length f in px (q = f/d); orthographic: q itself
-    double near = 0, far = 0;   ///< depths; far may be infinity
+    glm::dmat4 cloudToView{1};             ///< rigid; cloud-relative → view space
+    double pixelsPerUnit = 1;              ///< perspective: focal length f in px (q = f/d); orthographic: q itself
+    double near = 0, far = 0;              ///< depths; far may be infinity
 
     /// q(d), px per cloud unit at depth d.
     double q(double depth) const {
@@ -32,8 +32,8 @@ struct Viewpoint {
     glm::dvec3 eye() const;
     /// Unit view direction, cloud-relative.
     glm::dvec3 direction() const;
-    /// Left, right, bottom, top, near, far in cloud-relative coordinates: inside where dot(xyz, p) + w ≥ 0;
-    /// unit normals. `far` is (0,0,0,1) when infinite.
+    /// Left, right, bottom, top, near, far in cloud-relative coordinates: inside where dot(xyz, p) + w ≥ 0; unit
+    /// normals. `far` is (0,0,0,1) when infinite.
     std::array<glm::dvec4, 6> frustum() const;
 
     /// `origin` and `bounds` are the cloud's (file coordinates); automatic near and far come from them.

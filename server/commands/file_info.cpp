@@ -5,9 +5,9 @@
 #include <glm/common.hpp>
 #include <limits>
 
+#include "renderer/cloud/build/value_ranges.hpp"
 #include "renderer/cloud/file/cloud_file.hpp"
 #include "renderer/cloud/import/open_scan.hpp"
-#include "renderer/cloud/value_ranges.hpp"
 
 namespace scancast {
 

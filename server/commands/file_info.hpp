@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "renderer/cloud/cloud.hpp"
-#include "renderer/progress.hpp"
+#include "renderer/cloud/progress.hpp"
 
 namespace scancast {
 

@@ -9,12 +9,12 @@
 #include <memory>
 
 #include "renderer/cloud/import/mirrors.hpp"
-#include "renderer/simulate/scene.hpp"
-#include "renderer/simulate/write/point_count.hpp"
-#include "renderer/simulate/write/point_writer.hpp"
 #include "server/commands/command.hpp"
 #include "server/commands/progress_bar.hpp"
 #include "server/commands/terminal.hpp"
+#include "simulator/scene.hpp"
+#include "simulator/write/point_count.hpp"
+#include "simulator/write/point_writer.hpp"
 
 namespace scancast {
 namespace {

@@ -8,10 +8,10 @@
 #include <stop_token>
 #include <thread>
 
+#include "renderer/cloud/build/ingest.hpp"
+#include "renderer/cloud/build/lazy_scan.hpp"
 #include "renderer/cloud/import/open_scan.hpp"
 #include "renderer/cloud/import/standard_input.hpp"
-#include "renderer/cloud/ingest.hpp"
-#include "renderer/cloud/lazy_scan.hpp"
 #include "server/commands/byte_size.hpp"
 #include "server/commands/command.hpp"
 #include "server/commands/progress_bar.hpp"

@@ -9,7 +9,7 @@
 #include <mutex>
 #include <string>
 
-#include "renderer/progress.hpp"
+#include "renderer/cloud/progress.hpp"
 
 namespace scancast {
 

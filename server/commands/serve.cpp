@@ -6,6 +6,10 @@
 #include <cstdio>
 #include <cstdlib>
 
+#include "server/base/faults.hpp"
+#include "server/base/log.hpp"
+#include "server/catalog/loader.hpp"
+#include "server/catalog/memory_reserve.hpp"
 #include "server/commands/byte_size.hpp"
 #include "server/commands/command.hpp"
 #include "server/commands/config_file.hpp"
@@ -14,10 +18,6 @@
 #include "server/commands/serve_options.hpp"
 #include "server/commands/shutdown_signals.hpp"
 #include "server/commands/terminal.hpp"
-#include "server/faults.hpp"
-#include "server/loader.hpp"
-#include "server/log.hpp"
-#include "server/memory_reserve.hpp"
 #include "server/server.hpp"
 
 namespace scancast {

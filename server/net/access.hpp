@@ -10,8 +10,8 @@
 #include <string>
 #include <string_view>
 
-#include "server/net/http_message.hpp"
-#include "server/net/router.hpp"
+#include "server/net/api/http_message.hpp"
+#include "server/net/api/router.hpp"
 
 namespace scancast {
 

@@ -17,7 +17,7 @@
 #include <limits>
 #include <optional>
 
-#include "server/net/handler.hpp"
+#include "server/net/api/handler.hpp"
 #include "server/net/mjpeg_connection.hpp"
 #include "server/net/stream_connection.hpp"
 #include "transport/net_stream.hpp"

@@ -7,7 +7,7 @@
 #include <thread>
 #include <tuple>
 
-#include "server/net/handler.hpp"
+#include "server/net/api/handler.hpp"
 #include "server/net/http_connection.hpp"
 
 namespace scancast {

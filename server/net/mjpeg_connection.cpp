@@ -9,8 +9,8 @@
 #include <boost/asio/write.hpp>
 
 #include "protocol/json_text.hpp"
-#include "server/net/handler.hpp"
-#include "server/net/mjpeg_request.hpp"
+#include "server/net/api/handler.hpp"
+#include "server/net/api/mjpeg_request.hpp"
 #include "server/net/session_host.hpp"
 
 namespace scancast {

@@ -14,9 +14,9 @@
 #include <unordered_map>
 #include <vector>
 
-#include "server/catalog.hpp"
-#include "server/metrics.hpp"
-#include "server/net/api.hpp"
+#include "server/base/metrics.hpp"
+#include "server/catalog/catalog.hpp"
+#include "server/net/api/api.hpp"
 #include "server/scheduler/scheduler.hpp"
 #include "server/stream/resume_store.hpp"
 #include "server/stream/session_register.hpp"

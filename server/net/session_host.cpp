@@ -4,8 +4,8 @@
 #include <nlohmann/json.hpp>
 #include <tuple>
 
-#include "server/describe.hpp"
-#include "server/net/handler.hpp"
+#include "server/catalog/describe.hpp"
+#include "server/net/api/handler.hpp"
 
 namespace scancast {
 

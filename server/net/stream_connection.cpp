@@ -7,7 +7,7 @@
 #include <deque>
 #include <optional>
 
-#include "server/net/handler.hpp"
+#include "server/net/api/handler.hpp"
 #include "server/net/session_host.hpp"
 
 namespace scancast {

@@ -3,7 +3,7 @@
 #include <tuple>
 #include <utility>
 
-#include "server/faults.hpp"
+#include "server/base/faults.hpp"
 
 namespace scancast {
 

@@ -32,8 +32,8 @@ struct PictureOrder {
     /// Everything that it draws is in memory when it is drawn, however long that takes; else ancestors stand
     /// in for what is missing, and the picture's stats say how much that is.
     bool complete = true;
-    /// Of those that need not be complete: Cancelled at once, rather than drawn with something missing. What
-    /// is missing has been asked for then.
+    /// Of those that need not be complete: Cancelled at once, rather than drawn with something missing. What is
+    /// missing has been asked for then.
     bool onlyWhole = false;
     std::optional<Camera> ahead{};  ///< where the camera will be soon
     std::uint64_t requester = 0;    ///< set by the scheduler: whose wishes for blocks these are

@@ -5,7 +5,7 @@
 #include <tuple>
 #include <utility>
 
-#include "server/faults.hpp"
+#include "server/base/faults.hpp"
 #include "server/scheduler/picture.hpp"
 
 namespace scancast {

@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <utility>
 
-#include "renderer/clock.hpp"
-#include "server/faults.hpp"
+#include "renderer/image/clock.hpp"
+#include "server/base/faults.hpp"
 #include "server/scheduler/outcome.hpp"
 #include "server/scheduler/scheduler.hpp"
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "renderer/clock.hpp"
+#include "renderer/image/clock.hpp"
 #include "server/scheduler/outcome.hpp"
 
 namespace scancast {

@@ -32,8 +32,8 @@
 #include <stop_token>
 #include <thread>
 
-#include "server/memory_room.hpp"
-#include "server/metrics.hpp"
+#include "server/base/metrics.hpp"
+#include "server/catalog/memory_room.hpp"
 #include "server/scheduler/picture.hpp"
 #include "server/scheduler/picture_promise.hpp"
 #include "threads/monitor.hpp"

@@ -1,7 +1,7 @@
 // The server as a stream session sees it: its catalog and its methods. Stateless; any thread.
 #pragma once
 
-#include "server/catalog.hpp"
+#include "server/catalog/catalog.hpp"
 #include "server/stream/session.hpp"
 
 namespace scancast {

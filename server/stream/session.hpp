@@ -22,7 +22,7 @@
 #include "protocol/frame_header.hpp"
 #include "protocol/messages.hpp"
 #include "protocol/problem.hpp"
-#include "server/metrics.hpp"
+#include "server/base/metrics.hpp"
 #include "server/scheduler/picture.hpp"
 #include "server/stream/frame_pace.hpp"
 #include "server/stream/quality_controller.hpp"

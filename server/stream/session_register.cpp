@@ -13,7 +13,7 @@
 
 #include "protocol/nearest_name.hpp"
 #include "protocol/view/view_json.hpp"
-#include "server/faults.hpp"
+#include "server/base/faults.hpp"
 
 namespace scancast {
 namespace {

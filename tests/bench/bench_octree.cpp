@@ -9,9 +9,10 @@
 #include <cstdlib>
 #include <string>
 
+#include "renderer/cloud/build/build_cloud.hpp"
 #include "renderer/cloud/cloud.hpp"
 #include "renderer/select/select.hpp"
-#include "renderer/simulate/scene.hpp"
+#include "simulator/scene.hpp"
 #include "tests/support/synthetic_source.hpp"
 
 using namespace scancast;

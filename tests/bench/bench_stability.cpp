@@ -15,10 +15,11 @@
 #include <sstream>
 #include <string>
 
+#include "renderer/cloud/build/build_cloud.hpp"
 #include "renderer/cloud/import/open_scan.hpp"
 #include "renderer/device/cpu/cpu_device.hpp"
 #include "renderer/residency/open_cloud.hpp"
-#include "renderer/simulate/scene.hpp"
+#include "simulator/scene.hpp"
 #include "tests/support/stability.hpp"
 
 namespace {

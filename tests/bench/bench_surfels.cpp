@@ -15,8 +15,8 @@
 #include <string>
 
 #include "renderer/cloud/import/open_scan.hpp"
-#include "renderer/cloud/spatial_sort.hpp"
-#include "renderer/simulate/scene.hpp"
+#include "renderer/cloud/surfels/spatial_sort.hpp"
+#include "simulator/scene.hpp"
 #include "tests/support/compare_surfels.hpp"
 #include "tests/support/scan_points.hpp"
 

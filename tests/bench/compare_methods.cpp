@@ -1,5 +1,5 @@
 // Every method against the truth: generated scenes, whose surfaces are known, are drawn from their views
-// (renderer/simulate/scene_views.cpp) in every method, without shading, and compared with the picture that
+// (simulator/scenes/scene_views.cpp) in every method, without shading, and compared with the picture that
 // rays through the scene itself give. Prints a Markdown table, one row a scene and method.
 //
 //   compare_methods [--scenes statue,town,…] [--methods paraboloid,ewa,…] [--points N] [--width N]
@@ -18,13 +18,14 @@
 #include <sstream>
 #include <string>
 
+#include "renderer/cloud/build/build_cloud.hpp"
 #include "renderer/device/cpu/cpu_device.hpp"
 #include "renderer/image/picture_metrics.hpp"
 #include "renderer/method/automatic.hpp"
 #include "renderer/method/method.hpp"
 #include "renderer/select/viewpoint.hpp"
-#include "renderer/simulate/ground_truth.hpp"
 #include "tests/bench/bench_tools.hpp"
+#include "tests/ground_truth/ground_truth.hpp"
 #include "tests/support/stability.hpp"
 
 namespace {

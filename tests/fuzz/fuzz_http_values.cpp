@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <cstdlib>
 
-#include "server/net/http_message.hpp"
-#include "server/net/negotiate.hpp"
+#include "server/net/api/http_message.hpp"
+#include "server/net/api/negotiate.hpp"
+#include "server/net/api/router.hpp"
 #include "server/net/origin_check.hpp"
-#include "server/net/router.hpp"
 
 namespace {
 

@@ -4,7 +4,7 @@
 #include <cstdlib>
 #include <memory>
 
-#include "renderer/cloud/import/las_source.hpp"
+#include "renderer/cloud/import/las/las_source.hpp"
 #include "renderer/cloud/import/scan_format.hpp"
 
 namespace {

@@ -3,7 +3,7 @@
 #include <cstdlib>
 #include <memory>
 
-#include "renderer/cloud/import/point_stream_reader.hpp"
+#include "renderer/cloud/import/stream/point_stream_reader.hpp"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
     using namespace scancast;

@@ -6,7 +6,7 @@
 #include <cstdlib>
 #include <cstring>
 
-#include "renderer/device/gl/program_files.hpp"
+#include "renderer/device/gl/programs/program_files.hpp"
 
 namespace {
 

@@ -3,8 +3,8 @@
 #include <cstdlib>
 #include <memory>
 
-#include "renderer/cloud/import/ptx_source.hpp"
-#include "renderer/cloud/import/text_head.hpp"
+#include "renderer/cloud/import/text/ptx_source.hpp"
+#include "renderer/cloud/import/text/text_head.hpp"
 
 namespace {
 

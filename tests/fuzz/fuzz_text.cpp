@@ -5,7 +5,7 @@
 #include <memory>
 
 #include "renderer/cloud/import/scan_format.hpp"
-#include "renderer/cloud/import/text_source.hpp"
+#include "renderer/cloud/import/text/text_source.hpp"
 
 namespace {
 

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "renderer/cloud/octree.hpp"
-#include "renderer/cloud/surfels.hpp"
+#include "renderer/cloud/surfels/surfels.hpp"
 #include "renderer/select/select.hpp"
 #include "renderer/select/viewpoint.hpp"
 

@@ -6,7 +6,7 @@
 
 #include <cmath>
 
-#include "renderer/cloud/surfels.hpp"
+#include "renderer/cloud/surfels/surfels.hpp"
 #include "tests/support/surfel_references.hpp"
 
 namespace scancast::test {

@@ -9,8 +9,8 @@
 #include <string>
 #include <vector>
 
-#include "renderer/device/gl/egl_context.hpp"
-#include "renderer/device/gl/osmesa_context.hpp"
+#include "renderer/device/gl/context/egl_context.hpp"
+#include "renderer/device/gl/context/osmesa_context.hpp"
 
 namespace scancast::gl {
 

@@ -6,13 +6,15 @@
 #include <algorithm>
 #include <glm/geometric.hpp>
 
+#include "renderer/cloud/build/build_cloud.hpp"
 #include "renderer/cloud/cloud.hpp"
 
 namespace scancast::test {
 
 inline std::shared_ptr<const Cloud> build(PointSource& source, std::uint32_t leafPoints = 512,
                                           int threads = 0) {
-    auto cloud = buildCloud(source, {.title = "test", .threads = threads, .shape = {.leafPoints = leafPoints}});
+    auto cloud =
+        buildCloud(source, {.title = "test", .threads = threads, .shape = {.leafPoints = leafPoints}});
     EXPECT_TRUE(cloud) << cloud.error().message;
     return cloud ? *cloud : nullptr;
 }

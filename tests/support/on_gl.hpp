@@ -12,10 +12,10 @@
 #include <string>
 #include <vector>
 
-#include "renderer/device/gl/egl_context.hpp"
-#include "renderer/device/gl/osmesa_context.hpp"
-#include "renderer/device/gl/planes.hpp"
-#include "renderer/device/gl/screen_shaders.hpp"
+#include "renderer/device/gl/context/egl_context.hpp"
+#include "renderer/device/gl/context/osmesa_context.hpp"
+#include "renderer/device/gl/passes/planes.hpp"
+#include "renderer/device/gl/programs/screen_shaders.hpp"
 
 namespace scancast::test {
 
@@ -85,7 +85,7 @@ class OnGl : public testing::TestWithParam<std::string> {
     gl::ScreenShaders* shaders_ = nullptr;
 };
 
-#define INSTANTIATE_ON_GL(FIXTURE)                                          \
+#define INSTANTIATE_ON_GL(FIXTURE)                                \
     INSTANTIATE_TEST_SUITE_P(Gl, FIXTURE, testing::Values("egl"), \
                              [](const testing::TestParamInfo<std::string>& c) { return c.param; })
 

@@ -2,7 +2,7 @@
 // backend's shaders, without a device around them: what their oracles are asked of.
 #pragma once
 
-#include "renderer/device/gl/pyramid.hpp"
+#include "renderer/device/gl/passes/pyramid.hpp"
 #include "tests/support/on_gl.hpp"
 #include "tests/support/point_screen.hpp"
 

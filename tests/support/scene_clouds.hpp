@@ -7,8 +7,9 @@
 #include <memory>
 #include <string>
 
+#include "renderer/cloud/build/build_cloud.hpp"
 #include "renderer/render.hpp"
-#include "renderer/simulate/scene.hpp"
+#include "simulator/scene.hpp"
 
 namespace scancast::test {
 

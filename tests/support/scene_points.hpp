@@ -5,8 +5,8 @@
 #include <cmath>
 #include <glm/geometric.hpp>
 
-#include "renderer/simulate/cells.hpp"
-#include "renderer/simulate/scene.hpp"
+#include "simulator/cells.hpp"
+#include "simulator/scene.hpp"
 
 namespace scancast::test {
 

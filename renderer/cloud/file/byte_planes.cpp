@@ -7,7 +7,7 @@
 #include <memory>
 #include <new>
 
-#include "renderer/cloud/import/bytes.hpp"
+#include "files/bytes.hpp"
 
 namespace scancast {
 

@@ -5,7 +5,7 @@
 
 #include <algorithm>
 
-#include "renderer/cloud/import/bytes.hpp"
+#include "files/bytes.hpp"
 
 namespace scancast {
 

@@ -3,11 +3,11 @@
 #include <array>
 
 #include "renderer/cloud/import/byte_source.hpp"
-#include "renderer/cloud/import/importer_source.hpp"
-#include "renderer/cloud/import/las_source.hpp"
-#include "renderer/cloud/import/ptx_source.hpp"
+#include "renderer/cloud/import/las/las_source.hpp"
 #include "renderer/cloud/import/scan_format.hpp"
-#include "renderer/cloud/import/text_source.hpp"
+#include "renderer/cloud/import/stream/importer_source.hpp"
+#include "renderer/cloud/import/text/ptx_source.hpp"
+#include "renderer/cloud/import/text/text_source.hpp"
 
 namespace scancast {
 

@@ -4,7 +4,7 @@
 #include <array>
 #include <cstdio>
 
-#include "renderer/cloud/import/text_head.hpp"
+#include "renderer/cloud/import/text/text_head.hpp"
 
 namespace scancast {
 

@@ -3,15 +3,16 @@
 #include <fcntl.h>
 #include <unistd.h>
 
-#include "renderer/cloud/import/las_source.hpp"
+#include "renderer/cloud/import/las/las_source.hpp"
 
 namespace scancast {
 
 Expected<std::unique_ptr<PointSource>> openStandardInput(const ImportOptions& options) {
     if (::isatty(STDIN_FILENO))
-        return fail(ErrorCode::InvalidArgument,
-                    "Standard input is a terminal; pipe a LAS file into it, for example: scancast generate town "
-                    "--format las14 -o - | scancast ingest - -o town.scan");
+        return fail(
+            ErrorCode::InvalidArgument,
+            "Standard input is a terminal; pipe a LAS file into it, for example: scancast generate town "
+            "--format las14 -o - | scancast ingest - -o town.scan");
     UniqueFd fd(::fcntl(STDIN_FILENO, F_DUPFD_CLOEXEC, 3));
     auto bytes = FileByteSource::create(std::move(fd), "standard input");
     if (!bytes) return tl::unexpected(bytes.error());

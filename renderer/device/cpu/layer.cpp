@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "renderer/clock.hpp"
 #include "renderer/cloud/surfel_codec.hpp"
 #include "renderer/device/cpu/grown.hpp"
+#include "renderer/image/clock.hpp"
 
 namespace scancast::cpu {
 namespace {

@@ -2,9 +2,9 @@
 
 #include <algorithm>
 
-#include "renderer/clock.hpp"
 #include "renderer/device/cpu/grown.hpp"
 #include "renderer/device/plan/picture_area.hpp"
+#include "renderer/image/clock.hpp"
 
 namespace scancast::cpu {
 namespace {

@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <limits>
 
-#include "renderer/clock.hpp"
 #include "renderer/device/cpu/grown.hpp"
 #include "renderer/device/plan/screen_plan.hpp"
+#include "renderer/image/clock.hpp"
 
 namespace scancast::cpu {
 namespace {

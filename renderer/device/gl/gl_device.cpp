@@ -3,11 +3,11 @@
 #include <new>
 #include <utility>
 
-#include "renderer/device/gl/egl_context.hpp"
-#include "renderer/device/gl/gl_memory.hpp"
-#include "renderer/device/gl/memory_limit.hpp"
-#include "renderer/device/gl/osmesa_context.hpp"
-#include "renderer/device/gl/picture.hpp"
+#include "renderer/device/gl/context/egl_context.hpp"
+#include "renderer/device/gl/context/osmesa_context.hpp"
+#include "renderer/device/gl/memory/gl_memory.hpp"
+#include "renderer/device/gl/memory/memory_limit.hpp"
+#include "renderer/device/gl/passes/picture.hpp"
 
 namespace scancast {
 namespace gl {

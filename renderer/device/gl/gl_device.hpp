@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "renderer/device/device.hpp"
-#include "renderer/device/gl/arithmetic.hpp"
+#include "renderer/device/gl/programs/arithmetic.hpp"
 
 namespace scancast {
 

@@ -4,8 +4,8 @@
 
 #include "renderer/method/automatic.hpp"
 #include "renderer/method/method.hpp"
-#include "renderer/simulate/scene.hpp"
-#include "renderer/simulate/write/point_count.hpp"
+#include "simulator/scene.hpp"
+#include "simulator/write/point_count.hpp"
 
 namespace scancast::bench {
 namespace {

@@ -6,7 +6,7 @@
 #include <functional>
 #include <glm/geometric.hpp>
 
-#include "renderer/cloud/surfels.hpp"
+#include "renderer/cloud/surfels/surfels.hpp"
 #include "renderer/method/method.hpp"
 #include "tests/support/draw_surfels.hpp"
 

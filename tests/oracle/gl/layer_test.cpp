@@ -11,9 +11,9 @@
 
 #include "renderer/device/cpu/layer.hpp"
 #include "renderer/device/cpu/simd_level.hpp"
-#include "renderer/device/gl/egl_context.hpp"
-#include "renderer/device/gl/layer.hpp"
-#include "renderer/device/gl/osmesa_context.hpp"
+#include "renderer/device/gl/context/egl_context.hpp"
+#include "renderer/device/gl/context/osmesa_context.hpp"
+#include "renderer/device/gl/passes/layer.hpp"
 #include "renderer/method/method.hpp"
 #include "tests/support/analytic_cut.hpp"
 #include "tests/support/draw_surfels.hpp"

@@ -2,6 +2,7 @@
 // switches do.
 #include <gtest/gtest.h>
 
+#include "renderer/cloud/build/build_cloud.hpp"
 #include "renderer/render.hpp"
 #include "tests/oracle/mirror/draw_mirrored.hpp"
 #include "tests/support/devices.hpp"

@@ -11,6 +11,7 @@
 #include <set>
 #include <tuple>
 
+#include "renderer/cloud/build/build_cloud.hpp"
 #include "renderer/render.hpp"
 #include "renderer/select/viewpoint.hpp"
 #include "tests/support/synthetic_source.hpp"

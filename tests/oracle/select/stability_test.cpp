@@ -5,9 +5,10 @@
 // two pictures.
 #include <gtest/gtest.h>
 
+#include "renderer/cloud/build/build_cloud.hpp"
 #include "renderer/method/method.hpp"
 #include "renderer/select/fade.hpp"
-#include "renderer/simulate/scene.hpp"
+#include "simulator/scene.hpp"
 #include "tests/support/devices.hpp"
 #include "tests/support/draw_cut.hpp"
 #include "tests/support/stability.hpp"

@@ -7,10 +7,11 @@
 #include <numeric>
 #include <set>
 
-#include "renderer/cloud/chunk_plan.hpp"
+#include "renderer/cloud/build/build_cloud.hpp"
+#include "renderer/cloud/build/chunks/chunk_plan.hpp"
+#include "renderer/cloud/build/workspace.hpp"
 #include "renderer/cloud/cloud.hpp"
 #include "renderer/cloud/surfel_codec.hpp"
-#include "renderer/cloud/workspace.hpp"
 #include "tests/support/octree_checks.hpp"
 #include "tests/support/synthetic_source.hpp"
 

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <mutex>
 
+#include "renderer/cloud/build/build_cloud.hpp"
 #include "renderer/select/viewpoint.hpp"
 #include "tests/support/octree_checks.hpp"
 #include "tests/support/synthetic_source.hpp"

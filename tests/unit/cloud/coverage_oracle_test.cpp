@@ -4,6 +4,7 @@
 #include <glm/gtc/constants.hpp>
 #include <unordered_map>
 
+#include "renderer/cloud/build/build_cloud.hpp"
 #include "renderer/cloud/surfel_codec.hpp"
 #include "tests/support/octree_checks.hpp"
 #include "tests/support/synthetic_source.hpp"

@@ -9,10 +9,11 @@
 #include <iterator>
 #include <map>
 
-#include "renderer/cloud/cloud_builder.hpp"
+#include "renderer/cloud/build/build_cloud.hpp"
+#include "renderer/cloud/build/cloud_builder.hpp"
+#include "renderer/cloud/build/ingest.hpp"
+#include "renderer/cloud/build/revision.hpp"
 #include "renderer/cloud/file/cloud_file.hpp"
-#include "renderer/cloud/ingest.hpp"
-#include "renderer/cloud/revision.hpp"
 #include "tests/support/octree_checks.hpp"
 #include "tests/support/sized.hpp"
 #include "tests/support/synthetic_source.hpp"
@@ -32,7 +33,7 @@ class Ingest : public ::testing::Test {
     const test::TemporaryFolder folder_;
 };
 
-constexpr Shape smallShape{.leafPoints = 256, .chunkPoints = 4000, .surfels = true};
+constexpr OctreeShape smallShape{.leafPoints = 256, .chunkPoints = 4000, .surfels = true};
 
 std::unique_ptr<PointSource> ground(std::uint64_t points, Attributes attributes = {.color = true}) {
     return std::make_unique<SyntheticSource>(points, test::ground, attributes, 0.001);

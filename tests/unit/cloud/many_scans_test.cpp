@@ -1,8 +1,8 @@
 // Several scans as one cloud.
 #include <gtest/gtest.h>
 
-#include "renderer/cloud/lazy_scan.hpp"
-#include "renderer/cloud/many_scans.hpp"
+#include "renderer/cloud/build/lazy_scan.hpp"
+#include "renderer/cloud/build/many_scans.hpp"
 #include "tests/support/octree_checks.hpp"
 #include "tests/support/synthetic_source.hpp"
 

@@ -1,4 +1,4 @@
-#include "renderer/cloud/morton.hpp"
+#include "renderer/cloud/build/morton.hpp"
 
 #include <gtest/gtest.h>
 

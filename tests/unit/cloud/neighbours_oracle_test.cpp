@@ -5,9 +5,9 @@
 #include <cmath>
 #include <numeric>
 
-#include "renderer/cloud/neighbours.hpp"
-#include "renderer/cloud/surfel_kernels/levels.hpp"
-#include "renderer/cloud/surfels.hpp"
+#include "renderer/cloud/surfels/kernels/levels.hpp"
+#include "renderer/cloud/surfels/neighbours.hpp"
+#include "renderer/cloud/surfels/surfels.hpp"
 #include "tests/support/point_sets.hpp"
 
 namespace scancast {

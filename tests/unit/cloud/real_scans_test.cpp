@@ -4,9 +4,9 @@
 #include <filesystem>
 #include <glm/common.hpp>
 
+#include "renderer/cloud/build/ingest.hpp"
 #include "renderer/cloud/file/cloud_file.hpp"
 #include "renderer/cloud/import/open_scan.hpp"
-#include "renderer/cloud/ingest.hpp"
 #include "tests/support/octree_checks.hpp"
 #include "tests/support/sized.hpp"
 #include "tests/support/test_data.hpp"

@@ -1,11 +1,11 @@
-#include "renderer/cloud/spacing.hpp"
+#include "renderer/cloud/build/nodes/spacing.hpp"
 
 #include <gtest/gtest.h>
 
 #include <vector>
 
-#include "renderer/cloud/tangent_plane.hpp"
-#include "renderer/cloud/voronoi_cell.hpp"
+#include "renderer/cloud/build/nodes/tangent_plane.hpp"
+#include "renderer/cloud/build/nodes/voronoi_cell.hpp"
 #include "tests/support/synthetic_source.hpp"
 
 namespace scancast {

@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "renderer/cloud/import/open_scan.hpp"
-#include "renderer/simulate/scene.hpp"
+#include "simulator/scene.hpp"
 #include "tests/support/compare_surfels.hpp"
 #include "tests/support/point_sets.hpp"
 #include "tests/support/scan_points.hpp"

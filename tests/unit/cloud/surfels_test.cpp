@@ -1,5 +1,5 @@
 // Surfels on shapes whose surface is known, and on degenerate input.
-#include "renderer/cloud/surfels.hpp"
+#include "renderer/cloud/surfels/surfels.hpp"
 
 #include <gtest/gtest.h>
 #include <oneapi/tbb/global_control.h>
@@ -10,7 +10,7 @@
 #include <numbers>
 #include <vector>
 
-#include "renderer/cloud/surfel_kernels/levels.hpp"
+#include "renderer/cloud/surfels/kernels/levels.hpp"
 #include "tests/support/point_sets.hpp"
 
 namespace scancast {

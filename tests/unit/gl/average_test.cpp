@@ -1,6 +1,6 @@
 // The mean of frames on the GPU against the cpu device's kernels, byte by byte, and parts of planes against a
 // loop over pixels.
-#include "renderer/device/gl/average.hpp"
+#include "renderer/device/gl/passes/average.hpp"
 
 #include "renderer/device/cpu/simd_level.hpp"
 #include "tests/support/analytic_cut.hpp"

@@ -5,10 +5,10 @@
 #include <thread>
 #include <vector>
 
-#include "renderer/device/gl/arithmetic.hpp"
-#include "renderer/device/gl/egl_context.hpp"
-#include "renderer/device/gl/gl_handles.hpp"
-#include "renderer/device/gl/osmesa_context.hpp"
+#include "renderer/device/gl/context/egl_context.hpp"
+#include "renderer/device/gl/context/osmesa_context.hpp"
+#include "renderer/device/gl/programs/arithmetic.hpp"
+#include "renderer/device/gl/programs/gl_handles.hpp"
 
 namespace scancast::gl {
 namespace {

@@ -1,6 +1,6 @@
 // A mirror's glass on the GPU against the cpu device's kernels, byte by byte: which pixels see it, what they
 // show, its tint and depth.
-#include "renderer/device/gl/glass.hpp"
+#include "renderer/device/gl/passes/glass.hpp"
 
 #include <glm/geometric.hpp>
 

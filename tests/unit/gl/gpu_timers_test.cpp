@@ -1,4 +1,4 @@
-#include "renderer/device/gl/gpu_timers.hpp"
+#include "renderer/device/gl/passes/gpu_timers.hpp"
 
 #include <gtest/gtest.h>
 
@@ -6,8 +6,8 @@
 #include <optional>
 #include <thread>
 
-#include "renderer/device/gl/egl_context.hpp"
-#include "renderer/device/gl/osmesa_context.hpp"
+#include "renderer/device/gl/context/egl_context.hpp"
+#include "renderer/device/gl/context/osmesa_context.hpp"
 
 namespace scancast::gl {
 namespace {

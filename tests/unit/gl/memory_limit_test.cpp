@@ -1,4 +1,4 @@
-#include "renderer/device/gl/memory_limit.hpp"
+#include "renderer/device/gl/memory/memory_limit.hpp"
 
 #include <gtest/gtest.h>
 

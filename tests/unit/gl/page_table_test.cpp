@@ -1,4 +1,4 @@
-#include "renderer/device/gl/page_table.hpp"
+#include "renderer/device/gl/memory/page_table.hpp"
 
 #include <gtest/gtest.h>
 

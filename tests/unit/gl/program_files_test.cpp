@@ -1,4 +1,4 @@
-#include "renderer/device/gl/program_files.hpp"
+#include "renderer/device/gl/programs/program_files.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "renderer/device/gl/programs.hpp"
+#include "renderer/device/gl/programs/programs.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,6 +1,6 @@
 // What is read back is lent from where it arrived: no copy of it, no buffer made that is not needed, nothing
 // overwritten while somebody reads, and nothing gone before the last reader is.
-#include "renderer/device/gl/read_back.hpp"
+#include "renderer/device/gl/memory/read_back.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "renderer/device/gl/sample_cache.hpp"
+#include "renderer/device/gl/memory/sample_cache.hpp"
 
 #include <gtest/gtest.h>
 

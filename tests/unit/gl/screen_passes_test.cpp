@@ -1,6 +1,6 @@
 // Lists of screen passes on the GPU against the cpu device's, byte by byte; on drivers that round divisions
 // and roots, to a step of colour.
-#include "renderer/device/gl/screen_passes.hpp"
+#include "renderer/device/gl/passes/screen_passes.hpp"
 
 #include <glm/geometric.hpp>
 

@@ -10,8 +10,8 @@
 #include <iterator>
 #include <set>
 
-#include "renderer/device/gl/arithmetic.hpp"
-#include "renderer/device/gl/splat_variants.hpp"
+#include "renderer/device/gl/programs/arithmetic.hpp"
+#include "renderer/device/gl/programs/splat_variants.hpp"
 #include "tests/support/temporary_folder.hpp"
 
 namespace scancast::gl {

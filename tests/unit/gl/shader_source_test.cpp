@@ -1,4 +1,4 @@
-#include "renderer/device/gl/shader_source.hpp"
+#include "renderer/device/gl/programs/shader_source.hpp"
 
 #include <gmock/gmock.h>
 

@@ -13,7 +13,7 @@
 #include <string>
 #include <vector>
 
-#include "renderer/cloud/import/point_stream_writer.hpp"
+#include "renderer/cloud/import/stream/point_stream_writer.hpp"
 
 namespace {
 

@@ -7,7 +7,7 @@
 #include <chrono>
 #include <cstdlib>
 
-#include "renderer/cloud/import/importer_source.hpp"
+#include "renderer/cloud/import/stream/importer_source.hpp"
 #include "tests/support/sized.hpp"
 #include "tests/support/temporary_folder.hpp"
 #include "tests/unit/import/scan_summary.hpp"

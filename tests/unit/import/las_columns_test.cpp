@@ -4,7 +4,7 @@
 
 #include <map>
 
-#include "renderer/cloud/import/las_source.hpp"
+#include "renderer/cloud/import/las/las_source.hpp"
 #include "renderer/cloud/import/open_scan.hpp"
 #include "tests/support/test_data.hpp"
 #include "tests/unit/import/las_bytes.hpp"

@@ -3,7 +3,7 @@
 
 #include <limits>
 
-#include "renderer/cloud/import/las_source.hpp"
+#include "renderer/cloud/import/las/las_source.hpp"
 #include "tests/unit/import/las_bytes.hpp"
 #include "tests/unit/import/scan_summary.hpp"
 

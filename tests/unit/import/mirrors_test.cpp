@@ -7,7 +7,7 @@
 #include <glm/geometric.hpp>
 #include <nlohmann/json.hpp>
 
-#include "renderer/simulate/scene.hpp"
+#include "simulator/scene.hpp"
 #include "tests/support/temporary_folder.hpp"
 
 namespace scancast::test {

@@ -3,8 +3,8 @@
 
 #include <limits>
 
-#include "renderer/cloud/import/point_stream_reader.hpp"
-#include "renderer/cloud/import/point_stream_writer.hpp"
+#include "renderer/cloud/import/stream/point_stream_reader.hpp"
+#include "renderer/cloud/import/stream/point_stream_writer.hpp"
 #include "tests/unit/import/las_bytes.hpp"
 #include "tests/unit/import/scan_summary.hpp"
 

@@ -1,5 +1,5 @@
 // PTX written here. Oracle: the transform by hand.
-#include "renderer/cloud/import/ptx_source.hpp"
+#include "renderer/cloud/import/text/ptx_source.hpp"
 
 #include <gmock/gmock.h>
 

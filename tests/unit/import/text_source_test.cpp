@@ -1,6 +1,6 @@
 // Texts of points, written here: every separator, header and order of columns that programs write, and what
 // is wrong with the others. Oracle: the numbers stand in the text.
-#include "renderer/cloud/import/text_source.hpp"
+#include "renderer/cloud/import/text/text_source.hpp"
 
 #include <gmock/gmock.h>
 

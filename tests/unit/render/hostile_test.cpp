@@ -8,6 +8,7 @@
 #include <limits>
 #include <thread>
 
+#include "renderer/cloud/build/build_cloud.hpp"
 #include "renderer/method/method.hpp"
 #include "renderer/render.hpp"
 #include "tests/support/synthetic_source.hpp"

@@ -1,4 +1,4 @@
-#include "server/net/api.hpp"
+#include "server/net/api/api.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "server/catalog.hpp"
+#include "server/catalog/catalog.hpp"
 
 #include <gtest/gtest.h>
 

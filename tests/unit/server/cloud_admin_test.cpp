@@ -1,4 +1,4 @@
-#include "server/cloud_admin.hpp"
+#include "server/catalog/cloud_admin.hpp"
 
 #include <gtest/gtest.h>
 #include <sys/stat.h>

@@ -1,4 +1,4 @@
-#include "server/describe.hpp"
+#include "server/catalog/describe.hpp"
 
 #include <gmock/gmock.h>
 #include <nlohmann/json.hpp>

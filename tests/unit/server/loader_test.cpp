@@ -1,4 +1,4 @@
-#include "server/loader.hpp"
+#include "server/catalog/loader.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -7,7 +7,7 @@
 #include <atomic>
 #include <fstream>
 
-#include "server/preview.hpp"
+#include "server/catalog/preview.hpp"
 #include "tests/support/octree_checks.hpp"
 #include "tests/support/synthetic_source.hpp"
 #include "tests/support/temporary_folder.hpp"

@@ -1,4 +1,4 @@
-#include "server/metrics.hpp"
+#include "server/base/metrics.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

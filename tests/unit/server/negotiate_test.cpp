@@ -1,4 +1,4 @@
-#include "server/net/negotiate.hpp"
+#include "server/net/api/negotiate.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "server/net/picture_request.hpp"
+#include "server/net/api/picture_request.hpp"
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>

@@ -1,4 +1,4 @@
-#include "server/net/router.hpp"
+#include "server/net/api/router.hpp"
 
 #include <gtest/gtest.h>
 

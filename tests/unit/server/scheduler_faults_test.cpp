@@ -4,7 +4,7 @@
 #include <array>
 #include <atomic>
 
-#include "server/memory_reserve.hpp"
+#include "server/catalog/memory_reserve.hpp"
 #include "tests/support/failing_allocation.hpp"
 #include "tests/support/gate.hpp"
 #include "tests/unit/server/scheduler_fixture.hpp"

@@ -1,4 +1,4 @@
-#include "server/net/shared_pictures.hpp"
+#include "server/net/api/shared_pictures.hpp"
 
 #include <gtest/gtest.h>
 

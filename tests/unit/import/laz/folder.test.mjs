@@ -7,7 +7,7 @@ import { join } from 'node:path';
 import { test } from 'node:test';
 
 import { FileBytes } from '../../../../importers/laz/file_bytes.mjs';
-import { PotreeFolder } from '../../../../importers/laz/potree_folder.mjs';
+import { PotreeFolder } from '../../../../importers/laz/potree/folder.mjs';
 
 function withOctree(work) {
   const place = mkdtempSync(join(tmpdir(), 'scancast-test-'));

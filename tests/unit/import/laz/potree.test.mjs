@@ -5,7 +5,7 @@ import { join } from 'node:path';
 import test from 'node:test';
 
 import { ScanFailure } from '../../../../importers/laz/failure.mjs';
-import { importPotree, openPotree } from '../../../../importers/laz/potree_import.mjs';
+import { importPotree, openPotree } from '../../../../importers/laz/potree/import.mjs';
 import { CountingWriter, temporaryFolder, testData } from './support/files.mjs';
 import { writePotree1, writePotree2 } from './support/potree_writer.mjs';
 import { Random } from './support/random.mjs';

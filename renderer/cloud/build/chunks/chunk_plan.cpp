@@ -1,0 +1,192 @@
+#include "renderer/cloud/build/chunks/chunk_plan.hpp"
+
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <array>
+
+namespace scancast {
+
+namespace {
+
+using Cells = std::span<CountedCell>;
+
+/// What a set of cells looks like, each cell standing for its points; in cells.
+struct CellMeasure {
+    std::array<std::uint32_t, 3> low, high;
+    std::array<double, 3> mean{}, variance{};
+    std::uint64_t points = 0;
+};
+
+CellMeasure measure(Cells cells) {
+    __extension__ using Wide = unsigned __int128;
+    CellMeasure m{};
+    m.low.fill(~0u);
+    std::array<Wide, 3> sum{}, squares{};
+    for (const CountedCell& c : cells) {
+        m.points += c.points;
+        for (int a = 0; a < 3; ++a) {
+            const std::uint32_t at = cellAxis(c.key, a);
+            m.low[a] = std::min(m.low[a], at);
+            m.high[a] = std::max(m.high[a], at);
+            sum[a] += Wide(at) * c.points;
+            squares[a] += Wide(at) * at * c.points;
+        }
+    }
+    for (int a = 0; a < 3; ++a) {
+        const double n = double(m.points);
+        m.mean[a] = double(sum[a]) / n;
+        m.variance[a] = std::max(0.0, double(squares[a]) / n - m.mean[a] * m.mean[a]);
+    }
+    return m;
+}
+
+/// Where a set is split: the first cells of the upper halves.
+struct CellCut {
+    std::array<std::uint32_t, 3> at;
+    unsigned octant(CellKey key) const {
+        unsigned o = 0;
+        for (int a = 0; a < 3; ++a) o |= unsigned(cellAxis(key, a) >= at[a]) << a;
+        return o;
+    }
+};
+
+class Planner {
+  public:
+    Planner(const Grid& grid, std::uint64_t chunkPoints, ChunkPlan& plan)
+        : grid_(grid), chunkPoints_(chunkPoints), plan_(plan) {}
+
+    void split(Cells cells, PlanNode& node) {
+        const CellMeasure m = measure(cells);
+        if (m.points <= chunkPoints_ || cells.size() == 1) {
+            node.chunk = std::uint32_t(plan_.chunks.size());
+            plan_.chunks.push_back({m.points, 0});
+            for (const CountedCell& c : cells)
+                plan_.destinations[*plan_.index.find(c.key)].chunk = node.chunk;
+            return;
+        }
+        const CellCut found = cut(m);
+        const auto octant = [&](CellKey key) { return found.octant(key); };
+        std::stable_sort(cells.begin(), cells.end(), [&](const CountedCell& a, const CountedCell& b) {
+            return octant(a.key) < octant(b.key);
+        });
+        for (std::size_t first = 0; first < cells.size();) {
+            std::size_t last = first + 1;
+            while (last < cells.size() && octant(cells[last].key) == octant(cells[first].key)) ++last;
+            split(cells.subspan(first, last - first), node.children.emplace_back());
+            first = last;
+        }
+    }
+
+  private:
+    /// At the cell boundary nearest the average; along flat axes not at all (splitter.hpp says why).
+    CellCut cut(const CellMeasure& m) const {
+        std::array<double, 3> spread;
+        for (int a = 0; a < 3; ++a) spread[a] = m.variance[a] * grid_.step[a] * grid_.step[a];
+        const double widest = *std::max_element(spread.begin(), spread.end());
+        CellCut found;
+        for (int a = 0; a < 3; ++a) {
+            const bool splits = m.high[a] > m.low[a] && spread[a] * 16 >= widest;
+            // Cells reach from their index to the next: their middles are half a cell further.
+            const auto boundary = std::uint32_t(m.mean[a] + 1);
+            found.at[a] = splits ? std::clamp(boundary, m.low[a] + 1, m.high[a]) : m.high[a] + 1;
+        }
+        return found;
+    }
+
+    const Grid& grid_;
+    const std::uint64_t chunkPoints_;
+    ChunkPlan& plan_;
+};
+
+/// The cells of a coarser frame and the chunks that lie in each.
+class Neighbourhood {
+  public:
+    Neighbourhood(const ChunkPlan& plan, Cells cells, int up) : up_(up) {
+        std::vector<std::pair<CellKey, std::uint32_t>> pairs;
+        for (const CountedCell& c : cells) pairs.emplace_back(coarse(c.key), plan.destination(c.key).chunk);
+        std::sort(pairs.begin(), pairs.end());
+        pairs.erase(std::unique(pairs.begin(), pairs.end()), pairs.end());
+        for (std::size_t i = 0; i < pairs.size(); ++i) {
+            if (i == 0 || pairs[i].first != pairs[i - 1].first) index_[pairs[i].first] = i + 1;
+            chunks_.push_back(pairs[i]);
+        }
+    }
+
+    /// All chunks but `own` in the 27 coarse cells around, ascending.
+    std::vector<std::uint32_t> around(CellKey key, std::uint32_t own) const {
+        std::vector<std::uint32_t> found;
+        const CellKey middle = coarse(key);
+        for (int i = 0; i < 27; ++i) {
+            CellKey near = 0;
+            bool inside = true;
+            for (int a = 0, rest = i; a < 3; ++a, rest /= 3) {
+                const std::int64_t at = std::int64_t(cellAxis(middle, a)) + rest % 3 - 1;
+                inside = inside && at >= 0;
+                near |= CellKey(std::max<std::int64_t>(at, 0)) << (21 * a);
+            }
+            const std::uint64_t* first = inside ? index_.find(near) : nullptr;
+            if (!first) continue;
+            for (std::size_t c = *first - 1; c < chunks_.size() && chunks_[c].first == near; ++c)
+                if (chunks_[c].second != own) found.push_back(chunks_[c].second);
+        }
+        std::sort(found.begin(), found.end());
+        found.erase(std::unique(found.begin(), found.end()), found.end());
+        return found;
+    }
+
+  private:
+    CellKey coarse(CellKey key) const {
+        CellKey out = 0;
+        for (int a = 0; a < 3; ++a) out |= CellKey(cellAxis(key, a) >> up_) << (21 * a);
+        return out;
+    }
+
+    int up_;
+    CellTable index_;
+    std::vector<std::pair<CellKey, std::uint32_t>> chunks_;
+};
+
+int haloRungs(std::uint64_t points, std::size_t cells) {
+    int up = 0;
+    // On a surface, cells twice as large hold four times as many points.
+    for (double each = double(points) / double(cells); each < 64 && up < 3; each *= 4) ++up;
+    return up;
+}
+
+void planHalos(ChunkPlan& plan, Cells cells, std::uint64_t points) {
+    const Neighbourhood neighbourhood(plan, cells, haloRungs(points, cells.size()));
+    std::vector<std::vector<std::uint32_t>> found(cells.size());
+    tbb::parallel_for(std::size_t(0), cells.size(), [&](std::size_t i) {
+        found[i] = neighbourhood.around(cells[i].key, plan.destination(cells[i].key).chunk);
+    });
+    for (std::size_t i = 0; i < cells.size(); ++i) {
+        ChunkPlan::Destination& d = plan.destinations[*plan.index.find(cells[i].key)];
+        d.firstHalo = std::uint32_t(plan.haloChunks.size());
+        d.halos = std::uint32_t(found[i].size());
+        for (const std::uint32_t chunk : found[i]) {
+            plan.haloChunks.push_back(chunk);
+            plan.chunks[chunk].halo += cells[i].points;
+        }
+    }
+}
+
+}  // namespace
+
+ChunkPlan planChunks(const CellFrame& frame, std::vector<CountedCell> cells, const Grid& grid,
+                     std::uint64_t chunkPoints, bool halo) {
+    ChunkPlan plan;
+    plan.frame = frame;
+    plan.index = CellTable(cells.size());
+    std::uint64_t points = 0;
+    for (std::size_t i = 0; i < cells.size(); ++i) {
+        plan.index[cells[i].key] = i;
+        points += cells[i].points;
+    }
+    plan.destinations.resize(cells.size());
+    Planner(grid, chunkPoints, plan).split(cells, plan.root);
+    if (halo && plan.chunks.size() > 1) planHalos(plan, cells, points);
+    return plan;
+}
+
+}  // namespace scancast

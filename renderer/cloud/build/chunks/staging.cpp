@@ -1,0 +1,286 @@
+#include "renderer/cloud/build/chunks/staging.hpp"
+
+#include <spdlog/fmt/fmt.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <future>
+#include <glm/common.hpp>
+#include <limits>
+
+#include "renderer/cloud/sample.hpp"
+
+namespace scancast {
+
+namespace {
+
+bool hasGrid(const ScanHeader& header) {
+    for (int a = 0; a < 3; ++a)
+        if (!(header.gridStep[a] > 0) || !std::isfinite(header.gridStep[a]) ||
+            !std::isfinite(header.gridOrigin[a]))
+            return false;
+    return true;
+}
+
+Expected<void> checkBatch(const PointBatch& batch, const ScanHeader& header, std::uint64_t before) {
+    const auto fits = [&](std::size_t column) { return column == 0 || column == batch.size(); };
+    if (!fits(batch.color.size()) || !fits(batch.intensity.size()) || !fits(batch.classification.size()) ||
+        !fits(batch.normal.size()) || batch.rows.size() != batch.size() * rowBytes(header.columns))
+        return fail(ErrorCode::Internal, "A reader delivered columns of different lengths.");
+    for (std::size_t i = 0; i < batch.size(); ++i) {
+        const glm::dvec3& p = batch.position[i];
+        for (int a = 0; a < 3; ++a)
+            if (!(std::abs(p[a]) <= farthestCoordinate))
+                return fail(
+                    ErrorCode::Malformed,
+                    fmt::format(
+                        "Point {} lies at ({:g}, {:g}, {:g}); coordinates beyond {:g} are taken for damage.",
+                        before + i, p.x, p.y, p.z, farthestCoordinate));
+    }
+    return {};
+}
+
+using Positions = StagedBatch::Positions;
+
+std::size_t bytesOf(Positions positions) {
+    return positions == Positions::Full ? sizeof(glm::dvec3) : sizeof(glm::vec3);
+}
+
+/// A batch while it is packed.
+struct PackedBatch {
+    Positions positions = Positions::Own;
+    std::vector<std::byte> bytes;
+
+    template <class T>
+    T* as(std::size_t at = 0) {
+        return reinterpret_cast<T*>(bytes.data() + at);
+    }
+};
+
+using OwnPosition = std::array<std::int32_t, 3>;
+
+/// The batch as integers of the scan's own grid; false if some point does not lie on it (header and points
+/// then contradict each other, and the points are right).
+bool toOwnGrid(const std::vector<glm::dvec3>& positions, const ScanHeader& header, OwnPosition* out) {
+    for (std::size_t i = 0; i < positions.size(); ++i) {
+        for (int a = 0; a < 3; ++a) {
+            const double p = positions[i][a];
+            const double q = std::nearbyint((p - header.gridOrigin[a]) / header.gridStep[a]);
+            const double off = std::abs(header.gridOrigin[a] + q * header.gridStep[a] - p);
+            const double tolerance =
+                1e-3 * header.gridStep[a] + 1e-15 * (std::abs(p) + std::abs(header.gridOrigin[a]));
+            if (!(std::abs(q) <= 2147483647.0 || q == -2147483648.0) || !(off <= tolerance)) return false;
+            out[i][a] = static_cast<std::int32_t>(q);
+        }
+    }
+    return true;
+}
+
+bool isSinglePrecision(const std::vector<glm::dvec3>& positions) {
+    return std::all_of(positions.begin(), positions.end(),
+                       [](const glm::dvec3& p) { return glm::dvec3(glm::vec3(p)) == p; });
+}
+
+std::size_t packedBytes(const PointBatch& batch, Positions positions) {
+    return batch.size() * (bytesOf(positions) + sizeof(StagedBatch::Rest)) + batch.rows.size();
+}
+
+void packPositions(const PointBatch& batch, const ScanHeader& header, bool grid, PackedBatch& out) {
+    out.bytes.resize(packedBytes(batch, Positions::Own));
+    if (grid && toOwnGrid(batch.position, header, out.as<OwnPosition>())) {
+        out.positions = Positions::Own;
+    } else if (isSinglePrecision(batch.position)) {
+        out.positions = Positions::Single;
+        std::copy(batch.position.begin(), batch.position.end(), out.as<glm::vec3>());
+    } else {
+        out.positions = Positions::Full;
+        out.bytes.resize(packedBytes(batch, Positions::Full));
+        std::copy(batch.position.begin(), batch.position.end(), out.as<glm::dvec3>());
+    }
+}
+
+void packRest(const PointBatch& batch, PackedBatch& out) {
+    auto* rest = out.as<StagedBatch::Rest>(batch.size() * bytesOf(out.positions));
+    std::fill_n(rest, batch.size(), StagedBatch::Rest{});
+    for (std::size_t i = 0; i < batch.color.size(); ++i) rest[i].color = batch.color[i];
+    for (std::size_t i = 0; i < batch.intensity.size(); ++i) rest[i].intensity = batch.intensity[i];
+    for (std::size_t i = 0; i < batch.classification.size(); ++i)
+        rest[i].classification = batch.classification[i];
+    for (std::size_t i = 0; i < batch.normal.size(); ++i) rest[i].normal = encodeNormal(batch.normal[i]);
+    std::copy(batch.rows.begin(), batch.rows.end(), reinterpret_cast<std::byte*>(rest + batch.size()));
+}
+
+template <class T>
+double numberAt(const std::byte* at) {
+    T value;
+    std::memcpy(&value, at, sizeof value);
+    return static_cast<double>(value);
+}
+
+double numberAt(const std::byte* at, ColumnType type) {
+    switch (type) {
+        case ColumnType::Int8:
+            return numberAt<std::int8_t>(at);
+        case ColumnType::Uint8:
+            return numberAt<std::uint8_t>(at);
+        case ColumnType::Int16:
+            return numberAt<std::int16_t>(at);
+        case ColumnType::Uint16:
+            return numberAt<std::uint16_t>(at);
+        case ColumnType::Int32:
+            return numberAt<std::int32_t>(at);
+        case ColumnType::Uint32:
+            return numberAt<std::uint32_t>(at);
+        case ColumnType::Int64:
+            return numberAt<std::int64_t>(at);
+        case ColumnType::Uint64:
+            return numberAt<std::uint64_t>(at);
+        case ColumnType::Float32:
+            return numberAt<float>(at);
+        case ColumnType::Float64:
+            return numberAt<double>(at);
+    }
+    return 0;
+}
+
+void learnColumns(const PointBatch& batch, std::span<const Column> columns, StagedScan& scan) {
+    const std::size_t stride = rowBytes(columns);
+    std::size_t at = 0;
+    for (std::size_t c = 0; c < columns.size(); ++c) {
+        auto& [low, high] = scan.columnRanges[c];
+        for (std::size_t i = 0; i < batch.size(); ++i) {
+            const double v =
+                columns[c].offset +
+                columns[c].scale * numberAt(batch.rows.data() + i * stride + at, columns[c].type);
+            if (v < low) low = v;  // NaN is in no range
+            if (v > high) high = v;
+        }
+        at += bytesOf(columns[c].type);
+    }
+}
+
+void learn(const PointBatch& batch, PackedBatch& packed, StagedScan& scan) {
+    for (const glm::dvec3& p : batch.position) {
+        scan.bounds[0] = glm::min(scan.bounds[0], p);
+        scan.bounds[1] = glm::max(scan.bounds[1], p);
+    }
+    scan.values.add(batch);
+    for (const std::uint8_t c : batch.classification) ++scan.classCounts[c];
+    if (packed.positions != Positions::Own) scan.onOwnGrid = false;
+    if (scan.onOwnGrid) {
+        const std::span own(packed.as<OwnPosition>(), batch.size());
+        for (int a = 0; a < 3; ++a) {
+            if (scan.points == 0) scan.ownLow[a] = scan.ownHigh[a] = own[0][a];
+            for (const OwnPosition& q : own) {
+                scan.ownLow[a] = std::min<std::int64_t>(scan.ownLow[a], q[a]);
+                scan.ownHigh[a] = std::max<std::int64_t>(scan.ownHigh[a], q[a]);
+            }
+        }
+    }
+    scan.points += batch.size();
+}
+
+Expected<void> stageBatch(const PointBatch& batch, const ScanHeader& header, Workspace& workspace,
+                          StagedScan& scan) {
+    if (auto sound = checkBatch(batch, header, scan.points); !sound) return sound;
+    thread_local PackedBatch packed;
+    packPositions(batch, header, scan.onOwnGrid && hasGrid(header), packed);
+    packRest(batch, packed);
+    learn(batch, packed, scan);
+    learnColumns(batch, header.columns, scan);
+    auto buffer = workspace.allocate(packed.bytes.size());
+    if (!buffer) return tl::unexpected(buffer.error());
+    if (auto written = buffer->write(0, packed.bytes); !written) return written;
+    scan.batches.push_back({packed.positions, std::uint32_t(batch.size()), std::move(*buffer)});
+    return {};
+}
+
+}  // namespace
+
+Expected<StagedScan> stage(PointSource& source, Workspace& workspace, ProgressMeter& progress,
+                           const std::stop_token& stop) {
+    StagedScan scan;
+    const ScanHeader header = source.header();
+    scan.columnRanges.assign(header.columns.size(), {std::numeric_limits<double>::infinity(),
+                                                     -std::numeric_limits<double>::infinity()});
+    PointBatch current, next;
+    const auto readNext = [&] { return source.read(next); };
+    Expected<bool> more = readNext();
+    while (more && *more) {
+        std::swap(current, next);
+        auto reading = std::async(std::launch::async, readNext);
+        if (current.size() > 0) {
+            if (auto staged = stageBatch(current, header, workspace, scan); !staged) {
+                reading.wait();
+                return tl::unexpected(staged.error());
+            }
+            progress.add(current.size());
+        }
+        more = reading.get();
+        if (stop.stop_requested()) return fail(ErrorCode::Cancelled, "Building the cloud was abandoned.");
+    }
+    if (!more) return tl::unexpected(more.error());
+    scan.droppedPoints = source.droppedPoints();
+    scan.notes = source.notes();
+    if (scan.points == 0)
+        return fail(ErrorCode::Empty,
+                    fmt::format("The scan has no point to show ({} left out because a coordinate "
+                                "is not a number).",
+                                scan.droppedPoints));
+    for (auto& [low, high] : scan.columnRanges)
+        if (!(low <= high)) low = high = 0;
+    progress.finish();
+    return scan;
+}
+
+Grid chooseGrid(const StagedScan& scan, const ScanHeader& header) {
+    if (scan.onOwnGrid) return ownGrid(header.gridOrigin, header.gridStep, scan.ownLow, scan.ownHigh);
+    return cubicGrid(scan.bounds[0], scan.bounds[1]);
+}
+
+namespace {
+
+GridPosition onGrid(const glm::dvec3& p, const Grid& grid) {
+    GridPosition q;
+    for (int a = 0; a < 3; ++a)
+        q[a] =
+            static_cast<std::uint64_t>(std::max(0.0, std::nearbyint((p[a] - grid.corner[a]) / grid.step[a])));
+    return q;
+}
+
+}  // namespace
+
+void placeOnGrid(const StagedBatch& batch, std::span<const std::byte> bytes, const StagedScan& scan,
+                 const ScanHeader& header, const Grid& grid, std::span<BuildPoint> out) {
+    const auto* own = reinterpret_cast<const OwnPosition*>(bytes.data());
+    const auto* single = reinterpret_cast<const glm::vec3*>(bytes.data());
+    const auto* full = reinterpret_cast<const glm::dvec3*>(bytes.data());
+    const auto* rest =
+        reinterpret_cast<const StagedBatch::Rest*>(bytes.data() + batch.points * bytesOf(batch.positions));
+    for (std::size_t i = 0; i < batch.points; ++i) {
+        BuildPoint& p = out[i];
+        p.intensity = rest[i].intensity;
+        p.color = rest[i].color;
+        p.classification = rest[i].classification;
+        p.normal = rest[i].normal;
+        if (scan.onOwnGrid) {
+            GridPosition q;
+            for (int a = 0; a < 3; ++a)
+                q[a] = static_cast<std::uint64_t>(own[i][a] - scan.ownLow[a]) << grid.ownShift[a];
+            p.setPosition(q);
+        } else if (batch.positions == Positions::Own) {
+            const glm::dvec3 q(own[i][0], own[i][1], own[i][2]);
+            p.setPosition(onGrid(header.gridOrigin + header.gridStep * q, grid));
+        } else {
+            p.setPosition(
+                onGrid(batch.positions == Positions::Single ? glm::dvec3(single[i]) : full[i], grid));
+        }
+    }
+}
+
+std::span<const std::byte> rowsOf(const StagedBatch& batch, std::span<const std::byte> bytes) {
+    return bytes.subspan(batch.points * (bytesOf(batch.positions) + sizeof(StagedBatch::Rest)));
+}
+
+}  // namespace scancast

@@ -1,0 +1,65 @@
+// Points between the reader and the octree: kept without loss and compactly until the scan's extent, and with
+// it the grid, is known. Pipeline: import → **staging** → chunks. Used by one thread, except where said.
+#pragma once
+
+#include <memory>
+#include <span>
+#include <stop_token>
+
+#include "renderer/cloud/build/grid.hpp"
+#include "renderer/cloud/build/progress_meter.hpp"
+#include "renderer/cloud/build/value_ranges.hpp"
+#include "renderer/cloud/build/workspace.hpp"
+
+namespace scancast {
+
+/// Coordinates beyond ± this are refused: they are damage, and single precision cannot square them.
+inline constexpr double farthestCoordinate = 1e15;
+
+/// One batch: its positions, then everything else of the points, then their rows.
+struct StagedBatch {
+    enum class Positions : std::uint8_t {
+        Own,     ///< 3 × int32, steps of the scan's own grid
+        Single,  ///< 3 × float
+        Full     ///< 3 × double
+    };
+    struct Rest {
+        std::uint16_t intensity = 0;
+        std::array<std::uint8_t, 3> color{255, 255, 255};
+        std::uint8_t classification = 0;
+        std::uint16_t normal = 0;
+    };
+    Positions positions = Positions::Own;
+    std::uint32_t points = 0;
+    Workspace::Buffer bytes;
+};
+
+/// Everything that a scan's points have told, once all of them are read.
+struct StagedScan {
+    std::vector<StagedBatch> batches;
+    std::uint64_t points = 0;
+    std::uint64_t droppedPoints = 0;
+    std::array<glm::dvec3, 2> bounds{glm::dvec3(1e300), glm::dvec3(-1e300)};  ///< file coordinates
+    std::vector<std::string> notes;                                           ///< the source's
+    ValueRanges values;
+    std::array<std::uint64_t, 256> classCounts{};
+    std::vector<std::array<double, 2>> columnRanges;  ///< of header.columns, scaled
+    bool onOwnGrid = true;
+    std::array<std::int64_t, 3> ownLow{}, ownHigh{};
+};
+
+/// Reads the source to its end; the next batch is read in a second thread while this one packs the last.
+/// Errors: the source's own; Malformed for coordinates that no scan has; Empty; the workspace's; Cancelled.
+Expected<StagedScan> stage(PointSource& source, Workspace& workspace, ProgressMeter& progress,
+                           const std::stop_token& stop);
+
+/// The grid for these points.
+Grid chooseGrid(const StagedScan& scan, const ScanHeader& header);
+
+/// A batch's points on the grid, and their rows. `bytes` are the batch's. Thread-safe.
+void placeOnGrid(const StagedBatch& batch, std::span<const std::byte> bytes, const StagedScan& scan,
+                 const ScanHeader& header, const Grid& grid, std::span<BuildPoint> out);
+/// The rows among a batch's bytes.
+std::span<const std::byte> rowsOf(const StagedBatch& batch, std::span<const std::byte> bytes);
+
+}  // namespace scancast

@@ -1,0 +1,166 @@
+#include "renderer/cloud/build/cloud_builder.hpp"
+
+#include <tbb/task_arena.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "renderer/cloud/build/chunks/staging.hpp"
+
+namespace scancast {
+
+namespace {
+
+/// The minimum corner, rounded down to a power of ten not above the cloud's size: short to write, and exact.
+glm::dvec3 roundOrigin(const std::array<glm::dvec3, 2>& bounds) {
+    const glm::dvec3 size = bounds[1] - bounds[0];
+    const double largest = std::max({size.x, size.y, size.z});
+    const int digits = largest > 0 ? std::clamp(int(std::floor(std::log10(largest))), -6, 15) : 0;
+    const double unit = std::pow(10.0, std::abs(digits));
+    glm::dvec3 origin;
+    for (int a = 0; a < 3; ++a)
+        origin[a] =
+            digits >= 0 ? std::floor(bounds[0][a] / unit) * unit : std::floor(bounds[0][a] * unit) / unit;
+    return origin + 0.0;  // no -0
+}
+
+/// Median of the leaves' spacings, each leaf counting as many times as it has points.
+double typicalSpacing(const BuiltOctree& octree) {
+    std::vector<std::pair<float, std::uint64_t>> leaves;
+    std::uint64_t points = 0;
+    for (const StoredNode& n : octree.nodes) {
+        if (!n.node.isLeaf()) continue;
+        leaves.emplace_back(n.node.meanSpacing, n.node.points);
+        points += n.node.points;
+    }
+    std::sort(leaves.begin(), leaves.end());
+    std::uint64_t below = 0;
+    for (const auto& [spacing, count] : leaves) {
+        below += count;
+        if (2 * below >= points) return spacing;
+    }
+    return 0;
+}
+
+/// The staged batches as they stand on the grid.
+class StagedPortions final : public PointPortions {
+  public:
+    StagedPortions(StagedScan& scan, const ScanHeader& header, const Grid& grid)
+        : scan_(scan), header_(header), grid_(grid) {}
+
+    std::size_t size() const override { return scan_.batches.size(); }
+    Expected<void> read(std::size_t index, Portion& into) const override {
+        thread_local std::vector<std::byte> space;
+        const StagedBatch& batch = scan_.batches[index];
+        const auto bytes = batch.bytes.view(space);
+        if (!bytes) return tl::unexpected(bytes.error());
+        into.points.resize(batch.points);
+        placeOnGrid(batch, *bytes, scan_, header_, grid_, into.points);
+        const auto rows = rowsOf(batch, *bytes);
+        into.rows.assign(rows.begin(), rows.end());
+        return {};
+    }
+    void release(std::size_t index) override { scan_.batches[index].bytes.clear(); }
+
+  private:
+    StagedScan& scan_;
+    const ScanHeader& header_;
+    const Grid& grid_;
+};
+
+/// The box of the scan on its grid: exact on its own grid, else a step larger at most.
+GridBox boxOf(const StagedScan& scan, const Grid& grid) {
+    GridBox box;
+    for (const glm::dvec3& corner : scan.bounds) {
+        GridPosition p;
+        for (int a = 0; a < 3; ++a)
+            p[a] = std::uint64_t(std::max(0.0, std::nearbyint((corner[a] - grid.corner[a]) / grid.step[a])));
+        box.add(p);
+    }
+    return box;
+}
+
+std::vector<std::string> firstNotes(std::vector<std::string> notes) {
+    if (notes.size() <= mostCloudNotes) return notes;
+    const std::size_t more = notes.size() - (mostCloudNotes - 1);
+    notes.resize(mostCloudNotes - 1);
+    notes.push_back("there are " + std::to_string(more) + " notes more");
+    return notes;
+}
+
+CloudFacts factsOf(const StagedScan& scan, const ScanHeader& header, const OctreeShape& shape) {
+    CloudFacts facts;
+    facts.format = header.format;
+    facts.bounds = scan.bounds;
+    facts.origin = roundOrigin(scan.bounds);
+    facts.points = scan.points;
+    facts.droppedPoints = scan.droppedPoints;
+    facts.attributes = header.attributes;
+    facts.attributes.normal |= shape.surfels;
+    scan.values.settle(facts);
+    facts.notes = firstNotes(scan.notes);
+    facts.classCounts = scan.classCounts;
+    facts.crsWkt = header.crsWkt;
+    facts.crsEpsg = header.crsEpsg;
+    facts.surfels = shape.surfels;
+    facts.oriented = header.attributes.normal ||
+                     (shape.surfels && (header.scannerOrigin || shape.orientation == Orientation::Up));
+    for (std::size_t c = 0; c < header.columns.size(); ++c)
+        facts.columns.push_back({header.columns[c], scan.columnRanges[c]});
+    return facts;
+}
+
+OctreeInput inputOf(const CloudFacts& facts, const ScanHeader& header, const OctreeShape& shape,
+                    const Grid& grid) {
+    OctreeInput input;
+    input.grid = grid;
+    input.origin = facts.origin;
+    input.attributes = facts.attributes;
+    input.ownNormals = header.attributes.normal;
+    input.oriented = facts.oriented;
+    if (header.scannerOrigin) input.scanner = *header.scannerOrigin - facts.origin;
+    input.shape = shape;
+    input.rowBytes = rowBytes(header.columns);
+    return input;
+}
+
+}  // namespace
+
+Expected<BuiltCloud> buildFrom(PointSource& source, const OctreeShape& shape, const BuildRoom& room,
+                               const ProgressSink& progress, const std::stop_token& stop) {
+    ScanHeader header = source.header();
+    ProgressMeter reading(progress, "reading", header.points.value_or(0));
+    auto scan = stage(source, room.workspace, reading, stop);
+    if (!scan) return tl::unexpected(scan.error());
+    header.scannerOrigin =
+        source.header().scannerOrigin;  // known for certain only now: a second scan may have come
+
+    BuiltCloud cloud{.facts = factsOf(*scan, header, shape), .octree = {}};
+    const Grid grid = chooseGrid(*scan, header);
+    const OctreeInput input = inputOf(cloud.facts, header, shape, grid);
+    BuildNode root;
+    Expected<BuiltOctree> octree;
+    tbb::task_arena arena(room.threads > 0 ? room.threads : tbb::task_arena::automatic);
+    arena.execute([&] {
+        StagedPortions portions(*scan, header, grid);
+        ProgressMeter sorting(progress, "sorting", scan->points);
+        const ChunkOptions chunking{
+            .chunkPoints = shape.chunkPoints, .rowBytes = input.rowBytes, .halo = shape.surfels};
+        auto chunks = divide(portions, scan->points, boxOf(*scan, grid), root, grid, chunking, room.workspace,
+                             sorting, stop);
+        if (!chunks) {
+            octree = tl::unexpected(chunks.error());
+            return;
+        }
+        sorting.finish();
+        scan->batches.clear();
+        octree = buildOctree(root, std::move(*chunks), input, room.lanes, room.workspace, room.file, progress,
+                             stop);
+    });
+    if (!octree) return tl::unexpected(octree.error());
+    cloud.octree = std::move(*octree);
+    cloud.facts.spacing = typicalSpacing(cloud.octree);
+    return cloud;
+}
+
+}  // namespace scancast

@@ -1,0 +1,213 @@
+#include "renderer/cloud/build/finish.hpp"
+
+#include <tbb/parallel_for.h>
+#include <xxhash.h>
+
+#include <algorithm>
+#include <limits>
+
+#include "renderer/cloud/build/nodes/inner_surfels.hpp"
+#include "renderer/cloud/file/block_codec.hpp"
+#include "renderer/cloud/normal_cone.hpp"
+
+namespace scancast {
+
+namespace {
+
+/// Inner nodes worked on at once, before what they give is written in order.
+constexpr std::size_t window = 64;
+
+/// A node never claims to be coarser than its parent: what is drawn below a node stays within the bounds that
+/// its own spacing grew. A node that knows no spacing (all its points at one place) takes its parent's.
+float settleSpacing(double own, const Node* parent, float Node::*spacing, const Grid& grid) {
+    const float largest = parent ? parent->*spacing : std::numeric_limits<float>::max();
+    if (own > 0) return std::clamp(float(own), std::numeric_limits<float>::min(), largest);
+    if (parent) return largest;
+    double step = 0;
+    for (int a = 0; a < 3; ++a)
+        step = std::max(step, grid.step[a] * double(std::uint64_t(1) << grid.ownShift[a]));
+    return std::max(float(step), std::numeric_limits<float>::min());
+}
+
+Node toNode(const BuildNode& from, const Node* parent, const Grid& grid) {
+    Node node{};
+    const NodeContent& c = from.content;
+    node.boxMin = c.corner;
+    node.step = c.step;
+    node.boxMax = c.bounds.high;
+    node.center = c.bounds.center;
+    node.radius = c.bounds.radius;
+    node.spacing = settleSpacing(c.spacing, parent, &Node::spacing, grid);
+    node.meanSpacing = std::min(node.spacing, settleSpacing(c.meanSpacing, parent, &Node::meanSpacing, grid));
+    node.radiusUnit = radiusUnit(c.spacing);
+    node.cone = c.cone;
+    node.childCount = std::uint8_t(from.children.size());
+    node.level = std::uint8_t(from.level);
+    node.sampleCount = from.stored.node.sampleCount;
+    node.points = from.pointCount;
+    return node;
+}
+
+/// The tree's nodes, breadth first, and what they were built as.
+struct Numbered {
+    std::vector<BuildNode*> order;
+    std::vector<StoredNode> nodes;
+};
+
+Numbered number(BuildNode& root, const Grid& grid) {
+    Numbered n{.order = {&root}, .nodes = {{.node = toNode(root, nullptr, grid), .samples = {}, .rows = {}}}};
+    std::uint64_t samples = n.nodes[0].node.sampleCount;
+    for (std::uint32_t i = 0; i < n.order.size(); ++i) {
+        if (!n.order[i]->isLeaf()) n.nodes[i].node.firstChild = std::uint32_t(n.nodes.size());
+        for (const auto& child : n.order[i]->children) {
+            Node node = toNode(*child, &n.nodes[i].node, grid);
+            node.parent = i;
+            node.firstSample = samples;
+            samples += node.sampleCount;
+            n.nodes.push_back({node, child->stored.samples, child->stored.rows});
+            n.order.push_back(child.get());
+        }
+    }
+    n.nodes[0].samples = root.stored.samples;
+    n.nodes[0].rows = root.stored.rows;
+    return n;
+}
+
+class Finisher {
+  public:
+    Finisher(BuildNode& root, const OctreeInput& input, CloudFileWriter* file)
+        : root_(root), input_(input), file_(file) {}
+
+    struct Inner {
+        BuildNode* node = nullptr;
+        std::vector<Sample> samples;
+        std::vector<std::byte> block;
+        Expected<void> result;
+    };
+
+    /// From the root down; a window of nodes at once, in parallel.
+    Expected<void> finishInner(Numbered& tree, const ProgressSink& sink, const std::stop_token& stop) {
+        std::vector<std::uint32_t> inner;
+        for (std::uint32_t i = 0; i < tree.order.size(); ++i)
+            if (!tree.order[i]->isLeaf()) inner.push_back(i);
+        ProgressMeter progress(sink, "finishing", inner.size(), "nodes");
+        for (std::size_t first = 0; first < inner.size(); first += window) {
+            std::vector<Inner> work(std::min(window, inner.size() - first));
+            for (std::size_t i = 0; i < work.size(); ++i) work[i].node = tree.order[inner[first + i]];
+            tbb::parallel_for(std::size_t(0), work.size(),
+                              [&](std::size_t i) { work[i].result = finish(work[i]); });
+            for (std::size_t i = 0; i < work.size(); ++i)
+                if (auto stored = store(work[i], tree.nodes[inner[first + i]]); !stored) return stored;
+            progress.add(work.size());
+            if (stop.stop_requested()) return fail(ErrorCode::Cancelled, "Building the cloud was abandoned.");
+        }
+        progress.finish();
+        return {};
+    }
+
+  private:
+    Expected<std::vector<Sample>> samplesOf(const BuildNode& node) const {
+        if (!file_) return node.content.samples;
+        std::vector<Sample> samples(node.stored.node.sampleCount);
+        if (!node.isLeaf()) {
+            if (auto read = node.setAside.read(0, std::as_writable_bytes(std::span(samples))); !read)
+                return tl::unexpected(read.error());
+            return samples;
+        }
+        const auto block = file_->readBack(node.stored.samples);
+        if (!block) return tl::unexpected(block.error());
+        if (auto decoded = decodeSamples(*block, samples); !decoded) return tl::unexpected(decoded.error());
+        return samples;
+    }
+
+    Expected<std::vector<float>> reachesOf(const BuildNode& node) const {
+        if (!file_) return node.content.reaches;
+        std::vector<float> reaches(node.stored.node.sampleCount);
+        if (auto read = node.setAside.read(reaches.size() * sizeof(Sample),
+                                           std::as_writable_bytes(std::span(reaches)));
+            !read)
+            return tl::unexpected(read.error());
+        return reaches;
+    }
+
+    Expected<void> finish(Inner& work) const {
+        BuildNode& node = *work.node;
+        auto samples = samplesOf(node);
+        if (!samples) return tl::unexpected(samples.error());
+        work.samples = std::move(*samples);
+        if (input_.shape.surfels) {
+            const auto reaches = reachesOf(node);
+            if (!reaches) return tl::unexpected(reaches.error());
+            const auto find = [this](const BuildNode& n) { return samplesOf(n); };
+            if (auto done = addInnerSurfels(node, *reaches, root_, input_, find, work.samples); !done)
+                return done;
+        }
+        node.content.cone = coneOfSamples(work.samples);
+        node.sampleHash = XXH3_64bits(work.samples.data(), work.samples.size() * sizeof(Sample));
+        if (file_) work.block = encodeSamples(work.samples);
+        return {};
+    }
+
+    Expected<void> store(Inner& work, StoredNode& to) {
+        if (!work.result) return work.result;
+        if (!file_) {
+            work.node->content.samples = std::move(work.samples);
+            return {};
+        }
+        auto place = file_->append(work.block);
+        if (!place) return tl::unexpected(place.error());
+        to.samples = *place;
+        return {};
+    }
+
+    BuildNode& root_;
+    const OctreeInput& input_;
+    CloudFileWriter* const file_;
+};
+
+/// Children stand behind their parents: from the end to the start, every cone is joined with finished ones.
+void joinCones(Numbered& tree) {
+    for (std::size_t i = tree.nodes.size(); i-- > 0;) {
+        Node& node = tree.nodes[i].node;
+        std::vector<NormalCone> cones{tree.order[i]->content.cone};
+        for (std::uint32_t c = 0; c < node.childCount; ++c)
+            cones.push_back(tree.nodes[node.firstChild + c].node.cone);
+        node.cone = join(cones);
+    }
+}
+
+}  // namespace
+
+NormalCone coneOfSamples(std::span<const Sample> samples) {
+    std::vector<glm::vec3> normals;
+    normals.reserve(samples.size());
+    for (const Sample& s : samples) {
+        if (s.normal == noNormal) return NormalCone{};
+        normals.push_back(decodeNormal(s.normal));
+    }
+    return coneOf(normals);
+}
+
+Expected<BuiltOctree> finishTree(BuildNode& root, const OctreeInput& input, CloudFileWriter* file,
+                                 const ProgressSink& progress, const std::stop_token& stop) {
+    Numbered tree = number(root, input.grid);
+    if (auto done = Finisher(root, input, file).finishInner(tree, progress, stop); !done)
+        return tl::unexpected(done.error());
+    joinCones(tree);
+
+    BuiltOctree built;
+    for (const BuildNode* node : tree.order) built.sampleHashes.push_back(node->sampleHash);
+    built.nodes = std::move(tree.nodes);
+    if (file) return built;
+    const Node& last = built.nodes.back().node;
+    built.samples.resize(last.firstSample + last.sampleCount);
+    tbb::parallel_for(std::size_t(0), tree.order.size(), [&](std::size_t i) {
+        auto& own = tree.order[i]->content.samples;
+        std::copy(own.begin(), own.end(),
+                  built.samples.begin() + std::ptrdiff_t(built.nodes[i].node.firstSample));
+        giveBack(own);
+    });
+    return built;
+}
+
+}  // namespace scancast

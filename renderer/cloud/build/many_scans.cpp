@@ -1,0 +1,147 @@
+#include "renderer/cloud/build/many_scans.hpp"
+
+#include <spdlog/fmt/fmt.h>
+
+#include <algorithm>
+#include <optional>
+#include <set>
+
+namespace scancast {
+
+namespace {
+
+/// Where the columns of one scan stand in the rows of all.
+struct ColumnCopy {
+    std::size_t from = 0, to = 0, bytes = 0;
+};
+
+std::vector<ColumnCopy> matchColumns(std::span<const Column> from, std::span<const Column> to) {
+    std::vector<ColumnCopy> copies;
+    std::size_t toAt = 0;
+    for (const Column& wanted : to) {
+        std::size_t fromAt = 0;
+        for (const Column& column : from) {
+            if (column.name == wanted.name && column.type == wanted.type && column.scale == wanted.scale &&
+                column.offset == wanted.offset)
+                copies.push_back({fromAt, toAt, bytesOf(column.type)});
+            fromAt += bytesOf(column.type);
+        }
+        toAt += bytesOf(wanted.type);
+    }
+    return copies;
+}
+
+bool contradict(const ScanHeader& a, const ScanHeader& b) {
+    if (a.crsEpsg && b.crsEpsg) return *a.crsEpsg != *b.crsEpsg;
+    return !a.crsWkt.empty() && !b.crsWkt.empty() && a.crsWkt != b.crsWkt;
+}
+
+std::string describeCrs(const ScanHeader& h) {
+    return h.crsEpsg ? fmt::format("EPSG:{}", *h.crsEpsg) : "another one, given as WKT";
+}
+
+class ManyScans final : public PointSource {
+  public:
+    explicit ManyScans(std::vector<std::unique_ptr<PointSource>> sources) : sources_(std::move(sources)) {
+        mergeHeaders();
+        for (const auto& source : sources_)
+            copies_.push_back(matchColumns(source->header().columns, header_.columns));
+    }
+
+    const ScanHeader& header() const override { return header_; }
+
+    Expected<bool> read(PointBatch& batch) override {
+        for (; at_ < sources_.size(); ++at_) {
+            const auto more = sources_[at_]->read(batch);
+            if (!more) return more;
+            if (sources_.size() == 1) header_.scannerOrigin = sources_.front()->header().scannerOrigin;
+            if (!*more) continue;
+            arrangeRows(batch);
+            return true;
+        }
+        batch.clear();
+        return false;
+    }
+
+    std::uint64_t droppedPoints() const override {
+        std::uint64_t sum = 0;
+        for (const auto& source : sources_) sum += source->droppedPoints();
+        return sum;
+    }
+
+    std::vector<std::string> notes() const override {
+        std::vector<std::string> all;
+        for (const auto& source : sources_)
+            for (std::string& note : source->notes()) all.push_back(std::move(note));
+        return all;
+    }
+
+    std::array<std::uint64_t, 2> bytesRead() const override {
+        std::array<std::uint64_t, 2> sum{};
+        for (const auto& source : sources_) {
+            const auto one = source->bytesRead();
+            sum[0] += one[0];
+            sum[1] += one[1];
+        }
+        return sum;
+    }
+
+  private:
+    void mergeHeaders() {
+        header_ = sources_.front()->header();
+        std::set<std::string> formats{header_.format};
+        for (std::size_t i = 1; i < sources_.size(); ++i) {
+            const ScanHeader& other = sources_[i]->header();
+            formats.insert(other.format);
+            header_.attributes.color |= other.attributes.color;
+            header_.attributes.intensity |= other.attributes.intensity;
+            header_.attributes.classification |= other.attributes.classification;
+            header_.attributes.normal |= other.attributes.normal;
+            header_.points = header_.points && other.points ? std::optional(*header_.points + *other.points)
+                                                            : std::nullopt;
+            if (header_.gridStep != other.gridStep) header_.gridStep = glm::dvec3(0);
+            if (header_.crsWkt.empty()) header_.crsWkt = other.crsWkt;
+            if (!header_.crsEpsg) header_.crsEpsg = other.crsEpsg;
+            header_.scannerOrigin.reset();  // each stood elsewhere
+            header_.bounds.reset();
+        }
+        if (sources_.size() == 1) return;
+        std::string names;
+        for (const std::string& format : formats) names += (names.empty() ? "" : "; ") + format;
+        header_.format = fmt::format("{} scans: {}", sources_.size(), names);
+    }
+
+    void arrangeRows(PointBatch& batch) {
+        const auto& theirs = sources_[at_]->header().columns;
+        if (theirs == header_.columns) return;
+        const std::size_t stride = rowBytes(header_.columns), theirStride = rowBytes(theirs);
+        std::vector<std::byte> rows(batch.size() * stride);
+        for (std::size_t i = 0; i < batch.size(); ++i)
+            for (const ColumnCopy& c : copies_[at_])
+                std::copy_n(batch.rows.begin() + std::ptrdiff_t(i * theirStride + c.from), c.bytes,
+                            rows.begin() + std::ptrdiff_t(i * stride + c.to));
+        batch.rows = std::move(rows);
+    }
+
+    std::vector<std::unique_ptr<PointSource>> sources_;
+    std::vector<std::vector<ColumnCopy>> copies_;
+    ScanHeader header_;
+    std::size_t at_ = 0;
+};
+
+}  // namespace
+
+Expected<std::unique_ptr<PointSource>> manyScans(std::vector<std::unique_ptr<PointSource>> sources) {
+    for (std::size_t a = 0; a < sources.size(); ++a)
+        for (std::size_t b = 0; b < a; ++b)
+            if (contradict(sources[a]->header(), sources[b]->header()))
+                return fail(
+                    ErrorCode::InvalidArgument,
+                    fmt::format("The scans use different coordinate reference systems (number {}: {}; number "
+                                "{}: {}); bring them into one first.",
+                                b + 1, describeCrs(sources[b]->header()), a + 1,
+                                describeCrs(sources[a]->header())));
+    return std::make_unique<ManyScans>(std::move(sources));
+}
+
+}  // namespace scancast

@@ -1,0 +1,245 @@
+#include "renderer/cloud/build/nodes/average.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <glm/geometric.hpp>
+
+#include "renderer/cloud/build/morton.hpp"
+
+namespace scancast {
+
+namespace {
+
+using NormalSum = std::array<std::int64_t, 3>;
+
+// One view of the two things that can be averaged.
+
+GridPosition cellOf(const BuildPoint& p, int, int rung) {
+    const GridPosition q = p.position();
+    return {q[0] >> rung, q[1] >> rung, q[2] >> rung};
+}
+GridPosition cellOf(const Average& a, int ownRung, int rung) {
+    const int up = rung - ownRung;
+    return {a.cell[0] >> up, a.cell[1] >> up, a.cell[2] >> up};
+}
+
+NormalSum normalOf(const BuildPoint& p) {
+    const glm::vec3 n = decodeNormal(p.normal);
+    return {std::lround(n.x * 4096), std::lround(n.y * 4096), std::lround(n.z * 4096)};
+}
+NormalSum normalOf(const Average& a) {
+    return a.normal;
+}
+
+class Votes {
+  public:
+    void add(std::uint8_t classification, std::uint64_t count) {
+        if (counts_[classification] == 0) seen_.push_back(classification);
+        counts_[classification] += count;
+    }
+    void writeTo(Average& average, std::vector<Vote>& out) {
+        std::sort(seen_.begin(), seen_.end());
+        average.firstVote = std::uint32_t(out.size());
+        average.votes = std::uint32_t(seen_.size());
+        for (const std::uint8_t c : seen_) {
+            out.push_back({c, counts_[c]});
+            counts_[c] = 0;
+        }
+        seen_.clear();
+    }
+
+  private:
+    std::array<std::uint64_t, 256> counts_{};
+    std::vector<std::uint8_t> seen_;
+};
+
+void add(Average& sum, const BuildPoint& p, int sign, const AverageRules& rules, const std::vector<Vote>&,
+         Votes& votes) {
+    for (int a = 0; a < 3; ++a) {
+        sum.position[a] += p.axis(a);
+        sum.color[a] += p.color[a];
+    }
+    sum.count += 1;
+    sum.intensity += p.intensity;
+    if (rules.attributes.normal) {
+        const NormalSum n = normalOf(p);
+        for (int a = 0; a < 3; ++a) sum.normal[a] += sign * n[a];
+    }
+    if (rules.attributes.classification) votes.add(p.classification, 1);
+}
+
+void add(Average& sum, const Average& other, int sign, const AverageRules& rules,
+         const std::vector<Vote>& otherVotes, Votes& votes) {
+    for (int a = 0; a < 3; ++a) {
+        sum.position[a] += other.position[a];
+        sum.color[a] += other.color[a];
+        sum.normal[a] += sign * other.normal[a];
+    }
+    sum.count += other.count;
+    sum.intensity += other.intensity;
+    if (rules.attributes.classification)
+        for (std::uint32_t i = 0; i < other.votes; ++i) {
+            const Vote& v = otherVotes[other.firstVote + i];
+            votes.add(v.classification, v.count);
+        }
+}
+
+// How far the farthest position averaged into a thing is from a point; grid steps count from `from`.
+
+float reachFrom(const glm::dvec3& mean, const BuildPoint& p, const GridPosition& from,
+                const glm::dvec3& step) {
+    const glm::dvec3 offset(double(p.axis(0) - from[0]), double(p.axis(1) - from[1]),
+                            double(p.axis(2) - from[2]));
+    return float(glm::length((offset - mean) * step));
+}
+float reachFrom(const glm::dvec3& mean, const Average& a, const GridPosition& from, const glm::dvec3& step) {
+    return float(glm::length((meanPosition(a, from) - mean) * step)) + a.reach;
+}
+
+/// The direction that all normals of a cell lie about when n and -n are the same: one step of the power
+/// iteration on Σ n nᵀ from the axis with the largest diagonal.
+class SignFreeAxis {
+  public:
+    void add(const NormalSum& s) {
+        const glm::dvec3 n{double(s[0]), double(s[1]), double(s[2])};
+        for (int a = 0; a < 3; ++a) sum_[a] += n * n[a];
+    }
+    void finish() {
+        int largest = 0;
+        for (int a = 1; a < 3; ++a)
+            if (sum_[a][a] > sum_[largest][largest]) largest = a;
+        axis_ = sum_[largest];
+        length_ = std::sqrt(axis_.x * axis_.x + axis_.y * axis_.y + axis_.z * axis_.z);
+    }
+    /// More than 96° away from the direction; 6° are left to noise, so that a right angle is not cut at
+    /// random.
+    bool opposite(const NormalSum& s) const {
+        const glm::dvec3 n{double(s[0]), double(s[1]), double(s[2])};
+        return glm::dot(n, axis_) < -0.1 * length_ * glm::length(n);
+    }
+    bool behind(const NormalSum& s) const {
+        return glm::dot(glm::dvec3(double(s[0]), double(s[1]), double(s[2])), axis_) < 0;
+    }
+
+  private:
+    std::array<glm::dvec3, 3> sum_{glm::dvec3(0), glm::dvec3(0), glm::dvec3(0)};
+    glm::dvec3 axis_{0};
+    double length_ = 0;
+};
+
+const BuildPoint& at(const BuildPoint& p) {
+    return p;
+}
+const Average& at(const Average& a) {
+    return a;
+}
+const Average& at(const Average* a) {
+    return *a;
+}
+
+/// One run of things in one cell → one sample or two.
+template <class Things>
+void averageRun(Things run, const GridPosition& cell, const AverageRules& rules,
+                const std::vector<Vote>& theirVotes, AverageList& out) {
+    thread_local std::array<Votes, 2> votes;
+    std::array<Average, 2> sides;
+    sides[0].cell = sides[1].cell = cell;
+    const bool looks = rules.attributes.normal && run.size() > 1;
+    SignFreeAxis axis;
+    if (looks) {
+        for (const auto& thing : run) axis.add(normalOf(at(thing)));
+        axis.finish();
+    }
+    const auto sideOf = [&](const auto& thing) -> std::size_t {
+        return looks && rules.oriented && axis.opposite(normalOf(at(thing)));
+    };
+    for (const auto& thing : run) {
+        const std::size_t side = sideOf(thing);
+        const int sign = looks && !rules.oriented && axis.behind(normalOf(at(thing))) ? -1 : 1;
+        add(sides[side], at(thing), sign, rules, theirVotes, votes[side]);
+    }
+    if (rules.reach) {
+        const GridPosition from{cell[0] << out.rung, cell[1] << out.rung, cell[2] << out.rung};
+        std::array<glm::dvec3, 2> mean;
+        for (std::size_t side = 0; side < 2; ++side)
+            if (sides[side].count > 0) mean[side] = meanPosition(sides[side], from);
+        for (const auto& thing : run) {
+            const std::size_t side = sideOf(thing);
+            sides[side].reach =
+                std::max(sides[side].reach, reachFrom(mean[side], at(thing), from, rules.gridStep));
+        }
+    }
+    for (std::size_t side = 0; side < 2; ++side) {
+        if (sides[side].count == 0) continue;
+        if (rules.attributes.classification) votes[side].writeTo(sides[side], out.votes);
+        out.averages.push_back(sides[side]);
+    }
+}
+
+template <class Things>
+void averageRuns(Things things, int ownRung, const AverageRules& rules, const std::vector<Vote>& theirVotes,
+                 AverageList& out) {
+    for (std::size_t first = 0; first < things.size();) {
+        const GridPosition cell = cellOf(at(things[first]), ownRung, out.rung);
+        std::size_t last = first + 1;
+        while (last < things.size() && cellOf(at(things[last]), ownRung, out.rung) == cell) ++last;
+        averageRun(things.subspan(first, last - first), cell, rules, theirVotes, out);
+        first = last;
+    }
+}
+
+}  // namespace
+
+void appendCells(std::span<const BuildPoint> points, const AverageRules& rules, AverageList& list) {
+    averageRuns(points, 0, rules, {}, list);
+}
+
+void appendCells(const AverageList& finer, const AverageRules& rules, AverageList& list) {
+    averageRuns(std::span(finer.averages), finer.rung, rules, finer.votes, list);
+}
+
+AverageList merge(const AverageList& runs, std::span<const std::size_t> starts, const AverageRules& rules) {
+    std::vector<const Average*> order(runs.averages.size());
+    for (std::size_t i = 0; i < order.size(); ++i) order[i] = &runs.averages[i];
+    const auto less = [](const Average* a, const Average* b) { return mortonLess(a->cell, b->cell); };
+    const auto place = [&](std::size_t run) {
+        return order.begin() + std::ptrdiff_t(run < starts.size() ? starts[run] : order.size());
+    };
+    for (std::size_t width = 1; width < starts.size(); width *= 2)
+        for (std::size_t run = 0; run + width < starts.size(); run += 2 * width)
+            std::inplace_merge(place(run), place(run + width), place(run + 2 * width), less);
+
+    AverageList merged{.rung = runs.rung, .averages = {}, .votes = {}};
+    merged.averages.reserve(order.size());
+    averageRuns(std::span(std::as_const(order)), runs.rung, rules, runs.votes, merged);
+    return merged;
+}
+
+glm::dvec3 meanPosition(const Average& average, const GridPosition& from) {
+    glm::dvec3 mean;
+    for (int a = 0; a < 3; ++a)
+        mean[a] = double(average.position[a] - WideSum(from[a]) * average.count) / double(average.count);
+    return mean;
+}
+
+Sample meanAttributes(const Average& average, const AverageList& list) {
+    const auto mean = [&](std::uint64_t sum) { return (2 * sum + average.count) / (2 * average.count); };
+    Sample s{};
+    s.r = std::uint8_t(mean(average.color[0]));
+    s.g = std::uint8_t(mean(average.color[1]));
+    s.b = std::uint8_t(mean(average.color[2]));
+    s.intensity = std::uint16_t(mean(average.intensity));
+    std::uint64_t most = 0;
+    for (std::uint32_t i = 0; i < average.votes; ++i) {
+        const Vote& v = list.votes[average.firstVote + i];
+        if (v.count > most) {
+            most = v.count;
+            s.classification = v.classification;
+        }
+    }
+    s.normal =
+        encodeNormal(glm::vec3(float(average.normal[0]), float(average.normal[1]), float(average.normal[2])));
+    return s;
+}
+
+}  // namespace scancast

@@ -1,0 +1,39 @@
+// A node while the octree grows: owned by its parent, worked on by one task at a time.
+#pragma once
+
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "renderer/cloud/build/nodes/average.hpp"
+#include "renderer/cloud/build/nodes/leaf.hpp"
+#include "renderer/cloud/build/workspace.hpp"
+#include "renderer/cloud/file/block_place.hpp"
+
+namespace scancast {
+
+/// Gives a vector's room back; assigning {} would keep it.
+template <class T>
+void giveBack(std::vector<T>& values) {
+    std::vector<T>().swap(values);
+}
+
+struct BuildNode {
+    std::span<BuildPoint> points;        ///< everything below, while its chunk is in memory
+    std::vector<BuildPoint> keptPoints;  ///< a leaf's, until its parent in another chunk has averaged them
+    std::uint64_t pointCount = 0;
+    GridBox box;
+    int level = 0;
+    NodeContent content;
+    AverageList averages;        ///< of an inner node, until its parent has used it
+    Workspace::Buffer setAside;  ///< an inner node's samples and reaches, between averaging and finishing
+    StoredNode stored;           ///< places in the file, and sampleCount: samples may be away
+    std::uint64_t sampleHash = 0;
+    BuildNode* parent = nullptr;
+    std::size_t finishedChildren = 0;
+    std::vector<std::unique_ptr<BuildNode>> children;
+
+    bool isLeaf() const { return children.empty(); }
+};
+
+}  // namespace scancast

@@ -1,0 +1,91 @@
+#include "renderer/cloud/build/nodes/inner_surfels.hpp"
+
+#include <algorithm>
+#include <glm/common.hpp>
+#include <glm/geometric.hpp>
+
+#include "renderer/cloud/surfel_codec.hpp"
+#include "renderer/cloud/surfels/surfels.hpp"
+
+namespace scancast {
+
+namespace {
+
+/// Spacings around a node that its samples' neighbours are looked for in.
+constexpr double reachOfNeighbours = 4;
+/// A handful of averages apart from everything else - a mast, birds - finds its later neighbours far away,
+/// and too few to be called outliers: no inner sample's radius exceeds so many spacings of its node. Not
+/// fewer, as terrestrial scans get that sparse with distance.
+constexpr double mostSpacings = 6;
+
+struct Box {
+    glm::dvec3 low, high;
+    bool touches(const Bounds& b) const {
+        return glm::all(glm::lessThanEqual(b.low, high)) && glm::all(glm::lessThanEqual(low, b.high));
+    }
+    bool holds(const glm::dvec3& p) const {
+        return glm::all(glm::lessThanEqual(p, high)) && glm::all(glm::lessThanEqual(low, p));
+    }
+};
+
+void findNeighbours(const BuildNode& from, const BuildNode& node, const Box& box,
+                    std::vector<const BuildNode*>& found) {
+    if (&from == &node || !box.touches(from.content.bounds)) return;
+    if (from.level == node.level || from.isLeaf()) {
+        found.push_back(&from);
+        return;
+    }
+    for (const auto& child : from.children) findNeighbours(*child, node, box, found);
+}
+
+glm::dvec3 positionOf(const Sample& s, const NodeContent& content) {
+    return content.corner + content.step * glm::dvec3(s.x, s.y, s.z);
+}
+
+}  // namespace
+
+Expected<void> addInnerSurfels(const BuildNode& node, std::span<const float> reaches, const BuildNode& root,
+                               const OctreeInput& input, const SamplesOf& samplesOf,
+                               std::span<Sample> samples) {
+    const NodeContent& content = node.content;
+    std::vector<glm::vec3> offsets;
+    for (const Sample& s : samples) offsets.emplace_back(positionOf(s, content) - content.bounds.low);
+
+    const double around = reachOfNeighbours * content.spacing;
+    const Box box{content.bounds.low - around, content.bounds.high + around};
+    std::vector<const BuildNode*> neighbours;
+    findNeighbours(root, node, box, neighbours);
+    for (const BuildNode* neighbour : neighbours) {
+        const auto theirs = samplesOf(*neighbour);
+        if (!theirs) return tl::unexpected(theirs.error());
+        for (const Sample& s : *theirs)
+            if (const glm::dvec3 p = positionOf(s, neighbour->content); box.holds(p))
+                offsets.emplace_back(p - content.bounds.low);
+    }
+
+    std::vector<Surfel> surfels(samples.size());
+    estimateSurfels(offsets, SurfelOptions{.neighbours = input.shape.neighbours}, surfels);
+    const float unit = radiusUnit(content.spacing);
+    for (std::size_t i = 0; i < samples.size(); ++i) {
+        Surfel& surfel = surfels[i];
+        if (const glm::vec3 averaged = decodeNormal(samples[i].normal); averaged != glm::vec3(0))
+            surfel.normal = averaged;
+        if (const double most = mostSpacings * content.spacing; surfel.radius > most) {
+            const auto share = static_cast<float>(most / surfel.radius);
+            surfel.radius *= share;
+            surfel.major *= share;
+            surfel.minor *= share;
+        }
+        // Whatever was averaged must be covered, however regular the averages themselves are.
+        if (surfel.radius < reaches[i]) {
+            const float ratio = surfel.major > 0 ? surfel.minor / surfel.major : 1.0f;
+            surfel.radius = reaches[i];
+            surfel.major = std::max(surfel.major, surfel.radius * majorPerRadius);
+            surfel.minor = surfel.major * ratio;
+        }
+        encodeSurfel(surfel, unit, samples[i]);
+    }
+    return {};
+}
+
+}  // namespace scancast

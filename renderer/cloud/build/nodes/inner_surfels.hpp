@@ -1,0 +1,22 @@
+// Surfels of inner nodes: radius and axes estimated anew among the samples of one level, across node borders
+// (averaged radii would leave holes two levels up). Pipeline: filled tree → **inner surfels** → finished
+// samples. Source: methods.md §6.
+#pragma once
+
+#include <functional>
+
+#include "renderer/cloud/build/octree_builder.hpp"
+
+namespace scancast {
+
+/// A node's samples, wherever they are.
+using SamplesOf = std::function<Expected<std::vector<Sample>>(const BuildNode&)>;
+
+/// Sets radius and ellipse of an inner node's samples, and the normal of those that have none. Neighbours are
+/// the nodes of its level - where the tree is not as deep, the leaves - near its box. Thread-safe. Errors:
+/// samplesOf's.
+Expected<void> addInnerSurfels(const BuildNode& node, std::span<const float> reaches, const BuildNode& root,
+                               const OctreeInput& input, const SamplesOf& samplesOf,
+                               std::span<Sample> samples);
+
+}  // namespace scancast

@@ -1,0 +1,70 @@
+#include <tbb/parallel_for.h>
+
+#include <glm/geometric.hpp>
+
+#include "renderer/cloud/build/nodes/subtree.hpp"
+#include "renderer/cloud/surfel_codec.hpp"
+#include "renderer/cloud/surfels/surfels.hpp"
+
+namespace scancast {
+
+namespace {
+
+/// Offsets from the chunk's corner: float tells them apart where the scan's own coordinates would not.
+std::vector<glm::vec3> offsets(std::span<const BuildPoint> points, std::span<const BuildPoint> halo,
+                               const GridBox& box, const Grid& grid) {
+    std::vector<glm::vec3> out(points.size() + halo.size());
+    const auto offset = [&](const BuildPoint& p) {
+        glm::vec3 o;
+        for (int a = 0; a < 3; ++a)
+            o[a] = float(double(std::int64_t(p.axis(a)) - std::int64_t(box.min[a])) * grid.step[a]);
+        return o;
+    };
+    tbb::parallel_for(std::size_t(0), out.size(), [&](std::size_t i) {
+        out[i] = offset(i < points.size() ? points[i] : halo[i - points.size()]);
+    });
+    return out;
+}
+
+/// Where nobody knows the side that was scanned, neighbours at least mostly agree on one: an oblique
+/// direction, which few surfaces of a built world are parallel to.
+constexpr glm::vec3 anySide(0.36f, 0.48f, 0.8f);
+
+/// Turns an estimated normal to the side that was scanned, where that is known.
+glm::vec3 orient(const glm::vec3& normal, const BuildPoint& p, const OctreeInput& input) {
+    if (input.shape.orientation == Orientation::Up) return normal.z < 0 ? -normal : normal;
+    if (!input.scanner) return glm::dot(normal, anySide) < 0 ? -normal : normal;
+    const glm::dvec3 toScanner = *input.scanner - (input.grid.toFile(p.position()) - input.origin);
+    return glm::dot(glm::dvec3(normal), toScanner) < 0 ? -normal : normal;
+}
+
+void intoLeaf(BuildNode& leaf, std::span<const Surfel> surfels, const OctreeInput& input) {
+    const float unit = radiusUnit(leaf.content.spacing);
+    for (std::size_t i = 0; i < leaf.points.size(); ++i) {
+        BuildPoint& p = leaf.points[i];
+        Surfel surfel = surfels[i];
+        const glm::vec3 own = input.ownNormals ? decodeNormal(p.normal) : glm::vec3(0);
+        surfel.normal = own == glm::vec3(0) ? orient(surfel.normal, p, input) : own;
+        encodeSurfel(surfel, unit, leaf.content.samples[i]);
+        p.normal = leaf.content.samples[i].normal;
+    }
+}
+
+}  // namespace
+
+void addLeafSurfels(BuildNode& root, std::span<const BuildPoint> halo, const OctreeInput& input) {
+    std::vector<Surfel> surfels(root.points.size());
+    estimateSurfels(offsets(root.points, halo, root.box, input.grid),
+                    SurfelOptions{.neighbours = input.shape.neighbours}, surfels);
+    std::vector<BuildNode*> leaves;
+    forEachNode(root, [&](BuildNode& n) {
+        if (n.isLeaf()) leaves.push_back(&n);
+    });
+    tbb::parallel_for(std::size_t(0), leaves.size(), [&](std::size_t i) {
+        BuildNode& leaf = *leaves[i];
+        const auto first = std::size_t(leaf.points.data() - root.points.data());
+        intoLeaf(leaf, std::span<const Surfel>(surfels).subspan(first, leaf.points.size()), input);
+    });
+}
+
+}  // namespace scancast

@@ -1,0 +1,226 @@
+#include "renderer/cloud/build/octree_builder.hpp"
+
+#include <spdlog/fmt/fmt.h>
+#include <tbb/parallel_for.h>
+#include <tbb/parallel_pipeline.h>
+#include <xxhash.h>
+
+#include <algorithm>
+#include <mutex>
+
+#include "renderer/cloud/build/chunks/kept_rows.hpp"
+#include "renderer/cloud/build/finish.hpp"
+#include "renderer/cloud/build/nodes/subtree.hpp"
+#include "renderer/cloud/file/block_codec.hpp"
+#include "renderer/cloud/normal_cone.hpp"
+
+namespace scancast {
+
+namespace {
+
+/// What a node takes until the end: itself, its parent's pointer to it, and what it becomes when the tree is
+/// finished.
+constexpr std::uint64_t nodeBytes =
+    sizeof(BuildNode) + 4 * sizeof(void*) + 2 * (sizeof(StoredNode) + sizeof(void*));
+
+struct LeafBlocks {
+    BuildNode* leaf = nullptr;
+    std::vector<std::byte> samples, rows;
+};
+
+/// A chunk on its way through the stages.
+struct Work {
+    Chunk chunk;
+    std::vector<BuildPoint> loaded;
+    std::vector<LeafBlocks> blocks;
+    Expected<void> result;
+};
+
+/// One run of the builder: chunk after chunk becomes a subtree, several at once; what is finished leaves in
+/// the order of the tree.
+class TreeBuilder {
+  public:
+    TreeBuilder(const OctreeInput& input, Workspace& workspace, CloudFileWriter* file,
+                ProgressMeter& progress, const std::stop_token& stop)
+        : input_(input), workspace_(workspace), file_(file), progress_(progress), stop_(stop) {}
+
+    Expected<void> run(std::vector<Chunk> chunks, int lanes) {
+        std::size_t next = 0;
+        Expected<void> result;
+        tbb::parallel_pipeline(
+            std::size_t(std::max(lanes, 1)),
+            tbb::make_filter<void, Work*>(tbb::filter_mode::serial_in_order,
+                                          [&](tbb::flow_control& control) -> Work* {
+                                              if (next == chunks.size() || failed_ ||
+                                                  stop_.stop_requested()) {
+                                                  control.stop();
+                                                  return nullptr;
+                                              }
+                                              auto work = std::make_unique<Work>();
+                                              work->chunk = std::move(chunks[next++]);
+                                              return work.release();
+                                          }) &
+                tbb::make_filter<Work*, Work*>(tbb::filter_mode::parallel,
+                                               [&](Work* work) {
+                                                   work->result = grow(*work);
+                                                   if (!work->result) failed_ = true;
+                                                   return work;
+                                               }) &
+                tbb::make_filter<Work*, void>(tbb::filter_mode::serial_in_order, [&](Work* done) {
+                    const std::unique_ptr<Work> work(done);
+                    if (result) result = work->result;
+                    if (result) result = settle(*work);
+                    if (!result) failed_ = true;
+                }));
+        if (result && stop_.stop_requested())
+            return fail(ErrorCode::Cancelled, "Building the cloud was abandoned.");
+        return result;
+    }
+
+  private:
+    /// A chunk's points become a subtree. Runs beside others of its kind.
+    Expected<void> grow(Work& work) {
+        Chunk& chunk = work.chunk;
+        BuildNode& root = *chunk.root;
+        if (auto loaded = load(work); !loaded) return loaded;
+        std::vector<std::byte> space;
+        const auto rows = chunk.rowBytes.view(space);
+        if (!rows) return tl::unexpected(rows.error());
+        std::optional<KeptRows> kept;
+        if (input_.rowBytes > 0) kept.emplace(root.points, *rows, input_.rowBytes);
+
+        scancast::grow(root, input_);
+        std::vector<BuildNode*> leaves;
+        forEachNode(root, [&](BuildNode& n) {
+            if (n.isLeaf()) leaves.push_back(&n);
+        });
+        work.blocks.resize(leaves.size());
+        if (kept && file_)
+            tbb::parallel_for(std::size_t(0), leaves.size(), [&](std::size_t i) {
+                work.blocks[i].rows = encodeRows(kept->rowsOf(leaves[i]->points), input_.rowBytes);
+            });
+        kept.reset();
+        if (input_.shape.surfels) {
+            std::vector<std::byte> haloSpace;
+            const auto halo = chunk.haloBytes.view(haloSpace);
+            if (!halo) return tl::unexpected(halo.error());
+            addLeafSurfels(
+                root, std::span(reinterpret_cast<const BuildPoint*>(halo->data()), std::size_t(chunk.halo)),
+                input_);
+        }
+        chunk.haloBytes.clear();
+        chunk.rowBytes.clear();
+        tbb::parallel_for(std::size_t(0), leaves.size(),
+                          [&](std::size_t i) { finishLeaf(*leaves[i], work.blocks[i]); });
+        fillBelow(root, input_);
+        return {};
+    }
+
+    Expected<void> load(Work& work) {
+        Chunk& chunk = work.chunk;
+        if (std::byte* memory = chunk.pointBytes.memory()) {
+            chunk.root->points = {reinterpret_cast<BuildPoint*>(memory), std::size_t(chunk.points)};
+            return {};
+        }
+        work.loaded.resize(chunk.points);
+        if (auto read = chunk.pointBytes.read(0, std::as_writable_bytes(std::span(work.loaded))); !read)
+            return read;
+        chunk.pointBytes.clear();
+        chunk.root->points = work.loaded;
+        return {};
+    }
+
+    void finishLeaf(BuildNode& leaf, LeafBlocks& blocks) {
+        const auto& samples = leaf.content.samples;
+        leaf.content.cone = coneOfSamples(samples);
+        leaf.sampleHash = XXH3_64bits(samples.data(), samples.size() * sizeof(Sample));
+        blocks.leaf = &leaf;
+        if (file_) blocks.samples = encodeSamples(samples);
+        progress_.add(leaf.points.size());
+    }
+
+    /// A finished subtree takes its place; one after the other, in the order of the tree.
+    Expected<void> settle(Work& work) {
+        for (LeafBlocks& blocks : work.blocks)
+            if (auto stored = store(blocks); !stored) return stored;
+        BuildNode& root = *work.chunk.root;
+        Expected<void> result;
+        forEachNode(root, [&](BuildNode& n) {
+            workspace_.occupy(nodeBytes);
+            if (n.isLeaf()) {
+                if (&n != &root) n.points = {};
+            } else {
+                n.points = {};
+                if (result) result = setAside(n);
+            }
+        });
+        if (!result) return result;
+        if (root.isLeaf()) root.keptPoints.assign(root.points.begin(), root.points.end());
+        root.points = root.keptPoints;
+        work.chunk.pointBytes.clear();
+        return climb(root);
+    }
+
+    Expected<void> store(LeafBlocks& blocks) {
+        if (!file_) return {};
+        BuildNode& leaf = *blocks.leaf;
+        auto place = file_->append(blocks.samples);
+        if (!place) return tl::unexpected(place.error());
+        leaf.stored.samples = *place;
+        giveBack(leaf.content.samples);
+        if (blocks.rows.empty()) return {};
+        auto rows = file_->append(blocks.rows);
+        if (!rows) return tl::unexpected(rows.error());
+        leaf.stored.rows = *rows;
+        return {};
+    }
+
+    /// Inner nodes wait, in memory or not, until their neighbours are there.
+    Expected<void> setAside(BuildNode& node) {
+        auto& samples = node.content.samples;
+        auto& reaches = node.content.reaches;
+        if (!file_) return {};
+        auto room = workspace_.allocate(samples.size() * sizeof(Sample) + reaches.size() * sizeof(float));
+        if (!room) return tl::unexpected(room.error());
+        auto done = room->write(0, std::as_bytes(std::span(samples)));
+        if (done) done = room->write(samples.size() * sizeof(Sample), std::as_bytes(std::span(reaches)));
+        if (!done) return done;
+        node.setAside = std::move(*room);
+        giveBack(samples);
+        giveBack(reaches);
+        return {};
+    }
+
+    /// Fills the nodes above whose children are all there.
+    Expected<void> climb(BuildNode& from) {
+        for (BuildNode* node = from.parent; node && ++node->finishedChildren == node->children.size();
+             node = node->parent) {
+            fillInner(*node, input_);
+            if (auto done = setAside(*node); !done) return done;
+        }
+        return {};
+    }
+
+    const OctreeInput& input_;
+    Workspace& workspace_;
+    CloudFileWriter* const file_;
+    ProgressMeter& progress_;
+    const std::stop_token& stop_;
+    std::atomic<bool> failed_{false};
+};
+
+}  // namespace
+
+Expected<BuiltOctree> buildOctree(BuildNode& root, std::vector<Chunk> chunks, const OctreeInput& input,
+                                  int lanes, Workspace& workspace, CloudFileWriter* file,
+                                  const ProgressSink& progress, const std::stop_token& stop) {
+    std::uint64_t points = 0;
+    for (const Chunk& chunk : chunks) points += chunk.points;
+    ProgressMeter building(progress, "building", points);
+    TreeBuilder builder(input, workspace, file, building, stop);
+    if (auto built = builder.run(std::move(chunks), lanes); !built) return tl::unexpected(built.error());
+    building.finish();
+    return finishTree(root, input, file, progress, stop);
+}
+
+}  // namespace scancast

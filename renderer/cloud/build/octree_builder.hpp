@@ -1,0 +1,49 @@
+// Builds the octree of a cloud from chunks of points on a grid, in parallel: split at the average until
+// leaves are small, then average upwards; last of all, what inner nodes need to know of their neighbours.
+// Source: 001_c3e54385a9f0e90c, Algorithm 1; design methods.md §6. Pipeline: chunks → **octree builder** →
+// octree or cloud file. Called once per cloud, on any thread; uses the caller's TBB arena.
+//
+// The result depends on the set of points and the shape alone: neither on threads nor on memory nor on the
+// order of the points.
+#pragma once
+
+#include <optional>
+#include <stop_token>
+#include <vector>
+
+#include "renderer/cloud/build/chunks/chunks.hpp"
+#include "renderer/cloud/build/grid.hpp"
+#include "renderer/cloud/build/octree_shape.hpp"
+#include "renderer/cloud/cloud.hpp"
+#include "renderer/cloud/file/block_place.hpp"
+#include "renderer/cloud/file/cloud_file_writer.hpp"
+
+namespace scancast {
+
+struct OctreeInput {
+    Grid grid;
+    glm::dvec3 origin{0};     ///< the cloud's, file coordinates
+    Attributes attributes;    ///< that samples will have; with surfels, always a normal
+    bool ownNormals = false;  ///< the scan's normals are kept
+    bool oriented = false;
+    std::optional<glm::dvec3> scanner;  ///< cloud-relative: estimated normals point to it
+    OctreeShape shape;
+    std::size_t rowBytes = 0;
+};
+
+/// A finished octree: in a file, or with its samples in memory.
+struct BuiltOctree {
+    std::vector<StoredNode> nodes;            ///< breadth first; places are set where there is a file
+    std::vector<std::uint64_t> sampleHashes;  ///< XXH3, 64 bits, of each node's samples
+    std::vector<Sample> samples;              ///< of all nodes in turn; empty where there is a file
+};
+
+/// `root` is the tree's top as divide() grew it; chunks are used up. With a file, blocks are appended to it:
+/// leaves in the order of the tree, then inner nodes from the root down. `lanes`: chunks in memory at once.
+/// Reports the stages "building" (points) and "finishing" (nodes). Errors: the workspace's and the file's;
+/// Cancelled.
+Expected<BuiltOctree> buildOctree(BuildNode& root, std::vector<Chunk> chunks, const OctreeInput& input,
+                                  int lanes, Workspace& workspace, CloudFileWriter* file,
+                                  const ProgressSink& progress, const std::stop_token& stop);
+
+}  // namespace scancast

@@ -1,0 +1,157 @@
+#include "renderer/cloud/import/las/las_header.hpp"
+
+#include <cmath>
+#include <cstring>
+
+#include "files/bytes.hpp"
+#include "renderer/cloud/import/printable_text.hpp"
+
+namespace scancast {
+
+namespace {
+
+// Offsets in the public header block, ASPRS LAS 1.4 R15, table 3.
+enum At : std::size_t {
+    atEncoding = 6,
+    atMajor = 24,
+    atMinor = 25,
+    atHeaderSize = 94,
+    atPointOffset = 96,
+    atVlrCount = 100,
+    atPointFormat = 104,
+    atRecordLength = 105,
+    atLegacyPoints = 107,
+    atScale = 131,
+    atOffset = 155,
+    atBounds = 179,  // max x, min x, max y, min y, max z, min z
+    atEvlrOffset = 235,
+    atEvlrCount = 243,
+    atPoints = 247,
+};
+constexpr std::size_t shortestHeader = 227;
+
+tl::unexpected<Error> malformed(const std::string& name, std::size_t at, const std::string& reason) {
+    return fail(ErrorCode::Malformed, name + ", byte " + std::to_string(at) + ": " + reason);
+}
+
+Expected<void> checkVersion(std::span<const std::byte> bytes, const std::string& name) {
+    const int major = loadLe<std::uint8_t>(bytes.data() + atMajor);
+    const int minor = loadLe<std::uint8_t>(bytes.data() + atMinor);
+    if (major == 1 && minor <= 4) return {};
+    return fail(ErrorCode::Unsupported, name + ", byte 24: LAS version " + std::to_string(major) + "." +
+                                            std::to_string(minor) + " is not known here; LAS 1.0 to 1.4 are");
+}
+
+Expected<void> checkPointFormat(int format, const std::string& name) {
+    // LASzip marks a compressed file by the two highest bits of the point format.
+    if ((format & 0xc0) != 0)
+        return fail(
+            ErrorCode::Unsupported,
+            name +
+                " is LAZ (compressed LAS), which is read from files only: save it to a file and open that");
+    if (format <= 10) return {};
+    return fail(ErrorCode::Unsupported, name + ", byte 104: point format " + std::to_string(format) +
+                                            " is not known here; point formats 0 to 10 are");
+}
+
+Expected<void> readGrid(const std::byte* data, const std::string& name, LasHeader& header) {
+    static constexpr char axis[] = "xyz";
+    for (std::size_t i = 0; i < 3; ++i) {
+        const auto scale = loadLe<double>(data + atScale + 8 * i);
+        const auto offset = loadLe<double>(data + atOffset + 8 * i);
+        if (!std::isfinite(scale) || scale <= 0)
+            return malformed(name, atScale + 8 * i,
+                             std::string("the scale of ") + axis[i] + " is " + std::to_string(scale) +
+                                 "; it must be a positive number");
+        if (!std::isfinite(offset))
+            return malformed(name, atOffset + 8 * i,
+                             std::string("the offset of ") + axis[i] + " is not a number");
+        header.scale[static_cast<int>(i)] = scale;
+        header.offset[static_cast<int>(i)] = offset;
+        header.bounds[1][static_cast<int>(i)] = loadLe<double>(data + atBounds + 16 * i);
+        header.bounds[0][static_cast<int>(i)] = loadLe<double>(data + atBounds + 16 * i + 8);
+    }
+    return {};
+}
+
+}  // namespace
+
+const LasRecordLayout& lasRecordLayout(int pointFormat) {
+    // Bytes, classification, mask, colour: ASPRS LAS 1.4 R15, tables 7-17.
+    static constexpr LasRecordLayout layouts[] = {
+        {20, 15, 0x1f, -1}, {28, 15, 0x1f, -1}, {26, 15, 0x1f, 20}, {34, 15, 0x1f, 28},
+        {57, 15, 0x1f, -1}, {63, 15, 0x1f, 28}, {30, 16, 0xff, -1}, {36, 16, 0xff, 30},
+        {38, 16, 0xff, 30}, {59, 16, 0xff, -1}, {67, 16, 0xff, 30},
+    };
+    return layouts[pointFormat];
+}
+
+Expected<LasHeader> parseLasHeader(std::span<const std::byte> bytes, const std::string& name) {
+    if (bytes.size() < 4 || std::memcmp(bytes.data(), "LASF", 4) != 0)
+        return malformed(name, 0, "not a LAS file, it does not start with \"LASF\"");
+    if (bytes.size() < shortestHeader)
+        return fail(ErrorCode::Truncated, name + " ends at byte " + std::to_string(bytes.size()) +
+                                              ", within its LAS header of at least 227 bytes");
+    const auto* data = bytes.data();
+    LasHeader header;
+    if (auto ok = checkVersion(bytes, name); !ok) return tl::unexpected(ok.error());
+    header.minorVersion = loadLe<std::uint8_t>(data + atMinor);
+    header.pointFormat = loadLe<std::uint8_t>(data + atPointFormat);
+    if (auto ok = checkPointFormat(header.pointFormat, name); !ok) return tl::unexpected(ok.error());
+
+    header.headerBytes = loadLe<std::uint16_t>(data + atHeaderSize);
+    const std::size_t needed = header.minorVersion >= 4 ? lasHeaderBytes : shortestHeader;
+    if (header.headerBytes < needed)
+        return malformed(name, atHeaderSize,
+                         "the header says that it has " + std::to_string(header.headerBytes) +
+                             " bytes; LAS 1." + std::to_string(header.minorVersion) + " needs " +
+                             std::to_string(needed));
+    if (bytes.size() < needed)
+        return fail(ErrorCode::Truncated, name + " ends at byte " + std::to_string(bytes.size()) +
+                                              ", within its LAS header of " + std::to_string(needed) +
+                                              " bytes");
+    header.pointOffset = loadLe<std::uint32_t>(data + atPointOffset);
+    if (header.pointOffset < header.headerBytes)
+        return malformed(name, atPointOffset,
+                         "the points are said to start at byte " + std::to_string(header.pointOffset) +
+                             ", within the header");
+    header.recordBytes = loadLe<std::uint16_t>(data + atRecordLength);
+    const auto least = lasRecordLayout(header.pointFormat).bytes;
+    if (header.recordBytes < least)
+        return malformed(name, atRecordLength,
+                         "a point record has " + std::to_string(header.recordBytes) +
+                             " bytes; point format " + std::to_string(header.pointFormat) + " needs " +
+                             std::to_string(least));
+    if (auto ok = readGrid(data, name, header); !ok) return tl::unexpected(ok.error());
+
+    header.adjustedTime = (loadLe<std::uint16_t>(data + atEncoding) & 1) != 0;
+    header.vlrs = loadLe<std::uint32_t>(data + atVlrCount);
+    header.points = loadLe<std::uint32_t>(data + atLegacyPoints);
+    if (header.minorVersion >= 4) {
+        // The old 32-bit count is a courtesy to old readers: 0 for large clouds, and stale in some files.
+        if (const auto points = loadLe<std::uint64_t>(data + atPoints); points != 0) header.points = points;
+        header.evlrOffset = loadLe<std::uint64_t>(data + atEvlrOffset);
+        header.evlrs = loadLe<std::uint32_t>(data + atEvlrCount);
+    }
+    if (header.points == 0)
+        return fail(ErrorCode::Empty, name + " is a LAS file without points (byte 107: 0 points)");
+    return header;
+}
+
+ScanHeader scanHeader(const LasHeader& header) {
+    ScanHeader scan;
+    scan.format = "LAS 1." + std::to_string(header.minorVersion) + ", point format " +
+                  std::to_string(header.pointFormat);
+    scan.points = header.points;
+    scan.attributes.color = lasRecordLayout(header.pointFormat).color >= 0;
+    scan.attributes.intensity = true;
+    scan.attributes.classification = true;
+    scan.gridStep = header.scale;
+    scan.gridOrigin = header.offset;
+    bool usable = true;
+    for (int i = 0; i < 3; ++i) usable = usable && header.bounds[0][i] <= header.bounds[1][i];
+    if (usable) scan.bounds = header.bounds;
+    return scan;
+}
+
+}  // namespace scancast

@@ -1,0 +1,180 @@
+#include "renderer/cloud/import/stream/point_stream_reader.hpp"
+
+#include <array>
+#include <cmath>
+#include <cstring>
+
+#include "files/bytes.hpp"
+#include "renderer/cloud/import/printable_text.hpp"
+#include "renderer/cloud/import/stream/stream_columns.hpp"
+
+namespace scancast {
+
+namespace stream = point_stream;
+
+static_assert(sizeof(glm::dvec3) == 24 && sizeof(glm::vec3) == 12, "columns are read in place");
+
+tl::unexpected<Error> PointStreamReader::wrong(const std::string& reason) const {
+    return fail(ErrorCode::Importer, "its point stream is wrong before byte " + grouped(at_) + ": " + reason);
+}
+
+Expected<std::unique_ptr<PointStreamReader>> PointStreamReader::create(std::unique_ptr<ByteSource> bytes,
+                                                                       std::uint64_t mostPoints) {
+    std::unique_ptr<PointStreamReader> reader(new PointStreamReader(std::move(bytes), mostPoints));
+    if (auto ok = reader->readHeader(); !ok) return tl::unexpected(ok.error());
+    if (auto ok = reader->readHead(); !ok) return tl::unexpected(ok.error());
+    if (reader->head_.tag == stream::failTag) return tl::unexpected(reader->readFailure().error());
+    return reader;
+}
+
+Expected<void> PointStreamReader::readExactly(std::span<std::byte> into) {
+    const auto got = readFully(*bytes_, into);
+    if (!got) return tl::unexpected(got.error());
+    at_ += *got;
+    if (*got == into.size()) return {};
+    return fail(ErrorCode::Importer, "its point stream broke off at byte " + grouped(at_) + ", after " +
+                                         grouped(points_) + " points");
+}
+
+Expected<void> PointStreamReader::readText(std::size_t length, std::size_t longest, std::string& text) {
+    std::vector<std::byte> bytes(length);
+    if (auto ok = readExactly(bytes); !ok) return ok;
+    text = printableText({reinterpret_cast<const char*>(bytes.data()), bytes.size()}, longest);
+    return {};
+}
+
+Expected<void> PointStreamReader::readHeader() {
+    std::array<std::byte, stream::headerBytes> bytes{};
+    if (auto ok = readExactly(bytes); !ok) return ok;
+    auto decoded = stream::decodeHeader(bytes);
+    if (!decoded) return tl::unexpected(decoded.error());
+    header_ = std::move(decoded->header);
+    if (auto ok = readText(decoded->formatBytes, stream::longestFormat, header_.format); !ok) return ok;
+    if (auto ok = readText(decoded->wktBytes, stream::longestWkt, header_.crsWkt); !ok) return ok;
+    if (decoded->columnsBytes == 0) return {};
+    std::string list(decoded->columnsBytes, '\0');
+    if (auto ok = readExactly(std::as_writable_bytes(std::span(list))); !ok) return ok;
+    auto columns = stream::decodeColumns(list);
+    if (!columns) return tl::unexpected(columns.error());
+    header_.columns = std::move(*columns);
+    rowBytes_ = stream::packedBytes(header_.columns);
+    return {};
+}
+
+Expected<void> PointStreamReader::readHead() {
+    for (;;) {
+        std::array<std::byte, stream::recordHeadBytes> bytes{};
+        if (auto ok = readExactly(bytes); !ok) return ok;
+        std::memcpy(head_.tag.data(), bytes.data(), head_.tag.size());
+        head_.n = loadLe<std::uint32_t>(bytes.data() + 4);
+        if (head_.tag != stream::noteTag) return {};
+        if (auto ok = readNote(); !ok) return ok;
+    }
+}
+
+Expected<void> PointStreamReader::readNote() {
+    if (head_.n == 0 || head_.n > stream::longestNote)
+        return wrong("a note of " + grouped(head_.n) + " bytes");
+    if (notes_.size() == stream::mostNotes)
+        return wrong("more than " + grouped(stream::mostNotes) + " notes");
+    return readText(head_.n, stream::longestNote, notes_.emplace_back());
+}
+
+template <class T>
+Expected<void> PointStreamReader::readColumn(std::vector<T>& column, bool present, std::size_t count) {
+    column.resize(present ? count : 0);
+    return readExactly(std::as_writable_bytes(std::span(column)));
+}
+
+Expected<void> PointStreamReader::readChunk(PointBatch& batch) {
+    const auto n = head_.n;
+    if (n == 0 || n > stream::chunkPoints)
+        return wrong("a chunk of " + grouped(n) + " points; 1 to 65,536 are allowed");
+    if (header_.points && n > *header_.points - points_)
+        return wrong("more points than the " + grouped(*header_.points) + " that it declared");
+    if (n > mostPoints_ - points_) return wrong("more points than such a file can hold");
+    const auto& has = header_.attributes;
+    if (auto ok = readColumn(batch.position, true, n); !ok) return ok;
+    if (auto ok = readColumn(batch.color, has.color, n); !ok) return ok;
+    if (auto ok = readColumn(batch.intensity, has.intensity, n); !ok) return ok;
+    if (auto ok = readColumn(batch.classification, has.classification, n); !ok) return ok;
+    if (auto ok = readColumn(batch.normal, has.normal, n); !ok) return ok;
+    if (auto ok = readColumn(batch.rows, rowBytes_ > 0, n * rowBytes_); !ok) return ok;
+    if (auto ok = checkChunk(batch); !ok) return ok;
+    points_ += n;
+    return {};
+}
+
+Expected<void> PointStreamReader::checkChunk(const PointBatch& batch) const {
+    bool finite = true;
+    for (const auto& p : batch.position)
+        finite = finite && std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z);
+    if (!finite) return wrong("a coordinate is NaN or infinite");
+    bool unit = true;
+    for (const auto& n : batch.normal) {
+        const auto square = n.x * n.x + n.y * n.y + n.z * n.z;  // NaN fails both comparisons
+        unit = unit && (square == 0.0F || (square > 0.98F && square < 1.02F));
+    }
+    if (!unit) return wrong("a normal is neither of unit length nor 0");
+    return {};
+}
+
+Expected<void> PointStreamReader::readDone() {
+    std::array<std::byte, 16> bytes{};
+    if (auto ok = readExactly(bytes); !ok) return ok;
+    const auto total = loadLe<std::uint64_t>(bytes.data());
+    dropped_ = loadLe<std::uint64_t>(bytes.data() + 8);
+    if (head_.n != 0) return wrong("its end record has a length");
+    if (total != points_)
+        return wrong("it claims to have sent " + grouped(total) + " points, it has sent " + grouped(points_));
+    if (header_.points && *header_.points - points_ != dropped_)
+        return wrong("it declared " + grouped(*header_.points) + " points, sent " + grouped(points_) +
+                     " and dropped " + grouped(dropped_));
+    if (points_ == 0 && dropped_ > 0)
+        return fail(ErrorCode::Empty, "none of its " + grouped(dropped_) + " points has finite coordinates");
+    if (points_ == 0) return fail(ErrorCode::Empty, "it has no points");
+    return {};
+}
+
+Expected<void> PointStreamReader::readFailure() {
+    if (head_.n == 0 || head_.n > stream::longestFailure)
+        return wrong("a failure text of " + grouped(head_.n) + " bytes");
+    std::array<std::byte, 4> code{};
+    if (auto ok = readExactly(code); !ok) return ok;
+    std::string text;
+    if (auto ok = readText(head_.n, stream::longestFailure, text); !ok) return ok;
+    return fail(stream::failureCode(loadLe<std::uint32_t>(code.data())), text);
+}
+
+Expected<bool> PointStreamReader::read(PointBatch& batch) {
+    if (done_) {
+        batch.clear();
+        return false;
+    }
+    const auto tag = head_.tag;
+    Expected<void> ok;
+    if (tag == stream::chunkTag) {
+        ok = readChunk(batch);
+        if (ok) ok = readHead();
+    } else if (tag == stream::doneTag) {
+        ok = readDone();
+        done_ = ok.has_value();
+    } else if (tag == stream::failTag) {
+        ok = readFailure();
+    } else {
+        ok = wrong("a record of unknown kind");
+    }
+    if (ok && !done_) return true;
+    batch.clear();
+    if (!ok) return tl::unexpected(ok.error());
+    return false;
+}
+
+std::array<std::uint64_t, 2> PointStreamReader::bytesRead() const {
+    if (!header_.points) return {at_, 0};
+    const auto size = stream::pointBytes(header_.attributes) + rowBytes_;
+    if (*header_.points > std::numeric_limits<std::uint64_t>::max() / size) return {at_, 0};
+    return {points_ * size, *header_.points * size};
+}
+
+}  // namespace scancast

@@ -1,0 +1,71 @@
+// Reads a point stream (POINT_STREAM.md) and believes nothing in it.
+// Pipeline: importer process → **point stream** → points. Owned and used by one thread.
+//
+// Messages do not name the file; who knows it (ImporterSource) puts its name in front.
+#pragma once
+
+#include <cstdint>
+#include <limits>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "renderer/cloud/import/byte_source.hpp"
+#include "renderer/cloud/import/stream/point_stream.hpp"
+#include "renderer/cloud/point_batch.hpp"
+
+namespace scancast {
+
+class PointStreamReader final : public PointSource {
+  public:
+    /// Reads the header and looks at the first record, so that a scan that cannot be read fails here.
+    /// `mostPoints`: more than that is an error, whatever the stream declares.
+    static Expected<std::unique_ptr<PointStreamReader>> create(
+        std::unique_ptr<ByteSource> bytes,
+        std::uint64_t mostPoints = std::numeric_limits<std::uint64_t>::max());
+
+    const ScanHeader& header() const override { return header_; }
+    /// Errors: those that the importer reports; Empty; Importer for a stream that breaks its rules or ends
+    /// early.
+    Expected<bool> read(PointBatch& batch) override;
+    /// Known at the end of the stream only.
+    std::uint64_t droppedPoints() const override { return dropped_; }
+    std::vector<std::string> notes() const override { return notes_; }
+    std::array<std::uint64_t, 2> bytesRead() const override;
+
+  private:
+    PointStreamReader(std::unique_ptr<ByteSource> bytes, std::uint64_t mostPoints)
+        : bytes_(std::move(bytes)), mostPoints_(mostPoints) {}
+
+    struct RecordHead {
+        std::array<char, 4> tag{};
+        std::uint32_t n = 0;
+    };
+
+    Expected<void> readHeader();
+    Expected<void> readText(std::size_t length, std::size_t longest, std::string& text);
+    /// Of the next record that is no note.
+    Expected<void> readHead();
+    Expected<void> readNote();
+    Expected<void> readExactly(std::span<std::byte> into);
+    template <class T>
+    Expected<void> readColumn(std::vector<T>& column, bool present, std::size_t count);
+    Expected<void> readChunk(PointBatch& batch);
+    Expected<void> checkChunk(const PointBatch& batch) const;
+    Expected<void> readDone();
+    Expected<void> readFailure();
+    tl::unexpected<Error> wrong(const std::string& reason) const;
+
+    std::unique_ptr<ByteSource> bytes_;
+    std::uint64_t mostPoints_;
+    ScanHeader header_;
+    std::size_t rowBytes_ = 0;  ///< of the further columns; 0 = none
+    RecordHead head_;           ///< of the next record
+    std::uint64_t at_ = 0;      ///< bytes read
+    std::uint64_t points_ = 0;
+    std::uint64_t dropped_ = 0;
+    std::vector<std::string> notes_;
+    bool done_ = false;
+};
+
+}  // namespace scancast

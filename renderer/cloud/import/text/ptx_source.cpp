@@ -1,0 +1,217 @@
+#include "renderer/cloud/import/text/ptx_source.hpp"
+
+#include <cmath>
+#include <glm/matrix.hpp>
+#include <limits>
+
+#include "renderer/cloud/import/printable_text.hpp"
+#include "renderer/cloud/import/text/text_head.hpp"
+
+namespace scancast {
+
+namespace {
+
+constexpr int headLines = 10;
+
+/// The first line that is not empty, behind the head of the first scan.
+std::string_view firstPoint(std::string_view text, char lineEnd) {
+    for (int lines = 0; !text.empty();) {
+        const auto line = takeLine(text, lineEnd);
+        if (line.find_first_not_of(" \t") != line.npos && lines++ == headLines) return line;
+    }
+    return {};
+}
+
+Expected<TextLayout> layoutOf(std::string_view point, const std::string& name) {
+    TextLayout layout;
+    std::vector<std::string_view> fields;
+    splitFields(point, layout.separator, fields);
+    layout.columns = fields.size();
+    layout.position = {0, 1, 2};
+    switch (fields.size()) {
+        case 3:
+            return layout;
+        case 4:
+            layout.intensity = 3;
+            return layout;
+        case 6:
+            layout.color = {3, 4, 5};
+            return layout;
+        case 7:
+            layout.intensity = 3;
+            layout.color = {4, 5, 6};
+            return layout;
+        default:
+            break;
+    }
+    return fail(ErrorCode::Malformed,
+                name + ": the first point has " + grouped(fields.size()) +
+                    " columns; in PTX it is x y z, intensity and red green blue: 3, 4, 6 "
+                    "or 7");
+}
+
+/// Of PTX, intensities are 0-1. Other programs' are told by their range.
+IntensityScale ptxIntensity(std::span<const std::string_view> lines, const TextLayout& layout) {
+    SeenValues seen;
+    std::vector<std::string_view> fields;
+    for (const auto line : lines) {
+        splitFields(line, layout.separator, fields);
+        if (fields.size() != layout.columns) continue;
+        if (const auto number = numberIn(fields[3])) seen.see(*number, true);
+    }
+    return seen.least > seen.most ? IntensityScale::Unit : intensityScale(seen, false);
+}
+
+/// Does the text go on behind the first scan's points? A short one is counted; of a long one, lines from all
+/// over it tell how many there must be. Never sure of a pipe.
+bool seemsToGoOn(const TextLines& lines, std::span<const std::string> elsewhere, std::uint64_t points) {
+    auto text = lines.start();
+    const auto size = static_cast<double>(lines.bytesTotal());
+    double there = 0;
+    if (lines.bytesTotal() <= TextLines::peekBytes) {
+        while (!text.empty()) there += takeLine(text, lines.lineEnd()).find_first_not_of(" \t") != text.npos;
+        return lines.bytesTotal() > 0 && there > static_cast<double>(points) + headLines;
+    }
+    double bytes = 0;
+    for (const auto& line : elsewhere) bytes += static_cast<double>(line.size() + 1);
+    return bytes > 0 &&
+           size / bytes * static_cast<double>(elsewhere.size()) > 1.2 * static_cast<double>(points);
+}
+
+}  // namespace
+
+Expected<std::unique_ptr<PtxSource>> PtxSource::create(std::unique_ptr<ByteSource> bytes, std::string name) {
+    TextLines lines(std::move(bytes), name);
+    if (auto ok = lines.open(); !ok) return tl::unexpected(ok.error());
+    auto text = lines.start();
+    const auto point = firstPoint(text, lines.lineEnd());
+    auto layout = point.empty() ? TextLayout{} : layoutOf(point, name);
+    if (!layout) return tl::unexpected(layout.error());
+    const auto elsewhere = lines.samples(lookedAtPlaces, lookedAtBytes);
+    if (!elsewhere) return tl::unexpected(elsewhere.error());
+    auto head = text;
+    std::uint64_t points = 1;
+    for (int i = 0; i < 2; ++i) points *= countIn(takeLine(head, lines.lineEnd())).value_or(0);
+    const bool several = seemsToGoOn(lines, *elsewhere, points);
+    if (layout->intensity != TextLayout::none) {
+        std::vector<std::string_view> looked(elsewhere->begin(), elsewhere->end());
+        text.remove_prefix(static_cast<std::size_t>(point.data() - text.data()));
+        for (std::size_t i = 0; i < lookedAtLines && !text.empty(); ++i)
+            looked.push_back(takeLine(text, lines.lineEnd()));
+        layout->intensityScale = ptxIntensity(looked, *layout);
+    }
+    std::unique_ptr<PtxSource> source(
+        new PtxSource(std::move(lines), std::move(name), TextRow(*layout, false)));
+    if (auto ok = source->startScan(); !ok) return tl::unexpected(ok.error());
+    if (source->promised_ > 0 && point.empty())
+        return fail(ErrorCode::Truncated, source->lines_.place() + "the scan promises " +
+                                              grouped(source->promised_) + " points, there are none");
+    source->scan_.format = "PTX: " + layout->describe();
+    source->scan_.attributes = layout->attributes();
+    if (!several) source->scan_.scannerOrigin = source->transform_[3];
+    return source;
+}
+
+/// The next line that is not empty; it is part of a scan's head.
+Expected<std::string_view> PtxSource::headLine(const char* what) {
+    std::string_view line;
+    for (;;) {
+        const auto more = lines_.next(line);
+        if (!more) return tl::unexpected(more.error());
+        if (!*more)
+            return fail(ErrorCode::Truncated,
+                        lines_.place() + "the file ends where " + what + " of a scan should follow");
+        if (line.find_first_not_of(" \t") != line.npos) return line;
+    }
+}
+
+Expected<std::uint64_t> PtxSource::headCount(const char* what) {
+    const auto line = headLine(what);
+    if (!line) return tl::unexpected(line.error());
+    const auto count = countIn(*line);
+    if (count && *count <= std::numeric_limits<std::uint32_t>::max()) return *count;
+    return fail(ErrorCode::Malformed, lines_.place() + quotedText(*line) + " should be " + what +
+                                          " of a scan, one whole number; the scan before it may have more "
+                                          "points than its columns and rows promise");
+}
+
+Expected<void> PtxSource::headNumbers(const char* what, std::span<double> numbers) {
+    const auto line = headLine(what);
+    if (!line) return tl::unexpected(line.error());
+    std::vector<std::string_view> fields;
+    splitFields(*line, {}, fields);
+    bool good = fields.size() == numbers.size();
+    for (std::size_t i = 0; good && i < numbers.size(); ++i) {
+        const auto number = numberIn(fields[i]);
+        good = number && std::isfinite(*number);
+        numbers[i] = number.value_or(0);
+    }
+    if (good) return {};
+    return fail(ErrorCode::Malformed, lines_.place() + quotedText(*line) + " should be " + what + ": " +
+                                          std::to_string(numbers.size()) + " numbers");
+}
+
+/// Reads the head of a scan. False at the end of the file.
+Expected<bool> PtxSource::startScan() {
+    const auto columns = headCount("the number of columns");
+    // Behind the last scan there may be empty lines.
+    if (!columns && columns.error().code == ErrorCode::Truncated && scans_ > 0) return false;
+    if (!columns) return tl::unexpected(columns.error());
+    const auto rows = headCount("the number of rows");
+    if (!rows) return tl::unexpected(rows.error());
+    promised_ = *columns * *rows;
+    inScan_ = 0;
+    std::array<double, 4> row{};
+    for (const char* what :
+         {"the scanner's position", "the scanner's x axis", "the scanner's y axis", "the scanner's z axis"})
+        if (auto ok = headNumbers(what, std::span(row).first(3)); !ok) return tl::unexpected(ok.error());
+    for (int i = 0; i < 4; ++i) {
+        if (auto ok = headNumbers("a row of the matrix", row); !ok) return tl::unexpected(ok.error());
+        if (std::abs(row[3] - (i == 3 ? 1 : 0)) > 1e-9)
+            return fail(ErrorCode::Malformed, lines_.place() + "the fourth number of the matrix's row " +
+                                                  std::to_string(i + 1) + " must be " + (i == 3 ? "1" : "0"));
+        transform_[i] = {row[0], row[1], row[2]};
+    }
+    if (glm::determinant(glm::dmat3(transform_)) == 0)
+        return fail(ErrorCode::Malformed, lines_.place() + "the scan's matrix flattens all points");
+    if (++scans_ > 1) scan_.scannerOrigin.reset();
+    return true;
+}
+
+Expected<bool> PtxSource::read(PointBatch& batch) {
+    batch.clear();
+    std::string_view line;
+    while (batch.size() < batchPoints) {
+        if (inScan_ == promised_) {
+            const auto more = startScan();
+            if (!more) return tl::unexpected(more.error());
+            if (*more) continue;
+            if (batch.size() == 0 && points_ == dropped_)
+                return fail(ErrorCode::Empty, name_ + ": none of the " + grouped(points_) +
+                                                  " directions of its scans has a point");
+            return batch.size() > 0;
+        }
+        const auto more = lines_.next(line);
+        if (!more) return tl::unexpected(more.error());
+        if (!*more)
+            return fail(ErrorCode::Truncated, lines_.place() + "the file ends: its scan " + grouped(scans_) +
+                                                  " promises " + grouped(promised_) + " points, there are " +
+                                                  grouped(inScan_));
+        if (line.find_first_not_of(" \t") == line.npos) continue;
+        const auto* why = row_.parse(line);
+        if (why == nullptr) {
+            const auto position = row_.position();
+            const auto there = transform_ * glm::dvec4(position, 1);
+            const bool point = position != glm::dvec3(0) && std::isfinite(there.x) &&
+                               std::isfinite(there.y) && std::isfinite(there.z);
+            if (point) why = row_.appendTo(batch, there);
+            dropped_ += !point;
+        }
+        if (why != nullptr) return fail(ErrorCode::Malformed, lines_.place() + *why);
+        ++inScan_;
+        ++points_;
+    }
+    return true;
+}
+
+}  // namespace scancast

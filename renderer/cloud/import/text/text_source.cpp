@@ -1,0 +1,95 @@
+#include "renderer/cloud/import/text/text_source.hpp"
+
+#include "renderer/cloud/import/printable_text.hpp"
+#include "renderer/cloud/import/text/text_head.hpp"
+
+namespace scancast {
+
+namespace {
+
+// The first lines, and a few from places all over a file.
+
+}  // namespace
+
+Expected<std::unique_ptr<TextSource>> TextSource::create(std::unique_ptr<ByteSource> bytes, std::string name,
+                                                         const TextOptions& options) {
+    TextLines lines(std::move(bytes), name);
+    if (auto ok = lines.open(); !ok) return tl::unexpected(ok.error());
+    const auto start = lines.start();
+    const auto head = readTextHead(start, lines.lineEnd(), name);
+    if (!head) return tl::unexpected(head.error());
+
+    std::vector<std::string_view> looked;
+    for (auto text = start.substr(head->bytes); !text.empty() && looked.size() < lookedAtLines;)
+        looked.push_back(takeLine(text, lines.lineEnd()));
+    const auto elsewhere = lines.samples(lookedAtPlaces, lookedAtBytes);
+    if (!elsewhere) return tl::unexpected(elsewhere.error());
+    for (const auto& line : *elsewhere) looked.push_back(line);
+    // The next count of a file with several scans is no point.
+    if (head->count) std::erase_if(looked, [](std::string_view line) { return countIn(line).has_value(); });
+    const bool pts = options.pts || head->count.has_value();
+    auto layout = understandColumns(*head, looked, pts, name);
+    if (!layout) return tl::unexpected(layout.error());
+
+    std::unique_ptr<TextSource> source(
+        new TextSource(std::move(lines), std::move(name), TextRow(*layout, options.keepAttributes)));
+    source->scan_.format = (pts ? "PTS: " : "text: ") + layout->describe();
+    source->scan_.attributes = layout->attributes();
+    if (options.keepAttributes) source->scan_.columns = keptTextColumns(*layout);
+    std::string_view passed;
+    for (std::uint64_t i = 0; i < head->lines; ++i)
+        if (auto ok = source->lines_.next(passed); !ok) return tl::unexpected(ok.error());
+    source->counted_ = head->count.has_value();
+    source->promised_ = head->count.value_or(0);
+    return source;
+}
+
+Expected<bool> TextSource::read(PointBatch& batch) {
+    batch.clear();
+    std::string_view line;
+    while (batch.size() < batchPoints) {
+        const auto more = lines_.next(line);
+        if (!more) return tl::unexpected(more.error());
+        if (!*more) {
+            if (auto ok = finishScan(); !ok) return tl::unexpected(ok.error());
+            if (batch.size() == 0 && points_ == dropped_)
+                return fail(ErrorCode::Empty,
+                            name_ + ": none of its " + grouped(points_) + " points has finite coordinates");
+            return batch.size() > 0;
+        }
+        if (isComment(line)) continue;
+        if (counted_) {
+            if (const auto count = countIn(line)) {
+                if (auto ok = startScan(*count); !ok) return tl::unexpected(ok.error());
+                continue;
+            }
+        }
+        const auto* why = row_.parse(line);
+        if (why == nullptr && row_.finite()) {
+            why = row_.appendTo(batch, row_.position());
+        } else {
+            dropped_ += why == nullptr;
+        }
+        if (why != nullptr) return fail(ErrorCode::Malformed, lines_.place() + *why);
+        ++inScan_;
+        ++points_;
+    }
+    return true;
+}
+
+Expected<void> TextSource::startScan(std::uint64_t points) {
+    if (auto ok = finishScan(); !ok) return ok;
+    promised_ = points;
+    inScan_ = 0;
+    return {};
+}
+
+/// Fewer points than promised: something is lost. More: the count is wrong and nothing is lost; real files
+/// have it.
+Expected<void> TextSource::finishScan() const {
+    if (!counted_ || inScan_ >= promised_) return {};
+    return fail(ErrorCode::Truncated, lines_.place() + "the count of points promises " + grouped(promised_) +
+                                          ", there are " + grouped(inScan_));
+}
+
+}  // namespace scancast

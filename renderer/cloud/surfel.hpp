@@ -1,0 +1,22 @@
+// What a point's neighbours tell of the surface at it, as a plain value (renderer/cloud/surfels/ estimates
+// it, surfel_codec.hpp puts it into a sample).
+#pragma once
+
+#include <glm/vec3.hpp>
+
+namespace scancast {
+
+/// minor / major of a surfel is never less: a longer ellipse is measured from too few neighbours.
+inline constexpr float leastSurfelRatio = 0.25f;
+
+struct Surfel {
+    glm::vec3 normal{
+        0};  ///< unit; sign arbitrary; (0,0,0) where the points tell none (fewer than 3, or all on a line)
+    glm::vec3 majorAxis{0};  ///< unit, in the surface
+    float major = 0;         ///< a: distance to the k-th nearest distinct neighbour, cloud units
+    float minor = 0;         ///< b = a · max(√(λ2/λ1), 1/4)
+    float radius = 0;        ///< r: average distance to those k neighbours; 0 = no neighbour
+    bool outlier = false;    ///< r > 4 × the median of its neighbours' r
+};
+
+}  // namespace scancast

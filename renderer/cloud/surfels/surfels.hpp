@@ -1,0 +1,23 @@
+// Surfels: what a point's neighbours tell of the surface at it - normal, half-axes, radius, and whether it is
+// an outlier. Pipeline: leaves of one chunk → **surfels** → averages; and inner nodes' samples → **surfels**
+// → cloud. Sources: 001_c3e54385a9f0e90c ("differential points"), 002_e37b3096399c9e96; methods.md §5. Pure
+// functions; use the caller's TBB arena; the result depends on the set of points alone, not on threads.
+#pragma once
+
+#include <cstddef>
+#include <glm/vec3.hpp>
+#include <span>
+
+#include "renderer/cloud/surfel.hpp"
+
+namespace scancast {
+
+struct SurfelOptions {
+    int neighbours = 10;  ///< k; doubled up to 80 while λ2/λ1 < 1/16 (scan lines)
+};
+
+/// Of the first out.size() points; the rest (a halo) only lends neighbours. Points are offsets from a nearby
+/// origin, in cloud units; faster when neighbours stand together (Morton order).
+void estimateSurfels(std::span<const glm::vec3> points, const SurfelOptions& options, std::span<Surfel> out);
+
+}  // namespace scancast

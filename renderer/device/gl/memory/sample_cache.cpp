@@ -1,0 +1,204 @@
+#include "renderer/device/gl/memory/sample_cache.hpp"
+
+#include <spdlog/spdlog.h>
+
+#include <algorithm>
+#include <utility>
+
+namespace scancast::gl {
+
+namespace {
+
+constexpr std::uint64_t largestPageBytes = std::uint64_t(128) << 20;
+constexpr std::uint64_t stagingBytes = std::uint64_t(32) << 20;
+
+std::uint64_t mostPageBytes(const GlFunctions& gl) {
+    return std::min(largestPageBytes, std::uint64_t{mostTexels(gl)} * sizeof(Sample));
+}
+
+/// Of a small memory, no node takes more than a part: pages are then never full of one node alone.
+std::uint32_t mostInPart(std::uint64_t capacity) {
+    const std::uint64_t grains = std::clamp<std::uint64_t>(capacity / 4 / PageTable::grain, 1, 1 << 20);
+    return static_cast<std::uint32_t>(grains) * PageTable::grain;
+}
+
+std::uint64_t samplesOf(std::span<const Place> places) {
+    std::uint64_t samples = 0;
+    for (const Place& place : places) samples += place.count;
+    return samples;
+}
+
+tl::unexpected<Error> cancelled() {
+    return fail(ErrorCode::Cancelled, "The picture was abandoned: it is no longer wanted.");
+}
+
+}  // namespace
+
+// ---- SampleCache
+
+SampleCache::SampleCache(const GlFunctions& gl, const SampleCacheOptions& options)
+    : gl_(gl),
+      table_(pageSizes(options.memoryLimit, options.firstPage, mostPageBytes(gl))),
+      mostInPart_(mostInPart(table_.capacity())),
+      pages_(table_.pages()),
+      staging_(gl, std::clamp<std::uint64_t>(options.memoryLimit / 4, 64 << 10, stagingBytes)) {}
+
+bool SampleCache::has(std::uint64_t source, std::uint32_t node, std::uint32_t samples) const {
+    for (std::uint32_t first = 0; first < samples; first += mostInPart_)
+        if (!table_.has({source, node, first})) return false;
+    return true;
+}
+
+void SampleCache::addParts(const SampleKey& key, std::uint32_t run, std::span<const Sample> samples,
+                           std::vector<Part>& parts) const {
+    for (std::size_t first = 0; first < samples.size(); first += mostInPart_)
+        parts.push_back({{key.source, key.run, static_cast<std::uint32_t>(first)},
+                         run,
+                         samples.subspan(first, std::min<std::size_t>(mostInPart_, samples.size() - first))});
+}
+
+void SampleCache::touch(std::span<const Part> parts) {
+    // The last first: of parts that do not all fit, those that are needed first stay longest.
+    for (auto part = parts.rbegin(); part != parts.rend(); ++part) table_.touch(part->key);
+    table_.beginBatch();
+}
+
+Expected<void> SampleCache::bring(std::uint64_t source, std::span<const CutRun> runs,
+                                  const std::stop_token& stop) {
+    std::vector<Part> parts;
+    for (std::uint32_t i = 0; i < runs.size(); ++i)
+        addParts({source, runs[i].nodeIndex, 0}, i, runs[i].samples, parts);
+    touch(parts);
+    for (const Part& part : parts) {
+        if (stop.stop_requested()) return cancelled();
+        const auto loaded = load(part);
+        if (!loaded) return tl::unexpected(loaded.error());
+        if (loaded->empty()) break;
+    }
+    return {};
+}
+
+Expected<std::span<const Place>> SampleCache::load(const Part& part) {
+    auto places = table_.need(part.key);
+    if (samplesOf(places) == part.samples.size()) return places;
+    table_.erase(part.key);
+    while (true) {
+        places = table_.insert(part.key, static_cast<std::uint32_t>(part.samples.size()));
+        if (places.empty()) return places;
+        const auto made = makePages(places);
+        if (!made) table_.erase(part.key);
+        if (!made) return tl::unexpected(made.error());
+        if (*made) break;
+    }
+    if (auto uploaded = upload(places, part.samples); !uploaded) {
+        table_.erase(part.key);
+        return tl::unexpected(uploaded.error());
+    }
+    return places;
+}
+
+Expected<bool> SampleCache::makePages(std::span<const Place> places) {
+    for (const Place& place : places) {
+        if (pages_[place.page]) continue;
+        Buffer buffer(gl_, "page of samples", Buffer::Use::Copies);
+        const std::uint64_t bytes = std::uint64_t(table_.pageSamples(place.page)) * sizeof(Sample);
+        const auto made = buffer.reserve(bytes);
+        if (!made && made.error().code != ErrorCode::ResourceLimit) return tl::unexpected(made.error());
+        if (!made) {
+            spdlog::warn("{} Samples get less of it than --gpu-memory-limit says.", made.error().message);
+            table_.close(place.page);
+            return false;
+        }
+        Texels texels(gl_, buffer, sizeof(Sample) / 4);
+        pages_[place.page].emplace(std::move(buffer), std::move(texels));
+        bytes_ += bytes;
+    }
+    return true;
+}
+
+Expected<void> SampleCache::upload(std::span<const Place> places, std::span<const Sample> samples) {
+    for (const Place& place : places) {
+        auto copied = staging_.copy(std::as_bytes(samples.first(place.count)), pages_[place.page]->buffer,
+                                    place.at * sizeof(Sample));
+        if (!copied) return copied;
+        samples = samples.subspan(place.count);
+        bytesUploaded_ += place.count * sizeof(Sample);
+    }
+    return {};
+}
+
+// ---- CutSamples
+
+CutSamples::CutSamples(SampleCache& cache, const Cut& cut, std::span<const std::uint32_t> runs)
+    : cache_(cache), extents_(cache.pages_.size()), passing_(cut.source == 0) {
+    const std::uint64_t source = passing_ ? newSource() : cut.source;
+    parts_.reserve(runs.size());
+    for (const std::uint32_t run : runs) {
+        const std::uint32_t key = passing_ ? run : cut.runs[run].nodeIndex;
+        cache.addParts({source, key, 0}, run, cut.runs[run].samples, parts_);
+    }
+}
+
+CutSamples::~CutSamples() {
+    if (!passing_) return;
+    for (const SampleCache::Part& part : parts_) cache_.table_.erase(part.key);
+}
+
+Expected<SampleBatch> CutSamples::gather(const std::stop_token& stop) {
+    const bool asItWas = gathered_ > 0 && evicted_ == cache_.table_.evicted();
+    if (!asItWas && !parts_.empty()) {
+        whole_ = false;
+        cache_.touch(parts_);
+        const auto end = loadBatch(0, stop);
+        if (!end) return tl::unexpected(end.error());
+        gathered_ = *end;
+        whole_ = gathered_ == parts_.size();
+        evicted_ = cache_.table_.evicted();
+    }
+    return SampleBatch{batchPages_, version_};
+}
+
+Expected<void> CutSamples::forEachBatch(const Draw& draw, const std::stop_token& stop) {
+    const auto first = gather(stop);
+    if (!first) return tl::unexpected(first.error());
+    if (parts_.empty()) return {};
+    if (auto drawn = draw(*first); !drawn || whole_) return drawn;
+    for (std::size_t from = std::exchange(gathered_, 0); from < parts_.size();) {
+        const auto end = loadBatch(from, stop);
+        if (!end) return tl::unexpected(end.error());
+        if (auto drawn = draw({batchPages_, version_}); !drawn) return drawn;
+        from = *end;
+    }
+    // The next round begins with what is here.
+    std::ranges::reverse(parts_);
+    return {};
+}
+
+Expected<std::size_t> CutSamples::loadBatch(std::size_t from, const std::stop_token& stop) {
+    cache_.table_.beginBatch();
+    ++version_;
+    for (auto& extents : extents_) extents.clear();
+    std::size_t at = from;
+    for (; at < parts_.size(); ++at) {
+        if (stop.stop_requested()) return cancelled();
+        const SampleCache::Part& part = parts_[at];
+        const auto places = cache_.load(part);
+        if (!places) return tl::unexpected(places.error());
+        if (places->empty()) break;
+        std::uint32_t first = part.key.first;
+        for (const Place& place : *places) {
+            extents_[place.page].push_back({part.run, first, place.count, place.at});
+            first += place.count;
+        }
+    }
+    if (at == from)
+        return fail(ErrorCode::ResourceLimit,
+                    "The GPU has no memory left for samples; close other programs that use it, give Scancast "
+                    "more by --gpu-memory-limit, or use --backend=cpu.");
+    batchPages_.clear();
+    for (std::size_t page = 0; page < extents_.size(); ++page)
+        if (!extents_[page].empty()) batchPages_.push_back({&cache_.pages_[page]->texels, extents_[page]});
+    return at;
+}
+
+}  // namespace scancast::gl

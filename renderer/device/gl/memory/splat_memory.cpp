@@ -1,0 +1,60 @@
+#include "renderer/device/gl/memory/splat_memory.hpp"
+
+#include <algorithm>
+
+namespace scancast::gl {
+namespace {
+
+/// Sums of more pixels than this take are drawn band by band.
+constexpr std::size_t largestPlane = std::size_t{512} << 20;
+
+std::size_t keyWords(const SplatLimits& limits) {
+    return limits.keys64 ? 2 : 1;
+}
+
+}  // namespace
+
+std::size_t sumWords(const PassPlan& plan) {
+    return !plan.sum ? 0 : plan.sum->normals ? 14 : 8;
+}
+
+Expected<void> PixelPlane::reserve(std::size_t pixels) {
+    if (pixels <= pixels_) return {};
+    pixels_ = 0;
+    texels_.reset();
+    if (auto made = buffer_.reserve(pixels * words_ * 4); !made) return made;
+    texels_.emplace(gl_, buffer_, words_);
+    pixels_ = pixels;
+    return {};
+}
+
+void PixelPlane::clear(std::size_t pixels) {
+    buffer_.clear(pixels * words_, 0xffffffff);
+}
+
+SplatMemory::SplatMemory(const GlFunctions& gl, const SplatLimits& limits)
+    : nearest{{gl, "nearest keys", keyWords(limits)}, {gl, "nearest payloads", 1}},
+      cells{{gl, "cell keys", keyWords(limits)}, {gl, "cell payloads", 1}},
+      silhouette(gl, "silhouette", 1),
+      sums(gl, "sums"),
+      limits_(limits) {}
+
+std::size_t SplatMemory::mostPixels(const PassPlan& plan) const {
+    const std::size_t words = std::max(keyWords(limits_), sumWords(plan));
+    return std::min(limits_.texels, std::min(limits_.storageBlockBytes, largestPlane) / (4 * words));
+}
+
+Expected<void> SplatMemory::reserve(KeyPlane& plane, std::size_t pixels) {
+    if (auto made = plane.keys.reserve(pixels); !made || limits_.keys64) return made;
+    return plane.payloads.reserve(pixels);
+}
+
+Expected<void> SplatMemory::reserve(const PassPlan& plan, std::size_t pixels) {
+    Expected<void> made = reserve(nearest, pixels);
+    if (made && plan.cell) made = reserve(cells, pixels);
+    if (made && plan.silhouette) made = silhouette.reserve(pixels);
+    if (made && plan.sum) made = sums.reserve(pixels * sumWords(plan) * 4);
+    return made;
+}
+
+}  // namespace scancast::gl

@@ -1,0 +1,87 @@
+#include "renderer/device/gl/memory/splat_params.hpp"
+
+#include <algorithm>
+#include <bit>
+
+#include "renderer/cloud/surfel_codec.hpp"
+#include "renderer/device/plan/surfel_numbers.hpp"
+
+namespace scancast::gl {
+namespace {
+
+void setRotation(const SplatNumbers& n, vec4 (&rows)[3]) {
+    for (int r = 0; r < 3; ++r) rows[r] = {n.rotation[r][0], n.rotation[r][1], n.rotation[r][2], 0};
+}
+
+std::uint32_t bits(float value) {
+    return std::bit_cast<std::uint32_t>(value);
+}
+
+}  // namespace
+
+SplatParams splatParams(const SplatNumbers& n, ivec4 area, std::size_t index, bool byClass) {
+    SplatParams p{};
+    p.view = {n.centerX, n.centerY, n.near, n.far};
+    p.area = area;
+    p.size = {n.minPx, n.maxPx, n.radiusPerPixel, n.gain};
+    p.ramp = {n.colorLow, n.colorScale, 0, 0};
+    float most = 0.5f * n.maxPx;
+    if (n.perspective) most = std::min(most, largestSpread * n.pixelsPerUnit);
+    p.surfel = {n.pixelsPerUnit, 1.0f / n.pixelsPerUnit, n.scale, most};
+    p.extent = {n.reach, largestReach * n.pixelsPerUnit, n.tolerance, 0};
+    p.blur = {6.0f * n.lowPassPx * n.lowPassPx, rootOf6 * n.lowPassPx, 0, 0};
+    setRotation(n, p.rotation);
+    p.flags = {static_cast<int>(index), n.facing, n.oriented, n.ownRadii};
+    p.filters = {byClass, 0, 0, 0};
+    return p;
+}
+
+ResolveParams resolveParams(const SplatNumbers& n, ivec4 area, ivec4 planes, int backgroundRow) {
+    ResolveParams p{};
+    p.area = area;
+    p.planes = planes;
+    p.ramp = {n.colorLow, n.colorScale, 0, 0};
+    p.look.z = static_cast<std::uint32_t>(backgroundRow);
+    setRotation(n, p.rotation);
+    return p;
+}
+
+void SplatTables::begin(const ColorTables& colors, std::size_t mostRuns) {
+    filters = colors.byClass;
+    runs.clear();
+    runs.reserve(mostRuns);
+    words.assign(colors.ramp.begin(), colors.ramp.end());
+    words.insert(words.end(), colors.classes.begin(), colors.classes.end());
+    std::ranges::transform(surfelRadii(), std::back_inserter(words), bits);
+    std::ranges::transform(axisDirections.cosine, std::back_inserter(words), bits);
+    std::ranges::transform(axisDirections.sine, std::back_inserter(words), bits);
+    words.insert(words.end(), colors.normals.begin(), colors.normals.end());
+}
+
+std::uint32_t SplatTables::add(const RunNumbers& run, std::span<const DroppedRegion> dropped,
+                               std::span<const SplatStage> stages, const Viewpoint& viewpoint) {
+    SplatRun out{};
+    for (int r = 0; r < 3; ++r) {
+        const float* const row = run.toPicture[r];
+        out.toPicture[r] = {row[0], row[1], row[2], row[3]};
+    }
+    out.clipMin = {run.clipMin[0], run.clipMin[1], run.clipMin[2], static_cast<int>(words.size())};
+    out.clipMax = {run.clipMax[0], run.clipMax[1], run.clipMax[2], static_cast<int>(dropped.size())};
+    for (const DroppedRegion& region : dropped) {
+        words.push_back(static_cast<std::uint32_t>(region.count));
+        for (const auto& plane : region.planes)
+            std::ranges::transform(plane, std::back_inserter(words), bits);
+    }
+    for (std::size_t i = 0; i < stages.size(); ++i) {
+        if (ofSurfels(stages[i].splat)) continue;
+        const double factor = spriteFactor(run, stages[i], viewpoint);
+        out.sizeFactors[static_cast<int>(i)] = static_cast<float>(std::clamp(factor, 0.0, 1e30));
+    }
+    out.factors = {run.elevationStep, run.elevationBase, run.ratioUnit, run.plainRadius};
+    out.color = {run.color, run.lastTurn, run.firstOrdinal, 0};
+    filters = filters || run.clipped || !dropped.empty();
+    runs.push_back(out);
+    return static_cast<std::uint32_t>(runs.size() - 1);
+}
+
+}  // namespace scancast::gl

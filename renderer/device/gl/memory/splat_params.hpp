@@ -1,0 +1,34 @@
+// What shaders are given of a splat pass, a run and a layer, packed from the host's numbers. Pure functions;
+// any thread. Place: stages, runs → **parameters** → layer.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "renderer/device/gl/programs/splat_layouts.hpp"
+#include "renderer/device/plan/colors.hpp"
+#include "renderer/device/plan/runs.hpp"
+#include "renderer/device/plan/stages.hpp"
+
+namespace scancast::gl {
+
+/// `area`: the pixels that are drawn; `index`: of the stage in its list.
+SplatParams splatParams(const SplatNumbers& numbers, ivec4 area, std::size_t index, bool byClass);
+/// Rows of background begin `firstRow` rows above the area.
+ResolveParams resolveParams(const SplatNumbers& numbers, ivec4 area, ivec4 planes, int backgroundRow);
+
+/// What samples look up (shaders/splat_tables.glsl), and the runs that refer to it.
+struct SplatTables {
+    std::vector<std::uint32_t> words;
+    std::vector<SplatRun> runs;
+    bool filters = false;  ///< some of the runs' samples are not drawn
+
+    /// Forgets all runs; what memory there is stays, for as many as these.
+    void begin(const ColorTables& colors, std::size_t mostRuns);
+    /// The run's index in `runs`.
+    std::uint32_t add(const RunNumbers& run, std::span<const DroppedRegion> dropped,
+                      std::span<const SplatStage> stages, const Viewpoint& viewpoint);
+};
+
+}  // namespace scancast::gl

@@ -1,0 +1,96 @@
+// One cut seen from one viewpoint: its runs made ready once, then drawn once per jittered frame through all
+// splat passes and resolved into planes of pixels. A picture is a layer; every mirror that it shows is
+// another. The GPU's counterpart of cpu/layer.hpp. Place: cut → **layer** → screen passes.
+//
+// Made for one draw() of the device, on its thread; everything, destruction included, inside a Current scope.
+#pragma once
+
+#include <memory>
+#include <stop_token>
+#include <vector>
+
+#include "renderer/device/gl/memory/layer_memory.hpp"
+#include "renderer/device/gl/memory/sample_cache.hpp"
+#include "renderer/device/gl/memory/splat_memory.hpp"
+#include "renderer/device/gl/memory/splat_params.hpp"
+#include "renderer/device/gl/passes/gpu_timers.hpp"
+#include "renderer/device/gl/passes/planes.hpp"
+#include "renderer/device/gl/passes/slices.hpp"
+#include "renderer/device/gl/programs/programs.hpp"
+#include "renderer/device/gl/programs/screen_shaders.hpp"
+#include "renderer/device/gl/programs/splat_variants.hpp"
+
+namespace scancast::gl {
+
+/// What the device lends to a layer.
+struct LayerParts {
+    const GlFunctions& gl;
+    Programs& programs;
+    ScreenShaders& screen;
+    SampleCache& samples;
+    Slices& slices;
+    SplatMemory& memory;  ///< of the layer being drawn: all layers of a device may share one
+    LayerMemory& tables;  ///< this layer's alone
+};
+
+class Layer {
+  public:
+    /// `area` (x, y, width, height) of the whole picture, shifted by sight.pad as planes are. Everything
+    /// given outlives the layer. ResourceLimit: too many runs for a storage block, or no memory.
+    static Expected<std::unique_ptr<Layer>> create(const LayerParts& parts, const Drawing& drawing,
+                                                   const Cut& cut, const SampleFilter& filter,
+                                                   const Sight& sight, const PassPlan& plan, ivec4 area);
+
+    /// Splats and resolves one frame; `planes` cover the layer's area, and nothing outside it is touched.
+    /// Normals are written where there is a plane of them and the plan resolves them. Adds to the stages
+    /// "prepare" (the host finds or uploads samples, and tells where they are), "silhouette", "nearest",
+    /// "sum", "cell" and "resolve". Errors: Cancelled, ResourceLimit, DeviceLost.
+    Expected<void> draw(const glm::dvec2& jitter, const GpuPlanes& planes, StageTimes& times,
+                        const std::stop_token& stop);
+
+  private:
+    /// Of a batch's page, in the chunks and extents that the GPU has.
+    struct PageWork {
+        std::uint32_t firstChunk = 0, chunks = 0;
+        std::uint32_t firstExtent = 0, extents = 0;
+    };
+
+    Layer(const LayerParts& parts, const Drawing& drawing, const SampleFilter& filter, const Sight& sight,
+          const PassPlan& plan, ivec4 area);
+    std::vector<std::uint32_t> addRuns(const Drawing& drawing, const Cut& cut, const SampleFilter& filter);
+    Expected<void> upload();
+    Expected<void> gather(StageTimes& times, const std::stop_token& stop);
+    Expected<void> begin(const SampleBatch& batch);
+    Expected<void> drawBand(ivec4 band, std::span<const SplatStage> stages, const GpuPlanes& planes,
+                            StageTimes& times, const std::stop_token& stop);
+    Expected<void> splat(std::size_t index, const SplatStage& stage, ivec4 band, const std::stop_token& stop);
+    Expected<void> splatKeys(const SplatStage& stage, KeyPlane& into, std::size_t pixels, bool payloads,
+                             const std::stop_token& stop);
+    Expected<void> splatOnce(const SplatStage& stage, Keep keep, const std::stop_token& stop);
+    Expected<void> resolve(ivec4 band, const GpuPlanes& planes, const std::stop_token& stop);
+    Expected<void> resolveKeys(const ResolveParams& params, const GpuPlanes& planes, bool normals);
+    Expected<void> resolveSamples(ResolveParams params, const GpuPlanes& planes, bool normals,
+                                  const std::stop_token& stop);
+    Expected<void> resolveSums(const ResolveParams& params, const GpuPlanes& planes, bool normals);
+    Expected<void> overPixels(ivec4 area, const ShaderVariant& variant);
+    /// The keys that colours come from.
+    const KeyPlane& colors() const;
+    void bindColors() const;
+
+    const LayerParts parts_;
+    const Sight sight_;
+    const PassPlan& plan_;
+    const ivec4 area_;
+    std::vector<SplatStage> stages_;
+    LayerTraits traits_;
+    std::uint32_t chunkSamples_ = 0;  ///< of a chunk at most
+    SplatTables& tables_;
+    std::vector<std::uint32_t> background_;  ///< rows of area_
+    const bool byClass_;
+    std::vector<std::uint32_t> runOfCut_;  ///< from the cut's runs to the tables'
+    std::unique_ptr<CutSamples> samples_;
+    std::uint64_t version_ = 0;  ///< of the batch that pages_ stand for
+    std::vector<PageWork> pages_;
+};
+
+}  // namespace scancast::gl

@@ -1,0 +1,118 @@
+#include "renderer/device/gl/passes/picture.hpp"
+
+#include <utility>
+
+namespace scancast::gl {
+namespace {
+
+/// Of a picture of a hundred million points, all its tables.
+constexpr std::size_t tablesRingBytes = std::size_t{16} << 20;
+
+ivec4 vectorOf(const Window& w) {
+    return {w.x, w.y, w.width, w.height};
+}
+
+}  // namespace
+
+Workshop::Workshop(const std::shared_ptr<const Context>& context, const std::filesystem::path& programFolder,
+                   const Arithmetic& arithmetic, const SampleCacheOptions& cache, const SplatLimits& limits)
+    : gl(context->functions()),
+      programs(gl, programFolder, arithmetic),
+      shaders(gl, programs),
+      samples(gl, cache),
+      slices(gl),
+      splats(gl, limits),
+      pyramid(shaders),
+      average(shaders),
+      timers(gl),
+      tablesRing(gl, tablesRingBytes),
+      frame(gl),
+      rgba(gl, "picture's colours"),
+      depth(gl, "picture's depths"),
+      readBack(gl, context) {}
+
+LayerParts Workshop::layerParts(std::size_t layer) {
+    while (tables.size() <= layer) tables.push_back(std::make_unique<LayerMemory>(gl, tablesRing));
+    return {gl, programs, shaders, samples, slices, splats, *tables[layer]};
+}
+
+Picture::Picture(Workshop& shop, const Drawing& drawing, const PassPlan& plan, std::stop_token stop)
+    : shop_(shop),
+      drawing_(drawing),
+      plan_(plan),
+      stop_(std::move(stop)),
+      shown_(pictureArea(drawing, plan)),
+      window_(vectorOf(shown_.window)),
+      area_(vectorOf(shown_.area)) {}
+
+Expected<void> Picture::makeLayers(StageTimes& times) {
+    const StageTimes::HostScope timed(times, "prepare");
+    auto layer = Layer::create(shop_.layerParts(0), drawing_, *drawing_.cut, drawing_.filter, shown_.sight,
+                               plan_, area_);
+    if (!layer) return tl::unexpected(layer.error());
+    layer_ = std::move(*layer);
+    for (const Reflection& reflection : drawing_.reflections) {
+        const std::size_t at = mirrors_.size();
+        if (shop_.mirrors.size() <= at) shop_.mirrors.push_back(std::make_unique<PlaneMemory>(shop_.gl));
+        auto mirror = MirrorLayer::create(shop_.layerParts(at + 1), shop_.shaders, *shop_.mirrors[at],
+                                          drawing_, reflection, shown_.sight, plan_, area_);
+        if (!mirror) return tl::unexpected(mirror.error());
+        if (*mirror) mirrors_.push_back(std::move(*mirror));
+    }
+    return {};
+}
+
+template <class Work>
+Expected<void> Picture::onMirrors(StageTimes& times, const Work& work) {
+    if (mirrors_.empty()) return {};
+    const StageTimes::Scope timed(times, "mirrors");
+    for (const auto& mirror : mirrors_) {
+        if (auto done = work(*mirror); !done) return done;
+    }
+    return {};
+}
+
+Expected<void> Picture::drawFrame(const glm::dvec2& jitter, const GpuPlanes& planes, StageTimes& times) {
+    if (auto drawn = layer_->draw(jitter, planes, times, stop_); !drawn) return drawn;
+    auto reflected =
+        onMirrors(times, [&](MirrorLayer& mirror) { return mirror.draw(jitter, planes, times, stop_); });
+    if (!reflected) return reflected;
+    auto screened = runScreenPasses(plan_.screen, shown_.sight, jitter, planes, shop_.shaders, shop_.pyramid,
+                                    times, stop_);
+    if (!screened) return screened;
+    return onMirrors(times, [&](const MirrorLayer& mirror) { return mirror.finish(jitter, planes); });
+}
+
+Expected<std::unique_ptr<ReadBack::Transfer>> Picture::draw(StageTimes& times) {
+    if (auto made = makeLayers(times); !made) return tl::unexpected(made.error());
+    const auto planes = shop_.frame.planes(area_, plan_.normals());
+    if (!planes) return tl::unexpected(planes.error());
+    const std::size_t pixels = static_cast<std::size_t>(window_.z) * static_cast<std::size_t>(window_.w);
+    const bool averaged = drawing_.jitter.size() > 1;
+    // One frame with nothing around it is read from where it was drawn.
+    const bool asDrawn = !averaged && area_ == window_;
+    Expected<void> done;
+    if (!asDrawn) done = shop_.rgba.reserve(pixels * 4);
+    if (done && !asDrawn && drawing_.depth) done = shop_.depth.reserve(pixels * 4);
+    if (done && averaged) done = shop_.average.begin(window_.z, window_.w);
+    for (std::size_t i = 0; done && i < drawing_.jitter.size(); ++i) {
+        done = drawFrame(drawing_.jitter[i], *planes, times);
+        if (done && i == 0 && !asDrawn && drawing_.depth)
+            done = crop(*planes->depth, area_, window_, shop_.depth, shop_.shaders);
+        if (done && averaged) {
+            const StageTimes::Scope timed(times, "average");
+            done = shop_.average.add(*planes, window_);
+        }
+    }
+    if (done && !asDrawn) {
+        const StageTimes::Scope timed(times, averaged ? "average" : "read-back");
+        done = averaged ? shop_.average.write(shop_.rgba)
+                        : crop(*planes->rgba, area_, window_, shop_.rgba, shop_.shaders);
+    }
+    if (!done) return tl::unexpected(done.error());
+    const StageTimes::Scope timed(times, "read-back");
+    const Buffer* const depth = !drawing_.depth ? nullptr : asDrawn ? planes->depth : &shop_.depth;
+    return shop_.readBack.start(asDrawn ? *planes->rgba : shop_.rgba, depth, pixels);
+}
+
+}  // namespace scancast::gl

@@ -1,0 +1,68 @@
+// Draws one picture's frames on the GPU: the work between a checked Drawing and its pixels on their way to
+// the host. As cpu/picture.hpp: layers, mirrors, screen passes, the mean of the jittered frames. Made for one
+// picture, on the device's thread, inside a Current scope. Pipeline: drawing → **picture** → read-back.
+#pragma once
+
+#include <memory>
+#include <stop_token>
+#include <vector>
+
+#include "renderer/device/gl/memory/read_back.hpp"
+#include "renderer/device/gl/passes/average.hpp"
+#include "renderer/device/gl/passes/mirror_layer.hpp"
+#include "renderer/device/gl/passes/screen_passes.hpp"
+#include "renderer/device/plan/picture_area.hpp"
+
+namespace scancast::gl {
+
+/// What lives as long as the device: programs, samples, and buffers, so that pictures do not wait for fresh
+/// memory.
+struct Workshop {
+    /// Pictures that are read back keep the context, too (read_back.hpp).
+    Workshop(const std::shared_ptr<const Context>& context, const std::filesystem::path& programFolder,
+             const Arithmetic& arithmetic, const SampleCacheOptions& cache, const SplatLimits& limits);
+
+    const GlFunctions& gl;
+    Programs programs;
+    ScreenShaders shaders;
+    SampleCache samples;
+    Slices slices;
+    SplatMemory splats;
+    Pyramid pyramid;
+    Average average;
+    GpuTimers timers;
+    StagingRing tablesRing;
+    std::vector<std::unique_ptr<LayerMemory>> tables;  ///< by layer
+    PlaneMemory frame;
+    std::vector<std::unique_ptr<PlaneMemory>> mirrors;
+    Buffer rgba, depth;  ///< of the window
+    ReadBack readBack;
+
+    /// For a picture's layer (0), or its mirrors' (from 1 on).
+    LayerParts layerParts(std::size_t layer);
+};
+
+class Picture {
+  public:
+    Picture(Workshop& shop, const Drawing& drawing, const PassPlan& plan, std::stop_token stop);
+    /// Everything is asked of the GPU; its pixels arrive later. Times its stages. Errors: Cancelled,
+    /// ResourceLimit, DeviceLost.
+    Expected<std::unique_ptr<ReadBack::Transfer>> draw(StageTimes& times);
+
+  private:
+    Expected<void> makeLayers(StageTimes& times);
+    Expected<void> drawFrame(const glm::dvec2& jitter, const GpuPlanes& planes, StageTimes& times);
+    template <class Work>
+    Expected<void> onMirrors(StageTimes& times, const Work& work);
+
+    Workshop& shop_;
+    const Drawing& drawing_;
+    const PassPlan& plan_;
+    const std::stop_token stop_;
+    const PictureArea shown_;
+    const ivec4 window_, area_;
+    std::unique_ptr<Layer> layer_;
+    std::vector<std::unique_ptr<MirrorLayer>> mirrors_;  ///< those that lie in the area
+};
+
+}  // namespace scancast::gl

@@ -1,0 +1,116 @@
+#include "renderer/device/gl/passes/pyramid.hpp"
+
+#include <algorithm>
+#include <string>
+
+namespace scancast::gl {
+namespace {
+
+/// Of reduce.glsl and push.comp.
+constexpr int levelsAtOnce = 6, tileSide = 64;
+constexpr int normalsPerGroup = 256;
+
+}  // namespace
+
+Pyramid::Pyramid(ScreenShaders& shaders)
+    : shaders_(shaders),
+      labels_(shaders.functions(), "labels of hidden points"),
+      texels_(shaders.functions(), "pyramid of points"),
+      pulled_(shaders.functions(), "pyramid of colours") {}
+
+Expected<void> Pyramid::layOut(const PyramidView& view) {
+    shape_ = pyramidShape(view.width, view.height);
+    std::size_t texels = 0;
+    for (std::size_t k = 1; k < static_cast<std::size_t>(shape_.levels); ++k) {
+        first_[k] = static_cast<std::int32_t>(texels);
+        texels += static_cast<std::size_t>(shape_.width[k]) * static_cast<std::size_t>(shape_.height[k]);
+    }
+    const std::size_t pixels = static_cast<std::size_t>(view.width) * static_cast<std::size_t>(view.height);
+    const std::size_t bytes = texels * sizeof(vec4);
+    if (std::max(bytes, pixels * 4) > shaders_.largestBuffer())
+        return fail(ErrorCode::ResourceLimit,
+                    "A picture of " + std::to_string(view.width) + " x " + std::to_string(view.height) +
+                        " px needs a pyramid of " + std::to_string(bytes >> 20) +
+                        " MiB, more than a shader can see here (" +
+                        std::to_string(shaders_.largestBuffer() >> 20) + " MiB); ask for a smaller one.");
+    if (auto room = labels_.reserve(pixels * 4); !room) return room;
+    if (auto room = texels_.reserve(bytes); !room) return room;
+    return pulled_.reserve(bytes);
+}
+
+PyramidParams Pyramid::paramsOf(const PyramidView& view) const {
+    const Unprojection u = unprojectionOf(view);
+    PyramidParams p{};
+    p.size = ivec4(view.width, view.height, shape_.levels, shape_.widest);
+    p.sight = vec4(u.centerX, u.centerY, u.step, u.perspective ? 1 : 0);
+    for (std::size_t k = 0; k < maxPyramidLevels; ++k)
+        p.levels[k] = ivec4(shape_.width[k], shape_.height[k], first_[k], 0);
+    return p;
+}
+
+void Pyramid::bind(const GpuPlanes& planes) const {
+    planes.rgba->bindStorage(BindPlaneRgba);
+    planes.depth->bindStorage(BindPlaneDepth);
+    if (planes.normals != nullptr) planes.normals->bindStorage(BindPlaneNormals);
+    labels_.bindStorage(BindLabels);
+    texels_.bindStorage(BindTexels);
+    pulled_.bindStorage(BindPulled);
+}
+
+Expected<void> Pyramid::overTiles(const char* shader, int level) {
+    const std::size_t k = static_cast<std::size_t>(level);
+    const auto base = static_cast<std::uint32_t>(level);
+    return shaders_.run(shader, tilesOf(shape_.width[k], tileSide), tilesOf(shape_.height[k], tileSide), {},
+                        &base);
+}
+
+Expected<void> Pyramid::hidePoints(const GpuPlanes& planes, const PyramidView& view,
+                                   const HiddenPointsPass& pass) {
+    if (auto room = layOut(view); !room) return room;
+    const HiddenPointsNumbers numbers = hiddenPointsNumbers(view, pass);
+    PyramidParams params = paramsOf(view);
+    for (int k = 0; k < maxPyramidLevels; ++k)
+        params.farthest[k / 4][k % 4] = numbers.farthest[static_cast<std::size_t>(k)];
+    params.hide = vec4(numbers.minGap, numbers.threshold, static_cast<float>(numbers.sureLevel), 0);
+    if (auto set = shaders_.set(params); !set) return set;
+    bind(planes);
+    for (int level = 0; level < shape_.levels - 1; level += levelsAtOnce) {
+        if (auto done = overTiles("point_pyramid.comp", level); !done) return done;
+    }
+    return shaders_.run("hide_points.comp", tilesOf(view.width, blockSize), tilesOf(view.height, blockSize));
+}
+
+Expected<void> Pyramid::fill(const GpuPlanes& planes, const PyramidView& view) {
+    if (auto set = shaders_.set(paramsOf(view)); !set) return set;
+    bind(planes);
+    int level = 0;
+    for (; level < shape_.levels - 1; level += levelsAtOnce) {
+        if (auto done = overTiles("pull.comp", level); !done) return done;
+    }
+    while (level > 0) {
+        level -= levelsAtOnce;
+        if (auto done = overTiles("push.comp", level); !done) return done;
+    }
+    return {};
+}
+
+Expected<void> Pyramid::findNormals(const GpuPlanes& planes, const PyramidView& view,
+                                    const DepthNormalsPass& pass) {
+    const NormalNumbers numbers = normalNumbers(view, shape_, pass);
+    const int first = std::max(numbers.first(), 1), count = numbers.count;
+    PyramidParams params = paramsOf(view);
+    params.normals = vec4(static_cast<float>(numbers.scaled), static_cast<float>(numbers.least), 0, 0);
+    params.normalLevels = ivec4(first, count, 0, 0);
+    if (auto set = shaders_.set(params); !set) return set;
+    bind(planes);
+    if (count > first) {
+        const std::size_t last = static_cast<std::size_t>(count - 1);
+        const int end = first_[last] + shape_.width[last] * shape_.height[last];
+        const int texels = end - first_[static_cast<std::size_t>(first)];
+        if (auto done = shaders_.run("level_normals.comp", tilesOf(texels, normalsPerGroup), 1); !done)
+            return done;
+    }
+    return shaders_.overPixels("pixel_normals.comp", view.width, view.height);
+}
+
+}  // namespace scancast::gl

@@ -1,0 +1,96 @@
+#include "renderer/device/gl/passes/screen_passes.hpp"
+
+#include "renderer/device/plan/screen_plan.hpp"
+
+namespace scancast::gl {
+namespace {
+
+/// One picture's planes, and what screen passes work with.
+struct Screen {
+    const Sight& sight;
+    const glm::dvec2& jitter;
+    const GpuPlanes& planes;
+    ScreenShaders& shaders;
+    Pyramid& pyramid;
+
+    PyramidView view() const {
+        const ivec4& a = planes.area;
+        return pyramidView(sight, jitter, a.x, a.y, a.z, a.w);
+    }
+    ivec4 size() const { return {planes.area.z, planes.area.w, 0, 0}; }
+};
+
+Expected<void> run(const PhongPass& pass, const Screen& s) {
+    const PhongNumbers n = phongNumbers(pass, s.sight, s.jitter, s.planes.area.x, s.planes.area.y);
+    PhongParams params{};
+    params.size = s.size();
+    params.size.z = n.x;
+    params.size.w = n.y;
+    params.eye = vec4(n.offsetX, n.offsetY, n.perspective ? n.inverseFocal : 0, 0);
+    params.shares = vec4(n.ambient, n.headlight, n.directional, n.specular);
+    if (auto set = s.shaders.set(params); !set) return set;
+    s.planes.rgba->bindStorage(BindPlaneRgba);
+    s.planes.normals->bindStorage(BindPlaneNormals);
+    return s.shaders.overPixels("light_phong.comp", params.size.x, params.size.y);
+}
+
+Expected<void> run(const EyeDomePass& pass, const Screen& s) {
+    const EyeDomeNumbers n = eyeDomeNumbers(pass);
+    EyeDomeLight params{};
+    params.size = s.size();
+    for (int k = 0; k < 4; ++k)
+        params.offsets[k] = ivec4(n.x[2 * k], n.y[2 * k], n.x[2 * k + 1], n.y[2 * k + 1]);
+    params.strength = vec4(n.factor, 0, 0, 0);
+    if (auto set = s.shaders.set(params); !set) return set;
+    s.planes.rgba->bindStorage(BindPlaneRgba);
+    s.planes.depth->bindStorage(BindPlaneDepth);
+    return s.shaders.overPixels("light_eye_dome.comp", params.size.x, params.size.y);
+}
+
+Expected<void> run(const HiddenPointsPass& pass, const Screen& s) {
+    return s.pyramid.hidePoints(s.planes, s.view(), pass);
+}
+
+Expected<void> run(const PullPushPass&, const Screen& s) {
+    return s.pyramid.fill(s.planes, s.view());
+}
+
+Expected<void> run(const DepthNormalsPass& pass, const Screen& s) {
+    return s.pyramid.findNormals(s.planes, s.view(), pass);
+}
+
+/// nullptr: not a screen pass.
+const char* stageOf(const Pass& pass) {
+    if (std::holds_alternative<PhongPass>(pass)) return "phong";
+    if (std::holds_alternative<EyeDomePass>(pass)) return "eyedome";
+    if (std::holds_alternative<HiddenPointsPass>(pass)) return "hidden points";
+    if (std::holds_alternative<PullPushPass>(pass)) return "pull-push";
+    if (std::holds_alternative<DepthNormalsPass>(pass)) return "normals";
+    return nullptr;
+}
+
+}  // namespace
+
+Expected<void> runScreenPasses(std::span<const Pass> passes, const Sight& sight, const glm::dvec2& jitter,
+                               const GpuPlanes& planes, ScreenShaders& shaders, Pyramid& pyramid,
+                               StageTimes& times, const std::stop_token& stop) {
+    const Screen screen{sight, jitter, planes, shaders, pyramid};
+    for (const Pass& pass : passes) {
+        const char* const name = stageOf(pass);
+        if (name == nullptr) continue;
+        if (stop.stop_requested())
+            return fail(ErrorCode::Cancelled, "The picture was abandoned: it is no longer wanted.");
+        const StageTimes::Scope timed(times, name);
+        auto done = std::visit(
+            [&](const auto& p) -> Expected<void> {
+                if constexpr (requires { run(p, screen); }) return run(p, screen);
+                return {};
+            },
+            pass);
+        if (done) done = checkErrors(shaders.functions(), std::string("running the pass \"") + name + "\"");
+        if (!done) return done;
+    }
+    return {};
+}
+
+}  // namespace scancast::gl

@@ -1,0 +1,11 @@
+# Writes OUTPUT, a C++ file that holds every shader FILE as text: `cmake -DOUTPUT=… -DFILES=a;b -P embed_shaders.cmake`.
+set(text "// Written at build time by embed_shaders.cmake.\n#include \"renderer/device/gl/programs/shader_source.hpp\"\n\n")
+string(APPEND text "namespace scancast::gl {\n\nconst EmbeddedShader embeddedShaders[] = {\n")
+foreach(file ${FILES})
+  get_filename_component(name "${file}" NAME)
+  file(READ "${file}" content)
+  string(APPEND text "    {\"${name}\", R\"glsl(${content})glsl\"},\n")
+endforeach()
+string(APPEND text "};\nconst std::size_t embeddedShaderCount = sizeof embeddedShaders / sizeof embeddedShaders[0];\n")
+string(APPEND text "\n}  // namespace scancast::gl\n")
+file(WRITE "${OUTPUT}" "${text}")

@@ -1,0 +1,52 @@
+// The structs that C++ and the shaders of screen passes share: one text, shaders/layouts_screen.glsl,
+// compiled by both. Plain values.
+#pragma once
+
+#include <cstddef>
+#include <glm/ext/vector_int4.hpp>
+#include <glm/ext/vector_uint4.hpp>
+#include <glm/vec4.hpp>
+
+#include "renderer/device/plan/screen_numbers.hpp"
+
+namespace scancast::gl {
+
+using glm::ivec4;
+using glm::uvec4;
+using glm::vec4;
+#include "renderer/device/gl/shaders/screen/layouts_screen.glsl"
+
+static_assert(sizeof(PhongParams) == 48);
+static_assert(offsetof(PhongParams, eye) == 16 && offsetof(PhongParams, shares) == 32);
+static_assert(sizeof(EyeDomeLight) == 96);
+static_assert(offsetof(EyeDomeLight, offsets) == 16 && offsetof(EyeDomeLight, strength) == 80);
+static_assert(sizeof(PartParams) == 48);
+static_assert(offsetof(PartParams, window) == 16 && offsetof(PartParams, frames) == 32);
+static_assert(sizeof(GlassParams) == 96);
+static_assert(offsetof(GlassParams, depthAt) == 32 && offsetof(GlassParams, tint) == 80);
+static_assert(pyramidLevels == maxPyramidLevels);
+static_assert(sizeof(PyramidParams) == 560);
+static_assert(offsetof(PyramidParams, sight) == 16 && offsetof(PyramidParams, levels) == 32);
+static_assert(offsetof(PyramidParams, farthest) == 416 && offsetof(PyramidParams, hide) == 512);
+static_assert(offsetof(PyramidParams, normals) == 528 && offsetof(PyramidParams, normalLevels) == 544);
+
+/// Storage blocks of screen passes; the shaders name the same numbers. Uniform block 0 is the pass's own.
+enum ScreenBinding : unsigned {
+    BindPlaneRgba = 0,
+    BindPlaneDepth = 1,
+    BindPlaneNormals = 2,
+    BindLabels = 3,
+    BindTexels = 4,
+    BindPulled = 5,
+    // glass.comp
+    BindReflectedRgba = 3,
+    BindReflectedDepth = 4,
+    BindReflectedNormals = 5,
+    // crop.comp, accumulate.comp, average.comp
+    BindPart = 0,
+    BindCropped = 1,
+    BindRedBlue = 1,
+    BindGreenAlpha = 2,
+};
+
+}  // namespace scancast::gl

@@ -1,0 +1,46 @@
+// Which variants of the splat and resolve shaders there are: what is known before a pass runs is a #define,
+// the rest are parameters. Pure functions. Place: stages → **variants** → programs.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "renderer/device/gl/programs/shader_source.hpp"
+#include "renderer/device/gl/programs/splat_limits.hpp"
+#include "renderer/device/plan/pass_plan.hpp"
+#include "renderer/device/plan/stages.hpp"
+
+namespace scancast::gl {
+
+/// A shader and its #defines.
+struct ShaderVariant {
+    std::string_view shader;
+    std::vector<Define> defines;
+};
+
+/// What a dispatch keeps of keys: all of them, by 64-bit atomics, or their upper and lower halves one after
+/// the other.
+enum class Keep : std::uint8_t { Order, Payload, Key };
+
+/// What holds for all passes of a layer.
+struct LayerTraits {
+    SplatLimits limits;       ///< the driver's
+    bool filters = false;     ///< some samples are not drawn: classes, clip box, dropped regions
+    bool silhouette = false;  ///< there is a silhouette to test by
+};
+
+/// splat.comp.
+ShaderVariant splatVariant(const SplatStage& stage, const LayerTraits& traits, Keep keep);
+/// Samples that a work group may take, 1 .. samplesPerChunk, so that no thread's loops turn more often than
+/// the driver allows, on pictures of `pixels`; `regions` = dropped regions that a sample is tested against.
+std::uint32_t chunkSamples(const SplatStage& stage, const LayerTraits& traits, std::size_t pixels,
+                           std::size_t regions);
+/// resolve_keys.comp, resolve_samples.comp, resolve_sums.comp; `normals`: into a plane of them.
+ShaderVariant resolveKeysVariant(const PassPlan& plan, bool keys64, bool normals);
+ShaderVariant resolveSamplesVariant(SplatColoring coloring, bool keys64, bool normals);
+ShaderVariant resolveSumsVariant(const PassPlan& plan, bool keys64, bool normals);
+
+/// Every variant that some list of passes can ask for, of all four shaders: for tests that compile them.
+std::vector<ShaderVariant> allSplatVariants();
+
+}  // namespace scancast::gl

@@ -1,0 +1,229 @@
+#include "server/base/metrics.hpp"
+
+#include <prometheus/counter.h>
+#include <prometheus/gauge.h>
+#include <prometheus/histogram.h>
+#include <prometheus/registry.h>
+#include <prometheus/text_serializer.h>
+
+#include <mutex>
+
+namespace scancast {
+namespace {
+
+using Buckets = prometheus::Histogram::BucketBoundaries;
+
+const Buckets renderBuckets{0.001, 0.002, 0.005, 0.01, 0.02, 0.033, 0.05, 0.1, 0.2, 0.5, 1, 2, 5, 10};
+const Buckets encodeBuckets{0.0005, 0.001, 0.002, 0.005, 0.01, 0.02, 0.05, 0.1, 0.5};
+const Buckets byteBuckets{4096, 16384, 32768, 65536, 131072, 262144, 524288, 1048576, 4194304};
+
+const char* name(DropReason reason) {
+    switch (reason) {
+        case DropReason::Overwritten:
+            return "overwritten";
+        case DropReason::Abandoned:
+            return "abandoned";
+        case DropReason::Deadline:
+            return "deadline";
+        case DropReason::Failed:
+            return "failed";
+        case DropReason::Gone:
+            return "gone";
+        case DropReason::Lacking:
+            return "lacking";
+    }
+    return "unknown";
+}
+
+}  // namespace
+
+struct Metrics::Families {
+    std::mutex residency;
+    prometheus::Registry registry;
+    prometheus::Family<prometheus::Histogram>& render =
+        prometheus::BuildHistogram()
+            .Name("scancast_frame_render_seconds")
+            .Help("Time from view to frame in memory, encoding left out")
+            .Register(registry);
+    prometheus::Histogram& encode = prometheus::BuildHistogram()
+                                        .Name("scancast_frame_encode_seconds")
+                                        .Help("Time to encode one picture")
+                                        .Register(registry)
+                                        .Add({}, encodeBuckets);
+    prometheus::Histogram& bytes = prometheus::BuildHistogram()
+                                       .Name("scancast_frame_bytes")
+                                       .Help("Size of one encoded picture")
+                                       .Register(registry)
+                                       .Add({}, byteBuckets);
+    prometheus::Counter& sent = prometheus::BuildCounter()
+                                    .Name("scancast_frames_sent_total")
+                                    .Help("Frames written to streams")
+                                    .Register(registry)
+                                    .Add({});
+    prometheus::Family<prometheus::Counter>& dropped =
+        prometheus::BuildCounter()
+            .Name("scancast_frames_dropped_total")
+            .Help("Pictures that were wished for and never shown")
+            .Register(registry);
+    prometheus::Histogram& viewToFrame =
+        prometheus::BuildHistogram()
+            .Name("scancast_view_to_frame_seconds")
+            .Help("Time from the arrival of a view to the writing of its first frame")
+            .Register(registry)
+            .Add({}, renderBuckets);
+    prometheus::Gauge& sessions = prometheus::BuildGauge()
+                                      .Name("scancast_sessions")
+                                      .Help("Open stream sessions")
+                                      .Register(registry)
+                                      .Add({});
+    prometheus::Gauge& points = prometheus::BuildGauge()
+                                    .Name("scancast_points_resident")
+                                    .Help("Scan points held in memory")
+                                    .Register(registry)
+                                    .Add({});
+    prometheus::Gauge& awaited = prometheus::BuildGauge()
+                                     .Name("scancast_pictures_awaited")
+                                     .Help("Requests that wait for a snapshot or a pick")
+                                     .Register(registry)
+                                     .Add({});
+    prometheus::Counter& incomplete = prometheus::BuildCounter()
+                                          .Name("scancast_frames_incomplete_total")
+                                          .Help("Frames rendered with ancestors for blocks not in memory")
+                                          .Register(registry)
+                                          .Add({});
+    prometheus::Gauge& residentBytes = prometheus::BuildGauge()
+                                           .Name("scancast_residency_bytes")
+                                           .Help("Memory that clouds take, blocks held by pictures included")
+                                           .Register(registry)
+                                           .Add({});
+    prometheus::Gauge& residentLimit = prometheus::BuildGauge()
+                                           .Name("scancast_residency_limit_bytes")
+                                           .Help("The memory limit")
+                                           .Register(registry)
+                                           .Add({});
+    prometheus::Gauge& deviceBytes = prometheus::BuildGauge()
+                                         .Name("scancast_device_memory_bytes")
+                                         .Help("Memory of the GPU that holds samples")
+                                         .Register(registry)
+                                         .Add({});
+    prometheus::Counter& blocksLoaded = prometheus::BuildCounter()
+                                            .Name("scancast_blocks_loaded_total")
+                                            .Help("Blocks of cloud files read into memory")
+                                            .Register(registry)
+                                            .Add({});
+    prometheus::Counter& blocksEvicted = prometheus::BuildCounter()
+                                             .Name("scancast_blocks_evicted_total")
+                                             .Help("Blocks of cloud files given up for others")
+                                             .Register(registry)
+                                             .Add({});
+    prometheus::Counter& blocksDamaged = prometheus::BuildCounter()
+                                             .Name("scancast_block_load_errors_total")
+                                             .Help("Blocks of cloud files that could not be read")
+                                             .Register(registry)
+                                             .Add({});
+    std::mutex device;
+    prometheus::Family<prometheus::Gauge>& devices = prometheus::BuildGauge()
+                                                         .Name("scancast_device_info")
+                                                         .Help("Always 1; what draws is its label")
+                                                         .Register(registry);
+    prometheus::Gauge* deviceInUse = nullptr;
+    prometheus::Counter& devicesLost = prometheus::BuildCounter()
+                                           .Name("scancast_devices_lost_total")
+                                           .Help("Rendering devices that were there and are gone")
+                                           .Register(registry)
+                                           .Add({});
+    prometheus::Family<prometheus::Counter>& requests = prometheus::BuildCounter()
+                                                            .Name("scancast_http_requests_total")
+                                                            .Help("HTTP requests answered")
+                                                            .Register(registry);
+};
+
+Metrics::Metrics(std::string_view version) : families_(std::make_unique<Families>()) {
+    prometheus::BuildGauge()
+        .Name("scancast_build_info")
+        .Help("Always 1; the version is its label")
+        .Register(families_->registry)
+        .Add({{"version", std::string(version)}})
+        .Set(1);
+    // Counters that exist from the start read as 0 instead of "no data".
+    for (DropReason reason : {DropReason::Overwritten, DropReason::Abandoned, DropReason::Deadline,
+                              DropReason::Failed, DropReason::Gone, DropReason::Lacking}) {
+        families_->dropped.Add({{"reason", name(reason)}});
+    }
+}
+
+Metrics::~Metrics() = default;
+
+void Metrics::frameRendered(std::string_view method, double seconds, bool complete) {
+    if (!complete) families_->incomplete.Increment();
+    families_->render.Add({{"method", std::string(method)}}, renderBuckets).Observe(seconds);
+}
+
+void Metrics::frameEncoded(double seconds, std::uint64_t bytes) {
+    families_->encode.Observe(seconds);
+    families_->bytes.Observe(double(bytes));
+}
+
+void Metrics::frameSent(double viewToFrameSeconds) {
+    families_->sent.Increment();
+    families_->viewToFrame.Observe(viewToFrameSeconds);
+}
+
+void Metrics::setDevice(std::string_view name, std::string_view renderer) {
+    const std::lock_guard lock(families_->device);
+    if (families_->deviceInUse) families_->devices.Remove(families_->deviceInUse);
+    families_->deviceInUse = nullptr;
+    if (name.empty()) return;
+    families_->deviceInUse =
+        &families_->devices.Add({{"name", std::string(name)}, {"renderer", std::string(renderer)}});
+    families_->deviceInUse->Set(1);
+}
+
+void Metrics::deviceLost() {
+    families_->devicesLost.Increment();
+}
+
+void Metrics::frameDropped(DropReason reason) {
+    families_->dropped.Add({{"reason", name(reason)}}).Increment();
+}
+
+void Metrics::sessionOpened() {
+    families_->sessions.Increment();
+}
+void Metrics::sessionClosed() {
+    families_->sessions.Decrement();
+}
+void Metrics::setPointsResident(std::uint64_t points) {
+    families_->points.Set(double(points));
+}
+
+void Metrics::setPicturesAwaited(std::size_t requests) {
+    families_->awaited.Set(double(requests));
+}
+
+void Metrics::setDeviceMemory(std::uint64_t bytes) {
+    families_->deviceBytes.Set(double(bytes));
+}
+
+void Metrics::setResidency(const BlockCacheStats& stats) {
+    const std::lock_guard lock(families_->residency);
+    families_->residentBytes.Set(double(stats.bytes));
+    families_->residentLimit.Set(double(stats.limit));
+    const auto raise = [](prometheus::Counter& counter, std::uint64_t total) {
+        const double more = double(total) - counter.Value();
+        if (more > 0) counter.Increment(more);
+    };
+    raise(families_->blocksLoaded, stats.blocksLoaded);
+    raise(families_->blocksEvicted, stats.blocksEvicted);
+    raise(families_->blocksDamaged, stats.blocksDamaged);
+}
+
+void Metrics::httpRequest(std::string_view route, int code) {
+    families_->requests.Add({{"route", std::string(route)}, {"code", std::to_string(code)}}).Increment();
+}
+
+std::string Metrics::text() const {
+    return prometheus::TextSerializer().Serialize(families_->registry.Collect());
+}
+
+}  // namespace scancast

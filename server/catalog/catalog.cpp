@@ -1,0 +1,188 @@
+#include "server/catalog/catalog.hpp"
+
+#include <algorithm>
+
+#include "protocol/nearest_name.hpp"
+#include "renderer/cloud/cloud.hpp"
+
+namespace scancast {
+
+std::string_view name(CloudState state) {
+    switch (state) {
+        case CloudState::Loading:
+            return "loading";
+        case CloudState::Ready:
+            return "ready";
+        case CloudState::Failed:
+            return "failed";
+    }
+    return "unknown";
+}
+
+std::string cloudIdFor(std::string_view stem) {
+    constexpr std::size_t longest = 64;
+    std::string id;
+    for (char c : stem) {
+        const bool safe = (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') ||
+                          c == '_' || (c == '.' && !id.empty());
+        if (safe) {
+            id.push_back(c);
+        } else if (!id.empty() && id.back() != '-') {
+            id.push_back('-');
+        }
+        if (id.size() == longest) break;
+    }
+    while (!id.empty() && (id.back() == '-' || id.back() == '.')) id.pop_back();
+    return id.empty() ? "cloud" : id;
+}
+
+CatalogEntry* Catalog::findLocked(std::string_view id) {
+    const auto at = std::find_if(entries_.begin(), entries_.end(), [&](const auto& e) { return e.id == id; });
+    return at == entries_.end() ? nullptr : &*at;
+}
+
+const CatalogEntry* Catalog::findLocked(std::string_view id) const {
+    return const_cast<Catalog*>(this)->findLocked(id);
+}
+
+std::string Catalog::add(std::string_view title) {
+    const std::lock_guard lock(mutex_);
+    const std::string wanted = cloudIdFor(title);
+    std::string id = wanted;
+    for (int n = 2; findLocked(id) != nullptr; ++n) id = wanted + "-" + std::to_string(n);
+    addLocked(id, title);
+    return id;
+}
+
+bool Catalog::addAs(std::string_view id, std::string_view title) {
+    const std::lock_guard lock(mutex_);
+    if (findLocked(id) != nullptr) return false;
+    addLocked(std::string(id), title);
+    return true;
+}
+
+void Catalog::addLocked(std::string id, std::string_view title) {
+    CatalogEntry entry;
+    entry.id = std::move(id);
+    entry.title = std::string(title);
+    entries_.push_back(std::move(entry));
+}
+
+void Catalog::setTitle(std::string_view id, std::string_view title) {
+    const std::lock_guard lock(mutex_);
+    CatalogEntry* entry = findLocked(id);
+    if (entry == nullptr) return;
+    entry->title = std::string(title);
+    entry->titled = true;
+}
+
+bool Catalog::remove(std::string_view id) {
+    CatalogEntry last;  // a large cloud takes its time to go, which nobody else waits for
+    const std::lock_guard lock(mutex_);
+    const auto at = std::find_if(entries_.begin(), entries_.end(), [&](const auto& e) { return e.id == id; });
+    if (at == entries_.end()) return false;
+    last = std::move(*at);
+    entries_.erase(at);
+    return true;
+}
+
+void Catalog::setProgress(std::string_view id, std::string_view stage, std::uint64_t done,
+                          std::uint64_t total) {
+    const std::lock_guard lock(mutex_);
+    CatalogEntry* entry = findLocked(id);
+    if (entry == nullptr || entry->state != CloudState::Loading) return;
+    entry->stage = std::string(stage);
+    entry->progress.reset();
+    if (total > 0) entry->progress = std::min(1.0, double(done) / double(total));
+}
+
+void Catalog::setReady(std::string_view id, std::shared_ptr<const Cloud> cloud) {
+    const std::lock_guard lock(mutex_);
+    if (CatalogEntry* entry = findLocked(id)) {
+        entry->state = CloudState::Ready;
+        entry->stage.clear();
+        entry->progress.reset();
+        entry->cloud = std::move(cloud);
+    }
+}
+
+void Catalog::setPreview(std::string_view id, std::shared_ptr<const Cloud> cloud) {
+    const std::lock_guard lock(mutex_);
+    CatalogEntry* entry = findLocked(id);
+    if (entry != nullptr && entry->state == CloudState::Loading) entry->cloud = std::move(cloud);
+}
+
+void Catalog::setFailed(std::string_view id, std::string reason) {
+    const std::lock_guard lock(mutex_);
+    if (CatalogEntry* entry = findLocked(id)) {
+        entry->state = CloudState::Failed;
+        entry->stage.clear();
+        entry->progress.reset();
+        entry->cloud.reset();
+        entry->error = std::move(reason);
+    }
+}
+
+std::vector<CatalogEntry> Catalog::list() const {
+    const std::lock_guard lock(mutex_);
+    return entries_;
+}
+
+std::optional<CatalogEntry> Catalog::find(std::string_view id) const {
+    const std::lock_guard lock(mutex_);
+    const CatalogEntry* entry = findLocked(id);
+    return entry == nullptr ? std::nullopt : std::optional(*entry);
+}
+
+tl::expected<std::shared_ptr<const Cloud>, Problem> Catalog::cloud(std::string_view id) const {
+    const auto refuse = [](int status, std::string detail) {
+        Problem problem = problemOf(status, std::move(detail));
+        problem.errors.push_back({"cloud", problem.detail});
+        return tl::unexpected(std::move(problem));
+    };
+    const auto entry = find(id);
+    if (!entry) {
+        return refuse(
+            404, "There is no cloud named " + quoteText(id) + " here; /api/v1/clouds lists those there are.");
+    }
+    if (entry->state == CloudState::Failed) {
+        return refuse(404, "The cloud \"" + entry->id + "\" could not be loaded: " + entry->error);
+    }
+    if (!entry->cloud) {
+        return refuse(503, "The cloud \"" + entry->id + "\" is still being loaded; ask again in a moment.");
+    }
+    return entry->cloud;
+}
+
+std::string Catalog::defaultId() const {
+    const std::lock_guard lock(mutex_);
+    for (const auto& entry : entries_) {
+        if (entry.state == CloudState::Ready) return entry.id;
+    }
+    for (const auto& entry : entries_) {
+        if (entry.cloud) return entry.id;
+    }
+    return entries_.empty() ? std::string() : entries_.front().id;
+}
+
+bool Catalog::settled() const {
+    const std::lock_guard lock(mutex_);
+    const auto is = [](CloudState state) {
+        return [state](const auto& entry) { return entry.state == state; };
+    };
+    return std::none_of(entries_.begin(), entries_.end(), is(CloudState::Loading)) &&
+           std::any_of(entries_.begin(), entries_.end(), is(CloudState::Ready));
+}
+
+std::uint64_t Catalog::pointsResident() const {
+    const std::lock_guard lock(mutex_);
+    std::uint64_t points = 0;
+    for (const auto& entry : entries_) {
+        if (!entry.cloud || entry.cloud->octree.nodes().empty()) continue;
+        const SampleStore& store = entry.cloud->octree.store();
+        points += store.whole() ? entry.cloud->points : store.bytesResident() / sizeof(Sample);
+    }
+    return points;
+}
+
+}  // namespace scancast

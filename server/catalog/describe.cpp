@@ -1,0 +1,171 @@
+#include "server/catalog/describe.hpp"
+
+#include <nlohmann/json.hpp>
+
+#include "protocol/classification.hpp"
+#include "renderer/cloud/import/crs_text.hpp"
+#include "renderer/image/colormap.hpp"
+#include "renderer/render.hpp"
+
+namespace scancast {
+namespace {
+
+std::vector<AttributeInfo> attributesOf(const Cloud& cloud) {
+    std::vector<AttributeInfo> list;
+    if (cloud.attributes.color) list.push_back({"rgb", std::nullopt});
+    if (cloud.attributes.intensity) {
+        list.push_back({"intensity", std::array<double, 2>{double(cloud.intensityRange[0]),
+                                                           double(cloud.intensityRange[1])}});
+    }
+    if (cloud.attributes.classification) list.push_back({"classification", std::nullopt});
+    if (cloud.attributes.normal) list.push_back({"normal", std::nullopt});
+    return list;
+}
+
+/// {"rgb": [0, 0, 0], "intensity": 65535}: what all points have alike.
+nlohmann::json constantJson(const ConstantValues& constant) {
+    nlohmann::json json = nlohmann::json::object();
+    if (constant.color) json["rgb"] = *constant.color;
+    if (constant.intensity) json["intensity"] = *constant.intensity;
+    return json;
+}
+
+std::string_view name(Parameter::Type type) {
+    switch (type) {
+        case Parameter::Type::Number:
+            return "number";
+        case Parameter::Type::Boolean:
+            return "boolean";
+        case Parameter::Type::Choice:
+            return "choice";
+    }
+    return "number";
+}
+
+nlohmann::json pendingJson(const CatalogEntry& entry) {
+    nlohmann::json json{{"id", entry.id}, {"title", entry.title}, {"state", name(entry.state)}};
+    if (!entry.stage.empty()) json["stage"] = entry.stage;
+    if (entry.progress) json["progress"] = *entry.progress;
+    if (!entry.error.empty()) json["error"] = entry.error;
+    return json;
+}
+
+/// Of the classes that occur: {"2": "ground", …}.
+nlohmann::json classNamesJson(const Cloud& cloud) {
+    nlohmann::json names = nlohmann::json::object();
+    if (!cloud.attributes.classification) return names;
+    for (std::size_t c = 0; c < cloud.classCounts.size(); ++c)
+        if (cloud.classCounts[c] > 0) names[std::to_string(c)] = className(std::uint8_t(c));
+    return names;
+}
+
+nlohmann::json columnsJson(const Cloud& cloud) {
+    nlohmann::json list = nlohmann::json::array();
+    for (const KeptColumn& kept : cloud.columns) {
+        nlohmann::json json{
+            {"name", kept.column.name}, {"type", name(kept.column.type)}, {"range", kept.range}};
+        if (!kept.column.description.empty()) json["description"] = kept.column.description;
+        list.push_back(std::move(json));
+    }
+    return list;
+}
+
+}  // namespace
+
+CloudInfo describe(const std::string& id, const Cloud& cloud) {
+    CloudInfo info;
+    info.id = id;
+    info.title = cloud.title;
+    info.format = cloud.format;
+    info.revision = cloud.revision;
+    info.points = cloud.points;
+    info.droppedPoints = cloud.droppedPoints;
+    info.bounds = cloud.bounds;
+    info.origin = cloud.origin;
+    info.spacing = cloud.spacing;
+    info.surfels = cloud.surfels;
+    info.attributes = attributesOf(cloud);
+    if (cloud.attributes.classification) {
+        for (std::size_t c = 0; c < cloud.classCounts.size(); ++c) {
+            if (cloud.classCounts[c] > 0) info.classes.push_back(std::uint8_t(c));
+        }
+    }
+    info.crsWkt = cloud.crsWkt;
+    info.crsEpsg = cloud.crsEpsg;
+    for (const Mirror& mirror : cloud.mirrors) {
+        info.mirrors.push_back(
+            {mirror.center, mirror.normal, mirror.up, mirror.width, mirror.height, mirror.tint});
+    }
+    info.bytesResident = cloud.octree.bytesResident();
+    info.view = defaultView(cloud);
+    return info;
+}
+
+MethodInfo describe(const Method& method) {
+    MethodInfo info;
+    info.name = method.name;
+    info.title = method.title;
+    info.summary = method.summary;
+    info.source = method.source;
+    if (method.needs == Needs::Surfels) info.needs.push_back("surfels");
+    info.defaultDetail = method.defaultDetail;
+    info.defaultShading = method.defaultShading;
+    for (const Parameter& parameter : method.parameters) {
+        info.parameters.push_back({parameter.name, std::string(name(parameter.type)), parameter.defaultValue,
+                                   parameter.min, parameter.max, parameter.choices, parameter.unit,
+                                   parameter.meaning});
+    }
+    return info;
+}
+
+nlohmann::json cloudJson(const CatalogEntry& entry) {
+    if (!entry.cloud) return pendingJson(entry);
+    nlohmann::json json = toJson(describe(entry.id, *entry.cloud));
+    json.update(pendingJson(entry));
+    if (!entry.titled) json["title"] = entry.cloud->title;
+    json["columns"] = columnsJson(*entry.cloud);
+    json["constant"] = constantJson(entry.cloud->constant);
+    json["notes"] = entry.cloud->notes;
+    json["classNames"] = classNamesJson(*entry.cloud);
+    json["crsName"] = crsName(entry.cloud->crsWkt, entry.cloud->crsEpsg);
+    json["crsUnit"] = crsUnit(entry.cloud->crsWkt, entry.cloud->crsEpsg);
+    return json;
+}
+
+nlohmann::json cloudListJson(const std::vector<CatalogEntry>& entries) {
+    nlohmann::json ready = nlohmann::json::array();
+    nlohmann::json pending = nlohmann::json::array();
+    for (const CatalogEntry& entry : entries) (entry.cloud ? ready : pending).push_back(cloudJson(entry));
+    return {{"clouds", std::move(ready)}, {"pending", std::move(pending)}};
+}
+
+nlohmann::json pickedJson(const Cloud& cloud, const Picked& picked) {
+    const auto numbers = [](const auto& v) { return nlohmann::json{v.x, v.y, v.z}; };
+    const Sample& sample = picked.sample;
+    nlohmann::json json{{"position", numbers(picked.position)},
+                        {"precision", numbers(picked.precision)},
+                        {"depth", picked.depth},
+                        {"distance", picked.distance}};
+    if (cloud.attributes.color) json["rgb"] = {sample.r, sample.g, sample.b};
+    if (cloud.attributes.intensity) json["intensity"] = sample.intensity;
+    if (cloud.attributes.classification) {
+        json["classification"] = sample.classification;
+        json["className"] = className(sample.classification);
+    }
+    if (cloud.attributes.normal && sample.normal != noNormal)
+        json["normal"] = numbers(decodeNormal(sample.normal));
+    return json;
+}
+
+nlohmann::json methodListJson() {
+    std::vector<MethodInfo> list;
+    for (const Method& method : methods()) list.push_back(describe(method));
+    nlohmann::json json = toJson(list);
+    // Colour sources and maps belong to no method; clients build their menus from one answer.
+    json["colors"] = colorSourceNames;
+    json["colormaps"] = colormapNames;
+    json["shadings"] = shadingNames;
+    return json;
+}
+
+}  // namespace scancast

@@ -1,0 +1,27 @@
+// What the server says of its clouds and methods: fills in the structs of protocol/catalog.hpp.
+// Pure functions; any thread.
+#pragma once
+
+#include <nlohmann/json_fwd.hpp>
+#include <vector>
+
+#include "protocol/catalog.hpp"
+#include "renderer/cloud/cloud.hpp"
+#include "renderer/method/method.hpp"
+#include "renderer/pick/pick.hpp"
+#include "server/catalog/catalog.hpp"
+
+namespace scancast {
+
+CloudInfo describe(const std::string& id, const Cloud& cloud);
+MethodInfo describe(const Method& method);
+
+/// The bodies of `/clouds`, `/clouds/{id}` and `/methods`. Clouds that are not ready stand under "pending"
+/// with their state and progress, so that `clouds` holds complete descriptions only.
+nlohmann::json cloudListJson(const std::vector<CatalogEntry>& entries);
+nlohmann::json cloudJson(const CatalogEntry& entry);
+nlohmann::json methodListJson();
+/// A picked point: its coordinates, and of its attributes those that the cloud has.
+nlohmann::json pickedJson(const Cloud& cloud, const Picked& picked);
+
+}  // namespace scancast

@@ -1,0 +1,269 @@
+#include "server/catalog/loader.hpp"
+
+#include <fmt/format.h>
+#include <unistd.h>
+#include <xxhash.h>
+
+#include <algorithm>
+#include <system_error>
+#include <tuple>
+#include <utility>
+
+#include "renderer/cloud/build/build_cloud.hpp"
+#include "renderer/cloud/build/ingest.hpp"
+#include "renderer/residency/open_cloud.hpp"
+#include "server/base/faults.hpp"
+#include "server/catalog/preview.hpp"
+
+namespace scancast {
+namespace {
+
+namespace fs = std::filesystem;
+
+// While an octree is built in memory; about a quarter of it stays.
+constexpr std::uint64_t bytesPerPoint = 60;
+// A scan that does not say how many points it has: text has fewer to the byte, compressed files more.
+constexpr std::uint64_t bytesPerUnknownByte = 6;
+
+// Ends a scan early when the server is shut down.
+class StoppableSource final : public PointSource {
+  public:
+    StoppableSource(std::unique_ptr<PointSource> source, std::stop_token stop)
+        : source_(std::move(source)), stop_(std::move(stop)) {}
+    const ScanHeader& header() const override { return source_->header(); }
+    Expected<bool> read(PointBatch& batch) override {
+        if (stop_.stop_requested()) return fail(ErrorCode::Cancelled, "The server is shutting down.");
+        return source_->read(batch);
+    }
+    std::uint64_t droppedPoints() const override { return source_->droppedPoints(); }
+    std::vector<std::string> notes() const override { return source_->notes(); }
+    std::array<std::uint64_t, 2> bytesRead() const override { return source_->bytesRead(); }
+
+  private:
+    const std::unique_ptr<PointSource> source_;
+    const std::stop_token stop_;
+};
+
+/// Another path, size, time, program or way to build gives another name.
+std::string keptName(const ScanInput& input, const LoaderOptions& options) {
+    std::error_code error;
+    const fs::path whole = fs::weakly_canonical(input.path(), error);
+    const FileIdentity& file = input.file().identity();
+    const OctreeShape& shape = options.shape;
+    const std::string all =
+        fmt::format("{}\n{}\n{} {}\n{}\n{} {} {} {} {}", whole.string(), file.bytes, file.changed,
+                    input.mirrorsChanged(), options.version, shape.leafPoints, shape.chunkPoints,
+                    shape.surfels, shape.neighbours, options.import.keepAttributes);
+    return fmt::format("{}-{:016x}.scan", cloudIdFor(input.path().stem().string()),
+                       XXH3_64bits(all.data(), all.size()));
+}
+
+std::uint64_t memoryToBuild(const PointSource& source, const ScanInput& input) {
+    if (source.header().points) return *source.header().points * bytesPerPoint;
+    return input.bytes() * bytesPerUnknownByte;
+}
+
+/// Counts what it takes, as long as anybody looks at it.
+std::shared_ptr<const Cloud> counted(std::shared_ptr<const Cloud> cloud, BlockCache& cache) {
+    struct Counted {
+        std::shared_ptr<const Cloud> cloud;
+        std::shared_ptr<const void> bytes;
+    };
+    const std::uint64_t bytes = cloud->octree.bytesResident();
+    const auto holder = std::make_shared<const Counted>(Counted{std::move(cloud), cache.reserve(bytes)});
+    return {holder, holder->cloud.get()};
+}
+
+}  // namespace
+
+Loader::Loader(std::vector<fs::path> files, Catalog& catalog, LoaderOptions options)
+    : catalog_(catalog), options_(std::move(options)) {
+    for (auto& file : files) {
+        std::string id = catalog_.add(file.stem().string());
+        waiting_.push_back({std::move(file), std::move(id)});
+    }
+    // What opens in milliseconds does not wait for what takes minutes.
+    std::stable_partition(waiting_.begin(), waiting_.end(),
+                          [](const Job& job) { return isCloudFileAt(job.file); });
+    thread_ = std::thread([this] { run(); });
+}
+
+Loader::~Loader() {
+    requestStop();
+    thread_.join();
+}
+
+bool Loader::load(ScanInput input, std::string id) {
+    const Monitor::Lock lock(monitor_);
+    if (stop_.stop_requested() || waiting_.size() >= mostAdded) return false;
+    fs::path file = input.path();
+    waiting_.push_back({std::move(file), std::move(id), std::move(input)});
+    return true;
+}
+
+void Loader::requestStop() {
+    const Monitor::Lock lock(monitor_);
+    stop_.request_stop();
+}
+
+bool Loader::finished() const {
+    const Monitor::Look look(monitor_);
+    return !busy_ && (waiting_.empty() || stop_.stop_requested());
+}
+
+void Loader::run() {
+    while (step()) {
+    }
+}
+
+bool Loader::step() {
+    Job job;
+    {
+        Monitor::Lock lock(monitor_);
+        monitor_.wait(lock, [this] { return isDue(); });
+        if (stop_.stop_requested()) return false;
+        job = std::move(waiting_.front());
+        waiting_.pop_front();
+        busy_ = true;
+    }
+    if (!contained("The loader", [&] { loadOne(job); }))
+        std::ignore = contained("The loader", [&] { catalog_.setFailed(job.id, {}); });
+    const Monitor::Lock lock(monitor_);
+    busy_ = false;
+    return true;
+}
+
+void Loader::loadOne(Job& job) {
+    const auto start = std::chrono::steady_clock::now();
+    auto cloud = contained("Loading", [&] {
+        auto opened = job.opened ? Expected<ScanInput>(std::move(*job.opened)) : ScanInput::open(job.file);
+        return opened ? cloudOf(*opened, job.id) : tl::unexpected(std::move(opened.error()));
+    });
+    settle(job, std::move(cloud),
+           std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
+}
+
+void Loader::settle(const Job& job, Result cloud, double seconds) {
+    if (!cloud) return settleFailed(job, std::move(cloud.error()));
+    if (options_.onLoaded)
+        std::ignore = contained("Telling of a cloud", [&] { options_.onLoaded({job.id, **cloud, seconds}); });
+    auto ready = contained("The catalog", [&] { catalog_.setReady(job.id, std::move(*cloud)); });
+    if (!ready) settleFailed(job, std::move(ready.error()));
+}
+
+void Loader::settleFailed(const Job& job, Error error) {
+    const auto& [file, id, opened] = job;
+    ++failed_;
+    // Everybody may read the catalog: it names files, not where they are.
+    std::string reason = error.message;
+    for (auto at = reason.find(file.string()); file.has_parent_path() && at != std::string::npos;
+         at = reason.find(file.string()))
+        reason.replace(at, file.string().size(), file.filename().string());
+    catalog_.setFailed(id, std::move(reason));
+    if (error.message.find(file.filename().string()) == std::string::npos) {
+        error.message = file.string() + ": " + error.message;
+    }
+    if (options_.onFailed && error.code != ErrorCode::Cancelled)
+        std::ignore = contained("Telling of a failure", [&] { options_.onFailed(error); });
+}
+
+Loader::Result Loader::cloudOf(const ScanInput& input, const std::string& id) {
+    if (isCloudFile(input.file())) {
+        auto file = input.file().share();
+        if (!file) return tl::unexpected(std::move(file.error()));
+        return openCloud(std::move(*file), options_.cache);
+    }
+    auto source = openScan(input, options_.import);
+    if (!source) return tl::unexpected(std::move(source.error()));
+    const BlockCacheStats memory = options_.cache->stats();
+    const bool fits = memory.bytes + memoryToBuild(**source, input) <= memory.limit;
+    source->reset();
+    if (options_.cacheDir.empty() && fits) return build(input, id);
+
+    std::error_code none;
+    const fs::path folder = options_.cacheDir.empty() ? fs::temp_directory_path(none) : options_.cacheDir;
+    fs::path output = folder / keptName(input, options_);
+    if (options_.cacheDir.empty()) output += fmt::format(".{}", ::getpid());
+    const std::string title = input.path().filename().string();
+    if (!options_.cacheDir.empty()) {
+        auto kept = openCloud(output, options_.cache);
+        if (kept) return kept;
+        if (kept.error().code != ErrorCode::NotFound)
+            note(fmt::format("{} is built anew: {}", title, kept.error().message));
+    }
+    auto cloud = ingestTo(output, input, id);
+    // An open file without a name goes away with the process, whatever ends it.
+    if (options_.cacheDir.empty()) fs::remove(output, none);
+    if (cloud || cloud.error().code == ErrorCode::Cancelled || !fits) return cloud;
+    const bool worthAnotherTry = cloud.error().code == ErrorCode::Io ||
+                                 cloud.error().code == ErrorCode::ResourceLimit ||
+                                 cloud.error().code == ErrorCode::InvalidArgument;
+    if (!worthAnotherTry) return cloud;
+    note(fmt::format("{} is kept in memory only: {}", title, cloud.error().message));
+    return build(input, id);
+}
+
+Loader::Result Loader::build(const ScanInput& input, const std::string& id) {
+    auto source = open(input, id);
+    if (!source) return tl::unexpected(std::move(source.error()));
+    const auto building = options_.cache->reserve(memoryToBuild(**source, input));
+    BuildOptions options;
+    options.shape = options_.shape;
+    options.title = input.path().filename().string();
+    options.threads = options_.threads;
+    auto mirrors = input.mirrors();
+    if (!mirrors) return tl::unexpected(std::move(mirrors.error()));
+    options.mirrors = std::move(*mirrors);
+    auto cloud = buildCloud(**source, options, progressOf(id));
+    if (!cloud) return cloud;
+    return counted(std::move(*cloud), *options_.cache);
+}
+
+Loader::Result Loader::ingestTo(const fs::path& output, const ScanInput& input, const std::string& id) {
+    auto source = open(input, id);
+    if (!source) return tl::unexpected(std::move(source.error()));
+    IngestOptions options;
+    options.output = output;
+    options.shape = options_.shape;
+    options.title = input.path().filename().string();
+    options.threads = options_.threads;
+    options.memoryLimit = std::max(options_.cache->stats().limit / 2, leastIngestMemory);
+    auto mirrors = input.mirrors();
+    if (!mirrors) return tl::unexpected(std::move(mirrors.error()));
+    options.mirrors = std::move(*mirrors);
+    {
+        const auto building = options_.cache->reserve(options.memoryLimit);
+        std::vector<std::unique_ptr<PointSource>> sources;
+        sources.push_back(std::move(*source));
+        auto report = ingest(std::move(sources), options, progressOf(id), stop_.get_token());
+        if (!report) return tl::unexpected(std::move(report.error()));
+    }
+    return openCloud(output, options_.cache);
+}
+
+Expected<std::unique_ptr<PointSource>> Loader::open(const ScanInput& input, const std::string& id) const {
+    auto source = openScan(input, options_.import);
+    if (!source) return source;
+    PreviewOptions preview;
+    preview.title = input.path().filename().string();
+    preview.threads = options_.threads;
+    preview.first = options_.firstPreview;
+    preview.show = [this, id](std::shared_ptr<const Cloud> cloud) {
+        catalog_.setPreview(id, std::move(cloud));
+    };
+    auto stoppable = std::make_unique<StoppableSource>(std::move(*source), stop_.get_token());
+    return std::make_unique<PreviewSource>(std::move(stoppable), std::move(preview));
+}
+
+ProgressSink Loader::progressOf(const std::string& id) const {
+    return [this, id](const Progress& progress) {
+        catalog_.setProgress(id, progress.stage, progress.done, progress.total);
+        if (options_.onProgress) options_.onProgress(id, progress);
+    };
+}
+
+void Loader::note(const std::string& text) const {
+    if (options_.onNote) options_.onNote(text);
+}
+
+}  // namespace scancast

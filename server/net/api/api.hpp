@@ -1,0 +1,78 @@
+// What each route answers. Knows requests and responses, but no sockets.
+//
+// Owned by the server, which outlives every connection. *Thread safety*: every function may be called from
+// any thread. Pipeline: http session → router → **api** → catalog, scheduler.
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+#include "server/base/metrics.hpp"
+#include "server/catalog/catalog.hpp"
+#include "server/catalog/cloud_admin.hpp"
+#include "server/net/access.hpp"
+#include "server/net/api/http_message.hpp"
+#include "server/net/api/picker.hpp"
+#include "server/net/api/router.hpp"
+#include "server/net/api/shared_pictures.hpp"
+#include "server/net/origin_check.hpp"
+#include "server/scheduler/scheduler.hpp"
+#include "server/stream/session_register.hpp"
+
+namespace scancast {
+
+struct ApiOptions {
+    std::string version;
+    std::uint64_t maxPixels = 0;  ///< of a picture
+    OriginRules origins;
+    std::shared_ptr<BlockCache> cache{};  ///< for /metrics; may be empty
+    AccessTokens tokens{};
+};
+
+class Api {
+  public:
+    /// All but the options outlive the API.
+    Api(ApiOptions options, const Catalog& catalog, CloudAdmin& admin, const SessionRegister& sessions,
+        Scheduler& scheduler, Metrics& metrics);
+
+    /// Everything that can be refused before anything is done: Host, Origin, path, token, method.
+    tl::expected<Routed, HttpResponse> admit(const HttpRequest& request) const;
+    /// Answers an admitted request, at once or when its picture is done. Not for a WebSocket's upgrade or a
+    /// GET of an MJPEG stream.
+    void answer(const HttpRequest& request, const Routed& routed, Respond respond) const;
+    /// Counts a response and puts the headers on it that all of them carry. Goes over every response,
+    /// refusals too.
+    void complete(const HttpRequest& request, std::string_view routePattern, HttpResponse& response) const;
+    /// What lies under a pixel; for streams, too.
+    const Picker& picker() const { return picker_; }
+    /// After the scheduler has ended: nothing is answered any more.
+    void stop() { picker_.stop(); }
+
+  private:
+    HttpResponse asset(const HttpRequest& request, const Routed& routed) const;
+    HttpResponse ready() const;
+    HttpResponse apiDescription(const HttpRequest& request) const;
+    HttpResponse clouds(const HttpRequest& request, const Routed& routed) const;
+    HttpResponse addCloud(const HttpRequest& request, const Routed& routed) const;
+    HttpResponse cloud(const HttpRequest& request, const Routed& routed) const;
+    HttpResponse removeCloud(const Routed& routed) const;
+    HttpResponse mjpegHead(const HttpRequest& request, const Routed& routed) const;
+    void sessionView(const HttpRequest& request, const Routed& routed, Respond respond) const;
+    HttpResponse metricsText() const;
+    void snapshot(const HttpRequest& request, const Routed& routed, Respond respond) const;
+    void pick(const HttpRequest& request, const Routed& routed, Respond respond) const;
+    Expected<View> snapshotView(const Cloud& cloud, const HttpRequest& request, const Routed& routed,
+                                PictureFormat format) const;
+
+    const ApiOptions options_;
+    const Access access_;
+    const Catalog& catalog_;
+    CloudAdmin& admin_;
+    const SessionRegister& sessions_;
+    Scheduler& scheduler_;
+    Metrics& metrics_;
+    const SharedPictures pictures_;
+    Picker picker_;
+};
+
+}  // namespace scancast

@@ -1,0 +1,96 @@
+// What the API refuses before anything is done, and what all answers carry.
+#include "server/net/api/api.hpp"
+#include "server/net/api/page.hpp"
+#include "server/net/api/picture_request.hpp"
+
+namespace scancast {
+namespace {
+
+std::vector<std::string> values(const HttpRequest& request, std::string_view name) {
+    std::vector<std::string> list;
+    for (const auto& [key, value] : request.headers) {
+        if (key == name) list.push_back(value);
+    }
+    return list;
+}
+
+// Browsers say where a request comes from even where they send no Origin: <img> and <script> of another site
+// could otherwise make this server work. Following a link to the page is fine.
+Expected<void> checkFetchSite(const HttpRequest& request, const OriginRules& rules) {
+    const std::string site = request.header("sec-fetch-site");
+    if (site.empty() || site == "same-origin" || site == "none") return {};
+    if (request.header("sec-fetch-mode") == "navigate" && request.header("sec-fetch-dest") == "document")
+        return {};
+    if (isAllowedOrigin(request.header("origin"), rules)) return {};
+    return fail(ErrorCode::Unsupported,
+                "Pages of another site may not use this server; --allowed-origin would let them.");
+}
+
+bool isPreflight(const HttpRequest& request) {
+    return request.method == "OPTIONS" && request.count("access-control-request-method") > 0;
+}
+
+HttpResponse preflightResponse(Route route) {
+    HttpResponse response;
+    response.status = 204;
+    response.set("Access-Control-Allow-Methods", std::string(allowedMethods(route)))
+        .set("Access-Control-Allow-Headers", "Authorization, Content-Type, If-None-Match")
+        .set("Access-Control-Max-Age", "600");
+    return response;
+}
+
+}  // namespace
+
+tl::expected<Routed, HttpResponse> Api::admit(const HttpRequest& request) const {
+    const auto refuse = [](const Problem& problem) { return tl::unexpected(problemResponse(problem)); };
+    const OriginRules& rules = options_.origins;
+    if (auto host = checkHost(values(request, "host"), rules); !host) {
+        return refuse(
+            problemOf(host.error().code == ErrorCode::InvalidArgument ? 400 : 403, host.error().message));
+    }
+    if (auto origin = checkOrigin(values(request, "origin"), request.header("host"), rules); !origin) {
+        return refuse(problemOf(403, origin.error().message));
+    }
+    if (auto site = checkFetchSite(request, rules); !site)
+        return refuse(problemOf(403, site.error().message));
+    auto routed = route(request.target);
+    if (!routed) return refuse(routed.error());
+    if (routed->route == Route::Asset && findAsset(routed->path) == nullptr) {
+        return refuse(problemOf(
+            404, "Nothing is served at this address; the page is at /, the API at /api/v1/clouds."));
+    }
+    // Asked by browsers before a page of an allowed origin may send its token; the question itself carries
+    // none.
+    if (isPreflight(request) && isAllowedOrigin(request.header("origin"), rules))
+        return tl::unexpected(preflightResponse(routed->route));
+    if (auto let = access_.check(request, routed->route); !let) return tl::unexpected(std::move(let.error()));
+    const std::string allowed(allowedMethods(routed->route));
+    if ((", " + allowed + ",").find(" " + request.method + ",") == std::string::npos) {
+        HttpResponse response =
+            problemResponse(problemOf(405, "Understood here: " + allowed + ".", routed->path));
+        response.set("Allow", allowed);
+        return tl::unexpected(std::move(response));
+    }
+    if (request.method == "POST") {
+        if (auto json = checkJsonBody(request); !json) return refuse(json.error());
+    }
+    return std::move(*routed);
+}
+
+void Api::complete(const HttpRequest& request, std::string_view routePattern, HttpResponse& response) const {
+    response.set("X-Content-Type-Options", "nosniff").set("Server", "scancast/" + options_.version);
+    const std::string origin = request.header("origin");
+    if (isAllowedOrigin(origin, options_.origins)) {
+        response.set("Access-Control-Allow-Origin", origin).set("Vary", "Origin");
+        response.set("Access-Control-Expose-Headers",
+                     "ETag, Location, Retry-After, Server-Timing, Scancast-Session, Scancast-Width, "
+                     "Scancast-Height");
+    }
+    if (access_.isPrivate(request)) {
+        for (auto& [name, value] : response.headers)
+            if (name == "Cache-Control" && value == "no-cache") value = "private, no-cache";
+    }
+    metrics_.httpRequest(routePattern, response.status);
+}
+
+}  // namespace scancast

@@ -1,0 +1,80 @@
+#include "server/net/api/mjpeg_request.hpp"
+
+#include <array>
+#include <charconv>
+
+#include "protocol/nearest_name.hpp"
+#include "protocol/view/view_json.hpp"
+#include "server/net/api/negotiate.hpp"
+#include "server/net/api/picture_request.hpp"
+
+namespace scancast {
+namespace {
+
+constexpr std::array<std::string_view, 4> followersWords{"session", "fps", "width", "height"};
+
+Expected<double> framesPerSecond(const std::string& text) {
+    double fps = 0;
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), fps);
+    if (error != std::errc() || end != text.data() + text.size() || !(fps >= 1 && fps <= 240))
+        return fail(ErrorCode::InvalidArgument, "fps: must be a number from 1 to 240", "fps");
+    return fps;
+}
+
+Expected<void> checkFollower(const WordValues& words) {
+    for (const auto& [word, value] : words)
+        if (word != "width" && word != "height")
+            return fail(ErrorCode::InvalidArgument,
+                        unknownName(word, word, followersWords) + " beside session", word);
+    return {};
+}
+
+/// Takes the words that are no view's out of the query.
+Expected<WordValues> takeStreamWords(std::string_view query, messages::Hello& hello) {
+    auto words = parseQuery(query);
+    if (!words) return words;
+    WordValues rest;
+    for (auto& [word, value] : *words) {
+        if (word == "session") {
+            hello.follow = value;
+        } else if (word == "fps") {
+            const auto fps = framesPerSecond(value);
+            if (!fps) return tl::unexpected(fps.error());
+            hello.fps = *fps;
+        } else {
+            rest.emplace_back(std::move(word), std::move(value));
+        }
+    }
+    return rest;
+}
+
+}  // namespace
+
+tl::expected<MjpegRequest, Problem> mjpegRequest(const HttpRequest& request, const Routed& routed,
+                                                 const Catalog& catalog, std::uint64_t maxPixels) {
+    const auto refuse = [](const Error& error) { return tl::unexpected(problemOf(error)); };
+    const std::string accept = request.header("accept");
+    if (!accepts(accept, "multipart/x-mixed-replace") && !accepts(accept, "image/jpeg")) {
+        return tl::unexpected(problemOf(
+            406, "This address answers with multipart/x-mixed-replace, which the Accept header rules out."));
+    }
+    const auto cloud = catalog.cloud(routed.id);
+    if (!cloud) return tl::unexpected(cloud.error());
+    MjpegRequest asked;
+    const auto words = takeStreamWords(routed.query, asked.hello);
+    if (!words) return refuse(words.error());
+    const bool follows = !asked.hello.follow.empty();
+    if (follows) {
+        if (auto sound = checkFollower(*words); !sound) return refuse(sound.error());
+    }
+    const auto view = viewOfWords(**cloud, *words, maxPixels);
+    if (!view) return refuse(view.error());
+    asked.hello.width = view->width;
+    asked.hello.height = view->height;
+    if (follows) return asked;
+    asked.hello.cloud = routed.id;
+    asked.view = messages::ViewChange{0, std::nullopt, toJson(*view)};
+    return asked;
+}
+
+}  // namespace scancast

@@ -1,0 +1,35 @@
+// What a request for a picture asks for: the format, from the path or the Accept header; the view, from the
+// query or a JSON body. Pure functions; any thread. Pipeline: router → **picture request** → api.
+#pragma once
+
+#include <nlohmann/json_fwd.hpp>
+
+#include "protocol/view/query.hpp"
+#include "renderer/cloud/cloud.hpp"
+#include "server/net/api/http_message.hpp"
+#include "server/net/api/router.hpp"
+#include "server/scheduler/picture.hpp"
+
+namespace scancast {
+
+std::string_view mediaType(PictureFormat format);
+
+/// Of a path that ends in .jpg or .png, its own, if Accept allows it; else what Accept likes best of JPEG,
+/// PNG and depth. 406 when that is nothing.
+tl::expected<PictureFormat, Problem> requestedFormat(const HttpRequest& request, Route route);
+
+/// 415 unless the request says that its body is JSON.
+tl::expected<void, Problem> checkJsonBody(const HttpRequest& request);
+
+/// A complete view. What is not given is the cloud's default at the asked size, because its camera depends on
+/// the picture's shape. Errors: those of parseQuery(), applyWords(), applyJson() and checkView();
+/// ResourceLimit above `maxPixels`.
+Expected<View> viewOfWords(const Cloud& cloud, const WordValues& words, std::uint64_t maxPixels);
+Expected<View> viewOfQuery(const Cloud& cloud, std::string_view query, std::uint64_t maxPixels);
+Expected<View> viewOfJson(const Cloud& cloud, const nlohmann::json& changes, std::uint64_t maxPixels);
+
+/// Depth is that of the pixels' centres, and neither blended nor encoded: what decides the looks is put to
+/// its default, so that equal pictures have equal tags.
+View depthView(View view);
+
+}  // namespace scancast

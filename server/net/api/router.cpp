@@ -1,0 +1,110 @@
+#include "server/net/api/router.hpp"
+
+#include <vector>
+
+#include "protocol/nearest_name.hpp"
+#include "protocol/view/query.hpp"
+
+namespace scancast {
+namespace {
+
+// Segments are split before they are decoded, so that an escaped slash stays part of its segment.
+std::vector<std::string_view> split(std::string_view path) {
+    std::vector<std::string_view> segments;
+    while (!path.empty()) {
+        path.remove_prefix(1);  // the slash
+        const auto end = path.find('/');
+        segments.push_back(path.substr(0, end));
+        path = end == std::string_view::npos ? std::string_view() : path.substr(end);
+    }
+    return segments;
+}
+
+constexpr std::string_view apiPrefix = "/api/v1";
+
+constexpr RouteInfo table[] = {
+    {Route::Asset, "/", "GET, HEAD"},
+    {Route::OpenApi, "/openapi.json", "GET, HEAD"},
+    {Route::Health, "/healthz", "GET, HEAD"},
+    {Route::Ready, "/readyz", "GET, HEAD"},
+    {Route::Metrics, "/metrics", "GET, HEAD"},
+    {Route::Clouds, "/api/v1/clouds", "GET, HEAD, POST"},
+    {Route::Cloud, "/api/v1/clouds/{id}", "GET, HEAD, DELETE"},
+    {Route::Methods, "/api/v1/methods", "GET, HEAD"},
+    {Route::SnapshotJpeg, "/api/v1/clouds/{id}/snapshot.jpg", "GET, HEAD"},
+    {Route::SnapshotPng, "/api/v1/clouds/{id}/snapshot.png", "GET, HEAD"},
+    {Route::Snapshot, "/api/v1/clouds/{id}/snapshot", "POST"},
+    {Route::Pick, "/api/v1/clouds/{id}/pick", "POST"},
+    {Route::StreamMjpeg, "/api/v1/clouds/{id}/stream.mjpg", "GET, HEAD"},
+    {Route::Stream, "/api/v1/stream", "GET, HEAD"},
+    {Route::Sessions, "/api/v1/sessions", "GET, HEAD"},
+    {Route::SessionView, "/api/v1/sessions/{id}/view", "POST"},
+};
+
+// Whether the segments are those of the pattern; `id` is what stands for {id}.
+bool fits(const std::vector<std::string>& segments, std::string_view pattern, std::string& id) {
+    const auto parts = split(pattern);
+    if (parts.size() != segments.size()) return false;
+    for (std::size_t i = 0; i < parts.size(); ++i) {
+        if (parts[i] == "{id}" ? segments[i].empty() : segments[i] != parts[i]) return false;
+        if (parts[i] == "{id}") id = segments[i];
+    }
+    return true;
+}
+
+}  // namespace
+
+std::span<const RouteInfo> routes() {
+    return table;
+}
+
+std::string_view pattern(Route route) {
+    for (const RouteInfo& info : table)
+        if (info.route == route) return info.pattern;
+    return "other";
+}
+
+std::string_view allowedMethods(Route route) {
+    for (const RouteInfo& info : table)
+        if (info.route == route) return info.methods;
+    return "";
+}
+
+tl::expected<Routed, Problem> route(std::string_view target) {
+    if (target.size() > maxTargetLength) {
+        return tl::unexpected(
+            problemOf(414, "The address is longer than " + std::to_string(maxTargetLength) + " bytes."));
+    }
+    if (target.empty() || target.front() != '/') {
+        return tl::unexpected(problemOf(400, "The address must be a path that starts with a slash."));
+    }
+    Routed routed;
+    const auto question = target.find('?');
+    if (question != std::string_view::npos) routed.query = std::string(target.substr(question + 1));
+    const std::string_view path = target.substr(0, question);
+
+    std::vector<std::string> segments;
+    for (std::string_view segment : split(path)) {
+        auto decoded = percentDecode(segment, "The address");
+        if (!decoded) return tl::unexpected(problemOf(decoded.error()));
+        routed.path += "/" + *decoded;
+        segments.push_back(std::move(*decoded));
+    }
+    const bool versioned = segments.size() > 2 && segments[0] == "api" && segments[1] == "v1";
+    if (versioned) segments.erase(segments.begin(), segments.begin() + 2);
+    for (const RouteInfo& info : table) {
+        if (info.route == Route::Asset) continue;
+        const bool ofApi = info.pattern.starts_with(apiPrefix);
+        if (versioned && !ofApi) continue;
+        const auto rest = ofApi ? info.pattern.substr(apiPrefix.size()) : info.pattern;
+        if (!fits(segments, rest, routed.id)) continue;
+        routed.route = info.route;
+        return routed;
+    }
+    if (versioned || segments[0] == "api") {
+        return tl::unexpected(problemOf(404, "Nothing is served at " + quoteText(routed.path) + "."));
+    }
+    return routed;
+}
+
+}  // namespace scancast

@@ -22,24 +22,12 @@ std::vector<std::string_view> split(std::string_view path) {
 
 constexpr std::string_view apiPrefix = "/api/v1";
 
-constexpr RouteInfo table[] = {
-    {Route::Asset, "/", "GET, HEAD"},
-    {Route::OpenApi, "/openapi.json", "GET, HEAD"},
-    {Route::Health, "/healthz", "GET, HEAD"},
-    {Route::Ready, "/readyz", "GET, HEAD"},
-    {Route::Metrics, "/metrics", "GET, HEAD"},
-    {Route::Clouds, "/api/v1/clouds", "GET, HEAD, POST"},
-    {Route::Cloud, "/api/v1/clouds/{id}", "GET, HEAD, DELETE"},
-    {Route::Methods, "/api/v1/methods", "GET, HEAD"},
-    {Route::SnapshotJpeg, "/api/v1/clouds/{id}/snapshot.jpg", "GET, HEAD"},
-    {Route::SnapshotPng, "/api/v1/clouds/{id}/snapshot.png", "GET, HEAD"},
-    {Route::Snapshot, "/api/v1/clouds/{id}/snapshot", "POST"},
-    {Route::Pick, "/api/v1/clouds/{id}/pick", "POST"},
-    {Route::StreamMjpeg, "/api/v1/clouds/{id}/stream.mjpg", "GET, HEAD"},
-    {Route::Stream, "/api/v1/stream", "GET, HEAD"},
-    {Route::Sessions, "/api/v1/sessions", "GET, HEAD"},
-    {Route::SessionView, "/api/v1/sessions/{id}/view", "POST"},
-};
+constexpr bool areInOrder() {
+    for (std::size_t i = 0; i < routes.size(); ++i)
+        if (routes[i].route != Route(i)) return false;
+    return true;
+}
+static_assert(areInOrder());
 
 // Whether the segments are those of the pattern; `id` is what stands for {id}.
 bool fits(const std::vector<std::string>& segments, std::string_view pattern, std::string& id) {
@@ -53,22 +41,6 @@ bool fits(const std::vector<std::string>& segments, std::string_view pattern, st
 }
 
 }  // namespace
-
-std::span<const RouteInfo> routes() {
-    return table;
-}
-
-std::string_view pattern(Route route) {
-    for (const RouteInfo& info : table)
-        if (info.route == route) return info.pattern;
-    return "other";
-}
-
-std::string_view allowedMethods(Route route) {
-    for (const RouteInfo& info : table)
-        if (info.route == route) return info.methods;
-    return "";
-}
 
 tl::expected<Routed, Problem> route(std::string_view target) {
     if (target.size() > maxTargetLength) {
@@ -92,7 +64,7 @@ tl::expected<Routed, Problem> route(std::string_view target) {
     }
     const bool versioned = segments.size() > 2 && segments[0] == "api" && segments[1] == "v1";
     if (versioned) segments.erase(segments.begin(), segments.begin() + 2);
-    for (const RouteInfo& info : table) {
+    for (const RouteInfo& info : routes) {
         if (info.route == Route::Asset) continue;
         const bool ofApi = info.pattern.starts_with(apiPrefix);
         if (versioned && !ofApi) continue;

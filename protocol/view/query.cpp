@@ -5,7 +5,6 @@
 namespace scancast {
 namespace {
 
-constexpr std::size_t mostWords = 256;
 constexpr std::size_t longestQuery = 16 * 1024;
 
 std::string encode(std::string_view text) {

@@ -14,6 +14,7 @@ namespace scancast {
 
 /// Words with their values, in the order in which they were given.
 using WordValues = std::vector<std::pair<std::string, std::string>>;
+inline constexpr std::size_t mostWords = 256;
 
 /// Splits `a=1&b=%2C` (without the question mark) and decodes %XX; `+` stays a plus. InvalidArgument for an
 /// escape that is none, control characters, more than 256 words or more than 16 KiB.

@@ -68,7 +68,7 @@ ViewValue valueBy(Member member, Parse parse, Read read, Check check) {
 template <class Member, class Check = decltype(anything)>
 ViewValue value(Member member, Check check = anything) {
     return valueBy(
-        member, values::parse<typename MemberOf<Member>::Type>,
+        member, [](auto text) { return values::parse<typename MemberOf<Member>::Type>(text); },
         [](auto& fields, auto key, auto& out) { return values::read(fields, key, out); }, check);
 }
 

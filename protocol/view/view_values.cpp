@@ -29,26 +29,6 @@ Parsed<Enum> chooseEnum(std::string_view text, Names names, std::string_view oth
     return choose(text, names, others).map([](std::size_t i) { return static_cast<Enum>(i); });
 }
 
-template <std::size_t N>
-Parsed<std::array<double, N>> numbers(std::string_view text) {
-    std::array<double, N> result{};
-    std::size_t count = 0;
-    for (std::string_view rest = text;; ++count) {
-        const auto comma = rest.find(',');
-        if (count < N) {
-            const auto value = parse<double>(rest.substr(0, comma));
-            if (!value) return tl::unexpected(value.error());
-            result[count] = *value;
-        }
-        if (comma == std::string_view::npos) break;
-        rest.remove_prefix(comma + 1);
-    }
-    if (count + 1 != N)
-        return tl::unexpected("expected " + std::to_string(N) + " numbers with commas between them, got " +
-                              std::to_string(count + 1));
-    return result;
-}
-
 bool refuse(FieldReader& fields, std::string_view key, const std::string& what) {
     fields.error(key, what);
     return false;
@@ -61,14 +41,12 @@ void makeSet(std::vector<std::uint8_t>& classes) {
 
 }  // namespace
 
-template <>
-Parsed<bool> parse(std::string_view text) {
+Parsed<bool> parse(As<bool>, std::string_view text) {
     if (text == "true" || text == "false") return text == "true";
     return tl::unexpected("expected true or false, got " + quoteText(text));
 }
 
-template <>
-Parsed<double> parse(std::string_view text) {
+Parsed<double> parse(As<double>, std::string_view text) {
     double value = 0;
     const auto [end, code] = std::from_chars(text.data(), text.data() + text.size(), value);
     if (code == std::errc::result_out_of_range && end == text.data() + text.size())
@@ -87,30 +65,34 @@ Parsed<std::uint64_t> parseWhole(std::string_view text, std::uint64_t least, std
     return value;
 }
 
-template <>
-Parsed<std::array<double, 2>> parse(std::string_view text) {
-    return numbers<2>(text);
+tl::expected<void, std::string> parseNumbers(std::string_view text, std::span<double> out) {
+    std::size_t count = 0;
+    for (std::string_view rest = text;; ++count) {
+        const auto comma = rest.find(',');
+        if (count < out.size()) {
+            const auto value = parse<double>(rest.substr(0, comma));
+            if (!value) return tl::unexpected(value.error());
+            out[count] = *value;
+        }
+        if (comma == std::string_view::npos) break;
+        rest.remove_prefix(comma + 1);
+    }
+    if (count + 1 == out.size()) return {};
+    return tl::unexpected("expected " + std::to_string(out.size()) +
+                          " numbers with commas between them, got " + std::to_string(count + 1));
 }
 
-template <>
-Parsed<std::array<double, 16>> parse(std::string_view text) {
-    return numbers<16>(text);
+Parsed<glm::dvec3> parse(As<glm::dvec3>, std::string_view text) {
+    return parse<std::array<double, 3>>(text).map([](const auto& v) { return glm::dvec3(v[0], v[1], v[2]); });
 }
 
-template <>
-Parsed<glm::dvec3> parse(std::string_view text) {
-    return numbers<3>(text).map([](const auto& v) { return glm::dvec3(v[0], v[1], v[2]); });
-}
-
-template <>
-Parsed<ClipBox> parse(std::string_view text) {
-    return numbers<6>(text).map([](const auto& v) {
+Parsed<ClipBox> parse(As<ClipBox>, std::string_view text) {
+    return parse<std::array<double, 6>>(text).map([](const auto& v) {
         return ClipBox{glm::dvec3(v[0], v[1], v[2]), glm::dvec3(v[3], v[4], v[5])};
     });
 }
 
-template <>
-Parsed<std::vector<std::uint8_t>> parse(std::string_view text) {
+Parsed<std::vector<std::uint8_t>> parse(As<std::vector<std::uint8_t>>, std::string_view text) {
     std::vector<std::uint8_t> result;
     if (text == "none") return result;
     for (std::string_view rest = text;;) {
@@ -125,25 +107,21 @@ Parsed<std::vector<std::uint8_t>> parse(std::string_view text) {
     return result;
 }
 
-template <>
-Parsed<ParameterValue> parse(std::string_view text) {
+Parsed<ParameterValue> parse(As<ParameterValue>, std::string_view text) {
     if (const auto flag = parse<bool>(text)) return *flag;
     if (const auto number = parse<double>(text)) return *number;
     return std::string(text);
 }
 
-template <>
-Parsed<Projection> parse(std::string_view text) {
+Parsed<Projection> parse(As<Projection>, std::string_view text) {
     return chooseEnum<Projection>(text, projectionNames);
 }
 
-template <>
-Parsed<Shading> parse(std::string_view text) {
+Parsed<Shading> parse(As<Shading>, std::string_view text) {
     return chooseEnum<Shading>(text, shadingNames);
 }
 
-template <>
-Parsed<Subsampling> parse(std::string_view text) {
+Parsed<Subsampling> parse(As<Subsampling>, std::string_view text) {
     if (text == "444") return Subsampling::S444;
     if (text == "422") return Subsampling::S422;
     if (text == "420") return Subsampling::S420;
@@ -154,8 +132,7 @@ Parsed<std::string> parseColormap(std::string_view text) {
     return choose(text, colormapNames).map([](std::size_t i) { return std::string(colormapNames[i]); });
 }
 
-template <>
-Parsed<Rgb8> parse(std::string_view text) {
+Parsed<Rgb8> parse(As<Rgb8>, std::string_view text) {
     const auto digits = text.starts_with('#') ? text.substr(1) : text;
     Rgb8 color{};
     bool sound = digits.size() == 6;
@@ -168,15 +145,13 @@ Parsed<Rgb8> parse(std::string_view text) {
     return color;
 }
 
-template <>
-Parsed<Color> parse(std::string_view text) {
+Parsed<Color> parse(As<Color>, std::string_view text) {
     if (const auto flat = parse<Rgb8>(text)) return Color{ColorSource::Flat, *flat};
     return chooseEnum<ColorSource>(text, colorSourceNames, " or one colour as #rrggbb")
         .map([](ColorSource source) { return Color{source}; });
 }
 
-template <>
-Parsed<Background> parse(std::string_view text) {
+Parsed<Background> parse(As<Background>, std::string_view text) {
     Background result;
     if (text == "transparent") {
         result.kind = Background::Kind::Transparent;

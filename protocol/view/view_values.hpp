@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 #include <string>
 #include <string_view>
+#include <type_traits>
 
 #include "protocol/json_fields.hpp"
 #include "protocol/view/view.hpp"
@@ -24,35 +25,34 @@ struct Color {
 };
 
 template <class T>
-Parsed<T> parse(std::string_view text);
-template <>
-Parsed<bool> parse(std::string_view text);
-template <>
-Parsed<double> parse(std::string_view text);
-template <>
-Parsed<std::array<double, 2>> parse(std::string_view text);
-template <>
-Parsed<std::array<double, 16>> parse(std::string_view text);
-template <>
-Parsed<glm::dvec3> parse(std::string_view text);
-template <>
-Parsed<ClipBox> parse(std::string_view text);
-template <>
-Parsed<Projection> parse(std::string_view text);
-template <>
-Parsed<Shading> parse(std::string_view text);
-template <>
-Parsed<Subsampling> parse(std::string_view text);
-template <>
-Parsed<Rgb8> parse(std::string_view text);  ///< "#rrggbb", or without the hash, which URLs make awkward
-template <>
-Parsed<Color> parse(std::string_view text);
-template <>
-Parsed<Background> parse(std::string_view text);  ///< "transparent", one colour, or "TOP,BOTTOM"
-template <>
-Parsed<std::vector<std::uint8_t>> parse(std::string_view text);  ///< classes: sorted, once each; or "none"
-template <>
-Parsed<ParameterValue> parse(std::string_view text);
+using As = std::type_identity<T>;
+
+Parsed<bool> parse(As<bool>, std::string_view text);
+Parsed<double> parse(As<double>, std::string_view text);
+Parsed<glm::dvec3> parse(As<glm::dvec3>, std::string_view text);
+Parsed<ClipBox> parse(As<ClipBox>, std::string_view text);
+Parsed<Projection> parse(As<Projection>, std::string_view text);
+Parsed<Shading> parse(As<Shading>, std::string_view text);
+Parsed<Subsampling> parse(As<Subsampling>, std::string_view text);
+Parsed<Rgb8> parse(As<Rgb8>,
+                   std::string_view text);  ///< "#rrggbb"; without the hash, which URLs make awkward, too
+Parsed<Color> parse(As<Color>, std::string_view text);
+Parsed<Background> parse(As<Background>,
+                         std::string_view text);  ///< "transparent", one colour, or "TOP,BOTTOM"
+Parsed<std::vector<std::uint8_t>> parse(As<std::vector<std::uint8_t>>,
+                                        std::string_view text);  ///< classes, or "none"
+Parsed<ParameterValue> parse(As<ParameterValue>, std::string_view text);
+/// As many numbers as there is room for; what is there after an error means nothing.
+tl::expected<void, std::string> parseNumbers(std::string_view text, std::span<double> out);
+template <std::size_t N>
+Parsed<std::array<double, N>> parse(As<std::array<double, N>>, std::string_view text) {
+    std::array<double, N> numbers{};
+    return parseNumbers(text, numbers).map([&] { return numbers; });
+}
+template <class T>
+Parsed<T> parse(std::string_view text) {
+    return parse(As<T>(), text);
+}
 Parsed<std::uint64_t> parseWhole(std::string_view text, std::uint64_t least, std::uint64_t most);
 Parsed<std::string> parseColormap(std::string_view text);
 
@@ -76,8 +76,9 @@ bool read(FieldReader& fields, std::string_view key, std::array<double, N>& out)
     return fields.numbers(key, out);
 }
 /// What JSON spells as words do.
-template <class T, class Parse = Parsed<T> (*)(std::string_view)>
-bool read(FieldReader& fields, std::string_view key, T& out, Parse parse = scancast::values::parse<T>) {
+template <class T>
+bool read(FieldReader& fields, std::string_view key, T& out,
+          Parsed<T> (*parse)(std::string_view) = scancast::values::parse<T>) {
     std::string text;
     if (!fields.text(key, text)) return false;
     auto parsed = parse(text);

@@ -7,8 +7,6 @@
 namespace scancast {
 namespace {
 
-constexpr std::size_t mostWords = 256;
-
 bool isCalled(const ViewWord& known, std::string_view word) {
     constexpr std::string_view parameter = "param.";
     return known.word == word || (known.word.starts_with(parameter) && word.starts_with(parameter));

@@ -53,11 +53,15 @@ TEST(OpenApiWords, ParametersAreTheTables) {
         const auto name = parameterName(word);
         SCOPED_TRACE(name);
         words.insert(name);
-        const json parameter = document["components"]["parameters"].value(name, json::object());
         const auto description =
             word.description() +
             (isParameter(word) ? " GET /api/v1/methods lists those of every method: param.NAME." : "");
         const json expected{{"name", name}, {"in", "query"}, {"description", description}};
+        const json parameter = document["components"]["parameters"].value(name, json());
+        if (parameter.is_null()) {
+            ADD_FAILURE() << "components.parameters lacks " << expected.dump(2) << " with example and schema";
+            continue;
+        }
         for (const auto& [key, value] : expected.items()) EXPECT_EQ(parameter.value(key, json()), value);
         const std::string example(isParameter(word) ? word.example.substr(word.example.find('=') + 1)
                                                     : word.example);

@@ -93,6 +93,13 @@ std::string fileText(const char* name) {
     return {std::istreambuf_iterator<char>(file), {}};
 }
 
+/// As openapi.json says it; for most routes it stands once, at the top.
+nlohmann::json securityOf(Need need) {
+    if (need == Need::Nothing) return nlohmann::json::array();
+    if (need == Need::Admin) return {{{"adminToken", nlohmann::json::array()}}};
+    return {};
+}
+
 // What programs and people read names the same routes and methods as the table that answers them.
 TEST(Router, TheDescriptionsAgreeWithIt) {
     const auto description = parseJson(fileText("/protocol/openapi.json"));
@@ -110,6 +117,11 @@ TEST(Router, TheDescriptionsAgreeWithIt) {
             const std::string row = "| `" + method + " " + std::string(info.pattern) + "`";
             EXPECT_EQ(page.find(row) != std::string::npos, understood) << row;
             described += understood ? 1 : 0;
+            if (!understood) continue;
+            const Need need = method == info.adminMethod ? Need::Admin : info.need;
+            const auto& operation = paths[std::string(info.pattern)][lower];
+            EXPECT_EQ(operation.value("security", nlohmann::json()), securityOf(need))
+                << method << info.pattern;
         }
         EXPECT_EQ(info.methods.find("GET") == 0, info.methods.find("HEAD") != std::string_view::npos);
     }

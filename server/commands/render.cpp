@@ -10,6 +10,7 @@
 
 #include "files/output_file.hpp"
 #include "protocol/flags/view_flags.hpp"
+#include "protocol/view/view_words.hpp"
 #include "renderer/cloud/build/build_cloud.hpp"
 #include "renderer/cloud/file/cloud_file.hpp"
 #include "renderer/cloud/import/open_scan.hpp"

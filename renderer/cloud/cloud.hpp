@@ -12,7 +12,7 @@
 #include <string>
 #include <vector>
 
-#include "protocol/view.hpp"
+#include "protocol/view/view.hpp"
 #include "renderer/cloud/octree.hpp"
 #include "renderer/cloud/point_batch.hpp"
 #include "renderer/cloud/progress.hpp"

@@ -20,7 +20,7 @@
 #include <vector>
 
 #include "protocol/error.hpp"
-#include "protocol/view.hpp"
+#include "protocol/view/view.hpp"
 #include "renderer/device/pass.hpp"
 #include "renderer/device/pending_frame.hpp"
 #include "renderer/image/frame.hpp"

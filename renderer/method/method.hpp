@@ -8,7 +8,7 @@
 #include <string_view>
 #include <vector>
 
-#include "protocol/view.hpp"
+#include "protocol/view/view.hpp"
 #include "renderer/device/pass.hpp"
 
 namespace scancast {

@@ -11,7 +11,7 @@
 #include <glm/vec3.hpp>
 #include <glm/vec4.hpp>
 
-#include "protocol/view.hpp"
+#include "protocol/view/view.hpp"
 
 namespace scancast {
 

@@ -8,7 +8,7 @@
 #include <optional>
 #include <stop_token>
 
-#include "protocol/view.hpp"
+#include "protocol/view/view.hpp"
 #include "renderer/cloud/cloud.hpp"
 #include "renderer/device/device.hpp"
 #include "renderer/image/encode.hpp"

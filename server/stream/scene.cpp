@@ -1,6 +1,6 @@
 #include "server/stream/scene.hpp"
 
-#include "protocol/view_json.hpp"
+#include "protocol/view/view_json.hpp"
 #include "renderer/render.hpp"
 
 namespace scancast {

@@ -5,7 +5,7 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
-#include "protocol/view_json.hpp"
+#include "protocol/view/view_json.hpp"
 #include "renderer/render.hpp"
 #include "renderer/residency/motion.hpp"
 

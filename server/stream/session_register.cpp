@@ -12,7 +12,7 @@
 #include <tuple>
 
 #include "protocol/nearest_name.hpp"
-#include "protocol/view_json.hpp"
+#include "protocol/view/view_json.hpp"
 #include "server/base/faults.hpp"
 
 namespace scancast {

@@ -20,7 +20,7 @@
 
 #include "protocol/messages.hpp"
 #include "protocol/problem.hpp"
-#include "protocol/view.hpp"
+#include "protocol/view/view.hpp"
 
 namespace scancast {
 

@@ -2,7 +2,7 @@
 // that it cannot drift apart. Pure functions. Pipeline: passes → **splat plan** → device.
 #pragma once
 
-#include "protocol/view.hpp"
+#include "protocol/view/view.hpp"
 #include "renderer/device/pass.hpp"
 #include "renderer/device/plan/splat_kind.hpp"
 

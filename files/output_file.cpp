@@ -32,32 +32,17 @@ Expected<OutputFile> OutputFile::create(const std::string& path) {
         return out.failure("write");
     }
     const bool inPlace = exists && !S_ISREG(status.st_mode);
-    if (!inPlace) out.temporary_ = path + ".partial-" + std::to_string(getpid());
+    if (!inPlace) out.temporary_ = UnfinishedName(path + ".partial-" + std::to_string(getpid()));
     // Nobody else's link decides where the temporary file is.
     const int flags = O_WRONLY | O_CLOEXEC | (inPlace ? 0 : O_CREAT | O_TRUNC | O_NOFOLLOW);
-    out.file_ = open(inPlace ? path.c_str() : out.temporary_.c_str(), flags, 0666);
-    if (out.file_ < 0) {
-        auto error = out.failure("create");
-        out.temporary_.clear();
-        return error;
+    out.owned_ = UniqueFd(open((inPlace ? path : out.temporary_.name()).c_str(), flags, 0666));
+    if (!out.owned_) {
+        out.temporary_.forget();
+        return out.failure("create");
     }
-    out.owned_ = true;
+    out.file_ = out.owned_.get();
     out.seekable_ = !inPlace;
     return out;
-}
-
-OutputFile::OutputFile(OutputFile&& other) noexcept
-    : path_(std::move(other.path_)),
-      temporary_(std::exchange(other.temporary_, {})),
-      file_(std::exchange(other.file_, -1)),
-      owned_(std::exchange(other.owned_, false)),
-      seekable_(other.seekable_),
-      buffer_(std::move(other.buffer_)),
-      written_(other.written_) {}
-
-OutputFile::~OutputFile() {
-    if (owned_) close(file_);
-    if (!temporary_.empty()) unlink(temporary_.c_str());
 }
 
 tl::unexpected<Error> OutputFile::failure(const char* what) const {
@@ -109,14 +94,8 @@ Expected<void> OutputFile::overwrite(std::uint64_t offset, std::span<const std::
 
 Expected<void> OutputFile::finish() {
     if (auto done = flush(); !done) return done;
-    if (owned_) {
-        owned_ = false;
-        if (close(file_) != 0) return failure("write");
-    }
-    if (!temporary_.empty()) {
-        if (std::rename(temporary_.c_str(), path_.c_str()) != 0) return failure("create");
-        temporary_.clear();
-    }
+    if (owned_ && close(owned_.release()) != 0) return failure("write");
+    if (temporary_ && temporary_.become(path_) != 0) return failure("create");
     return {};
 }
 

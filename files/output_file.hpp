@@ -8,6 +8,8 @@
 #include <string>
 #include <vector>
 
+#include "files/unfinished_name.hpp"
+#include "files/unique_fd.hpp"
 #include "protocol/error.hpp"
 
 namespace scancast {
@@ -18,9 +20,8 @@ class OutputFile {
     /// is not finished is removed again. Devices and pipes are written in place. Errors: Io, with the
     /// system's reason; ResourceLimit where there is no more room.
     static Expected<OutputFile> create(const std::string& path);
-    OutputFile(OutputFile&& other) noexcept;
+    OutputFile(OutputFile&&) = default;
     OutputFile& operator=(OutputFile&&) = delete;
-    ~OutputFile();
 
     Expected<void> write(std::span<const std::byte> bytes);
     /// Replaces bytes written before. Only where seekable() is true.
@@ -36,9 +37,11 @@ class OutputFile {
     Expected<void> writeAll(std::span<const std::byte> bytes);
     tl::unexpected<Error> failure(const char* what) const;
 
-    std::string path_, temporary_;  ///< temporary_ is empty for what is written in place
+    std::string path_;
+    UnfinishedName temporary_;  ///< none for what is written in place
+    UniqueFd owned_;            ///< none for standard output
     int file_ = -1;
-    bool owned_ = false, seekable_ = false;
+    bool seekable_ = false;
     std::vector<std::byte> buffer_;
     std::uint64_t written_ = 0;
 };

@@ -3,8 +3,8 @@
 #include <nlohmann/json.hpp>
 
 #include "protocol/json_fields.hpp"
-#include "protocol/view_json.hpp"
-#include "protocol/view_values.hpp"
+#include "protocol/view/view_json.hpp"
+#include "protocol/view/view_values.hpp"
 
 namespace scancast {
 namespace {
@@ -121,7 +121,7 @@ void readCloud(FieldReader& fields, CloudInfo& info) {
         entry.number("height", mirror.height);
         std::string tint;
         if (!entry.text("tint", tint)) return;
-        if (const auto color = values::rgb(tint))
+        if (const auto color = values::parse<Rgb8>(tint))
             mirror.tint = *color;
         else
             entry.error("tint", "expected a colour as \"#rrggbb\"");
@@ -151,13 +151,7 @@ void readMethod(FieldReader& fields, MethodInfo& info) {
     fields.text("source", info.source, longestText);
     readTexts(fields, "needs", info.needs);
     fields.number("defaultDetail", info.defaultDetail);
-    std::string shading;
-    if (fields.text("defaultShading", shading)) {
-        if (const auto known = values::shading(shading))
-            info.defaultShading = *known;
-        else
-            fields.error("defaultShading", known.error());
-    }
+    values::read(fields, "defaultShading", info.defaultShading);
     readList(fields, "parameters", info.parameters, [](FieldReader& entry, ParameterInfo& parameter) {
         if (entry.require("name")) entry.text("name", parameter.name);
         if (entry.require("type")) entry.text("type", parameter.type);

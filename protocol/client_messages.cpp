@@ -5,7 +5,7 @@
 #include "protocol/json_text.hpp"
 #include "protocol/messages.hpp"
 #include "protocol/nearest_name.hpp"
-#include "protocol/view.hpp"
+#include "protocol/view/view.hpp"
 
 namespace scancast {
 namespace {

@@ -3,7 +3,7 @@
 #include <cassert>
 #include <string>
 
-#include "protocol/view.hpp"
+#include "protocol/view/view.hpp"
 
 namespace scancast {
 namespace {

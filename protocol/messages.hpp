@@ -52,8 +52,8 @@ struct Hello {
     bool operator==(const Hello&) const = default;
 };
 
-/// The wish to see something else. `changes` is any subset of a view (protocol/view_json.hpp), applied to the
-/// view that the session has now; it is checked when it is applied.
+/// The request to see something else. `changes` is any subset of a view (protocol/view/view_json.hpp), applied
+/// to the view that the session has now; it is checked when it is applied.
 struct ViewChange {
     std::uint64_t seq = 0;  ///< chosen by the client, echoed in frames that show this view
     std::optional<std::string>

@@ -1,7 +1,6 @@
 // The mirrors of a cloud, as a viewpoint sees them: which are in view, where in the picture, from where they
-// are seen into, and what a scanner recorded behind them. methods.md §10; source: 002_e37b3096399c9e96,
-// "Mirror Rendering in Point Datasets". Pipeline: cloud + viewpoint → **reflections** → select, device.
-// Pure functions; any thread.
+// are seen into, and what a scanner recorded behind them. docs/spec/mirrors.md §3. Pipeline: cloud +
+// viewpoint → **reflections** → select, device. Pure functions; any thread.
 #pragma once
 
 #include <span>

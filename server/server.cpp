@@ -24,7 +24,7 @@ ApiOptions apiOptions(const ServerOptions& options) {
             options.tokens};
 }
 
-class RunningServer final : public Server {
+class RunningServer final : public ScancastServer {
   public:
     RunningServer(const ServerOptions& options, OpenPainter openPainter)
         : options_(options),
@@ -125,7 +125,8 @@ class RunningServer final : public Server {
 
 }  // namespace
 
-Expected<std::unique_ptr<Server>> Server::create(const ServerOptions& options, OpenPainter openPainter) {
+Expected<std::unique_ptr<ScancastServer>> ScancastServer::create(const ServerOptions& options,
+                                                                 OpenPainter openPainter) {
     auto server = std::make_unique<RunningServer>(options, std::move(openPainter));
     if (auto started = server->start(); !started) return tl::unexpected(std::move(started.error()));
     return server;

@@ -33,13 +33,14 @@ struct ServerOptions {
     std::filesystem::path dataRoot;     ///< whose files administrators may add; empty = none
 };
 
-class Server {
+class ScancastServer {
   public:
     /// Listens when it returns; the device is being opened then. Errors: those of openTls() and
     /// Listener::create().
-    static Expected<std::unique_ptr<Server>> create(const ServerOptions& options, OpenPainter openPainter);
+    static Expected<std::unique_ptr<ScancastServer>> create(const ServerOptions& options,
+                                                            OpenPainter openPainter);
     /// shutDown(), then ends whatever is left.
-    virtual ~Server() = default;
+    virtual ~ScancastServer() = default;
 
     virtual Catalog& catalog() = 0;
     virtual CloudAdmin& admin() = 0;

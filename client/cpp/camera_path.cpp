@@ -6,7 +6,7 @@
 
 #include "protocol/json_fields.hpp"
 #include "protocol/json_text.hpp"
-#include "protocol/view_json.hpp"
+#include "protocol/view/view_json.hpp"
 
 namespace scancast::client {
 namespace {

@@ -15,7 +15,7 @@
 #include <string_view>
 #include <vector>
 
-#include "protocol/view.hpp"
+#include "protocol/view/view.hpp"
 
 namespace scancast::client {
 

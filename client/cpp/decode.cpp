@@ -4,7 +4,7 @@
 
 #include <memory>
 
-#include "protocol/view.hpp"
+#include "protocol/view/view.hpp"
 
 namespace scancast::client {
 namespace {

@@ -3,7 +3,7 @@
 #include <random>
 #include <utility>
 
-#include "protocol/view_json.hpp"
+#include "protocol/view/view_json.hpp"
 
 namespace scancast::client {
 namespace {

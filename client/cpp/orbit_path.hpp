@@ -1,7 +1,7 @@
 // A camera that walks around a point. Pure functions; any thread.
 #pragma once
 
-#include "protocol/view.hpp"
+#include "protocol/view/view.hpp"
 
 namespace scancast::client {
 

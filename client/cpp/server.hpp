@@ -12,7 +12,7 @@
 #include "client/cpp/server_url.hpp"
 #include "client/cpp/timeouts.hpp"
 #include "protocol/catalog.hpp"
-#include "protocol/query.hpp"
+#include "protocol/view/query.hpp"
 
 namespace scancast::client {
 

@@ -11,7 +11,7 @@
 #include "client/cpp/paced_stream.hpp"
 #include "client/cpp/refusal.hpp"
 #include "protocol/nearest_name.hpp"
-#include "protocol/view_json.hpp"
+#include "protocol/view/view_json.hpp"
 
 namespace scancast::client {
 namespace {

@@ -18,7 +18,7 @@
 #include "client/cpp/timeouts.hpp"
 #include "protocol/frame_header.hpp"
 #include "protocol/messages.hpp"
-#include "protocol/view.hpp"
+#include "protocol/view/view.hpp"
 
 namespace scancast::client {
 

@@ -160,23 +160,23 @@ export class CameraInput {
 
   /** The camera after `seconds` more of the keys that are held. */
   advance(camera, seconds) {
-    const wish = { ahead: 0, right: 0, up: 0, turn: 0, tilt: 0, zoom: 0 };
+    const wanted = { ahead: 0, right: 0, up: 0, turn: 0, tilt: 0, zoom: 0 };
     for (const code of this.#held) {
-      for (const [way, amount] of Object.entries(heldKeys[code])) wish[way] += amount;
+      for (const [way, amount] of Object.entries(heldKeys[code])) wanted[way] += amount;
     }
     const { size, closest, looksAround } = this.#view;
     const pace = Math.min(seconds, 0.1) * (this.#hurried ? hurry : 1);
     const step = Math.max(camera.distance, closest) * keyMoveRate * pace;
     const turn = size.height * keyTurnRate * pace;
-    let next = move(camera, { ahead: wish.ahead * step, right: wish.right * step, up: wish.up * step });
-    if (wish.turn || wish.tilt) {
+    let next = move(camera, { ahead: wanted.ahead * step, right: wanted.right * step, up: wanted.up * step });
+    if (wanted.turn || wanted.tilt) {
       next = looksAround
-        ? look(next, -wish.turn * 2 * turn, wish.tilt * 2 * turn, size)
-        : orbit(next, -wish.turn * turn, wish.tilt * turn, size);
+        ? look(next, -wanted.turn * 2 * turn, wanted.tilt * 2 * turn, size)
+        : orbit(next, -wanted.turn * turn, wanted.tilt * turn, size);
     }
-    if (wish.zoom) {
+    if (wanted.zoom) {
       const middle = { x: size.width / 2, y: size.height / 2 };
-      next = zoom(next, Math.exp(-wish.zoom * keyZoomRate * pace), middle, size, closest);
+      next = zoom(next, Math.exp(-wanted.zoom * keyZoomRate * pace), middle, size, closest);
     }
     return next;
   }

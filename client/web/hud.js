@@ -17,7 +17,7 @@ export function amount(value) {
 
 const milliseconds = (value) => (Number.isFinite(value) ? `${value < 10 ? value.toFixed(1) : Math.round(value)} ms` : '–');
 
-/** What happened to frames: how many a second, and how long from a wish to its picture. Pure but for the clock given. */
+/** What happened to frames: how many a second, and how long from a request to its picture. Pure but for the clock given. */
 export class FrameClock {
   #asked = new Map();
   #drawn = [];
@@ -29,7 +29,7 @@ export class FrameClock {
     if (this.#asked.size > 512) this.#asked.delete(this.#asked.keys().next().value);
   }
 
-  /** The first picture of a wish tells the latency; refinements of the same one do not. */
+  /** The first picture of a request tells the latency; refinements of the same one do not. */
   drawn(seq, now) {
     const asked = this.#asked.get(seq);
     if (asked !== undefined) this.latency = now - asked;

@@ -201,7 +201,7 @@ function fly() {
 
 function send() {
   const { connection } = session;
-  // While the line is full, wishes overwrite each other here: the next tick sends the newest.
+  // While the line is full, requests overwrite each other here: the next tick sends the newest.
   if (!connection || !camera || connection.congested) return;
   const changes = state.take(connection.nextSeq);
   if (!changes) return;

@@ -2,7 +2,7 @@
 // without a socket or a document.
 //
 // A `view` message carries only what differs from the last one sent. The server refuses a message as a whole, so a
-// refusal takes the wish back to what was last accepted and says everything once more.
+// refusal takes the request back to what was last accepted and says everything once more.
 
 const equal = (a, b) => JSON.stringify(a) === JSON.stringify(b);
 
@@ -25,7 +25,7 @@ export class ViewState {
   wanted = {};
   #sent = {};
   #accepted = undefined;
-  #waiting = new Map(); // seq → the whole wish that it stood for
+  #waiting = new Map(); // seq → the whole request that it stood for
 
   /** Starts over, with another cloud or a new connection: the next message says everything. */
   begin(view) {
@@ -66,7 +66,7 @@ export class ViewState {
   }
 
   /**
-   * The message was refused. Takes back what it changed and returns true when the wish is another one now; `fallback`
+   * The message was refused. Takes back what it changed and returns true when the request is another one now; `fallback`
    * is what surely works, for when nothing has been accepted yet.
    */
   refused(seq, fallback) {
@@ -81,7 +81,7 @@ export class ViewState {
     const changed = !equal(reverted, this.wanted);
     this.wanted = reverted;
     this.#waiting.clear();
-    // Once more from the start; but the same wish again would only be refused again.
+    // Once more from the start; but the same request again would only be refused again.
     this.#sent = changed ? {} : this.wanted;
     return changed;
   }

@@ -12,14 +12,14 @@
 #include <string>
 #include <vector>
 
-#include "protocol/view.hpp"
+#include "protocol/view/view.hpp"
 #include "renderer/cloud/octree.hpp"
 #include "renderer/cloud/point_batch.hpp"
 #include "renderer/cloud/progress.hpp"
 
 namespace scancast {
 
-/// A plane that mirrors the scene (002_e37b3096399c9e96); carried by the cloud, drawn by
+/// A plane that mirrors the scene (docs/spec/mirrors.md §2); carried by the cloud, drawn by
 /// renderer/mirrors.hpp.
 struct Mirror {
     glm::dvec3 center, normal, up;  ///< file coordinates; unit vectors

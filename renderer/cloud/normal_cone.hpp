@@ -1,5 +1,6 @@
 // Cones around normals, for culling nodes that face away. Pure functions. Pipeline: samples → **cones** →
-// nodes. Source: 001_c3e54385a9f0e90c ("normal cone semi-angle bounding all samples"); methods.md §6.
+// nodes. Source: Kaushik, Nagwanshi and Sharma, "Achieving a Smooth Interpolation between the Points Using
+// Modified Rendering Algorithm", undated, §IV-b; docs/spec/hierarchy.md §4.
 //
 // Conservative: what went in lies within, up to 1e-6 rad. Nearly the smallest cone: within 5 % of it, or
 // 0.5°.

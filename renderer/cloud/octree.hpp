@@ -1,12 +1,13 @@
 // The hierarchy of a cloud in memory: nodes with bounds and spacing, each with a run of samples.
 // Pipeline: import → **octree** → select. Immutable once built; read from any thread.
-// Source: 001_c3e54385a9f0e90c "modified QSplat" (split at the average, averaged inner samples); methods.md
-// §6.
+// Source: Kaushik, Nagwanshi and Sharma, "Achieving a Smooth Interpolation between the Points Using Modified
+// Rendering Algorithm", undated, §IV-a (split at the average, averaged inner samples); docs/spec/hierarchy.md
+// §1.
 //
 // A node's samples *replace* its parent's: drawing a node instead of its ancestor shows the same surface,
 // finer. Leaves hold the scan's own points; inner nodes hold averages over cells. Cell sizes form one ladder
-// for the whole cloud, halved from rung to rung and anchored globally; where points are evenly dense, a rung
-// is a level. A node's rung is chosen so that it holds thousands of samples where dense and sparse regions
+// for the whole cloud, halved from cell level to cell level and anchored globally; where points are evenly dense, a cell level
+// is a level. A node's cell level is chosen so that it holds thousands of samples where dense and sparse regions
 // share the tree, too.
 #pragma once
 

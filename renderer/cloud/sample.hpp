@@ -1,6 +1,6 @@
 // The final sample: 16 bytes that the devices draw, and the codecs of its fields.
 // One layout for the CPU device, the GL device (one uvec4) and the cloud file.
-// Source: 001_c3e54385a9f0e90c ("differential points", quantised as QSplat does); design methods.md §6.
+// Source: docs/spec/hierarchy.md §5.
 #pragma once
 
 #include <cstddef>
@@ -16,8 +16,8 @@ struct Sample {
     std::uint8_t r, g, b;         ///< sRGB
     std::uint8_t classification;  ///< ASPRS class
     std::uint16_t normal;         ///< octahedral 8 + 8; noNormal = none
-    std::uint8_t logRadius;  ///< surfel radius (next issue's preprocessing); 0 = none: use the node's spacing
-    std::uint8_t ellipse;    ///< axis ratio (high 3 bits) and angle (low 5 bits); 0 = circle
+    std::uint8_t logRadius;       ///< surfel radius (surfel_codec.hpp); 0 = none: use the node's spacing
+    std::uint8_t ellipse;         ///< axis ratio (high 3 bits) and angle (low 5 bits); 0 = circle
 };
 static_assert(sizeof(Sample) == 16 && alignof(Sample) == 2);
 static_assert(offsetof(Sample, intensity) == 6 && offsetof(Sample, r) == 8 && offsetof(Sample, normal) == 12);

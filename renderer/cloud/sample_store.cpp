@@ -35,7 +35,7 @@ class MemoryStore final : public SampleStore {
         for (const std::uint32_t node : nodes) runs.emplace_back(run(node));
         return runs;
     }
-    void request(std::uint64_t, std::vector<Wish>) override {}
+    void request(std::uint64_t, std::vector<BlockRequest>) override {}
     bool whole() const override { return true; }
     bool damaged(std::uint32_t) const override { return false; }
     std::uint64_t capacity() const override { return std::numeric_limits<std::uint64_t>::max(); }

@@ -25,7 +25,7 @@ struct SampleRun {
 };
 
 /// A node whose samples somebody would like to have; larger = sooner.
-struct Wish {
+struct BlockRequest {
     std::uint32_t node = 0;
     double urgency = 0;
 };
@@ -44,9 +44,9 @@ class SampleStore {
     /// for: its samples or what load() would say. Once `stop` is requested, what is missing is Cancelled.
     virtual std::vector<Expected<SampleRun>> loadAll(std::span<const std::uint32_t> nodes,
                                                      std::stop_token stop = {}) = 0;
-    /// Loads these in the background, most urgent first; takes the place of all earlier wishes of the same
+    /// Loads these in the background, most urgent first; takes the place of all earlier requests of the same
     /// requester. Requesters take turns, whatever their urgencies. Never waits.
-    virtual void request(std::uint64_t requester, std::vector<Wish> wishes) = 0;
+    virtual void request(std::uint64_t requester, std::vector<BlockRequest> requests) = 0;
     /// Everything is in memory and stays there.
     virtual bool whole() const = 0;
     /// It was tried, and its block cannot be read.

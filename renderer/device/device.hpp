@@ -20,7 +20,7 @@
 #include <vector>
 
 #include "protocol/error.hpp"
-#include "protocol/view.hpp"
+#include "protocol/view/view.hpp"
 #include "renderer/device/pass.hpp"
 #include "renderer/device/pending_frame.hpp"
 #include "renderer/image/frame.hpp"
@@ -60,7 +60,7 @@ struct Window {
 /// A mirror in view, in the view space of the picture's own viewpoint. Where its rectangle lies at most
 /// `margin` behind the scene, each pixel gets the reflected one's colour times the tint (its background
 /// included), and the mirror's own depth: it is the mirror that is there, and that one can pick. Screen
-/// passes look through it, as if its image stood behind an opening. methods.md §10.
+/// passes look through it, as if its image stood behind an opening. docs/spec/mirrors.md §3.
 struct MirrorGlass {
     glm::dvec3 center{0};  ///< of the rectangle
     glm::dvec3 normal{0};  ///< unit; out of the reflecting side

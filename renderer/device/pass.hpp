@@ -1,6 +1,6 @@
-// Passes: what a method asks of a device. Three kinds exist (methods.md §2): `nearest` keeps the smallest
-// 64-bit key per pixel, `sum` adds integer-quantised attributes, `screen` maps buffers to a buffer. All
-// reductions are integers, so pictures do not depend on order: any thread count, any SIMD variant, any
+// Passes: what a method asks of a device. Three kinds exist (docs/spec/passes.md §2): `nearest` keeps the
+// smallest 64-bit key per pixel, `sum` adds integer-quantised attributes, `screen` maps buffers to a buffer.
+// All reductions are integers, so pictures do not depend on order: any thread count, any SIMD variant, any
 // partition of the cloud. Plain values; devices know how to run them, methods only list them.
 //
 // A list reads: splat passes (SilhouettePass, NearestPass, SumPass, CellPass, in this order, all but
@@ -21,10 +21,10 @@ enum class Footprint : std::uint8_t {
     Square,   ///< p × p px around the projected centre
     Circle,   ///< fragments with u² + v² ≤ 1
     Disc,     ///< the surfel's disc of radius r · scale in its tangent plane, exact in perspective
-    Ellipse,  ///< the surfel's ellipse through a low-pass of the screen; methods.md §5
+    Ellipse,  ///< the surfel's ellipse through a low-pass of the screen; docs/spec/surfels.md §4
 };
 
-/// Weight w(u,v) over the footprint, (u,v) ∈ [-1,1]²; methods.md §3. Pixel, Square and Circle only.
+/// Weight w(u,v) over the footprint, (u,v) ∈ [-1,1]²; docs/spec/sprites.md §3. Pixel, Square and Circle only.
 enum class Profile : std::uint8_t {
     Flat,        ///< 1
     Paraboloid,  ///< 1 - (u² + v²)
@@ -67,9 +67,10 @@ enum class Payload : std::uint8_t {
 };
 
 /// nearest: order = d + gain·(1-w)·R with R = (p/2)/q(d), the world radius of the clamped size; Disc: depth
-/// of its plane; Ellipse: the plane's, clamped to d_c ± dz (methods.md §5). Key = bits(order) << 32 |
-/// payload. With dx, dy px from the projected centre to the pixel's, the 8 bits of distance are trunc(127.5 ·
-/// (dx² + dy²) / max(p/2, 1/2)²), which is monotone in the distance. A square covers -p/2 < dx, dy ≤ p/2.
+/// of its plane; Ellipse: the plane's, clamped to d_c ± dz (docs/spec/surfels.md §4.2). Key = bits(order) <<
+/// 32 | payload. With dx, dy px from the projected centre to the pixel's, the 8 bits of distance are
+/// trunc(127.5 · (dx² + dy²) / max(p/2, 1/2)²), which is monotone in the distance. A square covers -p/2 < dx,
+/// dy ≤ p/2.
 struct NearestPass : Splat {
     Payload payload = Payload::Color;
 };
@@ -80,10 +81,10 @@ struct SilhouettePass : Splat {};
 
 /// sum: Σw·rgb, Σw and, if wanted, Σw·n over the fragments that lie at most a tolerance behind NearestPass'
 /// depth d_vis. By footprint:
-///   Circle   w = (1-(u²+v²))^1.5                        d ≤ d_vis + 2R          methods.md §4
-///   Ellipse  w = sqrt(|JΣJᵀ|/|V|)·exp(-½ xᵀV⁻¹x)        d ≤ d_vis + 2a + 2dz    §5
-///   Disc     w = 1-3t²+2t³, t = distance / (reach·r)    |d - d_vis| ≤ r/2       §7; covers reach·r
-/// (with a CellPass: ≤ its tolerance · r).
+///   Circle   w = (1-(u²+v²))^1.5                        d ≤ d_vis + 2R          docs/spec/sprites.md §6
+///   Ellipse  w = sqrt(|JΣJᵀ|/|V|)·exp(-½ xᵀV⁻¹x)        d ≤ d_vis + 2a + 2dz    docs/spec/surfels.md §4
+///   Disc     w = 1-3t²+2t³, t = distance / (reach·r)    |d - d_vis| ≤ r/2       docs/spec/voronoi.md §2
+/// A disc covers reach·r, and with a CellPass the bound is its tolerance · r.
 /// Weights are integers 1 … 4095 inside the footprint.
 struct SumPass : Splat {
     bool normals = false;
@@ -92,7 +93,7 @@ struct SumPass : Splat {
 
 /// nearest, Disc only: order = world distance to the disc's centre, payload Sample, over the fragments with
 /// |d - d_vis| ≤ tolerance · r; at most r, also in the centre's own pixel. What wins is the surface Voronoi
-/// cell; methods.md §7.
+/// cell; docs/spec/voronoi.md §2.
 struct CellPass : Splat {
     float tolerance = 0.5f;
 };
@@ -105,7 +106,8 @@ struct ResolvePass {
     bool normals = false;
 };
 
-/// screen: two-sided Blinn-Phong by the plane of normals; methods.md §9. Pixels without a normal stay.
+/// screen: two-sided Blinn-Phong by the plane of normals; docs/spec/shading.md §2. Pixels without a normal
+/// stay.
 struct PhongPass {
     float ambient = 0.25f;
     float headlight = 0.55f;
@@ -113,13 +115,14 @@ struct PhongPass {
     float specular = 0.15f;     ///< of the directional light
 };
 
-/// screen: eye-dome lighting from depth alone; methods.md §9.
+/// screen: eye-dome lighting from depth alone; docs/spec/shading.md §3.
 struct EyeDomePass {
     float strength = 0.4f;
     float radiusPx = 1.4f;
 };
 
-/// screen, methods.md §8 step 3: labels pixels that other points occlude. s_eff = max(spacing, 2·detail/q).
+/// screen, docs/spec/pyramid.md §4: labels pixels that other points occlude. s_eff = max(spacing,
+/// 2·detail/q).
 struct HiddenPointsPass {
     float scale = 10;        ///< hprScale: size of the neighbourhood, in s_eff
     float spacing = 0;       ///< s0, cloud units
@@ -128,11 +131,11 @@ struct HiddenPointsPass {
     float threshold = 0.1f;  ///< mean occlusion below which a point is hidden
 };
 
-/// screen, methods.md §8 step 4: colour and depth of hidden and background pixels from their visible
+/// screen, docs/spec/pyramid.md §5: colour and depth of hidden and background pixels from their visible
 /// neighbours; background that HiddenPointsPass labelled visible stays.
 struct PullPushPass {};
 
-/// screen, methods.md §8 step 5: normals of the filled depth.
+/// screen, docs/spec/pyramid.md §6: normals of the filled depth.
 struct DepthNormalsPass {
     float scale = 2;  ///< normalScale, in s_eff
     float spacing = 0;

@@ -65,13 +65,7 @@ constexpr std::array<Rgb8, 17> turboAnchors{{{48, 18, 59},
 
 constexpr std::array<Rgb8, 2> greyAnchors{{{0, 0, 0}, {255, 255, 255}}};
 
-constexpr std::array<std::string_view, 3> names{"viridis", "turbo", "grey"};
-
 }  // namespace
-
-std::span<const std::string_view> colormapNames() {
-    return names;
-}
 
 std::optional<Ramp> colormap(std::string_view name) {
     static const Ramp viridis = interpolate(viridisAnchors);

@@ -3,17 +3,16 @@
 
 #include <array>
 #include <optional>
-#include <span>
 #include <string_view>
 
-#include "protocol/view.hpp"
+#include "protocol/view/view.hpp"
 
 namespace scancast {
 
 using Ramp = std::array<Rgb8, 256>;
 
+/// Of colormapNames; nullopt for another name.
 std::optional<Ramp> colormap(std::string_view name);
-std::span<const std::string_view> colormapNames();
 /// Customary colours of the ASPRS classes: ground brown, vegetation greens, building red-grey, water blue …
 const Ramp& classificationColors();
 /// One clearly different colour per octree level.

@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-#include "protocol/view.hpp"
+#include "protocol/view/view.hpp"
 #include "renderer/image/frame.hpp"
 
 namespace scancast {

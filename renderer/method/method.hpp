@@ -1,6 +1,6 @@
-// A rendering method: name, parameters, and the short list of passes that draws it. One file pair per method
-// of a paper. Methods know nothing of devices; the parameter list is the source of /methods, of the page's
-// controls and of the documentation.
+// A rendering method: name, parameters, and the short list of passes that draws it. One file pair per method,
+// or for a few that share their parameters. Methods know nothing of devices; the parameter list is the source
+// of /methods, of the page's controls and of the documentation.
 #pragma once
 
 #include <span>
@@ -8,7 +8,7 @@
 #include <string_view>
 #include <vector>
 
-#include "protocol/view.hpp"
+#include "protocol/view/view.hpp"
 #include "renderer/device/pass.hpp"
 
 namespace scancast {

@@ -62,7 +62,7 @@ Method discMethod() {
     m.title = "Oriented discs";
     m.summary =
         "A disc in the surface for every point: closed surfaces with true slopes and lighting, in one pass.";
-    m.source = "Point-based Rendering: normal detection, splatting and mirrors (002)";
+    m.source = "Point-based Rendering: normal detection, splatting and mirrors";
     m.parameters = surfelParameters();
     m.defaultDetail = 2;
     m.defaultShading = Shading::Phong;

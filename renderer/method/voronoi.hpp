@@ -1,24 +1,23 @@
 // `voronoi`: oriented discs clipped to each other, so that what remains of each is its cell of the surface's
-// Voronoi diagram; flat, or with a smooth field of colours and normals inside the cells. Source:
-// 003_f374df756e3de90a, "Voronoi Rasterization of Sparse Point Sets", 2005; methods.md §7.
+// Voronoi diagram; flat, or with a smooth field of colours and normals inside the cells.
+// docs/spec/voronoi.md §2. Source:
+// Talton, Carr and Hart, "Voronoi Rasterization of Sparse Point Sets", 2005, §3.
 //
-// From the paper to the code:
-//   paper                                                   here
-//   §3.1, §3.2: occluding disk sampling, r = 1.3 σ          Surfel::radius · `scale`; it overlaps as much
-//   §3.4, first pass: front-facing disks, z-buffer          NearestPass → d_vis
-//   §3.4, (A): discard further than ε = r/2 from it         CellPass' `tolerance`, in radii; 1 by default, as
-//                                                             our radii overlap more: with 0.5, 3.4 % of a
-//                                                             cube's pixels show flaps at its creases, with 1
-//                                                             1.5 %; of a small sphere's 1.3 % and 0.4 %
-//   §3.4, (B): depth := distance to the disk's centre       CellPass' order
-//   §3.5: radius extended over the neighbours' centres,     SumPass with `reach` 2, between the two
-//     between the two passes
-//   §3.5, Eq. 1                                             w = 1 - 3t² + 2t³: as printed the two terms have
-//                                                             their signs swapped, and the bump that the text
-//                                                             describes grows outwards
-//   §3.6: back-facing disks clip the silhouette             SilhouettePass, parameter `silhouette`; "not
-//                                                             highly reliable": off by default
-//   §3.5: Phong shading of the field                        PhongPass over the means of SumPass
+//   paper                                        here
+//
+//   §3.1, §3.2: occluding discs, r = 1.3 σ       Surfel::radius · `scale`; it overlaps as much
+//   §3.4, first pass: front-facing discs         NearestPass → d_vis
+//   §3.4, (A): drop what is further than r/2     CellPass' `tolerance`, in radii; 1 by default, as our radii
+//     from the depth                             overlap more: with 0.5, 3.4 % of a cube's pixels show flaps
+//                                                at its creases, with 1 1.5 %; of a small sphere's 1.3 % and
+//                                                0.4 %
+//   §3.4, (B): depth := distance to the centre   CellPass' order
+//   §3.5: discs over their neighbours' centres   SumPass with `reach` 2, between the two
+//   §3.5, Eq. 1                                  w = 1 - 3t² + 2t³: as printed the two terms have their signs
+//                                                swapped, and the bump that the text describes grows outwards
+//   §3.6: back-facing discs clip the outline     SilhouettePass, parameter `silhouette`; not reliable, as the
+//                                                paper says: off by default
+//   §3.5: Phong shading of the field             PhongPass over the means of SumPass
 #pragma once
 
 #include "renderer/method/method.hpp"

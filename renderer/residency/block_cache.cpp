@@ -7,7 +7,7 @@
 
 #include "renderer/residency/block_table.hpp"
 #include "renderer/residency/demand.hpp"
-#include "renderer/residency/wish_list.hpp"
+#include "renderer/residency/request_queue.hpp"
 #include "threads/guarded.hpp"
 #include "threads/monitor.hpp"
 
@@ -15,7 +15,7 @@ namespace scancast {
 
 namespace {
 
-using CachedCloud = BlockTable::Cloud;
+using CachedCloud = BlockTable::CloudBlocks;
 
 // Of one cloud; a screenful of samples, so that a picture is never coarser than that.
 constexpr std::uint64_t mostPinned = 16u << 20;
@@ -58,7 +58,7 @@ class Cache final : public BlockCache, public std::enable_shared_from_this<Cache
     std::vector<std::optional<SampleRun>> findAll(CachedCloud& cloud, std::span<const std::uint32_t> nodes);
     std::vector<Expected<SampleRun>> loadAll(CachedCloud& cloud, std::span<const std::uint32_t> nodes,
                                              const std::stop_token& stop);
-    void request(CachedCloud& cloud, std::uint64_t requester, std::vector<Wish> wishes);
+    void request(CachedCloud& cloud, std::uint64_t requester, std::vector<BlockRequest> requests);
     bool damaged(CachedCloud& cloud, std::uint32_t node);
     void remove(CachedCloud& cloud);
     std::uint64_t limit() const { return table_.limit(); }
@@ -69,12 +69,12 @@ class Cache final : public BlockCache, public std::enable_shared_from_this<Cache
     using Loaded = Expected<std::shared_ptr<const Block>>;
 
     // What threads wait for; with the lock held.
-    bool loadIsDue() const { return stopping_ || anyDemandHasWork() || !wishes_.empty(); }
+    bool loadIsDue() const { return stopping_ || anyDemandHasWork() || !requests_.empty(); }
     bool isOver(const Demand& demand) const { return demand.complete() || stopping_; }
 
     void loadLoop();
     void serveDemand(Lock& lock);
-    void serveWish(Lock& lock);
+    void serveRequest(Lock& lock);
     bool anyDemandHasWork() const;
     void work(Demand& demand, Lock& lock);
     void look(CachedCloud& cloud, std::uint32_t node, Lock& lock);
@@ -86,7 +86,7 @@ class Cache final : public BlockCache, public std::enable_shared_from_this<Cache
     const BlockCacheOptions options_;
     mutable Monitor monitor_;  // guards what follows
     BlockTable table_;
-    WishList wishes_;
+    RequestQueue requests_;
     std::vector<Demand*> demands_;
     std::size_t turn_ = 0;  // of the demands
     std::uint64_t loaded_ = 0, damaged_ = 0;
@@ -114,8 +114,8 @@ class ResidentStore final : public SampleStore {
                                              std::stop_token stop) override {
         return cache_->loadAll(*cloud_, nodes, stop);
     }
-    void request(std::uint64_t requester, std::vector<Wish> wishes) override {
-        cache_->request(*cloud_, requester, std::move(wishes));
+    void request(std::uint64_t requester, std::vector<BlockRequest> requests) override {
+        cache_->request(*cloud_, requester, std::move(requests));
     }
     bool whole() const override { return false; }
     bool damaged(std::uint32_t node) const override { return cache_->damaged(*cloud_, node); }
@@ -146,7 +146,7 @@ std::shared_ptr<SampleStore> Cache::add(std::shared_ptr<const CloudFile> file) {
         const std::uint64_t left = all - std::min(all, table_.pinnedBytes());
         cloud = table_.add(std::move(file), std::min({mostPinned, table_.limit() / 16, left}));
     }
-    std::vector<Wish> pins;
+    std::vector<BlockRequest> pins;
     for (std::uint32_t node = 0; node < cloud->slots.size() && cloud->slots[node].pinned; ++node)
         pins.push_back({node, -double(node)});
     auto store = std::make_shared<ResidentStore>(shared_from_this(), cloud);
@@ -156,7 +156,7 @@ std::shared_ptr<SampleStore> Cache::add(std::shared_ptr<const CloudFile> file) {
 
 void Cache::remove(CachedCloud& cloud) {
     const Lock lock(monitor_);
-    wishes_.forget(cloud.id);
+    requests_.forget(cloud.id);
     table_.remove(cloud);
 }
 
@@ -183,13 +183,14 @@ bool Cache::damaged(CachedCloud& cloud, std::uint32_t node) {
     return table_.state(cloud, node, now()) == BlockState::Damaged;
 }
 
-void Cache::request(CachedCloud& cloud, std::uint64_t requester, std::vector<Wish> wishes) {
+void Cache::request(CachedCloud& cloud, std::uint64_t requester, std::vector<BlockRequest> requests) {
     const BlockTable::Time time = now();
     const Lock lock(monitor_);
-    std::erase_if(wishes, [&](const Wish& wish) {
-        return wish.node >= cloud.slots.size() || table_.state(cloud, wish.node, time) != BlockState::Absent;
+    std::erase_if(requests, [&](const BlockRequest& request) {
+        return request.node >= cloud.slots.size() ||
+               table_.state(cloud, request.node, time) != BlockState::Absent;
     });
-    wishes_.set(cloud.id, requester, std::move(wishes));
+    requests_.set(cloud.id, requester, std::move(requests));
 }
 
 // ---- waiting
@@ -276,7 +277,7 @@ void Cache::loadLoop() {
         if (stopping_) return;
         // One for somebody who waits, one for those who make do with ancestors meanwhile.
         serveDemand(lock);
-        if (!stopping_) std::ignore = guarded("Loading a block", [&] { serveWish(lock); });
+        if (!stopping_) std::ignore = guarded("Loading a block", [&] { serveRequest(lock); });
     }
 }
 
@@ -291,10 +292,10 @@ void Cache::serveDemand(Lock& lock) {
     }
 }
 
-// Where there is no memory even to begin, a wish is dropped, like one that there is no room for: whoever
+// Where there is no memory even to begin, a request is dropped, like one that there is no room for: whoever
 // still has it asks again with the next picture.
-void Cache::serveWish(Lock& lock) {
-    while (const auto next = wishes_.next()) {
+void Cache::serveRequest(Lock& lock) {
+    while (const auto next = requests_.next()) {
         auto cloud = table_.find(next->cloud);
         if (!cloud || table_.state(*cloud, next->node, now()) != BlockState::Absent) continue;
         auto room = table_.beginLoad(*cloud, next->node, false, now());
@@ -350,7 +351,7 @@ void Cache::stop() {
 
 BlockCacheStats Cache::stats() const {
     const Monitor::Look look(monitor_);
-    return {table_.limit(), table_.bytes(), loaded_, table_.evicted(), damaged_, wishes_.size()};
+    return {table_.limit(), table_.bytes(), loaded_, table_.evicted(), damaged_, requests_.size()};
 }
 
 }  // namespace

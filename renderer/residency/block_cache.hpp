@@ -30,7 +30,7 @@ struct BlockCacheStats {
     std::uint64_t limit = 0;
     std::uint64_t bytes = 0;  ///< of everything that counts against the limit, pictures' own included
     std::uint64_t blocksLoaded = 0, blocksEvicted = 0, blocksDamaged = 0;
-    std::uint64_t wishes = 0;  ///< waiting now
+    std::uint64_t requests = 0;  ///< waiting now
 };
 
 class BlockCache {

@@ -2,9 +2,9 @@
 
 namespace scancast {
 
-std::shared_ptr<BlockTable::Cloud> BlockTable::add(std::shared_ptr<const CloudFile> file,
-                                                   std::uint64_t pinnedBytes) {
-    auto cloud = std::make_shared<Cloud>();
+std::shared_ptr<BlockTable::CloudBlocks> BlockTable::add(std::shared_ptr<const CloudFile> file,
+                                                         std::uint64_t pinnedBytes) {
+    auto cloud = std::make_shared<CloudBlocks>();
     cloud->id = ++lastId_;
     cloud->file = std::move(file);
     cloud->slots.resize(cloud->file->nodes().size());
@@ -19,7 +19,7 @@ std::shared_ptr<BlockTable::Cloud> BlockTable::add(std::shared_ptr<const CloudFi
     return cloud;
 }
 
-void BlockTable::remove(Cloud& cloud) {
+void BlockTable::remove(CloudBlocks& cloud) {
     cloud.removed = true;
     for (std::uint32_t node = 0; node < cloud.slots.size(); ++node) {
         Slot& slot = cloud.slots[node];
@@ -31,13 +31,13 @@ void BlockTable::remove(Cloud& cloud) {
     clouds_.erase(cloud.id);
 }
 
-std::shared_ptr<BlockTable::Cloud> BlockTable::find(std::uint64_t id) const {
+std::shared_ptr<BlockTable::CloudBlocks> BlockTable::find(std::uint64_t id) const {
     const auto at = clouds_.find(id);
     return at == clouds_.end() ? nullptr : at->second;
 }
 
 // Ancestors that were touched at the same instant need not be touched again: nothing came between.
-void BlockTable::touch(Cloud& cloud, std::uint32_t node, Time now) {
+void BlockTable::touch(CloudBlocks& cloud, std::uint32_t node, Time now) {
     const auto nodes = cloud.file->nodes();
     for (bool first = true; node != noNode; node = nodes[node].node.parent, first = false) {
         Slot& slot = cloud.slots[node];
@@ -48,12 +48,12 @@ void BlockTable::touch(Cloud& cloud, std::uint32_t node, Time now) {
     }
 }
 
-std::shared_ptr<const Block> BlockTable::use(Cloud& cloud, std::uint32_t node, Time now) {
+std::shared_ptr<const Block> BlockTable::use(CloudBlocks& cloud, std::uint32_t node, Time now) {
     touch(cloud, node, now);
     return cloud.slots[node].block;
 }
 
-BlockState BlockTable::state(Cloud& cloud, std::uint32_t node, Time now) {
+BlockState BlockTable::state(CloudBlocks& cloud, std::uint32_t node, Time now) {
     Slot& slot = cloud.slots[node];
     if (slot.state == BlockState::Damaged) {
         const Damage& damage = cloud.damage.at(node);
@@ -84,7 +84,7 @@ bool BlockTable::evictOne(bool must, Time now) {
     return false;
 }
 
-std::shared_ptr<Block> BlockTable::beginLoad(Cloud& cloud, std::uint32_t node, bool must, Time now) {
+std::shared_ptr<Block> BlockTable::beginLoad(CloudBlocks& cloud, std::uint32_t node, bool must, Time now) {
     const std::uint64_t needed = bytesOf(cloud, node);
     while (bytes() + needed > limit_) {
         if (evictOne(must, now)) continue;
@@ -96,7 +96,8 @@ std::shared_ptr<Block> BlockTable::beginLoad(Cloud& cloud, std::uint32_t node, b
     return room;
 }
 
-void BlockTable::finishLoad(Cloud& cloud, std::uint32_t node, std::shared_ptr<const Block> block, Time now) {
+void BlockTable::finishLoad(CloudBlocks& cloud, std::uint32_t node, std::shared_ptr<const Block> block,
+                            Time now) {
     if (cloud.removed) return;
     Slot& slot = cloud.slots[node];
     if (!slot.pinned) {
@@ -109,7 +110,7 @@ void BlockTable::finishLoad(Cloud& cloud, std::uint32_t node, std::shared_ptr<co
     slot.usedAt = now;
 }
 
-void BlockTable::failLoad(Cloud& cloud, std::uint32_t node, Error error, Time now) {
+void BlockTable::failLoad(CloudBlocks& cloud, std::uint32_t node, Error error, Time now) {
     if (cloud.removed) return;
     cloud.slots[node].state = BlockState::Absent;  // and stays so where its damage cannot be remembered
     cloud.damage.insert_or_assign(node, Damage{std::move(error), now});

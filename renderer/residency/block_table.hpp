@@ -45,9 +45,9 @@ class BlockTable {
   public:
     using Time = std::int64_t;  ///< ms of any clock that does not go backwards
 
-    struct Cloud;
+    struct CloudBlocks;
     struct Place {
-        Cloud* cloud;
+        CloudBlocks* cloud;
         std::uint32_t node;
     };
     struct Slot {
@@ -61,7 +61,7 @@ class BlockTable {
         Error error;
         Time at;
     };
-    struct Cloud {
+    struct CloudBlocks {
         std::uint64_t id = 0;
         std::shared_ptr<const CloudFile> file;
         std::vector<Slot> slots;  // by node
@@ -76,22 +76,22 @@ class BlockTable {
 
     /// Blocks from the root on, in breadth-first order, are pinned while they fit `pinnedBytes`; the root
     /// always.
-    std::shared_ptr<Cloud> add(std::shared_ptr<const CloudFile> file, std::uint64_t pinnedBytes);
-    void remove(Cloud& cloud);
-    std::shared_ptr<Cloud> find(std::uint64_t id) const;
+    std::shared_ptr<CloudBlocks> add(std::shared_ptr<const CloudFile> file, std::uint64_t pinnedBytes);
+    void remove(CloudBlocks& cloud);
+    std::shared_ptr<CloudBlocks> find(std::uint64_t id) const;
 
     /// The block, if it is here; it and its ancestors count as used.
-    std::shared_ptr<const Block> use(Cloud& cloud, std::uint32_t node, Time now);
-    BlockState state(Cloud& cloud, std::uint32_t node, Time now);
+    std::shared_ptr<const Block> use(CloudBlocks& cloud, std::uint32_t node, Time now);
+    BlockState state(CloudBlocks& cloud, std::uint32_t node, Time now);
 
     /// Room for a node's samples, which is Loading from then on. nullptr when there is none without what was
     /// used within the grace time; with `must` there always is.
-    std::shared_ptr<Block> beginLoad(Cloud& cloud, std::uint32_t node, bool must, Time now);
-    void finishLoad(Cloud& cloud, std::uint32_t node, std::shared_ptr<const Block> block, Time now);
-    void failLoad(Cloud& cloud, std::uint32_t node, Error error, Time now);
+    std::shared_ptr<Block> beginLoad(CloudBlocks& cloud, std::uint32_t node, bool must, Time now);
+    void finishLoad(CloudBlocks& cloud, std::uint32_t node, std::shared_ptr<const Block> block, Time now);
+    void failLoad(CloudBlocks& cloud, std::uint32_t node, Error error, Time now);
     // An exception in these three leaves everything as it was; in failLoad() the node is Absent.
 
-    static std::uint64_t bytesOf(const Cloud& cloud, std::uint32_t node) {
+    static std::uint64_t bytesOf(const CloudBlocks& cloud, std::uint32_t node) {
         const std::uint64_t samples = cloud.file->nodes()[node].node.sampleCount;
         return samples * sizeof(Sample) + limitsBytes(samples) + blockOverhead;
     }
@@ -107,12 +107,12 @@ class BlockTable {
     static constexpr Time retryAfter = 5000;  // what the operating system refused may work later
 
     bool evictOne(bool must, Time now);
-    void touch(Cloud& cloud, std::uint32_t node, Time now);
+    void touch(CloudBlocks& cloud, std::uint32_t node, Time now);
 
     const std::uint64_t limit_;
     const Time grace_;
     const MemoryMeter meter_;
-    std::map<std::uint64_t, std::shared_ptr<Cloud>> clouds_;
+    std::map<std::uint64_t, std::shared_ptr<CloudBlocks>> clouds_;
     std::list<Place> order_;  // most recently used first
     std::uint64_t lastId_ = 0;
     std::uint64_t pinnedBytes_ = 0;

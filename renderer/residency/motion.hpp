@@ -3,7 +3,7 @@
 
 #include <optional>
 
-#include "protocol/view.hpp"
+#include "protocol/view/view.hpp"
 
 namespace scancast {
 

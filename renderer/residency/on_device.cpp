@@ -42,7 +42,7 @@ class DeviceProvision {
         for (const Cut* cut : cuts_)
             for (const CutRun& run : cut->runs)
                 if (isThere(run.nodeIndex)) add(run.nodeIndex);
-        addWishes();
+        addRequests();
         if (auto brought = memory_.bring(octree_.source(), toBring_, stop); !brought) return brought;
         for (Cut* cut : cuts_) replaceMissing(*cut);
         return {};
@@ -66,17 +66,17 @@ class DeviceProvision {
         if (node != noNode) add(node);
     }
 
-    void addWishes() {
+    void addRequests() {
         const AtHand atHand = [&](std::uint32_t node) { return isThere(node) || added_.contains(node); };
-        Wishes wishes(octree_, atHand);
-        for (const Cut* cut : cuts_) wishes.add(cut->runs);
+        BlockRequests requests(octree_, atHand);
+        for (const Cut* cut : cuts_) requests.add(cut->runs);
         std::uint64_t moved = 0;
-        for (const Wish& wish : wishes.sorted()) {
-            if (!runs_.has(wish.node)) continue;
-            moved += octree_.node(wish.node).sampleCount;
+        for (const BlockRequest& request : requests.sorted()) {
+            if (!runs_.has(request.node)) continue;
+            moved += octree_.node(request.node).sampleCount;
             // One of them goes at any rate, or a small budget would leave all of them where they are.
-            if (moved > memory_.frameBudget() && moved > octree_.node(wish.node).sampleCount) break;
-            add(wish.node);
+            if (moved > memory_.frameBudget() && moved > octree_.node(request.node).sampleCount) break;
+            add(request.node);
         }
     }
 

@@ -12,7 +12,7 @@ namespace scancast {
 namespace {
 
 // More than any picture needs at once; what is left out is asked for by the next frame.
-constexpr std::size_t mostWishes = 4096;
+constexpr std::size_t mostRequests = 4096;
 // Everything that is missing now comes before anything that may be missing soon: spacings on screen are
 // positive, and these are below.
 constexpr double aheadUrgency = -1e9;
@@ -62,15 +62,15 @@ class Provision {
         return {};
     }
 
-    /// Called even when nothing is missing: earlier wishes are then moot.
+    /// Called even when nothing is missing: earlier requests are then moot.
     void request(const AtHand& atHand) {
         if (octree_.store().whole()) return;
-        Wishes wishes(octree_, atHand);
-        wishes.add(cut_.runs);
-        wishes.add(options_.beside);
-        wishes.add(options_.ahead, aheadUrgency);
-        std::vector<Wish> sorted = wishes.sorted();
-        if (sorted.size() > mostWishes) sorted.resize(mostWishes);
+        BlockRequests requests(octree_, atHand);
+        requests.add(cut_.runs);
+        requests.add(options_.beside);
+        requests.add(options_.ahead, aheadUrgency);
+        std::vector<BlockRequest> sorted = requests.sorted();
+        if (sorted.size() > mostRequests) sorted.resize(mostRequests);
         octree_.store().request(options_.requester, std::move(sorted));
     }
 

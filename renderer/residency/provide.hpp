@@ -1,5 +1,5 @@
 // From the nodes that selection wants to the samples that are drawn: what is in memory, ancestors for what is
-// not, and wishes for the rest. Pipeline: select → **provide** → device.
+// not, and asks for the rest. Pipeline: select → **provide** → device.
 //
 // *Thread safety*: may be called from any thread.
 #pragma once
@@ -16,7 +16,7 @@ struct ProvideOptions {
     /// Loads what is missing, several blocks at a time, and returns exactly what is wanted (but for damaged
     /// blocks). Else what is in memory is drawn, and the rest requested.
     bool wait = true;
-    /// On whose behalf blocks are requested: the newest call's wishes take the place of the earlier ones'.
+    /// On whose behalf blocks are requested: the newest call's requests take the place of the earlier ones'.
     std::uint64_t requester = 0;
     /// Runs that the next pictures may want, requested behind everything that is missing now. Without wait
     /// only.

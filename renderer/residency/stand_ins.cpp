@@ -87,7 +87,7 @@ Cut withStandIns(const Octree& octree, Cut wanted, const AtHand& atHand,
     return StandIns(octree, std::move(wanted), atHand).replace(missing);
 }
 
-void Wishes::add(std::span<const CutRun> runs, double offset) {
+void BlockRequests::add(std::span<const CutRun> runs, double offset) {
     for (const CutRun& run : runs) {
         // Coarser ones are more urgent, because their spacings are larger on screen, too.
         for (std::uint32_t node = run.nodeIndex; node != noNode && !atHand_(node);
@@ -95,20 +95,20 @@ void Wishes::add(std::span<const CutRun> runs, double offset) {
             const double urgency = offset +
                                    run.projected * (octree_.node(node).meanSpacing / run.node->meanSpacing) +
                                    double(run.node->level - octree_.node(node).level) * 1e-6;
-            double& wish = urgencies_.try_emplace(node, urgency).first->second;
-            wish = std::max(wish, urgency);
+            double& request = urgencies_.try_emplace(node, urgency).first->second;
+            request = std::max(request, urgency);
         }
     }
 }
 
-std::vector<Wish> Wishes::sorted() const {
-    std::vector<Wish> wishes;
-    wishes.reserve(urgencies_.size());
-    for (const auto& [node, urgency] : urgencies_) wishes.push_back({node, urgency});
-    std::ranges::sort(wishes, [](const Wish& a, const Wish& b) {
+std::vector<BlockRequest> BlockRequests::sorted() const {
+    std::vector<BlockRequest> requests;
+    requests.reserve(urgencies_.size());
+    for (const auto& [node, urgency] : urgencies_) requests.push_back({node, urgency});
+    std::ranges::sort(requests, [](const BlockRequest& a, const BlockRequest& b) {
         return a.urgency != b.urgency ? a.urgency > b.urgency : a.node < b.node;
     });
-    return wishes;
+    return requests;
 }
 
 }  // namespace scancast

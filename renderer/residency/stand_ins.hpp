@@ -1,5 +1,5 @@
 // Ancestors that are drawn for what is not at hand - in the machine's memory, or on the GPU - and what is
-// wished for instead. Pure functions of the cut and of what is at hand. Pipeline: select → provide(), and
+// asked for instead. Pure functions of the cut and of what is at hand. Pipeline: select → provide(), and
 // once more where a device has memory of its own (on_device.hpp).
 #pragma once
 
@@ -23,14 +23,14 @@ Cut withStandIns(const Octree& octree, Cut wanted, const AtHand& atHand,
                  const std::function<void(Cut&, const CutRun&)>& missing);
 
 /// Nodes that runs need and that are not at hand, each with its missing ancestors up to the first that is.
-class Wishes {
+class BlockRequests {
   public:
-    Wishes(const Octree& octree, const AtHand& atHand) : octree_(octree), atHand_(atHand) {}
+    BlockRequests(const Octree& octree, const AtHand& atHand) : octree_(octree), atHand_(atHand) {}
 
     /// Urgent as the node's spacing is large on screen, and `offset` more: coarser ones first.
     void add(std::span<const CutRun> runs, double offset = 0);
     /// Most urgent first.
-    std::vector<Wish> sorted() const;
+    std::vector<BlockRequest> sorted() const;
 
   private:
     const Octree& octree_;

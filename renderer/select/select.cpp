@@ -77,7 +77,7 @@ constexpr double alwaysGrowPx = 1;
 
 /// Whether every surface element with a normal in the node's cone and a place in its sphere is seen from
 /// behind: no direction of sight to the sphere leans more than asin(R/D) from the one to its centre, no
-/// normal more than the half-angle from the axis (methods.md §6).
+/// normal more than the half-angle from the axis (docs/spec/hierarchy.md §6).
 bool facesAway(const Node& n, const Viewpoint& viewpoint, const glm::dvec3& eye) {
     constexpr double rightAngle = std::numbers::pi / 2;
     constexpr double slack = 1e-4;  // devices turn normals in single precision

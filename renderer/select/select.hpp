@@ -1,5 +1,7 @@
-// Selection: cloud + viewpoint → cut, the nodes to draw. A pure function of the nodes' geometry, with counters;
-// it touches no sample. Pipeline: octree → **select** → residency (which fills in the samples) → device. Source: 001_c3e54385a9f0e90c, Algorithm 3; methods.md §6.
+// Selection: cloud + viewpoint → cut, the nodes to draw. A pure function of the nodes' geometry, with
+// counters; it touches no sample. Pipeline: octree → **select** → residency (which fills in the samples) →
+// device. Source: Kaushik, Nagwanshi and Sharma, "Achieving a Smooth Interpolation between the Points Using
+// Modified Rendering Algorithm", undated, §IV-c; docs/spec/hierarchy.md §6.
 #pragma once
 
 #include <array>

@@ -1,8 +1,8 @@
-// A camera made ready for one cloud and one picture size: the numbers that selection and devices compute with.
-// Pipeline: view → **viewpoint** → select, device. A pure value.
+// A camera made ready for one cloud and one picture size: the numbers that selection and devices compute
+// with. Pipeline: view → **viewpoint** → select, device. A pure value.
 //
-// Frame of reference (methods.md §1): cloud-relative coordinates → view space, right-handed, looking down -z;
-// depth d = -z_view > 0; picture row 0 is the top; pixel centres at +0.5.
+// Frame of reference (docs/spec/passes.md §1): cloud-relative coordinates → view space, right-handed, looking
+// down -z; depth d = -z_view > 0; picture row 0 is the top; pixel centres at +0.5.
 #pragma once
 
 #include <array>
@@ -11,7 +11,7 @@
 #include <glm/vec3.hpp>
 #include <glm/vec4.hpp>
 
-#include "protocol/view.hpp"
+#include "protocol/view/view.hpp"
 
 namespace scancast {
 

@@ -4,7 +4,7 @@
 
 #include <cstdio>
 
-#include "server/catalog/memory_reserve.hpp"
+#include "server/base/memory_reserve.hpp"
 
 namespace scancast {
 namespace {

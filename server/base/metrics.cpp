@@ -63,7 +63,7 @@ struct Metrics::Families {
     prometheus::Family<prometheus::Counter>& dropped =
         prometheus::BuildCounter()
             .Name("scancast_frames_dropped_total")
-            .Help("Pictures that were wished for and never shown")
+            .Help("Pictures that were asked for and never shown")
             .Register(registry);
     prometheus::Histogram& viewToFrame =
         prometheus::BuildHistogram()

@@ -12,7 +12,7 @@
 
 namespace scancast {
 
-/// Why a picture that somebody wished for was never shown.
+/// Why a picture that somebody asked for was never shown.
 enum class DropReason : std::uint8_t {
     Overwritten,  ///< a newer view of the same session came first (latest wins)
     Abandoned,    ///< a still that a new view interrupted

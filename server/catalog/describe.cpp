@@ -162,17 +162,9 @@ nlohmann::json methodListJson() {
     for (const Method& method : methods()) list.push_back(describe(method));
     nlohmann::json json = toJson(list);
     // Colour sources and maps belong to no method; clients build their menus from one answer.
-    json["colors"] = nlohmann::json::array();
-    for (ColorSource source :
-         {ColorSource::Rgb, ColorSource::Intensity, ColorSource::Elevation, ColorSource::Classification,
-          ColorSource::Normal, ColorSource::Depth, ColorSource::Lod}) {
-        json["colors"].push_back(name(source));
-    }
-    json["colormaps"] = nlohmann::json::array();
-    for (std::string_view map : colormapNames()) json["colormaps"].push_back(map);
-    json["shadings"] = nlohmann::json::array();
-    for (Shading shading : {Shading::Unlit, Shading::Phong, Shading::EyeDome})
-        json["shadings"].push_back(name(shading));
+    json["colors"] = colorSourceNames;
+    json["colormaps"] = colormapNames;
+    json["shadings"] = shadingNames;
     return json;
 }
 

@@ -9,7 +9,7 @@
 #include <string>
 
 #include "protocol/error.hpp"
-#include "protocol/view.hpp"
+#include "protocol/view/view.hpp"
 
 namespace scancast {
 

@@ -8,7 +8,7 @@
 #include <cstdio>
 #include <memory>
 
-#include "renderer/cloud/import/mirrors.hpp"
+#include "renderer/cloud/import/mirror_file.hpp"
 #include "server/commands/command.hpp"
 #include "server/commands/progress_bar.hpp"
 #include "server/commands/terminal.hpp"

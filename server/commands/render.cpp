@@ -1,5 +1,4 @@
 // `scancast render`: a picture of a scan without a server, and the stopwatch of the renderer.
-#include <unistd.h>
 
 #include <algorithm>
 #include <chrono>
@@ -8,7 +7,10 @@
 #include <map>
 #include <nlohmann/json.hpp>
 
+#include "files/machine_memory.hpp"
 #include "files/output_file.hpp"
+#include "protocol/flags/view_flags.hpp"
+#include "protocol/view/view_words.hpp"
 #include "renderer/cloud/build/build_cloud.hpp"
 #include "renderer/cloud/file/cloud_file.hpp"
 #include "renderer/cloud/import/open_scan.hpp"
@@ -20,7 +22,6 @@
 #include "server/commands/program_folder.hpp"
 #include "server/commands/progress_bar.hpp"
 #include "server/commands/terminal.hpp"
-#include "server/commands/view_flags.hpp"
 
 namespace scancast {
 
@@ -33,7 +34,7 @@ struct RenderArguments {
     std::string file, output, stats;
     DeviceOptions device;
     RenderOptions render;
-    WordValues words;
+    ViewFlags view;
     int repeat = 1;
     std::string memoryLimit, gpuMemoryLimit;
     bool noSurfels = false;
@@ -116,8 +117,7 @@ Expected<std::shared_ptr<const Cloud>> load(const RenderArguments& arguments) {
     if (!input) return tl::unexpected(input.error());
     if (isCloudFile(input->file())) {
         BlockCacheOptions cache;
-        cache.memoryLimit =
-            std::uint64_t(::sysconf(_SC_PHYS_PAGES)) * std::uint64_t(::sysconf(_SC_PAGESIZE)) / 2;
+        cache.memoryLimit = machineMemory() / 2;
         if (!arguments.memoryLimit.empty()) {
             const auto limit = parseByteSize(arguments.memoryLimit, "memory-limit");
             if (!limit) return tl::unexpected(limit.error());
@@ -165,6 +165,8 @@ Expected<Frame> renderOrReplace(std::unique_ptr<Device>& device, const Cloud& cl
 
 Expected<void> runRender(const RenderArguments& arguments) {
     if (auto sound = checkArguments(arguments); !sound) return sound;
+    const auto words = arguments.view.words();
+    if (!words) return tl::unexpected(words.error());
     DeviceOptions options = arguments.device;
     options.programFolder = programFolder();
     const auto gpuMemoryLimit = parseGpuMemoryLimit(arguments.gpuMemoryLimit);
@@ -174,7 +176,7 @@ Expected<void> runRender(const RenderArguments& arguments) {
     if (!device) return tl::unexpected(device.error());
     auto cloud = load(arguments);
     if (!cloud) return tl::unexpected(cloud.error());
-    auto view = applyWords(defaultView(**cloud), arguments.words);
+    auto view = applyWords(defaultView(**cloud), *words);
     if (!view) return tl::unexpected(view.error());
 
     Timings timings;
@@ -242,7 +244,7 @@ void addRender(CLI::App& app, int& exitCode) {
                       "shading=phong need. Cloud files stay as they are");
     command->add_option("--stats", arguments->stats, "Print times, as json, on standard output")
         ->check(CLI::IsMember({"json"}));
-    addViewFlags(*command, arguments->words);
+    arguments->view.addTo(*command);
     command->callback([arguments, &exitCode] {
         if (auto done = runRender(*arguments); !done) {
             tell("scancast render: {}\n", done.error().message);

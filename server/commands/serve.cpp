@@ -8,8 +8,8 @@
 
 #include "server/base/faults.hpp"
 #include "server/base/log.hpp"
+#include "server/base/memory_reserve.hpp"
 #include "server/catalog/loader.hpp"
-#include "server/catalog/memory_reserve.hpp"
 #include "server/commands/byte_size.hpp"
 #include "server/commands/command.hpp"
 #include "server/commands/config_file.hpp"
@@ -69,7 +69,7 @@ LoaderOptions loaderOptions(const ServeOptions& options, ProgressBar& bar) {
 }
 
 // Tells of the device once, when it is open. False when there is none: then nothing can be served.
-bool reportDevice(Server& server, bool& reported) {
+bool reportDevice(ScancastServer& server, bool& reported) {
     if (reported) return true;
     const DeviceStatus device = server.scheduler().device();
     if (device.state == DeviceStatus::State::Opening) return true;
@@ -93,7 +93,7 @@ void reportReloads(const ShutdownSignals& signals, int& reported) {
 }
 
 // Until a signal comes (0), or there is nothing to serve with or from (1).
-int waitForTheEnd(Server& server, const Loader& loader, const ServeOptions& options,
+int waitForTheEnd(ScancastServer& server, const Loader& loader, const ServeOptions& options,
                   ShutdownSignals& signals) {
     const bool mayGrow = !options.server.dataRoot.empty();
     bool deviceReported = false;
@@ -111,7 +111,8 @@ int waitForTheEnd(Server& server, const Loader& loader, const ServeOptions& opti
 
 // Streams are told, and what was promised is finished; then everybody is told and given time. A second
 // signal, or the end of patience, ends the process as it is.
-void leave(Server& server, Loader& loader, BlockCache& cache, ShutdownSignals& signals, int exitCode) {
+void leave(ScancastServer& server, Loader& loader, BlockCache& cache, ShutdownSignals& signals,
+           int exitCode) {
     using Clock = std::chrono::steady_clock;
     const int before = signals.wait(std::chrono::milliseconds(0));
     spdlog::info("shutting down");
@@ -162,7 +163,7 @@ int serve(ServeOptions options) {
     options.device.programFolder = programFolder(options.cacheDir);
     options.device.gpuMemoryLimit = *parseGpuMemoryLimit(options.gpuMemoryLimit);
     ShutdownSignals signals(ShutdownSignals::Hangup::Reloads);
-    auto server = Server::create(options.server, devicePainter(options.device));
+    auto server = ScancastServer::create(options.server, devicePainter(options.device));
     if (!server) return failure(server.error());
     std::printf("Open %s\n", (*server)->url().c_str());
     std::fflush(stdout);

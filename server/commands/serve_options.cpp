@@ -5,6 +5,7 @@
 
 #include <algorithm>
 
+#include "files/machine_memory.hpp"
 #include "server/commands/byte_size.hpp"
 #include "server/net/origin_check.hpp"
 #include "transport/secret_file.hpp"
@@ -122,7 +123,7 @@ void addServeFlags(CLI::App& app, ServeOptions& options) {
 Expected<std::uint64_t> memoryLimit(const ServeOptions& options) {
     constexpr std::uint64_t least = 64 << 20;
     if (options.memoryLimit.empty()) {
-        const auto memory = std::uint64_t(::sysconf(_SC_PHYS_PAGES)) * std::uint64_t(::sysconf(_SC_PAGESIZE));
+        const std::uint64_t memory = machineMemory();
         return std::max(memory / 2, least);
     }
     auto limit = parseByteSize(options.memoryLimit, "memory-limit");

@@ -8,25 +8,6 @@
 namespace scancast {
 namespace {
 
-enum class Need : std::uint8_t { Nothing, Token, Admin };
-
-Need needOf(Route route, const std::string& method) {
-    switch (route) {
-        case Route::Sessions:
-            return Need::Admin;
-        case Route::Clouds:
-            return method == "POST" ? Need::Admin : Need::Token;
-        case Route::Cloud:
-            return method == "DELETE" ? Need::Admin : Need::Token;
-        case Route::Asset:  // the page, which has to be there to ask for the token
-        case Route::Health:
-        case Route::Ready:
-            return Need::Nothing;
-        default:
-            return Need::Token;
-    }
-}
-
 struct Credentials {
     bool given = false;
     std::optional<std::string> token;  ///< empty when what was given is no token
@@ -86,7 +67,8 @@ bool Access::same(const std::optional<Digest>& known, const Digest& given) {
 }
 
 tl::expected<void, HttpResponse> Access::check(const HttpRequest& request, Route route) const {
-    const Need need = needOf(route, request.method);
+    const RouteInfo& info = infoOf(route);
+    const Need need = request.method == info.adminMethod ? Need::Admin : info.need;
     const bool administers = need == Need::Admin;
     if (need == Need::Nothing || (!administers && !user_)) return {};
     if (administers && !admin_ && !user_) return tl::unexpected(notAdmin(false));

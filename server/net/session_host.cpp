@@ -42,9 +42,9 @@ bool SessionHost::openSession(ClientKind client, SessionOptions options) {
     counted_ = true;
     context_.metrics.sessionOpened();
     mailbox_ = context_.scheduler.openMailbox();
-    seat_ = context_.sessionRegister.enter(client, weak_from_this());
-    options.seat = seat_.get();
-    options.id = seat_->id();
+    registration_ = context_.sessionRegister.enter(client, weak_from_this());
+    options.registration = registration_.get();
+    options.id = registration_->id();
     options.maxPixels = context_.limits.maxPixels;
     options.stills.quiet = context_.limits.quiet;
     options.helloPatience = context_.limits.helloTimeout;
@@ -106,7 +106,7 @@ void SessionHost::lookAround() {
 }
 
 void SessionHost::order(std::uint64_t number, PictureOrder order) {
-    context_.scheduler.wish(mailbox_, std::move(order), doneFor(number));
+    context_.scheduler.request(mailbox_, std::move(order), doneFor(number));
 }
 
 bool SessionHost::replaceWaiting(std::uint64_t number, PictureOrder order) {
@@ -140,7 +140,7 @@ std::function<void()> SessionHost::onTaken() {
 }
 
 PictureDone SessionHost::doneFor(std::uint64_t number) {
-    return [strand = strand_, weak = weak_from_this(), number](Expected<Picture> result) {
+    return [strand = strand_, weak = weak_from_this(), number](Expected<EncodedPicture> result) {
         later(strand, weak, [number, result = std::move(result)](StreamSession& session) mutable {
             session.pictureDone(number, std::move(result), Clock::now());
         });

@@ -51,7 +51,7 @@ class SessionHost : public Connection,
     /// of identity, limits and patience is filled in here.
     bool openSession(ClientKind client, SessionOptions options = {});
     StreamSession* session() { return session_ ? &*session_ : nullptr; }
-    std::string sessionId() const { return seat_->id(); }
+    std::string sessionId() const { return registration_->id(); }
     /// After every call into the session: sets the timer for its next tick.
     void keepTime();
     void stopTime() { timer_.cancel(); }
@@ -76,9 +76,9 @@ class SessionHost : public Connection,
     const CatalogWorld world_;
     boost::asio::steady_timer timer_;
     std::optional<Clock::time_point> armed_;
-    bool counted_ = false;               // it is one of --max-sessions
-    Scheduler::MailboxId mailbox_ = 0;   // 0 = none
-    std::unique_ptr<SessionSeat> seat_;  // outlives the session
+    bool counted_ = false;                               // it is one of --max-sessions
+    Scheduler::MailboxId mailbox_ = 0;                   // 0 = none
+    std::unique_ptr<SessionRegistration> registration_;  // outlives the session
     std::optional<StreamSession> session_;
     std::atomic<bool> willLook_{false};
 };

@@ -17,7 +17,7 @@ void Scheduler::prepareLoop() {
 }
 
 bool Scheduler::prepareStep() {
-    Wishes one;  // ends, if it must, without the lock
+    Requests one;  // ends, if it must, without the lock
     {
         Monitor::Lock lock(monitor_);
         monitor_.wait(lock, [this] { return prepareIsDue(); });
@@ -30,9 +30,9 @@ bool Scheduler::prepareStep() {
     return true;
 }
 
-/// One wish, which stays in the list unless it takes another turn.
-void Scheduler::prepareOne(Wishes& one) {
-    Wish& wish = one.front();
+/// One request, which stays in the list unless it takes another turn.
+void Scheduler::prepareOne(Requests& one) {
+    Request& request = one.front();
     std::stop_token token;
     PreparePicture prepare;
     {
@@ -40,21 +40,21 @@ void Scheduler::prepareOne(Wishes& one) {
         token = preparing_->stop.get_token();
         prepare = prepare_;
     }
-    auto prepared = contained("The renderer", [&] { return prepare(wish.order, true, token); });
+    auto prepared = contained("The renderer", [&] { return prepare(request.order, true, token); });
     Running how;
     {
         const Monitor::Lock lock(monitor_);
         if (prepared && !stopping_ && !preparing_->stop.stop_requested()) {
             standInLine(preparedOne);
             preparing_.reset();
-            wish.prepared = std::move(*prepared);
-            wish.prepared->complete = true;  // damaged blocks have their stand-ins: nothing more will come
+            request.prepared = std::move(*prepared);
+            request.prepared->complete = true;  // damaged blocks have their stand-ins: nothing more will come
             prepared_.splice(prepared_.end(), one);
             return;
         }
         how = *std::exchange(preparing_, std::nullopt);
     }
-    finishFailed(wish, prepared ? cancelled() : std::move(prepared.error()), how);
+    finishFailed(request, prepared ? cancelled() : std::move(prepared.error()), how);
 }
 
 // ---- encode thread
@@ -78,21 +78,21 @@ bool Scheduler::encodeStep() {
         const bool late = picture.error().code == ErrorCode::DeadlineExceeded;
         dropped = late ? DropReason::Deadline : DropReason::Failed;
     }
-    finish(job.wish, std::move(picture), dropped);
+    finish(job.request, std::move(picture), dropped);
     job = {};
     const Monitor::Lock lock(monitor_);
     encoding_.pop_front();
     return true;
 }
 
-Expected<Picture> Scheduler::encoded(Rendered& job) {
+Expected<EncodedPicture> Scheduler::encoded(Rendered& job) {
     const auto start = Clock::now();
-    auto bytes = encodePicture(job.frame, job.wish.order.view, job.wish.order.format);
+    auto bytes = encodePicture(job.frame, job.request.order.view, job.request.order.format);
     const double encodeMs = millisecondsSince(start);
     if (!bytes) return tl::unexpected(std::move(bytes.error()));
-    if (Clock::now() > job.wish.deadline) return tl::unexpected(tooLate());
+    if (Clock::now() > job.request.deadline) return tl::unexpected(tooLate());
     metrics_.frameEncoded(encodeMs / 1000, bytes->size());
-    Picture picture;
+    EncodedPicture picture;
     picture.bytes = std::make_shared<const Bytes>(std::move(*bytes));
     picture.width = job.frame.width;
     picture.height = job.frame.height;
@@ -100,7 +100,7 @@ Expected<Picture> Scheduler::encoded(Rendered& job) {
     picture.stats.add("encode", encodeMs);
     picture.renderMs = job.renderMs;
     picture.encodeMs = encodeMs;
-    picture.rivals = job.wish.rivals;
+    picture.rivals = job.request.rivals;
     picture.device = std::move(job.device);
     return picture;
 }
@@ -115,15 +115,15 @@ void Scheduler::deadlineLoop() {
 Scheduler::Clock::time_point Scheduler::firstDeadline() const {
     auto first = Clock::time_point::max();
     if (!snapshots_.empty()) first = snapshots_.front().deadline;  // all have the same patience: sorted
-    for (const Wishes* waiting : {&toPrepare_, &prepared_})
-        for (const Wish& wish : *waiting) first = std::min(first, wish.deadline);
+    for (const Requests* waiting : {&toPrepare_, &prepared_})
+        for (const Request& request : *waiting) first = std::min(first, request.deadline);
     for (const auto* busy : allBusy())
         if (*busy && !(*busy)->late) first = std::min(first, (*busy)->deadline);
     return first;
 }
 
 bool Scheduler::deadlineStep() {
-    std::optional<Wish> late;
+    std::optional<Request> late;
     {
         Monitor::Lock lock(monitor_);
         const auto first = firstDeadline();
@@ -136,17 +136,17 @@ bool Scheduler::deadlineStep() {
 }
 
 // Stops what is late and under way, and returns one that is late and waits. Called with the lock held.
-std::optional<Scheduler::Wish> Scheduler::takeLate(Clock::time_point now) {
+std::optional<Scheduler::Request> Scheduler::takeLate(Clock::time_point now) {
     for (auto* busy : allBusy()) {
         if (!*busy || (*busy)->late || (*busy)->deadline > now) continue;
         (*busy)->late = true;
         (*busy)->stop.request_stop();
     }
-    for (Wishes* waiting : {&snapshots_, &toPrepare_, &prepared_}) {
+    for (Requests* waiting : {&snapshots_, &toPrepare_, &prepared_}) {
         const auto at = std::find_if(waiting->begin(), waiting->end(),
-                                     [&](const Wish& wish) { return wish.deadline <= now; });
+                                     [&](const Request& request) { return request.deadline <= now; });
         if (at == waiting->end()) continue;
-        std::optional<Wish> late = std::move(*at);
+        std::optional<Request> late = std::move(*at);
         waiting->erase(at);
         if (snapshots_.empty()) std::erase(turns_, snapshots);
         if (prepared_.empty()) std::erase(turns_, preparedOne);

@@ -8,7 +8,7 @@
 #include <optional>
 #include <stop_token>
 
-#include "protocol/view.hpp"
+#include "protocol/view/view.hpp"
 #include "renderer/cloud/cloud.hpp"
 #include "renderer/device/device.hpp"
 #include "renderer/image/encode.hpp"
@@ -27,7 +27,7 @@ struct PictureOrder {
     std::shared_ptr<const Cloud> cloud;
     View view;  ///< complete: what it says is drawn
     PictureFormat format = PictureFormat::Jpeg;
-    /// A newer wish of the same session stops it while it renders: for stills. A moving frame is finished,
+    /// A newer request of the same session stops it while it renders: for stills. A moving frame is finished,
     /// because a hand that never rests would otherwise never see one.
     bool interruptible = false;
     /// Everything that it draws is in memory when it is drawn, however long that takes; else ancestors stand
@@ -37,13 +37,13 @@ struct PictureOrder {
     /// is missing has been asked for then.
     bool onlyWhole = false;
     std::optional<Camera> ahead{};  ///< where the camera will be soon
-    std::uint64_t requester = 0;    ///< set by the scheduler: whose wishes for blocks these are
+    std::uint64_t requester = 0;    ///< set by the scheduler: whose requests for blocks these are
     /// What the view means for the cloud; of a view that differs (in its quality, mostly), what still holds
     /// is kept. Empty: not known yet. The scheduler keeps what the painter found out.
     std::shared_ptr<const PlannedView> planned{};
 };
 
-struct Picture {
+struct EncodedPicture {
     std::shared_ptr<const Bytes> bytes;
     int width = 0, height = 0;
     FrameStats stats;  ///< with "encode" as the last stage
@@ -54,7 +54,7 @@ struct Picture {
 
 /// Called exactly once for each order, on a thread of the scheduler's or inside the call that made the order
 /// moot; must only post. Errors: the renderer's; Cancelled; DeadlineExceeded.
-using PictureDone = std::function<void(Expected<Picture>)>;
+using PictureDone = std::function<void(Expected<EncodedPicture>)>;
 
 /// An order with its samples in memory: they stay there as long as this lives.
 struct PreparedPicture {

@@ -25,7 +25,7 @@ class PicturePromise {
     ~PicturePromise() { dropped(); }
 
     /// The first result counts. What the callback throws is its own affair, and logged.
-    void keep(Expected<Picture> result) noexcept {
+    void keep(Expected<EncodedPicture> result) noexcept {
         if (!done_) return;
         const PictureDone done = std::exchange(done_, nullptr);
         std::ignore = contained("Handing over a picture", [&] { done(std::move(result)); });

@@ -1,4 +1,4 @@
-// The scheduler's render thread: opens the device, takes wishes, begins pictures and finishes them, and has
+// The scheduler's render thread: opens the device, takes requests, begins pictures and finishes them, and has
 // another painter take over when the device is lost.
 #include <spdlog/spdlog.h>
 
@@ -71,7 +71,7 @@ void Scheduler::replacePainter(const Error& lost) {
 // ---- one picture after the other
 
 bool Scheduler::renderIsDue() const {
-    // Room for the result first, and only then a wish: what is taken is then as new as can be.
+    // Room for the result first, and only then a request: what is taken is then as new as can be.
     return stopping_ || (encoding_.size() < maxEncoding && (begun_ || !turns_.empty()));
 }
 
@@ -101,17 +101,17 @@ bool Scheduler::renderStep(std::optional<Begun>& begun) {
     return true;
 }
 
-/// Begins the next picture, if one is wished for, and only then waits for the pixels of the one before.
+/// Begins the next picture, if one is asked for, and only then waits for the pixels of the one before.
 void Scheduler::beginNext(std::optional<Begun>& begun) {
-    std::optional<Wish> wish;  // ends, if it must, without the lock
+    std::optional<Request> request;  // ends, if it must, without the lock
     {
         const Monitor::Lock lock(monitor_);
-        takeNext(wish);
+        takeNext(request);
     }
     // A still or a snapshot may take long to begin, and a moving frame's pixels do not wait for that.
-    if (wish && wish->order.complete && begun) completeOne(*std::exchange(begun, std::nullopt));
+    if (request && request->order.complete && begun) completeOne(*std::exchange(begun, std::nullopt));
     std::optional<Begun> next;
-    if (wish) next = beginOne(std::move(*wish));
+    if (request) next = beginOne(std::move(*request));
     if (begun) completeOne(*std::exchange(begun, std::nullopt));
     begun = std::move(next);
     if (!begun) return;
@@ -120,7 +120,7 @@ void Scheduler::beginNext(std::optional<Begun>& begun) {
 }
 
 // What waits for that turn, or nullptr. Called with the lock held.
-const Scheduler::Wish* Scheduler::waiting(MailboxId turn) const {
+const Scheduler::Request* Scheduler::waiting(MailboxId turn) const {
     if (turn == preparedOne) return prepared_.empty() ? nullptr : &prepared_.front();
     if (turn == snapshots) return snapshots_.empty() ? nullptr : &snapshots_.front();
     const auto at = mailboxes_.find(turn);
@@ -132,8 +132,8 @@ const Scheduler::Wish* Scheduler::waiting(MailboxId turn) const {
 Scheduler::MailboxId Scheduler::takeTurn() {
     const auto now = Clock::now();
     const auto takesIt = [&](MailboxId turn) {
-        const Wish* wish = waiting(turn);
-        return wish && now >= wish->givesWayUntil;
+        const Request* request = waiting(turn);
+        return request && now >= request->givesWayUntil;
     };
     auto at = std::find_if(turns_.begin(), turns_.end(), takesIt);
     if (at == turns_.end()) at = turns_.begin();
@@ -143,37 +143,37 @@ Scheduler::MailboxId Scheduler::takeTurn() {
     return turn;
 }
 
-// Into `wish`, if there is any. Called with the lock held.
-void Scheduler::takeNext(std::optional<Wish>& wish) {
+// Into `request`, if there is any. Called with the lock held.
+void Scheduler::takeNext(std::optional<Request>& request) {
     if (turns_.empty()) return;
     const MailboxId turn = takeTurn();
     if (!waiting(turn)) return;
     if (turn == preparedOne || turn == snapshots) {
-        Wishes& line = turn == snapshots ? snapshots_ : prepared_;
-        wish = std::move(line.front());
+        Requests& line = turn == snapshots ? snapshots_ : prepared_;
+        request = std::move(line.front());
         line.pop_front();
     } else {
-        wish = std::exchange(mailboxes_.at(turn), std::nullopt);
+        request = std::exchange(mailboxes_.at(turn), std::nullopt);
     }
-    wish->rivals = movingWishes();
-    running_ = runningOf(*wish);
+    request->rivals = movingRequests();
+    running_ = runningOf(*request);
 }
 
 // Called with the lock held.
-std::size_t Scheduler::movingWishes() const {
+std::size_t Scheduler::movingRequests() const {
     return std::size_t(std::count_if(mailboxes_.begin(), mailboxes_.end(), [](const auto& mailbox) {
         return mailbox.second && !mailbox.second->order.complete;
     }));
 }
 
-std::optional<Scheduler::Begun> Scheduler::beginOne(Wish wish) {
-    auto begun = contained("The render thread", [&] { return tryBegin(wish); });
+std::optional<Scheduler::Begun> Scheduler::beginOne(Request request) {
+    auto begun = contained("The render thread", [&] { return tryBegin(request); });
     if (begun) return std::move(*begun);
-    endFaulty(running_, wish, std::move(begun.error()));
+    endFaulty(running_, request, std::move(begun.error()));
     return std::nullopt;
 }
 
-std::optional<Scheduler::Begun> Scheduler::tryBegin(Wish& wish) {
+std::optional<Scheduler::Begun> Scheduler::tryBegin(Request& request) {
     std::stop_token token;
     {
         const Monitor::Look look(monitor_);
@@ -181,14 +181,14 @@ std::optional<Scheduler::Begun> Scheduler::tryBegin(Wish& wish) {
     }
     const auto start = Clock::now();
     bool deferred = false;
-    auto frame = begin(wish, token, deferred);
-    wish.prepared.reset();  // what is begun needs no samples any more
+    auto frame = begin(request, token, deferred);
+    request.prepared.reset();  // what is begun needs no samples any more
     if (!frame) {
-        endWithout(running_, wish, std::move(frame.error()), deferred);
+        endWithout(running_, request, std::move(frame.error()), deferred);
         return std::nullopt;
     }
     DeviceInfo device = painter_->device;
-    return Begun{std::move(wish), std::move(*frame), std::move(device), painterNumber_,
+    return Begun{std::move(request), std::move(*frame), std::move(device), painterNumber_,
                  millisecondsSince(start)};
 }
 
@@ -198,23 +198,25 @@ Expected<void> Scheduler::checkMemory(const View& view) const {
 }
 
 /// `deferred`: the picture lacks blocks that it must not lack.
-Expected<std::unique_ptr<PendingFrame>> Scheduler::begin(Wish& wish, const std::stop_token& token,
+Expected<std::unique_ptr<PendingFrame>> Scheduler::begin(Request& request, const std::stop_token& token,
                                                          bool& deferred) {
     while (painter_) {
-        if (!wish.prepared) {
+        if (!request.prepared) {
             auto prepared =
-                contained("The renderer", [&] { return painter_->prepare(wish.order, false, token); });
+                contained("The renderer", [&] { return painter_->prepare(request.order, false, token); });
             if (!prepared) return tl::unexpected(std::move(prepared.error()));
-            wish.prepared = std::move(*prepared);
-            wish.order.planned = wish.prepared->planned;
+            request.prepared = std::move(*prepared);
+            request.order.planned = request.prepared->planned;
         }
-        deferred = wish.order.complete && !wish.prepared->complete;
+        deferred = request.order.complete && !request.prepared->complete;
         if (deferred) return tl::unexpected(cancelled());
-        wish.lacking = wish.order.onlyWhole && !wish.prepared->complete;
-        if (wish.lacking) return fail(ErrorCode::Cancelled, "Samples of this picture are still to be read.");
-        if (auto fits = checkMemory(wish.order.view); !fits) return tl::unexpected(std::move(fits.error()));
-        auto frame =
-            contained("The renderer", [&] { return painter_->begin(wish.order, *wish.prepared, token); });
+        request.lacking = request.order.onlyWhole && !request.prepared->complete;
+        if (request.lacking)
+            return fail(ErrorCode::Cancelled, "Samples of this picture are still to be read.");
+        if (auto fits = checkMemory(request.order.view); !fits)
+            return tl::unexpected(std::move(fits.error()));
+        auto frame = contained("The renderer",
+                               [&] { return painter_->begin(request.order, *request.prepared, token); });
         if (!isLost(frame)) return frame;
         replacePainter(frame.error());
     }
@@ -223,7 +225,7 @@ Expected<std::unique_ptr<PendingFrame>> Scheduler::begin(Wish& wish, const std::
 
 void Scheduler::completeOne(Begun begun) {
     auto completed = contained("The render thread", [&] { complete(begun); });
-    if (!completed) endFaulty(begun_, begun.wish, std::move(completed.error()));
+    if (!completed) endFaulty(begun_, begun.request, std::move(completed.error()));
 }
 
 void Scheduler::complete(Begun& begun) {
@@ -235,15 +237,15 @@ void Scheduler::complete(Begun& begun) {
     const auto start = Clock::now();
     bool deferred = false;
     auto frame = finish(begun, token, deferred);
-    begun.wish.prepared.reset();
-    if (!frame) return endWithout(begun_, begun.wish, std::move(frame.error()), deferred);
+    begun.request.prepared.reset();
+    if (!frame) return endWithout(begun_, begun.request, std::move(frame.error()), deferred);
     const double renderMs = begun.renderMs + millisecondsSince(start);
-    metrics_.frameRendered(begun.wish.order.view.style.method, renderMs / 1000,
+    metrics_.frameRendered(begun.request.order.view.style.method, renderMs / 1000,
                            frame->stats.samplesMissing == 0);
     metrics_.setDeviceMemory(frame->stats.deviceBytes);
     const Monitor::Lock lock(monitor_);
     encoding_.emplace_back();  // may fail for want of memory; what follows does not
-    encoding_.back() = {std::move(begun.wish), std::move(*frame), std::move(begun.device), renderMs};
+    encoding_.back() = {std::move(begun.request), std::move(*frame), std::move(begun.device), renderMs};
     begun_.reset();
 }
 
@@ -254,7 +256,7 @@ Expected<Frame> Scheduler::finish(Begun& begun, const std::stop_token& token, bo
         begun.frame.reset();
         if (!isLost(frame)) return frame;
         if (begun.painter == painterNumber_) replacePainter(frame.error());
-        auto again = begin(begun.wish, token, deferred);
+        auto again = begin(begun.request, token, deferred);
         if (!again) return tl::unexpected(std::move(again.error()));
         begun.frame = std::move(*again);
         begun.device = painter_->device;
@@ -263,22 +265,22 @@ Expected<Frame> Scheduler::finish(Begun& begun, const std::stop_token& token, bo
 }
 
 /// The picture in `slot` ends without one: it waits for blocks, gave way to another, or failed.
-void Scheduler::endWithout(std::optional<Running>& slot, Wish& wish, Error error, bool deferred) {
+void Scheduler::endWithout(std::optional<Running>& slot, Request& request, Error error, bool deferred) {
     Running how;
     {
         const Monitor::Lock lock(monitor_);
         how = *std::exchange(slot, std::nullopt);
-        if (waitsOn(how, wish, deferred)) return;
+        if (waitsOn(how, request, deferred)) return;
     }
-    finishFailed(wish, std::move(error), how);
+    finishFailed(request, std::move(error), how);
 }
 
 // Called with the lock held.
-bool Scheduler::waitsOn(const Running& how, Wish& wish, bool deferred) {
+bool Scheduler::waitsOn(const Running& how, Request& request, bool deferred) {
     if (!deferred || stopping_ || how.stop.stop_requested())
-        return how.gaveWay && !how.orphaned && putBack(wish);
+        return how.gaveWay && !how.orphaned && putBack(request);
     toPrepare_.emplace_back();  // may fail for want of memory; what follows does not
-    toPrepare_.back() = std::move(wish);
+    toPrepare_.back() = std::move(request);
     return true;
 }
 

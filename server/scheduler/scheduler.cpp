@@ -47,8 +47,8 @@ Scheduler::MailboxId Scheduler::openMailbox() {
 
 // Called by destructors: nothing here needs memory.
 void Scheduler::closeMailbox(MailboxId mailbox) {
-    Wishes dropped;
-    std::optional<Wish> waited;
+    Requests dropped;
+    std::optional<Request> waited;
     {
         const Monitor::Lock lock(monitor_);
         const auto at = mailboxes_.find(mailbox);
@@ -65,59 +65,59 @@ void Scheduler::closeMailbox(MailboxId mailbox) {
     if (waited) drop(*waited, cancelled, DropReason::Gone);
 }
 
-Scheduler::Wish Scheduler::wishOf(MailboxId mailbox, PictureOrder order, PictureDone done) const {
+Scheduler::Request Scheduler::requestOf(MailboxId mailbox, PictureOrder order, PictureDone done) const {
     order.requester = mailbox;
-    Wish wish{std::move(order), PicturePromise(std::move(done)), Clock::time_point::max(), mailbox};
-    if (wish.order.interruptible) wish.givesWayUntil = Clock::now() + options_.stillPatience;
-    return wish;
+    Request request{std::move(order), PicturePromise(std::move(done)), Clock::time_point::max(), mailbox};
+    if (request.order.interruptible) request.givesWayUntil = Clock::now() + options_.stillPatience;
+    return request;
 }
 
-void Scheduler::wish(MailboxId mailbox, PictureOrder order, PictureDone done) {
-    Wish wish = wishOf(mailbox, std::move(order), std::move(done));
-    Wishes abandoned;
-    const auto fate = contained("The scheduler", [&] { return placeWish(wish, abandoned); });
+void Scheduler::request(MailboxId mailbox, PictureOrder order, PictureDone done) {
+    Request request = requestOf(mailbox, std::move(order), std::move(done));
+    Requests abandoned;
+    const auto fate = contained("The scheduler", [&] { return place(request, abandoned); });
     drop(std::move(abandoned), DropReason::Abandoned);
-    if (!fate) return finish(wish, tl::unexpected(fate.error()), DropReason::Failed);
-    if (*fate == Fate::Refused) drop(wish, cancelled, std::nullopt);
-    if (*fate == Fate::Overwrote) drop(wish, cancelled, DropReason::Overwritten);
+    if (!fate) return finish(request, tl::unexpected(fate.error()), DropReason::Failed);
+    if (*fate == Fate::Refused) drop(request, cancelled, std::nullopt);
+    if (*fate == Fate::Overwrote) drop(request, cancelled, DropReason::Overwritten);
 }
 
-/// When it overwrote another, `wish` is that one afterwards.
-Scheduler::Fate Scheduler::placeWish(Wish& wish, Wishes& abandoned) {
+/// When it overwrote another, `request` is that one afterwards.
+Scheduler::Fate Scheduler::place(Request& request, Requests& abandoned) {
     const Monitor::Lock lock(monitor_);
-    const auto at = mailboxes_.find(wish.mailbox);
+    const auto at = mailboxes_.find(request.mailbox);
     if (stopping_ || at == mailboxes_.end()) return Fate::Refused;
-    standInLine(wish.mailbox);
-    abandoned = takePreparing(wish.mailbox, false);
-    stopRunning(wish.mailbox, false);
-    if (!wish.order.interruptible) makeWay();
+    standInLine(request.mailbox);
+    abandoned = takePreparing(request.mailbox, false);
+    stopRunning(request.mailbox, false);
+    if (!request.order.interruptible) interruptStill();
     if (at->second) {
-        std::swap(*at->second, wish);
+        std::swap(*at->second, request);
         return Fate::Overwrote;
     }
-    at->second = std::move(wish);
+    at->second = std::move(request);
     return Fate::Waits;
 }
 
 bool Scheduler::replaceWaiting(MailboxId mailbox, PictureOrder order, PictureDone done) {
-    Wish wish = wishOf(mailbox, std::move(order), std::move(done));
+    Request request = requestOf(mailbox, std::move(order), std::move(done));
     {
         const Monitor::Lock lock(monitor_);
         const auto at = mailboxes_.find(mailbox);
         if (stopping_ || at == mailboxes_.end() || !at->second) {
-            wish.promise.release();
+            request.promise.release();
             return false;
         }
-        std::swap(*at->second, wish);
-        if (!at->second->order.interruptible) makeWay();
+        std::swap(*at->second, request);
+        if (!at->second->order.interruptible) interruptStill();
     }
-    drop(wish, cancelled, DropReason::Overwritten);
+    drop(request, cancelled, DropReason::Overwritten);
     return true;
 }
 
 void Scheduler::abandon(MailboxId mailbox) {
-    Wishes dropped;
-    std::optional<Wish> waited;
+    Requests dropped;
+    std::optional<Request> waited;
     {
         const Monitor::Lock lock(monitor_);
         const auto at = mailboxes_.find(mailbox);
@@ -132,15 +132,16 @@ void Scheduler::abandon(MailboxId mailbox) {
 }
 
 Expected<void> Scheduler::snapshot(PictureOrder order, PictureDone done) {
-    Wishes one;
+    Requests one;
     const auto queued = contained("The queue of pictures", [&]() -> Expected<void> {
         one.emplace_back();
         one.front() = {std::move(order), PicturePromise(std::move(done)),
                        Clock::now() + options_.snapshotDeadline, snapshots};
         const Monitor::Lock lock(monitor_);
         if (stopping_ || draining_) return fail(ErrorCode::ResourceLimit, "The server is shutting down.");
-        const auto waiting = std::count_if(toPrepare_.begin(), toPrepare_.end(),
-                                           [](const Wish& wish) { return wish.mailbox == snapshots; });
+        const auto waiting = std::count_if(toPrepare_.begin(), toPrepare_.end(), [](const Request& request) {
+            return request.mailbox == snapshots;
+        });
         if (snapshots_.size() + std::size_t(waiting) >= options_.maxSnapshots) {
             return fail(ErrorCode::ResourceLimit,
                         "Too many pictures are waiting to be rendered; try again in a moment.");
@@ -170,11 +171,11 @@ bool Scheduler::idle() const {
 }
 
 void Scheduler::stop() {
-    Wishes dropped;
+    Requests dropped;
     {
         const Monitor::Lock lock(monitor_);
         stopping_ = true;  // from here on nothing is added
-        for (Wishes* waiting : {&snapshots_, &toPrepare_, &prepared_})
+        for (Requests* waiting : {&snapshots_, &toPrepare_, &prepared_})
             dropped.splice(dropped.end(), *waiting);
         turns_.clear();
         for (auto* busy : allBusy())
@@ -185,8 +186,8 @@ void Scheduler::stop() {
     while (auto waited = takeWaitingAfter(last)) drop(*waited, cancelled, DropReason::Gone);
 }
 
-/// The wish of the first mailbox after `last`, which becomes that one's number, that has any.
-std::optional<Scheduler::Wish> Scheduler::takeWaitingAfter(MailboxId& last) {
+/// The request of the first mailbox after `last`, which becomes that one's number, that has any.
+std::optional<Scheduler::Request> Scheduler::takeWaitingAfter(MailboxId& last) {
     const Monitor::Lock lock(monitor_);
     const auto at = std::find_if(mailboxes_.upper_bound(last), mailboxes_.end(),
                                  [](const auto& mailbox) { return mailbox.second.has_value(); });
@@ -213,7 +214,7 @@ void Scheduler::stopRunning(MailboxId mailbox, bool alsoMoving) {
 
 // Stops a still that is being drawn, for a moving frame that somebody else waits for; blocks may go on being
 // loaded meanwhile.
-void Scheduler::makeWay() {
+void Scheduler::interruptStill() {
     for (auto* busy : {&running_, &begun_}) {
         if (!*busy || (*busy)->stop.stop_requested() || Clock::now() >= (*busy)->givesWayUntil) continue;
         (*busy)->gaveWay = true;
@@ -222,33 +223,33 @@ void Scheduler::makeWay() {
 }
 
 // The still gave way, and nothing has taken its place in its mailbox since.
-bool Scheduler::putBack(Wish& wish) {
-    const auto at = mailboxes_.find(wish.mailbox);
+bool Scheduler::putBack(Request& request) {
+    const auto at = mailboxes_.find(request.mailbox);
     if (stopping_ || at == mailboxes_.end() || at->second) return false;
     standInLine(at->first);
-    wish.prepared.reset();
-    at->second = std::move(wish);
+    request.prepared.reset();
+    at->second = std::move(request);
     return true;
 }
 
-Scheduler::Running Scheduler::runningOf(const Wish& wish) {
+Scheduler::Running Scheduler::runningOf(const Request& request) {
     Running running;
-    running.mailbox = wish.mailbox;
-    running.interruptible = wish.order.interruptible;
-    running.deadline = wish.deadline;
-    running.givesWayUntil = wish.givesWayUntil;
+    running.mailbox = request.mailbox;
+    running.interruptible = request.order.interruptible;
+    running.deadline = request.deadline;
+    running.givesWayUntil = request.givesWayUntil;
     return running;
 }
 
-// The session's wishes that wait for blocks, or for a turn with them.
-Scheduler::Wishes Scheduler::takePreparing(MailboxId mailbox, bool alsoMoving) {
-    Wishes taken;
-    for (Wishes* from : {&toPrepare_, &prepared_}) {
+// The session's requests that wait for blocks, or for a turn with them.
+Scheduler::Requests Scheduler::takePreparing(MailboxId mailbox, bool alsoMoving) {
+    Requests taken;
+    for (Requests* from : {&toPrepare_, &prepared_}) {
         for (auto at = from->begin(); at != from->end();) {
-            const auto wish = at++;
-            if (wish->mailbox != mailbox || !(alsoMoving || wish->order.interruptible)) continue;
-            wish->prepared.reset();
-            taken.splice(taken.end(), *from, wish);
+            const auto request = at++;
+            if (request->mailbox != mailbox || !(alsoMoving || request->order.interruptible)) continue;
+            request->prepared.reset();
+            taken.splice(taken.end(), *from, request);
         }
     }
     if (prepared_.empty()) std::erase(turns_, preparedOne);
@@ -257,36 +258,37 @@ Scheduler::Wishes Scheduler::takePreparing(MailboxId mailbox, bool alsoMoving) {
 
 // ---- how pictures end; called without the lock, because `done` is somebody else's code
 
-void Scheduler::finish(Wish& wish, Expected<Picture> result, std::optional<DropReason> dropped) noexcept {
+void Scheduler::finish(Request& request, Expected<EncodedPicture> result,
+                       std::optional<DropReason> dropped) noexcept {
     if (dropped) std::ignore = contained("Counting", [&] { metrics_.frameDropped(*dropped); });
-    wish.promise.keep(std::move(result));
+    request.promise.keep(std::move(result));
 }
 
-void Scheduler::drop(Wish& wish, Error (*why)(), std::optional<DropReason> reason) noexcept {
-    std::ignore = contained("The scheduler", [&] { finish(wish, tl::unexpected(why()), reason); });
+void Scheduler::drop(Request& request, Error (*why)(), std::optional<DropReason> reason) noexcept {
+    std::ignore = contained("The scheduler", [&] { finish(request, tl::unexpected(why()), reason); });
 }
 
-void Scheduler::drop(Wishes wishes, DropReason reason) noexcept {
-    for (Wish& wish : wishes) drop(wish, cancelled, reason);
+void Scheduler::drop(Requests requests, DropReason reason) noexcept {
+    for (Request& request : requests) drop(request, cancelled, reason);
 }
 
-void Scheduler::finishFailed(Wish& wish, Error error, const Running& how) {
-    if (how.late) return finish(wish, tl::unexpected(tooLate()), DropReason::Deadline);
+void Scheduler::finishFailed(Request& request, Error error, const Running& how) {
+    if (how.late) return finish(request, tl::unexpected(tooLate()), DropReason::Deadline);
     const bool wasCancelled = error.code == ErrorCode::Cancelled;
-    finish(wish, tl::unexpected(std::move(error)),
-           how.orphaned   ? DropReason::Gone
-           : wish.lacking ? DropReason::Lacking
-           : wasCancelled ? DropReason::Abandoned
-                          : DropReason::Failed);
+    finish(request, tl::unexpected(std::move(error)),
+           how.orphaned      ? DropReason::Gone
+           : request.lacking ? DropReason::Lacking
+           : wasCancelled    ? DropReason::Abandoned
+                             : DropReason::Failed);
 }
 
 // An exception came out of the work on it: its place is free again, and somebody is told.
-void Scheduler::endFaulty(std::optional<Running>& slot, Wish& wish, Error fault) noexcept {
+void Scheduler::endFaulty(std::optional<Running>& slot, Request& request, Error fault) noexcept {
     {
         const Monitor::Lock lock(monitor_);
         slot.reset();
     }
-    finish(wish, tl::unexpected(std::move(fault)), DropReason::Failed);
+    finish(request, tl::unexpected(std::move(fault)), DropReason::Failed);
 }
 
 }  // namespace scancast

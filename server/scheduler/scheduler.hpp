@@ -1,11 +1,11 @@
-// Who is rendered next. One render thread owns the device; sessions and snapshot requests put wishes in. A
+// Who is rendered next. One render thread owns the device; sessions and snapshot requests put requests in. A
 // picture's pixels may still be on their way from the GPU while the next one is begun, and encoding runs
 // beside both.
 //
-// - A session has a mailbox of size one: a newer wish overwrites the one that waits (latest wins).
+// - A session has a mailbox of size one: a newer request overwrites the one that waits (latest wins).
 // - Mailboxes take turns; all snapshots together are one more participant, first come first served.
-// - Stills give way: they wait until nobody else wishes for anything, and one that is being drawn is put back
-//   when a moving frame is wished for. After some patience a still takes turns like everybody, so it comes.
+// - Stills give way: they wait until nobody else asks for anything, and one that is being drawn is put back
+//   when a moving frame is asked for. After some patience a still takes turns like everybody, so it comes.
 // - A large picture that there is no memory for is refused before it is begun.
 // - The queue of snapshots is bounded, and each has a deadline that counts waiting and rendering.
 // - Pictures that must be complete and lack blocks wait for them on a thread of its own, one at a time, and
@@ -67,7 +67,7 @@ class Scheduler {
     using Clock = std::chrono::steady_clock;
     using MailboxId = std::uint64_t;
 
-    /// Starts the threads; the device is opened on the render thread, and wishes may come in before it is.
+    /// Starts the threads; the device is opened on the render thread, and requests may come in before it is.
     Scheduler(OpenPainter openPainter, const SchedulerOptions& options, Metrics& metrics);
     /// stop(), then wait().
     ~Scheduler();
@@ -79,15 +79,15 @@ class Scheduler {
     DeviceStatus waitForDevice(std::chrono::milliseconds patience) const;
 
     MailboxId openMailbox();
-    /// Forgets the waiting wish and stops the running one: the client is gone.
+    /// Forgets the waiting request and stops the running one: the client is gone.
     void closeMailbox(MailboxId mailbox);
-    /// Puts a wish in, overwriting one that waits there (whose `done` gets Cancelled), and stops the
+    /// Puts a request in, overwriting one that waits there (whose `done` gets Cancelled), and stops the
     /// session's own running still.
-    void wish(MailboxId mailbox, PictureOrder order, PictureDone done);
-    /// As wish(), but only if one waits there to be overwritten; otherwise nothing happens and the answer is
+    void request(MailboxId mailbox, PictureOrder order, PictureDone done);
+    /// As request(), but only if one waits there to be overwritten; otherwise nothing happens and the answer is
     /// false.
     bool replaceWaiting(MailboxId mailbox, PictureOrder order, PictureDone done);
-    /// Drops the session's waiting wish and stops its running still.
+    /// Drops the session's waiting request and stops its running still.
     void abandon(MailboxId mailbox);
 
     /// Queues a picture that everybody waits for. ResourceLimit when the queue is full or the server is
@@ -105,7 +105,7 @@ class Scheduler {
     void wait();
 
   private:
-    struct Wish {
+    struct Request {
         PictureOrder order;
         PicturePromise promise;
         Clock::time_point deadline = Clock::time_point::max();
@@ -127,22 +127,22 @@ class Scheduler {
     };
     /// A picture that a painter has begun.
     struct Begun {
-        Wish wish;
+        Request request;
         std::unique_ptr<PendingFrame> frame;
         DeviceInfo device;    ///< that is at it
         int painter = 0;      ///< painterNumber_ then
         double renderMs = 0;  ///< that the render thread has been at it
     };
     struct Rendered {
-        Wish wish;
+        Request request;
         Frame frame;
         DeviceInfo device;
         double renderMs = 0;
     };
 
-    enum class Fate : std::uint8_t { Waits, Overwrote, Refused };  ///< of a wish
-    /// In the order in which they came. Wishes go from one list to another without needing memory.
-    using Wishes = std::list<Wish>;
+    enum class Fate : std::uint8_t { Waits, Overwrote, Refused };  ///< of a request
+    /// In the order in which they came. Requests go from one list to another without needing memory.
+    using Requests = std::list<Request>;
 
     static constexpr MailboxId snapshots = 0;                // the participant that stands for all snapshots
     static constexpr MailboxId preparedOne = ~MailboxId(0);  // the one that stands for what has been prepared
@@ -167,36 +167,38 @@ class Scheduler {
     void openDevice();
     void replacePainter(const Error& lost);
     void usePainter(Expected<Painter> opened, std::optional<LostDevice> lost);
-    Fate placeWish(Wish& wish, Wishes& abandoned);
-    std::optional<Wish> takeWaitingAfter(MailboxId& last);
+    Fate place(Request& request, Requests& abandoned);
+    std::optional<Request> takeWaitingAfter(MailboxId& last);
     void standInLine(MailboxId turn);
-    void takeNext(std::optional<Wish>& wish);
+    void takeNext(std::optional<Request>& request);
     MailboxId takeTurn();
-    const Wish* waiting(MailboxId turn) const;
-    Wish wishOf(MailboxId mailbox, PictureOrder order, PictureDone done) const;
-    static Running runningOf(const Wish& wish);
-    void makeWay();
-    bool putBack(Wish& wish);
-    std::size_t movingWishes() const;
+    const Request* waiting(MailboxId turn) const;
+    Request requestOf(MailboxId mailbox, PictureOrder order, PictureDone done) const;
+    static Running runningOf(const Request& request);
+    void interruptStill();
+    bool putBack(Request& request);
+    std::size_t movingRequests() const;
     void beginNext(std::optional<Begun>& begun);
-    std::optional<Begun> beginOne(Wish wish);
-    std::optional<Begun> tryBegin(Wish& wish);
+    std::optional<Begun> beginOne(Request request);
+    std::optional<Begun> tryBegin(Request& request);
     void completeOne(Begun begun);
     void complete(Begun& begun);
     Expected<void> checkMemory(const View& view) const;
-    Expected<std::unique_ptr<PendingFrame>> begin(Wish& wish, const std::stop_token& token, bool& deferred);
+    Expected<std::unique_ptr<PendingFrame>> begin(Request& request, const std::stop_token& token,
+                                                  bool& deferred);
     Expected<Frame> finish(Begun& begun, const std::stop_token& token, bool& deferred);
-    void endWithout(std::optional<Running>& slot, Wish& wish, Error error, bool deferred);
-    bool waitsOn(const Running& how, Wish& wish, bool deferred);
-    void prepareOne(Wishes& one);
-    Expected<Picture> encoded(Rendered& job);
-    std::optional<Wish> takeLate(Clock::time_point now);
-    void finishFailed(Wish& wish, Error error, const Running& how);
-    Wishes takePreparing(MailboxId mailbox, bool alsoMoving);
-    void endFaulty(std::optional<Running>& slot, Wish& wish, Error fault) noexcept;
-    void drop(Wish& wish, Error (*why)(), std::optional<DropReason> reason) noexcept;
-    void drop(Wishes wishes, DropReason reason) noexcept;
-    void finish(Wish& wish, Expected<Picture> result, std::optional<DropReason> dropped) noexcept;
+    void endWithout(std::optional<Running>& slot, Request& request, Error error, bool deferred);
+    bool waitsOn(const Running& how, Request& request, bool deferred);
+    void prepareOne(Requests& one);
+    Expected<EncodedPicture> encoded(Rendered& job);
+    std::optional<Request> takeLate(Clock::time_point now);
+    void finishFailed(Request& request, Error error, const Running& how);
+    Requests takePreparing(MailboxId mailbox, bool alsoMoving);
+    void endFaulty(std::optional<Running>& slot, Request& request, Error fault) noexcept;
+    void drop(Request& request, Error (*why)(), std::optional<DropReason> reason) noexcept;
+    void drop(Requests requests, DropReason reason) noexcept;
+    void finish(Request& request, Expected<EncodedPicture> result,
+                std::optional<DropReason> dropped) noexcept;
     void stopRunning(MailboxId mailbox, bool alsoMoving);
     std::array<std::optional<Running>*, 3> allBusy() { return {&running_, &begun_, &preparing_}; }
     std::array<const std::optional<Running>*, 3> allBusy() const { return {&running_, &begun_, &preparing_}; }
@@ -207,14 +209,14 @@ class Scheduler {
 
     mutable Monitor monitor_;  // guards what follows, up to the render thread's own
     DeviceStatus device_;
-    std::map<MailboxId, std::optional<Wish>> mailboxes_;
+    std::map<MailboxId, std::optional<Request>> mailboxes_;
     MailboxId lastMailbox_ = 0;
-    Wishes snapshots_;
+    Requests snapshots_;
     std::deque<MailboxId> turns_;  // who has something waiting, in the order in which they are served
     // Being begun; begun before, and its pixels on their way; waiting for blocks.
     std::optional<Running> running_, begun_, preparing_;
-    Wishes toPrepare_;  // at most one still of each mailbox, and maxSnapshots
-    Wishes prepared_;   // holds on to its samples, hence only one
+    Requests toPrepare_;  // at most one still of each mailbox, and maxSnapshots
+    Requests prepared_;   // holds on to its samples, hence only one
     PreparePicture prepare_;
     std::deque<Rendered> encoding_;
     bool rendering_ = true;  // the render thread may still add to encoding_

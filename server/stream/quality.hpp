@@ -4,7 +4,7 @@
 // (quality_controller.hpp), which the stream session asks once per moving frame.
 #pragma once
 
-#include "protocol/view.hpp"
+#include "protocol/view/view.hpp"
 
 namespace scancast {
 

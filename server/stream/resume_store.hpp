@@ -15,7 +15,7 @@
 #include <string>
 #include <string_view>
 
-#include "protocol/view.hpp"
+#include "protocol/view/view.hpp"
 #include "server/stream/quality.hpp"
 
 namespace scancast {

@@ -1,17 +1,17 @@
 #include "server/stream/scene.hpp"
 
-#include "protocol/view_json.hpp"
+#include "protocol/view/view_json.hpp"
 #include "renderer/plan.hpp"
 
 namespace scancast {
 
-Problem SceneDesk::followProblem(int status, std::string detail) {
+Problem SceneResolver::followProblem(int status, std::string detail) {
     Problem problem = problemOf(status, std::move(detail));
     problem.errors.push_back({"follow", problem.detail});
     return problem;
 }
 
-tl::expected<Scene, Problem> SceneDesk::opened(const messages::Hello& hello) const {
+tl::expected<Scene, Problem> SceneResolver::opened(const messages::Hello& hello) const {
     const View usual;
     const int width = hello.width.value_or(usual.width);
     const int height = hello.height.value_or(usual.height);
@@ -19,7 +19,7 @@ tl::expected<Scene, Problem> SceneDesk::opened(const messages::Hello& hello) con
     return ofCloud(hello.cloud.empty() ? world_.defaultCloud() : hello.cloud, width, height);
 }
 
-tl::expected<Scene, Problem> SceneDesk::ofCloud(const std::string& cloudId, int width, int height) const {
+tl::expected<Scene, Problem> SceneResolver::ofCloud(const std::string& cloudId, int width, int height) const {
     auto cloud = world_.cloud(cloudId);
     if (!cloud) return tl::unexpected(std::move(cloud.error()));
     Scene scene;
@@ -30,13 +30,14 @@ tl::expected<Scene, Problem> SceneDesk::ofCloud(const std::string& cloudId, int 
     return scene;
 }
 
-tl::expected<SharedView, Problem> SceneDesk::leader(const std::string& id) const {
-    if (seat_ == nullptr) return tl::unexpected(followProblem(422, "This session can follow nobody."));
-    return seat_->mayFollow(id);
+tl::expected<SharedView, Problem> SceneResolver::leader(const std::string& id) const {
+    if (registration_ == nullptr)
+        return tl::unexpected(followProblem(422, "This session can follow nobody."));
+    return registration_->mayFollow(id);
 }
 
-tl::expected<Scene, Problem> SceneDesk::followed(const tl::expected<SharedView, Problem>& shared, int width,
-                                                 int height) const {
+tl::expected<Scene, Problem> SceneResolver::followed(const tl::expected<SharedView, Problem>& shared,
+                                                     int width, int height) const {
     if (!shared) return tl::unexpected(shared.error());
     auto scene = ofCloud(shared->cloudId, width, height);
     if (!scene) return scene;
@@ -47,9 +48,11 @@ tl::expected<Scene, Problem> SceneDesk::followed(const tl::expected<SharedView, 
     return scene;
 }
 
-tl::expected<Scene, Problem> SceneDesk::changed(const Scene& now, const messages::ViewChange& change) const {
+tl::expected<Scene, Problem> SceneResolver::changed(const Scene& now,
+                                                    const messages::ViewChange& change) const {
     Scene scene = now;
-    const bool follows = change.follow ? !change.follow->empty() : seat_ != nullptr && seat_->following();
+    const bool follows =
+        change.follow ? !change.follow->empty() : registration_ != nullptr && registration_->following();
     if (follows) {
         bool own = !change.cloud;
         for (const auto& [field, value] : change.changes.items())
@@ -78,7 +81,7 @@ tl::expected<Scene, Problem> SceneDesk::changed(const Scene& now, const messages
     return scene;
 }
 
-Expected<void> SceneDesk::plan(Scene& scene) const {
+Expected<void> SceneResolver::plan(Scene& scene) const {
     const auto pixels = std::uint64_t(scene.view.width) * std::uint64_t(scene.view.height);
     if (pixels > maxPixels_) {
         return fail(ErrorCode::ResourceLimit,

@@ -45,11 +45,11 @@ struct Scene {
         planned{};  ///< of the view; before it is checked, of another of this cloud
 };
 
-class SceneDesk {
+class SceneResolver {
   public:
-    /// `seat`: of the session in the register; null = it can follow nobody. Both outlive the desk.
-    SceneDesk(const StreamWorld& world, const SessionSeat* seat, std::uint64_t maxPixels)
-        : world_(world), seat_(seat), maxPixels_(maxPixels) {}
+    /// `registration`: of the session in the register; null = it can follow nobody. Both outlive the resolver.
+    SceneResolver(const StreamWorld& world, const SessionRegistration* registration, std::uint64_t maxPixels)
+        : world_(world), registration_(registration), maxPixels_(maxPixels) {}
 
     /// What a hello asks for.
     tl::expected<Scene, Problem> opened(const messages::Hello& hello) const;
@@ -69,7 +69,7 @@ class SceneDesk {
     tl::expected<SharedView, Problem> leader(const std::string& id) const;
 
     const StreamWorld& world_;
-    const SessionSeat* seat_;
+    const SessionRegistration* registration_;
     const std::uint64_t maxPixels_;
 };
 

@@ -5,7 +5,7 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
-#include "protocol/view_json.hpp"
+#include "protocol/view/view_json.hpp"
 #include "renderer/render.hpp"
 #include "renderer/residency/motion.hpp"
 
@@ -39,7 +39,7 @@ StreamSession::StreamSession(SessionOptions options, const StreamWorld& world, S
       port_(port),
       metrics_(metrics),
       opened_(now),
-      desk_(world, options_.seat, options_.maxPixels),
+      scenes_(world, options_.registration, options_.maxPixels),
       id_(options_.id),
       stills_(options_.stills),
       nextStats_(now) {}
@@ -97,10 +97,10 @@ void StreamSession::handle(const messages::Hello& hello, Time now) {
         return;
     }
     if (auto resumed = resume(hello.resume, now)) return begin(std::move(*resumed), true, now);
-    auto scene = desk_.opened(hello);
+    auto scene = scenes_.opened(hello);
     if (!scene) return refuse(std::move(scene.error()), std::nullopt);
     if (!hello.follow.empty()) {
-        if (auto followed = options_.seat->follow(hello.follow); !followed)
+        if (auto followed = options_.registration->follow(hello.follow); !followed)
             return refuse(std::move(followed.error()), std::nullopt);
     }
     limits_.fps = hello.fps;
@@ -115,7 +115,7 @@ std::optional<Scene> StreamSession::resume(const std::string& token, Time now) {
     auto cloud = world_.cloud(saved->cloudId);
     if (!cloud) return std::nullopt;
     Scene scene{saved->cloudId, std::move(*cloud), std::move(saved->view), saved->seq};
-    if (!desk_.plan(scene)) return std::nullopt;
+    if (!scenes_.plan(scene)) return std::nullopt;
     id_ = std::move(saved->id);
     limits_ = saved->limits;
     lastFrame_ = ackedFrame_ = saved->lastFrame;  // what was under way then is not waited for
@@ -124,7 +124,7 @@ std::optional<Scene> StreamSession::resume(const std::string& token, Time now) {
 
 void StreamSession::begin(Scene scene, bool resumed, Time now) {
     scene_ = std::move(scene);
-    if (resumed && options_.seat != nullptr) options_.seat->resumeAs(id_);
+    if (resumed && options_.registration != nullptr) options_.registration->resumeAs(id_);
     state_ = State::Open;
     nextStats_ = now + options_.statsInterval;
     // The view of the welcome is shown without being asked for, unless the client's own view comes first. Who
@@ -164,12 +164,12 @@ void StreamSession::handle(const messages::ViewChange& change, Time now) {
 tl::expected<SharedView, Problem> StreamSession::change(const messages::ViewChange& change, Time now) {
     if (state_ != State::Open)
         return tl::unexpected(problemOf(409, "This session shows nothing; it has not begun, or has ended."));
-    auto scene = desk_.changed(scene_, change);
+    auto scene = scenes_.changed(scene_, change);
     if (!scene) return tl::unexpected(std::move(scene.error()));
     if (change.follow) {
         if (change.follow->empty()) {
-            if (options_.seat != nullptr) options_.seat->unfollow();
-        } else if (auto followed = options_.seat->follow(*change.follow); !followed) {
+            if (options_.registration != nullptr) options_.registration->unfollow();
+        } else if (auto followed = options_.registration->follow(*change.follow); !followed) {
             return followed;
         }
     }
@@ -204,7 +204,8 @@ void StreamSession::viewChanged(Time now) {
     // A still of the old view is worth nothing now, and in the way of what the client waits for.
     if (std::erase_if(outstanding_, [](const Order& order) { return order.still.has_value(); }) > 0)
         port_.abandon();
-    if (options_.seat != nullptr) options_.seat->show({scene_.cloudId, scene_.view, scene_.seq});
+    if (options_.registration != nullptr)
+        options_.registration->show({scene_.cloudId, scene_.view, scene_.seq});
 }
 
 void StreamSession::lookAround(Time now) {
@@ -223,20 +224,20 @@ void StreamSession::lookAround(Time now) {
 
 void StreamSession::followLeader(Time now) {
     if (!following()) return;
-    auto shown = options_.seat->leader();
+    auto shown = options_.registration->leader();
     if (!shown) return leaderLeft();
-    auto scene = desk_.followed(*shown, scene_.view.width, scene_.view.height);
+    auto scene = scenes_.followed(*shown, scene_.view.width, scene_.view.height);
     if (!scene) return refuse(std::move(scene.error()), std::nullopt);
     scene->seq = scene_.seq;
     if (scene->cloud != scene_.cloud || scene->view != scene_.view) show(std::move(*scene), now);
 }
 
 void StreamSession::leaderLeft() {
-    options_.seat->unfollow();
+    options_.registration->unfollow();
     if (options_.endsWithLeader)
         return close(CloseCode::GoingAway, "The session that this one followed has ended.");
-    refuse(SceneDesk::followProblem(404,
-                                    "The session that this one followed has ended; the view stays as it is."),
+    refuse(SceneResolver::followProblem(
+               404, "The session that this one followed has ended; the view stays as it is."),
            std::nullopt);
 }
 
@@ -252,7 +253,7 @@ void StreamSession::lookForNewerCloud(Time now) {
     Scene scene = scene_;
     scene.cloud = std::move(*cloud);
     scene.planned.reset();
-    if (!desk_.plan(scene)) return;
+    if (!scenes_.plan(scene)) return;
     scene_ = std::move(scene);
     before_.reset();
     viewChanged(now);
@@ -372,7 +373,7 @@ void StreamSession::pump(Time now) {
     }
 }
 
-void StreamSession::pictureDone(std::uint64_t number, Expected<Picture> result, Time now) {
+void StreamSession::pictureDone(std::uint64_t number, Expected<EncodedPicture> result, Time now) {
     const auto at = std::find_if(outstanding_.begin(), outstanding_.end(),
                                  [&](const Order& order) { return order.number == number; });
     if (state_ != State::Open || at == outstanding_.end()) return;  // replaced or abandoned meanwhile
@@ -391,7 +392,7 @@ void StreamSession::pictureDone(std::uint64_t number, Expected<Picture> result, 
     pump(now);
 }
 
-void StreamSession::deliver(const Order& order, Picture picture, Time now) {
+void StreamSession::deliver(const Order& order, EncodedPicture picture, Time now) {
     FrameHeader header;
     header.moving = !order.still;
     header.still = order.still.has_value();
@@ -409,7 +410,7 @@ void StreamSession::deliver(const Order& order, Picture picture, Time now) {
         quality_.drawn(order.quality, {picture.renderMs, picture.encodeMs, picture.rivals}, own, limits_);
     }
     quality_.sent(header.frameId, order.view, picture.bytes->size(), now);
-    if (options_.seat != nullptr) options_.seat->frameSent();
+    if (options_.registration != nullptr) options_.registration->frameSent();
     remember();  // first: who gets the frame may come back at once, by another connection
     port_.sendFrame(header, picture.bytes);
 
@@ -419,7 +420,7 @@ void StreamSession::deliver(const Order& order, Picture picture, Time now) {
     if (now >= nextStats_) sendStats(order, picture, now);
 }
 
-void StreamSession::sendStats(const Order& order, const Picture& picture, Time now) {
+void StreamSession::sendStats(const Order& order, const EncodedPicture& picture, Time now) {
     nextStats_ = now + options_.statsInterval;
     messages::Stats stats;
     stats.frame = lastFrame_;

@@ -42,7 +42,7 @@ class StreamPort {
     virtual void sendFrame(const FrameHeader& header, std::shared_ptr<const Bytes> picture) = 0;
     /// Into the scheduler's mailbox; the result comes back through pictureDone() with this order's number.
     virtual void order(std::uint64_t number, PictureOrder order) = 0;
-    /// Overwrites the wish that waits in the mailbox, if one does.
+    /// Overwrites the request that waits in the mailbox, if one does.
     virtual bool replaceWaiting(std::uint64_t number, PictureOrder order) = 0;
     /// What lies under that pixel; the answer comes back through pickDone() with this number.
     virtual void pick(std::uint64_t seq, std::shared_ptr<const Cloud> cloud,
@@ -57,8 +57,9 @@ class StreamPort {
 };
 
 struct SessionOptions {
-    std::string id;               ///< of a new session; one that is resumed keeps its own
-    SessionSeat* seat = nullptr;  ///< its entry in the register; empty = it has none, and follows nobody
+    std::string id;  ///< of a new session; one that is resumed keeps its own
+    SessionRegistration* registration =
+        nullptr;                  ///< its entry in the register; empty = it has none, and follows nobody
     bool endsWithLeader = false;  ///< ends when the session that it follows does
     std::size_t window = maxUnacknowledgedFrames;  ///< frames that are drawn before one is acknowledged
     ResumeStore* resumable = nullptr;              ///< null = sessions cannot be resumed
@@ -80,7 +81,7 @@ class StreamSession {
 
     void text(std::string_view message, Time now);
     void binary();
-    void pictureDone(std::uint64_t number, Expected<Picture> result, Time now);
+    void pictureDone(std::uint64_t number, Expected<EncodedPicture> result, Time now);
     /// `point` as messages::Picked has it.
     void pickDone(std::uint64_t seq, Expected<nlohmann::json> point);
     /// A `view` that came by another way than text(): what is shown then, or why it was refused.
@@ -122,7 +123,7 @@ class StreamSession {
     std::optional<Scene> resume(const std::string& token, Time now);
     void remember();
     void show(Scene scene, Time now);
-    bool following() const { return options_.seat != nullptr && options_.seat->following(); }
+    bool following() const { return options_.registration != nullptr && options_.registration->following(); }
     void followLeader(Time now);
     void leaderLeft();
     void refuse(Problem problem, std::optional<std::uint64_t> seq);
@@ -134,8 +135,8 @@ class StreamSession {
     Order nextOrder(std::optional<StillSchedule::Still> still);
     View viewOf(const Order& order) const;
     PictureOrder pictureOf(const Order& order) const;
-    void deliver(const Order& order, Picture picture, Time now);
-    void sendStats(const Order& order, const Picture& picture, Time now);
+    void deliver(const Order& order, EncodedPicture picture, Time now);
+    void sendStats(const Order& order, const EncodedPicture& picture, Time now);
     void close(CloseCode code, std::string reason);
     bool room() const { return unacknowledged() + outstanding_.size() < options_.window; }
     std::size_t unacknowledged() const { return std::size_t(lastFrame_ - ackedFrame_); }
@@ -150,7 +151,7 @@ class StreamSession {
     Scene scene_;
     MovingLimits limits_;
     QualityController quality_;
-    const SceneDesk desk_;
+    const SceneResolver scenes_;
     std::string id_;
     std::optional<ResumeStore::Key> ticket_;
 

@@ -12,7 +12,7 @@
 #include <tuple>
 
 #include "protocol/nearest_name.hpp"
-#include "protocol/view_json.hpp"
+#include "protocol/view/view_json.hpp"
 #include "server/base/faults.hpp"
 
 namespace scancast {
@@ -65,18 +65,19 @@ nlohmann::json sessionListJson(const std::vector<SessionFacts>& sessions) {
 
 // ---- the register
 
-std::unique_ptr<SessionSeat> SessionRegister::enter(ClientKind client, std::weak_ptr<LiveSession> session) {
+std::unique_ptr<SessionRegistration> SessionRegister::enter(ClientKind client,
+                                                            std::weak_ptr<LiveSession> session) {
     Entry entry;
     entry.facts.id = newId();
     entry.facts.client = client;
     entry.facts.since = std::chrono::system_clock::now();
     entry.session = std::move(session);
-    auto seat = std::make_unique<SessionSeat>(*this, entry.facts.id);
+    auto registration = std::make_unique<SessionRegistration>(*this, entry.facts.id);
     const std::lock_guard lock(mutex_);
     entry.number = ++last_;
-    entry.seat = seat.get();
-    entries_.emplace(seat->id_, std::move(entry));
-    return seat;
+    entry.registration = registration.get();
+    entries_.emplace(registration->id_, std::move(entry));
+    return registration;
 }
 
 std::vector<SessionFacts> SessionRegister::list() const {
@@ -111,23 +112,24 @@ void SessionRegister::wakeAll() const {
     wake(all);
 }
 
-void SessionRegister::leave(const SessionSeat& seat) {
+void SessionRegister::leave(const SessionRegistration& registration) {
     Sessions followers;
     {
         const std::lock_guard lock(mutex_);
         // Called by a destructor: without memory for the list nobody is told, but the entry goes.
-        std::ignore = contained("The register of sessions", [&] { followers = followersLocked(seat.id_); });
-        entries_.erase(seat.id_);
+        std::ignore =
+            contained("The register of sessions", [&] { followers = followersLocked(registration.id_); });
+        entries_.erase(registration.id_);
     }
     wake(followers);
 }
 
-void SessionRegister::renameLocked(SessionSeat& seat, const std::string& id) {
+void SessionRegister::renameLocked(SessionRegistration& registration, const std::string& id) {
     std::string key = id, own = id, shown = id;  // may fail for want of memory; what follows does not
-    auto node = entries_.extract(seat.id_);
+    auto node = entries_.extract(registration.id_);
     node.key() = std::move(key);
     node.mapped().facts.id = std::move(shown);
-    seat.id_ = std::move(own);
+    registration.id_ = std::move(own);
     entries_.insert(std::move(node));
 }
 
@@ -144,25 +146,25 @@ void SessionRegister::wake(const Sessions& sessions) {
         if (const auto session = weak.lock()) session->lookAround();
 }
 
-// ---- a seat
+// ---- a registration
 
-SessionSeat::~SessionSeat() {
+SessionRegistration::~SessionRegistration() {
     sessions_.leave(*this);
 }
 
-std::string SessionSeat::id() const {
+std::string SessionRegistration::id() const {
     const std::lock_guard lock(sessions_.mutex_);
     return id_;
 }
 
-void SessionSeat::resumeAs(const std::string& id) {
+void SessionRegistration::resumeAs(const std::string& id) {
     const std::lock_guard lock(sessions_.mutex_);
     const auto other = sessions_.entries_.find(id);
-    if (other != sessions_.entries_.end()) sessions_.renameLocked(*other->second.seat, newId());
+    if (other != sessions_.entries_.end()) sessions_.renameLocked(*other->second.registration, newId());
     sessions_.renameLocked(*this, id);
 }
 
-void SessionSeat::show(SharedView view) {
+void SessionRegistration::show(SharedView view) {
     SessionRegister::Sessions followers;
     {
         const std::lock_guard lock(sessions_.mutex_);
@@ -172,24 +174,24 @@ void SessionSeat::show(SharedView view) {
     SessionRegister::wake(followers);
 }
 
-void SessionSeat::frameSent() {
+void SessionRegistration::frameSent() {
     const std::lock_guard lock(sessions_.mutex_);
     ++sessions_.entries_.at(id_).facts.frames;
 }
 
-tl::expected<SharedView, Problem> SessionSeat::mayFollow(const std::string& leader) const {
+tl::expected<SharedView, Problem> SessionRegistration::mayFollow(const std::string& leader) const {
     const std::lock_guard lock(sessions_.mutex_);
     return mayFollowLocked(leader);
 }
 
-tl::expected<SharedView, Problem> SessionSeat::follow(const std::string& leader) {
+tl::expected<SharedView, Problem> SessionRegistration::follow(const std::string& leader) {
     const std::lock_guard lock(sessions_.mutex_);
     auto shown = mayFollowLocked(leader);
     if (shown) sessions_.entries_.at(id_).facts.follows = leader;
     return shown;
 }
 
-tl::expected<SharedView, Problem> SessionSeat::mayFollowLocked(const std::string& leader) const {
+tl::expected<SharedView, Problem> SessionRegistration::mayFollowLocked(const std::string& leader) const {
     const auto at = sessions_.entries_.find(leader);
     if (at == sessions_.entries_.end())
         return refuse(404, "There is no session " + quoteText(leader) + "; it may have ended.");
@@ -203,17 +205,17 @@ tl::expected<SharedView, Problem> SessionSeat::mayFollowLocked(const std::string
     return *facts.shows;
 }
 
-void SessionSeat::unfollow() {
+void SessionRegistration::unfollow() {
     const std::lock_guard lock(sessions_.mutex_);
     sessions_.entries_.at(id_).facts.follows.clear();
 }
 
-bool SessionSeat::following() const {
+bool SessionRegistration::following() const {
     const std::lock_guard lock(sessions_.mutex_);
     return !sessions_.entries_.at(id_).facts.follows.empty();
 }
 
-std::optional<SharedView> SessionSeat::leader() const {
+std::optional<SharedView> SessionRegistration::leader() const {
     const std::lock_guard lock(sessions_.mutex_);
     const auto at = sessions_.entries_.find(sessions_.entries_.at(id_).facts.follows);
     return at == sessions_.entries_.end() ? std::nullopt : at->second.facts.shows;

@@ -1,7 +1,7 @@
 // Who is looking at what: every live session by its id, so that an administrator can list them, plain HTTP
 // can drive one, and one session can follow what another one shows.
 //
-// The register is owned by the server and outlives every seat; a seat is owned by the session's connection
+// The register is owned by the server and outlives every registration; a registration is owned by the session's connection
 // and leaves the register when it is destroyed. *Thread safety*: every function may be called from any
 // thread. Nobody is called from inside but LiveSession::lookAround(), which only posts. Place: net →
 // **register** ← session.
@@ -20,7 +20,7 @@
 
 #include "protocol/messages.hpp"
 #include "protocol/problem.hpp"
-#include "protocol/view.hpp"
+#include "protocol/view/view.hpp"
 
 namespace scancast {
 
@@ -59,13 +59,14 @@ struct SessionFacts {
 class SessionRegister;
 
 /// A session's entry. One strand writes through it at a time.
-class SessionSeat {
+class SessionRegistration {
   public:
-    SessionSeat(SessionRegister& sessions, std::string id) : sessions_(sessions), id_(std::move(id)) {}
+    SessionRegistration(SessionRegister& sessions, std::string id)
+        : sessions_(sessions), id_(std::move(id)) {}
     /// Leaves; followers are told.
-    ~SessionSeat();
-    SessionSeat(const SessionSeat&) = delete;
-    SessionSeat& operator=(const SessionSeat&) = delete;
+    ~SessionRegistration();
+    SessionRegistration(const SessionRegistration&) = delete;
+    SessionRegistration& operator=(const SessionRegistration&) = delete;
 
     std::string id() const;
     /// For a session that goes on after its connection was lost: it takes its earlier id again. Whoever still
@@ -95,7 +96,7 @@ class SessionSeat {
 class SessionRegister {
   public:
     /// A new entry; its id cannot be guessed, because who knows it may follow the session and drive it.
-    std::unique_ptr<SessionSeat> enter(ClientKind client, std::weak_ptr<LiveSession> session);
+    std::unique_ptr<SessionRegistration> enter(ClientKind client, std::weak_ptr<LiveSession> session);
     /// In the order in which they came.
     std::vector<SessionFacts> list() const;
     std::shared_ptr<LiveSession> find(std::string_view id) const;
@@ -105,17 +106,17 @@ class SessionRegister {
     void wakeAll() const;
 
   private:
-    friend class SessionSeat;
+    friend class SessionRegistration;
     struct Entry {
         SessionFacts facts;
         std::uint64_t number = 0;
         std::weak_ptr<LiveSession> session;
-        SessionSeat* seat = nullptr;
+        SessionRegistration* registration = nullptr;
     };
     using Sessions = std::vector<std::weak_ptr<LiveSession>>;
 
-    void leave(const SessionSeat& seat);
-    void renameLocked(SessionSeat& seat, const std::string& id);
+    void leave(const SessionRegistration& registration);
+    void renameLocked(SessionRegistration& registration, const std::string& id);
     Sessions followersLocked(const std::string& id) const;
     static void wake(const Sessions& sessions);
 

@@ -6,7 +6,7 @@
 namespace scancast {
 namespace {
 
-// Two seconds of getting sharper; then the final still's wait brings what is missing faster than wishes do.
+// Two seconds of getting sharper; then the final still's wait brings what is missing faster than requests do.
 constexpr int mostStills = 20;
 // A disk answers between two of them.
 constexpr int mostTrials = 2;

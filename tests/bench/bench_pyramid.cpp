@@ -1,6 +1,7 @@
-// What the screen passes of methods.md §8 cost, in the setting of 004's table 1: 1248 x 768, hidden point
-// removal, then pull-push and normals, on pictures of two sheets of points. Prints milliseconds per pass,
-// medians, for 1 and 2 threads.
+// What the screen passes of docs/spec/pyramid.md §1 cost, in the setting of Bouchiba, Deschaud and Goulette,
+// "Raw point cloud deferred shading through screen space pyramidal operators", 2018, §4: 1248 x 768, hidden
+// point removal, then pull-push and normals, on pictures of two sheets of points. Prints milliseconds per
+// pass, medians, for 1 and 2 threads.
 //
 //   bench_pyramid [--repeat N]
 #include <algorithm>

@@ -1,7 +1,7 @@
 // How fast the cpu device draws surfels: a unit sphere of N oriented surfels that fills the picture's height,
-// in the setting of 003_f374df756e3de90a ("on the order of 50,000 clipped and smoothly shaded disks" at 1024
-// x 768: 10 frames/s on its GPU) and with two millions of them. Prints milliseconds in all, processor time,
-// and per stage.
+// in the setting of Talton, Carr and Hart, "Voronoi Rasterization of Sparse Point Sets", 2005, §4 ("on the
+// order of 50,000 clipped and smoothly shaded disks" at 1024 x 768: 10 frames/s on its GPU) and with two
+// millions of them. Prints milliseconds in all, processor time, and per stage.
 //
 //   bench_surfel_methods [--threads N] [--repeat N] [--points N] [--only METHOD]
 #include <algorithm>

@@ -20,12 +20,12 @@
 
 #include "renderer/cloud/build/build_cloud.hpp"
 #include "renderer/device/cpu/cpu_device.hpp"
-#include "renderer/image/picture_metrics.hpp"
 #include "renderer/method/automatic.hpp"
 #include "renderer/method/method.hpp"
 #include "renderer/select/viewpoint.hpp"
 #include "tests/bench/bench_tools.hpp"
 #include "tests/ground_truth/ground_truth.hpp"
+#include "tests/support/picture_metrics.hpp"
 #include "tests/support/stability.hpp"
 
 namespace {

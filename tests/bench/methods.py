@@ -7,7 +7,8 @@
 Prints Markdown, ready for docs/performance.md:
   table   method x scene: PSNR and SSIM against the ray-cast truth, holes, stability, milliseconds of each pass
           (compare_methods, which says what the columns are)
-  papers  what the papers measured, in their settings, beside their figures; and draws the plot of Fig. 8 in 000
+  papers  what the papers measured, in their settings, beside their figures; and draws the plot of Fig. 8 in
+          Schütz and Wimmer, "High-Quality Point-Based Rendering Using Fast Single-Pass Interpolation", 2015, §V
           (frames/s over point size) as docs/images/point_sizes.svg (--plot)
   speed   frames/s at 1280 x 720 of a turning town of 20 million points, and of a real scan where --scan names one,
           against the marks; a frame is everything from the view to the JPEG
@@ -34,7 +35,7 @@ MOVING_MARK = 30
 OWN_DETAIL = {"hqs": 2, "disc": 2, "ewa": 2, "voronoi": 2}  # the others: 1
 FRAMES = 36  # three turns: medians are of views whose blocks are in memory from the first one
 
-# What compares with what: Fig. 8 in 000 has these modes, top to bottom, and sizes 0 to 2.5.
+# What compares with what: Fig. 8 of that paper has these modes, top to bottom, and sizes 0 to 2.5.
 PLOT_METHODS = [("square", "squares", "#4878a8"), ("circle", "circles", "#6a9f58"),
                 ("paraboloid", "paraboloids", "#d1615d"), ("hqs", "three-pass splats", "#85629a")]
 PLOT_SIZES = [0, 0.25, 0.5, 0.75, 1, 1.25, 1.5, 1.75, 2, 2.25, 2.5]
@@ -82,14 +83,14 @@ def voronoi(bench):
     if not found:
         sys.exit(f"methods.py: bench_surfel_methods did not tell of voronoi: {text}")
     fps = float(found.group(2))
-    print(f"| Voronoi (003): 50,000 smooth discs, 1024 × 768 | 10 frames/s | {fps:.1f} frames/s | ≥ 30 frames/s | {verdict(fps >= 30)} |")
+    print(f"| Voronoi rasterization: 50,000 smooth discs, 1024 × 768 | 10 frames/s | {fps:.1f} frames/s | ≥ 30 frames/s | {verdict(fps >= 30)} |")
 
 
 def hidden_points(scancast, clouds):
     for name, cloud in clouds:
         stats = turn(scancast, cloud, "pyramid", 1248, 768)
         ms = stage(stats, "hidden points")
-        print(f"| hidden point removal (004), 1248 × 768, {name} | 2.1-2.7 ms (GTX 1080); its predecessor 21-58 ms | {ms:.1f} ms "
+        print(f"| hidden point removal, 1248 × 768, {name} | 2.1-2.7 ms (GTX 1080); its predecessor 21-58 ms | {ms:.1f} ms "
               f"| ≤ 25 ms | {verdict(0 < ms <= 25)} |")
         print(f"| all of `pyramid` in this picture | | {stats['medianMs']:.1f} ms: {stages_of(stats)} | | |")
 
@@ -100,14 +101,14 @@ def in_order(rates):
 
 
 def point_sizes(scancast, name, cloud, plot):
-    """Fig. 8 in 000, on its canvas; the same samples for all modes."""
+    """Fig. 8 of the paper on paraboloids, on its canvas; the same samples for all modes."""
     rates = {method: [] for method, _, _ in PLOT_METHODS}
     for size in PLOT_SIZES:
         flags = ["--detail", "1", "--param", f"scale={size}" if size > 0 else "sizePx=1"]
         for method in rates:
             stats = turn(scancast, cloud, method, 1920, 955, 12, flags)
             rates[method].append(1000 / (stats["medianMs"] - stage(stats, "encode")))
-    print(f"\n### Frames/s over point size (Fig. 8 in 000)\n\n1920 × 955, {name}, the same samples (τ = 1) for all; size 0 is 1 px, "
+    print(f"\n### Frames/s over point size (Fig. 8 of the paper on paraboloids)\n\n1920 × 955, {name}, the same samples (τ = 1) for all; size 0 is 1 px, "
           "1 closes holes. The paper's order, top to bottom: squares, circles, paraboloids, three-pass splats.\n")
     print("| size | " + " | ".join(label for _, label, _ in PLOT_METHODS) + " | in the paper's order |")
     print("|---" * (len(PLOT_METHODS) + 2) + "|")

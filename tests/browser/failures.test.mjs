@@ -104,7 +104,7 @@ describe('the page, when things go wrong', { timeout: 120_000 }, () => {
     assert.ok(differing(before, await pixels(page)) > 0.9);
   });
 
-  it('a slow server gets the latest wish, and the page acknowledges what it has drawn', async () => {
+  it('a slow server gets the latest request, and the page acknowledges what it has drawn', async () => {
     server.frameDelay = 250;
     await open();
     await waitUntilSharp(page);

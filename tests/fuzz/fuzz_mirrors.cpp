@@ -3,7 +3,7 @@
 #include <cstdlib>
 #include <glm/geometric.hpp>
 
-#include "renderer/cloud/import/mirrors.hpp"
+#include "renderer/cloud/import/mirror_file.hpp"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
     using namespace scancast;

@@ -2,7 +2,7 @@
 #include <cstdlib>
 
 #include "protocol/json_text.hpp"
-#include "protocol/view_json.hpp"
+#include "protocol/view/view_json.hpp"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
     using namespace scancast;

@@ -1,7 +1,7 @@
 // Queries from outside: whatever is decoded must survive being printed and read again, and no word may crash.
 #include <cstdlib>
 
-#include "protocol/view_words.hpp"
+#include "protocol/view/view_words.hpp"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
     using namespace scancast;

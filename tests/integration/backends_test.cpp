@@ -3,10 +3,10 @@
 #include <gtest/gtest.h>
 
 #include "renderer/image/encode.hpp"
-#include "renderer/image/picture_metrics.hpp"
 #include "renderer/method/method.hpp"
 #include "tests/integration/program_fixture.hpp"
 #include "tests/support/devices.hpp"
+#include "tests/support/picture_metrics.hpp"
 
 namespace scancast::test {
 namespace {

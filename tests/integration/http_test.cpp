@@ -183,7 +183,7 @@ TEST_F(HttpTest, AUsedPortIsAnErrorThatSaysSo) {
     start();
     ServerOptions same = options;
     same.port = port();
-    const auto second = Server::create(same, painter.open());
+    const auto second = ScancastServer::create(same, painter.open());
     ASSERT_FALSE(second);
     EXPECT_NE(second.error().message.find(std::to_string(port())), std::string::npos);
     EXPECT_NE(second.error().message.find("--port 0"), std::string::npos);

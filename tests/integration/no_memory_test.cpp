@@ -1,7 +1,7 @@
 // Allocations that fail while a request is answered, each in turn, on whichever of the server's threads: the
 // client gets an answer or the end of its connection, nothing is left behind, and the next one is served.
 // Small allocations are let through, as by the reserve that `serve` keeps
-// (server/catalog/memory_reserve.hpp): destructors of Asio's strands and of JSON values must have them.
+// (server/base/memory_reserve.hpp): destructors of Asio's strands and of JSON values must have them.
 #include "tests/integration/server_fixture.hpp"
 #include "tests/support/failing_allocation.hpp"
 

@@ -6,8 +6,7 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
-#include "protocol/query.hpp"
-#include "protocol/view_words.hpp"
+#include "protocol/view/query.hpp"
 #include "tests/integration/server_fixture.hpp"
 #include "tests/support/json_schema.hpp"
 #include "tests/support/temporary_folder.hpp"
@@ -149,15 +148,6 @@ TEST_F(OpenApiTest, EveryExampleRunsAndEveryAnswerIsDescribed) {
         }
     }
     EXPECT_GT(examples, 90);
-}
-
-TEST_F(OpenApiTest, EveryWordOfAViewIsDescribedAsItIs) {
-    for (const ViewWord& word : viewWords()) {
-        const std::string name = word.word == "param.NAME" ? "param.sizePx" : std::string(word.word);
-        ASSERT_TRUE(document["components"]["parameters"].contains(name)) << name;
-        EXPECT_THAT(document["components"]["parameters"][name]["description"].get<std::string>(),
-                    ::testing::HasSubstr(std::string(word.meaning)));
-    }
 }
 
 /// What is wrong is described, too.

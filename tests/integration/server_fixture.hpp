@@ -82,7 +82,7 @@ class ServerTest : public ::testing::Test {
         options.limits.quiet = std::chrono::milliseconds(50);
     }
     void start() {
-        auto created = Server::create(options, painter.open());
+        auto created = ScancastServer::create(options, painter.open());
         ASSERT_TRUE(created) << created.error().message;
         server = std::move(*created);
         server->catalog().setReady(server->catalog().add("one"), one);
@@ -108,7 +108,7 @@ class ServerTest : public ::testing::Test {
     ServerOptions options;
     FakePainter painter;  // outlives the server
     std::shared_ptr<const Cloud> one = tinyCloud(100), two = tinyCloud(200);
-    std::unique_ptr<Server> server;
+    std::unique_ptr<ScancastServer> server;
 };
 
 }  // namespace scancast::test

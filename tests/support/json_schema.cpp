@@ -131,6 +131,7 @@ const std::map<std::string, Keyword>& keywords() {
                  c.wrong("does not match " + pattern.dump());
          }},
         {"description", ignore},
+        {"default", ignore},          // what holds where nothing is sent
         {"format", ignore},           // an annotation, as the standard has it
         {"contentEncoding", ignore},  // of bytes that are no JSON
     };

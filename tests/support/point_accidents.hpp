@@ -1,5 +1,5 @@
-// Pictures full of accidents for the passes of methods.md §8: odd sizes, borders, isolated pixels, all
-// levels, both projections.
+// Pictures full of accidents for the passes of docs/spec/pyramid.md §1: odd sizes, borders, isolated pixels,
+// all levels, both projections.
 #pragma once
 
 #include "tests/support/point_screen.hpp"

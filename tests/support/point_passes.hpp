@@ -1,5 +1,5 @@
-// The passes of methods.md §8 on pictures of points made by hand, on the cpu device's kernels or on a GL
-// backend's shaders, without a device around them: what their oracles are asked of.
+// The passes of docs/spec/pyramid.md §1 on pictures of points made by hand, on the cpu device's kernels or on
+// a GL backend's shaders, without a device around them: what their oracles are asked of.
 #pragma once
 
 #include "renderer/device/gl/passes/pyramid.hpp"

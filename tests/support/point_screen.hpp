@@ -1,5 +1,5 @@
-// Pictures of one-pixel points made by hand, for the screen passes of methods.md §8: the tests know of every
-// pixel which surface its point came from, and no device stands between them and the passes.
+// Pictures of one-pixel points made by hand, for the screen passes of docs/spec/pyramid.md §1: the tests know
+// of every pixel which surface its point came from, and no device stands between them and the passes.
 #pragma once
 
 #include <tbb/task_arena.h>

@@ -1,5 +1,5 @@
-// methods.md §8 word by word, in double, pixel by pixel: slow, and obviously what the page says. Shares no
-// code with the kernels.
+// docs/spec/pyramid.md §3 to §6, word by word, in double, pixel by pixel: slow, and obviously what the page
+// says. Shares no code with the kernels.
 #pragma once
 
 #include <cstdint>

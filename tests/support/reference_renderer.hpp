@@ -1,5 +1,6 @@
 // A second opinion on every splat: one sample after another, one pixel after another, in double, straight
-// from methods.md §1, §3 and §9, sharing no code with any device. Slow, and meant to be obviously right.
+// from docs/spec/passes.md §1, docs/spec/sprites.md §3 and docs/spec/shading.md §4, sharing no code with any
+// device. Slow, and meant to be obviously right.
 #pragma once
 
 #include <functional>

@@ -1,6 +1,6 @@
 // A second opinion on discs and ellipses: one surfel after another, one pixel after another, a ray and a
-// plane in double, straight from methods.md §5 and §7, sharing no code with any device. Slow, and meant to be
-// obviously right.
+// plane in double, straight from docs/spec/surfels.md §3 and docs/spec/voronoi.md §2, sharing no code with
+// any device. Slow, and meant to be obviously right.
 #pragma once
 
 #include <cstdint>

@@ -3,7 +3,9 @@
 // nanoflann; the program links neither.
 #pragma once
 
+#include <functional>
 #include <glm/vec3.hpp>
+#include <glm/vec4.hpp>
 #include <span>
 #include <vector>
 
@@ -25,6 +27,18 @@ struct ReferenceSurfels {
 /// pcl::NormalEstimationOMP over pcl::search::KdTree, k neighbours and the point itself. Points are distinct.
 /// Radii come from the same tree, and are not timed: PCL's estimation does not yield them.
 ReferenceSurfels surfelsByPcl(std::span<const glm::vec3> points, int k, int threads);
+
+/// An estimation that is ready to be measured: the points are in PCL's own form already.
+struct PclTrial {
+    std::function<void()> run;                        ///< once
+    std::function<std::vector<glm::vec4>()> results;  ///< normal, sign by PCL's rule; radius, 0 without
+};
+
+/// pcl::NormalEstimationOMP, which yields no radii.
+PclTrial normalsByPcl(std::span<const glm::vec3> points, int k, int threads);
+
+/// What one would write with PCL who wants radii, too: one query a point for both, oneTBB's threads.
+PclTrial normalsAndRadiiByPcl(std::span<const glm::vec3> points, int k, int threads);
 
 /// nanoflann's tree, queried in the points' order, and Eigen's eigenvectors; radii included.
 ReferenceSurfels surfelsByNanoflann(std::span<const glm::vec3> points, int k, int threads);

@@ -6,7 +6,7 @@
 #include "client/cpp/program/bench_report.hpp"
 #include "client/cpp/program/command.hpp"
 #include "protocol/json_text.hpp"
-#include "protocol/view_json.hpp"
+#include "protocol/view/view_json.hpp"
 
 namespace scancast::client {
 namespace {

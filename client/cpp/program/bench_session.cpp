@@ -4,7 +4,7 @@
 
 #include "client/cpp/program/jpeg_facts.hpp"
 #include "client/cpp/stream.hpp"
-#include "protocol/view_json.hpp"
+#include "protocol/view/view_json.hpp"
 
 namespace scancast::client {
 namespace {

@@ -4,7 +4,7 @@
 #include <functional>
 
 #include "client/cpp/program/command.hpp"
-#include "protocol/view.hpp"
+#include "protocol/view/view.hpp"
 
 namespace scancast::client {
 

@@ -15,6 +15,7 @@
 #include <utility>
 
 #include "client/cpp/program/command.hpp"
+#include "files/system_error.hpp"
 
 extern char** environ;
 
@@ -74,7 +75,7 @@ Expected<FilmWriter> FilmWriter::create(const std::string& path, int total, doub
 
 FilmWriter::FilmWriter(FilmWriter&& other) noexcept
     : path_(std::move(other.path_)),
-      partial_(std::exchange(other.partial_, {})),
+      partial_(std::move(other.partial_)),
       digits_(other.digits_),
       count_(other.count_),
       program_(std::exchange(other.program_, -1)),
@@ -83,8 +84,6 @@ FilmWriter::FilmWriter(FilmWriter&& other) noexcept
 FilmWriter::~FilmWriter() {
     if (program_ > 0) kill(program_, SIGTERM);
     waitForProgram();
-    std::error_code ignored;
-    if (!partial_.empty()) fs::remove(partial_, ignored);
 }
 
 Expected<void> FilmWriter::startVideo(double framesPerSecond) {
@@ -93,12 +92,13 @@ Expected<void> FilmWriter::startVideo(double framesPerSecond) {
     if (socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends) != 0)
         return fail(ErrorCode::Io, std::string("cannot talk to ffmpeg: ") + std::strerror(errno));
     pipe_ = ends[0];
-    partial_ = partialName(path_);
+    partial_ = UnfinishedName(partialName(path_));
     // Sides must be even for the most common pixel format.
-    program_ = startProgram({"ffmpeg", "-y", "-loglevel", "error", "-f", "image2pipe", "-c:v", "mjpeg",
-                             "-framerate", std::to_string(framesPerSecond), "-i", "-", "-vf",
-                             "pad=ceil(iw/2)*2:ceil(ih/2)*2", "-pix_fmt", "yuv420p", "file:" + partial_},
-                            ends[1]);
+    program_ =
+        startProgram({"ffmpeg", "-y", "-loglevel", "error", "-f", "image2pipe", "-c:v", "mjpeg", "-framerate",
+                      std::to_string(framesPerSecond), "-i", "-", "-vf", "pad=ceil(iw/2)*2:ceil(ih/2)*2",
+                      "-pix_fmt", "yuv420p", "file:" + partial_.name()},
+                     ends[1]);
     close(ends[1]);
     if (program_ > 0) return {};
     return fail(ErrorCode::NotFound, "there is no ffmpeg to make " + path_ +
@@ -120,10 +120,8 @@ Expected<void> FilmWriter::add(const std::vector<std::uint8_t>& jpeg) {
 Expected<void> FilmWriter::finish() {
     if (program_ <= 0) return {};
     if (waitForProgram() != 0) return tl::unexpected(videoFailed());
-    std::error_code error;
-    fs::rename(partial_, path_, error);
-    if (error) return fail(ErrorCode::Io, path_ + " cannot get its name: " + error.message());
-    partial_.clear();
+    if (const int refused = partial_.become(path_))
+        return fail(ErrorCode::Io, path_ + " cannot get its name: " + systemReason(refused));
     return {};
 }
 

@@ -10,10 +10,10 @@
 #include <string>
 #include <vector>
 
+#include "files/unfinished_name.hpp"
 #include "protocol/error.hpp"
 
 namespace scancast::client {
-
 /// Whether this name asks for a video: .mp4, .mkv, .webm, .mov or .avi.
 bool isVideo(const std::string& path);
 
@@ -36,7 +36,8 @@ class FilmWriter {
     Error videoFailed();
     int waitForProgram();
 
-    std::string path_, partial_;  ///< partial_: where an unfinished video is
+    std::string path_;
+    UnfinishedName partial_;  ///< where an unfinished video is
     int digits_, count_ = 0;
     pid_t program_ = -1;
     int pipe_ = -1;

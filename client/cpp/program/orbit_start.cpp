@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "protocol/view_words.hpp"
+#include "protocol/view/view_words.hpp"
 
 namespace scancast::client {
 

@@ -2,8 +2,8 @@
 #pragma once
 
 #include "client/cpp/orbit_path.hpp"
-#include "client/cpp/program/view_flags.hpp"
 #include "protocol/catalog.hpp"
+#include "protocol/flags/view_flags.hpp"
 
 namespace scancast::client {
 

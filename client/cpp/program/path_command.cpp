@@ -3,9 +3,9 @@
 
 #include "client/cpp/camera_path.hpp"
 #include "client/cpp/program/film.hpp"
-#include "client/cpp/program/view_flags.hpp"
 #include "files/input_file.hpp"
-#include "protocol/view_words.hpp"
+#include "protocol/flags/view_flags.hpp"
+#include "protocol/view/view_words.hpp"
 
 namespace scancast::client {
 namespace {

@@ -2,7 +2,7 @@
 #include <cstdio>
 
 #include "client/cpp/program/command.hpp"
-#include "client/cpp/program/view_flags.hpp"
+#include "protocol/flags/view_flags.hpp"
 
 namespace scancast::client {
 namespace {

@@ -2,9 +2,9 @@
 #include <cstdio>
 
 #include "client/cpp/program/command.hpp"
-#include "client/cpp/program/view_flags.hpp"
 #include "client/cpp/program/view_window.hpp"
-#include "protocol/view_words.hpp"
+#include "protocol/flags/view_flags.hpp"
+#include "protocol/view/view_words.hpp"
 
 namespace scancast::client {
 namespace {

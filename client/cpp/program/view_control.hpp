@@ -4,7 +4,7 @@
 // view direction, so that there is always a picture.
 #pragma once
 
-#include "protocol/view.hpp"
+#include "protocol/view/view.hpp"
 
 namespace scancast::client {
 

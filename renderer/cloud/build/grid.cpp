@@ -6,8 +6,8 @@
 
 namespace scancast {
 
-double Grid::cellSize(int rung) const {
-    return std::ldexp(std::max({step.x, step.y, step.z}), rung);
+double Grid::cellSize(int cellLevel) const {
+    return std::ldexp(std::max({step.x, step.y, step.z}), cellLevel);
 }
 
 Grid ownGrid(const glm::dvec3& origin, const glm::dvec3& ownStep, const std::array<std::int64_t, 3>& low,

@@ -46,8 +46,8 @@ struct Grid {
     glm::dvec3 toFile(const GridPosition& p) const {
         return corner + step * glm::dvec3(double(p[0]), double(p[1]), double(p[2]));
     }
-    /// The cube of 2^rung steps, as one length.
-    double cellSize(int rung) const;
+    /// The cube of 2^cellLevel steps, as one length.
+    double cellSize(int cellLevel) const;
 };
 
 /// A grid for integers from `low` to `high` of the scan's own grid, whose 0 lies at `origin`.

@@ -9,6 +9,7 @@
 #include <new>
 #include <thread>
 
+#include "files/machine_memory.hpp"
 #include "renderer/cloud/build/cloud_builder.hpp"
 #include "renderer/cloud/build/many_scans.hpp"
 #include "renderer/cloud/build/revision.hpp"
@@ -24,10 +25,6 @@ constexpr std::uint64_t laneBytes = 160, laneBytesWithSurfels = 270;
 constexpr std::uint64_t stagedBytes = 20, chunkBytes = 24, fileBytes = 22;
 /// Program, counting grid, readers.
 constexpr std::uint64_t fixedBytes = std::uint64_t(160) << 20;
-
-std::uint64_t machineMemory() {
-    return std::uint64_t(::sysconf(_SC_PHYS_PAGES)) * std::uint64_t(::sysconf(_SC_PAGESIZE));
-}
 
 struct MemoryShares {
     int lanes = 1;

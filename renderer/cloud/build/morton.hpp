@@ -38,8 +38,8 @@ constexpr bool mortonLess(const GridPosition& a, const GridPosition& b) {
     return a[axis] < b[axis];
 }
 
-/// The smallest rung whose cells put both positions together: cells of 2^rung steps.
-constexpr int commonRung(const GridPosition& a, const GridPosition& b) {
+/// The smallest cell level whose cells put both positions together: cells of 2^cellLevel steps.
+constexpr int commonCellLevel(const GridPosition& a, const GridPosition& b) {
     return int(std::bit_width((a[0] ^ b[0]) | (a[1] ^ b[1]) | (a[2] ^ b[2])));
 }
 
@@ -47,14 +47,14 @@ constexpr int commonRung(const GridPosition& a, const GridPosition& b) {
 class CellCount {
   public:
     /// Neighbours in Morton order, both occupied.
-    void addStep(const GridPosition& a, const GridPosition& b, int rung = 0) {
-        ++steps_[commonRung(a, b) + rung];
+    void addStep(const GridPosition& a, const GridPosition& b, int cellLevel = 0) {
+        ++steps_[commonCellLevel(a, b) + cellLevel];
     }
     void addFirst() { ++first_; }
-    /// Occupied cells of 2^rung steps. Cells smaller than the order's own resolution are not told apart.
-    std::uint64_t cells(int rung) const {
+    /// Occupied cells of 2^cellLevel steps. Cells smaller than the order's own resolution are not told apart.
+    std::uint64_t cells(int cellLevel) const {
         std::uint64_t n = first_;
-        for (int r = rung + 1; r <= gridBits; ++r) n += steps_[r];
+        for (int r = cellLevel + 1; r <= gridBits; ++r) n += steps_[r];
         return n;
     }
 

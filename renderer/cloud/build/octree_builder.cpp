@@ -158,7 +158,7 @@ class TreeBuilder {
         if (root.isLeaf()) root.keptPoints.assign(root.points.begin(), root.points.end());
         root.points = root.keptPoints;
         work.chunk.pointBytes.clear();
-        return climb(root);
+        return averageUpwards(root);
     }
 
     Expected<void> store(LeafBlocks& blocks) {
@@ -192,7 +192,7 @@ class TreeBuilder {
     }
 
     /// Fills the nodes above whose children are all there.
-    Expected<void> climb(BuildNode& from) {
+    Expected<void> averageUpwards(BuildNode& from) {
         for (BuildNode* node = from.parent; node && ++node->finishedChildren == node->children.size();
              node = node->parent) {
             fillInner(*node, input_);

@@ -1,6 +1,7 @@
 // Builds the octree of a cloud from chunks of points on a grid, in parallel: split at the average until
 // leaves are small, then average upwards; last of all, what inner nodes need to know of their neighbours.
-// Source: 001_c3e54385a9f0e90c, Algorithm 1; design methods.md §6. Pipeline: chunks → **octree builder** →
+// Source: Kaushik, Nagwanshi and Sharma, "Achieving a Smooth Interpolation between the Points Using Modified
+// Rendering Algorithm", undated, §IV-a; docs/spec/hierarchy.md §2. Pipeline: chunks → **octree builder** →
 // octree or cloud file. Called once per cloud, on any thread; uses the caller's TBB arena.
 //
 // The result depends on the set of points and the shape alone: neither on threads nor on memory nor on the

@@ -11,6 +11,7 @@
 
 #include "files/input_file.hpp"
 #include "files/system_error.hpp"
+#include "files/unfinished_name.hpp"
 #include "files/unique_fd.hpp"
 #include "renderer/cloud/file/facts_json.hpp"
 #include "renderer/cloud/file/file_layout.hpp"
@@ -24,13 +25,8 @@ namespace fs = std::filesystem;
 
 class Writer final : public CloudFileWriter {
   public:
-    Writer(UniqueFd fd, fs::path path, fs::path partial)
-        : fd_(std::move(fd)), path_(std::move(path)), partial_(std::move(partial)) {}
-    ~Writer() override {
-        // Still locked: whoever waits for this name takes over an inode that has none, notices, and starts
-        // anew.
-        if (!finished_) ::unlink(partial_.c_str());
-    }
+    Writer(UniqueFd fd, fs::path path, const fs::path& partial)
+        : fd_(std::move(fd)), path_(std::move(path)), partial_(partial.string()) {}
 
     Expected<void> begin() {
         // Zeros: what looks at the file before finish() sees no magic.
@@ -50,13 +46,13 @@ class Writer final : public CloudFileWriter {
 
     Expected<std::vector<std::byte>> readBack(const BlockPlace& place) const override {
         std::vector<std::byte> block(place.bytes);
-        const auto got = readFullyAt(fd_.get(), place.offset, block, partial_);
+        const auto got = readFullyAt(fd_.get(), place.offset, block, partial_.name());
         if (!got) return tl::unexpected(got.error());
         if (*got < block.size() || (!block.empty() && checksumOf(block) != place.checksum))
             return fail(ErrorCode::Io,
                         fmt::format("{}, byte {}: what was written there a moment ago reads back "
                                     "differently; is the disk failing, or something else writing?",
-                                    partial_.string(), place.offset));
+                                    partial_.name(), place.offset));
         return block;
     }
 
@@ -101,10 +97,9 @@ class Writer final : public CloudFileWriter {
         if (auto done = sync(fd_.get()); !done) return done;
         if (auto done = writeAt(0, encodeHeader(header)); !done) return done;
         if (auto done = sync(fd_.get()); !done) return done;
-        if (::rename(partial_.c_str(), path_.c_str()) != 0)
+        if (const int refused = partial_.become(path_.string()))
             return fail(ErrorCode::Io,
-                        fmt::format("{}: cannot get its name: {}", path_.string(), systemReason(errno)));
-        finished_ = true;
+                        fmt::format("{}: cannot get its name: {}", path_.string(), systemReason(refused)));
         const fs::path folder = path_.has_parent_path() ? path_.parent_path() : fs::path(".");
         const UniqueFd entry(::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
         // Folders that cannot be opened or synced (some network file systems) have no more to give.
@@ -148,9 +143,11 @@ class Writer final : public CloudFileWriter {
     }
 
     const UniqueFd fd_;
-    const fs::path path_, partial_;
+    const fs::path path_;
+    /// Removed while the file is still locked: whoever waits for this name takes over an inode that has none,
+    /// notices, and starts anew.
+    UnfinishedName partial_;
     std::uint64_t written_ = 0;
-    bool finished_ = false;
 };
 
 /// Renaming would replace whatever has the name: only a file may be replaced.

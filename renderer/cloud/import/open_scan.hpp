@@ -1,6 +1,6 @@
-// Opens any scan file by what it is: LAS and text in process, LAZ, Potree octrees, PLY and PCD through an importer process (decision 5:
-// third-party parsers never run inside the server).
-// Pipeline: file → **import** → octree.
+// Opens any scan file by what it is: LAS and text in process, LAZ, Potree octrees, PLY and PCD through an
+// importer process (decision 3: third-party parsers never run inside the server). Pipeline: file → **import**
+// → octree.
 #pragma once
 
 #include <filesystem>

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <array>
 
-#include "renderer/cloud/import/mirrors.hpp"
+#include "renderer/cloud/import/mirror_file.hpp"
 
 namespace scancast {
 

@@ -20,15 +20,15 @@ constexpr float outlierFactor = 4;
 constexpr std::size_t groupsPerTask = 512;
 
 /// One for each thread, for as long as it lives: kernels never wait, so nobody else uses it meanwhile.
-surfel::Workspace& workspace() {
-    thread_local const auto mine = std::make_unique<surfel::Workspace>();
+surfel::SearchScratch& workspace() {
+    thread_local const auto mine = std::make_unique<surfel::SearchScratch>();
     return *mine;
 }
 
 class Estimate {
   public:
     Estimate(std::span<const glm::vec3> points, const SurfelOptions& options, std::span<Surfel> out,
-             const surfel::Kernels& kernels)
+             const surfel::SurfelKernels& kernels)
         : out_(out),
           k_(std::clamp(options.neighbours, 1, surfel::maxNeighbours)),
           index_(points),
@@ -113,7 +113,7 @@ class Estimate {
 
     /// More than half of the neighbours (of an even number: half) have a radius that much smaller: then so
     /// has the (lower) median.
-    bool isOutlier(std::uint32_t p, surfel::Workspace& w) const {
+    bool isOutlier(std::uint32_t p, surfel::SearchScratch& w) const {
         const int m = kernels_.nearest(index_.view(), p, facts_[p].neighbours, w);
         int smaller = 0;
         for (int j = 1; j <= m; ++j) smaller += facts_[p].radius > outlierFactor * facts_[w.best[j]].radius;
@@ -123,7 +123,7 @@ class Estimate {
     std::span<Surfel> out_;
     int k_;
     NeighbourIndex index_;
-    const surfel::Kernels& kernels_;
+    const surfel::SurfelKernels& kernels_;
     std::vector<Facts> facts_;
     std::vector<float> leafLeast_;
 };
@@ -131,7 +131,7 @@ class Estimate {
 }  // namespace
 
 void estimateSurfels(std::span<const glm::vec3> points, const SurfelOptions& options, std::span<Surfel> out,
-                     const surfel::Kernels& kernels) {
+                     const surfel::SurfelKernels& kernels) {
     Estimate(points, options, out, kernels).run();
 }
 

@@ -1,6 +1,6 @@
 // Surfels: what a point's neighbours tell of the surface at it - normal, half-axes, radius, and whether it is
 // an outlier. Pipeline: leaves of one chunk → **surfels** → averages; and inner nodes' samples → **surfels**
-// → cloud. Sources: 001_c3e54385a9f0e90c ("differential points"), 002_e37b3096399c9e96; methods.md §5. Pure
+// → cloud. Source: docs/spec/surfels.md §2. Pure
 // functions; use the caller's TBB arena; the result depends on the set of points alone, not on threads.
 #pragma once
 

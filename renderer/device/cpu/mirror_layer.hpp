@@ -1,8 +1,9 @@
 // A mirror of a picture: the layer that its reflected eye sees, only as large as the mirror appears, and its
-// glass (methods.md §10). Both are layers of splats; screen passes run once, over the picture with the
-// reflections in it, just as if the mirror were an opening and its image stood behind it: that is how depths
-// around an edge of the glass must be compared. Only in the end it becomes glass, with a tint and a depth of
-// its own. Once per jittered frame, before frames are averaged. Made for one draw(), on the render thread.
+// glass (docs/spec/mirrors.md §3). Both are layers of splats; screen passes run once, over the picture with
+// the reflections in it, just as if the mirror were an opening and its image stood behind it: that is how
+// depths around an edge of the glass must be compared. Only in the end it becomes glass, with a tint and a
+// depth of its own. Once per jittered frame, before frames are averaged. Made for one draw(), on the render
+// thread.
 #pragma once
 
 #include <optional>

@@ -1,7 +1,6 @@
-// The screen passes of methods.md §8 on the CPU: hidden point removal, pull-push, normals of the filled
-// depth. Called between what splats have drawn and what shades it, in this order, on whole pictures (guard
-// band included) whose planes are changed in place. Source: 004_a7e57431d45858e9, "Raw point cloud deferred
-// shading through screen space pyramidal operators".
+// The screen passes of docs/spec/pyramid.md §1 on the CPU: hidden point removal, pull-push, normals of the
+// filled depth. Called between what splats have drawn and what shades it, in this order, on whole pictures
+// (guard band included) whose planes are changed in place.
 //
 // Owned by the device, so that its buffers outlive pictures: a picture of a known size allocates nothing.
 // One picture at a time; the work inside is spread over the picture's workers and does not depend on them.

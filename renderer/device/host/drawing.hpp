@@ -16,7 +16,7 @@ inline constexpr std::size_t mostFrames = 256;
 /// InvalidArgument for a window outside the picture, ResourceLimit for more frames than can be averaged.
 Expected<void> checkDrawing(const Drawing& drawing);
 
-/// Hidden point removal finds 19 % of the hidden points near a border without it (methods.md §8).
+/// Hidden point removal finds 19 % of the hidden points near a border without it (docs/spec/pyramid.md §2).
 inline constexpr int pyramidGuardBand = 32;
 
 /// A method's list of passes, each in its place: what is splatted, and what is done to the whole picture afterwards.

@@ -13,7 +13,8 @@ namespace {
 constexpr float infinite = std::numeric_limits<float>::infinity();
 constexpr float largest = std::numeric_limits<float>::max();
 
-/// methods.md §8's s_eff = max(s0, 2τ/q), times a factor, as px · depth (orthographic: px) and least px.
+/// s_eff = max(s0, 2τ/q) (docs/spec/pyramid.md §2), times a factor, as px · depth (orthographic: px) and
+/// least px.
 struct Size {
     double scaled, least;
 };

@@ -1,7 +1,7 @@
-// The arithmetic of screen passes that is done once for a picture: how it is lit (methods.md §9); how deep its
-// pyramid goes, how far a block of pixels looks for neighbours, which levels have normals that somebody needs (§8);
-// where a mirror's glass is seen (§10). Pure functions; any thread. Pipeline: passes, reflections → **numbers** → a
-// device's screen passes and mirrors.
+// The arithmetic of screen passes that is done once for a picture: how it is lit (docs/spec/shading.md); how deep
+// its pyramid goes, how far a block of pixels looks for neighbours, which levels have normals that somebody needs
+// (docs/spec/pyramid.md §1); where a mirror's glass is seen (docs/spec/mirrors.md §3). Pure functions; any thread.
+// Pipeline: passes, reflections → **numbers** → a device's screen passes and mirrors.
 #pragma once
 
 #include <array>
@@ -17,8 +17,8 @@ namespace scancast {
 PhongNumbers phongNumbers(const PhongPass& pass, const LayerView& view, const glm::dvec2& jitter, int x,
                           int y);
 
-/// The eight neighbours at the pass's radius, and methods.md §9's shade = exp(-300 · strength · mean
-/// response).
+/// The eight neighbours at the pass's radius, and shade = exp(-300 · strength · mean response) of
+/// docs/spec/shading.md §3.
 EyeDomeNumbers eyeDomeNumbers(const EyeDomePass& pass);
 
 // ---- the pyramid
@@ -49,8 +49,8 @@ struct HiddenPointsNumbers {
     /// By level: pixels of a block look at it unless the block's depth is larger. Falls from level to level.
     std::array<float, maxPyramidLevels> farthest{};
     float minGap = 0, threshold = 0;
-    /// Up to this level, whoever lies at infinity is hidden by neighbours all around, without a look at
-    /// angles.
+    /// Up to this level, a pixel without a sample that has neighbours on all sides is hidden for certain:
+    /// angles need no look.
     int sureLevel = -1;
 
     /// The coarsest level that a block of this depth looks at.

@@ -16,7 +16,8 @@ namespace scancast {
 inline constexpr double largestCoefficient = 1e24;
 inline constexpr float farthestDepth = 1e30f;
 
-/// Footprint::Pixel counts as a square; spheres are not defined outside their circle (methods.md §3).
+/// Footprint::Pixel counts as a square; spheres are not defined outside their circle (docs/spec/sprites.md
+/// §3).
 SplatShape splatShape(Footprint footprint, Profile profile);
 
 /// Whether its splats lie in their surfels' planes.

@@ -1,7 +1,5 @@
 #include "server/net/api/api.hpp"
 
-#include <algorithm>
-#include <array>
 #include <cstdio>
 #include <nlohmann/json.hpp>
 #include <utility>
@@ -17,7 +15,7 @@
 namespace scancast {
 namespace {
 
-std::string serverTiming(const Picture& picture) {
+std::string serverTiming(const EncodedPicture& picture) {
     double select = 0;
     for (const StageTime& stage : picture.stats.stages) {
         if (stage.name == "select") select += stage.milliseconds;
@@ -39,12 +37,6 @@ HttpResponse pictureResponse(PictureFormat format, const View& view, const std::
             .set("Scancast-Height", std::to_string(view.height));
     }
     return response;
-}
-
-bool answersWithJson(Route route) {
-    constexpr std::array all{Route::OpenApi, Route::Clouds,   Route::Cloud,      Route::Methods,
-                             Route::Pick,    Route::Sessions, Route::SessionView};
-    return std::find(all.begin(), all.end(), route) != all.end();
 }
 
 HttpResponse refusal(Problem problem, const Routed& routed) {
@@ -93,210 +85,218 @@ Api::Api(ApiOptions options, const Catalog& catalog, CloudAdmin& admin, const Se
       pictures_(scheduler),
       picker_(pictures_, scheduler, options_.version) {}
 
+/// What routes answer, where that is more than a line. Lives as long as Api::answer(): what is answered later keeps
+/// copies.
+struct Api::Answers {
+    const Api& api;
+    const HttpRequest& request;
+    const Routed& routed;
+
+    HttpResponse asset() const {
+        HttpResponse response = fileResponse(request, *findAsset(routed.path));
+        response.set("Content-Security-Policy", std::string(contentSecurityPolicy))
+            .set("Referrer-Policy", "no-referrer");
+        return response;
+    }
+
+    HttpResponse apiDescription() const { return fileResponse(request, scancast::apiDescription().front()); }
+
+    // What a GET would begin; its words are looked at, but no session is opened.
+    HttpResponse mjpegHead() const {
+        if (const auto asked = mjpegRequest(request, routed, api.catalog_, api.options_.maxPixels); !asked)
+            return refusal(asked.error(), routed);
+        HttpResponse response;
+        response.set("Content-Type", std::string(mjpegMediaType)).set("Cache-Control", "no-store");
+        response.bodyUnknown = true;
+        return response;
+    }
+
+    HttpResponse clouds() const {
+        if (request.method == "POST") return addCloud();
+        return jsonResponse(cloudListJson(api.catalog_.list()));
+    }
+
+    HttpResponse addCloud() const {
+        const auto asked = parseAddCloud(request.body);
+        if (!asked) return refusal(problemOf(asked.error()), routed);
+        const auto id = api.admin_.add(*asked);
+        if (!id) return refusal(id.error(), routed);
+        const auto entry = api.catalog_.find(*id);
+        HttpResponse response = jsonResponse(entry ? cloudJson(*entry) : nlohmann::json{{"id", *id}});
+        response.status = 202;
+        response.set("Location", "/api/v1/clouds/" + *id);
+        return response;
+    }
+
+    // Who looks at it is told at once; its memory is given back when the last picture of it is done.
+    HttpResponse removeCloud() const {
+        if (auto removed = api.admin_.remove(routed.id); !removed) return refusal(removed.error(), routed);
+        api.sessions_.wakeAll();
+        HttpResponse response;
+        response.status = 204;
+        return response;
+    }
+
+    HttpResponse ready() const {
+        if (api.scheduler_.draining())
+            return problemResponse(problemOf(503, "The server is shutting down.", "/readyz"));
+        const DeviceStatus device = api.scheduler_.device();
+        if (device.state == DeviceStatus::State::Failed) {
+            return problemResponse(problemOf(503, "No rendering device: " + device.error.message, "/readyz"));
+        }
+        if (device.state == DeviceStatus::State::Opening) {
+            return problemResponse(problemOf(503, "The rendering device is being opened.", "/readyz"));
+        }
+        if (!api.catalog_.settled())
+            return problemResponse(
+                problemOf(503, "Clouds are still being loaded, or there is none.", "/readyz"));
+        if (!device.lost) return textResponse(200, "ready\n");
+        return textResponse(200, "ready\nThe device " + title(device.lost->info) + " was lost, and " +
+                                     title(device.info) +
+                                     " draws in its place: " + device.lost->error.message + "\n");
+    }
+
+    HttpResponse cloud() const {
+        if (request.method == "DELETE") return removeCloud();
+        const auto entry = api.catalog_.find(routed.id);
+        if (entry && entry->state != CloudState::Failed) return jsonResponse(cloudJson(*entry));
+        return refusal(api.catalog_.cloud(routed.id).error(), routed);
+    }
+
+    void sessionView(Respond respond) const {
+        const auto session = api.sessions_.find(routed.id);
+        if (!session)
+            return respond(
+                refusal(problemOf(404, "There is no session of that id; it may have ended."), routed));
+        auto change = parseViewChange(request.body, api.sessions_.seqOf(routed.id));
+        if (!change) return respond(refusal(problemOf(change.error()), routed));
+        session->changeView(
+            std::move(*change), [respond, routed = routed](const tl::expected<SharedView, Problem>& shown) {
+                respond(shown ? jsonResponse(toJson(*shown)) : refusal(shown.error(), routed));
+            });
+    }
+
+    HttpResponse metricsText() const {
+        api.metrics_.setPointsResident(api.catalog_.pointsResident());
+        api.metrics_.setPicturesAwaited(api.pictures_.waiting());
+        if (api.options_.cache) api.metrics_.setResidency(api.options_.cache->stats());
+        HttpResponse response = textResponse(200, api.metrics_.text());
+        response.headers.front().second = "text/plain; version=0.0.4; charset=utf-8";
+        return response;
+    }
+
+    Expected<std::shared_ptr<const PlannedView>> snapshotView(const Cloud& cloud) const {
+        if (request.method != "POST") return viewOfQuery(cloud, routed.query, api.options_.maxPixels);
+        const auto changes = parseJson(request.body);
+        if (!changes) return tl::unexpected(changes.error());
+        return viewOfJson(cloud, *changes, api.options_.maxPixels);
+    }
+
+    void snapshot(Respond respond) const {
+        const auto refuse = [&](Problem problem) { respond(refusal(std::move(problem), routed)); };
+        auto cloud = api.catalog_.cloud(routed.id);
+        if (!cloud) return refuse(std::move(cloud.error()));
+        const auto format = requestedFormat(request, routed.route);
+        if (!format) return refuse(format.error());
+        const auto planned = snapshotView(**cloud);
+        if (!planned) return refuse(problemOf(planned.error()));
+        View view = (*planned)->view;
+        if (*format == PictureFormat::Depth) view = depthView(std::move(view));
+        const DeviceStatus device = api.scheduler_.device();
+        if (device.state != DeviceStatus::State::Ready) {
+            return refuse(problemOf(503, "The rendering device is not available."));
+        }
+        const auto headBy = [cloud = *cloud, view, format = *format,
+                             version = api.options_.version](const DeviceInfo& drawnBy) {
+            return pictureResponse(format, view, pictureTag(*cloud, view, format, drawnBy, version));
+        };
+        HttpResponse head = headBy(device.info);
+        const std::string tag = *head.find("ETag");
+        if (matchesAny(request.header("if-none-match"), tag)) {
+            head.status = 304;
+            return respond(std::move(head));
+        }
+        if (request.method == "HEAD") {  // the tag is known without the picture, its length is not
+            head.bodyUnknown = true;
+            return respond(std::move(head));
+        }
+        PictureOrder order{std::move(*cloud), view, *format, false};
+        order.planned = *planned;
+        auto done = [respond, headBy, path = routed.path](const Expected<EncodedPicture>& picture) {
+            if (!picture) return respond(problemResponse(problemOf(picture.error(), path)));
+            // Not by the device that was there when it was asked for: that one may have been lost since.
+            HttpResponse response = headBy(picture->device);
+            response.set("Server-Timing", serverTiming(*picture));
+            response.bytes = picture->bytes;
+            respond(std::move(response));
+        };
+        if (auto queued = api.pictures_.order(tag, std::move(order), std::move(done)); !queued) {
+            refuse(problemOf(503, queued.error().message));
+        }
+    }
+
+    void pick(Respond respond) const {
+        const auto refuse = [&](Problem problem) { respond(refusal(std::move(problem), routed)); };
+        auto cloud = api.catalog_.cloud(routed.id);
+        if (!cloud) return refuse(std::move(cloud.error()));
+        const auto asked = parsePickRequest(request.body);
+        if (!asked) return refuse(problemOf(asked.error()));
+        const auto planned = viewOfJson(**cloud, asked->view, api.options_.maxPixels);
+        if (!planned) {
+            Error error = planned.error();
+            if (!error.field.empty()) error.field = "view." + error.field;
+            return refuse(problemOf(error));
+        }
+        auto done = [respond, cloud = *cloud, path = routed.path](Expected<std::optional<Picked>> picked) {
+            if (!picked) return respond(problemResponse(problemOf(picked.error(), path)));
+            respond(jsonResponse(*picked ? pickedJson(*cloud, **picked) : nlohmann::json()));
+        };
+        if (auto queued = api.picker_.pick(*cloud, *planned, asked->x, asked->y, std::move(done)); !queued)
+            refuse(problemOf(queued.error()));
+    }
+};
+
 void Api::answer(const HttpRequest& request, const Routed& routed, Respond respond) const {
-    if (answersWithJson(routed.route) && !accepts(request.header("accept"), "application/json")) {
+    if (infoOf(routed.route).json && !accepts(request.header("accept"), "application/json")) {
         return respond(refusal(
             problemOf(406, "This address answers with JSON, which the Accept header rules out."), routed));
     }
+    const Answers answers{*this, request, routed};
     switch (routed.route) {
         case Route::Asset:
-            return respond(asset(request, routed));
+            return respond(answers.asset());
         case Route::OpenApi:
-            return respond(apiDescription(request));
+            return respond(answers.apiDescription());
         case Route::Sessions:
             return respond(jsonResponse(sessionListJson(sessions_.list())));
         case Route::SessionView:
-            return sessionView(request, routed, std::move(respond));
+            return answers.sessionView(std::move(respond));
         case Route::StreamMjpeg:
-            return respond(mjpegHead(request, routed));
+            return respond(answers.mjpegHead());
         case Route::Health:
             return respond(textResponse(200, "ok\n"));
         case Route::Ready:
-            return respond(ready());
+            return respond(answers.ready());
         case Route::Metrics:
-            return respond(metricsText());
+            return respond(answers.metricsText());
         case Route::Clouds:
-            return respond(clouds(request, routed));
+            return respond(answers.clouds());
         case Route::Cloud:
-            return respond(cloud(request, routed));
+            return respond(answers.cloud());
         case Route::Methods:
             return respond(jsonResponse(methodListJson()));
         case Route::SnapshotJpeg:
         case Route::SnapshotPng:
         case Route::Snapshot:
-            return snapshot(request, routed, std::move(respond));
+            return answers.snapshot(std::move(respond));
         case Route::Pick:
-            return pick(request, routed, std::move(respond));
+            return answers.pick(std::move(respond));
         case Route::Stream:
             break;
     }
     HttpResponse response = problemResponse(problemOf(426, "This address is a WebSocket.", routed.path));
     response.set("Upgrade", "websocket");
     respond(std::move(response));
-}
-
-HttpResponse Api::asset(const HttpRequest& request, const Routed& routed) const {
-    HttpResponse response = fileResponse(request, *findAsset(routed.path));
-    response.set("Content-Security-Policy", std::string(contentSecurityPolicy))
-        .set("Referrer-Policy", "no-referrer");
-    return response;
-}
-
-HttpResponse Api::apiDescription(const HttpRequest& request) const {
-    return fileResponse(request, scancast::apiDescription().front());
-}
-
-// What a GET would begin; its words are looked at, but no session is opened.
-HttpResponse Api::mjpegHead(const HttpRequest& request, const Routed& routed) const {
-    if (const auto asked = mjpegRequest(request, routed, catalog_, options_.maxPixels); !asked)
-        return refusal(asked.error(), routed);
-    HttpResponse response;
-    response.set("Content-Type", std::string(mjpegMediaType)).set("Cache-Control", "no-store");
-    response.bodyUnknown = true;
-    return response;
-}
-
-HttpResponse Api::clouds(const HttpRequest& request, const Routed& routed) const {
-    if (request.method == "POST") return addCloud(request, routed);
-    return jsonResponse(cloudListJson(catalog_.list()));
-}
-
-HttpResponse Api::addCloud(const HttpRequest& request, const Routed& routed) const {
-    const auto asked = parseAddCloud(request.body);
-    if (!asked) return refusal(problemOf(asked.error()), routed);
-    const auto id = admin_.add(*asked);
-    if (!id) return refusal(id.error(), routed);
-    const auto entry = catalog_.find(*id);
-    HttpResponse response = jsonResponse(entry ? cloudJson(*entry) : nlohmann::json{{"id", *id}});
-    response.status = 202;
-    response.set("Location", "/api/v1/clouds/" + *id);
-    return response;
-}
-
-// Who looks at it is told at once; its memory is given back when the last picture of it is done.
-HttpResponse Api::removeCloud(const Routed& routed) const {
-    if (auto removed = admin_.remove(routed.id); !removed) return refusal(removed.error(), routed);
-    sessions_.wakeAll();
-    HttpResponse response;
-    response.status = 204;
-    return response;
-}
-
-HttpResponse Api::ready() const {
-    if (scheduler_.draining())
-        return problemResponse(problemOf(503, "The server is shutting down.", "/readyz"));
-    const DeviceStatus device = scheduler_.device();
-    if (device.state == DeviceStatus::State::Failed) {
-        return problemResponse(problemOf(503, "No rendering device: " + device.error.message, "/readyz"));
-    }
-    if (device.state == DeviceStatus::State::Opening) {
-        return problemResponse(problemOf(503, "The rendering device is being opened.", "/readyz"));
-    }
-    if (!catalog_.settled())
-        return problemResponse(problemOf(503, "Clouds are still being loaded, or there is none.", "/readyz"));
-    if (!device.lost) return textResponse(200, "ready\n");
-    return textResponse(200, "ready\nThe device " + title(device.lost->info) + " was lost, and " +
-                                 title(device.info) + " draws in its place: " + device.lost->error.message +
-                                 "\n");
-}
-
-HttpResponse Api::cloud(const HttpRequest& request, const Routed& routed) const {
-    if (request.method == "DELETE") return removeCloud(routed);
-    const auto entry = catalog_.find(routed.id);
-    if (entry && entry->state != CloudState::Failed) return jsonResponse(cloudJson(*entry));
-    return refusal(catalog_.cloud(routed.id).error(), routed);
-}
-
-void Api::sessionView(const HttpRequest& request, const Routed& routed, Respond respond) const {
-    const auto session = sessions_.find(routed.id);
-    if (!session)
-        return respond(refusal(problemOf(404, "There is no session of that id; it may have ended."), routed));
-    auto change = parseViewChange(request.body, sessions_.seqOf(routed.id));
-    if (!change) return respond(refusal(problemOf(change.error()), routed));
-    session->changeView(std::move(*change),
-                        [respond, routed](const tl::expected<SharedView, Problem>& shown) {
-                            respond(shown ? jsonResponse(toJson(*shown)) : refusal(shown.error(), routed));
-                        });
-}
-
-HttpResponse Api::metricsText() const {
-    metrics_.setPointsResident(catalog_.pointsResident());
-    metrics_.setPicturesAwaited(pictures_.waiting());
-    if (options_.cache) metrics_.setResidency(options_.cache->stats());
-    HttpResponse response = textResponse(200, metrics_.text());
-    response.headers.front().second = "text/plain; version=0.0.4; charset=utf-8";
-    return response;
-}
-
-Expected<std::shared_ptr<const PlannedView>> Api::snapshotView(const Cloud& cloud, const HttpRequest& request,
-                                                               const Routed& routed) const {
-    if (request.method != "POST") return viewOfQuery(cloud, routed.query, options_.maxPixels);
-    const auto changes = parseJson(request.body);
-    if (!changes) return tl::unexpected(changes.error());
-    return viewOfJson(cloud, *changes, options_.maxPixels);
-}
-
-void Api::snapshot(const HttpRequest& request, const Routed& routed, Respond respond) const {
-    const auto refuse = [&](Problem problem) { respond(refusal(std::move(problem), routed)); };
-    auto cloud = catalog_.cloud(routed.id);
-    if (!cloud) return refuse(std::move(cloud.error()));
-    const auto format = requestedFormat(request, routed.route);
-    if (!format) return refuse(format.error());
-    const auto planned = snapshotView(**cloud, request, routed);
-    if (!planned) return refuse(problemOf(planned.error()));
-    View view = (*planned)->view;
-    if (*format == PictureFormat::Depth) view = depthView(std::move(view));
-    const DeviceStatus device = scheduler_.device();
-    if (device.state != DeviceStatus::State::Ready) {
-        return refuse(problemOf(503, "The rendering device is not available."));
-    }
-    const auto headBy = [cloud = *cloud, view, format = *format,
-                         version = options_.version](const DeviceInfo& drawnBy) {
-        return pictureResponse(format, view, pictureTag(*cloud, view, format, drawnBy, version));
-    };
-    HttpResponse head = headBy(device.info);
-    const std::string tag = *head.find("ETag");
-    if (matchesAny(request.header("if-none-match"), tag)) {
-        head.status = 304;
-        return respond(std::move(head));
-    }
-    if (request.method == "HEAD") {  // the tag is known without the picture, its length is not
-        head.bodyUnknown = true;
-        return respond(std::move(head));
-    }
-    PictureOrder order{std::move(*cloud), view, *format, false};
-    order.planned = *planned;
-    auto done = [respond, headBy, path = routed.path](const Expected<Picture>& picture) {
-        if (!picture) return respond(problemResponse(problemOf(picture.error(), path)));
-        // Not by the device that was there when it was asked for: that one may have been lost since.
-        HttpResponse response = headBy(picture->device);
-        response.set("Server-Timing", serverTiming(*picture));
-        response.bytes = picture->bytes;
-        respond(std::move(response));
-    };
-    if (auto queued = pictures_.order(tag, std::move(order), std::move(done)); !queued) {
-        refuse(problemOf(503, queued.error().message));
-    }
-}
-
-void Api::pick(const HttpRequest& request, const Routed& routed, Respond respond) const {
-    const auto refuse = [&](Problem problem) { respond(refusal(std::move(problem), routed)); };
-    auto cloud = catalog_.cloud(routed.id);
-    if (!cloud) return refuse(std::move(cloud.error()));
-    const auto asked = parsePickRequest(request.body);
-    if (!asked) return refuse(problemOf(asked.error()));
-    const auto planned = viewOfJson(**cloud, asked->view, options_.maxPixels);
-    if (!planned) {
-        Error error = planned.error();
-        if (!error.field.empty()) error.field = "view." + error.field;
-        return refuse(problemOf(error));
-    }
-    auto done = [respond, cloud = *cloud, path = routed.path](Expected<std::optional<Picked>> picked) {
-        if (!picked) return respond(problemResponse(problemOf(picked.error(), path)));
-        respond(jsonResponse(*picked ? pickedJson(*cloud, **picked) : nlohmann::json()));
-    };
-    if (auto queued = picker_.pick(*cloud, *planned, asked->x, asked->y, std::move(done)); !queued)
-        refuse(problemOf(queued.error()));
 }
 
 }  // namespace scancast

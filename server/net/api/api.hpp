@@ -49,20 +49,7 @@ class Api {
     void stop() { picker_.stop(); }
 
   private:
-    HttpResponse asset(const HttpRequest& request, const Routed& routed) const;
-    HttpResponse ready() const;
-    HttpResponse apiDescription(const HttpRequest& request) const;
-    HttpResponse clouds(const HttpRequest& request, const Routed& routed) const;
-    HttpResponse addCloud(const HttpRequest& request, const Routed& routed) const;
-    HttpResponse cloud(const HttpRequest& request, const Routed& routed) const;
-    HttpResponse removeCloud(const Routed& routed) const;
-    HttpResponse mjpegHead(const HttpRequest& request, const Routed& routed) const;
-    void sessionView(const HttpRequest& request, const Routed& routed, Respond respond) const;
-    HttpResponse metricsText() const;
-    void snapshot(const HttpRequest& request, const Routed& routed, Respond respond) const;
-    void pick(const HttpRequest& request, const Routed& routed, Respond respond) const;
-    Expected<std::shared_ptr<const PlannedView>> snapshotView(const Cloud& cloud, const HttpRequest& request,
-                                                              const Routed& routed) const;
+    struct Answers;  ///< what each route answers, in api.cpp
 
     const ApiOptions options_;
     const Access access_;

@@ -33,7 +33,7 @@ bool isPreflight(const HttpRequest& request) {
 HttpResponse preflightResponse(Route route) {
     HttpResponse response;
     response.status = 204;
-    response.set("Access-Control-Allow-Methods", std::string(allowedMethods(route)))
+    response.set("Access-Control-Allow-Methods", std::string(infoOf(route).methods))
         .set("Access-Control-Allow-Headers", "Authorization, Content-Type, If-None-Match")
         .set("Access-Control-Max-Age", "600");
     return response;
@@ -64,7 +64,7 @@ tl::expected<Routed, HttpResponse> Api::admit(const HttpRequest& request) const 
     if (isPreflight(request) && isAllowedOrigin(request.header("origin"), rules))
         return tl::unexpected(preflightResponse(routed->route));
     if (auto let = access_.check(request, routed->route); !let) return tl::unexpected(std::move(let.error()));
-    const std::string allowed(allowedMethods(routed->route));
+    const std::string allowed(infoOf(routed->route).methods);
     if ((", " + allowed + ",").find(" " + request.method + ",") == std::string::npos) {
         HttpResponse response =
             problemResponse(problemOf(405, "Understood here: " + allowed + ".", routed->path));

@@ -4,7 +4,7 @@
 #include <charconv>
 
 #include "protocol/nearest_name.hpp"
-#include "protocol/view_json.hpp"
+#include "protocol/view/view_json.hpp"
 #include "server/net/api/negotiate.hpp"
 #include "server/net/api/picture_request.hpp"
 

@@ -5,7 +5,7 @@
 #include <charconv>
 
 #include "protocol/json_text.hpp"
-#include "protocol/view_json.hpp"
+#include "protocol/view/view_json.hpp"
 
 namespace scancast {
 namespace {

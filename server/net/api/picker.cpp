@@ -13,7 +13,7 @@ namespace {
 
 constexpr std::size_t mostWaiting = 64;
 
-double depthAt(const Picture& picture, const glm::ivec2& pixel) {
+double depthAt(const EncodedPicture& picture, const glm::ivec2& pixel) {
     const auto index = std::size_t(pixel.y) * std::size_t(picture.width) + std::size_t(pixel.x);
     float depth = 0;
     std::memcpy(&depth, picture.bytes->data() + index * sizeof depth, sizeof depth);
@@ -52,7 +52,7 @@ Expected<void> Picker::pick(std::shared_ptr<const Cloud> cloud, std::shared_ptr<
     const std::string tag = pictureTag(*cloud, view, PictureFormat::Depth, device.info, version_);
     PictureOrder order{cloud, view, PictureFormat::Depth, false};
     order.planned = std::move(asked);
-    auto drawn = [this, cloud, view, pixel = *pixel, done](const Expected<Picture>& picture) {
+    auto drawn = [this, cloud, view, pixel = *pixel, done](const Expected<EncodedPicture>& picture) {
         if (!picture) return done(tl::unexpected(picture.error()));
         const double depth = depthAt(*picture, pixel);
         const auto posted = contained("The queue of picks", [&] {

@@ -4,9 +4,9 @@
 #include <array>
 #include <nlohmann/json.hpp>
 
-#include "protocol/query.hpp"
-#include "protocol/view_json.hpp"
-#include "protocol/view_words.hpp"
+#include "protocol/view/query.hpp"
+#include "protocol/view/view_json.hpp"
+#include "protocol/view/view_words.hpp"
 #include "renderer/plan.hpp"
 #include "server/net/api/negotiate.hpp"
 

@@ -4,7 +4,7 @@
 
 #include <nlohmann/json_fwd.hpp>
 
-#include "protocol/query.hpp"
+#include "protocol/view/query.hpp"
 #include "renderer/plan.hpp"
 #include "server/net/api/http_message.hpp"
 #include "server/net/api/router.hpp"

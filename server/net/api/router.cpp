@@ -1,19 +1,12 @@
 #include "server/net/api/router.hpp"
 
-#include <optional>
 #include <vector>
 
 #include "protocol/nearest_name.hpp"
+#include "protocol/view/query.hpp"
 
 namespace scancast {
 namespace {
-
-std::optional<int> hexDigit(char c) {
-    if (c >= '0' && c <= '9') return c - '0';
-    if (c >= 'a' && c <= 'f') return c - 'a' + 10;
-    if (c >= 'A' && c <= 'F') return c - 'A' + 10;
-    return std::nullopt;
-}
 
 // Segments are split before they are decoded, so that an escaped slash stays part of its segment.
 std::vector<std::string_view> split(std::string_view path) {
@@ -29,24 +22,12 @@ std::vector<std::string_view> split(std::string_view path) {
 
 constexpr std::string_view apiPrefix = "/api/v1";
 
-constexpr RouteInfo table[] = {
-    {Route::Asset, "/", "GET, HEAD"},
-    {Route::OpenApi, "/openapi.json", "GET, HEAD"},
-    {Route::Health, "/healthz", "GET, HEAD"},
-    {Route::Ready, "/readyz", "GET, HEAD"},
-    {Route::Metrics, "/metrics", "GET, HEAD"},
-    {Route::Clouds, "/api/v1/clouds", "GET, HEAD, POST"},
-    {Route::Cloud, "/api/v1/clouds/{id}", "GET, HEAD, DELETE"},
-    {Route::Methods, "/api/v1/methods", "GET, HEAD"},
-    {Route::SnapshotJpeg, "/api/v1/clouds/{id}/snapshot.jpg", "GET, HEAD"},
-    {Route::SnapshotPng, "/api/v1/clouds/{id}/snapshot.png", "GET, HEAD"},
-    {Route::Snapshot, "/api/v1/clouds/{id}/snapshot", "POST"},
-    {Route::Pick, "/api/v1/clouds/{id}/pick", "POST"},
-    {Route::StreamMjpeg, "/api/v1/clouds/{id}/stream.mjpg", "GET, HEAD"},
-    {Route::Stream, "/api/v1/stream", "GET, HEAD"},
-    {Route::Sessions, "/api/v1/sessions", "GET, HEAD"},
-    {Route::SessionView, "/api/v1/sessions/{id}/view", "POST"},
-};
+constexpr bool areInOrder() {
+    for (std::size_t i = 0; i < routes.size(); ++i)
+        if (routes[i].route != Route(i)) return false;
+    return true;
+}
+static_assert(areInOrder());
 
 // Whether the segments are those of the pattern; `id` is what stands for {id}.
 bool fits(const std::vector<std::string>& segments, std::string_view pattern, std::string& id) {
@@ -60,45 +41,6 @@ bool fits(const std::vector<std::string>& segments, std::string_view pattern, st
 }
 
 }  // namespace
-
-std::span<const RouteInfo> routes() {
-    return table;
-}
-
-std::string_view pattern(Route route) {
-    for (const RouteInfo& info : table)
-        if (info.route == route) return info.pattern;
-    return "other";
-}
-
-std::string_view allowedMethods(Route route) {
-    for (const RouteInfo& info : table)
-        if (info.route == route) return info.methods;
-    return "";
-}
-
-Expected<std::string> percentDecode(std::string_view text) {
-    std::string decoded;
-    decoded.reserve(text.size());
-    for (std::size_t i = 0; i < text.size(); ++i) {
-        char c = text[i];
-        if (c == '%') {
-            const auto high = i + 1 < text.size() ? hexDigit(text[i + 1]) : std::nullopt;
-            const auto low = i + 2 < text.size() ? hexDigit(text[i + 2]) : std::nullopt;
-            if (!high || !low) {
-                return fail(ErrorCode::InvalidArgument,
-                            "The address has a % that two hexadecimal digits do not follow.");
-            }
-            c = char(*high * 16 + *low);
-            i += 2;
-        }
-        if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f) {
-            return fail(ErrorCode::InvalidArgument, "The address has a control character in it.");
-        }
-        decoded.push_back(c);
-    }
-    return decoded;
-}
 
 tl::expected<Routed, Problem> route(std::string_view target) {
     if (target.size() > maxTargetLength) {
@@ -115,14 +57,14 @@ tl::expected<Routed, Problem> route(std::string_view target) {
 
     std::vector<std::string> segments;
     for (std::string_view segment : split(path)) {
-        auto decoded = percentDecode(segment);
+        auto decoded = percentDecode(segment, "The address");
         if (!decoded) return tl::unexpected(problemOf(decoded.error()));
         routed.path += "/" + *decoded;
         segments.push_back(std::move(*decoded));
     }
     const bool versioned = segments.size() > 2 && segments[0] == "api" && segments[1] == "v1";
     if (versioned) segments.erase(segments.begin(), segments.begin() + 2);
-    for (const RouteInfo& info : table) {
+    for (const RouteInfo& info : routes) {
         if (info.route == Route::Asset) continue;
         const bool ofApi = info.pattern.starts_with(apiPrefix);
         if (versioned && !ofApi) continue;

@@ -2,7 +2,8 @@
 // Pipeline: http session → **router** → api.
 #pragma once
 
-#include <span>
+#include <array>
+#include <cstdint>
 #include <string>
 #include <string_view>
 
@@ -12,7 +13,7 @@
 namespace scancast {
 
 enum class Route : std::uint8_t {
-    Asset,  ///< the page and what belongs to it
+    Asset,
     OpenApi,
     Health,
     Ready,
@@ -22,7 +23,7 @@ enum class Route : std::uint8_t {
     Methods,
     SnapshotJpeg,
     SnapshotPng,
-    Snapshot,  ///< Accept chooses
+    Snapshot,
     Pick,
     StreamMjpeg,
     Stream,
@@ -30,15 +31,45 @@ enum class Route : std::uint8_t {
     SessionView,
 };
 
+/// Whose token a request needs, where the server was started with tokens.
+enum class Need : std::uint8_t { Nothing, Token, Admin };
+
 struct RouteInfo {
     Route route;
     std::string_view pattern;  ///< as it is named in metrics and in openapi.json: "/api/v1/clouds/{id}"
     std::string_view methods;  ///< as Allow names them: "GET, HEAD"; a POST brings JSON
+    Need need;
+    bool json;                          ///< the answer is JSON: an Accept that rules that out is refused
+    std::string_view adminMethod = {};  ///< needs the administrator, whatever the others need
 };
-std::span<const RouteInfo> routes();
 
-std::string_view pattern(Route route);
-std::string_view allowedMethods(Route route);
+/// All that is known of a route but its answer, which is Api::answer()'s; in the order of Route.
+inline constexpr std::array routes{
+    // The page and what belongs to it; it has to be there to ask for the token.
+    RouteInfo{Route::Asset, "/", "GET, HEAD", Need::Nothing, false},
+    RouteInfo{Route::OpenApi, "/openapi.json", "GET, HEAD", Need::Token, true},
+    RouteInfo{Route::Health, "/healthz", "GET, HEAD", Need::Nothing, false},
+    RouteInfo{Route::Ready, "/readyz", "GET, HEAD", Need::Nothing, false},
+    RouteInfo{Route::Metrics, "/metrics", "GET, HEAD", Need::Token, false},
+    RouteInfo{Route::Clouds, "/api/v1/clouds", "GET, HEAD, POST", Need::Token, true, "POST"},
+    RouteInfo{Route::Cloud, "/api/v1/clouds/{id}", "GET, HEAD, DELETE", Need::Token, true, "DELETE"},
+    RouteInfo{Route::Methods, "/api/v1/methods", "GET, HEAD", Need::Token, true},
+    RouteInfo{Route::SnapshotJpeg, "/api/v1/clouds/{id}/snapshot.jpg", "GET, HEAD", Need::Token, false},
+    RouteInfo{Route::SnapshotPng, "/api/v1/clouds/{id}/snapshot.png", "GET, HEAD", Need::Token, false},
+    // Accept chooses the format.
+    RouteInfo{Route::Snapshot, "/api/v1/clouds/{id}/snapshot", "POST", Need::Token, false},
+    RouteInfo{Route::Pick, "/api/v1/clouds/{id}/pick", "POST", Need::Token, true},
+    RouteInfo{Route::StreamMjpeg, "/api/v1/clouds/{id}/stream.mjpg", "GET, HEAD", Need::Token, false},
+    RouteInfo{Route::Stream, "/api/v1/stream", "GET, HEAD", Need::Token, false},
+    RouteInfo{Route::Sessions, "/api/v1/sessions", "GET, HEAD", Need::Admin, true},
+    RouteInfo{Route::SessionView, "/api/v1/sessions/{id}/view", "POST", Need::Token, true},
+};
+constexpr const RouteInfo& infoOf(Route route) {
+    return routes[std::size_t(route)];
+}
+constexpr std::string_view pattern(Route route) {
+    return infoOf(route).pattern;
+}
 
 struct Routed {
     Route route = Route::Asset;
@@ -53,8 +84,5 @@ inline constexpr std::size_t maxTargetLength = 8192;
 /// long. Whether an asset of that name exists is the page's to say. Paths under /api/v1 are served without
 /// that prefix too.
 tl::expected<Routed, Problem> route(std::string_view target);
-
-/// "%2F" → "/"; InvalidArgument for an escape that is none, and for control characters.
-Expected<std::string> percentDecode(std::string_view text);
 
 }  // namespace scancast

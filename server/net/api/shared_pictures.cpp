@@ -8,7 +8,7 @@
 namespace scancast {
 namespace {
 
-void answer(const PictureDone& one, const Expected<Picture>& result) {
+void answer(const PictureDone& one, const Expected<EncodedPicture>& result) {
     std::ignore = contained("Handing over a picture", [&] { one(result); });
 }
 
@@ -45,13 +45,13 @@ Expected<void> SharedPictures::order(const std::string& tag, PictureOrder order,
     if (!waiting_->add(tag, std::move(done))) return {};
     auto queued = contained("The queue of pictures", [&] {
         return scheduler_.snapshot(std::move(order),
-                                   [waiting = waiting_, tag](const Expected<Picture>& result) {
+                                   [waiting = waiting_, tag](const Expected<EncodedPicture>& result) {
                                        for (const PictureDone& one : waiting->take(tag)) answer(one, result);
                                    });
     });
     if (queued) return {};
     // Whoever joined in between waits for a picture that will never come.
-    const Expected<Picture> full = fail(ErrorCode::Cancelled, queued.error().message);
+    const Expected<EncodedPicture> full = fail(ErrorCode::Cancelled, queued.error().message);
     const auto others = waiting_->take(tag);
     for (std::size_t i = 1; i < others.size(); ++i) answer(others[i], full);
     return queued;

@@ -20,8 +20,8 @@ void addBruteForce(std::vector<Mark>& marks, const Row& row) {
 
 void addPyramid(std::vector<Mark>& marks, const Cost& cost) {
     marks.push_back({"screen passes", cost.of({"hidden points", "pull-push", "normals", "phong"}), 0.45});
-    marks.push_back({"hidden points", cost.of({"hidden points"}), 2.7, "2.1-2.7 on a GTX 1080, paper 004"});
-    marks.push_back({"geometry", cost.of({"nearest"}), 11.4, "1.4-11.4 on a GTX 1080, paper 004"});
+    marks.push_back({"hidden points", cost.of({"hidden points"}), 2.7, "2.1-2.7 on a GTX 1080, published"});
+    marks.push_back({"geometry", cost.of({"nearest"}), 11.4, "1.4-11.4 on a GTX 1080, published"});
 }
 
 }  // namespace

@@ -35,7 +35,7 @@ export async function openPage(browser, url, options = {}) {
   return page;
 }
 
-/** Waits until the picture of the newest wish is there in full quality. */
+/** Waits until the picture of the newest request is there in full quality. */
 export async function waitUntilSharp(page, timeout = 20_000) {
   await page.waitForFunction(() => {
     const { asked, shown } = document.getElementById('picture').dataset;

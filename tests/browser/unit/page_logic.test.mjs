@@ -72,7 +72,7 @@ describe('words for people', () => {
 });
 
 describe('FrameClock', () => {
-  it('measures from the wish to its first picture and counts frames of the last second', () => {
+  it('measures from the request to its first picture and counts frames of the last second', () => {
     const clock = new FrameClock();
     clock.asked(1, 100);
     clock.asked(2, 110);

@@ -1,4 +1,4 @@
-// Oriented discs: methods.md §5, 002_e37b3096399c9e96.
+// Oriented discs: docs/spec/surfels.md §3.
 #include <gtest/gtest.h>
 
 #include "tests/oracle/device/surfel_scenes.hpp"
@@ -32,8 +32,8 @@ std::vector<AnalyticPoint> strewn(double spacing) {
 }
 
 // Right because the plane reaches beyond every border of the picture: whatever shows the background is a
-// hole. methods.md §5: the blog's r/2 leaves 10-23 % of them; ellipses leave 0.3 %, with the plain ratio of
-// the paper 1.8 %.
+// hole. docs/spec/surfels.md §6: discs of r/2 leave 10-23 % of them; ellipses leave 0.3 %, with the plain
+// ratio of the paper 1.8 %.
 TEST_P(Discs, CloseTheSurface) {
     double ewa = 0, plain = 0, pictures = 0;
     for (const double spacing : {0.02, 0.035}) {

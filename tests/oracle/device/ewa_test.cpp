@@ -1,4 +1,4 @@
-// Blended ellipses with the screen's low-pass: methods.md §5, 001_c3e54385a9f0e90c with Zwicker 2001.
+// Blended ellipses with the screen's low-pass: docs/spec/surfels.md §4.
 #include <gtest/gtest.h>
 
 #include "tests/oracle/device/surfel_scenes.hpp"

@@ -1,4 +1,5 @@
-// Eye-dome lighting against its formula (methods.md §9), computed in double from the frame's own depths.
+// Eye-dome lighting against its formula (docs/spec/shading.md §3), computed in double from the frame's own
+// depths.
 #include <gtest/gtest.h>
 
 #include <cmath>

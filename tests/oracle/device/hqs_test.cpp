@@ -1,4 +1,4 @@
-// Blended circles, methods.md §4: against a sum in double, against a clean colour, and at an edge.
+// Blended circles, docs/spec/sprites.md §6: against a sum in double, against a clean colour, and at an edge.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -53,8 +53,8 @@ std::vector<AnalyticPoint> plane(double apart, double q, double depthNoise, cons
 }
 
 TEST_P(BlendedCircles, AreTheWeightedMeanOfWhatLiesAtTheSurface) {
-    // Right because the same sums, in double, straight from methods.md §4, give the same colours: on two
-    // sheets of which the rear one must add nothing, and a noisy one whose fragments lie within the
+    // Right because the same sums, in double, straight from docs/spec/sprites.md §6, give the same colours:
+    // on two sheets of which the rear one must add nothing, and a noisy one whose fragments lie within the
     // tolerance.
     constexpr float size = 7;
     for (const Viewpoint& view : facingViews(60)) {
@@ -132,7 +132,8 @@ TEST_P(BlendedCircles, DoNotOverflowWhereEverythingLiesOnTopOfEachOther) {
 }
 
 TEST_P(BlendedCircles, ComeNearerToTheCleanColourOfANoisyPlaneThanParaboloids) {
-    // Fig. 6 of the paper. Right because the colour without noise is known.
+    // Schütz and Wimmer, "High-Quality Point-Based Rendering Using Fast Single-Pass Interpolation", 2015,
+    // §IV, Fig. 6. Right because the colour without noise is known.
     const auto clean = [](double x) { return 110 + 60 * std::sin(x * 1.5); };
     for (const double apart : {2.0, 4.0}) {
         for (const Viewpoint& view : facingViews(60)) {
@@ -159,8 +160,8 @@ TEST_P(BlendedCircles, ComeNearerToTheCleanColourOfANoisyPlaneThanParaboloids) {
 }
 
 TEST_P(BlendedCircles, KeepAnEdgeWithinHalfASplatOfItsPlace) {
-    // methods.md §4: the rise from 10 to 90 % stays within 0.55 p + 1 px; the edge is where the colours
-    // change.
+    // docs/spec/sprites.md §7: the rise from 10 to 90 % stays within 0.55 p + 1 px; the edge is where the
+    // colours change.
     for (const double apart : {2.0, 3.0, 5.0}) {
         for (const Viewpoint& view : facingViews(60)) {
             const auto halves = [](const glm::dvec3& at, Numbers&) {

@@ -1,6 +1,6 @@
-// Hidden point removal against scenes whose hidden points are known (methods.md §8): two sheets, a window, a
-// wide range of depths. Points carry the surface that they come from, and geometry says which of them can be
-// seen.
+// Hidden point removal against scenes whose hidden points are known (docs/spec/pyramid.md §4): two sheets, a
+// window, a wide range of depths. Points carry the surface that they come from, and geometry says which of
+// them can be seen.
 #include <gtest/gtest.h>
 
 #include <functional>
@@ -155,7 +155,9 @@ TEST_P(HiddenPoints, KeepAWindowOpen) {
     }
 }
 
-/// Under the bridge (004, Fig. 4): through openings near by one sees things up to a hundred times as far.
+/// Under the bridge (Bouchiba, Deschaud and Goulette, "Raw point cloud deferred shading through screen space
+/// pyramidal operators", 2018, §3.1.2, Fig. 4): through openings near by one sees things up to a hundred
+/// times as far.
 TEST_P(HiddenPoints, KeepWhatIsSeenOverDepthsOfOneToAHundred) {
     for (const auto& [width, height] : {std::pair{640, 480}, {1248, 768}}) {
         if (slow_ && width > 640) continue;

@@ -1,5 +1,5 @@
-// The surface that pull-push and the normals of methods.md §8 make of points, against a sphere of which every
-// ray and every normal is known.
+// The surface that pull-push and the normals of docs/spec/pyramid.md §6 make of points, against a sphere of
+// which every ray and every normal is known.
 #include <gtest/gtest.h>
 
 #include <glm/geometric.hpp>
@@ -127,7 +127,9 @@ TEST_P(PyramidSurface, CoversASphereAndKnowsItsNormals) {
 }
 
 TEST_P(PyramidSurface, LevelsSmoothTheNoiseOfNormals) {
-    // 004, Fig. 5: a facing sheet with noise; its normal is known, so the angle to it is all noise.
+    // Bouchiba, Deschaud and Goulette, "Raw point cloud deferred shading through screen space pyramidal
+    // operators", 2018, §3.3, Fig. 5: a facing sheet with noise; its normal is known, so the angle to it is
+    // all noise.
     for (const double spacingPx : {2.0, 3.5}) {
         double error[2] = {};
         for (int turn = 0; turn < 2; ++turn) {

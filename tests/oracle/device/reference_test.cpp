@@ -1,6 +1,6 @@
 // Every sprite against the straightforward renderer in double: two implementations that share no code agree
-// only if both follow methods.md. They may differ where rounding decides: a pixel centre on a splat's border,
-// equal depths.
+// only if both follow docs/spec/sprites.md §2 and docs/spec/sprites.md §3. They may differ where rounding
+// decides: a pixel centre on a splat's border, equal depths.
 #include <gtest/gtest.h>
 
 #include <algorithm>

@@ -1,4 +1,4 @@
-// Blinn-Phong lighting, methods.md §9, pixel by pixel against the formula in double.
+// Blinn-Phong lighting, docs/spec/shading.md §2, pixel by pixel against the formula in double.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -76,7 +76,7 @@ TEST_P(Shading, IsTheFormulaAtEveryPixel) {
 }
 
 TEST_P(Shading, LeavesPixelsWithoutNormalsAsTheyAre) {
-    // Right because there is nothing to light: methods.md §9 says so of no normal.
+    // Right because there is nothing to light: docs/spec/shading.md §2 says so of no normal.
     const AnalyticPoint point{.position = {0, 0, 0}, .rgb = {200, 100, 50}};
     const AnalyticCloud cloud(std::span(&point, 1), 0.02);
     const Viewpoint view = lookAt({0, -3, 0}, {0, 0, 0}, 33, 33);

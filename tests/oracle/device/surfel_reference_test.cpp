@@ -1,6 +1,6 @@
 // Discs and ellipses against the straightforward renderer in double: two implementations that share no code
-// agree only if both follow methods.md §5 and §7. They may differ where rounding decides: a pixel centre on
-// an outline, a depth at a tolerance's end.
+// agree only if both follow docs/spec/surfels.md §3 and docs/spec/voronoi.md §2. They may differ where
+// rounding decides: a pixel centre on an outline, a depth at a tolerance's end.
 #include <gtest/gtest.h>
 
 #include <algorithm>

@@ -1,4 +1,4 @@
-// Voronoi rasterization of oriented discs: methods.md §7, 003_f374df756e3de90a.
+// Voronoi rasterization of oriented discs: docs/spec/voronoi.md §2.
 #include <gtest/gtest.h>
 
 #include "tests/oracle/device/surfel_scenes.hpp"

@@ -1,4 +1,4 @@
-// Sprites share the picture like cells of a Voronoi diagram: methods.md §3, 000_7b007f61d09f0b1b Fig. 4.
+// Sprites share the picture like cells of a Voronoi diagram: docs/spec/sprites.md §3.
 #include <gtest/gtest.h>
 
 #include <cmath>

@@ -76,7 +76,7 @@ TEST_P(GlPicture, TheNearestOfManyWins) {
 }
 
 /// Oracle: equal discs on a plane facing the viewer show, as paraboloids, the Voronoi diagram of their
-/// centres (methods.md section 3), here by brute force in double.
+/// centres (docs/spec/sprites.md §3), here by brute force in double.
 TEST_P(GlPicture, EqualParaboloidsShowTheVoronoiDiagram) {
     REQUIRE_DEVICE(gl, GetParam());
     constexpr int side = 160;

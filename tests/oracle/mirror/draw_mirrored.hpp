@@ -3,11 +3,11 @@
 
 #include <gtest/gtest.h>
 
-#include "renderer/image/picture_metrics.hpp"
 #include "renderer/method/method.hpp"
 #include "renderer/mirrors.hpp"
 #include "tests/oracle/mirror/mirrored_room.hpp"
 #include "tests/support/draw_cut.hpp"
+#include "tests/support/picture_metrics.hpp"
 
 namespace scancast::test {
 

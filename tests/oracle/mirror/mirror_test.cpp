@@ -2,9 +2,9 @@
 // points behind the glass, because that is what a mirror is.
 #include <gtest/gtest.h>
 
-#include "renderer/image/picture_metrics.hpp"
 #include "tests/oracle/mirror/draw_mirrored.hpp"
 #include "tests/support/devices.hpp"
+#include "tests/support/picture_metrics.hpp"
 
 namespace scancast {
 namespace {

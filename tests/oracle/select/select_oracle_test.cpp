@@ -47,8 +47,8 @@ TEST_P(Cuts, CoverEveryLeafExactlyOnce) {
 }
 
 /// Whether the splat of a sample touches the picture: its centre's depth lies in range, and the square of
-/// half-size `reach` px around its projection meets the viewport. As methods.md §2 and §3 define it, nothing
-/// shared.
+/// half-size `reach` px around its projection meets the viewport. As docs/spec/passes.md §2.1 and
+/// docs/spec/sprites.md §2 define it, nothing shared.
 bool touches(const Viewpoint& v, const glm::dvec3& p, double growPx, double radius) {
     const glm::dvec3 inView(v.cloudToView * glm::dvec4(p, 1));
     const double depth = -inView.z;

@@ -8,7 +8,7 @@
 #include "protocol/frame_header.hpp"
 #include "protocol/json_text.hpp"
 #include "protocol/messages.hpp"
-#include "protocol/view_json.hpp"
+#include "protocol/view/view_json.hpp"
 #include "tests/unit/client/fake_server.hpp"
 
 namespace scancast::client::test {

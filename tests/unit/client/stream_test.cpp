@@ -5,7 +5,7 @@
 #include <nlohmann/json.hpp>
 #include <thread>
 
-#include "protocol/view_json.hpp"
+#include "protocol/view/view_json.hpp"
 #include "tests/unit/client/fake_session.hpp"
 
 namespace scancast::client {

@@ -42,10 +42,10 @@ struct BruteForce {
 
 using Cells = std::map<std::array<std::int64_t, 3>, BruteForce>;
 
-Cells intoCells(const std::vector<Gathered>& points, int rung) {
+Cells intoCells(const std::vector<Gathered>& points, int cellLevel) {
     Cells cells;
     for (const Gathered& p : points) {
-        BruteForce& c = cells[{p.at[0] >> rung, p.at[1] >> rung, p.at[2] >> rung}];
+        BruteForce& c = cells[{p.at[0] >> cellLevel, p.at[1] >> cellLevel, p.at[2] >> cellLevel}];
         c.sum += glm::dvec3(p.at[0], p.at[1], p.at[2]);
         c.count += 1;
         c.r += p.sample.r, c.g += p.sample.g, c.b += p.sample.b;
@@ -86,11 +86,11 @@ TEST(Averages, AreTheMeansOfThePointsInTheirCells) {
         std::vector<Gathered> points;
         gather(*cloud, i, points);
         ASSERT_EQ(points.size(), n.points);
-        int rung = 0;  // the cell size is a power of two; the number of occupied cells tells which
-        while (rung < 30 && intoCells(points, rung).size() > n.sampleCount) ++rung;
-        const Cells cells = intoCells(points, rung);
+        int cellLevel = 0;  // the cell size is a power of two; the number of occupied cells tells which
+        while (cellLevel < 30 && intoCells(points, cellLevel).size() > n.sampleCount) ++cellLevel;
+        const Cells cells = intoCells(points, cellLevel);
         ASSERT_EQ(cells.size(), n.sampleCount);
-        EXPECT_GE(double(n.spacing), std::ldexp(gridStep, rung) * 0.999);
+        EXPECT_GE(double(n.spacing), std::ldexp(gridStep, cellLevel) * 0.999);
         for (const Sample& s : test::samples(cloud->octree, n)) {
             const glm::dvec3 p = (position(n, s) + cloud->origin - cloud->bounds[0]) / gridStep;
             // Rounding may carry a mean over its cell's border: look at the neighbours too.
@@ -99,9 +99,9 @@ TEST(Averages, AreTheMeansOfThePointsInTheirCells) {
             for (int corner = 0; corner < 8 && !found; ++corner) {
                 const glm::dvec3 q =
                     p + tolerance * glm::dvec3(corner & 1 ? 1 : -1, corner & 2 ? 1 : -1, corner & 4 ? 1 : -1);
-                const auto it =
-                    cells.find({std::int64_t(std::floor(q.x)) >> rung, std::int64_t(std::floor(q.y)) >> rung,
-                                std::int64_t(std::floor(q.z)) >> rung});
+                const auto it = cells.find({std::int64_t(std::floor(q.x)) >> cellLevel,
+                                            std::int64_t(std::floor(q.y)) >> cellLevel,
+                                            std::int64_t(std::floor(q.z)) >> cellLevel});
                 if (it == cells.end()) continue;
                 const BruteForce& c = it->second;
                 const glm::dvec3 off = glm::abs(c.sum / c.count - p);

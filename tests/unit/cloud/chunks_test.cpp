@@ -50,13 +50,13 @@ TEST(CountingGrid, CountsAsAMapDoes) {
     for (const BuildPoint& p : points) ++expected[whole.frame().key(p.position())];
     for (const CountingGrid* grid : {&whole, &half}) {
         const auto cells = grid->cells();
-        EXPECT_EQ(grid->frame().rung, whole.frame().rung);
+        EXPECT_EQ(grid->frame().cellLevel, whole.frame().cellLevel);
         ASSERT_EQ(cells.size(), expected.size());
         for (const CountedCell& c : cells) ASSERT_EQ(c.points, expected[c.key]);
     }
 }
 
-// A cube full of points has more cells than may be counted: the grid coarsens, to the same rung from any
+// A cube full of points has more cells than may be counted: the grid coarsens, to the same cellLevel from any
 // order.
 TEST(CountingGrid, TheRungDependsOnTheSetAlone) {
     std::vector<BuildPoint> points(1'500'000);
@@ -72,7 +72,7 @@ TEST(CountingGrid, TheRungDependsOnTheSetAlone) {
     rest.add(std::span(points).subspan(700'000));
     backward.join(rest);
     EXPECT_LE(forward.cells().size(), CountingGrid::mostCells);
-    EXPECT_EQ(forward.frame().rung, backward.frame().rung);
+    EXPECT_EQ(forward.frame().cellLevel, backward.frame().cellLevel);
     const auto a = forward.cells(), b = backward.cells();
     ASSERT_EQ(a.size(), b.size());
     for (std::size_t i = 0; i < a.size(); ++i)

@@ -50,10 +50,11 @@ TEST(Morton, CellCountEqualsCountingCells) {
     CellCount count;
     count.addFirst();
     for (std::size_t i = 1; i < positions.size(); ++i) count.addStep(positions[i - 1], positions[i]);
-    for (int rung = 0; rung <= gridBits; ++rung) {
+    for (int cellLevel = 0; cellLevel <= gridBits; ++cellLevel) {
         std::set<GridPosition> cells;
-        for (const GridPosition& p : positions) cells.insert({p[0] >> rung, p[1] >> rung, p[2] >> rung});
-        EXPECT_EQ(count.cells(rung), cells.size()) << rung;
+        for (const GridPosition& p : positions)
+            cells.insert({p[0] >> cellLevel, p[1] >> cellLevel, p[2] >> cellLevel});
+        EXPECT_EQ(count.cells(cellLevel), cells.size()) << cellLevel;
     }
 }
 

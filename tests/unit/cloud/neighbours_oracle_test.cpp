@@ -55,8 +55,8 @@ class Clouds : public testing::TestWithParam<Case> {
 TEST_P(Clouds, NearestAreFoundExactlyInOrderByEveryLevel) {
     const NeighbourIndex index(points_);
     ASSERT_EQ(index.size(), distinct_.size());
-    surfel::Workspace workspace{};
-    for (const surfel::Kernels* kernels : availableSurfelKernels())
+    surfel::SearchScratch workspace{};
+    for (const surfel::SurfelKernels* kernels : availableSurfelKernels())
         for (std::uint32_t p = 0; p < index.size(); p += 1 + index.size() / 200) {
             const auto expected = bruteForce(distinct_, index.position(p), 20);
             ASSERT_EQ(kernels->nearest(index.view(), p, 20, workspace), int(expected.size()));

@@ -177,7 +177,7 @@ TEST(Surfels, AreTheSameOnAnyProcessorAndAnyNumberOfThreads) {
     for (const auto make : {test::randomCube, test::scanLines, test::gridded, test::farOutlier}) {
         const Points points = make();
         const auto expected = estimate(points);
-        for (const surfel::Kernels* kernels : availableSurfelKernels())
+        for (const surfel::SurfelKernels* kernels : availableSurfelKernels())
             for (const std::size_t threads : {1, 3}) {
                 const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
                 std::vector<Surfel> out(points.size());

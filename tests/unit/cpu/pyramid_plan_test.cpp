@@ -1,5 +1,5 @@
 // How far a block of pixels looks, by comparing depths with a table, against its definition by logarithms
-// (methods.md §8 step 3): the same at every depth, the borders between two levels included.
+// (docs/spec/pyramid.md §4.1): the same at every depth, the borders between two levels included.
 #include "renderer/device/host/screens.hpp"
 
 #include <gtest/gtest.h>

@@ -1,5 +1,5 @@
-// The kernels of methods.md §8 against the page's definitions in double (tests/support/pyramid_reference),
-// on pictures full of accidents.
+// The kernels of docs/spec/pyramid.md §1 against the page's definitions in double
+// (tests/support/pyramid_reference), on pictures full of accidents.
 #include <gtest/gtest.h>
 
 #include <cstring>

@@ -1,6 +1,6 @@
-// The passes of methods.md §8 on the GPU against those of the cpu device, word by word: where divisions and
-// roots are exact, as they are on the software driver, both compute the same. Others round: there nearly all
-// labels, and colours and normals to a step or two.
+// The passes of docs/spec/pyramid.md §1 on the GPU against those of the cpu device, word by word: where
+// divisions and roots are exact, as they are on the software driver, both compute the same. Others round:
+// there nearly all labels, and colours and normals to a step or two.
 #include "renderer/device/gl/passes/pyramid.hpp"
 
 #include <gmock/gmock.h>

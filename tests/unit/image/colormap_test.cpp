@@ -27,7 +27,7 @@ TEST(Colormap, ViridisGrowsEverBrighter) {
 }
 
 TEST(Colormap, EveryNamedMapIsSmooth) {
-    for (const auto name : colormapNames()) {
+    for (const auto name : colormapNames) {
         const auto ramp = *colormap(name);
         for (std::size_t i = 1; i < 256; ++i) {
             for (std::size_t c = 0; c < 3; ++c)

@@ -1,4 +1,4 @@
-#include "renderer/image/picture_metrics.hpp"
+#include "tests/support/picture_metrics.hpp"
 
 #include <gtest/gtest.h>
 
@@ -63,7 +63,9 @@ TEST(Ssim, IsTheLuminanceTermForEvenPictures) {
     EXPECT_NEAR(*ssim(x, y), (2 * a * b + c1) / (a * a + b * b + c1), 1e-9);
 }
 
-// Written out straight from Eq. 13 of the paper, one window: 121 weights, no separable blur.
+// Written out straight from Eq. 13 of Wang et al.,
+// "Image Quality Assessment: From Error Visibility to Structural Similarity", 2004, one window: 121 weights,
+// no separable blur.
 TEST(Ssim, EqualsTheDefinitionWrittenOut) {
     const Frame x = paint(11, 11, pattern),
                 y = paint(11, 11, [](int u, int v) { return (pattern(u, v) + 40 * (u % 3)) % 256; });

@@ -1,5 +1,5 @@
 // The mirrors' JSON: what is written is read, what is wrong is refused by name.
-#include "renderer/cloud/import/mirrors.hpp"
+#include "renderer/cloud/import/mirror_file.hpp"
 
 #include <gmock/gmock.h>
 

@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "protocol/view_json.hpp"
+#include "protocol/view/view_json.hpp"
 
 namespace scancast {
 namespace {

@@ -9,8 +9,9 @@
 #include "protocol/json_text.hpp"
 #include "protocol/messages.hpp"
 #include "protocol/problem.hpp"
-#include "protocol/view_json.hpp"
-#include "protocol/view_words.hpp"
+#include "protocol/view/view_json.hpp"
+#include "protocol/view/view_words.hpp"
+#include "word_text.hpp"
 
 namespace scancast {
 namespace {
@@ -38,16 +39,27 @@ std::vector<std::string> blocks(const std::string& page, const std::string& lang
     return found;
 }
 
+std::string code(std::string text) {
+    for (auto at = text.find('|'); at != std::string::npos; at = text.find('|', at + 2))
+        text.insert(at, "\\");
+    return "`" + text + "`";
+}
+
 TEST(ProtocolPage, HasARowForEveryWord) {
-    const auto page = protocolPage();
+    std::string table = "| word | flag | value | default | meaning | example |\n|---|---|---|---|---|---|\n";
     for (const auto& word : viewWords()) {
-        const auto start = joined({"| `", word.word, "` | `", word.flag, "` | "});
-        const auto row = page.find(start);
-        ASSERT_NE(row, std::string::npos) << start;
-        const auto line = page.substr(row, page.find('\n', row) - row);
-        EXPECT_NE(line.find(word.meaning), std::string::npos) << line;
-        EXPECT_NE(line.find(word.example), std::string::npos) << line;
+        auto standard = code(test::textOf(word.value.print(View{})));
+        if (word.path.starts_with("camera.") || word.path == "color") standard = "the cloud's";
+        if (word.path == "param") standard = "the method's";
+        const auto example = word.path == "param" ? "param." + std::string(word.example)
+                                                  : joined({word.word, "=", word.example});
+        table += "| " + code(std::string(word.word)) + " | " + code(word.flag()) + " | " +
+                 code(std::string(word.shape)) + " | " + standard + " | " + word.description() + " | " +
+                 code(example) + " |\n";
     }
+    EXPECT_NE(protocolPage().find("\n" + table + "\n"), std::string::npos)
+        << "the page's table of words must be\n"
+        << table;
 }
 
 TEST(ProtocolPage, HasEveryFieldOfTheFrameHeaderWithItsOffset) {

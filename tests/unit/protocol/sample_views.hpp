@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "protocol/view.hpp"
+#include "protocol/view/view.hpp"
 
 namespace scancast::test {
 

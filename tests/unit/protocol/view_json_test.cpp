@@ -1,4 +1,4 @@
-#include "protocol/view_json.hpp"
+#include "protocol/view/view_json.hpp"
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>

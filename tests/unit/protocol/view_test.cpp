@@ -1,4 +1,4 @@
-#include "protocol/view.hpp"
+#include "protocol/view/view.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,11 +1,13 @@
-#include "protocol/view_words.hpp"
+#include "protocol/view/view_words.hpp"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <nlohmann/json.hpp>
 #include <set>
 
-#include "protocol/view_json.hpp"
+#include "protocol/view/view_json.hpp"
 #include "sample_views.hpp"
 
 namespace scancast {
@@ -26,19 +28,35 @@ Error refused(const WordValues& words, const View& base = {}) {
 }
 
 TEST(ViewWords, TableIsComplete) {
-    std::set<std::string_view> names, flags;
+    std::set<std::string> names, flags, paths;
     for (const auto& word : viewWords()) {
-        EXPECT_TRUE(names.insert(word.word).second) << word.word;
-        EXPECT_TRUE(flags.insert(word.flag).second) << word.flag;
-        EXPECT_TRUE(word.flag.starts_with("--")) << word.flag;
+        EXPECT_TRUE(names.insert(std::string(word.word)).second) << word.word;
+        EXPECT_TRUE(flags.insert(word.flag()).second) << word.flag();
+        EXPECT_TRUE(paths.insert(std::string(word.path)).second) << word.path;
         EXPECT_TRUE(word.meaning.ends_with(".")) << word.meaning;
-        EXPECT_FALSE(word.value.empty());
-        if (word.word == "param.NAME") continue;
-        // A flag is the word in kebab case.
-        std::string kebab = "--";
-        for (const char c : word.word)
-            kebab += c >= 'A' && c <= 'Z' ? std::string{'-', char(c - 'A' + 'a')} : std::string(1, c);
-        EXPECT_EQ(word.flag, kebab);
+        EXPECT_FALSE(word.shape.empty());
+    }
+    EXPECT_THAT(flags, testing::IsSupersetOf({"--eye", "--view-height", "--param"}));
+}
+
+TEST(ViewWords, RangesAreTheSameForTextJsonAndTheViewItself) {
+    for (const auto& word : viewWords()) {
+        if (!word.value.range) continue;
+        auto base = word.word == "viewHeight" ? test::orthographicView() : View{};
+        const auto [least, most, must, code] = *word.value.range;
+        for (const double value : {least, most, least / 2 - 1, 2 * most, std::nan("")}) {
+            const bool legal = value >= least && value <= most;
+            const nlohmann::json json = value < 0x1p63 && value == std::floor(value)
+                                            ? nlohmann::json(std::int64_t(value))
+                                            : nlohmann::json(value);
+            if (legal && value == 0x1p64) continue;  // no whole number of 64 bits
+            const auto changes = word.path.starts_with("camera.")
+                                     ? nlohmann::json{{"camera", {{word.path.substr(7), json}}}}
+                                     : nlohmann::json{{word.path, json}};
+            EXPECT_EQ(applyJson(base, changes).has_value(), legal) << word.word << " " << json;
+            EXPECT_EQ(applyWords(base, {{std::string(word.word), json.dump()}}).has_value(), legal)
+                << word.word << " " << json;
+        }
     }
 }
 
@@ -218,6 +236,15 @@ TEST(Query, RefusesWhatIsNone) {
     std::string many;
     for (int i = 0; i < 257; ++i) many += "a=1&";
     EXPECT_FALSE(parseQuery(many));
+}
+
+TEST(Query, PercentDecode) {
+    EXPECT_EQ(*percentDecode("a%20b%2Bc+d", "it"), "a b+c+d");
+    EXPECT_EQ(*percentDecode("%e8%a6%b3", "it"), "観");
+    for (const auto* text : {"%", "%1", "%g0"}) EXPECT_FALSE(percentDecode(text, "it")) << text;
+    EXPECT_EQ(
+        percentDecode("%", "The address").error().message,
+        "The address has a % that is not followed by two hexadecimal digits; a literal % is written %25");
 }
 
 TEST(Query, RoundTripOfEveryPrintableByte) {

@@ -114,25 +114,25 @@ TEST(BlockCache, NobodyReadsABlockTwice) {
     EXPECT_EQ(std::adjacent_find(reads.begin(), reads.end()), reads.end());
 }
 
-TEST(BlockCache, WhoWaitsIsNotHeldUpByWishes) {
+TEST(BlockCache, WhoWaitsIsNotHeldUpByRequests) {
     const auto scan = file(6);
     scan->setDelay(1ms);
     const auto cache = BlockCache::create(roomFor(5000, *scan, 1));
     const auto store = cache->add(scan);
-    std::vector<Wish> wishes;
-    for (std::uint32_t node = 100; node < 1100; ++node) wishes.push_back({node, 1e6});
-    store->request(1, wishes);
+    std::vector<BlockRequest> requests;
+    for (std::uint32_t node = 100; node < 1100; ++node) requests.push_back({node, 1e6});
+    store->request(1, requests);
     ASSERT_TRUE(store->load(50));
     EXPECT_LT(scan->reads().size(), 500u);
 }
 
-TEST(BlockCache, WishesOfOneSessionDoNotStarveAnothers) {
+TEST(BlockCache, RequestsOfOneSessionDoNotStarveAnothers) {
     const auto scan = file(6);
     scan->setOpen(false);
     const auto cache = BlockCache::create(roomFor(5000, *scan, 1));
     const auto store = cache->add(scan);
     ASSERT_TRUE(scan->waitReads(1, true));  // the only loader thread is stuck with the root
-    std::vector<Wish> many;
+    std::vector<BlockRequest> many;
     for (std::uint32_t node = 500; node < 900; ++node) many.push_back({node, 1e6});
     store->request(1, many);
     store->request(2, {{400, 1}, {401, 0.5}});
@@ -140,10 +140,10 @@ TEST(BlockCache, WishesOfOneSessionDoNotStarveAnothers) {
     ASSERT_TRUE(soon([&] { return store->find(401).has_value(); }));
     const auto reads = scan->reads();
     const auto position = std::find(reads.begin(), reads.end(), 401u) - reads.begin();
-    EXPECT_LT(position, 30) << "behind a few turns, not behind 400 wishes";
+    EXPECT_LT(position, 30) << "behind a few turns, not behind 400 requests";
 }
 
-TEST(BlockCache, SupersededWishesAreNotLoaded) {
+TEST(BlockCache, SupersededRequestsAreNotLoaded) {
     const auto scan = file(6);
     scan->setOpen(false);
     const auto cache = BlockCache::create(roomFor(5000, *scan, 1));
@@ -152,7 +152,7 @@ TEST(BlockCache, SupersededWishesAreNotLoaded) {
     store->request(1, {{500, 1}, {501, 1}, {502, 1}});
     store->request(1, {{600, 1}});
     scan->setOpen(true);
-    ASSERT_TRUE(soon([&] { return store->find(600).has_value() && cache->stats().wishes == 0; }));
+    ASSERT_TRUE(soon([&] { return store->find(600).has_value() && cache->stats().requests == 0; }));
     EXPECT_FALSE(store->find(500));
     EXPECT_FALSE(store->find(502));
 }
@@ -214,11 +214,11 @@ TEST(BlockCache, AStuckReadEndsWithTheWaitOfWhoDidNotStartIt) {
     const auto scan = file();
     const auto cache = BlockCache::create(roomFor(1000, *scan, 1));
     const auto store = cache->add(scan);
-    ASSERT_TRUE(soon([&] { return store->find(0) && cache->stats().wishes == 0; }));
+    ASSERT_TRUE(soon([&] { return store->find(0) && cache->stats().requests == 0; }));
     scan->setOpen(false);
     const auto node = std::uint32_t(scan->nodes().size() - 1);
     store->request(1, {{node, 1}});
-    ASSERT_TRUE(soon([&] { return cache->stats().wishes == 0; }));
+    ASSERT_TRUE(soon([&] { return cache->stats().requests == 0; }));
     std::stop_source stop;
     std::thread stopper([&] {
         std::this_thread::sleep_for(20ms);
@@ -313,8 +313,8 @@ TEST(BlockCache, CapacityDependsOnLimitAndCloudAlone) {
     EXPECT_GE(cache->stats().bytes, 1000000u);
 }
 
-// Whatever the one loader thread is doing - nothing, or reading a wish of somebody's - when two ask for
-// something: a wish, a block of their own, or the very block that is being read. Everybody gets it.
+// Whatever the one loader thread is doing - nothing, or reading a request of somebody's - when two ask for
+// something: a request, a block of their own, or the very block that is being read. Everybody gets it.
 TEST(BlockCache, EveryPairIsServedWhateverTheLoaderIsDoing) {
     const auto last = std::uint32_t(file()->nodes().size() - 1);  // far from those that stay in memory
     const std::uint32_t read = last, own = last - 10;
@@ -330,7 +330,7 @@ TEST(BlockCache, EveryPairIsServedWhateverTheLoaderIsDoing) {
             const auto scan = file();
             const auto cache = BlockCache::create(roomFor(1000, *scan, 1));
             const auto store = cache->add(scan);
-            ASSERT_TRUE(soon([&] { return cache->stats().wishes == 0 && store->find(0); }));
+            ASSERT_TRUE(soon([&] { return cache->stats().requests == 0 && store->find(0); }));
             if (reading) {
                 scan->setOpen(false);
                 const auto before = scan->reads().size();
@@ -368,7 +368,7 @@ TEST(BlockCache, EveryAllocationMayFail) {
             store->request(1, {{last - 4, 1}, {last - 5, 2}});
             for (const auto& run : store->loadAll(nodes))
                 EXPECT_TRUE(run || run.error().code == ErrorCode::ResourceLimit) << nth;
-            ASSERT_TRUE(soon([&] { return cache->stats().wishes == 0; })) << nth;
+            ASSERT_TRUE(soon([&] { return cache->stats().requests == 0; })) << nth;
             happened = fails.happened();
         }
         ASSERT_TRUE(store->load(last)) << nth;

@@ -27,7 +27,7 @@ class Table : public testing::Test {
 
     std::shared_ptr<test::FakeCloudFile> file_;
     BlockTable table_{10 * blockBytes, 100};
-    std::shared_ptr<BlockTable::Cloud> cloud_ = table_.add(file_, 0);
+    std::shared_ptr<BlockTable::CloudBlocks> cloud_ = table_.add(file_, 0);
 };
 
 TEST_F(Table, TheLeastRecentlyUsedGoesFirst) {

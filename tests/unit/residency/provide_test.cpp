@@ -89,7 +89,7 @@ TEST_F(Provide, NoHolesWhereLevelsFade) {
     EXPECT_GT(missing, 300u);
 }
 
-TEST_F(Provide, WishesAreWhatIsMissingCoarserFirst) {
+TEST_F(Provide, RequestsAreWhatIsMissingCoarserFirst) {
     for (std::uint64_t i = 0; i < 100; ++i) {
         makeResident(i, 0.4);
         const Cut wanted = randomCut(i);
@@ -100,46 +100,46 @@ TEST_F(Provide, WishesAreWhatIsMissingCoarserFirst) {
             for (std::uint32_t up = run.nodeIndex; up != noNode && !store_->resident.contains(up);
                  up = octree_.node(up).parent)
                 due.insert(up);
-        std::set<std::uint32_t> wished;
-        for (const Wish& wish : store_->wishes) {
-            const std::uint32_t up = octree_.node(wish.node).parent;
+        std::set<std::uint32_t> asked;
+        for (const BlockRequest& request : store_->requests) {
+            const std::uint32_t up = octree_.node(request.node).parent;
             if (up != noNode && due.contains(up)) {
-                ASSERT_TRUE(wished.contains(up)) << "a node before its parent";
+                ASSERT_TRUE(asked.contains(up)) << "a node before its parent";
             }
-            ASSERT_TRUE(wished.insert(wish.node).second);
+            ASSERT_TRUE(asked.insert(request.node).second);
         }
-        EXPECT_EQ(wished, due);
+        EXPECT_EQ(asked, due);
     }
 }
 
-TEST_F(Provide, NothingMissingTakesBackEarlierWishes) {
+TEST_F(Provide, NothingMissingTakesBackEarlierRequests) {
     makeResident(1, 0.5);
     ASSERT_TRUE(provide(octree_, randomCut(1), {.wait = false}));
-    ASSERT_FALSE(store_->wishes.empty());
+    ASSERT_FALSE(store_->requests.empty());
     makeResident(1, 1.1);
     ASSERT_TRUE(provide(octree_, randomCut(1), {.wait = false}));
-    EXPECT_TRUE(store_->wishes.empty());
+    EXPECT_TRUE(store_->requests.empty());
 }
 
 // A picture and what its mirrors show: one request names the nodes of both, and only one is made.
 TEST_F(Provide, OneCutRequestsForAllOfAPicture) {
     makeResident(5, 0.4);
     const Cut picture = randomCut(5), mirror = randomCut(6);
-    const auto wished = [&] {
+    const auto asked = [&] {
         std::set<std::uint32_t> nodes;
-        for (const Wish& wish : store_->wishes) nodes.insert(wish.node);
+        for (const BlockRequest& request : store_->requests) nodes.insert(request.node);
         return nodes;
     };
     std::set<std::uint32_t> both;
     for (const Cut* cut : {&picture, &mirror}) {
         ASSERT_TRUE(provide(octree_, *cut, {.wait = false}));
-        both.merge(wished());
+        both.merge(asked());
     }
     ASSERT_TRUE(provide(octree_, picture, {.wait = false, .beside = mirror.runs}));
-    EXPECT_EQ(wished(), both);
-    for (const Wish& wish : store_->wishes) EXPECT_GT(wish.urgency, 0);
+    EXPECT_EQ(asked(), both);
+    for (const BlockRequest& request : store_->requests) EXPECT_GT(request.urgency, 0);
     ASSERT_TRUE(provide(octree_, mirror, {.wait = false, .request = false}));
-    EXPECT_EQ(wished(), both);
+    EXPECT_EQ(asked(), both);
 }
 
 TEST_F(Provide, WhatIsAheadComesBehindWhatIsMissing) {
@@ -155,11 +155,11 @@ TEST_F(Provide, WhatIsAheadComesBehindWhatIsMissing) {
         ahead.runs.push_back(run);
     }
     ASSERT_TRUE(provide(octree_, wanted, {.wait = false}));
-    const auto now = store_->wishes;
+    const auto now = store_->requests;
     ASSERT_TRUE(provide(octree_, wanted, {.wait = false, .ahead = ahead.runs}));
-    ASSERT_GT(store_->wishes.size(), now.size());
-    for (std::size_t i = 0; i < now.size(); ++i) EXPECT_EQ(store_->wishes[i].node, now[i].node);
-    EXPECT_LT(store_->wishes[now.size()].urgency, 0);
+    ASSERT_GT(store_->requests.size(), now.size());
+    for (std::size_t i = 0; i < now.size(); ++i) EXPECT_EQ(store_->requests[i].node, now[i].node);
+    EXPECT_LT(store_->requests[now.size()].urgency, 0);
 }
 
 TEST_F(Provide, WaitingGivesExactlyWhatIsWanted) {

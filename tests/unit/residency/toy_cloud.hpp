@@ -39,8 +39,8 @@ class ToyStore final : public SampleStore {
         }
         return runs;
     }
-    void request(std::uint64_t who, std::vector<Wish> list) override {
-        requester = who, wishes = std::move(list);
+    void request(std::uint64_t who, std::vector<BlockRequest> list) override {
+        requester = who, requests = std::move(list);
     }
     bool whole() const override { return false; }
     bool damaged(std::uint32_t node) const override { return broken.contains(node); }
@@ -48,7 +48,7 @@ class ToyStore final : public SampleStore {
     std::uint64_t bytesResident() const override { return 0; }
 
     std::set<std::uint32_t> resident, broken;
-    std::vector<Wish> wishes;
+    std::vector<BlockRequest> requests;
     std::uint64_t requester = 0;
 
   private:

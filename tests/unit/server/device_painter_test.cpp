@@ -66,14 +66,14 @@ OpenPainter fragilePainter(int pictures, FragileDevice::Loss loss) {
         cpuPainter());
 }
 
-Picture snapshot(Scheduler& scheduler, const std::shared_ptr<const Cloud>& cloud, int width) {
+EncodedPicture snapshot(Scheduler& scheduler, const std::shared_ptr<const Cloud>& cloud, int width) {
     PictureOrder order;
     order.cloud = cloud;
     order.view = defaultView(*cloud, width, 24);
     order.format = PictureFormat::Png;
-    std::promise<Expected<Picture>> result;
-    EXPECT_TRUE(
-        scheduler.snapshot(order, [&](Expected<Picture> picture) { result.set_value(std::move(picture)); }));
+    std::promise<Expected<EncodedPicture>> result;
+    EXPECT_TRUE(scheduler.snapshot(
+        order, [&](Expected<EncodedPicture> picture) { result.set_value(std::move(picture)); }));
     auto future = result.get_future();
     if (future.wait_for(test::FakePainter::patience) != std::future_status::ready) {
         ADD_FAILURE() << "no answer";
@@ -81,7 +81,7 @@ Picture snapshot(Scheduler& scheduler, const std::shared_ptr<const Cloud>& cloud
     }
     auto picture = future.get();
     EXPECT_TRUE(picture) << picture.error().message;
-    return picture ? *picture : Picture{};
+    return picture ? *picture : EncodedPicture{};
 }
 
 /// The cpu device, which says of what it draws whether depth is wanted.
@@ -109,7 +109,7 @@ TEST_P(FragilePainter, PicturesAfterTheLossAreThoseOfTheCpuDevice) {
     Metrics metrics("test"), others("test");
     Scheduler fragile(fragilePainter(2, GetParam()), {}, metrics), sound(cpuPainter(), {}, others);
     for (int i = 0; i < 5; ++i) {
-        const Picture a = snapshot(fragile, cloud, 30 + i), b = snapshot(sound, cloud, 30 + i);
+        const EncodedPicture a = snapshot(fragile, cloud, 30 + i), b = snapshot(sound, cloud, 30 + i);
         ASSERT_TRUE(a.bytes && b.bytes);
         EXPECT_EQ(*a.bytes, *b.bytes) << i;
         EXPECT_EQ(a.device.identity, i < 2 ? "fragile" : b.device.identity) << i;

@@ -27,7 +27,7 @@ TEST_F(DeviceIsLost, LaterFramesComeFromTheOneThatTakesOver) {
     const auto mailbox = scheduler.openMailbox();
     for (int i = 1; i <= 6; ++i) {
         if (i == 4) gpu.failWith(lost);
-        scheduler.wish(mailbox, order(i), results.collect(i));
+        scheduler.request(mailbox, order(i), results.collect(i));
         ASSERT_TRUE(results.waitFor(std::size_t(i)));
         EXPECT_EQ(results.code(i), std::nullopt) << i;
     }
@@ -63,15 +63,15 @@ TEST_F(DeviceIsLost, DuringAStillTheStillIsDrawnAgainAndCanStillBeInterrupted) {
     cpu.closeGate();
     Scheduler scheduler(gpuThenCpu(), {}, metrics);
     const auto mailbox = scheduler.openMailbox();
-    scheduler.wish(mailbox, order(1, true), results.collect(1));
+    scheduler.request(mailbox, order(1, true), results.collect(1));
     ASSERT_TRUE(gpu.waitBegun(1));
     gpu.failWith(lost);
     gpu.let(1);
     ASSERT_TRUE(cpu.waitBegun(1));
-    scheduler.wish(mailbox, order(2), results.collect(2));
+    scheduler.request(mailbox, order(2), results.collect(2));
     cpu.openGate();
     ASSERT_TRUE(results.waitFor(2));
-    EXPECT_EQ(results.code(1), ErrorCode::Cancelled) << "a newer wish of its own session stopped it";
+    EXPECT_EQ(results.code(1), ErrorCode::Cancelled) << "a newer request of its own session stopped it";
     EXPECT_EQ(results.code(2), std::nullopt);
     EXPECT_EQ(widths(cpu), (std::vector<int>{1, 2}));
 }
@@ -96,7 +96,7 @@ TEST_F(DeviceIsLost, APictureThatLacksBlocksWaitsForThemOnceMore) {
     Scheduler scheduler(gpuThenCpu(), {}, metrics);
     gpu.finishLate();  // its samples are given back when it is begun, and must be found anew
     const auto mailbox = scheduler.openMailbox();
-    scheduler.wish(mailbox, order(1, true), results.collect(1));
+    scheduler.request(mailbox, order(1, true), results.collect(1));
     ASSERT_TRUE(gpu.waitBegun(1));
     gpu.failWith(lost);
     gpu.let(1);
@@ -120,8 +120,8 @@ TEST_F(DeviceIsLost, TwoPicturesOnTheirWayAreBothDrawnAgainInTheirOrder) {
         },
         {}, metrics);
     const auto a = scheduler.openMailbox(), b = scheduler.openMailbox();
-    scheduler.wish(a, moving(1), results.collect(1));
-    scheduler.wish(b, moving(2), results.collect(2));
+    scheduler.request(a, moving(1), results.collect(1));
+    scheduler.request(b, moving(2), results.collect(2));
     bothWait.set_value();
     ASSERT_TRUE(gpu.waitBegun(2)) << "the second is begun while the first is on its way";
     gpu.openGate();
@@ -171,7 +171,7 @@ TEST_F(DeviceIsLost, WhenTheOtherCannotOpenBothReasonsAreTold) {
     EXPECT_NE(message.find("There is no memory for threads."), std::string::npos);
 }
 
-TEST_F(DeviceIsLost, WhileManyThreadsWish) {
+TEST_F(DeviceIsLost, WhileManyThreadsRequest) {
     Scheduler scheduler(gpuThenCpu(), {}, metrics);
     constexpr int threads = 4, each = 100;
     std::vector<std::thread> crowd;
@@ -180,7 +180,7 @@ TEST_F(DeviceIsLost, WhileManyThreadsWish) {
             const auto mailbox = scheduler.openMailbox();
             for (int i = 0; i < each; ++i) {
                 if (t == 0 && i == each / 2) gpu.failWith(lost);
-                scheduler.wish(mailbox, order(4 + t, i % 3 == 0), results.collect(t * each + i));
+                scheduler.request(mailbox, order(4 + t, i % 3 == 0), results.collect(t * each + i));
             }
             scheduler.snapshot(order(40), [](auto) {});
         });

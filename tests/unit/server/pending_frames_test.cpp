@@ -13,7 +13,7 @@ class PendingFrames : public test::SchedulerTest {
   protected:
     PendingFrames() { painter.finishLate(); }
 
-    /// The device opens when letIn() is called: until then wishes can gather.
+    /// The device opens when letIn() is called: until then requests can gather.
     OpenPainter openLater() {
         return [this, in = in_.get_future().share()] {
             in.wait();
@@ -29,7 +29,7 @@ class PendingFrames : public test::SchedulerTest {
 TEST_F(PendingFrames, TheNextIsBegunBeforeThePixelsOfTheOneBeforeAreThere) {
     painter.closeGate();
     Scheduler scheduler(openLater(), {}, metrics);
-    for (int i = 1; i <= 4; ++i) scheduler.wish(scheduler.openMailbox(), moving(i), results.collect(i));
+    for (int i = 1; i <= 4; ++i) scheduler.request(scheduler.openMailbox(), moving(i), results.collect(i));
     letIn();
     ASSERT_TRUE(painter.waitBegun(2)) << "while no pixel of the first gets through";
     for (std::size_t i = 1; i <= 4; ++i) {
@@ -45,8 +45,8 @@ TEST_F(PendingFrames, APictureThatMayTakeLongIsBegunOnlyAfterThem) {
     painter.closeGate();
     Scheduler scheduler(openLater(), {}, metrics);
     const auto a = scheduler.openMailbox(), b = scheduler.openMailbox();
-    scheduler.wish(a, moving(1), results.collect(1));
-    scheduler.wish(b, order(2, true), results.collect(2));
+    scheduler.request(a, moving(1), results.collect(1));
+    scheduler.request(b, order(2, true), results.collect(2));
     letIn();
     painter.let(1);
     ASSERT_TRUE(results.waitFor(1));
@@ -56,12 +56,12 @@ TEST_F(PendingFrames, APictureThatMayTakeLongIsBegunOnlyAfterThem) {
     EXPECT_EQ(painter.mostAtOnce(), 1);
 }
 
-TEST_F(PendingFrames, AFrameIsNotHeldBackUntilSomebodyWishesAgain) {
+TEST_F(PendingFrames, AFrameIsNotHeldBackUntilSomebodyAsksAgain) {
     painter.closeGate();
     Scheduler scheduler(painter.open(), {}, metrics);
     const auto mailbox = scheduler.openMailbox();
     for (int i = 1; i <= 3; ++i) {
-        scheduler.wish(mailbox, order(i), results.collect(i));
+        scheduler.request(mailbox, order(i), results.collect(i));
         ASSERT_TRUE(painter.waitBegun(std::size_t(i)));
         painter.let(1);
         ASSERT_TRUE(results.waitFor(std::size_t(i)));
@@ -73,9 +73,9 @@ TEST_F(PendingFrames, ANewViewStopsTheSessionsOwnStillOnItsWay) {
     painter.closeGate();
     Scheduler scheduler(painter.open(), {}, metrics);
     const auto mailbox = scheduler.openMailbox();
-    scheduler.wish(mailbox, order(1, true), results.collect(1));
+    scheduler.request(mailbox, order(1, true), results.collect(1));
     ASSERT_TRUE(painter.waitBegun(1));
-    scheduler.wish(mailbox, order(2), results.collect(2));
+    scheduler.request(mailbox, order(2), results.collect(2));
     ASSERT_TRUE(results.waitFor(1)) << "the gate is closed, so the still can only have been stopped";
     EXPECT_EQ(results.code(1), ErrorCode::Cancelled);
     painter.openGate();
@@ -89,7 +89,7 @@ TEST_F(PendingFrames, AClosedMailboxStopsEvenAMovingFrameOnItsWay) {
     painter.closeGate();
     Scheduler scheduler(painter.open(), {}, metrics);
     const auto mailbox = scheduler.openMailbox();
-    scheduler.wish(mailbox, order(1), results.collect(1));
+    scheduler.request(mailbox, order(1), results.collect(1));
     ASSERT_TRUE(painter.waitBegun(1));
     scheduler.closeMailbox(mailbox);
     ASSERT_TRUE(results.waitFor(1));
@@ -104,12 +104,12 @@ TEST_F(PendingFrames, OfTwoOnTheirWayEachIsStoppedByItsOwnSession) {
     options.stillPatience = std::chrono::milliseconds(0);
     Scheduler scheduler(openLater(), options, metrics);
     const auto a = scheduler.openMailbox(), b = scheduler.openMailbox();
-    scheduler.wish(a, order(1, true), results.collect(1));
-    scheduler.wish(b, moving(2), results.collect(2));
+    scheduler.request(a, order(1, true), results.collect(1));
+    scheduler.request(b, moving(2), results.collect(2));
     letIn();
     ASSERT_TRUE(painter.waitBegun(2));
     scheduler.closeMailbox(b);
-    scheduler.wish(a, moving(3), results.collect(3));
+    scheduler.request(a, moving(3), results.collect(3));
     ASSERT_TRUE(results.waitFor(2)) << "the gate is closed, so both can only have been stopped";
     EXPECT_EQ(results.code(1), ErrorCode::Cancelled);
     EXPECT_EQ(results.code(2), ErrorCode::Cancelled);
@@ -152,7 +152,7 @@ TEST_F(PendingFrames, TheEndComesWhileOneIsOnItsWay) {
     {
         Scheduler scheduler(openLater(), {}, metrics);
         for (int i = 0; i < 5; ++i)
-            scheduler.wish(scheduler.openMailbox(), moving(i + 1), results.collect(i));
+            scheduler.request(scheduler.openMailbox(), moving(i + 1), results.collect(i));
         letIn();
         ASSERT_TRUE(painter.waitBegun(2));
         scheduler.stop();
@@ -172,8 +172,8 @@ TEST_F(PendingFrames, ManyThreadsAtOnce) {
             for (int i = 0; i < each; ++i) {
                 if (t == 0 && i % 20 == 0) painter.closeGate();
                 if (t == 0 && i % 20 == 10) painter.openGate();
-                scheduler.wish(mailbox, i % 3 == 0 ? order(4 + t, true) : moving(4 + t),
-                               results.collect(t * each + i));
+                scheduler.request(mailbox, i % 3 == 0 ? order(4 + t, true) : moving(4 + t),
+                                  results.collect(t * each + i));
                 if (i % 7 == 0) scheduler.abandon(mailbox);
             }
             scheduler.closeMailbox(mailbox);

@@ -4,7 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "protocol/json_text.hpp"
-#include "protocol/view_json.hpp"
+#include "protocol/view/view_json.hpp"
 #include "tests/support/fake_painter.hpp"
 
 namespace scancast {

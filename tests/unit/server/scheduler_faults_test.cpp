@@ -4,7 +4,7 @@
 #include <array>
 #include <atomic>
 
-#include "server/catalog/memory_reserve.hpp"
+#include "server/base/memory_reserve.hpp"
 #include "tests/support/failing_allocation.hpp"
 #include "tests/support/gate.hpp"
 #include "tests/unit/server/scheduler_fixture.hpp"
@@ -111,7 +111,7 @@ TEST_F(SchedulerHasFaults, AnEncoderWithoutMemoryFailsOnePicture) {
     int label = 0;
     for (const PictureFormat format : {PictureFormat::Depth, PictureFormat::Png}) {
         gate.close();  // holds the encode thread until the frame that is to fail has been drawn
-        ASSERT_TRUE(scheduler.snapshot(order(1), [&](const Expected<Picture>&) { gate.pass(); }));
+        ASSERT_TRUE(scheduler.snapshot(order(1), [&](const Expected<EncodedPicture>&) { gate.pass(); }));
         ASSERT_TRUE(gate.waitForSomebody());
         PictureOrder wanted = order(1);
         wanted.format = format;
@@ -132,13 +132,13 @@ TEST_F(SchedulerHasFaults, ACallbackThatThrowsIsItsOwnAffair) {
     Scheduler scheduler(throwing.open(), {}, metrics);
     const auto mailbox = scheduler.openMailbox();
     std::atomic<int> calls{0};
-    const PictureDone throws = [&](const Expected<Picture>&) {
+    const PictureDone throws = [&](const Expected<EncodedPicture>&) {
         ++calls;
         throw std::runtime_error("the client's connection is odd");
     };
     ASSERT_TRUE(scheduler.snapshot(order(1), throws));
     EXPECT_EQ(ask(scheduler, 1), std::nullopt);
-    scheduler.wish(mailbox, order(2), throws);
+    scheduler.request(mailbox, order(2), throws);
     EXPECT_EQ(ask(scheduler, 2), std::nullopt);
     scheduler.stop();
     scheduler.wait();
@@ -156,14 +156,16 @@ TEST_F(SchedulerHasFaults, EveryAllocationMayFail) {
     std::uint64_t nth = 0;
     while (happened) {
         std::array<std::atomic<int>, 4> answers{};
-        const auto count = [&](std::size_t i) { return [&, i](const Expected<Picture>&) { ++answers[i]; }; };
+        const auto count = [&](std::size_t i) {
+            return [&, i](const Expected<EncodedPicture>&) { ++answers[i]; };
+        };
         const auto looker = scheduler.openMailbox(), mover = scheduler.openMailbox();
         {
             const FailingAllocation fails(++nth);
-            scheduler.wish(looker, order(2, true), count(0));
+            scheduler.request(looker, order(2, true), count(0));
             ASSERT_TRUE(scheduler.snapshot(order(3), count(1)));
             ASSERT_TRUE(scheduler.snapshot(order(4), count(2)));
-            scheduler.wish(mover, moving(5), count(3));
+            scheduler.request(mover, moving(5), count(3));
             ASSERT_TRUE(soon([&] {
                 return scheduler.idle() &&
                        std::all_of(answers.begin(), answers.end(), [](const auto& n) { return n > 0; });
@@ -188,7 +190,7 @@ TEST_F(SchedulerHasFaults, APictureThatThereIsNoMemoryForIsRefusedBeforeItIsBegu
     PictureOrder large = order(8000);
     large.view.height = 8000;
     std::string why;
-    ASSERT_TRUE(scheduler.snapshot(large, [&](const Expected<Picture>& picture) {
+    ASSERT_TRUE(scheduler.snapshot(large, [&](const Expected<EncodedPicture>& picture) {
         if (!picture) why = picture.error().message;
         results.collect(1)(picture);
     }));

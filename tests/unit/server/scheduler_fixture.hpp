@@ -12,7 +12,7 @@ namespace scancast::test {
 class Results {
   public:
     PictureDone collect(int label) {
-        return [this, label](Expected<Picture> result) {
+        return [this, label](Expected<EncodedPicture> result) {
             const std::lock_guard lock(mutex_);
             labels_.push_back(label);
             codes_.push_back(result ? std::nullopt : std::optional(result.error().code));

@@ -77,7 +77,7 @@ TEST_F(SchedulerIsLive, OfTwoAtOnceTheSecondIsAnsweredToo) {
         for (int i = 0; i < 2; ++i)
             ASSERT_TRUE(scheduler.snapshot(missing(order(1)), results.collect(3 * round + i)));
         ASSERT_TRUE(gated.loading.waitForSomebody());
-        scheduler.wish(mailbox, moving(2), results.collect(3 * round + 2));
+        scheduler.request(mailbox, moving(2), results.collect(3 * round + 2));
         ASSERT_TRUE(gated.drawing.waitForSomebody());
         gated.loading.open();
         std::this_thread::yield();
@@ -103,23 +103,23 @@ class AnyOrder {
                 return 1;
             case 2:  // moving
                 order.complete = false;
-                scheduler_.wish(mailbox, order, done());
+                scheduler_.request(mailbox, order, done());
                 return 1;
             case 3:  // a final still
                 order.interruptible = true;
-                scheduler_.wish(mailbox, order, done());
+                scheduler_.request(mailbox, order, done());
                 return 1;
             case 4:  // a moving frame, and a newer one
                 order.complete = false;
-                scheduler_.wish(mailbox, order, done());
+                scheduler_.request(mailbox, order, done());
                 return 1 + int(scheduler_.replaceWaiting(mailbox, order, done()));
             case 5:  // a still that is not wanted any more
                 order.interruptible = true;
-                scheduler_.wish(mailbox, order, done());
+                scheduler_.request(mailbox, order, done());
                 scheduler_.abandon(mailbox);
                 return 1;
             default:  // a client that leaves
-                scheduler_.wish(mailbox, order, done());
+                scheduler_.request(mailbox, order, done());
                 scheduler_.closeMailbox(mailbox);
                 return 1;
         }
@@ -127,7 +127,7 @@ class AnyOrder {
 
   private:
     PictureDone done() {
-        return [this](const Expected<Picture>&) { ++answered_; };
+        return [this](const Expected<EncodedPicture>&) { ++answered_; };
     }
 
     Scheduler& scheduler_;
@@ -143,7 +143,7 @@ TEST_F(SchedulerIsLive, ForEveryPairOfOrdersWhateverTheThreadsAreDoing) {
     const auto occupy = [&](std::size_t which) {
         gates[which]->close();
         PictureOrder one = which == 1 ? missing(order(1)) : order(1);
-        EXPECT_TRUE(scheduler.snapshot(one, [&, which](const Expected<Picture>&) {
+        EXPECT_TRUE(scheduler.snapshot(one, [&, which](const Expected<EncodedPicture>&) {
             if (which == 0) handingOver.pass();
             ++answered;
         }));
@@ -188,7 +188,7 @@ TEST_F(SchedulerIsLive, APreparedSnapshotThatWaitsForItsTurnHasItsDeadline) {
     ASSERT_TRUE(scheduler.snapshot(missing(order(1)), results.collect(1)));
     ASSERT_TRUE(gated.loading.waitForSomebody());
     gated.drawing.close();
-    scheduler.wish(scheduler.openMailbox(), moving(2), results.collect(2));
+    scheduler.request(scheduler.openMailbox(), moving(2), results.collect(2));
     ASSERT_TRUE(gated.drawing.waitForSomebody());
     gated.loading.open();
     ASSERT_TRUE(results.waitFor(1)) << "the render thread is busy: only the deadline can end it";

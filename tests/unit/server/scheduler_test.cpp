@@ -11,9 +11,9 @@ using test::SchedulerTest;
 
 TEST_F(SchedulerTest, ASnapshotBecomesAJpegOfItsSize) {
     Scheduler scheduler(painter.open(), {}, metrics);
-    Picture picture;
+    EncodedPicture picture;
     std::promise<void> ready;
-    ASSERT_TRUE(scheduler.snapshot(order(24), [&](Expected<Picture> result) {
+    ASSERT_TRUE(scheduler.snapshot(order(24), [&](Expected<EncodedPicture> result) {
         ASSERT_TRUE(result) << result.error().message;
         picture = std::move(*result);
         ready.set_value();
@@ -28,13 +28,13 @@ TEST_F(SchedulerTest, ASnapshotBecomesAJpegOfItsSize) {
     EXPECT_EQ(picture.stats.stages.back().name, "encode");
 }
 
-TEST_F(SchedulerTest, TheLatestWishWinsAndOverwrittenOnesAreCounted) {
+TEST_F(SchedulerTest, TheLatestRequestWinsAndOverwrittenOnesAreCounted) {
     painter.closeGate();
     Scheduler scheduler(painter.open(), {}, metrics);
     const auto mailbox = scheduler.openMailbox();
-    scheduler.wish(mailbox, order(1), results.collect(1));
+    scheduler.request(mailbox, order(1), results.collect(1));
     ASSERT_TRUE(painter.waitBegun(1));
-    for (int i = 2; i <= 10; ++i) scheduler.wish(mailbox, order(i), results.collect(i));
+    for (int i = 2; i <= 10; ++i) scheduler.request(mailbox, order(i), results.collect(i));
     painter.openGate();
     ASSERT_TRUE(results.waitFor(10));
     EXPECT_EQ(begunWidths(), (std::vector<int>{1, 10}));
@@ -45,24 +45,24 @@ TEST_F(SchedulerTest, TheLatestWishWinsAndOverwrittenOnesAreCounted) {
               "scancast_frames_dropped_total{reason=\"overwritten\"} 8");
 }
 
-TEST_F(SchedulerTest, SessionsTakeTurnsHoweverMuchOneOfThemWishes) {
+TEST_F(SchedulerTest, SessionsTakeTurnsHoweverMuchOneOfThemRequests) {
     painter.closeGate();
     Scheduler scheduler(painter.open(), {}, metrics);
     const auto busy = scheduler.openMailbox();
     const auto calm = scheduler.openMailbox();
-    scheduler.wish(busy, order(100), results.collect(100));
+    scheduler.request(busy, order(100), results.collect(100));
     ASSERT_TRUE(painter.waitBegun(1));
-    scheduler.wish(busy, order(101), results.collect(101));
-    scheduler.wish(calm, order(200), results.collect(200));
-    // From here on the busy session has a new wish waiting whenever one of its own begins.
+    scheduler.request(busy, order(101), results.collect(101));
+    scheduler.request(calm, order(200), results.collect(200));
+    // From here on the busy session has a new request waiting whenever one of its own begins.
     for (std::size_t round = 0; round < 4; ++round) {
         const int next = int(round) + 1;
         painter.let(1);
         ASSERT_TRUE(painter.waitBegun(2 * round + 2));
-        scheduler.wish(busy, order(101 + next), results.collect(101 + next));
+        scheduler.request(busy, order(101 + next), results.collect(101 + next));
         painter.let(1);
         ASSERT_TRUE(painter.waitBegun(2 * round + 3));
-        scheduler.wish(calm, order(200 + next), results.collect(200 + next));
+        scheduler.request(calm, order(200 + next), results.collect(200 + next));
     }
     painter.openGate();
     ASSERT_TRUE(results.waitFor(11));
@@ -79,7 +79,7 @@ TEST_F(SchedulerTest, SnapshotsAreOneParticipantAmongSessions) {
     const auto mailbox = scheduler.openMailbox();
     for (int i = 0; i < 5; ++i) ASSERT_TRUE(scheduler.snapshot(order(10 + i), results.collect(10 + i)));
     ASSERT_TRUE(painter.waitBegun(1));
-    scheduler.wish(mailbox, order(99), results.collect(99));
+    scheduler.request(mailbox, order(99), results.collect(99));
     painter.openGate();
     ASSERT_TRUE(results.waitFor(6));
     const auto begun = begunWidths();
@@ -116,7 +116,7 @@ TEST_F(SchedulerTest, DeadlinesEndWaitingAndRenderingSnapshots) {
     // The device is free again.
     painter.openGate();
     const auto mailbox = scheduler.openMailbox();
-    scheduler.wish(mailbox, order(3), results.collect(3));
+    scheduler.request(mailbox, order(3), results.collect(3));
     ASSERT_TRUE(results.waitFor(3));
     EXPECT_EQ(results.code(3), std::nullopt);
 }
@@ -125,9 +125,9 @@ TEST_F(SchedulerTest, ANewViewStopsTheSessionsOwnStillAtOnce) {
     painter.closeGate();
     Scheduler scheduler(painter.open(), {}, metrics);
     const auto mailbox = scheduler.openMailbox();
-    scheduler.wish(mailbox, order(1, true), results.collect(1));
+    scheduler.request(mailbox, order(1, true), results.collect(1));
     ASSERT_TRUE(painter.waitBegun(1));
-    scheduler.wish(mailbox, order(2), results.collect(2));
+    scheduler.request(mailbox, order(2), results.collect(2));
     ASSERT_TRUE(painter.waitBegun(2));  // the gate is closed, so the still can only have been stopped
     painter.openGate();
     ASSERT_TRUE(results.waitFor(2));
@@ -143,12 +143,12 @@ TEST_F(SchedulerTest, NeitherMovingFramesNorStillsThatHaveWaitedLongAreStopped) 
     Scheduler scheduler(painter.open(), options, metrics);
     const auto mine = scheduler.openMailbox();
     const auto other = scheduler.openMailbox();
-    scheduler.wish(mine, order(1), results.collect(1));
+    scheduler.request(mine, order(1), results.collect(1));
     ASSERT_TRUE(painter.waitBegun(1));
-    scheduler.wish(mine, order(2, true), results.collect(2));
+    scheduler.request(mine, order(2, true), results.collect(2));
     painter.let(1);
     ASSERT_TRUE(painter.waitBegun(2));
-    scheduler.wish(other, order(3), results.collect(3));
+    scheduler.request(other, order(3), results.collect(3));
     painter.openGate();
     ASSERT_TRUE(results.waitFor(3));
     EXPECT_EQ(painter.cancelled(), 0);
@@ -161,9 +161,9 @@ TEST_F(SchedulerTest, AStillGivesWayToTheMovingFrameOfAnother) {
     options.stillPatience = std::chrono::hours(1);
     Scheduler scheduler(painter.open(), options, metrics);
     const auto looker = scheduler.openMailbox(), mover = scheduler.openMailbox();
-    scheduler.wish(looker, order(1, true), results.collect(1));
+    scheduler.request(looker, order(1, true), results.collect(1));
     ASSERT_TRUE(painter.waitBegun(1));
-    scheduler.wish(mover, moving(2), results.collect(2));
+    scheduler.request(mover, moving(2), results.collect(2));
     ASSERT_TRUE(painter.waitBegun(2)) << "the gate is closed, so the still can only have been stopped";
     EXPECT_EQ(begunWidths(), (std::vector<int>{1, 2}));
     painter.openGate();
@@ -179,10 +179,11 @@ TEST_F(SchedulerTest, StillsWaitUntilNobodyMoves) {
     options.stillPatience = std::chrono::hours(1);
     Scheduler scheduler(painter.open(), options, metrics);
     const auto first = scheduler.openMailbox();
-    scheduler.wish(first, moving(1), results.collect(1));
+    scheduler.request(first, moving(1), results.collect(1));
     ASSERT_TRUE(painter.waitBegun(1));
-    for (int i = 2; i <= 4; ++i) scheduler.wish(scheduler.openMailbox(), order(i, true), results.collect(i));
-    for (int i = 5; i <= 7; ++i) scheduler.wish(scheduler.openMailbox(), moving(i), results.collect(i));
+    for (int i = 2; i <= 4; ++i)
+        scheduler.request(scheduler.openMailbox(), order(i, true), results.collect(i));
+    for (int i = 5; i <= 7; ++i) scheduler.request(scheduler.openMailbox(), moving(i), results.collect(i));
     painter.openGate();
     ASSERT_TRUE(results.waitFor(7));
     EXPECT_EQ(begunWidths(), (std::vector<int>{1, 5, 6, 7, 2, 3, 4}));
@@ -194,18 +195,18 @@ TEST_F(SchedulerTest, AStillThatGaveWayIsStoppedByItsOwnSessionsNewView) {
     options.stillPatience = std::chrono::hours(1);
     Scheduler scheduler(painter.open(), options, metrics);
     const auto looker = scheduler.openMailbox(), mover = scheduler.openMailbox();
-    scheduler.wish(looker, order(1, true), results.collect(1));
+    scheduler.request(looker, order(1, true), results.collect(1));
     ASSERT_TRUE(painter.waitBegun(1));
-    scheduler.wish(mover, moving(2), results.collect(2));
+    scheduler.request(mover, moving(2), results.collect(2));
     ASSERT_TRUE(painter.waitBegun(2));
-    scheduler.wish(looker, moving(3), results.collect(3));
+    scheduler.request(looker, moving(3), results.collect(3));
     painter.openGate();
     ASSERT_TRUE(results.waitFor(3));
     EXPECT_EQ(begunWidths(), (std::vector<int>{1, 2, 3}));
     EXPECT_EQ(results.code(1), ErrorCode::Cancelled);
 }
 
-// Round robin, proved: with everybody wishing again and again, nobody has two frames before all have one.
+// Round robin, proved: with everybody asking again and again, nobody has two frames before all have one.
 TEST_F(SchedulerTest, ManySessionsAreServedInTurn) {
     painter.closeGate();
     Scheduler scheduler(painter.open(), {}, metrics);
@@ -213,14 +214,14 @@ TEST_F(SchedulerTest, ManySessionsAreServedInTurn) {
     std::vector<Scheduler::MailboxId> mailboxes;
     for (int s = 0; s < sessions; ++s) mailboxes.push_back(scheduler.openMailbox());
     int label = 0;
-    const auto wish = [&](int s) {
-        scheduler.wish(mailboxes[std::size_t(s)], moving(s + 1), results.collect(++label));
+    const auto request = [&](int s) {
+        scheduler.request(mailboxes[std::size_t(s)], moving(s + 1), results.collect(++label));
     };
-    wish(0);
+    request(0);
     ASSERT_TRUE(painter.waitBegun(1));
-    for (int s = 1; s < sessions; ++s) wish(s);
+    for (int s = 1; s < sessions; ++s) request(s);
     for (std::size_t done = 1; done < sessions * rounds; ++done) {
-        wish(begunWidths().back() - 1);  // whoever is being served wishes again at once
+        request(begunWidths().back() - 1);  // whoever is being served requests again at once
         painter.let(1);
         ASSERT_TRUE(painter.waitBegun(done + 1));
     }
@@ -234,13 +235,13 @@ TEST_F(SchedulerTest, APictureTellsHowManyOthersMovedMeanwhile) {
     Scheduler scheduler(painter.open(), {}, metrics);
     std::promise<std::size_t> rivals;
     const auto a = scheduler.openMailbox();
-    scheduler.wish(a, moving(1), results.collect(1));
+    scheduler.request(a, moving(1), results.collect(1));
     ASSERT_TRUE(painter.waitBegun(1));
-    scheduler.wish(a, moving(2), [&](const Expected<Picture>& picture) {
+    scheduler.request(a, moving(2), [&](const Expected<EncodedPicture>& picture) {
         rivals.set_value(picture ? picture->rivals : 99);
     });
-    for (int i = 3; i <= 5; ++i) scheduler.wish(scheduler.openMailbox(), moving(i), results.collect(i));
-    scheduler.wish(scheduler.openMailbox(), order(6, true), results.collect(6));
+    for (int i = 3; i <= 5; ++i) scheduler.request(scheduler.openMailbox(), moving(i), results.collect(i));
+    scheduler.request(scheduler.openMailbox(), order(6, true), results.collect(6));
     painter.openGate();
     auto told = rivals.get_future();
     ASSERT_EQ(told.wait_for(FakePainter::patience), std::future_status::ready);
@@ -274,10 +275,10 @@ TEST_F(SchedulerTest, ReplaceWaitingOnlyReplaces) {
     Scheduler scheduler(painter.open(), {}, metrics);
     const auto mailbox = scheduler.openMailbox();
     EXPECT_FALSE(scheduler.replaceWaiting(mailbox, order(1), results.collect(1)));
-    scheduler.wish(mailbox, order(2), results.collect(2));
+    scheduler.request(mailbox, order(2), results.collect(2));
     ASSERT_TRUE(painter.waitBegun(1));
     EXPECT_FALSE(scheduler.replaceWaiting(mailbox, order(3), results.collect(3)));
-    scheduler.wish(mailbox, order(4), results.collect(4));
+    scheduler.request(mailbox, order(4), results.collect(4));
     EXPECT_TRUE(scheduler.replaceWaiting(mailbox, order(5), results.collect(5)));
     painter.openGate();
     ASSERT_TRUE(results.waitFor(3));
@@ -289,14 +290,14 @@ TEST_F(SchedulerTest, AClosedMailboxStopsEverythingOfItsSession) {
     painter.closeGate();
     Scheduler scheduler(painter.open(), {}, metrics);
     const auto mailbox = scheduler.openMailbox();
-    scheduler.wish(mailbox, order(1), results.collect(1));
+    scheduler.request(mailbox, order(1), results.collect(1));
     ASSERT_TRUE(painter.waitBegun(1));
-    scheduler.wish(mailbox, order(2), results.collect(2));
+    scheduler.request(mailbox, order(2), results.collect(2));
     scheduler.closeMailbox(mailbox);
     ASSERT_TRUE(results.waitFor(2));
     EXPECT_EQ(results.code(1), ErrorCode::Cancelled);
     EXPECT_EQ(results.code(2), ErrorCode::Cancelled);
-    scheduler.wish(mailbox, order(3), results.collect(3));
+    scheduler.request(mailbox, order(3), results.collect(3));
     ASSERT_TRUE(results.waitFor(3));
     EXPECT_EQ(results.code(3), ErrorCode::Cancelled);
 }
@@ -308,7 +309,7 @@ TEST_F(SchedulerTest, StopEndsEveryOrderExactlyOnce) {
     {
         Scheduler scheduler(painter.open(), {}, metrics);
         for (int i = 0; i < sessions; ++i)
-            scheduler.wish(scheduler.openMailbox(), order(i + 1), results.collect(i));
+            scheduler.request(scheduler.openMailbox(), order(i + 1), results.collect(i));
         for (int i = 0; i < snapshots; ++i) {
             ASSERT_TRUE(scheduler.snapshot(order(50), results.collect(sessions + i)));
         }
@@ -358,7 +359,7 @@ TEST_F(SchedulerTest, ManyThreadsAtOnce) {
         crowd.emplace_back([&, t] {
             const auto mailbox = scheduler.openMailbox();
             for (int i = 0; i < each; ++i) {
-                scheduler.wish(mailbox, order(4 + t, i % 3 == 0), results.collect(t * each + i));
+                scheduler.request(mailbox, order(4 + t, i % 3 == 0), results.collect(t * each + i));
                 if (i % 7 == 0) scheduler.abandon(mailbox);
             }
             scheduler.closeMailbox(mailbox);
@@ -375,10 +376,10 @@ TEST_F(SchedulerTest, NobodyWaitsForSomebodyElsesBlocks) {
     painter.unload();
     Scheduler scheduler(painter.open(), {}, metrics);
     const auto still = scheduler.openMailbox(), mover = scheduler.openMailbox();
-    scheduler.wish(still, order(1, true), results.collect(1));
+    scheduler.request(still, order(1, true), results.collect(1));
     ASSERT_TRUE(painter.waitLoading(1));
     for (int i = 2; i <= 6; ++i) {
-        scheduler.wish(mover, moving(i), results.collect(i));
+        scheduler.request(mover, moving(i), results.collect(i));
         ASSERT_TRUE(results.waitFor(std::size_t(i - 1))) << "frame " << i;
     }
     EXPECT_EQ(begunWidths(), (std::vector<int>{2, 3, 4, 5, 6}));
@@ -391,12 +392,12 @@ TEST_F(SchedulerTest, ATrialIsDrawnWholeOrNotAtAll) {
     painter.unload();
     Scheduler scheduler(painter.open(), {}, metrics);
     const auto mailbox = scheduler.openMailbox();
-    scheduler.wish(mailbox, trial(1), results.collect(1));
+    scheduler.request(mailbox, trial(1), results.collect(1));
     ASSERT_TRUE(results.waitFor(1)) << "it does not wait";
     EXPECT_EQ(results.code(1), ErrorCode::Cancelled);
     EXPECT_TRUE(begunWidths().empty());
     painter.load();
-    scheduler.wish(mailbox, trial(2), results.collect(2));
+    scheduler.request(mailbox, trial(2), results.collect(2));
     ASSERT_TRUE(results.waitFor(2));
     EXPECT_EQ(results.code(2), std::nullopt);
     EXPECT_EQ(begunWidths(), std::vector<int>{2});
@@ -408,18 +409,18 @@ TEST_F(SchedulerTest, AWaitForBlocksEndsWithItsReason) {
     painter.unload();
     Scheduler scheduler(painter.open(), {}, metrics);
     const auto a = scheduler.openMailbox(), b = scheduler.openMailbox();
-    scheduler.wish(a, order(1, true), results.collect(1));
+    scheduler.request(a, order(1, true), results.collect(1));
     ASSERT_TRUE(painter.waitLoading(1));
-    scheduler.wish(b, order(2, true), results.collect(2));  // behind the first
-    scheduler.wish(a, moving(3), results.collect(3));
-    ASSERT_TRUE(results.waitFor(2)) << "a newer wish ends the wait of the same session";
+    scheduler.request(b, order(2, true), results.collect(2));  // behind the first
+    scheduler.request(a, moving(3), results.collect(3));
+    ASSERT_TRUE(results.waitFor(2)) << "a newer request ends the wait of the same session";
     EXPECT_EQ(results.code(1), ErrorCode::Cancelled);
     EXPECT_EQ(results.code(3), std::nullopt);
     ASSERT_TRUE(painter.waitLoading(1));
     scheduler.abandon(b);
     ASSERT_TRUE(results.waitFor(3));
     EXPECT_EQ(results.code(2), ErrorCode::Cancelled);
-    scheduler.wish(b, order(4, true), results.collect(4));
+    scheduler.request(b, order(4, true), results.collect(4));
     ASSERT_TRUE(painter.waitLoading(1));
     scheduler.closeMailbox(b);
     ASSERT_TRUE(results.waitFor(4));
@@ -451,7 +452,7 @@ TEST_F(SchedulerTest, TheEndComesWhileBlocksAreLoaded) {
     painter.unload();
     Scheduler scheduler(painter.open(), {}, metrics);
     const auto mailbox = scheduler.openMailbox();
-    scheduler.wish(mailbox, order(1, true), results.collect(1));
+    scheduler.request(mailbox, order(1, true), results.collect(1));
     ASSERT_TRUE(painter.waitLoading(1));
     ASSERT_TRUE(scheduler.snapshot(order(2), results.collect(2)));
     scheduler.stop();
@@ -472,7 +473,7 @@ TEST_F(SchedulerTest, ManyThreadsWhileBlocksComeAndGo) {
                 if (t == 0) i % 2 ? painter.load() : painter.unload();
                 auto wanted = order(4 + t, i % 3 == 0);
                 wanted.complete = i % 3 == 0;
-                scheduler.wish(mailbox, wanted, results.collect(t * each + i));
+                scheduler.request(mailbox, wanted, results.collect(t * each + i));
                 if (i % 7 == 0) scheduler.abandon(mailbox);
             }
             scheduler.closeMailbox(mailbox);

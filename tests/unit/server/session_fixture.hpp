@@ -101,7 +101,7 @@ class SessionTest : public ::testing::Test {
     }
     /// The scheduler finishes the order that was placed as the n-th.
     void finish(std::size_t n, double renderMs = 1) {
-        Picture picture;
+        EncodedPicture picture;
         picture.bytes = std::make_shared<const Bytes>(Bytes{1, 2, 3});
         picture.width = port.orders.at(n).order.view.width;
         picture.height = port.orders.at(n).order.view.height;

@@ -20,7 +20,7 @@ class CountingSession final : public LiveSession {
 
 class RegisterTest : public ::testing::Test {
   protected:
-    std::unique_ptr<SessionSeat> enter(const std::shared_ptr<CountingSession>& session) {
+    std::unique_ptr<SessionRegistration> enter(const std::shared_ptr<CountingSession>& session) {
         return sessions.enter(ClientKind::WebSocket, session);
     }
     SessionRegister sessions;
@@ -104,7 +104,7 @@ TEST_F(RegisterTest, NobodyFollowsAFollower) {
     auto c = enter(third);
     EXPECT_EQ(a->follow("nobody").error().status, 404);
     EXPECT_EQ(a->follow(b->id()).error().status, 503) << "it shows nothing yet";
-    for (auto* seat : {&a, &b, &c}) (*seat)->show({"town", View(), 0});
+    for (auto* registration : {&a, &b, &c}) (*registration)->show({"town", View(), 0});
     EXPECT_EQ(a->follow(a->id()).error().status, 409);
     ASSERT_TRUE(a->follow(b->id()));
     EXPECT_EQ(c->follow(a->id()).error().status, 409);
@@ -122,7 +122,7 @@ class FollowTest : public SessionTest {
         SessionOptions options;
         options.id = "s1";
         options.maxPixels = 4'000'000;
-        options.seat = seat.get();
+        options.registration = registration.get();
         session.emplace(options, world, port, metrics, now);
     }
     static View leaderView(double x) {
@@ -137,8 +137,8 @@ class FollowTest : public SessionTest {
 
     SessionRegister sessions;
     std::shared_ptr<CountingSession> other = std::make_shared<CountingSession>();
-    std::unique_ptr<SessionSeat> leader = sessions.enter(ClientKind::WebSocket, other);
-    std::unique_ptr<SessionSeat> seat = sessions.enter(ClientKind::WebSocket, other);
+    std::unique_ptr<SessionRegistration> leader = sessions.enter(ClientKind::WebSocket, other);
+    std::unique_ptr<SessionRegistration> registration = sessions.enter(ClientKind::WebSocket, other);
 };
 
 TEST_F(FollowTest, AHelloThatFollowsShowsTheLeadersViewInItsOwnSize) {
@@ -161,14 +161,14 @@ TEST_F(FollowTest, OnlyItsSizeIsAFollowersOwn) {
     hello();
     say({{"type", "view"}, {"seq", 1}, {"follow", leader->id()}});
     say({{"type", "view"}, {"seq", 2}, {"width", 320}});
-    EXPECT_EQ(seat->following(), true);
+    EXPECT_EQ(registration->following(), true);
     EXPECT_EQ(port.texts.size(), 1U) << "no problem";
     say({{"type", "view"}, {"seq", 3}, {"method", "point"}});
     EXPECT_EQ(port.texts.at(1)["problem"]["status"], 409);
     EXPECT_EQ(port.texts[1]["seq"], 3);
     say({{"type", "view"}, {"seq", 4}, {"follow", nullptr}, {"method", "point"}});
     EXPECT_EQ(port.texts.size(), 2U);
-    EXPECT_FALSE(seat->following());
+    EXPECT_FALSE(registration->following());
     EXPECT_EQ(sessions.list()[1].shows->view.style.method, "point");
     EXPECT_EQ(sessions.list()[1].shows->view.width, 320);
     EXPECT_EQ(sessions.list()[1].shows->cloudId, "second") << "it goes on from what it showed";
@@ -190,7 +190,7 @@ TEST_F(FollowTest, WhenTheLeaderLeavesTheFollowerIsToldAndStays) {
     leader.reset();
     session->lookAround(now);
     EXPECT_EQ(port.texts.at(1)["problem"]["status"], 404);
-    EXPECT_FALSE(seat->following());
+    EXPECT_FALSE(registration->following());
     EXPECT_FALSE(port.closed);
     say({{"type", "view"}, {"seq", 2}, {"method", "point"}});
     EXPECT_EQ(port.texts.size(), 2U);

@@ -12,7 +12,7 @@ class NeverWhole final : public SampleStore {
     std::vector<Expected<SampleRun>> loadAll(std::span<const std::uint32_t>, std::stop_token) override {
         return {};
     }
-    void request(std::uint64_t, std::vector<Wish>) override {}
+    void request(std::uint64_t, std::vector<BlockRequest>) override {}
     bool whole() const override { return false; }
     bool damaged(std::uint32_t) const override { return false; }
     std::uint64_t capacity() const override { return 1000; }
@@ -39,7 +39,7 @@ class ColdCloud : public SessionTest {
         session->pictureDone(port.orders.at(n).number, fail(ErrorCode::Cancelled, "still to be read"), now);
     }
     void finishMissing(std::size_t n, std::uint64_t missing) {
-        Picture picture;
+        EncodedPicture picture;
         picture.bytes = std::make_shared<const Bytes>(Bytes{1, 2, 3});
         picture.width = picture.height = 8;
         picture.stats.samplesMissing = missing;

@@ -13,7 +13,7 @@ class SharedPicturesTest : public ::testing::Test {
   protected:
     PictureOrder order() const { return {cloud, View(), PictureFormat::Depth, false}; }
     PictureDone count() {
-        return [this](const Expected<Picture>& picture) { ++(picture ? good : bad); };
+        return [this](const Expected<EncodedPicture>& picture) { ++(picture ? good : bad); };
     }
     bool reached(const std::atomic<int>& counter, int value) {
         const auto end = std::chrono::steady_clock::now() + test::FakePainter::patience;

@@ -147,7 +147,7 @@ class Neighbourhood {
     std::vector<std::pair<CellKey, std::uint32_t>> chunks_;
 };
 
-int haloRungs(std::uint64_t points, std::size_t cells) {
+int haloCellLevels(std::uint64_t points, std::size_t cells) {
     int up = 0;
     // On a surface, cells twice as large hold four times as many points.
     for (double each = double(points) / double(cells); each < 64 && up < 3; each *= 4) ++up;
@@ -155,7 +155,7 @@ int haloRungs(std::uint64_t points, std::size_t cells) {
 }
 
 void layOutHalos(ChunkLayout& layout, Cells cells, std::uint64_t points) {
-    const Neighbourhood neighbourhood(layout, cells, haloRungs(points, cells.size()));
+    const Neighbourhood neighbourhood(layout, cells, haloCellLevels(points, cells.size()));
     std::vector<std::vector<std::uint32_t>> found(cells.size());
     tbb::parallel_for(std::size_t(0), cells.size(), [&](std::size_t i) {
         found[i] = neighbourhood.around(cells[i].key, layout.destination(cells[i].key).chunk);

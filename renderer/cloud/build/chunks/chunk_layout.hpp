@@ -1,6 +1,6 @@
 // How a cloud is divided into chunks that fit in memory: the top of the octree, split at counting-grid
 // boundaries nearest the average, and which chunk every cell belongs to. Pipeline: counting grid → **chunk
-// layout** → chunks. Source: methods.md §6 (out of core, above chunk size). Pure function; the result depends
+// layout** → chunks. Source: docs/spec/hierarchy.md §2. Pure function; the result depends
 // on the counts alone.
 #pragma once
 

@@ -46,8 +46,9 @@ void CellTable::grow() {
 
 CountingGrid::CountingGrid(const GridBox& box) : box_(box) {
     for (int a = 0; a < 3; ++a)
-        while ((box.max[a] >> frame_.rung) - (box.min[a] >> frame_.rung) >= 1024) ++frame_.rung;
-    for (int a = 0; a < 3; ++a) frame_.first[a] = box.min[a] >> frame_.rung;
+        while ((box.max[a] >> frame_.cellLevel) - (box.min[a] >> frame_.cellLevel) >= 1024)
+            ++frame_.cellLevel;
+    for (int a = 0; a < 3; ++a) frame_.first[a] = box.min[a] >> frame_.cellLevel;
 }
 
 void CountingGrid::add(std::span<const BuildPoint> points) {
@@ -64,25 +65,25 @@ void CountingGrid::add(std::span<const BuildPoint> points) {
 
 void CountingGrid::join(const CountingGrid& other) {
     CountingGrid theirs = other;
-    const int rung = std::max(frame_.rung, theirs.frame_.rung);
-    coarsenTo(rung);
-    theirs.coarsenTo(rung);
+    const int cellLevel = std::max(frame_.cellLevel, theirs.frame_.cellLevel);
+    coarsenTo(cellLevel);
+    theirs.coarsenTo(cellLevel);
     theirs.table_.forEach([&](CellKey key, std::uint64_t points) { table_[key] += points; });
     coarsenIfFull();
 }
 
 void CountingGrid::coarsenIfFull() {
-    while (table_.size() > mostCells) coarsenTo(frame_.rung + 1);
+    while (table_.size() > mostCells) coarsenTo(frame_.cellLevel + 1);
 }
 
-void CountingGrid::coarsenTo(int rung) {
-    if (rung == frame_.rung) return;
-    CellFrame coarser{.first = {}, .rung = rung};
-    for (int a = 0; a < 3; ++a) coarser.first[a] = box_.min[a] >> rung;
+void CountingGrid::coarsenTo(int cellLevel) {
+    if (cellLevel == frame_.cellLevel) return;
+    CellFrame coarser{.first = {}, .cellLevel = cellLevel};
+    for (int a = 0; a < 3; ++a) coarser.first[a] = box_.min[a] >> cellLevel;
     CellTable table;
     table_.forEach([&](CellKey key, std::uint64_t points) {
         GridPosition p;
-        for (int a = 0; a < 3; ++a) p[a] = (frame_.first[a] + cellAxis(key, a)) << frame_.rung;
+        for (int a = 0; a < 3; ++a) p[a] = (frame_.first[a] + cellAxis(key, a)) << frame_.cellLevel;
         table[coarser.key(p)] += points;
     });
     frame_ = coarser;

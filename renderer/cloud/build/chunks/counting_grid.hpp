@@ -1,7 +1,7 @@
 // How many points lie in each cell of a coarse grid: what a cloud too large for memory is divided by.
-// Pipeline: staging → **counting grid** → chunk layout → chunks. Source: methods.md §6 (out of core).
+// Pipeline: staging → **counting grid** → chunk layout → chunks. Source: docs/spec/hierarchy.md §2.
 //
-// Cells are cubes of 2^rung grid steps, anchored at the grid's 0; the rung is the finest that leaves at most
+// Cells are cubes of 2^cellLevel grid steps, anchored at the grid's 0; the cell level is the finest that leaves at most
 // mostCells of them occupied, and so depends on the set of points alone.
 #pragma once
 
@@ -17,12 +17,12 @@ namespace scancast {
 using CellKey = std::uint64_t;
 
 struct CellFrame {
-    GridPosition first{};  ///< index, at the rung, of the cell that keys count from
-    int rung = 0;
+    GridPosition first{};  ///< index, at the cell level, of the cell that keys count from
+    int cellLevel = 0;
 
     CellKey key(const GridPosition& p) const {
-        return ((p[0] >> rung) - first[0]) | ((p[1] >> rung) - first[1]) << 21 |
-               ((p[2] >> rung) - first[2]) << 42;
+        return ((p[0] >> cellLevel) - first[0]) | ((p[1] >> cellLevel) - first[1]) << 21 |
+               ((p[2] >> cellLevel) - first[2]) << 42;
     }
 };
 inline std::uint32_t cellAxis(CellKey key, int axis) {
@@ -72,7 +72,7 @@ class CountingGrid {
     std::vector<CountedCell> cells() const;
 
   private:
-    void coarsenTo(int rung);
+    void coarsenTo(int cellLevel);
     void coarsenIfFull();
 
     GridBox box_;

@@ -1,4 +1,4 @@
-// Splitting a set of points in place into octants at its average position. 001_c3e54385a9f0e90c, Algorithm 1.
+// Splitting a set of points in place into octants at its average position. docs/spec/hierarchy.md §2.
 // Pipeline: staging → **splitter** → leaves. Pure functions on a run of points; large runs are measured in
 // parallel.
 #pragma once

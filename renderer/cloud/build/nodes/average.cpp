@@ -14,12 +14,12 @@ using NormalSum = std::array<std::int64_t, 3>;
 
 // One view of the two things that can be averaged.
 
-GridPosition cellOf(const BuildPoint& p, int, int rung) {
+GridPosition cellOf(const BuildPoint& p, int, int cellLevel) {
     const GridPosition q = p.position();
-    return {q[0] >> rung, q[1] >> rung, q[2] >> rung};
+    return {q[0] >> cellLevel, q[1] >> cellLevel, q[2] >> cellLevel};
 }
-GridPosition cellOf(const Average& a, int ownRung, int rung) {
-    const int up = rung - ownRung;
+GridPosition cellOf(const Average& a, int ownCellLevel, int cellLevel) {
+    const int up = cellLevel - ownCellLevel;
     return {a.cell[0] >> up, a.cell[1] >> up, a.cell[2] >> up};
 }
 
@@ -159,7 +159,7 @@ void averageRun(Things run, const GridPosition& cell, const AverageRules& rules,
         add(sides[side], at(thing), sign, rules, theirVotes, votes[side]);
     }
     if (rules.reach) {
-        const GridPosition from{cell[0] << out.rung, cell[1] << out.rung, cell[2] << out.rung};
+        const GridPosition from{cell[0] << out.cellLevel, cell[1] << out.cellLevel, cell[2] << out.cellLevel};
         std::array<glm::dvec3, 2> mean;
         for (std::size_t side = 0; side < 2; ++side)
             if (sides[side].count > 0) mean[side] = meanPosition(sides[side], from);
@@ -177,12 +177,12 @@ void averageRun(Things run, const GridPosition& cell, const AverageRules& rules,
 }
 
 template <class Things>
-void averageRuns(Things things, int ownRung, const AverageRules& rules, const std::vector<Vote>& theirVotes,
-                 AverageList& out) {
+void averageRuns(Things things, int ownCellLevel, const AverageRules& rules,
+                 const std::vector<Vote>& theirVotes, AverageList& out) {
     for (std::size_t first = 0; first < things.size();) {
-        const GridPosition cell = cellOf(at(things[first]), ownRung, out.rung);
+        const GridPosition cell = cellOf(at(things[first]), ownCellLevel, out.cellLevel);
         std::size_t last = first + 1;
-        while (last < things.size() && cellOf(at(things[last]), ownRung, out.rung) == cell) ++last;
+        while (last < things.size() && cellOf(at(things[last]), ownCellLevel, out.cellLevel) == cell) ++last;
         averageRun(things.subspan(first, last - first), cell, rules, theirVotes, out);
         first = last;
     }
@@ -195,7 +195,7 @@ void appendCells(std::span<const BuildPoint> points, const AverageRules& rules, 
 }
 
 void appendCells(const AverageList& finer, const AverageRules& rules, AverageList& list) {
-    averageRuns(std::span(finer.averages), finer.rung, rules, finer.votes, list);
+    averageRuns(std::span(finer.averages), finer.cellLevel, rules, finer.votes, list);
 }
 
 AverageList merge(const AverageList& runs, std::span<const std::size_t> starts, const AverageRules& rules) {
@@ -209,9 +209,9 @@ AverageList merge(const AverageList& runs, std::span<const std::size_t> starts, 
         for (std::size_t run = 0; run + width < starts.size(); run += 2 * width)
             std::inplace_merge(place(run), place(run + width), place(run + 2 * width), less);
 
-    AverageList merged{.rung = runs.rung, .averages = {}, .votes = {}};
+    AverageList merged{.cellLevel = runs.cellLevel, .averages = {}, .votes = {}};
     merged.averages.reserve(order.size());
-    averageRuns(std::span(std::as_const(order)), runs.rung, rules, runs.votes, merged);
+    averageRuns(std::span(std::as_const(order)), runs.cellLevel, rules, runs.votes, merged);
     return merged;
 }
 

@@ -1,7 +1,7 @@
 // Averaged samples: what inner nodes hold. Sums are integers, so an average over averages is the exact
 // average over the scan's points, in any order. Pipeline: leaves → **averages** → octree.
 //
-// A cell of 2^rung grid steps, anchored at the grid's 0, gives one sample; two where normals point to
+// A cell of 2^cellLevel grid steps, anchored at the grid's 0, gives one sample; two where normals point to
 // opposite sides (a thin wall): they are averaged sign-free first, and what points more than 90° away from
 // that direction - with a margin for noise - becomes the second sample. Normals without an orientation are
 // turned to one side instead.
@@ -22,7 +22,7 @@ struct Vote {
 };
 
 struct Average {
-    GridPosition cell{};  ///< index of the cell at the list's rung
+    GridPosition cell{};  ///< index of the cell at the list's cellLevel
     std::array<WideSum, 3> position{};
     std::uint64_t count = 0;  ///< scan points
     std::array<std::uint64_t, 3> color{};
@@ -42,14 +42,14 @@ struct AverageRules {
 
 /// Averages in Morton order of their cells.
 struct AverageList {
-    int rung = 0;
+    int cellLevel = 0;
     std::vector<Average> averages;
     std::vector<Vote> votes;  ///< empty when the scan is not classified
 };
 
-/// Adds the averages of points in Morton order; `list.rung` must not be below the order's resolution.
+/// Adds the averages of points in Morton order; `list.cellLevel` must not be below the order's resolution.
 void appendCells(std::span<const BuildPoint> points, const AverageRules& rules, AverageList& list);
-/// Adds a list of a finer or equal rung.
+/// Adds a list of a finer or equal cell level.
 void appendCells(const AverageList& finer, const AverageRules& rules, AverageList& list);
 /// Merges runs that appendCells added one after the other (`starts` are their first indices) into one list.
 AverageList merge(const AverageList& runs, std::span<const std::size_t> starts, const AverageRules& rules);

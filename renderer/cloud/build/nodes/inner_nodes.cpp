@@ -8,33 +8,33 @@ namespace scancast {
 
 namespace {
 
-std::uint64_t cellsBelow(const BuildNode& node, int rung) {
+std::uint64_t cellsBelow(const BuildNode& node, int cellLevel) {
     std::uint64_t n = 0;
-    for (const auto& child : node.children) n += child->content.cells.cells(rung);
+    for (const auto& child : node.children) n += child->content.cells.cells(cellLevel);
     return n;
 }
 
-/// The cell size: the finest rung, not below any child's, that leaves at most every second sample (and at
+/// The cell size: the finest cell level, not below any child's, that leaves at most every second sample (and at
 /// most twice a full leaf), so that every level is markedly coarser than the one below it and nodes hold
 /// thousands of samples wherever the tree is deep. Steps must not be larger than that: what lies between two
 /// levels is drawn at the finer one, and a step of three costs a view of a town half as many samples again.
 /// Few samples (an eighth of a leaf) need not be made fewer. A cell is at least 32 lattice steps wide:
 /// positions are then exact to 0.05 of the spacing.
-int chooseRung(const BuildNode& node, const InnerLattice& lattice, const OctreeInput& input) {
-    int rung = std::max(0, lattice.rung + 5);
+int chooseCellLevel(const BuildNode& node, const InnerLattice& lattice, const OctreeInput& input) {
+    int cellLevel = std::max(0, lattice.cellLevel + 5);
     std::uint64_t below = 0;
     for (const auto& child : node.children) {
-        rung = std::max(rung, child->content.rung);
+        cellLevel = std::max(cellLevel, child->content.cellLevel);
         below += child->stored.node.sampleCount;
     }
     const std::uint64_t full = std::max(input.shape.leafPoints, 16u);
     const std::uint64_t most = std::min(full * 2, std::max(below / 2, full / 8));
-    while (rung < gridBits && cellsBelow(node, rung) > most) ++rung;
-    return rung;
+    while (cellLevel < gridBits && cellsBelow(node, cellLevel) > most) ++cellLevel;
+    return cellLevel;
 }
 
-AverageList averageChildren(BuildNode& node, int rung, const AverageRules& rules) {
-    AverageList runs{.rung = rung, .averages = {}, .votes = {}};
+AverageList averageChildren(BuildNode& node, int cellLevel, const AverageRules& rules) {
+    AverageList runs{.cellLevel = cellLevel, .averages = {}, .votes = {}};
     std::vector<std::size_t> starts;
     for (auto& child : node.children) {
         starts.push_back(runs.averages.size());
@@ -67,7 +67,7 @@ void fillSamples(BuildNode& node, const InnerLattice& lattice, const OctreeInput
     // Cells that are all filled are a cell apart; where the scan is sparse or oblique to them, the gaps
     // decide.
     const Spacing spacing = estimateSpacing(local);
-    node.content.spacing = std::max(grid.cellSize(node.averages.rung), spacing.closing);
+    node.content.spacing = std::max(grid.cellSize(node.averages.cellLevel), spacing.closing);
     node.content.meanSpacing = spacing.mean > 0 ? spacing.mean : node.content.spacing;
 }
 
@@ -86,19 +86,19 @@ void fillInner(BuildNode& node, const OctreeInput& input) {
     }
     const InnerLattice lattice = innerLattice(low, high, input.grid);
     NodeContent& content = node.content;
-    content.rung = chooseRung(node, lattice, input);
+    content.cellLevel = chooseCellLevel(node, lattice, input);
     const AverageRules rules{.attributes = input.attributes,
                              .oriented = input.oriented,
                              .reach = input.shape.surfels,
                              .gridStep = input.grid.step};
-    node.averages = averageChildren(node, content.rung, rules);
+    node.averages = averageChildren(node, content.cellLevel, rules);
     content.corner = lattice.corner;
     content.step = lattice.step;
     fillSamples(node, lattice, input);
     const auto& list = node.averages.averages;
     content.cells.addFirst();
     for (std::size_t i = 1; i < list.size(); ++i)
-        content.cells.addStep(list[i - 1].cell, list[i].cell, content.rung);
+        content.cells.addStep(list[i - 1].cell, list[i].cell, content.cellLevel);
     content.bounds = boundsOf(content.samples, content.corner, content.step, below);
     node.stored.node.sampleCount = std::uint32_t(content.samples.size());
 }

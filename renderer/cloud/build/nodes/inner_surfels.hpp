@@ -1,6 +1,6 @@
 // Surfels of inner nodes: radius and axes estimated anew among the samples of one level, across node borders
 // (averaged radii would leave holes two levels up). Pipeline: filled tree → **inner surfels** → finished
-// samples. Source: methods.md §6.
+// samples. Source: docs/spec/hierarchy.md §3.
 #pragma once
 
 #include <functional>

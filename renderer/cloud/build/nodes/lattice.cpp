@@ -35,12 +35,12 @@ std::array<std::uint16_t, 3> InnerLattice::quantise(const glm::dvec3& p) const {
 InnerLattice innerLattice(const glm::dvec3& low, const glm::dvec3& high, const Grid& grid) {
     InnerLattice lattice;
     lattice.corner = low;
-    lattice.rung = -8;
+    lattice.cellLevel = -8;
     for (int a = 0; a < 3; ++a) {
         int k = -8;
         while (std::ldexp(grid.step[a], k) * 65535 < high[a] - low[a]) ++k;
         lattice.step[a] = std::ldexp(grid.step[a], k);
-        lattice.rung = std::max(lattice.rung, k);
+        lattice.cellLevel = std::max(lattice.cellLevel, k);
     }
     return lattice;
 }

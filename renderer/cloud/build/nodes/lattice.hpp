@@ -31,7 +31,7 @@ LeafLattice leafLattice(const GridBox& box, const Grid& grid, const glm::dvec3& 
 struct InnerLattice {
     glm::dvec3 corner{0};
     glm::dvec3 step{1};
-    int rung = 0;  ///< of the coarsest axis: step = grid step · 2^rung
+    int cellLevel = 0;  ///< of the coarsest axis: step = grid step · 2^cellLevel
 
     std::array<std::uint16_t, 3> quantise(const glm::dvec3& p) const;
 };

@@ -23,20 +23,20 @@ class KeyMaker {
   public:
     explicit KeyMaker(const GridBox& box) {
         for (int a = 0; a < 3; ++a)
-            while ((box.max[a] >> rung_) - (box.min[a] >> rung_) >= 1u << bits) ++rung_;
-        for (int a = 0; a < 3; ++a) firstBlock_[a] = box.min[a] >> rung_ >> bits;
+            while ((box.max[a] >> cellLevel_) - (box.min[a] >> cellLevel_) >= 1u << bits) ++cellLevel_;
+        for (int a = 0; a < 3; ++a) firstBlock_[a] = box.min[a] >> cellLevel_ >> bits;
         std::array<unsigned, 8> order{0, 1, 2, 3, 4, 5, 6, 7};
         std::sort(order.begin(), order.end(),
                   [&](unsigned a, unsigned b) { return mortonLess(block(a), block(b)); });
         for (unsigned i = 0; i < 8; ++i) rank_[order[i]] = i;
     }
 
-    /// Positions in one cell of 2^rung steps have the same key.
-    int rung() const { return rung_; }
+    /// Positions in one cell of 2^cellLevel steps have the same key.
+    int cellLevel() const { return cellLevel_; }
 
     std::uint64_t key(const GridPosition& p) const {
         constexpr std::uint64_t within = (1u << bits) - 1;
-        const GridPosition c{p[0] >> rung_, p[1] >> rung_, p[2] >> rung_};
+        const GridPosition c{p[0] >> cellLevel_, p[1] >> cellLevel_, p[2] >> cellLevel_};
         unsigned which = 0;
         for (int a = 0; a < 3; ++a) which |= unsigned((c[a] >> bits) - firstBlock_[a]) << a;
         return rank_[which] << (3 * bits) | mortonKey(c[0] & within, c[1] & within, c[2] & within);
@@ -50,12 +50,12 @@ class KeyMaker {
                 firstBlock_[2] + (which >> 2)};
     }
 
-    int rung_ = 0;
+    int cellLevel_ = 0;
     GridPosition firstBlock_{};
     std::array<std::uint64_t, 8> rank_{};
 };
 
-/// Returns the rung down to which the points are in Morton order; within a cell of it, by their whole
+/// Returns the cell level down to which the points are in Morton order; within a cell of it, by their whole
 /// content.
 int sortPoints(std::span<BuildPoint> points, const GridBox& box) {
     if (box.isPoint()) {
@@ -78,7 +78,7 @@ int sortPoints(std::span<BuildPoint> points, const GridBox& box) {
                       wholeLess);
         same = i + 1;
     }
-    return maker.rung();
+    return maker.cellLevel();
 }
 
 Spacing spacingOf(std::span<const BuildPoint> points, const GridBox& box, const Grid& grid) {
@@ -90,7 +90,7 @@ Spacing spacingOf(std::span<const BuildPoint> points, const GridBox& box, const 
     return estimateSpacing(local);
 }
 
-/// 0.05 of the spacing is what positions may be coarse by (methods.md §6).
+/// 0.05 of the spacing is what positions may be coarse by (docs/spec/hierarchy.md §5).
 bool fineEnough(const LeafLattice& lattice, double spacing) {
     return lattice.exact || std::max({lattice.step.x, lattice.step.y, lattice.step.z}) <= 0.05 * spacing;
 }
@@ -118,7 +118,7 @@ std::optional<NodeContent> makeLeaf(std::span<BuildPoint> points, const GridBox&
     NodeContent leaf;
     leaf.corner = lattice.corner;
     leaf.step = lattice.step;
-    leaf.rung = sortPoints(points, box);
+    leaf.cellLevel = sortPoints(points, box);
     const Spacing spacing = box.isPoint() ? Spacing{} : spacingOf(points, box, grid);
     leaf.spacing = spacing.closing;
     leaf.meanSpacing = spacing.mean;

@@ -17,7 +17,7 @@ struct NodeContent {
     Bounds bounds;
     double spacing = 0;      ///< closes the surface; 0 = not known: one sample, or all at one place
     double meanSpacing = 0;  ///< √(surface per sample); 0 = not known
-    int rung = 0;            ///< coarser nodes may merge samples in cells of 2^rung steps and larger
+    int cellLevel = 0;       ///< coarser nodes may merge samples in cells of 2^cellLevel steps and larger
     CellCount cells;
     std::vector<Sample> samples;
     std::vector<float> reaches;  ///< of an inner node's samples, with surfels: Average::reach

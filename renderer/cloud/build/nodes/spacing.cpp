@@ -29,7 +29,7 @@ constexpr std::size_t fewest = 24, most = 400;  // neighbours that make a neighb
 constexpr double quantile = 0.85;
 constexpr double pitchPerReach = 1.4142135623730951;
 
-struct Block {
+struct SampleBox {
     glm::vec3 low, high;
     float squaredDistance(const glm::vec3& p) const {
         const glm::vec3 d = glm::max(glm::max(low - p, p - high), glm::vec3(0));
@@ -37,11 +37,11 @@ struct Block {
     }
 };
 
-std::vector<Block> makeBlocks(std::span<const glm::vec3> samples) {
-    std::vector<Block> blocks;
+std::vector<SampleBox> boxesOf(std::span<const glm::vec3> samples) {
+    std::vector<SampleBox> blocks;
     blocks.reserve(samples.size() / blockSize + 1);
     for (std::size_t i = 0; i < samples.size(); i += blockSize) {
-        Block b{samples[i], samples[i]};
+        SampleBox b{samples[i], samples[i]};
         for (const glm::vec3& p : samples.subspan(i, std::min(blockSize, samples.size() - i))) {
             b.low = glm::min(b.low, p);
             b.high = glm::max(b.high, p);
@@ -53,8 +53,8 @@ std::vector<Block> makeBlocks(std::span<const glm::vec3> samples) {
 
 /// The neighbours of samples[at] within a radius, as offsets; equal samples are left out. Stops early past
 /// `most`.
-void gather(std::span<const glm::vec3> samples, std::span<const Block> blocks, std::size_t at, float radius,
-            std::vector<glm::vec3>& out) {
+void gather(std::span<const glm::vec3> samples, std::span<const SampleBox> blocks, std::size_t at,
+            float radius, std::vector<glm::vec3>& out) {
     out.clear();
     const glm::vec3 p = samples[at];
     const float limit = radius * radius;
@@ -77,9 +77,9 @@ struct Neighbourhood {
 class Neighbourhoods {
   public:
     explicit Neighbourhoods(std::span<const glm::vec3> samples)
-        : samples_(samples), blocks_(makeBlocks(samples)) {
-        Block all = blocks_.front();
-        for (const Block& b : blocks_) all = {glm::min(all.low, b.low), glm::max(all.high, b.high)};
+        : samples_(samples), blocks_(boxesOf(samples)) {
+        SampleBox all = blocks_.front();
+        for (const SampleBox& b : blocks_) all = {glm::min(all.low, b.low), glm::max(all.high, b.high)};
         largest_ = glm::length(all.high - all.low);
     }
 
@@ -113,13 +113,13 @@ class Neighbourhoods {
 
   private:
     float firstGuess(std::size_t at) const {
-        const Block& b = blocks_[at / blockSize];
+        const SampleBox& b = blocks_[at / blockSize];
         const float size = glm::length(b.high - b.low);
         return size > 0 ? size : largest_ * 1e-3f;
     }
 
     std::span<const glm::vec3> samples_;
-    std::vector<Block> blocks_;
+    std::vector<SampleBox> blocks_;
     float largest_ = 0, guess_ = 0;
 };
 

@@ -1,5 +1,5 @@
 // The plane that a handful of points lie nearest to. Pure function, in double precision and in a fixed order
-// of operations. The next issue's surfels use it for every point.
+// of operations. Spacing is measured in it (spacing.cpp); surfels have kernels of their own.
 #pragma once
 
 #include <array>

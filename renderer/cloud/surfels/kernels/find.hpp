@@ -58,7 +58,7 @@ inline void leavesWithin(const IndexView& index, const Box& box, float limit, Vi
 }
 
 /// Copies the points of all leaves near a box; -1 where there are too many. Padded with points at infinity.
-inline int gather(const IndexView& index, const Box& box, float limit, Workspace& w) {
+inline int gather(const IndexView& index, const Box& box, float limit, SearchScratch& w) {
     int n = 0;
     bool fits = true;
     leavesWithin(index, box, limit, [&](std::uint32_t leaf) {
@@ -85,7 +85,7 @@ inline bool positionLess(float ax, float ay, float az, float bx, float by, float
 
 /// Equal distances go by position: so the order does not depend on the order of the points. Quick where only
 /// those are out of order.
-inline void sortPicks(Workspace& w, int n) {
+inline void sortPicks(SearchScratch& w, int n) {
     for (int i = 1; i < n; ++i) {
         const int p = w.pick[i];
         int j = i;
@@ -101,7 +101,7 @@ inline void sortPicks(Workspace& w, int n) {
 }
 
 /// Squared distances of the n gathered points from a place.
-inline void measure(Workspace& w, int n, const float (&at)[3]) {
+inline void measure(SearchScratch& w, int n, const float (&at)[3]) {
     for (int i = 0; i < ((n + 15) & ~15); ++i) {
         const float dx = w.x[i] - at[0], dy = w.y[i] - at[1], dz = w.z[i] - at[2];
         w.squared[i] = dx * dx + dy * dy + dz * dz;
@@ -109,7 +109,7 @@ inline void measure(Workspace& w, int n, const float (&at)[3]) {
 }
 
 /// Which of n measured points lie within `limit`: their distances into w.near, their numbers into w.found.
-inline int keepWithin(Workspace& w, int n, float limit) {
+inline int keepWithin(SearchScratch& w, int n, float limit) {
     int m = 0;
 #if SCANCAST_SIMD_LEVEL == 4
     const __m512 most = _mm512_set1_ps(limit);
@@ -151,7 +151,7 @@ inline int keepWithin(Workspace& w, int n, float limit) {
 }
 
 /// Of n measured points those within `limit`, in order, into w.pick; how many.
-inline int rankWithin(Workspace& w, int n, float limit) {
+inline int rankWithin(SearchScratch& w, int n, float limit) {
     const int m = keepWithin(w, n, limit);
     for (int i = 0; i < 16; ++i) w.near[m + i] = infinity;
     for (int i = 0; i < m; ++i) w.pick[i] = -1;
@@ -178,7 +178,7 @@ inline int rankWithin(Workspace& w, int n, float limit) {
 
 /// Keeps the nearest `wanted` in order in w.best.
 inline void offer(const IndexView& index, std::uint32_t p, float squared, int wanted, int& found,
-                  Workspace& w) {
+                  SearchScratch& w) {
     const auto less = [&](int j) {
         const std::uint32_t q = w.best[j];
         return squared < w.bestSquared[j] ||
@@ -203,7 +203,7 @@ struct Descent {
 
 /// The nearest `wanted` points to a place, the point there included, from the root: exact whatever the
 /// distribution.
-inline int searchFromRoot(const IndexView& index, const float (&at)[3], int wanted, Workspace& w) {
+inline int searchFromRoot(const IndexView& index, const float (&at)[3], int wanted, SearchScratch& w) {
     const Box box{{at[0], at[1], at[2]}, {at[0], at[1], at[2]}};
     Descent stack[maxLevels * blockBoxes];
     int top = 0, found = 0;

@@ -10,14 +10,14 @@
 namespace scancast {
 
 /// All that this processor can run, the best first. They give the same surfels.
-std::vector<const surfel::Kernels*> availableSurfelKernels();
+std::vector<const surfel::SurfelKernels*> availableSurfelKernels();
 
 /// The best, or the one that SCANCAST_SIMD (v2, v3, v4) names, where the processor knows it; the cpu device
 /// obeys the same variable.
-const surfel::Kernels& surfelKernels();
+const surfel::SurfelKernels& surfelKernels();
 
 /// estimateSurfels() by one of them, for comparing.
 void estimateSurfels(std::span<const glm::vec3> points, const SurfelOptions& options, std::span<Surfel> out,
-                     const surfel::Kernels& kernels);
+                     const surfel::SurfelKernels& kernels);
 
 }  // namespace scancast

@@ -25,7 +25,7 @@ constexpr float likelyGrowth = 1.3f, groupGrowth = 1.8f;
 struct Run {
     const IndexView& index;
     int k;
-    Workspace& w;
+    SearchScratch& w;
     void (*emit)(void*, const Solved&);
     void* context;
 
@@ -112,7 +112,7 @@ int newLane(const Run& run, int level, std::uint32_t point, const float (&at)[3]
 }
 
 void addCandidates(const Run& run, int level, std::uint32_t point, const float (&at)[3], int m) {
-    Workspace& w = run.w;
+    SearchScratch& w = run.w;
     Neighbourhoods& n = w.waiting[level];
     const int lane = newLane(run, level, point, at, w.squared[w.pick[m]]);
     for (int j = 0; j < m; ++j) {
@@ -124,7 +124,7 @@ void addCandidates(const Run& run, int level, std::uint32_t point, const float (
 }
 
 void addSearched(const Run& run, int level, std::uint32_t point, const float (&at)[3], int m) {
-    Workspace& w = run.w;
+    SearchScratch& w = run.w;
     searchFromRoot(run.index, at, m + 1, w);
     Neighbourhoods& n = w.waiting[level];
     const int lane = newLane(run, level, point, at, w.bestSquared[m]);
@@ -150,7 +150,8 @@ Box boxOf(const IndexView& index, const std::uint32_t* points, int count) {
 
 /// The nearest `wanted` of the gathered points, first among those within a likely distance. False where there
 /// are not that many within the limit, beyond which nothing was gathered.
-bool findNearest(Workspace& w, int gathered, const float (&at)[3], int wanted, float likely, float limit) {
+bool findNearest(SearchScratch& w, int gathered, const float (&at)[3], int wanted, float likely,
+                 float limit) {
     measure(w, gathered, at);
     return (likely < limit && rankWithin(w, gathered, likely) >= wanted) ||
            rankWithin(w, gathered, limit) >= wanted;
@@ -159,7 +160,7 @@ bool findNearest(Workspace& w, int gathered, const float (&at)[3], int wanted, f
 /// Neighbours of points that stand together: everything within the guessed distance of their box is gathered
 /// once. Whoever's k-th neighbour is farther than that searches from the root.
 void solveGroup(const Run& run, int level, const std::uint32_t* points, int count) {
-    Workspace& w = run.w;
+    SearchScratch& w = run.w;
     const int m = run.neighboursAt(level);
     const float limit = w.guess[level];
     int gathered = -1;
@@ -180,8 +181,8 @@ void solveGroup(const Run& run, int level, const std::uint32_t* points, int coun
     if (w.waiting[level].count >= batchLanes - groupSize) flush(run, level);
 }
 
-void solve(const IndexView& index, const std::uint32_t* groupBegin, std::uint32_t groups, int k, Workspace& w,
-           void (*emit)(void*, const Solved&), void* context) {
+void solve(const IndexView& index, const std::uint32_t* groupBegin, std::uint32_t groups, int k,
+           SearchScratch& w, void (*emit)(void*, const Solved&), void* context) {
     const Run run{index, k, w, emit, context};
     for (int level = 0; level < doublings; ++level) {
         w.guess[level] = 0;
@@ -212,7 +213,7 @@ float least(const IndexView& index, const float* leafValue, const float low[3], 
     return value;
 }
 
-int nearest(const IndexView& index, std::uint32_t point, int k, Workspace& w) {
+int nearest(const IndexView& index, std::uint32_t point, int k, SearchScratch& w) {
     const float at[3] = {index.x[point], index.y[point], index.z[point]};
     const int wanted = k + 1 < int(index.points) ? k + 1 : int(index.points);
     return searchFromRoot(index, at, wanted, w) - 1;
@@ -221,7 +222,7 @@ int nearest(const IndexView& index, std::uint32_t point, int k, Workspace& w) {
 }  // namespace
 
 namespace SCANCAST_SIMD_NAMESPACE {
-const Kernels kernels = {solve, least, nearest};
+const SurfelKernels kernels = {solve, least, nearest};
 }
 
 }  // namespace scancast::surfel

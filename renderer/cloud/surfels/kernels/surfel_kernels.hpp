@@ -47,7 +47,7 @@ struct Neighbourhoods {
 };
 
 /// Scratch memory of a thread; holds nothing between calls.
-struct Workspace {
+struct SearchScratch {
     float x[capacity + 16], y[capacity + 16], z[capacity + 16], squared[capacity + 16];
     float near[capacity + 16];
     int pick[capacity + 16], found[capacity + 16];
@@ -70,25 +70,25 @@ struct Solved {
     float radius;
 };
 
-struct Kernels {
+struct SurfelKernels {
     /// Surfels of points [begin, end), which `groupBegin[0 … groups]` cuts into groups of at most groupSize.
-    void (*solve)(const IndexView&, const std::uint32_t* groupBegin, std::uint32_t groups, int k, Workspace&,
-                  void (*emit)(void* context, const Solved&), void* context);
+    void (*solve)(const IndexView&, const std::uint32_t* groupBegin, std::uint32_t groups, int k,
+                  SearchScratch&, void (*emit)(void* context, const Solved&), void* context);
     /// The least of `leafValue` over all leaves that reach within a squared distance of a box.
     float (*least)(const IndexView&, const float* leafValue, const float low[3], const float high[3],
                    float squared);
     /// The k nearest neighbours of a point into w.best[1 … k]; returns how many there are.
-    int (*nearest)(const IndexView&, std::uint32_t point, int k, Workspace& w);
+    int (*nearest)(const IndexView&, std::uint32_t point, int k, SearchScratch& w);
 };
 
 namespace v2 {
-extern const Kernels kernels;
+extern const SurfelKernels kernels;
 }
 namespace v3 {
-extern const Kernels kernels;
+extern const SurfelKernels kernels;
 }
 namespace v4 {
-extern const Kernels kernels;
+extern const SurfelKernels kernels;
 }
 
 }  // namespace scancast::surfel

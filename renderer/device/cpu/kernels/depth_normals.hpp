@@ -1,5 +1,5 @@
 // Normals of the filled depth: one field per level, and per pixel the level that its distance calls for.
-// methods.md §8 step 5, after 004 §3.3. Part of kernels.cpp.
+// docs/spec/pyramid.md §6. Part of kernels.cpp.
 #pragma once
 
 #include "renderer/device/cpu/kernels/normal_plane.hpp"

@@ -1,4 +1,4 @@
-// Hidden point removal: which pixels other points occlude. methods.md §8 step 3, after 004 §3.1.2. Part of
+// Hidden point removal: which pixels other points occlude. docs/spec/pyramid.md §4. Part of
 // kernels.cpp.
 //
 // Pixels are taken in columns of one vector's width inside a block, whose pixels all look equally far. First
@@ -64,7 +64,8 @@ struct NearestInRing {
 };
 
 /// The squared cosine between the direction from x to y and that from y to the eye; 0 where y does not
-/// occlude. methods.md's occlusion is 1 - cosine; of a neighbour beside or behind it counts as 1.
+/// occlude. Occlusion (docs/spec/pyramid.md §4.3) is 1 - cosine; of a neighbour beside or behind it counts
+/// as 1.
 template <bool perspective>
 inline FloatW squaredCosine(const Judged& own, FloatW x, FloatW y, FloatW depth, FloatW square,
                             FloatW minGap) {

@@ -1,5 +1,5 @@
 // The pyramid of points that hidden point removal looks at: of each 2 × 2 the point with the least depth, the
-// first in reading order among equals. methods.md §8 step 2. Part of kernels.cpp.
+// first in reading order among equals. docs/spec/pyramid.md §3. Part of kernels.cpp.
 #pragma once
 
 #include "renderer/device/cpu/kernels/texels.hpp"

@@ -1,5 +1,5 @@
-// Pull-push: colour and depth for pixels that show nothing, from the visible ones around. methods.md §8 step
-// 4, after Kraus, "The pull-push algorithm revisited", 2009. Part of kernels.cpp.
+// Pull-push: colour and depth for pixels that show nothing, from the visible ones around.
+// docs/spec/pyramid.md §5, after Kraus, "The pull-push algorithm revisited", 2009. Part of kernels.cpp.
 //
 // A pixel's weight is 0 or 1, and min(1, sum of four) keeps it so on all levels: a texel is known, the mean
 // of its known children, or it is not (depth +infinity).

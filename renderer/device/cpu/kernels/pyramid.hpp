@@ -1,9 +1,9 @@
-// The border between the host and the kernels of methods.md §8: hidden point removal, pull-push, normals of
-// the filled depth. Plain structs and one table of functions; the rules of kernels.hpp hold. Every function
-// computes the rows [y0, y1) of what it writes, so that threads can share a picture.
+// The border between the host and the kernels of docs/spec/pyramid.md §1: hidden point removal, pull-push,
+// normals of the filled depth. Plain structs and one table of functions; the rules of kernels.hpp hold. Every
+// function computes the rows [y0, y1) of what it writes, so that threads can share a picture.
 //
-// Planes of levels (host/screen_numbers.hpp) stand in blocks with padding around them, so that kernels may read beyond
-// every side without asking: paddingX texels left and right, paddingY rows above and below.
+// Planes of levels (host/screen_numbers.hpp) stand in blocks with padding around them, so that kernels may
+// read beyond every side without asking: paddingX texels left and right, paddingY rows above and below.
 #pragma once
 
 #include <cstdint>
@@ -31,8 +31,8 @@ struct HiddenPoints {
     const std::uint8_t* reach = nullptr;
     std::int32_t blocksPerRow = 0;
     float minGap = 0, threshold = 0;
-    /// Up to this level, whoever lies at infinity is hidden by neighbours all around, without a look at
-    /// angles.
+    /// Up to this level, a pixel without a sample that has neighbours on all sides is hidden for certain:
+    /// angles need no look.
     std::int32_t sureLevel = -1;
     std::uint8_t* labels = nullptr;  ///< one byte per pixel, padded: whole vectors are written
     std::int32_t labelStride = 0;

@@ -1,4 +1,4 @@
-// Blinn-Phong lighting from the plane of normals; methods.md §9. Part of kernels.cpp.
+// Blinn-Phong lighting from the plane of normals; docs/spec/shading.md §2. Part of kernels.cpp.
 #pragma once
 
 #include "renderer/device/cpu/kernels/normal_plane.hpp"

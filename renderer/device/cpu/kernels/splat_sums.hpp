@@ -1,4 +1,4 @@
-// Screen-aligned splats, blended: the `sum` pass of hqs, methods.md §4. Part of kernels.cpp.
+// Screen-aligned splats, blended: the `sum` pass of hqs, docs/spec/sprites.md §6. Part of kernels.cpp.
 #pragma once
 
 #include "renderer/device/cpu/kernels/bounds.hpp"

@@ -1,5 +1,5 @@
-// A mirror's glass on planes (methods.md §10): looking through it at the reflection, and in the end its tint.
-// Inside a Current scope of the shaders' context.
+// A mirror's glass on planes (docs/spec/mirrors.md §3): looking through it at the reflection, and in the end
+// its tint. Inside a Current scope of the shaders' context.
 #pragma once
 
 #include "renderer/device/gl/passes/planes.hpp"

@@ -1,7 +1,7 @@
 // A mirror of a picture on the GPU: the layer that its reflected eye sees, only as large as the mirror
-// appears, and its glass (methods.md §10). As cpu/mirror_layer.hpp: both are layers of splats, screen passes
-// run once over the picture with the reflections in it, and only in the end it becomes glass. Made for one
-// picture, on the device's thread; everything, destruction included, inside a Current scope.
+// appears, and its glass (docs/spec/mirrors.md §3). As cpu/mirror_layer.hpp: both are layers of splats,
+// screen passes run once over the picture with the reflections in it, and only in the end it becomes glass.
+// Made for one picture, on the device's thread; everything, destruction included, inside a Current scope.
 #pragma once
 
 #include <memory>

@@ -1,8 +1,7 @@
-// The screen passes of methods.md §8 on the GPU: hidden point removal, pull-push, normals of the filled
-// depth, in this order, on planes that are changed in place. Levels above the picture stand one after another
-// in two buffers of texels; a dispatch works on six levels at a time, so that a picture of up to 4096 pixels
-// takes nine. Source: 004_a7e57431d45858e9, "Raw point cloud deferred shading through screen space pyramidal
-// operators".
+// The screen passes of docs/spec/pyramid.md §1 on the GPU: hidden point removal, pull-push, normals of the
+// filled depth, in this order, on planes that are changed in place. Levels above the picture stand one after
+// another in two buffers of texels; a dispatch works on six levels at a time, so that a picture of up to 4096
+// pixels takes nine.
 //
 // Owned by a GL device, so that its buffers outlive pictures; everything, destruction included, inside a
 // Current scope of its context. One picture at a time. What comes out is, byte by byte, what the cpu device

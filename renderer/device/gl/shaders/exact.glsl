@@ -1,7 +1,7 @@
 // Quotients and square roots rounded to the nearest float, ties to even, as IEEE 754 and the cpu device round them. A driver's
 // own may be off: OpenGL allows a quotient 2.5 units in the last place, and a root as much as 1 / inversesqrt() (GLSL 4.50,
-// 4.7.1). Compiled by C++, too (tests/unit/gl/exact_test.cpp). After J.-M. Muller et al., Handbook of Floating-Point
-// Arithmetic, 2nd edition, 2018, sections 4.4, 4.7 and 5.2. Variants, the same in all shaders of a device (arithmetic.hpp):
+// 4.7.1). Compiled by C++, too (tests/unit/gl/exact_test.cpp). After Muller et al., "Handbook of Floating-Point
+// Arithmetic", 2018, sections 4.4, 4.7 and 5.2. Variants, the same in all shaders of a device (arithmetic.hpp):
 // ROUNDING: the driver's own are exact; or corrected, by fma() or, where that rounds twice, by split factors. ROUGH 1: for
 // tests, the driver's own are spoilt as far as OpenGL allows.
 #define ROUNDING_OWN 0

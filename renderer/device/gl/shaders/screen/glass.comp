@@ -1,4 +1,4 @@
-// A mirror's glass (methods.md section 10), as the cpu device computes it (kernels/glass.hpp). THROUGH 1: where it is
+// A mirror's glass (docs/spec/mirrors.md section 3), as the cpu device computes it (kernels/glass.hpp). THROUGH 1: where it is
 // seen, the reflected pixels instead of what is there; 0: its tint, and its own depth.
 #version 450 core
 #include "layouts_screen.glsl"

@@ -1,4 +1,4 @@
-// Hidden point removal: which pixels other points occlude. methods.md section 8 step 3, after 004 section 3.1.2; as the
+// Hidden point removal: which pixels other points occlude. docs/spec/pyramid.md section 4; as the
 // cpu device computes it (kernels/hidden_points.hpp), which says why each step decides as it does.
 //
 // A work group is one block of 16 x 16 pixels, which look at the same levels. The texels that they look at are copied

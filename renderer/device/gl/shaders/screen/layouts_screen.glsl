@@ -34,7 +34,7 @@ struct GlassParams {
 
 const int pyramidLevels = 24;
 
-// The passes of methods.md section 8. Level 0 is the picture; texels of the others stand in one buffer.
+// The passes of docs/spec/pyramid.md section 1. Level 0 is the picture; texels of the others stand in one buffer.
 struct PyramidParams {
     ivec4 size;                   // width, height of the picture; levels; the coarsest that a neighbourhood may use
     vec4 layerView;                   // view axis x, y, px; units per px (times depth in perspective); 1 in perspective, else 0

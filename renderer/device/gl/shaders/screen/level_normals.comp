@@ -1,4 +1,4 @@
-// Normals of all levels but the picture's, one after another in the work groups: methods.md section 8 step 5.
+// Normals of all levels but the picture's, one after another in the work groups: docs/spec/pyramid.md section 6.
 #version 450 core
 #include "layouts_screen.glsl"
 #include "exact.glsl"

@@ -1,4 +1,4 @@
-// Eye-dome lighting from depth alone (methods.md section 9), in place, as the cpu device computes it
+// Eye-dome lighting from depth alone (docs/spec/shading.md section 3), in place, as the cpu device computes it
 // (kernels/screen.hpp).
 #version 450 core
 #include "layouts_screen.glsl"

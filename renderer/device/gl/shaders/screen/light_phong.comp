@@ -1,4 +1,4 @@
-// Two-sided Blinn-Phong by the plane of normals (methods.md section 9), in place, as the cpu device computes it
+// Two-sided Blinn-Phong by the plane of normals (docs/spec/shading.md section 2), in place, as the cpu device computes it
 // (kernels/shade.hpp). Pixels without a normal stay.
 #version 450 core
 #include "layouts_screen.glsl"

@@ -1,5 +1,5 @@
-// Normals of the picture's pixels, each between the two levels that its distance calls for. methods.md section 8 step
-// 5; as the cpu device computes it (kernels/depth_normals.hpp).
+// Normals of the picture's pixels, each between the two levels that its distance calls for. docs/spec/pyramid.md section 6;
+// as the cpu device computes it (kernels/depth_normals.hpp).
 #version 450 core
 #include "layouts_screen.glsl"
 #include "exact.glsl"

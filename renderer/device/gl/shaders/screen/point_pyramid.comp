@@ -1,5 +1,5 @@
 // The pyramid of points that hidden point removal looks at: of each 2 x 2 the point with the least depth, the first in
-// reading order among equals. methods.md section 8 step 2; as the cpu device computes it (kernels/point_pyramid.hpp).
+// reading order among equals. docs/spec/pyramid.md section 3; as the cpu device computes it (kernels/point_pyramid.hpp).
 #version 450 core
 #include "layouts_screen.glsl"
 #include "pyramid.glsl"

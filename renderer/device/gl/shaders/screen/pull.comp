@@ -1,5 +1,5 @@
-// The first half of pull-push: depth and colour of a texel are the means of its known children. methods.md section 8
-// step 4; as the cpu device computes it (kernels/pull_push.hpp).
+// The first half of pull-push: depth and colour of a texel are the means of its known children. docs/spec/pyramid.md section 5;
+// as the cpu device computes it (kernels/pull_push.hpp).
 #version 450 core
 #include "layouts_screen.glsl"
 #include "exact.glsl"

@@ -1,5 +1,5 @@
 // The second half of pull-push, six levels at a time: what is not known is interpolated from the level above, with
-// weights 9, 3, 3, 1; on the picture, hidden pixels are. methods.md section 8 step 4; as the cpu device computes it
+// weights 9, 3, 3, 1; on the picture, hidden pixels are. docs/spec/pyramid.md section 5; as the cpu device computes it
 // (kernels/pull_push.hpp).
 //
 // A work group takes 64 x 64 texels of level `base`. Of the levels above it works out all that they depend on, one

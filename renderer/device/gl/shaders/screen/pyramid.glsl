@@ -1,4 +1,4 @@
-// What the shaders of methods.md section 8 share. Level 0 is the picture; level k has half the size of level k - 1,
+// What the shaders of docs/spec/pyramid.md section 2 share. Level 0 is the picture; level k has half the size of level k - 1,
 // rounded up. Texels are vec4 whose x is a depth, +infinity = nothing there.
 
 layout(std140, binding = 0) uniform Params { PyramidParams pyramid; };

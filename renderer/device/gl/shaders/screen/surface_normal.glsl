@@ -1,5 +1,5 @@
 // Normals from the depths of one level: central differences; towards a side without depth, outside, or across an
-// outline, one-sided ones. methods.md section 8 step 5; as the cpu device computes it (kernels/depth_normals.hpp).
+// outline, one-sided ones. docs/spec/pyramid.md section 6; as the cpu device computes it (kernels/depth_normals.hpp).
 // After exact.glsl and pyramid.glsl; whoever includes this defines depthAt(), of a texel inside the level.
 
 float depthAt(int level, ivec2 at);

@@ -1,5 +1,5 @@
 // The keys order << 32 | payload that nearest and cell passes keep the smallest of, pixel by pixel. In one dispatch where
-// the driver has 64-bit atomics (KEEP_KEY); elsewhere in two (methods.md section 2): KEEP_ORDER keeps the smallest order,
+// the driver has 64-bit atomics (KEEP_KEY); elsewhere in two (docs/spec/passes.md section 3.1): KEEP_ORDER keeps the smallest order,
 // then in KEEP_PAYLOAD the fragments whose recomputed order equals it compete with their payload. Every value that decides
 // is `precise`, so that both dispatches compute the same bits. Variants: KEEP, LOOK_FIRST (most fragments lose: where a
 // look is cheaper than an atomic, it spares them one).

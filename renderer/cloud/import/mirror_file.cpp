@@ -1,4 +1,4 @@
-#include "renderer/cloud/import/mirrors.hpp"
+#include "renderer/cloud/import/mirror_file.hpp"
 
 #include <cmath>
 #include <glm/geometric.hpp>
@@ -6,7 +6,7 @@
 
 #include "protocol/json_fields.hpp"
 #include "protocol/json_text.hpp"
-#include "protocol/view_values.hpp"
+#include "protocol/view/view_values.hpp"
 
 namespace scancast {
 
@@ -47,7 +47,7 @@ void readSize(FieldReader& fields, const char* key, double& out) {
 void readTint(FieldReader& fields, Rgb8& out) {
     std::string text;
     if (!fields.text("tint", text)) return;
-    const auto color = values::rgb(text);
+    const auto color = values::parse<Rgb8>(text);
     if (!color || !text.starts_with('#'))
         return fields.error("tint", "expected a colour as \"#rrggbb\", for example \"#ecf3f0\"");
     out = *color;

@@ -1,4 +1,4 @@
-// Who wants which blocks, and whose turn it is. Place: provide → **wish list** → loader threads.
+// Who wants which blocks, and whose turn it is. Place: provide → **request queue** → loader threads.
 //
 // A requester (one session looking at one cloud) has one list, the newest; requesters take turns, so that
 // somebody who flies through a city does not starve somebody who looks at a room. Owned by the block cache,
@@ -17,21 +17,21 @@
 
 namespace scancast {
 
-class WishList {
+class RequestQueue {
   public:
     static constexpr std::size_t mostRequesters = 4096;
-    static constexpr std::size_t mostWishes = 4096;  ///< of one requester
+    static constexpr std::size_t mostRequests = 4096;  ///< of one requester
 
     struct Next {
         std::uint64_t cloud;
         std::uint32_t node;
     };
 
-    /// Takes the place of what this requester wished of this cloud; nothing = it wishes no more. Of too many,
+    /// Takes the place of what this requester asked of this cloud; nothing = it requests no more. Of too many,
     /// the least urgent are left out; of too many requesters, the one who would have waited longest for a
     /// turn.
-    void set(std::uint64_t cloud, std::uint64_t requester, std::vector<Wish> wishes);
-    /// The most urgent wish of the requester whose turn it is, which is thereby taken off the list.
+    void set(std::uint64_t cloud, std::uint64_t requester, std::vector<BlockRequest> requests);
+    /// The most urgent request of the requester whose turn it is, which is thereby taken off the list.
     std::optional<Next> next();
     /// The cloud is gone.
     void forget(std::uint64_t cloud);
@@ -40,7 +40,7 @@ class WishList {
 
   private:
     using Requester = std::pair<std::uint64_t, std::uint64_t>;  // cloud, who
-    std::map<Requester, std::vector<Wish>> lists_;              // most urgent last; never empty
+    std::map<Requester, std::vector<BlockRequest>> lists_;      // most urgent last; never empty
     std::list<Requester> turns_;                                // the keys of lists_
 };
 

@@ -1,5 +1,6 @@
 // A view: everything that decides a picture of a cloud, and nothing else. The same words are a URL query, a
-// JSON object and command-line flags (PROTOCOL.md, "One vocabulary for a view").
+// JSON object and command-line flags (PROTOCOL.md, "One vocabulary for a view"): each member here is a word,
+// with its row in view_table.cpp.
 //
 // Plain values without I/O. Coordinates are the file's own: right-handed, Z up, doubles, the file's unit.
 // Angles are degrees here, as on the wire; the renderer works in radians.
@@ -11,6 +12,7 @@
 #include <map>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <variant>
 #include <vector>
 
@@ -19,6 +21,7 @@
 namespace scancast {
 
 enum class Projection : std::uint8_t { Perspective, Orthographic };
+inline constexpr std::array<std::string_view, 2> projectionNames{"perspective", "orthographic"};
 
 struct Camera {
     Projection projection = Projection::Perspective;
@@ -35,7 +38,12 @@ struct Camera {
 };
 
 enum class ColorSource : std::uint8_t { Rgb, Intensity, Elevation, Classification, Normal, Depth, Lod, Flat };
+/// Of all but Flat, which is #rrggbb on the wire.
+inline constexpr std::array<std::string_view, 7> colorSourceNames{
+    "rgb", "intensity", "elevation", "classification", "normal", "depth", "lod"};
+inline constexpr std::array<std::string_view, 3> colormapNames{"viridis", "turbo", "grey"};
 enum class Shading : std::uint8_t { Unlit, Phong, EyeDome };
+inline constexpr std::array<std::string_view, 3> shadingNames{"unlit", "phong", "eyedome"};
 
 using Rgb8 = std::array<std::uint8_t, 3>;
 
@@ -63,7 +71,7 @@ struct Style {
     ParameterValues parameters;
     ColorSource color = ColorSource::Rgb;
     Rgb8 flatColor{255, 255, 255};               ///< for ColorSource::Flat (`color=#rrggbb`)
-    std::string colormap = "viridis";            ///< viridis, turbo or grey
+    std::string colormap = "viridis";            ///< of colormapNames
     std::optional<std::array<double, 2>> range;  ///< values at the colour map's ends; nullopt = the cloud's
     std::optional<std::vector<std::uint8_t>> classes;  ///< draw these classifications only
     std::optional<ClipBox> clip;                       ///< draw inside this box only
@@ -75,6 +83,7 @@ struct Style {
 };
 
 enum class Subsampling : std::uint8_t { S444, S422, S420 };
+inline constexpr std::array<std::string_view, 3> subsamplingNames{"4:4:4", "4:2:2", "4:2:0"};
 
 struct Quality {
     std::optional<double> detail;  ///< τ, projected sample spacing in px; nullopt = the method's own; ≥ 0
@@ -102,9 +111,17 @@ inline constexpr int defaultSamples = 4;
 /// (0, 180).
 Expected<void> validate(const View& view);
 
-std::string_view name(Projection);
-std::string_view name(ColorSource);  ///< "flat" for Flat; on the wire that one is #rrggbb
-std::string_view name(Shading);
-std::string_view name(Subsampling);  ///< "4:2:0"
+constexpr std::string_view name(Projection projection) {
+    return projectionNames[std::size_t(projection)];
+}
+constexpr std::string_view name(ColorSource source) {
+    return source == ColorSource::Flat ? "flat" : colorSourceNames[std::size_t(source)];
+}
+constexpr std::string_view name(Shading shading) {
+    return shadingNames[std::size_t(shading)];
+}
+constexpr std::string_view name(Subsampling subsampling) {
+    return subsamplingNames[std::size_t(subsampling)];
+}
 
 }  // namespace scancast

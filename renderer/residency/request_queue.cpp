@@ -1,19 +1,19 @@
-#include "renderer/residency/wish_list.hpp"
+#include "renderer/residency/request_queue.hpp"
 
 #include <algorithm>
 
 namespace scancast {
 
-void WishList::set(std::uint64_t cloud, std::uint64_t requester, std::vector<Wish> wishes) {
+void RequestQueue::set(std::uint64_t cloud, std::uint64_t requester, std::vector<BlockRequest> requests) {
     const Requester key{cloud, requester};
-    if (wishes.empty()) {
+    if (requests.empty()) {
         if (lists_.erase(key) > 0) std::erase(turns_, key);
         return;
     }
-    std::sort(wishes.begin(), wishes.end(), [](const Wish& a, const Wish& b) {
+    std::sort(requests.begin(), requests.end(), [](const BlockRequest& a, const BlockRequest& b) {
         return a.urgency != b.urgency ? a.urgency < b.urgency : a.node > b.node;
     });
-    if (wishes.size() > mostWishes) wishes.erase(wishes.begin(), wishes.end() - mostWishes);
+    if (requests.size() > mostRequests) requests.erase(requests.begin(), requests.end() - mostRequests);
     std::list<Requester> turn;
     if (!lists_.contains(key)) {
         turn.push_back(key);
@@ -23,17 +23,17 @@ void WishList::set(std::uint64_t cloud, std::uint64_t requester, std::vector<Wis
         }
     }
     lists_.insert_or_assign(key,
-                            std::move(wishes));  // the last that may fail: nobody has one without the other
+                            std::move(requests));  // the last that may fail: nobody has one without the other
     turns_.splice(turns_.end(), turn);
 }
 
-std::optional<WishList::Next> WishList::next() {
+std::optional<RequestQueue::Next> RequestQueue::next() {
     if (turns_.empty()) return std::nullopt;
     const Requester turn = turns_.front();
-    std::vector<Wish>& wishes = lists_.at(turn);
-    const Next next{turn.first, wishes.back().node};
-    wishes.pop_back();
-    if (wishes.empty()) {
+    std::vector<BlockRequest>& requests = lists_.at(turn);
+    const Next next{turn.first, requests.back().node};
+    requests.pop_back();
+    if (requests.empty()) {
         lists_.erase(turn);
         turns_.pop_front();
     } else {
@@ -42,14 +42,14 @@ std::optional<WishList::Next> WishList::next() {
     return next;
 }
 
-void WishList::forget(std::uint64_t cloud) {
+void RequestQueue::forget(std::uint64_t cloud) {
     std::erase_if(lists_, [&](const auto& entry) { return entry.first.first == cloud; });
     std::erase_if(turns_, [&](const Requester& key) { return key.first == cloud; });
 }
 
-std::size_t WishList::size() const {
+std::size_t RequestQueue::size() const {
     std::size_t sum = 0;
-    for (const auto& [key, wishes] : lists_) sum += wishes.size();
+    for (const auto& [key, requests] : lists_) sum += requests.size();
     return sum;
 }
 

@@ -1,33 +1,11 @@
-#include "protocol/query.hpp"
+#include "protocol/view/query.hpp"
 
-#include "protocol/hex_digit.hpp"
+#include "protocol/view/hex_digit.hpp"
 
 namespace scancast {
 namespace {
 
-constexpr std::size_t mostWords = 256;
 constexpr std::size_t longestQuery = 16 * 1024;
-
-Expected<std::string> decode(std::string_view text) {
-    std::string result;
-    for (std::size_t i = 0; i < text.size(); ++i) {
-        char c = text[i];
-        if (c == '%') {
-            const int high = i + 2 < text.size() ? hexDigit(text[i + 1]) : -1;
-            const int low = i + 2 < text.size() ? hexDigit(text[i + 2]) : -1;
-            if (high < 0 || low < 0)
-                return fail(ErrorCode::InvalidArgument,
-                            "the query has a % that is not followed by two hexadecimal "
-                            "digits; a literal % is written %25");
-            c = static_cast<char>(high * 16 + low);
-            i += 2;
-        }
-        if (static_cast<unsigned char>(c) < 0x20 || c == 0x7F)
-            return fail(ErrorCode::InvalidArgument, "the query contains a control character");
-        result += c;
-    }
-    return result;
-}
 
 std::string encode(std::string_view text) {
     constexpr std::string_view digits = "0123456789ABCDEF", plain = "-._~,:";
@@ -46,6 +24,28 @@ std::string encode(std::string_view text) {
 
 }  // namespace
 
+Expected<std::string> percentDecode(std::string_view text, std::string_view of) {
+    const auto wrong = [&](const char* what) {
+        return fail(ErrorCode::InvalidArgument, std::string(of) + what);
+    };
+    std::string result;
+    for (std::size_t i = 0; i < text.size(); ++i) {
+        char c = text[i];
+        if (c == '%') {
+            const int high = i + 2 < text.size() ? hexDigit(text[i + 1]) : -1;
+            const int low = i + 2 < text.size() ? hexDigit(text[i + 2]) : -1;
+            if (high < 0 || low < 0)
+                return wrong(
+                    " has a % that is not followed by two hexadecimal digits; a literal % is written %25");
+            c = static_cast<char>(high * 16 + low);
+            i += 2;
+        }
+        if (static_cast<unsigned char>(c) < 0x20 || c == 0x7F) return wrong(" contains a control character");
+        result += c;
+    }
+    return result;
+}
+
 Expected<WordValues> parseQuery(std::string_view query) {
     if (query.size() > longestQuery)
         return fail(ErrorCode::InvalidArgument, "the query is longer than 16 KiB");
@@ -58,10 +58,10 @@ Expected<WordValues> parseQuery(std::string_view query) {
         if (result.size() == mostWords)
             return fail(ErrorCode::InvalidArgument, "the query has more than 256 words");
         const auto equals = pair.find('=');
-        const auto word = decode(pair.substr(0, equals));
+        const auto word = percentDecode(pair.substr(0, equals), "the query");
         if (!word) return tl::unexpected(word.error());
-        const auto value =
-            decode(equals == std::string_view::npos ? std::string_view{} : pair.substr(equals + 1));
+        const auto value = percentDecode(
+            equals == std::string_view::npos ? std::string_view{} : pair.substr(equals + 1), "the query");
         if (!value) return tl::unexpected(value.error());
         result.emplace_back(*word, *value);
     }

@@ -1,4 +1,4 @@
-#include "renderer/image/picture_metrics.hpp"
+#include "tests/support/picture_metrics.hpp"
 
 #include <algorithm>
 #include <array>

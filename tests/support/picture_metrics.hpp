@@ -19,9 +19,11 @@ using PixelMask = std::vector<std::uint8_t>;
 /// +infinity for equal pictures. Nothing when the sizes differ or no pixel is counted.
 std::optional<double> psnr(const Frame& picture, const Frame& truth, const PixelMask& mask = {});
 
-/// Structural similarity (Wang et al. 2004) of luma: mean over all 11 x 11 windows (Gaussian, sigma 1.5) that
-/// lie wholly in the picture, K1 = 0.01, K2 = 0.03. 1 for equal pictures. With a mask, windows whose middle
-/// is counted. Nothing when the sizes differ or no window is left.
+/// Structural similarity of luma, as in Wang et al.,
+/// "Image Quality Assessment: From Error Visibility to Structural Similarity", 2004, §III: mean over all 11 x
+/// 11 windows (Gaussian, sigma 1.5) that lie wholly in the picture, K1 = 0.01, K2 = 0.03. 1 for equal
+/// pictures. With a mask, windows whose middle is counted. Nothing when the sizes differ or no window is
+/// left.
 std::optional<double> ssim(const Frame& picture, const Frame& truth, const PixelMask& mask = {});
 
 /// Part of the pixels of which a channel differs by more than `threshold` of 255. Nothing as for psnr.

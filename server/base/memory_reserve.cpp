@@ -1,4 +1,4 @@
-#include "server/catalog/memory_reserve.hpp"
+#include "server/base/memory_reserve.hpp"
 
 #include <atomic>
 #include <cstdlib>

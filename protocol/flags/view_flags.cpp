@@ -1,35 +1,31 @@
-#include "client/cpp/program/view_flags.hpp"
+#include "protocol/flags/view_flags.hpp"
 
 #include "protocol/nearest_name.hpp"
-#include "protocol/view_words.hpp"
+#include "protocol/view/view_words.hpp"
 
-namespace scancast::client {
+namespace scancast {
 
 void ViewFlags::addTo(CLI::App& app) {
     for (const auto& word : viewWords()) {
-        const std::string name(word.word), flag(word.flag);
-        const auto help = std::string(word.meaning) + " Example: " + flag + " " + std::string(word.example);
+        const auto flag = word.flag();
+        const auto help = word.description() + " Example: " + flag + " " + std::string(word.example);
         CLI::Option* option = nullptr;
-        if (flag == "--param") {
+        if (flag == "--param")
             option = app.add_option(flag, parameters_, help)
                          ->expected(1)
                          ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll)
                          ->allow_extra_args(false);
-        } else {
-            option = app.add_option(flag, values_[name], help);
-            options_[name] = option;
-        }
-        option->type_name(std::string(word.value))->group("View");
+        else
+            option = app.add_option_function<std::string>(
+                flag,
+                [this, name = word.word](const std::string& value) { given_.emplace_back(name, value); },
+                help);
+        option->type_name(std::string(word.shape))->group("The view");
     }
 }
 
 Expected<WordValues> ViewFlags::words() const {
-    WordValues words;
-    for (const auto& word : viewWords()) {
-        const auto option = options_.find(std::string(word.word));
-        if (option != options_.end() && option->second->count() > 0)
-            words.emplace_back(option->first, values_.at(option->first));
-    }
+    WordValues words = given_;
     for (const auto& parameter : parameters_) {
         const auto equals = parameter.find('=');
         if (equals == std::string::npos || equals == 0)
@@ -41,4 +37,4 @@ Expected<WordValues> ViewFlags::words() const {
     return words;
 }
 
-}  // namespace scancast::client
+}  // namespace scancast

@@ -6,7 +6,7 @@
 
 #include <nlohmann/json_fwd.hpp>
 
-#include "protocol/view.hpp"
+#include "protocol/view/view.hpp"
 
 namespace scancast {
 

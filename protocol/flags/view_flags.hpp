@@ -1,0 +1,32 @@
+// The words of a view as flags of a command line, for every program: a flag for each row of the table of
+// words.
+//
+// Owned by whoever builds the command line; stays where it is, and outlives its parsing. One thread.
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <string>
+#include <vector>
+
+#include "protocol/view/query.hpp"
+
+namespace scancast {
+
+class ViewFlags {
+  public:
+    ViewFlags() = default;
+    ViewFlags(const ViewFlags&) = delete;
+    ViewFlags& operator=(const ViewFlags&) = delete;
+
+    /// Registers a flag for every word, with its meaning and an example in the help, in a group of its own.
+    void addTo(CLI::App& app);
+    /// Those that were given, as words; applyWords() checks them. InvalidArgument for a --param that is not
+    /// NAME=VALUE.
+    Expected<WordValues> words() const;
+
+  private:
+    WordValues given_;
+    std::vector<std::string> parameters_;
+};
+
+}  // namespace scancast

@@ -1,0 +1,15 @@
+#include "protocol/view/view.hpp"
+
+#include "protocol/view/view_checks.hpp"
+#include "protocol/view/view_words.hpp"
+
+namespace scancast {
+
+Expected<void> validate(const View& view) {
+    for (const auto& word : viewWords())
+        if (word.value.matters(view))
+            if (auto sound = word.value.check(view, word.word); !sound) return sound;
+    return checks::camera(view.camera);
+}
+
+}  // namespace scancast

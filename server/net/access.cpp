@@ -67,8 +67,7 @@ bool Access::same(const std::optional<Digest>& known, const Digest& given) {
 }
 
 tl::expected<void, HttpResponse> Access::check(const HttpRequest& request, Route route) const {
-    const RouteInfo& info = infoOf(route);
-    const Need need = request.method == info.adminMethod ? Need::Admin : info.need;
+    const Need need = needOf(route, request.method);
     const bool administers = need == Need::Admin;
     if (need == Need::Nothing || (!administers && !user_)) return {};
     if (administers && !admin_ && !user_) return tl::unexpected(notAdmin(false));

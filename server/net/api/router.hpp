@@ -40,7 +40,7 @@ struct RouteInfo {
     std::string_view methods;  ///< as Allow names them: "GET, HEAD"; a POST brings JSON
     Need need;
     bool json;                          ///< the answer is JSON: an Accept that rules that out is refused
-    std::string_view adminMethod = {};  ///< needs the administrator, whatever the others need
+    std::string_view adminMethod = {};  ///< needs the administrator, whatever the others need; may be empty
 };
 
 /// All that is known of a route but its answer, which is Api::answer()'s; in the order of Route.
@@ -66,6 +66,10 @@ inline constexpr std::array routes{
 };
 constexpr const RouteInfo& infoOf(Route route) {
     return routes[std::size_t(route)];
+}
+constexpr Need needOf(Route route, std::string_view method) {
+    const RouteInfo& info = infoOf(route);
+    return !method.empty() && method == info.adminMethod ? Need::Admin : info.need;
 }
 constexpr std::string_view pattern(Route route) {
     return infoOf(route).pattern;

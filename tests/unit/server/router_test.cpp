@@ -118,9 +118,8 @@ TEST(Router, TheDescriptionsAgreeWithIt) {
             EXPECT_EQ(page.find(row) != std::string::npos, understood) << row;
             described += understood ? 1 : 0;
             if (!understood) continue;
-            const Need need = method == info.adminMethod ? Need::Admin : info.need;
             const auto& operation = paths[std::string(info.pattern)][lower];
-            EXPECT_EQ(operation.value("security", nlohmann::json()), securityOf(need))
+            EXPECT_EQ(operation.value("security", nlohmann::json()), securityOf(needOf(info.route, method)))
                 << method << info.pattern;
         }
         EXPECT_EQ(info.methods.find("GET") == 0, info.methods.find("HEAD") != std::string_view::npos);

@@ -1,7 +1,7 @@
 #include <utility>
 
 #include "renderer/render.hpp"
-#include "server/scheduler/picture.hpp"
+#include "server/scheduler/picture_order.hpp"
 
 namespace scancast {
 namespace {

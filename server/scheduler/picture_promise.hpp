@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "server/base/faults.hpp"
-#include "server/scheduler/picture.hpp"
+#include "server/scheduler/picture_order.hpp"
 
 namespace scancast {
 

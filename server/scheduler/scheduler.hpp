@@ -34,7 +34,7 @@
 
 #include "server/base/metrics.hpp"
 #include "server/catalog/memory_room.hpp"
-#include "server/scheduler/picture.hpp"
+#include "server/scheduler/picture_order.hpp"
 #include "server/scheduler/picture_promise.hpp"
 #include "threads/monitor.hpp"
 

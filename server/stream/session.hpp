@@ -23,7 +23,7 @@
 #include "protocol/messages.hpp"
 #include "protocol/problem.hpp"
 #include "server/base/metrics.hpp"
-#include "server/scheduler/picture.hpp"
+#include "server/scheduler/picture_order.hpp"
 #include "server/stream/frame_pace.hpp"
 #include "server/stream/quality_controller.hpp"
 #include "server/stream/resume_store.hpp"

@@ -11,7 +11,7 @@
 #include <thread>
 #include <vector>
 
-#include "server/scheduler/picture.hpp"
+#include "server/scheduler/picture_order.hpp"
 
 namespace scancast::test {
 

@@ -27,7 +27,7 @@ void overRows(const Workers& workers, int rows, const Work& work) {
 
 }  // namespace
 
-float* Pyramid::takePlane(Block& block, std::int32_t stride, std::int32_t height, std::size_t& offset) {
+float* Pyramid::takePlane(LevelMemory& block, std::int32_t stride, std::int32_t height, std::size_t& offset) {
     const std::size_t first = offset;
     offset +=
         static_cast<std::size_t>(stride) * static_cast<std::size_t>(height + 2 * paddingY) + 2 * paddingX;
@@ -47,7 +47,7 @@ void Pyramid::layOut(const PyramidPlanes& s) {
             const std::int32_t w = shape_.width[static_cast<std::size_t>(k)];
             const std::int32_t h = shape_.height[static_cast<std::size_t>(k)];
             const std::int32_t stride = strideOf(w);
-            const auto take = [&](Block& block, std::size_t& offset) {
+            const auto take = [&](LevelMemory& block, std::size_t& offset) {
                 return takePlane(block, stride, h, offset);
             };
             PointLevel& p = points_[k];

@@ -42,18 +42,18 @@ class Pyramid {
 
   private:
     /// Memory for all levels of some planes.
-    struct Block {
+    struct LevelMemory {
         std::vector<float> values;
         std::size_t used = 0;
     };
 
     void layOut(const PyramidPlanes&);
-    float* takePlane(Block& block, std::int32_t stride, std::int32_t height, std::size_t& offset);
+    float* takePlane(LevelMemory& block, std::int32_t stride, std::int32_t height, std::size_t& offset);
     void chooseReach(const HiddenPointsNumbers&);
 
     std::int32_t width_ = 0, height_ = 0;
     PyramidShape shape_;
-    Block pointBlock_, fillBlock_, normalBlock_;
+    LevelMemory pointBlock_, fillBlock_, normalBlock_;
     std::vector<std::uint8_t> labels_, reach_;
     std::int32_t labelStride_ = 0, blocksPerRow_ = 0;
     PointLevel points_[maxPyramidLevels];

@@ -72,7 +72,7 @@ class GlDevice final : public Device {
     ~GlDevice() override {
         // Its buffers and programs go while the context is current; if that fails they go with the context.
         const auto current = Context::Current::enter(*context_);
-        shop_.reset();
+        pool_.reset();
     }
 
     DeviceInfo info() const override { return info_; }
@@ -107,9 +107,9 @@ class GlDevice final : public Device {
 
     GlDevice(std::shared_ptr<Context> context, const Findings& found, const GlOptions& options)
         : context_(std::move(context)),
-          shop_(std::make_unique<Workshop>(context_, options.programFolder, found.arithmetic, found.samples,
-                                           splatLimits(context_->functions(), found.driver.software))),
-          memory_(*context_, shop_->samples, uploadBudget(found.driver.software, options.uploadBudget)) {
+          pool_(std::make_unique<DevicePool>(context_, options.programFolder, found.arithmetic, found.samples,
+                                             splatLimits(context_->functions(), found.driver.software))),
+          memory_(*context_, pool_->samples, uploadBudget(found.driver.software, options.uploadBudget)) {
         const DriverStrings& driver = found.driver;
         info_ = {context_->backend(), driver.vendor, driver.renderer, driver.version, !driver.software, {}};
         info_.identity = info_.name + "; " + driver.renderer + "; " + driver.version;
@@ -119,13 +119,13 @@ class GlDevice final : public Device {
         info_.exact = found.arithmetic.exact;
         info_.tellsLoss = driver.tellsLoss;
         pixelsAtOnce_ = scancast::gl::pixelsAtOnce(
-            {driver.software, found.memoryForPictures, shop_->splats.limits().storageBlockBytes});
+            {driver.software, found.memoryForPictures, pool_->splats.limits().storageBlockBytes});
     }
 
     Expected<void> check(const Drawing& drawing) const {
         if (auto checked = checkDrawing(drawing); !checked) return checked;
         const Window& w = drawing.window;
-        if (std::int64_t{w.width} * w.height * 4 <= std::int64_t(shop_->splats.limits().storageBlockBytes))
+        if (std::int64_t{w.width} * w.height * 4 <= std::int64_t(pool_->splats.limits().storageBlockBytes))
             return {};
         return fail(ErrorCode::ResourceLimit, "A window of " + std::to_string(w.width) + " x " +
                                                   std::to_string(w.height) +
@@ -138,8 +138,8 @@ class GlDevice final : public Device {
         const auto passes = framePasses(drawing.passes);
         if (!passes) return tl::unexpected(passes.error());
         Frame frame;
-        StageTimes times(shop_->timers);
-        auto pixels = Picture(*shop_, drawing, *passes, stop).draw(times);
+        StageTimes times(pool_->timers);
+        auto pixels = Picture(*pool_, drawing, *passes, stop).draw(times);
         if (!pixels) return tl::unexpected(pixels.error());
         frame.width = drawing.window.width;
         frame.height = drawing.window.height;
@@ -149,15 +149,15 @@ class GlDevice final : public Device {
     }
 
     void tell(const Drawing& drawing, FrameStats& stats) {
-        const std::uint64_t uploaded = shop_->samples.bytesUploaded();
+        const std::uint64_t uploaded = pool_->samples.bytesUploaded();
         stats.bytesUploaded = uploaded - std::exchange(bytesUploaded_, uploaded);
-        stats.deviceBytes = shop_->samples.bytes();
+        stats.deviceBytes = pool_->samples.bytes();
         scancast::tellCuts(drawing.cuts, stats);
         stats.device = info_.name;
     }
 
     const std::shared_ptr<Context> context_;  ///< its pictures' loans keep it, too
-    std::unique_ptr<Workshop> shop_;
+    std::unique_ptr<DevicePool> pool_;
     GlMemory memory_;
     std::uint64_t bytesUploaded_ = 0;  ///< up to the last picture
     DeviceInfo info_;

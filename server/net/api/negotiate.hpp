@@ -5,7 +5,7 @@
 #include <string_view>
 
 #include "renderer/cloud/cloud.hpp"
-#include "server/scheduler/picture.hpp"
+#include "server/scheduler/picture_order.hpp"
 
 namespace scancast {
 

@@ -8,7 +8,7 @@
 #include "renderer/plan.hpp"
 #include "server/net/api/http_message.hpp"
 #include "server/net/api/router.hpp"
-#include "server/scheduler/picture.hpp"
+#include "server/scheduler/picture_order.hpp"
 
 namespace scancast {
 

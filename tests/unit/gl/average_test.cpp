@@ -1,6 +1,6 @@
 // The mean of frames on the GPU against the cpu device's kernels, byte by byte, and parts of planes against a
 // loop over pixels.
-#include "renderer/device/gl/passes/average.hpp"
+#include "renderer/device/gl/passes/frame_average.hpp"
 
 #include "renderer/device/cpu/simd_level.hpp"
 #include "tests/support/analytic_cut.hpp"
@@ -60,7 +60,7 @@ TEST_P(GlAverage, CutsPartsOut) {
 TEST_P(GlAverage, IsTheCpus) {
     const cpu::Kernels& kernels = *cpu::chooseSimdLevel({}).value()->kernels;
     PlaneBuffers buffers(shaders().functions());
-    gl::Average average(shaders());
+    gl::FrameAverage average(shaders());
     gl::Buffer out(shaders().functions(), "mean");
     for (const Case& c : cases) {
         for (const int frames : {1, 2, 7, 256}) {

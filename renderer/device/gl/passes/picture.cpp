@@ -14,8 +14,9 @@ ivec4 vectorOf(const Window& w) {
 
 }  // namespace
 
-Workshop::Workshop(const std::shared_ptr<const Context>& context, const std::filesystem::path& programFolder,
-                   const Arithmetic& arithmetic, const SampleCacheOptions& cache, const SplatLimits& limits)
+DevicePool::DevicePool(const std::shared_ptr<const Context>& context,
+                       const std::filesystem::path& programFolder, const Arithmetic& arithmetic,
+                       const SampleCacheOptions& cache, const SplatLimits& limits)
     : gl(context->functions()),
       programs(gl, programFolder, arithmetic),
       shaders(gl, programs),
@@ -31,13 +32,13 @@ Workshop::Workshop(const std::shared_ptr<const Context>& context, const std::fil
       depth(gl, "picture's depths"),
       readBack(gl, context) {}
 
-LayerParts Workshop::layerParts(std::size_t layer) {
+LayerParts DevicePool::layerParts(std::size_t layer) {
     while (tables.size() <= layer) tables.push_back(std::make_unique<LayerMemory>(gl, tablesRing));
     return {gl, programs, shaders, samples, slices, splats, *tables[layer]};
 }
 
-Picture::Picture(Workshop& shop, const Drawing& drawing, const FramePasses& passes, std::stop_token stop)
-    : shop_(shop),
+Picture::Picture(DevicePool& pool, const Drawing& drawing, const FramePasses& passes, std::stop_token stop)
+    : pool_(pool),
       drawing_(drawing),
       passes_(passes),
       stop_(std::move(stop)),
@@ -48,13 +49,13 @@ Picture::Picture(Workshop& shop, const Drawing& drawing, const FramePasses& pass
 Expected<void> Picture::makeLayers(StageTimes& times) {
     const StageTimes::HostScope timed(times, "prepare");
     auto layer =
-        Layer::create(shop_.layerParts(0), drawing_, drawing_.mainView(), shown_.view, passes_, area_);
+        Layer::create(pool_.layerParts(0), drawing_, drawing_.mainView(), shown_.view, passes_, area_);
     if (!layer) return tl::unexpected(layer.error());
     layer_ = std::move(*layer);
     for (const CutView& reflection : drawing_.reflections()) {
         const std::size_t at = mirrors_.size();
-        if (shop_.mirrors.size() <= at) shop_.mirrors.push_back(std::make_unique<PlaneMemory>(shop_.gl));
-        auto mirror = MirrorLayer::create(shop_.layerParts(at + 1), shop_.shaders, *shop_.mirrors[at],
+        if (pool_.mirrors.size() <= at) pool_.mirrors.push_back(std::make_unique<PlaneMemory>(pool_.gl));
+        auto mirror = MirrorLayer::create(pool_.layerParts(at + 1), pool_.shaders, *pool_.mirrors[at],
                                           drawing_, reflection, shown_.view, passes_, area_);
         if (!mirror) return tl::unexpected(mirror.error());
         if (*mirror) mirrors_.push_back(std::move(*mirror));
@@ -77,7 +78,7 @@ Expected<void> Picture::drawFrame(const glm::dvec2& jitter, const GpuPlanes& pla
     auto reflected =
         onMirrors(times, [&](MirrorLayer& mirror) { return mirror.draw(jitter, planes, times, stop_); });
     if (!reflected) return reflected;
-    auto screened = runScreenPasses(passes_.screen, shown_.view, jitter, planes, shop_.shaders, shop_.pyramid,
+    auto screened = runScreenPasses(passes_.screen, shown_.view, jitter, planes, pool_.shaders, pool_.pyramid,
                                     times, stop_);
     if (!screened) return screened;
     return onMirrors(times, [&](const MirrorLayer& mirror) { return mirror.finish(jitter, planes); });
@@ -85,34 +86,34 @@ Expected<void> Picture::drawFrame(const glm::dvec2& jitter, const GpuPlanes& pla
 
 Expected<std::unique_ptr<ReadBack::Transfer>> Picture::draw(StageTimes& times) {
     if (auto made = makeLayers(times); !made) return tl::unexpected(made.error());
-    const auto planes = shop_.frame.planes(area_, passes_.normals());
+    const auto planes = pool_.frame.planes(area_, passes_.normals());
     if (!planes) return tl::unexpected(planes.error());
     const std::size_t pixels = static_cast<std::size_t>(window_.z) * static_cast<std::size_t>(window_.w);
     const bool averaged = drawing_.jitter.size() > 1;
     // One frame with nothing around it is read from where it was drawn.
     const bool asDrawn = !averaged && area_ == window_;
     Expected<void> done;
-    if (!asDrawn) done = shop_.rgba.reserve(pixels * 4);
-    if (done && !asDrawn && drawing_.depth) done = shop_.depth.reserve(pixels * 4);
-    if (done && averaged) done = shop_.average.begin(window_.z, window_.w);
+    if (!asDrawn) done = pool_.rgba.reserve(pixels * 4);
+    if (done && !asDrawn && drawing_.depth) done = pool_.depth.reserve(pixels * 4);
+    if (done && averaged) done = pool_.average.begin(window_.z, window_.w);
     for (std::size_t i = 0; done && i < drawing_.jitter.size(); ++i) {
         done = drawFrame(drawing_.jitter[i], *planes, times);
         if (done && i == 0 && !asDrawn && drawing_.depth)
-            done = crop(*planes->depth, area_, window_, shop_.depth, shop_.shaders);
+            done = crop(*planes->depth, area_, window_, pool_.depth, pool_.shaders);
         if (done && averaged) {
             const StageTimes::Scope timed(times, "average");
-            done = shop_.average.add(*planes, window_);
+            done = pool_.average.add(*planes, window_);
         }
     }
     if (done && !asDrawn) {
         const StageTimes::Scope timed(times, averaged ? "average" : "read-back");
-        done = averaged ? shop_.average.write(shop_.rgba)
-                        : crop(*planes->rgba, area_, window_, shop_.rgba, shop_.shaders);
+        done = averaged ? pool_.average.write(pool_.rgba)
+                        : crop(*planes->rgba, area_, window_, pool_.rgba, pool_.shaders);
     }
     if (!done) return tl::unexpected(done.error());
     const StageTimes::Scope timed(times, "read-back");
-    const Buffer* const depth = !drawing_.depth ? nullptr : asDrawn ? planes->depth : &shop_.depth;
-    return shop_.readBack.start(asDrawn ? *planes->rgba : shop_.rgba, depth, pixels);
+    const Buffer* const depth = !drawing_.depth ? nullptr : asDrawn ? planes->depth : &pool_.depth;
+    return pool_.readBack.start(asDrawn ? *planes->rgba : pool_.rgba, depth, pixels);
 }
 
 }  // namespace scancast::gl

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "renderer/device/gl/memory/read_back.hpp"
-#include "renderer/device/gl/passes/average.hpp"
+#include "renderer/device/gl/passes/frame_average.hpp"
 #include "renderer/device/gl/passes/mirror_layer.hpp"
 #include "renderer/device/gl/passes/screen_passes.hpp"
 #include "renderer/device/host/drawing.hpp"
@@ -17,10 +17,10 @@ namespace scancast::gl {
 
 /// What lives as long as the device: programs, samples, and buffers, so that pictures do not wait for fresh
 /// memory.
-struct Workshop {
+struct DevicePool {
     /// Pictures that are read back keep the context, too (read_back.hpp).
-    Workshop(const std::shared_ptr<const Context>& context, const std::filesystem::path& programFolder,
-             const Arithmetic& arithmetic, const SampleCacheOptions& cache, const SplatLimits& limits);
+    DevicePool(const std::shared_ptr<const Context>& context, const std::filesystem::path& programFolder,
+               const Arithmetic& arithmetic, const SampleCacheOptions& cache, const SplatLimits& limits);
 
     const GlFunctions& gl;
     Programs programs;
@@ -29,7 +29,7 @@ struct Workshop {
     Slices slices;
     SplatMemory splats;
     Pyramid pyramid;
-    Average average;
+    FrameAverage average;
     GpuTimers timers;
     StagingRing tablesRing;
     std::vector<std::unique_ptr<LayerMemory>> tables;  ///< by layer
@@ -44,7 +44,7 @@ struct Workshop {
 
 class Picture {
   public:
-    Picture(Workshop& shop, const Drawing& drawing, const FramePasses& passes, std::stop_token stop);
+    Picture(DevicePool& pool, const Drawing& drawing, const FramePasses& passes, std::stop_token stop);
     /// Everything is asked of the GPU; its pixels arrive later. Times its stages. Errors: Cancelled,
     /// ResourceLimit, DeviceLost.
     Expected<std::unique_ptr<ReadBack::Transfer>> draw(StageTimes& times);
@@ -55,7 +55,7 @@ class Picture {
     template <class Work>
     Expected<void> onMirrors(StageTimes& times, const Work& work);
 
-    Workshop& shop_;
+    DevicePool& pool_;
     const Drawing& drawing_;
     const FramePasses& passes_;
     const std::stop_token stop_;

@@ -1,4 +1,4 @@
-#include "renderer/device/gl/passes/average.hpp"
+#include "renderer/device/gl/passes/frame_average.hpp"
 
 #include <cassert>
 
@@ -16,12 +16,12 @@ Expected<void> crop(const Buffer& plane, const glm::ivec4& area, const glm::ivec
     return shaders.overPixels("crop.comp", window.z, window.w);
 }
 
-Average::Average(ScreenShaders& shaders)
+FrameAverage::FrameAverage(ScreenShaders& shaders)
     : shaders_(shaders),
       redBlue_(shaders.functions(), "sums of frames, red and blue"),
       greenAlpha_(shaders.functions(), "sums of frames, green and alpha") {}
 
-Expected<void> Average::begin(int width, int height) {
+Expected<void> FrameAverage::begin(int width, int height) {
     width_ = width;
     height_ = height;
     frames_ = 0;
@@ -30,7 +30,7 @@ Expected<void> Average::begin(int width, int height) {
     return greenAlpha_.reserve(pixels * 4);
 }
 
-Expected<void> Average::add(const GpuPlanes& planes, const glm::ivec4& window) {
+Expected<void> FrameAverage::add(const GpuPlanes& planes, const glm::ivec4& window) {
     assert(window.z == width_ && window.w == height_ && frames_ < mostFrames);
     const PartParams params{planes.area, window, uvec4(frames_++, 0, 0, 0)};
     if (auto set = shaders_.set(params); !set) return set;
@@ -40,7 +40,7 @@ Expected<void> Average::add(const GpuPlanes& planes, const glm::ivec4& window) {
     return shaders_.overPixels("accumulate.comp", width_, height_);
 }
 
-Expected<void> Average::write(Buffer& rgba) {
+Expected<void> FrameAverage::write(Buffer& rgba) {
     assert(frames_ > 0);
     const std::size_t pixels = static_cast<std::size_t>(width_) * static_cast<std::size_t>(height_);
     if (auto room = rgba.reserve(pixels * 4); !room) return room;

@@ -1,4 +1,4 @@
-#include "server/scheduler/picture.hpp"
+#include "server/scheduler/picture_order.hpp"
 
 #include <bit>
 #include <cstring>

@@ -13,13 +13,13 @@ Expected<void> crop(const Buffer& plane, const glm::ivec4& area, const glm::ivec
                     ScreenShaders& shaders);
 
 /// The integer mean of frames: colour weighted by coverage, straight alpha.
-class Average {
+class FrameAverage {
   public:
     /// Sums have 16 bits a channel.
     static constexpr int mostFrames = 257;
 
     /// `shaders` outlive it.
-    explicit Average(ScreenShaders& shaders);
+    explicit FrameAverage(ScreenShaders& shaders);
 
     /// Forgets what was added; for pictures of this size.
     Expected<void> begin(int width, int height);

@@ -78,7 +78,7 @@ Expected<std::string> InputFile::text(std::size_t most) const {
     for (std::size_t done = 0;; wanted = std::min(2 * wanted, most + 1)) {
         text.resize(wanted);
         const auto got = readAt(done, std::as_writable_bytes(std::span(text)).subspan(done));
-        if (!got) return tl::unexpected(got.error());
+        if (!got) return passOn(got);
         done += *got;
         if (done > most)
             return fail(ErrorCode::ResourceLimit,
@@ -92,7 +92,7 @@ Expected<std::string> InputFile::text(std::size_t most) const {
 
 Expected<std::string> readTextFile(const std::filesystem::path& path, std::size_t most) {
     const auto file = InputFile::open(path);
-    if (!file) return tl::unexpected(file.error());
+    if (!file) return passOn(file);
     return file->text(most);
 }
 

@@ -58,13 +58,13 @@ Expected<InputFolder> InputFolder::adopt(UniqueFd fd, fs::path name) {
 
 Expected<Input> InputFolder::at(const fs::path& name) const {
     auto fd = openedBeneath(*this, name);
-    if (!fd) return tl::unexpected(fd.error());
+    if (!fd) return passOn(fd);
     return judged(std::move(*fd), name_ / name);
 }
 
 Expected<InputFile> InputFolder::file(const fs::path& name) const {
     auto fd = openedBeneath(*this, name);
-    if (!fd) return tl::unexpected(fd.error());
+    if (!fd) return passOn(fd);
     return InputFile::adopt(std::move(*fd), name_ / name);
 }
 

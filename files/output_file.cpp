@@ -74,14 +74,14 @@ Expected<void> OutputFile::flush() {
 Expected<void> OutputFile::write(std::span<const std::byte> bytes) {
     written_ += bytes.size();
     if (buffer_.size() + bytes.size() > bufferBytes)
-        if (auto done = flush(); !done) return done;
+        if (auto ok = flush(); !ok) return ok;
     if (bytes.size() >= bufferBytes) return writeAll(bytes);
     buffer_.insert(buffer_.end(), bytes.begin(), bytes.end());
     return {};
 }
 
 Expected<void> OutputFile::overwrite(std::uint64_t offset, std::span<const std::byte> bytes) {
-    if (auto done = flush(); !done) return done;
+    if (auto ok = flush(); !ok) return ok;
     while (!bytes.empty()) {
         const ssize_t done = pwrite(file_, bytes.data(), bytes.size(), off_t(offset));
         if (done < 0 && errno == EINTR) continue;
@@ -93,7 +93,7 @@ Expected<void> OutputFile::overwrite(std::uint64_t offset, std::span<const std::
 }
 
 Expected<void> OutputFile::finish() {
-    if (auto done = flush(); !done) return done;
+    if (auto ok = flush(); !ok) return ok;
     if (owned_ && close(owned_.release()) != 0) return failure("write");
     if (temporary_ && temporary_.become(path_) != 0) return failure("create");
     return {};
@@ -101,8 +101,8 @@ Expected<void> OutputFile::finish() {
 
 Expected<void> writeWholeFile(const std::string& path, std::span<const std::byte> bytes) {
     auto file = OutputFile::create(path);
-    if (!file) return tl::unexpected(std::move(file.error()));
-    if (auto done = file->write(bytes); !done) return done;
+    if (!file) return passOn(std::move(file));
+    if (auto ok = file->write(bytes); !ok) return ok;
     return file->finish();
 }
 

@@ -7,14 +7,14 @@ namespace scancast {
 
 Expected<AddCloud> parseAddCloud(std::string_view text) {
     const auto value = parseJson(text);
-    if (!value) return tl::unexpected(value.error());
+    if (!value) return passOn(value);
     constexpr std::size_t longestPath = 4096;
     AddCloud asked;
     FieldReader fields(*value);
     if (fields.require("file")) fields.text("file", asked.file, longestPath);
     if (fields.findValue("id")) fields.text("id", asked.id);
     if (fields.findValue("title")) fields.text("title", asked.title);
-    if (auto sound = fields.finishStrict(); !sound) return tl::unexpected(std::move(sound.error()));
+    if (auto ok = fields.finishStrict(); !ok) return passOn(ok);
     return asked;
 }
 

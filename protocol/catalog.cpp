@@ -169,7 +169,7 @@ Expected<T> fromJson(const json& value, Read read) {
     T result;
     FieldReader fields(value, {}, ErrorCode::Malformed);
     read(fields, result);
-    if (auto sound = fields.finishLenient(); !sound) return tl::unexpected(sound.error());
+    if (auto ok = fields.finishLenient(); !ok) return passOn(ok);
     return result;
 }
 
@@ -178,7 +178,7 @@ Expected<std::vector<T>> listFromJson(const json& value, std::string_view key, R
     std::vector<T> result;
     FieldReader fields(value, {}, ErrorCode::Malformed);
     if (fields.require(key)) readList(fields, key, result, read);
-    if (auto sound = fields.finishLenient(); !sound) return tl::unexpected(sound.error());
+    if (auto ok = fields.finishLenient(); !ok) return passOn(ok);
     return result;
 }
 

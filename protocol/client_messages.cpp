@@ -26,7 +26,7 @@ void limited(FieldReader& fields, std::string_view key, std::optional<double>& o
 }
 
 Expected<ClientMessage> finish(FieldReader& fields, ClientMessage message) {
-    if (auto sound = fields.finishStrict(); !sound) return tl::unexpected(sound.error());
+    if (auto ok = fields.finishStrict(); !ok) return passOn(ok);
     return message;
 }
 
@@ -56,7 +56,7 @@ Expected<ClientMessage> readView(const json& object) {
         if (fields.findValue("follow")) fields.text("follow", leader);
         view.follow = leader;
     }
-    if (auto sound = fields.finishLenient(); !sound) return tl::unexpected(sound.error());
+    if (auto ok = fields.finishLenient(); !ok) return passOn(ok);
     view.changes = object;
     for (const auto* own : {"type", "seq", "cloud", "follow"}) view.changes.erase(own);
     return view;
@@ -84,14 +84,14 @@ Expected<ClientMessage> readPick(FieldReader& fields) {
 Expected<ClientMessage> readAck(FieldReader& fields) {
     Ack ack;
     if (fields.require("frame")) fields.integer("frame", ack.frame, 0, UINT64_MAX);
-    if (auto sound = fields.finishLenient(); !sound) return tl::unexpected(sound.error());
+    if (auto ok = fields.finishLenient(); !ok) return passOn(ok);
     return ack;
 }
 
 Expected<ClientMessage> readPing(FieldReader& fields) {
     Ping ping;
     fields.integer("id", ping.id, 0, UINT64_MAX);
-    if (auto sound = fields.finishLenient(); !sound) return tl::unexpected(sound.error());
+    if (auto ok = fields.finishLenient(); !ok) return passOn(ok);
     return ping;
 }
 
@@ -137,14 +137,14 @@ json print(const Ping& ping) {
 
 Expected<ClientMessage> parseClientMessage(std::string_view text) {
     const auto object = parseJson(text);
-    if (!object) return tl::unexpected(object.error());
+    if (!object) return passOn(object);
     if (!object->is_object())
         return fail(ErrorCode::Malformed, "a message is a JSON object, such as {\"type\": \"hello\"}");
     FieldReader fields(*object);
     std::string type;
     if (!fields.require("type") || !fields.text("type", type)) {
         const auto wrong = fields.finishLenient();
-        return tl::unexpected(wrong.error());
+        return passOn(wrong);
     }
     if (type == "hello") return readHello(fields);
     if (type == "view") return readView(*object);

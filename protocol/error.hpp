@@ -46,4 +46,14 @@ using Expected = tl::expected<T, Error>;
     return tl::unexpected<Error>(Error{code, std::move(message), std::move(field)});
 }
 
+/// For `if (!x) return passOn(x);`: the same failure, of whatever this function would have returned.
+template <class T, class E>
+[[nodiscard]] tl::unexpected<E> passOn(const tl::expected<T, E>& failed) {
+    return tl::unexpected<E>(failed.error());
+}
+template <class T, class E>
+[[nodiscard]] tl::unexpected<E> passOn(tl::expected<T, E>&& failed) {
+    return tl::unexpected<E>(std::move(failed.error()));
+}
+
 }  // namespace scancast

@@ -107,7 +107,7 @@ std::array<std::uint8_t, frameHeaderLength> printFrameHeader(const FrameHeader& 
 }
 
 Expected<ParsedFrame> parseFrame(std::span<const std::uint8_t> message) {
-    if (auto sound = checkStart(message); !sound) return tl::unexpected(sound.error());
+    if (auto ok = checkStart(message); !ok) return passOn(ok);
     FrameHeader header;
     header.codec = static_cast<Codec>(get<std::uint8_t>(message, "codec"));
     const auto flags = get<unsigned>(message, "flags");
@@ -121,7 +121,7 @@ Expected<ParsedFrame> parseFrame(std::span<const std::uint8_t> message) {
     header.height = get<std::uint32_t>(message, "height");
     header.renderMicroseconds = get<std::uint32_t>(message, "renderMicroseconds");
     header.encodeMicroseconds = get<std::uint32_t>(message, "encodeMicroseconds");
-    if (auto sound = checkFields(header); !sound) return tl::unexpected(sound.error());
+    if (auto ok = checkFields(header); !ok) return passOn(ok);
 
     const auto picture = message.subspan(get<std::size_t>(message, "headerLength"));
     if (picture.size() < header.pictureLength)

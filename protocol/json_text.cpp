@@ -61,7 +61,7 @@ std::string reason(const std::exception& error) {
 }  // namespace
 
 Expected<nlohmann::json> parseJson(std::string_view text) {
-    if (auto depth = checkDepth(text); !depth) return tl::unexpected(depth.error());
+    if (auto ok = checkDepth(text); !ok) return passOn(ok);
     RepeatedKey repeated;
     try {
         auto value = nlohmann::json::parse(

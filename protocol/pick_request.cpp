@@ -7,7 +7,7 @@ namespace scancast {
 
 Expected<PickRequest> parsePickRequest(std::string_view text) {
     const auto value = parseJson(text);
-    if (!value) return tl::unexpected(value.error());
+    if (!value) return passOn(value);
     PickRequest pick;
     FieldReader fields(*value);
     if (const auto* view = fields.findValue("view")) {
@@ -18,7 +18,7 @@ Expected<PickRequest> parsePickRequest(std::string_view text) {
     }
     if (fields.require("x")) fields.number("x", pick.x);
     if (fields.require("y")) fields.number("y", pick.y);
-    if (auto sound = fields.finishStrict(); !sound) return tl::unexpected(std::move(sound.error()));
+    if (auto ok = fields.finishStrict(); !ok) return passOn(ok);
     return pick;
 }
 

@@ -214,7 +214,7 @@ Expected<Problem> problemFromJson(const nlohmann::json& value) {
                 if (auto sound = entry.finishLenient(); !sound) fields.error(sound.error());
             }
     }
-    if (auto sound = fields.finishLenient(); !sound) return tl::unexpected(sound.error());
+    if (auto ok = fields.finishLenient(); !ok) return passOn(ok);
     return problem;
 }
 

@@ -25,7 +25,7 @@ void eachEntry(FieldReader& fields, std::string_view key, std::size_t most, Use 
 }
 
 Expected<ServerMessage> finish(FieldReader& fields, ServerMessage message) {
-    if (auto sound = fields.finishLenient(); !sound) return tl::unexpected(sound.error());
+    if (auto ok = fields.finishLenient(); !ok) return passOn(ok);
     return message;
 }
 
@@ -174,12 +174,12 @@ json print(const Pong& pong) {
 
 Expected<ServerMessage> parseServerMessage(std::string_view text) {
     const auto object = parseJson(text);
-    if (!object) return tl::unexpected(object.error());
+    if (!object) return passOn(object);
     FieldReader fields(*object, {}, ErrorCode::Malformed);
     std::string type;
     if (!fields.require("type") || !fields.text("type", type)) {
         const auto wrong = fields.finishLenient();
-        return tl::unexpected(wrong.error());
+        return passOn(wrong);
     }
     if (type == "welcome") return readWelcome(fields);
     if (type == "stats") return readStats(fields);

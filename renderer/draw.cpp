@@ -93,8 +93,7 @@ Expected<std::unique_ptr<PendingFrame>> beginDrawing(Device& device, const Prepa
     double provideMs = prepared.provideMs;
     if (memory) {
         const auto start = Clock::now();
-        if (auto provided = bringCuts(prepared.cloud->octree, own, *memory, stop); !provided)
-            return tl::unexpected(std::move(provided.error()));
+        if (auto ok = bringCuts(prepared.cloud->octree, own, *memory, stop); !ok) return passOn(ok);
         provideMs += millisecondsSince(start);
     }
     if (!info.mirrors) leaveMirrorsOut(own);
@@ -109,7 +108,7 @@ Expected<std::unique_ptr<PendingFrame>> beginDrawing(Device& device, const Prepa
 
 Expected<Frame> draw(Device& device, const PreparedView& prepared, std::stop_token stop, Uploads uploads) {
     auto begun = beginDrawing(device, prepared, std::move(stop), uploads);
-    if (!begun) return tl::unexpected(std::move(begun.error()));
+    if (!begun) return passOn(std::move(begun));
     return (*begun)->finish();
 }
 

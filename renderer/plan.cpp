@@ -143,7 +143,7 @@ Expected<ChosenMethod> choose(const Cloud& cloud, const View& view, const Viewpo
         chosen = chooseAutomatically(cloud, view, viewpoint, known);
         parameters = resolveParameters(*chosen.method, {});
     }
-    if (!parameters) return tl::unexpected(parameters.error());
+    if (!parameters) return passOn(parameters);
     chosen.parameters = std::move(*parameters);
     return chosen;
 }
@@ -172,14 +172,14 @@ std::optional<std::uint64_t> mostSamples(const Cloud& cloud) {
 Expected<std::shared_ptr<const PlannedView>> plan(const Cloud& cloud, const View& view,
                                                   const PlannedView* known) {
     auto viewpoint = Viewpoint::create(view, cloud.origin, cloud.bounds);
-    if (!viewpoint) return tl::unexpected(viewpoint.error());
+    if (!viewpoint) return passOn(viewpoint);
     const auto chosen = choose(cloud, view, *viewpoint, known);
-    if (!chosen) return tl::unexpected(chosen.error());
+    if (!chosen) return passOn(chosen);
     const Method* const method = chosen->method;
     const Shading shading = view.style.shading.value_or(method->defaultShading);
-    if (auto able = checkAbility(cloud, *method, shading); !able) return tl::unexpected(able.error());
+    if (auto ok = checkAbility(cloud, *method, shading); !ok) return passOn(ok);
     auto color = colorRule(cloud, view.style, *viewpoint);
-    if (!color) return tl::unexpected(color.error());
+    if (!color) return passOn(color);
 
     auto planned = std::make_shared<PlannedView>();
     planned->view = view;
@@ -197,7 +197,7 @@ Expected<std::shared_ptr<const PlannedView>> plan(const Cloud& cloud, const View
 }
 
 Expected<void> checkView(const Cloud& cloud, const View& view) {
-    if (auto planned = plan(cloud, view); !planned) return tl::unexpected(planned.error());
+    if (auto ok = plan(cloud, view); !ok) return passOn(ok);
     return {};
 }
 

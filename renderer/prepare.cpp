@@ -61,7 +61,7 @@ Expected<void> provideCuts(const Octree& octree, ProvideOptions options, std::ve
     options.beside = beside;
     for (CutView& view : cuts) {
         auto cut = provide(octree, std::move(view.cut), options, stop);
-        if (!cut) return tl::unexpected(cut.error());
+        if (!cut) return passOn(cut);
         view.cut = std::move(*cut);
         options.request = false;
     }
@@ -82,7 +82,7 @@ Expected<std::shared_ptr<const PreparedView>> prepare(const Cloud& cloud,
                                                       std::shared_ptr<const PlannedView> planned,
                                                       const RenderOptions& options, std::stop_token stop) {
     if (options.bruteForce) {
-        if (auto fits = checkBruteForce(cloud); !fits) return tl::unexpected(fits.error());
+        if (auto ok = checkBruteForce(cloud); !ok) return passOn(ok);
     }
     auto prepared = std::make_shared<PreparedView>();
     prepared->planned = std::move(planned);
@@ -101,8 +101,7 @@ Expected<std::shared_ptr<const PreparedView>> prepare(const Cloud& cloud,
     prepared->selectMs = millisecondsSince(start);
     start = Clock::now();
     const ProvideOptions provision{.wait = options.wait, .requester = options.requester, .ahead = soon.runs};
-    if (auto provided = provideCuts(cloud.octree, provision, prepared->cuts, stop); !provided)
-        return tl::unexpected(provided.error());
+    if (auto ok = provideCuts(cloud.octree, provision, prepared->cuts, stop); !ok) return passOn(ok);
     prepared->provideMs = millisecondsSince(start);
     return prepared;
 }

@@ -57,12 +57,12 @@ class TiledPicture final : public PendingFrame {
         const int width = picture_.width, height = picture_.height;
         for (int y = 0; y < height; y += tiling.side) {
             for (int x = 0; x < width; x += tiling.side) {
-                if (auto room = pasteReady(mostUnderWay - 1); !room) return room;
+                if (auto ok = pasteReady(mostUnderWay - 1); !ok) return ok;
                 const Window wanted{x, y, std::min(tiling.side, width - x),
                                     std::min(tiling.side, height - y)};
                 drawing.window = withMargin(wanted, tiling.margin, width, height);
                 auto tile = device.begin(drawing, stop);
-                if (!tile) return tl::unexpected(std::move(tile.error()));
+                if (!tile) return passOn(std::move(tile));
                 underWay_.push_back({std::move(*tile), drawing.window, wanted});
             }
         }
@@ -75,7 +75,7 @@ class TiledPicture final : public PendingFrame {
     }
     Expected<Frame> finish() override {
         while (!underWay_.empty()) {
-            if (auto pasted = pasteOldest(); !pasted) return tl::unexpected(std::move(pasted.error()));
+            if (auto ok = pasteOldest(); !ok) return passOn(ok);
         }
         return std::move(picture_);
     }
@@ -89,7 +89,7 @@ class TiledPicture final : public PendingFrame {
     /// What has arrived; and waits until no more than `most` are left.
     Expected<void> pasteReady(std::size_t most) {
         while (!underWay_.empty() && (underWay_.size() > most || underWay_.front().pixels->ready())) {
-            if (auto pasted = pasteOldest(); !pasted) return pasted;
+            if (auto ok = pasteOldest(); !ok) return ok;
         }
         return {};
     }
@@ -98,7 +98,7 @@ class TiledPicture final : public PendingFrame {
         const Tile tile = std::move(underWay_.front());
         underWay_.pop_front();
         const auto frame = tile.pixels->finish();
-        if (!frame) return tl::unexpected(frame.error());
+        if (!frame) return passOn(frame);
         paste(*frame, tile.drawn, tile.wanted, picture_);
         for (const StageTime& stage : frame->stats.stages) picture_.stats.add(stage.name, stage.milliseconds);
         picture_.stats.bytesUploaded += frame->stats.bytesUploaded;
@@ -121,8 +121,7 @@ Expected<std::unique_ptr<PendingFrame>> beginPicture(Device& device, const Drawi
         return device.begin(whole, stop);
     }
     auto picture = std::make_unique<TiledPicture>(viewpoint, drawing.depth);
-    if (auto begun = picture->begin(device, drawing, tiling, stop); !begun)
-        return tl::unexpected(std::move(begun.error()));
+    if (auto ok = picture->begin(device, drawing, tiling, stop); !ok) return passOn(ok);
     return picture;
 }
 

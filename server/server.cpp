@@ -51,11 +51,11 @@ class RunningServer final : public ScancastServer {
     Expected<void> start() {
         if (options_.tls.given()) {
             auto tls = openTls(options_.tls);
-            if (!tls) return tl::unexpected(std::move(tls.error()));
+            if (!tls) return passOn(std::move(tls));
             context_.tls = std::move(*tls);
         }
         auto listener = Listener::create(io_, options_.host, options_.port, context_);
-        if (!listener) return tl::unexpected(std::move(listener.error()));
+        if (!listener) return passOn(std::move(listener));
         listener_ = std::move(*listener);
         listener_->run();
         for (int i = 0; i < std::max(1, options_.netThreads); ++i) {
@@ -128,7 +128,7 @@ class RunningServer final : public ScancastServer {
 Expected<std::unique_ptr<ScancastServer>> ScancastServer::create(const ServerOptions& options,
                                                                  OpenPainter openPainter) {
     auto server = std::make_unique<RunningServer>(options, std::move(openPainter));
-    if (auto started = server->start(); !started) return tl::unexpected(std::move(started.error()));
+    if (auto ok = server->start(); !ok) return passOn(ok);
     return server;
 }
 

@@ -9,7 +9,7 @@ namespace scancast {
 
 Expected<std::string> readSecretFile(const std::filesystem::path& path, std::size_t most) {
     const auto file = InputFile::open(path);
-    if (!file) return tl::unexpected(file.error());
+    if (!file) return passOn(file);
     if ((file->permissions() & (S_IWGRP | S_IRWXO)) != 0) {
         return fail(ErrorCode::InvalidArgument,
                     path.string() +
@@ -22,7 +22,7 @@ Expected<std::string> readSecretFile(const std::filesystem::path& path, std::siz
 Expected<std::string> readTokenFile(const std::filesystem::path& path) {
     // Longer than any token, with room for white space.
     const auto text = readSecretFile(path, 2 * longestToken);
-    if (!text) return tl::unexpected(text.error());
+    if (!text) return passOn(text);
     auto token = parseToken(*text);
     if (!token) token.error().message = path.string() + ": " + token.error().message + ".";
     return token;

@@ -54,7 +54,7 @@ Expected<CameraKey> readKey(const nlohmann::json& value, const std::string& path
     CameraKey key{before ? before->time + 1 : 0, {}};
     fields.number("time", key.time);
     const auto* camera = fields.find("camera");
-    if (auto sound = fields.finishStrict(); !sound) return tl::unexpected(sound.error());
+    if (auto ok = fields.finishStrict(); !ok) return passOn(ok);
     View from = view;
     if (before) from.camera = before->camera;
     const auto moved =
@@ -107,24 +107,24 @@ View CameraPath::at(double time) const {
 
 Expected<CameraPath> parseCameraPath(std::string_view json, const View& base) {
     const auto value = parseJson(json);
-    if (!value) return tl::unexpected(value.error());
+    if (!value) return passOn(value);
     if (!value->is_object())
         return fail(ErrorCode::Malformed, "a path is a JSON object, such as {\"keys\": [...]}");
     FieldReader fields(*value);
     const auto* view = fields.find("view");
     const auto* keys = fields.require("keys");
     if (keys && !keys->is_array()) fields.error("keys", "must be an array of objects with a camera");
-    if (auto sound = fields.finishStrict(); !sound) return tl::unexpected(sound.error());
+    if (auto ok = fields.finishStrict(); !ok) return passOn(ok);
     const auto changed = applyJson(base, view ? *view : nlohmann::json::object());
     if (!changed) return tl::unexpected(inside("view.", changed.error()));
     CameraPath path{*changed, {}};
     for (const auto& entry : *keys) {
         const auto name = "keys[" + std::to_string(path.keys.size()) + "]";
         auto key = readKey(entry, name, path.view, path.keys.empty() ? nullptr : &path.keys.back());
-        if (!key) return tl::unexpected(std::move(key.error()));
+        if (!key) return passOn(std::move(key));
         path.keys.push_back(std::move(*key));
     }
-    if (auto sound = checkKeys(path.keys); !sound) return tl::unexpected(sound.error());
+    if (auto ok = checkKeys(path.keys); !ok) return passOn(ok);
     return path;
 }
 

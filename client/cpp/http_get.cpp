@@ -43,7 +43,7 @@ Expected<HttpAnswer> httpGet(const ServerUrl& url, const std::string& target, co
                              const Credentials& credentials, const Timeouts& timeouts) {
     boost::asio::io_context io;
     auto open = connectUntil(io, url, credentials, Clock::now() + timeouts.connect);
-    if (!open) return tl::unexpected(open.error());
+    if (!open) return passOn(open);
     NetStream& stream = open->stream;
     const auto deadline = Clock::now() + timeouts.answer;
     const auto close = [&] {

@@ -153,7 +153,7 @@ Expected<void> LiveStream::sendWaiting(Stream& stream) {
         viewWaits_ = false;
     }
     for (const auto& message : messages)
-        if (auto sent = stream.send(message); !sent) return sent;
+        if (auto ok = stream.send(message); !ok) return ok;
     return {};
 }
 
@@ -170,7 +170,7 @@ Expected<void> LiveStream::handle(Stream& stream, StreamEvent event) {
     if (auto* frame = std::get_if<ReceivedFrame>(&event)) {
         // At once, so that the server sees what the line brings and not how long the callback takes: while
         // that runs nothing is read, so the server's window bounds what waits.
-        if (auto sent = stream.ack(frame->header); !sent) return sent;
+        if (auto ok = stream.ack(frame->header); !ok) return ok;
         tell(listener_.frame, std::move(*frame));
     }
     if (const auto* stats = std::get_if<messages::Stats>(&event)) tell(listener_.stats, *stats);

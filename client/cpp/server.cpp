@@ -13,7 +13,7 @@ constexpr std::string_view cloudsPath = "/api/v1/clouds";
 
 Expected<nlohmann::json> getJson(const Server& server, const std::string& target) {
     const auto answer = httpGet(server.url(), target, {}, server.credentials(), server.timeouts());
-    if (!answer) return tl::unexpected(answer.error());
+    if (!answer) return passOn(answer);
     auto value = parseJson({reinterpret_cast<const char*>(answer->body.data()), answer->body.size()});
     if (!value)
         return fail(ErrorCode::Malformed, server.url().authority() + target + ": " + value.error().message +
@@ -26,7 +26,7 @@ template <class Parse>
 auto getParsed(const Server& server, const std::string& target, Parse parse)
     -> decltype(parse(nlohmann::json())) {
     const auto value = getJson(server, target);
-    if (!value) return tl::unexpected(value.error());
+    if (!value) return passOn(value);
     auto parsed = parse(*value);
     if (!parsed) parsed.error().message = server.url().authority() + target + ": " + parsed.error().message;
     return parsed;
@@ -62,7 +62,7 @@ Expected<Snapshot> Server::snapshot(const std::string& cloud, const WordValues& 
     auto target = cloudPath(cloud) + (jpeg ? "/snapshot.jpg" : "/snapshot.png");
     if (!words.empty()) target.append("?").append(printQuery(words));
     auto answer = httpGet(url_, target, etag, credentials_, timeouts_);
-    if (!answer) return tl::unexpected(answer.error());
+    if (!answer) return passOn(answer);
     if (answer->status == 304) return Snapshot{{}, etag, {}, true};
     const bool picture = jpeg ? startsWith(answer->body, {0xFF, 0xD8, 0xFF})
                               : startsWith(answer->body, {0x89, 'P', 'N', 'G', '\r', '\n', 0x1A, '\n'});

@@ -35,13 +35,13 @@ Error goodbye(std::uint16_t code, std::string_view reason) {
 Expected<std::optional<StreamEvent>> eventOf(std::span<const std::uint8_t> bytes, bool text) {
     if (!text) {
         const auto frame = parseFrame(bytes);
-        if (!frame) return tl::unexpected(frame.error());
+        if (!frame) return passOn(frame);
         return ReceivedFrame{frame->header, {frame->picture.begin(), frame->picture.end()}};
     }
     auto message = parseServerMessage({reinterpret_cast<const char*>(bytes.data()), bytes.size()});
     if (!message) {
         if (message.error().code == ErrorCode::Unsupported) return std::nullopt;
-        return tl::unexpected(message.error());
+        return passOn(message);
     }
     if (auto* stats = std::get_if<messages::Stats>(&*message)) return std::move(*stats);
     if (auto* problem = std::get_if<messages::ProblemReport>(&*message)) return std::move(*problem);
@@ -67,7 +67,7 @@ class Stream::Connection {
 
     Expected<void> open(const Credentials& credentials, double readBytesPerSecond) {
         auto connected = connectUntil(io_, url_, credentials, Clock::now() + timeouts_.connect);
-        if (!connected) return tl::unexpected(std::move(connected.error()));
+        if (!connected) return passOn(std::move(connected));
         tls_ = std::move(connected->tls);
         socket_ = std::make_unique<websocket::stream<PacedStream>>(std::move(connected->stream),
                                                                    readBytesPerSecond);
@@ -111,7 +111,7 @@ class Stream::Connection {
         const auto deadline = Clock::now() + timeouts_.answer;
         for (;;) {
             const auto bytes = readUntil(deadline);
-            if (!bytes) return tl::unexpected(bytes.error());
+            if (!bytes) return passOn(bytes);
             if (*bytes) return **bytes;
             if (Clock::now() < deadline) continue;  // interrupted
             drop();
@@ -201,15 +201,14 @@ Stream::~Stream() = default;
 Expected<Stream> Stream::open(const ServerUrl& url, const messages::Hello& hello, const Timeouts& timeouts,
                               const Credentials& credentials, double readBytesPerSecond) {
     auto connection = std::make_unique<Connection>(url, timeouts);
-    if (auto opened = connection->open(credentials, readBytesPerSecond); !opened)
-        return tl::unexpected(opened.error());
-    if (auto sent = connection->send(hello); !sent) return tl::unexpected(sent.error());
+    if (auto ok = connection->open(credentials, readBytesPerSecond); !ok) return passOn(ok);
+    if (auto ok = connection->send(hello); !ok) return passOn(ok);
     const auto text = connection->read();
-    if (!text) return tl::unexpected(text.error());
+    if (!text) return passOn(text);
     if (!connection->gotText())
         return fail(ErrorCode::Malformed, url.authority() + " sent a frame before its welcome");
     const auto message = parseServerMessage({reinterpret_cast<const char*>(text->data()), text->size()});
-    if (!message) return tl::unexpected(message.error());
+    if (!message) return passOn(message);
     if (const auto* problem = std::get_if<messages::ProblemReport>(&*message))
         return tl::unexpected(errorOf(problem->problem));
     if (const auto* bye = std::get_if<messages::Bye>(&*message))
@@ -239,9 +238,9 @@ Expected<void> Stream::ack(const FrameHeader& header) {
 Expected<StreamEvent> Stream::receive() {
     for (;;) {
         const auto bytes = connection_->read();
-        if (!bytes) return tl::unexpected(bytes.error());
+        if (!bytes) return passOn(bytes);
         auto event = eventOf(*bytes, connection_->gotText());
-        if (!event) return tl::unexpected(std::move(event.error()));
+        if (!event) return passOn(std::move(event));
         if (*event) return std::move(**event);
     }
 }
@@ -250,7 +249,7 @@ Expected<std::optional<StreamEvent>> Stream::receiveFor(std::chrono::millisecond
     const auto deadline = Clock::now() + wait;
     for (;;) {
         const auto bytes = connection_->readUntil(deadline);
-        if (!bytes) return tl::unexpected(bytes.error());
+        if (!bytes) return passOn(bytes);
         if (!*bytes) return std::nullopt;
         auto event = eventOf(**bytes, connection_->gotText());
         if (!event || *event) return event;
@@ -264,7 +263,7 @@ void Stream::interrupt() {
 Expected<ReceivedFrame> Stream::receiveFrame() {
     for (;;) {
         auto event = receive();
-        if (!event) return tl::unexpected(event.error());
+        if (!event) return passOn(event);
         if (auto* frame = std::get_if<ReceivedFrame>(&*event)) return std::move(*frame);
         if (const auto* report = std::get_if<messages::ProblemReport>(&*event))
             return tl::unexpected(errorOf(report->problem));

@@ -42,7 +42,7 @@ Expected<Endpoints> resolveUntil(boost::asio::io_context& io, const ServerUrl& u
 Expected<void> connectTcp(boost::asio::io_context& io, boost::beast::tcp_stream& stream, const ServerUrl& url,
                           Clock::time_point deadline) {
     const auto endpoints = resolveUntil(io, url, deadline);
-    if (!endpoints) return tl::unexpected(endpoints.error());
+    if (!endpoints) return passOn(endpoints);
     auto& socket = stream.socket();
     const auto close = [&] {
         ErrorCodeOfBoost ignored;  // closing a socket that never opened cannot be wrong
@@ -69,7 +69,7 @@ Expected<std::shared_ptr<ssl::context>> clientContext(const Credentials& credent
         // Those of a whole system have less than one MiB.
         constexpr std::size_t longest = std::size_t(16) << 20;
         const auto text = readTextFile(credentials.authority, longest);
-        if (!text) return tl::unexpected(text.error());
+        if (!text) return passOn(text);
         context->add_certificate_authority(boost::asio::buffer(*text), error);
     }
     if (!error) return context;
@@ -102,13 +102,11 @@ Expected<Connected> connectUntil(boost::asio::io_context& io, const ServerUrl& u
     boost::beast::tcp_stream connection(io);
     Expected<std::shared_ptr<ssl::context>> context = nullptr;
     if (url.tls) context = clientContext(credentials);
-    if (!context) return tl::unexpected(std::move(context.error()));
-    if (auto open = connectTcp(io, connection, url, deadline); !open)
-        return tl::unexpected(std::move(open.error()));
+    if (!context) return passOn(std::move(context));
+    if (auto ok = connectTcp(io, connection, url, deadline); !ok) return passOn(ok);
     if (!url.tls) return Connected{nullptr, NetStream(std::move(connection))};
     NetStream stream(std::move(connection), **context);
-    if (auto agreed = agreeOnTls(io, stream, url, deadline); !agreed)
-        return tl::unexpected(std::move(agreed.error()));
+    if (auto ok = agreeOnTls(io, stream, url, deadline); !ok) return passOn(ok);
     return Connected{std::move(*context), std::move(stream)};
 }
 

@@ -198,14 +198,14 @@ Expected<void> checkExtent(const PcdHeader& header, std::uint64_t fileBytes) {
 Expected<PcdHeader> checkPcdHeader(std::string_view start, std::uint64_t fileBytes) {
     PcdHeader header;
     const auto lines = readLines(start, fileBytes, header.bytes);
-    if (!lines) return tl::unexpected(lines.error());
+    if (!lines) return passOn(lines);
     if (const auto found = lines->find("VERSION"); found != lines->end() && !found->second.values.empty())
         header.version = printableText(found->second.values[0], 20);
-    if (auto ok = readFields(*lines, header); !ok) return tl::unexpected(ok.error());
-    if (auto ok = readMeanings(header); !ok) return tl::unexpected(ok.error());
-    if (auto ok = readCounts(*lines, header); !ok) return tl::unexpected(ok.error());
-    if (auto ok = readData(*lines, header); !ok) return tl::unexpected(ok.error());
-    if (auto ok = checkExtent(header, fileBytes); !ok) return tl::unexpected(ok.error());
+    if (auto ok = readFields(*lines, header); !ok) return passOn(ok);
+    if (auto ok = readMeanings(header); !ok) return passOn(ok);
+    if (auto ok = readCounts(*lines, header); !ok) return passOn(ok);
+    if (auto ok = readData(*lines, header); !ok) return passOn(ok);
+    if (auto ok = checkExtent(header, fileBytes); !ok) return passOn(ok);
     return header;
 }
 

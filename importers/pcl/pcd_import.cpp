@@ -28,7 +28,7 @@ Expected<void> importPcd(const std::string& file, PointStreamWriter& writer) {
     stream.read(start.data(), static_cast<std::streamsize>(start.size()));
     start.resize(static_cast<std::size_t>(stream.gcount()));
     const auto header = checkPcdHeader(start, fileBytes);
-    if (!header) return tl::unexpected(header.error());
+    if (!header) return passOn(header);
 
     ValueRanges ranges;
     if (needsRanges(header->meanings)) {

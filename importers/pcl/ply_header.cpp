@@ -196,14 +196,14 @@ Expected<PlyHeader> checkPlyHeader(std::string_view start, std::uint64_t fileByt
             if (start.size() >= longestPlyHeader)
                 return fail(ErrorCode::Malformed, "its header has no end within 1 MiB");
             if (start.substr(at).starts_with("end_header") && words(start.substr(at)).size() == 1) {
-                if (auto ok = reader.take(start.substr(at), at); !ok) return tl::unexpected(ok.error());
+                if (auto ok = reader.take(start.substr(at), at); !ok) return passOn(ok);
                 at = start.size();
                 break;
             }
             return fail(ErrorCode::Truncated,
                         "it ends at byte " + grouped(fileBytes) + ", within its PLY header");
         }
-        if (auto ok = reader.take(start.substr(at, end - at), at); !ok) return tl::unexpected(ok.error());
+        if (auto ok = reader.take(start.substr(at, end - at), at); !ok) return passOn(ok);
         at = end + 1;
     }
     auto& header = reader.header();
@@ -214,8 +214,8 @@ Expected<PlyHeader> checkPlyHeader(std::string_view start, std::uint64_t fileByt
     if (vertex == header.elements.end())
         return fail(ErrorCode::Malformed,
                     "its PLY header declares no vertices (no line \"element vertex …\")");
-    if (auto ok = checkVertices(header, *vertex); !ok) return tl::unexpected(ok.error());
-    if (auto ok = checkExtent(header, fileBytes); !ok) return tl::unexpected(ok.error());
+    if (auto ok = checkVertices(header, *vertex); !ok) return passOn(ok);
+    if (auto ok = checkExtent(header, fileBytes); !ok) return passOn(ok);
     return header;
 }
 

@@ -122,7 +122,7 @@ Expected<PlyHeader> readHeader(const std::string& file) {
 
 Expected<void> importPly(const std::string& file, PointStreamWriter& writer) {
     const auto header = readHeader(file);
-    if (!header) return tl::unexpected(header.error());
+    if (!header) return passOn(header);
 
     ValueRanges ranges;
     if (needsRanges(header->fields)) {

@@ -59,10 +59,10 @@ Expected<WordValues> parseQuery(std::string_view query) {
             return fail(ErrorCode::InvalidArgument, "the query has more than 256 words");
         const auto equals = pair.find('=');
         const auto word = percentDecode(pair.substr(0, equals), "the query");
-        if (!word) return tl::unexpected(word.error());
+        if (!word) return passOn(word);
         const auto value = percentDecode(
             equals == std::string_view::npos ? std::string_view{} : pair.substr(equals + 1), "the query");
-        if (!value) return tl::unexpected(value.error());
+        if (!value) return passOn(value);
         result.emplace_back(*word, *value);
     }
     return result;

@@ -8,7 +8,7 @@ namespace scancast {
 Expected<void> validate(const View& view) {
     for (const auto& word : viewWords())
         if (word.value.matters(view))
-            if (auto sound = word.value.check(view, word.word); !sound) return sound;
+            if (auto ok = word.value.check(view, word.word); !ok) return ok;
     return checks::camera(view.camera);
 }
 

@@ -65,7 +65,7 @@ Expected<void> coordinates(std::string_view word, const glm::dvec3& value) {
 }
 
 Expected<void> matrix(std::string_view word, const std::array<double, 16>& m) {
-    if (auto sound = allCoordinates(word, m); !sound) return sound;
+    if (auto ok = allCoordinates(word, m); !ok) return ok;
     const glm::dvec3 x(m[0], m[1], m[2]), y(m[4], m[5], m[6]), z(m[8], m[9], m[10]);
     const auto near = [](double value, double wanted) {
         return std::abs(value - wanted) <= rotationTolerance;
@@ -84,7 +84,7 @@ Expected<void> matrix(std::string_view word, const std::array<double, 16>& m) {
 
 Expected<void> clipBox(std::string_view word, const ClipBox& box) {
     for (const auto& corner : {box.min, box.max})
-        if (auto sound = coordinates(word, corner); !sound) return sound;
+        if (auto ok = coordinates(word, corner); !ok) return ok;
     for (int axis = 0; axis < 3; ++axis)
         if (box.min[axis] > box.max[axis])
             return invalid(
@@ -131,7 +131,7 @@ Expected<void> inRange(std::string_view word, double value, const ViewRange& ran
 
 Expected<void> camera(const Camera& camera) {
     if (!camera.viewMatrix)
-        if (auto sound = lookAt(camera); !sound) return sound;
+        if (auto ok = lookAt(camera); !ok) return ok;
     if (camera.near && camera.far && !(*camera.near < *camera.far))
         return impossible("near", "near must be less than far");
     return {};

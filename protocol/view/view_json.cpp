@@ -50,7 +50,7 @@ Expected<View> applyJson(const View& base, const json& changes) {
     FieldReader fields(changes);
     readCamera(fields, view);
     readWords(fields, false, view);
-    if (auto result = fields.finishStrict(); !result) return tl::unexpected(result.error());
+    if (auto ok = fields.finishStrict(); !ok) return passOn(ok);
     if (auto sound = validate(view); !sound) return tl::unexpected(atJsonPath(sound.error()));
     return view;
 }

@@ -35,7 +35,7 @@ using MemberOf = Plain<std::remove_cvref_t<std::invoke_result_t<Member, View&>>>
 
 template <class T, class U>
 Done set(T& out, Parsed<U> parsed) {
-    if (!parsed) return tl::unexpected(parsed.error());
+    if (!parsed) return passOn(parsed);
     out = static_cast<typename Plain<T>::Type>(std::move(*parsed));
     return {};
 }

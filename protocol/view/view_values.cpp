@@ -71,7 +71,7 @@ tl::expected<void, std::string> parseNumbers(std::string_view text, std::span<do
         const auto comma = rest.find(',');
         if (count < out.size()) {
             const auto value = parse<double>(rest.substr(0, comma));
-            if (!value) return tl::unexpected(value.error());
+            if (!value) return passOn(value);
             out[count] = *value;
         }
         if (comma == std::string_view::npos) break;
@@ -98,7 +98,7 @@ Parsed<std::vector<std::uint8_t>> parse(As<std::vector<std::uint8_t>>, std::stri
     for (std::string_view rest = text;;) {
         const auto comma = rest.find(',');
         const auto value = parseWhole(rest.substr(0, comma), 0, 255);
-        if (!value) return tl::unexpected(value.error());
+        if (!value) return passOn(value);
         result.push_back(static_cast<std::uint8_t>(*value));
         if (comma == std::string_view::npos) break;
         rest.remove_prefix(comma + 1);

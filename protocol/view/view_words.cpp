@@ -59,15 +59,14 @@ Expected<void> applyWord(View& view, std::string_view word, std::string_view val
 }
 
 Expected<View> applyWords(const View& base, const WordValues& given) {
-    if (auto sound = checkTogether(given); !sound) return tl::unexpected(sound.error());
+    if (auto ok = checkTogether(given); !ok) return passOn(ok);
     View view = base;
     // The method goes first, because it drops the parameters of the one before.
     for (const bool methodPass : {true, false})
         for (const auto& [word, value] : given)
             if ((word == "method") == methodPass)
-                if (auto applied = applyWord(view, word, value); !applied)
-                    return tl::unexpected(applied.error());
-    if (auto sound = validate(view); !sound) return tl::unexpected(sound.error());
+                if (auto ok = applyWord(view, word, value); !ok) return passOn(ok);
+    if (auto ok = validate(view); !ok) return passOn(ok);
     return view;
 }
 

@@ -136,7 +136,7 @@ class Device {
     /// Devices that draw at once need not do anything about it.
     virtual Expected<std::unique_ptr<PendingFrame>> begin(const Drawing& drawing, std::stop_token stop) {
         auto frame = draw(drawing, std::move(stop));
-        if (!frame) return tl::unexpected(std::move(frame.error()));
+        if (!frame) return passOn(std::move(frame));
         return std::make_unique<DrawnFrame>(std::move(*frame));
     }
 };

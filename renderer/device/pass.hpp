@@ -85,7 +85,8 @@ struct SilhouettePass : Splat {};
 ///   Ellipse  w = sqrt(|JΣJᵀ|/|V|)·exp(-½ xᵀV⁻¹x)        d ≤ d_vis + 2a + 2dz    docs/spec/surfels.md §4
 ///   Disc     w = 1-3t²+2t³, t = distance / (reach·r)    |d - d_vis| ≤ r/2       docs/spec/voronoi.md §2
 /// A disc covers reach·r, and with a CellPass the bound is its tolerance · r.
-/// Weights are integers 1 … 4095 inside the footprint.
+/// Weights are integers 1 … 4095 inside the footprint. A circle or an ellipse must be no larger than the
+/// NearestPass's: the selection grows nodes by that one alone.
 struct SumPass : Splat {
     bool normals = false;
     float reach = 2;

@@ -54,14 +54,14 @@ struct Method {
     std::string name;
     std::string title;
     std::string summary;  ///< one or two sentences: what it shows well
-    std::string source;   ///< the paper
+    std::string source;   ///< the paper, or "none" and the section of docs/spec
     std::vector<Parameter> parameters;
     double defaultDetail = 1;  ///< τ, px
     Shading defaultShading = Shading::Unlit;
     Needs needs = Needs::Points;
     /// Lights clouds without normals, too: it makes them itself.
     bool makesNormals = false;
-    /// Ends with the shading's screen passes.
+    /// Ends with addShading(): a PhongPass or EyeDomePass at the end is the shading's alone.
     PassList (*passes)(const PassRequest& request) = nullptr;
 };
 

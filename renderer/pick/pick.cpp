@@ -90,7 +90,7 @@ Expected<Nearest> nearestLeafSample(const Octree& octree, const glm::dvec3& plac
             continue;
         }
         const auto run = octree.store().load(index, stop);
-        if (!run) return tl::unexpected(run.error());
+        if (!run) return passOn(run);
         compare(node, index, run->samples, place, filter, best);
     }
     return best;
@@ -100,7 +100,7 @@ Expected<Nearest> nearestLeafSample(const Octree& octree, const glm::dvec3& plac
 
 Expected<glm::dvec3> placeUnder(const Cloud& cloud, const View& view, const glm::ivec2& pixel, double depth) {
     const auto viewpoint = Viewpoint::create(view, cloud.origin, cloud.bounds);
-    if (!viewpoint) return tl::unexpected(viewpoint.error());
+    if (!viewpoint) return passOn(viewpoint);
     const double q = viewpoint->q(depth);
     const glm::dvec4 seen((pixel.x + 0.5 - view.width * 0.5) / q, (view.height * 0.5 - pixel.y - 0.5) / q,
                           -depth, 1);
@@ -111,10 +111,10 @@ Expected<std::optional<Picked>> pick(const Cloud& cloud, const View& view, const
                                      double depth, std::stop_token stop) {
     if (!std::isfinite(depth)) return std::nullopt;
     const auto place = placeUnder(cloud, view, pixel, depth);
-    if (!place) return tl::unexpected(place.error());
+    if (!place) return passOn(place);
     if (view.style.mirrors && isGlass(cloud, *place, depth)) return std::nullopt;
     const auto nearest = nearestLeafSample(cloud.octree, *place, sampleFilter(cloud, view.style), stop);
-    if (!nearest) return tl::unexpected(nearest.error());
+    if (!nearest) return passOn(nearest);
     if (nearest->node == noNode) return std::nullopt;
     const Node& node = cloud.octree.node(nearest->node);
     Picked picked;

@@ -331,7 +331,7 @@ void Cache::load(std::shared_ptr<CachedCloud> cloud, std::uint32_t node, std::sh
 
 Cache::Loaded Cache::read(const CachedCloud& cloud, std::uint32_t node, std::shared_ptr<Block> room) const {
     auto samples = cloud.file->samples(node);
-    if (!samples) return tl::unexpected(std::move(samples.error()));
+    if (!samples) return passOn(std::move(samples));
     if (samples->size() != cloud.file->nodes()[node].node.sampleCount) {
         return fail(ErrorCode::Malformed,
                     "Node " + std::to_string(node) + " has another number of samples than its index says.");

@@ -43,7 +43,7 @@ class DeviceProvision {
             for (const CutRun& run : cut->runs)
                 if (isThere(run.nodeIndex)) add(run.nodeIndex);
         addRequests();
-        if (auto brought = memory_.bring(octree_.source(), toBring_, stop); !brought) return brought;
+        if (auto ok = memory_.bring(octree_.source(), toBring_, stop); !ok) return ok;
         for (Cut* cut : cuts_) replaceMissing(*cut);
         return {};
     }

@@ -21,13 +21,13 @@ Expected<std::shared_ptr<const Cloud>> openCloud(std::shared_ptr<const CloudFile
 Expected<std::shared_ptr<const Cloud>> openCloud(const std::filesystem::path& path,
                                                  const std::shared_ptr<BlockCache>& cache) {
     auto file = InputFile::open(path);
-    if (!file) return tl::unexpected(std::move(file.error()));
+    if (!file) return passOn(std::move(file));
     return openCloud(std::move(*file), cache);
 }
 
 Expected<std::shared_ptr<const Cloud>> openCloud(InputFile file, const std::shared_ptr<BlockCache>& cache) {
     auto opened = CloudFile::open(std::move(file));
-    if (!opened) return tl::unexpected(std::move(opened.error()));
+    if (!opened) return passOn(std::move(opened));
     return openCloud(std::move(*opened), cache);
 }
 

@@ -32,8 +32,7 @@ class Provision {
     Expected<Cut> provide(const std::stop_token& stop) {
         const std::vector<std::uint32_t> wanted = nodesOf(cut_);
         if (options_.wait) {
-            if (auto loaded = loadWanted(wanted, stop); !loaded)
-                return tl::unexpected(std::move(loaded.error()));
+            if (auto ok = loadWanted(wanted, stop); !ok) return passOn(ok);
         } else {
             runs_.ask(wanted);
         }
@@ -51,7 +50,7 @@ class Provision {
     /// Damaged blocks fall back on their ancestors, which are loaded in turn.
     Expected<void> loadWanted(std::vector<std::uint32_t> nodes, const std::stop_token& stop) {
         while (!nodes.empty()) {
-            if (auto loaded = runs_.load(nodes, stop); !loaded) return loaded;
+            if (auto ok = runs_.load(nodes, stop); !ok) return ok;
             std::vector<std::uint32_t> above;
             for (const std::uint32_t node : nodes)
                 if (!runs_.has(node) && parent(node) != noNode) above.push_back(parent(node));

@@ -36,7 +36,7 @@ glm::dmat4 lookFrom(const Camera& camera, const glm::dvec3& origin) {
 
 Expected<Viewpoint> Viewpoint::create(const View& view, const glm::dvec3& origin,
                                       const std::array<glm::dvec3, 2>& bounds) {
-    if (auto sound = validate(view); !sound) return tl::unexpected(sound.error());
+    if (auto ok = validate(view); !ok) return passOn(ok);
     Viewpoint v;
     v.width = view.width;
     v.height = view.height;

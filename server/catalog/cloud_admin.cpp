@@ -56,7 +56,7 @@ tl::expected<std::string, Problem> CloudAdmin::add(const AddCloud& asked) {
             "id: letters, digits, '.', '_' and single '-' make an id, such as " + cloudIdFor(asked.id) + ".",
             "id");
     auto input = open(asked.file);
-    if (!input) return tl::unexpected(input.error());
+    if (!input) return passOn(input);
     const std::string name = input->path().stem().string();
     const std::lock_guard lock(mutex_);
     if (!load_) return refuse(503, "This server does not load files now.", "file");

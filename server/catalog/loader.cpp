@@ -170,11 +170,11 @@ void Loader::settleFailed(const Job& job, Error error) {
 Loader::Result Loader::cloudOf(const ScanInput& input, const std::string& id) {
     if (isCloudFile(input.file())) {
         auto file = input.file().share();
-        if (!file) return tl::unexpected(std::move(file.error()));
+        if (!file) return passOn(std::move(file));
         return openCloud(std::move(*file), options_.cache);
     }
     auto source = openScan(input, options_.import);
-    if (!source) return tl::unexpected(std::move(source.error()));
+    if (!source) return passOn(std::move(source));
     const BlockCacheStats memory = options_.cache->stats();
     const bool fits = memory.bytes + memoryToBuild(**source, input) <= memory.limit;
     source->reset();
@@ -205,14 +205,14 @@ Loader::Result Loader::cloudOf(const ScanInput& input, const std::string& id) {
 
 Loader::Result Loader::build(const ScanInput& input, const std::string& id) {
     auto source = open(input, id);
-    if (!source) return tl::unexpected(std::move(source.error()));
+    if (!source) return passOn(std::move(source));
     const auto building = options_.cache->reserve(memoryToBuild(**source, input));
     BuildOptions options;
     options.shape = options_.shape;
     options.title = input.path().filename().string();
     options.threads = options_.threads;
     auto mirrors = input.mirrors();
-    if (!mirrors) return tl::unexpected(std::move(mirrors.error()));
+    if (!mirrors) return passOn(std::move(mirrors));
     options.mirrors = std::move(*mirrors);
     auto cloud = buildCloud(**source, options, progressOf(id));
     if (!cloud) return cloud;
@@ -221,7 +221,7 @@ Loader::Result Loader::build(const ScanInput& input, const std::string& id) {
 
 Loader::Result Loader::ingestTo(const fs::path& output, const ScanInput& input, const std::string& id) {
     auto source = open(input, id);
-    if (!source) return tl::unexpected(std::move(source.error()));
+    if (!source) return passOn(std::move(source));
     IngestOptions options;
     options.output = output;
     options.shape = options_.shape;
@@ -229,14 +229,14 @@ Loader::Result Loader::ingestTo(const fs::path& output, const ScanInput& input, 
     options.threads = options_.threads;
     options.memoryLimit = std::max(options_.cache->stats().limit / 2, leastIngestMemory);
     auto mirrors = input.mirrors();
-    if (!mirrors) return tl::unexpected(std::move(mirrors.error()));
+    if (!mirrors) return passOn(std::move(mirrors));
     options.mirrors = std::move(*mirrors);
     {
         const auto building = options_.cache->reserve(options.memoryLimit);
         std::vector<std::unique_ptr<PointSource>> sources;
         sources.push_back(std::move(*source));
         auto report = ingest(std::move(sources), options, progressOf(id), stop_.get_token());
-        if (!report) return tl::unexpected(std::move(report.error()));
+        if (!report) return passOn(std::move(report));
     }
     return openCloud(output, options_.cache);
 }

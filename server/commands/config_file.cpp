@@ -48,7 +48,7 @@ Expected<std::vector<std::string>> textsOf(const CLI::Option& option, const json
     std::vector<std::string> texts;
     for (const json& one : value.is_array() ? value : json::array({value})) {
         auto text = textOf(one);
-        if (!text) return tl::unexpected(std::move(text.error()));
+        if (!text) return passOn(std::move(text));
         texts.push_back(std::move(*text));
     }
     return texts;
@@ -56,7 +56,7 @@ Expected<std::vector<std::string>> textsOf(const CLI::Option& option, const json
 
 Expected<void> set(CLI::Option& option, const json& value) {
     const auto texts = textsOf(option, value);
-    if (!texts) return tl::unexpected(texts.error());
+    if (!texts) return passOn(texts);
     if (option.count() > 0 || texts->empty()) return {};
     try {
         option.add_result(*texts);

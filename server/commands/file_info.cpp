@@ -43,9 +43,9 @@ std::vector<DamagedBlock> checkBlocks(const CloudFile& file, const ProgressSink&
 
 Expected<FileInfo> cloudInfo(const ScanInput& input, bool check, const ProgressSink& progress) {
     auto shared = input.file().share();
-    if (!shared) return tl::unexpected(shared.error());
+    if (!shared) return passOn(shared);
     const auto opened = CloudFile::open(std::move(*shared));
-    if (!opened) return tl::unexpected(opened.error());
+    if (!opened) return passOn(opened);
     const CloudFile& file = **opened;
     FileInfo info;
     info.file = input.path();
@@ -94,7 +94,7 @@ Expected<void> readThrough(PointSource& source, FileInfo& info, const ProgressSi
     PointBatch batch;
     for (;;) {
         const auto more = source.read(batch);
-        if (!more) return tl::unexpected(more.error());
+        if (!more) return passOn(more);
         if (!*more) break;
         counted.add(batch);
         done += batch.size();
@@ -108,7 +108,7 @@ Expected<FileInfo> scanInfo(const ScanInput& input, bool check, const ProgressSi
     ImportOptions options;
     options.keepAttributes = true;
     auto source = openScan(input, options);
-    if (!source) return tl::unexpected(source.error());
+    if (!source) return passOn(source);
     const ScanHeader& header = (*source)->header();
     FileInfo info;
     info.file = input.path();
@@ -127,10 +127,10 @@ Expected<FileInfo> scanInfo(const ScanInput& input, bool check, const ProgressSi
     info.gridStep = header.gridStep;
     info.scannerOrigin = header.scannerOrigin;
     auto mirrors = input.mirrors();
-    if (!mirrors) return tl::unexpected(mirrors.error());
+    if (!mirrors) return passOn(mirrors);
     info.facts.mirrors = std::move(*mirrors);
     if (check)
-        if (auto read = readThrough(**source, info, progress); !read) return tl::unexpected(read.error());
+        if (auto ok = readThrough(**source, info, progress); !ok) return passOn(ok);
     return info;
 }
 
@@ -148,7 +148,7 @@ bool looksLikeCloudFile(const InputFile& file) {
 
 Expected<FileInfo> fileInfo(const fs::path& file, bool check, const ProgressSink& progress) {
     const auto input = ScanInput::open(file);
-    if (!input) return tl::unexpected(input.error());
+    if (!input) return passOn(input);
     return looksLikeCloudFile(input->file()) ? cloudInfo(*input, check, progress)
                                              : scanInfo(*input, check, progress);
 }

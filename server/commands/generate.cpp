@@ -73,9 +73,9 @@ Expected<void> writeMirrors(const SceneOptions& options, const std::string& scan
     const std::vector<Mirror> mirrors = sceneMirrors(options);
     if (mirrors.empty() || scan == "-" || scan.rfind("/dev/", 0) == 0) return {};
     auto file = OutputFile::create(mirrorsFileOf(scan).string());
-    if (!file) return tl::unexpected(file.error());
+    if (!file) return passOn(file);
     const std::string text = printMirrors(mirrors);
-    if (auto done = file->write(std::as_bytes(std::span(text))); !done) return done;
+    if (auto ok = file->write(std::as_bytes(std::span(text))); !ok) return ok;
     return file->finish();
 }
 
@@ -87,11 +87,11 @@ Expected<SceneOptions> sceneOptions(const GenerateArguments& arguments) {
     options.threads = arguments.threads;
     options.order = arguments.order == "random" ? PointOrder::Random : PointOrder::Scan;
     const auto points = parsePointCount(arguments.points);
-    if (!points) return tl::unexpected(points.error());
+    if (!points) return passOn(points);
     options.points = *points;
     if (!arguments.origin.empty()) {
         const auto origin = parseOrigin(arguments.origin);
-        if (!origin) return tl::unexpected(origin.error());
+        if (!origin) return passOn(origin);
         options.origin = *origin;
     }
     return options;
@@ -105,9 +105,9 @@ Expected<std::uint64_t> pump(PointSource& source, PointWriter& writer, std::uint
     progress({"generating", 0, total, "points"});
     while (true) {
         const auto more = source.read(batch);
-        if (!more) return tl::unexpected(more.error());
+        if (!more) return passOn(more);
         if (!*more) return done;
-        if (auto written = writer.write(batch); !written) return tl::unexpected(written.error());
+        if (auto ok = writer.write(batch); !ok) return passOn(ok);
         done += batch.size();
         progress({"generating", done, total, "points"});
         if (interrupted) return fail(ErrorCode::Cancelled, "Interrupted; the unfinished file was removed.");
@@ -120,22 +120,22 @@ Expected<void> generate(const GenerateArguments& arguments) {
                     "A scan is binary data, not for a terminal; give a file with -o FILE or pipe it on.",
                     "output");
     const auto options = sceneOptions(arguments);
-    if (!options) return tl::unexpected(options.error());
+    if (!options) return passOn(options);
     const auto format = chooseFormat(arguments, options->points);
-    if (!format) return tl::unexpected(format.error());
+    if (!format) return passOn(format);
     const auto start = std::chrono::steady_clock::now();
     auto source = simulate(*options);
-    if (!source) return tl::unexpected(source.error());
+    if (!source) return passOn(source);
     auto output = OutputFile::create(arguments.output);
-    if (!output) return tl::unexpected(output.error());
+    if (!output) return passOn(output);
     auto writer = createPointWriter(*format, std::move(*output), (*source)->header());
-    if (!writer) return tl::unexpected(writer.error());
+    if (!writer) return passOn(writer);
 
     ProgressBar bar(stderr, arguments.quiet ? ProgressBar::Style::Quiet : ProgressBar::Style::Automatic);
     const auto points = pump(**source, **writer, options->points, bar.sink());
-    if (!points) return tl::unexpected(points.error());
-    if (auto done = (*writer)->finish(); !done) return done;
-    if (auto done = writeMirrors(*options, arguments.output); !done) return done;
+    if (!points) return passOn(points);
+    if (auto ok = (*writer)->finish(); !ok) return ok;
+    if (auto ok = writeMirrors(*options, arguments.output); !ok) return ok;
     bar.clear();
     if (!arguments.quiet) {
         const std::chrono::duration<double> took = std::chrono::steady_clock::now() - start;

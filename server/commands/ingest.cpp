@@ -71,7 +71,7 @@ Expected<IngestOptions> ingestOptions(const IngestArguments& arguments) {
     options.shape.orientation = arguments.orient == "up" ? Orientation::Up : Orientation::Scan;
     if (!arguments.memoryLimit.empty()) {
         const auto limit = parseByteSize(arguments.memoryLimit, "memory-limit");
-        if (!limit) return tl::unexpected(limit.error());
+        if (!limit) return passOn(limit);
         options.memoryLimit = *limit;
     }
     std::error_code error;
@@ -91,7 +91,7 @@ Expected<std::unique_ptr<PointSource>> openInTurn(const ScanInput& input, const 
     return lazyScan(
         [=, path = input.path(), seen = input.file().identity()]() -> Expected<std::unique_ptr<PointSource>> {
             const auto again = ScanInput::open(path);
-            if (!again) return tl::unexpected(again.error());
+            if (!again) return passOn(again);
             if (again->file().identity() == seen) return openScan(*again, import);
             return fail(ErrorCode::Io, path.string() + " has changed since this began; begin again");
         });
@@ -104,23 +104,23 @@ Expected<std::vector<std::unique_ptr<PointSource>>> openAll(const IngestArgument
     import.keepAttributes = arguments.keepAttributes;
     std::vector<std::unique_ptr<PointSource>> sources;
     const auto add = [&](Expected<std::unique_ptr<PointSource>> source) -> Expected<void> {
-        if (!source) return tl::unexpected(source.error());
+        if (!source) return passOn(source);
         sources.push_back(std::move(*source));
         return {};
     };
     for (const std::string& name : arguments.inputs) {
         if (name == "-") {
-            if (auto added = add(openStandardInput(import)); !added) return tl::unexpected(added.error());
+            if (auto ok = add(openStandardInput(import)); !ok) return passOn(ok);
             continue;
         }
         const auto input = ScanInput::open(name);
-        if (!input) return tl::unexpected(input.error());
+        if (!input) return passOn(input);
         const auto mirrors = input->mirrors();
-        if (!mirrors) return tl::unexpected(mirrors.error());
+        if (!mirrors) return passOn(mirrors);
         options.mirrors.insert(options.mirrors.end(), mirrors->begin(), mirrors->end());
         const bool alone = arguments.inputs.size() == 1;
-        if (auto added = add(alone ? openScan(*input, import) : openInTurn(*input, import)); !added)
-            return tl::unexpected(added.error());
+        if (auto ok = add(alone ? openScan(*input, import) : openInTurn(*input, import)); !ok)
+            return passOn(ok);
     }
     return sources;
 }
@@ -143,17 +143,17 @@ void tellNeeds(const std::vector<std::unique_ptr<PointSource>>& sources, const I
 Expected<void> runIngest(const IngestArguments& arguments) {
     returnMemoryOfChunks();
     auto options = ingestOptions(arguments);
-    if (!options) return tl::unexpected(options.error());
+    if (!options) return passOn(options);
     const Interruption interruption;
     auto sources = openAll(arguments, *options);
-    if (!sources) return tl::unexpected(sources.error());
+    if (!sources) return passOn(sources);
     if (!arguments.quiet) tellNeeds(*sources, *options);
     ProgressBar bar(stderr, arguments.quiet ? ProgressBar::Style::Quiet : ProgressBar::Style::Automatic);
     const auto report = ingest(std::move(*sources), *options, bar.sink(), interruption.token());
     bar.clear();
     if (!report && report.error().code == ErrorCode::Cancelled)
         return fail(ErrorCode::Cancelled, "Interrupted; no cloud file was left behind.");
-    if (!report) return tl::unexpected(report.error());
+    if (!report) return passOn(report);
     if (arguments.quiet) return {};
     const double points = double(report->facts.points);
     tell("{}: {} points in {} nodes, {} ({:.1f} bytes a point), {:.1f} s ({:.2f} M points/s)\n",

@@ -114,30 +114,30 @@ Expected<void> checkArguments(const RenderArguments& arguments) {
 
 Expected<std::shared_ptr<const Cloud>> load(const RenderArguments& arguments) {
     auto input = ScanInput::open(arguments.file);
-    if (!input) return tl::unexpected(input.error());
+    if (!input) return passOn(input);
     if (isCloudFile(input->file())) {
         BlockCacheOptions cache;
         cache.memoryLimit = machineMemory() / 2;
         if (!arguments.memoryLimit.empty()) {
             const auto limit = parseByteSize(arguments.memoryLimit, "memory-limit");
-            if (!limit) return tl::unexpected(limit.error());
+            if (!limit) return passOn(limit);
             cache.memoryLimit = *limit;
         }
         cache.onDamaged = [](const fs::path& file, const Error& error) {
             tell("{}: {} Coarser points are shown in its place.\n", file.string(), error.message);
         };
         auto file = input->file().share();
-        if (!file) return tl::unexpected(file.error());
+        if (!file) return passOn(file);
         return openCloud(std::move(*file), BlockCache::create(cache));
     }
     auto source = openScan(*input);
-    if (!source) return tl::unexpected(source.error());
+    if (!source) return passOn(source);
     BuildOptions options;
     options.title = fs::path(arguments.file).filename().string();
     options.threads = arguments.device.threads;
     options.shape.surfels = !arguments.noSurfels;
     auto mirrors = input->mirrors();
-    if (!mirrors) return tl::unexpected(mirrors.error());
+    if (!mirrors) return passOn(mirrors);
     options.mirrors = std::move(*mirrors);
     ProgressBar bar;
     auto cloud = buildCloud(**source, options, bar.sink());
@@ -158,26 +158,26 @@ Expected<Frame> renderOrReplace(std::unique_ptr<Device>& device, const Cloud& cl
     options.backend = "cpu";
     options.threads = arguments.device.threads;
     auto other = createDevice(options);
-    if (!other) return tl::unexpected(other.error());
+    if (!other) return passOn(other);
     device = std::move(*other);
     return render(*device, cloud, view, arguments.render);
 }
 
 Expected<void> runRender(const RenderArguments& arguments) {
-    if (auto sound = checkArguments(arguments); !sound) return sound;
+    if (auto ok = checkArguments(arguments); !ok) return ok;
     const auto words = arguments.view.words();
-    if (!words) return tl::unexpected(words.error());
+    if (!words) return passOn(words);
     DeviceOptions options = arguments.device;
     options.programFolder = programFolder();
     const auto gpuMemoryLimit = parseGpuMemoryLimit(arguments.gpuMemoryLimit);
-    if (!gpuMemoryLimit) return tl::unexpected(gpuMemoryLimit.error());
+    if (!gpuMemoryLimit) return passOn(gpuMemoryLimit);
     options.gpuMemoryLimit = *gpuMemoryLimit;
     auto device = createDevice(options);
-    if (!device) return tl::unexpected(device.error());
+    if (!device) return passOn(device);
     auto cloud = load(arguments);
-    if (!cloud) return tl::unexpected(cloud.error());
+    if (!cloud) return passOn(cloud);
     auto view = applyWords(defaultView(**cloud), *words);
-    if (!view) return tl::unexpected(view.error());
+    if (!view) return passOn(view);
 
     Timings timings;
     Frame frame;
@@ -185,12 +185,12 @@ Expected<void> runRender(const RenderArguments& arguments) {
     for (int i = 0; i < arguments.repeat; ++i) {
         const auto start = Clock::now();
         auto drawn = renderOrReplace(*device, **cloud, *view, arguments);
-        if (!drawn) return tl::unexpected(drawn.error());
+        if (!drawn) return passOn(drawn);
         frame = std::move(*drawn);
         const auto rendered = Clock::now();
         auto encoded =
             encode(frame, *view, arguments.output.empty() ? fs::path("x.jpg") : fs::path(arguments.output));
-        if (!encoded) return tl::unexpected(encoded.error());
+        if (!encoded) return passOn(encoded);
         bytes = std::move(*encoded);
         const auto end = Clock::now();
         frame.stats.add("encode", std::chrono::duration<double, std::milli>(end - rendered).count());
@@ -198,8 +198,7 @@ Expected<void> runRender(const RenderArguments& arguments) {
         if (arguments.orbit != 0 && i + 1 < arguments.repeat) orbitBy(view->camera, arguments.orbit);
     }
     if (!arguments.output.empty()) {
-        if (auto written = writeWholeFile(arguments.output, std::as_bytes(std::span(bytes))); !written)
-            return written;
+        if (auto ok = writeWholeFile(arguments.output, std::as_bytes(std::span(bytes))); !ok) return ok;
     }
     if (arguments.stats.empty()) return {};
     return print(statsJson(timings, frame, **cloud) + "\n");

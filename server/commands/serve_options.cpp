@@ -29,10 +29,8 @@ Expected<AccessTokens> accessTokens(const ServeOptions& options) {
         token = std::move(*text);
         return {};
     };
-    if (auto done = read(options.authTokenFile, "auth-token-file", tokens.user); !done)
-        return tl::unexpected(std::move(done.error()));
-    if (auto done = read(options.adminTokenFile, "admin-token-file", tokens.admin); !done)
-        return tl::unexpected(std::move(done.error()));
+    if (auto ok = read(options.authTokenFile, "auth-token-file", tokens.user); !ok) return passOn(ok);
+    if (auto ok = read(options.adminTokenFile, "admin-token-file", tokens.admin); !ok) return passOn(ok);
     if (tokens.user && tokens.user == tokens.admin) {
         return fail(
             ErrorCode::InvalidArgument,
@@ -151,9 +149,8 @@ Expected<void> check(const ServeOptions& options) {
                 "forward the port: ssh -L 8080:127.0.0.1:8080 THIS-MACHINE",
             "host");
     }
-    if (auto limit = memoryLimit(options); !limit) return tl::unexpected(std::move(limit.error()));
-    if (auto limit = parseGpuMemoryLimit(options.gpuMemoryLimit); !limit)
-        return tl::unexpected(std::move(limit.error()));
+    if (auto ok = memoryLimit(options); !ok) return passOn(ok);
+    if (auto ok = parseGpuMemoryLimit(options.gpuMemoryLimit); !ok) return passOn(ok);
     std::error_code error;
     for (const auto& [flag, folder] :
          {std::pair("cache-dir", &options.cacheDir), std::pair("data-root", &options.server.dataRoot)}) {
@@ -169,7 +166,7 @@ Expected<void> check(const ServeOptions& options) {
                     "data-root");
     }
     for (const std::string& origin : options.server.allowedOrigins) {
-        if (auto sound = checkAllowedOrigin(origin); !sound) return sound;
+        if (auto ok = checkAllowedOrigin(origin); !ok) return ok;
     }
     return {};
 }

@@ -88,9 +88,8 @@ Expected<std::shared_ptr<ssl::context>> openTls(const TlsFiles& files) {
     SSL_CTX_set_options(context->native_handle(), SSL_OP_NO_RENEGOTIATION);
     // A server must not ask its terminal for a pass phrase.
     SSL_CTX_set_default_passwd_cb(context->native_handle(), [](char*, int, int, void*) { return 0; });
-    if (auto loaded = loadCertificate(*context, files.certificate); !loaded)
-        return tl::unexpected(std::move(loaded.error()));
-    if (auto loaded = loadKey(*context, files); !loaded) return tl::unexpected(std::move(loaded.error()));
+    if (auto ok = loadCertificate(*context, files.certificate); !ok) return passOn(ok);
+    if (auto ok = loadKey(*context, files); !ok) return passOn(ok);
     return context;
 }
 

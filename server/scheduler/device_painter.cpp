@@ -29,12 +29,12 @@ Expected<std::shared_ptr<const PlannedView>> planOf(const PictureOrder& order) {
 Expected<PreparedPicture> preparePicture(const PictureOrder& order, bool wait, std::stop_token stop,
                                          std::optional<std::uint64_t> most) {
     auto planned = planOf(order);
-    if (!planned) return tl::unexpected(std::move(planned.error()));
+    if (!planned) return passOn(std::move(planned));
     RenderOptions options{.wait = wait, .requester = order.requester, .ahead = order.ahead};
     if (!order.complete) options.mostSamples = most;
     options.depth = order.format == PictureFormat::Depth;
     auto prepared = prepare(*order.cloud, *planned, options, std::move(stop));
-    if (!prepared) return tl::unexpected(std::move(prepared.error()));
+    if (!prepared) return passOn(std::move(prepared));
     const bool complete = samplesMissing(**prepared) == 0;
     return PreparedPicture{std::move(*prepared), complete, std::move(*planned)};
 }
@@ -44,7 +44,7 @@ Expected<PreparedPicture> preparePicture(const PictureOrder& order, bool wait, s
 OpenPainter painterWith(OpenDevice openDevice, OpenPainter instead) {
     return [openDevice = std::move(openDevice), instead = std::move(instead)]() -> Expected<Painter> {
         auto opened = openDevice();
-        if (!opened) return tl::unexpected(std::move(opened.error()));
+        if (!opened) return passOn(std::move(opened));
         const std::shared_ptr<Device> device = std::move(*opened);
         Painter painter;
         painter.device = device->info();

@@ -89,7 +89,7 @@ Expected<EncodedPicture> Scheduler::encoded(Rendered& job) {
     const auto start = Clock::now();
     auto bytes = encodePicture(job.frame, job.request.order.view, job.request.order.format);
     const double encodeMs = millisecondsSince(start);
-    if (!bytes) return tl::unexpected(std::move(bytes.error()));
+    if (!bytes) return passOn(std::move(bytes));
     if (Clock::now() > job.request.deadline) return tl::unexpected(tooLate());
     metrics_.frameEncoded(encodeMs / 1000, bytes->size());
     EncodedPicture picture;

@@ -204,7 +204,7 @@ Expected<std::unique_ptr<PendingFrame>> Scheduler::begin(Request& request, const
         if (!request.prepared) {
             auto prepared =
                 contained("The renderer", [&] { return painter_->prepare(request.order, false, token); });
-            if (!prepared) return tl::unexpected(std::move(prepared.error()));
+            if (!prepared) return passOn(std::move(prepared));
             request.prepared = std::move(*prepared);
             request.order.planned = request.prepared->planned;
         }
@@ -213,8 +213,7 @@ Expected<std::unique_ptr<PendingFrame>> Scheduler::begin(Request& request, const
         request.lacking = request.order.onlyWhole && !request.prepared->complete;
         if (request.lacking)
             return fail(ErrorCode::Cancelled, "Samples of this picture are still to be read.");
-        if (auto fits = checkMemory(request.order.view); !fits)
-            return tl::unexpected(std::move(fits.error()));
+        if (auto ok = checkMemory(request.order.view); !ok) return passOn(ok);
         auto frame = contained("The renderer",
                                [&] { return painter_->begin(request.order, *request.prepared, token); });
         if (!isLost(frame)) return frame;
@@ -257,7 +256,7 @@ Expected<Frame> Scheduler::finish(Begun& begun, const std::stop_token& token, bo
         if (!isLost(frame)) return frame;
         if (begun.painter == painterNumber_) replacePainter(frame.error());
         auto again = begin(begun.request, token, deferred);
-        if (!again) return tl::unexpected(std::move(again.error()));
+        if (!again) return passOn(std::move(again));
         begun.frame = std::move(*again);
         begun.device = painter_->device;
         begun.painter = painterNumber_;

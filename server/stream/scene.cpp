@@ -21,7 +21,7 @@ tl::expected<Scene, Problem> SceneResolver::opened(const messages::Hello& hello)
 
 tl::expected<Scene, Problem> SceneResolver::ofCloud(const std::string& cloudId, int width, int height) const {
     auto cloud = world_.cloud(cloudId);
-    if (!cloud) return tl::unexpected(std::move(cloud.error()));
+    if (!cloud) return passOn(std::move(cloud));
     Scene scene;
     scene.cloudId = cloudId;
     scene.view = defaultView(**cloud, width, height);
@@ -38,7 +38,7 @@ tl::expected<SharedView, Problem> SceneResolver::leader(const std::string& id) c
 
 tl::expected<Scene, Problem> SceneResolver::followed(const tl::expected<SharedView, Problem>& shared,
                                                      int width, int height) const {
-    if (!shared) return tl::unexpected(shared.error());
+    if (!shared) return passOn(shared);
     auto scene = ofCloud(shared->cloudId, width, height);
     if (!scene) return scene;
     scene->view = shared->view;
@@ -70,7 +70,7 @@ tl::expected<Scene, Problem> SceneResolver::changed(const Scene& now,
     }
     if (change.cloud && *change.cloud != now.cloudId) {
         auto other = ofCloud(*change.cloud, now.view.width, now.view.height);
-        if (!other) return tl::unexpected(std::move(other.error()));
+        if (!other) return passOn(std::move(other));
         scene = std::move(*other);
     }
     auto view = applyJson(scene.view, change.changes);
@@ -91,7 +91,7 @@ Expected<void> SceneResolver::plan(Scene& scene) const {
                     "width");
     }
     auto planned = world_.plan(*scene.cloud, scene.view, scene.planned.get());
-    if (!planned) return tl::unexpected(std::move(planned.error()));
+    if (!planned) return passOn(std::move(planned));
     scene.planned = std::move(*planned);
     return {};
 }

@@ -165,7 +165,7 @@ tl::expected<SharedView, Problem> StreamSession::change(const messages::ViewChan
     if (state_ != State::Open)
         return tl::unexpected(problemOf(409, "This session shows nothing; it has not begun, or has ended."));
     auto scene = scenes_.changed(scene_, change);
-    if (!scene) return tl::unexpected(std::move(scene.error()));
+    if (!scene) return passOn(std::move(scene));
     if (change.follow) {
         if (change.follow->empty()) {
             if (options_.registration != nullptr) options_.registration->unfollow();

@@ -44,7 +44,7 @@ class LasWriter final : public PointWriter {
                 seen[0][axis] = offset_[axis] + low_[std::size_t(axis)] * step_;
                 seen[1][axis] = offset_[axis] + high_[std::size_t(axis)] * step_;
             }
-            if (auto done = output_.overwrite(0, header(seen)); !done) return done;
+            if (auto ok = output_.overwrite(0, header(seen)); !ok) return ok;
         }
         return output_.finish();
     }
@@ -139,7 +139,7 @@ Expected<std::unique_ptr<PointWriter>> createLasWriter(bool version14, OutputFil
                     "LAS 1.2 holds at most 4 294 967 295 points; write LAS 1.4 (--format las14) or PLY.",
                     "format");
     auto writer = std::make_unique<LasWriter>(version14, std::move(output), header);
-    if (auto begun = writer->begin(); !begun) return tl::unexpected(begun.error());
+    if (auto ok = writer->begin(); !ok) return passOn(ok);
     return writer;
 }
 

@@ -57,7 +57,7 @@ Expected<std::unique_ptr<PointWriter>> createPlyWriter(OutputFile output, const 
     for (const glm::dvec3& corner : *header.bounds)
         for (int axis = 0; axis < 3; ++axis) reach = std::max(reach, std::abs(corner[axis]));
     auto writer = std::make_unique<PlyWriter>(std::move(output), reach > floatReach);
-    if (auto begun = writer->begin(header); !begun) return tl::unexpected(begun.error());
+    if (auto ok = writer->begin(header); !ok) return passOn(ok);
     return writer;
 }
 

@@ -38,13 +38,13 @@ inline Expected<std::vector<StoredNode>> appendAll(CloudFileWriter& writer, cons
     for (std::uint32_t i = 0; i < octree.nodes().size(); ++i) {
         StoredNode stored{octree.node(i), {}, {}};
         const auto run = octree.run(i);
-        if (!run) return tl::unexpected(run.error());
+        if (!run) return passOn(run);
         const auto place = writer.append(encodeSamples(run->samples));
-        if (!place) return tl::unexpected(place.error());
+        if (!place) return passOn(place);
         stored.samples = *place;
         if (stored.node.isLeaf() && bytes > 0) {
             const auto rows = writer.append(encodeRows(madeUpRows(i, run->samples.size(), bytes), bytes));
-            if (!rows) return tl::unexpected(rows.error());
+            if (!rows) return passOn(rows);
             stored.rows = *rows;
         }
         nodes.push_back(stored);
@@ -55,9 +55,9 @@ inline Expected<std::vector<StoredNode>> appendAll(CloudFileWriter& writer, cons
 inline Expected<void> writeCloudFile(const std::filesystem::path& path, const Octree& octree,
                                      const CloudFacts& facts) {
     auto writer = CloudFileWriter::create(path);
-    if (!writer) return tl::unexpected(writer.error());
+    if (!writer) return passOn(writer);
     const auto nodes = appendAll(**writer, octree, facts);
-    if (!nodes) return tl::unexpected(nodes.error());
+    if (!nodes) return passOn(nodes);
     return (*writer)->finish(facts, *nodes);
 }
 

@@ -141,7 +141,7 @@ class FakePainter {
         }
         Expected<Frame> finish() override {
             std::unique_lock lock(painter_.mutex_);
-            if (auto passed = painter_.passGate(lock, stop_); !passed) return tl::unexpected(passed.error());
+            if (auto ok = painter_.passGate(lock, stop_); !ok) return passOn(ok);
             return std::move(frame_);
         }
 
@@ -161,7 +161,7 @@ class FakePainter {
             mostAtOnce_ = std::max(mostAtOnce_, ++atOnce_);
             return frame;
         }
-        if (auto passed = passGate(lock, stop); !passed) return tl::unexpected(passed.error());
+        if (auto ok = passGate(lock, stop); !ok) return passOn(ok);
         return std::make_unique<DrawnFrame>(frameOf(cloud, view));
     }
 

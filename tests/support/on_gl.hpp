@@ -27,7 +27,7 @@ struct GlBackend {
 
     static Expected<GlBackend> open(const std::string& name) {
         auto opened = name == "egl" ? gl::createEglContext() : gl::createOsmesaContext();
-        if (!opened) return tl::unexpected(opened.error());
+        if (!opened) return passOn(opened);
         GlBackend backend;
         backend.context = std::move(*opened);
         return backend;

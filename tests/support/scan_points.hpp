@@ -14,7 +14,7 @@ inline Expected<std::vector<glm::vec3>> readPositions(PointSource& source) {
     PointBatch batch;
     for (;;) {
         const auto more = source.read(batch);
-        if (!more) return tl::unexpected(more.error());
+        if (!more) return passOn(more);
         if (!*more) return points;
         if (points.empty()) origin = batch.position.front();
         for (const glm::dvec3& p : batch.position) points.emplace_back(p - origin);

@@ -22,7 +22,7 @@ inline Expected<std::shared_ptr<const Cloud>> sceneCloud(const std::string& scen
     options.points = points;
     options.origin = glm::dvec3(0);
     auto source = simulate(options);
-    if (!source) return tl::unexpected(source.error());
+    if (!source) return passOn(source);
     BuildOptions build;
     build.shape.leafPoints = leafPoints;
     build.shape.surfels = surfels;

@@ -79,11 +79,11 @@ struct StabilityOptions {
 inline Expected<Frame> renderWithLevelsOf(const Camera& camera, Device& device, const Cloud& cloud,
                                           const View& view) {
     const auto planned = plan(cloud, view);
-    if (!planned) return tl::unexpected(planned.error());
+    if (!planned) return passOn(planned);
     View other = view;
     other.camera = camera;
     const auto levels = Viewpoint::create(other, cloud.origin, cloud.bounds);
-    if (!levels) return tl::unexpected(levels.error());
+    if (!levels) return passOn(levels);
     PreparedView prepared;
     prepared.planned = *planned;
     prepared.cloud = &cloud;
@@ -95,7 +95,7 @@ inline Expected<Frame> renderWithLevelsOf(const Camera& camera, Device& device, 
         Viewpoint from = *levels;
         if (seen.glass) from.cloudToView *= toCloud * seen.viewpoint.cloudToView;
         auto cut = provide(cloud.octree, select(cloud.octree, from, selectionOf(seen, selection)));
-        if (!cut) return tl::unexpected(cut.error());
+        if (!cut) return passOn(cut);
         seen.cut = std::move(*cut);
     }
     return draw(device, prepared);
@@ -112,21 +112,21 @@ inline Expected<Stability> measureStability(Device& device, const Cloud& cloud, 
                           ? moved(start, options.motion, options.step * i)
                           : moved(start, options.motion, 100 - 100 * std::pow(1 - options.step / 100, i));
         auto frame = render(device, cloud, view);
-        if (!frame) return tl::unexpected(frame.error());
+        if (!frame) return passOn(frame);
         result.samples.add(double(frame->stats.samplesDrawn));
         double milliseconds = 0;
         for (const StageTime& stage : frame->stats.stages) milliseconds += stage.milliseconds;
         result.milliseconds.add(milliseconds);
         if (options.bruteForce) {
             auto brute = render(device, cloud, view, {.bruteForce = true});
-            if (!brute) return tl::unexpected(brute.error());
+            if (!brute) return passOn(brute);
             if (lastBrute) result.bruteForce.add(changed(*lastBrute, *brute));
             lastBrute = std::move(*brute);
         }
         if (last) {
             result.frames.add(changed(*last, *frame));
             auto before = renderWithLevelsOf(lastCamera, device, cloud, view);
-            if (!before) return tl::unexpected(before.error());
+            if (!before) return passOn(before);
             result.levels.add(changed(*before, *frame));
         }
         last = std::move(*frame);

@@ -74,13 +74,13 @@ Expected<void> run(BenchFlags& flags) {
         return fail(ErrorCode::InvalidArgument,
                     "nothing to do: give --moving, --idle, --slow or --never-ack");
     const auto server = flags.server.server();
-    if (!server) return tl::unexpected(server.error());
+    if (!server) return passOn(server);
     const auto cloud = chooseCloud(*server, flags.options.cloud).and_then([&](const std::string& id) {
         return server->cloud(id);
     });
-    if (!cloud) return tl::unexpected(cloud.error());
+    if (!cloud) return passOn(cloud);
     const auto start = orbitStart(flags.view, *cloud);
-    if (!start) return tl::unexpected(start.error());
+    if (!start) return passOn(start);
     flags.options.cloud = cloud->id;
     flags.options.start = *start;
 
@@ -88,7 +88,7 @@ Expected<void> run(BenchFlags& flags) {
     const auto report = benchReport(flags.options, results);
     std::printf("%s", flags.json ? (printJson(report) + "\n").c_str() : benchText(report).c_str());
     if (!flags.final.empty())
-        if (auto written = writeFinal(flags.final, results); !written) return written;
+        if (auto ok = writeFinal(flags.final, results); !ok) return ok;
     for (const auto& group : report.at("groups"))
         if (group.at("failed") != 0)
             return fail(ErrorCode::Io, group.at("failed").dump() + " sessions failed: " +

@@ -49,7 +49,7 @@ class Session {
         hello.fps = options_.fps;
         auto opened = Stream::open(server.url(), hello, server.timeouts(), server.credentials(),
                                    is(Behaviour::Slow) ? options_.slowBytesPerSecond : 0);
-        if (!opened) return tl::unexpected(opened.error());
+        if (!opened) return passOn(opened);
         stream_.emplace(std::move(*opened));
         return sendView(true).and_then([&] { return waitForStart(ready); }).and_then([&] {
             return is(Behaviour::Idle) ? idle() : move();
@@ -80,10 +80,10 @@ class Session {
             const auto wait =
                 std::chrono::ceil<std::chrono::milliseconds>(std::min<Clock::duration>(end - now, 250ms));
             auto event = stream_->receiveFor(wait);
-            if (!event) return tl::unexpected(event.error());
+            if (!event) return passOn(event);
             if (!*event) continue;
             if (auto* frame = std::get_if<ReceivedFrame>(&**event)) {
-                if (auto taken = take(*frame); !taken) return taken;
+                if (auto ok = take(*frame); !ok) return ok;
             } else if (const auto* stats = std::get_if<messages::Stats>(&**event)) {
                 if (measuring_) result_.details.push_back(stats->detail);
             } else if (const auto* report = std::get_if<messages::ProblemReport>(&**event)) {
@@ -123,7 +123,7 @@ class Session {
         const auto end = Clock::now() + patience;
         // Who never acknowledges sees two frames and no more.
         const auto shown = [&] { return hasFinal() || (is(Behaviour::NeverAck) && received_ >= 1); };
-        if (auto waited = receiveUntil(end, shown); !waited) return waited;
+        if (auto ok = receiveUntil(end, shown); !ok) return ok;
         if (!shown()) return fail(ErrorCode::DeadlineExceeded, "no final still came in time");
         ready = true;
         --clock_.notReady;
@@ -143,7 +143,7 @@ class Session {
             if (auto waited = receiveUntil(next, [] { return false; }); !waited) return waited;
             measuring_ = next >= measured;
             if (Clock::now() > next + interval) continue;  // late: viewers do not send the past
-            if (auto sent = sendView(false); !sent) return sent;
+            if (auto ok = sendView(false); !ok) return ok;
         }
         if (auto waited = receiveUntil(end, [] { return false; }); !waited) return waited;
         measuring_ = false;
@@ -162,9 +162,9 @@ class Session {
         result_.idleFrames = received_ - before;
         if (!options_.wake) return {};
         measuring_ = true;
-        if (auto sent = sendView(false); !sent) return sent;
+        if (auto ok = sendView(false); !ok) return ok;
         const auto answered = [&] { return last_.seq == seq_; };
-        if (auto waited = receiveUntil(Clock::now() + patience, answered); !waited) return waited;
+        if (auto ok = receiveUntil(Clock::now() + patience, answered); !ok) return ok;
         if (!answered()) return fail(ErrorCode::DeadlineExceeded, "the waking view was never answered");
         result_.answerMs = millisecondsSince(sent_.back());
         waking_ = false;

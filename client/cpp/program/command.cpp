@@ -27,14 +27,14 @@ void ServerFlags::addTo(CLI::App& app) {
 
 Expected<Server> ServerFlags::server() const {
     const auto parsed = parseServerUrl(url);
-    if (!parsed) return tl::unexpected(parsed.error());
+    if (!parsed) return passOn(parsed);
     const auto milliseconds = [](double seconds) {
         return std::chrono::milliseconds(static_cast<std::int64_t>(seconds * 1000) + 1);
     };
     Credentials credentials{{}, caFile};
     if (!tokenFile.empty()) {
         auto token = readTokenFile(tokenFile);
-        if (!token) return tl::unexpected(std::move(token.error()));
+        if (!token) return passOn(std::move(token));
         credentials.token = std::move(*token);
     }
     return Server(*parsed, Timeouts{milliseconds(connectSeconds), milliseconds(answerSeconds)},
@@ -50,7 +50,7 @@ int report(const Expected<void>& result) {
 Expected<std::string> chooseCloud(const Server& server, const std::string& given) {
     if (!given.empty()) return given;
     const auto clouds = server.clouds();
-    if (!clouds) return tl::unexpected(clouds.error());
+    if (!clouds) return passOn(clouds);
     if (clouds->empty()) return fail(ErrorCode::NotFound, server.url().authority() + " has no clouds");
     return clouds->front().id;
 }

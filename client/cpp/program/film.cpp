@@ -37,7 +37,7 @@ Expected<ReceivedFrame> frameOf(Stream& stream, std::uint64_t seq, bool anyQuali
     for (;;) {
         auto frame = stream.receiveFrame();
         if (!frame) return frame;
-        if (auto sent = stream.ack(frame->header); !sent) return tl::unexpected(sent.error());
+        if (auto ok = stream.ack(frame->header); !ok) return passOn(ok);
         if (frame->header.seq == seq && (anyQuality || frame->header.final)) return frame;
     }
 }
@@ -50,11 +50,11 @@ Expected<std::vector<double>> takePictures(Stream& stream, FilmWriter& writer, c
     for (int i = 0; i < count; ++i) {
         const auto asked = Clock::now();
         const auto seq = static_cast<std::uint64_t>(i) + 1;
-        if (auto sent = stream.sendView(seq, at(i)); !sent) return tl::unexpected(sent.error());
+        if (auto ok = stream.sendView(seq, at(i)); !ok) return passOn(ok);
         const auto frame = frameOf(stream, seq, flags.moving);
-        if (!frame) return tl::unexpected(frame.error());
+        if (!frame) return passOn(frame);
         milliseconds.push_back(std::chrono::duration<double, std::milli>(Clock::now() - asked).count());
-        if (auto written = writer.add(frame->jpeg); !written) return tl::unexpected(written.error());
+        if (auto ok = writer.add(frame->jpeg); !ok) return passOn(ok);
         progress.step(i + 1);
     }
     return milliseconds;
@@ -88,19 +88,19 @@ Expected<void> film(const Server& server, const std::string& cloud, const FilmFl
         return fail(ErrorCode::InvalidArgument,
                     "moving frames differ in size: a video is made of finals, without --moving");
     auto writer = FilmWriter::create(flags.output, count, flags.framesPerSecond);
-    if (!writer) return tl::unexpected(writer.error());
+    if (!writer) return passOn(writer);
     messages::Hello hello;
     hello.cloud = cloud;
     hello.width = first.width;
     hello.height = first.height;
     auto stream = Stream::open(server.url(), hello, server.timeouts(), server.credentials());
-    if (!stream) return tl::unexpected(stream.error());
+    if (!stream) return passOn(stream);
     const auto begin = Clock::now();
     const auto milliseconds = takePictures(*stream, *writer, flags, count, at);
-    if (!milliseconds) return tl::unexpected(milliseconds.error());
+    if (!milliseconds) return passOn(milliseconds);
     const std::chrono::duration<double> seconds = Clock::now() - begin;
-    if (auto closed = stream->close(); !closed) return closed;
-    if (auto finished = writer->finish(); !finished) return finished;
+    if (auto ok = stream->close(); !ok) return ok;
+    if (auto ok = writer->finish(); !ok) return ok;
     std::printf("%d frames of %s in %.2f s: %.1f frames/s, median %.1f ms, slowest %.1f ms, %dx%d, in %s\n",
                 count, cloud.c_str(), seconds.count(), count / seconds.count(), percentile(*milliseconds, 50),
                 percentile(*milliseconds, 100), first.width, first.height, flags.output.c_str());

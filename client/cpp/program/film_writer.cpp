@@ -63,8 +63,7 @@ bool isVideo(const std::string& path) {
 Expected<FilmWriter> FilmWriter::create(const std::string& path, int total, double framesPerSecond) {
     FilmWriter writer(path, std::max(3, static_cast<int>(std::to_string(total).size())));
     if (isVideo(path)) {
-        if (auto started = writer.startVideo(framesPerSecond); !started)
-            return tl::unexpected(started.error());
+        if (auto ok = writer.startVideo(framesPerSecond); !ok) return passOn(ok);
         return writer;
     }
     std::error_code error;

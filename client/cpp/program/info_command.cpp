@@ -49,11 +49,11 @@ void print(const MethodInfo& method) {
 
 Expected<void> run(const InfoFlags& flags) {
     const auto server = flags.server.server();
-    if (!server) return tl::unexpected(server.error());
+    if (!server) return passOn(server);
     const auto clouds = server->clouds();
-    if (!clouds) return tl::unexpected(clouds.error());
+    if (!clouds) return passOn(clouds);
     const auto methods = server->methods();
-    if (!methods) return tl::unexpected(methods.error());
+    if (!methods) return passOn(methods);
     if (flags.json) {
         auto object = toJson(*clouds);
         object.update(toJson(*methods));

@@ -14,13 +14,13 @@ struct OrbitFlags {
 
 Expected<void> run(const OrbitFlags& flags) {
     const auto server = flags.server.server();
-    if (!server) return tl::unexpected(server.error());
+    if (!server) return passOn(server);
     const auto cloud = chooseCloud(*server, flags.film.cloud).and_then([&](const std::string& id) {
         return server->cloud(id);
     });
-    if (!cloud) return tl::unexpected(cloud.error());
+    if (!cloud) return passOn(cloud);
     const auto start = orbitStart(flags.view, *cloud);
-    if (!start) return tl::unexpected(start.error());
+    if (!start) return passOn(start);
     return film(*server, cloud->id, flags.film, flags.frames,
                 [&](int i) { return start->at(360.0 * i / flags.frames); });
 }

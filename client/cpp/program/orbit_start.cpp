@@ -8,9 +8,9 @@ namespace scancast::client {
 
 Expected<OrbitStart> orbitStart(const ViewFlags& flags, const CloudInfo& cloud) {
     const auto words = flags.words();
-    if (!words) return tl::unexpected(words.error());
+    if (!words) return passOn(words);
     const auto view = applyWords(cloud.view, *words);
-    if (!view) return tl::unexpected(view.error());
+    if (!view) return passOn(view);
     if (view->camera.viewMatrix)
         return fail(ErrorCode::InvalidArgument,
                     "an orbit is made of --eye and --target, not of --view-matrix", "viewMatrix");
@@ -19,7 +19,7 @@ Expected<OrbitStart> orbitStart(const ViewFlags& flags, const CloudInfo& cloud) 
     OrbitStart start{*view, targetGiven ? view->camera.target : (cloud.bounds[0] + cloud.bounds[1]) * 0.5,
                      cloud.view.camera.viewMatrix ? glm::dvec3(0, 0, 1) : cloud.view.camera.up};
     start.view = start.at(0);
-    if (auto sound = validate(start.view); !sound) return tl::unexpected(sound.error());
+    if (auto ok = validate(start.view); !ok) return passOn(ok);
     return start;
 }
 

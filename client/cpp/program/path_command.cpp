@@ -22,16 +22,16 @@ constexpr std::size_t longestFile = std::size_t(64) << 20;
 /// The file's path, with flags having the last word.
 Expected<CameraPath> readPath(const PathFlags& flags, const View& base) {
     const auto words = flags.view.words();
-    if (!words) return tl::unexpected(words.error());
+    if (!words) return passOn(words);
     const auto text = readTextFile(flags.file, longestFile);
-    if (!text) return tl::unexpected(text.error());
+    if (!text) return passOn(text);
     auto path = parseCameraPath(*text, base);
     if (!path) {
         path.error().message = flags.file + ": " + path.error().message;
         return path;
     }
     const auto view = applyWords(path->view, *words);
-    if (!view) return tl::unexpected(view.error());
+    if (!view) return passOn(view);
     if (!(view->camera == path->view.camera))
         return fail(ErrorCode::InvalidArgument, "the camera of a path is its file's: change its keys");
     path->view = *view;
@@ -40,13 +40,13 @@ Expected<CameraPath> readPath(const PathFlags& flags, const View& base) {
 
 Expected<void> run(const PathFlags& flags) {
     const auto server = flags.server.server();
-    if (!server) return tl::unexpected(server.error());
+    if (!server) return passOn(server);
     const auto cloud = chooseCloud(*server, flags.film.cloud).and_then([&](const std::string& id) {
         return server->cloud(id);
     });
-    if (!cloud) return tl::unexpected(cloud.error());
+    if (!cloud) return passOn(cloud);
     const auto path = readPath(flags, cloud->view);
-    if (!path) return tl::unexpected(path.error());
+    if (!path) return passOn(path);
     const double frames = std::floor(path->seconds() * flags.film.framesPerSecond + 1e-6) + 1;
     if (frames > 1e6)
         return fail(ErrorCode::ResourceLimit,

@@ -23,20 +23,20 @@ Expected<PictureFormat> formatOf(const std::string& path) {
 
 Expected<void> run(const SnapshotFlags& flags) {
     const auto format = formatOf(flags.output);
-    if (!format) return tl::unexpected(format.error());
+    if (!format) return passOn(format);
     const auto words = flags.view.words();
-    if (!words) return tl::unexpected(words.error());
+    if (!words) return passOn(words);
     const auto server = flags.server.server();
-    if (!server) return tl::unexpected(server.error());
+    if (!server) return passOn(server);
     const auto cloud = chooseCloud(*server, flags.cloud);
-    if (!cloud) return tl::unexpected(cloud.error());
+    if (!cloud) return passOn(cloud);
     const auto picture = server->snapshot(*cloud, *words, *format, flags.etag);
-    if (!picture) return tl::unexpected(picture.error());
+    if (!picture) return passOn(picture);
     if (picture->notModified) {
         std::printf("%s is still the same: nothing written\n", cloud->c_str());
         return {};
     }
-    if (auto written = writeFile(flags.output, picture->bytes); !written) return written;
+    if (auto ok = writeFile(flags.output, picture->bytes); !ok) return ok;
     std::printf("%s: %zu bytes of %s, ETag %s\n", flags.output.c_str(), picture->bytes.size(), cloud->c_str(),
                 picture->etag.c_str());
     return {};

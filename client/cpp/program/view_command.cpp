@@ -19,19 +19,19 @@ struct WindowFlags {
 
 Expected<void> run(const WindowFlags& flags) {
     const auto words = flags.view.words();
-    if (!words) return tl::unexpected(words.error());
+    if (!words) return passOn(words);
     const auto server = flags.server.server();
-    if (!server) return tl::unexpected(server.error());
+    if (!server) return passOn(server);
     const auto cloud =
         chooseCloud(*server, flags.cloud).and_then([&](const std::string& id) { return server->cloud(id); });
-    if (!cloud) return tl::unexpected(cloud.error());
+    if (!cloud) return passOn(cloud);
     const auto view = applyWords(cloud->view, *words);
-    if (!view) return tl::unexpected(view.error());
+    if (!view) return passOn(view);
     if (view->camera.viewMatrix)
         return fail(ErrorCode::InvalidArgument,
                     "a window is steered by --eye and --target, not by --view-matrix", "viewMatrix");
     const auto methods = server->methods();
-    if (!methods) return tl::unexpected(methods.error());
+    if (!methods) return passOn(methods);
     WindowOptions options{*cloud, *view, {}, flags.trace, flags.finals};
     for (const auto& method : *methods) options.methods.push_back(method.name);
     return runWindow(*server, std::move(options));

@@ -357,7 +357,7 @@ class Window {
 
 Expected<void> runWindow(const Server& server, WindowOptions options) {
     Window window(server, std::move(options));
-    if (auto opened = window.open(); !opened) return opened;
+    if (auto ok = window.open(); !ok) return ok;
     return window.run();
 }
 

@@ -19,7 +19,7 @@ Expected<std::shared_ptr<const Cloud>> build(PointSource& source, const BuildOpt
     auto built = buildFrom(
         source, options.shape,
         {.workspace = workspace, .file = nullptr, .threads = options.threads, .lanes = lanes}, progress, {});
-    if (!built) return tl::unexpected(built.error());
+    if (!built) return passOn(built);
     auto cloud = std::make_shared<Cloud>();
     static_cast<CloudFacts&>(*cloud) = std::move(built->facts);
     cloud->title = options.title;

@@ -53,7 +53,7 @@ class StagedPortions final : public PointPortions {
         thread_local std::vector<std::byte> space;
         const StagedBatch& batch = scan_.batches[index];
         const auto bytes = batch.bytes.view(space);
-        if (!bytes) return tl::unexpected(bytes.error());
+        if (!bytes) return passOn(bytes);
         into.points.resize(batch.points);
         placeOnGrid(batch, *bytes, scan_, header_, grid_, into.points);
         const auto rows = rowsOf(batch, *bytes);
@@ -131,7 +131,7 @@ Expected<BuiltCloud> buildFrom(PointSource& source, const OctreeShape& shape, co
     ScanHeader header = source.header();
     ProgressMeter reading(progress, "reading", header.points.value_or(0));
     auto scan = stage(source, room.workspace, reading, stop);
-    if (!scan) return tl::unexpected(scan.error());
+    if (!scan) return passOn(scan);
     header.scannerOrigin =
         source.header().scannerOrigin;  // known for certain only now: a second scan may have come
 
@@ -157,7 +157,7 @@ Expected<BuiltCloud> buildFrom(PointSource& source, const OctreeShape& shape, co
         octree = buildOctree(root, std::move(*chunks), input, room.lanes, room.workspace, room.file, progress,
                              stop);
     });
-    if (!octree) return tl::unexpected(octree.error());
+    if (!octree) return passOn(octree);
     cloud.octree = std::move(*octree);
     cloud.facts.spacing = typicalSpacing(cloud.octree);
     return cloud;

@@ -97,7 +97,7 @@ class Finisher {
             tbb::parallel_for(std::size_t(0), work.size(),
                               [&](std::size_t i) { work[i].result = finish(work[i]); });
             for (std::size_t i = 0; i < work.size(); ++i)
-                if (auto stored = store(work[i], tree.nodes[inner[first + i]]); !stored) return stored;
+                if (auto ok = store(work[i], tree.nodes[inner[first + i]]); !ok) return ok;
             progress.add(work.size());
             if (stop.stop_requested()) return fail(ErrorCode::Cancelled, "Building the cloud was abandoned.");
         }
@@ -110,13 +110,13 @@ class Finisher {
         if (!file_) return node.content.samples;
         std::vector<Sample> samples(node.stored.node.sampleCount);
         if (!node.isLeaf()) {
-            if (auto read = node.setAside.read(0, std::as_writable_bytes(std::span(samples))); !read)
-                return tl::unexpected(read.error());
+            if (auto ok = node.setAside.read(0, std::as_writable_bytes(std::span(samples))); !ok)
+                return passOn(ok);
             return samples;
         }
         const auto block = file_->readBack(node.stored.samples);
-        if (!block) return tl::unexpected(block.error());
-        if (auto decoded = decodeSamples(*block, samples); !decoded) return tl::unexpected(decoded.error());
+        if (!block) return passOn(block);
+        if (auto ok = decodeSamples(*block, samples); !ok) return passOn(ok);
         return samples;
     }
 
@@ -126,21 +126,20 @@ class Finisher {
         if (auto read = node.setAside.read(reaches.size() * sizeof(Sample),
                                            std::as_writable_bytes(std::span(reaches)));
             !read)
-            return tl::unexpected(read.error());
+            return passOn(read);
         return reaches;
     }
 
     Expected<void> finish(Inner& work) const {
         BuildNode& node = *work.node;
         auto samples = samplesOf(node);
-        if (!samples) return tl::unexpected(samples.error());
+        if (!samples) return passOn(samples);
         work.samples = std::move(*samples);
         if (input_.shape.surfels) {
             const auto reaches = reachesOf(node);
-            if (!reaches) return tl::unexpected(reaches.error());
+            if (!reaches) return passOn(reaches);
             const auto find = [this](const BuildNode& n) { return samplesOf(n); };
-            if (auto done = addInnerSurfels(node, *reaches, root_, input_, find, work.samples); !done)
-                return done;
+            if (auto ok = addInnerSurfels(node, *reaches, root_, input_, find, work.samples); !ok) return ok;
         }
         node.content.cone = coneOfSamples(work.samples);
         node.sampleHash = XXH3_64bits(work.samples.data(), work.samples.size() * sizeof(Sample));
@@ -155,7 +154,7 @@ class Finisher {
             return {};
         }
         auto place = file_->append(work.block);
-        if (!place) return tl::unexpected(place.error());
+        if (!place) return passOn(place);
         to.samples = *place;
         return {};
     }
@@ -191,8 +190,7 @@ NormalCone coneOfSamples(std::span<const Sample> samples) {
 Expected<BuiltOctree> finishTree(BuildNode& root, const OctreeInput& input, CloudFileWriter* file,
                                  const ProgressSink& progress, const std::stop_token& stop) {
     Numbered tree = number(root, input.grid);
-    if (auto done = Finisher(root, input, file).finishInner(tree, progress, stop); !done)
-        return tl::unexpected(done.error());
+    if (auto ok = Finisher(root, input, file).finishInner(tree, progress, stop); !ok) return passOn(ok);
     joinCones(tree);
 
     BuiltOctree built;

@@ -73,7 +73,7 @@ Expected<void> checkRoom(const fs::path& folder, std::uint64_t needed, std::stri
 Expected<void> checkDisk(const DiskNeeds& needs, const fs::path& outputFolder, const fs::path& scratch) {
     if (sameDisk(outputFolder, scratch))
         return checkRoom(outputFolder, needs.file + needs.scratch, "The cloud file with its temporary files");
-    if (auto fits = checkRoom(outputFolder, needs.file, "The cloud file"); !fits) return fits;
+    if (auto ok = checkRoom(outputFolder, needs.file, "The cloud file"); !ok) return ok;
     return checkRoom(scratch, needs.scratch, "Building the cloud");
 }
 
@@ -89,9 +89,9 @@ Expected<IngestReport> build(std::vector<std::unique_ptr<PointSource>> sources, 
                              const ProgressSink& progress, const std::stop_token& stop) {
     const auto start = std::chrono::steady_clock::now();
     const auto limit = memoryLimit(options);
-    if (!limit) return tl::unexpected(limit.error());
+    if (!limit) return passOn(limit);
     auto source = manyScans(std::move(sources));
-    if (!source) return tl::unexpected(source.error());
+    if (!source) return passOn(source);
 
     const fs::path outputFolder =
         options.output.has_parent_path() ? options.output.parent_path() : fs::path(".");
@@ -99,23 +99,22 @@ Expected<IngestReport> build(std::vector<std::unique_ptr<PointSource>> sources, 
     const int threads = options.threads > 0 ? options.threads : int(std::thread::hardware_concurrency());
     const MemoryShares memory = shareMemory(*limit, threads, options.shape);
     if (const auto needs = diskNeeds((*source)->header(), options))
-        if (auto fits = checkDisk(*needs, outputFolder, scratch); !fits) return tl::unexpected(fits.error());
+        if (auto ok = checkDisk(*needs, outputFolder, scratch); !ok) return passOn(ok);
 
     auto file = CloudFileWriter::create(options.output);
-    if (!file) return tl::unexpected(file.error());
+    if (!file) return passOn(file);
     Workspace workspace(memory.workspace, scratch);
     auto built = buildFrom(
         **source, options.shape,
         {.workspace = workspace, .file = file->get(), .threads = options.threads, .lanes = memory.lanes},
         progress, stop);
-    if (!built) return tl::unexpected(built.error());
+    if (!built) return passOn(built);
     IngestReport report;
     report.facts = std::move(built->facts);
     report.facts.title = options.title.empty() ? options.output.stem().string() : options.title;
     report.facts.mirrors = options.mirrors;
     report.facts.revision = revisionOf(report.facts, built->octree);
-    if (auto done = (*file)->finish(report.facts, built->octree.nodes); !done)
-        return tl::unexpected(done.error());
+    if (auto ok = (*file)->finish(report.facts, built->octree.nodes); !ok) return passOn(ok);
 
     const Node& last = built->octree.nodes.back().node;
     report.nodes = built->octree.nodes.size();

@@ -15,7 +15,7 @@ class LazyScan final : public PointSource {
         if (ended_) return false;
         if (!source_) {
             auto opened = open_();
-            if (!opened) return tl::unexpected(opened.error());
+            if (!opened) return passOn(opened);
             source_ = std::move(*opened);
         }
         const auto more = source_->read(batch);

@@ -82,10 +82,10 @@ class TreeBuilder {
     Expected<void> grow(Work& work) {
         Chunk& chunk = work.chunk;
         BuildNode& root = *chunk.root;
-        if (auto loaded = load(work); !loaded) return loaded;
+        if (auto ok = load(work); !ok) return ok;
         std::vector<std::byte> space;
         const auto rows = chunk.rowBytes.view(space);
-        if (!rows) return tl::unexpected(rows.error());
+        if (!rows) return passOn(rows);
         std::optional<KeptRows> kept;
         if (input_.rowBytes > 0) kept.emplace(root.points, *rows, input_.rowBytes);
 
@@ -103,7 +103,7 @@ class TreeBuilder {
         if (input_.shape.surfels) {
             std::vector<std::byte> haloSpace;
             const auto halo = chunk.haloBytes.view(haloSpace);
-            if (!halo) return tl::unexpected(halo.error());
+            if (!halo) return passOn(halo);
             addLeafSurfels(
                 root, std::span(reinterpret_cast<const BuildPoint*>(halo->data()), std::size_t(chunk.halo)),
                 input_);
@@ -123,8 +123,8 @@ class TreeBuilder {
             return {};
         }
         work.loaded.resize(chunk.points);
-        if (auto read = chunk.pointBytes.read(0, std::as_writable_bytes(std::span(work.loaded))); !read)
-            return read;
+        if (auto ok = chunk.pointBytes.read(0, std::as_writable_bytes(std::span(work.loaded))); !ok)
+            return ok;
         chunk.pointBytes.clear();
         chunk.root->points = work.loaded;
         return {};
@@ -142,7 +142,7 @@ class TreeBuilder {
     /// A finished subtree takes its place; one after the other, in the order of the tree.
     Expected<void> settle(Work& work) {
         for (LeafBlocks& blocks : work.blocks)
-            if (auto stored = store(blocks); !stored) return stored;
+            if (auto ok = store(blocks); !ok) return ok;
         BuildNode& root = *work.chunk.root;
         Expected<void> result;
         forEachNode(root, [&](BuildNode& n) {
@@ -165,12 +165,12 @@ class TreeBuilder {
         if (!file_) return {};
         BuildNode& leaf = *blocks.leaf;
         auto place = file_->append(blocks.samples);
-        if (!place) return tl::unexpected(place.error());
+        if (!place) return passOn(place);
         leaf.stored.samples = *place;
         giveBack(leaf.content.samples);
         if (blocks.rows.empty()) return {};
         auto rows = file_->append(blocks.rows);
-        if (!rows) return tl::unexpected(rows.error());
+        if (!rows) return passOn(rows);
         leaf.stored.rows = *rows;
         return {};
     }
@@ -181,7 +181,7 @@ class TreeBuilder {
         auto& reaches = node.content.reaches;
         if (!file_) return {};
         auto room = workspace_.allocate(samples.size() * sizeof(Sample) + reaches.size() * sizeof(float));
-        if (!room) return tl::unexpected(room.error());
+        if (!room) return passOn(room);
         auto done = room->write(0, std::as_bytes(std::span(samples)));
         if (done) done = room->write(samples.size() * sizeof(Sample), std::as_bytes(std::span(reaches)));
         if (!done) return done;
@@ -196,7 +196,7 @@ class TreeBuilder {
         for (BuildNode* node = from.parent; node && ++node->finishedChildren == node->children.size();
              node = node->parent) {
             fillInner(*node, input_);
-            if (auto done = setAside(*node); !done) return done;
+            if (auto ok = setAside(*node); !ok) return ok;
         }
         return {};
     }
@@ -218,7 +218,7 @@ Expected<BuiltOctree> buildOctree(BuildNode& root, std::vector<Chunk> chunks, co
     for (const Chunk& chunk : chunks) points += chunk.points;
     ProgressMeter building(progress, "building", points);
     TreeBuilder builder(input, workspace, file, building, stop);
-    if (auto built = builder.run(std::move(chunks), lanes); !built) return tl::unexpected(built.error());
+    if (auto ok = builder.run(std::move(chunks), lanes); !ok) return passOn(ok);
     building.finish();
     return finishTree(root, input, file, progress, stop);
 }

@@ -112,7 +112,7 @@ Expected<Scratch*> Workspace::scratch() {
     const std::lock_guard lock(mutex_);
     if (!scratch_) {
         auto made = Scratch::create(folder_);
-        if (!made) return tl::unexpected(made.error());
+        if (!made) return passOn(made);
         scratch_ = std::move(*made);
     }
     return scratch_.get();
@@ -132,7 +132,7 @@ Expected<Workspace::Buffer> Workspace::allocate(std::uint64_t bytes) {
     auto file = scratch();
     if (!file) {
         buffer.home_ = nullptr;
-        return tl::unexpected(file.error());
+        return passOn(file);
     }
     buffer.place_ = (*file)->reserve(bytes);
     const std::uint64_t now = onDisk_ += bytes;
@@ -193,7 +193,7 @@ Expected<void> Workspace::Buffer::read(std::uint64_t offset, std::span<std::byte
 Expected<std::span<const std::byte>> Workspace::Buffer::view(std::vector<std::byte>& space) const {
     if (memory_ || bytes_ == 0) return std::span<const std::byte>(memory_.get(), bytes_);
     space.resize(bytes_);
-    if (auto done = read(0, space); !done) return tl::unexpected(done.error());
+    if (auto ok = read(0, space); !ok) return passOn(ok);
     return std::span<const std::byte>(space);
 }
 

@@ -44,7 +44,7 @@ Expected<void> decodeSamples(std::span<const std::byte> block, std::span<Sample>
     for (std::size_t first = 0; first < into.size(); first += chunkRecords) {
         const auto chunk = into.subspan(first, std::min(chunkRecords, into.size() - first));
         const auto planes = scratch(chunk.size_bytes());
-        if (auto done = unpackPlanes(block, chunk.size(), planes); !done) return done;
+        if (auto ok = unpackPlanes(block, chunk.size(), planes); !ok) return ok;
         fromPlanes(planes, chunk);
     }
     if (!block.empty()) return wrongSize();
@@ -72,7 +72,7 @@ Expected<std::vector<std::byte>> decodeRows(std::span<const std::byte> block, st
     for (std::size_t first = 0; first < rows; first += chunkRecords) {
         const std::size_t n = std::min(chunkRecords, rows - first);
         const auto planes = scratch(n * rowBytes);
-        if (auto done = unpackPlanes(block, n, planes); !done) return tl::unexpected(done.error());
+        if (auto ok = unpackPlanes(block, n, planes); !ok) return passOn(ok);
         std::byte* to = &out[first * rowBytes];
         for (std::size_t b = 0; b < rowBytes; ++b)
             for (std::size_t i = 0; i < n; ++i) to[i * rowBytes + b] = planes[b * n + i];

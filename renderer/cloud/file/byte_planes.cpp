@@ -112,7 +112,7 @@ void packPlanes(std::span<const std::byte> planes, std::size_t planeBytes, std::
 Expected<void> unpackPlanes(std::span<const std::byte>& block, std::size_t planeBytes,
                             std::span<std::byte> planes) {
     for (std::size_t at = 0; at < planes.size(); at += planeBytes)
-        if (auto done = unpackPlane(block, planes.subspan(at, planeBytes)); !done) return done;
+        if (auto ok = unpackPlane(block, planes.subspan(at, planeBytes)); !ok) return ok;
     return {};
 }
 

@@ -38,7 +38,7 @@ class StoredCloudFile final : public CloudFile {
     Expected<std::vector<Sample>> samples(std::uint32_t node) const override {
         return guarded<std::vector<Sample>>([&]() -> Expected<std::vector<Sample>> {
             const auto block = read(node, &StoredNode::samples, "samples");
-            if (!block) return tl::unexpected(block.error());
+            if (!block) return passOn(block);
             std::vector<Sample> samples(nodes_[node].node.sampleCount);
             if (auto done = decodeSamples(*block, samples); !done)
                 return damaged(node, nodes_[node].samples, "samples", done.error());
@@ -49,7 +49,7 @@ class StoredCloudFile final : public CloudFile {
     Expected<std::vector<std::byte>> rows(std::uint32_t node) const override {
         return guarded<std::vector<std::byte>>([&]() -> Expected<std::vector<std::byte>> {
             const auto block = read(node, &StoredNode::rows, "rows");
-            if (!block) return tl::unexpected(block.error());
+            if (!block) return passOn(block);
             if (block->empty()) return std::vector<std::byte>();
             auto rows = decodeRows(*block, rowBytes_, nodes_[node].node.sampleCount);
             if (!rows) return damaged(node, nodes_[node].rows, "rows", rows.error());
@@ -108,7 +108,7 @@ class Opening {
     Expected<CloudFileHeader> header() const {
         std::array<std::byte, cloudHeaderBytes> bytes;
         const auto got = reader_.readAt(0, bytes);
-        if (!got) return tl::unexpected(got.error());
+        if (!got) return passOn(got);
         return parseHeader(std::span(bytes).first(*got), reader_.size());
     }
 
@@ -117,7 +117,7 @@ class Opening {
             return fail(ErrorCode::Malformed,
                         fmt::format("byte {}: the description is too long", header.factsOffset));
         std::vector<std::byte> bytes(header.factsBytes);
-        if (auto read = whole(header.factsOffset, bytes); !read) return tl::unexpected(read.error());
+        if (auto ok = whole(header.factsOffset, bytes); !ok) return passOn(ok);
         if (checksumOf(bytes) != header.factsChecksum)
             return fail(ErrorCode::Malformed,
                         fmt::format("byte {}: the description is damaged, its checksum is wrong",
@@ -143,8 +143,8 @@ class Opening {
         while (nodes.size() < header.nodes) {
             const auto bytes =
                 std::span(piece).first(std::min(pieceNodes, header.nodes - nodes.size()) * nodeRecordBytes);
-            if (auto read = whole(header.index.offset + nodes.size() * nodeRecordBytes, bytes); !read)
-                return tl::unexpected(read.error());
+            if (auto ok = whole(header.index.offset + nodes.size() * nodeRecordBytes, bytes); !ok)
+                return passOn(ok);
             XXH3_64bits_update(hash.get(), bytes.data(), bytes.size());
             for (std::size_t at = 0; at < bytes.size(); at += nodeRecordBytes) {
                 const auto record = bytes.subspan(at).first<nodeRecordBytes>();
@@ -162,7 +162,7 @@ class Opening {
   private:
     Expected<void> whole(std::uint64_t offset, std::span<std::byte> into) const {
         const auto got = reader_.readAt(offset, into);
-        if (!got) return tl::unexpected(got.error());
+        if (!got) return passOn(got);
         if (*got < into.size())
             return fail(ErrorCode::Truncated,
                         fmt::format("the file ends at byte {}, within its index", offset + *got));
@@ -176,13 +176,12 @@ Expected<std::shared_ptr<const CloudFile>> openChecked(std::unique_ptr<RandomRea
                                                        const fs::path& name) {
     const Opening opening(*reader);
     const auto header = opening.header();
-    if (!header) return tl::unexpected(header.error());
+    if (!header) return passOn(header);
     auto facts = opening.facts(*header);
-    if (!facts) return tl::unexpected(facts.error());
+    if (!facts) return passOn(facts);
     auto nodes = opening.nodes(*header);
-    if (!nodes) return tl::unexpected(nodes.error());
-    if (auto sound = checkNodes(*nodes, facts->facts, header->index.offset); !sound)
-        return tl::unexpected(sound.error());
+    if (!nodes) return passOn(nodes);
+    if (auto ok = checkNodes(*nodes, facts->facts, header->index.offset); !ok) return passOn(ok);
     return std::make_shared<StoredCloudFile>(std::move(reader), name, std::move(*facts), std::move(*nodes));
 }
 
@@ -206,7 +205,7 @@ Expected<std::shared_ptr<const CloudFile>> CloudFile::open(InputFile file) {
 
 Expected<std::shared_ptr<const CloudFile>> CloudFile::open(const fs::path& path) {
     auto file = InputFile::open(path);
-    if (!file) return tl::unexpected(std::move(file.error()));
+    if (!file) return passOn(std::move(file));
     return open(std::move(*file));
 }
 

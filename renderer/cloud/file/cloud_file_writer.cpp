@@ -40,14 +40,14 @@ class Writer final : public CloudFileWriter {
                         "a node is too large for a cloud file: its block has 4 GiB or more");
         if (block.empty()) return BlockPlace{};
         const BlockPlace place{written_, std::uint32_t(block.size()), checksumOf(block)};
-        if (auto done = write(block); !done) return tl::unexpected(done.error());
+        if (auto ok = write(block); !ok) return passOn(ok);
         return place;
     }
 
     Expected<std::vector<std::byte>> readBack(const BlockPlace& place) const override {
         std::vector<std::byte> block(place.bytes);
         const auto got = readFullyAt(fd_.get(), place.offset, block, partial_.name());
-        if (!got) return tl::unexpected(got.error());
+        if (!got) return passOn(got);
         if (*got < block.size() || (!block.empty() && checksumOf(block) != place.checksum))
             return fail(ErrorCode::Io,
                         fmt::format("{}, byte {}: what was written there a moment ago reads back "
@@ -72,13 +72,13 @@ class Writer final : public CloudFileWriter {
         header.nodes = std::uint32_t(nodes.size());
         header.index.offset = written_;
         auto checksum = writeIndex(nodes);
-        if (!checksum) return tl::unexpected(checksum.error());
+        if (!checksum) return passOn(checksum);
         header.index.checksum = *checksum;
         const auto text = std::as_bytes(std::span(*json));
         header.factsOffset = written_;
         header.factsBytes = text.size();
         header.factsChecksum = checksumOf(text);
-        if (auto done = write(text); !done) return done;
+        if (auto ok = write(text); !ok) return ok;
         header.fileBytes = written_;
         return publish(header);
     }
@@ -88,15 +88,15 @@ class Writer final : public CloudFileWriter {
         std::vector<std::byte> index(nodes.size() * nodeRecordBytes);
         for (std::size_t i = 0; i < nodes.size(); ++i)
             encodeNode(nodes[i], std::span(index).subspan(i * nodeRecordBytes).first<nodeRecordBytes>());
-        if (auto done = write(index); !done) return tl::unexpected(done.error());
+        if (auto ok = write(index); !ok) return passOn(ok);
         return checksumOf(index);
     }
 
     /// Everything is on disk before the header says so, and the header before the name does.
     Expected<void> publish(const CloudFileHeader& header) {
-        if (auto done = sync(fd_.get()); !done) return done;
-        if (auto done = writeAt(0, encodeHeader(header)); !done) return done;
-        if (auto done = sync(fd_.get()); !done) return done;
+        if (auto ok = sync(fd_.get()); !ok) return ok;
+        if (auto ok = writeAt(0, encodeHeader(header)); !ok) return ok;
+        if (auto ok = sync(fd_.get()); !ok) return ok;
         if (const int refused = partial_.become(path_.string()))
             return fail(ErrorCode::Io,
                         fmt::format("{}: cannot get its name: {}", path_.string(), systemReason(refused)));
@@ -114,7 +114,7 @@ class Writer final : public CloudFileWriter {
     }
 
     Expected<void> write(std::span<const std::byte> bytes) {
-        if (auto done = writeAt(written_, bytes); !done) return done;
+        if (auto ok = writeAt(written_, bytes); !ok) return ok;
         written_ += bytes.size();
         return {};
     }
@@ -205,13 +205,13 @@ Expected<UniqueFd> openLocked(const fs::path& partial) {
 }  // namespace
 
 Expected<std::unique_ptr<CloudFileWriter>> CloudFileWriter::create(const fs::path& path) {
-    if (auto possible = checkTarget(path); !possible) return tl::unexpected(possible.error());
+    if (auto ok = checkTarget(path); !ok) return passOn(ok);
     fs::path partial = path;
     partial += ".partial";
     auto fd = openLocked(partial);
-    if (!fd) return tl::unexpected(fd.error());
+    if (!fd) return passOn(fd);
     auto writer = std::make_unique<Writer>(std::move(*fd), path, std::move(partial));
-    if (auto begun = writer->begin(); !begun) return tl::unexpected(begun.error());
+    if (auto ok = writer->begin(); !ok) return passOn(ok);
     return writer;
 }
 

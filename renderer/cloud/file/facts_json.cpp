@@ -304,7 +304,7 @@ Expected<std::string> printFacts(const CloudFacts& facts, std::string_view writt
 
 Expected<StoredFacts> parseFacts(std::string_view json) {
     const auto parsed = parseJson(json);
-    if (!parsed) return tl::unexpected(parsed.error());
+    if (!parsed) return passOn(parsed);
     StoredFacts facts;
     std::string fault;
     takeAll({*parsed, "", fault}, facts);

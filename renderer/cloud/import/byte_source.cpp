@@ -31,7 +31,7 @@ Expected<std::size_t> readFully(ByteSource& source, std::span<std::byte> into) {
     std::size_t done = 0;
     while (done < into.size()) {
         const auto got = source.read(into.subspan(done));
-        if (!got) return tl::unexpected(got.error());
+        if (!got) return passOn(got);
         if (*got == 0) break;
         done += *got;
     }

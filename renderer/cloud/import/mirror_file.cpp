@@ -100,13 +100,13 @@ Expected<std::vector<Mirror>> readMirrors(const InputFile& file) {
     const auto text = file.text(longestFile);
     if (!text && text.error().code == ErrorCode::ResourceLimit)
         return fail(ErrorCode::Malformed, name + " is longer than 1 MiB; mirrors need a few kilobytes");
-    if (!text) return tl::unexpected(text.error());
+    if (!text) return passOn(text);
     return parseMirrors(*text, name);
 }
 
 Expected<std::vector<Mirror>> readMirrors(const std::filesystem::path& path) {
     const auto file = InputFile::open(path);
-    if (!file) return tl::unexpected(file.error());
+    if (!file) return passOn(file);
     return readMirrors(*file);
 }
 

@@ -29,7 +29,7 @@ std::string extensionOf(const std::filesystem::path& file) {
 
 template <class Source>
 Expected<std::unique_ptr<PointSource>> opened(Expected<std::unique_ptr<Source>> source) {
-    if (!source) return tl::unexpected(source.error());
+    if (!source) return passOn(source);
     return std::unique_ptr<PointSource>(std::move(*source));
 }
 
@@ -39,13 +39,13 @@ Expected<std::unique_ptr<PointSource>> openScan(const ScanInput& input, const Im
     const auto name = input.path().string();
     if (input.octree()) return opened(ImporterSource::create(potreeImporter, input, options));
     auto file = input.file().share();
-    if (!file) return tl::unexpected(file.error());
+    if (!file) return passOn(file);
     auto bytes = FileByteSource::create(std::move(*file).release(), name);
-    if (!bytes) return tl::unexpected(bytes.error());
+    if (!bytes) return passOn(bytes);
 
     std::array<std::byte, identifyBytes> start{};
     const auto got = (*bytes)->readAt(0, start);
-    if (!got) return tl::unexpected(got.error());
+    if (!got) return passOn(got);
     if (*got == 0) return fail(ErrorCode::Empty, name + " is an empty file (0 bytes)");
     const auto extension = extensionOf(input.path());
     const auto identified = identifyScan(std::span(start).first(*got), extension);
@@ -73,7 +73,7 @@ Expected<std::unique_ptr<PointSource>> openScan(const ScanInput& input, const Im
 Expected<std::unique_ptr<PointSource>> openScan(const std::filesystem::path& path,
                                                 const ImportOptions& options) {
     const auto input = ScanInput::open(path);
-    if (!input) return tl::unexpected(input.error());
+    if (!input) return passOn(input);
     return openScan(*input, options);
 }
 

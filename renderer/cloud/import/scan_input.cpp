@@ -44,14 +44,14 @@ struct ScanInput::Lookup {
     Expected<InputFolder> folderAround() const {
         const fs::path around = name.has_parent_path() ? name.parent_path() : fs::path(".");
         auto opened = open(around);
-        if (!opened) return tl::unexpected(std::move(opened.error()));
+        if (!opened) return passOn(std::move(opened));
         if (auto* folder = std::get_if<InputFolder>(&*opened)) return std::move(*folder);
         return fail(ErrorCode::NotFound, path().string() + ": there is no such file");
     }
 
     Expected<InputFile> mirrors() const {
         auto opened = open(mirrorsFileOf(name));
-        if (!opened) return tl::unexpected(std::move(opened.error()));
+        if (!opened) return passOn(std::move(opened));
         if (auto* file = std::get_if<InputFile>(&*opened)) return std::move(*file);
         return fail(ErrorCode::Unsupported, mirrorsFileOf(path()).string() + " is a folder, not a file");
     }
@@ -59,7 +59,7 @@ struct ScanInput::Lookup {
 
 Expected<ScanInput> ScanInput::find(const Lookup& lookup) {
     const auto inFolder = [&](Expected<InputFile> file, InputFolder folder) -> Expected<ScanInput> {
-        if (!file) return tl::unexpected(std::move(file.error()));
+        if (!file) return passOn(std::move(file));
         ScanInput input(lookup.path(), std::move(*file));
         input.octree_ = std::move(folder);
         input.mirrors_ = lookup.mirrors();
@@ -67,12 +67,12 @@ Expected<ScanInput> ScanInput::find(const Lookup& lookup) {
     };
     if (isDescription(lookup.name.filename())) {
         auto folder = lookup.folderAround();
-        if (!folder) return tl::unexpected(std::move(folder.error()));
+        if (!folder) return passOn(std::move(folder));
         auto file = folder->file(lookup.name.filename());
         return inFolder(std::move(file), std::move(*folder));
     }
     auto opened = lookup.open(lookup.name);
-    if (!opened) return tl::unexpected(std::move(opened.error()));
+    if (!opened) return passOn(std::move(opened));
     if (auto* folder = std::get_if<InputFolder>(&*opened)) {
         auto file = descriptionIn(*folder);
         return inFolder(std::move(file), std::move(*folder));
@@ -93,7 +93,7 @@ Expected<ScanInput> ScanInput::openBeneath(const InputFolder& root, const fs::pa
 Expected<std::vector<Mirror>> ScanInput::mirrors() const {
     if (mirrors_) return readMirrors(*mirrors_);
     if (mirrors_.error().code == ErrorCode::NotFound) return std::vector<Mirror>();
-    return tl::unexpected(mirrors_.error());
+    return passOn(mirrors_);
 }
 
 std::int64_t ScanInput::mirrorsChanged() const {

@@ -15,9 +15,9 @@ Expected<std::unique_ptr<PointSource>> openStandardInput(const ImportOptions& op
             "--format las14 -o - | scancast ingest - -o town.scan");
     UniqueFd fd(::fcntl(STDIN_FILENO, F_DUPFD_CLOEXEC, 3));
     auto bytes = FileByteSource::create(std::move(fd), "standard input");
-    if (!bytes) return tl::unexpected(bytes.error());
+    if (!bytes) return passOn(bytes);
     auto source = LasSource::create(std::move(*bytes), "standard input", options.keepAttributes);
-    if (!source) return tl::unexpected(source.error());
+    if (!source) return passOn(source);
     return std::unique_ptr<PointSource>(std::move(*source));
 }
 

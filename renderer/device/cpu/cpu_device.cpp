@@ -19,7 +19,7 @@ constexpr int maxThreads = 1024;
 /// A window of this many pixels needs about 1.5 GB with anti-aliasing.
 constexpr std::int64_t maxWindowPixels = std::int64_t{1} << 26;
 Expected<void> check(const Drawing& d) {
-    if (auto checked = checkDrawing(d); !checked) return checked;
+    if (auto ok = checkDrawing(d); !ok) return ok;
     const Window& w = d.window;
     if (std::int64_t{w.width} * w.height > maxWindowPixels) {
         return fail(ErrorCode::ResourceLimit, "A window of " + std::to_string(w.width) + " x " +
@@ -50,9 +50,9 @@ class CpuDevice final : public Device {
     }
 
     Expected<Frame> draw(const Drawing& drawing, std::stop_token stop) override {
-        if (auto checked = check(drawing); !checked) return tl::unexpected(checked.error());
+        if (auto ok = check(drawing); !ok) return passOn(ok);
         const auto passes = framePasses(drawing.passes);
-        if (!passes) return tl::unexpected(passes.error());
+        if (!passes) return passOn(passes);
         try {
             return cpu::Picture(drawing, *passes, *level_.kernels, threads_, arena_, buffers_,
                                 std::move(stop))
@@ -90,7 +90,7 @@ Expected<std::unique_ptr<Device>> createCpuDevice(int threads) {
     if (threads == 0) threads = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
     const char* forced = std::getenv("SCANCAST_SIMD");
     const auto level = cpu::chooseSimdLevel(forced != nullptr ? forced : "");
-    if (!level) return tl::unexpected(level.error());
+    if (!level) return passOn(level);
     return std::make_unique<CpuDevice>(std::min(threads, maxThreads), **level);
 }
 

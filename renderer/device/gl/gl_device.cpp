@@ -31,12 +31,11 @@ class GlPicture final : public PendingFrame {
 
     Expected<Frame> finish() override {
         const auto current = Context::Current::enter(context_);
-        if (!current) return tl::unexpected(current.error());
-        if (auto here = pixels_->wait(stop_); !here) return tl::unexpected(here.error());
+        if (!current) return passOn(current);
+        if (auto ok = pixels_->wait(stop_); !ok) return passOn(ok);
         frame_.rgba = pixels_->rgba();
         frame_.depth = pixels_->depth();
-        if (auto collected = times_.collect(frame_.stats); !collected)
-            return tl::unexpected(collected.error());
+        if (auto ok = times_.collect(frame_.stats); !ok) return passOn(ok);
         return std::move(frame_);
     }
 
@@ -52,17 +51,17 @@ class GlDevice final : public Device {
   public:
     static Expected<std::unique_ptr<Device>> create(Expected<std::unique_ptr<Context>> opened,
                                                     const GlOptions& options) {
-        if (!opened) return tl::unexpected(opened.error());
+        if (!opened) return passOn(opened);
         std::shared_ptr<Context> context = std::move(*opened);
         auto current = Context::Current::enter(*context);
-        if (!current) return tl::unexpected(current.error());
+        if (!current) return passOn(current);
         auto driver = describeDriver(context->functions());
-        if (!driver) return tl::unexpected(driver.error());
+        if (!driver) return passOn(driver);
         const GlFunctions& gl = context->functions();
         logDriverMessages(gl);
         const auto arithmetic = options.arithmetic ? Expected<Arithmetic>(*options.arithmetic)
                                                    : findArithmetic(gl, options.programFolder);
-        if (!arithmetic) return tl::unexpected(arithmetic.error());
+        if (!arithmetic) return passOn(arithmetic);
         const auto samples = sampleCacheOptions(gl, driver->software, options.gpuMemoryLimit);
         const Findings found{*driver, *arithmetic, samples,
                              memoryBeside(gl, driver->software, samples.memoryLimit)};
@@ -81,14 +80,14 @@ class GlDevice final : public Device {
 
     Expected<Frame> draw(const Drawing& drawing, std::stop_token stop) override {
         auto begun = begin(drawing, std::move(stop));
-        if (!begun) return tl::unexpected(begun.error());
+        if (!begun) return passOn(begun);
         return (*begun)->finish();
     }
 
     Expected<std::unique_ptr<PendingFrame>> begin(const Drawing& drawing, std::stop_token stop) override {
         try {
             const auto current = Context::Current::enter(*context_);
-            if (!current) return tl::unexpected(current.error());
+            if (!current) return passOn(current);
             return beginCurrent(drawing, std::move(stop));
         } catch (const std::bad_alloc&) {
             return fail(ErrorCode::ResourceLimit,
@@ -123,7 +122,7 @@ class GlDevice final : public Device {
     }
 
     Expected<void> check(const Drawing& drawing) const {
-        if (auto checked = checkDrawing(drawing); !checked) return checked;
+        if (auto ok = checkDrawing(drawing); !ok) return ok;
         const Window& w = drawing.window;
         if (std::int64_t{w.width} * w.height * 4 <= std::int64_t(pool_->splats.limits().storageBlockBytes))
             return {};
@@ -134,13 +133,13 @@ class GlDevice final : public Device {
     }
 
     Expected<std::unique_ptr<PendingFrame>> beginCurrent(const Drawing& drawing, std::stop_token stop) {
-        if (auto checked = check(drawing); !checked) return tl::unexpected(checked.error());
+        if (auto ok = check(drawing); !ok) return passOn(ok);
         const auto passes = framePasses(drawing.passes);
-        if (!passes) return tl::unexpected(passes.error());
+        if (!passes) return passOn(passes);
         Frame frame;
         StageTimes times(pool_->timers);
         auto pixels = Picture(*pool_, drawing, *passes, stop).draw(times);
-        if (!pixels) return tl::unexpected(pixels.error());
+        if (!pixels) return passOn(pixels);
         frame.width = drawing.window.width;
         frame.height = drawing.window.height;
         tell(drawing, frame.stats);
@@ -192,7 +191,7 @@ Expected<std::unique_ptr<Device>> createOsmesaDevice(const GlOptions& options) {
 
 Expected<std::unique_ptr<Device>> createHardwareEglDevice(const GlOptions& options) {
     const auto devices = gl::listEglDevices();
-    if (!devices) return tl::unexpected(devices.error());
+    if (!devices) return passOn(devices);
     std::string reasons;
     for (const gl::EglDevice& device : *devices) {
         if (device.software) continue;

@@ -60,13 +60,13 @@ HttpResponse fileResponse(const HttpRequest& request, const Asset& file) {
 /// The body of a POST that drives a session: a `view` message, whose `type` and `seq` may be left out.
 Expected<messages::ViewChange> parseViewChange(const std::string& body, std::uint64_t seq) {
     auto object = parseJson(body);
-    if (!object) return tl::unexpected(object.error());
+    if (!object) return passOn(object);
     if (object->is_object()) {
         object->emplace("type", "view");
         object->emplace("seq", seq);
     }
     auto message = parseClientMessage(printJson(*object));
-    if (!message) return tl::unexpected(message.error());
+    if (!message) return passOn(message);
     if (auto* change = std::get_if<messages::ViewChange>(&*message)) return std::move(*change);
     return fail(ErrorCode::InvalidArgument, "type: must be \"view\" here", "type");
 }
@@ -188,7 +188,7 @@ struct Api::Answers {
     Expected<std::shared_ptr<const PlannedView>> snapshotView(const Cloud& cloud) const {
         if (request.method != "POST") return viewOfQuery(cloud, routed.query, api.options_.maxPixels);
         const auto changes = parseJson(request.body);
-        if (!changes) return tl::unexpected(changes.error());
+        if (!changes) return passOn(changes);
         return viewOfJson(cloud, *changes, api.options_.maxPixels);
     }
 

@@ -63,7 +63,7 @@ tl::expected<Routed, HttpResponse> Api::admit(const HttpRequest& request) const 
     // none.
     if (isPreflight(request) && isAllowedOrigin(request.header("origin"), rules))
         return tl::unexpected(preflightResponse(routed->route));
-    if (auto let = access_.check(request, routed->route); !let) return tl::unexpected(std::move(let.error()));
+    if (auto ok = access_.check(request, routed->route); !ok) return passOn(ok);
     const std::string allowed(infoOf(routed->route).methods);
     if ((", " + allowed + ",").find(" " + request.method + ",") == std::string::npos) {
         HttpResponse response =

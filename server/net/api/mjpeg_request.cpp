@@ -39,7 +39,7 @@ Expected<WordValues> takeStreamWords(std::string_view query, messages::Hello& he
             hello.follow = value;
         } else if (word == "fps") {
             const auto fps = framesPerSecond(value);
-            if (!fps) return tl::unexpected(fps.error());
+            if (!fps) return passOn(fps);
             hello.fps = *fps;
         } else {
             rest.emplace_back(std::move(word), std::move(value));
@@ -59,7 +59,7 @@ tl::expected<MjpegRequest, Problem> mjpegRequest(const HttpRequest& request, con
             406, "This address answers with multipart/x-mixed-replace, which the Accept header rules out."));
     }
     const auto cloud = catalog.cloud(routed.id);
-    if (!cloud) return tl::unexpected(cloud.error());
+    if (!cloud) return passOn(cloud);
     MjpegRequest asked;
     const auto words = takeStreamWords(routed.query, asked.hello);
     if (!words) return refuse(words.error());

@@ -44,7 +44,7 @@ Picker::Picker(const SharedPictures& pictures, Scheduler& scheduler, std::string
 Expected<void> Picker::pick(std::shared_ptr<const Cloud> cloud, std::shared_ptr<const PlannedView> asked,
                             double x, double y, PickDone done) const {
     const auto pixel = pixelAt(asked->view, x, y);
-    if (!pixel) return tl::unexpected(pixel.error());
+    if (!pixel) return passOn(pixel);
     const View view = depthView(asked->view);
     const DeviceStatus device = scheduler_.device();
     if (device.state != DeviceStatus::State::Ready)

@@ -42,7 +42,7 @@ View defaultOfSize(const Cloud& cloud, const View& size) {
 template <class Change>
 Expected<Planned> changed(const Cloud& cloud, const View& size, std::uint64_t maxPixels, Change change) {
     const Expected<View> view = change(defaultOfSize(cloud, size));
-    if (!view) return tl::unexpected(view.error());
+    if (!view) return passOn(view);
     return planned(cloud, *view, maxPixels);
 }
 
@@ -92,7 +92,7 @@ tl::expected<void, Problem> checkJsonBody(const HttpRequest& request) {
 
 Expected<Planned> viewOfQuery(const Cloud& cloud, std::string_view query, std::uint64_t maxPixels) {
     const auto words = parseQuery(query);
-    if (!words) return tl::unexpected(words.error());
+    if (!words) return passOn(words);
     return viewOfWords(cloud, *words, maxPixels);
 }
 
@@ -100,7 +100,7 @@ Expected<Planned> viewOfWords(const Cloud& cloud, const WordValues& words, std::
     View size;
     for (const auto& [word, value] : words) {
         if (word != "width" && word != "height") continue;
-        if (auto set = applyWord(size, word, value); !set) return tl::unexpected(std::move(set.error()));
+        if (auto ok = applyWord(size, word, value); !ok) return passOn(ok);
     }
     return changed(cloud, size, maxPixels, [&](const View& base) { return applyWords(base, words); });
 }
@@ -112,7 +112,7 @@ Expected<Planned> viewOfJson(const Cloud& cloud, const nlohmann::json& changes, 
             if (const auto at = changes.find(side); at != changes.end()) sides[side] = *at;
     }
     const auto size = applyJson(View(), sides);
-    if (!size) return tl::unexpected(size.error());
+    if (!size) return passOn(size);
     return changed(cloud, *size, maxPixels, [&](const View& base) { return applyJson(base, changes); });
 }
 

@@ -172,7 +172,7 @@ class EndingSource final : public PointSource {
     const ScanHeader& header() const override { return source_->header(); }
     Expected<bool> read(PointBatch& batch) override {
         if (++batches_ == 2)
-            if (auto fine = end_(); !fine) return tl::unexpected(fine.error());
+            if (auto ok = end_(); !ok) return passOn(ok);
         return source_->read(batch);
     }
     std::uint64_t droppedPoints() const override { return 0; }

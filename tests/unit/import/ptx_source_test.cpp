@@ -21,7 +21,7 @@ const std::string turned = "0 1 0 0\n-1 0 0 0\n0 0 1 0\n500000 4000000 100 1\n";
 
 Expected<PointBatch> readPtx(const std::string& text, bool seekable = true) {
     auto source = PtxSource::create(bytesOf(text, seekable), "a.ptx");
-    if (!source) return tl::unexpected(source.error());
+    if (!source) return passOn(source);
     return readAll(**source);
 }
 

@@ -62,7 +62,7 @@ inline Expected<ScanSummary> summarize(PointSource& source) {
     PointBatch batch;
     for (;;) {
         const auto more = source.read(batch);
-        if (!more) return tl::unexpected(more.error());
+        if (!more) return passOn(more);
         if (!*more) break;
         take(batch, source.header().attributes, summary);
         if (::testing::Test::HasFatalFailure())
@@ -75,7 +75,7 @@ inline Expected<ScanSummary> summarize(PointSource& source) {
 /// openScan and read to the end, whichever fails first.
 template <class Source>
 Expected<ScanSummary> summarizeOpened(Expected<std::unique_ptr<Source>> source) {
-    if (!source) return tl::unexpected(source.error());
+    if (!source) return passOn(source);
     return summarize(**source);
 }
 

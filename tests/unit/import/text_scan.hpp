@@ -20,7 +20,7 @@ inline Expected<PointBatch> readAll(PointSource& source) {
     PointBatch all, batch;
     for (;;) {
         const auto more = source.read(batch);
-        if (!more) return tl::unexpected(more.error());
+        if (!more) return passOn(more);
         if (!*more) return all;
         const auto add = [](auto& to, const auto& from) { to.insert(to.end(), from.begin(), from.end()); };
         add(all.position, batch.position);

@@ -23,9 +23,9 @@ struct Read {
 
 Expected<Read> readText(const std::string& text, const TextOptions& options = {}, bool seekable = true) {
     auto source = TextSource::create(bytesOf(text, seekable), "a.xyz", options);
-    if (!source) return tl::unexpected(source.error());
+    if (!source) return passOn(source);
     auto points = readAll(**source);
-    if (!points) return tl::unexpected(points.error());
+    if (!points) return passOn(points);
     return Read{(*source)->header(), std::move(*points), (*source)->droppedPoints()};
 }
 

@@ -56,8 +56,10 @@ TEST(Methods, DescribeThemselvesAndHaveLegalDefaults) {
 TEST(Methods, EndWithTheScreenPassesOfTheShading) {
     for (const Method& m : methods()) {
         const PassList unlit = passes(m.name.c_str(), {});
-        EXPECT_FALSE(std::holds_alternative<PhongPass>(unlit.back())) << m.name;
-        EXPECT_FALSE(std::holds_alternative<EyeDomePass>(unlit.back())) << m.name;
+        EXPECT_FALSE(std::holds_alternative<PhongPass>(unlit.back()))
+            << m.name << ": unlit, its list must not end with a pass of light";
+        EXPECT_FALSE(std::holds_alternative<EyeDomePass>(unlit.back()))
+            << m.name << ": unlit, its list must not end with a pass of light";
         const PassList dome = passes(m.name.c_str(), {}, Shading::EyeDome);
         EXPECT_TRUE(std::holds_alternative<EyeDomePass>(dome.back())) << m.name;
         EXPECT_EQ(dome.size(), unlit.size() + 1) << m.name;

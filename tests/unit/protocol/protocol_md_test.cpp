@@ -77,7 +77,8 @@ TEST(ProtocolPage, ItsCanonicalViewIsTheDefault) {
         const auto value = parseJson(block);
         ASSERT_TRUE(value) << value.error().message << "\n" << block;
         if (value->contains("camera")) {
-            EXPECT_EQ(printJson(*value), printJson(toJson(View{})));
+            EXPECT_EQ(printJson(*value), printJson(toJson(View{})))
+                << "PROTOCOL.md's canonical view must be the second of the two.";
             found = true;
         }
     }

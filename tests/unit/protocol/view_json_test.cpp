@@ -49,7 +49,8 @@ TEST(ViewJson, CanonicalTextIsFixed) {
         R"("fov":60.0,"near":null,"target":[0.0,0.0,0.0],"type":"perspective","up":[0.0,0.0,1.0]},)"
         R"("classes":null,"clip":null,"color":"rgb","colormap":"viridis","detail":null,"height":720,)"
         R"("method":"paraboloid","mirrors":true,"param":{},"quality":90,"range":null,"samples":null,"shading":null,)"
-        R"("subsampling":"4:2:0","width":1280})");
+        R"("subsampling":"4:2:0","width":1280})")
+        << "A new word? Put it here, in the order of the alphabet.";
 }
 
 TEST(ViewJson, SubsetsKeepTheRest) {

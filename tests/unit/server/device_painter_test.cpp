@@ -26,14 +26,14 @@ class FragileDevice final : public Device {
     }
     Expected<Frame> draw(const Drawing& drawing, std::stop_token stop) override {
         auto begun = begin(drawing, std::move(stop));
-        if (!begun) return tl::unexpected(begun.error());
+        if (!begun) return passOn(begun);
         return (*begun)->finish();
     }
     Expected<std::unique_ptr<PendingFrame>> begin(const Drawing& drawing, std::stop_token stop) override {
         const bool breaks = --left_ < 0;
         if (breaks && loss_ == Loss::Beginning) return fail(ErrorCode::DeviceLost, "It broke.");
         auto frame = cpu_->draw(drawing, std::move(stop));
-        if (!frame) return tl::unexpected(frame.error());
+        if (!frame) return passOn(frame);
         return std::make_unique<Pixels>(std::move(*frame), breaks);
     }
 

@@ -48,7 +48,7 @@ Expected<CountingGrid> count(const PointPortions& portions, const GridBox& box, 
         if (auto read = portions.read(i, portion); !read) return error.set(read.error());
         counts.local().add(portion.points);
     });
-    if (auto fine = error.result(); !fine) return tl::unexpected(fine.error());
+    if (auto ok = error.result(); !ok) return passOn(ok);
     if (stop.stop_requested()) return fail(ErrorCode::Cancelled, "Building the cloud was abandoned.");
     CountingGrid all(box);
     for (const CountingGrid& one : counts) all.join(one);
@@ -161,7 +161,7 @@ Expected<std::vector<Chunk>> distribute(PointPortions& portions, const ChunkLayo
                                             std::pair(&chunk.haloBytes, place.halo * sizeof(BuildPoint)),
                                             std::pair(&chunk.rowBytes, place.points * options.rowBytes)}) {
             auto room = workspace.allocate(bytes);
-            if (!room) return tl::unexpected(room.error());
+            if (!room) return passOn(room);
             *buffer = std::move(*room);
         }
     }
@@ -182,7 +182,7 @@ Expected<std::vector<Chunk>> distribute(PointPortions& portions, const ChunkLayo
         }
         if (auto flushed = sorter.flush(); !flushed) error.set(flushed.error());
     });
-    if (auto fine = error.result(); !fine) return tl::unexpected(fine.error());
+    if (auto ok = error.result(); !ok) return passOn(ok);
     if (stop.stop_requested()) return fail(ErrorCode::Cancelled, "Building the cloud was abandoned.");
     std::vector<Chunk> chunks;
     for (const auto& filling : fillings) chunks.push_back(std::move(filling->chunk));
@@ -196,9 +196,9 @@ Expected<std::vector<Chunk>> takeWhole(PointPortions& portions, std::uint64_t po
     chunk.root = &root;
     chunk.points = points;
     auto pointBytes = workspace.allocate(points * sizeof(BuildPoint));
-    if (!pointBytes) return tl::unexpected(pointBytes.error());
+    if (!pointBytes) return passOn(pointBytes);
     auto rowBytes = workspace.allocate(points * options.rowBytes);
-    if (!rowBytes) return tl::unexpected(rowBytes.error());
+    if (!rowBytes) return passOn(rowBytes);
     PointPortions::Portion portion;
     std::uint64_t at = 0;
     for (std::size_t i = 0; i < portions.size(); ++i) {
@@ -206,7 +206,7 @@ Expected<std::vector<Chunk>> takeWhole(PointPortions& portions, std::uint64_t po
         portions.release(i);
         if (done) done = pointBytes->write(at * sizeof(BuildPoint), std::as_bytes(std::span(portion.points)));
         if (done) done = rowBytes->write(at * options.rowBytes, portion.rows);
-        if (!done) return tl::unexpected(done.error());
+        if (!done) return passOn(done);
         at += portion.points.size();
     }
     chunk.pointBytes = std::move(*pointBytes);
@@ -243,7 +243,7 @@ Expected<GridBox> boxOf(const PointPortions& portions) {
     GridBox box;
     PointPortions::Portion portion;
     for (std::size_t i = 0; i < portions.size(); ++i) {
-        if (auto read = portions.read(i, portion); !read) return tl::unexpected(read.error());
+        if (auto ok = portions.read(i, portion); !ok) return passOn(ok);
         for (const BuildPoint& p : portion.points) box.add(p.position());
     }
     return box;
@@ -268,7 +268,7 @@ Expected<std::vector<Chunk>> divide(PointPortions& portions, std::uint64_t point
                                     const std::stop_token& stop) {
     if (points <= options.chunkPoints) return takeWhole(portions, points, root, options, workspace);
     auto counted = count(portions, box, stop);
-    if (!counted) return tl::unexpected(counted.error());
+    if (!counted) return passOn(counted);
     const std::uint64_t most = box.isPoint() ? points : options.chunkPoints;
     const ChunkLayout layout = layOutChunks(counted->frame(), counted->cells(), grid, most, options.halo);
     std::vector<BuildNode*> places;
@@ -286,7 +286,7 @@ Expected<std::vector<Chunk>> divide(PointPortions& portions, std::uint64_t point
         }
         ChunkPortions own(chunk, options.rowBytes);
         const auto ownBox = boxOf(own);
-        if (!ownBox) return tl::unexpected(ownBox.error());
+        if (!ownBox) return passOn(ownBox);
         if (ownBox->isPoint() && chunk.points > mostAtOnePlace)
             return fail(ErrorCode::ResourceLimit,
                         fmt::format("{} points lie at exactly one place; that is no scan.", chunk.points));

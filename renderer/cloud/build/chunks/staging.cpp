@@ -183,15 +183,15 @@ void learn(const PointBatch& batch, PackedBatch& packed, StagedScan& scan) {
 
 Expected<void> stageBatch(const PointBatch& batch, const ScanHeader& header, Workspace& workspace,
                           StagedScan& scan) {
-    if (auto sound = checkBatch(batch, header, scan.points); !sound) return sound;
+    if (auto ok = checkBatch(batch, header, scan.points); !ok) return ok;
     thread_local PackedBatch packed;
     packPositions(batch, header, scan.onOwnGrid && hasGrid(header), packed);
     packRest(batch, packed);
     learn(batch, packed, scan);
     learnColumns(batch, header.columns, scan);
     auto buffer = workspace.allocate(packed.bytes.size());
-    if (!buffer) return tl::unexpected(buffer.error());
-    if (auto written = buffer->write(0, packed.bytes); !written) return written;
+    if (!buffer) return passOn(buffer);
+    if (auto ok = buffer->write(0, packed.bytes); !ok) return ok;
     scan.batches.push_back({packed.positions, std::uint32_t(batch.size()), std::move(*buffer)});
     return {};
 }
@@ -213,14 +213,14 @@ Expected<StagedScan> stage(PointSource& source, Workspace& workspace, ProgressMe
         if (current.size() > 0) {
             if (auto staged = stageBatch(current, header, workspace, scan); !staged) {
                 reading.wait();
-                return tl::unexpected(staged.error());
+                return passOn(staged);
             }
             progress.add(current.size());
         }
         more = reading.get();
         if (stop.stop_requested()) return fail(ErrorCode::Cancelled, "Building the cloud was abandoned.");
     }
-    if (!more) return tl::unexpected(more.error());
+    if (!more) return passOn(more);
     scan.droppedPoints = source.droppedPoints();
     scan.notes = source.notes();
     if (scan.points == 0)

@@ -57,7 +57,7 @@ Expected<void> addInnerSurfels(const BuildNode& node, std::span<const float> rea
     findNeighbours(root, node, box, neighbours);
     for (const BuildNode* neighbour : neighbours) {
         const auto theirs = samplesOf(*neighbour);
-        if (!theirs) return tl::unexpected(theirs.error());
+        if (!theirs) return passOn(theirs);
         for (const Sample& s : *theirs)
             if (const glm::dvec3 p = positionOf(s, neighbour->content); box.holds(p))
                 offsets.emplace_back(p - content.bounds.low);

@@ -94,10 +94,10 @@ Expected<LasHeader> parseLasHeader(std::span<const std::byte> bytes, const std::
                                               ", within its LAS header of at least 227 bytes");
     const auto* data = bytes.data();
     LasHeader header;
-    if (auto ok = checkVersion(bytes, name); !ok) return tl::unexpected(ok.error());
+    if (auto ok = checkVersion(bytes, name); !ok) return passOn(ok);
     header.minorVersion = loadLe<std::uint8_t>(data + atMinor);
     header.pointFormat = loadLe<std::uint8_t>(data + atPointFormat);
-    if (auto ok = checkPointFormat(header.pointFormat, name); !ok) return tl::unexpected(ok.error());
+    if (auto ok = checkPointFormat(header.pointFormat, name); !ok) return passOn(ok);
 
     header.headerBytes = loadLe<std::uint16_t>(data + atHeaderSize);
     const std::size_t needed = header.minorVersion >= 4 ? lasHeaderBytes : shortestHeader;
@@ -122,7 +122,7 @@ Expected<LasHeader> parseLasHeader(std::span<const std::byte> bytes, const std::
                          "a point record has " + std::to_string(header.recordBytes) +
                              " bytes; point format " + std::to_string(header.pointFormat) + " needs " +
                              std::to_string(least));
-    if (auto ok = readGrid(data, name, header); !ok) return tl::unexpected(ok.error());
+    if (auto ok = readGrid(data, name, header); !ok) return passOn(ok);
 
     header.adjustedTime = (loadLe<std::uint16_t>(data + atEncoding) & 1) != 0;
     header.vlrs = loadLe<std::uint32_t>(data + atVlrCount);

@@ -36,23 +36,23 @@ Expected<std::unique_ptr<LasSource>> LasSource::create(std::unique_ptr<ByteSourc
                                                        bool keepAttributes) {
     std::array<std::byte, lasHeaderBytes> start{};
     const auto got = readFully(*bytes, start);
-    if (!got) return tl::unexpected(got.error());
+    if (!got) return passOn(got);
     auto header = parseLasHeader(std::span(start).first(*got), name);
-    if (!header) return tl::unexpected(header.error());
+    if (!header) return passOn(header);
 
     std::unique_ptr<LasSource> source(new LasSource(std::move(bytes), std::move(name), *header));
     source->keepAttributes_ = keepAttributes;
-    if (auto ok = source->checkExtent(); !ok) return tl::unexpected(ok.error());
+    if (auto ok = source->checkExtent(); !ok) return passOn(ok);
     // A header of LAS 1.0-1.3 is shorter than what was read: the rest belongs to the variable length records.
     if (source->bytes_->size()) {
-        if (auto ok = source->bytes_->seek(header->headerBytes); !ok) return tl::unexpected(ok.error());
-        if (auto ok = source->readToPoints(header->headerBytes); !ok) return tl::unexpected(ok.error());
-        if (auto ok = source->readEvlrs(); !ok) return tl::unexpected(ok.error());
-        if (auto ok = source->judgeColors(); !ok) return tl::unexpected(ok.error());
-        if (auto ok = source->bytes_->seek(header->pointOffset); !ok) return tl::unexpected(ok.error());
+        if (auto ok = source->bytes_->seek(header->headerBytes); !ok) return passOn(ok);
+        if (auto ok = source->readToPoints(header->headerBytes); !ok) return passOn(ok);
+        if (auto ok = source->readEvlrs(); !ok) return passOn(ok);
+        if (auto ok = source->judgeColors(); !ok) return passOn(ok);
+        if (auto ok = source->bytes_->seek(header->pointOffset); !ok) return passOn(ok);
     } else {
         source->buffer_.assign(start.begin(), start.begin() + static_cast<std::ptrdiff_t>(*got));
-        if (auto ok = source->readToPoints(*got); !ok) return tl::unexpected(ok.error());
+        if (auto ok = source->readToPoints(*got); !ok) return passOn(ok);
     }
     source->understandRecords();
     return source;
@@ -75,7 +75,7 @@ Expected<void> LasSource::readToPoints(std::uint64_t at) {
         if (bytes_->size() && records.size() >= longestVlrs) break;  // a file seeks over the rest
         const auto want = std::min<std::uint64_t>(piece.size(), las_.pointOffset - at);
         const auto got = readFully(*bytes_, std::span(piece).first(want));
-        if (!got) return tl::unexpected(got.error());
+        if (!got) return passOn(got);
         if (*got < want) return tl::unexpected(truncated(at + *got, 0));
         // Bytes of a header longer than we know are no records.
         const auto skip = std::min<std::uint64_t>(want, las_.headerBytes > at ? las_.headerBytes - at : 0);
@@ -120,7 +120,7 @@ Expected<void> LasSource::readEvlrs() {
     for (std::uint32_t i = 0; i < std::min(las_.evlrs, mostEvlrs) && at >= pointsEnd() && at < size; ++i) {
         std::array<std::byte, evlrHeaderBytes> head{};
         const auto got = bytes_->readAt(at, head);
-        if (!got) return tl::unexpected(got.error());
+        if (!got) return passOn(got);
         if (*got < head.size()) break;
         // reserved (2), user id (16), record id (2), length after this header (8), description (32)
         const auto length = loadLe<std::uint64_t>(head.data() + 20);
@@ -131,7 +131,7 @@ Expected<void> LasSource::readEvlrs() {
         if (isWantedVlr(userId, recordId) && length <= longestVlr) {
             std::vector<std::byte> content(length);
             const auto read = bytes_->readAt(at, content);
-            if (!read) return tl::unexpected(read.error());
+            if (!read) return passOn(read);
             if (*read == length) readVlr(userId, recordId, content, vlrs_);
         }
         at += length;
@@ -158,7 +158,7 @@ Expected<void> LasSource::judgeColors() {
         count = std::min({count, las_.points - first, std::uint64_t(buffer_.size() / las_.recordBytes)});
         const auto piece = std::span(buffer_).first(count * las_.recordBytes);
         const auto got = bytes_->readAt(las_.pointOffset + first * las_.recordBytes, piece);
-        if (!got) return tl::unexpected(got.error());
+        if (!got) return passOn(got);
         if (*got < piece.size())
             return tl::unexpected(truncated(las_.pointOffset + first * las_.recordBytes + *got, first));
         depth_ = std::max(depth_, colorDepth(piece, las_));
@@ -206,13 +206,13 @@ Expected<bool> LasSource::read(PointBatch& batch) {
         const auto early = done_ == 0 ? std::min<std::uint64_t>(buffer_.size(), wanted) : 0;
         buffer_.resize(wanted);
         const auto got = readFully(*bytes_, std::span(buffer_).subspan(early));
-        if (!got) return tl::unexpected(got.error());
+        if (!got) return passOn(got);
         const auto there = early + *got;
         if (there < wanted) {
             const auto at = las_.pointOffset + done_ * las_.recordBytes + there;
             return tl::unexpected(truncated(at, done_ + there / las_.recordBytes));
         }
-        if (auto ok = judgeBatchColors(buffer_); !ok) return tl::unexpected(ok.error());
+        if (auto ok = judgeBatchColors(buffer_); !ok) return passOn(ok);
         decodeLasRecords(buffer_, las_, depth_, batch);
         if (keepAttributes_) decodeLasColumns(buffer_, las_.recordBytes, columns_, batch.rows);
         done_ += count;

@@ -160,11 +160,11 @@ Expected<std::unique_ptr<ImporterProcess>> ImporterProcess::start(const Importer
                                                                   const ScanInput& input,
                                                                   const ImportOptions& options) {
     const auto program = findImporter(importer.name, options);
-    if (!program) return tl::unexpected(program.error());
+    if (!program) return passOn(program);
     auto output = makePipe();
-    if (!output) return tl::unexpected(output.error());
+    if (!output) return passOn(output);
     auto errors = makePipe();
-    if (!errors) return tl::unexpected(errors.error());
+    if (!errors) return passOn(errors);
     ::fcntl(output->read.get(), F_SETPIPE_SZ, pipeBytes);  // fewer wake-ups; refused beyond the user's limit
     for (const auto& end : {output->read.get(), errors->read.get()})
         ::fcntl(end, F_SETFL, ::fcntl(end, F_GETFL) | O_NONBLOCK);
@@ -175,7 +175,7 @@ Expected<std::unique_ptr<ImporterProcess>> ImporterProcess::start(const Importer
     if (!scan) return fail(ErrorCode::Io, "it cannot be handed on: " + systemReason(errno));
     const auto pid = spawn(limitedCommand(importer, program->string(), pathInImporter(input), options),
                            scan.get(), output->write.get(), errors->write.get());
-    if (!pid) return tl::unexpected(pid.error());
+    if (!pid) return passOn(pid);
     return std::unique_ptr<ImporterProcess>(
         new ImporterProcess(*pid, std::move(output->read), std::move(errors->read),
                             std::chrono::seconds(std::max(1, options.importerTimeoutSeconds))));

@@ -21,15 +21,15 @@ tl::unexpected<Error> PointStreamReader::wrong(const std::string& reason) const 
 Expected<std::unique_ptr<PointStreamReader>> PointStreamReader::create(std::unique_ptr<ByteSource> bytes,
                                                                        std::uint64_t mostPoints) {
     std::unique_ptr<PointStreamReader> reader(new PointStreamReader(std::move(bytes), mostPoints));
-    if (auto ok = reader->readHeader(); !ok) return tl::unexpected(ok.error());
-    if (auto ok = reader->readHead(); !ok) return tl::unexpected(ok.error());
+    if (auto ok = reader->readHeader(); !ok) return passOn(ok);
+    if (auto ok = reader->readHead(); !ok) return passOn(ok);
     if (reader->head_.tag == stream::failTag) return tl::unexpected(reader->readFailure().error());
     return reader;
 }
 
 Expected<void> PointStreamReader::readExactly(std::span<std::byte> into) {
     const auto got = readFully(*bytes_, into);
-    if (!got) return tl::unexpected(got.error());
+    if (!got) return passOn(got);
     at_ += *got;
     if (*got == into.size()) return {};
     return fail(ErrorCode::Importer, "its point stream broke off at byte " + grouped(at_) + ", after " +
@@ -47,7 +47,7 @@ Expected<void> PointStreamReader::readHeader() {
     std::array<std::byte, stream::headerBytes> bytes{};
     if (auto ok = readExactly(bytes); !ok) return ok;
     auto decoded = stream::decodeHeader(bytes);
-    if (!decoded) return tl::unexpected(decoded.error());
+    if (!decoded) return passOn(decoded);
     header_ = std::move(decoded->header);
     if (auto ok = readText(decoded->formatBytes, stream::longestFormat, header_.format); !ok) return ok;
     if (auto ok = readText(decoded->wktBytes, stream::longestWkt, header_.crsWkt); !ok) return ok;
@@ -55,7 +55,7 @@ Expected<void> PointStreamReader::readHeader() {
     std::string list(decoded->columnsBytes, '\0');
     if (auto ok = readExactly(std::as_writable_bytes(std::span(list))); !ok) return ok;
     auto columns = stream::decodeColumns(list);
-    if (!columns) return tl::unexpected(columns.error());
+    if (!columns) return passOn(columns);
     header_.columns = std::move(*columns);
     rowBytes_ = stream::packedBytes(header_.columns);
     return {};
@@ -166,7 +166,7 @@ Expected<bool> PointStreamReader::read(PointBatch& batch) {
     }
     if (ok && !done_) return true;
     batch.clear();
-    if (!ok) return tl::unexpected(ok.error());
+    if (!ok) return passOn(ok);
     return false;
 }
 

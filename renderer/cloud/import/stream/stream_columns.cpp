@@ -98,7 +98,7 @@ Expected<std::vector<Column>> decodeColumns(std::string_view text) {
     std::set<std::string> names;
     for (std::size_t i = 0; i < list.size(); ++i) {
         auto column = decodeColumn(list[i], i);
-        if (!column) return tl::unexpected(column.error());
+        if (!column) return passOn(column);
         if (!names.insert(column->name).second)
             return wrongColumn(i, "another one is called \"" + column->name + "\"");
         columns.push_back(std::move(*column));

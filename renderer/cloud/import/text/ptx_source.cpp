@@ -82,13 +82,13 @@ bool seemsToGoOn(const TextLines& lines, std::span<const std::string> elsewhere,
 
 Expected<std::unique_ptr<PtxSource>> PtxSource::create(std::unique_ptr<ByteSource> bytes, std::string name) {
     TextLines lines(std::move(bytes), name);
-    if (auto ok = lines.open(); !ok) return tl::unexpected(ok.error());
+    if (auto ok = lines.open(); !ok) return passOn(ok);
     auto text = lines.start();
     const auto point = firstPoint(text, lines.lineEnd());
     auto layout = point.empty() ? TextLayout{} : layoutOf(point, name);
-    if (!layout) return tl::unexpected(layout.error());
+    if (!layout) return passOn(layout);
     const auto elsewhere = lines.samples(lookedAtPlaces, lookedAtBytes);
-    if (!elsewhere) return tl::unexpected(elsewhere.error());
+    if (!elsewhere) return passOn(elsewhere);
     auto head = text;
     std::uint64_t points = 1;
     for (int i = 0; i < 2; ++i) points *= countIn(takeLine(head, lines.lineEnd())).value_or(0);
@@ -102,7 +102,7 @@ Expected<std::unique_ptr<PtxSource>> PtxSource::create(std::unique_ptr<ByteSourc
     }
     std::unique_ptr<PtxSource> source(
         new PtxSource(std::move(lines), std::move(name), TextRow(*layout, false)));
-    if (auto ok = source->startScan(); !ok) return tl::unexpected(ok.error());
+    if (auto ok = source->startScan(); !ok) return passOn(ok);
     if (source->promised_ > 0 && point.empty())
         return fail(ErrorCode::Truncated, source->lines_.place() + "the scan promises " +
                                               grouped(source->promised_) + " points, there are none");
@@ -117,7 +117,7 @@ Expected<std::string_view> PtxSource::headLine(const char* what) {
     std::string_view line;
     for (;;) {
         const auto more = lines_.next(line);
-        if (!more) return tl::unexpected(more.error());
+        if (!more) return passOn(more);
         if (!*more)
             return fail(ErrorCode::Truncated,
                         lines_.place() + "the file ends where " + what + " of a scan should follow");
@@ -127,7 +127,7 @@ Expected<std::string_view> PtxSource::headLine(const char* what) {
 
 Expected<std::uint64_t> PtxSource::headCount(const char* what) {
     const auto line = headLine(what);
-    if (!line) return tl::unexpected(line.error());
+    if (!line) return passOn(line);
     const auto count = countIn(*line);
     if (count && *count <= std::numeric_limits<std::uint32_t>::max()) return *count;
     return fail(ErrorCode::Malformed, lines_.place() + quotedText(*line) + " should be " + what +
@@ -137,7 +137,7 @@ Expected<std::uint64_t> PtxSource::headCount(const char* what) {
 
 Expected<void> PtxSource::headNumbers(const char* what, std::span<double> numbers) {
     const auto line = headLine(what);
-    if (!line) return tl::unexpected(line.error());
+    if (!line) return passOn(line);
     std::vector<std::string_view> fields;
     splitFields(*line, {}, fields);
     bool good = fields.size() == numbers.size();
@@ -156,17 +156,17 @@ Expected<bool> PtxSource::startScan() {
     const auto columns = headCount("the number of columns");
     // Behind the last scan there may be empty lines.
     if (!columns && columns.error().code == ErrorCode::Truncated && scans_ > 0) return false;
-    if (!columns) return tl::unexpected(columns.error());
+    if (!columns) return passOn(columns);
     const auto rows = headCount("the number of rows");
-    if (!rows) return tl::unexpected(rows.error());
+    if (!rows) return passOn(rows);
     promised_ = *columns * *rows;
     inScan_ = 0;
     std::array<double, 4> row{};
     for (const char* what :
          {"the scanner's position", "the scanner's x axis", "the scanner's y axis", "the scanner's z axis"})
-        if (auto ok = headNumbers(what, std::span(row).first(3)); !ok) return tl::unexpected(ok.error());
+        if (auto ok = headNumbers(what, std::span(row).first(3)); !ok) return passOn(ok);
     for (int i = 0; i < 4; ++i) {
-        if (auto ok = headNumbers("a row of the matrix", row); !ok) return tl::unexpected(ok.error());
+        if (auto ok = headNumbers("a row of the matrix", row); !ok) return passOn(ok);
         if (std::abs(row[3] - (i == 3 ? 1 : 0)) > 1e-9)
             return fail(ErrorCode::Malformed, lines_.place() + "the fourth number of the matrix's row " +
                                                   std::to_string(i + 1) + " must be " + (i == 3 ? "1" : "0"));
@@ -184,7 +184,7 @@ Expected<bool> PtxSource::read(PointBatch& batch) {
     while (batch.size() < batchPoints) {
         if (inScan_ == promised_) {
             const auto more = startScan();
-            if (!more) return tl::unexpected(more.error());
+            if (!more) return passOn(more);
             if (*more) continue;
             if (batch.size() == 0 && points_ == dropped_)
                 return fail(ErrorCode::Empty, name_ + ": none of the " + grouped(points_) +
@@ -192,7 +192,7 @@ Expected<bool> PtxSource::read(PointBatch& batch) {
             return batch.size() > 0;
         }
         const auto more = lines_.next(line);
-        if (!more) return tl::unexpected(more.error());
+        if (!more) return passOn(more);
         if (!*more)
             return fail(ErrorCode::Truncated, lines_.place() + "the file ends: its scan " + grouped(scans_) +
                                                   " promises " + grouped(promised_) + " points, there are " +

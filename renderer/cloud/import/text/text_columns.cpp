@@ -211,8 +211,8 @@ Expected<TextLayout> understandColumns(const TextHead& head, std::span<const std
                                               " columns; at most " + std::to_string(mostTextColumns) +
                                               " are read");
     const auto table = tabulate(points, layout.separator, layout.columns);
-    if (auto ok = assign(head, table, name, layout); !ok) return tl::unexpected(ok.error());
-    if (auto ok = judgeValues(table, pts, name, layout); !ok) return tl::unexpected(ok.error());
+    if (auto ok = assign(head, table, name, layout); !ok) return passOn(ok);
+    if (auto ok = judgeValues(table, pts, name, layout); !ok) return passOn(ok);
     return layout;
 }
 

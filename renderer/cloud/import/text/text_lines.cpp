@@ -52,7 +52,7 @@ Expected<std::vector<std::string>> TextLines::samples(std::size_t places, std::s
         piece.resize(bytes);
         const auto from = *size / (places + 1) * i;
         const auto got = bytes_->readAt(from, std::as_writable_bytes(std::span(piece)));
-        if (!got) return tl::unexpected(got.error());
+        if (!got) return passOn(got);
         piece.resize(*got);
         // What stands before the first and behind the last end of a line are parts of lines.
         auto begin = piece.find(lineEnd_);
@@ -86,7 +86,7 @@ Expected<bool> TextLines::nextAcrossBuffers(std::string_view& line) {
             take(from, there, 0, line);
             return true;
         }
-        if (auto ok = refill(); !ok) return tl::unexpected(ok.error());
+        if (auto ok = refill(); !ok) return passOn(ok);
     }
 }
 
@@ -99,7 +99,7 @@ Expected<void> TextLines::refill() {
     }
     const auto room = std::span(buffer_).subspan(filled_);
     const auto got = bytes_->read(std::as_writable_bytes(room));
-    if (!got) return tl::unexpected(got.error());
+    if (!got) return passOn(got);
     ended_ = *got == 0;
     filled_ += *got;
     return {};

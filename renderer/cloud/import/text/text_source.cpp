@@ -14,22 +14,22 @@ namespace {
 Expected<std::unique_ptr<TextSource>> TextSource::create(std::unique_ptr<ByteSource> bytes, std::string name,
                                                          const TextOptions& options) {
     TextLines lines(std::move(bytes), name);
-    if (auto ok = lines.open(); !ok) return tl::unexpected(ok.error());
+    if (auto ok = lines.open(); !ok) return passOn(ok);
     const auto start = lines.start();
     const auto head = readTextHead(start, lines.lineEnd(), name);
-    if (!head) return tl::unexpected(head.error());
+    if (!head) return passOn(head);
 
     std::vector<std::string_view> looked;
     for (auto text = start.substr(head->bytes); !text.empty() && looked.size() < lookedAtLines;)
         looked.push_back(takeLine(text, lines.lineEnd()));
     const auto elsewhere = lines.samples(lookedAtPlaces, lookedAtBytes);
-    if (!elsewhere) return tl::unexpected(elsewhere.error());
+    if (!elsewhere) return passOn(elsewhere);
     for (const auto& line : *elsewhere) looked.push_back(line);
     // The next count of a file with several scans is no point.
     if (head->count) std::erase_if(looked, [](std::string_view line) { return countIn(line).has_value(); });
     const bool pts = options.pts || head->count.has_value();
     auto layout = understandColumns(*head, looked, pts, name);
-    if (!layout) return tl::unexpected(layout.error());
+    if (!layout) return passOn(layout);
 
     std::unique_ptr<TextSource> source(
         new TextSource(std::move(lines), std::move(name), TextRow(*layout, options.keepAttributes)));
@@ -38,7 +38,7 @@ Expected<std::unique_ptr<TextSource>> TextSource::create(std::unique_ptr<ByteSou
     if (options.keepAttributes) source->scan_.columns = keptTextColumns(*layout);
     std::string_view passed;
     for (std::uint64_t i = 0; i < head->lines; ++i)
-        if (auto ok = source->lines_.next(passed); !ok) return tl::unexpected(ok.error());
+        if (auto ok = source->lines_.next(passed); !ok) return passOn(ok);
     source->counted_ = head->count.has_value();
     source->promised_ = head->count.value_or(0);
     return source;
@@ -49,9 +49,9 @@ Expected<bool> TextSource::read(PointBatch& batch) {
     std::string_view line;
     while (batch.size() < batchPoints) {
         const auto more = lines_.next(line);
-        if (!more) return tl::unexpected(more.error());
+        if (!more) return passOn(more);
         if (!*more) {
-            if (auto ok = finishScan(); !ok) return tl::unexpected(ok.error());
+            if (auto ok = finishScan(); !ok) return passOn(ok);
             if (batch.size() == 0 && points_ == dropped_)
                 return fail(ErrorCode::Empty,
                             name_ + ": none of its " + grouped(points_) + " points has finite coordinates");
@@ -60,7 +60,7 @@ Expected<bool> TextSource::read(PointBatch& batch) {
         if (isComment(line)) continue;
         if (counted_) {
             if (const auto count = countIn(line)) {
-                if (auto ok = startScan(*count); !ok) return tl::unexpected(ok.error());
+                if (auto ok = startScan(*count); !ok) return passOn(ok);
                 continue;
             }
         }

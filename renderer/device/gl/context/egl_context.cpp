@@ -48,7 +48,7 @@ class EglContext final : public Context {
     static Expected<std::unique_ptr<Context>> create(const EglFunctions& egl, EGLenum platform,
                                                      void* native) {
         auto display = openDisplay(egl, platform, native);
-        if (!display) return tl::unexpected(display.error());
+        if (!display) return passOn(display);
         const EGLDisplay handle = *display;
         const char* const extensions = egl.QueryString(handle, EGL_EXTENSIONS);
         for (const char* needed :
@@ -70,9 +70,9 @@ class EglContext final : public Context {
                 std::string("The driver is too old, or its OpenGL part is missing. ") + driverHint);
         std::unique_ptr<EglContext> made(new EglContext(egl, handle, context));
         auto current = Current::enter(*made);
-        if (!current) return tl::unexpected(current.error());
+        if (!current) return passOn(current);
         auto functions = loadFunctions(egl.GetProcAddress);
-        if (!functions) return tl::unexpected(functions.error());
+        if (!functions) return passOn(functions);
         made->functions_ = *functions;
         return made;
     }
@@ -176,9 +176,9 @@ Expected<std::unique_ptr<Context>> createBest(const EglFunctions& egl) {
 
 Expected<std::vector<EglDevice>> listEglDevices() {
     const auto egl = eglLibrary();
-    if (!egl) return tl::unexpected(egl.error());
+    if (!egl) return passOn(egl);
     const auto handles = deviceHandles(**egl);
-    if (!handles) return tl::unexpected(handles.error());
+    if (!handles) return passOn(handles);
     std::vector<EglDevice> devices;
     for (std::size_t i = 0; i < handles->size(); ++i)
         devices.push_back(describe(**egl, (*handles)[i], static_cast<int>(i)));
@@ -187,10 +187,10 @@ Expected<std::vector<EglDevice>> listEglDevices() {
 
 Expected<std::unique_ptr<Context>> createEglContext(int device) {
     const auto egl = eglLibrary();
-    if (!egl) return tl::unexpected(egl.error());
+    if (!egl) return passOn(egl);
     if (device < 0) return createBest(**egl);
     const auto handles = deviceHandles(**egl);
-    if (!handles) return tl::unexpected(handles.error());
+    if (!handles) return passOn(handles);
     if (static_cast<std::size_t>(device) >= handles->size())
         return fail(ErrorCode::DeviceUnavailable,
                     "There is no EGL device " + std::to_string(device) + "; EGL lists 0 to " +

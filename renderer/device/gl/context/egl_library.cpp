@@ -95,7 +95,7 @@ Expected<EglFunctions> openEglLibrary() {
 
 Expected<const EglFunctions*> eglLibrary() {
     static const Expected<EglFunctions> library = openEglLibrary();
-    if (!library) return tl::unexpected(library.error());
+    if (!library) return passOn(library);
     return &*library;
 }
 

@@ -33,7 +33,7 @@ class Context {
       public:
         /// DeviceLost, naming the failed call.
         static Expected<Current> enter(Context& context) {
-            if (auto made = context.makeCurrent(); !made) return tl::unexpected(made.error());
+            if (auto ok = context.makeCurrent(); !ok) return passOn(ok);
             return Current(context);
         }
         Current(Current&& other) noexcept : context_(std::exchange(other.context_, nullptr)) {}

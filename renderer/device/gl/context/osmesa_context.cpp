@@ -49,7 +49,7 @@ Expected<OsmesaFunctions> openOsmesaLibrary() {
 
 Expected<const OsmesaFunctions*> osmesaLibrary() {
     static const Expected<OsmesaFunctions> library = openOsmesaLibrary();
-    if (!library) return tl::unexpected(library.error());
+    if (!library) return passOn(library);
     return &*library;
 }
 
@@ -62,9 +62,9 @@ class OsmesaContext final : public Context {
 
     Expected<void> load() {
         auto current = Current::enter(*this);
-        if (!current) return tl::unexpected(current.error());
+        if (!current) return passOn(current);
         auto functions = loadFunctions(osmesa_.getProcAddress);
-        if (!functions) return tl::unexpected(functions.error());
+        if (!functions) return passOn(functions);
         functions_ = *functions;
         return {};
     }
@@ -90,7 +90,7 @@ class OsmesaContext final : public Context {
 
 Expected<std::unique_ptr<Context>> createOsmesaContext() {
     const auto osmesa = osmesaLibrary();
-    if (!osmesa) return tl::unexpected(osmesa.error());
+    if (!osmesa) return passOn(osmesa);
     constexpr int attributes[] = {osmesaFormat,
                                   GL_RGBA,
                                   osmesaDepthBits,
@@ -113,7 +113,7 @@ Expected<std::unique_ptr<Context>> createOsmesaContext() {
             "OSMesaCreateContextAttribs(OpenGL 4.5 core) failed; it gives no reason. Mesa older than 20 has "
             "less than OpenGL 4.5 here: update libosmesa6.");
     auto made = std::make_unique<OsmesaContext>(**osmesa, context);
-    if (auto loaded = made->load(); !loaded) return tl::unexpected(loaded.error());
+    if (auto ok = made->load(); !ok) return passOn(ok);
     return made;
 }
 

@@ -23,7 +23,7 @@ class GlMemory final : public DeviceMemory {
     Expected<void> bring(std::uint64_t source, std::span<const CutRun> runs,
                          const std::stop_token& stop) override {
         const auto current = Context::Current::enter(context_);
-        if (!current) return tl::unexpected(current.error());
+        if (!current) return passOn(current);
         return cache_.bring(source, runs, stop);
     }
 

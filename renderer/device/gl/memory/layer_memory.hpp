@@ -31,7 +31,7 @@ struct LayerMemory {
     Expected<void> fill(Buffer& table, const std::vector<T>& values) {
         constexpr std::size_t smallest = 4096;
         const auto bytes = std::as_bytes(std::span(values));
-        if (auto room = table.reserve(std::bit_ceil(std::max(bytes.size(), smallest))); !room) return room;
+        if (auto ok = table.reserve(std::bit_ceil(std::max(bytes.size(), smallest))); !ok) return ok;
         return ring.copy(bytes, table, 0);
     }
 

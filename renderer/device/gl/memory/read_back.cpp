@@ -83,7 +83,7 @@ Expected<std::shared_ptr<ReadBack::Slot>> ReadBack::slotOf(std::size_t bytes) {
     if (!best) best = tooSmall;  // it grows, rather than that there is one more
     if (!best) best = slots_.emplace_back(std::make_shared<Slot>(context_));
     best->lastUsed = started_;
-    if (auto made = makeRoom(*best, bytes); !made) return tl::unexpected(made.error());
+    if (auto ok = makeRoom(*best, bytes); !ok) return passOn(ok);
     return best;
 }
 
@@ -91,7 +91,7 @@ Expected<std::unique_ptr<ReadBack::Transfer>> ReadBack::start(const Buffer& rgba
                                                               std::size_t pixels) {
     const std::size_t bytes = pixels * 4;
     auto slot = slotOf(depth ? 2 * bytes : bytes);
-    if (!slot) return tl::unexpected(slot.error());
+    if (!slot) return passOn(slot);
     const auto copy = [&](const Buffer& from, std::size_t to) {
         gl_.CopyNamedBufferSubData(from.name(), (*slot)->buffer, 0, static_cast<GLintptr>(to),
                                    static_cast<GLsizeiptr>(bytes));
@@ -101,8 +101,7 @@ Expected<std::unique_ptr<ReadBack::Transfer>> ReadBack::start(const Buffer& rgba
     if (depth) copy(*depth, bytes);
     gl_.MemoryBarrier(GL_CLIENT_MAPPED_BUFFER_BARRIER_BIT);
     (*slot)->fence = gl_.FenceSync(GL_SYNC_GPU_COMMANDS_COMPLETE, 0);
-    if (auto checked = checkErrors(gl_, "reading the picture back"); !checked)
-        return tl::unexpected(checked.error());
+    if (auto ok = checkErrors(gl_, "reading the picture back"); !ok) return passOn(ok);
     return std::unique_ptr<Transfer>(
         new Transfer(gl_, std::make_shared<const Loan>(std::move(*slot)), pixels, depth != nullptr));
 }
@@ -118,7 +117,7 @@ Expected<void> ReadBack::Transfer::wait(const std::stop_token& stop) {
             return fail(ErrorCode::Cancelled, "The picture was abandoned: it is no longer wanted.");
         const GLenum result = gl_.ClientWaitSync(loan_->slot->fence, GL_SYNC_FLUSH_COMMANDS_BIT, waitStepNs);
         if (result == GL_TIMEOUT_EXPIRED) continue;
-        if (auto checked = checkErrors(gl_, "waiting for the picture"); !checked) return checked;
+        if (auto ok = checkErrors(gl_, "waiting for the picture"); !ok) return ok;
         if (result != GL_WAIT_FAILED) return {};
         break;
     }

@@ -72,7 +72,7 @@ Expected<void> SampleCache::bring(std::uint64_t source, std::span<const CutRun> 
     for (const Part& part : parts) {
         if (stop.stop_requested()) return cancelled();
         const auto loaded = load(part);
-        if (!loaded) return tl::unexpected(loaded.error());
+        if (!loaded) return passOn(loaded);
         if (loaded->empty()) break;
     }
     return {};
@@ -87,12 +87,12 @@ Expected<std::span<const Place>> SampleCache::load(const Part& part) {
         if (places.empty()) return places;
         const auto made = makePages(places);
         if (!made) table_.erase(part.key);
-        if (!made) return tl::unexpected(made.error());
+        if (!made) return passOn(made);
         if (*made) break;
     }
     if (auto uploaded = upload(places, part.samples); !uploaded) {
         table_.erase(part.key);
-        return tl::unexpected(uploaded.error());
+        return passOn(uploaded);
     }
     return places;
 }
@@ -103,7 +103,7 @@ Expected<bool> SampleCache::makePages(std::span<const Place> places) {
         Buffer buffer(gl_, "page of samples", Buffer::Use::Copies);
         const std::uint64_t bytes = std::uint64_t(table_.pageSamples(place.page)) * sizeof(Sample);
         const auto made = buffer.reserve(bytes);
-        if (!made && made.error().code != ErrorCode::ResourceLimit) return tl::unexpected(made.error());
+        if (!made && made.error().code != ErrorCode::ResourceLimit) return passOn(made);
         if (!made) {
             spdlog::warn("{} Samples get less of it than --gpu-memory-limit says.", made.error().message);
             table_.close(place.page);
@@ -150,7 +150,7 @@ Expected<SampleBatch> CutSamples::gather(const std::stop_token& stop) {
         whole_ = false;
         cache_.touch(parts_);
         const auto end = loadBatch(0, stop);
-        if (!end) return tl::unexpected(end.error());
+        if (!end) return passOn(end);
         gathered_ = *end;
         whole_ = gathered_ == parts_.size();
         evicted_ = cache_.table_.evicted();
@@ -160,13 +160,13 @@ Expected<SampleBatch> CutSamples::gather(const std::stop_token& stop) {
 
 Expected<void> CutSamples::forEachBatch(const Draw& draw, const std::stop_token& stop) {
     const auto first = gather(stop);
-    if (!first) return tl::unexpected(first.error());
+    if (!first) return passOn(first);
     if (parts_.empty()) return {};
     if (auto drawn = draw(*first); !drawn || whole_) return drawn;
     for (std::size_t from = std::exchange(gathered_, 0); from < parts_.size();) {
         const auto end = loadBatch(from, stop);
-        if (!end) return tl::unexpected(end.error());
-        if (auto drawn = draw({batchPages_, version_}); !drawn) return drawn;
+        if (!end) return passOn(end);
+        if (auto ok = draw({batchPages_, version_}); !ok) return ok;
         from = *end;
     }
     // The next round begins with what is here.
@@ -183,7 +183,7 @@ Expected<std::size_t> CutSamples::loadBatch(std::size_t from, const std::stop_to
         if (stop.stop_requested()) return cancelled();
         const SampleCache::Part& part = parts_[at];
         const auto places = cache_.load(part);
-        if (!places) return tl::unexpected(places.error());
+        if (!places) return passOn(places);
         if (places->empty()) break;
         std::uint32_t first = part.key.first;
         for (const Place& place : *places) {

@@ -22,7 +22,7 @@ Expected<void> PixelPlane::reserve(std::size_t pixels) {
     if (pixels <= pixels_) return {};
     pixels_ = 0;
     texels_.reset();
-    if (auto made = buffer_.reserve(pixels * words_ * 4); !made) return made;
+    if (auto ok = buffer_.reserve(pixels * words_ * 4); !ok) return ok;
     texels_.emplace(gl_, buffer_, words_);
     pixels_ = pixels;
     return {};

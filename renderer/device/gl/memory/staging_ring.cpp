@@ -39,11 +39,11 @@ Expected<void> StagingRing::nextSection() {
 
 Expected<void> StagingRing::copy(std::span<const std::byte> bytes, const Buffer& target, std::size_t offset) {
     if (!mapped_) {
-        if (auto made = make(); !made) return made;
+        if (auto ok = make(); !ok) return ok;
     }
     while (!bytes.empty()) {
         if (filled_ == sectionBytes_) {
-            if (auto next = nextSection(); !next) return next;
+            if (auto ok = nextSection(); !ok) return ok;
         }
         const std::size_t count = std::min(bytes.size(), sectionBytes_ - filled_);
         const std::size_t from = section_ * sectionBytes_ + filled_;

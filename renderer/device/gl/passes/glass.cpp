@@ -18,7 +18,7 @@ Expected<void> layOver(const GlassNumbers& glass, const glm::ivec4& area, const 
     params.rightAt = linear(glass.rightAt, glass.perspective ? 1 : 0);
     params.upAt = linear(glass.upAt, 0);
     params.tint = ivec4(glass.tint[0], glass.tint[1], glass.tint[2], normals ? 1 : 0);
-    if (auto set = shaders.set(params); !set) return set;
+    if (auto ok = shaders.set(params); !ok) return ok;
     picture.rgba->bindStorage(BindPlaneRgba);
     picture.depth->bindStorage(BindPlaneDepth);
     const Define defines[] = {{"THROUGH", through ? 1 : 0}};

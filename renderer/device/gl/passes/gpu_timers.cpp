@@ -90,7 +90,7 @@ Expected<void> StageTimes::collect(FrameStats& stats) {
         GLuint64 isThere = GL_FALSE;
         gl.GetQueryObjectui64v(last->ended, GL_QUERY_RESULT_AVAILABLE, &isThere);
         if (!isThere) {
-            if (auto done = waitForGpu(gl); !done) return done;
+            if (auto ok = waitForGpu(gl); !ok) return ok;
         }
     }
     for (const StageTime& stage : host_) stats.add(stage.name, stage.milliseconds);

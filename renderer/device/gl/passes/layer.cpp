@@ -51,7 +51,7 @@ Expected<std::unique_ptr<Layer>> Layer::create(const LayerParts& parts, const Dr
                                                const FramePasses& passes, ivec4 area) {
     std::unique_ptr<Layer> layer(new Layer(parts, drawing, view, layerView, passes, area));
     const std::vector<std::uint32_t> drawn = layer->addRuns(drawing, view);
-    if (auto made = layer->upload(); !made) return tl::unexpected(made.error());
+    if (auto ok = layer->upload(); !ok) return passOn(ok);
     layer->samples_ = std::make_unique<CutSamples>(parts.samples, view.cut, drawn);
     return layer;
 }
@@ -105,8 +105,8 @@ Expected<void> Layer::upload() {
                         " runs, more than the OpenGL driver takes at once; ask for less detail or use "
                         "--backend=cpu.");
     LayerMemory& tables = parts_.tables;
-    if (auto filled = tables.fill(tables.runs, tables_.runs); !filled) return filled;
-    if (auto filled = tables.fill(tables.lookUps, tables_.words); !filled) return filled;
+    if (auto ok = tables.fill(tables.runs, tables_.runs); !ok) return ok;
+    if (auto ok = tables.fill(tables.lookUps, tables_.words); !ok) return ok;
     return tables.fill(tables.rows, background_);
 }
 
@@ -136,8 +136,8 @@ Expected<void> Layer::begin(const SampleBatch& batch) {
         pages_.push_back(work);
     }
     version_ = 0;
-    if (auto filled = tables.fill(tables.chunks, chunks); !filled) return filled;
-    if (auto filled = tables.fill(tables.extents, extents); !filled) return filled;
+    if (auto ok = tables.fill(tables.chunks, chunks); !ok) return ok;
+    if (auto ok = tables.fill(tables.extents, extents); !ok) return ok;
     version_ = batch.version;
     return {};
 }
@@ -158,15 +158,15 @@ Expected<void> Layer::overPixels(ivec4 area, const ShaderVariant& variant) {
 Expected<void> Layer::splatOnce(const SplatPass& pass, Keep keep, const std::stop_token& stop) {
     const ShaderVariant variant = splatVariant(pass, traits_, keep);
     const auto program = parts_.programs.get(variant.shader, variant.defines);
-    if (!program) return tl::unexpected(program.error());
+    if (!program) return passOn(program);
     (*program)->use();
     const auto drawBatch = [&](const SampleBatch& batch) -> Expected<void> {
-        if (auto begun = begin(batch); !begun) return begun;
+        if (auto ok = begin(batch); !ok) return ok;
         parts_.tables.chunks.bindStorage(binding::splat::chunks);
         for (std::size_t i = 0; i < batch.pages.size(); ++i) {
             batch.pages[i].samples->bind(unit::samples);
-            if (auto done = parts_.slices.dispatch(pages_[i].firstChunk, pages_[i].chunks, stop); !done)
-                return done;
+            if (auto ok = parts_.slices.dispatch(pages_[i].firstChunk, pages_[i].chunks, stop); !ok)
+                return ok;
         }
         return {};
     };
@@ -192,7 +192,7 @@ Expected<void> Layer::splat(std::size_t index, const SplatPass& pass, ivec4 band
                             const std::stop_token& stop) {
     SplatMemory& memory = parts_.memory;
     const std::size_t pixels = pixelsOf(band);
-    if (auto set = parts_.screen.set(splatParams(pass, band, index, byClass_)); !set) return set;
+    if (auto ok = parts_.screen.set(splatParams(pass, band, index, byClass_)); !ok) return ok;
     parts_.tables.runs.bindStorage(binding::runs);
     parts_.tables.lookUps.bindStorage(binding::tables);
     if (traits_.silhouette) memory.silhouette.bindTexels(unit::silhouette);
@@ -218,7 +218,7 @@ Expected<void> Layer::splat(std::size_t index, const SplatPass& pass, ivec4 band
 
 Expected<void> Layer::resolveKeys(const ResolveParams& params, const GpuPlanes& planes, bool normals) {
     namespace at = binding::resolveKeys;
-    if (auto set = parts_.screen.set(params); !set) return set;
+    if (auto ok = parts_.screen.set(params); !ok) return ok;
     bindColors();
     if (passes_.cell) parts_.memory.nearest.keys.bindTexels(unit::visible);
     planes.rgba->bindStorage(at::rgba);
@@ -240,15 +240,15 @@ Expected<void> Layer::resolveSamples(ResolveParams params, const GpuPlanes& plan
     planes.depth->bindStorage(at::depth);
     if (normals) planes.normals->bindStorage(at::normals);
     const auto look = [&](const SampleBatch& batch) -> Expected<void> {
-        if (auto begun = begin(batch); !begun) return begun;
+        if (auto ok = begin(batch); !ok) return ok;
         parts_.tables.extents.bindStorage(at::extents);
         for (std::size_t i = 0; i < batch.pages.size(); ++i) {
             if (pages_[i].extents == 0) continue;
             params.look.x = pages_[i].firstExtent;
             params.look.y = pages_[i].extents;
-            if (auto set = parts_.screen.set(params); !set) return set;
+            if (auto ok = parts_.screen.set(params); !ok) return ok;
             batch.pages[i].samples->bind(unit::samples);
-            if (auto done = overPixels(params.area, variant); !done) return done;
+            if (auto ok = overPixels(params.area, variant); !ok) return ok;
         }
         return {};
     };
@@ -257,7 +257,7 @@ Expected<void> Layer::resolveSamples(ResolveParams params, const GpuPlanes& plan
 
 Expected<void> Layer::resolveSums(const ResolveParams& params, const GpuPlanes& planes, bool normals) {
     namespace at = binding::resolveSums;
-    if (auto set = parts_.screen.set(params); !set) return set;
+    if (auto ok = parts_.screen.set(params); !ok) return ok;
     bindColors();
     parts_.memory.sums.bindStorage(at::sums);
     planes.rgba->bindStorage(at::rgba);
@@ -279,12 +279,11 @@ Expected<void> Layer::drawBand(ivec4 band, std::span<const SplatPass> splats, co
     for (std::size_t i = 0; i < splats.size(); ++i) {
         const char* const name = nameOf(splats[i]);
         const StageTimes::Scope timed(times, name);
-        if (auto drawn = splat(i, splats[i], band, stop); !drawn) return drawn;
-        if (auto checked = checkErrors(parts_.gl, std::string("splatting \"") + name + "\""); !checked)
-            return checked;
+        if (auto ok = splat(i, splats[i], band, stop); !ok) return ok;
+        if (auto ok = checkErrors(parts_.gl, std::string("splatting \"") + name + "\""); !ok) return ok;
     }
     const StageTimes::Scope timed(times, "resolve");
-    if (auto resolved = resolve(band, planes, stop); !resolved) return resolved;
+    if (auto ok = resolve(band, planes, stop); !ok) return ok;
     return checkErrors(parts_.gl, "resolving splats");
 }
 
@@ -293,23 +292,22 @@ Expected<void> Layer::drawBand(ivec4 band, std::span<const SplatPass> splats, co
 Expected<void> Layer::gather(StageTimes& times, const std::stop_token& stop) {
     const StageTimes::HostScope timed(times, "prepare");
     const auto batch = samples_->gather(stop);
-    if (!batch) return tl::unexpected(batch.error());
+    if (!batch) return passOn(batch);
     return begin(*batch);
 }
 
 Expected<void> Layer::draw(const glm::dvec2& jitter, const GpuPlanes& planes, StageTimes& times,
                            const std::stop_token& stop) {
-    if (auto gathered = gather(times, stop); !gathered) return gathered;
+    if (auto ok = gather(times, stop); !ok) return ok;
     std::vector<SplatPass> splats = splats_;
     for (SplatPass& pass : splats) pass = jittered(pass, layerView_, jitter);
     // As many rows at a time as sums and keys fit a storage block.
     const std::size_t most = parts_.memory.mostPixels(passes_) / static_cast<std::size_t>(area_.z);
     const int rows = static_cast<int>(std::clamp<std::size_t>(most, 1, static_cast<std::size_t>(area_.w)));
-    if (auto made = parts_.memory.reserve(passes_, static_cast<std::size_t>(rows * area_.z)); !made)
-        return made;
+    if (auto ok = parts_.memory.reserve(passes_, static_cast<std::size_t>(rows * area_.z)); !ok) return ok;
     for (int y = 0; y < area_.w; y += rows) {
         const ivec4 band(area_.x, area_.y + y, area_.z, std::min(rows, area_.w - y));
-        if (auto drawn = drawBand(band, splats, planes, times, stop); !drawn) return drawn;
+        if (auto ok = drawBand(band, splats, planes, times, stop); !ok) return ok;
     }
     return {};
 }

@@ -25,7 +25,7 @@ Expected<GpuPlanes> PlaneMemory::planes(ivec4 area, bool withNormals) {
     if (withNormals) planes.normals = &normals;
     for (Buffer* const plane : {planes.rgba, planes.depth, planes.normals}) {
         if (!plane) continue;
-        if (auto made = plane->reserve(planes.pixels() * 4); !made) return tl::unexpected(made.error());
+        if (auto ok = plane->reserve(planes.pixels() * 4); !ok) return passOn(ok);
     }
     return planes;
 }
@@ -42,7 +42,7 @@ Expected<std::unique_ptr<MirrorLayer>> MirrorLayer::create(const LayerParts& par
     std::unique_ptr<MirrorLayer> mirror(
         new MirrorLayer(shaders, memory, *reflection.glass, layerView, passes, part));
     auto layer = Layer::create(parts, drawing, reflection, mirror->layerView_, passes, part);
-    if (!layer) return tl::unexpected(layer.error());
+    if (!layer) return passOn(layer);
     mirror->layer_ = std::move(*layer);
     return mirror;
 }
@@ -50,8 +50,8 @@ Expected<std::unique_ptr<MirrorLayer>> MirrorLayer::create(const LayerParts& par
 Expected<void> MirrorLayer::draw(const glm::dvec2& jitter, const GpuPlanes& picture, StageTimes& times,
                                  const std::stop_token& stop) {
     const auto planes = memory_.planes(area_, passes_.resolve.normals);
-    if (!planes) return tl::unexpected(planes.error());
-    if (auto drawn = layer_->draw(jitter, *planes, times, stop); !drawn) return drawn;
+    if (!planes) return passOn(planes);
+    if (auto ok = layer_->draw(jitter, *planes, times, stop); !ok) return ok;
     return lookThrough(glassNumbers(glass_, layerView_, jitter), *planes, picture, shaders_);
 }
 

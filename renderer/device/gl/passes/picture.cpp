@@ -50,14 +50,14 @@ Expected<void> Picture::makeLayers(StageTimes& times) {
     const StageTimes::HostScope timed(times, "prepare");
     auto layer =
         Layer::create(pool_.layerParts(0), drawing_, drawing_.mainView(), shown_.view, passes_, area_);
-    if (!layer) return tl::unexpected(layer.error());
+    if (!layer) return passOn(layer);
     layer_ = std::move(*layer);
     for (const CutView& reflection : drawing_.reflections()) {
         const std::size_t at = mirrors_.size();
         if (pool_.mirrors.size() <= at) pool_.mirrors.push_back(std::make_unique<PlaneMemory>(pool_.gl));
         auto mirror = MirrorLayer::create(pool_.layerParts(at + 1), pool_.shaders, *pool_.mirrors[at],
                                           drawing_, reflection, shown_.view, passes_, area_);
-        if (!mirror) return tl::unexpected(mirror.error());
+        if (!mirror) return passOn(mirror);
         if (*mirror) mirrors_.push_back(std::move(*mirror));
     }
     return {};
@@ -68,13 +68,13 @@ Expected<void> Picture::onMirrors(StageTimes& times, const Work& work) {
     if (mirrors_.empty()) return {};
     const StageTimes::Scope timed(times, "mirrors");
     for (const auto& mirror : mirrors_) {
-        if (auto done = work(*mirror); !done) return done;
+        if (auto ok = work(*mirror); !ok) return ok;
     }
     return {};
 }
 
 Expected<void> Picture::drawFrame(const glm::dvec2& jitter, const GpuPlanes& planes, StageTimes& times) {
-    if (auto drawn = layer_->draw(jitter, planes, times, stop_); !drawn) return drawn;
+    if (auto ok = layer_->draw(jitter, planes, times, stop_); !ok) return ok;
     auto reflected =
         onMirrors(times, [&](MirrorLayer& mirror) { return mirror.draw(jitter, planes, times, stop_); });
     if (!reflected) return reflected;
@@ -85,9 +85,9 @@ Expected<void> Picture::drawFrame(const glm::dvec2& jitter, const GpuPlanes& pla
 }
 
 Expected<std::unique_ptr<ReadBack::Transfer>> Picture::draw(StageTimes& times) {
-    if (auto made = makeLayers(times); !made) return tl::unexpected(made.error());
+    if (auto ok = makeLayers(times); !ok) return passOn(ok);
     const auto planes = pool_.frame.planes(area_, passes_.normals());
-    if (!planes) return tl::unexpected(planes.error());
+    if (!planes) return passOn(planes);
     const std::size_t pixels = static_cast<std::size_t>(window_.z) * static_cast<std::size_t>(window_.w);
     const bool averaged = drawing_.jitter.size() > 1;
     // One frame with nothing around it is read from where it was drawn.
@@ -110,7 +110,7 @@ Expected<std::unique_ptr<ReadBack::Transfer>> Picture::draw(StageTimes& times) {
         done = averaged ? pool_.average.write(pool_.rgba)
                         : crop(*planes->rgba, area_, window_, pool_.rgba, pool_.shaders);
     }
-    if (!done) return tl::unexpected(done.error());
+    if (!done) return passOn(done);
     const StageTimes::Scope timed(times, "read-back");
     const Buffer* const depth = !drawing_.depth ? nullptr : asDrawn ? planes->depth : &pool_.depth;
     return pool_.readBack.start(asDrawn ? *planes->rgba : pool_.rgba, depth, pixels);

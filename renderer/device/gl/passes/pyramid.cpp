@@ -33,8 +33,8 @@ Expected<void> Pyramid::layOut(const PyramidView& view) {
                         " px needs a pyramid of " + std::to_string(bytes >> 20) +
                         " MiB, more than a shader can see here (" +
                         std::to_string(shaders_.largestBuffer() >> 20) + " MiB); ask for a smaller one.");
-    if (auto room = labels_.reserve(pixels * 4); !room) return room;
-    if (auto room = texels_.reserve(bytes); !room) return room;
+    if (auto ok = labels_.reserve(pixels * 4); !ok) return ok;
+    if (auto ok = texels_.reserve(bytes); !ok) return ok;
     return pulled_.reserve(bytes);
 }
 
@@ -66,30 +66,30 @@ Expected<void> Pyramid::overTiles(const char* shader, int level) {
 
 Expected<void> Pyramid::hidePoints(const GpuPlanes& planes, const PyramidView& view,
                                    const HiddenPointsPass& pass) {
-    if (auto room = layOut(view); !room) return room;
+    if (auto ok = layOut(view); !ok) return ok;
     const HiddenPointsNumbers numbers = hiddenPointsNumbers(view, pass);
     PyramidParams params = paramsOf(view);
     for (int k = 0; k < maxPyramidLevels; ++k)
         params.farthest[k / 4][k % 4] = numbers.farthest[static_cast<std::size_t>(k)];
     params.hide = vec4(numbers.minGap, numbers.threshold, static_cast<float>(numbers.sureLevel), 0);
-    if (auto set = shaders_.set(params); !set) return set;
+    if (auto ok = shaders_.set(params); !ok) return ok;
     bind(planes);
     for (int level = 0; level < shape_.levels - 1; level += levelsAtOnce) {
-        if (auto done = overTiles("point_pyramid.comp", level); !done) return done;
+        if (auto ok = overTiles("point_pyramid.comp", level); !ok) return ok;
     }
     return shaders_.run("hide_points.comp", tilesOf(view.width, blockSize), tilesOf(view.height, blockSize));
 }
 
 Expected<void> Pyramid::fill(const GpuPlanes& planes, const PyramidView& view) {
-    if (auto set = shaders_.set(paramsOf(view)); !set) return set;
+    if (auto ok = shaders_.set(paramsOf(view)); !ok) return ok;
     bind(planes);
     int level = 0;
     for (; level < shape_.levels - 1; level += levelsAtOnce) {
-        if (auto done = overTiles("pull.comp", level); !done) return done;
+        if (auto ok = overTiles("pull.comp", level); !ok) return ok;
     }
     while (level > 0) {
         level -= levelsAtOnce;
-        if (auto done = overTiles("push.comp", level); !done) return done;
+        if (auto ok = overTiles("push.comp", level); !ok) return ok;
     }
     return {};
 }
@@ -101,14 +101,13 @@ Expected<void> Pyramid::findNormals(const GpuPlanes& planes, const PyramidView& 
     PyramidParams params = paramsOf(view);
     params.normals = vec4(static_cast<float>(numbers.scaled), static_cast<float>(numbers.least), 0, 0);
     params.normalLevels = ivec4(first, count, 0, 0);
-    if (auto set = shaders_.set(params); !set) return set;
+    if (auto ok = shaders_.set(params); !ok) return ok;
     bind(planes);
     if (count > first) {
         const std::size_t last = static_cast<std::size_t>(count - 1);
         const int end = first_[last] + shape_.width[last] * shape_.height[last];
         const int texels = end - first_[static_cast<std::size_t>(first)];
-        if (auto done = shaders_.run("level_normals.comp", tilesOf(texels, normalsPerGroup), 1); !done)
-            return done;
+        if (auto ok = shaders_.run("level_normals.comp", tilesOf(texels, normalsPerGroup), 1); !ok) return ok;
     }
     return shaders_.overPixels("pixel_normals.comp", view.width, view.height);
 }

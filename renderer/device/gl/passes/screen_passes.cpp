@@ -28,7 +28,7 @@ Expected<void> run(const PhongPass& pass, const Screen& s) {
     params.size.w = n.y;
     params.eye = vec4(n.offsetX, n.offsetY, n.perspective ? n.inverseFocal : 0, 0);
     params.shares = vec4(n.ambient, n.headlight, n.directional, n.specular);
-    if (auto set = s.shaders.set(params); !set) return set;
+    if (auto ok = s.shaders.set(params); !ok) return ok;
     s.planes.rgba->bindStorage(BindPlaneRgba);
     s.planes.normals->bindStorage(BindPlaneNormals);
     return s.shaders.overPixels("light_phong.comp", params.size.x, params.size.y);
@@ -41,7 +41,7 @@ Expected<void> run(const EyeDomePass& pass, const Screen& s) {
     for (int k = 0; k < 4; ++k)
         params.offsets[k] = ivec4(n.x[2 * k], n.y[2 * k], n.x[2 * k + 1], n.y[2 * k + 1]);
     params.strength = vec4(n.factor, 0, 0, 0);
-    if (auto set = s.shaders.set(params); !set) return set;
+    if (auto ok = s.shaders.set(params); !ok) return ok;
     s.planes.rgba->bindStorage(BindPlaneRgba);
     s.planes.depth->bindStorage(BindPlaneDepth);
     return s.shaders.overPixels("light_eye_dome.comp", params.size.x, params.size.y);

@@ -25,8 +25,7 @@ Expected<void> Slices::finishOldest() {
     const Slice oldest = underWay_.front();
     underWay_.pop_front();
     groupsUnderWay_ -= oldest.groups;
-    if (auto finished = finishFence(gl_, oldest.fence, "drawing a slice of a picture"); !finished)
-        return finished;
+    if (auto ok = finishFence(gl_, oldest.fence, "drawing a slice of a picture"); !ok) return ok;
     const auto now = Clock::now();
     const double took = std::chrono::duration<double, std::milli>(now - last_).count() / oldest.groups;
     groupMs_ = std::max(std::clamp(took, groupMs_ / mostFaster, groupMs_ * mostSlower), leastGroupMs);
@@ -49,7 +48,7 @@ Expected<void> Slices::dispatch(std::uint32_t first, std::uint32_t count, const 
     for (const std::uint32_t end = first + count; first < end;) {
         const std::uint32_t groups = sliceOf(end - first);
         while (!hasRoomFor(groups)) {
-            if (auto finished = finishOldest(); !finished) return finished;
+            if (auto ok = finishOldest(); !ok) return ok;
         }
         if (stop.stop_requested())
             return fail(ErrorCode::Cancelled, "The picture was abandoned: it is no longer wanted.");

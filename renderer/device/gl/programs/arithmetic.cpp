@@ -52,20 +52,18 @@ Expected<bool> isExact(const GlFunctions& gl, const std::filesystem::path& progr
     std::vector<std::array<std::uint32_t, 4>> found(given.size());
     Programs programs(gl, programFolder, arithmetic);
     const auto program = programs.get("probe_arithmetic.comp", {});
-    if (!program) return tl::unexpected(program.error());
+    if (!program) return passOn(program);
     Buffer in(gl, "numbers to round"), out(gl, "rounded numbers");
-    if (auto written = in.write(std::as_bytes(std::span(given))); !written)
-        return tl::unexpected(written.error());
-    if (auto room = out.reserve(found.size() * sizeof found[0]); !room) return tl::unexpected(room.error());
+    if (auto ok = in.write(std::as_bytes(std::span(given))); !ok) return passOn(ok);
+    if (auto ok = out.reserve(found.size() * sizeof found[0]); !ok) return passOn(ok);
     in.bindStorage(0);
     out.bindStorage(1);
     (*program)->use();
     gl.DispatchCompute(probes / probesPerGroup, 1, 1);
     gl.MemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT);
-    if (auto done = waitForGpu(gl); !done) return tl::unexpected(done.error());
+    if (auto ok = waitForGpu(gl); !ok) return passOn(ok);
     out.read(std::as_writable_bytes(std::span(found)));
-    if (auto checked = checkErrors(gl, "finding out how the driver rounds"); !checked)
-        return tl::unexpected(checked.error());
+    if (auto ok = checkErrors(gl, "finding out how the driver rounds"); !ok) return passOn(ok);
     for (std::size_t i = 0; i < given.size(); ++i) {
         if (found[i] == expectedOf(given[i])) continue;
         spdlog::debug("Rounding {}: of {:08x} and {:08x} the GPU finds {:08x} {:08x} {:08x} {:08x}.",
@@ -81,7 +79,7 @@ Expected<Arithmetic> findArithmetic(const GlFunctions& gl, const std::filesystem
     for (const Rounding rounding : {Rounding::Own, Rounding::ByFma, Rounding::BySplitting}) {
         const Arithmetic arithmetic{rounding, true, rough};
         const auto exact = isExact(gl, programFolder, arithmetic);
-        if (!exact) return tl::unexpected(exact.error());
+        if (!exact) return passOn(exact);
         if (*exact) return arithmetic;
     }
     spdlog::warn(

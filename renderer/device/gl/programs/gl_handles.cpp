@@ -74,7 +74,7 @@ Expected<void> Buffer::reserve(std::size_t bytes) {
 }
 
 Expected<void> Buffer::write(std::span<const std::byte> bytes) {
-    if (auto room = reserve(bytes.size()); !room) return room;
+    if (auto ok = reserve(bytes.size()); !ok) return ok;
     if (!bytes.empty())
         gl_->NamedBufferSubData(name_, 0, static_cast<GLsizeiptr>(bytes.size()), bytes.data());
     return {};
@@ -142,7 +142,7 @@ Expected<Program> Program::fromBinary(const GlFunctions& gl, const std::string& 
     gl.GetProgramiv(program.name_, GL_LINK_STATUS, &ok);
     // A format that the driver does not know is an OpenGL error, which nobody else shall find.
     const auto clean = checkErrors(gl, "loading the compiled shader " + name);
-    if (!clean && clean.error().code == ErrorCode::DeviceLost) return tl::unexpected(clean.error());
+    if (!clean && clean.error().code == ErrorCode::DeviceLost) return passOn(clean);
     if (!clean || !ok)
         return fail(ErrorCode::Unsupported, "The driver does not take the compiled shader " + name + ".");
     return program;
@@ -172,9 +172,9 @@ Expected<void> finishFence(const GlFunctions& gl, GLsync fence, const std::strin
         fence ? gl.ClientWaitSync(fence, GL_SYNC_FLUSH_COMMANDS_BIT, longestWaitNs) : GL_WAIT_FAILED;
     if (fence) gl.DeleteSync(fence);
     // Of a context that was lost, fences count as passed.
-    if (auto alive = checkReset(gl, during); !alive) return alive;
+    if (auto ok = checkReset(gl, during); !ok) return ok;
     if (result == GL_ALREADY_SIGNALED || result == GL_CONDITION_SATISFIED) return {};
-    if (auto checked = checkErrors(gl, during); !checked) return checked;
+    if (auto ok = checkErrors(gl, during); !ok) return ok;
     return fail(ErrorCode::DeviceLost,
                 "glClientWaitSync: the GPU was not done within ten seconds, " + during + ".");
 }
@@ -184,7 +184,7 @@ Expected<void> waitForGpu(const GlFunctions& gl) {
 }
 
 Expected<void> checkErrors(const GlFunctions& gl, const std::string& during) {
-    if (auto alive = checkReset(gl, during); !alive) return alive;
+    if (auto ok = checkReset(gl, during); !ok) return ok;
     const GLenum first = gl.GetError();
     if (first == GL_CONTEXT_LOST)
         return fail(ErrorCode::DeviceLost, "The GPU was lost while " + during + " (GL_CONTEXT_LOST).");

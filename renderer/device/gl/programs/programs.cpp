@@ -42,9 +42,9 @@ Expected<const Program*> Programs::get(std::string_view shader, std::span<const 
     std::vector<Define> all(defines.begin(), defines.end());
     std::ranges::copy(definesOf(arithmetic_), std::back_inserter(all));
     const auto source = assembleShader(shader, all);
-    if (!source) return tl::unexpected(source.error());
+    if (!source) return passOn(source);
     auto made = make(name, *source);
-    if (!made) return tl::unexpected(made.error());
+    if (!made) return passOn(made);
     return &programs_.emplace(std::move(name), std::move(*made)).first->second;
 }
 

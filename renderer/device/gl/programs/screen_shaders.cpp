@@ -17,7 +17,7 @@ ScreenShaders::ScreenShaders(const GlFunctions& gl, Programs& programs)
 Expected<void> ScreenShaders::run(std::string_view shader, int groupsX, int groupsY,
                                   std::span<const Define> defines, const std::uint32_t* base) {
     const auto program = programs_.get(shader, defines);
-    if (!program) return tl::unexpected(program.error());
+    if (!program) return passOn(program);
     (*program)->use();
     if (base != nullptr) gl_.Uniform1ui(0, *base);
     gl_.DispatchCompute(static_cast<GLuint>(groupsX), static_cast<GLuint>(groupsY), 1);

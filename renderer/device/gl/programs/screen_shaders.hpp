@@ -19,7 +19,7 @@ class ScreenShaders {
     /// The uniform block of the dispatches that follow.
     template <class Params>
     Expected<void> set(const Params& params) {
-        if (auto written = params_.write(std::as_bytes(std::span(&params, 1))); !written) return written;
+        if (auto ok = params_.write(std::as_bytes(std::span(&params, 1))); !ok) return ok;
         params_.bindUniform(0);
         return {};
     }

@@ -38,7 +38,7 @@ struct Assembly {
         for (std::string_view rest = found->text; !rest.empty();) {
             const std::string_view line = takeLine(rest);
             if (const std::string_view included = includedName(line); !included.empty()) {
-                if (auto added = add(included, depth + 1); !added) return added;
+                if (auto ok = add(included, depth + 1); !ok) return ok;
             } else if (line.starts_with("#version")) {
                 version.append(line).append("\n");
             } else {
@@ -54,7 +54,7 @@ struct Assembly {
 Expected<std::string> assembleShader(std::string_view name, std::span<const Define> defines,
                                      std::span<const EmbeddedShader> library) {
     Assembly assembly{library, {}, {}};
-    if (auto added = assembly.add(name, 0); !added) return tl::unexpected(added.error());
+    if (auto ok = assembly.add(name, 0); !ok) return passOn(ok);
     if (assembly.version.empty())
         return fail(ErrorCode::Internal, "The shader " + std::string(name) + " has no #version line.");
     std::string text = std::move(assembly.version);

@@ -12,7 +12,7 @@
 
 #include "renderer/device/cpu/cpu_device.hpp"
 #include "renderer/method/method.hpp"
-#include "tests/support/analytic_cut.hpp"
+#include "tests/support/pictures/analytic_cut.hpp"
 
 namespace {
 

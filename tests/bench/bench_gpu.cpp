@@ -28,7 +28,7 @@
 #include "tests/bench/gpu/clouds.hpp"
 #include "tests/bench/gpu/open.hpp"
 #include "tests/bench/gpu/report.hpp"
-#include "tests/support/scene_clouds.hpp"
+#include "tests/support/clouds/scene_clouds.hpp"
 
 namespace {
 

@@ -13,7 +13,7 @@
 #include "renderer/cloud/cloud.hpp"
 #include "renderer/select/select.hpp"
 #include "simulator/scene.hpp"
-#include "tests/support/synthetic_source.hpp"
+#include "tests/support/clouds/synthetic_source.hpp"
 
 using namespace scancast;
 using Clock = std::chrono::steady_clock;

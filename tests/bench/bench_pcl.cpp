@@ -32,7 +32,7 @@
 #include "renderer/cloud/surfels/surfels.hpp"
 #include "simulator/scene.hpp"
 #include "tests/bench/bench_tools.hpp"
-#include "tests/support/surfel_references.hpp"
+#include "tests/support/clouds/surfel_references.hpp"
 
 using namespace scancast;
 

@@ -10,7 +10,7 @@
 #include <cstdlib>
 #include <cstring>
 
-#include "tests/support/point_screen.hpp"
+#include "tests/support/pictures/point_screen.hpp"
 
 namespace {
 

@@ -20,7 +20,7 @@
 #include "renderer/device/cpu/cpu_device.hpp"
 #include "renderer/residency/open_cloud.hpp"
 #include "simulator/scene.hpp"
-#include "tests/support/stability.hpp"
+#include "tests/support/pictures/stability.hpp"
 
 namespace {
 

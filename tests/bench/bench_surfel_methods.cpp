@@ -16,7 +16,7 @@
 
 #include "renderer/device/cpu/cpu_device.hpp"
 #include "renderer/method/method.hpp"
-#include "tests/support/draw_surfels.hpp"
+#include "tests/support/pictures/draw_surfels.hpp"
 
 namespace {
 

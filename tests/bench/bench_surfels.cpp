@@ -17,8 +17,8 @@
 #include "renderer/cloud/import/open_scan.hpp"
 #include "renderer/cloud/surfels/spatial_sort.hpp"
 #include "simulator/scene.hpp"
-#include "tests/support/compare_surfels.hpp"
-#include "tests/support/scan_points.hpp"
+#include "tests/support/clouds/compare_surfels.hpp"
+#include "tests/support/clouds/scan_points.hpp"
 
 using namespace scancast;
 

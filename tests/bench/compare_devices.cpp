@@ -26,8 +26,8 @@
 #include "renderer/method/method.hpp"
 #include "tests/bench/bench_tools.hpp"
 #include "tests/bench/gpu/open.hpp"
-#include "tests/support/agreement.hpp"
-#include "tests/support/scene_clouds.hpp"
+#include "tests/support/clouds/scene_clouds.hpp"
+#include "tests/support/pictures/agreement.hpp"
 
 namespace {
 

@@ -25,8 +25,8 @@
 #include "renderer/select/viewpoint.hpp"
 #include "tests/bench/bench_tools.hpp"
 #include "tests/ground_truth/ground_truth.hpp"
-#include "tests/support/picture_metrics.hpp"
-#include "tests/support/stability.hpp"
+#include "tests/support/pictures/picture_metrics.hpp"
+#include "tests/support/pictures/stability.hpp"
 
 namespace {
 

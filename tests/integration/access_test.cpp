@@ -4,8 +4,8 @@
 #include "client/cpp/scancast_client.hpp"
 #include "protocol/bearer.hpp"
 #include "tests/integration/server_fixture.hpp"
+#include "tests/support/serving/test_certificate.hpp"
 #include "tests/support/temporary_folder.hpp"
-#include "tests/support/test_certificate.hpp"
 
 namespace scancast::test {
 namespace {
@@ -22,8 +22,8 @@ TEST_F(AccessTest, OnlyThePageAndHealthAreThereForEverybody) {
     start();
     for (const char* target : {"/", "/main.js", "/healthz", "/readyz"})
         EXPECT_EQ(request(port(), target).status, 200) << target;
-    for (const char* target : {"/metrics", "/api/v1/clouds", "/api/v1/clouds/one", "/api/v1/methods", onePicture,
-                               "/api/v1/stream", "/api/v1/clouds/unknown"}) {
+    for (const char* target : {"/metrics", "/api/v1/clouds", "/api/v1/clouds/one", "/api/v1/methods",
+                               onePicture, "/api/v1/stream", "/api/v1/clouds/unknown"}) {
         const HttpReply refused = request(port(), target);
         EXPECT_EQ(refused.status, 401) << target;
         EXPECT_EQ(refused.header("www-authenticate"), R"(Bearer realm="scancast")") << target;

@@ -5,8 +5,8 @@
 #include "renderer/image/encode.hpp"
 #include "renderer/method/method.hpp"
 #include "tests/integration/program_fixture.hpp"
-#include "tests/support/devices.hpp"
-#include "tests/support/picture_metrics.hpp"
+#include "tests/support/pictures/devices.hpp"
+#include "tests/support/pictures/picture_metrics.hpp"
 
 namespace scancast::test {
 namespace {

@@ -10,7 +10,7 @@
 #include "protocol/json_text.hpp"
 #include "server/server.hpp"
 #include "tests/integration/raw_client.hpp"
-#include "tests/support/fake_painter.hpp"
+#include "tests/support/serving/fake_painter.hpp"
 
 namespace scancast::test {
 

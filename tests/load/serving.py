@@ -9,7 +9,7 @@ import sys
 import threading
 import time
 
-SUPPORT = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "support")
+SUPPORT = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "support", "serving")
 TICKS = os.sysconf("SC_CLK_TCK")
 
 
@@ -134,7 +134,7 @@ def bench(client, server, *flags, url=None):
 
 
 class Proxy:
-    """tests/support/shaping_proxy.py before the server."""
+    """tests/support/serving/shaping_proxy.py before the server."""
 
     def __init__(self, server, kbit, delay_ms):
         command = [sys.executable, os.path.join(SUPPORT, "shaping_proxy.py"), "--to", "%s:%d" % server.address,

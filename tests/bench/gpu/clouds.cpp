@@ -3,7 +3,7 @@
 #include "server/catalog/memory_room.hpp"
 #include "server/commands/progress_bar.hpp"
 #include "tests/bench/bench_tools.hpp"
-#include "tests/support/scene_clouds.hpp"
+#include "tests/support/clouds/scene_clouds.hpp"
 
 namespace scancast::bench {
 

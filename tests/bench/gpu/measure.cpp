@@ -6,7 +6,7 @@
 #include "renderer/image/encode.hpp"
 #include "tests/bench/bench_tools.hpp"
 #include "tests/bench/gpu/open.hpp"
-#include "tests/support/stability.hpp"
+#include "tests/support/pictures/stability.hpp"
 
 namespace scancast::bench {
 namespace {

@@ -8,7 +8,7 @@
 
 #include "renderer/render.hpp"
 #include "tests/bench/gpu/settings.hpp"
-#include "tests/support/agreement.hpp"
+#include "tests/support/pictures/agreement.hpp"
 
 namespace scancast::bench {
 

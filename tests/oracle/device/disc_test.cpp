@@ -2,7 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/oracle/device/surfel_scenes.hpp"
-#include "tests/support/devices.hpp"
+#include "tests/support/pictures/devices.hpp"
 
 namespace scancast::test {
 namespace {

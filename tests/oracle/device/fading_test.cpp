@@ -7,9 +7,9 @@
 
 #include "renderer/device/cpu/cpu_device.hpp"
 #include "renderer/method/method.hpp"
-#include "tests/support/devices.hpp"
-#include "tests/support/draw_cut.hpp"
-#include "tests/support/faded_cut.hpp"
+#include "tests/support/pictures/devices.hpp"
+#include "tests/support/pictures/draw_cut.hpp"
+#include "tests/support/pictures/faded_cut.hpp"
 
 namespace scancast::test {
 namespace {

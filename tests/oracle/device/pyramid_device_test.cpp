@@ -6,8 +6,8 @@
 #include <string>
 
 #include "renderer/method/method.hpp"
-#include "tests/support/devices.hpp"
-#include "tests/support/draw_cut.hpp"
+#include "tests/support/pictures/devices.hpp"
+#include "tests/support/pictures/draw_cut.hpp"
 
 namespace scancast::test {
 namespace {

@@ -5,8 +5,8 @@
 
 #include <functional>
 
-#include "tests/support/devices.hpp"
-#include "tests/support/point_passes.hpp"
+#include "tests/support/pictures/devices.hpp"
+#include "tests/support/pictures/point_passes.hpp"
 
 namespace scancast::test {
 namespace {

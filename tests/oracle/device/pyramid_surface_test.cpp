@@ -5,8 +5,8 @@
 #include <glm/geometric.hpp>
 #include <string>
 
-#include "tests/support/devices.hpp"
-#include "tests/support/point_passes.hpp"
+#include "tests/support/pictures/devices.hpp"
+#include "tests/support/pictures/point_passes.hpp"
 
 namespace scancast::test {
 namespace {

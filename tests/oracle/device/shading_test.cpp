@@ -4,9 +4,9 @@
 #include <cmath>
 #include <glm/geometric.hpp>
 
-#include "tests/support/devices.hpp"
-#include "tests/support/draw_cut.hpp"
-#include "tests/support/reference_renderer.hpp"
+#include "tests/support/pictures/devices.hpp"
+#include "tests/support/pictures/draw_cut.hpp"
+#include "tests/support/pictures/reference_renderer.hpp"
 
 namespace scancast::test {
 namespace {

@@ -6,9 +6,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "tests/support/devices.hpp"
-#include "tests/support/draw_surfels.hpp"
-#include "tests/support/reference_surfels.hpp"
+#include "tests/support/pictures/devices.hpp"
+#include "tests/support/pictures/draw_surfels.hpp"
+#include "tests/support/pictures/reference_surfels.hpp"
 
 namespace scancast::test {
 namespace {

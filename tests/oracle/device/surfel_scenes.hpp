@@ -8,7 +8,7 @@
 
 #include "renderer/cloud/surfels/surfels.hpp"
 #include "renderer/method/method.hpp"
-#include "tests/support/draw_surfels.hpp"
+#include "tests/support/pictures/draw_surfels.hpp"
 
 namespace scancast::test {
 

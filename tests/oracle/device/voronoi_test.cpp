@@ -3,8 +3,8 @@
 
 #include <cmath>
 
-#include "tests/support/devices.hpp"
-#include "tests/support/draw_cut.hpp"
+#include "tests/support/pictures/devices.hpp"
+#include "tests/support/pictures/draw_cut.hpp"
 
 namespace scancast::test {
 namespace {

@@ -1,9 +1,9 @@
 // A frame has what was asked for: without depth the same colours, and no depth, on every device alike.
 #include <gtest/gtest.h>
 
-#include "tests/support/devices.hpp"
-#include "tests/support/draw_cut.hpp"
-#include "tests/support/reference_renderer.hpp"
+#include "tests/support/pictures/devices.hpp"
+#include "tests/support/pictures/draw_cut.hpp"
+#include "tests/support/pictures/reference_renderer.hpp"
 
 namespace scancast::test {
 namespace {

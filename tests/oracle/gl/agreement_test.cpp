@@ -9,11 +9,11 @@
 #include <tuple>
 
 #include "renderer/method/method.hpp"
-#include "tests/support/agreement.hpp"
-#include "tests/support/analytic_cut.hpp"
-#include "tests/support/devices.hpp"
-#include "tests/support/draw_cut.hpp"
-#include "tests/support/faded_cut.hpp"
+#include "tests/support/pictures/agreement.hpp"
+#include "tests/support/pictures/analytic_cut.hpp"
+#include "tests/support/pictures/devices.hpp"
+#include "tests/support/pictures/draw_cut.hpp"
+#include "tests/support/pictures/faded_cut.hpp"
 
 namespace scancast::test {
 namespace {

@@ -8,9 +8,9 @@
 
 #include "renderer/method/automatic.hpp"
 #include "renderer/method/method.hpp"
-#include "tests/support/agreement.hpp"
-#include "tests/support/devices.hpp"
-#include "tests/support/scene_clouds.hpp"
+#include "tests/support/clouds/scene_clouds.hpp"
+#include "tests/support/pictures/agreement.hpp"
+#include "tests/support/pictures/devices.hpp"
 
 namespace scancast::test {
 namespace {

@@ -15,10 +15,10 @@
 #include "renderer/device/gl/context/osmesa_context.hpp"
 #include "renderer/device/gl/passes/layer.hpp"
 #include "renderer/method/method.hpp"
-#include "tests/support/analytic_cut.hpp"
-#include "tests/support/draw_surfels.hpp"
-#include "tests/support/faded_cut.hpp"
-#include "tests/support/gl_context_test.hpp"
+#include "tests/support/pictures/analytic_cut.hpp"
+#include "tests/support/pictures/draw_surfels.hpp"
+#include "tests/support/pictures/faded_cut.hpp"
+#include "tests/support/pictures/gl_context_test.hpp"
 
 namespace scancast::test {
 namespace {

@@ -4,10 +4,10 @@
 #include <algorithm>
 #include <cmath>
 
-#include "tests/support/analytic_cut.hpp"
-#include "tests/support/devices.hpp"
-#include "tests/support/draw_cut.hpp"
-#include "tests/support/reference_renderer.hpp"
+#include "tests/support/pictures/analytic_cut.hpp"
+#include "tests/support/pictures/devices.hpp"
+#include "tests/support/pictures/draw_cut.hpp"
+#include "tests/support/pictures/reference_renderer.hpp"
 
 namespace scancast::test {
 namespace {

@@ -13,9 +13,9 @@
 #include "renderer/device/gl/gl_device.hpp"
 #include "renderer/method/automatic.hpp"
 #include "renderer/method/method.hpp"
-#include "tests/support/agreement.hpp"
-#include "tests/support/devices.hpp"
-#include "tests/support/scene_clouds.hpp"
+#include "tests/support/clouds/scene_clouds.hpp"
+#include "tests/support/pictures/agreement.hpp"
+#include "tests/support/pictures/devices.hpp"
 
 namespace scancast::test {
 namespace {

@@ -6,8 +6,8 @@
 #include "renderer/method/automatic.hpp"
 #include "renderer/method/method.hpp"
 #include "renderer/residency/device_memory.hpp"
-#include "tests/support/devices.hpp"
-#include "tests/support/scene_clouds.hpp"
+#include "tests/support/clouds/scene_clouds.hpp"
+#include "tests/support/pictures/devices.hpp"
 
 namespace scancast::test {
 namespace {
@@ -24,8 +24,8 @@ const Cloud& residentCloud(const std::string& scene) {
 
 View viewOf(const std::string& scene, std::size_t number = 0) {
     const auto views = sceneViews(scene);
-    View view =
-        sceneView(residentCloud(scene), views[number % views.size()], Projection::Perspective, residentWidth, residentHeight);
+    View view = sceneView(residentCloud(scene), views[number % views.size()], Projection::Perspective,
+                          residentWidth, residentHeight);
     view.quality.samples = 2;
     return view;
 }

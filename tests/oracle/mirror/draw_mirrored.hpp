@@ -6,8 +6,8 @@
 #include "renderer/method/method.hpp"
 #include "renderer/mirrors.hpp"
 #include "tests/oracle/mirror/mirrored_room.hpp"
-#include "tests/support/draw_cut.hpp"
-#include "tests/support/picture_metrics.hpp"
+#include "tests/support/pictures/draw_cut.hpp"
+#include "tests/support/pictures/picture_metrics.hpp"
 
 namespace scancast::test {
 

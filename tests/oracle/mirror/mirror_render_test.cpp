@@ -5,8 +5,8 @@
 #include "renderer/cloud/build/build_cloud.hpp"
 #include "renderer/render.hpp"
 #include "tests/oracle/mirror/draw_mirrored.hpp"
-#include "tests/support/devices.hpp"
-#include "tests/support/scene_points.hpp"
+#include "tests/support/clouds/scene_points.hpp"
+#include "tests/support/pictures/devices.hpp"
 
 namespace scancast {
 namespace {

@@ -7,7 +7,7 @@
 #include "renderer/device/cpu/cpu_device.hpp"
 #include "renderer/device/cpu/simd_level.hpp"
 #include "tests/oracle/mirror/draw_mirrored.hpp"
-#include "tests/support/devices.hpp"
+#include "tests/support/pictures/devices.hpp"
 
 namespace scancast {
 namespace {

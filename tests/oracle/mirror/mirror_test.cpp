@@ -3,8 +3,8 @@
 #include <gtest/gtest.h>
 
 #include "tests/oracle/mirror/draw_mirrored.hpp"
-#include "tests/support/devices.hpp"
-#include "tests/support/picture_metrics.hpp"
+#include "tests/support/pictures/devices.hpp"
+#include "tests/support/pictures/picture_metrics.hpp"
 
 namespace scancast {
 namespace {

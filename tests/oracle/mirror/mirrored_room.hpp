@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "renderer/cloud/cloud.hpp"
-#include "tests/support/analytic_cut.hpp"
+#include "tests/support/pictures/analytic_cut.hpp"
 
 namespace scancast::test {
 

@@ -14,7 +14,7 @@
 #include "renderer/cloud/build/build_cloud.hpp"
 #include "renderer/render.hpp"
 #include "renderer/select/viewpoint.hpp"
-#include "tests/support/synthetic_source.hpp"
+#include "tests/support/clouds/synthetic_source.hpp"
 
 namespace scancast::test {
 namespace {

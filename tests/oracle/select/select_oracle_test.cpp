@@ -5,8 +5,8 @@
 #include <set>
 
 #include "renderer/select/select.hpp"
-#include "tests/support/octree_checks.hpp"
-#include "tests/support/random_views.hpp"
+#include "tests/support/clouds/octree_checks.hpp"
+#include "tests/support/pictures/random_views.hpp"
 
 namespace scancast {
 namespace {

@@ -9,9 +9,9 @@
 #include "renderer/method/method.hpp"
 #include "renderer/select/fade.hpp"
 #include "simulator/scene.hpp"
-#include "tests/support/devices.hpp"
-#include "tests/support/draw_cut.hpp"
-#include "tests/support/stability.hpp"
+#include "tests/support/pictures/devices.hpp"
+#include "tests/support/pictures/draw_cut.hpp"
+#include "tests/support/pictures/stability.hpp"
 
 namespace scancast::test {
 namespace {

@@ -6,8 +6,8 @@
 #include <cstring>
 #include <numbers>
 
-#include "tests/support/analytic_cut.hpp"
-#include "tests/support/scene_points.hpp"
+#include "tests/support/clouds/scene_points.hpp"
+#include "tests/support/pictures/analytic_cut.hpp"
 
 namespace scancast {
 namespace {

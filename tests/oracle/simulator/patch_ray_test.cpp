@@ -7,7 +7,7 @@
 
 #include "tests/ground_truth/box_tree.hpp"
 #include "tests/ground_truth/polynomial.hpp"
-#include "tests/support/analytic_cut.hpp"
+#include "tests/support/pictures/analytic_cut.hpp"
 
 namespace scancast {
 namespace {

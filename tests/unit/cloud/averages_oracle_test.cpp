@@ -4,8 +4,8 @@
 
 #include <map>
 
-#include "tests/support/octree_checks.hpp"
-#include "tests/support/synthetic_source.hpp"
+#include "tests/support/clouds/octree_checks.hpp"
+#include "tests/support/clouds/synthetic_source.hpp"
 
 namespace scancast {
 namespace {

@@ -12,8 +12,8 @@
 #include "renderer/cloud/build/workspace.hpp"
 #include "renderer/cloud/cloud.hpp"
 #include "renderer/cloud/surfel_codec.hpp"
-#include "tests/support/octree_checks.hpp"
-#include "tests/support/synthetic_source.hpp"
+#include "tests/support/clouds/octree_checks.hpp"
+#include "tests/support/clouds/synthetic_source.hpp"
 
 namespace scancast {
 namespace {

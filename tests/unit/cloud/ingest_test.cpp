@@ -14,9 +14,9 @@
 #include "renderer/cloud/build/ingest.hpp"
 #include "renderer/cloud/build/revision.hpp"
 #include "renderer/cloud/file/cloud_file.hpp"
-#include "tests/support/octree_checks.hpp"
+#include "tests/support/clouds/octree_checks.hpp"
+#include "tests/support/clouds/synthetic_source.hpp"
 #include "tests/support/sized.hpp"
-#include "tests/support/synthetic_source.hpp"
 #include "tests/support/temporary_folder.hpp"
 
 namespace scancast {

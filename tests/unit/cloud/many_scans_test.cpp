@@ -3,8 +3,8 @@
 
 #include "renderer/cloud/build/lazy_scan.hpp"
 #include "renderer/cloud/build/many_scans.hpp"
-#include "tests/support/octree_checks.hpp"
-#include "tests/support/synthetic_source.hpp"
+#include "tests/support/clouds/octree_checks.hpp"
+#include "tests/support/clouds/synthetic_source.hpp"
 
 namespace scancast {
 namespace {

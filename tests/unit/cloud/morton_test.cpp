@@ -6,7 +6,7 @@
 #include <set>
 #include <vector>
 
-#include "tests/support/synthetic_source.hpp"
+#include "tests/support/clouds/synthetic_source.hpp"
 
 namespace scancast {
 namespace {

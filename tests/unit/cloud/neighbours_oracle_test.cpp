@@ -8,7 +8,7 @@
 #include "renderer/cloud/surfels/kernels/levels.hpp"
 #include "renderer/cloud/surfels/neighbours.hpp"
 #include "renderer/cloud/surfels/surfels.hpp"
-#include "tests/support/point_sets.hpp"
+#include "tests/support/clouds/point_sets.hpp"
 
 namespace scancast {
 namespace {

@@ -2,9 +2,9 @@
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
 
-#include "tests/support/octree_checks.hpp"
+#include "tests/support/clouds/octree_checks.hpp"
+#include "tests/support/clouds/synthetic_source.hpp"
 #include "tests/support/sized.hpp"
-#include "tests/support/synthetic_source.hpp"
 
 namespace scancast {
 namespace {

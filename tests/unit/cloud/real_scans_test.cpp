@@ -7,7 +7,7 @@
 #include "renderer/cloud/build/ingest.hpp"
 #include "renderer/cloud/file/cloud_file.hpp"
 #include "renderer/cloud/import/open_scan.hpp"
-#include "tests/support/octree_checks.hpp"
+#include "tests/support/clouds/octree_checks.hpp"
 #include "tests/support/sized.hpp"
 #include "tests/support/test_data.hpp"
 #include "tests/unit/import/real_scans.hpp"

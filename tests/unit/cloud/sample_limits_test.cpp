@@ -6,7 +6,7 @@
 #include <array>
 
 #include "renderer/cloud/surfel_codec.hpp"
-#include "tests/support/synthetic_source.hpp"
+#include "tests/support/clouds/synthetic_source.hpp"
 
 namespace scancast {
 namespace {

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <glm/geometric.hpp>
 
-#include "tests/support/synthetic_source.hpp"
+#include "tests/support/clouds/synthetic_source.hpp"
 
 namespace scancast {
 namespace {

@@ -6,7 +6,7 @@
 
 #include "renderer/cloud/build/nodes/tangent_plane.hpp"
 #include "renderer/cloud/build/nodes/voronoi_cell.hpp"
-#include "tests/support/synthetic_source.hpp"
+#include "tests/support/clouds/synthetic_source.hpp"
 
 namespace scancast {
 namespace {

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "tests/support/point_sets.hpp"
+#include "tests/support/clouds/point_sets.hpp"
 
 namespace scancast {
 namespace {

@@ -4,9 +4,9 @@
 
 #include "renderer/cloud/import/open_scan.hpp"
 #include "simulator/scene.hpp"
-#include "tests/support/compare_surfels.hpp"
-#include "tests/support/point_sets.hpp"
-#include "tests/support/scan_points.hpp"
+#include "tests/support/clouds/compare_surfels.hpp"
+#include "tests/support/clouds/point_sets.hpp"
+#include "tests/support/clouds/scan_points.hpp"
 #include "tests/support/test_data.hpp"
 
 namespace scancast {

@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "renderer/cloud/surfels/kernels/levels.hpp"
-#include "tests/support/point_sets.hpp"
+#include "tests/support/clouds/point_sets.hpp"
 
 namespace scancast {
 namespace {

@@ -9,7 +9,7 @@
 #include <limits>
 #include <thread>
 
-#include "tests/support/draw_cut.hpp"
+#include "tests/support/pictures/draw_cut.hpp"
 #include "tests/support/sized.hpp"
 
 namespace scancast::test {

@@ -7,7 +7,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "tests/support/analytic_cut.hpp"
+#include "tests/support/pictures/analytic_cut.hpp"
 
 namespace scancast::test {
 namespace {

@@ -5,8 +5,8 @@
 #include <cstring>
 #include <glm/geometric.hpp>
 
-#include "tests/support/point_accidents.hpp"
-#include "tests/support/pyramid_reference.hpp"
+#include "tests/support/pictures/point_accidents.hpp"
+#include "tests/support/pictures/pyramid_reference.hpp"
 
 namespace scancast::test {
 namespace {

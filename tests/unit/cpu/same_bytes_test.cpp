@@ -9,7 +9,7 @@
 #include "renderer/device/cpu/cpu_device.hpp"
 #include "renderer/device/cpu/simd_level.hpp"
 #include "renderer/method/method.hpp"
-#include "tests/support/draw_surfels.hpp"
+#include "tests/support/pictures/draw_surfels.hpp"
 #include "tests/support/sized.hpp"
 
 namespace scancast::test {

@@ -5,7 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "renderer/device/cpu/simd_level.hpp"
-#include "tests/support/analytic_cut.hpp"
+#include "tests/support/pictures/analytic_cut.hpp"
 
 namespace scancast::test {
 namespace {

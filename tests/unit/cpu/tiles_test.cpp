@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-#include "tests/support/analytic_cut.hpp"
+#include "tests/support/pictures/analytic_cut.hpp"
 
 namespace scancast::cpu {
 namespace {

@@ -3,8 +3,8 @@
 #include "renderer/device/gl/passes/frame_average.hpp"
 
 #include "renderer/device/cpu/simd_level.hpp"
-#include "tests/support/analytic_cut.hpp"
-#include "tests/support/on_gl.hpp"
+#include "tests/support/pictures/analytic_cut.hpp"
+#include "tests/support/pictures/on_gl.hpp"
 
 namespace scancast::test {
 namespace {

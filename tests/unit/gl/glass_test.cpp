@@ -6,8 +6,8 @@
 
 #include "renderer/device/cpu/simd_level.hpp"
 #include "renderer/device/host/screens.hpp"
-#include "tests/support/analytic_cut.hpp"
-#include "tests/support/on_gl.hpp"
+#include "tests/support/pictures/analytic_cut.hpp"
+#include "tests/support/pictures/on_gl.hpp"
 
 namespace scancast::test {
 namespace {

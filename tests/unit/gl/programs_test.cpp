@@ -5,7 +5,7 @@
 #include <fstream>
 #include <iterator>
 
-#include "tests/support/gl_context_test.hpp"
+#include "tests/support/pictures/gl_context_test.hpp"
 #include "tests/support/temporary_folder.hpp"
 
 namespace scancast::gl {

@@ -7,8 +7,8 @@
 
 #include <glm/geometric.hpp>
 
-#include "tests/support/on_gl.hpp"
-#include "tests/support/point_accidents.hpp"
+#include "tests/support/pictures/on_gl.hpp"
+#include "tests/support/pictures/point_accidents.hpp"
 
 namespace scancast::test {
 namespace {

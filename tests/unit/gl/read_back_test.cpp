@@ -10,9 +10,9 @@
 #include <numeric>
 #include <thread>
 
-#include "tests/support/draw_cut.hpp"
-#include "tests/support/gl_context_test.hpp"
-#include "tests/support/reference_renderer.hpp"
+#include "tests/support/pictures/draw_cut.hpp"
+#include "tests/support/pictures/gl_context_test.hpp"
+#include "tests/support/pictures/reference_renderer.hpp"
 
 namespace scancast::gl {
 namespace {

@@ -6,7 +6,7 @@
 #include <random>
 #include <utility>
 
-#include "tests/support/gl_context_test.hpp"
+#include "tests/support/pictures/gl_context_test.hpp"
 
 namespace scancast::gl {
 namespace {

@@ -5,8 +5,8 @@
 #include <glm/geometric.hpp>
 
 #include "renderer/device/cpu/screen_passes.hpp"
-#include "tests/support/on_gl.hpp"
-#include "tests/support/point_accidents.hpp"
+#include "tests/support/pictures/on_gl.hpp"
+#include "tests/support/pictures/point_accidents.hpp"
 
 namespace scancast::test {
 namespace {

@@ -11,8 +11,8 @@
 #include <set>
 
 #include "renderer/device/gl/programs/arithmetic.hpp"
-#include "renderer/device/gl/programs/splat_variants.hpp"
 #include "tests/support/temporary_folder.hpp"
+#include "tests/unit/gl/every_splat_variant.hpp"
 
 namespace scancast::gl {
 namespace {
@@ -21,9 +21,9 @@ namespace fs = std::filesystem;
 
 constexpr const char* compiler = "glslangValidator";
 
-/// The variants of shaders that have few: those of splats enumerate themselves.
+/// Those of splats, and of the shaders that have few.
 std::vector<ShaderVariant> allVariants() {
-    std::vector<ShaderVariant> all = allSplatVariants();
+    std::vector<ShaderVariant> all = everySplatVariant();
     std::set<std::string_view> known;
     for (const ShaderVariant& variant : all) known.insert(variant.shader);
     for (const EmbeddedShader& shader : std::span(embeddedShaders, embeddedShaderCount)) {

@@ -1,4 +1,4 @@
-#include "tests/support/picture_metrics.hpp"
+#include "tests/support/pictures/picture_metrics.hpp"
 
 #include <gtest/gtest.h>
 

@@ -11,7 +11,7 @@
 #include "renderer/cloud/build/build_cloud.hpp"
 #include "renderer/method/method.hpp"
 #include "renderer/render.hpp"
-#include "tests/support/synthetic_source.hpp"
+#include "tests/support/clouds/synthetic_source.hpp"
 
 namespace scancast {
 namespace {

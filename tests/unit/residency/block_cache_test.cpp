@@ -7,8 +7,8 @@
 #include <mutex>
 
 #include "renderer/residency/provide.hpp"
+#include "tests/support/clouds/fake_cloud_file.hpp"
 #include "tests/support/failing_allocation.hpp"
-#include "tests/support/fake_cloud_file.hpp"
 
 namespace scancast {
 namespace {

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "tests/support/fake_cloud_file.hpp"
+#include "tests/support/clouds/fake_cloud_file.hpp"
 
 namespace scancast {
 namespace {

@@ -9,9 +9,9 @@
 #include "renderer/image/encode.hpp"
 #include "renderer/render.hpp"
 #include "renderer/residency/open_cloud.hpp"
-#include "tests/support/octree_checks.hpp"
-#include "tests/support/synthetic_source.hpp"
-#include "tests/support/write_cloud.hpp"
+#include "tests/support/clouds/octree_checks.hpp"
+#include "tests/support/clouds/synthetic_source.hpp"
+#include "tests/support/clouds/write_cloud.hpp"
 
 namespace scancast {
 namespace {

@@ -10,7 +10,7 @@
 #include <set>
 
 #include "renderer/select/select.hpp"
-#include "tests/support/fake_cloud_file.hpp"
+#include "tests/support/clouds/fake_cloud_file.hpp"
 
 namespace scancast::test {
 

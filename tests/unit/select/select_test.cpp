@@ -2,8 +2,8 @@
 
 #include <gtest/gtest.h>
 
-#include "tests/support/octree_checks.hpp"
-#include "tests/support/random_views.hpp"
+#include "tests/support/clouds/octree_checks.hpp"
+#include "tests/support/pictures/random_views.hpp"
 
 namespace scancast {
 namespace {

@@ -40,7 +40,4 @@ ShaderVariant resolveKeysVariant(const FramePasses& passes, bool keys64, bool no
 ShaderVariant resolveSamplesVariant(SplatColoring coloring, bool keys64, bool normals);
 ShaderVariant resolveSumsVariant(const FramePasses& passes, bool keys64, bool normals);
 
-/// Every variant that some list of passes can ask for, of all four shaders: for tests that compile them.
-std::vector<ShaderVariant> allSplatVariants();
-
 }  // namespace scancast::gl

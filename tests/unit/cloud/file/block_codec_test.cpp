@@ -7,7 +7,7 @@
 
 #include "renderer/cloud/file/byte_planes.hpp"
 #include "renderer/cloud/file/sample_planes.hpp"
-#include "tests/support/synthetic_source.hpp"
+#include "tests/support/clouds/synthetic_source.hpp"
 
 namespace scancast {
 namespace {

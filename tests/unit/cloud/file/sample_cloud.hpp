@@ -1,7 +1,7 @@
 // The cloud that tests of the cloud file write: a real octree, with facts that use every field.
 #pragma once
 
-#include "tests/support/cloud_file_bytes.hpp"
+#include "tests/support/clouds/cloud_file_bytes.hpp"
 #include "tests/support/temporary_folder.hpp"
 
 namespace scancast::test {

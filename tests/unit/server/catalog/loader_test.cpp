@@ -1,0 +1,243 @@
+#include "server/catalog/loader.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <sys/stat.h>
+
+#include <atomic>
+#include <fstream>
+
+#include "server/catalog/preview.hpp"
+#include "tests/support/clouds/octree_checks.hpp"
+#include "tests/support/clouds/synthetic_source.hpp"
+#include "tests/support/clouds/write_cloud.hpp"
+#include "tests/support/temporary_folder.hpp"
+
+namespace scancast {
+namespace {
+
+namespace fs = std::filesystem;
+using namespace std::chrono_literals;
+
+// Right because it knows the numbers: every stride-th from the first on, of all that were added.
+TEST(StrideSample, IsEvenOverAllThatWasAdded) {
+    for (const std::size_t batchSize : {1u, 7u, 1000u, 65536u}) {
+        StrideSample sample(1000);
+        std::uint64_t added = 0;
+        while (added < 150'000) {
+            PointBatch batch;
+            for (std::size_t i = 0; i < batchSize; ++i, ++added) {
+                batch.position.emplace_back(double(added), 0, 0);
+                batch.intensity.push_back(std::uint16_t(added));
+            }
+            sample.add(batch);
+        }
+        const PointBatch& kept = sample.points();
+        EXPECT_EQ(kept.size(), (added + sample.stride() - 1) / sample.stride());
+        EXPECT_LE(kept.size(), 1000u);
+        EXPECT_GE(kept.size(), 499u);
+        ASSERT_EQ(kept.intensity.size(), kept.size());
+        EXPECT_TRUE(kept.color.empty());
+        for (std::size_t k = 0; k < kept.size(); ++k) {
+            ASSERT_EQ(kept.position[k].x, double(k * sample.stride()));
+            ASSERT_EQ(kept.intensity[k], std::uint16_t(k * sample.stride()));
+        }
+    }
+}
+
+TEST(Preview, ShowsWhatHasBeenReadAndPassesEverythingOn) {
+    std::mutex mutex;
+    std::vector<std::shared_ptr<const Cloud>> shown;
+    PreviewOptions options;
+    options.title = "ground";
+    options.mostPoints = 5000;
+    options.first = 0ms;
+    options.show = [&](std::shared_ptr<const Cloud> cloud) {
+        const std::lock_guard lock(mutex);
+        shown.push_back(std::move(cloud));
+    };
+    std::shared_ptr<const Cloud> whole;
+    {
+        PreviewSource source(
+            std::make_unique<test::SyntheticSource>(300'000, test::ground, Attributes{.color = true}),
+            options);
+        whole = test::build(source);
+    }
+    test::SyntheticSource direct(300'000, test::ground, {.color = true});
+    EXPECT_EQ(whole->revision, test::build(direct)->revision);
+    ASSERT_GE(shown.size(), 2u) << "early, and when everything is read";
+    for (const auto& cloud : shown) {
+        EXPECT_GT(cloud->points, 2000u);
+        EXPECT_LE(cloud->points, 5000u);
+        EXPECT_TRUE(cloud->attributes.color);
+    }
+    // The last one is of everything: it reaches as far as the scan does.
+    EXPECT_GT(shown.back()->bounds[1].y, 195);
+}
+
+class LoaderTest : public testing::Test {
+  protected:
+    void SetUp() override {
+        fs::create_directories(folder_ / "cache");
+        std::ofstream text(folder_ / "ground.xyz");
+        for (std::uint64_t i = 0; i < 20'000; ++i) {
+            const auto p = test::ground(i, 20'000).position;
+            text << p.x << ' ' << p.y << ' ' << p.z << '\n';
+        }
+    }
+
+    LoaderOptions options(std::uint64_t memoryLimit = std::uint64_t(1) << 30) {
+        BlockCacheOptions cache;
+        cache.memoryLimit = memoryLimit;
+        LoaderOptions options;
+        options.cache = cache_ = BlockCache::create(cache);
+        options.version = "1";
+        return options;
+    }
+    /// Until everything has been loaded, or for far longer than any test takes.
+    static void awaitEnd(const Loader& loader) {
+        const auto end = std::chrono::steady_clock::now() + 60s;
+        while (!loader.finished() && std::chrono::steady_clock::now() < end) std::this_thread::sleep_for(1ms);
+    }
+    /// What the catalog says when everything has been loaded.
+    CatalogEntry load(const fs::path& file, LoaderOptions options) {
+        Loader loader({file}, catalog_, std::move(options));
+        awaitEnd(loader);
+        return catalog_.list().back();
+    }
+    std::vector<fs::path> kept() const {
+        std::vector<fs::path> files;
+        for (const auto& entry : fs::directory_iterator(folder_ / "cache")) files.push_back(entry.path());
+        return files;
+    }
+
+    const test::TemporaryFolder folder_;
+    Catalog catalog_;
+    std::shared_ptr<BlockCache> cache_;
+};
+
+TEST_F(LoaderTest, AScanIsBuiltInMemoryAndCounted) {
+    const auto entry = load(folder_ / "ground.xyz", options());
+    ASSERT_TRUE(entry.cloud) << entry.error;
+    EXPECT_EQ(entry.state, CloudState::Ready);
+    EXPECT_EQ(entry.cloud->points, 20'000u);
+    EXPECT_TRUE(entry.cloud->octree.store().whole());
+    EXPECT_GE(cache_->stats().bytes, entry.cloud->octree.bytesResident());
+}
+
+TEST_F(LoaderTest, MoreIsLoadedWhileItRunsAndNothingAfterItsStop) {
+    Loader loader({}, catalog_, options());
+    EXPECT_TRUE(loader.finished());
+    ASSERT_TRUE(catalog_.addAs("later", "ground"));
+    ASSERT_TRUE(loader.load(*ScanInput::open(folder_ / "ground.xyz"), "later"));
+    awaitEnd(loader);
+    EXPECT_EQ(catalog_.find("later")->state, CloudState::Ready);
+    const std::weak_ptr<const Cloud> watched = catalog_.find("later")->cloud;
+    const auto resident = cache_->stats().bytes;
+    EXPECT_TRUE(catalog_.remove("later"));
+    EXPECT_TRUE(watched.expired());
+    EXPECT_LT(cache_->stats().bytes, resident) << "its memory is given back";
+    loader.requestStop();
+    EXPECT_FALSE(loader.load(*ScanInput::open(folder_ / "ground.xyz"), "later"));
+}
+
+TEST_F(LoaderTest, WhoeverIsToldAndThrowsHarmsNoCloud) {
+    std::ofstream(folder_ / "bad.xyz") << "no numbers\n";
+    LoaderOptions telling = options();
+    std::atomic<int> told{0};
+    telling.onLoaded = [&](const LoadedCloud&) {
+        ++told;
+        throw std::bad_alloc();
+    };
+    telling.onFailed = [&](const Error&) {
+        ++told;
+        throw std::runtime_error("the log is full");
+    };
+    Loader loader({folder_ / "bad.xyz", folder_ / "ground.xyz"}, catalog_, telling);
+    awaitEnd(loader);
+    const auto entries = catalog_.list();
+    ASSERT_EQ(entries.size(), 2u);
+    EXPECT_EQ(entries[0].state, CloudState::Failed);
+    EXPECT_THAT(entries[0].error, testing::HasSubstr("bad.xyz")) << "the reason stays";
+    EXPECT_EQ(entries[1].state, CloudState::Ready) << entries[1].error;
+    EXPECT_EQ(told, 2);
+}
+
+TEST_F(LoaderTest, ACloudFileIsOpened) {
+    test::SyntheticSource source(30'000, test::ground, {});
+    test::writeCloud(*test::build(source), folder_ / "town.scan");
+    const auto entry = load(folder_ / "town.scan", options());
+    ASSERT_TRUE(entry.cloud) << entry.error;
+    EXPECT_EQ(entry.state, CloudState::Ready);
+    EXPECT_EQ(entry.cloud->points, 30'000u);
+    EXPECT_FALSE(entry.cloud->octree.store().whole());
+    EXPECT_TRUE(entry.cloud->octree.store().find(0)) << "there is something to draw at once";
+}
+
+TEST_F(LoaderTest, WhatIsKeptIsOpenedTheNextTime) {
+    LoaderOptions keep = options();
+    keep.cacheDir = folder_ / "cache";
+    ASSERT_TRUE(load(folder_ / "ground.xyz", keep).cloud);
+    ASSERT_EQ(kept().size(), 1u);
+    const fs::path file = kept()[0];
+    const auto made = fs::last_write_time(file);
+    const auto again = load(folder_ / "ground.xyz", keep);
+    ASSERT_TRUE(again.cloud);
+    EXPECT_EQ(again.cloud->points, 20'000u);
+    EXPECT_EQ(fs::last_write_time(file), made);
+    keep.version = "2";
+    ASSERT_TRUE(load(folder_ / "ground.xyz", keep).cloud);
+    EXPECT_EQ(kept().size(), 2u) << "another program builds anew";
+    std::ofstream(folder_ / "ground.xyz", std::ios::app) << "1 2 3\n";
+    EXPECT_EQ(load(folder_ / "ground.xyz", keep).cloud->points, 20'001u) << "so does another scan";
+}
+
+TEST_F(LoaderTest, ADamagedKeptFileIsBuiltAnew) {
+    LoaderOptions keep = options();
+    keep.cacheDir = folder_ / "cache";
+    std::string note;
+    keep.onNote = [&](const std::string& text) { note = text; };
+    ASSERT_TRUE(load(folder_ / "ground.xyz", keep).cloud);
+    fs::resize_file(kept().at(0), fs::file_size(kept().at(0)) / 2);
+    const auto again = load(folder_ / "ground.xyz", keep);
+    ASSERT_TRUE(again.cloud) << again.error;
+    EXPECT_EQ(again.cloud->points, 20'000u);
+    EXPECT_THAT(note, testing::HasSubstr("built anew"));
+}
+
+TEST_F(LoaderTest, WhatDoesNotFitIntoMemoryGoesThroughAFile) {
+    const auto entry = load(folder_ / "ground.xyz", options(std::uint64_t(2) << 20));
+    ASSERT_TRUE(entry.cloud) << entry.error;
+    EXPECT_EQ(entry.cloud->points, 20'000u);
+    EXPECT_FALSE(entry.cloud->octree.store().whole());
+    for (std::uint32_t node = 0; node < entry.cloud->octree.nodes().size(); ++node)
+        ASSERT_TRUE(entry.cloud->octree.run(node)) << "though its name is gone";
+    for (const auto& left : fs::directory_iterator(fs::temp_directory_path()))
+        EXPECT_FALSE(left.path().filename().string().starts_with("ground-")) << left.path();
+}
+
+// Nobody writes to the pipe, and nobody waits for that: neither who starts the loader, nor its thread.
+TEST_F(LoaderTest, APipeADeviceAndAFolderKeepNobodyWaiting) {
+    ASSERT_EQ(::mkfifo((folder_ / "pipe.las").c_str(), 0600), 0);
+    fs::create_symlink("pipe.las", folder_ / "link.scan");
+    for (const fs::path& file :
+         {folder_ / "pipe.las", folder_ / "link.scan", fs::path("/dev/zero"), folder_.path()}) {
+        const auto entry = load(file, options());
+        EXPECT_EQ(entry.state, CloudState::Failed) << file;
+        EXPECT_THAT(entry.error,
+                    testing::AnyOf(testing::HasSubstr("not a file"), testing::HasSubstr("a directory")))
+            << file;
+    }
+    EXPECT_EQ(load(folder_ / "ground.xyz", options()).state, CloudState::Ready);
+}
+
+TEST_F(LoaderTest, AFailureSaysWhyWithoutSayingWhere) {
+    std::ofstream(folder_ / "broken.las") << "LASF and nothing more";
+    const auto entry = load(folder_ / "broken.las", options());
+    EXPECT_EQ(entry.state, CloudState::Failed);
+    EXPECT_THAT(entry.error, testing::HasSubstr("broken.las"));
+    EXPECT_THAT(entry.error, testing::Not(testing::HasSubstr(folder_.path().string())));
+}
+
+}  // namespace
+}  // namespace scancast

@@ -1,0 +1,223 @@
+#include "server/net/api/api.hpp"
+
+#include <gtest/gtest.h>
+
+#include <future>
+#include <nlohmann/json.hpp>
+
+#include "protocol/json_text.hpp"
+#include "tests/support/serving/fake_painter.hpp"
+
+namespace scancast {
+namespace {
+
+// Requests and responses without a socket: what each route answers, and what is refused.
+class ApiTest : public ::testing::Test {
+  protected:
+    ApiTest() {
+        catalog.setReady(catalog.add("tiny"), cloud);
+        scheduler.waitForDevice(test::FakePainter::patience);
+    }
+
+    HttpResponse ask(const std::string& target, std::vector<std::pair<std::string, std::string>> headers = {},
+                     const std::string& method = "GET") {
+        HttpRequest request{method, target, std::move(headers)};
+        if (request.count("host") == 0) request.headers.emplace_back("host", "localhost:8080");
+        const auto routed = api.admit(request);
+        if (!routed) return routed.error();
+        std::promise<HttpResponse> answer;
+        api.answer(request, *routed, [&](HttpResponse response) { answer.set_value(std::move(response)); });
+        auto future = answer.get_future();
+        EXPECT_EQ(future.wait_for(test::FakePainter::patience), std::future_status::ready);
+        return future.get();
+    }
+    static nlohmann::json problem(const HttpResponse& response) {
+        EXPECT_EQ(*response.find("Content-Type"), "application/problem+json");
+        return parseJson(response.body()).value();
+    }
+
+    static constexpr const char* picture = "/api/v1/clouds/tiny/snapshot.jpg?width=32&height=16";
+    test::FakePainter painter, spare{"spare"};
+    std::shared_ptr<const Cloud> cloud = test::tinyCloud();
+    Catalog catalog;
+    CloudAdmin admin{catalog, {}};
+    SessionRegister sessions;
+    Metrics metrics{"test"};
+    Scheduler scheduler{painter.open(spare.open()), {}, metrics};
+    Api api{{"1.2.3", 1000 * 1000, {"127.0.0.1", {"https://viewer.example"}}},
+            catalog,
+            admin,
+            sessions,
+            scheduler,
+            metrics};
+};
+
+TEST_F(ApiTest, SnapshotIsAPictureOfTheAskedSize) {
+    const HttpResponse response = ask(picture);
+    EXPECT_EQ(response.status, 200);
+    EXPECT_EQ(*response.find("Content-Type"), "image/jpeg");
+    EXPECT_NE(response.find("ETag"), nullptr);
+    EXPECT_NE(response.find("Server-Timing")->find("render;dur="), std::string::npos);
+    const auto frame = decodeJpeg(*response.bytes);
+    ASSERT_TRUE(frame);
+    EXPECT_EQ(frame->width, 32);
+    EXPECT_EQ(frame->height, 16);
+    const auto png = ask("/api/v1/clouds/tiny/snapshot.png?width=8&height=9");
+    const auto decoded = decodePng(*png.bytes);
+    ASSERT_TRUE(decoded);
+    EXPECT_EQ(decoded->height, 9);
+}
+
+TEST_F(ApiTest, ARevalidationRendersNothing) {
+    const HttpResponse first = ask(picture);
+    const std::size_t rendered = painter.begun().size();
+    const HttpResponse second = ask(picture, {{"if-none-match", *first.find("ETag")}});
+    EXPECT_EQ(second.status, 304);
+    EXPECT_EQ(*second.find("ETag"), *first.find("ETag"));
+    EXPECT_TRUE(second.body().empty());
+    EXPECT_EQ(ask(picture, {}, "HEAD").status, 200);
+    EXPECT_EQ(*ask(picture, {}, "HEAD").find("ETag"), *first.find("ETag"));
+    EXPECT_EQ(painter.begun().size(), rendered);
+}
+
+TEST_F(ApiTest, WordsReachTheRendererAndTheOrderOfWordsDoesNotMatter) {
+    const auto a = ask("/api/v1/clouds/tiny/snapshot.jpg?eye=1,2,3&width=40&height=20&method=cone&fov=33");
+    ASSERT_EQ(a.status, 200);
+    const View view = painter.begun().back().view;
+    EXPECT_EQ(view.width, 40);
+    EXPECT_EQ(view.camera.eye, glm::dvec3(1, 2, 3));
+    EXPECT_EQ(view.camera.fov, 33);
+    EXPECT_EQ(view.style.method, "cone");
+    EXPECT_EQ(view.quality, Quality{});
+    const auto b = ask("/api/v1/clouds/tiny/snapshot.jpg?fov=33&method=cone&height=20&width=40&eye=1,2,3");
+    EXPECT_EQ(*a.find("ETag"), *b.find("ETag"));
+}
+
+TEST_F(ApiTest, ClipAndClassesReachTheRenderer) {
+    ASSERT_EQ(ask("/api/v1/clouds/tiny/snapshot.jpg?classes=2,6&clip=0,0,0,10,10,5&width=8&height=8").status,
+              200);
+    const View view = painter.begun().back().view;
+    EXPECT_EQ(view.style.classes, (std::vector<std::uint8_t>{2, 6}));
+    ASSERT_TRUE(view.style.clip);
+    EXPECT_EQ(view.style.clip->max, glm::dvec3(10, 10, 5));
+    ASSERT_EQ(ask("/api/v1/clouds/tiny/snapshot.jpg?classes=none&clip=auto&width=8&height=8").status, 200);
+    EXPECT_TRUE(painter.begun().back().view.style.classes->empty());
+    EXPECT_FALSE(painter.begun().back().view.style.clip);
+    for (const char* wrong : {"classes=300", "classes=ground", "clip=0,0,0", "clip=5,0,0,1,1,1"})
+        EXPECT_EQ(ask(std::string("/api/v1/clouds/tiny/snapshot.jpg?") + wrong).status / 100, 4) << wrong;
+}
+
+TEST_F(ApiTest, Refusals) {
+    const std::tuple<const char*, int, const char*> wrong[] = {
+        {"/api/v1/clouds/tiny/snapshot.jpg?fvo=3", 400, "fvo"},
+        {"/api/v1/clouds/tiny/snapshot.jpg?width=abc", 400, "width"},
+        {"/api/v1/clouds/tiny/snapshot.jpg?width=0", 400, "width"},
+        {"/api/v1/clouds/tiny/snapshot.jpg?width=99999", 400, "width"},
+        {"/api/v1/clouds/tiny/snapshot.jpg?width=2000&height=2000", 413, "width"},
+        {"/api/v1/clouds/tiny/snapshot.jpg?eye=1,1,1&target=1,1,1", 422, ""},
+        {"/api/v1/clouds/tiny/snapshot.jpg?method=teapot", 400, "method"},
+        {"/api/v1/clouds/other/snapshot.jpg", 404, "cloud"},
+        {"/api/v1/clouds/..%2Ftiny", 404, "cloud"},
+        {"/nothing.js", 404, ""},
+        {"/../etc/passwd", 404, ""},
+    };
+    for (const auto& [target, status, parameter] : wrong) {
+        const HttpResponse response = ask(target);
+        EXPECT_EQ(response.status, status) << target << " " << response.body();
+        const auto json = problem(response);
+        EXPECT_EQ(json["status"], status);
+        if (*parameter != '\0') {
+            EXPECT_EQ(json["errors"][0]["parameter"], parameter) << target;
+        }
+    }
+    EXPECT_TRUE(painter.begun().empty());
+}
+
+TEST_F(ApiTest, MethodsAcceptAndUpgrade) {
+    const HttpResponse post = ask(picture, {}, "POST");
+    EXPECT_EQ(post.status, 405);
+    EXPECT_EQ(*post.find("Allow"), "GET, HEAD");
+    EXPECT_EQ(ask(picture, {{"accept", "text/html"}}).status, 406);
+    EXPECT_EQ(*ask("/api/v1/clouds/tiny/snapshot").find("Allow"), "POST");
+    EXPECT_EQ(ask(picture, {{"accept", "image/*"}}).status, 200);
+    EXPECT_EQ(ask("/api/v1/stream").status, 426);
+    for (const char* target : {"/api/v1/clouds", "/api/v1/clouds/tiny", "/api/v1/methods", "/openapi.json"}) {
+        EXPECT_EQ(ask(target, {{"accept", "image/png"}}).status, 406) << target;
+        EXPECT_EQ(ask(target, {{"accept", "application/*"}}).status, 200) << target;
+        EXPECT_EQ(*ask(target, {}, "PATCH").find("Allow"), infoOf(route(target)->route).methods) << target;
+    }
+    EXPECT_EQ(ask("/openapi.json", {{"if-none-match", *ask("/openapi.json").find("ETag")}}).status, 304);
+}
+
+TEST_F(ApiTest, BrowsersOfOtherSitesAreRefused) {
+    EXPECT_EQ(ask("/healthz", {{"host", "evil.example"}}).status, 403);
+    EXPECT_EQ(ask("/healthz", {{"origin", "https://evil.example"}}).status, 403);
+    EXPECT_EQ(ask("/healthz", {{"origin", "https://viewer.example"}}).status, 200);
+    // <img src="http://localhost:8080/…"> of another site carries no Origin, but says so here.
+    EXPECT_EQ(ask(picture, {{"sec-fetch-site", "cross-site"}, {"sec-fetch-mode", "no-cors"}}).status, 403);
+    EXPECT_EQ(ask("/", {{"sec-fetch-site", "cross-site"},
+                        {"sec-fetch-mode", "navigate"},
+                        {"sec-fetch-dest", "document"}})
+                  .status,
+              200);
+    EXPECT_EQ(ask(picture, {{"sec-fetch-site", "same-origin"}, {"sec-fetch-mode", "no-cors"}}).status, 200);
+}
+
+TEST_F(ApiTest, ThePageHasAPolicyAndATag) {
+    const HttpResponse page = ask("/");
+    EXPECT_EQ(page.status, 200);
+    EXPECT_EQ(*page.find("Content-Type"), "text/html; charset=utf-8");
+    EXPECT_NE(page.find("Content-Security-Policy")->find("default-src 'none'"), std::string::npos);
+    EXPECT_EQ(ask("/", {{"if-none-match", *page.find("ETag")}}).status, 304);
+}
+
+TEST_F(ApiTest, ReadyOnlyWhenEverythingIs) {
+    EXPECT_EQ(ask("/readyz").status, 200);
+    const auto loading = catalog.add("later");
+    EXPECT_EQ(ask("/readyz").status, 503);
+    const HttpResponse early = ask("/api/v1/clouds/later/snapshot.jpg");
+    EXPECT_EQ(early.status, 503);
+    EXPECT_NE(early.find("Retry-After"), nullptr);
+    EXPECT_EQ(ask("/api/v1/clouds/later").status, 200);
+    catalog.setFailed(loading, "it is broken");
+    EXPECT_EQ(ask("/readyz").status, 200);
+    EXPECT_EQ(ask("/api/v1/clouds/later").status, 404);
+}
+
+/// The tag promises bytes: it must be that of the device which drew them, not of the one which was asked.
+TEST_F(ApiTest, ALostDeviceIsToldOfAndTagsAreOfTheOneThatDraws) {
+    const std::string before = *ask(picture).find("ETag");
+    painter.failWith(Error{ErrorCode::DeviceLost, "The GPU was reset.", {}});
+    const HttpResponse response = ask(picture);
+    EXPECT_EQ(response.status, 200);
+    EXPECT_NE(*response.find("ETag"), before);
+    EXPECT_EQ(ask(picture, {{"if-none-match", before}}).status, 200) << "not the bytes of that tag any more";
+    EXPECT_EQ(ask(picture, {{"if-none-match", *response.find("ETag")}}).status, 304);
+    EXPECT_EQ(*ask(picture, {}, "HEAD").find("ETag"), *response.find("ETag"));
+    const HttpResponse ready = ask("/readyz");
+    EXPECT_EQ(ready.status, 200);
+    EXPECT_EQ(ready.body(),
+              "ready\nThe device fake was lost, and spare draws in its place: The GPU was reset.\n");
+}
+
+TEST_F(ApiTest, WithoutAnyDeviceItIsNotReady) {
+    for (auto* each : {&painter, &spare})
+        each->failWith(Error{ErrorCode::DeviceLost, "The GPU was reset.", {}});
+    const HttpResponse response = ask(picture);
+    EXPECT_EQ(response.status, 503);
+    EXPECT_NE(problem(response)["detail"].get<std::string>().find("The GPU was reset."), std::string::npos);
+    EXPECT_EQ(ask("/readyz").status, 503);
+}
+
+TEST_F(ApiTest, AllowedOriginsAreToldSoAndEveryAnswerIsCounted) {
+    HttpRequest request{"GET", "/healthz", {{"host", "localhost"}, {"origin", "https://viewer.example"}}};
+    HttpResponse response = textResponse(200, "ok");
+    api.complete(request, pattern(Route::Health), response);
+    EXPECT_EQ(*response.find("Access-Control-Allow-Origin"), "https://viewer.example");
+    EXPECT_EQ(*response.find("X-Content-Type-Options"), "nosniff");
+    EXPECT_NE(metrics.text().find("scancast_http_requests_total{code=\"200\",route=\"/healthz\"} 1"),
+              std::string::npos);
+}
+
+}  // namespace
+}  // namespace scancast

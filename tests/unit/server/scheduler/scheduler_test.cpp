@@ -1,0 +1,488 @@
+#include "tests/unit/server/scheduler/scheduler_fixture.hpp"
+
+#include <algorithm>
+#include <future>
+
+namespace scancast {
+namespace {
+
+using test::FakePainter;
+using test::SchedulerTest;
+
+TEST_F(SchedulerTest, ASnapshotBecomesAJpegOfItsSize) {
+    Scheduler scheduler(painter.open(), {}, metrics);
+    EncodedPicture picture;
+    std::promise<void> ready;
+    ASSERT_TRUE(scheduler.snapshot(order(24), [&](Expected<EncodedPicture> result) {
+        ASSERT_TRUE(result) << result.error().message;
+        picture = std::move(*result);
+        ready.set_value();
+    }));
+    ASSERT_EQ(ready.get_future().wait_for(FakePainter::patience), std::future_status::ready);
+    EXPECT_EQ(picture.width, 24);
+    // Oracle: the decoder is another library function than the encoder's caller.
+    const auto decoded = decodeJpeg(*picture.bytes);
+    ASSERT_TRUE(decoded);
+    EXPECT_EQ(decoded->width, 24);
+    EXPECT_EQ(decoded->height, 8);
+    EXPECT_EQ(picture.stats.stages.back().name, "encode");
+}
+
+TEST_F(SchedulerTest, TheLatestRequestWinsAndOverwrittenOnesAreCounted) {
+    painter.closeGate();
+    Scheduler scheduler(painter.open(), {}, metrics);
+    const auto mailbox = scheduler.openMailbox();
+    scheduler.request(mailbox, order(1), results.collect(1));
+    ASSERT_TRUE(painter.waitBegun(1));
+    for (int i = 2; i <= 10; ++i) scheduler.request(mailbox, order(i), results.collect(i));
+    painter.openGate();
+    ASSERT_TRUE(results.waitFor(10));
+    EXPECT_EQ(begunWidths(), (std::vector<int>{1, 10}));
+    EXPECT_EQ(results.code(1), std::nullopt);
+    EXPECT_EQ(results.code(10), std::nullopt);
+    for (int i = 2; i <= 9; ++i) EXPECT_EQ(results.code(i), ErrorCode::Cancelled);
+    EXPECT_EQ(metric("scancast_frames_dropped_total{reason=\"overwritten\"}"),
+              "scancast_frames_dropped_total{reason=\"overwritten\"} 8");
+}
+
+TEST_F(SchedulerTest, SessionsTakeTurnsHoweverMuchOneOfThemRequests) {
+    painter.closeGate();
+    Scheduler scheduler(painter.open(), {}, metrics);
+    const auto busy = scheduler.openMailbox();
+    const auto calm = scheduler.openMailbox();
+    scheduler.request(busy, order(100), results.collect(100));
+    ASSERT_TRUE(painter.waitBegun(1));
+    scheduler.request(busy, order(101), results.collect(101));
+    scheduler.request(calm, order(200), results.collect(200));
+    // From here on the busy session has a new request waiting whenever one of its own begins.
+    for (std::size_t round = 0; round < 4; ++round) {
+        const int next = int(round) + 1;
+        painter.let(1);
+        ASSERT_TRUE(painter.waitBegun(2 * round + 2));
+        scheduler.request(busy, order(101 + next), results.collect(101 + next));
+        painter.let(1);
+        ASSERT_TRUE(painter.waitBegun(2 * round + 3));
+        scheduler.request(calm, order(200 + next), results.collect(200 + next));
+    }
+    painter.openGate();
+    ASSERT_TRUE(results.waitFor(11));
+    const auto begun = begunWidths();
+    // Strict alternation: after each picture of one session comes one of the other.
+    for (std::size_t i = 1; i + 1 < begun.size(); ++i) {
+        EXPECT_NE(begun[i] / 100, begun[i + 1] / 100) << "at " << i;
+    }
+}
+
+TEST_F(SchedulerTest, SnapshotsAreOneParticipantAmongSessions) {
+    painter.closeGate();
+    Scheduler scheduler(painter.open(), {}, metrics);
+    const auto mailbox = scheduler.openMailbox();
+    for (int i = 0; i < 5; ++i) ASSERT_TRUE(scheduler.snapshot(order(10 + i), results.collect(10 + i)));
+    ASSERT_TRUE(painter.waitBegun(1));
+    scheduler.request(mailbox, order(99), results.collect(99));
+    painter.openGate();
+    ASSERT_TRUE(results.waitFor(6));
+    const auto begun = begunWidths();
+    // The session came after five snapshots, one of which was begun; it waits for one more at most.
+    EXPECT_TRUE(begun[1] == 99 || begun[2] == 99) << ::testing::PrintToString(begun);
+}
+
+TEST_F(SchedulerTest, TheSnapshotQueueIsBounded) {
+    painter.closeGate();
+    SchedulerOptions options;
+    options.maxSnapshots = 3;
+    Scheduler scheduler(painter.open(), options, metrics);
+    ASSERT_TRUE(scheduler.snapshot(order(1), results.collect(1)));
+    ASSERT_TRUE(painter.waitBegun(1));  // begun, so it waits no more
+    for (int i = 2; i <= 4; ++i) ASSERT_TRUE(scheduler.snapshot(order(i), results.collect(i)));
+    const auto refused = scheduler.snapshot(order(5), results.collect(5));
+    ASSERT_FALSE(refused);
+    EXPECT_EQ(refused.error().code, ErrorCode::ResourceLimit);
+    painter.openGate();
+    ASSERT_TRUE(results.waitFor(4));
+    EXPECT_EQ(begunWidths(), (std::vector<int>{1, 2, 3, 4}));
+}
+
+TEST_F(SchedulerTest, DeadlinesEndWaitingAndRenderingSnapshots) {
+    painter.closeGate();
+    SchedulerOptions options;
+    options.snapshotDeadline = std::chrono::milliseconds(50);
+    Scheduler scheduler(painter.open(), options, metrics);
+    ASSERT_TRUE(scheduler.snapshot(order(1), results.collect(1)));
+    ASSERT_TRUE(scheduler.snapshot(order(2), results.collect(2)));
+    ASSERT_TRUE(results.waitFor(2));  // the gate stays closed: only the deadline can end them
+    EXPECT_EQ(results.code(1), ErrorCode::DeadlineExceeded);
+    EXPECT_EQ(results.code(2), ErrorCode::DeadlineExceeded);
+    // The device is free again.
+    painter.openGate();
+    const auto mailbox = scheduler.openMailbox();
+    scheduler.request(mailbox, order(3), results.collect(3));
+    ASSERT_TRUE(results.waitFor(3));
+    EXPECT_EQ(results.code(3), std::nullopt);
+}
+
+TEST_F(SchedulerTest, ANewViewStopsTheSessionsOwnStillAtOnce) {
+    painter.closeGate();
+    Scheduler scheduler(painter.open(), {}, metrics);
+    const auto mailbox = scheduler.openMailbox();
+    scheduler.request(mailbox, order(1, true), results.collect(1));
+    ASSERT_TRUE(painter.waitBegun(1));
+    scheduler.request(mailbox, order(2), results.collect(2));
+    ASSERT_TRUE(painter.waitBegun(2));  // the gate is closed, so the still can only have been stopped
+    painter.openGate();
+    ASSERT_TRUE(results.waitFor(2));
+    EXPECT_EQ(results.code(1), ErrorCode::Cancelled);
+    EXPECT_EQ(results.code(2), std::nullopt);
+    EXPECT_EQ(painter.cancelled(), 1);
+}
+
+TEST_F(SchedulerTest, NeitherMovingFramesNorStillsThatHaveWaitedLongAreStopped) {
+    painter.closeGate();
+    SchedulerOptions options;
+    options.stillPatience = std::chrono::milliseconds(0);
+    Scheduler scheduler(painter.open(), options, metrics);
+    const auto mine = scheduler.openMailbox();
+    const auto other = scheduler.openMailbox();
+    scheduler.request(mine, order(1), results.collect(1));
+    ASSERT_TRUE(painter.waitBegun(1));
+    scheduler.request(mine, order(2, true), results.collect(2));
+    painter.let(1);
+    ASSERT_TRUE(painter.waitBegun(2));
+    scheduler.request(other, order(3), results.collect(3));
+    painter.openGate();
+    ASSERT_TRUE(results.waitFor(3));
+    EXPECT_EQ(painter.cancelled(), 0);
+    for (int label : {1, 2, 3}) EXPECT_EQ(results.code(label), std::nullopt);
+}
+
+TEST_F(SchedulerTest, AStillGivesWayToTheMovingFrameOfAnother) {
+    painter.closeGate();
+    SchedulerOptions options;
+    options.stillPatience = std::chrono::hours(1);
+    Scheduler scheduler(painter.open(), options, metrics);
+    const auto looker = scheduler.openMailbox(), mover = scheduler.openMailbox();
+    scheduler.request(looker, order(1, true), results.collect(1));
+    ASSERT_TRUE(painter.waitBegun(1));
+    scheduler.request(mover, moving(2), results.collect(2));
+    ASSERT_TRUE(painter.waitBegun(2)) << "the gate is closed, so the still can only have been stopped";
+    EXPECT_EQ(begunWidths(), (std::vector<int>{1, 2}));
+    painter.openGate();
+    ASSERT_TRUE(results.waitFor(2));
+    EXPECT_EQ(begunWidths(), (std::vector<int>{1, 2, 1})) << "it is begun again, and not lost";
+    EXPECT_EQ(results.code(1), std::nullopt);
+    EXPECT_EQ(results.labels(), (std::vector<int>{2, 1}));
+}
+
+TEST_F(SchedulerTest, StillsWaitUntilNobodyMoves) {
+    painter.closeGate();
+    SchedulerOptions options;
+    options.stillPatience = std::chrono::hours(1);
+    Scheduler scheduler(painter.open(), options, metrics);
+    const auto first = scheduler.openMailbox();
+    scheduler.request(first, moving(1), results.collect(1));
+    ASSERT_TRUE(painter.waitBegun(1));
+    for (int i = 2; i <= 4; ++i)
+        scheduler.request(scheduler.openMailbox(), order(i, true), results.collect(i));
+    for (int i = 5; i <= 7; ++i) scheduler.request(scheduler.openMailbox(), moving(i), results.collect(i));
+    painter.openGate();
+    ASSERT_TRUE(results.waitFor(7));
+    EXPECT_EQ(begunWidths(), (std::vector<int>{1, 5, 6, 7, 2, 3, 4}));
+}
+
+TEST_F(SchedulerTest, AStillThatGaveWayIsStoppedByItsOwnSessionsNewView) {
+    painter.closeGate();
+    SchedulerOptions options;
+    options.stillPatience = std::chrono::hours(1);
+    Scheduler scheduler(painter.open(), options, metrics);
+    const auto looker = scheduler.openMailbox(), mover = scheduler.openMailbox();
+    scheduler.request(looker, order(1, true), results.collect(1));
+    ASSERT_TRUE(painter.waitBegun(1));
+    scheduler.request(mover, moving(2), results.collect(2));
+    ASSERT_TRUE(painter.waitBegun(2));
+    scheduler.request(looker, moving(3), results.collect(3));
+    painter.openGate();
+    ASSERT_TRUE(results.waitFor(3));
+    EXPECT_EQ(begunWidths(), (std::vector<int>{1, 2, 3}));
+    EXPECT_EQ(results.code(1), ErrorCode::Cancelled);
+}
+
+// Round robin, proved: with everybody asking again and again, nobody has two frames before all have one.
+TEST_F(SchedulerTest, ManySessionsAreServedInTurn) {
+    painter.closeGate();
+    Scheduler scheduler(painter.open(), {}, metrics);
+    constexpr int sessions = 9, rounds = 5;
+    std::vector<Scheduler::MailboxId> mailboxes;
+    for (int s = 0; s < sessions; ++s) mailboxes.push_back(scheduler.openMailbox());
+    int label = 0;
+    const auto request = [&](int s) {
+        scheduler.request(mailboxes[std::size_t(s)], moving(s + 1), results.collect(++label));
+    };
+    request(0);
+    ASSERT_TRUE(painter.waitBegun(1));
+    for (int s = 1; s < sessions; ++s) request(s);
+    for (std::size_t done = 1; done < sessions * rounds; ++done) {
+        request(begunWidths().back() - 1);  // whoever is being served requests again at once
+        painter.let(1);
+        ASSERT_TRUE(painter.waitBegun(done + 1));
+    }
+    const auto begun = begunWidths();
+    for (std::size_t i = 0; i < begun.size(); ++i) EXPECT_EQ(begun[i], int(i % sessions) + 1) << "turn " << i;
+    painter.openGate();
+}
+
+TEST_F(SchedulerTest, APictureTellsHowManyOthersMovedMeanwhile) {
+    painter.closeGate();
+    Scheduler scheduler(painter.open(), {}, metrics);
+    std::promise<std::size_t> rivals;
+    const auto a = scheduler.openMailbox();
+    scheduler.request(a, moving(1), results.collect(1));
+    ASSERT_TRUE(painter.waitBegun(1));
+    scheduler.request(a, moving(2), [&](const Expected<EncodedPicture>& picture) {
+        rivals.set_value(picture ? picture->rivals : 99);
+    });
+    for (int i = 3; i <= 5; ++i) scheduler.request(scheduler.openMailbox(), moving(i), results.collect(i));
+    scheduler.request(scheduler.openMailbox(), order(6, true), results.collect(6));
+    painter.openGate();
+    auto told = rivals.get_future();
+    ASSERT_EQ(told.wait_for(FakePainter::patience), std::future_status::ready);
+    EXPECT_EQ(told.get(), 3U) << "the still is no rival";
+    ASSERT_TRUE(results.waitFor(5));
+}
+
+TEST_F(SchedulerTest, DrainingFinishesWhatWasPromisedAndTakesNothingNew) {
+    painter.closeGate();
+    Scheduler scheduler(painter.open(), {}, metrics);
+    ASSERT_TRUE(scheduler.snapshot(order(1), results.collect(1)));
+    ASSERT_TRUE(scheduler.snapshot(order(2), results.collect(2)));
+    ASSERT_TRUE(painter.waitBegun(1));
+    scheduler.drain();
+    EXPECT_TRUE(scheduler.draining());
+    EXPECT_FALSE(scheduler.idle());
+    const auto refused = scheduler.snapshot(order(3), results.collect(3));
+    ASSERT_FALSE(refused);
+    EXPECT_EQ(refused.error().code, ErrorCode::ResourceLimit);
+    painter.openGate();
+    ASSERT_TRUE(results.waitFor(2));
+    EXPECT_EQ(results.code(1), std::nullopt);
+    EXPECT_EQ(results.code(2), std::nullopt);
+    scheduler.stop();
+    scheduler.wait();
+    EXPECT_TRUE(scheduler.idle());
+}
+
+TEST_F(SchedulerTest, ReplaceWaitingOnlyReplaces) {
+    painter.closeGate();
+    Scheduler scheduler(painter.open(), {}, metrics);
+    const auto mailbox = scheduler.openMailbox();
+    EXPECT_FALSE(scheduler.replaceWaiting(mailbox, order(1), results.collect(1)));
+    scheduler.request(mailbox, order(2), results.collect(2));
+    ASSERT_TRUE(painter.waitBegun(1));
+    EXPECT_FALSE(scheduler.replaceWaiting(mailbox, order(3), results.collect(3)));
+    scheduler.request(mailbox, order(4), results.collect(4));
+    EXPECT_TRUE(scheduler.replaceWaiting(mailbox, order(5), results.collect(5)));
+    painter.openGate();
+    ASSERT_TRUE(results.waitFor(3));
+    EXPECT_EQ(begunWidths(), (std::vector<int>{2, 5}));
+    EXPECT_EQ(results.code(4), ErrorCode::Cancelled);
+}
+
+TEST_F(SchedulerTest, AClosedMailboxStopsEverythingOfItsSession) {
+    painter.closeGate();
+    Scheduler scheduler(painter.open(), {}, metrics);
+    const auto mailbox = scheduler.openMailbox();
+    scheduler.request(mailbox, order(1), results.collect(1));
+    ASSERT_TRUE(painter.waitBegun(1));
+    scheduler.request(mailbox, order(2), results.collect(2));
+    scheduler.closeMailbox(mailbox);
+    ASSERT_TRUE(results.waitFor(2));
+    EXPECT_EQ(results.code(1), ErrorCode::Cancelled);
+    EXPECT_EQ(results.code(2), ErrorCode::Cancelled);
+    scheduler.request(mailbox, order(3), results.collect(3));
+    ASSERT_TRUE(results.waitFor(3));
+    EXPECT_EQ(results.code(3), ErrorCode::Cancelled);
+}
+
+TEST_F(SchedulerTest, StopEndsEveryOrderExactlyOnce) {
+    painter.closeGate();
+    constexpr int sessions = 8;
+    constexpr int snapshots = 20;
+    {
+        Scheduler scheduler(painter.open(), {}, metrics);
+        for (int i = 0; i < sessions; ++i)
+            scheduler.request(scheduler.openMailbox(), order(i + 1), results.collect(i));
+        for (int i = 0; i < snapshots; ++i) {
+            ASSERT_TRUE(scheduler.snapshot(order(50), results.collect(sessions + i)));
+        }
+        ASSERT_TRUE(painter.waitBegun(1));
+        scheduler.stop();
+        EXPECT_FALSE(scheduler.snapshot(order(9), results.collect(999)));
+    }
+    auto labels = results.labels();
+    std::sort(labels.begin(), labels.end());
+    ASSERT_EQ(labels.size(), std::size_t(sessions + snapshots));
+    for (int i = 0; i < sessions + snapshots; ++i) EXPECT_EQ(labels[std::size_t(i)], i);
+}
+
+TEST_F(SchedulerTest, WithoutADeviceEveryOrderFailsWithItsReason) {
+    Scheduler scheduler(
+        []() -> Expected<Painter> { return fail(ErrorCode::DeviceUnavailable, "no EGL here"); }, {}, metrics);
+    const auto status = scheduler.waitForDevice(FakePainter::patience);
+    EXPECT_EQ(status.state, DeviceStatus::State::Failed);
+    EXPECT_EQ(status.error.message, "no EGL here");
+    ASSERT_TRUE(scheduler.snapshot(order(1), results.collect(1)));
+    ASSERT_TRUE(results.waitFor(1));
+    EXPECT_EQ(results.code(1), ErrorCode::DeviceUnavailable);
+}
+
+TEST_F(SchedulerTest, AnErrorOrExceptionOfTheRendererFailsOnePictureOnly) {
+    painter.failWith(Error{ErrorCode::Unsupported, "no normals", {}});
+    Scheduler scheduler(painter.open(), {}, metrics);
+    ASSERT_TRUE(scheduler.snapshot(order(1), results.collect(1)));
+    ASSERT_TRUE(results.waitFor(1));
+    EXPECT_EQ(results.code(1), ErrorCode::Unsupported);
+    painter.failWith(std::nullopt);
+    PictureOrder broken = order(2);
+    broken.view.width = -1;  // the fake's vector throws
+    ASSERT_TRUE(scheduler.snapshot(broken, results.collect(2)));
+    ASSERT_TRUE(scheduler.snapshot(order(3), results.collect(3)));
+    ASSERT_TRUE(results.waitFor(3));
+    EXPECT_EQ(results.code(2), ErrorCode::Internal);
+    EXPECT_EQ(results.code(3), std::nullopt);
+}
+
+TEST_F(SchedulerTest, ManyThreadsAtOnce) {
+    Scheduler scheduler(painter.open(), {}, metrics);
+    constexpr int threads = 4;
+    constexpr int each = 200;
+    std::vector<std::thread> crowd;
+    for (int t = 0; t < threads; ++t) {
+        crowd.emplace_back([&, t] {
+            const auto mailbox = scheduler.openMailbox();
+            for (int i = 0; i < each; ++i) {
+                scheduler.request(mailbox, order(4 + t, i % 3 == 0), results.collect(t * each + i));
+                if (i % 7 == 0) scheduler.abandon(mailbox);
+            }
+            scheduler.closeMailbox(mailbox);
+        });
+    }
+    for (auto& thread : crowd) thread.join();
+    ASSERT_TRUE(results.waitFor(threads * each));
+    auto labels = results.labels();
+    std::sort(labels.begin(), labels.end());
+    EXPECT_EQ(std::unique(labels.begin(), labels.end()) - labels.begin(), threads * each);
+}
+
+TEST_F(SchedulerTest, NobodyWaitsForSomebodyElsesBlocks) {
+    painter.unload();
+    Scheduler scheduler(painter.open(), {}, metrics);
+    const auto still = scheduler.openMailbox(), mover = scheduler.openMailbox();
+    scheduler.request(still, order(1, true), results.collect(1));
+    ASSERT_TRUE(painter.waitLoading(1));
+    for (int i = 2; i <= 6; ++i) {
+        scheduler.request(mover, moving(i), results.collect(i));
+        ASSERT_TRUE(results.waitFor(std::size_t(i - 1))) << "frame " << i;
+    }
+    EXPECT_EQ(begunWidths(), (std::vector<int>{2, 3, 4, 5, 6}));
+    painter.load();
+    ASSERT_TRUE(results.waitFor(6));
+    EXPECT_EQ(results.code(1), std::nullopt);
+}
+
+TEST_F(SchedulerTest, ATrialIsDrawnWholeOrNotAtAll) {
+    painter.unload();
+    Scheduler scheduler(painter.open(), {}, metrics);
+    const auto mailbox = scheduler.openMailbox();
+    scheduler.request(mailbox, trial(1), results.collect(1));
+    ASSERT_TRUE(results.waitFor(1)) << "it does not wait";
+    EXPECT_EQ(results.code(1), ErrorCode::Cancelled);
+    EXPECT_TRUE(begunWidths().empty());
+    painter.load();
+    scheduler.request(mailbox, trial(2), results.collect(2));
+    ASSERT_TRUE(results.waitFor(2));
+    EXPECT_EQ(results.code(2), std::nullopt);
+    EXPECT_EQ(begunWidths(), std::vector<int>{2});
+    EXPECT_EQ(metric("scancast_frames_dropped_total{reason=\"lacking\"}"),
+              "scancast_frames_dropped_total{reason=\"lacking\"} 1");
+}
+
+TEST_F(SchedulerTest, AWaitForBlocksEndsWithItsReason) {
+    painter.unload();
+    Scheduler scheduler(painter.open(), {}, metrics);
+    const auto a = scheduler.openMailbox(), b = scheduler.openMailbox();
+    scheduler.request(a, order(1, true), results.collect(1));
+    ASSERT_TRUE(painter.waitLoading(1));
+    scheduler.request(b, order(2, true), results.collect(2));  // behind the first
+    scheduler.request(a, moving(3), results.collect(3));
+    ASSERT_TRUE(results.waitFor(2)) << "a newer request ends the wait of the same session";
+    EXPECT_EQ(results.code(1), ErrorCode::Cancelled);
+    EXPECT_EQ(results.code(3), std::nullopt);
+    ASSERT_TRUE(painter.waitLoading(1));
+    scheduler.abandon(b);
+    ASSERT_TRUE(results.waitFor(3));
+    EXPECT_EQ(results.code(2), ErrorCode::Cancelled);
+    scheduler.request(b, order(4, true), results.collect(4));
+    ASSERT_TRUE(painter.waitLoading(1));
+    scheduler.closeMailbox(b);
+    ASSERT_TRUE(results.waitFor(4));
+    EXPECT_EQ(results.code(4), ErrorCode::Cancelled);
+}
+
+TEST_F(SchedulerTest, SnapshotsThatWaitForBlocksHaveABoundAndADeadline) {
+    painter.unload();
+    SchedulerOptions options;
+    options.maxSnapshots = 3;
+    options.snapshotDeadline = std::chrono::milliseconds(200);
+    Scheduler scheduler(painter.open(), options, metrics);
+    int accepted = 0;
+    for (int i = 0; i < 50; ++i) {
+        if (!scheduler.snapshot(order(i + 1), results.collect(i + 1))) continue;
+        ++accepted;
+        if (accepted == 1) {
+            ASSERT_TRUE(painter.waitLoading(1));
+        }
+    }
+    EXPECT_GE(accepted, 3);
+    EXPECT_LE(accepted, 6) << "waiting, preparing, and one on its way between the two";
+    ASSERT_TRUE(results.waitFor(std::size_t(accepted)));
+    EXPECT_EQ(results.code(1), ErrorCode::DeadlineExceeded);
+    EXPECT_TRUE(painter.begun().empty());
+}
+
+TEST_F(SchedulerTest, TheEndComesWhileBlocksAreLoaded) {
+    painter.unload();
+    Scheduler scheduler(painter.open(), {}, metrics);
+    const auto mailbox = scheduler.openMailbox();
+    scheduler.request(mailbox, order(1, true), results.collect(1));
+    ASSERT_TRUE(painter.waitLoading(1));
+    ASSERT_TRUE(scheduler.snapshot(order(2), results.collect(2)));
+    scheduler.stop();
+    scheduler.wait();
+    ASSERT_TRUE(results.waitFor(2));
+    EXPECT_EQ(results.code(1), ErrorCode::Cancelled);
+    EXPECT_EQ(results.code(2), ErrorCode::Cancelled);
+}
+
+TEST_F(SchedulerTest, ManyThreadsWhileBlocksComeAndGo) {
+    Scheduler scheduler(painter.open(), {}, metrics);
+    constexpr int threads = 3, each = 150;
+    std::vector<std::thread> crowd;
+    for (int t = 0; t < threads; ++t) {
+        crowd.emplace_back([&, t] {
+            const auto mailbox = scheduler.openMailbox();
+            for (int i = 0; i < each; ++i) {
+                if (t == 0) i % 2 ? painter.load() : painter.unload();
+                auto wanted = order(4 + t, i % 3 == 0);
+                wanted.complete = i % 3 == 0;
+                scheduler.request(mailbox, wanted, results.collect(t * each + i));
+                if (i % 7 == 0) scheduler.abandon(mailbox);
+            }
+            scheduler.closeMailbox(mailbox);
+        });
+    }
+    for (auto& thread : crowd) thread.join();
+    ASSERT_TRUE(results.waitFor(threads * each));
+    EXPECT_EQ(results.labels().size(), std::size_t(threads * each));
+}
+
+}  // namespace
+}  // namespace scancast

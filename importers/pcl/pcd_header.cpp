@@ -1,5 +1,7 @@
 #include "importers/pcl/pcd_header.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <charconv>
 #include <map>
@@ -22,8 +24,7 @@ struct Line {
 using Lines = std::map<std::string, Line, std::less<>>;
 
 tl::unexpected<Error> wrong(std::size_t at, const std::string& reason) {
-    return fail(ErrorCode::Malformed,
-                "its PCD header is wrong at byte " + std::to_string(at) + ": " + reason);
+    return fail(ErrorCode::Malformed, fmt::format("its PCD header is wrong at byte {}: {}", at, reason));
 }
 
 std::optional<std::uint64_t> number(std::string_view text) {
@@ -84,8 +85,8 @@ Expected<void> readFields(const Lines& lines, PcdHeader& header) {
     for (const char* key : {"SIZE", "TYPE", "COUNT"}) {
         const auto found = lines.find(key);
         if (found != lines.end() && found->second.values.size() != n)
-            return wrong(found->second.at, std::string(key) + " has " + grouped(found->second.values.size()) +
-                                               " values for " + grouped(n) + " fields");
+            return wrong(found->second.at, fmt::format("{} has {} values for {} fields", key,
+                                                       grouped(found->second.values.size()), grouped(n)));
     }
     const auto counts = lines.find("COUNT");
     for (std::size_t i = 0; i < n; ++i) {
@@ -155,8 +156,8 @@ Expected<void> readCounts(const Lines& lines, PcdHeader& header) {
             return wrong(lines.at("WIDTH").at, "WIDTH x HEIGHT is more than any file holds");
         header.points = **width * rows;
         if (*points && **points != header.points)
-            return wrong(lines.at("POINTS").at,
-                         "POINTS is " + grouped(**points) + ", WIDTH x HEIGHT is " + grouped(header.points));
+            return wrong(lines.at("POINTS").at, fmt::format("POINTS is {}, WIDTH x HEIGHT is {}",
+                                                            grouped(**points), grouped(header.points)));
     }
     if (header.points == 0) return fail(ErrorCode::Empty, "it declares 0 points");
     return {};
@@ -187,10 +188,12 @@ Expected<void> checkExtent(const PcdHeader& header, std::uint64_t fileBytes) {
         ++room;                                                           // the last line may lack its end
     }
     if (header.points <= room / each) return {};
-    return fail(ErrorCode::Truncated, "it ends at byte " + grouped(fileBytes) + ": its header promises " +
-                                          grouped(header.points) + " points of at least " + grouped(each) +
-                                          " bytes from byte " + grouped(header.bytes) +
-                                          " on, there is room for " + grouped(room / each));
+    return fail(
+        ErrorCode::Truncated,
+        fmt::format("it ends at byte {}: its header promises {} points of at least {} bytes from byte {} on, "
+                    "there is room for {}",
+                    grouped(fileBytes), grouped(header.points), grouped(each), grouped(header.bytes),
+                    grouped(room / each)));
 }
 
 }  // namespace
@@ -214,13 +217,14 @@ Expected<void> checkPcdCompression(const PcdHeader& header, std::uint32_t compre
     const auto at = header.bytes + 8;
     if (compressed > fileBytes - std::min(at, fileBytes))
         return fail(ErrorCode::Truncated,
-                    "it ends at byte " + grouped(fileBytes) + ": " + grouped(compressed) +
-                        " bytes of compressed points should follow byte " + grouped(at));
+                    fmt::format("it ends at byte {}: {} bytes of compressed points should follow byte {}",
+                                grouped(fileBytes), grouped(compressed), grouped(at)));
     if (uncompressed == header.points * header.pointBytes) return {};
-    return fail(ErrorCode::Malformed, "byte " + std::to_string(header.bytes + 4) +
-                                          ": its compressed points unpack to " + grouped(uncompressed) +
-                                          " bytes; " + grouped(header.points) + " points of " +
-                                          grouped(header.pointBytes) + " bytes are promised");
+    return fail(
+        ErrorCode::Malformed,
+        fmt::format("byte {}: its compressed points unpack to {} bytes; {} points of {} bytes are promised",
+                    header.bytes + 4, grouped(uncompressed), grouped(header.points),
+                    grouped(header.pointBytes)));
 }
 
 }  // namespace scancast::import_pcl

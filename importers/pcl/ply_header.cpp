@@ -1,5 +1,7 @@
 #include "importers/pcl/ply_header.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <charconv>
 #include <limits>
@@ -46,8 +48,7 @@ class HeaderReader {
     Expected<void> takeElement(const std::vector<std::string_view>& w);
     Expected<void> takeProperty(const std::vector<std::string_view>& w);
     tl::unexpected<Error> wrong(const std::string& reason) const {
-        return fail(ErrorCode::Malformed,
-                    "its PLY header is wrong at byte " + std::to_string(at_) + ": " + reason);
+        return fail(ErrorCode::Malformed, fmt::format("its PLY header is wrong at byte {}: {}", at_, reason));
     }
 
     PlyHeader header_;
@@ -167,11 +168,11 @@ Expected<void> checkExtent(const PlyHeader& header, std::uint64_t fileBytes) {
         // The last line of text may lack its end.
         const auto room = (fileBytes > at ? fileBytes - at : 0) + (text ? 1 : 0);
         if (each > 0 && element.count > room / each)
-            return fail(ErrorCode::Truncated, "it ends at byte " + grouped(fileBytes) +
-                                                  ": its header promises " + grouped(element.count) +
-                                                  " items of " + quotedText(element.name) + " of at least " +
-                                                  grouped(each) + " bytes from byte " + grouped(at) +
-                                                  " on, there is room for " + grouped(room / each));
+            return fail(ErrorCode::Truncated,
+                        fmt::format("it ends at byte {}: its header promises {} items of {} of at least {} "
+                                    "bytes from byte {} on, there is room for {}",
+                                    grouped(fileBytes), grouped(element.count), quotedText(element.name),
+                                    grouped(each), grouped(at), grouped(room / each)));
         if (each > 0) at += element.count * each;
         if (element.name == "vertex") return {};  // what follows harms no point
         if (each == 0 && element.count > fileBytes)

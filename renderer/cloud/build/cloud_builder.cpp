@@ -1,5 +1,6 @@
 #include "renderer/cloud/build/cloud_builder.hpp"
 
+#include <fmt/format.h>
 #include <tbb/task_arena.h>
 
 #include <algorithm>
@@ -84,7 +85,7 @@ std::vector<std::string> firstNotes(std::vector<std::string> notes) {
     if (notes.size() <= mostCloudNotes) return notes;
     const std::size_t more = notes.size() - (mostCloudNotes - 1);
     notes.resize(mostCloudNotes - 1);
-    notes.push_back("there are " + std::to_string(more) + " notes more");
+    notes.push_back(fmt::format("there are {} notes more", more));
     return notes;
 }
 

@@ -1,5 +1,7 @@
 #include "renderer/cloud/import/mirror_file.hpp"
 
+#include <fmt/format.h>
+
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <nlohmann/json.hpp>
@@ -81,11 +83,11 @@ Expected<std::vector<Mirror>> parseMirrors(std::string_view text, const std::str
         if (!list->is_array()) {
             fields.error("mirrors", "expected an array of mirrors");
         } else if (list->size() > mostMirrors) {
-            fields.error("mirrors", "there are " + std::to_string(list->size()) + " mirrors; at most " +
-                                        std::to_string(mostMirrors) + " are allowed");
+            fields.error("mirrors", fmt::format("there are {} mirrors; at most {} are allowed", list->size(),
+                                                mostMirrors));
         } else {
             for (std::size_t i = 0; i < list->size() && !fields.failed(); ++i) {
-                FieldReader entry((*list)[i], "mirrors[" + std::to_string(i) + "]", ErrorCode::Malformed);
+                FieldReader entry((*list)[i], fmt::format("mirrors[{}]", i), ErrorCode::Malformed);
                 readMirror(entry, mirrors.emplace_back());
                 if (const auto sound = entry.finishStrict(); !sound) fields.error(sound.error());
             }

@@ -1,5 +1,7 @@
 #include "renderer/cloud/import/las/las_header.hpp"
 
+#include <fmt/format.h>
+
 #include <cmath>
 #include <cstring>
 
@@ -31,15 +33,16 @@ enum At : std::size_t {
 constexpr std::size_t shortestHeader = 227;
 
 tl::unexpected<Error> malformed(const std::string& name, std::size_t at, const std::string& reason) {
-    return fail(ErrorCode::Malformed, name + ", byte " + std::to_string(at) + ": " + reason);
+    return fail(ErrorCode::Malformed, fmt::format("{}, byte {}: {}", name, at, reason));
 }
 
 Expected<void> checkVersion(std::span<const std::byte> bytes, const std::string& name) {
     const int major = loadLe<std::uint8_t>(bytes.data() + atMajor);
     const int minor = loadLe<std::uint8_t>(bytes.data() + atMinor);
     if (major == 1 && minor <= 4) return {};
-    return fail(ErrorCode::Unsupported, name + ", byte 24: LAS version " + std::to_string(major) + "." +
-                                            std::to_string(minor) + " is not known here; LAS 1.0 to 1.4 are");
+    return fail(ErrorCode::Unsupported,
+                fmt::format("{}, byte 24: LAS version {}.{} is not known here; LAS 1.0 to 1.4 are", name,
+                            major, minor));
 }
 
 Expected<void> checkPointFormat(int format, const std::string& name) {
@@ -50,8 +53,9 @@ Expected<void> checkPointFormat(int format, const std::string& name) {
             name +
                 " is LAZ (compressed LAS), which is read from files only: save it to a file and open that");
     if (format <= 10) return {};
-    return fail(ErrorCode::Unsupported, name + ", byte 104: point format " + std::to_string(format) +
-                                            " is not known here; point formats 0 to 10 are");
+    return fail(ErrorCode::Unsupported,
+                fmt::format("{}, byte 104: point format {} is not known here; point formats 0 to 10 are",
+                            name, format));
 }
 
 Expected<void> readGrid(const std::byte* data, const std::string& name, LasHeader& header) {
@@ -60,12 +64,12 @@ Expected<void> readGrid(const std::byte* data, const std::string& name, LasHeade
         const auto scale = loadLe<double>(data + atScale + 8 * i);
         const auto offset = loadLe<double>(data + atOffset + 8 * i);
         if (!std::isfinite(scale) || scale <= 0)
-            return malformed(name, atScale + 8 * i,
-                             std::string("the scale of ") + axis[i] + " is " + std::to_string(scale) +
-                                 "; it must be a positive number");
+            return malformed(
+                name, atScale + 8 * i,
+                fmt::format("the scale of {} is {:f}; it must be a positive number", axis[i], scale));
         if (!std::isfinite(offset))
             return malformed(name, atOffset + 8 * i,
-                             std::string("the offset of ") + axis[i] + " is not a number");
+                             fmt::format("the offset of {} is not a number", axis[i]));
         header.scale[static_cast<int>(i)] = scale;
         header.offset[static_cast<int>(i)] = offset;
         header.bounds[1][static_cast<int>(i)] = loadLe<double>(data + atBounds + 16 * i);
@@ -90,8 +94,9 @@ Expected<LasHeader> parseLasHeader(std::span<const std::byte> bytes, const std::
     if (bytes.size() < 4 || std::memcmp(bytes.data(), "LASF", 4) != 0)
         return malformed(name, 0, "not a LAS file, it does not start with \"LASF\"");
     if (bytes.size() < shortestHeader)
-        return fail(ErrorCode::Truncated, name + " ends at byte " + std::to_string(bytes.size()) +
-                                              ", within its LAS header of at least 227 bytes");
+        return fail(ErrorCode::Truncated,
+                    fmt::format("{} ends at byte {}, within its LAS header of at least 227 bytes", name,
+                                bytes.size()));
     const auto* data = bytes.data();
     LasHeader header;
     if (auto ok = checkVersion(bytes, name); !ok) return passOn(ok);
@@ -103,25 +108,22 @@ Expected<LasHeader> parseLasHeader(std::span<const std::byte> bytes, const std::
     const std::size_t needed = header.minorVersion >= 4 ? lasHeaderBytes : shortestHeader;
     if (header.headerBytes < needed)
         return malformed(name, atHeaderSize,
-                         "the header says that it has " + std::to_string(header.headerBytes) +
-                             " bytes; LAS 1." + std::to_string(header.minorVersion) + " needs " +
-                             std::to_string(needed));
+                         fmt::format("the header says that it has {} bytes; LAS 1.{} needs {}",
+                                     header.headerBytes, header.minorVersion, needed));
     if (bytes.size() < needed)
-        return fail(ErrorCode::Truncated, name + " ends at byte " + std::to_string(bytes.size()) +
-                                              ", within its LAS header of " + std::to_string(needed) +
-                                              " bytes");
+        return fail(ErrorCode::Truncated, fmt::format("{} ends at byte {}, within its LAS header of {} bytes",
+                                                      name, bytes.size(), needed));
     header.pointOffset = loadLe<std::uint32_t>(data + atPointOffset);
     if (header.pointOffset < header.headerBytes)
-        return malformed(name, atPointOffset,
-                         "the points are said to start at byte " + std::to_string(header.pointOffset) +
-                             ", within the header");
+        return malformed(
+            name, atPointOffset,
+            fmt::format("the points are said to start at byte {}, within the header", header.pointOffset));
     header.recordBytes = loadLe<std::uint16_t>(data + atRecordLength);
     const auto least = lasRecordLayout(header.pointFormat).bytes;
     if (header.recordBytes < least)
         return malformed(name, atRecordLength,
-                         "a point record has " + std::to_string(header.recordBytes) +
-                             " bytes; point format " + std::to_string(header.pointFormat) + " needs " +
-                             std::to_string(least));
+                         fmt::format("a point record has {} bytes; point format {} needs {}",
+                                     header.recordBytes, header.pointFormat, least));
     if (auto ok = readGrid(data, name, header); !ok) return passOn(ok);
 
     header.adjustedTime = (loadLe<std::uint16_t>(data + atEncoding) & 1) != 0;
@@ -140,8 +142,7 @@ Expected<LasHeader> parseLasHeader(std::span<const std::byte> bytes, const std::
 
 ScanHeader scanHeader(const LasHeader& header) {
     ScanHeader scan;
-    scan.format = "LAS 1." + std::to_string(header.minorVersion) + ", point format " +
-                  std::to_string(header.pointFormat);
+    scan.format = fmt::format("LAS 1.{}, point format {}", header.minorVersion, header.pointFormat);
     scan.points = header.points;
     scan.attributes.color = lasRecordLayout(header.pointFormat).color >= 0;
     scan.attributes.intensity = true;

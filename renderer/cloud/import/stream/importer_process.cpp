@@ -1,6 +1,7 @@
 #include "renderer/cloud/import/stream/importer_process.hpp"
 
 #include <fcntl.h>
+#include <fmt/format.h>
 #include <poll.h>
 #include <signal.h>
 #include <spawn.h>
@@ -236,8 +237,8 @@ Expected<std::size_t> ImporterProcess::read(std::span<std::byte> into) {
         bool ready = false;
         if (!waitForBytes(Clock::now() + silence_, ready)) {
             kill();
-            return fail(ErrorCode::Importer, "it sent nothing for " + std::to_string(silence_.count()) +
-                                                 " seconds and was stopped");
+            return fail(ErrorCode::Importer,
+                        fmt::format("it sent nothing for {} seconds and was stopped", silence_.count()));
         }
     }
 }
@@ -265,14 +266,14 @@ std::optional<std::string> ImporterProcess::badEnd() {
         if (signal == SIGXCPU) return "used more processor time than it is allowed";
         if (signal == SIGKILL) return "was killed by the system, which probably ran out of memory";
         const char* words = ::sigdescr_np(signal);
-        return "crashed (signal " + std::to_string(signal) + (words ? std::string(", ") + words : "") + ")";
+        return fmt::format("crashed (signal {}{}{})", signal, words ? ", " : "", words ? words : "");
     }
     if (WIFEXITED(status_) && WEXITSTATUS(status_) != 0) {
         const auto words = lastLine(errorText_);
         if (WEXITSTATUS(status_) == shellFoundNoProgram || WEXITSTATUS(status_) == shellCannotRunProgram)
             return "cannot be started" + (words.empty() ? "" : ": " + words);
-        return "ended with exit status " + std::to_string(WEXITSTATUS(status_)) +
-               (words.empty() ? "" : ": " + words);
+        return fmt::format("ended with exit status {}{}", WEXITSTATUS(status_),
+                           words.empty() ? "" : ": " + words);
     }
     return std::nullopt;
 }
@@ -296,10 +297,10 @@ Expected<std::filesystem::path> findImporter(const std::string& program, const I
     }
     for (const auto& folder : folders)
         if (::access((folder / program).c_str(), X_OK) == 0) return fs::absolute(folder / program, error);
-    return fail(ErrorCode::Importer, "the program " + program +
-                                         " that reads this format is not there (looked in " +
-                                         (folders.empty() ? "no folder" : folders.front().string()) +
-                                         (folders.size() > 1 ? " and on PATH" : "") + ")");
+    return fail(ErrorCode::Importer,
+                fmt::format("the program {} that reads this format is not there (looked in {}{})", program,
+                            folders.empty() ? "no folder" : folders.front().string(),
+                            folders.size() > 1 ? " and on PATH" : ""));
 }
 
 }  // namespace scancast

@@ -1,5 +1,7 @@
 #include "renderer/cloud/import/stream/point_stream.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <cstring>
@@ -41,8 +43,7 @@ bool finite(const glm::dvec3& v) {
 }
 
 tl::unexpected<Error> wrongHeader(std::size_t at, const std::string& reason) {
-    return fail(ErrorCode::Importer,
-                "its point stream is wrong at byte " + std::to_string(at) + ": " + reason);
+    return fail(ErrorCode::Importer, fmt::format("its point stream is wrong at byte {}: {}", at, reason));
 }
 
 struct CodePair {
@@ -98,8 +99,7 @@ Expected<DecodedHeader> decodeHeader(std::span<const std::byte> bytes) {
     if (bytes.size() < headerBytes || std::memcmp(data, magic.data(), magic.size()) != 0)
         return wrongHeader(0, "it does not start as a point stream does");
     if (const auto found = loadLe<std::uint16_t>(data + atVersion); found != version)
-        return wrongHeader(atVersion,
-                           "version " + std::to_string(found) + " is not known here, version 1 is");
+        return wrongHeader(atVersion, fmt::format("version {} is not known here, version 1 is", found));
     DecodedHeader decoded;
     auto& header = decoded.header;
     const unsigned columns = loadLe<std::uint16_t>(data + atColumns);

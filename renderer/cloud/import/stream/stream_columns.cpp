@@ -1,5 +1,7 @@
 #include "renderer/cloud/import/stream/stream_columns.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
@@ -33,8 +35,7 @@ const Type& typeOf(const Column& column) {
 }
 
 tl::unexpected<Error> wrongColumn(std::size_t index, const std::string& reason) {
-    return fail(ErrorCode::Importer,
-                "its point stream's column " + std::to_string(index) + " is wrong: " + reason);
+    return fail(ErrorCode::Importer, fmt::format("its point stream's column {} is wrong: {}", index, reason));
 }
 
 /// A text of the JSON object, printable; empty if it is not there.
@@ -92,8 +93,9 @@ std::string encodeColumns(std::span<const Column> columns) {
 Expected<std::vector<Column>> decodeColumns(std::string_view text) {
     const auto list = json::parse(text, nullptr, false);
     if (!list.is_array() || list.empty() || list.size() > mostColumns)
-        return fail(ErrorCode::Importer, "its point stream's list of columns is no JSON list of 1 to " +
-                                             std::to_string(mostColumns) + " columns");
+        return fail(ErrorCode::Importer,
+                    fmt::format("its point stream's list of columns is no JSON list of 1 to {} columns",
+                                mostColumns));
     std::vector<Column> columns;
     std::set<std::string> names;
     for (std::size_t i = 0; i < list.size(); ++i) {

@@ -1,5 +1,7 @@
 #include "renderer/cloud/import/text/ptx_source.hpp"
 
+#include <fmt/format.h>
+
 #include <cmath>
 #include <glm/matrix.hpp>
 #include <limits>
@@ -104,8 +106,8 @@ Expected<std::unique_ptr<PtxSource>> PtxSource::create(std::unique_ptr<ByteSourc
         new PtxSource(std::move(lines), std::move(name), TextRow(*layout, false)));
     if (auto ok = source->startScan(); !ok) return passOn(ok);
     if (source->promised_ > 0 && point.empty())
-        return fail(ErrorCode::Truncated, source->lines_.place() + "the scan promises " +
-                                              grouped(source->promised_) + " points, there are none");
+        return fail(ErrorCode::Truncated, fmt::format("{}the scan promises {} points, there are none",
+                                                      source->lines_.place(), grouped(source->promised_)));
     source->scan_.format = "PTX: " + layout->describe();
     source->scan_.attributes = layout->attributes();
     if (!several) source->scan_.scannerOrigin = source->transform_[3];
@@ -130,9 +132,10 @@ Expected<std::uint64_t> PtxSource::headCount(const char* what) {
     if (!line) return passOn(line);
     const auto count = countIn(*line);
     if (count && *count <= std::numeric_limits<std::uint32_t>::max()) return *count;
-    return fail(ErrorCode::Malformed, lines_.place() + quotedText(*line) + " should be " + what +
-                                          " of a scan, one whole number; the scan before it may have more "
-                                          "points than its columns and rows promise");
+    return fail(ErrorCode::Malformed,
+                fmt::format("{}{} should be {} of a scan, one whole number; the scan before it may have more "
+                            "points than its columns and rows promise",
+                            lines_.place(), quotedText(*line), what));
 }
 
 Expected<void> PtxSource::headNumbers(const char* what, std::span<double> numbers) {
@@ -147,8 +150,8 @@ Expected<void> PtxSource::headNumbers(const char* what, std::span<double> number
         numbers[i] = number.value_or(0);
     }
     if (good) return {};
-    return fail(ErrorCode::Malformed, lines_.place() + quotedText(*line) + " should be " + what + ": " +
-                                          std::to_string(numbers.size()) + " numbers");
+    return fail(ErrorCode::Malformed, fmt::format("{}{} should be {}: {} numbers", lines_.place(),
+                                                  quotedText(*line), what, numbers.size()));
 }
 
 /// Reads the head of a scan. False at the end of the file.
@@ -168,8 +171,9 @@ Expected<bool> PtxSource::startScan() {
     for (int i = 0; i < 4; ++i) {
         if (auto ok = headNumbers("a row of the matrix", row); !ok) return passOn(ok);
         if (std::abs(row[3] - (i == 3 ? 1 : 0)) > 1e-9)
-            return fail(ErrorCode::Malformed, lines_.place() + "the fourth number of the matrix's row " +
-                                                  std::to_string(i + 1) + " must be " + (i == 3 ? "1" : "0"));
+            return fail(ErrorCode::Malformed,
+                        fmt::format("{}the fourth number of the matrix's row {} must be {}", lines_.place(),
+                                    i + 1, i == 3 ? 1 : 0));
         transform_[i] = {row[0], row[1], row[2]};
     }
     if (glm::determinant(glm::dmat3(transform_)) == 0)
@@ -187,16 +191,17 @@ Expected<bool> PtxSource::read(PointBatch& batch) {
             if (!more) return passOn(more);
             if (*more) continue;
             if (batch.size() == 0 && points_ == dropped_)
-                return fail(ErrorCode::Empty, name_ + ": none of the " + grouped(points_) +
-                                                  " directions of its scans has a point");
+                return fail(ErrorCode::Empty,
+                            fmt::format("{}: none of the {} directions of its scans has a point", name_,
+                                        grouped(points_)));
             return batch.size() > 0;
         }
         const auto more = lines_.next(line);
         if (!more) return passOn(more);
         if (!*more)
-            return fail(ErrorCode::Truncated, lines_.place() + "the file ends: its scan " + grouped(scans_) +
-                                                  " promises " + grouped(promised_) + " points, there are " +
-                                                  grouped(inScan_));
+            return fail(ErrorCode::Truncated,
+                        fmt::format("{}the file ends: its scan {} promises {} points, there are {}",
+                                    lines_.place(), grouped(scans_), grouped(promised_), grouped(inScan_)));
         if (line.find_first_not_of(" \t") == line.npos) continue;
         const auto* why = row_.parse(line);
         if (why == nullptr) {

@@ -1,5 +1,7 @@
 #include "renderer/cloud/import/text/text_columns.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 
@@ -137,11 +139,10 @@ Expected<void> assign(const TextHead& head, const Table& table, const std::strin
         guessByValues(table, layout);
         return {};
     }
-    const auto place = name + ", line " + grouped(head.namesLine) + ": ";
+    const auto place = fmt::format("{}, line {}: ", name, grouped(head.namesLine));
     if (!fitting)
-        return fail(ErrorCode::Malformed, place + std::to_string(head.names.size()) +
-                                              " columns are named, but the first point has " +
-                                              std::to_string(layout.columns));
+        return fail(ErrorCode::Malformed, fmt::format("{}{} columns are named, but the first point has {}",
+                                                      place, head.names.size(), layout.columns));
     if (auto ok = assignByNames(head.names, layout); !ok)
         return fail(ok.error().code, place + ok.error().message);
     layout.names = head.names;
@@ -155,10 +156,10 @@ Expected<void> judgeValues(const Table& table, bool pts, const std::string& name
         const auto seen = seenColors(table, layout);
         const auto scale = colorScale(seen);
         if (!scale)
-            return fail(ErrorCode::Malformed, name + ": the columns red, green and blue hold numbers from " +
-                                                  std::to_string(seen.least) + " to " +
-                                                  std::to_string(seen.most) +
-                                                  "; colours are 0 to 255, 0 to 65535 or 0 to 1");
+            return fail(ErrorCode::Malformed,
+                        fmt::format("{}: the columns red, green and blue hold numbers from {:f} to {:f}; "
+                                    "colours are 0 to 255, 0 to 65535 or 0 to 1",
+                                    name, seen.least, seen.most));
         layout.colorScale = *scale;
     }
     if (layout.intensity != TextLayout::none)
@@ -192,7 +193,7 @@ std::string TextLayout::describe() const {
 
 Expected<TextLayout> understandColumns(const TextHead& head, std::span<const std::string_view> lines,
                                        bool pts, const std::string& name) {
-    const auto place = name + ", line " + grouped(head.lines + 1) + ": ";
+    const auto place = fmt::format("{}, line {}: ", name, grouped(head.lines + 1));
     std::vector<std::string_view> points;
     for (const auto line : lines)
         if (!isComment(line)) points.push_back(line);
@@ -204,12 +205,12 @@ Expected<TextLayout> understandColumns(const TextHead& head, std::span<const std
     splitFields(points.front(), layout.separator, fields);
     layout.columns = fields.size();
     if (layout.columns < 3)
-        return fail(ErrorCode::Malformed, place + "there are " + std::to_string(layout.columns) +
-                                              " columns; a point needs at least x, y and z");
+        return fail(
+            ErrorCode::Malformed,
+            fmt::format("{}there are {} columns; a point needs at least x, y and z", place, layout.columns));
     if (layout.columns > mostTextColumns)
-        return fail(ErrorCode::Malformed, place + "there are " + grouped(layout.columns) +
-                                              " columns; at most " + std::to_string(mostTextColumns) +
-                                              " are read");
+        return fail(ErrorCode::Malformed, fmt::format("{}there are {} columns; at most {} are read", place,
+                                                      grouped(layout.columns), mostTextColumns));
     const auto table = tabulate(points, layout.separator, layout.columns);
     if (auto ok = assign(head, table, name, layout); !ok) return passOn(ok);
     if (auto ok = judgeValues(table, pts, name, layout); !ok) return passOn(ok);

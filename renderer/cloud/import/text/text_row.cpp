@@ -1,5 +1,7 @@
 #include "renderer/cloud/import/text/text_row.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <cstring>
@@ -88,7 +90,7 @@ const std::string* TextRow::appendTo(PointBatch& batch, const glm::dvec3& positi
     if (layout_.classification != TextLayout::none) {
         const double number = value(layout_.classification);
         if (!(number >= 0 && number <= 255)) {
-            why_ = "the class " + std::to_string(number) + " is not 0 to 255";
+            why_ = fmt::format("the class {:f} is not 0 to 255", number);
             return &why_;
         }
         batch.classification.push_back(static_cast<std::uint8_t>(number));
@@ -114,18 +116,17 @@ const std::string* TextRow::appendTo(PointBatch& batch, const glm::dvec3& positi
 const std::string* TextRow::badField(std::size_t column, const char* at, const char* end) {
     const char mark = layout_.separator.mark;
     const auto* to = mark == ' ' ? std::find_if(at, end, isBlank) : std::find(at, end, mark);
-    const auto number = "column " + std::to_string(column + 1);
-    why_ = at == to
-               ? number + " is empty"
-               : number + ": " + quotedText({at, static_cast<std::size_t>(to - at)}) + " is not a number";
+    const auto field = quotedText({at, static_cast<std::size_t>(to - at)});
+    why_ = at == to ? fmt::format("column {} is empty", column + 1)
+                    : fmt::format("column {}: {} is not a number", column + 1, field);
     return &why_;
 }
 
 const std::string* TextRow::badCount(std::string_view line) {
     std::vector<std::string_view> fields;
     splitFields(line, layout_.separator, fields);
-    why_ = "there are " + grouped(fields.size()) + " columns, but " + std::to_string(layout_.columns) +
-           " on the lines before";
+    why_ = fmt::format("there are {} columns, but {} on the lines before", grouped(fields.size()),
+                       layout_.columns);
     return &why_;
 }
 
@@ -134,9 +135,9 @@ const std::string* TextRow::badColor(int column) {
     const double number = value(column);
     std::array<char, 32> text{};
     const auto written = std::to_chars(text.data(), text.data() + text.size(), number);
-    why_ = "column " + std::to_string(column + 1) + ": the colour " + std::string(text.data(), written.ptr) +
-           " is outside of " + ranges[static_cast<std::size_t>(layout_.colorScale)] +
-           ", the range that the file's other colours have";
+    why_ = fmt::format(
+        "column {}: the colour {} is outside of {}, the range that the file's other colours have", column + 1,
+        std::string_view(text.data(), written.ptr), ranges[static_cast<std::size_t>(layout_.colorScale)]);
     return &why_;
 }
 

@@ -4,6 +4,7 @@
 
 #include "renderer/device/gl/programs/splat_layouts.hpp"
 #include "renderer/device/host/splats.hpp"
+#include "renderer/select/fade.hpp"
 
 namespace scancast::gl {
 namespace {

@@ -1,5 +1,7 @@
 #include "renderer/prepare.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 
 #include "renderer/image/clock.hpp"
@@ -12,10 +14,10 @@ namespace {
 Expected<void> checkBruteForce(const Cloud& cloud) {
     const auto most = mostSamples(cloud);
     if (!most || cloud.points <= *most) return {};
-    return fail(ErrorCode::ResourceLimit, "every point of this cloud does not fit the memory limit: it has " +
-                                              std::to_string(cloud.points) + ", and " +
-                                              std::to_string(*most) +
-                                              " fit; raise the limit, or draw without --brute-force");
+    return fail(ErrorCode::ResourceLimit,
+                fmt::format("every point of this cloud does not fit the memory limit: it has {}, and {} fit; "
+                            "raise the limit, or draw without --brute-force",
+                            cloud.points, *most));
 }
 
 SelectOptions selectionWith(const RenderOptions& options, SelectOptions selection) {

@@ -1,6 +1,7 @@
 // Chooses a device by its backend's name and lists those that would open here.
 #include "renderer/device/device.hpp"
 
+#include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
@@ -30,15 +31,16 @@ std::string title(const DeviceInfo& device) {
 
 Expected<std::unique_ptr<Device>> createDevice(const DeviceOptions& options) {
     if (options.eglDevice >= 0 && options.backend != "egl" && options.backend != "auto")
-        return fail(
-            ErrorCode::InvalidArgument,
-            "--egl-device chooses among EGL's devices; it needs --backend=egl, not " + options.backend + ".",
-            "egl-device");
+        return fail(ErrorCode::InvalidArgument,
+                    fmt::format("--egl-device chooses among EGL's devices; it needs --backend=egl, not {}.",
+                                options.backend),
+                    "egl-device");
     if (options.eglDevice < -1)
         return fail(
             ErrorCode::InvalidArgument,
-            "--egl-device takes a number from 0, as --list-backends counts, or -1 for the best; not " +
-                std::to_string(options.eglDevice) + ".",
+            fmt::format(
+                "--egl-device takes a number from 0, as --list-backends counts, or -1 for the best; not {}.",
+                options.eglDevice),
             "egl-device");
     if (options.backend == "cpu") return createCpuDevice(options.threads);
     if (options.backend == "osmesa") return createOsmesaDevice(glOptions(options));
@@ -47,9 +49,9 @@ Expected<std::unique_ptr<Device>> createDevice(const DeviceOptions& options) {
     if (options.backend == "auto") return createBest(options);
     return fail(
         ErrorCode::InvalidArgument,
-        "There is no backend \"" + options.backend +
-            "\": choose auto, cpu, egl or osmesa, for example --backend=cpu. --list-backends shows what "
-            "works here.",
+        fmt::format("There is no backend \"{}\": choose auto, cpu, egl or osmesa, for example --backend=cpu. "
+                    "--list-backends shows what works here.",
+                    options.backend),
         "backend");
 }
 

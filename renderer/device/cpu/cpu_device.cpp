@@ -1,5 +1,6 @@
 #include "renderer/device/cpu/cpu_device.hpp"
 
+#include <fmt/format.h>
 #include <tbb/global_control.h>
 #include <tbb/task_arena.h>
 
@@ -22,9 +23,9 @@ Expected<void> check(const Drawing& d) {
     if (auto ok = checkDrawing(d); !ok) return ok;
     const Window& w = d.window;
     if (std::int64_t{w.width} * w.height > maxWindowPixels) {
-        return fail(ErrorCode::ResourceLimit, "A window of " + std::to_string(w.width) + " x " +
-                                                  std::to_string(w.height) +
-                                                  " pixels is too large to draw at once; draw it in parts.");
+        return fail(ErrorCode::ResourceLimit,
+                    fmt::format("A window of {} x {} pixels is too large to draw at once; draw it in parts.",
+                                w.width, w.height));
     }
     return {};
 }
@@ -37,12 +38,10 @@ class CpuDevice final : public Device {
     }
 
     DeviceInfo info() const override {
-        const std::string level(level_.name);
         DeviceInfo info;
         info.name = std::string("cpu");
         info.vendor = std::string("Scancast");
-        info.renderer =
-            std::string("x86-64-").append(level).append(", threads: ").append(std::to_string(threads_));
+        info.renderer = fmt::format("x86-64-{}, threads: {}", level_.name, threads_);
         info.version = std::string("kernels 1");
         info.identity = info.name;
         info.mirrors = true;
@@ -83,8 +82,8 @@ class CpuDevice final : public Device {
 Expected<std::unique_ptr<Device>> createCpuDevice(int threads) {
     if (threads < 0 || threads > maxThreads) {
         return fail(ErrorCode::InvalidArgument,
-                    "The cpu device takes 1 to " + std::to_string(maxThreads) +
-                        " threads, or 0 for all cores, not " + std::to_string(threads) + ".",
+                    fmt::format("The cpu device takes 1 to {} threads, or 0 for all cores, not {}.",
+                                maxThreads, threads),
                     "threads");
     }
     if (threads == 0) threads = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));

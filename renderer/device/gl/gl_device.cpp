@@ -1,5 +1,7 @@
 #include "renderer/device/gl/gl_device.hpp"
 
+#include <fmt/format.h>
+
 #include <new>
 #include <utility>
 
@@ -126,10 +128,9 @@ class GlDevice final : public Device {
         const Window& w = drawing.window;
         if (std::int64_t{w.width} * w.height * 4 <= std::int64_t(pool_->splats.limits().storageBlockBytes))
             return {};
-        return fail(ErrorCode::ResourceLimit, "A window of " + std::to_string(w.width) + " x " +
-                                                  std::to_string(w.height) +
-                                                  " pixels does not fit a storage block of this OpenGL "
-                                                  "driver; draw it in parts.");
+        return fail(ErrorCode::ResourceLimit, fmt::format("A window of {} x {} pixels does not fit a storage "
+                                                          "block of this OpenGL driver; draw it in parts.",
+                                                          w.width, w.height));
     }
 
     Expected<std::unique_ptr<PendingFrame>> beginCurrent(const Drawing& drawing, std::stop_token stop) {
@@ -198,8 +199,8 @@ Expected<std::unique_ptr<Device>> createHardwareEglDevice(const GlOptions& optio
         auto opened = createEglDevice(device.index, options);
         // A device without a driver of its own may fall back to a rasteriser.
         if (opened && (*opened)->info().hardware) return opened;
-        reasons += opened ? " EGL device " + std::to_string(device.index) + " turned out to be " +
-                                (*opened)->info().renderer + "."
+        reasons += opened ? fmt::format(" EGL device {} turned out to be {}.", device.index,
+                                        (*opened)->info().renderer)
                           : " " + opened.error().message;
     }
     return fail(ErrorCode::DeviceUnavailable, "EGL finds no GPU here." + reasons);

@@ -1,5 +1,7 @@
 #include "renderer/device/host/drawing.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <string>
@@ -98,12 +100,12 @@ Expected<void> checkDrawing(const Drawing& d) {
     const Viewpoint& viewpoint = d.mainView().viewpoint;
     if (w.width < 1 || w.height < 1 || w.x < 0 || w.y < 0 || w.width > viewpoint.width - w.x ||
         w.height > viewpoint.height - w.y)
-        return fail(ErrorCode::InvalidArgument, "The window to draw lies outside the picture of " +
-                                                    std::to_string(viewpoint.width) + " x " +
-                                                    std::to_string(viewpoint.height) + " pixels.");
+        return fail(ErrorCode::InvalidArgument,
+                    fmt::format("The window to draw lies outside the picture of {} x {} pixels.",
+                                viewpoint.width, viewpoint.height));
     if (d.jitter.size() > mostFrames)
         return fail(ErrorCode::ResourceLimit,
-                    "At most " + std::to_string(mostFrames) + " frames can be averaged into one picture.");
+                    fmt::format("At most {} frames can be averaged into one picture.", mostFrames));
     return {};
 }
 

@@ -1,5 +1,6 @@
 #include "renderer/device/gl/context/egl_context.hpp"
 
+#include <fmt/format.h>
 #include <spdlog/spdlog.h>
 #include <unistd.h>
 
@@ -144,7 +145,7 @@ Expected<std::unique_ptr<Context>> openDevice(const EglFunctions& egl, EGLDevice
     const EglDevice device = describe(egl, handle, index);
     std::string& message = context.error().message;
     message.insert(
-        0, "EGL device " + std::to_string(index) + (device.node.empty() ? ": " : " (" + device.node + "): "));
+        0, fmt::format("EGL device {}{}: ", index, device.node.empty() ? "" : " (" + device.node + ")"));
     if (!device.node.empty() && ::access(device.node.c_str(), R_OK | W_OK) != 0)
         message += errno == EACCES ? " This user may not open " + device.node +
                                          ": add the user to the group that owns it (Debian: video, render)."
@@ -193,8 +194,8 @@ Expected<std::unique_ptr<Context>> createEglContext(int device) {
     if (!handles) return passOn(handles);
     if (static_cast<std::size_t>(device) >= handles->size())
         return fail(ErrorCode::DeviceUnavailable,
-                    "There is no EGL device " + std::to_string(device) + "; EGL lists 0 to " +
-                        std::to_string(handles->size() - 1) + " here. See --list-backends.",
+                    fmt::format("There is no EGL device {}; EGL lists 0 to {} here. See --list-backends.",
+                                device, handles->size() - 1),
                     "egl-device");
     return openDevice(**egl, (*handles)[static_cast<std::size_t>(device)], device);
 }

@@ -1,5 +1,6 @@
 #include "renderer/device/gl/context/gl_context.hpp"
 
+#include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
 #include <array>
@@ -42,9 +43,9 @@ Expected<DriverStrings> describeDriver(const GlFunctions& gl) {
     gl.GetIntegerv(GL_MAJOR_VERSION, &major);
     gl.GetIntegerv(GL_MINOR_VERSION, &minor);
     if (major * 10 + minor < 45)
-        return fail(ErrorCode::DeviceUnavailable, "The driver \"" + driver.renderer + "\" offers OpenGL " +
-                                                      std::to_string(major) + "." + std::to_string(minor) +
-                                                      "; 4.5 is needed.");
+        return fail(ErrorCode::DeviceUnavailable,
+                    fmt::format("The driver \"{}\" offers OpenGL {}.{}; 4.5 is needed.", driver.renderer,
+                                major, minor));
     driver.memory = gpuMemory(gl);
     driver.atomics64 = hasExtension(gl, "GL_NV_shader_atomic_int64");
     GLint strategy = 0;

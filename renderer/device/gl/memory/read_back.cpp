@@ -1,7 +1,8 @@
 #include "renderer/device/gl/memory/read_back.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
-#include <string>
 #include <utility>
 
 namespace scancast::gl {
@@ -63,7 +64,7 @@ Expected<void> ReadBack::makeRoom(Slot& slot, std::size_t bytes) {
         return {};
     }
     release(slot);
-    auto checked = checkErrors(gl_, "mapping memory for pictures (" + std::to_string(bytes) + " bytes)");
+    auto checked = checkErrors(gl_, fmt::format("mapping memory for pictures ({} bytes)", bytes));
     if (!checked) return checked;
     return fail(ErrorCode::ResourceLimit, "glMapNamedBufferRange gave no memory for pictures.");
 }

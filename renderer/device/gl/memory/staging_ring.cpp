@@ -1,5 +1,7 @@
 #include "renderer/device/gl/memory/staging_ring.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cstring>
 #include <utility>
@@ -24,7 +26,7 @@ Expected<void> StagingRing::make() {
     }
     gl_->DeleteBuffers(1, &name_);
     name_ = 0;
-    auto checked = checkErrors(*gl_, "mapping memory for uploads (" + std::to_string(bytes) + " bytes)");
+    auto checked = checkErrors(*gl_, fmt::format("mapping memory for uploads ({} bytes)", bytes));
     if (!checked) return checked;
     return fail(ErrorCode::ResourceLimit, "glMapNamedBufferRange gave no memory for uploads.");
 }

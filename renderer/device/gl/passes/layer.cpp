@@ -1,5 +1,7 @@
 #include "renderer/device/gl/passes/layer.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -101,9 +103,9 @@ Expected<void> Layer::upload() {
     if (std::as_bytes(std::span(tables_.runs)).size() > limit ||
         std::as_bytes(std::span(tables_.words)).size() > limit)
         return fail(ErrorCode::ResourceLimit,
-                    "The cut has " + std::to_string(tables_.runs.size()) +
-                        " runs, more than the OpenGL driver takes at once; ask for less detail or use "
-                        "--backend=cpu.");
+                    fmt::format("The cut has {} runs, more than the OpenGL driver takes at once; "
+                                "ask for less detail or use --backend=cpu.",
+                                tables_.runs.size()));
     LayerMemory& tables = parts_.tables;
     if (auto ok = tables.fill(tables.runs, tables_.runs); !ok) return ok;
     if (auto ok = tables.fill(tables.lookUps, tables_.words); !ok) return ok;

@@ -1,7 +1,8 @@
 #include "renderer/device/gl/passes/pyramid.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
-#include <string>
 
 namespace scancast::gl {
 namespace {
@@ -29,10 +30,9 @@ Expected<void> Pyramid::layOut(const PyramidView& view) {
     const std::size_t bytes = texels * sizeof(vec4);
     if (std::max(bytes, pixels * 4) > shaders_.largestBuffer())
         return fail(ErrorCode::ResourceLimit,
-                    "A picture of " + std::to_string(view.width) + " x " + std::to_string(view.height) +
-                        " px needs a pyramid of " + std::to_string(bytes >> 20) +
-                        " MiB, more than a shader can see here (" +
-                        std::to_string(shaders_.largestBuffer() >> 20) + " MiB); ask for a smaller one.");
+                    fmt::format("A picture of {} x {} px needs a pyramid of {} MiB, more than a shader can "
+                                "see here ({} MiB); ask for a smaller one.",
+                                view.width, view.height, bytes >> 20, shaders_.largestBuffer() >> 20));
     if (auto ok = labels_.reserve(pixels * 4); !ok) return ok;
     if (auto ok = texels_.reserve(bytes); !ok) return ok;
     return pulled_.reserve(bytes);

@@ -1,5 +1,7 @@
 #include "renderer/device/gl/programs/gl_handles.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 
 #include "renderer/device/gl/programs/shader_source.hpp"
@@ -49,7 +51,7 @@ Expected<void> checkReset(const GlFunctions& gl, const std::string& during) {
         default:
             fault = "and the driver does not say why";
     }
-    return fail(ErrorCode::DeviceLost, "The GPU was reset while " + during + ", " + fault + ".");
+    return fail(ErrorCode::DeviceLost, fmt::format("The GPU was reset while {}, {}.", during, fault));
 }
 
 }  // namespace
@@ -67,8 +69,7 @@ Expected<void> Buffer::reserve(std::size_t bytes) {
     const std::size_t size = std::max(bytes, smallestBuffer);
     const GLbitfield access = use_ == Use::Copies ? 0 : GL_DYNAMIC_STORAGE_BIT;
     gl_->NamedBufferStorage(name_, static_cast<GLsizeiptr>(size), nullptr, access);
-    auto made = checkErrors(
-        *gl_, std::string("making room for the ") + what_ + " (" + std::to_string(size) + " bytes)");
+    auto made = checkErrors(*gl_, fmt::format("making room for the {} ({} bytes)", what_, size));
     if (made) capacity_ = size;
     return made;
 }
@@ -120,16 +121,18 @@ Expected<Program> Program::compile(const GlFunctions& gl, const std::string& nam
     GLint ok = GL_FALSE;
     gl.GetShaderiv(shader.name, GL_COMPILE_STATUS, &ok);
     if (!ok)
-        return fail(ErrorCode::Internal, "The driver does not compile the shader " + name + ":\n" +
-                                             logOf(shader.name, gl.GetShaderiv, gl.GetShaderInfoLog) + "\n" +
-                                             withLineNumbers(source));
+        return fail(
+            ErrorCode::Internal,
+            fmt::format("The driver does not compile the shader {}:\n{}\n{}", name,
+                        logOf(shader.name, gl.GetShaderiv, gl.GetShaderInfoLog), withLineNumbers(source)));
     gl.AttachShader(program.name_, shader.name);
     gl.ProgramParameteri(program.name_, GL_PROGRAM_BINARY_RETRIEVABLE_HINT, GL_TRUE);
     gl.LinkProgram(program.name_);
     gl.GetProgramiv(program.name_, GL_LINK_STATUS, &ok);
     if (!ok)
-        return fail(ErrorCode::Internal, "The driver does not link the shader " + name + ":\n" +
-                                             logOf(program.name_, gl.GetProgramiv, gl.GetProgramInfoLog));
+        return fail(ErrorCode::Internal,
+                    fmt::format("The driver does not link the shader {}:\n{}", name,
+                                logOf(program.name_, gl.GetProgramiv, gl.GetProgramInfoLog)));
     return program;
 }
 
@@ -176,7 +179,7 @@ Expected<void> finishFence(const GlFunctions& gl, GLsync fence, const std::strin
     if (result == GL_ALREADY_SIGNALED || result == GL_CONDITION_SATISFIED) return {};
     if (auto ok = checkErrors(gl, during); !ok) return ok;
     return fail(ErrorCode::DeviceLost,
-                "glClientWaitSync: the GPU was not done within ten seconds, " + during + ".");
+                fmt::format("glClientWaitSync: the GPU was not done within ten seconds, {}.", during));
 }
 
 Expected<void> waitForGpu(const GlFunctions& gl) {
@@ -187,16 +190,16 @@ Expected<void> checkErrors(const GlFunctions& gl, const std::string& during) {
     if (auto ok = checkReset(gl, during); !ok) return ok;
     const GLenum first = gl.GetError();
     if (first == GL_CONTEXT_LOST)
-        return fail(ErrorCode::DeviceLost, "The GPU was lost while " + during + " (GL_CONTEXT_LOST).");
+        return fail(ErrorCode::DeviceLost,
+                    fmt::format("The GPU was lost while {} (GL_CONTEXT_LOST).", during));
     if (first == GL_NO_ERROR) return {};
     // A second look at most finds the next error; a broken driver must not hold us here.
     for (int i = 0; i < 16 && gl.GetError() != GL_NO_ERROR; ++i) {
     }
     if (first == GL_OUT_OF_MEMORY)
         return fail(ErrorCode::ResourceLimit,
-                    "The GPU has no memory left (GL_OUT_OF_MEMORY) while " + during + ".");
-    return fail(ErrorCode::Internal,
-                std::string("OpenGL reports ") + glErrorName(first) + " while " + during + ".");
+                    fmt::format("The GPU has no memory left (GL_OUT_OF_MEMORY) while {}.", during));
+    return fail(ErrorCode::Internal, fmt::format("OpenGL reports {} while {}.", glErrorName(first), during));
 }
 
 }  // namespace scancast::gl

@@ -1,5 +1,6 @@
 #include "renderer/device/gl/programs/programs.hpp"
 
+#include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
@@ -22,8 +23,7 @@ std::string driverName(const GlFunctions& gl) {
 /// "splat.comp SHAPE=2 CLASSES=0": the variant in logs, labels and error messages.
 std::string variantName(std::string_view shader, std::span<const Define> defines) {
     std::string name(shader);
-    for (const Define& define : defines)
-        name.append(" ").append(define.name).append("=").append(std::to_string(define.value));
+    for (const Define& define : defines) name += fmt::format(" {}={}", define.name, define.value);
     return name;
 }
 

@@ -1,5 +1,7 @@
 #include "renderer/device/gl/programs/shader_source.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cstdio>
 
@@ -31,10 +33,10 @@ struct Assembly {
     Expected<void> add(std::string_view name, int depth) {
         const auto found = std::ranges::find(library, name, &EmbeddedShader::name);
         if (found == library.end())
-            return fail(ErrorCode::Internal, "There is no shader text named " + std::string(name) + ".");
+            return fail(ErrorCode::Internal, fmt::format("There is no shader text named {}.", name));
         if (depth > deepestInclude)
             return fail(ErrorCode::Internal,
-                        "Shader includes are nested too deeply at " + std::string(name) + ".");
+                        fmt::format("Shader includes are nested too deeply at {}.", name));
         for (std::string_view rest = found->text; !rest.empty();) {
             const std::string_view line = takeLine(rest);
             if (const std::string_view included = includedName(line); !included.empty()) {
@@ -56,14 +58,9 @@ Expected<std::string> assembleShader(std::string_view name, std::span<const Defi
     Assembly assembly{library, {}, {}};
     if (auto ok = assembly.add(name, 0); !ok) return passOn(ok);
     if (assembly.version.empty())
-        return fail(ErrorCode::Internal, "The shader " + std::string(name) + " has no #version line.");
+        return fail(ErrorCode::Internal, fmt::format("The shader {} has no #version line.", name));
     std::string text = std::move(assembly.version);
-    for (const Define& define : defines)
-        text.append("#define ")
-            .append(define.name)
-            .append(" ")
-            .append(std::to_string(define.value))
-            .append("\n");
+    for (const Define& define : defines) text += fmt::format("#define {} {}\n", define.name, define.value);
     return text + assembly.body;
 }
 

@@ -1,5 +1,7 @@
 #include "simulator/write/ply_writer.hpp"
 
+#include <fmt/format.h>
+
 #include <cmath>
 #include <string>
 
@@ -13,10 +15,11 @@ class PlyWriter final : public PointWriter {
     PlyWriter(OutputFile output, bool wide) : output_(std::move(output)), wide_(wide) {}
 
     Expected<void> begin(const ScanHeader& header) {
-        const std::string real = wide_ ? "double" : "float";
-        std::string text = "ply\nformat binary_little_endian 1.0\ncomment " + header.format +
-                           "\nelement vertex " + std::to_string(*header.points) + '\n';
-        for (const char* axis : {"x", "y", "z"}) text += "property " + real + ' ' + axis + '\n';
+        const char* const real = wide_ ? "double" : "float";
+        std::string text =
+            fmt::format("ply\nformat binary_little_endian 1.0\ncomment {}\nelement vertex {}\n",
+                        header.format, *header.points);
+        for (const char* axis : {"x", "y", "z"}) text += fmt::format("property {} {}\n", real, axis);
         text +=
             "property float nx\nproperty float ny\nproperty float nz\n"
             "property uchar red\nproperty uchar green\nproperty uchar blue\n"

@@ -2,6 +2,8 @@
 
 #include "server/server.hpp"
 
+#include <fmt/format.h>
+
 #include <boost/asio/executor_work_guard.hpp>
 #include <boost/asio/io_context.hpp>
 #include <thread>
@@ -75,7 +77,7 @@ class RunningServer final : public ScancastServer {
         const bool everywhere = host == "0.0.0.0" || host == "::";
         const bool v6 = host.find(':') != std::string::npos;
         const std::string shown = everywhere ? "localhost" : v6 ? "[" + host + "]" : host;
-        return (context_.tls ? "https://" : "http://") + shown + ":" + std::to_string(port()) + "/";
+        return fmt::format("{}://{}:{}/", context_.tls ? "https" : "http", shown, port());
     }
 
     void drain() override {

@@ -1,5 +1,6 @@
 #include "server/base/faults.hpp"
 
+#include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
 #include <cstdio>
@@ -26,7 +27,7 @@ void FaultLog::report(const Error& fault) noexcept {
     try {
         const std::uint64_t times = count(fault.message);
         if (!isTelling(times)) return;
-        write_(times == 1 ? fault.message : fault.message + " (" + std::to_string(times) + " times by now)");
+        write_(times == 1 ? fault.message : fmt::format("{} ({} times by now)", fault.message, times));
     } catch (...) {
         std::fputs("There is no memory left even to log what failed.\n", stderr);
     }

@@ -1,5 +1,6 @@
 #include "server/catalog/memory_room.hpp"
 
+#include <fmt/format.h>
 #include <sys/resource.h>
 #include <unistd.h>
 
@@ -55,7 +56,7 @@ void narrow(MemoryRoom& room, std::uint64_t bytes, std::string limit) {
 }
 
 std::string inMiB(std::uint64_t bytes) {
-    return std::to_string(bytes / MiB) + " MiB";
+    return fmt::format("{} MiB", bytes / MiB);
 }
 
 std::uint64_t left(std::uint64_t limit, std::uint64_t used) {
@@ -98,12 +99,13 @@ std::uint64_t pictureBytes(const View& view) {
 Expected<void> checkRoom(const View& view, const MemoryRoom& room) {
     const std::uint64_t needed = pictureBytes(view);
     if (needed <= room.bytes) return {};
-    return fail(ErrorCode::ResourceLimit,
-                "A picture of " + std::to_string(view.width) + " x " + std::to_string(view.height) +
-                    " pixels takes about " + inMiB(needed) + " of memory, and this server has " +
-                    inMiB(room.bytes) + " left below " + room.limit +
-                    "; ask for a smaller one, or again when fewer are being drawn.",
-                "width");
+    return fail(
+        ErrorCode::ResourceLimit,
+        fmt::format(
+            "A picture of {} x {} pixels takes about {} of memory, and this server has {} left below {}; "
+            "ask for a smaller one, or again when fewer are being drawn.",
+            view.width, view.height, inMiB(needed), inMiB(room.bytes), room.limit),
+        "width");
 }
 
 }  // namespace scancast

@@ -2,6 +2,8 @@
 
 #include "server/net/http_connection.hpp"
 
+#include <fmt/format.h>
+
 #include <boost/asio/dispatch.hpp>
 #include <boost/asio/post.hpp>
 #include <boost/asio/write.hpp>
@@ -183,8 +185,7 @@ class HttpConnection final : public Connection, public std::enable_shared_from_t
     }
 
     void refuseBody() {
-        refuse(413,
-               "The body of a request may have " + std::to_string(context_.limits.maxBodyBytes) + " bytes.");
+        refuse(413, fmt::format("The body of a request may have {} bytes.", context_.limits.maxBodyBytes));
     }
 
     // The answer may come from the scheduler's threads; it is written on the strand. Where asking fails

@@ -2,6 +2,8 @@
 
 #include "server/net/listener.hpp"
 
+#include <fmt/format.h>
+
 #include <boost/asio/post.hpp>
 #include <boost/asio/strand.hpp>
 #include <thread>
@@ -31,7 +33,8 @@ Expected<std::shared_ptr<Listener>> Listener::create(asio::io_context& io, const
     const auto found = resolver.resolve(host, std::to_string(port), asio::ip::tcp::resolver::passive, ec);
     if (ec || found.empty()) {
         return fail(ErrorCode::InvalidArgument,
-                    "--host " + host + ": there is no such address here (" + ec.message() + ").", "host");
+                    fmt::format("--host {}: there is no such address here ({}).", host, ec.message()),
+                    "host");
     }
     const asio::ip::tcp::endpoint endpoint = *found.begin();
     const std::shared_ptr<Listener> listener(new Listener(io, context));
@@ -42,9 +45,11 @@ Expected<std::shared_ptr<Listener>> Listener::create(asio::io_context& io, const
     if (!ec) acceptor.listen(asio::socket_base::max_listen_connections, ec);
     if (!ec) listener->port_ = acceptor.local_endpoint(ec).port();
     if (ec) {
-        return fail(ErrorCode::Io, "Cannot listen on " + host + " port " + std::to_string(port) + ": " +
-                                       ec.message() +
-                                       ". Another port may be free: --port 0 takes any that is.");
+        return fail(
+            ErrorCode::Io,
+            fmt::format(
+                "Cannot listen on {} port {}: {}. Another port may be free: --port 0 takes any that is.",
+                host, port, ec.message()));
     }
     return listener;
 }

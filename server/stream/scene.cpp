@@ -1,5 +1,7 @@
 #include "server/stream/scene.hpp"
 
+#include <fmt/format.h>
+
 #include "protocol/view/view_json.hpp"
 #include "renderer/plan.hpp"
 
@@ -85,9 +87,8 @@ Expected<void> SceneResolver::plan(Scene& scene) const {
     const auto pixels = std::uint64_t(scene.view.width) * std::uint64_t(scene.view.height);
     if (pixels > maxPixels_) {
         return fail(ErrorCode::ResourceLimit,
-                    "A picture of " + std::to_string(scene.view.width) + " x " +
-                        std::to_string(scene.view.height) + " has " + std::to_string(pixels) +
-                        " pixels; this server draws at most " + std::to_string(maxPixels_) + ".",
+                    fmt::format("A picture of {} x {} has {} pixels; this server draws at most {}.",
+                                scene.view.width, scene.view.height, pixels, maxPixels_),
                     "width");
     }
     auto planned = world_.plan(*scene.cloud, scene.view, scene.planned.get());

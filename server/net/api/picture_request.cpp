@@ -1,5 +1,7 @@
 #include "server/net/api/picture_request.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <nlohmann/json.hpp>
@@ -18,17 +20,18 @@ using Planned = std::shared_ptr<const PlannedView>;
 constexpr std::array formats{PictureFormat::Jpeg, PictureFormat::Png, PictureFormat::Depth};
 
 Problem notAcceptable(std::string_view answersWith) {
-    return problemOf(406, "This address answers with " + std::string(answersWith) +
-                              ", which the Accept header rules out.");
+    return problemOf(
+        406, fmt::format("This address answers with {}, which the Accept header rules out.", answersWith));
 }
 
 Expected<Planned> planned(const Cloud& cloud, const View& view, std::uint64_t maxPixels) {
     if (std::uint64_t(view.width) * std::uint64_t(view.height) > maxPixels) {
-        return fail(ErrorCode::ResourceLimit,
-                    "A picture of " + std::to_string(view.width) + " x " + std::to_string(view.height) +
-                        " pixels is larger than this server draws; the limit is " +
-                        std::to_string(maxPixels) + " pixels.",
-                    "width");
+        return fail(
+            ErrorCode::ResourceLimit,
+            fmt::format(
+                "A picture of {} x {} pixels is larger than this server draws; the limit is {} pixels.",
+                view.width, view.height, maxPixels),
+            "width");
     }
     return plan(cloud, view);
 }

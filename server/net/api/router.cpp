@@ -1,5 +1,7 @@
 #include "server/net/api/router.hpp"
 
+#include <fmt/format.h>
+
 #include <vector>
 
 #include "protocol/nearest_name.hpp"
@@ -45,7 +47,7 @@ bool fits(const std::vector<std::string>& segments, std::string_view pattern, st
 tl::expected<Routed, Problem> route(std::string_view target) {
     if (target.size() > maxTargetLength) {
         return tl::unexpected(
-            problemOf(414, "The address is longer than " + std::to_string(maxTargetLength) + " bytes."));
+            problemOf(414, fmt::format("The address is longer than {} bytes.", maxTargetLength)));
     }
     if (target.empty() || target.front() != '/') {
         return tl::unexpected(problemOf(400, "The address must be a path that starts with a slash."));

@@ -89,6 +89,16 @@ struct PointBatch {
     }
 };
 
+/// Calls `f` with every column of `to` that has one value a point - all but rows - and its like in `from`.
+template <class F>
+void forColumns(PointBatch& to, const PointBatch& from, F f) {
+    f(to.position, from.position);
+    f(to.color, from.color);
+    f(to.intensity, from.intensity);
+    f(to.classification, from.classification);
+    f(to.normal, from.normal);
+}
+
 /// A scan being read, front to back, once. Owned and used by one thread.
 class PointSource {
   public:

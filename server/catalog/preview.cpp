@@ -10,16 +10,6 @@
 namespace scancast {
 namespace {
 
-/// Calls `f` with every column of `to` and its like in `from`.
-template <class F>
-void forColumns(PointBatch& to, const PointBatch& from, F f) {
-    f(to.position, from.position);
-    f(to.color, from.color);
-    f(to.intensity, from.intensity);
-    f(to.classification, from.classification);
-    f(to.normal, from.normal);
-}
-
 /// Points in memory as a scan.
 class MemorySource final : public PointSource {
   public:

@@ -128,8 +128,7 @@ class Session {
         ready = true;
         --clock_.notReady;
         while (clock_.start == 0)
-            if (auto waited = receiveUntil(Clock::now() + 250ms, [] { return false; }); !waited)
-                return waited;
+            if (auto ok = receiveUntil(Clock::now() + 250ms, [] { return false; }); !ok) return ok;
         start_ = Time(std::chrono::nanoseconds(clock_.start.load()));
         return receiveUntil(start_, [] { return false; });
     }
@@ -140,16 +139,15 @@ class Session {
         // Spread over the interval, as viewers are that know nothing of each other.
         auto next = start_ + interval * (number_ % 8) / 8;
         for (; next < end; next += interval) {
-            if (auto waited = receiveUntil(next, [] { return false; }); !waited) return waited;
+            if (auto ok = receiveUntil(next, [] { return false; }); !ok) return ok;
             measuring_ = next >= measured;
             if (Clock::now() > next + interval) continue;  // late: viewers do not send the past
             if (auto ok = sendView(false); !ok) return ok;
         }
-        if (auto waited = receiveUntil(end, [] { return false; }); !waited) return waited;
+        if (auto ok = receiveUntil(end, [] { return false; }); !ok) return ok;
         measuring_ = false;
         if (is(Behaviour::NeverAck)) return {};
-        if (auto waited = receiveUntil(Clock::now() + patience, [&] { return hasFinal(); }); !waited)
-            return waited;
+        if (auto ok = receiveUntil(Clock::now() + patience, [&] { return hasFinal(); }); !ok) return ok;
         if (!hasFinal()) return fail(ErrorCode::DeadlineExceeded, "no final still came in time");
         result_.finalMs = millisecondsSince(sent_.back());
         return {};
@@ -158,7 +156,7 @@ class Session {
     Expected<void> idle() {
         const int before = received_;
         const auto end = start_ + seconds(options_.wake.value_or(options_.warmUp + options_.seconds));
-        if (auto waited = receiveUntil(end, [] { return false; }); !waited) return waited;
+        if (auto ok = receiveUntil(end, [] { return false; }); !ok) return ok;
         result_.idleFrames = received_ - before;
         if (!options_.wake) return {};
         measuring_ = true;

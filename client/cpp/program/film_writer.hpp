@@ -14,6 +14,7 @@
 #include "protocol/error.hpp"
 
 namespace scancast::client {
+
 /// Whether this name asks for a video: .mp4, .mkv, .webm, .mov or .avi.
 bool isVideo(const std::string& path);
 

@@ -8,6 +8,7 @@
 #include <glm/geometric.hpp>
 
 #include "simulator/scene.hpp"
+#include "tests/support/clouds/read_all.hpp"
 
 namespace scancast {
 namespace {
@@ -18,12 +19,7 @@ PointBatch drain(const SceneOptions& options) {
     while (source->read(batch).value()) {
         EXPECT_LE(batch.size(), PointSource::batchPoints);
         EXPECT_GT(batch.size(), 0u);
-        const auto append = [](auto& to, const auto& from) { to.insert(to.end(), from.begin(), from.end()); };
-        append(all.position, batch.position);
-        append(all.color, batch.color);
-        append(all.intensity, batch.intensity);
-        append(all.classification, batch.classification);
-        append(all.normal, batch.normal);
+        test::append(all, batch);
     }
     EXPECT_EQ(batch.size(), 0u);
     const auto& bounds = *source->header().bounds;

@@ -7,30 +7,17 @@
 
 #include "simulator/cells.hpp"
 #include "simulator/scene.hpp"
+#include "tests/support/clouds/read_all.hpp"
 
 namespace scancast::test {
 
 /// All points of a scene. Throws when the scene cannot be made.
 inline PointBatch scenePoints(const SceneOptions& options) {
-    auto source = simulate(options).value();
-    PointBatch all, batch;
-    const auto append = [](auto& to, const auto& from) { to.insert(to.end(), from.begin(), from.end()); };
-    while (source->read(batch).value()) {
-        append(all.position, batch.position);
-        append(all.color, batch.color);
-        append(all.intensity, batch.intensity);
-        append(all.classification, batch.classification);
-        append(all.normal, batch.normal);
-    }
-    return all;
+    return readAll(*simulate(options).value()).value();
 }
 
 inline void appendPoint(PointBatch& to, const PointBatch& from, std::size_t i) {
-    to.position.push_back(from.position[i]);
-    to.color.push_back(from.color[i]);
-    to.intensity.push_back(from.intensity[i]);
-    to.classification.push_back(from.classification[i]);
-    to.normal.push_back(from.normal[i]);
+    forColumns(to, from, [i](auto& column, const auto& values) { column.push_back(values[i]); });
 }
 
 /// What stands before the mirror: without the points that the scanner saw in it. Noise may put points of the
@@ -93,15 +80,10 @@ class BatchSource final : public PointSource {
     Expected<bool> read(PointBatch& batch) override {
         batch.clear();
         const std::size_t end = std::min(points_.size(), next_ + batchPoints);
-        const auto take = [&](auto& to, const auto& from) {
+        forColumns(batch, points_, [&](auto& to, const auto& from) {
             if (!from.empty())
                 to.assign(from.begin() + std::ptrdiff_t(next_), from.begin() + std::ptrdiff_t(end));
-        };
-        take(batch.position, points_.position);
-        take(batch.color, points_.color);
-        take(batch.intensity, points_.intensity);
-        take(batch.classification, points_.classification);
-        take(batch.normal, points_.normal);
+        });
         next_ = end;
         return batch.size() > 0;
     }

@@ -6,6 +6,7 @@
 #include <sstream>
 
 #include "renderer/cloud/import/open_scan.hpp"
+#include "tests/support/clouds/read_all.hpp"
 #include "tests/support/test_data.hpp"
 #include "tests/unit/import/real_scans.hpp"
 #include "tests/unit/import/scan_summary.hpp"
@@ -43,24 +44,9 @@ ImportOptions realScanOptions() {
     return {.importerDirectory = SCANCAST_BIN_DIR};
 }
 
-/// All points of a scan, one behind the other: sources cut them into batches as they like.
-PointBatch allPoints(PointSource& source) {
-    PointBatch all, batch;
-    const auto append = [](auto& to, const auto& from) { to.insert(to.end(), from.begin(), from.end()); };
-    while (source.read(batch).value_or(false)) {
-        append(all.position, batch.position);
-        append(all.color, batch.color);
-        append(all.intensity, batch.intensity);
-        append(all.classification, batch.classification);
-        append(all.normal, batch.normal);
-        append(all.rows, batch.rows);
-    }
-    return all;
-}
-
 void expectSamePoints(PointSource& one, PointSource& other) {
-    const auto a = allPoints(one);
-    const auto b = allPoints(other);
+    const auto a = test::readAll(one).value();
+    const auto b = test::readAll(other).value();
     EXPECT_GT(a.size(), 0U);
     EXPECT_TRUE(a.position == b.position);
     EXPECT_TRUE(a.color == b.color);

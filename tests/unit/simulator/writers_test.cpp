@@ -5,25 +5,13 @@
 
 #include "simulator/scene.hpp"
 #include "simulator/write/point_writer.hpp"
+#include "tests/support/clouds/read_all.hpp"
 #include "tests/support/sized.hpp"
 #include "tests/support/temporary_folder.hpp"
 #include "tests/unit/simulator/scan_file_checker.hpp"
 
 namespace scancast {
 namespace {
-
-PointBatch drain(PointSource& source) {
-    PointBatch all, batch;
-    while (source.read(batch).value_or(false)) {
-        const auto append = [](auto& to, const auto& from) { to.insert(to.end(), from.begin(), from.end()); };
-        append(all.position, batch.position);
-        append(all.color, batch.color);
-        append(all.intensity, batch.intensity);
-        append(all.classification, batch.classification);
-        append(all.normal, batch.normal);
-    }
-    return all;
-}
 
 std::string write(const SceneOptions& options, ScanFormat format, const std::string& name) {
     auto source = simulate(options).value();
@@ -58,7 +46,7 @@ TEST(LasWriter, RoundTrip) {
             EXPECT_EQ(file.minor, format == ScanFormat::Las14 ? 4 : 2);
             EXPECT_EQ(file.format, format == ScanFormat::Las14 ? 7 : 2);
             EXPECT_EQ(file.declared, points);
-            const PointBatch truth = drain(*simulate(options).value());
+            const PointBatch truth = test::readAll(*simulate(options).value()).value();
             expectSame(file.points, truth, file.step.x / 2 + 1e-6);
             glm::dvec3 low(1e300), high(-1e300);
             for (const glm::dvec3& at : file.points.position) {
@@ -78,7 +66,7 @@ TEST(PlyWriter, RoundTripWithFloatsAtHomeAndDoublesInUtm) {
         const auto file = test::parsePly(write(options, ScanFormat::Ply, folder.file("a.ply")));
         ASSERT_EQ(file.problem, "");
         EXPECT_EQ(file.properties.front(), utm ? "double x" : "float x");
-        const PointBatch truth = drain(*simulate(options).value());
+        const PointBatch truth = test::readAll(*simulate(options).value()).value();
         expectSame(file.points, truth, utm ? 0 : 1e-6);
         EXPECT_EQ(file.points.normal, truth.normal);
     }

@@ -205,7 +205,13 @@ View defaultView(const Cloud& cloud, int width, int height) {
     View view;
     view.width = width;
     view.height = height;
-    view.camera = cloud.defaultCamera(static_cast<double>(width) / height);
+    const double aspect = static_cast<double>(width) / height;
+    if (cloud.look) {
+        view.camera = cameraFor(*cloud.look, cloud.look->views.front(), aspect);
+        view.style = cloud.look->style;
+        return view;
+    }
+    view.camera = cloud.defaultCamera(aspect);
     view.style.color = bestColorSource(cloud.attributes);
     return view;
 }

@@ -41,7 +41,8 @@ Expected<std::shared_ptr<const PlannedView>> plan(const Cloud& cloud, const View
 /// Whether a view can be planned, for who needs nothing but the answer. Errors: those of plan().
 Expected<void> checkView(const Cloud& cloud, const View& view);
 
-/// Where a client starts: the cloud's default camera, coloured by the best attribute that the cloud has.
+/// Where a client starts: as the cloud's look says; without one the whole cloud from the south-east, coloured by
+/// the best attribute that it has.
 View defaultView(const Cloud& cloud, int width = 1280, int height = 720);
 
 /// As many samples as a picture may hold on to; nullopt = as many as there are.

@@ -21,6 +21,7 @@ int main(int argc, char** argv) {
     scancast::addRender(app, exitCode);
     scancast::addIngest(app, exitCode);
     scancast::addInfo(app, exitCode);
+    scancast::addLook(app, exitCode);
     scancast::addGenerate(app, exitCode);
     constexpr int usage = 2;
     try {

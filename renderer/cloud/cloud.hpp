@@ -12,6 +12,7 @@
 #include <string>
 #include <vector>
 
+#include "protocol/look.hpp"
 #include "protocol/view/view.hpp"
 #include "renderer/cloud/octree.hpp"
 #include "renderer/cloud/point_batch.hpp"
@@ -31,6 +32,7 @@ struct Mirror {
 struct KeptColumn {
     Column column;
     std::array<double, 2> range{0, 0};
+    std::optional<std::array<double, 2>> usual{};  ///< 1st and 99th percentile; nullopt: not known
     bool operator==(const KeptColumn&) const = default;
 };
 
@@ -40,6 +42,14 @@ struct ConstantValues {
     std::optional<Rgb8> color;
     std::optional<std::uint16_t> intensity;
     bool operator==(const ConstantValues&) const = default;
+};
+
+/// Where most of the points' values lie, so that one stray value spoils no colours: 1st and 99th percentile.
+struct UsualRanges {
+    std::array<glm::dvec3, 2> position{};       ///< file coordinates, each axis for itself
+    std::array<double, 2> intensity{0, 0};      ///< 0, 0 without
+    std::array<double, 3> brightness{0, 0, 0};  ///< of the colours (Rec. 709, sRGB, 0-1): 5, 50, 95 %
+    bool operator==(const UsualRanges&) const = default;
 };
 
 /// Hundreds of scans can have something strange each; a cloud tells of so many.
@@ -65,6 +75,9 @@ struct CloudFacts {
     bool oriented = false;  ///< normals point to the side that was scanned; else their sign says nothing
     std::vector<KeptColumn> columns;
     std::vector<Mirror> mirrors;
+    std::optional<UsualRanges> usual;          ///< nullopt: not known, of a cloud file of version 1
+    std::optional<glm::dvec3> scanner;         ///< where it stood, file coordinates, if the scan says so
+    std::optional<Look> look;                  ///< nullopt: not decided yet (renderer/look)
     std::vector<std::string> notes;  ///< what was strange about the scan, one sentence each without an end
     std::string revision;            ///< hex digest of everything that pictures depend on
 };

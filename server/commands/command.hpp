@@ -11,6 +11,7 @@ void addServe(CLI::App& app, int& exitCode);
 void addRender(CLI::App& app, int& exitCode);
 void addIngest(CLI::App& app, int& exitCode);
 void addInfo(CLI::App& app, int& exitCode);
+void addLook(CLI::App& app, int& exitCode);
 void addGenerate(CLI::App& app, int& exitCode);
 
 }  // namespace scancast

@@ -7,20 +7,16 @@
 #include <map>
 #include <nlohmann/json.hpp>
 
-#include "files/machine_memory.hpp"
 #include "files/output_file.hpp"
 #include "protocol/flags/view_flags.hpp"
 #include "protocol/view/view_words.hpp"
-#include "renderer/cloud/build/build_cloud.hpp"
-#include "renderer/cloud/file/cloud_file.hpp"
-#include "renderer/cloud/import/open_scan.hpp"
 #include "renderer/image/encode.hpp"
+#include "renderer/look/decide_look.hpp"
 #include "renderer/render.hpp"
-#include "renderer/residency/open_cloud.hpp"
 #include "server/commands/byte_size.hpp"
 #include "server/commands/command.hpp"
+#include "server/commands/open_any.hpp"
 #include "server/commands/program_folder.hpp"
-#include "server/commands/progress_bar.hpp"
 #include "server/commands/terminal.hpp"
 
 namespace scancast {
@@ -112,41 +108,6 @@ Expected<void> checkArguments(const RenderArguments& arguments) {
     return {};
 }
 
-Expected<std::shared_ptr<const Cloud>> load(const RenderArguments& arguments) {
-    auto input = ScanInput::open(arguments.file);
-    if (!input) return passOn(input);
-    if (isCloudFile(input->file())) {
-        BlockCacheOptions cache;
-        cache.memoryLimit = machineMemory() / 2;
-        if (!arguments.memoryLimit.empty()) {
-            const auto limit = parseByteSize(arguments.memoryLimit, "memory-limit");
-            if (!limit) return passOn(limit);
-            cache.memoryLimit = *limit;
-        }
-        cache.onDamaged = [](const fs::path& file, const Error& error) {
-            tell("{}: {} Coarser points are shown in its place.\n", file.string(), error.message);
-        };
-        auto file = input->file().share();
-        if (!file) return passOn(file);
-        return openCloud(std::move(*file), BlockCache::create(cache));
-    }
-    auto source = openScan(*input);
-    if (!source) return passOn(source);
-    BuildOptions options;
-    options.title = fs::path(arguments.file).filename().string();
-    options.threads = arguments.device.threads;
-    options.shape.surfels = !arguments.noSurfels;
-    auto mirrors = input->mirrors();
-    if (!mirrors) return passOn(mirrors);
-    options.mirrors = std::move(*mirrors);
-    ProgressBar bar;
-    auto cloud = buildCloud(**source, options, bar.sink());
-    bar.clear();
-    if (cloud)
-        for (const std::string& remark : remarksOn(**cloud)) fmt::print(stderr, "{}\n", remark);
-    return cloud;
-}
-
 /// A lost device is replaced by the cpu device, which draws the picture instead.
 Expected<Frame> renderOrReplace(std::unique_ptr<Device>& device, const Cloud& cloud, const View& view,
                                 const RenderArguments& arguments) {
@@ -174,8 +135,11 @@ Expected<void> runRender(const RenderArguments& arguments) {
     options.gpuMemoryLimit = *gpuMemoryLimit;
     auto device = createDevice(options);
     if (!device) return passOn(device);
-    auto cloud = load(arguments);
+    auto cloud = openAny(arguments.file, {.threads = arguments.device.threads,
+                                          .surfels = !arguments.noSurfels,
+                                          .memoryLimit = arguments.memoryLimit});
     if (!cloud) return passOn(cloud);
+    cloud = withLook(std::move(*cloud));
     auto view = applyWords(defaultView(**cloud), *words);
     if (!view) return passOn(view);
 

@@ -106,8 +106,9 @@ CloudFacts factsOf(const StagedScan& scan, const ScanHeader& header, const Octre
     facts.surfels = shape.surfels;
     facts.oriented = header.attributes.normal ||
                      (shape.surfels && (header.scannerOrigin || shape.orientation == Orientation::Up));
+    facts.scanner = header.scannerOrigin;
     for (std::size_t c = 0; c < header.columns.size(); ++c)
-        facts.columns.push_back({header.columns[c], scan.columnRanges[c]});
+        facts.columns.push_back({header.columns[c], scan.columnRanges[c], scan.columnSketches[c].usual()});
     return facts;
 }
 

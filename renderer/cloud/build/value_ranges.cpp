@@ -1,8 +1,30 @@
 #include "renderer/cloud/build/value_ranges.hpp"
 
 #include <algorithm>
+#include <numeric>
+#include <span>
 
 namespace scancast {
+
+namespace {
+
+/// Rec. 709 weights of the stored bytes, in 256ths.
+std::size_t brightnessOf(const std::array<std::uint8_t, 3>& color) {
+    return std::size_t(54 * color[0] + 183 * color[1] + 19 * color[2]) >> 8;
+}
+
+/// The least value at or below which the share `q` of all counted lies.
+double quantile(std::span<const std::uint64_t> counts, double q) {
+    const auto all = std::accumulate(counts.begin(), counts.end(), std::uint64_t(0));
+    std::uint64_t below = 0;
+    for (std::size_t value = 0; value < counts.size(); ++value) {
+        below += counts[value];
+        if (below > 0 && double(below) >= q * double(all)) return double(value);
+    }
+    return 0;
+}
+
+}  // namespace
 
 void ValueRanges::add(const PointBatch& batch) {
     for (const auto& color : batch.color)
@@ -10,6 +32,10 @@ void ValueRanges::add(const PointBatch& batch) {
             colorLow_[c] = std::min(colorLow_[c], color[c]);
             colorHigh_[c] = std::max(colorHigh_[c], color[c]);
         }
+    for (const auto& color : batch.color) ++brightness_[brightnessOf(color)];
+    for (const glm::dvec3& p : batch.position)
+        for (int a = 0; a < 3; ++a) position_[std::size_t(a)].add(p[a]);
+    for (const std::uint16_t i : batch.intensity) ++intensities_[i];
     for (const std::uint16_t i : batch.intensity) {
         intensity_[0] = std::min(intensity_[0], i);
         intensity_[1] = std::max(intensity_[1], i);
@@ -17,6 +43,15 @@ void ValueRanges::add(const PointBatch& batch) {
 }
 
 void ValueRanges::settle(CloudFacts& facts) const {
+    UsualRanges& usual = facts.usual.emplace();
+    for (int a = 0; a < 3; ++a) {
+        const auto [low, high] = position_[std::size_t(a)].usual();
+        usual.position[0][a] = low;
+        usual.position[1][a] = high;
+    }
+    usual.intensity = {quantile(intensities_, 0.01), quantile(intensities_, 0.99)};
+    usual.brightness = {quantile(brightness_, 0.05) / 255, quantile(brightness_, 0.5) / 255,
+                        quantile(brightness_, 0.95) / 255};
     const bool oneIsAll = facts.points == 1;
     const bool isBlack = colorHigh_ == std::array<std::uint8_t, 3>{};
     if (facts.attributes.color && colorLow_ == colorHigh_ && (!oneIsAll || isBlack)) {

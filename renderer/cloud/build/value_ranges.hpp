@@ -3,6 +3,9 @@
 // Pipeline: import → **staging** → facts. In any order of the points and on any number of threads the same.
 #pragma once
 
+#include <vector>
+
+#include "renderer/cloud/build/value_sketch.hpp"
 #include "renderer/cloud/cloud.hpp"
 
 namespace scancast {
@@ -11,13 +14,16 @@ class ValueRanges {
   public:
     /// Columns that the batch lacks are left alone: scans without colours do not make those of others vary.
     void add(const PointBatch& batch);
-    /// Tells the facts, whose points and attributes stand already: intensityRange, and what of the attributes
-    /// is constant. One single point varies in nothing; it keeps what is not 0.
+    /// Tells the facts, whose points and attributes stand already: intensityRange, where values usually lie, and
+    /// what of the attributes is constant. One single point varies in nothing; it keeps what is not 0.
     void settle(CloudFacts& facts) const;
 
   private:
     std::array<std::uint8_t, 3> colorLow_{255, 255, 255}, colorHigh_{0, 0, 0};
     std::array<std::uint16_t, 2> intensity_{65535, 0};
+    std::array<ValueSketch, 3> position_;
+    std::vector<std::uint64_t> intensities_ = std::vector<std::uint64_t>(65536);
+    std::array<std::uint64_t, 256> brightness_{};
 };
 
 }  // namespace scancast

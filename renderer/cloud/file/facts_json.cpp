@@ -31,8 +31,10 @@ Json rangeJson(const std::array<double, 2>& range) {
 
 Json columnJson(const KeptColumn& kept) {
     const Column& c = kept.column;
-    return {{"name", c.name},     {"type", name(c.type)},         {"scale", c.scale},
-            {"offset", c.offset}, {"description", c.description}, {"range", rangeJson(kept.range)}};
+    Json json{{"name", c.name},     {"type", name(c.type)},         {"scale", c.scale},
+              {"offset", c.offset}, {"description", c.description}, {"range", rangeJson(kept.range)}};
+    if (kept.usual) json["usual"] = rangeJson(*kept.usual);
+    return json;
 }
 
 Json mirrorJson(const Mirror& m) {
@@ -50,6 +52,12 @@ void addRare(const CloudFacts& f, Json& json) {
     if (f.constant.color) json["constant"]["color"] = *f.constant.color;
     if (f.constant.intensity) json["constant"]["intensity"] = *f.constant.intensity;
     if (!f.notes.empty()) json["notes"] = f.notes;
+    if (f.usual)
+        json["usual"] = {{"position", {vectorJson(f.usual->position[0]), vectorJson(f.usual->position[1])}},
+                         {"intensity", f.usual->intensity},
+                         {"brightness", f.usual->brightness}};
+    if (f.scanner) json["scanner"] = vectorJson(*f.scanner);
+    if (f.look) json["look"] = toJson(*f.look);
 }
 
 Json factsJson(const CloudFacts& f, std::string_view writtenBy) {
@@ -170,14 +178,14 @@ class Fields {
     std::string& fault() { return fault_; }
     std::string member(const char* key) const { return where_ + key + "."; }
 
-    static constexpr std::size_t noSize = std::size_t(-1);
-
-  private:
     void number(const Json& value, const std::string& key, double& into) {
         if (!value.is_number() || !std::isfinite(value.get<double>())) return blame(key, "is not a number");
         into = value.get<double>();
     }
 
+    static constexpr std::size_t noSize = std::size_t(-1);
+
+  private:
     const Json& object_;
     std::string where_;
     std::string& fault_;
@@ -191,6 +199,7 @@ void takeColumn(Fields fields, KeptColumn& into) {
     fields.number("offset", into.column.offset);
     fields.text("description", into.column.description);
     fields.range("range", into.range);
+    if (fields.has("usual")) fields.range("usual", into.usual.emplace());
     for (int t = 0; t <= int(lastColumnType); ++t)
         if (name(ColumnType(t)) == type) return void(into.column.type = ColumnType(t));
     fields.blame("type", "is none that there is");
@@ -241,6 +250,20 @@ void takeNotes(Fields& fields, std::vector<std::string>& into) {
     }
 }
 
+void takeUsual(Fields fields, UsualRanges& into) {
+    fields.bounds("position", into.position);
+    fields.range("intensity", into.intensity);
+    if (const Json* brightness = fields.list("brightness", into.brightness.size()))
+        for (std::size_t i = 0; i < into.brightness.size(); ++i)
+            fields.number((*brightness)[i], "brightness", into.brightness[i]);
+}
+
+void takeLook(Fields& fields, std::optional<Look>& into) {
+    auto look = applyLook(Look{}, *fields.find("look"));
+    if (!look) return fields.blame("look", look.error().message.c_str());
+    into = std::move(*look);
+}
+
 /// What few clouds have, and older files never.
 void takeRare(Fields& fields, CloudFacts& facts) {
     if (fields.has("crsEpsg"))
@@ -248,6 +271,10 @@ void takeRare(Fields& fields, CloudFacts& facts) {
     if (fields.has("constant"))
         takeConstant({*fields.find("constant"), fields.member("constant"), fields.fault()}, facts.constant);
     if (fields.has("notes")) takeNotes(fields, facts.notes);
+    if (fields.has("usual"))
+        takeUsual({*fields.find("usual"), fields.member("usual"), fields.fault()}, facts.usual.emplace());
+    if (fields.has("scanner")) fields.vector("scanner", facts.scanner.emplace());
+    if (fields.has("look")) takeLook(fields, facts.look);
 }
 
 void takeLists(Fields& fields, CloudFacts& facts) {

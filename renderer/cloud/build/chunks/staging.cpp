@@ -155,6 +155,7 @@ void learnColumns(const PointBatch& batch, std::span<const Column> columns, Stag
                 columns[c].scale * numberAt(batch.rows.data() + i * stride + at, columns[c].type);
             if (v < low) low = v;  // NaN is in no range
             if (v > high) high = v;
+            scan.columnSketches[c].add(v);
         }
         at += bytesOf(columns[c].type);
     }
@@ -204,6 +205,7 @@ Expected<StagedScan> stage(PointSource& source, Workspace& workspace, ProgressMe
     const ScanHeader header = source.header();
     scan.columnRanges.assign(header.columns.size(), {std::numeric_limits<double>::infinity(),
                                                      -std::numeric_limits<double>::infinity()});
+    scan.columnSketches.resize(header.columns.size());
     PointBatch current, next;
     const auto readNext = [&] { return source.read(next); };
     Expected<bool> more = readNext();

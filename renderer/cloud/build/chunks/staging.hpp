@@ -44,6 +44,7 @@ struct StagedScan {
     ValueRanges values;
     std::array<std::uint64_t, 256> classCounts{};
     std::vector<std::array<double, 2>> columnRanges;  ///< of header.columns, scaled
+    std::vector<ValueSketch> columnSketches;          ///< of the same
     bool onOwnGrid = true;
     std::array<std::int64_t, 3> ownLow{}, ownHigh{};
 };

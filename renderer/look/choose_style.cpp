@@ -1,0 +1,84 @@
+#include "renderer/look/choose_style.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+namespace scancast {
+
+namespace {
+
+/// A calm warm grey: shape shows by light alone.
+constexpr Rgb8 clay{206, 196, 182};
+
+struct Choices {
+    std::vector<StyleChoice> all;
+
+    Style& add(ColorSource color, Shading shading, std::string reason) {
+        StyleChoice& choice = all.emplace_back();
+        choice.style.method = "auto";
+        choice.style.color = color;
+        choice.style.shading = shading;
+        choice.reason = std::move(reason);
+        return choice.style;
+    }
+};
+
+std::array<double, 2> intensityRange(const CloudFacts& facts) {
+    if (facts.usual) return facts.usual->intensity;
+    return {double(facts.intensityRange[0]), double(facts.intensityRange[1])};
+}
+
+std::array<double, 2> elevationRange(const SurveyedScene& scene) {
+    std::vector<double> heights;
+    for (const SurveyPoint& p : scene.points) heights.push_back(p.position.z);
+    return {quantileOf(heights, 0.01), quantileOf(std::move(heights), 0.99)};
+}
+
+/// Classes that people know, in numbers worth a legend: not everything is ground or "unclassified".
+bool hasTellingClasses(const CloudFacts& facts) {
+    if (!facts.attributes.classification) return false;
+    std::uint64_t most = 0, told = 0;
+    for (std::size_t c = 2; c < facts.classCounts.size(); ++c) {
+        most = std::max(most, facts.classCounts[c]);
+        told += facts.classCounts[c];
+    }
+    return 2 * told > facts.points && 5 * most < 4 * facts.points;
+}
+
+}  // namespace
+
+std::vector<StyleChoice> stylesFor(const CloudFacts& facts, const SurveyedScene& scene) {
+    Choices choices;
+    const bool isLand = scene.kind == SceneKind::Airborne || scene.kind == SceneKind::Street;
+    const bool lit = facts.surfels || facts.attributes.normal;
+    if (facts.attributes.color) {
+        if (!isLand) choices.add(ColorSource::Rgb, Shading::Unlit, "It has photographed colours.");
+        choices.add(ColorSource::Rgb, Shading::EyeDome, "It has photographed colours; edges are made clear.");
+        if (lit)
+            choices.add(ColorSource::Rgb, Shading::Phong,
+                        "It has photographed colours, but pale ones: light shows the shape.");
+    }
+    if (isLand && hasTellingClasses(facts))
+        choices.add(ColorSource::Classification, Shading::EyeDome,
+                    "It has no colours, but classes that tell ground, plants and buildings apart.");
+    if (scene.kind == SceneKind::Airborne) {
+        choices.add(ColorSource::Elevation, Shading::EyeDome, "It has no colours: height is shown by them.").range =
+            elevationRange(scene);
+    }
+    if (!isLand && lit)
+        choices.add(ColorSource::Flat, Shading::Phong, "It has no colours: light shows the shape.").flatColor =
+            clay;
+    if (facts.attributes.intensity) {
+        Style& style = choices.add(ColorSource::Intensity, Shading::EyeDome,
+                                   "It has no colours: how strongly it reflects is shown as grey.");
+        style.colormap = "grey";
+        style.range = intensityRange(facts);
+    }
+    if (scene.kind != SceneKind::Airborne)
+        choices.add(ColorSource::Elevation, Shading::EyeDome, "It has no colours: height is shown by them.").range =
+            elevationRange(scene);
+    return std::move(choices.all);
+}
+
+}  // namespace scancast

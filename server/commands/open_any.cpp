@@ -1,0 +1,58 @@
+#include "server/commands/open_any.hpp"
+
+#include <filesystem>
+
+#include "files/machine_memory.hpp"
+#include "renderer/cloud/build/build_cloud.hpp"
+#include "renderer/cloud/file/cloud_file.hpp"
+#include "renderer/cloud/import/open_scan.hpp"
+#include "renderer/residency/open_cloud.hpp"
+#include "server/commands/byte_size.hpp"
+#include "server/commands/progress_bar.hpp"
+#include "server/commands/terminal.hpp"
+
+namespace scancast {
+namespace {
+
+namespace fs = std::filesystem;
+
+Expected<std::shared_ptr<const Cloud>> openFile(const ScanInput& input, const OpenOptions& options) {
+    BlockCacheOptions cache;
+    cache.memoryLimit = machineMemory() / 2;
+    if (!options.memoryLimit.empty()) {
+        const auto limit = parseByteSize(options.memoryLimit, "memory-limit");
+        if (!limit) return passOn(limit);
+        cache.memoryLimit = *limit;
+    }
+    cache.onDamaged = [](const fs::path& file, const Error& error) {
+        tell("{}: {} Coarser points are shown in its place.\n", file.string(), error.message);
+    };
+    auto file = input.file().share();
+    if (!file) return passOn(file);
+    return openCloud(std::move(*file), BlockCache::create(cache));
+}
+
+}  // namespace
+
+Expected<std::shared_ptr<const Cloud>> openAny(const std::string& file, const OpenOptions& options) {
+    auto input = ScanInput::open(file);
+    if (!input) return passOn(input);
+    if (isCloudFile(input->file())) return openFile(*input, options);
+    auto source = openScan(*input);
+    if (!source) return passOn(source);
+    BuildOptions build;
+    build.title = fs::path(file).filename().string();
+    build.threads = options.threads;
+    build.shape.surfels = options.surfels;
+    auto mirrors = input->mirrors();
+    if (!mirrors) return passOn(mirrors);
+    build.mirrors = std::move(*mirrors);
+    ProgressBar bar;
+    auto cloud = buildCloud(**source, build, bar.sink());
+    bar.clear();
+    if (cloud)
+        for (const std::string& remark : remarksOn(**cloud)) tell("{}\n", remark);
+    return cloud;
+}
+
+}  // namespace scancast

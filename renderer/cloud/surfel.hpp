@@ -4,6 +4,8 @@
 
 #include <glm/vec3.hpp>
 
+#include "renderer/cloud/density.hpp"
+
 namespace scancast {
 
 /// minor / major of a surfel is never less: a longer ellipse is measured from too few neighbours.
@@ -16,7 +18,10 @@ struct Surfel {
     float major = 0;         ///< a: distance to the k-th nearest distinct neighbour, cloud units
     float minor = 0;         ///< b = a · max(√(λ2/λ1), 1/4)
     float radius = 0;        ///< r: average distance to those k neighbours; 0 = no neighbour
-    bool outlier = false;    ///< r > 4 × the median of its neighbours' r
+    float nearby = 0;        ///< average distance to the eight nearest of them
+    float usual = 0;         ///< the median of its witnesses' r (surfels/evidence.hpp); 0 = not known
+    Density density = Density::Surface;
+    bool outlier = false;  ///< its density is Stray
 };
 
 }  // namespace scancast

@@ -120,14 +120,15 @@ class Finisher {
         return samples;
     }
 
-    Expected<std::vector<float>> reachesOf(const BuildNode& node) const {
-        if (!file_) return node.content.reaches;
-        std::vector<float> reaches(node.stored.node.sampleCount);
-        if (auto read = node.setAside.read(reaches.size() * sizeof(Sample),
-                                           std::as_writable_bytes(std::span(reaches)));
-            !read)
-            return passOn(read);
-        return reaches;
+    Expected<AveragedFacts> factsOf(const BuildNode& node) const {
+        if (!file_) return AveragedFacts{node.content.reaches, node.content.densities};
+        const std::size_t count = node.stored.node.sampleCount;
+        AveragedFacts facts{std::vector<float>(count), std::vector<Density>(count)};
+        const std::uint64_t toReaches = count * sizeof(Sample), toDensities = toReaches + count * sizeof(float);
+        auto read = node.setAside.read(toReaches, std::as_writable_bytes(std::span(facts.reaches)));
+        if (read) read = node.setAside.read(toDensities, std::as_writable_bytes(std::span(facts.densities)));
+        if (!read) return passOn(read);
+        return facts;
     }
 
     Expected<void> finish(Inner& work) const {
@@ -136,10 +137,10 @@ class Finisher {
         if (!samples) return passOn(samples);
         work.samples = std::move(*samples);
         if (input_.shape.surfels) {
-            const auto reaches = reachesOf(node);
-            if (!reaches) return passOn(reaches);
+            const auto facts = factsOf(node);
+            if (!facts) return passOn(facts);
             const auto find = [this](const BuildNode& n) { return samplesOf(n); };
-            if (auto ok = addInnerSurfels(node, *reaches, root_, input_, find, work.samples); !ok) return ok;
+            if (auto ok = addInnerSurfels(node, *facts, root_, input_, find, work.samples); !ok) return ok;
         }
         node.content.cone = coneOfSamples(work.samples);
         node.sampleHash = XXH3_64bits(work.samples.data(), work.samples.size() * sizeof(Sample));

@@ -56,10 +56,14 @@ Grid ownGrid(const glm::dvec3& origin, const glm::dvec3& ownStep, const std::arr
 /// A cubic grid over a box in file coordinates.
 Grid cubicGrid(const glm::dvec3& low, const glm::dvec3& high);
 
+/// What averages need to know of a density (Density), in two bits: a sample of points most of which are edges
+/// is a surface's.
+enum class Bulk : std::uint8_t { Surface, Wire, Foliage, Stray };
+
 /// A scan point while the octree is built: 24 bytes.
 struct BuildPoint {
     std::array<std::uint32_t, 3> low{};  ///< the lower 32 bits of the position
-    std::uint32_t high = 0;              ///< the upper 10 bits of each axis: x lowest
+    std::uint32_t high = 0;              ///< the upper 10 bits of each axis: x lowest; above them a bulk
     std::uint16_t intensity = 0;
     std::array<std::uint8_t, 3> color{255, 255, 255};
     std::uint8_t classification = 0;
@@ -67,6 +71,9 @@ struct BuildPoint {
 
     std::uint64_t axis(int a) const { return low[a] | std::uint64_t(high >> (10 * a) & 1023u) << 32; }
     GridPosition position() const { return {axis(0), axis(1), axis(2)}; }
+    Bulk bulk() const { return Bulk(high >> 30); }
+    void setBulk(Bulk b) { high = (high & 0x3fffffffu) | std::uint32_t(b) << 30; }
+    /// Its bulk becomes a surface's.
     void setPosition(const GridPosition& p) {
         low = {std::uint32_t(p[0]), std::uint32_t(p[1]), std::uint32_t(p[2])};
         high = std::uint32_t(p[0] >> 32 | (p[1] >> 32) << 10 | (p[2] >> 32) << 20);

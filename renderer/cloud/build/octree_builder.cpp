@@ -168,6 +168,7 @@ class TreeBuilder {
         if (!place) return passOn(place);
         leaf.stored.samples = *place;
         giveBack(leaf.content.samples);
+        giveBack(leaf.content.densities);
         if (blocks.rows.empty()) return {};
         auto rows = file_->append(blocks.rows);
         if (!rows) return passOn(rows);
@@ -179,15 +180,20 @@ class TreeBuilder {
     Expected<void> setAside(BuildNode& node) {
         auto& samples = node.content.samples;
         auto& reaches = node.content.reaches;
+        auto& densities = node.content.densities;
         if (!file_) return {};
-        auto room = workspace_.allocate(samples.size() * sizeof(Sample) + reaches.size() * sizeof(float));
+        const std::uint64_t toReaches = samples.size() * sizeof(Sample),
+                            toDensities = toReaches + reaches.size() * sizeof(float);
+        auto room = workspace_.allocate(toDensities + densities.size() * sizeof(Density));
         if (!room) return passOn(room);
         auto done = room->write(0, std::as_bytes(std::span(samples)));
-        if (done) done = room->write(samples.size() * sizeof(Sample), std::as_bytes(std::span(reaches)));
+        if (done) done = room->write(toReaches, std::as_bytes(std::span(reaches)));
+        if (done) done = room->write(toDensities, std::as_bytes(std::span(densities)));
         if (!done) return done;
         node.setAside = std::move(*room);
         giveBack(samples);
         giveBack(reaches);
+        giveBack(densities);
         return {};
     }
 

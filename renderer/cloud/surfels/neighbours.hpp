@@ -30,8 +30,6 @@ class NeighbourIndex {
     }
     /// Runs of at most surfel::groupSize positions that stand together: the first of each, and the end.
     std::span<const std::uint32_t> groups() const { return groupBegin_; }
-    /// The same for the leaves of the boxes.
-    std::span<const std::uint32_t> leaves() const { return leafBegin_; }
 
   private:
     void fill(std::span<const glm::vec3> points);

@@ -1,22 +1,23 @@
 #include "renderer/cloud/surfels/surfels.hpp"
 
 #include <oneapi/tbb/blocked_range.h>
+#include <oneapi/tbb/combinable.h>
 #include <oneapi/tbb/parallel_for.h>
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <memory>
 #include <vector>
 
+#include "renderer/cloud/surfels/evidence.hpp"
 #include "renderer/cloud/surfels/kernels/levels.hpp"
 #include "renderer/cloud/surfels/neighbours.hpp"
+#include "renderer/cloud/surfels/strays.hpp"
 
 namespace scancast {
 
 namespace {
 
-constexpr float outlierFactor = 4;
 constexpr std::size_t groupsPerTask = 512;
 
 /// One for each thread, for as long as it lives: kernels never wait, so nobody else uses it meanwhile.
@@ -32,29 +33,19 @@ class Estimate {
         : out_(out),
           k_(std::clamp(options.neighbours, 1, surfel::maxNeighbours)),
           index_(points),
+          evidence_(index_),
           kernels_(kernels) {}
 
     void run() {
         if (index_.size() < 2) return std::fill(out_.begin(), out_.end(), Surfel{});
-        facts_.resize(index_.size());
         forGroups([&](std::size_t begin, std::size_t end) { solve(begin, end); });
-        leafLeast_.resize(index_.leaves().size() - 1);
-        tbb::parallel_for(std::size_t(0), leafLeast_.size(), [&](std::size_t leaf) {
-            float least = std::numeric_limits<float>::infinity();
-            for (std::uint32_t p = index_.leaves()[leaf]; p < index_.leaves()[leaf + 1]; ++p)
-                least = std::min(least, facts_[p].radius);
-            leafLeast_[leaf] = least;
+        forGroups([&](std::size_t begin, std::size_t end) {
+            for (std::uint32_t p = index_.groups()[begin]; p < index_.groups()[end]; ++p) judge(p);
         });
-        forGroups([&](std::size_t begin, std::size_t end) { markOutliers(begin, end); });
+        markStrays();
     }
 
   private:
-    /// What the outlier rule wants to know of every position.
-    struct Facts {
-        float radius, reach2;
-        std::uint8_t neighbours;
-    };
-
     template <class F>
     void forGroups(const F& f) {
         tbb::parallel_for(
@@ -69,13 +60,14 @@ class Estimate {
     }
 
     void store(const surfel::Solved& s) {
-        facts_[s.point] = {s.radius, s.reach2, std::uint8_t(s.neighbours)};
+        evidence_.add(s);
         Surfel surfel;
         surfel.normal = glm::vec3(s.normal[0], s.normal[1], s.normal[2]);
         surfel.majorAxis = glm::vec3(s.axis[0], s.axis[1], s.axis[2]);
         surfel.major = std::sqrt(s.reach2);
         surfel.minor = surfel.major * std::max(float(std::sqrt(s.ratio)), leastSurfelRatio);
         surfel.radius = s.radius;
+        surfel.nearby = s.nearby;
         for (const std::uint32_t i : index_.pointsAt(s.point))
             if (i < out_.size()) out_[i] = surfel;
     }
@@ -86,46 +78,39 @@ class Estimate {
         return false;
     }
 
-    /// Nobody is an outlier where no radius nearby is that much smaller; only where one is, neighbours are
-    /// looked up once more.
-    void markOutliers(std::size_t begin, std::size_t end) {
-        for (std::size_t g = begin; g < end; ++g) {
-            const std::uint32_t first = index_.groups()[g], last = index_.groups()[g + 1];
-            glm::vec3 low = index_.position(first), high = low;
-            float reach2 = 0, radius = 0;
-            for (std::uint32_t p = first; p < last; ++p) {
-                const glm::vec3 here = index_.position(p);
-                for (int a = 0; a < 3; ++a) {
-                    low[a] = std::min(low[a], here[a]);
-                    high[a] = std::max(high[a], here[a]);
-                }
-                reach2 = std::max(reach2, facts_[p].reach2);
-                radius = std::max(radius, facts_[p].radius);
+    /// What only can be said when all neighbourhoods are known.
+    void judge(std::uint32_t p) {
+        if (!isWanted(p)) return;
+        const float usual = evidence_.usualRadius(p);
+        const Density density = evidence_.density(p);
+        for (const std::uint32_t i : index_.pointsAt(p))
+            if (i < out_.size()) {
+                out_[i].usual = usual;
+                out_[i].density = density;
             }
-            const float least = kernels_.least(index_.view(), leafLeast_.data(), &low.x, &high.x, reach2);
-            if (!(radius > outlierFactor * least)) continue;
-            for (std::uint32_t p = first; p < last; ++p)
-                if (facts_[p].radius > outlierFactor * least && isWanted(p) && isOutlier(p, workspace()))
-                    for (const std::uint32_t i : index_.pointsAt(p))
-                        if (i < out_.size()) out_[i].outlier = true;
-        }
     }
 
-    /// More than half of the neighbours (of an even number: half) have a radius that much smaller: then so
-    /// has the (lower) median.
-    bool isOutlier(std::uint32_t p, surfel::SearchScratch& w) const {
-        const int m = kernels_.nearest(index_.view(), p, facts_[p].neighbours, w);
-        int smaller = 0;
-        for (int j = 1; j <= m; ++j) smaller += facts_[p].radius > outlierFactor * facts_[w.best[j]].radius;
-        return smaller > (m - 1) / 2;
+    void markStrays() {
+        tbb::combinable<std::vector<std::uint32_t>> found;
+        forGroups([&](std::size_t begin, std::size_t end) {
+            findStrays(index_.groups()[begin], index_.groups()[end], index_, evidence_, kernels_, workspace(),
+                       found.local());
+        });
+        found.combine_each([&](const std::vector<std::uint32_t>& strays) {
+            for (const std::uint32_t p : strays)
+                for (const std::uint32_t i : index_.pointsAt(p))
+                    if (i < out_.size()) {
+                        out_[i].density = Density::Stray;
+                        out_[i].outlier = true;
+                    }
+        });
     }
 
     std::span<Surfel> out_;
     int k_;
     NeighbourIndex index_;
+    Evidence evidence_;
     const surfel::SurfelKernels& kernels_;
-    std::vector<Facts> facts_;
-    std::vector<float> leafLeast_;
 };
 
 }  // namespace

@@ -61,6 +61,7 @@ void add(Average& sum, const BuildPoint& p, int sign, const AverageRules& rules,
     }
     sum.count += 1;
     sum.intensity += p.intensity;
+    if (const Bulk bulk = p.bulk(); bulk != Bulk::Surface) ++sum.bulks[std::size_t(bulk) - 1];
     if (rules.attributes.normal) {
         const NormalSum n = normalOf(p);
         for (int a = 0; a < 3; ++a) sum.normal[a] += sign * n[a];
@@ -74,6 +75,7 @@ void add(Average& sum, const Average& other, int sign, const AverageRules& rules
         sum.position[a] += other.position[a];
         sum.color[a] += other.color[a];
         sum.normal[a] += sign * other.normal[a];
+        sum.bulks[std::size_t(a)] += other.bulks[std::size_t(a)];
     }
     sum.count += other.count;
     sum.intensity += other.intensity;
@@ -82,6 +84,10 @@ void add(Average& sum, const Average& other, int sign, const AverageRules& rules
             const Vote& v = otherVotes[other.firstVote + i];
             votes.add(v.classification, v.count);
         }
+}
+
+Bulk bulkOf(const BuildPoint& p) {
+    return p.bulk();
 }
 
 // How far the farthest position averaged into a thing is from a point; grid steps count from `from`.
@@ -165,6 +171,7 @@ void averageRun(Things run, const GridPosition& cell, const AverageRules& rules,
             if (sides[side].count > 0) mean[side] = meanPosition(sides[side], from);
         for (const auto& thing : run) {
             const std::size_t side = sideOf(thing);
+            if (bulkOf(at(thing)) == Bulk::Stray && bulkOf(sides[side]) != Bulk::Stray) continue;
             sides[side].reach =
                 std::max(sides[side].reach, reachFrom(mean[side], at(thing), from, rules.gridStep));
         }
@@ -220,6 +227,12 @@ glm::dvec3 meanPosition(const Average& average, const GridPosition& from) {
     for (int a = 0; a < 3; ++a)
         mean[a] = double(average.position[a] - WideSum(from[a]) * average.count) / double(average.count);
     return mean;
+}
+
+Bulk bulkOf(const Average& average) {
+    const auto& [wire, foliage, stray] = average.bulks;
+    const std::array<std::uint64_t, 4> counts{average.count - wire - foliage - stray, wire, foliage, stray};
+    return Bulk(std::max_element(counts.begin(), counts.end()) - counts.begin());
 }
 
 Sample meanAttributes(const Average& average, const AverageList& list) {

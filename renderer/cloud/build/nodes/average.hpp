@@ -28,7 +28,8 @@ struct Average {
     std::array<std::uint64_t, 3> color{};
     std::uint64_t intensity = 0;
     std::array<std::int64_t, 3> normal{};  ///< sum of unit normals, 12 bits each
-    float reach = 0;                       ///< cloud units to the farthest position averaged; on request
+    std::array<std::uint64_t, 3> bulks{};  ///< scan points that are wires, foliage, strays
+    float reach = 0;  ///< cloud units to the farthest position averaged, strays left out; on request
     std::uint32_t firstVote = 0, votes = 0;
 };
 
@@ -54,6 +55,8 @@ void appendCells(const AverageList& finer, const AverageRules& rules, AverageLis
 /// Merges runs that appendCells added one after the other (`starts` are their first indices) into one list.
 AverageList merge(const AverageList& runs, std::span<const std::size_t> starts, const AverageRules& rules);
 
+/// What most of its points are: the first of Bulk's among equals.
+Bulk bulkOf(const Average& average);
 /// Mean position in grid steps, relative to a position below all of it.
 glm::dvec3 meanPosition(const Average& average, const GridPosition& from);
 /// Everything of the sample but its position, rounded to nearest; the classification is the majority's, the

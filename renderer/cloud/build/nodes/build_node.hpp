@@ -26,7 +26,7 @@ struct BuildNode {
     int level = 0;
     NodeContent content;
     AverageList averages;        ///< of an inner node, until its parent has used it
-    Workspace::Buffer setAside;  ///< an inner node's samples and reaches, between averaging and finishing
+    Workspace::Buffer setAside;  ///< an inner node's samples, reaches and densities, between averaging and finishing
     StoredNode stored;           ///< places in the file, and sampleCount: samples may be away
     std::uint64_t sampleHash = 0;
     BuildNode* parent = nullptr;

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <array>
 #include <glm/common.hpp>
 
 #include "renderer/cloud/build/nodes/spacing.hpp"
@@ -49,6 +50,11 @@ AverageList averageChildren(BuildNode& node, int cellLevel, const AverageRules& 
     return merge(runs, starts, rules);
 }
 
+Density densityOf(Bulk bulk) {
+    constexpr std::array densities{Density::Surface, Density::Wire, Density::Foliage, Density::Stray};
+    return densities[std::size_t(bulk)];
+}
+
 void fillSamples(BuildNode& node, const InnerLattice& lattice, const OctreeInput& input) {
     const Grid& grid = input.grid;
     const glm::dvec3 boxLow = grid.toFile(node.box.min) - input.origin;
@@ -62,7 +68,9 @@ void fillSamples(BuildNode& node, const InnerLattice& lattice, const OctreeInput
         const auto q = lattice.quantise(boxLow + offset);
         s.x = q[0], s.y = q[1], s.z = q[2];
         node.content.samples.push_back(s);
-        if (input.shape.surfels) node.content.reaches.push_back(average.reach);
+        if (!input.shape.surfels) continue;
+        node.content.reaches.push_back(average.reach);
+        node.content.densities.push_back(densityOf(bulkOf(average)));
     }
     // Cells that are all filled are a cell apart; where the scan is sparse or oblique to them, the gaps
     // decide.

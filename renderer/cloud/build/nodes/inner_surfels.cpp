@@ -5,6 +5,7 @@
 #include <glm/geometric.hpp>
 
 #include "renderer/cloud/surfel_codec.hpp"
+#include "renderer/cloud/surfels/sizes.hpp"
 #include "renderer/cloud/surfels/surfels.hpp"
 
 namespace scancast {
@@ -17,6 +18,8 @@ constexpr double reachOfNeighbours = 4;
 /// and too few to be called outliers: no inner sample's radius exceeds so many spacings of its node. Not
 /// fewer, as terrestrial scans get that sparse with distance.
 constexpr double mostSpacings = 6;
+/// Of what is one average alone.
+constexpr float leastSpacings = 0.25f;
 
 struct Box {
     glm::dvec3 low, high;
@@ -42,9 +45,29 @@ glm::dvec3 positionOf(const Sample& s, const NodeContent& content) {
     return content.corner + content.step * glm::dvec3(s.x, s.y, s.z);
 }
 
+/// Whatever was averaged must be covered, however regular the averages themselves are.
+void cover(Surfel& surfel, float reach) {
+    if (!(surfel.radius < reach)) return;
+    const float ratio = surfel.major > 0 ? surfel.minor / surfel.major : 1.0f;
+    surfel.radius = reach;
+    surfel.major = std::max(surfel.major, surfel.radius * majorPerRadius);
+    surfel.minor = surfel.major * ratio;
+}
+
+/// The points below say what it is, not the averages: a roof of three cells is as flat, and a crown of three as
+/// leafy, as from near. What stands apart from everything at this level but not below is as large as it is.
+void resize(Surfel& surfel, Density below, float reach, double spacing) {
+    const bool apart = surfel.outlier && below == Density::Surface;
+    surfel.density = below;
+    surfel.outlier = below == Density::Stray;
+    shrink(surfel, std::min(largestRadius(surfel, below, spacing), float(mostSpacings * spacing)));
+    if (apart) shrink(surfel, std::max(reach, leastSpacings * float(spacing)));
+    if (below == Density::Surface) cover(surfel, reach);
+}
+
 }  // namespace
 
-Expected<void> addInnerSurfels(const BuildNode& node, std::span<const float> reaches, const BuildNode& root,
+Expected<void> addInnerSurfels(const BuildNode& node, const AveragedFacts& facts, const BuildNode& root,
                                const OctreeInput& input, const SamplesOf& samplesOf,
                                std::span<Sample> samples) {
     const NodeContent& content = node.content;
@@ -70,19 +93,7 @@ Expected<void> addInnerSurfels(const BuildNode& node, std::span<const float> rea
         Surfel& surfel = surfels[i];
         if (const glm::vec3 averaged = decodeNormal(samples[i].normal); averaged != glm::vec3(0))
             surfel.normal = averaged;
-        if (const double most = mostSpacings * content.spacing; surfel.radius > most) {
-            const auto share = static_cast<float>(most / surfel.radius);
-            surfel.radius *= share;
-            surfel.major *= share;
-            surfel.minor *= share;
-        }
-        // Whatever was averaged must be covered, however regular the averages themselves are.
-        if (surfel.radius < reaches[i]) {
-            const float ratio = surfel.major > 0 ? surfel.minor / surfel.major : 1.0f;
-            surfel.radius = reaches[i];
-            surfel.major = std::max(surfel.major, surfel.radius * majorPerRadius);
-            surfel.minor = surfel.major * ratio;
-        }
+        resize(surfel, facts.densities[i], facts.reaches[i], content.spacing);
         encodeSurfel(surfel, unit, samples[i]);
     }
     return {};

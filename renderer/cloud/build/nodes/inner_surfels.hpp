@@ -4,6 +4,7 @@
 #pragma once
 
 #include <functional>
+#include <vector>
 
 #include "renderer/cloud/build/octree_builder.hpp"
 
@@ -12,10 +13,16 @@ namespace scancast {
 /// A node's samples, wherever they are.
 using SamplesOf = std::function<Expected<std::vector<Sample>>(const BuildNode&)>;
 
+/// What averaging knows of an inner node's samples beside what they hold.
+struct AveragedFacts {
+    std::vector<float> reaches;      ///< cloud units to the farthest position averaged
+    std::vector<Density> densities;  ///< what most of the points are
+};
+
 /// Sets radius and ellipse of an inner node's samples, and the normal of those that have none. Neighbours are
 /// the nodes of its level - where the tree is not as deep, the leaves - near its box. Thread-safe. Errors:
 /// samplesOf's.
-Expected<void> addInnerSurfels(const BuildNode& node, std::span<const float> reaches, const BuildNode& root,
+Expected<void> addInnerSurfels(const BuildNode& node, const AveragedFacts& facts, const BuildNode& root,
                                const OctreeInput& input, const SamplesOf& samplesOf,
                                std::span<Sample> samples);
 

@@ -8,6 +8,7 @@
 
 #include "renderer/cloud/build/morton.hpp"
 #include "renderer/cloud/build/nodes/lattice.hpp"
+#include "renderer/cloud/density.hpp"
 
 namespace scancast {
 
@@ -20,7 +21,8 @@ struct NodeContent {
     int cellLevel = 0;       ///< coarser nodes may merge samples in cells of 2^cellLevel steps and larger
     CellCount cells;
     std::vector<Sample> samples;
-    std::vector<float> reaches;  ///< of an inner node's samples, with surfels: Average::reach
+    std::vector<float> reaches;      ///< of an inner node's samples, with surfels: Average::reach
+    std::vector<Density> densities;  ///< of its samples, with surfels; Surface, Wire, Foliage or Stray of averages
     NormalCone cone;             ///< of the node's own samples
 };
 

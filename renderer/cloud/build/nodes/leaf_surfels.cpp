@@ -4,6 +4,7 @@
 
 #include "renderer/cloud/build/nodes/subtree.hpp"
 #include "renderer/cloud/surfel_codec.hpp"
+#include "renderer/cloud/surfels/sizes.hpp"
 #include "renderer/cloud/surfels/surfels.hpp"
 
 namespace scancast {
@@ -38,13 +39,32 @@ glm::vec3 orient(const glm::vec3& normal, const BuildPoint& p, const OctreeInput
     return glm::dot(glm::dvec3(normal), toScanner) < 0 ? -normal : normal;
 }
 
+Bulk bulkOf(Density density) {
+    switch (density) {
+        case Density::Surface:
+        case Density::Edge:
+            return Bulk::Surface;
+        case Density::Wire:
+            return Bulk::Wire;
+        case Density::Foliage:
+            return Bulk::Foliage;
+        case Density::Stray:
+            break;
+    }
+    return Bulk::Stray;
+}
+
 void intoLeaf(BuildNode& leaf, std::span<const Surfel> surfels, const OctreeInput& input) {
     const float unit = radiusUnit(leaf.content.spacing);
+    leaf.content.densities.resize(leaf.points.size());
     for (std::size_t i = 0; i < leaf.points.size(); ++i) {
         BuildPoint& p = leaf.points[i];
         Surfel surfel = surfels[i];
         const glm::vec3 own = input.ownNormals ? decodeNormal(p.normal) : glm::vec3(0);
         surfel.normal = own == glm::vec3(0) ? orient(surfel.normal, p, input) : own;
+        shrink(surfel, largestRadius(surfel, surfel.density, unit));
+        leaf.content.densities[i] = surfel.density;
+        p.setBulk(bulkOf(surfel.density));
         encodeSurfel(surfel, unit, leaf.content.samples[i]);
         p.normal = leaf.content.samples[i].normal;
     }

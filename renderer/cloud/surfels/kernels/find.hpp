@@ -69,6 +69,7 @@ inline int gather(const IndexView& index, const Box& box, float limit, SearchScr
             w.x[n] = index.x[i];
             w.y[n] = index.y[i];
             w.z[n] = index.z[i];
+            w.number[n] = i;
         }
         return true;
     });

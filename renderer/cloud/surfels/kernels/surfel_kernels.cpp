@@ -17,6 +17,7 @@ namespace {
 
 constexpr double lineRatio = 1.0 / 16;    ///< λ2/λ1 below which more neighbours are asked for
 constexpr double straight = 1e-9;         ///< λ2/λ1 below which there is no surface
+constexpr float besideLine = 1.0f / 16;   ///< of the squared reach: who is farther from the line is beside it
 constexpr double roundingUnit = 0x1p-24;  ///< of a float coordinate, relative
 
 // Squared distances, from the last point to the next, and from the last group to the next.
@@ -50,8 +51,14 @@ float largest(const float (&p)[3]) {
 
 void solveGroup(const Run& run, int level, const std::uint32_t* points, int count);
 
-void emitLane(const Run& run, const Neighbourhoods& n, int lane, int l, int m, const Matrices& a,
-              const Directions& d, double radius, bool straightLine) {
+/// Averages of one chunk of lanes.
+struct Distances {
+    Lanes all, nearest;
+};
+
+void emitLane(const Run& run, int level, int lane, int l, int m, const Matrices& a, const Directions& d,
+              const Distances& distances, bool straightLine) {
+    const Neighbourhoods& n = run.w.waiting[level];
     Solved s;
     s.point = n.point[lane];
     s.neighbours = m;
@@ -60,9 +67,15 @@ void emitLane(const Run& run, const Neighbourhoods& n, int lane, int l, int m, c
         s.axis[i] = d.axis[0][i][l];
         s.normal[i] = straightLine ? 0 : d.axis[2][i][l];
     }
-    const double longest = a.diagonal[0][l], across = a.diagonal[1][l];
+    const double longest = a.diagonal[0][l], across = a.diagonal[1][l], thick = a.diagonal[2][l];
     s.ratio = longest > 0 && across > 0 ? across / longest : 0;
-    s.radius = float(radius);
+    s.flat = across > 0 ? (thick > 0 ? thick / across : 0) : 1;
+    s.radius = float(distances.all[l]);
+    s.nearby = float(distances.nearest[l]);
+    s.extended = level > 0;
+    s.line = straightLine || across < lineRatio * longest;
+    s.witnesses = n.witnesses[lane];
+    for (int i = 0; i < s.witnesses; ++i) s.witness[i] = n.witness[i][lane];
     run.emit(run.context, s);
 }
 
@@ -78,8 +91,9 @@ void flush(const Run& run, int level) {
         Directions d;
         covariance(n, first, m, a);
         principal(a, d);
-        Lanes radius;
-        averageDistance(n, first, m, radius);
+        Distances distances;
+        averageDistance(n, first, m, distances.all);
+        averageDistance(n, first, m < mostWitnesses ? m : mostWitnesses, distances.nearest);
         const Lanes(&variance)[3] = a.diagonal;
         for (int l = 0; l < chunk && first + l < count; ++l) {
             if (variance[1][l] < lineRatio * variance[0][l] && run.canDouble(level)) {
@@ -89,7 +103,7 @@ void flush(const Run& run, int level) {
             const double grain = roundingUnit * n.magnitude[first + l];
             const bool isLine =
                 !(variance[1][l] > straight * variance[0][l]) || variance[1][l] <= 2 * grain * grain;
-            emitLane(run, n, first + l, l, m, a, d, radius[l], isLine);
+            emitLane(run, level, first + l, l, m, a, d, distances, isLine);
         }
     }
     std::uint32_t* retry = run.w.retry[level + 1 < doublings ? level + 1 : level];
@@ -111,6 +125,27 @@ int newLane(const Run& run, int level, std::uint32_t point, const float (&at)[3]
     return n.count++;
 }
 
+/// Who tells whether the point's surface is one: its nearest neighbours; where the k nearest lie on a line,
+/// the nearest of those beside it. The neighbourhood's positions and w.ids are there.
+void chooseWitnesses(const Run& run, int level, int lane, int m) {
+    Neighbourhoods& n = run.w.waiting[level];
+    int count = 0;
+    if (level == 0) {
+        for (; count < m && count < mostWitnesses; ++count) n.witness[count][lane] = run.w.ids[count];
+    } else {
+        const float u[3] = {n.x[run.k - 1][lane], n.y[run.k - 1][lane], n.z[run.k - 1][lane]};
+        const float length2 = u[0] * u[0] + u[1] * u[1] + u[2] * u[2];
+        const float least = besideLine * n.reach2[lane];
+        for (int j = 0; j < m && count < mostWitnesses; ++j) {
+            const float x = n.x[j][lane], y = n.y[j][lane], z = n.z[j][lane];
+            const float along = (x * u[0] + y * u[1] + z * u[2]) / length2;
+            const float dx = x - along * u[0], dy = y - along * u[1], dz = z - along * u[2];
+            if (dx * dx + dy * dy + dz * dz > least) n.witness[count++][lane] = run.w.ids[j];
+        }
+    }
+    n.witnesses[lane] = count;
+}
+
 void addCandidates(const Run& run, int level, std::uint32_t point, const float (&at)[3], int m) {
     SearchScratch& w = run.w;
     Neighbourhoods& n = w.waiting[level];
@@ -120,7 +155,9 @@ void addCandidates(const Run& run, int level, std::uint32_t point, const float (
         n.x[j][lane] = w.x[p] - at[0];
         n.y[j][lane] = w.y[p] - at[1];
         n.z[j][lane] = w.z[p] - at[2];
+        w.ids[j] = w.number[p];
     }
+    chooseWitnesses(run, level, lane, m);
 }
 
 void addSearched(const Run& run, int level, std::uint32_t point, const float (&at)[3], int m) {
@@ -133,7 +170,9 @@ void addSearched(const Run& run, int level, std::uint32_t point, const float (&a
         n.x[j][lane] = run.index.x[p] - at[0];
         n.y[j][lane] = run.index.y[p] - at[1];
         n.z[j][lane] = run.index.z[p] - at[2];
+        w.ids[j] = p;
     }
+    chooseWitnesses(run, level, lane, m);
 }
 
 Box boxOf(const IndexView& index, const std::uint32_t* points, int count) {
@@ -202,17 +241,6 @@ void solve(const IndexView& index, const std::uint32_t* groupBegin, std::uint32_
     }
 }
 
-float least(const IndexView& index, const float* leafValue, const float low[3], const float high[3],
-            float squared) {
-    const Box box{{low[0], low[1], low[2]}, {high[0], high[1], high[2]}};
-    float value = infinity;
-    leavesWithin(index, box, squared, [&](std::uint32_t leaf) {
-        value = leafValue[leaf] < value ? leafValue[leaf] : value;
-        return true;
-    });
-    return value;
-}
-
 int nearest(const IndexView& index, std::uint32_t point, int k, SearchScratch& w) {
     const float at[3] = {index.x[point], index.y[point], index.z[point]};
     const int wanted = k + 1 < int(index.points) ? k + 1 : int(index.points);
@@ -222,7 +250,7 @@ int nearest(const IndexView& index, std::uint32_t point, int k, SearchScratch& w
 }  // namespace
 
 namespace SCANCAST_SIMD_NAMESPACE {
-const SurfelKernels kernels = {solve, least, nearest};
+const SurfelKernels kernels = {solve, nearest};
 }
 
 }  // namespace scancast::surfel

@@ -37,12 +37,15 @@ inline constexpr int groupSize = 16;      ///< queries that share their candidat
 inline constexpr int chunk = 8;           ///< lanes that are solved side by side
 inline constexpr int batchLanes = 40;     ///< neighbourhoods waiting to be solved
 inline constexpr int capacity = 1024;     ///< candidates of a group; more are not worth ranking
+inline constexpr int mostWitnesses = 8;   ///< neighbours that a point's own estimate is held against
 
 struct Neighbourhoods {
     float x[maxNeighbours][batchLanes], y[maxNeighbours][batchLanes], z[maxNeighbours][batchLanes];
     float reach2[batchLanes];     ///< squared distance of the farthest
     float magnitude[batchLanes];  ///< largest coordinate of the point itself: how coarse floats are there
     std::uint32_t point[batchLanes];
+    std::uint32_t witness[mostWitnesses][batchLanes];
+    int witnesses[batchLanes];
     int count;
 };
 
@@ -50,7 +53,9 @@ struct Neighbourhoods {
 struct SearchScratch {
     float x[capacity + 16], y[capacity + 16], z[capacity + 16], squared[capacity + 16];
     float near[capacity + 16];
+    std::uint32_t number[capacity + 16];
     int pick[capacity + 16], found[capacity + 16];
+    std::uint32_t ids[maxNeighbours];       ///< of the neighbourhood that is being added
     std::uint32_t best[maxNeighbours + 1];  ///< of a search from the root
     float bestSquared[maxNeighbours + 1];
     float guess[doublings];  ///< squared radius that probably suffices for the next group
@@ -67,16 +72,19 @@ struct Solved {
     double normal[3];  ///< zero where there is none
     double axis[3];
     double ratio;  ///< λ2 / λ1
+    double flat;   ///< λ3 / λ2; 1 where both are 0
     float radius;
+    float nearby;   ///< average distance of the nearest mostWitnesses
+    bool extended;  ///< the k nearest lie on a line
+    bool line;      ///< so do all that were asked
+    int witnesses;  ///< of the nearest - where those lie on a line, of the nearest beside it
+    std::uint32_t witness[mostWitnesses];
 };
 
 struct SurfelKernels {
     /// Surfels of points [begin, end), which `groupBegin[0 … groups]` cuts into groups of at most groupSize.
     void (*solve)(const IndexView&, const std::uint32_t* groupBegin, std::uint32_t groups, int k,
                   SearchScratch&, void (*emit)(void* context, const Solved&), void* context);
-    /// The least of `leafValue` over all leaves that reach within a squared distance of a box.
-    float (*least)(const IndexView&, const float* leafValue, const float low[3], const float high[3],
-                   float squared);
     /// The k nearest neighbours of a point into w.best[1 … k]; returns how many there are.
     int (*nearest)(const IndexView&, std::uint32_t point, int k, SearchScratch& w);
 };

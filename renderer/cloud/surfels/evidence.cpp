@@ -1,0 +1,102 @@
+#include "renderer/cloud/surfels/evidence.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <glm/mat3x3.hpp>
+
+namespace scancast {
+
+namespace {
+
+/// λ3/λ2 below which a neighbourhood is flat. Eleven points of a volume have 0.45, and one in twenty less than
+/// this.
+constexpr double flatRatio = 1.0 / 8;
+/// Normals agree within 26°: what noise and the curvature of what is worth a disc leave.
+constexpr float agreeingCosine = 0.9f;
+/// Radii are alike within this factor.
+constexpr float alikeFactor = 3;
+/// The same for flatness() as flatRatio, on an isotropic plane.
+constexpr double flatFartherRatio = 0.17;
+
+/// λ3/λ2 + λ3/λ1 where λ3 is small, without the roots of a cubic; 1/3 of a ball.
+double flatness(const glm::dmat3& c) {
+    const double trace = c[0][0] + c[1][1] + c[2][2];
+    const double minors = c[0][0] * c[1][1] - c[0][1] * c[0][1] + c[0][0] * c[2][2] - c[0][2] * c[0][2] +
+                          c[1][1] * c[2][2] - c[1][2] * c[1][2];
+    const double determinant = c[0][0] * (c[1][1] * c[2][2] - c[1][2] * c[1][2]) -
+                               c[0][1] * (c[0][1] * c[2][2] - c[1][2] * c[0][2]) +
+                               c[0][2] * (c[0][1] * c[1][2] - c[1][1] * c[0][2]);
+    return minors > 0 ? trace * determinant / (minors * minors) : 1;
+}
+
+}  // namespace
+
+Evidence::Evidence(const NeighbourIndex& index)
+    : index_(index), facts_(index.size()), witnesses_(index.size()) {}
+
+void Evidence::add(const surfel::Solved& s) {
+    facts_[s.point] = {.radius = s.radius,
+                       .nearby = s.nearby,
+                       .normal = glm::vec3(s.normal[0], s.normal[1], s.normal[2]),
+                       .witnesses = std::uint8_t(s.witnesses),
+                       .flat = s.flat < flatRatio,
+                       .extended = s.extended,
+                       .line = s.line};
+    std::copy_n(s.witness, s.witnesses, witnesses_[s.point].begin());
+}
+
+float Evidence::usualRadius(std::uint32_t p) const {
+    const auto who = witnesses(p);
+    if (who.empty()) return facts_[p].radius;
+    std::array<float, surfel::mostWitnesses> radii;
+    for (std::size_t i = 0; i < who.size(); ++i) radii[i] = facts_[who[i]].radius;
+    const auto middle = radii.begin() + std::ptrdiff_t(who.size() - 1) / 2;
+    std::nth_element(radii.begin(), middle, radii.begin() + std::ptrdiff_t(who.size()));
+    return *middle;
+}
+
+Density Evidence::density(std::uint32_t p) const {
+    const Facts& own = facts_[p];
+    if (own.line) return Density::Wire;
+    const auto who = witnesses(p);
+    std::size_t flat = 0, agreeing = 0, alike = 0;
+    for (const std::uint32_t w : who) {
+        const Facts& other = facts_[w];
+        const bool isAlike =
+            other.radius < alikeFactor * own.radius && own.radius < alikeFactor * other.radius;
+        const bool agrees = other.flat && std::abs(glm::dot(other.normal, own.normal)) > agreeingCosine;
+        flat += other.flat;
+        alike += isAlike;
+        agreeing += own.extended ? agrees && isAlike : agrees;
+    }
+    // The nearest say nothing of what is beside their line: who does has to agree with few exceptions.
+    if (own.extended) {
+        if (own.flat && !who.empty() && 4 * agreeing >= 3 * who.size()) return Density::Surface;
+        return 2 * flat > who.size() && 2 * alike > who.size() ? Density::Edge : Density::Wire;
+    }
+    if (own.flat && 2 * agreeing > who.size()) return Density::Surface;
+    if (8 * flat >= 3 * who.size() && 2 * alike > who.size()) return Density::Edge;
+    return 2 * alike > who.size() && flatFarther(p) ? Density::Surface : Density::Foliage;
+}
+
+bool Evidence::flatFarther(std::uint32_t p) const {
+    const glm::vec3 at = index_.position(p);
+    glm::dvec3 sum(0);
+    glm::dmat3 squares(0);
+    double count = 1;
+    for (const std::uint32_t w : witnesses(p))
+        for (const std::uint32_t v : witnesses(w)) {
+            const glm::dvec3 d = glm::dvec3(index_.position(v) - at);
+            sum += d;
+            for (int a = 0; a < 3; ++a)
+                for (int b = a; b < 3; ++b) squares[a][b] += d[a] * d[b];
+            ++count;
+        }
+    glm::dmat3 variance(0);
+    for (int a = 0; a < 3; ++a)
+        for (int b = a; b < 3; ++b) variance[a][b] = squares[a][b] / count - sum[a] * sum[b] / (count * count);
+    return flatness(variance) < flatFartherRatio;
+}
+
+}  // namespace scancast

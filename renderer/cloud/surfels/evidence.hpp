@@ -1,0 +1,52 @@
+// What neighbours say of each other's surfaces: the density of every position, by its own neighbourhood and its
+// witnesses' - who stands nearest or, on a line, beside it. Owned by estimateSurfels() for one call; filled by
+// many threads, each its own positions, then read. Pipeline: solved neighbourhoods → **evidence** → surfels.
+// Source: docs/spec/surfels.md §8.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <glm/vec3.hpp>
+#include <span>
+#include <vector>
+
+#include "renderer/cloud/density.hpp"
+#include "renderer/cloud/surfels/kernels/surfel_kernels.hpp"
+#include "renderer/cloud/surfels/neighbours.hpp"
+
+namespace scancast {
+
+class Evidence {
+  public:
+    /// Says nothing before every position of the index was added.
+    explicit Evidence(const NeighbourIndex& index);
+
+    void add(const surfel::Solved& solved);
+
+    /// The lower median of the witnesses' radii, its own where it has none.
+    float usualRadius(std::uint32_t p) const;
+    /// Never Stray.
+    Density density(std::uint32_t p) const;
+    float radius(std::uint32_t p) const { return facts_[p].radius; }
+    float nearby(std::uint32_t p) const { return facts_[p].nearby; }
+    std::span<const std::uint32_t> witnesses(std::uint32_t p) const {
+        return std::span(witnesses_[p]).first(facts_[p].witnesses);
+    }
+
+  private:
+    struct Facts {
+        float radius, nearby;
+        glm::vec3 normal;
+        std::uint8_t witnesses;
+        bool flat, extended, line;
+    };
+
+    /// Whether witnesses' witnesses and the point lie in a plane: the surface under the noise.
+    bool flatFarther(std::uint32_t p) const;
+
+    const NeighbourIndex& index_;
+    std::vector<Facts> facts_;
+    std::vector<std::array<std::uint32_t, surfel::mostWitnesses>> witnesses_;
+};
+
+}  // namespace scancast

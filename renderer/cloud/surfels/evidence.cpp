@@ -75,9 +75,16 @@ Density Evidence::density(std::uint32_t p) const {
         if (own.flat && !who.empty() && 4 * agreeing >= 3 * who.size()) return Density::Surface;
         return 2 * flat > who.size() && 2 * alike > who.size() ? Density::Edge : Density::Wire;
     }
-    if (own.flat && 2 * agreeing > who.size()) return Density::Surface;
-    if (8 * flat >= 3 * who.size() && 2 * alike > who.size()) return Density::Edge;
-    return 2 * alike > who.size() && flatFarther(p) ? Density::Surface : Density::Foliage;
+    // A few points over a dense plane have the same neighbours, and so the same normal, whatever it is: unless
+    // all agree, those around them are asked as well.
+    if (own.flat && agreeing == who.size()) return Density::Surface;
+    if (2 * alike > who.size()) {
+        if ((own.flat && 2 * agreeing > who.size()) || 8 * flat < 3 * who.size()) {
+            if (flatFarther(p)) return Density::Surface;
+        }
+        if (8 * flat >= 3 * who.size()) return Density::Edge;
+    }
+    return Density::Foliage;
 }
 
 bool Evidence::flatFarther(std::uint32_t p) const {

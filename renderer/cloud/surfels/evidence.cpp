@@ -16,18 +16,30 @@ constexpr double flatRatio = 1.0 / 8;
 constexpr float agreeingCosine = 0.9f;
 /// Radii are alike within this factor.
 constexpr float alikeFactor = 3;
-/// The same for flatness() as flatRatio, on an isotropic plane.
-constexpr double flatFartherRatio = 0.17;
+/// Nobody is bounded by radii of more than so much of his own.
+constexpr float muchSmaller = 0.8f;
+/// A square grid's radius is 1.2 of its spacing.
+constexpr float largeSpacings = 1.5f;
+/// Of two rings of neighbours: λ3/λ2 + λ3/λ1 of a plane is less, and λ2/λ1 is more.
+constexpr double flatFartherRatio = 0.17, wideFartherRatio = 0.08;
+/// Their mean squared distance in squared radii: 1.8 on a plane, 0.6 of eleven points that have only each other.
+constexpr double goesOn = 1.1;
 
-/// λ3/λ2 + λ3/λ1 where λ3 is small, without the roots of a cubic; 1/3 of a ball.
-double flatness(const glm::dmat3& c) {
-    const double trace = c[0][0] + c[1][1] + c[2][2];
+double traceOf(const glm::dmat3& c) {
+    return c[0][0] + c[1][1] + c[2][2];
+}
+
+/// Of the eigenvalues of a symmetric matrix, without the roots of a cubic: λ3/λ2 + λ3/λ1 where λ3 is small (1/3
+/// of a ball), and λ2/λ1 where that is small (1/4 of a plane's).
+bool isPlane(const glm::dmat3& c) {
+    const double trace = traceOf(c);
     const double minors = c[0][0] * c[1][1] - c[0][1] * c[0][1] + c[0][0] * c[2][2] - c[0][2] * c[0][2] +
                           c[1][1] * c[2][2] - c[1][2] * c[1][2];
     const double determinant = c[0][0] * (c[1][1] * c[2][2] - c[1][2] * c[1][2]) -
                                c[0][1] * (c[0][1] * c[2][2] - c[1][2] * c[0][2]) +
                                c[0][2] * (c[0][1] * c[1][2] - c[1][1] * c[0][2]);
-    return minors > 0 ? trace * determinant / (minors * minors) : 1;
+    return minors > wideFartherRatio * (trace * trace) &&
+           trace * determinant < flatFartherRatio * (minors * minors);
 }
 
 }  // namespace
@@ -48,15 +60,17 @@ void Evidence::add(const surfel::Solved& s) {
 
 float Evidence::usualRadius(std::uint32_t p) const {
     const auto who = witnesses(p);
-    if (who.empty()) return facts_[p].radius;
-    std::array<float, surfel::mostWitnesses> radii;
+    const float own = facts_[p].radius;
+    if (std::ranges::none_of(who, [&](std::uint32_t w) { return facts_[w].radius < muchSmaller * own; }))
+        return own;
+    std::array<float, surfel::mostWitnesses> radii{};
     for (std::size_t i = 0; i < who.size(); ++i) radii[i] = facts_[who[i]].radius;
     const auto middle = radii.begin() + std::ptrdiff_t(who.size() - 1) / 2;
     std::nth_element(radii.begin(), middle, radii.begin() + std::ptrdiff_t(who.size()));
     return *middle;
 }
 
-Density Evidence::density(std::uint32_t p) const {
+Density Evidence::density(std::uint32_t p, float spacing) const {
     const Facts& own = facts_[p];
     if (own.line) return Density::Wire;
     const auto who = witnesses(p);
@@ -70,21 +84,20 @@ Density Evidence::density(std::uint32_t p) const {
         alike += isAlike;
         agreeing += own.extended ? agrees && isAlike : agrees;
     }
+    // A few points over a dense plane share their neighbours, and so agree, whatever they are: where a disc is
+    // large, those around the neighbours are asked as well.
+    const bool large = own.radius > largeSpacings * spacing;
     // The nearest say nothing of what is beside their line: who does has to agree with few exceptions.
     if (own.extended) {
-        if (own.flat && !who.empty() && 4 * agreeing >= 3 * who.size()) return Density::Surface;
+        if (own.flat && !who.empty() && 4 * agreeing >= 3 * who.size() && (!large || flatFarther(p)))
+            return Density::Surface;
         return 2 * flat > who.size() && 2 * alike > who.size() ? Density::Edge : Density::Wire;
     }
-    // A few points over a dense plane have the same neighbours, and so the same normal, whatever it is: unless
-    // all agree, those around them are asked as well.
-    if (own.flat && agreeing == who.size()) return Density::Surface;
-    if (2 * alike > who.size()) {
-        if ((own.flat && 2 * agreeing > who.size()) || 8 * flat < 3 * who.size()) {
-            if (flatFarther(p)) return Density::Surface;
-        }
-        if (8 * flat >= 3 * who.size()) return Density::Edge;
-    }
-    return Density::Foliage;
+    if (own.flat && 2 * agreeing > who.size() && !large) return Density::Surface;
+    if (2 * alike <= who.size()) return Density::Foliage;
+    const bool mostlyFlat = 8 * flat >= 3 * who.size();
+    if (((own.flat && 2 * agreeing > who.size()) || !mostlyFlat) && flatFarther(p)) return Density::Surface;
+    return mostlyFlat ? Density::Edge : Density::Foliage;
 }
 
 bool Evidence::flatFarther(std::uint32_t p) const {
@@ -103,7 +116,8 @@ bool Evidence::flatFarther(std::uint32_t p) const {
     glm::dmat3 variance(0);
     for (int a = 0; a < 3; ++a)
         for (int b = a; b < 3; ++b) variance[a][b] = squares[a][b] / count - sum[a] * sum[b] / (count * count);
-    return flatness(variance) < flatFartherRatio;
+    const double radius = facts_[p].radius;
+    return traceOf(variance) > goesOn * (radius * radius) && isPlane(variance);
 }
 
 }  // namespace scancast

@@ -23,10 +23,10 @@ class Evidence {
 
     void add(const surfel::Solved& solved);
 
-    /// The lower median of the witnesses' radii, its own where it has none.
+    /// The lower median of the witnesses' radii; its own where it has none, or none is much smaller.
     float usualRadius(std::uint32_t p) const;
-    /// Never Stray.
-    Density density(std::uint32_t p) const;
+    /// Never Stray. Who is large for the spacing of the node that it is drawn with has to have more evidence.
+    Density density(std::uint32_t p, float spacing) const;
     float radius(std::uint32_t p) const { return facts_[p].radius; }
     float nearby(std::uint32_t p) const { return facts_[p].nearby; }
     std::span<const std::uint32_t> witnesses(std::uint32_t p) const {
@@ -41,7 +41,7 @@ class Evidence {
         bool flat, extended, line;
     };
 
-    /// Whether witnesses' witnesses and the point lie in a plane: the surface under the noise.
+    /// Whether witnesses' witnesses and the point lie in a plane that goes on: the surface under the noise.
     bool flatFarther(std::uint32_t p) const;
 
     const NeighbourIndex& index_;

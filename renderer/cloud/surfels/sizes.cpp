@@ -10,6 +10,7 @@ namespace {
 /// nothing on one surface is.
 constexpr float surfaceFactor = 4;
 constexpr float edgeFactor = 1.25f;
+constexpr float edgeSpacings = 1.5f;
 /// Of s between the points of a wire the eight nearest are 2.5 s away on average: it stays closed.
 constexpr float wireShare = 0.25f;
 /// Discs of leaves hardly overlap, and five layers of them hide most of what is behind.
@@ -24,7 +25,7 @@ float largestRadius(const Surfel& surfel, Density density, double levelSpacing) 
         case Density::Surface:
             return surfaceFactor * usual;
         case Density::Edge:
-            return edgeFactor * usual;
+            return std::min(edgeFactor * usual, edgeSpacings * level);
         case Density::Wire:
             return std::min(wireShare * surfel.nearby, level);
         case Density::Foliage:

@@ -19,7 +19,7 @@ float distance(const NeighbourIndex& index, std::uint32_t a, std::uint32_t b) {
 }
 
 float medianRadius(const Evidence& evidence, const std::uint32_t* who, int count) {
-    std::array<float, others> radii;
+    std::array<float, others> radii{};
     for (int i = 0; i < count; ++i) radii[std::size_t(i)] = evidence.radius(who[i]);
     const auto middle = radii.begin() + (count - 1) / 2;
     std::nth_element(radii.begin(), middle, radii.begin() + count);

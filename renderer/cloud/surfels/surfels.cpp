@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <memory>
 #include <vector>
 
@@ -31,6 +32,7 @@ class Estimate {
     Estimate(std::span<const glm::vec3> points, const SurfelOptions& options, std::span<Surfel> out,
              const surfel::SurfelKernels& kernels)
         : out_(out),
+          spacings_(options.spacings),
           k_(std::clamp(options.neighbours, 1, surfel::maxNeighbours)),
           index_(points),
           evidence_(index_),
@@ -72,17 +74,18 @@ class Estimate {
             if (i < out_.size()) out_[i] = surfel;
     }
 
-    bool isWanted(std::uint32_t p) const {
-        for (const std::uint32_t i : index_.pointsAt(p))
-            if (i < out_.size()) return true;
-        return false;
-    }
-
     /// What only can be said when all neighbourhoods are known.
     void judge(std::uint32_t p) {
-        if (!isWanted(p)) return;
+        float spacing = std::numeric_limits<float>::infinity();
+        bool wanted = false;
+        for (const std::uint32_t i : index_.pointsAt(p)) {
+            if (i >= out_.size()) continue;
+            wanted = true;
+            spacing = std::min(spacing, spacings_.empty() ? 0 : spacings_[i]);
+        }
+        if (!wanted) return;
         const float usual = evidence_.usualRadius(p);
-        const Density density = evidence_.density(p);
+        const Density density = evidence_.density(p, spacing);
         for (const std::uint32_t i : index_.pointsAt(p))
             if (i < out_.size()) {
                 out_[i].usual = usual;
@@ -107,6 +110,7 @@ class Estimate {
     }
 
     std::span<Surfel> out_;
+    std::span<const float> spacings_;
     int k_;
     NeighbourIndex index_;
     Evidence evidence_;

@@ -1,6 +1,6 @@
-// Surfels: what a point's neighbours tell of the surface at it - normal, half-axes, radius, and whether it is
-// an outlier. Pipeline: leaves of one chunk → **surfels** → averages; and inner nodes' samples → **surfels**
-// → cloud. Source: docs/spec/surfels.md §2. Pure
+// Surfels: what a point's neighbours tell of the surface at it - normal, half-axes, radius, density, and whether it
+// is an outlier. Pipeline: leaves of one chunk → **surfels** → averages; and inner nodes' samples → **surfels**
+// → cloud. Source: docs/spec/surfels.md §2, §8. Pure
 // functions; use the caller's TBB arena; the result depends on the set of points alone, not on threads.
 #pragma once
 
@@ -14,6 +14,9 @@ namespace scancast {
 
 struct SurfelOptions {
     int neighbours = 10;  ///< k; doubled up to 80 while λ2/λ1 < 1/16 (scan lines)
+    /// Of the nodes that the points are drawn with, one for each of `out`: a surface that is much sparser has to
+    /// have more evidence. Empty: all have to.
+    std::span<const float> spacings;
 };
 
 /// Of the first out.size() points; the rest (a halo) only lends neighbours. Points are offsets from a nearby

@@ -18,8 +18,6 @@ constexpr double reachOfNeighbours = 4;
 /// and too few to be called outliers: no inner sample's radius exceeds so many spacings of its node. Not
 /// fewer, as terrestrial scans get that sparse with distance.
 constexpr double mostSpacings = 6;
-/// Of what is one average alone.
-constexpr float leastSpacings = 0.25f;
 
 struct Box {
     glm::dvec3 low, high;
@@ -55,14 +53,16 @@ void cover(Surfel& surfel, float reach) {
 }
 
 /// The points below say what it is, not the averages: a roof of three cells is as flat, and a crown of three as
-/// leafy, as from near. What stands apart from everything at this level but not below is as large as it is.
+/// leafy, as from near. But large is a surface only where the averages say so, too; else it is as large as what
+/// was averaged, or as a cell.
 void resize(Surfel& surfel, Density below, float reach, double spacing) {
-    const bool apart = surfel.outlier && below == Density::Surface;
+    const bool closed = surfel.density == Density::Surface;
     surfel.density = below;
     surfel.outlier = below == Density::Stray;
-    shrink(surfel, std::min(largestRadius(surfel, below, spacing), float(mostSpacings * spacing)));
-    if (apart) shrink(surfel, std::max(reach, leastSpacings * float(spacing)));
-    if (below == Density::Surface) cover(surfel, reach);
+    if (below != Density::Surface) return shrink(surfel, largestRadius(surfel, below, spacing));
+    const float most = largestRadius(surfel, closed ? Density::Surface : Density::Edge, spacing);
+    shrink(surfel, std::min(most, float((closed ? mostSpacings : 1.0) * spacing)));
+    cover(surfel, reach);
 }
 
 }  // namespace
@@ -87,7 +87,8 @@ Expected<void> addInnerSurfels(const BuildNode& node, const AveragedFacts& facts
     }
 
     std::vector<Surfel> surfels(samples.size());
-    estimateSurfels(offsets, SurfelOptions{.neighbours = input.shape.neighbours}, surfels);
+    const std::vector<float> spacings(samples.size(), float(content.spacing));
+    estimateSurfels(offsets, {.neighbours = input.shape.neighbours, .spacings = spacings}, surfels);
     const float unit = radiusUnit(content.spacing);
     for (std::size_t i = 0; i < samples.size(); ++i) {
         Surfel& surfel = surfels[i];

@@ -1,5 +1,6 @@
 #include <tbb/parallel_for.h>
 
+#include <algorithm>
 #include <glm/geometric.hpp>
 
 #include "renderer/cloud/build/nodes/subtree.hpp"
@@ -73,17 +74,22 @@ void intoLeaf(BuildNode& leaf, std::span<const Surfel> surfels, const OctreeInpu
 }  // namespace
 
 void addLeafSurfels(BuildNode& root, std::span<const BuildPoint> halo, const OctreeInput& input) {
+    std::vector<BuildNode*> leaves;
+    std::vector<float> spacings(root.points.size());
+    const auto firstOf = [&](const BuildNode& leaf) {
+        return std::size_t(leaf.points.data() - root.points.data());
+    };
+    forEachNode(root, [&](BuildNode& n) {
+        if (!n.isLeaf()) return;
+        leaves.push_back(&n);
+        std::fill_n(spacings.begin() + std::ptrdiff_t(firstOf(n)), n.points.size(), float(n.content.spacing));
+    });
     std::vector<Surfel> surfels(root.points.size());
     estimateSurfels(offsets(root.points, halo, root.box, input.grid),
-                    SurfelOptions{.neighbours = input.shape.neighbours}, surfels);
-    std::vector<BuildNode*> leaves;
-    forEachNode(root, [&](BuildNode& n) {
-        if (n.isLeaf()) leaves.push_back(&n);
-    });
+                    {.neighbours = input.shape.neighbours, .spacings = spacings}, surfels);
     tbb::parallel_for(std::size_t(0), leaves.size(), [&](std::size_t i) {
         BuildNode& leaf = *leaves[i];
-        const auto first = std::size_t(leaf.points.data() - root.points.data());
-        intoLeaf(leaf, std::span<const Surfel>(surfels).subspan(first, leaf.points.size()), input);
+        intoLeaf(leaf, std::span<const Surfel>(surfels).subspan(firstOf(leaf), leaf.points.size()), input);
     });
 }
 

@@ -113,6 +113,7 @@ SampleFilter sampleFilter(const Cloud& cloud, const Style& style) {
     }
     if (style.clip) filter.clip = ClipBox{style.clip->min - cloud.origin, style.clip->max - cloud.origin};
     if (!style.behindMirrors) filter.dropped = behindMirrors(cloud);
+    filter.outliers = style.outliers == Outliers::Show;
     return filter;
 }
 

@@ -45,6 +45,10 @@ inline constexpr std::array<std::string_view, 3> colormapNames{"viridis", "turbo
 enum class Shading : std::uint8_t { Unlit, Phong, EyeDome };
 inline constexpr std::array<std::string_view, 3> shadingNames{"unlit", "phong", "eyedome"};
 
+/// What stands alone or in a small group, far from everything else (docs/spec/surfels.md section 8).
+enum class Outliers : std::uint8_t { Hide, Show };
+inline constexpr std::array<std::string_view, 2> outlierNames{"hide", "show"};
+
 using Rgb8 = std::array<std::uint8_t, 3>;
 
 struct Background {
@@ -78,6 +82,7 @@ struct Style {
     std::optional<Shading> shading;                    ///< nullopt = the method's default
     bool mirrors = true;                               ///< the cloud's mirrors show what stands before them
     bool behindMirrors = false;  ///< draw what the scanner recorded behind mirrors, where nothing is
+    Outliers outliers = Outliers::Hide;
     Background background;
     bool operator==(const Style&) const = default;
 };
@@ -119,6 +124,9 @@ constexpr std::string_view name(ColorSource source) {
 }
 constexpr std::string_view name(Shading shading) {
     return shadingNames[std::size_t(shading)];
+}
+constexpr std::string_view name(Outliers outliers) {
+    return outlierNames[std::size_t(outliers)];
 }
 constexpr std::string_view name(Subsampling subsampling) {
     return subsamplingNames[std::size_t(subsampling)];

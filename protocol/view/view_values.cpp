@@ -121,6 +121,10 @@ Parsed<Shading> parse(As<Shading>, std::string_view text) {
     return chooseEnum<Shading>(text, shadingNames);
 }
 
+Parsed<Outliers> parse(As<Outliers>, std::string_view text) {
+    return chooseEnum<Outliers>(text, outlierNames);
+}
+
 Parsed<Subsampling> parse(As<Subsampling>, std::string_view text) {
     if (text == "444") return Subsampling::S444;
     if (text == "422") return Subsampling::S422;

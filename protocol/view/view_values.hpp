@@ -33,6 +33,7 @@ Parsed<glm::dvec3> parse(As<glm::dvec3>, std::string_view text);
 Parsed<ClipBox> parse(As<ClipBox>, std::string_view text);
 Parsed<Projection> parse(As<Projection>, std::string_view text);
 Parsed<Shading> parse(As<Shading>, std::string_view text);
+Parsed<Outliers> parse(As<Outliers>, std::string_view text);
 Parsed<Subsampling> parse(As<Subsampling>, std::string_view text);
 Parsed<Rgb8> parse(As<Rgb8>,
                    std::string_view text);  ///< "#rrggbb"; without the hash, which URLs make awkward, too

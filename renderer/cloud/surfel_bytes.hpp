@@ -7,7 +7,7 @@
 namespace scancast {
 
 inline constexpr std::uint8_t noRadius = 0;         ///< not known: the node's spacing stands in
-inline constexpr std::uint8_t outlierRadius = 255;  ///< an outlier: not drawn by surfel methods
+inline constexpr std::uint8_t outlierRadius = 255;  ///< an outlier: not drawn unless asked for
 
 /// The k-th neighbour's distance over the neighbours' average distance: how `major` follows from `radius`.
 /// The median of real scans (docs/decisions/005-surfel-in-four-bytes.md).

@@ -24,6 +24,7 @@ constexpr auto radii = [] {
     std::array<float, 256> table{};
     double value = 1.0 / 16;
     for (int code = firstCode; code <= lastCode; ++code, value *= radiusStep) table[code] = float(value);
+    table[outlierRadius] = table[firstCode];
     return table;
 }();
 
@@ -106,7 +107,7 @@ Surfel decodeSurfel(const Sample& sample, float nodeSpacing) {
     s.normal = decodeNormal(sample.normal);
     s.outlier = sample.logRadius == outlierRadius;
     const bool known = sample.logRadius != noRadius && !s.outlier;
-    s.radius = known ? radii[sample.logRadius] * nodeSpacing : nodeSpacing;
+    s.radius = sample.logRadius != noRadius ? radii[sample.logRadius] * nodeSpacing : nodeSpacing;
     s.major = known ? s.radius * majorPerRadius : s.radius;
     const float ratio = 1 - float(sample.ellipse >> 5) * ((1 - leastSurfelRatio) / float(ratios - 1));
     s.minor = s.major * ratio;

@@ -14,7 +14,7 @@
 
 namespace scancast {
 
-/// World radius by logRadius, in the node's radiusUnit; 0 for noRadius and outlierRadius.
+/// World radius by logRadius, in the node's radiusUnit; 0 for noRadius, the smallest for outlierRadius.
 const std::array<float, 256>& surfelRadii();
 
 /// Right-handed, continuous but for one direction; the same arithmetic in every device.
@@ -26,8 +26,8 @@ TangentFrame tangentFrame(glm::vec3 normal);
 /// Sets normal (unless the surfel has none), logRadius and ellipse; nothing else of the sample. Radii outside
 /// 1/16 … 16 node spacings and ratios below 1/4 are clamped.
 void encodeSurfel(const Surfel& surfel, float nodeSpacing, Sample& sample);
-/// The normal stays what `sample` says, (0,0,0) where it has none. Where no radius is known, and for
-/// outliers: a circle of the node's spacing.
+/// The normal stays what `sample` says, (0,0,0) where it has none. Where no radius is known a circle
+/// of the node's spacing; for outliers the smallest circle.
 Surfel decodeSurfel(const Sample& sample, float nodeSpacing);
 
 }  // namespace scancast

@@ -51,6 +51,7 @@ struct SampleFilter {
     std::optional<std::array<bool, 256>> classes;
     std::optional<ClipBox> clip;  ///< cloud-relative
     std::vector<Region> dropped;  ///< no sample inside any of these is drawn
+    bool outliers = false;        ///< outliers (surfel_bytes.hpp) are drawn
 };
 
 struct Window {

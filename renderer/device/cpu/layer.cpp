@@ -73,6 +73,7 @@ Layer::Layer(const Drawing& drawing, const CutView& view, const LayerView& layer
         pass.ramp = tables_.ramp.data();
         pass.normals = tables_.normals.data();
         if (tables_.byClass) pass.classes = tables_.classes.data();
+        pass.outliers = view.filter.outliers;
     }
     background_ = backgroundRows(drawing.background, area_.y0 - layerView.pad, area_.height(),
                                  layerView.viewpoint->height);

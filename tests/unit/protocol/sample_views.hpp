@@ -27,6 +27,7 @@ inline View richView() {
     view.style.shading = Shading::Phong;
     view.style.mirrors = false;
     view.style.behindMirrors = true;
+    view.style.outliers = Outliers::Show;
     view.style.background = {Background::Kind::Color, {1, 2, 3}, Background{}.bottom};
     view.quality.detail = 0.5;
     view.quality.budget = 18446744073709551615u;

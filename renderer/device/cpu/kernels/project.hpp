@@ -2,6 +2,7 @@
 // structures of arrays that the compiler vectorises. Part of kernels.cpp.
 #pragma once
 
+#include "renderer/cloud/surfel_bytes.hpp"
 #include "renderer/device/cpu/kernels/vectors.hpp"
 
 namespace scancast::cpu {
@@ -94,6 +95,11 @@ inline void filterByClass(const SplatPass& pass, Block& b) {
     }
 }
 
+inline void filterOutliers(Block& b) {
+    for (int i = 0; i < b.padded; ++i)
+        b.drawable[i] &= ((b.words[3][i] >> 16) & 255) == outlierRadius ? 0 : -1;
+}
+
 inline void filterByClip(const SplatRun& run, Block& b) {
     for (int i = 0; i < b.padded; ++i) {
         const std::int32_t x = static_cast<std::int32_t>(b.words[0][i] & 0xffff);
@@ -184,6 +190,7 @@ inline void loadBlock(const SplatPass& pass, const SplatRun& run, std::uint32_t 
         place<false>(pass, run, b);
     }
     if (pass.classes != nullptr) filterByClass(pass, b);
+    if (!pass.outliers) filterOutliers(b);
     if (run.clipped) filterByClip(run, b);
     if (run.droppedCount > 0) filterByRegions(run, b);
     if (run.lastTurn != 0xffffffffu) filterByTurn(run, first, b);

@@ -87,10 +87,9 @@ inline void setNormal(const SplatPass& pass, const Block& b, int i, Pose& p) {
     p.z = p.hasNormal ? -p.z : all(-1.0f);
 }
 
-/// Which of them are drawn: no outliers, and by the side that faces the eye.
+/// Which of them are drawn, by the side that faces the eye.
 inline IntW drawnOf(const SplatPass& pass, const Block& b, int i, const Pose& p) {
-    const IntW code = (load<IntW>(b.words[3] + i) >> 16) & 255;
-    IntW drawn = load<IntW>(b.drawable + i) & (code != outlierCode);
+    const IntW drawn = load<IntW>(b.drawable + i);
     if (pass.facing == 0) return drawn;
     const IntW faces = pass.oriented ? (p.m <= 0.0f) | ~p.hasNormal : all(-1);
     return drawn & (pass.facing > 0 ? faces : ~faces);

@@ -32,7 +32,7 @@ SplatParams splatParams(const SplatPass& n, ivec4 area, std::size_t index, bool 
     p.blur = {6.0f * n.lowPassPx * n.lowPassPx, rootOf6 * n.lowPassPx, majorPerRadius, axisRatioStep};
     setRotation(n, p.rotation);
     p.flags = {static_cast<int>(index), n.facing, n.oriented, n.ownRadii};
-    p.filters = {byClass, 0, 0, 0};
+    p.filters = {byClass, n.outliers, 0, 0};
     return p;
 }
 

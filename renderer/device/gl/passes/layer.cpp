@@ -68,7 +68,9 @@ Layer::Layer(const LayerParts& parts, const Drawing& drawing, const CutView& vie
       tables_(parts.tables.host),
       background_(
           backgroundRows(drawing.background, area.y - layerView.pad, area.w, layerView.viewpoint->height)),
-      byClass_(view.filter.classes.has_value()) {}
+      byClass_(view.filter.classes.has_value()) {
+    for (SplatPass& pass : splats_) pass.outliers = view.filter.outliers;
+}
 
 std::vector<std::uint32_t> Layer::addRuns(const Drawing& drawing, const CutView& view) {
     const Cut& cut = view.cut;

@@ -13,7 +13,7 @@ struct SplatParams {
                        // and a step of its axes' ratio (renderer/cloud/surfel_bytes.hpp)
     vec4 rotation[3];  // rows: cloud -> view space (x right, y up, z towards the viewer)
     ivec4 flags;       // which of a run's size factors; facing: 1, -1 or 0; 1 = oriented; 1 = samples know radii
-    ivec4 filters;     // x: 1 = not all classes are drawn; unused
+    ivec4 filters;     // x: 1 = not all classes are drawn; y: 1 = outliers are drawn; unused
 };
 
 // One run of samples of the cut, composed in double on the host.

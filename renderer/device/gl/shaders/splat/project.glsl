@@ -9,6 +9,7 @@ struct Placed {
     float halfPx;  // half a sprite's size, px
 };
 
+const uint outlierCode = 255u;
 const float outsidePx = 1048576.0;  // far outside any picture, and still exact as an integer
 
 #if FILTERS
@@ -59,6 +60,7 @@ bool placeSample(RunParams run, uvec4 words, out Placed placed) {
     vec4 a = run.toPicture[0], b = run.toPicture[1], c = run.toPicture[2];
     precise float depth = c.x * sx + (c.y * sy + (c.z * sz + c.w));
     if (!(depth >= pass.view.z && depth <= pass.view.w)) return false;
+    if (pass.filters.y == 0 && ((words.w >> 16) & 255u) == outlierCode) return false;
 #if FILTERS
     if (!passesFilters(run, words)) return false;
 #endif

@@ -42,7 +42,6 @@ struct Rows {
 };
 
 const float leastHalf = 1e-3, leastCosine = 1e-4;
-const uint outlierCode = 255u;
 
 uint radiusCode(uvec4 words) { return (words.w >> 16) & 255u; }
 
@@ -83,7 +82,7 @@ bool poseOf(RunParams run, uvec4 words, Placed placed, float radiusFactor, out P
     p.v = v;
     p.m = m;
     p.unitsPerPx = unitsPerPx;
-    if (radiusCode(words) == outlierCode || !facesRight(p)) return false;
+    if (!facesRight(p)) return false;
     p.m = m < 0.0 ? min(m, -leastCosine) : max(m, leastCosine);
     precise float slant2 = p.n.x * p.n.x + p.n.y * p.n.y;
     float slant = root(slant2);

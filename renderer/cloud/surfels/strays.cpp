@@ -59,24 +59,20 @@ void findStrays(std::uint32_t begin, std::uint32_t end, const NeighbourIndex& in
     for (std::uint32_t first = begin; first < end; ++first) {
         const float before = first == 0 ? endless : distance(index, first - 1, first);
         glm::vec3 low = index.position(first), high = low;
+        std::uint32_t asked = first;
         for (std::uint32_t last = first + 1;; ++last) {
             const glm::vec3 size = high - low;
             const float width = farFactor * std::max({size.x, size.y, size.z});
             if (!(before > width)) break;
             const float after = last == all ? endless : distance(index, last - 1, last);
-            if (after > width && (last - first > others || looksLonely(first, evidence))) {
-                const auto known = strays.size();
-                for (std::uint32_t p = first; p < last; ++p)
-                    if (isStray(p, index, evidence, kernels, scratch)) strays.push_back(p);
-                if (strays.size() > known) {
-                    first = last - 1;
-                    break;
-                }
-            }
+            if (after > width && (last - first > others || looksLonely(first, evidence)))
+                for (; asked < last; ++asked)
+                    if (isStray(asked, index, evidence, kernels, scratch)) strays.push_back(asked);
             if (last == all || last - first == mostStraysTogether) break;
             low = glm::min(low, index.position(last));
             high = glm::max(high, index.position(last));
         }
+        if (asked > first) first = asked - 1;
     }
 }
 

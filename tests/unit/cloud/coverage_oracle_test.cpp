@@ -75,6 +75,17 @@ ScanPoint scanLines(std::uint64_t i, std::uint64_t n) {
     return {.position = {100 * (double(i % columns) + uniform(i, 3)) / double(columns),
                          100.0 * double(i / columns) / double(rows), 0.003 * uniform(i, 4)}};
 }
+/// One half has a hundredth of the other's points.
+ScanPoint twoDensities(std::uint64_t i, std::uint64_t n) {
+    const bool sparse = i % 101 == 100;
+    const auto [column, row] = [&] {
+        const std::uint64_t number = sparse ? i / 101 : i - i / 101, all = sparse ? n / 101 : n - n / 101;
+        const auto columns = std::uint64_t(std::sqrt(double(all) / 2)), rows = all / columns;
+        return std::pair((double(number % columns) + 0.5 * uniform(i, 3)) / double(columns),
+                         (double(number / columns) + 0.5 * uniform(i, 4)) / double(rows));
+    }();
+    return {.position = {(sparse ? 50 : 0) + 50 * column, 100 * row, 0}};
+}
 /// A golden spiral: as regular as a ball can be.
 ScanPoint spiral(std::uint64_t i, std::uint64_t n) {
     const double z = 1 - (2 * double(i) + 1) / double(n), r = std::sqrt(1 - z * z),
@@ -86,6 +97,7 @@ const Surface surfaces[] = {
     {"regular plane", 10'000, regular, onSquare},
     {"random plane", 10'000, randomOnSquare, onSquare, 5e-4},
     {"scan lines", 10'000, scanLines, onSquare},
+    {"two densities", 10'000, twoDensities, onSquare, 5e-4},
     {"regular ball", 400 * glm::pi<double>(), spiral, onBall},
     {"random ball", 400 * glm::pi<double>(), test::ball, onBall, 5e-4},
 };

@@ -22,7 +22,7 @@ using std::numbers::pi;
 
 std::vector<Surfel> estimate(const Points& points, int k = 10) {
     std::vector<Surfel> out(points.size());
-    estimateSurfels(points, {k}, out);
+    estimateSurfels(points, {.neighbours = k, .spacings = {}}, out);
     return out;
 }
 

@@ -124,7 +124,8 @@ class Finisher {
         if (!file_) return AveragedFacts{node.content.reaches, node.content.densities};
         const std::size_t count = node.stored.node.sampleCount;
         AveragedFacts facts{std::vector<float>(count), std::vector<Density>(count)};
-        const std::uint64_t toReaches = count * sizeof(Sample), toDensities = toReaches + count * sizeof(float);
+        const std::uint64_t toReaches = count * sizeof(Sample),
+                            toDensities = toReaches + count * sizeof(float);
         auto read = node.setAside.read(toReaches, std::as_writable_bytes(std::span(facts.reaches)));
         if (read) read = node.setAside.read(toDensities, std::as_writable_bytes(std::span(facts.densities)));
         if (!read) return passOn(read);

@@ -115,7 +115,8 @@ bool Evidence::flatFarther(std::uint32_t p) const {
         }
     glm::dmat3 variance(0);
     for (int a = 0; a < 3; ++a)
-        for (int b = a; b < 3; ++b) variance[a][b] = squares[a][b] / count - sum[a] * sum[b] / (count * count);
+        for (int b = a; b < 3; ++b)
+            variance[a][b] = squares[a][b] / count - sum[a] * sum[b] / (count * count);
     const double radius = facts_[p].radius;
     return traceOf(variance) > goesOn * (radius * radius) && isPlane(variance);
 }

@@ -383,6 +383,10 @@ TEST_P(GlLayerDrawing, ClassesClipBoxAndDroppedRegions) {
     });
 }
 
+TEST_P(GlLayerDrawing, OutliersWhereAskedFor) {
+    check({sprites, blended, cells}, [](OwnDrawing& d) { d.view().filter.outliers = true; });
+}
+
 TEST_P(GlLayerDrawing, RunsDrawnInPart) {
     const Cut faded = withShares(sharedScene().cut());
     check(

@@ -108,7 +108,8 @@ bool isStray(const Points& distinct, const std::vector<float>& radii, std::size_
     for (std::size_t g = 1; g <= std::min<std::size_t>(near.size(), 32); ++g) {
         const float gap = std::sqrt(near[g - 1].squared);
         std::vector<float> next;
-        for (std::size_t i = g - 1; i < std::min(near.size(), g + 7); ++i) next.push_back(radii[near[i].point]);
+        for (std::size_t i = g - 1; i < std::min(near.size(), g + 7); ++i)
+            next.push_back(radii[near[i].point]);
         std::sort(next.begin(), next.end());
         if (gap > 16 * width && gap > 16 * next[(next.size() - 1) / 2]) return true;
         width = gap;

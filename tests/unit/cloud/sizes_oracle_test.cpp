@@ -53,7 +53,8 @@ Points rings(float along) {
     for (int ring = 5; ring < 16; ++ring) {
         const auto count = std::size_t(2 * std::numbers::pi * ring / double(along));
         for (std::size_t i = 0; i < count; ++i) {
-            const double turn = 2 * std::numbers::pi * (double(i) + 0.3 * test::uniform(p.size(), 3)) / double(count);
+            const double turn =
+                2 * std::numbers::pi * (double(i) + 0.3 * test::uniform(p.size(), 3)) / double(count);
             p.push_back({float(ring * std::cos(turn)), float(ring * std::sin(turn)), 0});
         }
     }

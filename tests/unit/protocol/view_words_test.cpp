@@ -92,7 +92,7 @@ TEST(ViewWords, WordsAndJsonMeanTheSame) {
                  {"classes", "6,2"},    {"clip", "0,0,0,1,2,3"},   {"shading", "phong"},
                  {"mirrors", "false"},  {"behindMirrors", "true"}, {"background", "#010203,#040506"},
                  {"detail", "2"},       {"budget", "1000"},        {"samples", "8"},
-                 {"quality", "50"},     {"subsampling", "4:2:2"}, {"outliers", "show"}});
+                 {"quality", "50"},     {"subsampling", "4:2:2"},  {"outliers", "show"}});
     const auto json =
         applyJson(View{}, nlohmann::json::parse(R"({"camera": {"eye": [1,2,3], "target": [0,0,1],
         "up": [0,1,0], "fov": 45, "near": 0.5, "far": null}, "width": 640, "height": 480, "method": "cone",

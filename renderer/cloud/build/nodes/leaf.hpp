@@ -21,9 +21,10 @@ struct NodeContent {
     int cellLevel = 0;       ///< coarser nodes may merge samples in cells of 2^cellLevel steps and larger
     CellCount cells;
     std::vector<Sample> samples;
-    std::vector<float> reaches;      ///< of an inner node's samples, with surfels: Average::reach
-    std::vector<Density> densities;  ///< of its samples, with surfels; Surface, Wire, Foliage or Stray of averages
-    NormalCone cone;             ///< of the node's own samples
+    std::vector<float> reaches;  ///< of an inner node's samples, with surfels: Average::reach
+    std::vector<Density>
+        densities;    ///< of its samples, with surfels; Surface, Wire, Foliage or Stray of averages
+    NormalCone cone;  ///< of the node's own samples
 };
 
 /// What a node's radii count from (Node::radiusUnit).

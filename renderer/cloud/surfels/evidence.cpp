@@ -18,12 +18,12 @@ constexpr float agreeingCosine = 0.9f;
 constexpr float alikeFactor = 3;
 /// Nobody is bounded by radii of more than so much of his own.
 constexpr float muchSmaller = 0.8f;
-/// A square grid's radius is 1.2 of its spacing.
-constexpr float largeSpacings = 1.5f;
+/// A square grid's radius is 1.2 of its spacing, and 1.65 at its border.
+constexpr float largeSpacings = 1.75f;
 /// Of two rings of neighbours: λ3/λ2 + λ3/λ1 of a plane is less, and λ2/λ1 is more.
 constexpr double flatFartherRatio = 0.17, wideFartherRatio = 0.08;
-/// Their mean squared distance in squared radii: 1.8 on a plane, 0.6 of eleven points that have only each other.
-constexpr double goesOn = 1.1;
+/// Their variance in squared radii: 1.8 on a plane, 1 at its border, 0.6 of eleven points that have only each other.
+constexpr double goesOn = 0.9;
 
 double traceOf(const glm::dmat3& c) {
     return c[0][0] + c[1][1] + c[2][2];

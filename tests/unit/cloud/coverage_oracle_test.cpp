@@ -97,7 +97,7 @@ const Surface surfaces[] = {
     {"regular plane", 10'000, regular, onSquare},
     {"random plane", 10'000, randomOnSquare, onSquare, 5e-4},
     {"scan lines", 10'000, scanLines, onSquare},
-    {"two densities", 10'000, twoDensities, onSquare, 5e-4},
+    {"two densities", 10'000, twoDensities, onSquare, 1e-3},
     {"regular ball", 400 * glm::pi<double>(), spiral, onBall},
     {"random ball", 400 * glm::pi<double>(), test::ball, onBall, 5e-4},
 };

@@ -16,6 +16,7 @@ using nlohmann::json;
 
 /// Of the picture's width or height, at each end.
 constexpr double margin = 0.06;
+constexpr double usualAspect = 16.0 / 9, widestFov = 90;
 constexpr std::size_t longestLookName = 64, longestLookReason = 4096;
 
 /// The members of a view that its style is printed as: all but camera, size and quality.
@@ -186,6 +187,14 @@ Camera fittedOrthographic(Camera camera, const std::vector<glm::dvec3>& outline,
     return camera;
 }
 
+/// Higher pictures show as much from left to right as one of 16:9, up to what does not look distorted.
+Camera widened(Camera camera, double aspect) {
+    if (camera.projection != Projection::Perspective || !(aspect > 0 && aspect < usualAspect)) return camera;
+    const double half = std::atan(std::tan(camera.fov * std::numbers::pi / 360) * usualAspect / aspect);
+    camera.fov = std::max(camera.fov, std::min(half * 360 / std::numbers::pi, widestFov));
+    return camera;
+}
+
 }  // namespace
 
 Camera fitted(const Camera& camera, const std::vector<glm::dvec3>& outline, double aspect) {
@@ -196,7 +205,8 @@ Camera fitted(const Camera& camera, const std::vector<glm::dvec3>& outline, doub
 }
 
 Camera cameraFor(const Look& look, const LookView& view, double aspect) {
-    if (view.inside || view.camera.viewMatrix) return view.camera;
+    if (view.camera.viewMatrix) return view.camera;
+    if (view.inside) return widened(view.camera, aspect);
     return fitted(view.camera, look.outline, aspect);
 }
 

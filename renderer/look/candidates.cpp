@@ -205,6 +205,16 @@ std::vector<Candidate> outsideCandidates(const SurveyedScene& scene, const std::
         }
         return candidates;
     }
+    if (scene.onlyFromAbove) {
+        Candidate candidate{{"top", false, {}}, 0};
+        Camera& camera = candidate.view.camera;
+        camera.projection = Projection::Orthographic;
+        camera.target = scene.center();
+        camera.eye = camera.target + scene.up;
+        camera.up = horizontalAxes(scene.up)[1];
+        camera = fitted(camera, outline, aspect);
+        return {candidate};
+    }
     const bool isLand = scene.kind == SceneKind::Airborne || scene.kind == SceneKind::Street;
     const bool isMap = isLand || scene.up.z > 0.9;
     const std::vector<double> heights =
@@ -215,7 +225,7 @@ std::vector<Candidate> outsideCandidates(const SurveyedScene& scene, const std::
                 {{(isMap ? compass : sides)[std::size_t(heading)], false,
                   cameraAlong(scene, direction(scene.up, heading, down * pi / 180), outline, outsideFov)},
                  down > 9 && down < 36 ? 0.1 : 0});
-    candidates.push_back({{"top", false, cameraAlong(scene, scene.up, outline, outsideFov)}, isLand ? -0.25 : -0.4});
+    candidates.push_back({{"top", false, cameraAlong(scene, scene.up, outline, outsideFov)}, -0.4});
     return candidates;
 }
 

@@ -35,15 +35,18 @@ std::array<double, 2> elevationRange(const SurveyedScene& scene) {
     return {quantileOf(heights, 0.01), quantileOf(std::move(heights), 0.99)};
 }
 
-/// Classes that people know, in numbers worth a legend: not everything is ground or "unclassified".
+/// ASPRS classes that people know on sight: ground, plants, buildings, water, rails, roads, wires, bridges.
+constexpr std::array<std::uint8_t, 13> knownClasses{2, 3, 4, 5, 6, 9, 10, 11, 13, 14, 15, 16, 17};
+
+/// Whether most points have one of these classes, and not nearly all the same.
 bool hasTellingClasses(const CloudFacts& facts) {
     if (!facts.attributes.classification) return false;
-    std::uint64_t most = 0, told = 0;
-    for (std::size_t c = 2; c < facts.classCounts.size(); ++c) {
+    std::uint64_t most = 0, known = 0;
+    for (const std::uint8_t c : knownClasses) {
         most = std::max(most, facts.classCounts[c]);
-        told += facts.classCounts[c];
+        known += facts.classCounts[c];
     }
-    return 2 * told > facts.points && 5 * most < 4 * facts.points;
+    return 4 * known > 3 * facts.points && 4 * most < 3 * facts.points;
 }
 
 }  // namespace

@@ -21,6 +21,8 @@ namespace {
 constexpr std::size_t surveyPoints = 12000;
 /// Of the small pictures, px.
 constexpr int width = 192, height = 108;
+/// A style is judged in a picture of more nearly the size that people get, so many times as wide and high.
+constexpr int styleScale = 4;
 
 struct Scored {
     LookView view;
@@ -59,14 +61,13 @@ class Looker {
         : cloud_(cloud), device_(device), scene_(scene) {}
 
     /// Errors: those of drawing.
-    Expected<Frame> see(const Camera& camera, const Style& style) {
+    Expected<Frame> see(const Camera& camera, const Style& style, int scale = 1) {
         View view;
-        view.width = width;
-        view.height = height;
+        view.width = scale * width;
+        view.height = scale * height;
         view.camera = camera;
         view.style = style;
         view.quality.samples = 1;
-        view.quality.detail = 1.5;
         return render(device_, cloud_, view);
     }
 
@@ -91,7 +92,7 @@ class Looker {
         const StyleChoice* best = nullptr;
         double readability = -1;
         for (const StyleChoice& choice : styles) {
-            const auto frame = see(camera, choice.style);
+            const auto frame = see(camera, choice.style, styleScale);
             if (!frame) return passOn(frame);
             const PictureMeasure m = measure(*frame);
             if (m.isReadable()) return &choice;

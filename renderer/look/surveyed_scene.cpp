@@ -7,6 +7,8 @@
 #include <glm/geometric.hpp>
 #include <map>
 
+#include "renderer/cloud/import/crs_text.hpp"
+
 namespace scancast {
 
 namespace {
@@ -17,6 +19,9 @@ constexpr double levelNormal = 0.9, uprightNormal = 0.3;
 // ---------------------------------------------------------------------------------------------------------
 // Seen by one camera that stood at the origin
 // ---------------------------------------------------------------------------------------------------------
+
+/// Depth cameras see some metres far, and write metres; a landscape with coordinates of its own lies higher.
+constexpr double farthestDepth = 25;
 
 /// The points as that camera saw them: x / z, y / z, and depth.
 struct Seen {
@@ -72,18 +77,19 @@ Frame2d asPicture(const Seen& seen) {
 /// nearly every direction at one depth only.
 bool isDepthFrame(const Seen& seen) {
     const double width = seen.right[0] - seen.left[0], height = seen.right[1] - seen.left[1];
-    if (!(width > 0.25 && height > 0.25 && width < 3 && height < 3)) return false;
-    const bool aroundAxis = seen.left[0] < -0.15 * width && seen.right[0] > 0.15 * width &&
-                            seen.left[1] < 0.02 * height && seen.right[1] > -0.02 * height;
-    if (!aroundAxis) return false;
+    if (!(width > 0.05 && height > 0.05 && width < 3 && height < 3)) return false;
+    for (int a = 0; a < 2; ++a) {
+        const double size = seen.right[std::size_t(a)] - seen.left[std::size_t(a)];
+        if (seen.left[std::size_t(a)] > 0.75 * size || seen.right[std::size_t(a)] < -0.75 * size) return false;
+    }
     const Frame2d frame = asPicture(seen);
-    return frame.filled > 0.4 && frame.single > 0.7;
+    return frame.filled > 0.35 && frame.single > 0.7;
 }
 
 std::optional<SurveyedScene> asDepthFrame(const std::vector<SurveyPoint>& points) {
     for (const double sign : {1.0, -1.0}) {
         const auto seen = seenFromOrigin(points, sign);
-        if (!seen || !isDepthFrame(*seen)) continue;
+        if (!seen || quantileOf(seen->depth, 0.99) > farthestDepth || !isDepthFrame(*seen)) continue;
         SurveyedScene scene;
         scene.kind = SceneKind::DepthFrame;
         // Cameras count rows downwards; who looks along -z follows computer graphics, where y points up.
@@ -92,7 +98,7 @@ std::optional<SurveyedScene> asDepthFrame(const std::vector<SurveyPoint>& points
         scene.sensor = glm::dvec3(0);
         scene.reason = fmt::format(
             "Everything lies in front of the origin, along {}z, and each line of sight from there ends at one "
-            "depth: what a camera saw that stood there.",
+            "depth: what a camera saw that stood there. ",
             sign > 0 ? '+' : '-');
         return scene;
     }
@@ -246,7 +252,18 @@ bool hasClassesOfLand(const CloudFacts& facts) {
     return facts.attributes.classification && facts.classCounts[2] > 0;
 }
 
+/// Degrees on the ground and metres above it: seen from the side that is a needle.
+bool isInDegrees(const CloudFacts& facts) {
+    return crsUnit(facts.crsWkt, facts.crsEpsg) == "degree";
+}
+
 void decideKind(const CloudFacts& facts, SurveyedScene& scene) {
+    if (isInDegrees(facts)) {
+        scene.kind = SceneKind::Airborne;
+        scene.onlyFromAbove = true;
+        scene.reason += "Its coordinates are degrees, its heights are not: a map, seen from above. ";
+        return;
+    }
     const auto axes = horizontalAxes(scene.up);
     const Map map = mapOf(scene, axes);
     const glm::dvec3 size = scene.size();

@@ -7,10 +7,22 @@
 
 namespace scancast {
 
-/// The best colour source that the cloud has: its own colours, else intensity, else elevation.
-ColorSource bestColorSource(const Attributes& attributes);
+/// What a cloud is coloured by where a view leaves that open.
+struct ColorChoice {
+    ColorSource source = ColorSource::Rgb;
+    bool byIntensity = false;
+};
 
-/// Unsupported when the cloud lacks the attribute (the message names those it has); InvalidArgument for a
+/// What `color=auto` means for the cloud: its own colours, else intensity, else elevation.
+ColorChoice automaticColor(const Cloud& cloud);
+
+/// What `exposure=auto` means for the cloud, in stops.
+double automaticExposure(const Cloud& cloud);
+
+/// The style with neither colour nor exposure left open.
+Style decidedStyle(const Cloud& cloud, Style style);
+
+/// Of a decided style. Unsupported when the cloud lacks the attribute (the message names those it has); InvalidArgument for a
 /// colour map or range that does not exist.
 Expected<ColorRule> colorRule(const Cloud& cloud, const Style& style, const Viewpoint& viewpoint);
 

@@ -17,6 +17,7 @@ Rgb8 onRamp(const ColorRule& rule, double value) {
 Rgb8 colorOf(const ColorRule& rule, const Node& node, const Sample& s, const glm::dvec3& place,
              double depth) {
     switch (rule.source) {
+        case ColorSource::Auto:  // a rule names what was chosen
         case ColorSource::Rgb:
             return {s.r, s.g, s.b};
         case ColorSource::Flat:

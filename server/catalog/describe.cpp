@@ -157,14 +157,15 @@ nlohmann::json pickedJson(const Cloud& cloud, const Picked& picked) {
     return json;
 }
 
-/// All that `color` may say but one colour for everything.
+/// All that `color` may say but one colour for everything, as menus have it: auto, products, sources.
 nlohmann::json colorNames() {
-    nlohmann::json names = colorSourceNames;
+    std::vector<std::string> names(colorSourceNames.begin(), colorSourceNames.end());
+    auto at = names.begin() + 1;
     for (std::size_t i = 0; i < colorSourceNames.size(); ++i) {
         Style style;
         style.color = static_cast<ColorSource>(i);
         style.byIntensity = true;
-        if (takesIntensity(style.color)) names.push_back(colorWord(style));
+        if (takesIntensity(style.color)) at = names.insert(at, colorWord(style)) + 1;
     }
     return names;
 }

@@ -178,7 +178,8 @@ Expected<std::shared_ptr<const PlannedView>> plan(const Cloud& cloud, const View
     const Method* const method = chosen->method;
     const Shading shading = view.style.shading.value_or(method->defaultShading);
     if (auto ok = checkAbility(cloud, *method, shading); !ok) return passOn(ok);
-    auto color = colorRule(cloud, view.style, *viewpoint);
+    const Style style = decidedStyle(cloud, view.style);
+    auto color = colorRule(cloud, style, *viewpoint);
     if (!color) return passOn(color);
 
     auto planned = std::make_shared<PlannedView>();
@@ -186,6 +187,8 @@ Expected<std::shared_ptr<const PlannedView>> plan(const Cloud& cloud, const View
     planned->method = method->name;
     planned->reason = chosen->reason;
     planned->viewpoint = *viewpoint;
+    planned->colorName = colorWord(style);
+    planned->exposure = *style.exposure;
     planned->color = *color;
     planned->filter = sampleFilter(cloud, view.style);
     const double detail = view.quality.detail.value_or(method->defaultDetail);
@@ -212,7 +215,6 @@ View defaultView(const Cloud& cloud, int width, int height) {
         return view;
     }
     view.camera = cloud.defaultCamera(aspect);
-    view.style.color = bestColorSource(cloud.attributes);
     return view;
 }
 

@@ -33,6 +33,8 @@ struct FrameStats {
     std::uint32_t mirrorsLeftOut = 0;   ///< in view, too, but this device draws none: their glass is empty
     std::string method, device;
     std::string methodReason;           ///< why this method, where the request said auto
+    std::string color;                  ///< what it is coloured by, also where the request said auto
+    double exposure = 0;                ///< of rgb, stops; the same
     /// Adds to the stage of that name, or appends it.
     void add(std::string_view stage, double milliseconds);
 };

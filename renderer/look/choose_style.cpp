@@ -49,38 +49,66 @@ bool hasTellingClasses(const CloudFacts& facts) {
     return 4 * known > 3 * facts.points && 4 * most < 3 * facts.points;
 }
 
+/// Photographs: as they are, or with whatever makes them readable.
+void addPhotographed(const CloudFacts& facts, bool isLand, bool lit, Choices& choices) {
+    using enum ColorSource;
+    if (!isLand) choices.add(Rgb, Shading::Unlit, "It has photographed colours.");
+    choices.add(Rgb, Shading::EyeDome, "It has photographed colours; edges are made clear.");
+    if (facts.attributes.intensity)
+        choices.add(Rgb, Shading::EyeDome, "It has photographed colours; intensity gives them texture.").byIntensity =
+            true;
+    if (lit)
+        choices.add(Rgb, Shading::Phong, "It has photographed colours, but pale ones: light shows the shape.");
+}
+
+/// Colours that tell heights or classes, brighter where the ground reflects more.
+void addLand(const CloudFacts& facts, const SurveyedScene& scene, Choices& choices) {
+    using enum ColorSource;
+    if (hasTellingClasses(facts))
+        choices
+            .add(Classification, Shading::EyeDome,
+                 "It has no colours, but classes that tell ground, plants and buildings apart.")
+            .byIntensity = facts.attributes.intensity;
+    Style& style = choices.add(Elevation, Shading::EyeDome, "It has no colours: they show height.");
+    style.range = elevationRange(scene);
+    style.byIntensity = facts.attributes.intensity;
+    if (facts.attributes.intensity)
+        choices.add(Elevation, Shading::EyeDome, "It has no colours: they show height.").range =
+            elevationRange(scene);
+}
+
+/// Light on clay, reflected light, height: in this order, as far as there is any.
+void addShape(const CloudFacts& facts, const SurveyedScene& scene, bool lit, Choices& choices) {
+    using enum ColorSource;
+    const bool isObject = scene.kind == SceneKind::Object || scene.kind == SceneKind::DepthFrame;
+    const auto addClay = [&] {
+        if (lit) choices.add(Flat, Shading::Phong, "It has no colours: light shows the shape.").flatColor = clay;
+    };
+    if (isObject) addClay();
+    if (facts.attributes.intensity) {
+        Style& style = choices.add(Intensity, Shading::EyeDome,
+                                   "It has no colours: how strongly it reflects is shown as grey.");
+        style.colormap = "grey";
+        style.range = intensityRange(facts);
+    }
+    if (!isObject) addClay();
+    if (choices.all.empty())
+        choices.add(Elevation, Shading::EyeDome, "It has no colours: they show height.").range =
+            elevationRange(scene);
+}
+
 }  // namespace
 
 std::vector<StyleChoice> stylesFor(const CloudFacts& facts, const SurveyedScene& scene) {
     Choices choices;
     const bool isLand = scene.kind == SceneKind::Airborne || scene.kind == SceneKind::Street;
     const bool lit = facts.surfels || facts.attributes.normal;
-    if (facts.attributes.color) {
-        if (!isLand) choices.add(ColorSource::Rgb, Shading::Unlit, "It has photographed colours.");
-        choices.add(ColorSource::Rgb, Shading::EyeDome, "It has photographed colours; edges are made clear.");
-        if (lit)
-            choices.add(ColorSource::Rgb, Shading::Phong,
-                        "It has photographed colours, but pale ones: light shows the shape.");
-    }
-    if (isLand && hasTellingClasses(facts))
-        choices.add(ColorSource::Classification, Shading::EyeDome,
-                    "It has no colours, but classes that tell ground, plants and buildings apart.");
-    if (scene.kind == SceneKind::Airborne) {
-        choices.add(ColorSource::Elevation, Shading::EyeDome, "It has no colours: height is shown by them.").range =
-            elevationRange(scene);
-    }
-    if (!isLand && lit)
-        choices.add(ColorSource::Flat, Shading::Phong, "It has no colours: light shows the shape.").flatColor =
-            clay;
-    if (facts.attributes.intensity) {
-        Style& style = choices.add(ColorSource::Intensity, Shading::EyeDome,
-                                   "It has no colours: how strongly it reflects is shown as grey.");
-        style.colormap = "grey";
-        style.range = intensityRange(facts);
-    }
-    if (scene.kind != SceneKind::Airborne)
-        choices.add(ColorSource::Elevation, Shading::EyeDome, "It has no colours: height is shown by them.").range =
-            elevationRange(scene);
+    if (facts.attributes.color)
+        addPhotographed(facts, isLand, lit, choices);
+    else if (scene.kind == SceneKind::Airborne)
+        addLand(facts, scene, choices);
+    else
+        addShape(facts, scene, lit, choices);
     return std::move(choices.all);
 }
 

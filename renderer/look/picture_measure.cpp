@@ -10,7 +10,7 @@ namespace scancast {
 namespace {
 
 /// A little more than a viewer needs, since the real picture is larger and smoother than what is measured.
-constexpr double leastSpread = 0.28, leastMedian = 0.16, mostMedian = 0.8, mostOfOneColor = 0.3, leastEdges = 0.045;
+constexpr double leastSpread = 0.28, leastMedian = 0.16, mostMedian = 0.8, mostOfOneColor = 0.3, leastEdges = 0.07;
 /// Step of luminance over two pixels that counts as an edge.
 constexpr double edgeStep = 0.16;
 

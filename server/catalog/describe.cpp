@@ -157,12 +157,25 @@ nlohmann::json pickedJson(const Cloud& cloud, const Picked& picked) {
     return json;
 }
 
+/// All that `color` may say but one colour for everything, as menus have it: auto, products, sources.
+nlohmann::json colorNames() {
+    std::vector<std::string> names(colorSourceNames.begin(), colorSourceNames.end());
+    auto at = names.begin() + 1;
+    for (std::size_t i = 0; i < colorSourceNames.size(); ++i) {
+        Style style;
+        style.color = static_cast<ColorSource>(i);
+        style.byIntensity = true;
+        if (takesIntensity(style.color)) at = names.insert(at, colorWord(style)) + 1;
+    }
+    return names;
+}
+
 nlohmann::json methodListJson() {
     std::vector<MethodInfo> list;
     for (const Method& method : methods()) list.push_back(describe(method));
     nlohmann::json json = toJson(list);
     // Colour sources and maps belong to no method; clients build their menus from one answer.
-    json["colors"] = colorSourceNames;
+    json["colors"] = colorNames();
     json["colormaps"] = colormapNames;
     json["shadings"] = shadingNames;
     return json;

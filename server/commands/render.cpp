@@ -69,6 +69,8 @@ std::string statsJson(const Timings& timings, const Frame& frame, const Cloud& c
     json["device"] = frame.stats.device;
     json["method"] = frame.stats.method;
     if (!frame.stats.methodReason.empty()) json["methodReason"] = frame.stats.methodReason;
+    json["color"] = frame.stats.color;
+    json["exposure"] = frame.stats.exposure;
     json["mirrors"] = frame.stats.mirrorsDrawn;
     json["bytesUploaded"] = frame.stats.bytesUploaded;
     json["deviceBytes"] = frame.stats.deviceBytes;

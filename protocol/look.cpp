@@ -237,9 +237,13 @@ Expected<Look> applyLook(const Look& base, const json& changes) {
     readStyle(fields, look.style);
     readViews(fields, look.views);
     if (auto ok = fields.finishStrict(); !ok) return passOn(ok);
+    return look;
+}
+
+Expected<void> validate(const Look& look) {
     if (look.views.empty()) return fail(ErrorCode::InvalidArgument, "a look needs a view", "views");
     if (look.outline.empty()) return fail(ErrorCode::InvalidArgument, "a look needs an outline", "outline");
-    return look;
+    return {};
 }
 
 }  // namespace scancast

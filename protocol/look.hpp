@@ -60,7 +60,10 @@ Camera cameraFor(const Look& look, const LookView& view, double aspect);
 Camera fitted(const Camera& camera, const std::vector<glm::dvec3>& outline, double aspect);
 
 nlohmann::json toJson(const Look& look);
-/// `base` with the fields that `changes` has. Errors: InvalidArgument with the JSON path as field.
+/// `base` with the fields that `changes` has; unknown ones are errors. Errors: InvalidArgument with the JSON path
+/// as field.
 Expected<Look> applyLook(const Look& base, const nlohmann::json& changes);
+/// Whether a cloud can be shown by it: it has a view and an outline.
+Expected<void> validate(const Look& look);
 
 }  // namespace scancast

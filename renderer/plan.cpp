@@ -204,17 +204,24 @@ Expected<void> checkView(const Cloud& cloud, const View& view) {
     return {};
 }
 
+std::vector<LookView> viewsOf(const Cloud& cloud, double aspect) {
+    if (!cloud.look) return {{"whole", false, cloud.defaultCamera(aspect)}};
+    std::vector<LookView> views = cloud.look->views;
+    for (LookView& view : views) view.camera = cameraFor(*cloud.look, view, aspect);
+    return views;
+}
+
 View defaultView(const Cloud& cloud, int width, int height) {
     View view;
     view.width = width;
     view.height = height;
     const double aspect = static_cast<double>(width) / height;
-    if (cloud.look) {
-        view.camera = cameraFor(*cloud.look, cloud.look->views.front(), aspect);
-        view.style = cloud.look->style;
+    if (!cloud.look) {
+        view.camera = cloud.defaultCamera(aspect);
         return view;
     }
-    view.camera = cloud.defaultCamera(aspect);
+    view.camera = cameraFor(*cloud.look, cloud.look->views.front(), aspect);
+    view.style = cloud.look->style;
     return view;
 }
 

@@ -33,7 +33,7 @@ export class Controls {
   #fieldsOf;
   #on;
 
-  /** `on` has style(changes), cloud(id), upAxis('z' or 'y') and reset(). */
+  /** `on` has style(changes), cloud(id), upAxis('z', 'y' or '-y') and reset(). */
   constructor(on) {
     this.#on = on;
     find('controls').addEventListener('submit', (event) => event.preventDefault());

@@ -1,7 +1,7 @@
 // Puts the page together: what the user wants (camera and style) goes out as `view` messages, at most one for each
 // frame of the display; the pictures that come back go onto the canvas.
 
-import { between, fit, fromProtocol, radiusOf, standardView, toProtocol } from './camera.js';
+import { between, fit, fittedInto, fromProtocol, radiusOf, standardView, toProtocol } from './camera.js';
 import { CameraInput } from './camera_input.js';
 import { Controls } from './controls.js';
 import { amount, Hud } from './hud.js';
@@ -99,12 +99,17 @@ function freeSize() {
 }
 
 /** The axis that the server takes for up, which it tells by its default view. */
-const usualUpAxis = (of) => (Math.abs(of.view?.camera?.up?.[1] ?? 0) > 0.5 ? 'y' : 'z');
+function usualUpAxis(of) {
+  const y = of.look?.up?.[1] ?? of.view?.camera?.up?.[1] ?? 0;
+  return y > 0.5 ? 'y' : y < -0.5 ? '-y' : 'z';
+}
 
-/** The whole cloud, from where the server would look at it, but fitted to this window. */
+/** From where the server would look at the cloud; unless that is inside, fitted to this window. */
 function usualCamera(of, upAxis = usualUpAxis(of)) {
   const theirs = fromProtocol(of.view?.camera, usualUpAxis(of)) ?? fromProtocol({ eye: [1, -2, 1], target: [0, 0, 0] });
-  return fit({ ...theirs, upAxis }, of.bounds, picture.cssSize, freeSize());
+  const first = of.look?.views?.[0];
+  if (!first || upAxis !== usualUpAxis(of)) return fit({ ...theirs, upAxis }, of.bounds, picture.cssSize, freeSize());
+  return first.inside ? theirs : fittedInto(theirs, picture.cssSize, freeSize());
 }
 
 function welcome(message) {

@@ -16,7 +16,7 @@ const plainNumber = /^[+-]?(\d+\.?\d*|\.\d+)(e[+-]?\d+)?$/i;
 
 /** `upAxis` is the page's own word: it changes how one moves on, not what the picture shows. */
 export function printHash(cloud, view, upAxis) {
-  const own = upAxis === 'y' ? [['upAxis', 'y']] : [];
+  const own = upAxis === 'y' || upAxis === '-y' ? [['upAxis', upAxis]] : [];
   return `#${printQuery([['cloud', cloud], ...wordsOf(view), ...own])}`;
 }
 
@@ -50,7 +50,7 @@ function readCamera(pairs) {
     fov: readNumber(pairs.get('fov')),
     viewHeight: readNumber(pairs.get('viewHeight')),
   };
-  return fromProtocol(wire, pairs.get('upAxis') === 'y' ? 'y' : 'z');
+  return fromProtocol(wire, ['y', '-y'].includes(pairs.get('upAxis')) ? pairs.get('upAxis') : 'z');
 }
 
 function readParameters(pairs) {

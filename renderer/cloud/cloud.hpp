@@ -79,12 +79,15 @@ struct CloudFacts {
     std::optional<glm::dvec3> scanner;         ///< where it stood, file coordinates, if the scan says so
     std::optional<Look> look;                  ///< nullopt: not decided yet (renderer/look)
     std::vector<std::string> notes;  ///< what was strange about the scan, one sentence each without an end
-    std::string revision;            ///< hex digest of everything that pictures depend on
+    std::string revision;            ///< hex digest of everything that pictures depend on but the look
 };
 
 /// What somebody who reads or opens the cloud should be told once, as whole sentences: points left out,
 /// attributes that are none because they are the same everywhere, notes.
 std::vector<std::string> remarksOn(const CloudFacts& facts);
+
+/// Changes whenever a picture of the cloud could, with its look: that decides what views leave open.
+std::string pictureRevision(const CloudFacts& facts);
 
 struct Cloud : CloudFacts {
     Octree octree;

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 
 namespace scancast {
 
@@ -77,6 +78,17 @@ void addLand(const CloudFacts& facts, const SurveyedScene& scene, Choices& choic
             elevationRange(scene);
 }
 
+/// No length means anything where axes have different units: sizes are given in pixels.
+void addMap(const CloudFacts& facts, const SurveyedScene& scene, Choices& choices) {
+    Style& style = choices.add(facts.attributes.color ? ColorSource::Rgb : ColorSource::Elevation, Shading::Unlit,
+                               facts.attributes.color ? "It has photographed colours."
+                                                      : "It has no colours: they show height.");
+    if (!facts.attributes.color) style.range = elevationRange(scene);
+    style.method = "paraboloid";
+    constexpr double pixels = 1280 * 720 * 0.5;
+    style.parameters["sizePx"] = std::clamp(std::round(1.5 * std::sqrt(pixels / double(facts.points))), 1.0, 24.0);
+}
+
 /// Light on clay, reflected light, height: in this order, as far as there is any.
 void addShape(const CloudFacts& facts, const SurveyedScene& scene, bool lit, Choices& choices) {
     using enum ColorSource;
@@ -101,6 +113,10 @@ void addShape(const CloudFacts& facts, const SurveyedScene& scene, bool lit, Cho
 
 std::vector<StyleChoice> stylesFor(const CloudFacts& facts, const SurveyedScene& scene) {
     Choices choices;
+    if (scene.onlyFromAbove) {
+        addMap(facts, scene, choices);
+        return std::move(choices.all);
+    }
     const bool isLand = scene.kind == SceneKind::Airborne || scene.kind == SceneKind::Street;
     const bool lit = facts.surfels || facts.attributes.normal;
     if (facts.attributes.color)

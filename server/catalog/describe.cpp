@@ -3,6 +3,7 @@
 #include <nlohmann/json.hpp>
 
 #include "protocol/classification.hpp"
+#include "protocol/view/view_json.hpp"
 #include "renderer/cloud/import/crs_text.hpp"
 #include "renderer/image/colormap.hpp"
 #include "renderer/render.hpp"
@@ -77,7 +78,7 @@ CloudInfo describe(const std::string& id, const Cloud& cloud) {
     info.id = id;
     info.title = cloud.title;
     info.format = cloud.format;
-    info.revision = cloud.revision;
+    info.revision = pictureRevision(cloud);
     info.points = cloud.points;
     info.droppedPoints = cloud.droppedPoints;
     info.bounds = cloud.bounds;
@@ -98,6 +99,7 @@ CloudInfo describe(const std::string& id, const Cloud& cloud) {
     }
     info.bytesResident = cloud.octree.bytesResident();
     info.view = defaultView(cloud);
+    info.look = cloud.look;
     return info;
 }
 
@@ -137,6 +139,15 @@ nlohmann::json cloudListJson(const std::vector<CatalogEntry>& entries) {
     nlohmann::json pending = nlohmann::json::array();
     for (const CatalogEntry& entry : entries) (entry.cloud ? ready : pending).push_back(cloudJson(entry));
     return {{"clouds", std::move(ready)}, {"pending", std::move(pending)}};
+}
+
+nlohmann::json viewsJson(const Cloud& cloud, View base) {
+    nlohmann::json list = nlohmann::json::array();
+    for (const LookView& named : viewsOf(cloud, double(base.width) / base.height)) {
+        base.camera = named.camera;
+        list.push_back({{"name", named.name}, {"inside", named.inside}, {"view", toJson(base)}});
+    }
+    return {{"views", std::move(list)}};
 }
 
 nlohmann::json pickedJson(const Cloud& cloud, const Picked& picked) {

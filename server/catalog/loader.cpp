@@ -137,7 +137,7 @@ void Loader::loadOne(Job& job) {
     const auto start = std::chrono::steady_clock::now();
     auto cloud = contained("Loading", [&] {
         auto opened = job.opened ? Expected<ScanInput>(std::move(*job.opened)) : ScanInput::open(job.file);
-        return opened ? cloudOf(*opened, job.id) : tl::unexpected(std::move(opened.error()));
+        return opened ? shownCloudOf(*opened, job.id) : tl::unexpected(std::move(opened.error()));
     });
     settle(job, std::move(cloud),
            std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
@@ -165,6 +165,12 @@ void Loader::settleFailed(const Job& job, Error error) {
     }
     if (options_.onFailed && error.code != ErrorCode::Cancelled)
         std::ignore = contained("Telling of a failure", [&] { options_.onFailed(error); });
+}
+
+Loader::Result Loader::shownCloudOf(const ScanInput& input, const std::string& id) {
+    auto cloud = cloudOf(input, id);
+    if (!cloud) return cloud;
+    return withLook(std::move(*cloud));
 }
 
 Loader::Result Loader::cloudOf(const ScanInput& input, const std::string& id) {

@@ -84,7 +84,9 @@
         void loadOne(Job& job);
         void settle(const Job& job, Result cloud, double seconds);
         void settleFailed(const Job& job, Error error);
-        Result cloudOf(const ScanInput& input, const std::string& id);
+        /// With a look, so that nobody sees it without.
+    Result shownCloudOf(const ScanInput& input, const std::string& id);
+    Result cloudOf(const ScanInput& input, const std::string& id);
         Result build(const ScanInput& input, const std::string& id);
         Result ingestTo(const std::filesystem::path& output, const ScanInput& input, const std::string& id);
         Expected<std::unique_ptr<PointSource>> open(const ScanInput& input, const std::string& id) const;

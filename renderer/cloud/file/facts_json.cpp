@@ -172,7 +172,7 @@ class Fields {
         return nullptr;
     }
     bool has(const char* key) const { return object_.is_object() && object_.contains(key); }
-    void blame(const std::string& key, const char* what) {
+    void blame(const std::string& key, const std::string& what) {
         if (fault_.empty()) fault_ = fmt::format("\"{}{}\" {}", where_, key, what);
     }
     std::string& fault() { return fault_; }
@@ -260,7 +260,9 @@ void takeUsual(Fields fields, UsualRanges& into) {
 
 void takeLook(Fields& fields, std::optional<Look>& into) {
     auto look = applyLook(Look{}, *fields.find("look"));
-    if (!look) return fields.blame("look", look.error().message.c_str());
+    if (look)
+        if (auto ok = validate(*look); !ok) look = passOn(ok);
+    if (!look) return fields.blame("look", fmt::format("is none: {}", look.error().message));
     into = std::move(*look);
 }
 

@@ -11,6 +11,7 @@
 
 #include "renderer/cloud/build/build_cloud.hpp"
 #include "renderer/cloud/build/ingest.hpp"
+#include "renderer/look/decide_look.hpp"
 #include "renderer/residency/open_cloud.hpp"
 #include "server/base/faults.hpp"
 #include "server/catalog/preview.hpp"

@@ -25,6 +25,14 @@ bool standsOnXZ(const std::array<glm::dvec3, 2>& bounds) {
 
 }  // namespace
 
+std::vector<ValuePlane> planesOf(const CloudFacts& facts) {
+    std::vector<ValuePlane> planes;
+    for (const KeptColumn& kept : facts.columns)
+        planes.push_back({kept.column.name, kept.column.type, ValuePlane::Of::Points});
+    planes.insert(planes.end(), facts.companions.begin(), facts.companions.end());
+    return planes;
+}
+
 std::vector<std::string> remarksOn(const CloudFacts& facts) {
     std::vector<std::string> remarks;
     if (facts.droppedPoints > 0)

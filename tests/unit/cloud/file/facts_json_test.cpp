@@ -76,6 +76,21 @@ TEST(FactsJson, ImpossibleValuesAreNamed) {
          [](auto& j) {
              for (int i = 0; i < 2000; ++i) j["columns"].push_back(j["columns"][0]);
          }},
+        {"planes.type", [](auto& j) { j["planes"][3]["type"] = "float16"; }},
+        {"planes.of", [](auto& j) { j["planes"][3]["of"] = "nodes"; }},
+        {"planes.name", [](auto& j) { j["planes"][3]["name"] = ""; }},
+        {"planes", [](auto& j) { j["planes"].erase(2); }},
+        {"planes", [](auto& j) { j["planes"][1]["type"] = "int8"; }},
+        {"planes", [](auto& j) { j["planes"][0]["name"] = "time"; }},
+        {"planes", [](auto& j) { j["planes"][0]["of"] = "samples"; }},
+        {"planes", [](auto& j) { j["planes"].push_back(j["planes"].back()); }},
+        {"planes",
+         [](auto& j) {
+             for (int i = 0; i < 100; ++i) {
+                 j["planes"].push_back(j["planes"].back());
+                 j["planes"].back()["name"] = std::to_string(i);
+             }
+         }},
         {"mirrors.normal",
          [](auto& j) {
              j["mirrors"][0]["normal"] = {1, 1, 1};
@@ -103,6 +118,16 @@ TEST(FactsJson, ImpossibleValuesAreNamed) {
         EXPECT_TRUE(facts.error().message.starts_with(std::string("\"") + field + "\""))
             << facts.error().message;
     }
+}
+
+TEST(FactsJson, VersionOneKnowsNoPlanes) {
+    auto json = sampleJson();
+    const auto passedOver = parseFacts(printJson(json), 1);
+    ASSERT_TRUE(passedOver) << passedOver.error().message;
+    EXPECT_TRUE(passedOver->facts.companions.empty());
+    json.erase("planes");
+    EXPECT_TRUE(parseFacts(printJson(json), 1));
+    EXPECT_FALSE(parseFacts(printJson(json)));
 }
 
 TEST(FactsJson, WhatCannotBeReadIsNotWritten) {

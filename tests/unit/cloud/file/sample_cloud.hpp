@@ -36,10 +36,12 @@ inline CloudFacts fullFacts(const CloudFacts& from, bool columns) {
                   .width = 2.7,
                   .height = 0.1,
                   .tint = {1, 2, 255}}};
-    if (columns)
-        f.columns = {{{"gps_time", ColumnType::Float64, 1, 0, "seconds of the week"}, {-1.0 / 3, 1e9 + 0.1}},
-                     {{"return_number", ColumnType::Uint8, 1, 0, ""}, {1, 5}},
-                     {{"height above ground", ColumnType::Int64, 0.001, -0.7, "metres"}, {-0.25, 31.1}}};
+    if (!columns) return f;
+    f.companions = {{"density", ColumnType::Uint8, ValuePlane::Of::Samples},
+                    {"gps_time", ColumnType::Float32, ValuePlane::Of::Samples}};
+    f.columns = {{{"gps_time", ColumnType::Float64, 1, 0, "seconds of the week"}, {-1.0 / 3, 1e9 + 0.1}},
+                 {{"return_number", ColumnType::Uint8, 1, 0, ""}, {1, 5}},
+                 {{"height above ground", ColumnType::Int64, 0.001, -0.7, "metres"}, {-0.25, 31.1}}};
     return f;
 }
 
@@ -61,6 +63,7 @@ inline void expectSameFacts(const CloudFacts& a, const CloudFacts& b) {
     EXPECT_EQ(a.surfels, b.surfels);
     EXPECT_EQ(a.oriented, b.oriented);
     EXPECT_EQ(a.columns, b.columns);
+    EXPECT_EQ(a.companions, b.companions);
     EXPECT_EQ(a.revision, b.revision);
     ASSERT_EQ(a.mirrors.size(), b.mirrors.size());
     for (std::size_t i = 0; i < a.mirrors.size(); ++i) {

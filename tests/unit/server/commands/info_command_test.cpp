@@ -6,6 +6,7 @@
 
 #include "server/commands/command.hpp"
 #include "server/commands/info_print.hpp"
+#include "tests/support/clouds/version_one.hpp"
 #include "tests/support/test_data.hpp"
 #include "tests/unit/cloud/file/sample_cloud.hpp"
 
@@ -126,6 +127,28 @@ TEST_F(Info, CheckFindsADamagedBlockAndNamesIt) {
     ASSERT_EQ(check.at("damaged").size(), 1u);
     EXPECT_EQ(check.at("damaged")[0].at("node"), 3);
     EXPECT_EQ(check.at("damaged")[0].at("offset"), place.offset);
+}
+
+// A plane of a column, one of a companion in an inner node; in version 1, one block of rows.
+TEST_F(Info, CheckLooksAtWhatIsBesideTheSamples) {
+    const auto sound = CloudFile::open(file()).value();
+    const auto leaf = std::uint32_t(sound->nodes().size() - 1);
+    damage(sound->planePlace(leaf, 1).offset);
+    damage(sound->planePlace(0, 3).offset);
+    const auto told = info({"--check", file()});
+    EXPECT_EQ(told.exitCode, 1);
+    EXPECT_THAT(told.output, HasSubstr("2 damaged blocks;"));
+    EXPECT_THAT(told.output, HasSubstr("node " + std::to_string(leaf) + ", plane return_number at byte "));
+    EXPECT_THAT(told.output, HasSubstr("node 0, plane density at byte "));
+
+    ASSERT_TRUE(test::writeCloudFile(file(), cloud_->octree, facts_));
+    const auto old = test::asVersionOne(*CloudFile::open(file()).value());
+    folder_.write("hill.scan", {reinterpret_cast<const char*>(old.data()), old.size()});
+    EXPECT_THAT(info({"--check", file()}).output, HasSubstr("every block is sound"));
+    damage(CloudFile::open(file()).value()->planePlace(leaf, 1).offset);
+    const auto rows = info({"--check", file()});
+    EXPECT_THAT(rows.output, HasSubstr("1 damaged block;"));
+    EXPECT_THAT(rows.output, HasSubstr("node " + std::to_string(leaf) + ", rows at byte "));
 }
 
 TEST_F(Info, WhatCannotBeReadIsAnErrorAndTheRestIsTold) {

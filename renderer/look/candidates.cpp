@@ -173,6 +173,9 @@ void lookAround(const SurveyedScene& scene, const glm::dvec3& eye, const std::st
 std::vector<glm::dvec3> outlineOf(const std::vector<SurveyPoint>& points) {
     constexpr int directions = 192;
     const std::size_t rank = points.size() / 500;
+    const auto box = boxOf(points);
+    // In a cube, so that flat scans, and such of unlike units, have an outline in all directions, too.
+    const glm::dvec3 unit = glm::max(box[1] - box[0], glm::dvec3(1e-300));
     std::vector<std::size_t> chosen;
     std::vector<std::pair<double, std::size_t>> along(points.size());
     for (int i = 0; i < directions; ++i) {
@@ -180,7 +183,7 @@ std::vector<glm::dvec3> outlineOf(const std::vector<SurveyPoint>& points) {
         const double z = 1 - (2 * i + 1.0) / directions, turn = i * pi * (3 - std::sqrt(5.0));
         const double r = std::sqrt(1 - z * z);
         const glm::dvec3 d(r * std::cos(turn), r * std::sin(turn), z);
-        for (std::size_t k = 0; k < points.size(); ++k) along[k] = {-glm::dot(points[k].position, d), k};
+        for (std::size_t k = 0; k < points.size(); ++k) along[k] = {-glm::dot((points[k].position - box[0]) / unit, d), k};
         std::ranges::nth_element(along, along.begin() + std::ptrdiff_t(rank));
         chosen.push_back(along[rank].second);
     }

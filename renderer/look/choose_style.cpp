@@ -51,9 +51,9 @@ bool hasTellingClasses(const CloudFacts& facts) {
 }
 
 /// Photographs: as they are, or with whatever makes them readable.
-void addPhotographed(const CloudFacts& facts, bool isLand, bool lit, Choices& choices) {
+void addPhotographed(const CloudFacts& facts, bool lit, Choices& choices) {
     using enum ColorSource;
-    if (!isLand) choices.add(Rgb, Shading::Unlit, "It has photographed colours.");
+    choices.add(Rgb, Shading::Unlit, "It has photographed colours.");
     choices.add(Rgb, Shading::EyeDome, "It has photographed colours; edges are made clear.");
     if (facts.attributes.intensity)
         choices.add(Rgb, Shading::EyeDome, "It has photographed colours; intensity gives them texture.").byIntensity =
@@ -117,10 +117,9 @@ std::vector<StyleChoice> stylesFor(const CloudFacts& facts, const SurveyedScene&
         addMap(facts, scene, choices);
         return std::move(choices.all);
     }
-    const bool isLand = scene.kind == SceneKind::Airborne || scene.kind == SceneKind::Street;
     const bool lit = facts.surfels || facts.attributes.normal;
     if (facts.attributes.color)
-        addPhotographed(facts, isLand, lit, choices);
+        addPhotographed(facts, lit, choices);
     else if (scene.kind == SceneKind::Airborne)
         addLand(facts, scene, choices);
     else

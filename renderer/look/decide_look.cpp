@@ -21,8 +21,12 @@ namespace {
 constexpr std::size_t surveyPoints = 12000;
 /// Of the small pictures, px.
 constexpr int width = 192, height = 108;
-/// A style is judged in a picture of more nearly the size that people get, so many times as wide and high.
-constexpr int styleScale = 4;
+/// A style is judged in a picture as people get it, so many times as wide and high.
+constexpr int styleScale = 6;
+/// Light may make points of a surface differ by so much more than their own colours do.
+constexpr double noiseByLight = 0.003;
+/// Of readability: plainer styles are given up for no less.
+constexpr double worthAnotherStyle = 0.05;
 
 struct Scored {
     LookView view;
@@ -87,17 +91,20 @@ class Looker {
         return scored;
     }
 
-    /// The first style that can be read from there, else the one that can best.
+    /// The first style that can be read from there and is no noisier than the plainest, else the best.
     Expected<const StyleChoice*> choose(const std::vector<StyleChoice>& styles, const Camera& camera) {
         const StyleChoice* best = nullptr;
-        double readability = -1;
+        double value = -1, quiet = 0;
         for (const StyleChoice& choice : styles) {
             const auto frame = see(camera, choice.style, styleScale);
             if (!frame) return passOn(frame);
             const PictureMeasure m = measure(*frame);
-            if (m.isReadable()) return &choice;
-            if (m.readability() <= readability) continue;
-            readability = m.readability();
+            if (&choice == &styles.front()) quiet = m.noise;
+            const double noise = std::max(0.0, m.noise - quiet - noiseByLight);
+            if (m.isReadable() && noise == 0) return &choice;
+            const double own = m.readability() - 20 * noise;
+            if (own <= value + worthAnotherStyle) continue;
+            value = own;
             best = &choice;
         }
         return best;
@@ -122,13 +129,13 @@ std::vector<LookView> bestViews(const std::vector<Scored>& scored) {
     return views;
 }
 
-/// Median distance of points from the plane through their neighbours, as the surfels know it: not yet.
 Expected<Look> lookAt(const Cloud& cloud, Device& device, SurveyedScene scene) {
     Look look;
     look.kind = scene.kind;
     look.up = scene.up;
     look.bounds = scene.box;
     look.outline = outlineOf(scene.points);
+    look.noise = noiseOf(cloud);
     const auto styles = stylesFor(cloud, scene);
     Looker looker(cloud, device, scene);
     auto candidates = insideCandidates(scene);

@@ -17,6 +17,7 @@ struct PictureMeasure {
     double commonest = 0;                         ///< share of the commonest colour of 4 bits a channel
     double edges = 0;                             ///< share of covered pixels on an edge or texture
     double near = 0;                              ///< share of covered pixels much nearer than the median
+    double noise = 0;  ///< median distance of a pixel's luminance from the median of the nine around it
 
     double spread() const { return bright - dark; }
     /// Whether a viewer can read it: contrast, neither black nor white, not one colour, not flat.

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <glm/common.hpp>
+#include <glm/geometric.hpp>
 #include <map>
 #include <queue>
 
@@ -124,7 +125,40 @@ std::array<glm::dvec3, 2> neighbourhood(const std::vector<SurveyPoint>& points) 
     return {box[0] - around, box[1] + around};
 }
 
+/// Leaves that noise is measured in, points in each, and neighbours of each of these.
+constexpr std::size_t noiseLeaves = 8, noisePoints = 48, noiseNeighbours = 10;
+
+/// Of the nearest neighbours of some samples: how far they lie from the plane through the sample.
+void addDistances(const Node& node, std::span<const Sample> samples, std::vector<double>& distances) {
+    if (samples.size() <= noiseNeighbours) return;
+    std::vector<std::pair<double, double>> near(samples.size());  // squared distance, distance from the plane
+    for (std::size_t q = 0; q < noisePoints; ++q) {
+        const Sample& sample = samples[q * samples.size() / noisePoints];
+        const glm::dvec3 normal = decodeNormal(sample.normal), at = position(node, sample);
+        if (normal == glm::dvec3(0)) continue;
+        for (std::size_t i = 0; i < samples.size(); ++i) {
+            const glm::dvec3 to = position(node, samples[i]) - at;
+            near[i] = {glm::dot(to, to), std::abs(glm::dot(to, normal))};
+        }
+        std::ranges::nth_element(near, near.begin() + std::ptrdiff_t(noiseNeighbours));
+        for (std::size_t i = 0; i < noiseNeighbours; ++i)
+            if (near[i].first > 0) distances.push_back(near[i].second);
+    }
+}
+
 }  // namespace
+
+double noiseOf(const Cloud& cloud) {
+    std::vector<std::uint32_t> leaves;
+    for (std::uint32_t i = 0; i < cloud.octree.nodes().size(); ++i)
+        if (cloud.octree.node(i).isLeaf()) leaves.push_back(i);
+    std::vector<double> distances;
+    for (std::size_t k = 0; k < noiseLeaves && k < leaves.size(); ++k) {
+        const std::uint32_t leaf = leaves[k * leaves.size() / std::min(noiseLeaves, leaves.size())];
+        if (const auto run = cloud.octree.run(leaf)) addDistances(cloud.octree.node(leaf), run->samples, distances);
+    }
+    return distances.empty() ? 0 : quantileOf(std::move(distances), 0.5);
+}
 
 double quantileOf(std::vector<double> values, double q) {
     const auto at = values.begin() + std::ptrdiff_t(q * double(values.size() - 1));

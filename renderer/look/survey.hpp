@@ -22,6 +22,10 @@ struct SurveyPoint {
 /// At most `most` points, the same on any machine; none when no block can be read.
 std::vector<SurveyPoint> survey(const Cloud& cloud, std::size_t most);
 
+/// Median distance of a point's neighbours from the plane through it, of leaves all over the cloud; 0 where there
+/// are no normals. Cloud units.
+double noiseOf(const Cloud& cloud);
+
 /// Without what lies far from everything, and without the noise classes 7 and 18 unless there is nothing
 /// else: what a picture should show. Never empty where `points` is not.
 std::vector<SurveyPoint> withoutStrays(std::vector<SurveyPoint> points);

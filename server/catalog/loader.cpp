@@ -12,6 +12,7 @@
 #include "renderer/cloud/build/build_cloud.hpp"
 #include "renderer/cloud/build/ingest.hpp"
 #include "renderer/look/decide_look.hpp"
+#include "renderer/look/keep_look.hpp"
 #include "renderer/residency/open_cloud.hpp"
 #include "server/base/faults.hpp"
 #include "server/catalog/preview.hpp"
@@ -232,7 +233,8 @@ Loader::Result Loader::ingestTo(const fs::path& output, const ScanInput& input, 
     IngestOptions options;
     options.output = output;
     options.shape = options_.shape;
-    options.title = input.path().filename().string();
+    const std::string title = input.path().filename().string();
+    options.title = title;
     options.threads = options_.threads;
     options.memoryLimit = std::max(options_.cache->stats().limit / 2, leastIngestMemory);
     auto mirrors = input.mirrors();
@@ -245,6 +247,9 @@ Loader::Result Loader::ingestTo(const fs::path& output, const ScanInput& input, 
         auto report = ingest(std::move(sources), options, progressOf(id), stop_.get_token());
         if (!report) return passOn(std::move(report));
     }
+    // Kept with the cloud, so that the next start need not look again; if not, it is decided now.
+    if (auto kept = decideAndKeepLook(output, {}); !kept)
+        note(fmt::format("{} has no look of its own: {}", title, kept.error().message));
     return openCloud(output, options_.cache);
 }
 

@@ -157,7 +157,7 @@ double noiseOf(const Cloud& cloud) {
         const std::uint32_t leaf = leaves[k * leaves.size() / std::min(noiseLeaves, leaves.size())];
         if (const auto run = cloud.octree.run(leaf)) addDistances(cloud.octree.node(leaf), run->samples, distances);
     }
-    return distances.empty() ? 0 : quantileOf(std::move(distances), 0.5);
+    return distances.empty() ? 0 : quantileOf(std::move(distances), 0.68);
 }
 
 double quantileOf(std::vector<double> values, double q) {

@@ -22,7 +22,8 @@ struct SurveyPoint {
 /// At most `most` points, the same on any machine; none when no block can be read.
 std::vector<SurveyPoint> survey(const Cloud& cloud, std::size_t most);
 
-/// Median distance of a point's neighbours from the plane through it, of leaves all over the cloud; 0 where there
+/// How far neighbours of a point lie from the plane through it, but for the farthest third (one sigma of what is
+/// spread normally), in leaves all over the cloud; 0 where there
 /// are no normals. Cloud units.
 double noiseOf(const Cloud& cloud);
 

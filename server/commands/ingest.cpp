@@ -17,9 +17,9 @@
 #include "server/commands/byte_size.hpp"
 #include "server/commands/command.hpp"
 #include "server/commands/look_file.hpp"
-#include "server/commands/progress_bar.hpp"
-#include "server/commands/shutdown_signals.hpp"
-#include "server/commands/terminal.hpp"
+#include "server/terminal/progress_bar.hpp"
+#include "server/terminal/shutdown_signals.hpp"
+#include "server/terminal/terminal.hpp"
 
 namespace scancast {
 namespace {

@@ -8,7 +8,7 @@
 #include "server/commands/command.hpp"
 #include "server/commands/look_file.hpp"
 #include "server/commands/open_any.hpp"
-#include "server/commands/terminal.hpp"
+#include "server/terminal/terminal.hpp"
 
 namespace scancast {
 namespace {

@@ -18,7 +18,7 @@
 #include "server/commands/look_file.hpp"
 #include "server/commands/open_any.hpp"
 #include "server/commands/program_folder.hpp"
-#include "server/commands/terminal.hpp"
+#include "server/terminal/terminal.hpp"
 
 namespace scancast {
 

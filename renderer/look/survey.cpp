@@ -7,6 +7,8 @@
 #include <map>
 #include <queue>
 
+#include "renderer/cloud/build/nodes/tangent_plane.hpp"
+
 namespace scancast {
 
 namespace {
@@ -125,24 +127,26 @@ std::array<glm::dvec3, 2> neighbourhood(const std::vector<SurveyPoint>& points) 
     return {box[0] - around, box[1] + around};
 }
 
-/// Leaves that noise is measured in, points in each, and neighbours of each of these.
-constexpr std::size_t noiseLeaves = 8, noisePoints = 48, noiseNeighbours = 10;
+/// Leaves that noise is measured in, points in each, and neighbours of each of these: enough to see through the
+/// layers in which depth cameras count.
+constexpr std::size_t noiseLeaves = 8, noisePoints = 48, noiseNeighbours = 48;
 
-/// Of the nearest neighbours of some samples: how far they lie from the plane through the sample.
-void addDistances(const Node& node, std::span<const Sample> samples, std::vector<double>& distances) {
+/// Of some samples: deviation of the nearest neighbours from their plane.
+void addDeviations(const Node& node, std::span<const Sample> samples, std::vector<double>& deviations) {
     if (samples.size() <= noiseNeighbours) return;
-    std::vector<std::pair<double, double>> near(samples.size());  // squared distance, distance from the plane
+    std::vector<std::pair<double, std::size_t>> near(samples.size());
+    std::vector<glm::vec3> offsets;
     for (std::size_t q = 0; q < noisePoints; ++q) {
-        const Sample& sample = samples[q * samples.size() / noisePoints];
-        const glm::dvec3 normal = decodeNormal(sample.normal), at = position(node, sample);
-        if (normal == glm::dvec3(0)) continue;
+        const glm::dvec3 at = position(node, samples[q * samples.size() / noisePoints]);
         for (std::size_t i = 0; i < samples.size(); ++i) {
             const glm::dvec3 to = position(node, samples[i]) - at;
-            near[i] = {glm::dot(to, to), std::abs(glm::dot(to, normal))};
+            near[i] = {glm::dot(to, to), i};
         }
         std::ranges::nth_element(near, near.begin() + std::ptrdiff_t(noiseNeighbours));
+        offsets.clear();
         for (std::size_t i = 0; i < noiseNeighbours; ++i)
-            if (near[i].first > 0) distances.push_back(near[i].second);
+            offsets.emplace_back(position(node, samples[near[i].second]) - at);
+        deviations.push_back(std::sqrt(std::max(0.0, tangentPlane(offsets).variance[2])));
     }
 }
 
@@ -152,12 +156,12 @@ double noiseOf(const Cloud& cloud) {
     std::vector<std::uint32_t> leaves;
     for (std::uint32_t i = 0; i < cloud.octree.nodes().size(); ++i)
         if (cloud.octree.node(i).isLeaf()) leaves.push_back(i);
-    std::vector<double> distances;
+    std::vector<double> deviations;
     for (std::size_t k = 0; k < noiseLeaves && k < leaves.size(); ++k) {
         const std::uint32_t leaf = leaves[k * leaves.size() / std::min(noiseLeaves, leaves.size())];
-        if (const auto run = cloud.octree.run(leaf)) addDistances(cloud.octree.node(leaf), run->samples, distances);
+        if (const auto run = cloud.octree.run(leaf)) addDeviations(cloud.octree.node(leaf), run->samples, deviations);
     }
-    return distances.empty() ? 0 : quantileOf(std::move(distances), 0.68);
+    return deviations.empty() ? 0 : quantileOf(std::move(deviations), 0.5);
 }
 
 double quantileOf(std::vector<double> values, double q) {

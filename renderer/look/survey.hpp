@@ -22,9 +22,8 @@ struct SurveyPoint {
 /// At most `most` points, the same on any machine; none when no block can be read.
 std::vector<SurveyPoint> survey(const Cloud& cloud, std::size_t most);
 
-/// How far neighbours of a point lie from the plane through it, but for the farthest third (one sigma of what is
-/// spread normally), in leaves all over the cloud; 0 where there
-/// are no normals. Cloud units.
+/// Median deviation of a point's nearest neighbours from the plane through them, in leaves all over the cloud; 0 for
+/// clouds of few points. Cloud units.
 double noiseOf(const Cloud& cloud);
 
 /// Without what lies far from everything, and without the noise classes 7 and 18 unless there is nothing

@@ -23,7 +23,7 @@ constexpr std::size_t surveyPoints = 12000;
 constexpr int width = 192, height = 108;
 /// A style is judged in a picture as people get it, so many times as wide and high.
 constexpr int styleScale = 6;
-/// Light may make points of a surface differ by so much more than their own colours do.
+/// Light may make points of a photographed surface differ by so much more than their own colours do.
 constexpr double noiseByLight = 0.003;
 
 struct Scored {
@@ -99,7 +99,7 @@ class Looker {
             if (!frame) return passOn(frame);
             const PictureMeasure m = measure(*frame);
             if (&choice == &styles.front()) quiet = m.noise;
-            const bool noisy = m.noise > quiet + noiseByLight;
+            const bool noisy = choice.style.color == ColorSource::Rgb && m.noise > quiet + noiseByLight;
             if (m.isReadable() && !noisy) return &choice;
             const double own = m.readability() + (m.hasContrast() ? 1 : 0) - (noisy ? 1 : 0);
             if (own <= value || (best && value >= 1)) continue;

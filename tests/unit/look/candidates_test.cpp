@@ -72,8 +72,8 @@ TEST(Candidates, AreSoundAndNamed) {
         };
         for (const Candidate& candidate : outside) check(candidate, false);
         for (const Candidate& candidate : insideCandidates(scene)) check(candidate, true);
-        if (scene.sensor && scene.kind != SceneKind::DepthFrame)
-            for (const Candidate& candidate : insideCandidates(scene)) EXPECT_EQ(candidate.view.camera.eye, *scene.sensor);
+        if (!scene.sensor) continue;
+        for (const Candidate& candidate : insideCandidates(scene)) EXPECT_EQ(candidate.view.camera.eye, *scene.sensor);
     }
     EXPECT_EQ(scenes[12].onlyFromAbove, true);
     const auto map = outsideCandidates(scenes[12], outlineOf(scenes[12].points));

@@ -35,17 +35,19 @@ TEST(StylesFor, AskForWhatTheCloudHas) {
                 for (const StyleChoice& choice : styles) {
                     const Style& style = choice.style;
                     EXPECT_FALSE(choice.reason.empty());
-                    if (style.color == ColorSource::Rgb) EXPECT_TRUE(facts.attributes.color);
-                    if (style.color == ColorSource::Intensity || style.byIntensity) EXPECT_TRUE(facts.attributes.intensity);
-                    if (style.color == ColorSource::Classification) EXPECT_TRUE(facts.attributes.classification);
-                    if (style.shading == Shading::Phong) EXPECT_TRUE(facts.surfels || facts.attributes.normal);
-                    if (style.byIntensity) EXPECT_TRUE(takesIntensity(style.color));
-                    if (style.color == ColorSource::Intensity && facts.usual) EXPECT_EQ(style.range, facts.usual->intensity);
+                    EXPECT_TRUE(style.color != ColorSource::Rgb || facts.attributes.color);
+                    const bool byIntensity = style.color == ColorSource::Intensity || style.byIntensity;
+                    EXPECT_TRUE(!byIntensity || facts.attributes.intensity);
+                    EXPECT_TRUE(style.color != ColorSource::Classification || facts.attributes.classification);
+                    EXPECT_TRUE(style.shading != Shading::Phong || facts.surfels || facts.attributes.normal);
+                    EXPECT_TRUE(!style.byIntensity || takesIntensity(style.color));
+                    const bool asUsual = style.color == ColorSource::Intensity && facts.usual;
+                    EXPECT_TRUE(!asUsual || style.range == facts.usual->intensity);
                     View view;
                     view.style = style;
                     EXPECT_TRUE(validate(view));
                 }
-                if (facts.attributes.color) EXPECT_EQ(styles.front().style.color, ColorSource::Rgb);
+                EXPECT_EQ(styles.front().style.color == ColorSource::Rgb, facts.attributes.color);
             }
 }
 

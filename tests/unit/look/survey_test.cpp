@@ -15,10 +15,6 @@ namespace {
 using test::blob;
 using test::pointAt;
 
-bool isOneOf(const std::vector<SurveyPoint>& points, const glm::dvec3& position) {
-    return std::ranges::any_of(points, [&](const SurveyPoint& p) { return p.position == position; });
-}
-
 TEST(WithoutStrays, WhatLiesFarFromEverythingIsLeftOut) {
     const auto scene = blob(5000, {10, 20, 30}, 5);
     auto points = scene;

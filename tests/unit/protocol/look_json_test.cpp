@@ -50,7 +50,9 @@ TEST(LookJson, ChangesLeaveTheRestAlone) {
     wanted.bounds[1] = {9, 6e6, 9};
     EXPECT_EQ(changed({{"bounds", {{"max", {9, 6e6, 9}}}}}), wanted);
     wanted = test::richLook();
-    wanted.views = {{"here", false, {.eye = {1, 2, 3}, .target = {4, 5, 6}}}};
+    wanted.views = {{"here", false, Camera{}}};
+    wanted.views[0].camera.eye = {1, 2, 3};
+    wanted.views[0].camera.target = {4, 5, 6};
     EXPECT_EQ(changed({{"views", {{{"name", "here"}, {"camera", {{"eye", {1, 2, 3}}, {"target", {4, 5, 6}}}}}}}}), wanted);
     wanted = test::richLook();
     wanted.outline = {{7, 8, 9}};

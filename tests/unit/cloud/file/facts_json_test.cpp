@@ -18,8 +18,10 @@ nlohmann::json sampleJson() {
 
 TEST(FactsJson, ReadsBackExactly) {
     const auto cloud = test::sampleCloud(500);
+    CloudFacts richlyLookedAt = test::fullFacts(*cloud, true);
+    richlyLookedAt.look = test::richLook();
     for (const CloudFacts& facts :
-         {test::fullFacts(*cloud, true), static_cast<const CloudFacts&>(*cloud), CloudFacts{}}) {
+         {test::fullFacts(*cloud, true), richlyLookedAt, static_cast<const CloudFacts&>(*cloud), CloudFacts{}}) {
         const auto back = parseFacts(printFacts(facts, "me 1.0").value());
         ASSERT_TRUE(back) << back.error().message;
         test::expectSameFacts(back->facts, facts);
@@ -83,7 +85,7 @@ TEST(FactsJson, ImpossibleValuesAreNamed) {
         {"scanner", [](auto& j) { j["scanner"] = {1, 2, "3"}; }},
         {"look", [](auto& j) { j["look"].erase("views"); }},
         {"look", [](auto& j) { j["look"]["outline"] = nlohmann::json::array(); }},
-        {"look", [](auto& j) { j["look"]["views"][1]["camera"]["fov"] = 180; }},
+        {"look", [](auto& j) { j["look"]["views"][0]["camera"]["fov"] = 180; }},
         {"look", [](auto& j) { j["look"]["style"]["shading"] = "dark"; }},
         {"look", [](auto& j) { j["look"]["mood"] = "blue"; }},
         {"planes.type", [](auto& j) { j["planes"][3]["type"] = "float16"; }},

@@ -41,7 +41,7 @@ inline CloudFacts fullFacts(const CloudFacts& from, bool columns) {
                .intensity = {7, 60000.5},
                .brightness = {0.1, 1.0 / 3, 1}};
     f.scanner = {1.0 / 7, -389500.1, 1e-300};
-    f.look = test::richLook();
+    f.look = test::plainLook();
     if (!columns) return f;
     f.companions = {{"density", ColumnType::Uint8, ValuePlane::Of::Samples},
                     {"gps_time", ColumnType::Float32, ValuePlane::Of::Samples}};

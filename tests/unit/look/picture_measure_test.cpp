@@ -6,6 +6,8 @@
 #include <cmath>
 #include <functional>
 
+#include "tests/support/clouds/synthetic_source.hpp"
+
 namespace scancast {
 namespace {
 
@@ -90,13 +92,13 @@ TEST(PictureMeasure, EdgesAreStepsBetweenNeighbours) {
 TEST(PictureMeasure, NoiseIsWhatNeighboursDoNotShare) {
     const auto noisy = [](int amplitude) {
         return measure(painted(200, 200, [=](int x, int y) {
-            const unsigned hash = unsigned(x * 7919 + y * 104729) * 2654435761u >> 16;
-            return Pixel{std::uint8_t(128 + int(hash % unsigned(2 * amplitude + 1)) - amplitude), 2};
+            const double dice = test::uniform(std::uint64_t(y * 200 + x));
+            return Pixel{std::uint8_t(128 - amplitude + int(dice * (2 * amplitude + 1))), 2};
         })).noise;
     };
     EXPECT_EQ(noisy(0), 0);
     EXPECT_GT(noisy(10), 0.005);
-    EXPECT_GT(noisy(60), 3 * noisy(10));
+    EXPECT_NEAR(noisy(60) / noisy(10), 6, 1.5);
     // A ramp and a clean edge have none.
     EXPECT_LT(measure(painted(200, 200, [](int x, int) { return Pixel{std::uint8_t(x), 2}; })).noise, 0.002);
     EXPECT_EQ(measure(painted(200, 200, [](int x, int) { return Pixel{std::uint8_t(x < 100 ? 0 : 255), 2}; })).noise, 0);

@@ -277,11 +277,12 @@ TEST_F(ApiTest, ViewsOfNothingAndOfNonsenseAreRefused) {
     const auto none = ask("/api/v1/clouds/nobody/views");
     EXPECT_EQ(none.status, 404);
     problem(none);
-    for (const char* query : {"?colour=rgb", "?width=0", "?width=many", "?method=magic", "?color=beauty", "?fov=180", "?shading=dark"}) {
+    for (const char* query : {"?colour=rgb", "?width=0", "?width=many", "?method=magic", "?color=beauty", "?shading=dark"}) {
         const auto wrong = ask(std::string("/api/v1/clouds/tiny/views") + query);
         EXPECT_EQ(wrong.status, 400) << query;
         problem(wrong);
     }
+    EXPECT_EQ(ask("/api/v1/clouds/tiny/views?fov=180").status, 422) << "no picture could be made of it";
     EXPECT_EQ(ask("/api/v1/clouds/tiny/views", {}, "POST").status, 405);
     catalog.add("still loading");
     EXPECT_EQ(ask("/api/v1/clouds/still-loading/views").status, 503);

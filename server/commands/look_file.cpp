@@ -1,5 +1,6 @@
 #include "server/commands/look_file.hpp"
 
+#include <limits>
 #include <nlohmann/json.hpp>
 
 #include "files/input_file.hpp"
@@ -9,6 +10,14 @@ namespace scancast {
 namespace {
 
 constexpr std::uint64_t longestFile = 1 << 20;
+
+/// One that any change fits which fits some look.
+Look mostTolerant() {
+    constexpr double most = std::numeric_limits<double>::max();
+    Look look;
+    look.bounds = {glm::dvec3(-most), glm::dvec3(most)};
+    return look;
+}
 
 }  // namespace
 
@@ -21,6 +30,8 @@ Expected<nlohmann::json> readLookFile(const std::string& file) {
     if (!got) return passOn(got);
     text.resize(*got);
     auto json = parseJson(text);
+    if (json)
+        if (const auto fits = applyLook(mostTolerant(), *json); !fits) json = passOn(fits);
     if (!json) json.error().message = file + ": " + json.error().message;
     return json;
 }

@@ -120,6 +120,7 @@ TEST_F(LookProgram, MistakesAreExplained) {
         refused({"ingest", file("ball.ply"), "-o", file("other.scan"), "--look", file(name)}, why);
     }
     EXPECT_FALSE(fs::exists(folder / "a.png"));
+    EXPECT_FALSE(fs::exists(folder / "other.scan")) << "it is looked at before anything is read";
     refused({"look", file("ball.scan"), "--set", file("wrong.json"), "--decide"}, "--decide");
     refused({"look", file("nowhere.scan")}, "nowhere.scan");
     refused({"look"}, "file");

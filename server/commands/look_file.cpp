@@ -24,7 +24,8 @@ Look mostTolerant() {
 Expected<nlohmann::json> readLookFile(const std::string& file) {
     const auto input = InputFile::open(file);
     if (!input) return passOn(input);
-    if (input->bytes() > longestFile) return fail(ErrorCode::ResourceLimit, file + " is too long for a look.");
+    if (input->bytes() > longestFile)
+        return fail(ErrorCode::ResourceLimit, file + " is too long for a look.");
     std::string text(input->bytes(), '\0');
     const auto got = input->readAt(0, std::as_writable_bytes(std::span(text)));
     if (!got) return passOn(got);

@@ -10,8 +10,8 @@
 namespace scancast::test {
 namespace {
 
-using ::testing::HasSubstr;
 using nlohmann::json;
+using ::testing::HasSubstr;
 
 class LookProgram : public ProgramTest {
   protected:
@@ -27,14 +27,16 @@ class LookProgram : public ProgramTest {
         EXPECT_TRUE(look) << look.error().message;
         return look.value_or(Look{});
     }
-    void write(const std::string& name, const std::string& text) const { std::ofstream(folder / name) << text; }
+    void write(const std::string& name, const std::string& text) const {
+        std::ofstream(folder / name) << text;
+    }
     void ingest(std::vector<std::string> more = {}) {
         more.insert(more.begin(), {"scancast", "ingest", file("ball.ply"), "-f", "-o", file("ball.scan")});
         ASSERT_EQ(run(more), 0) << lastError;
     }
     std::string rendered(const std::string& name, std::vector<std::string> more = {}) {
-        more.insert(more.begin(), {"scancast", "render", file(name), "--backend", "cpu", "--width", "160", "--height",
-                                   "90", "-o", file("picture.png")});
+        more.insert(more.begin(), {"scancast", "render", file(name), "--backend", "cpu", "--width", "160",
+                                   "--height", "90", "-o", file("picture.png")});
         fs::remove(folder / "picture.png");
         EXPECT_EQ(run(more), 0) << lastError;
         return contentOf(file("picture.png"));
@@ -89,7 +91,9 @@ TEST_F(LookProgram, WhatIsPrintedCanBeSetAgain) {
 }
 
 TEST_F(LookProgram, IngestAndRenderTakeOne) {
-    write("change.json", R"({"views": [{"name": "mine", "inside": true, "camera": {"eye": [9, 0, 1], "target": [0, 0, 0]}}]})");
+    write(
+        "change.json",
+        R"({"views": [{"name": "mine", "inside": true, "camera": {"eye": [9, 0, 1], "target": [0, 0, 0]}}]})");
     ingest({"--look", file("change.json")});
     EXPECT_THAT(lastError, HasSubstr("first seen mine"));
     const Look kept = lookOf("ball.scan");
@@ -113,8 +117,11 @@ TEST_F(LookProgram, MistakesAreExplained) {
     write("broken.json", "{\"kind\":");
     write("unknown.json", R"({"colour": "red"})");
     write("long.json", std::string(2 << 20, ' '));
-    for (const auto& [name, why] : {std::pair{"wrong.json", "airborne"}, {"broken.json", "broken.json"}, {"unknown.json", "colour"},
-                                    {"long.json", "too long"}, {"none.json", "none.json"}}) {
+    for (const auto& [name, why] : {std::pair{"wrong.json", "airborne"},
+                                    {"broken.json", "broken.json"},
+                                    {"unknown.json", "colour"},
+                                    {"long.json", "too long"},
+                                    {"none.json", "none.json"}}) {
         refused({"look", file("ball.scan"), "--set", file(name)}, why);
         refused({"render", file("ball.scan"), "-o", file("a.png"), "--look", file(name)}, why);
         refused({"ingest", file("ball.ply"), "-o", file("other.scan"), "--look", file(name)}, why);
@@ -144,7 +151,8 @@ TEST_F(LookProgram, AServerShowsIt) {
         const auto views = json::parse(request(port, cloud + "/views?width=64&height=36").body)["views"];
         EXPECT_EQ(views.size(), look.views.size());
         // Nothing asked for is the first view, in its style.
-        EXPECT_TRUE(request(port, cloud + "/snapshot.png?width=160&height=90").body == rendered("ball.scan")) << id;
+        EXPECT_TRUE(request(port, cloud + "/snapshot.png?width=160&height=90").body == rendered("ball.scan"))
+            << id;
     }
 }
 

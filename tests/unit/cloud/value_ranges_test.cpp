@@ -16,9 +16,11 @@ namespace {
 test::ScanPoint someStrays(std::uint64_t i, std::uint64_t) {
     const bool stray = i % 250 == 3;
     test::ScanPoint p;
-    p.position = {1e6 + 100 * test::uniform(i, 1), -50 * test::uniform(i, 2), stray ? 1e9 : 5 * test::uniform(i, 3)};
+    p.position = {1e6 + 100 * test::uniform(i, 1), -50 * test::uniform(i, 2),
+                  stray ? 1e9 : 5 * test::uniform(i, 3)};
     p.intensity = stray ? 65535 : std::uint16_t(200 + 1000 * test::uniform(i, 4));
-    for (std::size_t c = 0; c < 3; ++c) p.color[c] = stray ? 255 : std::uint8_t(40 + 100 * test::uniform(i, 5 + c));
+    for (std::size_t c = 0; c < 3; ++c)
+        p.color[c] = stray ? 255 : std::uint8_t(40 + 100 * test::uniform(i, 5 + c));
     return p;
 }
 

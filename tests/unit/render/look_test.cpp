@@ -103,7 +103,8 @@ TEST(DefaultView, IsTheLooksFirstViewInItsStyle) {
     EXPECT_EQ(views[0].camera, view.camera);
     EXPECT_EQ(views[1].name, "inside");
     EXPECT_EQ(views[1].camera.eye, cloud.look->views[1].camera.eye);
-    EXPECT_GT(views[1].camera.fov, cloud.look->views[1].camera.fov) << "a higher picture shows as much to the sides";
+    EXPECT_GT(views[1].camera.fov, cloud.look->views[1].camera.fov)
+        << "a higher picture shows as much to the sides";
 }
 
 TEST(DefaultView, WithoutALookShowsTheWhole) {

@@ -9,10 +9,10 @@
 namespace scancast {
 
 /// What the file says, to be applied to a look. Errors name the file: NotFound, Io; Malformed for no JSON;
-/// ResourceLimit for a file that is far too long.
+/// ResourceLimit for a file that is far too long; InvalidArgument with the JSON path for what no look can be.
 Expected<nlohmann::json> readLookFile(const std::string& file);
 
-/// `base` with that. Errors: also InvalidArgument with the JSON path for what a look cannot be.
+/// `base` with that. Errors: also InvalidArgument for what this look cannot be.
 Expected<Look> changedLook(const Look& base, const std::string& file);
 
 }  // namespace scancast

@@ -79,7 +79,9 @@ TEST(ValueSketch, IsAsGoodAsSorting) {
         std::ranges::sort(all);
         for (const double q : shares) {
             const auto rank = q * double(all.size());
-            const auto at = [&](double r) { return all[std::size_t(std::clamp(r, 0.0, double(all.size() - 1)))]; };
+            const auto at = [&](double r) {
+                return all[std::size_t(std::clamp(r, 0.0, double(all.size() - 1)))];
+            };
             const double low = at(std::floor(rank) - 1), high = at(std::ceil(rank));
             const double found = sketch.quantile(q), cell = width / 1000;
             EXPECT_GE(found, low - cell) << name << ' ' << q;
@@ -125,7 +127,8 @@ TEST(ValueSketch, WhatIsNotFiniteIsPassedOver) {
 
 TEST(ValueSketch, TheLargestAndSmallestNumbers) {
     ValueSketch sketch;
-    const std::array values{-1.7976931348623157e308, -1e300, -5e-324, 0.0, -0.0, 5e-324, 1e300, 1.7976931348623157e308};
+    const std::array values{-1.7976931348623157e308, -1e300, -5e-324, 0.0, -0.0, 5e-324, 1e300,
+                            1.7976931348623157e308};
     for (const double value : values) sketch.add(value);
     EXPECT_EQ(sketch.quantile(0), values.front());
     EXPECT_EQ(sketch.quantile(1), values.back());

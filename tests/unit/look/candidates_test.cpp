@@ -68,12 +68,14 @@ TEST(Candidates, AreSoundAndNamed) {
             EXPECT_TRUE(sound) << candidate.view.name << ": " << sound.error().message;
             // Nothing stands on its head, and what looks straight down has north above.
             const glm::dvec3 ahead = glm::normalize(view.camera.target - view.camera.eye);
-            EXPECT_TRUE(glm::dot(view.camera.up, scene.up) > 0.99 || std::abs(glm::dot(ahead, scene.up)) > 0.99);
+            EXPECT_TRUE(glm::dot(view.camera.up, scene.up) > 0.99 ||
+                        std::abs(glm::dot(ahead, scene.up)) > 0.99);
         };
         for (const Candidate& candidate : outside) check(candidate, false);
         for (const Candidate& candidate : insideCandidates(scene)) check(candidate, true);
         if (!scene.sensor) continue;
-        for (const Candidate& candidate : insideCandidates(scene)) EXPECT_EQ(candidate.view.camera.eye, *scene.sensor);
+        for (const Candidate& candidate : insideCandidates(scene))
+            EXPECT_EQ(candidate.view.camera.eye, *scene.sensor);
     }
     EXPECT_EQ(scenes[12].onlyFromAbove, true);
     const auto map = outsideCandidates(scenes[12], outlineOf(scenes[12].points));

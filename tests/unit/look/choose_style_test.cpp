@@ -38,7 +38,8 @@ TEST(StylesFor, AskForWhatTheCloudHas) {
                     EXPECT_TRUE(style.color != ColorSource::Rgb || facts.attributes.color);
                     const bool byIntensity = style.color == ColorSource::Intensity || style.byIntensity;
                     EXPECT_TRUE(!byIntensity || facts.attributes.intensity);
-                    EXPECT_TRUE(style.color != ColorSource::Classification || facts.attributes.classification);
+                    EXPECT_TRUE(style.color != ColorSource::Classification ||
+                                facts.attributes.classification);
                     EXPECT_TRUE(style.shading != Shading::Phong || facts.surfels || facts.attributes.normal);
                     EXPECT_TRUE(!style.byIntensity || takesIntensity(style.color));
                     const bool asUsual = style.color == ColorSource::Intensity && facts.usual;

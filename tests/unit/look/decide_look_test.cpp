@@ -105,7 +105,8 @@ TEST(DecideLook, WhatADepthCameraSawIsShownAsItSawIt) {
         const double depth = std::abs(u - 0.1) < 0.08 ? 1.5 : 3 + 0.5 * u;
         test::ScanPoint p;
         p.position = {u * depth, v * depth, depth};
-        p.color = {std::uint8_t(128 + 100 * std::sin(40 * u)), std::uint8_t(128 + 100 * std::sin(50 * v)), 90};
+        p.color = {std::uint8_t(128 + 100 * std::sin(40 * u)), std::uint8_t(128 + 100 * std::sin(50 * v)),
+                   90};
         return p;
     };
     test::SyntheticSource source(30000, make, {.color = true});
@@ -180,21 +181,23 @@ test::SyntheticSource::Make along(const glm::dvec3& step, const glm::dvec3& from
     };
 }
 
-INSTANTIATE_TEST_SUITE_P(
-    All, DegenerateCloud,
-    testing::Values(Degenerate{"OnePoint", 1, along({0, 0, 0}, {5, 6, 7})}, Degenerate{"TwoPoints", 2, along({1, 2, 3})},
-                    Degenerate{"AllTheSame", 300, along({0, 0, 0}, {1, 2, 3})},
-                    Degenerate{"ALine", 1000, along({0.1, 0.2, 0.3})}, Degenerate{"AnUprightLine", 1000, along({0, 0, 0.5})},
-                    Degenerate{"FarAway", 500, along({1, 1e-3, 2}, {1e9, -1e9, 1e6})},
-                    Degenerate{"BeyondAllMeasure", 500, along({1e12, -2e12, 1e12}, {-1e14, 1e14, 0})},
-                    Degenerate{"AFarPoint", 1, along({0, 0, 0}, {1e15, -1e15, 1e15})},
-                    Degenerate{"AFlatSquare", 2500,
-                               [](std::uint64_t i, std::uint64_t) {
-                                   test::ScanPoint p;
-                                   p.position = {double(i % 50), double(i / 50), 3};
-                                   return p;
-                               }}),
-    [](const auto& tested) { return tested.param.name; });
+INSTANTIATE_TEST_SUITE_P(All, DegenerateCloud,
+                         testing::Values(Degenerate{"OnePoint", 1, along({0, 0, 0}, {5, 6, 7})},
+                                         Degenerate{"TwoPoints", 2, along({1, 2, 3})},
+                                         Degenerate{"AllTheSame", 300, along({0, 0, 0}, {1, 2, 3})},
+                                         Degenerate{"ALine", 1000, along({0.1, 0.2, 0.3})},
+                                         Degenerate{"AnUprightLine", 1000, along({0, 0, 0.5})},
+                                         Degenerate{"FarAway", 500, along({1, 1e-3, 2}, {1e9, -1e9, 1e6})},
+                                         Degenerate{"BeyondAllMeasure", 500,
+                                                    along({1e12, -2e12, 1e12}, {-1e14, 1e14, 0})},
+                                         Degenerate{"AFarPoint", 1, along({0, 0, 0}, {1e15, -1e15, 1e15})},
+                                         Degenerate{"AFlatSquare", 2500,
+                                                    [](std::uint64_t i, std::uint64_t) {
+                                                        test::ScanPoint p;
+                                                        p.position = {double(i % 50), double(i / 50), 3};
+                                                        return p;
+                                                    }}),
+                         [](const auto& tested) { return tested.param.name; });
 
 TEST(DecideLook, WithoutPointsThereIsNone) {
     const auto look = decideLook(Cloud{});

@@ -61,7 +61,9 @@ TEST(PictureMeasure, TheWholePictureHasAllOfItsBorder) {
     EXPECT_EQ(m.covered, 1);
     EXPECT_EQ(m.border, 1);
     // The left column alone: its pixels among all of the border's.
-    const PictureMeasure left = measure(painted(31, 17, [](int x, int) { return x == 0 ? Pixel{10, 1} : Pixel{}; }));
+    const PictureMeasure left = measure(painted(31, 17, [](int x, int) {
+        return x == 0 ? Pixel{10, 1} : Pixel{};
+    }));
     EXPECT_NEAR(left.border, 17.0 / (2 * 31 + 2 * 17 - 4), 1e-12);
 }
 
@@ -79,35 +81,57 @@ TEST(PictureMeasure, LuminanceIsThatOfTheCoveredPixels) {
 
 TEST(PictureMeasure, EdgesAreStepsBetweenNeighbours) {
     // Halves of black and white: the two columns beside the step see it, the outermost rows and columns are not asked.
-    const PictureMeasure halves = measure(painted(40, 30, [](int x, int) { return Pixel{std::uint8_t(x < 20 ? 0 : 255), 2}; }));
+    const PictureMeasure halves = measure(painted(40, 30, [](int x, int) {
+        return Pixel{std::uint8_t(x < 20 ? 0 : 255), 2};
+    }));
     EXPECT_NEAR(halves.edges, 2.0 * 28 / (40 * 30), 1e-12);
     // Stripes two wide: all of them.
-    const PictureMeasure stripes = measure(painted(40, 30, [](int x, int) { return Pixel{std::uint8_t(x / 2 % 2 ? 255 : 0), 2}; }));
+    const PictureMeasure stripes = measure(painted(40, 30, [](int x, int) {
+        return Pixel{std::uint8_t(x / 2 % 2 ? 255 : 0), 2};
+    }));
     EXPECT_NEAR(stripes.edges, 38.0 * 28 / (40 * 30), 1e-12);
     // An outline is no edge: what lies beside it is not the scan.
-    const PictureMeasure box = measure(painted(40, 30, [](int x, int) { return x < 20 ? Pixel{0, 2} : Pixel{255}; }));
+    const PictureMeasure box = measure(painted(40, 30, [](int x, int) {
+        return x < 20 ? Pixel{0, 2} : Pixel{255};
+    }));
     EXPECT_EQ(box.edges, 0);
 }
 
 TEST(PictureMeasure, NoiseIsWhatNeighboursDoNotShare) {
     const auto noisy = [](int amplitude) {
-        return measure(painted(200, 200, [=](int x, int y) {
-            const double dice = test::uniform(std::uint64_t(y * 200 + x));
-            return Pixel{std::uint8_t(128 - amplitude + int(dice * (2 * amplitude + 1))), 2};
-        })).noise;
+        return measure(
+                   painted(
+                       200, 200,
+                       [=](int x, int y) {
+                           const double dice = test::uniform(std::uint64_t(y * 200 + x));
+                           return Pixel{std::uint8_t(128 - amplitude + int(dice * (2 * amplitude + 1))), 2};
+                       }))
+            .noise;
     };
     EXPECT_EQ(noisy(0), 0);
     EXPECT_GT(noisy(10), 0.005);
     EXPECT_NEAR(noisy(60) / noisy(10), 6, 1.5);
     // A ramp and a clean edge have none.
     EXPECT_LT(measure(painted(200, 200, [](int x, int) { return Pixel{std::uint8_t(x), 2}; })).noise, 0.002);
-    EXPECT_EQ(measure(painted(200, 200, [](int x, int) { return Pixel{std::uint8_t(x < 100 ? 0 : 255), 2}; })).noise, 0);
+    EXPECT_EQ(measure(painted(200, 200,
+                              [](int x, int) {
+                                  return Pixel{std::uint8_t(x < 100 ? 0 : 255), 2};
+                              }))
+                  .noise,
+              0);
 }
 
 TEST(PictureMeasure, NearIsMuchNearerThanTheRest) {
-    const PictureMeasure m = measure(painted(100, 10, [](int x, int) { return Pixel{100, x < 20 ? 1.0f : 10.0f}; }));
+    const PictureMeasure m = measure(painted(100, 10, [](int x, int) {
+        return Pixel{100, x < 20 ? 1.0f : 10.0f};
+    }));
     EXPECT_NEAR(m.near, 0.2, 1e-12);
-    EXPECT_EQ(measure(painted(100, 10, [](int x, int) { return Pixel{100, x < 20 ? 2.0f : 10.0f}; })).near, 0);
+    EXPECT_EQ(measure(painted(100, 10,
+                              [](int x, int) {
+                                  return Pixel{100, x < 20 ? 2.0f : 10.0f};
+                              }))
+                  .near,
+              0);
 }
 
 TEST(PictureMeasure, ReadableIsOneAndLessIsLess) {
@@ -120,8 +144,9 @@ TEST(PictureMeasure, ReadableIsOneAndLessIsLess) {
     EXPECT_TRUE(good.isReadable());
     EXPECT_EQ(good.readability(), 1);
     const std::vector<std::function<void(PictureMeasure&)>> faults{
-        [](auto& m) { m.bright = m.dark + 0.1; }, [](auto& m) { m.median = 0.05; }, [](auto& m) { m.median = 0.95; },
-        [](auto& m) { m.commonest = 0.9; }, [](auto& m) { m.edges = 0.001; }};
+        [](auto& m) { m.bright = m.dark + 0.1; }, [](auto& m) { m.median = 0.05; },
+        [](auto& m) { m.median = 0.95; }, [](auto& m) { m.commonest = 0.9; },
+        [](auto& m) { m.edges = 0.001; }};
     for (std::size_t i = 0; i < faults.size(); ++i) {
         PictureMeasure bad = good;
         faults[i](bad);

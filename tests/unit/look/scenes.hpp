@@ -42,7 +42,8 @@ inline std::vector<SurveyPoint> blob(std::uint64_t count, const glm::dvec3& cent
 }
 
 /// A rolling landscape of 1000 × 1000 with heights in this range.
-inline std::vector<SurveyPoint> landscape(std::uint64_t count, const glm::dvec2& corner, double low, double high) {
+inline std::vector<SurveyPoint> landscape(std::uint64_t count, const glm::dvec2& corner, double low,
+                                          double high) {
     return surveyOf(count, [&](std::uint64_t i) {
         const double x = between(0, 1000, i, 1), y = between(0, 1000, i, 2);
         const double height = (std::sin(x * 0.011) * std::cos(y * 0.007) + 1) / 2;

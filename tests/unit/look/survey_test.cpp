@@ -19,7 +19,8 @@ TEST(WithoutStrays, WhatLiesFarFromEverythingIsLeftOut) {
     const auto scene = blob(5000, {10, 20, 30}, 5);
     auto points = scene;
     for (std::uint64_t i = 0; i < 20; ++i)
-        points.push_back(pointAt(glm::dvec3(10, 20, 30) + blob(1000, {0, 0, 0}, 1)[i * 50].position * (200.0 + 900 * double(i))));
+        points.push_back(pointAt(glm::dvec3(10, 20, 30) +
+                                 blob(1000, {0, 0, 0}, 1)[i * 50].position * (200.0 + 900 * double(i))));
     // A flock of birds, dense, but small and a little off.
     test::append(points, blob(30, {22, 20, 30}, 0.2));
     for (std::uint64_t i = 0; i < 40; ++i) {
@@ -50,10 +51,14 @@ TEST(WithoutStrays, IsNeverEmpty) {
     for (const std::size_t count : {1, 2, 99, 100, 500}) {
         const std::vector<SurveyPoint> same(count, pointAt({5, 5, 5}));
         EXPECT_EQ(withoutStrays(same).size(), count);
-        const auto line = test::surveyOf(count, [](auto i) { return pointAt({double(i), 2 * double(i), 1e15}); });
+        const auto line = test::surveyOf(count, [](auto i) {
+            return pointAt({double(i), 2 * double(i), 1e15});
+        });
         EXPECT_FALSE(withoutStrays(line).empty());
         // Each much farther away than all before it.
-        const auto apart = test::surveyOf(count, [](auto i) { return pointAt({std::exp2(double(i % 60)), 0, 0}); });
+        const auto apart = test::surveyOf(count, [](auto i) {
+            return pointAt({std::exp2(double(i % 60)), 0, 0});
+        });
         EXPECT_FALSE(withoutStrays(apart).empty());
     }
 }

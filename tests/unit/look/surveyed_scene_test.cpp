@@ -76,7 +76,8 @@ TEST(SceneOf, ModelsStandOnTheirBroadSide) {
 
 TEST(SceneOf, DegreesAreSeenFromAboveOnly) {
     auto points = test::landscape(5000, {0, 0}, 100, 900);
-    for (SurveyPoint& p : points) p.position = {11 + p.position.x * 1e-5, 48 + p.position.y * 1e-5, p.position.z};
+    for (SurveyPoint& p : points)
+        p.position = {11 + p.position.x * 1e-5, 48 + p.position.y * 1e-5, p.position.z};
     CloudFacts facts = factsOf(points, "LAS 1.4");
     facts.crsEpsg = 4326;
     const SurveyedScene scene = sceneOf(facts, points);
@@ -142,7 +143,8 @@ TEST_P(GeneratedScene, IsOfItsKindAndStandsAsItWasMade) {
     const auto cloud = test::sceneCloud(GetParam().scene, 40000);
     ASSERT_TRUE(cloud) << cloud.error().message;
     const SurveyedScene scene = sceneOf(**cloud, survey(**cloud, 12000));
-    EXPECT_NE(std::ranges::find(GetParam().kinds, scene.kind), GetParam().kinds.end()) << name(scene.kind) << scene.reason;
+    EXPECT_NE(std::ranges::find(GetParam().kinds, scene.kind), GetParam().kinds.end())
+        << name(scene.kind) << scene.reason;
     EXPECT_TRUE(!GetParam().standsUpright || scene.up == glm::dvec3(0, 0, 1)) << scene.reason;
     EXPECT_FALSE(scene.onlyFromAbove);
     EXPECT_GT(scene.extent(), 0);
@@ -159,11 +161,21 @@ TEST(SceneOf, AnyPointsAreAScene) {
     for (const std::uint64_t count : {1, 2, 3, 50, 200, 1000}) {
         for (const double size : {0.0, 1e-12, 1.0, 1e15}) {
             const std::vector<std::vector<SurveyPoint>> shapes{
-                test::surveyOf(count, [=](auto i) { return pointAt({size * double(i), 0, 0}); }),
-                test::surveyOf(count, [=](auto i) { return pointAt({0, 0, size * double(i)}, {0, 0, 1}); }),
-                test::surveyOf(count, [=](auto i) { return pointAt({size, size * test::uniform(i, 1), -size}); }),
+                test::surveyOf(count,
+                               [=](auto i) {
+                                   return pointAt({size * double(i), 0, 0});
+                               }),
+                test::surveyOf(count,
+                               [=](auto i) {
+                                   return pointAt({0, 0, size * double(i)}, {0, 0, 1});
+                               }),
+                test::surveyOf(count,
+                               [=](auto i) {
+                                   return pointAt({size, size * test::uniform(i, 1), -size});
+                               }),
                 test::surveyOf(count, [=](auto i) {
-                    return pointAt(size * glm::dvec3(test::uniform(i, 1), test::uniform(i, 2), test::uniform(i, 3)));
+                    return pointAt(size *
+                                   glm::dvec3(test::uniform(i, 1), test::uniform(i, 2), test::uniform(i, 3)));
                 })};
             for (const auto& points : shapes)
                 for (const char* format : {"PLY", "LAS 1.2"}) {
@@ -178,8 +190,8 @@ TEST(SceneOf, AnyPointsAreAScene) {
 }
 
 TEST(HorizontalAxes, AreRightHanded) {
-    for (const glm::dvec3 up : {glm::dvec3(0, 0, 1), glm::dvec3(0, 1, 0), glm::dvec3(0, -1, 0), glm::dvec3(1, 0, 0),
-                                glm::normalize(glm::dvec3(1, 2, 3))}) {
+    for (const glm::dvec3 up : {glm::dvec3(0, 0, 1), glm::dvec3(0, 1, 0), glm::dvec3(0, -1, 0),
+                                glm::dvec3(1, 0, 0), glm::normalize(glm::dvec3(1, 2, 3))}) {
         const auto [first, second] = horizontalAxes(up);
         EXPECT_NEAR(glm::distance(glm::cross(first, second), up), 0, 1e-12);
         EXPECT_NEAR(glm::length(first), 1, 1e-12);

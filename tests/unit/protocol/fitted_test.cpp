@@ -30,7 +30,8 @@ class Dice {
     std::vector<glm::dvec3> points(std::size_t count, double size, const glm::dvec3& around) {
         const glm::dvec3 shape(between(0.05, 1), between(0.05, 1), between(0.05, 1));
         std::vector<glm::dvec3> all(count);
-        for (auto& p : all) p = around + size * shape * glm::dvec3(between(-1, 1), between(-1, 1), between(-1, 1));
+        for (auto& p : all)
+            p = around + size * shape * glm::dvec3(between(-1, 1), between(-1, 1), between(-1, 1));
         return all;
     }
     Camera camera(const glm::dvec3& target, bool perspective) {
@@ -95,7 +96,8 @@ TEST(Fitted, AllIsInThePictureAndFillsIt) {
         const glm::dvec3 around = dice.direction() * dice.between(0, 1000 * size);
         const auto points = dice.points(8 + std::size_t(dice.between(0, 50)), size, around);
         // Where the camera looks at first, and from how far, may be anything, but for its direction.
-        const Camera before = dice.camera(around + dice.direction() * size * (i % 3 == 0 ? 20.0 : 0.3), i % 2 == 0);
+        const Camera before =
+            dice.camera(around + dice.direction() * size * (i % 3 == 0 ? 20.0 : 0.3), i % 2 == 0);
         const Camera camera = fitted(before, points, aspect);
         SCOPED_TRACE(i);
         expectFits(camera, points, aspect);
@@ -111,7 +113,8 @@ TEST(Fitted, OfOneFittedAlreadyNothingChanges) {
     Dice dice(2);
     for (int i = 0; i < 100; ++i) {
         const auto points = dice.points(20, 3, {5, 6, 7});
-        const Camera once = fitted(dice.camera({5, 6, 7}, i % 2 == 0), points, 1.5), twice = fitted(once, points, 1.5);
+        const Camera once = fitted(dice.camera({5, 6, 7}, i % 2 == 0), points, 1.5),
+                     twice = fitted(once, points, 1.5);
         EXPECT_NEAR(glm::distance(once.eye, twice.eye), 0, 1e-6);
         EXPECT_NEAR(once.viewHeight, twice.viewHeight, 1e-9);
     }

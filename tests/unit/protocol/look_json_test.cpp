@@ -53,7 +53,9 @@ TEST(LookJson, ChangesLeaveTheRestAlone) {
     wanted.views = {{"here", false, Camera{}}};
     wanted.views[0].camera.eye = {1, 2, 3};
     wanted.views[0].camera.target = {4, 5, 6};
-    EXPECT_EQ(changed({{"views", {{{"name", "here"}, {"camera", {{"eye", {1, 2, 3}}, {"target", {4, 5, 6}}}}}}}}), wanted);
+    EXPECT_EQ(
+        changed({{"views", {{{"name", "here"}, {"camera", {{"eye", {1, 2, 3}}, {"target", {4, 5, 6}}}}}}}}),
+        wanted);
     wanted = test::richLook();
     wanted.outline = {{7, 8, 9}};
     wanted.noise = 0;

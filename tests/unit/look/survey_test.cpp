@@ -108,8 +108,7 @@ TEST(NoiseOf, IsThatOfThePlane) {
         build.shape.surfels = false;
         const auto cloud = buildCloud(source, build);
         ASSERT_TRUE(cloud) << cloud.error().message;
-        // Two points of that noise lie sigma · √2 apart: 68 % of the distances are less.
-        EXPECT_NEAR(noiseOf(**cloud), sigma * std::sqrt(2.0), 0.3 * sigma + 0.001) << sigma;
+        EXPECT_NEAR(noiseOf(**cloud), sigma, 0.1 * sigma + 1e-6) << sigma;
     }
 }
 

@@ -216,23 +216,27 @@ TEST(InfoOfAScan, CutOffIsAnErrorOnlyWhenRead) {
 }
 
 TEST(InfoPage, DescribesEveryFieldOfTheObject) {
-    std::ifstream file(SCANCAST_SOURCE_DIR "/docs/info.md");
-    const std::string page{std::istreambuf_iterator<char>(file), {}};
+    const auto read = [](const char* name) {
+        std::ifstream file(std::string(SCANCAST_SOURCE_DIR "/") + name);
+        return std::string{std::istreambuf_iterator<char>(file), {}};
+    };
+    const std::string ownPage = read("docs/info.md"), protocol = read("protocol/PROTOCOL.md");
     FileInfo info;
     info.octree = OctreeInfo{};
     info.checked = true;
     info.damaged = {{}};
     info.facts = test::fullFacts(CloudFacts{}, true);
     info.facts.attributes = {true, true, true, true};
-    const auto described = [&](const json& object, auto&& self) -> void {
-        if (object.is_array() && !object.empty()) self(object[0], self);
+    const auto described = [&](const json& object, const std::string& page, auto&& self) -> void {
+        if (object.is_array() && !object.empty()) self(object[0], page, self);
         if (!object.is_object()) return;
         for (const auto& [key, value] : object.items()) {
             EXPECT_THAT(page, HasSubstr("`" + key + "`"));
-            self(value, self);
+            // What is in a look is said where the API's is described.
+            self(value, key == "look" ? protocol : page, self);
         }
     };
-    described(json(infoJson(info)), described);
+    described(json(infoJson(info)), ownPage, described);
 }
 
 TEST(InfoPage, Grouping) {

@@ -153,21 +153,23 @@ Camera fittedPerspective(Camera camera, const std::vector<glm::dvec3>& outline, 
     const double tanUp = std::tan(camera.fov * std::numbers::pi / 360) * (1 - 2 * margin);
     const double tanRight = tanUp * aspect;
     Reach wide, high;
-    double nearest = -INFINITY, size = 0;
+    double nearest = -INFINITY, farthest = INFINITY, size = 0;
     for (const glm::dvec3& point : outline) {
         const glm::dvec3 p = point - camera.target;
         const double z = glm::dot(p, axes.back);
         wide.add(glm::dot(p, axes.right), z, tanRight);
         high.add(glm::dot(p, axes.up), z, tanUp);
         nearest = std::max(nearest, z);
-        size = std::max(size, glm::length(p));
+        farthest = std::min(farthest, z);
+        size = std::max(size, glm::length(point - outline.front()));
     }
     // One point has no size: it is looked at from a distance at which the eye differs from the target.
     const double least = std::max(glm::length(camera.target) * 1e-9, 1e-9);
-    const double distance =
-        std::max({wide.distance(), high.distance(), nearest + 1e-3 * size, least});
-    camera.target += axes.right * wide.offset(tanRight) + axes.up * high.offset(tanUp);
-    camera.eye = camera.target + axes.back * distance;
+    const double distance = std::max({wide.distance(), high.distance(), nearest + 1e-3 * size});
+    // What is looked at lies among the points, or the eye could be beyond it.
+    const double shift = std::clamp(0.0, farthest, nearest);
+    camera.target += axes.right * wide.offset(tanRight) + axes.up * high.offset(tanUp) + axes.back * shift;
+    camera.eye = camera.target + axes.back * std::max(distance - shift, least);
     return camera;
 }
 
@@ -181,9 +183,10 @@ Camera fittedOrthographic(Camera camera, const std::vector<glm::dvec3>& outline,
     }
     const glm::dvec3 size = box[1] - box[0], middle = (box[0] + box[1]) * 0.5;
     const double least = std::max(glm::length(camera.target) * 1e-9, 1e-9);
-    camera.target += axes.right * middle.x + axes.up * middle.y;
+    const double shift = std::clamp(0.0, box[0].z, box[1].z);
+    camera.target += axes.right * middle.x + axes.up * middle.y + axes.back * shift;
     camera.viewHeight = std::max(std::max(size.y, size.x / aspect) / (1 - 2 * margin), least);
-    camera.eye = camera.target + axes.back * std::max(box[1].z + camera.viewHeight, least);
+    camera.eye = camera.target + axes.back * std::max(box[1].z - shift + camera.viewHeight, least);
     return camera;
 }
 

@@ -227,7 +227,7 @@ std::vector<Candidate> outsideCandidates(const SurveyedScene& scene, const std::
             candidates.push_back(
                 {{(isMap ? compass : sides)[std::size_t(heading)], false,
                   cameraAlong(scene, direction(scene.up, heading, down * pi / 180), outline, outsideFov)},
-                 down > 9 && down < 36 ? 0.1 : 0});
+                 isLand ? (down < 36 ? 0.2 : 0) : (down > 9 && down < 36 ? 0.1 : 0)});
     candidates.push_back({{"top", false, cameraAlong(scene, scene.up, outline, outsideFov)}, -0.4});
     return candidates;
 }

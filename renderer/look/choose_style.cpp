@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 namespace scancast {
 
@@ -25,15 +26,23 @@ struct Choices {
     }
 };
 
-std::array<double, 2> intensityRange(const CloudFacts& facts) {
-    if (facts.usual) return facts.usual->intensity;
-    return {double(facts.intensityRange[0]), double(facts.intensityRange[1])};
+using Range = std::optional<std::array<double, 2>>;
+
+/// A style has no range of no width: the cloud's own is as good then.
+Range rangeOf(double low, double high) {
+    return low < high ? Range({low, high}) : std::nullopt;
 }
 
-std::array<double, 2> elevationRange(const SurveyedScene& scene) {
+Range intensityRange(const CloudFacts& facts) {
+    if (!facts.usual) return rangeOf(facts.intensityRange[0], facts.intensityRange[1]);
+    return rangeOf(facts.usual->intensity[0], facts.usual->intensity[1]);
+}
+
+Range elevationRange(const SurveyedScene& scene) {
     std::vector<double> heights;
     for (const SurveyPoint& p : scene.points) heights.push_back(p.position.z);
-    return {quantileOf(heights, 0.01), quantileOf(std::move(heights), 0.99)};
+    const double low = quantileOf(heights, 0.01);
+    return rangeOf(low, quantileOf(std::move(heights), 0.99));
 }
 
 /// ASPRS classes that people know on sight: ground, plants, buildings, water, rails, roads, wires, bridges.

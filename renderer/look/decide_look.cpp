@@ -23,10 +23,8 @@ constexpr std::size_t surveyPoints = 12000;
 constexpr int width = 192, height = 108;
 /// A style is judged in a picture as people get it, so many times as wide and high.
 constexpr int styleScale = 6;
-/// Light may make points of a surface differ by so much more than their own colours do.
+/// Light may make points of a photographed surface differ by so much more than their own colours do.
 constexpr double noiseByLight = 0.003;
-/// Of readability: plainer styles are given up for no less.
-constexpr double worthAnotherStyle = 0.05;
 
 struct Scored {
     LookView view;
@@ -54,7 +52,7 @@ double shownShare(const SurveyedScene& scene, const Cloud& cloud, const View& vi
 double scoreOf(const PictureMeasure& m, double shown, const Candidate& candidate) {
     const double filled = std::min(m.covered / (candidate.view.inside ? 0.95 : 0.5), 1.0);
     const double fill = std::min(std::max(m.fill[0], m.fill[1]) / 0.85, 1.0);
-    return 1.2 * filled + 0.6 * fill + 1.4 * shown + 0.8 * m.readability() + 1.2 * std::min(m.edges, 0.25) +
+    return 1.2 * filled + 0.6 * fill + 2 * shown + 0.8 * m.readability() + 0.8 * std::min(m.edges, 0.25) +
            0.5 * std::min(m.spread(), 0.6) - 2 * m.near - (candidate.view.inside ? 0 : 3 * m.border) +
            candidate.bonus;
 }
@@ -91,7 +89,8 @@ class Looker {
         return scored;
     }
 
-    /// The first style that can be read from there and is no noisier than the plainest, else the best.
+    /// The first style that can be read from there and is no noisier than the plainest. If there is none: the first
+    /// with contrast, for no light gives a smooth wall edges; else the most readable.
     Expected<const StyleChoice*> choose(const std::vector<StyleChoice>& styles, const Camera& camera) {
         const StyleChoice* best = nullptr;
         double value = -1, quiet = 0;
@@ -100,10 +99,10 @@ class Looker {
             if (!frame) return passOn(frame);
             const PictureMeasure m = measure(*frame);
             if (&choice == &styles.front()) quiet = m.noise;
-            const double noise = std::max(0.0, m.noise - quiet - noiseByLight);
-            if (m.isReadable() && noise == 0) return &choice;
-            const double own = m.readability() - 20 * noise;
-            if (own <= value + worthAnotherStyle) continue;
+            const bool noisy = choice.style.color == ColorSource::Rgb && m.noise > quiet + noiseByLight;
+            if (m.isReadable() && !noisy) return &choice;
+            const double own = m.readability() + (m.hasContrast() ? 1 : 0) - (noisy ? 1 : 0);
+            if (own <= value || (best && value >= 1)) continue;
             value = own;
             best = &choice;
         }

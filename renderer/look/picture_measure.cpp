@@ -87,9 +87,12 @@ T quantile(std::vector<T>& values, double q) {
 
 }  // namespace
 
+bool PictureMeasure::hasContrast() const {
+    return spread() >= leastSpread && median >= leastMedian && median <= mostMedian && commonest <= mostOfOneColor;
+}
+
 bool PictureMeasure::isReadable() const {
-    return spread() >= leastSpread && median >= leastMedian && median <= mostMedian && commonest <= mostOfOneColor &&
-           edges >= leastEdges;
+    return hasContrast() && edges >= leastEdges;
 }
 
 double PictureMeasure::readability() const {

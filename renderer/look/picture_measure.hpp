@@ -20,7 +20,9 @@ struct PictureMeasure {
     double noise = 0;  ///< median distance of a pixel's luminance from the median of the nine around it
 
     double spread() const { return bright - dark; }
-    /// Whether a viewer can read it: contrast, neither black nor white, not one colour, not flat.
+    /// Whether there is something to see: contrast, neither black nor white, not one colour.
+    bool hasContrast() const;
+    /// Whether a viewer can read it: that, and enough edges or texture.
     bool isReadable() const;
     /// The same as a number, so that the least bad can be found: 1 = readable.
     double readability() const;

@@ -17,7 +17,7 @@ namespace {
 constexpr double levelNormal = 0.9, uprightNormal = 0.3;
 
 // ---------------------------------------------------------------------------------------------------------
-// Seen by one camera that stood at the origin
+// Seen by one camera
 // ---------------------------------------------------------------------------------------------------------
 
 /// Depth cameras see some metres far, and write metres; a landscape with coordinates of its own lies higher.
@@ -31,13 +31,14 @@ struct Seen {
 };
 
 /// A depth camera looks along +z, or along -z as in computer graphics; `sign` says which.
-std::optional<Seen> seenFromOrigin(const std::vector<SurveyPoint>& points, double sign) {
+std::optional<Seen> seenFrom(const glm::dvec3& eye, const std::vector<SurveyPoint>& points, double sign) {
     Seen seen;
     std::vector<double> xs, ys;
     for (const SurveyPoint& p : points) {
-        const double depth = sign * p.position.z;
+        const glm::dvec3 to = p.position - eye;
+        const double depth = sign * to.z;
         if (!(depth > 0)) return std::nullopt;
-        seen.at.emplace_back(p.position.x / depth, p.position.y / depth);
+        seen.at.emplace_back(to.x / depth, to.y / depth);
         seen.depth.push_back(depth);
         xs.push_back(seen.at.back().x);
         ys.push_back(seen.at.back().y);
@@ -73,8 +74,8 @@ Frame2d asPicture(const Seen& seen) {
     return frame;
 }
 
-/// Whether the scan looks like one frame of a camera at the origin: in front of it, around its axis, and in
-/// nearly every direction at one depth only.
+/// Whether the scan looks like one frame of a camera: in front of it, around its axis, and in nearly every
+/// direction at one depth only.
 bool isDepthFrame(const Seen& seen) {
     const double width = seen.right[0] - seen.left[0], height = seen.right[1] - seen.left[1];
     if (!(width > 0.05 && height > 0.05 && width < 3 && height < 3)) return false;
@@ -86,20 +87,23 @@ bool isDepthFrame(const Seen& seen) {
     return frame.filled > 0.35 && frame.single > 0.7;
 }
 
-std::optional<SurveyedScene> asDepthFrame(const std::vector<SurveyPoint>& points) {
+/// The camera stood where the scan says, or at the origin.
+std::optional<SurveyedScene> asDepthFrame(const std::vector<SurveyPoint>& points,
+                                          const std::optional<glm::dvec3>& place) {
+    const glm::dvec3 eye = place.value_or(glm::dvec3(0));
     for (const double sign : {1.0, -1.0}) {
-        const auto seen = seenFromOrigin(points, sign);
+        const auto seen = seenFrom(eye, points, sign);
         if (!seen || quantileOf(seen->depth, 0.99) > farthestDepth || !isDepthFrame(*seen)) continue;
         SurveyedScene scene;
         scene.kind = SceneKind::DepthFrame;
         // Cameras count rows downwards; who looks along -z follows computer graphics, where y points up.
         scene.up = {0, -sign, 0};
         scene.forward = {0, 0, sign};
-        scene.sensor = glm::dvec3(0);
+        scene.sensor = eye;
         scene.reason = fmt::format(
-            "Everything lies in front of the origin, along {}z, and each line of sight from there ends at one "
-            "depth: what a camera saw that stood there. ",
-            sign > 0 ? '+' : '-');
+            "Everything lies in front of {}, along {}z, and each line of sight from there ends at one depth: what "
+            "a camera saw that stood there. ",
+            place ? "the sensor" : "the origin", sign > 0 ? '+' : '-');
         return scene;
     }
     return std::nullopt;
@@ -307,7 +311,7 @@ std::array<glm::dvec3, 2> horizontalAxes(const glm::dvec3& up) {
 SurveyedScene sceneOf(const CloudFacts& facts, std::vector<SurveyPoint> points) {
     points = withoutStrays(std::move(points));
     if (!isSurvey(facts))
-        if (auto frame = asDepthFrame(points)) {
+        if (auto frame = asDepthFrame(points, facts.scanner)) {
             frame->box = boxOf(points);
             frame->points = std::move(points);
             return *frame;

@@ -224,7 +224,8 @@ Loader::Result Loader::build(const ScanInput& input, const std::string& id) {
     options.mirrors = std::move(*mirrors);
     auto cloud = buildCloud(**source, options, progressOf(id));
     if (!cloud) return cloud;
-    return counted(std::move(*cloud), *options_.cache);
+    // The look first: a cloud that is given one is a copy, which would count nothing.
+    return counted(withLook(std::move(*cloud)), *options_.cache);
 }
 
 Loader::Result Loader::ingestTo(const fs::path& output, const ScanInput& input, const std::string& id) {

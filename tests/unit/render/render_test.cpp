@@ -398,7 +398,7 @@ TEST(Render, AutoSaysWhatItChoseAndWhy) {
         EXPECT_THAT(frame->stats.methodReason, HasSubstr("px apart"));
         return frame->stats.method;
     };
-    EXPECT_EQ(chosen(true, true), "ewa");
+    EXPECT_EQ(chosen(true, true), "paraboloid") << "blended, what was photographed would lose its texture";
     EXPECT_EQ(chosen(true, false), "ewa");
     EXPECT_EQ(chosen(false, true), "paraboloid");
     view.camera.viewHeight = 1e6;  // all four points on a pixel

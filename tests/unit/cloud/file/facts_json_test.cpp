@@ -18,8 +18,10 @@ nlohmann::json sampleJson() {
 
 TEST(FactsJson, ReadsBackExactly) {
     const auto cloud = test::sampleCloud(500);
+    CloudFacts richlyLookedAt = test::fullFacts(*cloud, true);
+    richlyLookedAt.look = test::richLook();
     for (const CloudFacts& facts :
-         {test::fullFacts(*cloud, true), static_cast<const CloudFacts&>(*cloud), CloudFacts{}}) {
+         {test::fullFacts(*cloud, true), richlyLookedAt, static_cast<const CloudFacts&>(*cloud), CloudFacts{}}) {
         const auto back = parseFacts(printFacts(facts, "me 1.0").value());
         ASSERT_TRUE(back) << back.error().message;
         test::expectSameFacts(back->facts, facts);
@@ -34,7 +36,7 @@ TEST(FactsJson, EveryFieldIsNeededAndOfItsType) {
         auto without = json;
         without.erase(key);
         const auto missing = parseFacts(printJson(without));
-        if (key == "crsEpsg" || key == "constant" || key == "notes") {
+        if (key == "crsEpsg" || key == "constant" || key == "notes" || key == "usual" || key == "scanner" || key == "look") {
             EXPECT_TRUE(missing) << "not every scan has one, and older files have no " << key;
         } else {
             ASSERT_FALSE(missing) << key;
@@ -76,6 +78,16 @@ TEST(FactsJson, ImpossibleValuesAreNamed) {
          [](auto& j) {
              for (int i = 0; i < 2000; ++i) j["columns"].push_back(j["columns"][0]);
          }},
+        {"usual.position", [](auto& j) { j["usual"]["position"][1][0] = -1; }},
+        {"usual.intensity", [](auto& j) { j["usual"]["intensity"] = {5, 4}; }},
+        {"usual.brightness", [](auto& j) { j["usual"]["brightness"] = {0, 1}; }},
+        {"usual.brightness", [](auto& j) { j["usual"].erase("brightness"); }},
+        {"scanner", [](auto& j) { j["scanner"] = {1, 2, "3"}; }},
+        {"look", [](auto& j) { j["look"].erase("views"); }},
+        {"look", [](auto& j) { j["look"]["outline"] = nlohmann::json::array(); }},
+        {"look", [](auto& j) { j["look"]["views"][0]["camera"]["fov"] = 180; }},
+        {"look", [](auto& j) { j["look"]["style"]["shading"] = "dark"; }},
+        {"look", [](auto& j) { j["look"]["mood"] = "blue"; }},
         {"planes.type", [](auto& j) { j["planes"][3]["type"] = "float16"; }},
         {"planes.of", [](auto& j) { j["planes"][3]["of"] = "nodes"; }},
         {"planes.name", [](auto& j) { j["planes"][3]["name"] = ""; }},

@@ -161,7 +161,7 @@ Style decidedStyle(const Cloud& cloud, Style style) {
             style.color = own.color;
             style.byIntensity = own.byIntensity;
             style.flatColor = own.flatColor;
-            style.colormap = own.colormap;
+            if (style.colormap == Style().colormap) style.colormap = own.colormap;
             if (!style.range) style.range = own.range;
         } else {
             style.color = bestColorSource(cloud.attributes);

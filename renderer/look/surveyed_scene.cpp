@@ -177,7 +177,7 @@ void decideUp(const CloudFacts& facts, SurveyedScene& scene) {
                         breadth(scene.points, scene.box, axis, sign < 0);
             score += 1.5 * levelShare(scene.points, axis);
             if (axis == 2) score += 0.1;
-            if (axis == 1 && sign > 0) score += standsOnXZ(scene.box) ? 1 : 0.15;
+            if (axis == 1 && sign > 0) score += standsOnXZ(scene.box) ? 1 : 0.05;
             if (axis == 1 && sign < 0) score -= 0.25;
             if (score <= best) continue;
             best = score;
@@ -241,15 +241,28 @@ Map mapOf(const SurveyedScene& scene, const std::array<glm::dvec3, 2>& axes) {
     return map;
 }
 
-/// Share of the surface that stands upright.
-double uprightShare(const SurveyedScene& scene) {
-    double upright = 0, all = 0;
+/// Shares of the surface that stand upright and that are level; nullopt without normals.
+struct Slopes {
+    double upright = 0, level = 0;
+};
+
+std::optional<Slopes> slopesOf(const SurveyedScene& scene) {
+    Slopes slopes;
+    double all = 0;
     for (const SurveyPoint& p : scene.points) {
         if (p.normal == glm::vec3(0)) continue;
+        const double slope = std::abs(glm::dot(glm::dvec3(p.normal), scene.up));
         ++all;
-        if (std::abs(glm::dot(glm::dvec3(p.normal), scene.up)) < uprightNormal) ++upright;
+        slopes.upright += slope < uprightNormal;
+        slopes.level += slope > levelNormal;
     }
-    return all > 0 ? upright / all : 0;
+    if (all == 0) return std::nullopt;
+    return Slopes{slopes.upright / all, slopes.level / all};
+}
+
+/// Built things are level or upright; where nobody knows, they may be.
+bool isBuilt(const std::optional<Slopes>& slopes) {
+    return !slopes || slopes->upright + slopes->level > 0.6;
 }
 
 bool hasClassesOfLand(const CloudFacts& facts) {
@@ -273,20 +286,22 @@ void decideKind(const CloudFacts& facts, SurveyedScene& scene) {
     const glm::dvec3 size = scene.size();
     const double height = std::abs(glm::dot(size, scene.up));
     const double width = std::max(std::abs(glm::dot(size, axes[0])), std::abs(glm::dot(size, axes[1])));
-    const double tall = height / std::max(width, 1e-12), upright = uprightShare(scene);
+    const double tall = height / std::max(width, 1e-12);
+    const auto slopes = slopesOf(scene);
+    const double upright = slopes ? slopes->upright : 0;
     const bool survey = isSurvey(facts);
     const std::string measured = fmt::format(
         "(height {:.0f} % of the width, {:.0f} % of the map filled, {:.0f} % of the surface upright)",
         100 * tall, 100 * map.filled, 100 * upright);
     if (!scene.sensor && map.floor > 0.6 && map.ceiling > 0.5 && map.inner > 0.08 && tall > 0.05 &&
-        tall < 1.2) {
+        tall < 1.2 && isBuilt(slopes)) {
         scene.kind = SceneKind::Indoor;
         scene.reason += "A floor below and a ceiling above nearly everywhere: rooms " + measured + ". ";
     } else if (survey && tall < 0.5 && map.filled > 0.55 && (upright < 0.45 || hasClassesOfLand(facts)) &&
                !scene.sensor) {
         scene.kind = SceneKind::Airborne;
         scene.reason += "Broad, low and seen from above: a landscape " + measured + ". ";
-    } else if (scene.sensor || (tall < 0.35 && map.floor > 0.5)) {
+    } else if (scene.sensor || (tall < 0.35 && map.floor > 0.5 && isBuilt(slopes))) {
         scene.kind = SceneKind::Street;
         scene.reason += "A ground with upright things on it, with gaps: scanned from the ground " + measured +
                         ". ";

@@ -96,7 +96,9 @@ TEST(DefaultView, IsTheLooksFirstViewInItsStyle) {
     const Cloud cloud = lookedAt();
     const View view = defaultView(cloud, 400, 300);
     EXPECT_EQ(view.width, 400);
-    EXPECT_EQ(view.style, cloud.look->style);
+    EXPECT_EQ(view.style.method, "point");
+    EXPECT_EQ(decidedStyle(cloud, view.style).range, cloud.look->style.range);
+    EXPECT_EQ(decidedStyle(cloud, view.style).colormap, "turbo");
     EXPECT_EQ(view.camera, cameraFor(*cloud.look, cloud.look->views[0], 4.0 / 3));
     const auto views = viewsOf(cloud, 4.0 / 3);
     ASSERT_EQ(views.size(), 2U);
@@ -105,6 +107,53 @@ TEST(DefaultView, IsTheLooksFirstViewInItsStyle) {
     EXPECT_EQ(views[1].camera.eye, cloud.look->views[1].camera.eye);
     EXPECT_GT(views[1].camera.fov, cloud.look->views[1].camera.fov)
         << "a higher picture shows as much to the sides";
+}
+
+// A view's own word replaces all that goes with it: colours are not stretched over another attribute's range, methods
+// are not lit by another's light.
+TEST(DefaultView, NothingOfTheLookComesAlongWithAWordOfItsOwn) {
+    Cloud cloud = lookedAt();
+    cloud.surfels = true;
+    cloud.look->style.method = "auto";
+    cloud.look->style.shading = Shading::EyeDome;
+    const auto lit = [&](const View& view) {
+        const auto planned = plan(cloud, view);
+        EXPECT_TRUE(planned) << planned.error().message;
+        return planned && std::ranges::any_of((*planned)->passes, [](const Pass& pass) {
+                   return std::holds_alternative<EyeDomePass>(pass);
+               });
+    };
+    View view = defaultView(cloud, 400, 300);
+    EXPECT_TRUE(lit(view));
+    view.style.method = "disc";
+    EXPECT_FALSE(lit(view));
+    view = defaultView(cloud, 400, 300);
+    view.style.color = ColorSource::Intensity;
+    EXPECT_EQ(decidedStyle(cloud, view.style).range, std::nullopt);
+    EXPECT_EQ(decidedStyle(cloud, view.style).colormap, Style().colormap);
+    view.style.color = ColorSource::Auto;
+    view.style.colormap = "grey";
+    EXPECT_EQ(decidedStyle(cloud, view.style).colormap, "grey");
+}
+
+// As `param.scale=2` alone: for the method that is chosen, if it has that; a word of no method is none.
+TEST(AutomaticMethod, TakesParametersOfTheChosenOne) {
+    Cloud cloud = lookedAt();
+    View view = defaultView(cloud, 400, 300);
+    view.style.method = "auto";
+    view.style.parameters = {{"sizePx", 7.0}};
+    const auto planned = plan(cloud, view);
+    ASSERT_TRUE(planned) << planned.error().message;
+    EXPECT_EQ((*planned)->method, "paraboloid");
+    EXPECT_EQ(std::get<NearestPass>((*planned)->passes.front()).size.sizePx, 7);
+    view.style.parameters = {{"lowPass", 1.0}};
+    EXPECT_TRUE(plan(cloud, view)) << "another method's";
+    view.style.parameters = {{"sizePx", -7.0}};
+    EXPECT_FALSE(plan(cloud, view));
+    view.style.parameters = {{"sizePx2", 7.0}};
+    const auto unknown = plan(cloud, view);
+    ASSERT_FALSE(unknown);
+    EXPECT_EQ(unknown.error().field, "param.sizePx2");
 }
 
 TEST(DefaultView, WithoutALookShowsTheWhole) {

@@ -20,7 +20,7 @@ constexpr double usualAspect = 16.0 / 9, widestFov = 90;
 constexpr std::size_t longestLookName = 64, longestLookReason = 4096;
 
 /// The members of a view that its style is printed as: all but camera, size and quality.
-constexpr std::array<std::string_view, 7> notOfStyle{"camera", "width",   "height",     "detail",
+constexpr std::array<std::string_view, 7> notOfStyle{"camera", "width",   "height", "detail",
                                                      "budget", "samples", "quality"};
 
 bool isOfStyle(std::string_view key) {
@@ -236,7 +236,8 @@ Expected<Look> applyLook(const Look& base, const json& changes) {
         fields.error("up", "expected a vector of length 1");
     readBounds(fields, look.bounds);
     readOutline(fields, look.outline);
-    if (fields.number("noise", look.noise) && !(look.noise >= 0)) fields.error("noise", "must not be negative");
+    if (fields.number("noise", look.noise) && !(look.noise >= 0))
+        fields.error("noise", "must not be negative");
     readStyle(fields, look.style);
     readViews(fields, look.views);
     if (auto ok = fields.finishStrict(); !ok) return passOn(ok);

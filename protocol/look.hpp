@@ -46,7 +46,7 @@ struct Look {
     glm::dvec3 up{0, 0, 1};              ///< unit vector
     std::array<glm::dvec3, 2> bounds{};  ///< least, greatest, without stray points
     std::vector<glm::dvec3> outline;     ///< outermost points, what cameras are fitted to; at least one
-    double noise = 0;                    ///< typical distance of points from the surface through their neighbours
+    double noise = 0;  ///< typical distance of points from the surface through their neighbours
     Style style;
     std::vector<LookView> views;  ///< the best first; at least one
     bool operator==(const Look&) const = default;

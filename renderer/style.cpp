@@ -68,7 +68,8 @@ std::array<double, 2> depthRange(const Cloud& cloud, const Viewpoint& viewpoint)
 /// Where most values lie, where that is known: one stray value must not take the colours from all others.
 std::array<double, 2> intensityRange(const Cloud& cloud) {
     const std::array<double, 2> all{double(cloud.intensityRange[0]), double(cloud.intensityRange[1])};
-    return cloud.usual && cloud.usual->intensity[0] < cloud.usual->intensity[1] ? cloud.usual->intensity : all;
+    return cloud.usual && cloud.usual->intensity[0] < cloud.usual->intensity[1] ? cloud.usual->intensity
+                                                                                : all;
 }
 
 std::array<double, 2> elevationRange(const Cloud& cloud) {

@@ -87,11 +87,11 @@ struct CloudFacts {
     std::vector<KeptColumn> columns;
     std::vector<ValuePlane> companions;  ///< what the cloud file has beside its samples and columns
     std::vector<Mirror> mirrors;
-    std::optional<UsualRanges> usual;          ///< nullopt: not known, of a cloud file of version 1
-    std::optional<glm::dvec3> scanner;         ///< where it stood, file coordinates, if the scan says so
-    std::optional<Look> look;                  ///< nullopt: not decided yet (renderer/look)
-    std::vector<std::string> notes;  ///< what was strange about the scan, one sentence each without an end
-    std::string revision;            ///< hex digest of everything that pictures depend on but the look
+    std::optional<UsualRanges> usual;   ///< nullopt: not known, of a cloud file of version 1
+    std::optional<glm::dvec3> scanner;  ///< where it stood, file coordinates, if the scan says so
+    std::optional<Look> look;           ///< nullopt: not decided yet (renderer/look)
+    std::vector<std::string> notes;     ///< what was strange about the scan, one sentence each without an end
+    std::string revision;               ///< hex digest of everything that pictures depend on but the look
 };
 
 /// All values beside the samples: each column's, in their order, then the companions.

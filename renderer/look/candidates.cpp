@@ -16,10 +16,9 @@ constexpr double aspect = 16.0 / 9;
 constexpr double outsideFov = 45, insideFov = 75;
 constexpr int headings = 8, insidePlaces = 5;
 
-constexpr std::array<const char*, headings> compass{"from the south", "from the south-east", "from the east",
-                                                    "from the north-east", "from the north",
-                                                    "from the north-west", "from the west",
-                                                    "from the south-west"};
+constexpr std::array<const char*, headings> compass{
+    "from the south", "from the south-east", "from the east", "from the north-east",
+    "from the north", "from the north-west", "from the west", "from the south-west"};
 constexpr std::array<const char*, headings> sides{"front", "front right", "right", "back right",
                                                   "back",  "back left",   "left",  "front left"};
 
@@ -30,8 +29,8 @@ glm::dvec3 direction(const glm::dvec3& up, int heading, double down) {
     return std::cos(down) * (std::sin(turn) * east - std::cos(turn) * north) + std::sin(down) * up;
 }
 
-Camera cameraAlong(const SurveyedScene& scene, const glm::dvec3& toEye, const std::vector<glm::dvec3>& outline,
-                   double fov) {
+Camera cameraAlong(const SurveyedScene& scene, const glm::dvec3& toEye,
+                   const std::vector<glm::dvec3>& outline, double fov) {
     Camera camera;
     camera.fov = fov;
     camera.target = scene.center();
@@ -85,7 +84,8 @@ class FloorPlan {
         for (const SurveyPoint& p : scene.points) heights.push_back(glm::dot(p.position, scene.up));
         low_ = quantileOf(heights, 0.02);
         high_ = quantileOf(std::move(heights), 0.98);
-        cell_ = std::max({glm::dot(scene.size(), glm::abs(axes_[0])), glm::dot(scene.size(), glm::abs(axes_[1]))}) /
+        cell_ = std::max({glm::dot(scene.size(), glm::abs(axes_[0])),
+                          glm::dot(scene.size(), glm::abs(axes_[1]))}) /
                 side;
         const double eyeLevel = eyeHeight();
         for (const SurveyPoint& p : scene.points) {
@@ -108,8 +108,9 @@ class FloorPlan {
         std::ranges::stable_sort(all, std::greater(), &Place::clearance);
         std::vector<Place> apart;
         for (const Place& place : all) {
-            const bool isApart = std::ranges::all_of(
-                apart, [&](const Place& other) { return glm::distance(place.eye, other.eye) > side / 6 * cell_; });
+            const bool isApart = std::ranges::all_of(apart, [&](const Place& other) {
+                return glm::distance(place.eye, other.eye) > side / 6 * cell_;
+            });
             if (isApart) apart.push_back(place);
             if (apart.size() == insidePlaces) break;
         }
@@ -183,7 +184,8 @@ std::vector<glm::dvec3> outlineOf(const std::vector<SurveyPoint>& points) {
         const double z = 1 - (2 * i + 1.0) / directions, turn = i * pi * (3 - std::sqrt(5.0));
         const double r = std::sqrt(1 - z * z);
         const glm::dvec3 d(r * std::cos(turn), r * std::sin(turn), z);
-        for (std::size_t k = 0; k < points.size(); ++k) along[k] = {-glm::dot((points[k].position - box[0]) / unit, d), k};
+        for (std::size_t k = 0; k < points.size(); ++k)
+            along[k] = {-glm::dot((points[k].position - box[0]) / unit, d), k};
         std::ranges::nth_element(along, along.begin() + std::ptrdiff_t(rank));
         chosen.push_back(along[rank].second);
     }

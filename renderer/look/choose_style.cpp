@@ -65,10 +65,11 @@ void addPhotographed(const CloudFacts& facts, bool lit, Choices& choices) {
     choices.add(Rgb, Shading::Unlit, "It has photographed colours.");
     choices.add(Rgb, Shading::EyeDome, "It has photographed colours; edges are made clear.");
     if (facts.attributes.intensity)
-        choices.add(Rgb, Shading::EyeDome, "It has photographed colours; intensity gives them texture.").byIntensity =
-            true;
+        choices.add(Rgb, Shading::EyeDome, "It has photographed colours; intensity gives them texture.")
+            .byIntensity = true;
     if (lit)
-        choices.add(Rgb, Shading::Phong, "It has photographed colours, but pale ones: light shows the shape.");
+        choices.add(Rgb, Shading::Phong,
+                    "It has photographed colours, but pale ones: light shows the shape.");
 }
 
 /// Colours that tell heights or classes, brighter where the ground reflects more.
@@ -89,13 +90,14 @@ void addLand(const CloudFacts& facts, const SurveyedScene& scene, Choices& choic
 
 /// No length means anything where axes have different units: sizes are given in pixels.
 void addMap(const CloudFacts& facts, const SurveyedScene& scene, Choices& choices) {
-    Style& style = choices.add(facts.attributes.color ? ColorSource::Rgb : ColorSource::Elevation, Shading::Unlit,
-                               facts.attributes.color ? "It has photographed colours."
-                                                      : "It has no colours: they show height.");
+    Style& style = choices.add(
+        facts.attributes.color ? ColorSource::Rgb : ColorSource::Elevation, Shading::Unlit,
+        facts.attributes.color ? "It has photographed colours." : "It has no colours: they show height.");
     if (!facts.attributes.color) style.range = elevationRange(scene);
     style.method = "paraboloid";
     constexpr double pixels = 1280 * 720 * 0.5;
-    style.parameters["sizePx"] = std::clamp(std::round(1.5 * std::sqrt(pixels / double(facts.points))), 1.0, 24.0);
+    style.parameters["sizePx"] =
+        std::clamp(std::round(1.5 * std::sqrt(pixels / double(facts.points))), 1.0, 24.0);
 }
 
 /// Light on clay, reflected light, height: in this order, as far as there is any.
@@ -103,7 +105,8 @@ void addShape(const CloudFacts& facts, const SurveyedScene& scene, bool lit, Cho
     using enum ColorSource;
     const bool isObject = scene.kind == SceneKind::Object || scene.kind == SceneKind::DepthFrame;
     const auto addClay = [&] {
-        if (lit) choices.add(Flat, Shading::Phong, "It has no colours: light shows the shape.").flatColor = clay;
+        if (lit)
+            choices.add(Flat, Shading::Phong, "It has no colours: light shows the shape.").flatColor = clay;
     };
     if (isObject) addClay();
     if (facts.attributes.intensity) {

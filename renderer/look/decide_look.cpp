@@ -10,8 +10,8 @@
 #include "renderer/look/candidates.hpp"
 #include "renderer/look/choose_style.hpp"
 #include "renderer/look/picture_measure.hpp"
-#include "renderer/look/surveyed_scene.hpp"
 #include "renderer/look/survey.hpp"
+#include "renderer/look/surveyed_scene.hpp"
 #include "renderer/render.hpp"
 
 namespace scancast {
@@ -138,15 +138,17 @@ Expected<Look> lookAt(const Cloud& cloud, Device& device, SurveyedScene scene) {
     const auto styles = stylesFor(cloud, scene);
     Looker looker(cloud, device, scene);
     auto candidates = insideCandidates(scene);
-    for (Candidate& candidate : outsideCandidates(scene, look.outline)) candidates.push_back(std::move(candidate));
+    for (Candidate& candidate : outsideCandidates(scene, look.outline))
+        candidates.push_back(std::move(candidate));
     const auto scored = looker.score(candidates, styles.front().style);
     if (!scored) return passOn(scored);
     look.views = bestViews(*scored);
     const auto style = looker.choose(styles, look.views.front().camera);
     if (!style) return passOn(style);
     look.style = (*style)->style;
-    look.reason = scene.reason + (*style)->reason + fmt::format(" First seen {}: of {} views tried, it shows most.",
-                                                                look.views.front().name, candidates.size());
+    look.reason = scene.reason + (*style)->reason +
+                  fmt::format(" First seen {}: of {} views tried, it shows most.", look.views.front().name,
+                              candidates.size());
     return look;
 }
 

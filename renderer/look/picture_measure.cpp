@@ -11,7 +11,8 @@ namespace scancast {
 namespace {
 
 /// A little more than a viewer needs, since the real picture is larger and smoother than what is measured.
-constexpr double leastSpread = 0.28, leastMedian = 0.16, mostMedian = 0.8, mostOfOneColor = 0.3, leastEdges = 0.033;
+constexpr double leastSpread = 0.28, leastMedian = 0.16, mostMedian = 0.8, mostOfOneColor = 0.3,
+                 leastEdges = 0.033;
 /// Step of luminance over two pixels that counts as an edge.
 constexpr double edgeStep = 0.16;
 
@@ -88,7 +89,8 @@ T quantile(std::vector<T>& values, double q) {
 }  // namespace
 
 bool PictureMeasure::hasContrast() const {
-    return spread() >= leastSpread && median >= leastMedian && median <= mostMedian && commonest <= mostOfOneColor;
+    return spread() >= leastSpread && median >= leastMedian && median <= mostMedian &&
+           commonest <= mostOfOneColor;
 }
 
 bool PictureMeasure::isReadable() const {

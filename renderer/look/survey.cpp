@@ -159,7 +159,8 @@ double noiseOf(const Cloud& cloud) {
     std::vector<double> deviations;
     for (std::size_t k = 0; k < noiseLeaves && k < leaves.size(); ++k) {
         const std::uint32_t leaf = leaves[k * leaves.size() / std::min(noiseLeaves, leaves.size())];
-        if (const auto run = cloud.octree.run(leaf)) addDeviations(cloud.octree.node(leaf), run->samples, deviations);
+        if (const auto run = cloud.octree.run(leaf))
+            addDeviations(cloud.octree.node(leaf), run->samples, deviations);
     }
     return deviations.empty() ? 0 : quantileOf(std::move(deviations), 0.5);
 }
@@ -172,8 +173,7 @@ double quantileOf(std::vector<double> values, double q) {
 
 std::array<glm::dvec3, 2> boxOf(const std::vector<SurveyPoint>& points) {
     std::array<glm::dvec3, 2> box{points.front().position, points.front().position};
-    for (const SurveyPoint& p : points)
-        box = {glm::min(box[0], p.position), glm::max(box[1], p.position)};
+    for (const SurveyPoint& p : points) box = {glm::min(box[0], p.position), glm::max(box[1], p.position)};
     return box;
 }
 

@@ -13,9 +13,9 @@
 namespace scancast {
 
 struct SurveyPoint {
-    glm::dvec3 position;         ///< file coordinates
-    glm::vec3 normal;            ///< unit length; 0 where there is none. Its sign says little
-    float spacing = 0;           ///< of the node that it is from
+    glm::dvec3 position;  ///< file coordinates
+    glm::vec3 normal;     ///< unit length; 0 where there is none. Its sign says little
+    float spacing = 0;    ///< of the node that it is from
     std::uint8_t classification = 0;
 };
 

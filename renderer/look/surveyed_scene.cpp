@@ -81,7 +81,8 @@ bool isDepthFrame(const Seen& seen) {
     if (!(width > 0.05 && height > 0.05 && width < 3 && height < 3)) return false;
     for (int a = 0; a < 2; ++a) {
         const double size = seen.right[std::size_t(a)] - seen.left[std::size_t(a)];
-        if (seen.left[std::size_t(a)] > 0.75 * size || seen.right[std::size_t(a)] < -0.75 * size) return false;
+        if (seen.left[std::size_t(a)] > 0.75 * size || seen.right[std::size_t(a)] < -0.75 * size)
+            return false;
     }
     const Frame2d frame = asPicture(seen);
     return frame.filled > 0.35 && frame.single > 0.7;
@@ -101,7 +102,8 @@ std::optional<SurveyedScene> asDepthFrame(const std::vector<SurveyPoint>& points
         scene.forward = {0, 0, sign};
         scene.sensor = eye;
         scene.reason = fmt::format(
-            "Everything lies in front of {}, along {}z, and each line of sight from there ends at one depth: what "
+            "Everything lies in front of {}, along {}z, and each line of sight from there ends at one depth: "
+            "what "
             "a camera saw that stood there. ",
             place ? "the sensor" : "the origin", sign > 0 ? '+' : '-');
         return scene;
@@ -185,10 +187,10 @@ void decideUp(const CloudFacts& facts, SurveyedScene& scene) {
             scene.up[axis] = sign;
         }
     }
-    scene.reason += fmt::format("{} is up: that is how the scan stands most broadly. ",
-                                scene.up.z != 0  ? "Z"
-                                : scene.up.y > 0 ? "Y"
-                                                 : "-Y");
+    scene.reason +=
+        fmt::format("{} is up: that is how the scan stands most broadly. ", scene.up.z != 0  ? "Z"
+                                                                            : scene.up.y > 0 ? "Y"
+                                                                                             : "-Y");
 }
 
 // ---------------------------------------------------------------------------------------------------------
@@ -303,8 +305,8 @@ void decideKind(const CloudFacts& facts, SurveyedScene& scene) {
         scene.reason += "Broad, low and seen from above: a landscape " + measured + ". ";
     } else if (scene.sensor || (tall < 0.35 && map.floor > 0.5 && isBuilt(slopes))) {
         scene.kind = SceneKind::Street;
-        scene.reason += "A ground with upright things on it, with gaps: scanned from the ground " + measured +
-                        ". ";
+        scene.reason +=
+            "A ground with upright things on it, with gaps: scanned from the ground " + measured + ". ";
     } else {
         scene.kind = SceneKind::Object;
         scene.reason += "As high as it is wide, or without a ground: an object " + measured + ". ";
@@ -318,8 +320,8 @@ double SurveyedScene::extent() const {
 }
 
 std::array<glm::dvec3, 2> horizontalAxes(const glm::dvec3& up) {
-    const glm::dvec3 first =
-        glm::normalize(std::abs(up.x) < 0.9 ? glm::dvec3(1, 0, 0) - up * up.x : glm::dvec3(0, 1, 0) - up * up.y);
+    const glm::dvec3 first = glm::normalize(std::abs(up.x) < 0.9 ? glm::dvec3(1, 0, 0) - up * up.x
+                                                                 : glm::dvec3(0, 1, 0) - up * up.y);
     return {first, glm::cross(up, first)};
 }
 

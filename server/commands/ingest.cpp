@@ -160,7 +160,8 @@ Expected<void> runIngest(const IngestArguments& arguments) {
     returnMemoryOfChunks();
     auto options = ingestOptions(arguments);
     if (!options) return passOn(options);
-    const auto look = arguments.look.empty() ? Expected<nlohmann::json>(nlohmann::json()) : readLookFile(arguments.look);
+    const auto look =
+        arguments.look.empty() ? Expected<nlohmann::json>(nlohmann::json()) : readLookFile(arguments.look);
     if (!look) return passOn(look);
     const Interruption interruption;
     auto sources = openAll(arguments, *options);
@@ -234,9 +235,10 @@ void addIngest(CLI::App& app, int& exitCode) {
     command->add_flag("--keep-attributes", arguments->keepAttributes,
                       "Also keep what is not drawn: GPS time, returns, extra bytes");
     command
-        ->add_option("--look", arguments->look,
-                     "How to show it at first: JSON with what is to differ from what would be decided (scancast "
-                     "look prints one)")
+        ->add_option(
+            "--look", arguments->look,
+            "How to show it at first: JSON with what is to differ from what would be decided (scancast "
+            "look prints one)")
         ->type_name("FILE");
     command->add_flag("-f,--force", arguments->force, "Replace the cloud file if it is there");
     command

@@ -38,15 +38,17 @@ void addLook(CLI::App& app, int& exitCode) {
     const auto arguments = std::make_shared<LookArguments>();
     auto* command = app.add_subcommand("look", "Show or change how a cloud is shown at first");
     command->footer(
-        "Without --set and --decide it prints the look as JSON, of a scan as it would be decided; PROTOCOL.md "
+        "Without --set and --decide it prints the look as JSON, of a scan as it would be decided; "
+        "PROTOCOL.md "
         "describes it.\n"
         "Examples:\n"
         "  scancast look town.scan > town.json       # then change town.json: a camera, a colour, a method\n"
         "  scancast look town.scan --set town.json   # the file is changed in place, no block is rewritten\n"
         "  scancast look town.scan --decide          # forget that, and look at it again");
     command->add_option("file", arguments->file, "The cloud file or the scan")->required();
-    auto* set = command->add_option("--set", arguments->set,
-                                    "Keep this look in the cloud file: JSON, with what is to change or all of it");
+    auto* set =
+        command->add_option("--set", arguments->set,
+                            "Keep this look in the cloud file: JSON, with what is to change or all of it");
     command->add_flag("--decide", arguments->decide, "Decide the look anew, and keep it in the cloud file")
         ->excludes(set);
     command->callback([arguments, &exitCode] {

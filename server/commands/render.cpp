@@ -112,7 +112,8 @@ Expected<void> checkArguments(const RenderArguments& arguments) {
 }
 
 /// Errors: those of changedLook(); InvalidArgument for a cloud that has none to change.
-Expected<std::shared_ptr<const Cloud>> withChangedLook(std::shared_ptr<const Cloud> cloud, const std::string& file) {
+Expected<std::shared_ptr<const Cloud>> withChangedLook(std::shared_ptr<const Cloud> cloud,
+                                                       const std::string& file) {
     auto look = changedLook(cloud->look.value_or(Look()), file);
     if (!look) return passOn(look);
     auto changed = std::make_shared<Cloud>(*cloud);
@@ -224,9 +225,10 @@ void addRender(CLI::App& app, int& exitCode) {
     command->add_option("--stats", arguments->stats, "Print times, as json, on standard output")
         ->check(CLI::IsMember({"json"}));
     command
-        ->add_option("--look", arguments->look,
-                     "Show it by this look instead of its own: JSON as scancast look prints it, or what is to "
-                     "differ. Flags of the view win")
+        ->add_option(
+            "--look", arguments->look,
+            "Show it by this look instead of its own: JSON as scancast look prints it, or what is to "
+            "differ. Flags of the view win")
         ->type_name("FILE");
     arguments->view.addTo(*command);
     command->callback([arguments, &exitCode] {

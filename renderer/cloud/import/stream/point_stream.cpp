@@ -111,7 +111,8 @@ Expected<DecodedHeader> decodeHeader(std::span<const std::byte> bytes) {
     header.attributes = {(columns & color) != 0, (columns & intensity) != 0, (columns & classification) != 0,
                          (columns & normal) != 0};
     const unsigned known = loadLe<std::uint32_t>(data + atKnown);
-    if (known > (knownPoints | knownBounds | knownEpsg | knownScanner)) return wrongHeader(atKnown, "unknown bits");
+    if (known > (knownPoints | knownBounds | knownEpsg | knownScanner))
+        return wrongHeader(atKnown, "unknown bits");
     if ((known & knownPoints) != 0) header.points = loadLe<std::uint64_t>(data + atPoints);
     header.gridStep = loadVector(data + atGridStep);
     header.gridOrigin = loadVector(data + atGridOrigin);

@@ -20,8 +20,8 @@ TEST(FactsJson, ReadsBackExactly) {
     const auto cloud = test::sampleCloud(500);
     CloudFacts richlyLookedAt = test::fullFacts(*cloud, true);
     richlyLookedAt.look = test::richLook();
-    for (const CloudFacts& facts :
-         {test::fullFacts(*cloud, true), richlyLookedAt, static_cast<const CloudFacts&>(*cloud), CloudFacts{}}) {
+    for (const CloudFacts& facts : {test::fullFacts(*cloud, true), richlyLookedAt,
+                                    static_cast<const CloudFacts&>(*cloud), CloudFacts{}}) {
         const auto back = parseFacts(printFacts(facts, "me 1.0").value());
         ASSERT_TRUE(back) << back.error().message;
         test::expectSameFacts(back->facts, facts);
@@ -36,7 +36,8 @@ TEST(FactsJson, EveryFieldIsNeededAndOfItsType) {
         auto without = json;
         without.erase(key);
         const auto missing = parseFacts(printJson(without));
-        if (key == "crsEpsg" || key == "constant" || key == "notes" || key == "usual" || key == "scanner" || key == "look") {
+        if (key == "crsEpsg" || key == "constant" || key == "notes" || key == "usual" || key == "scanner" ||
+            key == "look") {
             EXPECT_TRUE(missing) << "not every scan has one, and older files have no " << key;
         } else {
             ASSERT_FALSE(missing) << key;
@@ -79,10 +80,19 @@ TEST(FactsJson, ImpossibleValuesAreNamed) {
              for (int i = 0; i < 2000; ++i) j["columns"].push_back(j["columns"][0]);
          }},
         {"usual.position", [](auto& j) { j["usual"]["position"][1][0] = -1; }},
-        {"usual.intensity", [](auto& j) { j["usual"]["intensity"] = {5, 4}; }},
-        {"usual.brightness", [](auto& j) { j["usual"]["brightness"] = {0, 1}; }},
+        {"usual.intensity",
+         [](auto& j) {
+             j["usual"]["intensity"] = {5, 4};
+         }},
+        {"usual.brightness",
+         [](auto& j) {
+             j["usual"]["brightness"] = {0, 1};
+         }},
         {"usual.brightness", [](auto& j) { j["usual"].erase("brightness"); }},
-        {"scanner", [](auto& j) { j["scanner"] = {1, 2, "3"}; }},
+        {"scanner",
+         [](auto& j) {
+             j["scanner"] = {1, 2, "3"};
+         }},
         {"look", [](auto& j) { j["look"].erase("views"); }},
         {"look", [](auto& j) { j["look"]["outline"] = nlohmann::json::array(); }},
         {"look", [](auto& j) { j["look"]["views"][0]["camera"]["fov"] = 180; }},

@@ -244,7 +244,8 @@ TEST_F(ApiTest, ViewsAreWhatACloudIsBestSeenFrom) {
     const auto with = lookedAt(*cloud);
     catalog.setReady(catalog.add("looked"), with);
     for (const std::shared_ptr<const Cloud>& one : {cloud, with})
-        for (const char* query : {"", "?width=300&height=700", "?color=intensity&method=paraboloid&width=64&height=64"}) {
+        for (const char* query :
+             {"", "?width=300&height=700", "?color=intensity&method=paraboloid&width=64&height=64"}) {
             const std::string id = one == cloud ? "tiny" : "looked";
             const HttpResponse response = ask("/api/v1/clouds/" + id + "/views" + query);
             ASSERT_EQ(response.status, 200) << response.body();
@@ -259,7 +260,9 @@ TEST_F(ApiTest, ViewsAreWhatACloudIsBestSeenFrom) {
                 ASSERT_TRUE(view) << view.error().message;
                 const auto drawable = checkView(*one, *view);
                 EXPECT_TRUE(drawable) << drawable.error().message;
-                EXPECT_EQ(view->width, *query == 0 ? 1280 : std::string(query).starts_with("?width") ? 300 : 64);
+                EXPECT_EQ(view->width, *query == 0                                ? 1280
+                                       : std::string(query).starts_with("?width") ? 300
+                                                                                  : 64);
                 EXPECT_EQ(view->style.method, one->look && *query != '?' ? "point" : view->style.method);
                 if (!one->look) continue;
                 EXPECT_EQ(list[i]["name"], one->look->views[i].name);
@@ -277,7 +280,8 @@ TEST_F(ApiTest, ViewsOfNothingAndOfNonsenseAreRefused) {
     const auto none = ask("/api/v1/clouds/nobody/views");
     EXPECT_EQ(none.status, 404);
     problem(none);
-    for (const char* query : {"?colour=rgb", "?width=0", "?width=many", "?method=magic", "?color=beauty", "?shading=dark"}) {
+    for (const char* query :
+         {"?colour=rgb", "?width=0", "?width=many", "?method=magic", "?color=beauty", "?shading=dark"}) {
         const auto wrong = ask(std::string("/api/v1/clouds/tiny/views") + query);
         EXPECT_EQ(wrong.status, 400) << query;
         problem(wrong);

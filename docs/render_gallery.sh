@@ -34,9 +34,10 @@ real() {  # NAME FILE FLAGS…
 
 picture() {  # CLOUD PICTURE FLAGS…; no larger than 60 kB
     [ -e "$clouds/$1.scan" ] || return 0
-    local file=$pictures/$2.jpg
+    local file=$pictures/$2.jpg light=(--shading auto)  # the method's own, whatever the cloud's look says
+    [[ " ${*:3} " != *" --shading "* ]] || light=()
     for quality in 82 70 55 40 30; do
-        "$bin/scancast" render "$clouds/$1.scan" -o "$file" --width 640 --height 360 --quality "$quality" "${@:3}"
+        "$bin/scancast" render "$clouds/$1.scan" -o "$file" --width 640 --height 360 --quality "$quality" "${light[@]}" "${@:3}"
         [ "$(wc -c < "$file")" -gt 60000 ] || break
     done
 }

@@ -1,21 +1,39 @@
 #!/usr/bin/env bash
 # Renders the pictures of the documentation, all of them, with the program itself.
 #   docs/render_pictures.sh [FOLDER OF THE scancast PROGRAM] [FOLDER OF REAL SCANS]
+# The contact sheet of docs/first-sight.md alone: docs/render_pictures.sh --first-sight [FOLDER OF THE scancast PROGRAM]
 set -euo pipefail
+only=
+if [ "${1:-}" = --first-sight ]; then only=$1; shift; fi
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
 bin=${1:-$root/build/release/bin}
 scans=${2:-$root/../shared/data}
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 
+# Generated scans as they are shown when nobody says anything; ffmpeg makes a JPEG of the sheet.
+sight() {  # SCENE POINTS ENDING
+    "$bin/scancast" generate "$1" --points "$2" -o "$work/$1.$3" --quiet
+    sights+=("$work/$1.$3")
+}
+sights=()
+sight town 2M las
+for scene in room statue bridge; do sight "$scene" 1M ply; done
+sight torus 300k ply
+for scene in cube sphere; do sight "$scene" 100k ply; done
+sight sign 300k ply
+"$root/tests/bench/first_sight.py" --scancast "$bin/scancast" --sheet "$work/sheet.png" "${sights[@]}"
+ffmpeg -v error -y -i "$work/sheet.png" -q:v 4 "$root/docs/images/first-sight.jpg"
+[ -z "$only" ] || exit 0
+
 "$bin/scancast" generate town --points 20M --origin 0,0,0 -o "$work/town.las"
 render() { "$bin/scancast" render "$1" -o "$root/docs/images/$2.jpg" --width 1280 --height 720 --quality 85 "${@:3}"; }
 
 render "$work/town.las" town
-render "$work/town.las" square --eye=-1,-15,2.2 --target=0,-8.6,2.4
+render "$work/town.las" square --eye=-1,-15,2.2 --target=0,-8.6,2.4 --fov 60
 render "$work/town.las" intensity --color intensity --colormap viridis --shading eyedome
 
 # Geoffrey Marchal's statue of Guanyin (CC BY 4.0), where it is at hand.
 if [ -e "$scans/ply/guanyin-statue.ply" ]; then
-    render "$scans/ply/guanyin-statue.ply" statue --eye=0.35,0.72,1.65 --target=0,0.62,0 --up=0,1,0
+    render "$scans/ply/guanyin-statue.ply" statue --eye=0.35,0.72,1.65 --target=0,0.62,0 --up=0,1,0 --fov 60
 fi

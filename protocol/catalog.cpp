@@ -90,6 +90,13 @@ void readView(FieldReader& fields, View& view) {
         fields.error("view", parsed.error().message);
 }
 
+void readLook(FieldReader& fields, std::optional<Look>& look) {
+    const auto* object = fields.findValue("look");
+    if (!object) return;
+    // A later server's may say what this program does not know; the view alone is enough to begin.
+    if (auto parsed = applyLook(Look{}, *object)) look = std::move(*parsed);
+}
+
 void readCloud(FieldReader& fields, CloudInfo& info) {
     if (fields.require("id")) fields.text("id", info.id);
     fields.text("title", info.title, longestText);
@@ -129,6 +136,7 @@ void readCloud(FieldReader& fields, CloudInfo& info) {
     fields.flag("surfels", info.surfels);
     fields.integer("bytesResident", info.bytesResident, 0, UINT64_MAX);
     readView(fields, info.view);
+    readLook(fields, info.look);
 }
 
 void readDefault(FieldReader& fields, ParameterValue& out) {
@@ -202,6 +210,10 @@ json toJson(const CloudInfo& info) {
         {"bytesResident", info.bytesResident},
         {"view", toJson(info.view)},
     };
+    if (info.look) {
+        object["look"] = toJson(*info.look);
+        object["look"].erase("outline");  // as long as all the rest; /views fits cameras to it
+    }
     if (!info.crsWkt.empty()) object["crsWkt"] = info.crsWkt;
     if (info.crsEpsg) object["crsEpsg"] = *info.crsEpsg;
     return object;

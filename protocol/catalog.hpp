@@ -11,6 +11,7 @@
 #include <string>
 #include <vector>
 
+#include "protocol/look.hpp"
 #include "protocol/view/view.hpp"
 
 namespace scancast {
@@ -45,7 +46,8 @@ struct CloudInfo {
     std::optional<int> crsEpsg;
     std::vector<MirrorInfo> mirrors;
     std::uint64_t bytesResident = 0;
-    View view;  ///< a good first view of it
+    View view;                 ///< a good first view of it
+    std::optional<Look> look;  ///< how that was found; without outline; nullopt: not decided yet
     bool operator==(const CloudInfo&) const = default;
 };
 

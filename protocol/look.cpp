@@ -16,10 +16,11 @@ using nlohmann::json;
 
 /// Of the picture's width or height, at each end.
 constexpr double margin = 0.06;
+constexpr double usualAspect = 16.0 / 9, widestFov = 90;
 constexpr std::size_t longestLookName = 64, longestLookReason = 4096;
 
 /// The members of a view that its style is printed as: all but camera, size and quality.
-constexpr std::array<std::string_view, 7> notOfStyle{"camera", "width",   "height",     "detail",
+constexpr std::array<std::string_view, 7> notOfStyle{"camera", "width",   "height", "detail",
                                                      "budget", "samples", "quality"};
 
 bool isOfStyle(std::string_view key) {
@@ -152,21 +153,23 @@ Camera fittedPerspective(Camera camera, const std::vector<glm::dvec3>& outline, 
     const double tanUp = std::tan(camera.fov * std::numbers::pi / 360) * (1 - 2 * margin);
     const double tanRight = tanUp * aspect;
     Reach wide, high;
-    double nearest = -INFINITY, size = 0;
+    double nearest = -INFINITY, farthest = INFINITY, size = 0;
     for (const glm::dvec3& point : outline) {
         const glm::dvec3 p = point - camera.target;
         const double z = glm::dot(p, axes.back);
         wide.add(glm::dot(p, axes.right), z, tanRight);
         high.add(glm::dot(p, axes.up), z, tanUp);
         nearest = std::max(nearest, z);
-        size = std::max(size, glm::length(p));
+        farthest = std::min(farthest, z);
+        size = std::max(size, glm::length(point - outline.front()));
     }
     // One point has no size: it is looked at from a distance at which the eye differs from the target.
     const double least = std::max(glm::length(camera.target) * 1e-9, 1e-9);
-    const double distance =
-        std::max({wide.distance(), high.distance(), nearest + 1e-3 * size, least});
-    camera.target += axes.right * wide.offset(tanRight) + axes.up * high.offset(tanUp);
-    camera.eye = camera.target + axes.back * distance;
+    const double distance = std::max({wide.distance(), high.distance(), nearest + 1e-3 * size});
+    // What is looked at lies among the points, or the eye could be beyond it.
+    const double shift = std::clamp(0.0, farthest, nearest);
+    camera.target += axes.right * wide.offset(tanRight) + axes.up * high.offset(tanUp) + axes.back * shift;
+    camera.eye = camera.target + axes.back * std::max(distance - shift, least);
     return camera;
 }
 
@@ -180,9 +183,18 @@ Camera fittedOrthographic(Camera camera, const std::vector<glm::dvec3>& outline,
     }
     const glm::dvec3 size = box[1] - box[0], middle = (box[0] + box[1]) * 0.5;
     const double least = std::max(glm::length(camera.target) * 1e-9, 1e-9);
-    camera.target += axes.right * middle.x + axes.up * middle.y;
+    const double shift = std::clamp(0.0, box[0].z, box[1].z);
+    camera.target += axes.right * middle.x + axes.up * middle.y + axes.back * shift;
     camera.viewHeight = std::max(std::max(size.y, size.x / aspect) / (1 - 2 * margin), least);
-    camera.eye = camera.target + axes.back * std::max(box[1].z + camera.viewHeight, least);
+    camera.eye = camera.target + axes.back * std::max(box[1].z - shift + camera.viewHeight, least);
+    return camera;
+}
+
+/// Higher pictures show as much from left to right as one of 16:9, up to what does not look distorted.
+Camera widened(Camera camera, double aspect) {
+    if (camera.projection != Projection::Perspective || !(aspect > 0 && aspect < usualAspect)) return camera;
+    const double half = std::atan(std::tan(camera.fov * std::numbers::pi / 360) * usualAspect / aspect);
+    camera.fov = std::max(camera.fov, std::min(half * 360 / std::numbers::pi, widestFov));
     return camera;
 }
 
@@ -196,7 +208,8 @@ Camera fitted(const Camera& camera, const std::vector<glm::dvec3>& outline, doub
 }
 
 Camera cameraFor(const Look& look, const LookView& view, double aspect) {
-    if (view.inside || view.camera.viewMatrix) return view.camera;
+    if (view.camera.viewMatrix) return view.camera;
+    if (view.inside) return widened(view.camera, aspect);
     return fitted(view.camera, look.outline, aspect);
 }
 
@@ -223,13 +236,18 @@ Expected<Look> applyLook(const Look& base, const json& changes) {
         fields.error("up", "expected a vector of length 1");
     readBounds(fields, look.bounds);
     readOutline(fields, look.outline);
-    if (fields.number("noise", look.noise) && !(look.noise >= 0)) fields.error("noise", "must not be negative");
+    if (fields.number("noise", look.noise) && !(look.noise >= 0))
+        fields.error("noise", "must not be negative");
     readStyle(fields, look.style);
     readViews(fields, look.views);
     if (auto ok = fields.finishStrict(); !ok) return passOn(ok);
+    return look;
+}
+
+Expected<void> validate(const Look& look) {
     if (look.views.empty()) return fail(ErrorCode::InvalidArgument, "a look needs a view", "views");
     if (look.outline.empty()) return fail(ErrorCode::InvalidArgument, "a look needs an outline", "outline");
-    return look;
+    return {};
 }
 
 }  // namespace scancast

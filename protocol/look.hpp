@@ -46,7 +46,7 @@ struct Look {
     glm::dvec3 up{0, 0, 1};              ///< unit vector
     std::array<glm::dvec3, 2> bounds{};  ///< least, greatest, without stray points
     std::vector<glm::dvec3> outline;     ///< outermost points, what cameras are fitted to; at least one
-    double noise = 0;                    ///< typical distance of points from the surface through their neighbours
+    double noise = 0;  ///< typical distance of points from the surface through their neighbours
     Style style;
     std::vector<LookView> views;  ///< the best first; at least one
     bool operator==(const Look&) const = default;
@@ -60,7 +60,10 @@ Camera cameraFor(const Look& look, const LookView& view, double aspect);
 Camera fitted(const Camera& camera, const std::vector<glm::dvec3>& outline, double aspect);
 
 nlohmann::json toJson(const Look& look);
-/// `base` with the fields that `changes` has. Errors: InvalidArgument with the JSON path as field.
+/// `base` with the fields that `changes` has; unknown ones are errors. Errors: InvalidArgument with the JSON path
+/// as field.
 Expected<Look> applyLook(const Look& base, const nlohmann::json& changes);
+/// Whether a cloud can be shown by it: it has a view and an outline.
+Expected<void> validate(const Look& look);
 
 }  // namespace scancast

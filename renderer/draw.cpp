@@ -20,6 +20,8 @@ FrameStats statsOf(const PreparedView& prepared, double provideMs, std::span<con
     stats.mirrorsLeftOut = static_cast<std::uint32_t>(prepared.cuts.size() - cuts.size());
     stats.method = prepared.planned->method;
     stats.methodReason = prepared.planned->reason;
+    stats.color = prepared.planned->colorName;
+    stats.exposure = prepared.planned->exposure;
     stats.device = std::move(device);
     return stats;
 }

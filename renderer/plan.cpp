@@ -75,6 +75,13 @@ CloudTraits traits(const Cloud& cloud) {
             .spacing = cloud.spacing};
 }
 
+/// Where the method is left open the look says how it is lit; a method that is named brings its own light.
+Shading shadingOf(const Cloud& cloud, const Style& style, const Method& method) {
+    if (style.shading) return *style.shading;
+    const bool isOpen = style.method == automaticName && cloud.look;
+    return (isOpen ? cloud.look->style.shading : std::nullopt).value_or(method.defaultShading);
+}
+
 /// Whether the cloud has what the method and its shading draw.
 Expected<void> checkAbility(const Cloud& cloud, const Method& method, Shading shading) {
     if (method.needs == Needs::Surfels && !cloud.surfels)
@@ -127,6 +134,22 @@ ChosenMethod chooseAutomatically(const Cloud& cloud, const View& view, const Vie
     return {choice.method, {}, choice.reason};
 }
 
+/// Of a style that leaves the method open: what the chosen one has; parameters of others wait for views in which
+/// those are chosen.
+Expected<ParameterValues> parametersOfChosen(const Method& chosen, const ParameterValues& given) {
+    ParameterValues own;
+    for (const auto& [name, value] : given) {
+        const auto has = [&](const Method& m) {
+            return std::ranges::find(m.parameters, name, &Parameter::name) != m.parameters.end();
+        };
+        if (has(chosen))
+            own.emplace(name, value);
+        else if (std::ranges::none_of(methods(), has))
+            return resolveParameters(chosen, {{name, value}});  // its error tells what there is
+    }
+    return resolveParameters(chosen, own);
+}
+
 Expected<ChosenMethod> choose(const Cloud& cloud, const View& view, const Viewpoint& viewpoint,
                               const PlannedView* known) {
     const Style& style = view.style;
@@ -138,11 +161,10 @@ Expected<ChosenMethod> choose(const Cloud& cloud, const View& view, const Viewpo
         return fail(ErrorCode::InvalidArgument,
                     "there is no method '" + style.method + "'; there are " + names, "method");
     }
-    auto parameters = resolveParameters(*chosen.method, style.parameters);
-    if (parameters && chosen.method->name == automaticName) {
-        chosen = chooseAutomatically(cloud, view, viewpoint, known);
-        parameters = resolveParameters(*chosen.method, {});
-    }
+    const bool isOpen = chosen.method->name == automaticName;
+    if (isOpen) chosen = chooseAutomatically(cloud, view, viewpoint, known);
+    auto parameters = isOpen ? parametersOfChosen(*chosen.method, style.parameters)
+                             : resolveParameters(*chosen.method, style.parameters);
     if (!parameters) return passOn(parameters);
     chosen.parameters = std::move(*parameters);
     return chosen;
@@ -162,6 +184,20 @@ SelectOptions selectionFor(const Cloud& cloud, const View& view, double detail, 
     return selection;
 }
 
+/// The style with open whatever the look decides where nothing is said: so naming another colour or method brings
+/// nothing of the look's along - no range of heights for intensities, no light of another method.
+Style leftOpen(Style style) {
+    const Style open;
+    style.color = open.color;
+    style.flatColor = open.flatColor;
+    style.byIntensity = open.byIntensity;
+    style.exposure = open.exposure;
+    style.colormap = open.colormap;
+    style.range = open.range;
+    if (style.method == automaticName) style.shading = open.shading;
+    return style;
+}
+
 }  // namespace
 
 std::optional<std::uint64_t> mostSamples(const Cloud& cloud) {
@@ -176,9 +212,10 @@ Expected<std::shared_ptr<const PlannedView>> plan(const Cloud& cloud, const View
     const auto chosen = choose(cloud, view, *viewpoint, known);
     if (!chosen) return passOn(chosen);
     const Method* const method = chosen->method;
-    const Shading shading = view.style.shading.value_or(method->defaultShading);
+    const Shading shading = shadingOf(cloud, view.style, *method);
     if (auto ok = checkAbility(cloud, *method, shading); !ok) return passOn(ok);
-    auto color = colorRule(cloud, view.style, *viewpoint);
+    const Style style = decidedStyle(cloud, view.style);
+    auto color = colorRule(cloud, style, *viewpoint);
     if (!color) return passOn(color);
 
     auto planned = std::make_shared<PlannedView>();
@@ -186,6 +223,8 @@ Expected<std::shared_ptr<const PlannedView>> plan(const Cloud& cloud, const View
     planned->method = method->name;
     planned->reason = chosen->reason;
     planned->viewpoint = *viewpoint;
+    planned->colorName = colorWord(style);
+    planned->exposure = *style.exposure;
     planned->color = *color;
     planned->filter = sampleFilter(cloud, view.style);
     const double detail = view.quality.detail.value_or(method->defaultDetail);
@@ -201,18 +240,24 @@ Expected<void> checkView(const Cloud& cloud, const View& view) {
     return {};
 }
 
+std::vector<LookView> viewsOf(const Cloud& cloud, double aspect) {
+    if (!cloud.look) return {{"whole", false, cloud.defaultCamera(aspect)}};
+    std::vector<LookView> views = cloud.look->views;
+    for (LookView& view : views) view.camera = cameraFor(*cloud.look, view, aspect);
+    return views;
+}
+
 View defaultView(const Cloud& cloud, int width, int height) {
     View view;
     view.width = width;
     view.height = height;
     const double aspect = static_cast<double>(width) / height;
-    if (cloud.look) {
-        view.camera = cameraFor(*cloud.look, cloud.look->views.front(), aspect);
-        view.style = cloud.look->style;
+    if (!cloud.look) {
+        view.camera = cloud.defaultCamera(aspect);
         return view;
     }
-    view.camera = cloud.defaultCamera(aspect);
-    view.style.color = bestColorSource(cloud.attributes);
+    view.camera = cameraFor(*cloud.look, cloud.look->views.front(), aspect);
+    view.style = leftOpen(cloud.look->style);
     return view;
 }
 

@@ -8,6 +8,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "renderer/cloud/cloud.hpp"
 #include "renderer/device/device.hpp"
@@ -23,6 +24,8 @@ struct PlannedView {
     std::string reason;  ///< why this method, where the view left that open
     Viewpoint viewpoint;
     PassList passes;
+    std::string colorName;  ///< what `color` is made of, as the word says it: "rgb*intensity"
+    double exposure = 0;    ///< of rgb, stops
     ColorRule color;
     SampleFilter filter;
     SelectOptions selection;
@@ -41,9 +44,12 @@ Expected<std::shared_ptr<const PlannedView>> plan(const Cloud& cloud, const View
 /// Whether a view can be planned, for who needs nothing but the answer. Errors: those of plan().
 Expected<void> checkView(const Cloud& cloud, const View& view);
 
-/// Where a client starts: as the cloud's look says; without one the whole cloud from the south-east, coloured by
-/// the best attribute that it has.
+/// Where a client starts: as the cloud's look says; without one the whole cloud from the south-east.
 View defaultView(const Cloud& cloud, int width = 1280, int height = 720);
+
+/// The best views of the cloud, the first one first, fitted to pictures of this width / height; one of a cloud
+/// without a look.
+std::vector<LookView> viewsOf(const Cloud& cloud, double aspect);
 
 /// As many samples as a picture may hold on to; nullopt = as many as there are.
 std::optional<std::uint64_t> mostSamples(const Cloud& cloud);

@@ -4,11 +4,22 @@
 #include <cmath>
 
 #include "renderer/image/colormap.hpp"
+#include "renderer/image/tone_curve.hpp"
 #include "renderer/mirrors.hpp"
 
 namespace scancast {
 
 namespace {
+
+/// Of a colour, where intensity is least and where it is greatest.
+constexpr double darkest = 0.45, brightest = 1.15;
+/// Median brightness (sRGB, 0-1) beyond which exposure is levelled, and the exponent that makes light of it.
+constexpr double tooDark = 0.28, tooBright = 0.78, gamma = 2.2;
+
+ColorSource bestColorSource(const Attributes& attributes) {
+    if (attributes.color) return ColorSource::Rgb;
+    return attributes.intensity ? ColorSource::Intensity : ColorSource::Elevation;
+}
 
 /// Attributes that are the same everywhere are not offered, but drawn when asked for: they are what the scan
 /// has.
@@ -22,6 +33,7 @@ bool has(const CloudFacts& cloud, ColorSource source) {
             return cloud.attributes.classification;
         case ColorSource::Normal:
             return cloud.attributes.normal;
+        case ColorSource::Auto:
         case ColorSource::Elevation:
         case ColorSource::Depth:
         case ColorSource::Lod:
@@ -53,13 +65,26 @@ std::array<double, 2> depthRange(const Cloud& cloud, const Viewpoint& viewpoint)
     return {std::max(range[0], viewpoint.near), std::max(range[1], viewpoint.near)};
 }
 
+/// Where most values lie, where that is known: one stray value must not take the colours from all others.
+std::array<double, 2> intensityRange(const Cloud& cloud) {
+    const std::array<double, 2> all{double(cloud.intensityRange[0]), double(cloud.intensityRange[1])};
+    return cloud.usual && cloud.usual->intensity[0] < cloud.usual->intensity[1] ? cloud.usual->intensity
+                                                                                : all;
+}
+
+std::array<double, 2> elevationRange(const Cloud& cloud) {
+    const auto& box = cloud.usual && cloud.usual->position[0].z < cloud.usual->position[1].z
+                          ? cloud.usual->position
+                          : cloud.bounds;
+    return {box[0].z, box[1].z};
+}
+
 std::array<double, 2> naturalRange(const Cloud& cloud, ColorSource source, const Viewpoint& viewpoint) {
     switch (source) {
         case ColorSource::Intensity:
-            return {static_cast<double>(cloud.intensityRange[0]),
-                    static_cast<double>(cloud.intensityRange[1])};
+            return intensityRange(cloud);
         case ColorSource::Elevation:
-            return {cloud.bounds[0].z, cloud.bounds[1].z};
+            return elevationRange(cloud);
         case ColorSource::Depth:
             return depthRange(cloud, viewpoint);
         default:
@@ -67,32 +92,27 @@ std::array<double, 2> naturalRange(const Cloud& cloud, ColorSource source, const
     }
 }
 
-}  // namespace
-
-ColorSource bestColorSource(const Attributes& attributes) {
-    if (attributes.color) return ColorSource::Rgb;
-    return attributes.intensity ? ColorSource::Intensity : ColorSource::Elevation;
+Expected<void> checkHas(const Cloud& cloud, ColorSource source) {
+    if (has(cloud, source)) return {};
+    return fail(
+        ErrorCode::Unsupported,
+        "this cloud has no " + std::string(name(source)) + " to colour by; it has " + available(cloud),
+        "color");
 }
 
-Expected<ColorRule> colorRule(const Cloud& cloud, const Style& style, const Viewpoint& viewpoint) {
-    if (!has(cloud, style.color)) {
-        return fail(ErrorCode::Unsupported,
-                    "this cloud has no " + std::string(name(style.color)) + " to colour by; it has " +
-                        available(cloud),
-                    "color");
-    }
+Expected<std::array<Rgb8, 256>> rampOf(const Style& style) {
     const auto ramp = colormap(style.colormap);
     if (!ramp) {
         return fail(ErrorCode::InvalidArgument,
                     "there is no colour map '" + style.colormap + "'; there are viridis, turbo and grey",
                     "colormap");
     }
-    ColorRule rule;
-    rule.source = style.color;
-    rule.flat = style.flatColor;
-    rule.ramp = *ramp;
-    if (style.color == ColorSource::Classification) rule.ramp = classificationColors();
-    if (style.color == ColorSource::Lod) rule.ramp = levelColors();
+    if (style.color == ColorSource::Classification) return classificationColors();
+    if (style.color == ColorSource::Lod) return levelColors();
+    return *ramp;
+}
+
+void setRange(const Cloud& cloud, const Style& style, const Viewpoint& viewpoint, ColorRule& rule) {
     const auto range = style.range.value_or(naturalRange(cloud, style.color, viewpoint));
     rule.low = range[0];
     // A range of no width (one value everywhere) is drawn in the ramp's first colour instead of dividing by
@@ -102,6 +122,70 @@ Expected<ColorRule> colorRule(const Cloud& cloud, const Style& style, const View
         rule.low -= cloud.origin.z;
         rule.high -= cloud.origin.z;
     }
+}
+
+/// Only rgb has an exposure: other colours are chosen ones.
+void setTone(const Style& style, ColorRule& rule) {
+    const double stops = style.exposure.value_or(0);
+    if (style.color != ColorSource::Rgb || stops == 0) return;
+    const auto curve = toneCurve(stops);
+    rule.toned = true;
+    for (std::size_t i = 0; i < 256; ++i) rule.ramp[i].fill(curve[i]);
+}
+
+/// None where intensity is the same everywhere: it says nothing about brightness.
+std::optional<IntensityFactors> intensityFactors(const Cloud& cloud) {
+    const auto [low, high] = intensityRange(cloud);
+    if (!(low < high)) return std::nullopt;
+    IntensityFactors made{.low = low, .high = high};
+    for (std::size_t i = 0; i < 256; ++i) {
+        const double factor = darkest + (brightest - darkest) * double(i) / 255;
+        made.factors[i] = static_cast<std::uint16_t>(std::lround(256 * factor));
+    }
+    return made;
+}
+
+}  // namespace
+
+double automaticExposure(const CloudFacts& cloud) {
+    if (!cloud.usual) return 0;
+    const double median = cloud.usual->brightness[1];
+    if (median > 0 && median < tooDark) return std::min(1.0, gamma * std::log2(tooDark / median));
+    if (median > tooBright) return std::max(-1.0, gamma * std::log2(tooBright / median));
+    return 0;
+}
+
+Style decidedStyle(const Cloud& cloud, Style style) {
+    if (style.color == ColorSource::Auto) {
+        if (cloud.look && cloud.look->style.color != ColorSource::Auto) {
+            const Style& own = cloud.look->style;
+            style.color = own.color;
+            style.byIntensity = own.byIntensity;
+            style.flatColor = own.flatColor;
+            if (style.colormap == Style().colormap) style.colormap = own.colormap;
+            if (!style.range) style.range = own.range;
+        } else {
+            style.color = bestColorSource(cloud.attributes);
+        }
+    }
+    if (!style.exposure && cloud.look) style.exposure = cloud.look->style.exposure;
+    if (!style.exposure) style.exposure = automaticExposure(cloud);
+    return style;
+}
+
+Expected<ColorRule> colorRule(const Cloud& cloud, const Style& style, const Viewpoint& viewpoint) {
+    if (auto ok = checkHas(cloud, style.color); !ok) return passOn(ok);
+    if (style.byIntensity)
+        if (auto ok = checkHas(cloud, ColorSource::Intensity); !ok) return passOn(ok);
+    const auto ramp = rampOf(style);
+    if (!ramp) return passOn(ramp);
+    ColorRule rule;
+    rule.source = style.color;
+    rule.flat = style.flatColor;
+    rule.ramp = *ramp;
+    setRange(cloud, style, viewpoint, rule);
+    setTone(style, rule);
+    if (style.byIntensity) rule.byIntensity = intensityFactors(cloud);
     return rule;
 }
 

@@ -7,10 +7,15 @@
 
 namespace scancast {
 
-/// The best colour source that the cloud has: its own colours, else intensity, else elevation.
-ColorSource bestColorSource(const Attributes& attributes);
+/// What `exposure=auto` means for a cloud whose look says nothing of it, in stops: dark or pale colours are brought
+/// nearer to the middle, by one stop at most.
+double automaticExposure(const CloudFacts& cloud);
 
-/// Unsupported when the cloud lacks the attribute (the message names those it has); InvalidArgument for a
+/// The style with neither colour nor exposure left open: as the cloud's look has them; without one its own colours,
+/// else intensity, else elevation.
+Style decidedStyle(const Cloud& cloud, Style style);
+
+/// Of a decided style. Unsupported when the cloud lacks the attribute (the message names those it has); InvalidArgument for a
 /// colour map or range that does not exist.
 Expected<ColorRule> colorRule(const Cloud& cloud, const Style& style, const Viewpoint& viewpoint);
 

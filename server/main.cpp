@@ -5,8 +5,8 @@
 #include "renderer/device/device.hpp"
 #include "server/commands/backends.hpp"
 #include "server/commands/command.hpp"
-#include "server/commands/terminal.hpp"
 #include "server/server.hpp"
+#include "server/terminal/terminal.hpp"
 
 int main(int argc, char** argv) {
     scancast::startProgram();

@@ -4,7 +4,7 @@
 //   { target: [x, y, z], azimuth, elevation, distance, fov, projection, upAxis }
 //
 // Right-handed, the cloud's own coordinates. Z is up, or Y where `upAxis` is 'y', as it is in scans of things that
-// were modelled rather than surveyed. `azimuth` and `elevation` are the direction from the target to the
+// were modelled rather than surveyed, or -Y where it is '-y', as depth cameras count. `azimuth` and `elevation` are the direction from the target to the
 // eye, in radians; elevation stays within ±90°, which is why the picture never turns over at the pole. `fov` is the
 // full vertical field of view in degrees. An orthographic camera sees the same height at its target as a perspective
 // one, so that switching between the two keeps the size of what is looked at.
@@ -24,8 +24,8 @@ const radians = (degrees) => (degrees * Math.PI) / 180;
 const halfTangent = (camera) => Math.tan(radians(camera.fov) / 2);
 
 /** From a frame in which Z is up to the cloud's, and back. */
-const toCloud = (v, upAxis) => (upAxis === 'y' ? [v[0], v[2], -v[1]] : v);
-const toUpright = (v, upAxis) => (upAxis === 'y' ? [v[0], -v[2], v[1]] : v);
+const toCloud = (v, upAxis) => (upAxis === 'y' ? [v[0], v[2], -v[1]] : upAxis === '-y' ? [v[0], -v[2], v[1]] : v);
+const toUpright = (v, upAxis) => (upAxis === 'y' ? [v[0], -v[2], v[1]] : upAxis === '-y' ? [v[0], v[2], -v[1]] : v);
 
 const isSound = (camera) =>
   areNumbers(camera.target) &&
@@ -159,6 +159,12 @@ export function fit(camera, bounds, size, free = size, margin = 1.06) {
     distance = Math.max(distance, sideways + ahead);
   }
   return changed(camera, { target, distance });
+}
+
+/** A camera fitted to a picture of 16:9, from so much farther away that all of it is seen in the part `free` of `size`. */
+export function fittedInto(camera, size, free) {
+  const share = Math.min(free.height, (free.width * 9) / 16) / size.height;
+  return changed(camera, { distance: camera.distance / share });
 }
 
 const directions = {

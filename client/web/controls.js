@@ -6,15 +6,18 @@ import { parameterFields } from './parameter_fields.js';
 const find = (id) => document.getElementById(id);
 
 const colorNames = {
-  rgb: 'As scanned', intensity: 'Intensity', elevation: 'Height', classification: 'Classification', normal: 'Direction of the surface',
+  auto: 'Automatic', rgb: 'As scanned', intensity: 'Intensity', elevation: 'Height', classification: 'Classification', normal: 'Direction of the surface',
   depth: 'Distance', lod: 'Level of detail',
 };
 const shadingNames = { unlit: 'None', phong: 'From the viewer', eyedome: 'Shaded edges' };
 const colormapNames = { viridis: 'Viridis', turbo: 'Turbo', grey: 'Grey' };
 const withRamp = ['intensity', 'elevation', 'depth', 'lod'];
+const mayLack = ['rgb', 'intensity', 'classification', 'normal'];
 const dusk = JSON.stringify(['#3a424e', '#16191e']);
 
 const named = (names, key) => names[key] ?? key.charAt(0).toUpperCase() + key.slice(1);
+/** 'rgb*intensity' → ['rgb', 'intensity']: what colours come from, and what makes it brighter. */
+const factorsOf = (color) => (color ?? '').split('*');
 
 function fill(select, options) {
   select.replaceChildren(
@@ -30,7 +33,7 @@ export class Controls {
   #fieldsOf;
   #on;
 
-  /** `on` has style(changes), cloud(id), upAxis('z' or 'y') and reset(). */
+  /** `on` has style(changes), cloud(id), upAxis('z', 'y' or '-y') and reset(). */
   constructor(on) {
     this.#on = on;
     find('controls').addEventListener('submit', (event) => event.preventDefault());
@@ -38,7 +41,7 @@ export class Controls {
     find('up-axis').addEventListener('change', (event) => on.upAxis(event.target.value));
     find('method').addEventListener('change', (event) => on.style({ method: event.target.value, param: {} }));
     find('color').addEventListener('change', () => this.#colorChosen());
-    find('flat-color').addEventListener('input', (event) => on.style({ color: event.target.value }));
+    find('flat-color').addEventListener('input', () => on.style({ color: this.#flatColor() }));
     find('colormap').addEventListener('change', (event) => on.style({ colormap: event.target.value }));
     for (const id of ['range-low', 'range-high']) find(id).addEventListener('change', () => this.#rangeChosen());
     find('shading').addEventListener('change', (event) => on.style({ shading: event.target.value || null }));
@@ -104,21 +107,32 @@ export class Controls {
   /** The values at the ramp's ends when nobody chose others, where they are known. */
   #usualRange(color) {
     const bounds = this.#cloud?.bounds;
-    if (color === 'elevation' && bounds) return [bounds.min[2], bounds.max[2]];
-    return (this.#cloud?.attributes ?? []).find((one) => one.name === color)?.range;
+    const [source] = factorsOf(color);
+    if (source === 'elevation' && bounds) return [bounds.min[2], bounds.max[2]];
+    return (this.#cloud?.attributes ?? []).find((one) => one.name === source)?.range;
+  }
+
+  /** Products are offered where the cloud has both; what else it lacks is greyed out. */
+  #colorOptions() {
+    const lacks = (color) => factorsOf(color).some((one) => mayLack.includes(one) && !this.#has(one));
+    return this.#catalog.colors
+      .filter((color) => !(color.includes('*') && lacks(color)))
+      .map((color) => {
+        const label = factorsOf(color).map((one) => named(colorNames, one)).join(' × ');
+        return { value: color, label: label + (lacks(color) ? ' (not in this cloud)' : ''), disabled: lacks(color) };
+      });
+  }
+
+  /** One colour for everything; by intensity, where a link said so. */
+  #flatColor() {
+    const [source, ...by] = factorsOf(this.#view.color);
+    return [find('flat-color').value, ...(source.startsWith('#') ? by : [])].join('*');
   }
 
   #showCloud(cloud) {
     this.#cloud = cloud;
     find('mirror-options').hidden = !(cloud.mirrors?.length > 0);
-    const mayLack = ['rgb', 'intensity', 'classification', 'normal'];
-    fill(find('color'), [
-      ...this.#catalog.colors.map((color) => {
-        const lacks = mayLack.includes(color) && !this.#has(color);
-        return { value: color, label: named(colorNames, color) + (lacks ? ' (not in this cloud)' : ''), disabled: lacks };
-      }),
-      { value: 'flat', label: 'One colour…' },
-    ]);
+    fill(find('color'), [...this.#colorOptions(), { value: 'flat', label: 'One colour…' }]);
     for (const option of find('method').options) {
       const method = this.#catalog.methods.find((one) => one.name === option.value);
       const lacking = (method?.needs ?? []).filter((need) => (need === 'surfels' ? !this.#cloud?.surfels : !this.#has(need)));
@@ -143,11 +157,12 @@ export class Controls {
   }
 
   #showColor(view) {
-    const flat = view.color?.startsWith('#');
+    const [source] = factorsOf(view.color);
+    const flat = source.startsWith('#');
     find('color').value = flat ? 'flat' : view.color;
     find('flat-color').hidden = !flat;
-    if (flat) find('flat-color').value = view.color;
-    find('ramp').hidden = !withRamp.includes(view.color);
+    if (flat) find('flat-color').value = source;
+    find('ramp').hidden = !withRamp.includes(source);
     find('colormap').value = view.colormap;
     find('ramp-preview').className = `ramp-${view.colormap}`;
     const usual = this.#usualRange(view.color);
@@ -179,7 +194,7 @@ export class Controls {
   #colorChosen() {
     const { value } = find('color');
     // The ends of one attribute's ramp mean nothing to another.
-    this.#on.style({ color: value === 'flat' ? find('flat-color').value : value, range: null });
+    this.#on.style({ color: value === 'flat' ? this.#flatColor() : value, range: null });
   }
 
   #rangeChosen() {

@@ -1,7 +1,7 @@
 // Puts the page together: what the user wants (camera and style) goes out as `view` messages, at most one for each
 // frame of the display; the pictures that come back go onto the canvas.
 
-import { between, fit, fromProtocol, radiusOf, standardView, toProtocol } from './camera.js';
+import { between, fit, fittedInto, fromProtocol, radiusOf, standardView, toProtocol } from './camera.js';
 import { CameraInput } from './camera_input.js';
 import { Controls } from './controls.js';
 import { amount, Hud } from './hud.js';
@@ -27,6 +27,7 @@ let cloud; // what the server says of the cloud on screen
 let camera; // undefined until there is something to look at
 let flight; // { from, to, start } while the camera flies by itself
 let link = parseHash(location.hash); // a view to restore, once connected
+let moved = false, styled = false; // by somebody; else camera and style are those that the server chose
 let firstWanted = 0; // frames of earlier views are not what the user asked for
 let scheduled = false;
 let lastTick = 0;
@@ -46,6 +47,7 @@ const session = new Session({
   clouds: (fresh) => {
     catalog = { ...catalog, ...fresh };
     controls.setClouds(catalog);
+    renew();
     if ([...fresh.clouds, ...fresh.pending].some((entry) => entry.state === 'loading')) setTimeout(() => session.refreshCatalog(), 2000);
   },
   hello: () => {
@@ -99,12 +101,17 @@ function freeSize() {
 }
 
 /** The axis that the server takes for up, which it tells by its default view. */
-const usualUpAxis = (of) => (Math.abs(of.view?.camera?.up?.[1] ?? 0) > 0.5 ? 'y' : 'z');
+function usualUpAxis(of) {
+  const y = of.look?.up?.[1] ?? of.view?.camera?.up?.[1] ?? 0;
+  return y > 0.5 ? 'y' : y < -0.5 ? '-y' : 'z';
+}
 
-/** The whole cloud, from where the server would look at it, but fitted to this window. */
+/** From where the server would look at the cloud; unless that is inside, fitted to this window. */
 function usualCamera(of, upAxis = usualUpAxis(of)) {
   const theirs = fromProtocol(of.view?.camera, usualUpAxis(of)) ?? fromProtocol({ eye: [1, -2, 1], target: [0, 0, 0] });
-  return fit({ ...theirs, upAxis }, of.bounds, picture.cssSize, freeSize());
+  const first = of.look?.views?.[0];
+  if (!first || upAxis !== usualUpAxis(of)) return fit({ ...theirs, upAxis }, of.bounds, picture.cssSize, freeSize());
+  return first.inside ? theirs : fittedInto(theirs, picture.cssSize, freeSize());
 }
 
 function welcome(message) {
@@ -116,9 +123,25 @@ function welcome(message) {
   const restored = link && (!link.cloud || link.cloud === cloud.id) ? link : undefined;
   if (link?.cloud && !restored) overlays.toast('Another cloud', `This server has no cloud named ${link.cloud}.`);
   link = undefined;
-  if (restored || !known || !camera) camera = restored?.camera ?? usualCamera(cloud);
+  if (restored || !known || !camera) {
+    moved = styled = Boolean(restored);
+    camera = restored?.camera ?? usualCamera(cloud);
+  }
   const style = known && !restored ? Object.fromEntries(styleKeys.map((key) => [key, state.wanted[key]])) : usualStyle(cloud);
   begin({ ...style, ...restored?.style });
+}
+
+/** The cloud as it is now, of which a first part was shown; who has not moved yet sees it as the server would show it. */
+function renew() {
+  const fresh = catalog.clouds.find((one) => one.id === cloud?.id);
+  if (!fresh || fresh.revision === cloud.revision) return;
+  cloud = fresh;
+  if (!moved && !styled) {
+    camera = usualCamera(cloud);
+    begin(usualStyle(cloud));
+  } else {
+    controls.show(state.wanted, cloud);
+  }
 }
 
 /** From here on the server shows this cloud, with that style, from where the camera is. */
@@ -136,17 +159,19 @@ function openCloud(id) {
   const next = catalog.clouds.find((one) => one.id === id);
   if (!next || next === cloud) return;
   flight = undefined;
+  moved = false;
   cloud = next;
   session.remember(id);
   camera = usualCamera(cloud);
   const own = usualStyle(cloud);
-  // The way of drawing stays; what only the other cloud may have had does not.
-  const keep = ['method', 'param', 'shading', 'mirrors', 'behindMirrors', 'background', 'detail', 'colormap'];
+  // A way of drawing that somebody chose stays; what only the other cloud may have had does not.
+  const keep = !styled ? [] : ['method', 'param', 'shading', 'mirrors', 'behindMirrors', 'background', 'detail', 'colormap'];
   begin({ ...own, ...Object.fromEntries(keep.map((key) => [key, state.wanted[key]])) });
 }
 
 function changeStyle(changes) {
   if (!cloud) return;
+  styled = true;
   state.change(changes);
   controls.show(state.wanted, cloud);
   wake();
@@ -154,6 +179,7 @@ function changeStyle(changes) {
 
 function changeCamera(next) {
   if (!camera || next === camera) return;
+  moved = true;
   flight = undefined;
   camera = next;
   find('hint').classList.add('learned');

@@ -11,11 +11,12 @@ const longestHash = 4096;
 const name = /^[A-Za-z0-9._-]{1,64}$/;
 const parameterName = /^[A-Za-z0-9]{1,64}$/;
 const color = /^#?[0-9a-f]{6}$/i;
+const byIntensity = '*intensity';
 const plainNumber = /^[+-]?(\d+\.?\d*|\.\d+)(e[+-]?\d+)?$/i;
 
 /** `upAxis` is the page's own word: it changes how one moves on, not what the picture shows. */
 export function printHash(cloud, view, upAxis) {
-  const own = upAxis === 'y' ? [['upAxis', 'y']] : [];
+  const own = upAxis === 'y' || upAxis === '-y' ? [['upAxis', upAxis]] : [];
   return `#${printQuery([['cloud', cloud], ...wordsOf(view), ...own])}`;
 }
 
@@ -49,7 +50,7 @@ function readCamera(pairs) {
     fov: readNumber(pairs.get('fov')),
     viewHeight: readNumber(pairs.get('viewHeight')),
   };
-  return fromProtocol(wire, pairs.get('upAxis') === 'y' ? 'y' : 'z');
+  return fromProtocol(wire, ['y', '-y'].includes(pairs.get('upAxis')) ? pairs.get('upAxis') : 'z');
 }
 
 function readParameters(pairs) {
@@ -66,6 +67,13 @@ function readParameters(pairs) {
 }
 
 const withHash = (text) => (text.startsWith('#') ? text : `#${text}`).toLowerCase();
+
+function readColor(text) {
+  const by = text.endsWith(byIntensity) ? byIntensity : '';
+  const source = text.slice(0, text.length - by.length);
+  if (color.test(source)) return withHash(source) + by;
+  return name.test(source) ? source + by : undefined;
+}
 
 function readBackground(text) {
   if (text === 'transparent') return text;
@@ -84,9 +92,8 @@ export function parseHash(hash) {
     if (name.test(pairs.get(word) ?? '')) style[word] = pairs.get(word);
   }
   if (style.method) style.param = readParameters(pairs);
-  const source = pairs.get('color') ?? '';
-  if (color.test(source)) style.color = withHash(source);
-  else if (name.test(source)) style.color = source;
+  const source = readColor(pairs.get('color') ?? '');
+  if (source) style.color = source;
   const range = readNumbers(pairs.get('range'), 2);
   if (range && range[0] < range[1]) style.range = range;
   for (const word of ['mirrors', 'behindMirrors']) {

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <charconv>
+#include <cmath>
 #include <map>
 #include <optional>
 
@@ -163,6 +164,19 @@ Expected<void> readCounts(const Lines& lines, PcdHeader& header) {
     return {};
 }
 
+/// Place and direction of the sensor: tx ty tz qw qx qy qz. Of those that are none nothing depends.
+void readViewpoint(const Lines& lines, PcdHeader& header) {
+    const auto found = lines.find("VIEWPOINT");
+    if (found == lines.end() || found->second.values.size() != 7) return;
+    glm::dvec3 place(0);
+    for (int a = 0; a < 3; ++a) {
+        const std::string_view text = found->second.values[std::size_t(a)];
+        const auto parsed = std::from_chars(text.data(), text.data() + text.size(), place[a]);
+        if (parsed.ec != std::errc{} || !std::isfinite(place[a])) return;
+    }
+    if (place != glm::dvec3(0)) header.viewpoint = place;
+}
+
 Expected<void> readData(const Lines& lines, PcdHeader& header) {
     const auto& data = lines.at("DATA");
     const auto kind = data.values.empty() ? std::string_view() : data.values[0];
@@ -207,6 +221,7 @@ Expected<PcdHeader> checkPcdHeader(std::string_view start, std::uint64_t fileByt
     if (auto ok = readFields(*lines, header); !ok) return passOn(ok);
     if (auto ok = readMeanings(header); !ok) return passOn(ok);
     if (auto ok = readCounts(*lines, header); !ok) return passOn(ok);
+    readViewpoint(*lines, header);
     if (auto ok = readData(*lines, header); !ok) return passOn(ok);
     if (auto ok = checkExtent(header, fileBytes); !ok) return passOn(ok);
     return header;

@@ -3,6 +3,8 @@
 #pragma once
 
 #include <cstdint>
+#include <glm/vec3.hpp>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -29,6 +31,8 @@ struct PcdHeader {
     std::vector<PcdField> fields;
     std::uint32_t pointBytes = 0;
     std::uint64_t points = 0;
+    /// Where the sensor stood; nullopt at the origin, which is what programs write that do not know it.
+    std::optional<glm::dvec3> viewpoint;
     PointFields meanings;
     /// Index into `fields` by meaning; only where `meanings` has it.
     std::array<std::size_t, scancast::import_pcl::meanings> fieldOf{};

@@ -43,6 +43,7 @@ Expected<void> importPcd(const std::string& file, PointStreamWriter& writer) {
     scan.format = formatText(*header);
     scan.points = header->points;
     scan.attributes = header->meanings.attributes();
+    scan.scannerOrigin = header->viewpoint;
     if (auto ok = writer.writeHeader(scan); !ok) return ok;
     PointConverter converter(header->meanings, ranges, writer);
     const auto sent =

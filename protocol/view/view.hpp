@@ -37,10 +37,25 @@ struct Camera {
     bool operator==(const Camera&) const = default;
 };
 
-enum class ColorSource : std::uint8_t { Rgb, Intensity, Elevation, Classification, Normal, Depth, Lod, Flat };
+enum class ColorSource : std::uint8_t {
+    Auto,  ///< the cloud's best (renderer/style.hpp)
+    Rgb,
+    Intensity,
+    Elevation,
+    Classification,
+    Normal,
+    Depth,
+    Lod,
+    Flat,
+};
 /// Of all but Flat, which is #rrggbb on the wire.
-inline constexpr std::array<std::string_view, 7> colorSourceNames{
-    "rgb", "intensity", "elevation", "classification", "normal", "depth", "lod"};
+inline constexpr std::array<std::string_view, 8> colorSourceNames{
+    "auto", "rgb", "intensity", "elevation", "classification", "normal", "depth", "lod"};
+/// Whether its brightness may follow intensity (`rgb*intensity`).
+constexpr bool takesIntensity(ColorSource source) {
+    using enum ColorSource;
+    return source == Rgb || source == Elevation || source == Classification || source == Flat;
+}
 inline constexpr std::array<std::string_view, 3> colormapNames{"viridis", "turbo", "grey"};
 enum class Shading : std::uint8_t { Unlit, Phong, EyeDome };
 inline constexpr std::array<std::string_view, 3> shadingNames{"unlit", "phong", "eyedome"};
@@ -73,8 +88,10 @@ struct ClipBox {
 struct Style {
     std::string method = "paraboloid";
     ParameterValues parameters;
-    ColorSource color = ColorSource::Rgb;
+    ColorSource color = ColorSource::Auto;
     Rgb8 flatColor{255, 255, 255};               ///< for ColorSource::Flat (`color=#rrggbb`)
+    bool byIntensity = false;                    ///< brighter where intensity is (`color=rgb*intensity`)
+    std::optional<double> exposure;              ///< of rgb: stops, -3 … 3; nullopt = the cloud's
     std::string colormap = "viridis";            ///< of colormapNames
     std::optional<std::array<double, 2>> range;  ///< values at the colour map's ends; nullopt = the cloud's
     std::optional<std::vector<std::uint8_t>> classes;  ///< draw these classifications only
@@ -115,6 +132,9 @@ inline constexpr int defaultSamples = 4;
 /// word), ImpossibleView for eye = target, NaN, up parallel to the view direction, near ≥ far, fov outside
 /// (0, 180).
 Expected<void> validate(const View& view);
+
+/// What the word `color` says: "rgb*intensity".
+std::string colorWord(const Style& style);
 
 constexpr std::string_view name(Projection projection) {
     return projectionNames[std::size_t(projection)];

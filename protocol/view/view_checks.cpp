@@ -103,6 +103,12 @@ Expected<void> method(std::string_view word, const std::string& name) {
     return invalid(word, "a method's name has 1 to 64 characters");
 }
 
+Expected<void> color(std::string_view word, const Style& style) {
+    if (const auto known = values::parse<values::Color>(colorWord(style)); !known)
+        return invalid(word, known.error());
+    return {};
+}
+
 Expected<void> colormap(std::string_view word, const std::string& name) {
     if (const auto known = values::parseColormap(name); !known) return invalid(word, known.error());
     return {};

@@ -17,6 +17,7 @@ Expected<void> matrix(std::string_view word, const std::array<double, 16>& value
 Expected<void> clipBox(std::string_view word, const ClipBox& box);
 Expected<void> ends(std::string_view word, const std::array<double, 2>& range);
 Expected<void> method(std::string_view word, const std::string& name);
+Expected<void> color(std::string_view word, const Style& style);
 Expected<void> colormap(std::string_view word, const std::string& name);
 Expected<void> parameters(const ParameterValues& parameters);
 Expected<void> inRange(std::string_view word, double value, const ViewRange& range);

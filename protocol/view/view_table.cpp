@@ -174,6 +174,7 @@ ViewValue color() {
     const auto use = [](View& view, const values::Color& color) {
         view.style.color = color.source;
         view.style.flatColor = color.flat;
+        view.style.byIntensity = color.byIntensity;
     };
     ViewValue made;
     made.parse = [=](View& view, auto, std::string_view text) {
@@ -186,10 +187,8 @@ ViewValue color() {
         if (done) use(view, color);
         return done;
     };
-    made.print = [](const View& view) {
-        return values::print(values::Color{view.style.color, view.style.flatColor});
-    };
-    made.check = [](const View&, auto) { return Expected<void>(); };
+    made.print = [](const View& view) { return colorWord(view.style); };
+    made.check = [](const View& view, auto word) { return checks::color(word, view.style); };
     return made;
 }
 
@@ -238,9 +237,17 @@ const std::vector<ViewWord>& table() {
          "paraboloid", method()},
         {"param.NAME", "param", "NAME=VALUE", "A parameter of the method; may be given once for each.",
          "sizePx=5", parameters()},
-        {"color", "color", "rgb|intensity|elevation|classification|normal|depth|lod|#rrggbb",
-         "Where colours come from, or one colour for everything (the # may be left out).", "elevation",
-         color()},
+        {"color", "color",
+         "auto|rgb|intensity|elevation|classification|normal|depth|lod|#rrggbb|COLOR*intensity",
+         "Where colours come from, or one colour for everything (the # may be left out); auto takes the "
+         "cloud's best. rgb, elevation, classification and #rrggbb get brighter with intensity by "
+         "*intensity.",
+         "elevation", color()},
+        {"exposure", "exposure", "STOPS|auto",
+         "How much brighter the points' own colours are drawn, by powers of two; auto leaves it to the "
+         "cloud.",
+         "0.5",
+         number([](auto& v) -> auto& { return v.style.exposure; }, {-3, 3, "lie between -3 and 3 stops"})},
         {"colormap", "colormap", "viridis|turbo|grey", "The ramp that turns values into colours.", "turbo",
          colormap()},
         {"range", "range", "LOW,HIGH|auto", "The values at the two ends of the ramp; auto takes the cloud's.",

@@ -39,6 +39,12 @@ void makeSet(std::vector<std::uint8_t>& classes) {
     classes.erase(std::unique(classes.begin(), classes.end()), classes.end());
 }
 
+Parsed<Color> parseOneColor(std::string_view text) {
+    if (const auto flat = parse<Rgb8>(text)) return Color{ColorSource::Flat, *flat};
+    return chooseEnum<ColorSource>(text, colorSourceNames, " or one colour as #rrggbb")
+        .map([](ColorSource source) { return Color{source}; });
+}
+
 }  // namespace
 
 Parsed<bool> parse(As<bool>, std::string_view text) {
@@ -150,9 +156,18 @@ Parsed<Rgb8> parse(As<Rgb8>, std::string_view text) {
 }
 
 Parsed<Color> parse(As<Color>, std::string_view text) {
-    if (const auto flat = parse<Rgb8>(text)) return Color{ColorSource::Flat, *flat};
-    return chooseEnum<ColorSource>(text, colorSourceNames, " or one colour as #rrggbb")
-        .map([](ColorSource source) { return Color{source}; });
+    const auto star = text.find('*');
+    auto color = parseOneColor(text.substr(0, star));
+    if (!color || star == std::string_view::npos) return color;
+    if (text.substr(star + 1) != "intensity")
+        return tl::unexpected("only intensity may stand behind the *, as in rgb*intensity, unlike " +
+                              quoteText(text));
+    if (!takesIntensity(color->source))
+        return tl::unexpected(quoteText(text) +
+                              " is no colour; rgb, elevation, classification and #rrggbb may be multiplied "
+                              "by intensity");
+    color->byIntensity = true;
+    return color;
 }
 
 Parsed<Background> parse(As<Background>, std::string_view text) {
@@ -259,7 +274,9 @@ std::string print(Rgb8 color) {
 }
 
 std::string print(const Color& color) {
-    return color.source == ColorSource::Flat ? print(color.flat) : std::string(name(color.source));
+    const auto source =
+        color.source == ColorSource::Flat ? print(color.flat) : std::string(name(color.source));
+    return color.byIntensity ? source + "*intensity" : source;
 }
 
 json print(const Background& background) {

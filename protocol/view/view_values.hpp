@@ -18,10 +18,11 @@ namespace scancast::values {
 template <class T>
 using Parsed = tl::expected<T, std::string>;
 
-/// Where colours come from, or one colour for everything.
+/// Where colours come from, or one colour for everything; and whether intensity makes it brighter.
 struct Color {
-    ColorSource source = ColorSource::Rgb;
+    ColorSource source = ColorSource::Auto;
     Rgb8 flat{255, 255, 255};  ///< Flat only
+    bool byIntensity = false;
 };
 
 template <class T>

@@ -1,11 +1,15 @@
 #include "renderer/cloud/cloud.hpp"
 
 #include <spdlog/fmt/fmt.h>
+#include <xxhash.h>
 
 #include <algorithm>
 #include <cmath>
 #include <glm/geometric.hpp>
+#include <nlohmann/json.hpp>
 #include <numbers>
+
+#include "protocol/json_text.hpp"
 
 namespace scancast {
 
@@ -21,6 +25,14 @@ bool standsOnXZ(const std::array<glm::dvec3, 2>& bounds) {
 
 }  // namespace
 
+std::vector<ValuePlane> planesOf(const CloudFacts& facts) {
+    std::vector<ValuePlane> planes;
+    for (const KeptColumn& kept : facts.columns)
+        planes.push_back({kept.column.name, kept.column.type, ValuePlane::Of::Points});
+    planes.insert(planes.end(), facts.companions.begin(), facts.companions.end());
+    return planes;
+}
+
 std::vector<std::string> remarksOn(const CloudFacts& facts) {
     std::vector<std::string> remarks;
     if (facts.droppedPoints > 0)
@@ -34,6 +46,12 @@ std::vector<std::string> remarksOn(const CloudFacts& facts) {
             fmt::format("All points have the same intensity, {}: that is taken for none.", *intensity));
     for (const std::string& note : facts.notes) remarks.push_back(note + ".");
     return remarks;
+}
+
+std::string pictureRevision(const CloudFacts& facts) {
+    if (!facts.look) return facts.revision;
+    const std::string look = printJson(toJson(*facts.look));
+    return fmt::format("{}-{:016x}", facts.revision, XXH3_64bits(look.data(), look.size()));
 }
 
 Camera Cloud::defaultCamera(double aspect) const {

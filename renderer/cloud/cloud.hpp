@@ -23,7 +23,7 @@ namespace scancast {
 /// A plane that mirrors the scene (docs/spec/mirrors.md §2); carried by the cloud, drawn by
 /// renderer/mirrors.hpp.
 struct Mirror {
-    glm::dvec3 center, normal, up;  ///< file coordinates; unit vectors
+    glm::dvec3 center{0}, normal{0}, up{0};  ///< file coordinates; unit vectors
     double width = 0, height = 0;
     Rgb8 tint{255, 255, 255};
 };
@@ -34,6 +34,17 @@ struct KeptColumn {
     std::array<double, 2> range{0, 0};
     std::optional<std::array<double, 2>> usual{};  ///< 1st and 99th percentile; nullopt: not known
     bool operator==(const KeptColumn&) const = default;
+};
+
+/// Values beside a cloud file's samples, in a list for each node (CLOUD_FILE.md, "Planes").
+struct ValuePlane {
+    /// Whose values: the points', so that leaves alone have them, or the samples' of every node.
+    enum class Of : std::uint8_t { Points, Samples };
+
+    std::string name;
+    ColumnType type = ColumnType::Uint8;
+    Of of = Of::Points;
+    bool operator==(const ValuePlane&) const = default;
 };
 
 /// What a scan's points have, but all of them the same: no information, so that the cloud does not count it
@@ -74,17 +85,24 @@ struct CloudFacts {
     bool surfels = false;   ///< samples carry radius, ellipse and a normal
     bool oriented = false;  ///< normals point to the side that was scanned; else their sign says nothing
     std::vector<KeptColumn> columns;
+    std::vector<ValuePlane> companions;  ///< what the cloud file has beside its samples and columns
     std::vector<Mirror> mirrors;
-    std::optional<UsualRanges> usual;          ///< nullopt: not known, of a cloud file of version 1
-    std::optional<glm::dvec3> scanner;         ///< where it stood, file coordinates, if the scan says so
-    std::optional<Look> look;                  ///< nullopt: not decided yet (renderer/look)
-    std::vector<std::string> notes;  ///< what was strange about the scan, one sentence each without an end
-    std::string revision;            ///< hex digest of everything that pictures depend on
+    std::optional<UsualRanges> usual;   ///< nullopt: not known, of a cloud file of version 1
+    std::optional<glm::dvec3> scanner;  ///< where it stood, file coordinates, if the scan says so
+    std::optional<Look> look;           ///< nullopt: not decided yet (renderer/look)
+    std::vector<std::string> notes;     ///< what was strange about the scan, one sentence each without an end
+    std::string revision;               ///< hex digest of everything that pictures depend on but the look
 };
+
+/// All values beside the samples: each column's, in their order, then the companions.
+std::vector<ValuePlane> planesOf(const CloudFacts& facts);
 
 /// What somebody who reads or opens the cloud should be told once, as whole sentences: points left out,
 /// attributes that are none because they are the same everywhere, notes.
 std::vector<std::string> remarksOn(const CloudFacts& facts);
+
+/// Changes whenever a picture of the cloud could, with its look: that decides what views leave open.
+std::string pictureRevision(const CloudFacts& facts);
 
 struct Cloud : CloudFacts {
     Octree octree;

@@ -30,6 +30,9 @@ struct NormalCone {
     float halfAngle = 3.2f;
 };
 
+/// Node::confidence where nobody had to guess.
+inline constexpr std::uint8_t certainSide = 255;
+
 struct Node {
     glm::dvec3 boxMin;  ///< cloud-relative; the corner that sample positions count from
     glm::dvec3 step;    ///< cloud units per quantisation step, per axis; > 0
@@ -51,6 +54,8 @@ struct Node {
         noNode;                   ///< children stand side by side: firstChild … firstChild + childCount - 1
     std::uint8_t childCount = 0;  ///< 0 = leaf
     std::uint8_t level = 0;       ///< root = 0
+    /// How sure it is that the samples' normals point to the side that was scanned: 0 not known … certainSide.
+    std::uint8_t confidence = 0;
     std::uint32_t sampleCount = 0;
     std::uint64_t firstSample = 0;  ///< index of the run in the octree's sample store
     std::uint64_t points = 0;       ///< scan points below this node

@@ -29,14 +29,23 @@
 
 namespace scancast {
 
+/// Brightness by intensity, docs/spec/shading.md §7: a channel becomes min(255, (channel · factor + 128) / 256),
+/// in integers, with the factor at index = clamp((intensity - low) / (high - low)) · 255.
+struct IntensityFactors {
+    std::array<std::uint16_t, 256> factors{};
+    double low = 0, high = 1;
+};
+
 /// How a sample becomes a colour, with everything looked up: no device knows colour maps or clouds.
 struct ColorRule {
-    ColorSource source = ColorSource::Rgb;
+    ColorSource source = ColorSource::Rgb;  ///< never Auto
     Rgb8 flat{255, 255, 255};
     /// 256 colours; index = clamp((value - low) / (high - low)) · 255 for intensity, elevation
     /// (cloud-relative z) and depth; classification and lod index it directly.
     std::array<Rgb8, 256> ramp{};
     double low = 0, high = 1;
+    bool toned = false;  ///< of rgb: each channel c becomes ramp[c] of that channel
+    std::optional<IntensityFactors> byIntensity{};
 };
 
 /// A convex piece of space, cloud-relative: inside all planes, dot(xyz, p) + w ≥ 0, unit normals.

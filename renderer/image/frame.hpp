@@ -14,25 +14,27 @@
 namespace scancast {
 
 struct StageTime {
-    std::string name;      ///< "select", "nearest", "resolve", "eyedome", "average", "encode"
+    std::string name;  ///< "select", "nearest", "resolve", "eyedome", "average", "encode"
     double milliseconds = 0;
 };
 
 struct FrameStats {
-    std::vector<StageTime> stages;      ///< in the order in which they ran; one entry per name
-    std::uint64_t samplesDrawn = 0;     ///< in the cut (of one anti-aliasing frame)
-    std::uint64_t pointsShown = 0;      ///< scan points that they stand for
+    std::vector<StageTime> stages;   ///< in the order in which they ran; one entry per name
+    std::uint64_t samplesDrawn = 0;  ///< in the cut (of one anti-aliasing frame)
+    std::uint64_t pointsShown = 0;   ///< scan points that they stand for
     std::uint32_t nodesVisited = 0, nodesCulled = 0;
-    double spacingReached = 0;          ///< px
-    std::uint32_t nodesMissing = 0;     ///< drawn by ancestors, because their blocks were not in memory
-    std::uint64_t samplesMissing = 0;   ///< in those
-    std::uint32_t nodesDamaged = 0;     ///< drawn by ancestors, because their blocks cannot be read
-    std::uint64_t bytesUploaded = 0;    ///< of samples, to the device's own memory, since the picture before
-    std::uint64_t deviceBytes = 0;      ///< of the device's own memory, for samples
-    std::uint32_t mirrorsDrawn = 0;     ///< that the picture looks into
-    std::uint32_t mirrorsLeftOut = 0;   ///< in view, too, but this device draws none: their glass is empty
+    double spacingReached = 0;         ///< px
+    std::uint32_t nodesMissing = 0;    ///< drawn by ancestors, because their blocks were not in memory
+    std::uint64_t samplesMissing = 0;  ///< in those
+    std::uint32_t nodesDamaged = 0;    ///< drawn by ancestors, because their blocks cannot be read
+    std::uint64_t bytesUploaded = 0;   ///< of samples, to the device's own memory, since the picture before
+    std::uint64_t deviceBytes = 0;     ///< of the device's own memory, for samples
+    std::uint32_t mirrorsDrawn = 0;    ///< that the picture looks into
+    std::uint32_t mirrorsLeftOut = 0;  ///< in view, too, but this device draws none: their glass is empty
     std::string method, device;
-    std::string methodReason;           ///< why this method, where the request said auto
+    std::string methodReason;  ///< why this method, where the request said auto
+    std::string color;         ///< what it is coloured by, also where the request said auto
+    double exposure = 0;       ///< of rgb, stops; the same
     /// Adds to the stage of that name, or appends it.
     void add(std::string_view stage, double milliseconds);
 };

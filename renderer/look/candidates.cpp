@@ -16,10 +16,9 @@ constexpr double aspect = 16.0 / 9;
 constexpr double outsideFov = 45, insideFov = 75;
 constexpr int headings = 8, insidePlaces = 5;
 
-constexpr std::array<const char*, headings> compass{"from the south", "from the south-east", "from the east",
-                                                    "from the north-east", "from the north",
-                                                    "from the north-west", "from the west",
-                                                    "from the south-west"};
+constexpr std::array<const char*, headings> compass{
+    "from the south", "from the south-east", "from the east", "from the north-east",
+    "from the north", "from the north-west", "from the west", "from the south-west"};
 constexpr std::array<const char*, headings> sides{"front", "front right", "right", "back right",
                                                   "back",  "back left",   "left",  "front left"};
 
@@ -30,8 +29,8 @@ glm::dvec3 direction(const glm::dvec3& up, int heading, double down) {
     return std::cos(down) * (std::sin(turn) * east - std::cos(turn) * north) + std::sin(down) * up;
 }
 
-Camera cameraAlong(const SurveyedScene& scene, const glm::dvec3& toEye, const std::vector<glm::dvec3>& outline,
-                   double fov) {
+Camera cameraAlong(const SurveyedScene& scene, const glm::dvec3& toEye,
+                   const std::vector<glm::dvec3>& outline, double fov) {
     Camera camera;
     camera.fov = fov;
     camera.target = scene.center();
@@ -85,7 +84,8 @@ class FloorPlan {
         for (const SurveyPoint& p : scene.points) heights.push_back(glm::dot(p.position, scene.up));
         low_ = quantileOf(heights, 0.02);
         high_ = quantileOf(std::move(heights), 0.98);
-        cell_ = std::max({glm::dot(scene.size(), glm::abs(axes_[0])), glm::dot(scene.size(), glm::abs(axes_[1]))}) /
+        cell_ = std::max({glm::dot(scene.size(), glm::abs(axes_[0])),
+                          glm::dot(scene.size(), glm::abs(axes_[1]))}) /
                 side;
         const double eyeLevel = eyeHeight();
         for (const SurveyPoint& p : scene.points) {
@@ -108,8 +108,9 @@ class FloorPlan {
         std::ranges::stable_sort(all, std::greater(), &Place::clearance);
         std::vector<Place> apart;
         for (const Place& place : all) {
-            const bool isApart = std::ranges::all_of(
-                apart, [&](const Place& other) { return glm::distance(place.eye, other.eye) > side / 6 * cell_; });
+            const bool isApart = std::ranges::all_of(apart, [&](const Place& other) {
+                return glm::distance(place.eye, other.eye) > side / 6 * cell_;
+            });
             if (isApart) apart.push_back(place);
             if (apart.size() == insidePlaces) break;
         }
@@ -173,6 +174,9 @@ void lookAround(const SurveyedScene& scene, const glm::dvec3& eye, const std::st
 std::vector<glm::dvec3> outlineOf(const std::vector<SurveyPoint>& points) {
     constexpr int directions = 192;
     const std::size_t rank = points.size() / 500;
+    const auto box = boxOf(points);
+    // In a cube, so that flat scans, and such of unlike units, have an outline in all directions, too.
+    const glm::dvec3 unit = glm::max(box[1] - box[0], glm::dvec3(1e-300));
     std::vector<std::size_t> chosen;
     std::vector<std::pair<double, std::size_t>> along(points.size());
     for (int i = 0; i < directions; ++i) {
@@ -180,7 +184,8 @@ std::vector<glm::dvec3> outlineOf(const std::vector<SurveyPoint>& points) {
         const double z = 1 - (2 * i + 1.0) / directions, turn = i * pi * (3 - std::sqrt(5.0));
         const double r = std::sqrt(1 - z * z);
         const glm::dvec3 d(r * std::cos(turn), r * std::sin(turn), z);
-        for (std::size_t k = 0; k < points.size(); ++k) along[k] = {-glm::dot(points[k].position, d), k};
+        for (std::size_t k = 0; k < points.size(); ++k)
+            along[k] = {-glm::dot((points[k].position - box[0]) / unit, d), k};
         std::ranges::nth_element(along, along.begin() + std::ptrdiff_t(rank));
         chosen.push_back(along[rank].second);
     }
@@ -205,6 +210,16 @@ std::vector<Candidate> outsideCandidates(const SurveyedScene& scene, const std::
         }
         return candidates;
     }
+    if (scene.onlyFromAbove) {
+        Candidate candidate{{"top", false, {}}, 0};
+        Camera& camera = candidate.view.camera;
+        camera.projection = Projection::Orthographic;
+        camera.target = scene.center();
+        camera.eye = camera.target + scene.up;
+        camera.up = horizontalAxes(scene.up)[1];
+        camera = fitted(camera, outline, aspect);
+        return {candidate};
+    }
     const bool isLand = scene.kind == SceneKind::Airborne || scene.kind == SceneKind::Street;
     const bool isMap = isLand || scene.up.z > 0.9;
     const std::vector<double> heights =
@@ -214,8 +229,8 @@ std::vector<Candidate> outsideCandidates(const SurveyedScene& scene, const std::
             candidates.push_back(
                 {{(isMap ? compass : sides)[std::size_t(heading)], false,
                   cameraAlong(scene, direction(scene.up, heading, down * pi / 180), outline, outsideFov)},
-                 down > 9 && down < 36 ? 0.1 : 0});
-    candidates.push_back({{"top", false, cameraAlong(scene, scene.up, outline, outsideFov)}, isLand ? -0.25 : -0.4});
+                 isLand ? (down < 36 ? 0.2 : 0) : (down > 9 && down < 36 ? 0.1 : 0)});
+    candidates.push_back({{"top", false, cameraAlong(scene, scene.up, outline, outsideFov)}, -0.4});
     return candidates;
 }
 

@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
+#include <optional>
 
 namespace scancast {
 
@@ -24,60 +26,116 @@ struct Choices {
     }
 };
 
-std::array<double, 2> intensityRange(const CloudFacts& facts) {
-    if (facts.usual) return facts.usual->intensity;
-    return {double(facts.intensityRange[0]), double(facts.intensityRange[1])};
+using Range = std::optional<std::array<double, 2>>;
+
+/// A style has no range of no width: the cloud's own is as good then.
+Range rangeOf(double low, double high) {
+    return low < high ? Range({low, high}) : std::nullopt;
 }
 
-std::array<double, 2> elevationRange(const SurveyedScene& scene) {
+Range intensityRange(const CloudFacts& facts) {
+    if (!facts.usual) return rangeOf(facts.intensityRange[0], facts.intensityRange[1]);
+    return rangeOf(facts.usual->intensity[0], facts.usual->intensity[1]);
+}
+
+Range elevationRange(const SurveyedScene& scene) {
     std::vector<double> heights;
     for (const SurveyPoint& p : scene.points) heights.push_back(p.position.z);
-    return {quantileOf(heights, 0.01), quantileOf(std::move(heights), 0.99)};
+    const double low = quantileOf(heights, 0.01);
+    return rangeOf(low, quantileOf(std::move(heights), 0.99));
 }
 
-/// Classes that people know, in numbers worth a legend: not everything is ground or "unclassified".
+/// ASPRS classes that people know on sight: ground, plants, buildings, water, rails, roads, wires, bridges.
+constexpr std::array<std::uint8_t, 13> knownClasses{2, 3, 4, 5, 6, 9, 10, 11, 13, 14, 15, 16, 17};
+
+/// Whether most points have one of these classes, and not nearly all the same.
 bool hasTellingClasses(const CloudFacts& facts) {
     if (!facts.attributes.classification) return false;
-    std::uint64_t most = 0, told = 0;
-    for (std::size_t c = 2; c < facts.classCounts.size(); ++c) {
+    std::uint64_t most = 0, known = 0;
+    for (const std::uint8_t c : knownClasses) {
         most = std::max(most, facts.classCounts[c]);
-        told += facts.classCounts[c];
+        known += facts.classCounts[c];
     }
-    return 2 * told > facts.points && 5 * most < 4 * facts.points;
+    return 4 * known > 3 * facts.points && 4 * most < 3 * facts.points;
+}
+
+/// Photographs: as they are, or with whatever makes them readable.
+void addPhotographed(const CloudFacts& facts, bool lit, Choices& choices) {
+    using enum ColorSource;
+    choices.add(Rgb, Shading::Unlit, "It has photographed colours.");
+    choices.add(Rgb, Shading::EyeDome, "It has photographed colours; edges are made clear.");
+    if (facts.attributes.intensity)
+        choices.add(Rgb, Shading::EyeDome, "It has photographed colours; intensity gives them texture.")
+            .byIntensity = true;
+    if (lit)
+        choices.add(Rgb, Shading::Phong,
+                    "It has photographed colours, but pale ones: light shows the shape.");
+}
+
+/// Colours that tell heights or classes, brighter where the ground reflects more.
+void addLand(const CloudFacts& facts, const SurveyedScene& scene, Choices& choices) {
+    using enum ColorSource;
+    if (hasTellingClasses(facts))
+        choices
+            .add(Classification, Shading::EyeDome,
+                 "It has no colours, but classes that tell ground, plants and buildings apart.")
+            .byIntensity = facts.attributes.intensity;
+    Style& style = choices.add(Elevation, Shading::EyeDome, "It has no colours: they show height.");
+    style.range = elevationRange(scene);
+    style.byIntensity = facts.attributes.intensity;
+    if (facts.attributes.intensity)
+        choices.add(Elevation, Shading::EyeDome, "It has no colours: they show height.").range =
+            elevationRange(scene);
+}
+
+/// No length means anything where axes have different units: sizes are given in pixels.
+void addMap(const CloudFacts& facts, const SurveyedScene& scene, Choices& choices) {
+    Style& style = choices.add(
+        facts.attributes.color ? ColorSource::Rgb : ColorSource::Elevation, Shading::Unlit,
+        facts.attributes.color ? "It has photographed colours." : "It has no colours: they show height.");
+    if (!facts.attributes.color) style.range = elevationRange(scene);
+    style.method = "paraboloid";
+    constexpr double pixels = 1280 * 720 * 0.5;
+    style.parameters["sizePx"] =
+        std::clamp(std::round(1.5 * std::sqrt(pixels / double(facts.points))), 1.0, 24.0);
+}
+
+/// Light on clay, reflected light, height: in this order, as far as there is any.
+void addShape(const CloudFacts& facts, const SurveyedScene& scene, bool lit, Choices& choices) {
+    using enum ColorSource;
+    const bool isObject = scene.kind == SceneKind::Object || scene.kind == SceneKind::DepthFrame;
+    const auto addClay = [&] {
+        if (lit)
+            choices.add(Flat, Shading::Phong, "It has no colours: light shows the shape.").flatColor = clay;
+    };
+    if (isObject) addClay();
+    if (facts.attributes.intensity) {
+        Style& style = choices.add(Intensity, Shading::EyeDome,
+                                   "It has no colours: how strongly it reflects is shown as grey.");
+        style.colormap = "grey";
+        style.range = intensityRange(facts);
+    }
+    if (!isObject) addClay();
+    if (choices.all.empty())
+        choices.add(Elevation, Shading::EyeDome, "It has no colours: they show height.").range =
+            elevationRange(scene);
 }
 
 }  // namespace
 
 std::vector<StyleChoice> stylesFor(const CloudFacts& facts, const SurveyedScene& scene) {
     Choices choices;
-    const bool isLand = scene.kind == SceneKind::Airborne || scene.kind == SceneKind::Street;
+    if (scene.onlyFromAbove) {
+        addMap(facts, scene, choices);
+        return std::move(choices.all);
+    }
     const bool lit = facts.surfels || facts.attributes.normal;
-    if (facts.attributes.color) {
-        if (!isLand) choices.add(ColorSource::Rgb, Shading::Unlit, "It has photographed colours.");
-        choices.add(ColorSource::Rgb, Shading::EyeDome, "It has photographed colours; edges are made clear.");
-        if (lit)
-            choices.add(ColorSource::Rgb, Shading::Phong,
-                        "It has photographed colours, but pale ones: light shows the shape.");
-    }
-    if (isLand && hasTellingClasses(facts))
-        choices.add(ColorSource::Classification, Shading::EyeDome,
-                    "It has no colours, but classes that tell ground, plants and buildings apart.");
-    if (scene.kind == SceneKind::Airborne) {
-        choices.add(ColorSource::Elevation, Shading::EyeDome, "It has no colours: height is shown by them.").range =
-            elevationRange(scene);
-    }
-    if (!isLand && lit)
-        choices.add(ColorSource::Flat, Shading::Phong, "It has no colours: light shows the shape.").flatColor =
-            clay;
-    if (facts.attributes.intensity) {
-        Style& style = choices.add(ColorSource::Intensity, Shading::EyeDome,
-                                   "It has no colours: how strongly it reflects is shown as grey.");
-        style.colormap = "grey";
-        style.range = intensityRange(facts);
-    }
-    if (scene.kind != SceneKind::Airborne)
-        choices.add(ColorSource::Elevation, Shading::EyeDome, "It has no colours: height is shown by them.").range =
-            elevationRange(scene);
+    if (facts.attributes.color)
+        addPhotographed(facts, lit, choices);
+    else if (scene.kind == SceneKind::Airborne)
+        addLand(facts, scene, choices);
+    else
+        addShape(facts, scene, lit, choices);
     return std::move(choices.all);
 }
 

@@ -10,8 +10,8 @@
 #include "renderer/look/candidates.hpp"
 #include "renderer/look/choose_style.hpp"
 #include "renderer/look/picture_measure.hpp"
-#include "renderer/look/surveyed_scene.hpp"
 #include "renderer/look/survey.hpp"
+#include "renderer/look/surveyed_scene.hpp"
 #include "renderer/render.hpp"
 
 namespace scancast {
@@ -21,6 +21,10 @@ namespace {
 constexpr std::size_t surveyPoints = 12000;
 /// Of the small pictures, px.
 constexpr int width = 192, height = 108;
+/// A style is judged in a picture as people get it, so many times as wide and high.
+constexpr int styleScale = 6;
+/// Light may make points of a photographed surface differ by so much more than their own colours do.
+constexpr double noiseByLight = 0.003;
 
 struct Scored {
     LookView view;
@@ -48,7 +52,7 @@ double shownShare(const SurveyedScene& scene, const Cloud& cloud, const View& vi
 double scoreOf(const PictureMeasure& m, double shown, const Candidate& candidate) {
     const double filled = std::min(m.covered / (candidate.view.inside ? 0.95 : 0.5), 1.0);
     const double fill = std::min(std::max(m.fill[0], m.fill[1]) / 0.85, 1.0);
-    return 1.2 * filled + 0.6 * fill + 1.4 * shown + 0.8 * m.readability() + 1.2 * std::min(m.edges, 0.25) +
+    return 1.2 * filled + 0.6 * fill + 2 * shown + 0.8 * m.readability() + 0.8 * std::min(m.edges, 0.25) +
            0.5 * std::min(m.spread(), 0.6) - 2 * m.near - (candidate.view.inside ? 0 : 3 * m.border) +
            candidate.bonus;
 }
@@ -59,14 +63,13 @@ class Looker {
         : cloud_(cloud), device_(device), scene_(scene) {}
 
     /// Errors: those of drawing.
-    Expected<Frame> see(const Camera& camera, const Style& style) {
+    Expected<Frame> see(const Camera& camera, const Style& style, int scale = 1) {
         View view;
-        view.width = width;
-        view.height = height;
+        view.width = scale * width;
+        view.height = scale * height;
         view.camera = camera;
         view.style = style;
         view.quality.samples = 1;
-        view.quality.detail = 1.5;
         return render(device_, cloud_, view);
     }
 
@@ -86,17 +89,21 @@ class Looker {
         return scored;
     }
 
-    /// The first style that can be read from there, else the one that can best.
+    /// The first style that can be read from there and is no noisier than the plainest. If there is none: the first
+    /// with contrast, for no light gives a smooth wall edges; else the most readable.
     Expected<const StyleChoice*> choose(const std::vector<StyleChoice>& styles, const Camera& camera) {
         const StyleChoice* best = nullptr;
-        double readability = -1;
+        double value = -1, quiet = 0;
         for (const StyleChoice& choice : styles) {
-            const auto frame = see(camera, choice.style);
+            const auto frame = see(camera, choice.style, styleScale);
             if (!frame) return passOn(frame);
             const PictureMeasure m = measure(*frame);
-            if (m.isReadable()) return &choice;
-            if (m.readability() <= readability) continue;
-            readability = m.readability();
+            if (&choice == &styles.front()) quiet = m.noise;
+            const bool noisy = choice.style.color == ColorSource::Rgb && m.noise > quiet + noiseByLight;
+            if (m.isReadable() && !noisy) return &choice;
+            const double own = m.readability() + (m.hasContrast() ? 1 : 0) - (noisy ? 1 : 0);
+            if (own <= value || (best && value >= 1)) continue;
+            value = own;
             best = &choice;
         }
         return best;
@@ -121,25 +128,27 @@ std::vector<LookView> bestViews(const std::vector<Scored>& scored) {
     return views;
 }
 
-/// Median distance of points from the plane through their neighbours, as the surfels know it: not yet.
 Expected<Look> lookAt(const Cloud& cloud, Device& device, SurveyedScene scene) {
     Look look;
     look.kind = scene.kind;
     look.up = scene.up;
     look.bounds = scene.box;
     look.outline = outlineOf(scene.points);
+    look.noise = noiseOf(cloud);
     const auto styles = stylesFor(cloud, scene);
     Looker looker(cloud, device, scene);
     auto candidates = insideCandidates(scene);
-    for (Candidate& candidate : outsideCandidates(scene, look.outline)) candidates.push_back(std::move(candidate));
+    for (Candidate& candidate : outsideCandidates(scene, look.outline))
+        candidates.push_back(std::move(candidate));
     const auto scored = looker.score(candidates, styles.front().style);
     if (!scored) return passOn(scored);
     look.views = bestViews(*scored);
     const auto style = looker.choose(styles, look.views.front().camera);
     if (!style) return passOn(style);
     look.style = (*style)->style;
-    look.reason = scene.reason + (*style)->reason + fmt::format(" First seen {}: of {} views tried, it shows most.",
-                                                                look.views.front().name, candidates.size());
+    look.reason = scene.reason + (*style)->reason +
+                  fmt::format(" First seen {}: of {} views tried, it shows most.", look.views.front().name,
+                              candidates.size());
     return look;
 }
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <vector>
 
 namespace scancast {
@@ -10,9 +11,13 @@ namespace scancast {
 namespace {
 
 /// A little more than a viewer needs, since the real picture is larger and smoother than what is measured.
-constexpr double leastSpread = 0.28, leastMedian = 0.16, mostMedian = 0.8, mostOfOneColor = 0.3, leastEdges = 0.045;
+constexpr double leastSpread = 0.28, leastMedian = 0.16, mostMedian = 0.8, mostOfOneColor = 0.3,
+                 leastEdges = 0.033;
 /// Step of luminance over two pixels that counts as an edge.
-constexpr double edgeStep = 0.08;
+constexpr double edgeStep = 0.16;
+
+/// Noise is looked for in every so manieth pixel.
+constexpr int noiseStride = 11;
 
 class Pixels2d {
   public:
@@ -30,6 +35,19 @@ class Pixels2d {
             return std::abs(luminance(x + dx, y + dy) - luminance(x - dx, y - dy));
         };
         return std::hypot(step(1, 0), step(0, 1)) > edgeStep;
+    }
+
+    /// Distance of the luminance from the median of the covered ones around; nothing where few are.
+    std::optional<double> noise(int x, int y) const {
+        std::array<double, 9> around;
+        std::size_t n = 0;
+        for (int dy = -1; dy <= 1; ++dy)
+            for (int dx = -1; dx <= 1; ++dx)
+                if (covered(x + dx, y + dy)) around[n++] = luminance(x + dx, y + dy);
+        if (n < 5) return std::nullopt;
+        const auto middle = around.begin() + std::ptrdiff_t(n / 2);
+        std::nth_element(around.begin(), middle, around.begin() + std::ptrdiff_t(n));
+        return std::abs(luminance(x, y) - *middle);
     }
 
   private:
@@ -70,9 +88,13 @@ T quantile(std::vector<T>& values, double q) {
 
 }  // namespace
 
+bool PictureMeasure::hasContrast() const {
+    return spread() >= leastSpread && median >= leastMedian && median <= mostMedian &&
+           commonest <= mostOfOneColor;
+}
+
 bool PictureMeasure::isReadable() const {
-    return spread() >= leastSpread && median >= leastMedian && median <= mostMedian && commonest <= mostOfOneColor &&
-           edges >= leastEdges;
+    return hasContrast() && edges >= leastEdges;
 }
 
 double PictureMeasure::readability() const {
@@ -87,6 +109,7 @@ PictureMeasure measure(const Frame& frame) {
     const int width = frame.width, height = frame.height;
     std::vector<std::size_t> columns(std::size_t(width), 0), rows(std::size_t(height), 0), colors(4096, 0);
     std::vector<double> luminances;
+    std::vector<double> noises;
     std::vector<float> depths;
     std::size_t border = 0, edges = 0;
     for (int y = 0; y < height; ++y)
@@ -100,7 +123,10 @@ PictureMeasure measure(const Frame& frame) {
             ++colors[std::size_t(c[0] >> 4 << 8 | c[1] >> 4 << 4 | c[2] >> 4)];
             luminances.push_back(pixels.luminance(x, y));
             depths.push_back(pixels.depth(x, y));
-            if (!outermost) edges += pixels.isEdge(x, y);
+            if (outermost) continue;
+            edges += pixels.isEdge(x, y);
+            if ((x + 5 * y) % noiseStride != 0) continue;
+            if (const auto noise = pixels.noise(x, y)) noises.push_back(*noise);
         }
     PictureMeasure m;
     const std::size_t all = luminances.size();
@@ -115,6 +141,7 @@ PictureMeasure measure(const Frame& frame) {
     m.bright = quantile(luminances, 0.95);
     m.commonest = double(*std::ranges::max_element(colors)) / double(all);
     m.edges = double(edges) / double(all);
+    if (!noises.empty()) m.noise = quantile(noises, 0.5);
     const float nearest = quantile(depths, 0.5) * 0.15f;
     m.near = double(std::ranges::count_if(depths, [&](float d) { return d < nearest; })) / double(all);
     return m;

@@ -3,8 +3,11 @@
 #include <algorithm>
 #include <cmath>
 #include <glm/common.hpp>
+#include <glm/geometric.hpp>
 #include <map>
 #include <queue>
+
+#include "renderer/cloud/build/nodes/tangent_plane.hpp"
 
 namespace scancast {
 
@@ -124,7 +127,43 @@ std::array<glm::dvec3, 2> neighbourhood(const std::vector<SurveyPoint>& points) 
     return {box[0] - around, box[1] + around};
 }
 
+/// Leaves that noise is measured in, points in each, and neighbours of each of these: enough to see through the
+/// layers in which depth cameras count.
+constexpr std::size_t noiseLeaves = 8, noisePoints = 48, noiseNeighbours = 48;
+
+/// Of some samples: deviation of the nearest neighbours from their plane.
+void addDeviations(const Node& node, std::span<const Sample> samples, std::vector<double>& deviations) {
+    if (samples.size() <= noiseNeighbours) return;
+    std::vector<std::pair<double, std::size_t>> near(samples.size());
+    std::vector<glm::vec3> offsets;
+    for (std::size_t q = 0; q < noisePoints; ++q) {
+        const glm::dvec3 at = position(node, samples[q * samples.size() / noisePoints]);
+        for (std::size_t i = 0; i < samples.size(); ++i) {
+            const glm::dvec3 to = position(node, samples[i]) - at;
+            near[i] = {glm::dot(to, to), i};
+        }
+        std::ranges::nth_element(near, near.begin() + std::ptrdiff_t(noiseNeighbours));
+        offsets.clear();
+        for (std::size_t i = 0; i < noiseNeighbours; ++i)
+            offsets.emplace_back(position(node, samples[near[i].second]) - at);
+        deviations.push_back(std::sqrt(std::max(0.0, tangentPlane(offsets).variance[2])));
+    }
+}
+
 }  // namespace
+
+double noiseOf(const Cloud& cloud) {
+    std::vector<std::uint32_t> leaves;
+    for (std::uint32_t i = 0; i < cloud.octree.nodes().size(); ++i)
+        if (cloud.octree.node(i).isLeaf()) leaves.push_back(i);
+    std::vector<double> deviations;
+    for (std::size_t k = 0; k < noiseLeaves && k < leaves.size(); ++k) {
+        const std::uint32_t leaf = leaves[k * leaves.size() / std::min(noiseLeaves, leaves.size())];
+        if (const auto run = cloud.octree.run(leaf))
+            addDeviations(cloud.octree.node(leaf), run->samples, deviations);
+    }
+    return deviations.empty() ? 0 : quantileOf(std::move(deviations), 0.5);
+}
 
 double quantileOf(std::vector<double> values, double q) {
     const auto at = values.begin() + std::ptrdiff_t(q * double(values.size() - 1));
@@ -134,8 +173,7 @@ double quantileOf(std::vector<double> values, double q) {
 
 std::array<glm::dvec3, 2> boxOf(const std::vector<SurveyPoint>& points) {
     std::array<glm::dvec3, 2> box{points.front().position, points.front().position};
-    for (const SurveyPoint& p : points)
-        box = {glm::min(box[0], p.position), glm::max(box[1], p.position)};
+    for (const SurveyPoint& p : points) box = {glm::min(box[0], p.position), glm::max(box[1], p.position)};
     return box;
 }
 

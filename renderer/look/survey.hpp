@@ -13,14 +13,18 @@
 namespace scancast {
 
 struct SurveyPoint {
-    glm::dvec3 position;         ///< file coordinates
-    glm::vec3 normal;            ///< unit length; 0 where there is none. Its sign says little
-    float spacing = 0;           ///< of the node that it is from
+    glm::dvec3 position;  ///< file coordinates
+    glm::vec3 normal;     ///< unit length; 0 where there is none. Its sign says little
+    float spacing = 0;    ///< of the node that it is from
     std::uint8_t classification = 0;
 };
 
 /// At most `most` points, the same on any machine; none when no block can be read.
 std::vector<SurveyPoint> survey(const Cloud& cloud, std::size_t most);
+
+/// Median deviation of a point's nearest neighbours from the plane through them, in leaves all over the cloud; 0 for
+/// clouds of few points. Cloud units.
+double noiseOf(const Cloud& cloud);
 
 /// Without what lies far from everything, and without the noise classes 7 and 18 unless there is nothing
 /// else: what a picture should show. Never empty where `points` is not.

@@ -7,6 +7,8 @@
 #include <glm/geometric.hpp>
 #include <map>
 
+#include "renderer/cloud/import/crs_text.hpp"
+
 namespace scancast {
 
 namespace {
@@ -15,8 +17,11 @@ namespace {
 constexpr double levelNormal = 0.9, uprightNormal = 0.3;
 
 // ---------------------------------------------------------------------------------------------------------
-// Seen by one camera that stood at the origin
+// Seen by one camera
 // ---------------------------------------------------------------------------------------------------------
+
+/// Depth cameras see some metres far, and write metres; a landscape with coordinates of its own lies higher.
+constexpr double farthestDepth = 25;
 
 /// The points as that camera saw them: x / z, y / z, and depth.
 struct Seen {
@@ -26,13 +31,14 @@ struct Seen {
 };
 
 /// A depth camera looks along +z, or along -z as in computer graphics; `sign` says which.
-std::optional<Seen> seenFromOrigin(const std::vector<SurveyPoint>& points, double sign) {
+std::optional<Seen> seenFrom(const glm::dvec3& eye, const std::vector<SurveyPoint>& points, double sign) {
     Seen seen;
     std::vector<double> xs, ys;
     for (const SurveyPoint& p : points) {
-        const double depth = sign * p.position.z;
+        const glm::dvec3 to = p.position - eye;
+        const double depth = sign * to.z;
         if (!(depth > 0)) return std::nullopt;
-        seen.at.emplace_back(p.position.x / depth, p.position.y / depth);
+        seen.at.emplace_back(to.x / depth, to.y / depth);
         seen.depth.push_back(depth);
         xs.push_back(seen.at.back().x);
         ys.push_back(seen.at.back().y);
@@ -68,32 +74,38 @@ Frame2d asPicture(const Seen& seen) {
     return frame;
 }
 
-/// Whether the scan looks like one frame of a camera at the origin: in front of it, around its axis, and in
-/// nearly every direction at one depth only.
+/// Whether the scan looks like one frame of a camera: in front of it, around its axis, and in nearly every
+/// direction at one depth only.
 bool isDepthFrame(const Seen& seen) {
     const double width = seen.right[0] - seen.left[0], height = seen.right[1] - seen.left[1];
-    if (!(width > 0.25 && height > 0.25 && width < 3 && height < 3)) return false;
-    const bool aroundAxis = seen.left[0] < -0.15 * width && seen.right[0] > 0.15 * width &&
-                            seen.left[1] < 0.02 * height && seen.right[1] > -0.02 * height;
-    if (!aroundAxis) return false;
+    if (!(width > 0.05 && height > 0.05 && width < 3 && height < 3)) return false;
+    for (int a = 0; a < 2; ++a) {
+        const double size = seen.right[std::size_t(a)] - seen.left[std::size_t(a)];
+        if (seen.left[std::size_t(a)] > 0.75 * size || seen.right[std::size_t(a)] < -0.75 * size)
+            return false;
+    }
     const Frame2d frame = asPicture(seen);
-    return frame.filled > 0.4 && frame.single > 0.7;
+    return frame.filled > 0.35 && frame.single > 0.7;
 }
 
-std::optional<SurveyedScene> asDepthFrame(const std::vector<SurveyPoint>& points) {
+/// The camera stood where the scan says, or at the origin.
+std::optional<SurveyedScene> asDepthFrame(const std::vector<SurveyPoint>& points,
+                                          const std::optional<glm::dvec3>& place) {
+    const glm::dvec3 eye = place.value_or(glm::dvec3(0));
     for (const double sign : {1.0, -1.0}) {
-        const auto seen = seenFromOrigin(points, sign);
-        if (!seen || !isDepthFrame(*seen)) continue;
+        const auto seen = seenFrom(eye, points, sign);
+        if (!seen || quantileOf(seen->depth, 0.99) > farthestDepth || !isDepthFrame(*seen)) continue;
         SurveyedScene scene;
         scene.kind = SceneKind::DepthFrame;
         // Cameras count rows downwards; who looks along -z follows computer graphics, where y points up.
         scene.up = {0, -sign, 0};
         scene.forward = {0, 0, sign};
-        scene.sensor = glm::dvec3(0);
+        scene.sensor = eye;
         scene.reason = fmt::format(
-            "Everything lies in front of the origin, along {}z, and each line of sight from there ends at one "
-            "depth: what a camera saw that stood there.",
-            sign > 0 ? '+' : '-');
+            "Everything lies in front of {}, along {}z, and each line of sight from there ends at one depth: "
+            "what "
+            "a camera saw that stood there. ",
+            place ? "the sensor" : "the origin", sign > 0 ? '+' : '-');
         return scene;
     }
     return std::nullopt;
@@ -167,7 +179,7 @@ void decideUp(const CloudFacts& facts, SurveyedScene& scene) {
                         breadth(scene.points, scene.box, axis, sign < 0);
             score += 1.5 * levelShare(scene.points, axis);
             if (axis == 2) score += 0.1;
-            if (axis == 1 && sign > 0) score += standsOnXZ(scene.box) ? 1 : 0.15;
+            if (axis == 1 && sign > 0) score += standsOnXZ(scene.box) ? 1 : 0.05;
             if (axis == 1 && sign < 0) score -= 0.25;
             if (score <= best) continue;
             best = score;
@@ -175,10 +187,10 @@ void decideUp(const CloudFacts& facts, SurveyedScene& scene) {
             scene.up[axis] = sign;
         }
     }
-    scene.reason += fmt::format("{} is up: that is how the scan stands most broadly. ",
-                                scene.up.z != 0  ? "Z"
-                                : scene.up.y > 0 ? "Y"
-                                                 : "-Y");
+    scene.reason +=
+        fmt::format("{} is up: that is how the scan stands most broadly. ", scene.up.z != 0  ? "Z"
+                                                                            : scene.up.y > 0 ? "Y"
+                                                                                             : "-Y");
 }
 
 // ---------------------------------------------------------------------------------------------------------
@@ -231,44 +243,70 @@ Map mapOf(const SurveyedScene& scene, const std::array<glm::dvec3, 2>& axes) {
     return map;
 }
 
-/// Share of the surface that stands upright.
-double uprightShare(const SurveyedScene& scene) {
-    double upright = 0, all = 0;
+/// Shares of the surface that stand upright and that are level; nullopt without normals.
+struct Slopes {
+    double upright = 0, level = 0;
+};
+
+std::optional<Slopes> slopesOf(const SurveyedScene& scene) {
+    Slopes slopes;
+    double all = 0;
     for (const SurveyPoint& p : scene.points) {
         if (p.normal == glm::vec3(0)) continue;
+        const double slope = std::abs(glm::dot(glm::dvec3(p.normal), scene.up));
         ++all;
-        if (std::abs(glm::dot(glm::dvec3(p.normal), scene.up)) < uprightNormal) ++upright;
+        slopes.upright += slope < uprightNormal;
+        slopes.level += slope > levelNormal;
     }
-    return all > 0 ? upright / all : 0;
+    if (all == 0) return std::nullopt;
+    return Slopes{slopes.upright / all, slopes.level / all};
+}
+
+/// Built things are level or upright; where nobody knows, they may be.
+bool isBuilt(const std::optional<Slopes>& slopes) {
+    return !slopes || slopes->upright + slopes->level > 0.6;
 }
 
 bool hasClassesOfLand(const CloudFacts& facts) {
     return facts.attributes.classification && facts.classCounts[2] > 0;
 }
 
+/// Degrees on the ground and metres above it: seen from the side that is a needle.
+bool isInDegrees(const CloudFacts& facts) {
+    return crsUnit(facts.crsWkt, facts.crsEpsg) == "degree";
+}
+
 void decideKind(const CloudFacts& facts, SurveyedScene& scene) {
+    if (isInDegrees(facts)) {
+        scene.kind = SceneKind::Airborne;
+        scene.onlyFromAbove = true;
+        scene.reason += "Its coordinates are degrees, its heights are not: a map, seen from above. ";
+        return;
+    }
     const auto axes = horizontalAxes(scene.up);
     const Map map = mapOf(scene, axes);
     const glm::dvec3 size = scene.size();
     const double height = std::abs(glm::dot(size, scene.up));
     const double width = std::max(std::abs(glm::dot(size, axes[0])), std::abs(glm::dot(size, axes[1])));
-    const double tall = height / std::max(width, 1e-12), upright = uprightShare(scene);
+    const double tall = height / std::max(width, 1e-12);
+    const auto slopes = slopesOf(scene);
+    const double upright = slopes ? slopes->upright : 0;
     const bool survey = isSurvey(facts);
     const std::string measured = fmt::format(
         "(height {:.0f} % of the width, {:.0f} % of the map filled, {:.0f} % of the surface upright)",
         100 * tall, 100 * map.filled, 100 * upright);
     if (!scene.sensor && map.floor > 0.6 && map.ceiling > 0.5 && map.inner > 0.08 && tall > 0.05 &&
-        tall < 1.2) {
+        tall < 1.2 && isBuilt(slopes)) {
         scene.kind = SceneKind::Indoor;
         scene.reason += "A floor below and a ceiling above nearly everywhere: rooms " + measured + ". ";
     } else if (survey && tall < 0.5 && map.filled > 0.55 && (upright < 0.45 || hasClassesOfLand(facts)) &&
                !scene.sensor) {
         scene.kind = SceneKind::Airborne;
         scene.reason += "Broad, low and seen from above: a landscape " + measured + ". ";
-    } else if (scene.sensor || (tall < 0.35 && map.floor > 0.5)) {
+    } else if (scene.sensor || (tall < 0.35 && map.floor > 0.5 && isBuilt(slopes))) {
         scene.kind = SceneKind::Street;
-        scene.reason += "A ground with upright things on it, with gaps: scanned from the ground " + measured +
-                        ". ";
+        scene.reason +=
+            "A ground with upright things on it, with gaps: scanned from the ground " + measured + ". ";
     } else {
         scene.kind = SceneKind::Object;
         scene.reason += "As high as it is wide, or without a ground: an object " + measured + ". ";
@@ -282,15 +320,15 @@ double SurveyedScene::extent() const {
 }
 
 std::array<glm::dvec3, 2> horizontalAxes(const glm::dvec3& up) {
-    const glm::dvec3 first =
-        glm::normalize(std::abs(up.x) < 0.9 ? glm::dvec3(1, 0, 0) - up * up.x : glm::dvec3(0, 1, 0) - up * up.y);
+    const glm::dvec3 first = glm::normalize(std::abs(up.x) < 0.9 ? glm::dvec3(1, 0, 0) - up * up.x
+                                                                 : glm::dvec3(0, 1, 0) - up * up.y);
     return {first, glm::cross(up, first)};
 }
 
 SurveyedScene sceneOf(const CloudFacts& facts, std::vector<SurveyPoint> points) {
     points = withoutStrays(std::move(points));
     if (!isSurvey(facts))
-        if (auto frame = asDepthFrame(points)) {
+        if (auto frame = asDepthFrame(points, facts.scanner)) {
             frame->box = boxOf(points);
             frame->points = std::move(points);
             return *frame;

@@ -18,6 +18,7 @@ struct SurveyedScene {
     std::array<glm::dvec3, 2> box{};   ///< of the points, file coordinates
     std::optional<glm::dvec3> sensor;  ///< where the scanner or camera stood
     glm::dvec3 forward{0, 0, 1};       ///< DepthFrame: where the camera looked, unit vector
+    bool onlyFromAbove = false;        ///< heights are in another unit than the ground: degrees and metres
 
     glm::dvec3 center() const { return (box[0] + box[1]) * 0.5; }
     glm::dvec3 size() const { return box[1] - box[0]; }

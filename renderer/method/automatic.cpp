@@ -26,15 +26,16 @@ PassList passesOfChosen(const PassRequest& request) {
 
 AutomaticChoice chooseMethod(const CloudTraits& cloud, double spacingPx) {
     const bool dense = spacingPx <= densePx;
-    if (cloud.colors && dense)
+    // Near and far alike: blended, what was photographed would lose its texture, and a change would be seen.
+    if (cloud.colors)
         return {findMethod("paraboloid"),
-                sentence("coloured points", spacingPx, "dense enough to be drawn sharp, as paraboloids")};
+                sentence("coloured points", spacingPx, "paraboloids close the gaps and keep texture sharp")};
     if (cloud.surfels && dense)
         return {findMethod("disc"),
                 sentence("points without colours", spacingPx, "lit discs show the shape")};
     if (cloud.surfels)
         return {findMethod("ewa"), sentence("surfels", spacingPx, "ellipses close the gaps and blend them")};
-    if (!cloud.colors && spacingPx <= pyramidPx)
+    if (spacingPx <= pyramidPx)
         return {findMethod("pyramid"), sentence("points without colours and surfels", spacingPx,
                                                 "normals from depth show the shape")};
     return {findMethod("paraboloid"),

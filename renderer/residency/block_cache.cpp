@@ -127,9 +127,10 @@ class ResidentStore final : public SampleStore {
     std::uint64_t bytesResident() const override { return cloud_->bytes; }
 
   private:
-    /// Nodes stand in the file's own table, the octree's and the block table's.
+    /// Nodes stand in the file's own tables, the octree's and the block table's.
     std::uint64_t tableBytes() const {
-        return cloud_->slots.size() * (sizeof(StoredNode) + sizeof(Node) + sizeof(BlockTable::Slot));
+        const std::uint64_t places = sizeof(StoredNode) + cloud_->file->planes().size() * sizeof(BlockPlace);
+        return cloud_->slots.size() * (places + sizeof(Node) + sizeof(BlockTable::Slot));
     }
 
     const std::shared_ptr<Cache> cache_;

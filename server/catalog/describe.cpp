@@ -3,6 +3,7 @@
 #include <nlohmann/json.hpp>
 
 #include "protocol/classification.hpp"
+#include "protocol/view/view_json.hpp"
 #include "renderer/cloud/import/crs_text.hpp"
 #include "renderer/image/colormap.hpp"
 #include "renderer/render.hpp"
@@ -77,7 +78,7 @@ CloudInfo describe(const std::string& id, const Cloud& cloud) {
     info.id = id;
     info.title = cloud.title;
     info.format = cloud.format;
-    info.revision = cloud.revision;
+    info.revision = pictureRevision(cloud);
     info.points = cloud.points;
     info.droppedPoints = cloud.droppedPoints;
     info.bounds = cloud.bounds;
@@ -98,6 +99,7 @@ CloudInfo describe(const std::string& id, const Cloud& cloud) {
     }
     info.bytesResident = cloud.octree.bytesResident();
     info.view = defaultView(cloud);
+    info.look = cloud.look;
     return info;
 }
 
@@ -139,6 +141,15 @@ nlohmann::json cloudListJson(const std::vector<CatalogEntry>& entries) {
     return {{"clouds", std::move(ready)}, {"pending", std::move(pending)}};
 }
 
+nlohmann::json viewsJson(const Cloud& cloud, View base) {
+    nlohmann::json list = nlohmann::json::array();
+    for (const LookView& named : viewsOf(cloud, double(base.width) / base.height)) {
+        base.camera = named.camera;
+        list.push_back({{"name", named.name}, {"inside", named.inside}, {"view", toJson(base)}});
+    }
+    return {{"views", std::move(list)}};
+}
+
 nlohmann::json pickedJson(const Cloud& cloud, const Picked& picked) {
     const auto numbers = [](const auto& v) { return nlohmann::json{v.x, v.y, v.z}; };
     const Sample& sample = picked.sample;
@@ -157,12 +168,25 @@ nlohmann::json pickedJson(const Cloud& cloud, const Picked& picked) {
     return json;
 }
 
+/// All that `color` may say but one colour for everything, as menus have it: auto, products, sources.
+nlohmann::json colorNames() {
+    std::vector<std::string> names(colorSourceNames.begin(), colorSourceNames.end());
+    auto at = names.begin() + 1;
+    for (std::size_t i = 0; i < colorSourceNames.size(); ++i) {
+        Style style;
+        style.color = static_cast<ColorSource>(i);
+        style.byIntensity = true;
+        if (takesIntensity(style.color)) at = names.insert(at, colorWord(style)) + 1;
+    }
+    return names;
+}
+
 nlohmann::json methodListJson() {
     std::vector<MethodInfo> list;
     for (const Method& method : methods()) list.push_back(describe(method));
     nlohmann::json json = toJson(list);
     // Colour sources and maps belong to no method; clients build their menus from one answer.
-    json["colors"] = colorSourceNames;
+    json["colors"] = colorNames();
     json["colormaps"] = colormapNames;
     json["shadings"] = shadingNames;
     return json;

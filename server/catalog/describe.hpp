@@ -21,6 +21,8 @@ MethodInfo describe(const Method& method);
 nlohmann::json cloudListJson(const std::vector<CatalogEntry>& entries);
 nlohmann::json cloudJson(const CatalogEntry& entry);
 nlohmann::json methodListJson();
+/// The body of `/clouds/{id}/views`: the best views, each as `base` but for its camera.
+nlohmann::json viewsJson(const Cloud& cloud, View base);
 /// A picked point: its coordinates, and of its attributes those that the cloud has.
 nlohmann::json pickedJson(const Cloud& cloud, const Picked& picked);
 

@@ -11,6 +11,8 @@
 
 #include "renderer/cloud/build/build_cloud.hpp"
 #include "renderer/cloud/build/ingest.hpp"
+#include "renderer/look/decide_look.hpp"
+#include "renderer/look/keep_look.hpp"
 #include "renderer/residency/open_cloud.hpp"
 #include "server/base/faults.hpp"
 #include "server/catalog/preview.hpp"
@@ -137,7 +139,7 @@ void Loader::loadOne(Job& job) {
     const auto start = std::chrono::steady_clock::now();
     auto cloud = contained("Loading", [&] {
         auto opened = job.opened ? Expected<ScanInput>(std::move(*job.opened)) : ScanInput::open(job.file);
-        return opened ? cloudOf(*opened, job.id) : tl::unexpected(std::move(opened.error()));
+        return opened ? shownCloudOf(*opened, job.id) : tl::unexpected(std::move(opened.error()));
     });
     settle(job, std::move(cloud),
            std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
@@ -165,6 +167,12 @@ void Loader::settleFailed(const Job& job, Error error) {
     }
     if (options_.onFailed && error.code != ErrorCode::Cancelled)
         std::ignore = contained("Telling of a failure", [&] { options_.onFailed(error); });
+}
+
+Loader::Result Loader::shownCloudOf(const ScanInput& input, const std::string& id) {
+    auto cloud = cloudOf(input, id);
+    if (!cloud) return cloud;
+    return withLook(std::move(*cloud));
 }
 
 Loader::Result Loader::cloudOf(const ScanInput& input, const std::string& id) {
@@ -216,7 +224,8 @@ Loader::Result Loader::build(const ScanInput& input, const std::string& id) {
     options.mirrors = std::move(*mirrors);
     auto cloud = buildCloud(**source, options, progressOf(id));
     if (!cloud) return cloud;
-    return counted(std::move(*cloud), *options_.cache);
+    // The look first: a cloud that is given one is a copy, which would count nothing.
+    return counted(withLook(std::move(*cloud)), *options_.cache);
 }
 
 Loader::Result Loader::ingestTo(const fs::path& output, const ScanInput& input, const std::string& id) {
@@ -225,7 +234,8 @@ Loader::Result Loader::ingestTo(const fs::path& output, const ScanInput& input, 
     IngestOptions options;
     options.output = output;
     options.shape = options_.shape;
-    options.title = input.path().filename().string();
+    const std::string title = input.path().filename().string();
+    options.title = title;
     options.threads = options_.threads;
     options.memoryLimit = std::max(options_.cache->stats().limit / 2, leastIngestMemory);
     auto mirrors = input.mirrors();
@@ -238,6 +248,9 @@ Loader::Result Loader::ingestTo(const fs::path& output, const ScanInput& input, 
         auto report = ingest(std::move(sources), options, progressOf(id), stop_.get_token());
         if (!report) return passOn(std::move(report));
     }
+    // Kept with the cloud, so that the next start need not look again; if not, it is decided now.
+    if (auto kept = decideAndKeepLook(output, {}); !kept)
+        note(fmt::format("{} has no look of its own: {}", title, kept.error().message));
     return openCloud(output, options_.cache);
 }
 

@@ -26,79 +26,81 @@
 #include "server/catalog/catalog.hpp"
 #include "threads/monitor.hpp"
 
-    namespace scancast {
+namespace scancast {
 
-    struct LoadedCloud {
+struct LoadedCloud {
+    std::string id;
+    const Cloud& cloud;
+    double seconds = 0;
+};
+
+struct LoaderOptions {
+    int threads = 0;  ///< 0 = all cores
+    ImportOptions import;
+    OctreeShape shape{};
+    std::shared_ptr<BlockCache> cache;  ///< that cloud files live in; its limit is the memory limit
+    /// Keeps scans as cloud files, named by a digest of what they are made of; empty = nothing is kept, and
+    /// what does not fit into memory goes through a file in the system's temporary folder.
+    std::filesystem::path cacheDir;
+    std::string version;  ///< of the program: another one builds anew
+    std::chrono::milliseconds firstPreview{1000};
+    /// Called on the loader's threads.
+    std::function<void(const std::string& note)> onNote;
+    std::function<void(const std::string& id, const Progress&)> onProgress;
+    std::function<void(const LoadedCloud&)> onLoaded;
+    std::function<void(const Error&)> onFailed;
+};
+
+class Loader {
+  public:
+    static constexpr std::size_t mostAdded = 64;  ///< by load(), waiting
+
+    /// The entries are in the catalog when this returns; loading has begun, what opens in milliseconds first.
+    /// The catalog outlives the loader.
+    Loader(std::vector<std::filesystem::path> files, Catalog& catalog, LoaderOptions options);
+    /// requestStop(), then waits. A tree that is being built is finished first.
+    ~Loader();
+    Loader(const Loader&) = delete;
+    Loader& operator=(const Loader&) = delete;
+
+    /// Loads one more, opened already, into an entry that is in the catalog, after those that wait; false
+    /// when too many do, or after requestStop().
+    bool load(ScanInput input, std::string id);
+    void requestStop();
+    /// Nothing is being loaded, and nothing waits; after requestStop(): nothing is being loaded.
+    bool finished() const;
+    std::size_t failed() const { return failed_; }
+
+  private:
+    bool isDue() const { return !waiting_.empty() || stop_.stop_requested(); }
+    void run();
+    bool step();
+    using Result = Expected<std::shared_ptr<const Cloud>>;
+    struct Job {
+        std::filesystem::path file;
         std::string id;
-        const Cloud& cloud;
-        double seconds = 0;
+        std::optional<ScanInput> opened{};  ///< empty: when it is its turn
     };
+    void loadOne(Job& job);
+    void settle(const Job& job, Result cloud, double seconds);
+    void settleFailed(const Job& job, Error error);
+    /// With a look, so that nobody sees it without.
+    Result shownCloudOf(const ScanInput& input, const std::string& id);
+    Result cloudOf(const ScanInput& input, const std::string& id);
+    Result build(const ScanInput& input, const std::string& id);
+    Result ingestTo(const std::filesystem::path& output, const ScanInput& input, const std::string& id);
+    Expected<std::unique_ptr<PointSource>> open(const ScanInput& input, const std::string& id) const;
+    ProgressSink progressOf(const std::string& id) const;
+    void note(const std::string& text) const;
 
-    struct LoaderOptions {
-        int threads = 0;  ///< 0 = all cores
-        ImportOptions import;
-        OctreeShape shape{};
-        std::shared_ptr<BlockCache> cache;  ///< that cloud files live in; its limit is the memory limit
-        /// Keeps scans as cloud files, named by a digest of what they are made of; empty = nothing is kept, and
-        /// what does not fit into memory goes through a file in the system's temporary folder.
-        std::filesystem::path cacheDir;
-        std::string version;  ///< of the program: another one builds anew
-        std::chrono::milliseconds firstPreview{1000};
-        /// Called on the loader's threads.
-        std::function<void(const std::string& note)> onNote;
-        std::function<void(const std::string& id, const Progress&)> onProgress;
-        std::function<void(const LoadedCloud&)> onLoaded;
-        std::function<void(const Error&)> onFailed;
-    };
-
-    class Loader {
-      public:
-        static constexpr std::size_t mostAdded = 64;  ///< by load(), waiting
-
-        /// The entries are in the catalog when this returns; loading has begun, what opens in milliseconds first.
-        /// The catalog outlives the loader.
-        Loader(std::vector<std::filesystem::path> files, Catalog& catalog, LoaderOptions options);
-        /// requestStop(), then waits. A tree that is being built is finished first.
-        ~Loader();
-        Loader(const Loader&) = delete;
-        Loader& operator=(const Loader&) = delete;
-
-        /// Loads one more, opened already, into an entry that is in the catalog, after those that wait; false
-        /// when too many do, or after requestStop().
-        bool load(ScanInput input, std::string id);
-        void requestStop();
-        /// Nothing is being loaded, and nothing waits; after requestStop(): nothing is being loaded.
-        bool finished() const;
-        std::size_t failed() const { return failed_; }
-
-      private:
-        bool isDue() const { return !waiting_.empty() || stop_.stop_requested(); }
-        void run();
-        bool step();
-        using Result = Expected<std::shared_ptr<const Cloud>>;
-        struct Job {
-            std::filesystem::path file;
-            std::string id;
-            std::optional<ScanInput> opened{};  ///< empty: when it is its turn
-        };
-        void loadOne(Job& job);
-        void settle(const Job& job, Result cloud, double seconds);
-        void settleFailed(const Job& job, Error error);
-        Result cloudOf(const ScanInput& input, const std::string& id);
-        Result build(const ScanInput& input, const std::string& id);
-        Result ingestTo(const std::filesystem::path& output, const ScanInput& input, const std::string& id);
-        Expected<std::unique_ptr<PointSource>> open(const ScanInput& input, const std::string& id) const;
-        ProgressSink progressOf(const std::string& id) const;
-        void note(const std::string& text) const;
-
-        Catalog& catalog_;
-        const LoaderOptions options_;
-        std::stop_source stop_;
-        std::atomic<std::size_t> failed_{0};
-        mutable Monitor monitor_;  // guards what follows, and requests of a stop
-        std::deque<Job> waiting_;
-        bool busy_ = false;
-        std::thread thread_;
-    };
+    Catalog& catalog_;
+    const LoaderOptions options_;
+    std::stop_source stop_;
+    std::atomic<std::size_t> failed_{0};
+    mutable Monitor monitor_;  // guards what follows, and requests of a stop
+    std::deque<Job> waiting_;
+    bool busy_ = false;
+    std::thread thread_;
+};
 
 }  // namespace scancast

@@ -4,6 +4,7 @@
 #include <array>
 #include <glm/common.hpp>
 #include <limits>
+#include <utility>
 
 #include "renderer/cloud/build/value_ranges.hpp"
 #include "renderer/cloud/file/cloud_file.hpp"
@@ -33,8 +34,15 @@ std::vector<DamagedBlock> checkBlocks(const CloudFile& file, const ProgressSink&
     for (std::uint32_t i = 0; i < nodes.size(); ++i) {
         if (const auto samples = file.samples(i); !samples)
             damaged.push_back({i, nodes[i].samples.offset, samples.error().message});
-        if (const auto rows = file.rows(i); !rows)
-            damaged.push_back({i, nodes[i].rows.offset, rows.error().message});
+        std::uint64_t last = 0;
+        for (std::size_t p = 0; p < file.planes().size(); ++p) {
+            // Columns of a version 1 file are one block.
+            if (const std::uint64_t offset = file.planePlace(i, p).offset;
+                std::exchange(last, offset) == offset)
+                continue;
+            if (const auto plane = file.plane(i, p); !plane)
+                damaged.push_back({i, last, plane.error().message});
+        }
         if (progress && (i % nodesPerReport == 0 || i + 1 == nodes.size()))
             progress({"checking", i + std::uint64_t(1), nodes.size(), "nodes"});
     }

@@ -10,8 +10,8 @@
 
 #include "renderer/cloud/import/mirror_file.hpp"
 #include "server/commands/command.hpp"
-#include "server/commands/progress_bar.hpp"
-#include "server/commands/terminal.hpp"
+#include "server/terminal/progress_bar.hpp"
+#include "server/terminal/terminal.hpp"
 #include "simulator/scene.hpp"
 #include "simulator/write/point_count.hpp"
 #include "simulator/write/point_writer.hpp"

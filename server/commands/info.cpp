@@ -5,8 +5,8 @@
 #include "server/commands/command.hpp"
 #include "server/commands/file_info.hpp"
 #include "server/commands/info_print.hpp"
-#include "server/commands/progress_bar.hpp"
-#include "server/commands/terminal.hpp"
+#include "server/terminal/progress_bar.hpp"
+#include "server/terminal/terminal.hpp"
 
 namespace scancast {
 namespace {

@@ -83,6 +83,13 @@ void tellOctree(const FileInfo& info, Lines& lines) {
                                                : "yes, normals point to either side");
 }
 
+void tellLook(const CloudFacts& f, Lines& lines) {
+    if (!f.look) return;
+    lines.add("look", fmt::format("{}, first seen {}; \"scancast look\" tells all", name(f.look->kind),
+                                  f.look->views.front().name));
+    lines.add("", f.look->reason);
+}
+
 void tellStrange(const CloudFacts& f, Lines& lines) {
     CloudFacts strange;
     strange.constant = f.constant;
@@ -254,6 +261,7 @@ std::string infoText(const FileInfo& info) {
     tellOctree(info, lines);
     tellAttributes(info, lines);
     tellColumns(info, lines);
+    tellLook(info.facts, lines);
     tellCheck(info, lines);
     return lines.text_;
 }
@@ -282,6 +290,7 @@ Json infoJson(const FileInfo& info) {
     json["gridStep"] = info.gridStep.x > 0 ? vectorJson(info.gridStep) : Json();
     json["scannerOrigin"] = info.scannerOrigin ? vectorJson(*info.scannerOrigin) : Json();
     json["octree"] = octreeJson(info);
+    json["look"] = f.look ? Json(toJson(*f.look)) : Json();
     json["check"] = checkJson(info);
     return json;
 }

@@ -5,6 +5,7 @@
 
 #include <csignal>
 #include <memory>
+#include <nlohmann/json.hpp>
 #include <stop_token>
 #include <thread>
 
@@ -12,11 +13,13 @@
 #include "renderer/cloud/build/lazy_scan.hpp"
 #include "renderer/cloud/import/open_scan.hpp"
 #include "renderer/cloud/import/standard_input.hpp"
+#include "renderer/look/keep_look.hpp"
 #include "server/commands/byte_size.hpp"
 #include "server/commands/command.hpp"
-#include "server/commands/progress_bar.hpp"
-#include "server/commands/shutdown_signals.hpp"
-#include "server/commands/terminal.hpp"
+#include "server/commands/look_file.hpp"
+#include "server/terminal/progress_bar.hpp"
+#include "server/terminal/shutdown_signals.hpp"
+#include "server/terminal/terminal.hpp"
 
 namespace scancast {
 namespace {
@@ -25,7 +28,7 @@ namespace fs = std::filesystem;
 
 struct IngestArguments {
     std::vector<std::string> inputs;
-    std::string output, memoryLimit, scratch, title, orient = "scan";
+    std::string output, memoryLimit, scratch, title, look, orient = "scan";
     int threads = 0, neighbours = 10;
     bool noSurfels = false, keepAttributes = false, force = false, quiet = false;
 };
@@ -140,10 +143,26 @@ void tellNeeds(const std::vector<std::unique_ptr<PointSource>>& sources, const I
          sum.scratch > 0 ? fmt::format(", temporary files up to {}", byteSizeText(sum.scratch)) : "");
 }
 
+/// How the cloud is shown at first is decided once it is whole. A cloud without is as good: it is decided whenever
+/// it is opened.
+Expected<void> keepLookOf(const IngestArguments& arguments, const nlohmann::json& changes) {
+    const auto look = decideAndKeepLook(arguments.output, changes);
+    if (!look && look.error().code == ErrorCode::InvalidArgument) return passOn(look);
+    if (arguments.quiet) return {};
+    if (!look)
+        tell("How to show it at first could not be decided: {}\n", look.error().message);
+    else
+        tell("{}, first seen {}. {}\n", name(look->kind), look->views.front().name, look->reason);
+    return {};
+}
+
 Expected<void> runIngest(const IngestArguments& arguments) {
     returnMemoryOfChunks();
     auto options = ingestOptions(arguments);
     if (!options) return passOn(options);
+    const auto look =
+        arguments.look.empty() ? Expected<nlohmann::json>(nlohmann::json()) : readLookFile(arguments.look);
+    if (!look) return passOn(look);
     const Interruption interruption;
     auto sources = openAll(arguments, *options);
     if (!sources) return passOn(sources);
@@ -154,6 +173,7 @@ Expected<void> runIngest(const IngestArguments& arguments) {
     if (!report && report.error().code == ErrorCode::Cancelled)
         return fail(ErrorCode::Cancelled, "Interrupted; no cloud file was left behind.");
     if (!report) return passOn(report);
+    if (auto ok = keepLookOf(arguments, *look); !ok) return ok;
     if (arguments.quiet) return {};
     const double points = double(report->facts.points);
     tell("{}: {} points in {} nodes, {} ({:.1f} bytes a point), {:.1f} s ({:.2f} M points/s)\n",
@@ -214,6 +234,12 @@ void addIngest(CLI::App& app, int& exitCode) {
         ->type_name("SIDE");
     command->add_flag("--keep-attributes", arguments->keepAttributes,
                       "Also keep what is not drawn: GPS time, returns, extra bytes");
+    command
+        ->add_option(
+            "--look", arguments->look,
+            "How to show it at first: JSON with what is to differ from what would be decided (scancast "
+            "look prints one)")
+        ->type_name("FILE");
     command->add_flag("-f,--force", arguments->force, "Replace the cloud file if it is there");
     command
         ->add_option("--threads", arguments->threads, "0 = all cores; the file is the same with any number")

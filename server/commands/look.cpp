@@ -1,41 +1,56 @@
-// `scancast look`: how a cloud is shown when nobody says anything, and why.
+// `scancast look`: how a cloud is shown when nobody says anything, and why; and how to change that.
 #include <fmt/format.h>
 
 #include <nlohmann/json.hpp>
 
-#include "renderer/cloud/build/build_cloud.hpp"
 #include "renderer/look/decide_look.hpp"
-#include "renderer/residency/open_cloud.hpp"
+#include "renderer/look/keep_look.hpp"
 #include "server/commands/command.hpp"
+#include "server/commands/look_file.hpp"
 #include "server/commands/open_any.hpp"
-#include "server/commands/terminal.hpp"
+#include "server/terminal/terminal.hpp"
 
 namespace scancast {
 namespace {
 
 struct LookArguments {
     std::string file, set;
+    bool decide = false;
 };
 
 Expected<void> runLook(const LookArguments& arguments) {
-    auto cloud = openAny(arguments.file, {});
+    const auto cloud = openAny(arguments.file, {});
     if (!cloud) return passOn(cloud);
-    const auto look = (*cloud)->look ? Expected<Look>(*(*cloud)->look) : decideLook(**cloud);
+    const bool known = (*cloud)->look && !arguments.decide;
+    auto look = known ? Expected<Look>(*(*cloud)->look) : decideLook(**cloud);
+    if (look && !arguments.set.empty()) look = changedLook(*look, arguments.set);
     if (!look) return passOn(look);
-    return print(toJson(*look).dump(2) + "\n");
+    if (arguments.set.empty() && !arguments.decide) return print(toJson(*look).dump(2) + "\n");
+    if (auto kept = keepLook(arguments.file, *look); !kept) return kept;
+    tell("{} is shown like this from now on: {}, first seen {}.\n", arguments.file, name(look->kind),
+         look->views.front().name);
+    return {};
 }
 
 }  // namespace
 
 void addLook(CLI::App& app, int& exitCode) {
     const auto arguments = std::make_shared<LookArguments>();
-    auto* command = app.add_subcommand("look", "Show or change how a cloud is shown at first, and why");
+    auto* command = app.add_subcommand("look", "Show or change how a cloud is shown at first");
     command->footer(
+        "Without --set and --decide it prints the look as JSON, of a scan as it would be decided; "
+        "PROTOCOL.md "
+        "describes it.\n"
         "Examples:\n"
-        "  scancast look town.scan > town.json       # as it is, or would be decided\n"
-        "  scancast look town.scan --set town.json   # from now on like this\n"
-        "  scancast look town.scan --decide          # forget it and look again");
+        "  scancast look town.scan > town.json       # then change town.json: a camera, a colour, a method\n"
+        "  scancast look town.scan --set town.json   # the file is changed in place, no block is rewritten\n"
+        "  scancast look town.scan --decide          # forget that, and look at it again");
     command->add_option("file", arguments->file, "The cloud file or the scan")->required();
+    auto* set =
+        command->add_option("--set", arguments->set,
+                            "Keep this look in the cloud file: JSON, with what is to change or all of it");
+    command->add_flag("--decide", arguments->decide, "Decide the look anew, and keep it in the cloud file")
+        ->excludes(set);
     command->callback([arguments, &exitCode] {
         if (auto done = runLook(*arguments); !done) {
             tell("scancast look: {}\n", done.error().message);

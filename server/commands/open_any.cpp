@@ -8,8 +8,8 @@
 #include "renderer/cloud/import/open_scan.hpp"
 #include "renderer/residency/open_cloud.hpp"
 #include "server/commands/byte_size.hpp"
-#include "server/commands/progress_bar.hpp"
-#include "server/commands/terminal.hpp"
+#include "server/terminal/progress_bar.hpp"
+#include "server/terminal/terminal.hpp"
 
 namespace scancast {
 namespace {

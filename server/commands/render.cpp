@@ -15,9 +15,10 @@
 #include "renderer/render.hpp"
 #include "server/commands/byte_size.hpp"
 #include "server/commands/command.hpp"
+#include "server/commands/look_file.hpp"
 #include "server/commands/open_any.hpp"
 #include "server/commands/program_folder.hpp"
-#include "server/commands/terminal.hpp"
+#include "server/terminal/terminal.hpp"
 
 namespace scancast {
 
@@ -27,7 +28,7 @@ namespace fs = std::filesystem;
 using Clock = std::chrono::steady_clock;
 
 struct RenderArguments {
-    std::string file, output, stats;
+    std::string file, output, stats, look;
     DeviceOptions device;
     RenderOptions render;
     ViewFlags view;
@@ -69,6 +70,8 @@ std::string statsJson(const Timings& timings, const Frame& frame, const Cloud& c
     json["device"] = frame.stats.device;
     json["method"] = frame.stats.method;
     if (!frame.stats.methodReason.empty()) json["methodReason"] = frame.stats.methodReason;
+    json["color"] = frame.stats.color;
+    json["exposure"] = frame.stats.exposure;
     json["mirrors"] = frame.stats.mirrorsDrawn;
     json["bytesUploaded"] = frame.stats.bytesUploaded;
     json["deviceBytes"] = frame.stats.deviceBytes;
@@ -108,6 +111,16 @@ Expected<void> checkArguments(const RenderArguments& arguments) {
     return {};
 }
 
+/// Errors: those of changedLook(); InvalidArgument for a cloud that has none to change.
+Expected<std::shared_ptr<const Cloud>> withChangedLook(std::shared_ptr<const Cloud> cloud,
+                                                       const std::string& file) {
+    auto look = changedLook(cloud->look.value_or(Look()), file);
+    if (!look) return passOn(look);
+    auto changed = std::make_shared<Cloud>(*cloud);
+    changed->look = std::move(*look);
+    return changed;
+}
+
 /// A lost device is replaced by the cpu device, which draws the picture instead.
 Expected<Frame> renderOrReplace(std::unique_ptr<Device>& device, const Cloud& cloud, const View& view,
                                 const RenderArguments& arguments) {
@@ -140,6 +153,10 @@ Expected<void> runRender(const RenderArguments& arguments) {
                                           .memoryLimit = arguments.memoryLimit});
     if (!cloud) return passOn(cloud);
     cloud = withLook(std::move(*cloud));
+    if (!arguments.look.empty()) {
+        cloud = withChangedLook(std::move(*cloud), arguments.look);
+        if (!cloud) return passOn(cloud);
+    }
     auto view = applyWords(defaultView(**cloud), *words);
     if (!view) return passOn(view);
 
@@ -207,6 +224,12 @@ void addRender(CLI::App& app, int& exitCode) {
                       "shading=phong need. Cloud files stay as they are");
     command->add_option("--stats", arguments->stats, "Print times, as json, on standard output")
         ->check(CLI::IsMember({"json"}));
+    command
+        ->add_option(
+            "--look", arguments->look,
+            "Show it by this look instead of its own: JSON as scancast look prints it, or what is to "
+            "differ. Flags of the view win")
+        ->type_name("FILE");
     arguments->view.addTo(*command);
     command->callback([arguments, &exitCode] {
         if (auto done = runRender(*arguments); !done) {

@@ -14,11 +14,11 @@
 #include "server/commands/command.hpp"
 #include "server/commands/config_file.hpp"
 #include "server/commands/program_folder.hpp"
-#include "server/commands/progress_bar.hpp"
 #include "server/commands/serve_options.hpp"
-#include "server/commands/shutdown_signals.hpp"
-#include "server/commands/terminal.hpp"
 #include "server/server.hpp"
+#include "server/terminal/progress_bar.hpp"
+#include "server/terminal/shutdown_signals.hpp"
+#include "server/terminal/terminal.hpp"
 
 namespace scancast {
 namespace {

@@ -8,8 +8,7 @@ FILES are what scancast reads; of a Potree octree its folder, cloud.js or metada
 folder. FLAGS go to every `scancast render`. Of each scan:
   fill     the box from the 1st to the 99th percentile of covered columns and rows takes 75 % of the width or height at least;
   middle   its middle is at most 8 % of width and height off the picture's;
-  border   of the outermost pixels at most 2 % are covered: 60 % where `scancast info --json` says in files[0].look that
-           the scan is a landscape (kind airborne, street), is seen from inside (indoor, depth-frame, or inside: true).
+  border   of the outermost pixels at most 2 % are covered: 60 % where `scancast look` says that the scan is a landscape (kind airborne, street), is seen from inside (indoor, depth-frame, or inside: true).
            A scan of which it says nothing is an object, or what --unknown-as says;
   spread   luminance of covered pixels: 0.25 at least from the 5th to the 95th percentile;
   median   its median is 0.12 to 0.85;
@@ -134,6 +133,15 @@ def described(job):
     return about, None
 
 
+def look_of(job):
+    """How scancast chose to show the scan: its kind, and whether it is first seen from inside; None of programs before it could."""
+    try:
+        look = json.loads(called(job.program, "look", job.scan)[0])
+        return {"kind": look["kind"], "inside": look["views"][0]["inside"], "view": look["views"][0]["name"], "reason": look["reason"]}
+    except (ValueError, LookupError):
+        return None
+
+
 def drawn(job, kind, flags):
     """Path of a picture, and why there is none."""
     path = os.path.join(job.folder, job.name + kind)
@@ -146,7 +154,7 @@ def looked_at(job):
     found = {"name": job.name, "file": job.scan, "half": half_of(job.scan), "state": "unreadable"}
     about, error = described(job)
     if error is None:
-        look = about.get("look")
+        look = look_of(job)
         found |= {"points": about["points"], "format": about.get("format"), "look": look,
                   "coloured": bool((about.get("attributes") or {}).get("color"))}
         path, error = drawn(job, ".png", job.flags)

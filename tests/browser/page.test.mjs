@@ -109,7 +109,7 @@ describe('the page', { timeout: 240_000 }, () => {
     assert.ok(await changeBy(page, () => page.selectOption('#method', 'point')) > changedAtLeast, 'point');
     await changeBy(page, () => page.click('#reset-style'));
     assert.equal(await page.inputValue('#method'), 'paraboloid');
-    assert.equal(await page.inputValue('#color'), 'rgb');
+    assert.equal(await page.inputValue('#color'), 'auto');
   }));
 
   it('another cloud comes with its name and its own view', () => withPage(async (page) => {

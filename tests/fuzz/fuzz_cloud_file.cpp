@@ -1,6 +1,7 @@
 // Any bytes as a cloud file: an error with words, or nodes that keep the promises of the page; never a crash.
-// An input is tried as it is, as changes to a sound file, and as that file's blocks, records and facts - each
-// time with the checksums made right, or they would keep everything else from being reached.
+// An input is tried as it is, as changes to a sound file, and as that file's blocks, indices and facts - each
+// time with the checksums made right, or they would keep everything else from being reached; changes are tried in
+// version 1, too.
 #include <cmath>
 #include <cstdlib>
 #include <cstring>
@@ -10,6 +11,7 @@
 #include "renderer/cloud/file/facts_json.hpp"
 #include "renderer/cloud/file/file_layout.hpp"
 #include "renderer/cloud/file/random_reader.hpp"
+#include "tests/support/clouds/version_one.hpp"
 
 namespace {
 
@@ -33,109 +35,175 @@ void tryFile(std::span<const std::byte> bytes) {
         if (const auto samples = (*file)->samples(i); samples && samples->size() != n.sampleCount)
             std::abort();
         (void)(*file)->rows(i);
+        for (std::size_t p = 0; p < (*file)->planes().size(); ++p) {
+            const auto values = (*file)->plane(i, p);
+            if (values && !values->empty() &&
+                values->size() != n.sampleCount * bytesOf((*file)->planes()[p].type))
+                std::abort();
+        }
     }
 }
 
-/// A file of header, blocks, records and facts whose checksums are right, those of the blocks included.
-Bytes assemble(std::span<const std::byte> blocks, Bytes records, std::span<const std::byte> facts) {
-    Bytes file(cloudHeaderBytes + blocks.size());
-    std::copy(blocks.begin(), blocks.end(), file.begin() + cloudHeaderBytes);
-    CloudFileHeader header;
-    header.nodes = std::uint32_t(records.size() / nodeRecordBytes);
-    for (std::size_t i = 0; i < header.nodes; ++i) {
-        const auto record = std::span(records).subspan(i * nodeRecordBytes).first<nodeRecordBytes>();
+/// What a file is made of.
+struct Parts {
+    Bytes blocks, nodes, planes;
+    std::string facts;
+};
+
+/// What is there, and all of it within `file`, gets its checksum.
+void makeRight(BlockPlace& place, std::span<const std::byte> file) {
+    if (place.bytes > 0 && place.offset <= file.size() && place.bytes <= file.size() - place.offset)
+        place.checksum = checksumOf(file.subspan(place.offset, place.bytes));
+}
+
+/// Header and blocks, then the parts; `header` learns where they are.
+Bytes assemble(const Parts& parts, CloudFileHeader& header) {
+    Bytes file(cloudHeaderBytes + parts.blocks.size());
+    std::copy(parts.blocks.begin(), parts.blocks.end(), file.begin() + cloudHeaderBytes);
+    const auto append = [&](std::span<const std::byte> bytes) {
+        const FilePart part{.offset = file.size(), .bytes = bytes.size(), .checksum = checksumOf(bytes)};
+        file.insert(file.end(), bytes.begin(), bytes.end());
+        return part;
+    };
+    header.nodes = std::uint32_t(parts.nodes.size() / nodeRecordBytes);
+    header.index = append(parts.nodes);
+    header.planes = append(parts.planes);
+    header.facts = append(std::as_bytes(std::span(parts.facts.data(), parts.facts.size())));
+    header.fileBytes = file.size();
+    return file;
+}
+
+/// A file whose checksums are right, those of the blocks included.
+Bytes versionTwo(Parts parts) {
+    Bytes blocks(cloudHeaderBytes);
+    blocks.insert(blocks.end(), parts.blocks.begin(), parts.blocks.end());
+    for (std::size_t at = 0; at + nodeRecordBytes <= parts.nodes.size(); at += nodeRecordBytes) {
+        const auto record = std::span(parts.nodes).subspan(at).first<nodeRecordBytes>();
         StoredNode node = decodeNode(record);
-        for (BlockPlace* place : {&node.samples, &node.rows})
-            if (place->offset <= file.size() && place->bytes <= file.size() - place->offset &&
-                place->bytes > 0)
-                place->checksum = checksumOf(std::span(file).subspan(place->offset, place->bytes));
+        makeRight(node.samples, blocks);
         encodeNode(node, record);
     }
-    header.index.offset = file.size();
-    header.index.checksum = checksumOf(records);
-    header.factsOffset = file.size() + records.size();
-    header.factsBytes = facts.size();
-    header.factsChecksum = checksumOf(facts);
-    file.insert(file.end(), records.begin(), records.end());
-    file.insert(file.end(), facts.begin(), facts.end());
-    header.fileBytes = file.size();
+    for (std::size_t at = 0; at + planeRecordBytes <= parts.planes.size(); at += planeRecordBytes) {
+        const auto record = std::span(parts.planes).subspan(at).first<planeRecordBytes>();
+        BlockPlace place = decodePlane(record);
+        makeRight(place, blocks);
+        encodePlane(place, record);
+    }
+    CloudFileHeader header;
+    Bytes file = assemble(parts, header);
     const auto start = encodeHeader(header);
     std::copy(start.begin(), start.end(), file.begin());
     return file;
 }
 
-/// A root with two leaves, as sound as can be: what mutations start from.
-struct Sound {
-    Bytes blocks, records;
-    std::string facts;
-};
+/// The same in version 1: what is the column's place in version 2 is that of the rows.
+Bytes versionOne(Parts parts) {
+    Bytes blocks(cloudHeaderBytes);
+    blocks.insert(blocks.end(), parts.blocks.begin(), parts.blocks.end());
+    for (std::size_t i = 0; (i + 1) * nodeRecordBytes <= parts.nodes.size(); ++i) {
+        const auto record = std::span(parts.nodes).subspan(i * nodeRecordBytes).first<nodeRecordBytes>();
+        StoredNode node = decodeNode(record);
+        makeRight(node.samples, blocks);
+        BlockPlace rows;
+        // The sound file has two planes a node, the first of them a column.
+        if (const std::size_t at = 2 * i * planeRecordBytes; at + planeRecordBytes <= parts.planes.size())
+            rows = decodePlane(std::span(parts.planes).subspan(at).first<planeRecordBytes>());
+        makeRight(rows, blocks);
+        test::encodeVersionOneNode(node, rows, record);
+    }
+    parts.planes.clear();
+    CloudFileHeader header;
+    Bytes file = assemble(parts, header);
+    const auto start = test::versionOneHeader(header);
+    std::copy(start.begin(), start.end(), file.begin());
+    return file;
+}
 
-Sound sound() {
-    Sound s;
+Node soundNode(std::uint32_t i) {
+    Node n{};
+    n.step = n.boxMax = glm::dvec3(1);
+    n.spacing = n.meanSpacing = 1;
+    n.level = i > 0;
+    n.parent = i > 0 ? 0 : noNode;
+    n.childCount = i > 0 ? 0 : 2;
+    n.firstChild = i > 0 ? noNode : 1;
+    n.sampleCount = 20;
+    n.points = i > 0 ? 20 : 40;
+    n.firstSample = 20 * i;
+    return n;
+}
+
+/// A root with two leaves, a column and a companion, as sound as can be: what mutations start from.
+Parts sound() {
+    Parts s;
     CloudFacts cloud;
     cloud.points = 40;
     cloud.columns = {{{"gps_time", ColumnType::Float64, 1, 0, ""}, {0, 1}}};
+    cloud.companions = {{"density", ColumnType::Uint8, ValuePlane::Of::Samples}};
     s.facts = printFacts(cloud, "fuzzer").value();
-    std::uint64_t samplesBefore = 0;
-    s.records.resize(3 * nodeRecordBytes);
+    const auto put = [&](const Bytes& block) {
+        const BlockPlace place{cloudHeaderBytes + s.blocks.size(), std::uint32_t(block.size()), 0};
+        s.blocks.insert(s.blocks.end(), block.begin(), block.end());
+        return block.empty() ? BlockPlace{} : place;
+    };
+    s.nodes.resize(3 * nodeRecordBytes);
+    s.planes.resize(3 * 2 * planeRecordBytes);
     for (std::uint32_t i = 0; i < 3; ++i) {
-        StoredNode stored{};
-        Node& n = stored.node;
-        n.step = n.boxMax = glm::dvec3(1);
-        n.spacing = n.meanSpacing = 1;
-        n.level = i > 0;
-        n.parent = i > 0 ? 0 : noNode;
-        n.childCount = i > 0 ? 0 : 2;
-        n.firstChild = i > 0 ? noNode : 1;
-        n.sampleCount = 20;
-        n.points = i > 0 ? 20 : 40;
-        n.firstSample = samplesBefore;
-        samplesBefore += n.sampleCount;
-        const std::vector<Sample> samples(n.sampleCount,
-                                          Sample{std::uint16_t(i), 2, 3, 4, 5, 6, 7, 8, 9, 10, 11});
-        const auto put = [&](const Bytes& block) {
-            const BlockPlace place{cloudHeaderBytes + s.blocks.size(), std::uint32_t(block.size()), 0};
-            s.blocks.insert(s.blocks.end(), block.begin(), block.end());
-            return place;
-        };
-        stored.samples = put(encodeSamples(samples));
-        if (i > 0) stored.rows = put(encodeRows(Bytes(20 * 8), 8));
-        encodeNode(stored, std::span(s.records).subspan(i * nodeRecordBytes).first<nodeRecordBytes>());
+        const StoredNode stored{soundNode(i),
+                                put(encodeSamples(std::vector<Sample>(
+                                    20, Sample{std::uint16_t(i), 2, 3, 4, 5, 6, 7, 8, 9, 10, 11})))};
+        encodeNode(stored, std::span(s.nodes).subspan(i * nodeRecordBytes).first<nodeRecordBytes>());
+        const BlockPlace column = i > 0 ? put(encodeRows(Bytes(20 * 8), 8)) : BlockPlace{};
+        const BlockPlace companion = put(encodeRows(Bytes(20), 1));
+        const auto records = std::span(s.planes).subspan(2 * i * planeRecordBytes);
+        encodePlane(column, records.first<planeRecordBytes>());
+        encodePlane(companion, records.subspan(planeRecordBytes).first<planeRecordBytes>());
     }
     return s;
+}
+
+/// Each three bytes change one byte of what is sound: where (16 bits) and to what.
+Parts changed(Parts parts, const std::uint8_t* data, std::size_t size) {
+    const auto set = [&](std::size_t where, std::uint8_t to) {
+        for (Bytes* part : {&parts.nodes, &parts.planes, &parts.blocks}) {
+            if (where < part->size()) return void((*part)[where] = std::byte(to));
+            where -= part->size();
+        }
+        parts.facts[where] = char(to);
+    };
+    const std::size_t total =
+        parts.nodes.size() + parts.planes.size() + parts.blocks.size() + parts.facts.size();
+    for (std::size_t at = 0; at + 3 <= size && at < 48; at += 3)
+        set((data[at] | std::size_t(data[at + 1]) << 8) % total, data[at + 2]);
+    return parts;
 }
 
 }  // namespace
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-    static const Sound start = sound();
-    static const bool good = [] {
-        const auto file = assemble(start.blocks, start.records,
-                                   std::as_bytes(std::span(start.facts.data(), start.facts.size())));
-        return CloudFile::open(readerOf(file), "sound.scan").has_value();
-    }();
+    static const Parts start = sound();
+    static const Bytes two = versionTwo(start), one = versionOne(start);
+    static const bool good =
+        CloudFile::open(readerOf(two), "two.scan") && CloudFile::open(readerOf(one), "one.scan");
     if (!good) std::abort();  // then nothing behind the checks would be reached
     const auto bytes = std::as_bytes(std::span(data, size));
     tryFile(bytes);
 
-    // Each three bytes change one byte of what is sound: where (16 bits) and to what.
-    Bytes records = start.records, blocks = start.blocks;
-    std::string facts = start.facts;
-    const std::size_t total = records.size() + blocks.size() + facts.size();
-    for (std::size_t at = 0; at + 3 <= size && at < 48; at += 3) {
-        std::size_t where = (data[at] | std::size_t(data[at + 1]) << 8) % total;
-        if (where < records.size())
-            records[where] = std::byte(data[at + 2]);
-        else if ((where -= records.size()) < blocks.size())
-            blocks[where] = std::byte(data[at + 2]);
-        else
-            facts[where - blocks.size()] = char(data[at + 2]);
-    }
-    tryFile(assemble(blocks, records, std::as_bytes(std::span(facts.data(), facts.size()))));
-    // And the input itself as blocks, as records and as facts.
-    tryFile(assemble(bytes, start.records, std::as_bytes(std::span(facts.data(), facts.size()))));
-    Bytes own(bytes.begin(), bytes.begin() + std::ptrdiff_t(size / nodeRecordBytes * nodeRecordBytes));
-    tryFile(assemble(start.blocks, own, std::as_bytes(std::span(facts.data(), facts.size()))));
-    tryFile(assemble(start.blocks, start.records, bytes));
+    const Parts mutant = changed(start, data, size);
+    tryFile(versionTwo(mutant));
+    tryFile(versionOne(mutant));
+    // And the input itself as blocks, as nodes, as planes and as facts.
+    const auto whole = [&](std::size_t record) {
+        return Bytes(bytes.begin(), bytes.begin() + std::ptrdiff_t(size / record * record));
+    };
+    Parts own = start;
+    own.facts = mutant.facts, own.blocks = whole(1);
+    tryFile(versionTwo(own));
+    own = start, own.facts = mutant.facts, own.nodes = whole(nodeRecordBytes);
+    tryFile(versionTwo(own));
+    own = start, own.facts = mutant.facts, own.planes = whole(planeRecordBytes);
+    tryFile(versionTwo(own));
+    own = start, own.facts.assign(reinterpret_cast<const char*>(data), size);
+    tryFile(versionTwo(own));
     return 0;
 }

@@ -48,7 +48,8 @@ struct Mailbox {
     std::string status;  ///< of the connection; empty = well
 };
 
-constexpr std::array colors{ColorSource::Rgb, ColorSource::Elevation, ColorSource::Intensity,
+constexpr std::array colors{ColorSource::Auto,           ColorSource::Rgb,
+                            ColorSource::Elevation,      ColorSource::Intensity,
                             ColorSource::Classification, ColorSource::Normal};
 constexpr const char* help =
     "drag turn | right drag move | wheel zoom | WASD QE fly | M N method | 1 2 3 quality | C colour | R "
@@ -283,6 +284,7 @@ class Window {
     void nextColor() {
         const auto at = std::find(colors.begin(), colors.end(), view_.style.color);
         view_.style.color = at == colors.end() || at + 1 == colors.end() ? colors.front() : *(at + 1);
+        view_.style.byIntensity = false;
         view_.style.range.reset();
         changed_ = true;
     }

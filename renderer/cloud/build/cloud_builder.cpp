@@ -122,6 +122,9 @@ OctreeInput inputOf(const CloudFacts& facts, const ScanHeader& header, const Oct
     input.oriented = facts.oriented;
     if (header.scannerOrigin) input.scanner = *header.scannerOrigin - facts.origin;
     input.shape = shape;
+    std::vector<ColumnType> types;
+    for (const Column& column : header.columns) types.push_back(column.type);
+    input.columns = placesInRow(types);
     input.rowBytes = rowBytes(header.columns);
     return input;
 }

@@ -29,7 +29,7 @@ float settleSpacing(double own, const Node* parent, float Node::*spacing, const 
     return std::max(float(step), std::numeric_limits<float>::min());
 }
 
-Node toNode(const BuildNode& from, const Node* parent, const Grid& grid) {
+Node toNode(const BuildNode& from, const Node* parent, const OctreeInput& input) {
     Node node{};
     const NodeContent& c = from.content;
     node.boxMin = c.corner;
@@ -37,12 +37,14 @@ Node toNode(const BuildNode& from, const Node* parent, const Grid& grid) {
     node.boxMax = c.bounds.high;
     node.center = c.bounds.center;
     node.radius = c.bounds.radius;
-    node.spacing = settleSpacing(c.spacing, parent, &Node::spacing, grid);
-    node.meanSpacing = std::min(node.spacing, settleSpacing(c.meanSpacing, parent, &Node::meanSpacing, grid));
+    node.spacing = settleSpacing(c.spacing, parent, &Node::spacing, input.grid);
+    node.meanSpacing =
+        std::min(node.spacing, settleSpacing(c.meanSpacing, parent, &Node::meanSpacing, input.grid));
     node.radiusUnit = radiusUnit(c.spacing);
     node.cone = c.cone;
     node.childCount = std::uint8_t(from.children.size());
     node.level = std::uint8_t(from.level);
+    node.confidence = input.oriented ? certainSide : 0;
     node.sampleCount = from.stored.node.sampleCount;
     node.points = from.pointCount;
     return node;
@@ -54,23 +56,31 @@ struct Numbered {
     std::vector<StoredNode> nodes;
 };
 
-Numbered number(BuildNode& root, const Grid& grid) {
-    Numbered n{.order = {&root}, .nodes = {{.node = toNode(root, nullptr, grid), .samples = {}, .rows = {}}}};
+Numbered number(BuildNode& root, const OctreeInput& input) {
+    Numbered n{.order = {&root},
+               .nodes = {{.node = toNode(root, nullptr, input), .samples = root.stored.samples}}};
     std::uint64_t samples = n.nodes[0].node.sampleCount;
     for (std::uint32_t i = 0; i < n.order.size(); ++i) {
         if (!n.order[i]->isLeaf()) n.nodes[i].node.firstChild = std::uint32_t(n.nodes.size());
         for (const auto& child : n.order[i]->children) {
-            Node node = toNode(*child, &n.nodes[i].node, grid);
+            Node node = toNode(*child, &n.nodes[i].node, input);
             node.parent = i;
             node.firstSample = samples;
             samples += node.sampleCount;
-            n.nodes.push_back({node, child->stored.samples, child->stored.rows});
+            n.nodes.push_back({node, child->stored.samples});
             n.order.push_back(child.get());
         }
     }
-    n.nodes[0].samples = root.stored.samples;
-    n.nodes[0].rows = root.stored.rows;
     return n;
+}
+
+/// Of all nodes in turn; inner ones have none.
+std::vector<BlockPlace> columnPlaces(std::span<BuildNode* const> order, std::size_t columns) {
+    std::vector<BlockPlace> places(order.size() * columns);
+    for (std::size_t i = 0; i < order.size(); ++i)
+        std::copy(order[i]->columns.begin(), order[i]->columns.end(),
+                  places.begin() + std::ptrdiff_t(i * columns));
+    return places;
 }
 
 class Finisher {
@@ -191,14 +201,17 @@ NormalCone coneOfSamples(std::span<const Sample> samples) {
 
 Expected<BuiltOctree> finishTree(BuildNode& root, const OctreeInput& input, CloudFileWriter* file,
                                  const ProgressSink& progress, const std::stop_token& stop) {
-    Numbered tree = number(root, input.grid);
+    Numbered tree = number(root, input);
     if (auto ok = Finisher(root, input, file).finishInner(tree, progress, stop); !ok) return passOn(ok);
     joinCones(tree);
 
     BuiltOctree built;
     for (const BuildNode* node : tree.order) built.sampleHashes.push_back(node->sampleHash);
     built.nodes = std::move(tree.nodes);
-    if (file) return built;
+    if (file) {
+        built.planes = columnPlaces(tree.order, input.columns.size());
+        return built;
+    }
     const Node& last = built.nodes.back().node;
     built.samples.resize(last.firstSample + last.sampleCount);
     tbb::parallel_for(std::size_t(0), tree.order.size(), [&](std::size_t i) {

@@ -114,7 +114,8 @@ Expected<IngestReport> build(std::vector<std::unique_ptr<PointSource>> sources, 
     report.facts.title = options.title.empty() ? options.output.stem().string() : options.title;
     report.facts.mirrors = options.mirrors;
     report.facts.revision = revisionOf(report.facts, built->octree);
-    if (auto ok = (*file)->finish(report.facts, built->octree.nodes); !ok) return passOn(ok);
+    if (auto ok = (*file)->finish(report.facts, built->octree.nodes, built->octree.planes); !ok)
+        return passOn(ok);
 
     const Node& last = built->octree.nodes.back().node;
     report.nodes = built->octree.nodes.size();

@@ -22,10 +22,13 @@ namespace {
 /// finished.
 constexpr std::uint64_t nodeBytes =
     sizeof(BuildNode) + 4 * sizeof(void*) + 2 * (sizeof(StoredNode) + sizeof(void*));
+/// And for each column: a leaf's own place, the finished tree's, its record.
+constexpr std::uint64_t columnBytes = 3 * sizeof(BlockPlace);
 
 struct LeafBlocks {
     BuildNode* leaf = nullptr;
-    std::vector<std::byte> samples, rows;
+    std::vector<std::byte> samples;
+    std::vector<std::vector<std::byte>> columns;
 };
 
 /// A chunk on its way through the stages.
@@ -97,7 +100,7 @@ class TreeBuilder {
         work.blocks.resize(leaves.size());
         if (kept && file_)
             tbb::parallel_for(std::size_t(0), leaves.size(), [&](std::size_t i) {
-                work.blocks[i].rows = encodeRows(kept->rowsOf(leaves[i]->points), input_.rowBytes);
+                work.blocks[i].columns = encodeColumns(kept->rowsOf(leaves[i]->points));
             });
         kept.reset();
         if (input_.shape.surfels) {
@@ -114,6 +117,13 @@ class TreeBuilder {
                           [&](std::size_t i) { finishLeaf(*leaves[i], work.blocks[i]); });
         fillBelow(root, input_);
         return {};
+    }
+
+    std::vector<std::vector<std::byte>> encodeColumns(std::span<const std::byte> rows) const {
+        std::vector<std::vector<std::byte>> blocks;
+        for (const PlaceInRow& column : input_.columns)
+            blocks.push_back(encodeRows(takeColumn(rows, column), column.bytes));
+        return blocks;
     }
 
     Expected<void> load(Work& work) {
@@ -146,7 +156,7 @@ class TreeBuilder {
         BuildNode& root = *work.chunk.root;
         Expected<void> result;
         forEachNode(root, [&](BuildNode& n) {
-            workspace_.occupy(nodeBytes);
+            workspace_.occupy(nodeBytes + input_.columns.size() * columnBytes);
             if (n.isLeaf()) {
                 if (&n != &root) n.points = {};
             } else {
@@ -169,10 +179,12 @@ class TreeBuilder {
         leaf.stored.samples = *place;
         giveBack(leaf.content.samples);
         giveBack(leaf.content.densities);
-        if (blocks.rows.empty()) return {};
-        auto rows = file_->append(blocks.rows);
-        if (!rows) return passOn(rows);
-        leaf.stored.rows = *rows;
+        leaf.columns.reserve(blocks.columns.size());
+        for (const auto& block : blocks.columns) {
+            auto column = file_->append(block);
+            if (!column) return passOn(column);
+            leaf.columns.push_back(*column);
+        }
         return {};
     }
 

@@ -18,6 +18,7 @@
 #include "renderer/cloud/cloud.hpp"
 #include "renderer/cloud/file/block_place.hpp"
 #include "renderer/cloud/file/cloud_file_writer.hpp"
+#include "renderer/cloud/file/row_columns.hpp"
 
 namespace scancast {
 
@@ -29,12 +30,14 @@ struct OctreeInput {
     bool oriented = false;
     std::optional<glm::dvec3> scanner;  ///< cloud-relative: estimated normals point to it
     OctreeShape shape;
+    std::vector<PlaceInRow> columns;  ///< that are kept
     std::size_t rowBytes = 0;
 };
 
 /// A finished octree: in a file, or with its samples in memory.
 struct BuiltOctree {
     std::vector<StoredNode> nodes;            ///< breadth first; places are set where there is a file
+    std::vector<BlockPlace> planes;           ///< of the kept columns in the file, node by node
     std::vector<std::uint64_t> sampleHashes;  ///< XXH3, 64 bits, of each node's samples
     std::vector<Sample> samples;              ///< of all nodes in turn; empty where there is a file
 };

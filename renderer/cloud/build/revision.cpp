@@ -67,6 +67,11 @@ std::string revisionOf(const CloudFacts& cloud, const BuiltOctree& octree) {
     add(cloud.intensityRange[0]);
     add(cloud.intensityRange[1]);
     add(cloud.spacing);
+    if (cloud.usual) {
+        for (const glm::dvec3& corner : cloud.usual->position) add(corner);
+        for (const double end : cloud.usual->intensity) add(end);
+        for (const double level : cloud.usual->brightness) add(level);
+    }
     for (const Mirror& m : cloud.mirrors) {
         add(m.center);
         add(m.normal);

@@ -1,4 +1,4 @@
-// Where a node's samples and rows stand in a cloud file. Plain values.
+// Where a node's samples and the values beside them stand in a cloud file. Plain values.
 #pragma once
 
 #include <cstdint>
@@ -16,7 +16,7 @@ struct BlockPlace {
 
 struct StoredNode {
     Node node;
-    BlockPlace samples, rows;
+    BlockPlace samples;
 };
 
 }  // namespace scancast

@@ -1,6 +1,7 @@
 // The cloud file (CLOUD_FILE.md): an octree on disk. Opens by its index alone, in milliseconds at any size;
 // blocks are read one by one, checked before they are decoded. Nothing is memory-mapped: a truncated file is
-// an error, not a signal. Pipeline: ingest → **cloud file** → residency.
+// an error, not a signal. Version 1 files are read, too; who reads them sees no difference.
+// Pipeline: ingest → **cloud file** → residency.
 //
 // *Thread safety*: a CloudFile may be read from any number of threads.
 #pragma once
@@ -40,7 +41,15 @@ class CloudFile {
     virtual std::span<const StoredNode> nodes() const = 0;
     /// One node's samples. Errors: Malformed or Truncated, naming node and place; Io.
     virtual Expected<std::vector<Sample>> samples(std::uint32_t node) const = 0;
-    /// One node's rows of facts().columns, in the order of its samples; inner nodes and clouds without have
+
+    /// What there is beside the samples: facts().columns, in their order, then facts().companions.
+    virtual std::span<const ValuePlane> planes() const = 0;
+    /// One node's values of planes()[index], packed, in the order of its samples; empty where it has none.
+    /// Errors: as samples().
+    virtual Expected<std::vector<std::byte>> plane(std::uint32_t node, std::size_t index) const = 0;
+    /// Which block plane() reads, of a node and a plane that there are. Columns of a version 1 file share one.
+    virtual BlockPlace planePlace(std::uint32_t node, std::size_t index) const = 0;
+    /// All facts().columns of one node in rows, in the order of its samples; inner nodes and clouds without have
     /// none.
     virtual Expected<std::vector<std::byte>> rows(std::uint32_t node) const = 0;
 };

@@ -10,12 +10,14 @@
 #include <cerrno>
 
 #include "files/input_file.hpp"
+#include "files/raw_writes.hpp"
 #include "files/system_error.hpp"
 #include "files/unfinished_name.hpp"
 #include "files/unique_fd.hpp"
 #include "renderer/cloud/file/facts_json.hpp"
 #include "renderer/cloud/file/file_layout.hpp"
 #include "renderer/cloud/file/node_index.hpp"
+#include "renderer/cloud/file/plane_index.hpp"
 
 namespace scancast {
 
@@ -58,45 +60,51 @@ class Writer final : public CloudFileWriter {
 
     std::uint64_t bytesWritten() const override { return written_; }
 
-    Expected<void> finish(const CloudFacts& facts, std::span<const StoredNode> nodes) override {
-        // A file that open() would refuse is not worth finishing; a fault of the builder shows here.
-        if (nodes.size() > noNode - 1)
-            return fail(ErrorCode::ResourceLimit, "the cloud has too many nodes for a cloud file");
-        if (auto sound = checkNodes(nodes, facts, written_); !sound)
-            return fail(ErrorCode::Internal, path_.string() + " was not written: " + sound.error().message);
+    Expected<void> finish(const CloudFacts& facts, std::span<const StoredNode> nodes,
+                          std::span<const BlockPlace> planes) override {
+        if (auto sound = check(facts, nodes, planes); !sound) return sound;
         const auto json = printFacts(facts, programName());
         if (!json)
             return fail(json.error().code, path_.string() + " was not written: " + json.error().message);
 
         CloudFileHeader header;
         header.nodes = std::uint32_t(nodes.size());
-        header.index.offset = written_;
-        auto checksum = writeIndex(nodes);
-        if (!checksum) return passOn(checksum);
-        header.index.checksum = *checksum;
-        const auto text = std::as_bytes(std::span(*json));
-        header.factsOffset = written_;
-        header.factsBytes = text.size();
-        header.factsChecksum = checksumOf(text);
-        if (auto ok = write(text); !ok) return ok;
+        std::vector<std::byte> records(nodes.size() * nodeRecordBytes);
+        for (std::size_t i = 0; i < nodes.size(); ++i)
+            encodeNode(nodes[i], std::span(records).subspan(i * nodeRecordBytes).first<nodeRecordBytes>());
+        if (auto ok = writePart(records, header.index); !ok) return ok;
+        records.resize(planes.size() * planeRecordBytes);
+        for (std::size_t i = 0; i < planes.size(); ++i)
+            encodePlane(planes[i],
+                        std::span(records).subspan(i * planeRecordBytes).first<planeRecordBytes>());
+        if (auto ok = writePart(records, header.planes); !ok) return ok;
+        if (auto ok = writePart(std::as_bytes(std::span(*json)), header.facts); !ok) return ok;
         header.fileBytes = written_;
         return publish(header);
     }
 
   private:
-    Expected<std::uint64_t> writeIndex(std::span<const StoredNode> nodes) {
-        std::vector<std::byte> index(nodes.size() * nodeRecordBytes);
-        for (std::size_t i = 0; i < nodes.size(); ++i)
-            encodeNode(nodes[i], std::span(index).subspan(i * nodeRecordBytes).first<nodeRecordBytes>());
-        if (auto ok = write(index); !ok) return passOn(ok);
-        return checksumOf(index);
+    /// A file that open() would refuse is not worth finishing; a fault of the builder shows here.
+    Expected<void> check(const CloudFacts& facts, std::span<const StoredNode> nodes,
+                         std::span<const BlockPlace> planes) const {
+        if (nodes.size() > noNode - 1)
+            return fail(ErrorCode::ResourceLimit, "the cloud has too many nodes for a cloud file");
+        auto sound = checkNodes(nodes, facts, written_);
+        if (sound) sound = checkPlaces(planes, listsBesideSamples(facts, cloudFileVersion), nodes, written_);
+        if (sound) return {};
+        return fail(ErrorCode::Internal, path_.string() + " was not written: " + sound.error().message);
+    }
+
+    Expected<void> writePart(std::span<const std::byte> bytes, FilePart& part) {
+        part = {.offset = written_, .bytes = bytes.size(), .checksum = checksumOf(bytes)};
+        return write(bytes);
     }
 
     /// Everything is on disk before the header says so, and the header before the name does.
     Expected<void> publish(const CloudFileHeader& header) {
-        if (auto ok = sync(fd_.get()); !ok) return ok;
+        if (auto ok = sync(); !ok) return ok;
         if (auto ok = writeAt(0, encodeHeader(header)); !ok) return ok;
-        if (auto ok = sync(fd_.get()); !ok) return ok;
+        if (auto ok = sync(); !ok) return ok;
         if (const int refused = partial_.become(path_.string()))
             return fail(ErrorCode::Io,
                         fmt::format("{}: cannot get its name: {}", path_.string(), systemReason(refused)));
@@ -107,9 +115,8 @@ class Writer final : public CloudFileWriter {
         return {};
     }
 
-    Expected<void> sync(int fd) {
-        while (::fsync(fd) != 0)
-            if (errno != EINTR) return failedToWrite(errno);
+    Expected<void> sync() {
+        if (const int refused = syncFile(fd_.get())) return failedToWrite(refused);
         return {};
     }
 
@@ -120,15 +127,7 @@ class Writer final : public CloudFileWriter {
     }
 
     Expected<void> writeAt(std::uint64_t offset, std::span<const std::byte> bytes) {
-        constexpr std::size_t largestTransfer = std::size_t(1) << 30;
-        while (!bytes.empty()) {
-            const auto put = ::pwrite(fd_.get(), bytes.data(), std::min(bytes.size(), largestTransfer),
-                                      static_cast<off_t>(offset));
-            if (put < 0 && errno == EINTR) continue;
-            if (put <= 0) return failedToWrite(put < 0 ? errno : ENOSPC);
-            offset += static_cast<std::uint64_t>(put);
-            bytes = bytes.subspan(static_cast<std::size_t>(put));
-        }
+        if (const int refused = writeFullyAt(fd_.get(), offset, bytes)) return failedToWrite(refused);
         return {};
     }
 
@@ -161,15 +160,6 @@ Expected<void> checkTarget(const fs::path& path) {
                     path.string() +
                         ": there is a folder or a device of this name; give another, for example cloud.scan");
     return {};
-}
-
-/// Whether `fd` still is what the name leads to: it may have been renamed or removed before the lock was
-/// ours.
-bool isStillNamed(int fd, const fs::path& name) {
-    struct stat opened {
-    }, named{};
-    return ::fstat(fd, &opened) == 0 && ::stat(name.c_str(), &named) == 0 && opened.st_dev == named.st_dev &&
-           opened.st_ino == named.st_ino;
 }
 
 Expected<UniqueFd> openLocked(const fs::path& partial) {

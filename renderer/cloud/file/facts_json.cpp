@@ -2,10 +2,12 @@
 
 #include <spdlog/fmt/fmt.h>
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <nlohmann/json.hpp>
+#include <set>
 
 #include "protocol/json_text.hpp"
 
@@ -16,6 +18,8 @@ namespace {
 using Json = nlohmann::json;
 
 constexpr std::size_t mostColumns = 1024, mostRowBytes = 65536, mostMirrors = 1024, longestText = 65536;
+constexpr std::size_t mostCompanions = 64;
+constexpr std::string_view ofPoints = "points", ofSamples = "samples";
 constexpr std::size_t longestNote = 2048;
 constexpr ColumnType lastColumnType = ColumnType::Float64;
 
@@ -37,6 +41,12 @@ Json columnJson(const KeptColumn& kept) {
     return json;
 }
 
+Json planeJson(const ValuePlane& plane) {
+    return {{"name", plane.name},
+            {"type", name(plane.type)},
+            {"of", plane.of == ValuePlane::Of::Points ? ofPoints : ofSamples}};
+}
+
 Json mirrorJson(const Mirror& m) {
     return {{"center", vectorJson(m.center)},
             {"normal", vectorJson(m.normal)},
@@ -46,7 +56,7 @@ Json mirrorJson(const Mirror& m) {
             {"tint", m.tint}};
 }
 
-/// Only what is there: most clouds have neither constant attributes nor notes.
+/// Only what is there: most clouds have neither constant attributes nor notes nor values beside the samples.
 void addRare(const CloudFacts& f, Json& json) {
     if (f.crsEpsg) json["crsEpsg"] = *f.crsEpsg;
     if (f.constant.color) json["constant"]["color"] = *f.constant.color;
@@ -58,6 +68,7 @@ void addRare(const CloudFacts& f, Json& json) {
                          {"brightness", f.usual->brightness}};
     if (f.scanner) json["scanner"] = vectorJson(*f.scanner);
     if (f.look) json["look"] = toJson(*f.look);
+    for (const ValuePlane& plane : planesOf(f)) json["planes"].push_back(planeJson(plane));
 }
 
 Json factsJson(const CloudFacts& f, std::string_view writtenBy) {
@@ -172,7 +183,7 @@ class Fields {
         return nullptr;
     }
     bool has(const char* key) const { return object_.is_object() && object_.contains(key); }
-    void blame(const std::string& key, const char* what) {
+    void blame(const std::string& key, const std::string& what) {
         if (fault_.empty()) fault_ = fmt::format("\"{}{}\" {}", where_, key, what);
     }
     std::string& fault() { return fault_; }
@@ -191,18 +202,32 @@ class Fields {
     std::string& fault_;
 };
 
-void takeColumn(Fields fields, KeptColumn& into) {
+void takeType(Fields& fields, ColumnType& into) {
     std::string type;
-    fields.text("name", into.column.name);
     fields.text("type", type);
+    for (int t = 0; t <= int(lastColumnType); ++t)
+        if (name(ColumnType(t)) == type) return void(into = ColumnType(t));
+    fields.blame("type", "is none that there is");
+}
+
+void takeColumn(Fields fields, KeptColumn& into) {
+    fields.text("name", into.column.name);
+    takeType(fields, into.column.type);
     fields.number("scale", into.column.scale);
     fields.number("offset", into.column.offset);
     fields.text("description", into.column.description);
     fields.range("range", into.range);
     if (fields.has("usual")) fields.range("usual", into.usual.emplace());
-    for (int t = 0; t <= int(lastColumnType); ++t)
-        if (name(ColumnType(t)) == type) return void(into.column.type = ColumnType(t));
-    fields.blame("type", "is none that there is");
+}
+
+void takePlane(Fields fields, ValuePlane& into) {
+    std::string of;
+    fields.text("name", into.name);
+    takeType(fields, into.type);
+    fields.text("of", of);
+    into.of = of == ofSamples ? ValuePlane::Of::Samples : ValuePlane::Of::Points;
+    if (of != ofPoints && of != ofSamples) fields.blame("of", "is neither \"points\" nor \"samples\"");
+    if (into.name.empty()) fields.blame("name", "is empty");
 }
 
 void takeMirror(Fields fields, Mirror& into) {
@@ -260,7 +285,9 @@ void takeUsual(Fields fields, UsualRanges& into) {
 
 void takeLook(Fields& fields, std::optional<Look>& into) {
     auto look = applyLook(Look{}, *fields.find("look"));
-    if (!look) return fields.blame("look", look.error().message.c_str());
+    if (look)
+        if (auto ok = validate(*look); !ok) look = passOn(ok);
+    if (!look) return fields.blame("look", fmt::format("is none: {}", look.error().message));
     into = std::move(*look);
 }
 
@@ -291,7 +318,24 @@ void takeLists(Fields& fields, CloudFacts& facts) {
             takeMirror({mirror, fields.member("mirrors"), fields.fault()}, facts.mirrors.emplace_back());
 }
 
-void takeAll(Fields fields, StoredFacts& into) {
+/// Behind the columns, each of which must be there again. A companion is found by its name.
+void takePlanes(Fields& fields, CloudFacts& facts) {
+    if (facts.columns.empty() && !fields.has("planes")) return;
+    const Json* planes = fields.list("planes", Fields::noSize, facts.columns.size() + mostCompanions);
+    if (!planes) return;
+    std::vector<ValuePlane> all(planes->size());
+    for (std::size_t i = 0; i < all.size(); ++i)
+        takePlane({(*planes)[i], fields.member("planes"), fields.fault()}, all[i]);
+    const std::vector<ValuePlane> columns = planesOf(facts);
+    if (all.size() < columns.size() || !std::equal(columns.begin(), columns.end(), all.begin()))
+        return fields.blame("planes", "do not begin with the columns");
+    facts.companions.assign(all.begin() + std::ptrdiff_t(columns.size()), all.end());
+    std::set<std::string_view> names;
+    for (const ValuePlane& plane : facts.companions)
+        if (!names.insert(plane.name).second) fields.blame("planes", "have a name twice");
+}
+
+void takeAll(Fields fields, StoredFacts& into, std::uint32_t version) {
     CloudFacts& f = into.facts;
     fields.text("writtenBy", into.writtenBy);
     fields.text("title", f.title);
@@ -311,6 +355,7 @@ void takeAll(Fields fields, StoredFacts& into) {
     fields.flag("surfels", f.surfels);
     fields.flag("oriented", f.oriented);
     takeLists(fields, f);
+    if (version != 1) takePlanes(fields, f);
     fields.text("revision", f.revision);
 }
 
@@ -329,12 +374,12 @@ Expected<std::string> printFacts(const CloudFacts& facts, std::string_view writt
     return json;
 }
 
-Expected<StoredFacts> parseFacts(std::string_view json) {
+Expected<StoredFacts> parseFacts(std::string_view json, std::uint32_t version) {
     const auto parsed = parseJson(json);
     if (!parsed) return passOn(parsed);
     StoredFacts facts;
     std::string fault;
-    takeAll({*parsed, "", fault}, facts);
+    takeAll({*parsed, "", fault}, facts, version);
     if (!fault.empty()) return fail(ErrorCode::Malformed, fault);
     return facts;
 }

@@ -6,6 +6,7 @@
 #include <string_view>
 
 #include "renderer/cloud/cloud.hpp"
+#include "renderer/cloud/file/file_layout.hpp"
 
 namespace scancast {
 
@@ -20,9 +21,9 @@ struct StoredFacts {
 /// Doubles read back exactly; texts that are no UTF-8 are made some. InvalidArgument for facts that
 /// parseFacts() would refuse, so that nothing is written which cannot be read.
 Expected<std::string> printFacts(const CloudFacts& facts, std::string_view writtenBy);
-/// Malformed, naming the field, for what is missing, of another type or impossible. Fields that are not known
-/// are passed over.
-Expected<StoredFacts> parseFacts(std::string_view json);
+/// Of a cloud file of this version: version 1 knows no planes. Malformed, naming the field, for what is missing, of
+/// another type or impossible. Fields that are not known are passed over.
+Expected<StoredFacts> parseFacts(std::string_view json, std::uint32_t version = cloudFileVersion);
 
 /// "scancast 0.1.0": this program.
 std::string_view programName();

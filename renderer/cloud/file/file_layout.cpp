@@ -10,7 +10,7 @@
 namespace scancast {
 
 // Offsets stand here once; the functions below walk through the same order.
-const std::array<FileField, 14> cloudHeaderFields{{{0, 8, "magic"},
+const std::array<FileField, 17> cloudHeaderFields{{{0, 8, "magic"},
                                                    {8, 4, "version"},
                                                    {12, 4, "headerBytes"},
                                                    {16, 8, "fileBytes"},
@@ -22,23 +22,33 @@ const std::array<FileField, 14> cloudHeaderFields{{{0, 8, "magic"},
                                                    {64, 8, "factsChecksum"},
                                                    {72, 4, "nodes"},
                                                    {76, 4, "nodeRecordBytes"},
-                                                   {80, 40, "zero"},
+                                                   {80, 8, "planesOffset"},
+                                                   {88, 8, "planesBytes"},
+                                                   {96, 8, "planesChecksum"},
+                                                   {104, 16, "zero"},
                                                    {120, 8, "headerChecksum"}}};
 
-const std::array<FileField, 25> nodeRecordFields{
-    {{0, 24, "boxMin"},         {24, 24, "step"},          {48, 24, "boxMax"},
-     {72, 24, "center"},        {96, 8, "radius"},         {104, 4, "spacing"},
-     {108, 4, "meanSpacing"},   {112, 4, "radiusUnit"},    {116, 12, "coneAxis"},
-     {128, 4, "coneHalfAngle"}, {132, 4, "parent"},        {136, 4, "firstChild"},
-     {140, 1, "childCount"},    {141, 1, "level"},         {142, 2, "zero"},
-     {144, 4, "sampleCount"},   {148, 4, "samplesBytes"},  {152, 8, "firstSample"},
-     {160, 8, "points"},        {168, 8, "samplesOffset"}, {176, 8, "samplesChecksum"},
-     {184, 8, "rowsOffset"},    {192, 8, "rowsChecksum"},  {200, 4, "rowsBytes"},
-     {204, 4, "zero"}}};
+const std::array<FileField, 23> nodeRecordFields{{{0, 24, "boxMin"},         {24, 24, "step"},
+                                                  {48, 24, "boxMax"},        {72, 24, "center"},
+                                                  {96, 8, "radius"},         {104, 4, "spacing"},
+                                                  {108, 4, "meanSpacing"},   {112, 4, "radiusUnit"},
+                                                  {116, 12, "coneAxis"},     {128, 4, "coneHalfAngle"},
+                                                  {132, 4, "parent"},        {136, 4, "firstChild"},
+                                                  {140, 1, "childCount"},    {141, 1, "level"},
+                                                  {142, 1, "confidence"},    {143, 1, "zero"},
+                                                  {144, 4, "sampleCount"},   {148, 4, "samplesBytes"},
+                                                  {152, 8, "firstSample"},   {160, 8, "points"},
+                                                  {168, 8, "samplesOffset"}, {176, 8, "samplesChecksum"},
+                                                  {184, 24, "zero"}}};
+
+const std::array<FileField, 4> planeRecordFields{
+    {{0, 8, "offset"}, {8, 8, "checksum"}, {16, 4, "bytes"}, {20, 4, "zero"}}};
 
 namespace {
 
-constexpr std::size_t ownChecksumOffset = 120;
+constexpr std::size_t planesPartEnd = 104, ownChecksumOffset = 120;
+constexpr std::size_t confidenceOffset = 142, rowsPlaceOffset = 184, rowsPlaceEnd = 204;
+constexpr std::uint32_t oldestVersion = 1;
 
 /// Walks over a record and copies value by value: into it (To) or out of it (From).
 struct To {
@@ -59,11 +69,22 @@ struct From {
     }
 };
 
+bool allZero(std::span<const std::byte> bytes) {
+    return std::all_of(bytes.begin(), bytes.end(), [](std::byte b) { return b == std::byte(0); });
+}
+
+/// The order in which a header tells of a part.
+template <class Walk, class Part>
+void walkPart(Walk& copy, Part& part) {
+    copy(part.offset);
+    copy(part.bytes);
+    copy(part.checksum);
+}
+
 /// The order of nodeRecordFields, for both directions.
 template <class Walk, class Stored>
 void walk(Walk copy, Stored& stored) {
-    std::uint16_t zero16 = 0;
-    std::uint32_t zero32 = 0;
+    std::uint8_t zero8 = 0;
     auto& node = stored.node;
     for (auto* vector : {&node.boxMin, &node.step, &node.boxMax, &node.center})
         for (int a = 0; a < 3; ++a) copy((*vector)[a]);
@@ -77,27 +98,60 @@ void walk(Walk copy, Stored& stored) {
     copy(node.firstChild);
     copy(node.childCount);
     copy(node.level);
-    copy(zero16);
+    copy(node.confidence);
+    copy(zero8);
     copy(node.sampleCount);
     copy(stored.samples.bytes);
     copy(node.firstSample);
     copy(node.points);
     copy(stored.samples.offset);
     copy(stored.samples.checksum);
-    copy(stored.rows.offset);
-    copy(stored.rows.checksum);
-    copy(stored.rows.bytes);
-    copy(zero32);
 }
 
 tl::unexpected<Error> otherVersion(std::uint32_t version) {
     return fail(
         ErrorCode::Unsupported,
-        fmt::format("this cloud file has version {}, and this Scancast reads version {}; {}", version,
-                    cloudFileVersion,
+        fmt::format("this cloud file has version {}, and this Scancast reads versions {} to {}; {}", version,
+                    oldestVersion, cloudFileVersion,
                     version > cloudFileVersion
                         ? "use a newer Scancast, or ingest the scan again with this one"
                         : "ingest the scan again, for example: scancast ingest scan.las -o cloud.scan"));
+}
+
+/// What can be told before the header's numbers are read.
+Expected<void> checkStart(std::span<const std::byte> start) {
+    if (!start.empty() && allZero(start))
+        return fail(
+            ErrorCode::Truncated,
+            "byte 0: the header is empty; a cloud file that was never finished. Ingest the scan again");
+    if (start.size() < cloudFileMagic.size() || !std::equal(cloudFileMagic.begin(), cloudFileMagic.end(),
+                                                            reinterpret_cast<const char*>(start.data())))
+        return fail(
+            ErrorCode::Unsupported,
+            "byte 0: this is no cloud file; make one of a scan, for example: scancast ingest scan.las -o "
+            "cloud.scan");
+    if (start.size() < cloudHeaderBytes)
+        return fail(ErrorCode::Truncated,
+                    fmt::format("the file ends at byte {}, within its header", start.size()));
+    return {};
+}
+
+/// Written so that nothing can overflow: each number is compared with what is left of the file.
+bool liesWithin(const FilePart& part, std::uint64_t from, std::uint64_t end) {
+    return part.offset >= from && part.offset <= end && part.bytes <= end - part.offset;
+}
+
+/// Whether the parts lie as the header's version has them, in a file of `fileBytes` bytes.
+bool partsFit(const CloudFileHeader& h, std::uint64_t fileBytes) {
+    if (h.nodes == 0 || h.index.bytes != std::uint64_t(h.nodes) * nodeRecordBytes ||
+        !liesWithin(h.index, cloudHeaderBytes, h.fileBytes) || !liesWithin(h.facts, 0, h.fileBytes) ||
+        h.facts.end() != h.fileBytes)
+        return false;
+    if (h.version == 1)
+        return h.fileBytes == fileBytes && h.facts.offset == h.index.end() && h.planes == FilePart{};
+    return h.planes.offset == h.index.end() && liesWithin(h.planes, 0, h.fileBytes) &&
+           h.planes.bytes % (std::uint64_t(h.nodes) * planeRecordBytes) == 0 &&
+           h.facts.offset >= h.planes.end();
 }
 
 }  // namespace
@@ -113,85 +167,89 @@ std::array<std::byte, cloudHeaderBytes> encodeHeader(const CloudFileHeader& head
     put(cloudFileVersion);
     put(std::uint32_t(cloudHeaderBytes));
     put(header.fileBytes);
-    put(header.index.offset);
-    put(header.indexBytes());
-    put(header.index.checksum);
-    put(header.factsOffset);
-    put(header.factsBytes);
-    put(header.factsChecksum);
+    walkPart(put, header.index);
+    walkPart(put, header.facts);
     put(header.nodes);
     put(std::uint32_t(nodeRecordBytes));
+    walkPart(put, header.planes);
     storeLe(&bytes[ownChecksumOffset], checksumOf(std::span(bytes).first(ownChecksumOffset)));
     return bytes;
 }
 
 Expected<CloudFileHeader> parseHeader(std::span<const std::byte> start, std::uint64_t fileBytes) {
-    const auto isMagic = [&] {
-        return start.size() >= cloudFileMagic.size() &&
-               std::equal(cloudFileMagic.begin(), cloudFileMagic.end(),
-                          reinterpret_cast<const char*>(start.data()));
-    };
-    if (!start.empty() &&
-        std::all_of(start.begin(), start.end(), [](std::byte b) { return b == std::byte(0); }))
-        return fail(
-            ErrorCode::Truncated,
-            "byte 0: the header is empty; a cloud file that was never finished. Ingest the scan again");
-    if (!isMagic())
-        return fail(
-            ErrorCode::Unsupported,
-            "byte 0: this is no cloud file; make one of a scan, for example: scancast ingest scan.las -o "
-            "cloud.scan");
-    if (start.size() < cloudHeaderBytes)
-        return fail(ErrorCode::Truncated,
-                    fmt::format("the file ends at byte {}, within its header", start.size()));
+    if (auto ok = checkStart(start); !ok) return passOn(ok);
     std::array<char, 8> magic;
-    std::uint32_t version, headerBytes, recordBytes;
-    std::uint64_t indexBytes;
+    std::uint32_t headerBytes, recordBytes;
     CloudFileHeader header;
     From take{start.data()};
     take(magic);
-    take(version);
-    if (version != cloudFileVersion) return otherVersion(version);
+    take(header.version);
+    if (header.version < oldestVersion || header.version > cloudFileVersion)
+        return otherVersion(header.version);
     take(headerBytes);
     take(header.fileBytes);
-    take(header.index.offset);
-    take(indexBytes);
-    take(header.index.checksum);
-    take(header.factsOffset);
-    take(header.factsBytes);
-    take(header.factsChecksum);
+    walkPart(take, header.index);
+    walkPart(take, header.facts);
     take(header.nodes);
     take(recordBytes);
+    walkPart(take, header.planes);
     if (loadLe<std::uint64_t>(&start[ownChecksumOffset]) != checksumOf(start.first(ownChecksumOffset)))
         return fail(ErrorCode::Malformed, "byte 0: the header is damaged, its checksum is wrong");
     if (header.fileBytes > fileBytes)
         return fail(ErrorCode::Truncated,
                     fmt::format("the file ends at byte {}, and should at {}", fileBytes, header.fileBytes));
-    // Written so that nothing can overflow: each number is compared with what is left of the file.
-    const bool fits =
-        headerBytes == cloudHeaderBytes && recordBytes == nodeRecordBytes && header.fileBytes == fileBytes &&
-        indexBytes == header.indexBytes() && header.nodes > 0 && header.index.offset >= cloudHeaderBytes &&
-        header.index.offset <= fileBytes && indexBytes <= fileBytes - header.index.offset &&
-        header.factsOffset == header.index.offset + indexBytes &&
-        header.factsBytes == fileBytes - header.factsOffset &&
-        std::all_of(&start[80], &start[ownChecksumOffset], [](std::byte b) { return b == std::byte(0); });
-    if (!fits)
+    if (headerBytes != cloudHeaderBytes || recordBytes != nodeRecordBytes ||
+        !allZero(start.subspan(planesPartEnd, ownChecksumOffset - planesPartEnd)) ||
+        !partsFit(header, fileBytes))
         return fail(ErrorCode::Malformed, "byte 0: the header contradicts itself or the size of the file");
     return header;
 }
 
 void encodeNode(const StoredNode& node, std::span<std::byte, nodeRecordBytes> record) {
+    std::fill(record.begin(), record.end(), std::byte(0));
     walk(To{record.data()}, node);
 }
 
-StoredNode decodeNode(std::span<const std::byte, nodeRecordBytes> record) {
+StoredNode decodeNode(NodeRecord record) {
     StoredNode node{};
     walk(From{record.data()}, node);
     return node;
 }
 
-bool reservedAreZero(std::span<const std::byte, nodeRecordBytes> record) {
-    return loadLe<std::uint16_t>(&record[142]) == 0 && loadLe<std::uint32_t>(&record[204]) == 0;
+BlockPlace decodeRowsPlace(NodeRecord record) {
+    BlockPlace place;
+    From take{record.data() + rowsPlaceOffset};
+    take(place.offset);
+    take(place.checksum);
+    take(place.bytes);
+    return place;
+}
+
+bool reservedAreZero(NodeRecord record, std::uint32_t version) {
+    if (version == 1)
+        return allZero(record.subspan(confidenceOffset, 2)) && allZero(record.subspan(rowsPlaceEnd));
+    return allZero(record.subspan(confidenceOffset + 1, 1)) && allZero(record.subspan(rowsPlaceOffset));
+}
+
+void encodePlane(const BlockPlace& place, std::span<std::byte, planeRecordBytes> record) {
+    To put{record.data()};
+    put(place.offset);
+    put(place.checksum);
+    put(place.bytes);
+    put(std::uint32_t(0));
+}
+
+BlockPlace decodePlane(PlaneRecord record) {
+    BlockPlace place;
+    From take{record.data()};
+    take(place.offset);
+    take(place.checksum);
+    take(place.bytes);
+    return place;
+}
+
+bool reservedAreZero(PlaneRecord record) {
+    return allZero(record.subspan(planeRecordFields.back().offset));
 }
 
 }  // namespace scancast

@@ -40,30 +40,17 @@ const char* wrongShape(const Node& n) {
     return nullptr;
 }
 
-const char* wrongBlock(const BlockPlace& place, std::uint64_t decodedBytes, std::uint64_t indexOffset) {
-    if (decodedBytes == 0) return place == BlockPlace{} ? nullptr : "it has a block of nothing";
-    if (place.bytes == 0) return "a block is missing";
-    if (place.offset < cloudHeaderBytes || place.offset > indexOffset ||
-        place.bytes > indexOffset - place.offset)
-        return "a block lies outside the part of the file where blocks are";
-    if (decodedBytes / largestExpansion > place.bytes) return "a block is too small for what it should hold";
-    return nullptr;
-}
-
 /// Walks over the nodes in their order and keeps what the next one must continue.
 class Checker {
   public:
     Checker(std::span<const StoredNode> nodes, const CloudFacts& facts, std::uint64_t indexOffset)
-        : nodes_(nodes),
-          rowBytes_(rowBytes(facts.columns)),
-          points_(facts.points),
-          indexOffset_(indexOffset) {}
+        : nodes_(nodes), points_(facts.points), indexOffset_(indexOffset) {}
 
     Expected<void> run() {
         for (std::uint32_t i = 0; i < nodes_.size(); ++i) {
             const char* wrong = wrongShape(nodes_[i].node);
             if (!wrong) wrong = wrongPlaceInTree(i);
-            if (!wrong) wrong = wrongBlocks(nodes_[i]);
+            if (!wrong) wrong = wrongSamples(nodes_[i]);
             if (wrong) return fail(ErrorCode::Malformed, fmt::format("node {} of the index: {}", i, wrong));
         }
         if (nextChild_ != nodes_.size())
@@ -108,24 +95,26 @@ class Checker {
         return left == 0 ? nullptr : "its children have fewer points than it";
     }
 
-    const char* wrongBlocks(const StoredNode& n) const {
-        const std::uint64_t samples = n.node.sampleCount;
-        if (const char* wrong = wrongBlock(n.samples, samples * sizeof(Sample), indexOffset_)) return wrong;
-        return wrongBlock(n.rows, n.node.isLeaf() ? samples * rowBytes_ : 0, indexOffset_);
+    const char* wrongSamples(const StoredNode& n) const {
+        return wrongBlock(n.samples, n.node.sampleCount * std::uint64_t(sizeof(Sample)), indexOffset_);
     }
 
     const std::span<const StoredNode> nodes_;
-    const std::uint64_t rowBytes_, points_, indexOffset_;
+    const std::uint64_t points_, indexOffset_;
     std::uint64_t nextSample_ = 0;
     std::uint32_t nextChild_ = 1;
 };
 
 }  // namespace
 
-std::size_t rowBytes(std::span<const KeptColumn> columns) {
-    std::size_t bytes = 0;
-    for (const KeptColumn& kept : columns) bytes += bytesOf(kept.column.type);
-    return bytes;
+const char* wrongBlock(const BlockPlace& place, std::uint64_t decodedBytes, std::uint64_t indexOffset) {
+    if (decodedBytes == 0) return place == BlockPlace{} ? nullptr : "it has a block of nothing";
+    if (place.bytes == 0) return "a block is missing";
+    if (place.offset < cloudHeaderBytes || place.offset > indexOffset ||
+        place.bytes > indexOffset - place.offset)
+        return "a block lies outside the part of the file where blocks are";
+    if (decodedBytes / largestExpansion > place.bytes) return "a block is too small for what it should hold";
+    return nullptr;
 }
 
 Expected<void> checkNodes(std::span<const StoredNode> nodes, const CloudFacts& facts,

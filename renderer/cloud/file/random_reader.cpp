@@ -1,5 +1,7 @@
 #include "renderer/cloud/file/random_reader.hpp"
 
+#include <sys/stat.h>
+
 #include <algorithm>
 
 namespace scancast {
@@ -10,7 +12,10 @@ class FileReader final : public RandomReader {
   public:
     explicit FileReader(InputFile file) : file_(std::move(file)) {}
 
-    std::uint64_t size() const override { return file_.bytes(); }
+    std::uint64_t size() const override {
+        struct stat now {};
+        return ::fstat(file_.descriptor(), &now) == 0 ? std::uint64_t(now.st_size) : file_.bytes();
+    }
     Expected<std::size_t> readAt(std::uint64_t offset, std::span<std::byte> into) const override {
         return file_.readAt(offset, into);
     }

@@ -14,6 +14,7 @@ namespace scancast {
 class RandomReader {
   public:
     virtual ~RandomReader() = default;
+    /// As it is now: a cloud file whose facts are changed grows.
     virtual std::uint64_t size() const = 0;
     /// Reads as many bytes as are there; fewer only where the file ends. Errors: Io.
     virtual Expected<std::size_t> readAt(std::uint64_t offset, std::span<std::byte> into) const = 0;

@@ -71,6 +71,7 @@ Layer::Layer(const Drawing& drawing, const CutView& view, const LayerView& layer
     for (SplatPass& pass : splats_) {
         if (pass.ownRadii) pass.radii = surfelRadii().data();
         pass.ramp = tables_.ramp.data();
+        pass.factors = tables_.factors.data();
         pass.normals = tables_.normals.data();
         if (tables_.byClass) pass.classes = tables_.classes.data();
         pass.outliers = view.filter.outliers;

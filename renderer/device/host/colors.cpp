@@ -1,5 +1,6 @@
 #include "renderer/device/host/colors.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 #include "renderer/cloud/sample.hpp"
@@ -29,10 +30,11 @@ std::span<const std::uint32_t> normalColors() {
 
 }  // namespace
 
-SplatColoring splatColoring(ColorSource source) {
-    switch (source) {
+SplatColoring splatColoring(const ColorRule& rule) {
+    switch (rule.source) {
+        case ColorSource::Auto:
         case ColorSource::Rgb:
-            return SplatColoring::Rgb;
+            return rule.toned ? SplatColoring::Toned : SplatColoring::Rgb;
         case ColorSource::Intensity:
             return SplatColoring::Intensity;
         case ColorSource::Elevation:
@@ -53,6 +55,7 @@ SplatColoring splatColoring(ColorSource source) {
 ColorTables colorTables(const ColorRule& rule, const SampleFilter& filter) {
     ColorTables tables;
     for (std::size_t i = 0; i < 256; ++i) tables.ramp[i] = packed(rule.ramp[i]);
+    if (rule.byIntensity) std::ranges::copy(rule.byIntensity->factors, tables.factors.begin());
     if (rule.source == ColorSource::Normal) tables.normals = normalColors();
     tables.byClass = filter.classes.has_value();
     if (filter.classes) {
@@ -61,15 +64,19 @@ ColorTables colorTables(const ColorRule& rule, const SampleFilter& filter) {
     return tables;
 }
 
-float colorScale(const ColorRule& rule) {
-    const double width = rule.high - rule.low;
+float indexScale(double low, double high) {
+    const double width = high - low;
     return std::isnormal(width) ? static_cast<float>(255.0 / width) : 0.0f;
 }
 
 void setColors(const ColorRule& rule, SplatPass& pass) {
-    pass.coloring = splatColoring(rule.source);
+    pass.coloring = splatColoring(rule);
     pass.colorLow = static_cast<float>(rule.low);
-    pass.colorScale = colorScale(rule);
+    pass.colorScale = indexScale(rule.low, rule.high);
+    pass.byIntensity = rule.byIntensity.has_value();
+    if (!rule.byIntensity) return;
+    pass.intensityLow = static_cast<float>(rule.byIntensity->low);
+    pass.intensityScale = indexScale(rule.byIntensity->low, rule.byIntensity->high);
 }
 
 std::vector<std::uint32_t> backgroundRows(const Background& background, int firstRow, int rows, int height) {

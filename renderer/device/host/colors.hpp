@@ -17,11 +17,12 @@ inline std::uint32_t packed(const Rgb8& c) {
            static_cast<std::uint32_t>(c[2]) << 16;
 }
 
-SplatColoring splatColoring(ColorSource source);
+SplatColoring splatColoring(const ColorRule& rule);
 
 /// What samples look their colours and classes up in.
 struct ColorTables {
     std::array<std::uint32_t, 256> ramp{};
+    std::array<std::uint32_t, 256> factors{};  ///< ColorRule::byIntensity; else zeros
     std::array<std::uint8_t, 256> classes{};   ///< 1 = drawn
     bool byClass = false;                      ///< not all classes are drawn
     std::span<const std::uint32_t> normals{};  ///< by code; only where colours are normals'
@@ -29,10 +30,10 @@ struct ColorTables {
 
 ColorTables colorTables(const ColorRule& rule, const SampleFilter& filter);
 
-/// From a value above rule.low to an index of the ramp; 0 where the range has no width: everything is at the
-/// ramp's beginning.
-float colorScale(const ColorRule& rule);
-/// Sets coloring, colorLow and colorScale.
+/// From a value above `low` to an index of a table; 0 where the range has no width: everything is at the
+/// table's beginning.
+float indexScale(double low, double high);
+/// Sets what of colours is the same for all samples.
 void setColors(const ColorRule& rule, SplatPass& pass);
 
 /// One rgba per row of the whole picture's rows [firstRow, firstRow + rows), `height` rows in all: a gradient

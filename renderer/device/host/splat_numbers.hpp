@@ -21,8 +21,18 @@ enum class SplatShape : std::uint8_t {
     Ellipse,
 };
 
-/// Where a splat's colour comes from. PerRun: one colour for every sample of a run (lod, flat).
-enum class SplatColoring : std::uint8_t { Rgb, PerRun, Intensity, Elevation, Classification, Normal, Depth };
+/// Where a splat's colour comes from. PerRun: one colour for every sample of a run (lod, flat). Toned: rgb, each
+/// channel looked up on the ramp.
+enum class SplatColoring : std::uint8_t {
+    Rgb,
+    PerRun,
+    Intensity,
+    Elevation,
+    Classification,
+    Normal,
+    Depth,
+    Toned,
+};
 
 /// What a splat pass does with its fragments.
 enum class Reduction : std::uint8_t {
@@ -59,11 +69,14 @@ struct SplatPass {
 
     SplatColoring coloring = SplatColoring::Rgb;
     float colorLow = 0, colorScale = 0;  ///< index = clamp((value - low) · scale, 0, 255)
+    bool byIntensity = false;            ///< the colour times a factor, whose index is made the same way
+    float intensityLow = 0, intensityScale = 0;
 
     /// What kernels look samples' bytes up in; a GPU has it in tables of its own.
     const float* radii =
         nullptr;  ///< 256 radii by logRadius; 0 for codes that know none. Null: no sample knows
     const std::uint32_t* ramp = nullptr;     ///< 256 colours, r | g << 8 | b << 16
+    const std::uint32_t* factors = nullptr;  ///< 256, in 256ths, by intensity
     const std::uint32_t* normals = nullptr;  ///< 65,536 colours
     const std::uint8_t* classes = nullptr;   ///< 256 flags, 1 = drawn; null = all
 };

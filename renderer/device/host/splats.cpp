@@ -106,7 +106,7 @@ std::array<double, 2> valuesOf(const glm::dvec4& plane, const Node& node) {
 void setColor(const CutRun& cutRun, const ColorRule& rule, RunNumbers& run) {
     if (rule.source == ColorSource::Flat) run.color = packed(rule.flat);
     if (rule.source == ColorSource::Lod) run.color = packed(rule.ramp[cutRun.node->level]);
-    const double scale = colorScale(rule);
+    const double scale = indexScale(rule.low, rule.high);
     run.elevationStep = static_cast<float>(cutRun.node->step.z * scale);
     run.elevationBase = static_cast<float>((cutRun.node->boxMin.z - rule.low) * scale);
 }

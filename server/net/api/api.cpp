@@ -128,6 +128,15 @@ struct Api::Answers {
         return response;
     }
 
+    // The query's words are those of a snapshot; its camera has no part in it.
+    HttpResponse cloudViews() const {
+        const auto cloud = api.catalog_.cloud(routed.id);
+        if (!cloud) return refusal(cloud.error(), routed);
+        const auto planned = viewOfQuery(**cloud, routed.query, api.options_.maxPixels);
+        if (!planned) return refusal(problemOf(planned.error()), routed);
+        return jsonResponse(viewsJson(**cloud, (*planned)->view));
+    }
+
     // Who looks at it is told at once; its memory is given back when the last picture of it is done.
     HttpResponse removeCloud() const {
         if (auto removed = api.admin_.remove(routed.id); !removed) return refusal(removed.error(), routed);
@@ -283,6 +292,8 @@ void Api::answer(const HttpRequest& request, const Routed& routed, Respond respo
             return respond(answers.clouds());
         case Route::Cloud:
             return respond(answers.cloud());
+        case Route::CloudViews:
+            return respond(answers.cloudViews());
         case Route::Methods:
             return respond(jsonResponse(methodListJson()));
         case Route::SnapshotJpeg:

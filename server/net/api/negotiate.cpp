@@ -74,7 +74,7 @@ std::string contentTag(std::string_view bytes) {
 std::string pictureTag(const Cloud& cloud, const View& view, PictureFormat format, const DeviceInfo& device,
                        std::string_view version) {
     // Parts are separated by a byte that none of them contains.
-    std::string all = cloud.revision;
+    std::string all = pictureRevision(cloud);
     all += '\0';
     all += printJson(toJson(view));
     all += '\0';

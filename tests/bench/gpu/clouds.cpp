@@ -1,7 +1,7 @@
 #include "tests/bench/gpu/clouds.hpp"
 
 #include "server/catalog/memory_room.hpp"
-#include "server/commands/progress_bar.hpp"
+#include "server/terminal/progress_bar.hpp"
 #include "tests/bench/bench_tools.hpp"
 #include "tests/support/clouds/scene_clouds.hpp"
 

@@ -20,6 +20,6 @@ export function manyCameras(count = 60, seed = 1) {
     distance: 10 ** (next() * 4 - 1),
     fov: 20 + next() * 80,
     projection: i % 2 ? 'orthographic' : 'perspective',
-    upAxis: i % 3 === 2 ? 'y' : 'z',
+    upAxis: i % 3 === 2 ? (i % 4 < 2 ? 'y' : '-y') : 'z',
   }));
 }

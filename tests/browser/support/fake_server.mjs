@@ -40,7 +40,7 @@ function makeCloud(id, title, halfHeight, attributes) {
     classes: [], mirrors: [], bytesResident: 1, state: 'ready',
     view: {
       camera: { type: 'perspective', eye: [14, -22, 12], target: [0, 0, 0], up: [0, 0, 1], fov: 60, near: null, far: null },
-      width: 1280, height: 720, method: 'paraboloid', param: {}, color: attributes[0].name, colormap: 'viridis', range: null,
+      width: 1280, height: 720, method: 'paraboloid', param: {}, color: 'auto', colormap: 'viridis', range: null,
       classes: null, clip: null, shading: null, mirrors: true, behindMirrors: false, background: ['#3a424e', '#16191e'], detail: null, budget: null, samples: null,
       quality: 90, subsampling: '4:2:0',
     },
@@ -245,7 +245,10 @@ export class FakeServer {
     if (pathname === '/api/v1/clouds') return json({ clouds: this.clouds, pending: this.pending });
     if (pathname === '/api/v1/methods') {
       return json({
-        methods, colors: ['rgb', 'intensity', 'elevation', 'classification', 'normal', 'depth', 'lod'],
+        methods, colors: [
+          'auto', 'rgb*intensity', 'elevation*intensity', 'classification*intensity',
+          'rgb', 'intensity', 'elevation', 'classification', 'normal', 'depth', 'lod',
+        ],
         colormaps: ['viridis', 'turbo', 'grey'], shadings: ['unlit', 'phong', 'eyedome'],
       });
     }

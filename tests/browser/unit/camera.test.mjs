@@ -13,6 +13,9 @@ const near = (actual, wanted, tolerance, what) =>
   assert.ok(Math.abs(actual - wanted) <= tolerance, `${what}: ${actual} instead of ${wanted}`);
 const sameVector = (a, b, tolerance, what) => near(length(subtract(a, b)), 0, tolerance, what);
 
+/** Which way is up, by what the axis is called. */
+const upOf = (camera) => ({ z: [0, 0, 1], y: [0, 1, 0], '-y': [0, -1, 0] })[camera.upAxis];
+
 describe('orbit', () => {
   it('keeps the distance from eye to target, and the target', () => {
     for (const camera of manyCameras()) {
@@ -26,7 +29,7 @@ describe('orbit', () => {
     for (const camera of manyCameras()) {
       for (const dy of [1e5, -1e5]) {
         const next = cam.orbit(camera, 0, dy, size);
-        assert.ok(cam.axes(next).up[camera.upAxis === 'y' ? 1 : 2] >= -1e-12, 'the picture stands on its head');
+        assert.ok(dot(cam.axes(next).up, upOf(camera)) >= -1e-12, 'the picture stands on its head');
         assert.equal(Math.abs(next.elevation), Math.PI / 2);
         // And back again: no dead way at the pole.
         assert.ok(Math.abs(cam.orbit(next, 0, -Math.sign(dy) * 10, size).elevation) < Math.PI / 2);
@@ -167,6 +170,66 @@ describe('fit', () => {
     const modelled = cam.axes(cam.standardView({ ...camera, upAxis: 'y' }, 'front', bounds, size));
     sameVector(modelled.back, [0, 0, 1], 1e-12, 'front, Y up');
     sameVector(modelled.up, [0, 1, 0], 1e-12, 'front, Y up');
+  });
+});
+
+describe('fittedInto', () => {
+  const wide = { width: 1600, height: 900 };
+
+  it('into all of a picture of 16:9 changes nothing', () => {
+    for (const camera of manyCameras()) near(cam.fittedInto(camera, wide, wide).distance / camera.distance, 1, 1e-12, 'distance');
+  });
+
+  it('what was seen of the plane looked at, and nearer, is seen in the part that is free', () => {
+    const next = random(11);
+    for (const camera of manyCameras()) {
+      const window = { width: 400 + next() * 1600, height: 300 + next() * 900 };
+      const free = { width: window.width * (0.3 + 0.7 * next()), height: window.height * (0.3 + 0.7 * next()) };
+      const into = cam.fittedInto(camera, window, free);
+      assert.deepEqual(into.target, camera.target);
+      for (const cursor of [{ x: 0, y: 0 }, { x: 1600, y: 900 }, { x: 0, y: 900 }, { x: 800, y: 450 }, { x: next() * 1600, y: next() * 900 }]) {
+        const onPlane = cam.pointUnderCursor(camera, cursor, wide);
+        const eye = cam.eyeOf(camera);
+        for (const point of [onPlane, onPlane.map((value, i) => value + (eye[i] - value) * 0.4)]) {
+          const seen = cam.project(into, point, window);
+          const slack = 1e-6 * window.width;
+          assert.ok(Math.abs(seen.x - window.width / 2) <= free.width / 2 + slack, 'covered at a side');
+          assert.ok(Math.abs(seen.y - window.height / 2) <= free.height / 2 + slack, 'covered above or below');
+        }
+      }
+    }
+  });
+
+  it('fills that part: one pair of its sides is reached', () => {
+    const window = { width: 1000, height: 1000 };
+    for (const free of [window, { width: 500, height: 900 }, { width: 900, height: 300 }]) {
+      for (const camera of manyCameras()) {
+        const seen = cam.project(cam.fittedInto(camera, window, free), cam.pointUnderCursor(camera, { x: 0, y: 0 }, wide), window);
+        const reached = Math.max((500 - seen.x) / (free.width / 2), (500 - seen.y) / (free.height / 2));
+        near(reached, 1, 1e-6, 'reached');
+      }
+    }
+  });
+});
+
+describe('where -Y is up', () => {
+  it('up, front and the way one moves are turned, and stay right-handed', () => {
+    const bounds = { min: [0, 0, 0], max: [4, 6, 2] };
+    const camera = { ...manyCameras()[0], upAxis: '-y' };
+    const front = cam.axes(cam.standardView(camera, 'front', bounds, size));
+    sameVector(front.up, [0, -1, 0], 1e-12, 'front');
+    sameVector(front.back, [0, 0, -1], 1e-12, 'a depth camera looks along +z');
+    sameVector(front.right, [1, 0, 0], 1e-12, 'and has x to the right');
+    sameVector(cam.axes(cam.standardView(camera, 'top', bounds, size)).back, [0, -1, 0], 1e-12, 'top');
+    const moved = cam.move(camera, { up: 3 });
+    sameVector(subtract(moved.target, camera.target), [0, -3, 0], 1e-9, 'upwards');
+  });
+
+  it("reads a depth camera's own view", () => {
+    const read = cam.fromProtocol({ type: 'perspective', eye: [0, 0, 0], target: [0, 0, 3], up: [0, -1, 0], fov: 50 }, '-y');
+    near(read.elevation, 0, 1e-12, 'level');
+    sameVector(cam.axes(read).up, [0, -1, 0], 1e-12, 'up');
+    sameVector(cam.eyeOf(read), [0, 0, 0], 1e-12, 'eye');
   });
 });
 

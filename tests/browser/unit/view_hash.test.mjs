@@ -36,6 +36,14 @@ describe('the hash', () => {
     assert.equal(read.camera, undefined);
   });
 
+  it('a colour times intensity', () => {
+    for (const color of ['rgb*intensity', '#ff8800*intensity']) {
+      const hash = printHash('town', { ...style, color });
+      assert.equal(parseHash(hash).style.color, color, hash);
+    }
+    for (const text of ['*intensity', 'rgb*depth', 'rgb*<b>*intensity']) assert.equal(parseHash(`#color=${text}`).style.color, undefined, text);
+  });
+
   it('is undefined when there is none, or one beyond all measure', () => {
     for (const hash of ['', '#', undefined, null, 7, `#cloud=${'x'.repeat(5000)}`]) assert.equal(parseHash(hash), undefined);
   });

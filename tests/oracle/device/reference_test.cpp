@@ -139,13 +139,24 @@ TEST_P(Reference, ColoursAndFilters) {
                                                              {Normal, 0, 1},
                                                              {Lod, 0, 1},
                                                              {Flat, 0, 1}};
+    const auto expectAgreement = [&] {
+        EXPECT_GE(agreement(mustDraw(*device_, scene.drawing), referenceNearest(scene.drawing)), 0.999)
+            << name(rule.source) << (rule.byIntensity ? " by intensity" : "")
+            << (rule.toned ? ", toned" : "");
+    };
     for (const auto& [source, low, high] : rules) {
         rule.source = source;
         rule.low = low;
         rule.high = high;
-        EXPECT_GE(agreement(mustDraw(*device_, scene.drawing), referenceNearest(scene.drawing)), 0.999)
-            << name(source);
+        expectAgreement();
     }
+    rule.byIntensity = factors(500, 60000);
+    expectAgreement();
+    rule.source = Rgb;
+    rule.toned = true;
+    expectAgreement();
+    std::get<NearestPass>(scene.passes[0]).payload = Payload::Sample;
+    expectAgreement();
 }
 
 TEST_P(Reference, DepthOfAPlane) {

@@ -65,6 +65,16 @@ ColorRule ramped(ColorSource source, double low, double high) {
     return rule;
 }
 
+ColorRule byIntensity(ColorRule rule) {
+    rule.byIntensity = factors(3000, 61000);
+    return rule;
+}
+
+ColorRule toned(ColorRule rule) {
+    rule.toned = true;
+    return rule;
+}
+
 /// Draws on both devices and holds them to the promise.
 void expectAgreement(Device& gl, Device& cpu, const Drawing& drawing) {
     const auto a = gl.draw(drawing, {});
@@ -195,11 +205,17 @@ TEST_P(DrawingAgreement, SamplesWithRadiiOfTheirOwn) {
 
 TEST_P(DrawingAgreement, EveryColorSource) {
     const ColorRule rules[] = {
-        ramped(ColorSource::Rgb, 0, 1),           ramped(ColorSource::Intensity, 5000, 60000),
-        ramped(ColorSource::Elevation, -1, 2),    ramped(ColorSource::Classification, 0, 0),
-        ramped(ColorSource::Normal, 0, 0),        ramped(ColorSource::Depth, 3, 7),
-        ramped(ColorSource::Lod, 0, 0),           ramped(ColorSource::Flat, 0, 0),
+        ramped(ColorSource::Rgb, 0, 1),
+        ramped(ColorSource::Intensity, 5000, 60000),
+        ramped(ColorSource::Elevation, -1, 2),
+        ramped(ColorSource::Classification, 0, 0),
+        ramped(ColorSource::Normal, 0, 0),
+        ramped(ColorSource::Depth, 3, 7),
+        ramped(ColorSource::Lod, 0, 0),
+        ramped(ColorSource::Flat, 0, 0),
         ramped(ColorSource::Elevation, 0.5, 0.5),
+        toned(ramped(ColorSource::Rgb, 0, 1)),
+        byIntensity(ramped(ColorSource::Elevation, -1, 2)),
     };
     for (const ColorRule& rule : rules) {
         SCOPED_TRACE(std::string(name(rule.source)));

@@ -362,6 +362,11 @@ TEST_P(GlLayerDrawing, EveryColorSource) {
             }
         });
     }
+    check({sprites, {"voronoi", {{"smooth", false}}, ""}}, [](OwnDrawing& d) {
+        d.color.toned = true;
+        for (std::size_t i = 0; i < 256; ++i) d.color.ramp[i].fill(static_cast<std::uint8_t>(255 - i));
+        d.color.byIntensity = factors(5000, 60000);
+    });
 }
 
 TEST_P(GlLayerDrawing, ClassesClipBoxAndDroppedRegions) {

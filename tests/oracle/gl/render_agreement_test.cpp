@@ -187,6 +187,10 @@ TEST_P(ViewAgreement, Colours) {
             v.style.flatColor = {10, 200, 90};
             check(v);
         }
+        v.style.color = ColorSource::Rgb;
+        v.style.exposure = 1.5;
+        v.style.byIntensity = true;
+        check(v);
     }
 }
 

@@ -15,6 +15,7 @@
 #include "renderer/cloud/file/facts_json.hpp"
 #include "renderer/cloud/file/file_layout.hpp"
 #include "renderer/cloud/file/random_reader.hpp"
+#include "renderer/cloud/file/row_columns.hpp"
 #include "tests/support/clouds/octree_checks.hpp"
 #include "tests/support/clouds/synthetic_source.hpp"
 
@@ -28,37 +29,70 @@ inline std::vector<std::byte> madeUpRows(std::uint32_t node, std::size_t rows, s
     return out;
 }
 
-/// Appends every node's block, and made up rows where facts have columns. No assertion in it, so that a child
-/// process may use it.
-inline Expected<std::vector<StoredNode>> appendAll(CloudFileWriter& writer, const Octree& octree,
-                                                   const CloudFacts& facts) {
-    std::size_t bytes = 0;
-    for (const KeptColumn& kept : facts.columns) bytes += bytesOf(kept.column.type);
+/// What is known of a file's blocks, and what the file tells of itself.
+struct FileParts {
     std::vector<StoredNode> nodes;
+    std::vector<BlockPlace> planes;
+    CloudFacts facts;
+};
+
+/// Made up values of a companion, as madeUpRows() are of columns. Every third node has none.
+inline std::vector<std::byte> madeUpCompanion(std::uint32_t node, std::size_t values,
+                                              const ValuePlane& plane) {
+    if (node % 3 == 2) return {};
+    return madeUpRows(node + 1000, values, bytesOf(plane.type));
+}
+
+/// Appends a node's made up values beside its samples.
+inline Expected<void> appendPlanes(CloudFileWriter& writer, const CloudFacts& facts, const Node& node,
+                                   std::uint32_t index, FileParts& parts) {
+    std::vector<ColumnType> types;
+    for (const KeptColumn& kept : facts.columns) types.push_back(kept.column.type);
+    const auto columns = placesInRow(types);
+    const auto rows = madeUpRows(index, node.sampleCount, columns.empty() ? 0 : columns[0].rowBytes);
+    const auto append = [&](std::span<const std::byte> values, std::size_t bytes) -> Expected<void> {
+        const auto place = writer.append(encodeRows(values, bytes));
+        if (!place) return passOn(place);
+        parts.planes.push_back(*place);
+        return {};
+    };
+    for (const PlaceInRow& column : columns)
+        if (auto ok =
+                append(node.isLeaf() ? takeColumn(rows, column) : std::vector<std::byte>(), column.bytes);
+            !ok)
+            return ok;
+    for (const ValuePlane& plane : facts.companions)
+        if (auto ok = append(madeUpCompanion(index, node.sampleCount, plane), bytesOf(plane.type)); !ok)
+            return ok;
+    return {};
+}
+
+/// Appends every node's samples, and made up values where facts have planes. No assertion in it, so that a child
+/// process may use it.
+inline Expected<FileParts> appendAll(CloudFileWriter& writer, const Octree& octree, const CloudFacts& facts) {
+    FileParts parts{.nodes = {}, .planes = {}, .facts = facts};
     for (std::uint32_t i = 0; i < octree.nodes().size(); ++i) {
-        StoredNode stored{octree.node(i), {}, {}};
         const auto run = octree.run(i);
         if (!run) return passOn(run);
         const auto place = writer.append(encodeSamples(run->samples));
         if (!place) return passOn(place);
-        stored.samples = *place;
-        if (stored.node.isLeaf() && bytes > 0) {
-            const auto rows = writer.append(encodeRows(madeUpRows(i, run->samples.size(), bytes), bytes));
-            if (!rows) return passOn(rows);
-            stored.rows = *rows;
-        }
-        nodes.push_back(stored);
+        parts.nodes.push_back({octree.node(i), *place});
+        if (auto ok = appendPlanes(writer, facts, octree.node(i), i, parts); !ok) return passOn(ok);
     }
-    return nodes;
+    return parts;
+}
+
+inline Expected<void> finish(CloudFileWriter& writer, const FileParts& parts) {
+    return writer.finish(parts.facts, parts.nodes, parts.planes);
 }
 
 inline Expected<void> writeCloudFile(const std::filesystem::path& path, const Octree& octree,
                                      const CloudFacts& facts) {
     auto writer = CloudFileWriter::create(path);
     if (!writer) return passOn(writer);
-    const auto nodes = appendAll(**writer, octree, facts);
-    if (!nodes) return passOn(nodes);
-    return (*writer)->finish(facts, *nodes);
+    const auto parts = appendAll(**writer, octree, facts);
+    if (!parts) return passOn(parts);
+    return finish(**writer, *parts);
 }
 
 inline std::vector<std::byte> fileBytes(const std::filesystem::path& path) {
@@ -72,32 +106,62 @@ inline Expected<std::shared_ptr<const CloudFile>> openBytes(std::span<const std:
     return CloudFile::open(readerOf(bytes), "memory.scan");
 }
 
-/// The same file with other nodes and facts: everything is consistent but what the change made wrong.
-inline std::vector<std::byte> forged(
-    std::span<const std::byte> file,
-    const std::function<void(std::vector<StoredNode>&, CloudFacts&)>& change) {
-    CloudFileHeader header = parseHeader(file.first(cloudHeaderBytes), file.size()).value();
-    const auto original = openBytes(file).value();
-    std::vector<StoredNode> nodes(original->nodes().begin(), original->nodes().end());
-    CloudFacts facts = original->facts();
-    change(nodes, facts);
-    std::vector<std::byte> out(file.begin(), file.begin() + std::ptrdiff_t(header.index.offset));
-    std::vector<std::byte> index(nodes.size() * nodeRecordBytes);
+/// All places of planes, node by node.
+inline std::vector<BlockPlace> planePlaces(const CloudFile& file) {
+    std::vector<BlockPlace> places;
+    for (std::uint32_t i = 0; i < file.nodes().size(); ++i)
+        for (std::size_t p = 0; p < file.planes().size(); ++p) places.push_back(file.planePlace(i, p));
+    return places;
+}
+
+/// The indices as they stand in a file.
+inline std::vector<std::byte> nodeRecords(std::span<const StoredNode> nodes) {
+    std::vector<std::byte> records(nodes.size() * nodeRecordBytes);
     for (std::size_t i = 0; i < nodes.size(); ++i)
-        encodeNode(nodes[i], std::span(index).subspan(i * nodeRecordBytes).first<nodeRecordBytes>());
-    const std::string json = printFacts(facts, "forger").value();
-    const auto text = std::as_bytes(std::span(json));
-    out.insert(out.end(), index.begin(), index.end());
-    out.insert(out.end(), text.begin(), text.end());
-    header.nodes = std::uint32_t(nodes.size());
-    header.index.checksum = checksumOf(index);
-    header.factsOffset = header.index.offset + index.size();
-    header.factsBytes = text.size();
-    header.factsChecksum = checksumOf(text);
+        encodeNode(nodes[i], std::span(records).subspan(i * nodeRecordBytes).first<nodeRecordBytes>());
+    return records;
+}
+
+inline std::vector<std::byte> planeRecords(std::span<const BlockPlace> places) {
+    std::vector<std::byte> records(places.size() * planeRecordBytes);
+    for (std::size_t i = 0; i < places.size(); ++i)
+        encodePlane(places[i], std::span(records).subspan(i * planeRecordBytes).first<planeRecordBytes>());
+    return records;
+}
+
+/// A file of blocks and of what is said of them, whose lengths and checksums are right. `blocks` begins with room
+/// for the header.
+inline std::vector<std::byte> assembled(std::span<const std::byte> blocks, std::span<const std::byte> nodes,
+                                        std::span<const std::byte> planes, std::span<const std::byte> facts) {
+    std::vector<std::byte> out(blocks.begin(), blocks.end());
+    CloudFileHeader header;
+    header.nodes = std::uint32_t(nodes.size() / nodeRecordBytes);
+    const auto append = [&](std::span<const std::byte> bytes) {
+        const FilePart part{.offset = out.size(), .bytes = bytes.size(), .checksum = checksumOf(bytes)};
+        out.insert(out.end(), bytes.begin(), bytes.end());
+        return part;
+    };
+    header.index = append(nodes);
+    header.planes = append(planes);
+    header.facts = append(facts);
     header.fileBytes = out.size();
     const auto start = encodeHeader(header);
     std::copy(start.begin(), start.end(), out.begin());
     return out;
+}
+
+/// The same file with other nodes, planes and facts: everything is consistent but what the change made wrong.
+inline std::vector<std::byte> forged(std::span<const std::byte> file,
+                                     const std::function<void(FileParts&)>& change) {
+    const CloudFileHeader header = parseHeader(file.first(cloudHeaderBytes), file.size()).value();
+    const auto original = openBytes(file).value();
+    FileParts parts{.nodes = {original->nodes().begin(), original->nodes().end()},
+                    .planes = planePlaces(*original),
+                    .facts = original->facts()};
+    change(parts);
+    const std::string json = printFacts(parts.facts, "forger").value();
+    return assembled(file.first(header.index.offset), nodeRecords(parts.nodes), planeRecords(parts.planes),
+                     std::as_bytes(std::span(json)));
 }
 
 }  // namespace scancast::test

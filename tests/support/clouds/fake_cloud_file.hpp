@@ -22,7 +22,7 @@ class FakeCloudFile final : public CloudFile {
     /// Breadth first, up to 8 children a node, `levels` levels at most, samplesPerNode each. Deterministic.
     FakeCloudFile(std::uint64_t seed, int levels, std::uint32_t samplesPerNode, double childChance = 0.8) {
         Node root = make(samplesPerNode, 0, noNode);
-        stored_.push_back({root, {}, {}});
+        stored_.push_back({root, {}});
         for (std::size_t at = 0; at < stored_.size(); ++at) {
             const int level = stored_[at].node.level;
             if (level + 1 >= levels || (at > 0 && uniform(at, seed) > childChance)) continue;
@@ -30,7 +30,7 @@ class FakeCloudFile final : public CloudFile {
             stored_[at].node.firstChild = std::uint32_t(stored_.size());
             stored_[at].node.childCount = std::uint8_t(children);
             for (int c = 0; c < children; ++c)
-                stored_.push_back({make(samplesPerNode, level + 1, std::uint32_t(at)), {}, {}});
+                stored_.push_back({make(samplesPerNode, level + 1, std::uint32_t(at)), {}});
         }
         for (StoredNode& stored : stored_)
             stored.node.firstSample = facts_.points, facts_.points += samplesPerNode;
@@ -40,6 +40,11 @@ class FakeCloudFile final : public CloudFile {
     std::uint64_t bytes() const override { return 0; }
     const CloudFacts& facts() const override { return facts_; }
     std::span<const StoredNode> nodes() const override { return stored_; }
+    std::span<const ValuePlane> planes() const override { return {}; }
+    Expected<std::vector<std::byte>> plane(std::uint32_t, std::size_t) const override {
+        return std::vector<std::byte>();
+    }
+    BlockPlace planePlace(std::uint32_t, std::size_t) const override { return {}; }
     Expected<std::vector<std::byte>> rows(std::uint32_t) const override { return std::vector<std::byte>(); }
 
     Expected<std::vector<Sample>> samples(std::uint32_t node) const override {

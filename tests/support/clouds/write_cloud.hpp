@@ -19,9 +19,9 @@ inline void writeCloud(const Cloud& cloud, const std::filesystem::path& path) {
         ASSERT_TRUE(run);
         const auto place = (*writer)->append(encodeSamples(run->samples));
         ASSERT_TRUE(place) << place.error().message;
-        stored.push_back({cloud.octree.node(i), *place, {}});
+        stored.push_back({cloud.octree.node(i), *place});
     }
-    const auto finished = (*writer)->finish(cloud, stored);
+    const auto finished = (*writer)->finish(cloud, stored, {});
     ASSERT_TRUE(finished) << finished.error().message;
 }
 

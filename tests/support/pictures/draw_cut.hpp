@@ -20,6 +20,13 @@ inline NearestPass sprite(Footprint footprint, Profile profile, float sizePx, fl
     return pass;
 }
 
+/// From nothing to twice as bright.
+inline IntensityFactors factors(double low, double high) {
+    IntensityFactors made{.low = low, .high = high};
+    for (std::size_t i = 0; i < 256; ++i) made.factors[i] = static_cast<std::uint16_t>(2 * i);
+    return made;
+}
+
 /// A drawing that owns its cuts: the whole picture, one frame of it.
 struct OwnDrawing : Drawing {
     OwnDrawing(const Viewpoint& viewpoint, const Cut& cut, std::span<const Pass> what)

@@ -14,11 +14,27 @@ Rgb8 onRamp(const ColorRule& rule, double value) {
     return rule.ramp[static_cast<std::size_t>(std::lround(t * 255))];
 }
 
-Rgb8 colorOf(const ColorRule& rule, const Node& node, const Sample& s, const glm::dvec3& place,
-             double depth) {
+Rgb8 toned(const ColorRule& rule, Rgb8 color) {
+    for (std::size_t c = 0; rule.toned && c < 3; ++c) color[c] = rule.ramp[color[c]][c];
+    return color;
+}
+
+Rgb8 brightened(const ColorRule& rule, const Sample& s, Rgb8 color) {
+    if (!rule.byIntensity) return color;
+    const auto& [factors, low, high] = *rule.byIntensity;
+    const double t = std::clamp((s.intensity - low) / (high - low), 0.0, 1.0);
+    const unsigned factor = factors[static_cast<std::size_t>(std::lround(t * 255))];
+    for (auto& channel : color)
+        channel = static_cast<std::uint8_t>(std::min(255u, (channel * factor + 128) / 256));
+    return color;
+}
+
+Rgb8 sourceColor(const ColorRule& rule, const Node& node, const Sample& s, const glm::dvec3& place,
+                 double depth) {
     switch (rule.source) {
+        case ColorSource::Auto:  // a rule names what was chosen
         case ColorSource::Rgb:
-            return {s.r, s.g, s.b};
+            return toned(rule, {s.r, s.g, s.b});
         case ColorSource::Flat:
             return rule.flat;
         case ColorSource::Intensity:
@@ -40,6 +56,11 @@ Rgb8 colorOf(const ColorRule& rule, const Node& node, const Sample& s, const glm
         color[static_cast<std::size_t>(c)] = static_cast<std::uint8_t>(std::lround((n[c] * 0.5 + 0.5) * 255));
     }
     return color;
+}
+
+Rgb8 colorOf(const ColorRule& rule, const Node& node, const Sample& s, const glm::dvec3& place,
+             double depth) {
+    return brightened(rule, s, sourceColor(rule, node, s, place, depth));
 }
 
 bool wanted(const SampleFilter& filter, const Sample& s, const glm::dvec3& p) {

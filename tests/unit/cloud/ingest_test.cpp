@@ -73,32 +73,6 @@ TEST_F(Ingest, TheFileHoldsWhatMemoryWould) {
     }
 }
 
-/// As ingest() does, with a workspace of this many bytes in memory.
-void buildWithin(std::uint64_t memory, int threads, int lanes, const fs::path& output) {
-    auto writer = CloudFileWriter::create(output);
-    ASSERT_TRUE(writer) << writer.error().message;
-    Workspace workspace(memory, output.parent_path());
-    const auto source = ground(30'000);
-    auto built = buildFrom(*source, smallShape, {workspace, writer->get(), threads, lanes}, {}, {});
-    ASSERT_TRUE(built) << built.error().message;
-    if (memory == 0) {
-        EXPECT_GT(workspace.mostOnDisk(), 30'000u * 20);
-    }
-    built->facts.revision = revisionOf(built->facts, built->octree);
-    ASSERT_TRUE((*writer)->finish(built->facts, built->octree.nodes));
-}
-
-// The promise is bytes, so bytes are compared.
-TEST_F(Ingest, NeitherMemoryNorThreadsShow) {
-    buildWithin(Workspace::unlimited, 1, 1, file("a.scan"));
-    buildWithin(0, 2, 2, file("b.scan"));
-    buildWithin(700'000, 3, 3, file("c.scan"));
-    const std::string expected = test::contentOf(file("a.scan"));
-    EXPECT_TRUE(test::contentOf(file("b.scan")) == expected);
-    EXPECT_TRUE(test::contentOf(file("c.scan")) == expected);
-    EXPECT_EQ(folder_.entries(), 3u) << "temporary files have no names";
-}
-
 /// A source with a row for each point, made of its position.
 class RowSource final : public PointSource {
   public:
@@ -128,6 +102,32 @@ class RowSource final : public PointSource {
     ScanHeader header_;
     std::uint32_t count_ = 0;
 };
+
+/// As ingest() does, with a workspace of this many bytes in memory.
+void buildWithin(std::uint64_t memory, int threads, int lanes, const fs::path& output) {
+    auto writer = CloudFileWriter::create(output);
+    ASSERT_TRUE(writer) << writer.error().message;
+    Workspace workspace(memory, output.parent_path());
+    RowSource source(ground(30'000));
+    auto built = buildFrom(source, smallShape, {workspace, writer->get(), threads, lanes}, {}, {});
+    ASSERT_TRUE(built) << built.error().message;
+    if (memory == 0) {
+        EXPECT_GT(workspace.mostOnDisk(), 30'000u * 20);
+    }
+    built->facts.revision = revisionOf(built->facts, built->octree);
+    ASSERT_TRUE((*writer)->finish(built->facts, built->octree.nodes, built->octree.planes));
+}
+
+// The promise is bytes, so bytes are compared.
+TEST_F(Ingest, NeitherMemoryNorThreadsShow) {
+    buildWithin(Workspace::unlimited, 1, 1, file("a.scan"));
+    buildWithin(0, 2, 2, file("b.scan"));
+    buildWithin(700'000, 3, 3, file("c.scan"));
+    const std::string expected = test::contentOf(file("a.scan"));
+    EXPECT_TRUE(test::contentOf(file("b.scan")) == expected);
+    EXPECT_TRUE(test::contentOf(file("c.scan")) == expected);
+    EXPECT_EQ(folder_.entries(), 3u) << "temporary files have no names";
+}
 
 // Right because each row says where its point lies, whatever way it took.
 TEST_F(Ingest, RowsFollowTheirPoints) {
@@ -247,6 +247,18 @@ TEST_F(Ingest, AMemoryLimitThatIsTooSmallIsRefused) {
     ASSERT_FALSE(refused);
     EXPECT_EQ(refused.error().code, ErrorCode::InvalidArgument);
     EXPECT_NE(refused.error().message.find("512M"), std::string::npos);
+}
+
+TEST_F(Ingest, NormalsAreCertainWhereNobodyGuessed) {
+    for (const Orientation orientation : {Orientation::Up, Orientation::Scan}) {
+        OctreeShape shape = smallShape;
+        shape.orientation = orientation;
+        ASSERT_TRUE(ingest(one(ground(3000)), {.output = file("a.scan"), .shape = shape}));
+        const auto opened = CloudFile::open(file("a.scan")).value();
+        EXPECT_EQ(opened->facts().oriented, orientation == Orientation::Up);
+        for (const StoredNode& stored : opened->nodes())
+            ASSERT_EQ(stored.node.confidence, opened->facts().oriented ? certainSide : 0);
+    }
 }
 
 TEST_F(Ingest, CarriesMirrors) {

@@ -39,7 +39,7 @@ std::vector<NearestPass> everySprite() {
     return passes;
 }
 
-/// Colour by intensity, a class filter, a clip box, eye-dome lighting and two averaged frames: all kernels
+/// Colour by intensity, twice, a class filter, a clip box, eye-dome lighting and two averaged frames: all kernels
 /// run.
 Frame drawEverything(Device& device, const AnalyticCloud& cloud, const NearestPass& pass) {
     const Viewpoint view = lookAt({0.4, -1.9, 0.6}, {0, 0, 0}, 233, 171);
@@ -48,6 +48,7 @@ Frame drawEverything(Device& device, const AnalyticCloud& cloud, const NearestPa
     OwnDrawing& d = scene.drawing;
     d.color.source = ColorSource::Intensity;
     d.color.high = 65535;
+    d.color.byIntensity = factors(3000, 62000);
     for (std::size_t i = 0; i < 256; ++i)
         d.color.ramp[i] = {std::uint8_t(i), std::uint8_t(i * 7), std::uint8_t(255 - i)};
     d.view().filter.classes.emplace().fill(true);

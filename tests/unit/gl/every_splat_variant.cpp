@@ -10,7 +10,7 @@ namespace {
 constexpr SplatColoring colorings[] = {
     SplatColoring::Rgb,       SplatColoring::PerRun,         SplatColoring::Intensity,
     SplatColoring::Elevation, SplatColoring::Classification, SplatColoring::Normal,
-    SplatColoring::Depth};
+    SplatColoring::Depth,     SplatColoring::Toned};
 
 /// Collects variants, each once.
 class Variants {
@@ -49,12 +49,14 @@ void addPass(SplatPass pass, bool silhouettes, Variants& variants) {
     }
 }
 
-/// A pass of every colouring that its payload or its sums can have.
+/// A pass of every colouring that its payload or its sums can have; what intensity does to it is the same for all.
 void addColorings(SplatPass pass, bool silhouettes, Variants& variants) {
     for (const SplatColoring coloring : colorings) {
         pass.coloring = coloring;
         addPass(pass, silhouettes, variants);
     }
+    pass.byIntensity = true;
+    addPass(pass, silhouettes, variants);
 }
 
 SplatPass passOf(Reduction reduction, Footprint footprint, Profile profile, float maxPx) {
@@ -110,8 +112,13 @@ void addResolves(bool keys64, bool normals, Variants& variants) {
     }
     passes.cell.emplace();
     variants.add(resolveKeysVariant(passes, keys64, normals));
-    for (const SplatColoring coloring : colorings)
-        variants.add(resolveSamplesVariant(coloring, keys64, normals));
+    SplatPass pass;
+    for (const SplatColoring coloring : colorings) {
+        pass.coloring = coloring;
+        variants.add(resolveSamplesVariant(pass, keys64, normals));
+    }
+    pass.byIntensity = true;
+    variants.add(resolveSamplesVariant(pass, keys64, normals));
     passes.sum.emplace().normals = normals;
     variants.add(resolveSumsVariant(passes, keys64, normals));
 }

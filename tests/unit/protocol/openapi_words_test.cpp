@@ -68,8 +68,8 @@ TEST(OpenApiWords, ParametersAreTheTables) {
         EXPECT_EQ(test::textOf(parameter.value("example", json())), example);
         const json schema = parameter.value("schema", json::object());
         if (word.value.range) expectRange(schema, *word.value.range);
-        // The camera, and what to colour by, are the cloud's to choose; parameters the method's.
-        const bool fixed = !word.path.starts_with("camera.") && word.path != "color" && !isParameter(word);
+        // The camera is the cloud's to choose; parameters are the method's.
+        const bool fixed = !word.path.starts_with("camera.") && !isParameter(word);
         EXPECT_EQ(schema.contains("default"), fixed);
         if (fixed) {
             EXPECT_EQ(test::textOf(schema.value("default", json())), test::textOf(word.value.print(View{})));

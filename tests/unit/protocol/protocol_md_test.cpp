@@ -49,7 +49,7 @@ TEST(ProtocolPage, HasARowForEveryWord) {
     std::string table = "| word | flag | value | default | meaning | example |\n|---|---|---|---|---|---|\n";
     for (const auto& word : viewWords()) {
         auto standard = code(test::textOf(word.value.print(View{})));
-        if (word.path.starts_with("camera.") || word.path == "color") standard = "the cloud's";
+        if (word.path.starts_with("camera.")) standard = "the cloud's";
         if (word.path == "param") standard = "the method's";
         const auto example = word.path == "param" ? "param." + std::string(word.example)
                                                   : joined({word.word, "=", word.example});

@@ -19,7 +19,9 @@ inline View richView() {
     view.height = 1079;
     view.style.method = "cone";
     view.style.parameters = {{"sizePx", 5.5}, {"smooth", true}, {"footprint", std::string("square")}};
-    view.style.color = ColorSource::Intensity;
+    view.style.color = ColorSource::Classification;
+    view.style.byIntensity = true;
+    view.style.exposure = -1.25;
     view.style.colormap = "grey";
     view.style.range = {-1.5, 20};
     view.style.classes = {{2, 6, 255}};

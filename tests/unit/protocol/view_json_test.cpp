@@ -47,7 +47,7 @@ TEST(ViewJson, CanonicalTextIsFixed) {
         printJson(toJson(View{})),
         R"({"background":["#3a424e","#16191e"],"behindMirrors":false,"budget":null,"camera":{"eye":[0.0,-1.0,0.0],"far":null,)"
         R"("fov":60.0,"near":null,"target":[0.0,0.0,0.0],"type":"perspective","up":[0.0,0.0,1.0]},)"
-        R"("classes":null,"clip":null,"color":"rgb","colormap":"viridis","detail":null,"height":720,)"
+        R"("classes":null,"clip":null,"color":"auto","colormap":"viridis","detail":null,"exposure":null,"height":720,)"
         R"("method":"paraboloid","mirrors":true,"outliers":"hide","param":{},"quality":90,"range":null,"samples":null,"shading":null,)"
         R"("subsampling":"4:2:0","width":1280})")
         << "A new word? Put it here, in the order of the alphabet.";
@@ -69,13 +69,14 @@ TEST(ViewJson, SubsetsKeepTheRest) {
 
 TEST(ViewJson, NullRestoresTheAutomaticValue) {
     const auto view = applied(test::richView(), R"({"camera": {"near": null, "far": null}, "range": null,
-        "classes": null, "clip": null, "shading": null, "background": null, "detail": null, "budget": null,
+        "classes": null, "clip": null, "exposure": null, "shading": null, "background": null, "detail": null, "budget": null,
         "samples": null})");
     EXPECT_EQ(view.camera.near, std::nullopt);
     EXPECT_EQ(view.camera.far, std::nullopt);
     EXPECT_EQ(view.style.range, std::nullopt);
     EXPECT_EQ(view.style.classes, std::nullopt);
     EXPECT_EQ(view.style.clip, std::nullopt);
+    EXPECT_EQ(view.style.exposure, std::nullopt);
     EXPECT_EQ(view.style.shading, std::nullopt);
     EXPECT_EQ(view.style.background, Background{});
     EXPECT_EQ(view.quality.detail, std::nullopt);
@@ -143,6 +144,8 @@ TEST(ViewJson, WrongTypesAndValuesNameTheirPath) {
         {R"({"param": {"": 1}})", "param"},
         {R"({"color": "mauve"})", "color"},
         {R"({"color": "#12345"})", "color"},
+        {R"({"color": "intensity*intensity"})", "color"},
+        {R"({"exposure": 3.5})", "exposure"},
         {R"({"colormap": "jet"})", "colormap"},
         {R"({"range": [1]})", "range"},
         {R"({"range": [2, 1]})", "range"},

@@ -55,6 +55,9 @@ TEST(View, EachWrongValueIsRefusedByItsWord) {
         {invalid, "param", [](View& v) { v.style.parameters["a b"] = 1.0; }},
         {invalid, "param.size", [](View& v) { v.style.parameters["size"] = nan; }},
         {invalid, "param.size", [](View& v) { v.style.parameters["size"] = std::string(257, 'x'); }},
+        {invalid, "color", [](View& v) { v.style.color = ColorSource::Normal, v.style.byIntensity = true; }},
+        {invalid, "color", [](View& v) { v.style.color = ColorSource::Auto, v.style.byIntensity = true; }},
+        {invalid, "exposure", [](View& v) { v.style.exposure = nan; }},
         {invalid, "colormap", [](View& v) { v.style.colormap = "rainbow"; }},
         {invalid, "range",
          [](View& v) {

@@ -83,26 +83,57 @@ TEST(ViewWords, EveryExampleChangesAView) {
 }
 
 TEST(ViewWords, WordsAndJsonMeanTheSame) {
-    const auto words =
-        applied({{"eye", "1,2,3"},      {"target", "0,0,1"},       {"up", "0,1,0"},
-                 {"fov", "45"},         {"near", "0.5"},           {"far", "auto"},
-                 {"width", "640"},      {"height", "480"},         {"method", "cone"},
-                 {"param.sizePx", "5"}, {"param.smooth", "true"},  {"param.footprint", "square"},
-                 {"color", "#ff8800"},  {"colormap", "grey"},      {"range", "-1,1e3"},
-                 {"classes", "6,2"},    {"clip", "0,0,0,1,2,3"},   {"shading", "phong"},
-                 {"mirrors", "false"},  {"behindMirrors", "true"}, {"background", "#010203,#040506"},
-                 {"detail", "2"},       {"budget", "1000"},        {"samples", "8"},
-                 {"quality", "50"},     {"subsampling", "4:2:2"},  {"outliers", "show"}});
+    const auto words = applied({{"eye", "1,2,3"},
+                                {"target", "0,0,1"},
+                                {"up", "0,1,0"},
+                                {"fov", "45"},
+                                {"near", "0.5"},
+                                {"far", "auto"},
+                                {"width", "640"},
+                                {"height", "480"},
+                                {"method", "cone"},
+                                {"param.sizePx", "5"},
+                                {"param.smooth", "true"},
+                                {"param.footprint", "square"},
+                                {"color", "#ff8800*intensity"},
+                                {"exposure", "-0.5"},
+                                {"colormap", "grey"},
+                                {"range", "-1,1e3"},
+                                {"classes", "6,2"},
+                                {"clip", "0,0,0,1,2,3"},
+                                {"shading", "phong"},
+                                {"mirrors", "false"},
+                                {"behindMirrors", "true"},
+                                {"outliers", "show"},
+                                {"background", "#010203,#040506"},
+                                {"detail", "2"},
+                                {"budget", "1000"},
+                                {"samples", "8"},
+                                {"quality", "50"},
+                                {"subsampling", "4:2:2"}});
     const auto json =
         applyJson(View{}, nlohmann::json::parse(R"({"camera": {"eye": [1,2,3], "target": [0,0,1],
         "up": [0,1,0], "fov": 45, "near": 0.5, "far": null}, "width": 640, "height": 480, "method": "cone",
-        "param": {"sizePx": 5, "smooth": true, "footprint": "square"}, "color": "#ff8800", "colormap": "grey",
+        "param": {"sizePx": 5, "smooth": true, "footprint": "square"}, "color": "#ff8800*intensity",
+        "exposure": -0.5, "colormap": "grey",
         "range": [-1, 1e3], "classes": [2, 6], "clip": {"min": [0,0,0], "max": [1,2,3]}, "shading": "phong",
         "mirrors": false, "behindMirrors": true, "outliers": "show",
         "background": ["#010203", "#040506"], "detail": 2, "budget": 1000, "samples": 8, "quality": 50,
         "subsampling": "4:2:2"})"));
     ASSERT_TRUE(json) << json.error().message;
     EXPECT_EQ(words, *json);
+}
+
+TEST(ViewWords, AColourMayBeMultipliedByIntensity) {
+    for (const char* word :
+         {"rgb*intensity", "elevation*intensity", "classification*intensity", "#ff8800*intensity"}) {
+        const View view = applied({{"color", word}});
+        EXPECT_TRUE(view.style.byIntensity) << word;
+        EXPECT_EQ(colorWord(view.style), word);
+        EXPECT_FALSE(applied({{"color", "rgb"}}, view).style.byIntensity) << "the next colour ends it";
+    }
+    EXPECT_THAT(refused({{"color", "rgb*depth"}}).message, testing::HasSubstr("only intensity"));
+    EXPECT_THAT(refused({{"color", "normal*intensity"}}).message, testing::HasSubstr("classification"));
 }
 
 TEST(ViewWords, OneWordKeepsTheRest) {
@@ -125,14 +156,15 @@ TEST(ViewWords, AutoClears) {
                                {"range", "auto"},
                                {"classes", "auto"},
                                {"clip", "auto"},
+                               {"exposure", "auto"},
                                {"shading", "auto"},
                                {"detail", "auto"},
                                {"budget", "auto"},
                                {"samples", "auto"}},
                               test::richView());
     EXPECT_FALSE(view.camera.near || view.camera.far || view.style.range || view.style.classes ||
-                 view.style.clip || view.style.shading || view.quality.detail || view.quality.budget ||
-                 view.quality.samples);
+                 view.style.clip || view.style.exposure || view.style.shading || view.quality.detail ||
+                 view.quality.budget || view.quality.samples);
     EXPECT_EQ(applied({{"classes", "none"}}).style.classes, std::vector<std::uint8_t>{});
 }
 
@@ -165,6 +197,14 @@ TEST(ViewWords, WrongOnesNameTheWord) {
                                                                  {"param.a b", "1"},
                                                                  {"color", "mauve"},
                                                                  {"color", "#12"},
+                                                                 {"color", "rgb*"},
+                                                                 {"color", "rgb*elevation"},
+                                                                 {"color", "mauve*intensity"},
+                                                                 {"color", "auto*intensity"},
+                                                                 {"color", "depth*intensity"},
+                                                                 {"color", "rgb*intensity*intensity"},
+                                                                 {"exposure", "4"},
+                                                                 {"exposure", "bright"},
                                                                  {"colormap", "jet"},
                                                                  {"range", "1"},
                                                                  {"range", "2,1"},

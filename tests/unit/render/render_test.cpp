@@ -92,10 +92,10 @@ View fromAbove(const Cloud& cloud, int width = 64, int height = 48) {
 // A cloud whose colours are all the same is not shown in them, unless they are asked for.
 TEST(Render, WhatIsTheSameEverywhereIsLeftOutUnlessAskedFor) {
     Cloud cloud = fourPoints();
-    EXPECT_EQ(defaultView(cloud).style.color, ColorSource::Intensity);
-    cloud.attributes.intensity = false;
     View view = defaultView(cloud);
-    EXPECT_EQ(view.style.color, ColorSource::Elevation);
+    EXPECT_EQ(plan(cloud, view).value()->colorName, "intensity");
+    cloud.attributes.intensity = false;
+    EXPECT_EQ(plan(cloud, view).value()->colorName, "elevation");
     view.style.color = ColorSource::Rgb;
     EXPECT_FALSE(checkView(cloud, view)) << "there are none";
     cloud.constant.color = Rgb8{0, 0, 0};
@@ -248,13 +248,58 @@ TEST(Render, ColoursThatTheCloudLacksAreRefusedWithThoseItHas) {
     EXPECT_THAT(checked.error().message, HasSubstr("intensity"));
 }
 
+TEST(Render, BrightnessFollowsTheCloudsIntensity) {
+    Cloud cloud = fourPoints();
+    View view = fromAbove(cloud);
+    view.style.byIntensity = true;
+    view.style.range = {100.5, 101.5};
+    NotingDevice device;
+    ASSERT_TRUE(render(device, cloud, view));
+    EXPECT_EQ(device.color.source, ColorSource::Elevation);
+    EXPECT_NEAR(device.color.low, 0.5, 1e-9) << "the range is the elevation's";
+    ASSERT_TRUE(device.color.byIntensity);
+    EXPECT_EQ(device.color.byIntensity->low, 10);
+    EXPECT_EQ(device.color.byIntensity->high, 200);
+    EXPECT_LT(device.color.byIntensity->factors.front(), device.color.byIntensity->factors.back());
+    cloud.intensityRange = {10, 10};
+    ASSERT_TRUE(render(device, cloud, view));
+    EXPECT_FALSE(device.color.byIntensity) << "what is the same everywhere makes nothing darker";
+    cloud.attributes.intensity = false;
+    const auto checked = checkView(cloud, view);
+    ASSERT_FALSE(checked);
+    EXPECT_EQ(checked.error().code, ErrorCode::Unsupported);
+    EXPECT_EQ(checked.error().field, "color");
+    EXPECT_THAT(checked.error().message, HasSubstr("no intensity"));
+}
+
+TEST(Render, OnlyTheCloudsOwnColoursAreExposed) {
+    Cloud cloud = fourPoints();
+    cloud.attributes.color = true;
+    View view = defaultView(cloud);
+    NotingDevice device;
+    ASSERT_TRUE(render(device, cloud, view));
+    EXPECT_FALSE(device.color.toned) << "no stops, no work";
+    view.style.exposure = 1;
+    const auto frame = render(device, cloud, view);
+    ASSERT_TRUE(frame) << frame.error().message;
+    EXPECT_TRUE(device.color.toned);
+    EXPECT_GT(device.color.ramp[100][1], 100);
+    EXPECT_EQ(frame->stats.color, "rgb");
+    EXPECT_EQ(frame->stats.exposure, 1);
+    view.style.color = ColorSource::Intensity;
+    ASSERT_TRUE(render(device, cloud, view));
+    EXPECT_FALSE(device.color.toned);
+}
+
 TEST(Render, TheDefaultViewCanBeDrawn) {
     const Cloud cloud = fourPoints();
     NotingDevice device;
     const View view = defaultView(cloud, 320, 200);
-    EXPECT_EQ(view.style.color, ColorSource::Intensity);
+    EXPECT_EQ(view.style.color, ColorSource::Auto);
     const auto frame = render(device, cloud, view);
     ASSERT_TRUE(frame) << frame.error().message;
+    EXPECT_EQ(device.color.source, ColorSource::Intensity);
+    EXPECT_EQ(frame->stats.color, "intensity");
     EXPECT_EQ(device.cutSamples, 4u);
     EXPECT_EQ(frame->stats.samplesDrawn, 4u);
     EXPECT_EQ(frame->stats.stages.front().name, "select");
@@ -353,7 +398,7 @@ TEST(Render, AutoSaysWhatItChoseAndWhy) {
         EXPECT_THAT(frame->stats.methodReason, HasSubstr("px apart"));
         return frame->stats.method;
     };
-    EXPECT_EQ(chosen(true, true), "ewa");
+    EXPECT_EQ(chosen(true, true), "paraboloid") << "blended, what was photographed would lose its texture";
     EXPECT_EQ(chosen(true, false), "ewa");
     EXPECT_EQ(chosen(false, true), "paraboloid");
     view.camera.viewHeight = 1e6;  // all four points on a pixel

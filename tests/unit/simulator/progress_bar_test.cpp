@@ -1,4 +1,4 @@
-#include "server/commands/progress_bar.hpp"
+#include "server/terminal/progress_bar.hpp"
 
 #include <gtest/gtest.h>
 

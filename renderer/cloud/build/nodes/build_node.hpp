@@ -25,10 +25,10 @@ struct BuildNode {
     GridBox box;
     int level = 0;
     NodeContent content;
-    AverageList averages;  ///< of an inner node, until its parent has used it
-    Workspace::Buffer
-        setAside;       ///< an inner node's samples, reaches and densities, between averaging and finishing
-    StoredNode stored;  ///< places in the file, and sampleCount: samples may be away
+    AverageList averages;        ///< of an inner node, until its parent has used it
+    Workspace::Buffer setAside;  ///< an inner node's samples, reaches and densities, between averaging and finishing
+    StoredNode stored;           ///< its place in the file, and sampleCount: samples may be away
+    std::vector<BlockPlace> columns;  ///< a leaf's kept columns in the file
     std::uint64_t sampleHash = 0;
     BuildNode* parent = nullptr;
     std::size_t finishedChildren = 0;

@@ -28,7 +28,7 @@ enum At : std::size_t {
     atColumnsBytes = 132,
 };
 enum HeaderColumn : unsigned { color = 1, intensity = 2, classification = 4, normal = 8 };
-enum Known : unsigned { knownPoints = 1, knownBounds = 2, knownEpsg = 4 };
+enum Known : unsigned { knownPoints = 1, knownBounds = 2, knownEpsg = 4, knownScanner = 8 };
 
 void storeVector(std::byte* to, const glm::dvec3& v) {
     for (int i = 0; i < 3; ++i) storeLe(to + 8 * i, v[i]);
@@ -65,7 +65,8 @@ std::vector<std::byte> encodeHeader(const ScanHeader& header) {
     const auto format = printableText(header.format, longestFormat);
     const auto wkt = printableText(header.crsWkt, longestWkt);
     const auto further = encodeColumns(header.columns);
-    std::vector<std::byte> bytes(headerBytes + format.size() + wkt.size() + further.size());
+    const std::size_t scanner = header.scannerOrigin ? scannerBytes : 0;
+    std::vector<std::byte> bytes(headerBytes + scanner + format.size() + wkt.size() + further.size());
     auto* data = bytes.data();
     std::memcpy(data, magic.data(), magic.size());
     storeLe(data + atVersion, version);
@@ -74,7 +75,7 @@ std::vector<std::byte> encodeHeader(const ScanHeader& header) {
                              (has.classification ? classification : 0u) | (has.normal ? normal : 0u);
     storeLe(data + atColumns, static_cast<std::uint16_t>(columns));
     const unsigned known = (header.points ? knownPoints : 0u) | (header.bounds ? knownBounds : 0u) |
-                           (header.crsEpsg ? knownEpsg : 0u);
+                           (header.crsEpsg ? knownEpsg : 0u) | (header.scannerOrigin ? knownScanner : 0u);
     storeLe(data + atKnown, static_cast<std::uint32_t>(known));
     storeLe(data + atPoints, header.points.value_or(0));
     storeVector(data + atGridStep, header.gridStep);
@@ -87,10 +88,12 @@ std::vector<std::byte> encodeHeader(const ScanHeader& header) {
     storeLe(data + atFormatBytes, static_cast<std::uint32_t>(format.size()));
     storeLe(data + atWktBytes, static_cast<std::uint32_t>(wkt.size()));
     storeLe(data + atColumnsBytes, static_cast<std::uint32_t>(further.size()));
-    if (!format.empty()) std::memcpy(data + headerBytes, format.data(), format.size());
-    if (!wkt.empty()) std::memcpy(data + headerBytes + format.size(), wkt.data(), wkt.size());
-    if (!further.empty())
-        std::memcpy(data + headerBytes + format.size() + wkt.size(), further.data(), further.size());
+    data += headerBytes;
+    if (header.scannerOrigin) storeVector(data, *header.scannerOrigin);
+    data += scanner;
+    if (!format.empty()) std::memcpy(data, format.data(), format.size());
+    if (!wkt.empty()) std::memcpy(data + format.size(), wkt.data(), wkt.size());
+    if (!further.empty()) std::memcpy(data + format.size() + wkt.size(), further.data(), further.size());
     return bytes;
 }
 
@@ -108,7 +111,8 @@ Expected<DecodedHeader> decodeHeader(std::span<const std::byte> bytes) {
     header.attributes = {(columns & color) != 0, (columns & intensity) != 0, (columns & classification) != 0,
                          (columns & normal) != 0};
     const unsigned known = loadLe<std::uint32_t>(data + atKnown);
-    if (known > (knownPoints | knownBounds | knownEpsg)) return wrongHeader(atKnown, "unknown bits");
+    if (known > (knownPoints | knownBounds | knownEpsg | knownScanner))
+        return wrongHeader(atKnown, "unknown bits");
     if ((known & knownPoints) != 0) header.points = loadLe<std::uint64_t>(data + atPoints);
     header.gridStep = loadVector(data + atGridStep);
     header.gridOrigin = loadVector(data + atGridOrigin);
@@ -120,6 +124,7 @@ Expected<DecodedHeader> decodeHeader(std::span<const std::byte> bytes) {
         if (finite(bounds[0]) && finite(bounds[1])) header.bounds = bounds;
     }
     if ((known & knownEpsg) != 0) header.crsEpsg = loadLe<std::int32_t>(data + atEpsg);
+    decoded.hasScanner = (known & knownScanner) != 0;
     decoded.formatBytes = loadLe<std::uint32_t>(data + atFormatBytes);
     decoded.wktBytes = loadLe<std::uint32_t>(data + atWktBytes);
     if (decoded.formatBytes > longestFormat) return wrongHeader(atFormatBytes, "the format text is too long");
@@ -128,6 +133,12 @@ Expected<DecodedHeader> decodeHeader(std::span<const std::byte> bytes) {
     if (decoded.columnsBytes > longestColumns)
         return wrongHeader(atColumnsBytes, "the list of columns is too long");
     return decoded;
+}
+
+Expected<glm::dvec3> decodeScanner(std::span<const std::byte, scannerBytes> bytes) {
+    const glm::dvec3 scanner = loadVector(bytes.data());
+    if (!finite(scanner)) return wrongHeader(headerBytes, "the scanner's place is not a number");
+    return scanner;
 }
 
 std::uint32_t failureCode(ErrorCode code) {

@@ -18,6 +18,7 @@ namespace scancast::point_stream {
 inline constexpr std::array<std::uint8_t, 8> magic{'S', 'C', 'A', 'N', 'P', 'T', 'S', 0x1a};
 inline constexpr std::uint16_t version = 1;
 inline constexpr std::size_t headerBytes = 136;
+inline constexpr std::size_t scannerBytes = 24;
 inline constexpr std::size_t longestFormat = 256;
 inline constexpr std::size_t longestWkt = 65536;
 inline constexpr std::size_t longestFailure = 4096;
@@ -41,12 +42,16 @@ std::vector<std::byte> encodeHeader(const ScanHeader& header);
 /// How the rest of the header is to be read.
 struct DecodedHeader {
     ScanHeader header;
+    bool hasScanner = false;  ///< scannerBytes follow, then the texts
     std::uint32_t formatBytes = 0;
     std::uint32_t wktBytes = 0;
     std::uint32_t columnsBytes = 0;
 };
 /// `bytes`: headerBytes of them. Errors (Importer) without a file's name.
 Expected<DecodedHeader> decodeHeader(std::span<const std::byte> bytes);
+
+/// Where the scanner stood. Errors as above.
+Expected<glm::dvec3> decodeScanner(std::span<const std::byte, scannerBytes> bytes);
 
 /// Code of a FAIL record and back; an unknown number is Importer.
 std::uint32_t failureCode(ErrorCode code);

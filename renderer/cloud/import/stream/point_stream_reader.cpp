@@ -49,6 +49,8 @@ Expected<void> PointStreamReader::readHeader() {
     auto decoded = stream::decodeHeader(bytes);
     if (!decoded) return passOn(decoded);
     header_ = std::move(decoded->header);
+    if (decoded->hasScanner)
+        if (auto ok = readScanner(); !ok) return ok;
     if (auto ok = readText(decoded->formatBytes, stream::longestFormat, header_.format); !ok) return ok;
     if (auto ok = readText(decoded->wktBytes, stream::longestWkt, header_.crsWkt); !ok) return ok;
     if (decoded->columnsBytes == 0) return {};
@@ -58,6 +60,15 @@ Expected<void> PointStreamReader::readHeader() {
     if (!columns) return passOn(columns);
     header_.columns = std::move(*columns);
     rowBytes_ = stream::packedBytes(header_.columns);
+    return {};
+}
+
+Expected<void> PointStreamReader::readScanner() {
+    std::array<std::byte, stream::scannerBytes> bytes{};
+    if (auto ok = readExactly(bytes); !ok) return ok;
+    const auto scanner = stream::decodeScanner(bytes);
+    if (!scanner) return passOn(scanner);
+    header_.scannerOrigin = *scanner;
     return {};
 }
 

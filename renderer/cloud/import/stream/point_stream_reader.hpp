@@ -45,6 +45,7 @@ class PointStreamReader final : public PointSource {
     Expected<void> readHeader();
     Expected<void> readText(std::size_t length, std::size_t longest, std::string& text);
     /// Of the next record that is no note.
+    Expected<void> readScanner();
     Expected<void> readHead();
     Expected<void> readNote();
     Expected<void> readExactly(std::span<std::byte> into);

@@ -136,11 +136,30 @@ inline void filterByTurn(const SplatRun& run, std::uint32_t first, Block& b) {
     }
 }
 
-/// Colour of a value on the ramp: the nearest of 256 entries.
-inline std::uint32_t rampColor(const std::uint32_t* ramp, float index) {
+/// The nearest of 256 entries.
+inline std::uint32_t tableEntry(const std::uint32_t* table, float index) {
     index = index < 0.0f ? 0.0f : index;
     index = index > 255.0f ? 255.0f : index;
-    return ramp[static_cast<std::int32_t>(index + 0.5f)];
+    return table[static_cast<std::int32_t>(index + 0.5f)];
+}
+
+/// Each channel by itself.
+inline std::uint32_t toned(const std::uint32_t* ramp, std::uint32_t rgb) {
+    return (ramp[rgb & 255] & 0xff) | (ramp[(rgb >> 8) & 255] & 0xff00) |
+           (ramp[(rgb >> 16) & 255] & 0xff0000);
+}
+
+/// The colour times the factor of the sample's intensity; `word`: the sample's second.
+inline std::uint32_t brightened(const SplatPass& pass, std::uint32_t color, std::uint32_t word) {
+    const float intensity = static_cast<float>(static_cast<std::int32_t>(word >> 16));
+    const std::uint32_t factor =
+        tableEntry(pass.factors, (intensity - pass.intensityLow) * pass.intensityScale);
+    std::uint32_t out = 0;
+    for (int shift = 0; shift < 24; shift += 8) {
+        const std::uint32_t channel = (((color >> shift) & 255) * factor + 128) >> 8;
+        out |= (channel < 255 ? channel : 255) << shift;
+    }
+    return out;
 }
 
 inline void colorize(const SplatPass& pass, const SplatRun& run, Block& b) {
@@ -155,13 +174,13 @@ inline void colorize(const SplatPass& pass, const SplatRun& run, Block& b) {
         case Coloring::Intensity:
             for (int i = 0; i < b.padded; ++i) {
                 const float value = static_cast<float>(static_cast<std::int32_t>(words[1][i] >> 16));
-                b.color[i] = rampColor(pass.ramp, (value - pass.colorLow) * pass.colorScale);
+                b.color[i] = tableEntry(pass.ramp, (value - pass.colorLow) * pass.colorScale);
             }
             return;
         case Coloring::Elevation:
             for (int i = 0; i < b.padded; ++i) {
                 const float z = static_cast<float>(static_cast<std::int32_t>(words[1][i] & 0xffff));
-                b.color[i] = rampColor(pass.ramp, z * run.elevationStep + run.elevationBase);
+                b.color[i] = tableEntry(pass.ramp, z * run.elevationStep + run.elevationBase);
             }
             return;
         case Coloring::Classification:
@@ -172,10 +191,17 @@ inline void colorize(const SplatPass& pass, const SplatRun& run, Block& b) {
             return;
         case Coloring::Depth:
             for (int i = 0; i < b.padded; ++i) {
-                b.color[i] = rampColor(pass.ramp, (b.depth[i] - pass.colorLow) * pass.colorScale);
+                b.color[i] = tableEntry(pass.ramp, (b.depth[i] - pass.colorLow) * pass.colorScale);
             }
             return;
+        case Coloring::Toned:
+            for (int i = 0; i < b.padded; ++i) b.color[i] = toned(pass.ramp, words[2][i]);
+            return;
     }
+}
+
+inline void brighten(const SplatPass& pass, Block& b) {
+    for (int i = 0; i < b.padded; ++i) b.color[i] = brightened(pass, b.color[i], b.words[1][i]);
 }
 
 inline void loadBlock(const SplatPass& pass, const SplatRun& run, std::uint32_t first, Block& b) {
@@ -199,6 +225,7 @@ inline void loadBlock(const SplatPass& pass, const SplatRun& run, std::uint32_t 
             b.color[i] = run.firstOrdinal + first + static_cast<std::uint32_t>(i);
     } else {
         colorize(pass, run, b);
+        if (pass.byIntensity) brighten(pass, b);
     }
 }
 

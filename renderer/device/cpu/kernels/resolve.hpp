@@ -16,7 +16,7 @@ inline const SplatRun& runOf(const SampleTable& table, std::uint32_t ordinal) {
 }
 
 /// As colorize() does for a block, but for the depth, which is the pixel's.
-inline std::uint32_t sampleColor(const SplatPass& pass, const SplatRun& run, const SampleWords& words,
+inline std::uint32_t sourceColor(const SplatPass& pass, const SplatRun& run, const SampleWords& words,
                                  float depth) {
     switch (pass.coloring) {
         case Coloring::Rgb:
@@ -25,20 +25,28 @@ inline std::uint32_t sampleColor(const SplatPass& pass, const SplatRun& run, con
             return run.color;
         case Coloring::Intensity: {
             const float value = static_cast<float>(static_cast<std::int32_t>(words[1] >> 16));
-            return rampColor(pass.ramp, (value - pass.colorLow) * pass.colorScale);
+            return tableEntry(pass.ramp, (value - pass.colorLow) * pass.colorScale);
         }
         case Coloring::Elevation: {
             const float z = static_cast<float>(static_cast<std::int32_t>(words[1] & 0xffff));
-            return rampColor(pass.ramp, z * run.elevationStep + run.elevationBase);
+            return tableEntry(pass.ramp, z * run.elevationStep + run.elevationBase);
         }
         case Coloring::Classification:
             return pass.ramp[words[2] >> 24];
         case Coloring::Normal:
             return pass.normals[words[3] & 0xffff];
         case Coloring::Depth:
-            return rampColor(pass.ramp, (depth - pass.colorLow) * pass.colorScale);
+            return tableEntry(pass.ramp, (depth - pass.colorLow) * pass.colorScale);
+        case Coloring::Toned:
+            return toned(pass.ramp, words[2]);
     }
     return 0;
+}
+
+inline std::uint32_t sampleColor(const SplatPass& pass, const SplatRun& run, const SampleWords& words,
+                                 float depth) {
+    const std::uint32_t color = sourceColor(pass, run, words, depth);
+    return pass.byIntensity ? brightened(pass, color, words[1]) : color;
 }
 
 /// Normals of samples, turned into view space.

@@ -24,7 +24,7 @@ SplatParams splatParams(const SplatPass& n, ivec4 area, std::size_t index, bool 
     p.view = {n.centerX, n.centerY, n.near, n.far};
     p.area = area;
     p.size = {n.minPx, n.maxPx, n.radiusPerPixel, n.gain};
-    p.ramp = {n.colorLow, n.colorScale, 0, 0};
+    p.ramp = {n.colorLow, n.colorScale, n.intensityLow, n.intensityScale};
     float most = 0.5f * n.maxPx;
     if (n.perspective) most = std::min(most, largestSpread * n.pixelsPerUnit);
     p.surfel = {n.pixelsPerUnit, 1.0f / n.pixelsPerUnit, n.scale, most};
@@ -40,7 +40,7 @@ ResolveParams resolveParams(const SplatPass& n, ivec4 area, ivec4 planes, int ba
     ResolveParams p{};
     p.area = area;
     p.planes = planes;
-    p.ramp = {n.colorLow, n.colorScale, 0, 0};
+    p.ramp = {n.colorLow, n.colorScale, n.intensityLow, n.intensityScale};
     p.look.z = static_cast<std::uint32_t>(backgroundRow);
     setRotation(n, p.rotation);
     return p;
@@ -55,6 +55,7 @@ void SplatTables::begin(const ColorTables& colors, std::size_t mostRuns) {
     std::ranges::transform(surfelRadii(), std::back_inserter(words), bits);
     std::ranges::transform(axisDirections.cosine, std::back_inserter(words), bits);
     std::ranges::transform(axisDirections.sine, std::back_inserter(words), bits);
+    words.insert(words.end(), colors.factors.begin(), colors.factors.end());
     words.insert(words.end(), colors.normals.begin(), colors.normals.end());
 }
 

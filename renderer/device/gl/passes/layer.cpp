@@ -235,8 +235,7 @@ Expected<void> Layer::resolveKeys(const ResolveParams& params, const GpuPlanes& 
 Expected<void> Layer::resolveSamples(ResolveParams params, const GpuPlanes& planes, bool normals,
                                      const std::stop_token& stop) {
     namespace at = binding::resolveSamples;
-    const ShaderVariant variant =
-        resolveSamplesVariant(splats_.front().coloring, traits_.limits.keys64, normals);
+    const ShaderVariant variant = resolveSamplesVariant(splats_.front(), traits_.limits.keys64, normals);
     parts_.tables.runs.bindStorage(binding::runs);
     parts_.tables.lookUps.bindStorage(binding::tables);
     bindColors();

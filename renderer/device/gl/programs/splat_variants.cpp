@@ -43,6 +43,7 @@ static_assert(COLOR_INTENSITY == int(SplatColoring::Intensity));
 static_assert(COLOR_ELEVATION == int(SplatColoring::Elevation));
 static_assert(COLOR_CLASSIFICATION == int(SplatColoring::Classification));
 static_assert(COLOR_NORMAL == int(SplatColoring::Normal) && COLOR_DEPTH == int(SplatColoring::Depth));
+static_assert(COLOR_TONED == int(SplatColoring::Toned));
 static_assert(REDUCTION_NEAREST == int(Reduction::Nearest) && REDUCTION_CELL == int(Reduction::Cell));
 static_assert(REDUCTION_SUM == int(Reduction::Sum));
 static_assert(KEEP_ORDER == int(Keep::Order) && KEEP_PAYLOAD == int(Keep::Payload));
@@ -68,6 +69,7 @@ ShaderVariant splatVariant(const SplatPass& pass, const LayerTraits& traits, Kee
              {"SHARED_FOOTPRINTS", sharesFootprints(pass)},
              {"PERSPECTIVE", pass.perspective},
              {"COLORING", colored ? static_cast<int>(pass.coloring) : 0},
+             {"BY_INTENSITY", colored && pass.byIntensity},
              {"PAYLOAD_SAMPLE", pass.payloadSample && !bare},
              {"SUM_NORMALS", pass.sumNormals},
              {"SILHOUETTE", tested},
@@ -100,9 +102,12 @@ ShaderVariant resolveKeysVariant(const FramePasses& passes, bool keys64, bool no
              {"NORMALS", normals}}};
 }
 
-ShaderVariant resolveSamplesVariant(SplatColoring coloring, bool keys64, bool normals) {
+ShaderVariant resolveSamplesVariant(const SplatPass& pass, bool keys64, bool normals) {
     return {"resolve_samples.comp",
-            {{"KEYS64", keys64}, {"COLORING", static_cast<int>(coloring)}, {"NORMALS", normals}}};
+            {{"KEYS64", keys64},
+             {"COLORING", static_cast<int>(pass.coloring)},
+             {"BY_INTENSITY", pass.byIntensity},
+             {"NORMALS", normals}}};
 }
 
 ShaderVariant resolveSumsVariant(const FramePasses& passes, bool keys64, bool normals) {

@@ -37,7 +37,7 @@ std::uint32_t chunkSamples(const SplatPass& pass, const LayerTraits& traits, std
                            std::size_t regions);
 /// resolve_keys.comp, resolve_samples.comp, resolve_sums.comp; `normals`: into a plane of them.
 ShaderVariant resolveKeysVariant(const FramePasses& passes, bool keys64, bool normals);
-ShaderVariant resolveSamplesVariant(SplatColoring coloring, bool keys64, bool normals);
+ShaderVariant resolveSamplesVariant(const SplatPass& pass, bool keys64, bool normals);
 ShaderVariant resolveSumsVariant(const FramePasses& passes, bool keys64, bool normals);
 
 }  // namespace scancast::gl

@@ -1,29 +1,45 @@
 // A sample's colour, as the cpu device finds it (kernels/project.hpp, resolve.hpp). Needs `pass.ramp`, RunParams and
-// splat_tables.glsl. Variant: COLORING.
+// splat_tables.glsl. Variants: COLORING, BY_INTENSITY.
 
-uint rampColor(float index) {
+// The nearest of 256 entries from word `first` on.
+uint tableEntry(uint first, float index) {
     precise float nearest = clamp(index, 0.0, 255.0) + 0.5;
-    return tables[rampWords + uint(nearest)];
+    return tables[first + uint(nearest)];
 }
 
 // r | g << 8 | b << 16
-uint colorOf(RunParams run, uvec4 words, float depth) {
+uint sourceColor(RunParams run, uvec4 words, float depth) {
 #if COLORING == COLOR_RGB
     return words.z & 0xffffffu;
 #elif COLORING == COLOR_PER_RUN
     return run.color.x;
 #elif COLORING == COLOR_INTENSITY
     precise float index = (float(words.y >> 16) - pass.ramp.x) * pass.ramp.y;
-    return rampColor(index);
+    return tableEntry(rampWords, index);
 #elif COLORING == COLOR_ELEVATION
     precise float index = float(words.y & 0xffffu) * run.factors.x + run.factors.y;
-    return rampColor(index);
+    return tableEntry(rampWords, index);
 #elif COLORING == COLOR_CLASSIFICATION
     return tables[rampWords + (words.z >> 24)];
 #elif COLORING == COLOR_NORMAL
     return tables[normalWords + (words.w & 0xffffu)];
+#elif COLORING == COLOR_TONED
+    uvec3 rgb = rampWords + ((uvec3(words.z) >> uvec3(0, 8, 16)) & 0xffu);
+    return (tables[rgb.x] & 0xffu) | (tables[rgb.y] & 0xff00u) | (tables[rgb.z] & 0xff0000u);
 #else
     precise float index = (depth - pass.ramp.x) * pass.ramp.y;
-    return rampColor(index);
+    return tableEntry(rampWords, index);
 #endif
+}
+
+uint colorOf(RunParams run, uvec4 words, float depth) {
+    uint color = sourceColor(run, words, depth);
+#if BY_INTENSITY
+    precise float index = (float(words.y >> 16) - pass.ramp.z) * pass.ramp.w;
+    uint factor = tableEntry(factorWords, index);
+    uvec3 rgb = ((uvec3(color) >> uvec3(0, 8, 16)) & 0xffu) * factor + 128u;
+    rgb = min(rgb >> 8, uvec3(255));
+    color = rgb.x | rgb.y << 8 | rgb.z << 16;
+#endif
+    return color;
 }

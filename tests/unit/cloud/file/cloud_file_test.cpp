@@ -9,11 +9,11 @@
 namespace scancast {
 namespace {
 
-void expectSame(const CloudFile& file, const Octree& octree, const CloudFacts& facts) {
+void expectSameNodes(const CloudFile& file, const Octree& octree) {
     std::array<std::byte, nodeRecordBytes> written, read;
     ASSERT_EQ(file.nodes().size(), octree.nodes().size());
     for (std::uint32_t i = 0; i < octree.nodes().size(); ++i) {
-        encodeNode({octree.node(i), file.nodes()[i].samples, file.nodes()[i].rows}, written);
+        encodeNode({octree.node(i), file.nodes()[i].samples}, written);
         encodeNode(file.nodes()[i], read);
         ASSERT_EQ(written, read) << "node " << i;
         const auto samples = file.samples(i);
@@ -22,17 +22,42 @@ void expectSame(const CloudFile& file, const Octree& octree, const CloudFacts& f
         ASSERT_EQ(samples->size(), run.samples.size());
         ASSERT_EQ(std::memcmp(samples->data(), run.samples.data(), run.samples.size_bytes()), 0)
             << "node " << i;
-        const auto rows = file.rows(i);
-        ASSERT_TRUE(rows) << rows.error().message;
-        if (facts.columns.empty() || !octree.node(i).isLeaf())
-            ASSERT_TRUE(rows->empty());
-        else
-            ASSERT_EQ(*rows, test::madeUpRows(i, run.samples.size(), 17)) << "node " << i;
     }
-    test::expectSameFacts(file.facts(), facts);
 }
 
-// Right because every node, sample, row and fact is compared with what went in, bit by bit.
+/// Columns one by one and as rows; a row has a double, a byte and a 64-bit number.
+void expectSameColumns(const CloudFile& file) {
+    const std::array<PlaceInRow, 3> places{{{0, 8, 17}, {8, 1, 17}, {9, 8, 17}}};
+    for (std::uint32_t i = 0; i < file.nodes().size(); ++i) {
+        const Node& node = file.nodes()[i].node;
+        const auto expected = node.isLeaf() && !file.facts().columns.empty()
+                                  ? test::madeUpRows(i, node.sampleCount, 17)
+                                  : std::vector<std::byte>();
+        const auto rows = file.rows(i);
+        ASSERT_TRUE(rows) << rows.error().message;
+        ASSERT_EQ(*rows, expected) << "node " << i;
+        for (std::size_t c = 0; c < file.facts().columns.size(); ++c) {
+            const auto values = file.plane(i, c);
+            ASSERT_TRUE(values) << values.error().message;
+            ASSERT_EQ(*values, takeColumn(expected, places[c])) << "node " << i << ", column " << c;
+        }
+    }
+}
+
+void expectSameCompanions(const CloudFile& file) {
+    std::size_t inner = 0;
+    for (std::uint32_t i = 0; i < file.nodes().size(); ++i)
+        for (std::size_t p = file.facts().columns.size(); p < file.planes().size(); ++p) {
+            const Node& node = file.nodes()[i].node;
+            const auto values = file.plane(i, p);
+            ASSERT_TRUE(values) << values.error().message;
+            ASSERT_EQ(*values, test::madeUpCompanion(i, node.sampleCount, file.planes()[p])) << "node " << i;
+            inner += !node.isLeaf() && !values->empty();
+        }
+    EXPECT_EQ(inner > 0, !file.facts().companions.empty());
+}
+
+// Right because every node, sample, value and fact is compared with what went in, bit by bit.
 TEST(CloudFile, WhatIsWrittenIsRead) {
     const test::TemporaryFolder folder;
     for (const bool columns : {false, true}) {
@@ -46,9 +71,23 @@ TEST(CloudFile, WhatIsWrittenIsRead) {
         EXPECT_EQ((*file)->path(), path);
         EXPECT_EQ((*file)->bytes(), std::filesystem::file_size(path));
         EXPECT_EQ((*file)->writtenBy(), programName());
-        expectSame(**file, cloud->octree, facts);
+        EXPECT_EQ((*file)->planes().size(), columns ? 5u : 0u);
+        expectSameNodes(**file, cloud->octree);
+        expectSameColumns(**file);
+        expectSameCompanions(**file);
+        test::expectSameFacts((*file)->facts(), facts);
         EXPECT_FALSE(std::filesystem::exists(path.string() + ".partial"));
     }
+}
+
+TEST(CloudFile, ConfidenceIsKept) {
+    const auto bytes = test::forged(test::sampleFile(), [](test::FileParts& file) {
+        for (std::size_t i = 0; i < file.nodes.size(); ++i)
+            file.nodes[i].node.confidence = std::uint8_t(7 * i);
+    });
+    const auto file = test::openBytes(bytes).value();
+    for (std::size_t i = 0; i < file->nodes().size(); ++i)
+        EXPECT_EQ(file->nodes()[i].node.confidence, std::uint8_t(7 * i));
 }
 
 TEST(CloudFile, TheSameCloudGivesTheSameBytes) {
@@ -90,6 +129,9 @@ TEST(CloudFile, ANodeThatThereIsNotIsAnError) {
     const auto samples = file->samples(std::uint32_t(file->nodes().size()));
     ASSERT_FALSE(samples);
     EXPECT_EQ(samples.error().code, ErrorCode::InvalidArgument);
+    EXPECT_EQ(file->plane(std::uint32_t(file->nodes().size()), 0).error().code, ErrorCode::InvalidArgument);
+    EXPECT_EQ(file->plane(0, file->planes().size()).error().code, ErrorCode::InvalidArgument);
+    EXPECT_EQ(file->rows(std::uint32_t(file->nodes().size())).error().code, ErrorCode::InvalidArgument);
 }
 
 }  // namespace

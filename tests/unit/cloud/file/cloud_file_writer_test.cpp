@@ -91,12 +91,12 @@ TEST(CloudFileWriter, WhatAnotherRunIsWritingIsRefused) {
     const auto path = folder.path() / "a.scan";
     const auto cloud = test::sampleCloud(500);
     auto writer = CloudFileWriter::create(path).value();
-    const auto nodes = test::appendAll(*writer, cloud->octree, *cloud).value();
+    const auto parts = test::appendAll(*writer, cloud->octree, *cloud).value();
     const auto second = CloudFileWriter::create(path);
     ASSERT_FALSE(second);
     EXPECT_EQ(second.error().code, ErrorCode::InvalidArgument);
     EXPECT_THAT(second.error().message, HasSubstr("a.scan.partial: another run is writing"));
-    ASSERT_TRUE(writer->finish(*cloud, nodes)) << "the refused one must not have harmed it";
+    ASSERT_TRUE(test::finish(*writer, parts)) << "the refused one must not have harmed it";
     EXPECT_TRUE(CloudFile::open(path));
     EXPECT_TRUE(CloudFileWriter::create(path)) << "finished, so no longer locked";
 }
@@ -122,9 +122,9 @@ TEST(CloudFileWriter, AFileThatCouldNotBeReadIsNotFinished) {
     const auto cloud = test::sampleCloud(500);
     {
         const auto writer = CloudFileWriter::create(path).value();
-        auto nodes = test::appendAll(*writer, cloud->octree, *cloud).value();
-        nodes[0].node.spacing = -1;
-        const auto done = writer->finish(*cloud, nodes);
+        auto parts = test::appendAll(*writer, cloud->octree, *cloud).value();
+        parts.nodes[0].node.spacing = -1;
+        const auto done = test::finish(*writer, parts);
         ASSERT_FALSE(done);
         EXPECT_THAT(done.error().message, HasSubstr("node 0"));
     }

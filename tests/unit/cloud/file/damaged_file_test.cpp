@@ -38,14 +38,20 @@ TEST(DamagedFile, EveryLengthButItsOwnIsAnError) {
             EXPECT_NE(file.error().message.find(std::to_string(length)), std::string::npos) << length;
         }
     }
-    auto longer = bytes;
-    longer.push_back(std::byte(0));
-    EXPECT_FALSE(test::openBytes(longer));
+}
+
+// What an interrupted change of facts left there.
+TEST(DamagedFile, WhatStandsBehindTheFactsMeansNothing) {
+    auto bytes = test::sampleFile();
+    bytes.resize(bytes.size() + 4711, std::byte(0x5a));
+    const auto file = test::openBytes(bytes);
+    ASSERT_TRUE(file) << file.error().message;
+    EXPECT_EQ((*file)->facts().title, test::fullFacts({}, false).title);
 }
 
 TEST(DamagedFile, AnotherVersionSaysWhatToDo) {
     auto bytes = test::sampleFile();
-    for (const int version : {0, 2, 255}) {
+    for (const int version : {0, 3, 255}) {
         bytes[8] = std::byte(version);
         const auto file = test::openBytes(bytes);
         ASSERT_FALSE(file);
@@ -85,17 +91,21 @@ TEST(DamagedFile, OneDamagedBlockCostsOneNode) {
     }
 }
 
-TEST(DamagedFile, DamagedRowsLeaveTheSamples) {
+TEST(DamagedFile, ADamagedPlaneLeavesTheOthers) {
     auto bytes = test::sampleFile();
     const auto nodes = test::openBytes(bytes).value();
     const auto leaf = std::uint32_t(nodes->nodes().size() - 1);
-    bytes[nodes->nodes()[leaf].rows.offset] ^= std::byte(128);
+    bytes[nodes->planePlace(leaf, 1).offset] ^= std::byte(128);
     const auto file = test::openBytes(bytes).value();
     EXPECT_TRUE(file->samples(leaf));
-    const auto rows = file->rows(leaf);
-    ASSERT_FALSE(rows);
-    EXPECT_EQ(rows.error().code, ErrorCode::Malformed);
-    EXPECT_NE(rows.error().message.find("rows at byte"), std::string::npos) << rows.error().message;
+    for (std::size_t p = 0; p < file->planes().size(); ++p)
+        EXPECT_EQ(file->plane(leaf, p).has_value(), p != 1);
+    for (const auto& damaged : {file->plane(leaf, 1), file->rows(leaf)}) {
+        ASSERT_FALSE(damaged);
+        EXPECT_EQ(damaged.error().code, ErrorCode::Malformed);
+        EXPECT_NE(damaged.error().message.find("plane return_number at byte"), std::string::npos)
+            << damaged.error().message;
+    }
 }
 
 // A map of the file would end in a signal here.

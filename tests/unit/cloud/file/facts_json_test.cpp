@@ -18,8 +18,10 @@ nlohmann::json sampleJson() {
 
 TEST(FactsJson, ReadsBackExactly) {
     const auto cloud = test::sampleCloud(500);
-    for (const CloudFacts& facts :
-         {test::fullFacts(*cloud, true), static_cast<const CloudFacts&>(*cloud), CloudFacts{}}) {
+    CloudFacts richlyLookedAt = test::fullFacts(*cloud, true);
+    richlyLookedAt.look = test::richLook();
+    for (const CloudFacts& facts : {test::fullFacts(*cloud, true), richlyLookedAt,
+                                    static_cast<const CloudFacts&>(*cloud), CloudFacts{}}) {
         const auto back = parseFacts(printFacts(facts, "me 1.0").value());
         ASSERT_TRUE(back) << back.error().message;
         test::expectSameFacts(back->facts, facts);
@@ -34,7 +36,8 @@ TEST(FactsJson, EveryFieldIsNeededAndOfItsType) {
         auto without = json;
         without.erase(key);
         const auto missing = parseFacts(printJson(without));
-        if (key == "crsEpsg" || key == "constant" || key == "notes") {
+        if (key == "crsEpsg" || key == "constant" || key == "notes" || key == "usual" || key == "scanner" ||
+            key == "look") {
             EXPECT_TRUE(missing) << "not every scan has one, and older files have no " << key;
         } else {
             ASSERT_FALSE(missing) << key;
@@ -76,6 +79,40 @@ TEST(FactsJson, ImpossibleValuesAreNamed) {
          [](auto& j) {
              for (int i = 0; i < 2000; ++i) j["columns"].push_back(j["columns"][0]);
          }},
+        {"usual.position", [](auto& j) { j["usual"]["position"][1][0] = -1; }},
+        {"usual.intensity",
+         [](auto& j) {
+             j["usual"]["intensity"] = {5, 4};
+         }},
+        {"usual.brightness",
+         [](auto& j) {
+             j["usual"]["brightness"] = {0, 1};
+         }},
+        {"usual.brightness", [](auto& j) { j["usual"].erase("brightness"); }},
+        {"scanner",
+         [](auto& j) {
+             j["scanner"] = {1, 2, "3"};
+         }},
+        {"look", [](auto& j) { j["look"].erase("views"); }},
+        {"look", [](auto& j) { j["look"]["outline"] = nlohmann::json::array(); }},
+        {"look", [](auto& j) { j["look"]["views"][0]["camera"]["fov"] = 180; }},
+        {"look", [](auto& j) { j["look"]["style"]["shading"] = "dark"; }},
+        {"look", [](auto& j) { j["look"]["mood"] = "blue"; }},
+        {"planes.type", [](auto& j) { j["planes"][3]["type"] = "float16"; }},
+        {"planes.of", [](auto& j) { j["planes"][3]["of"] = "nodes"; }},
+        {"planes.name", [](auto& j) { j["planes"][3]["name"] = ""; }},
+        {"planes", [](auto& j) { j["planes"].erase(2); }},
+        {"planes", [](auto& j) { j["planes"][1]["type"] = "int8"; }},
+        {"planes", [](auto& j) { j["planes"][0]["name"] = "time"; }},
+        {"planes", [](auto& j) { j["planes"][0]["of"] = "samples"; }},
+        {"planes", [](auto& j) { j["planes"].push_back(j["planes"].back()); }},
+        {"planes",
+         [](auto& j) {
+             for (int i = 0; i < 100; ++i) {
+                 j["planes"].push_back(j["planes"].back());
+                 j["planes"].back()["name"] = std::to_string(i);
+             }
+         }},
         {"mirrors.normal",
          [](auto& j) {
              j["mirrors"][0]["normal"] = {1, 1, 1};
@@ -103,6 +140,16 @@ TEST(FactsJson, ImpossibleValuesAreNamed) {
         EXPECT_TRUE(facts.error().message.starts_with(std::string("\"") + field + "\""))
             << facts.error().message;
     }
+}
+
+TEST(FactsJson, VersionOneKnowsNoPlanes) {
+    auto json = sampleJson();
+    const auto passedOver = parseFacts(printJson(json), 1);
+    ASSERT_TRUE(passedOver) << passedOver.error().message;
+    EXPECT_TRUE(passedOver->facts.companions.empty());
+    json.erase("planes");
+    EXPECT_TRUE(parseFacts(printJson(json), 1));
+    EXPECT_FALSE(parseFacts(printJson(json)));
 }
 
 TEST(FactsJson, WhatCannotBeReadIsNotWritten) {

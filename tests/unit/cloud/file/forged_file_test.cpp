@@ -12,12 +12,20 @@ namespace {
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
-using Change = std::function<void(std::vector<StoredNode>&, CloudFacts&)>;
-using Nodes = std::vector<StoredNode>;
+using test::FileParts;
+using Change = std::function<void(FileParts&)>;
 
 /// A change to the node of one index.
 Change node(std::size_t index, std::function<void(Node&)> change) {
-    return [=](Nodes& nodes, CloudFacts&) { change(nodes[index].node); };
+    return [=](FileParts& file) { change(file.nodes[index].node); };
+}
+
+/// Another number of nodes, with places of planes for each.
+Change changedCount(Change change) {
+    return [=](FileParts& file) {
+        change(file);
+        file.planes.resize(file.nodes.size() * planesOf(file.facts).size(), file.planes.back());
+    };
 }
 
 struct Lie {
@@ -59,28 +67,20 @@ const std::vector<Lie>& lies() {
         {"radius unit", node(0, [](Node& n) { n.radiusUnit = 0; })},
         {"cone", node(0, [](Node& n) { n.cone.axis.x = float(nan); })},
         {"cone angle", node(0, [](Node& n) { n.cone.halfAngle = -1; })},
-        {"block in the header", [](Nodes& n, CloudFacts&) { n[1].samples.offset = 64; }},
-        {"block in the index", [](Nodes& n, CloudFacts&) { n[1].samples.bytes += 1u << 30; }},
-        {"block behind the file", [](Nodes& n, CloudFacts&) { n[1].samples.offset = ~0ull; }},
-        {"no block", [](Nodes& n, CloudFacts&) { n[1].samples = {}; }},
-        {"no rows", [](Nodes& n, CloudFacts&) { n.back().rows = {}; }},
-        {"rows in the header", [](Nodes& n, CloudFacts&) { n.back().rows.offset = 0; }},
-        {"rows of an inner node", [](Nodes& n, CloudFacts&) { n[0].rows = n.back().rows; }},
-        {"one node less", [](Nodes& n, CloudFacts&) { n.pop_back(); }},
-        {"one node more", [](Nodes& n, CloudFacts&) { n.push_back(n.back()); }},
-        {"points of the cloud", [](Nodes&, CloudFacts& f) { ++f.points; }},
-        {"columns that no node has",
-         [](Nodes& n, CloudFacts&) {
-             for (auto& s : n) s.rows = {};
-         }},
+        {"block in the header", [](FileParts& f) { f.nodes[1].samples.offset = 64; }},
+        {"block in the index", [](FileParts& f) { f.nodes[1].samples.bytes += 1u << 30; }},
+        {"block behind the file", [](FileParts& f) { f.nodes[1].samples.offset = ~0ull; }},
+        {"no block", [](FileParts& f) { f.nodes[1].samples = {}; }},
+        {"one node less", changedCount([](FileParts& f) { f.nodes.pop_back(); })},
+        {"one node more", changedCount([](FileParts& f) { f.nodes.push_back(f.nodes.back()); })},
+        {"points of the cloud", [](FileParts& f) { ++f.facts.points; }},
     };
     return list;
 }
 
 TEST(ForgedFile, EveryLieIsFound) {
     const auto honest = test::sampleFile();
-    ASSERT_TRUE(test::openBytes(test::forged(honest, [](Nodes&, CloudFacts&) {})))
-        << "the forger must be good";
+    ASSERT_TRUE(test::openBytes(test::forged(honest, [](FileParts&) {}))) << "the forger must be good";
     for (const Lie& lie : lies()) {
         const auto bytes = test::forged(honest, lie.change);
         const auto file = test::openBytes(bytes);
@@ -94,11 +94,12 @@ TEST(ForgedFile, EveryLieIsFound) {
 // hold.
 TEST(ForgedFile, ABlockMustBeLargeEnoughForItsSamples) {
     const auto honest = test::sampleFile(false);
-    const auto bytes = test::forged(honest, [](Nodes& nodes, CloudFacts& facts) {
+    const auto bytes = test::forged(honest, [](FileParts& file) {
+        auto& nodes = file.nodes;
         Node leaf = nodes[0].node;
         leaf.childCount = 0, leaf.firstChild = noNode;
-        leaf.sampleCount = 1u << 24, leaf.points = facts.points = 1u << 24;
-        nodes = {{leaf, nodes[0].samples, {}}};
+        leaf.sampleCount = 1u << 24, leaf.points = file.facts.points = 1u << 24;
+        nodes = {{leaf, nodes[0].samples}};
         nodes[0].samples.bytes = 40;
     });
     const auto file = test::openBytes(bytes);
@@ -113,12 +114,20 @@ TEST(ForgedFile, HeadersThatContradictThemselves) {
         [](auto& h) { h.nodes = 0; },
         [](auto& h) { h.nodes = 0xffffffffu; },
         [](auto& h) { ++h.nodes; },
+        [](auto& h) { --h.index.bytes; },
         [](auto& h) { h.index.offset = 0; },
         [](auto& h) { h.index.offset = ~0ull; },
         [](auto& h) { ++h.index.offset; },
-        [](auto& h) { h.factsOffset = ~0ull - 5; },
-        [](auto& h) { h.factsBytes = ~0ull; },
-        [](auto& h) { --h.factsBytes; },
+        [](auto& h) { --h.planes.offset; },
+        [](auto& h) { ++h.planes.offset; },
+        [](auto& h) { ++h.planes.bytes; },
+        [](auto& h) { h.planes.bytes = ~0ull; },
+        [](auto& h) { h.planes.bytes = ~0ull / h.nodes / planeRecordBytes * h.nodes * planeRecordBytes; },
+        [](auto& h) { h.planes.bytes += 1000 * h.nodes * planeRecordBytes; },
+        [](auto& h) { h.facts.offset = ~0ull - 5; },
+        [](auto& h) { h.facts.offset = h.planes.offset, h.facts.bytes = h.fileBytes - h.facts.offset; },
+        [](auto& h) { h.facts.bytes = ~0ull; },
+        [](auto& h) { --h.facts.bytes; },
         [](auto& h) { --h.fileBytes; },
     };
     for (std::size_t i = 0; i < changes.size(); ++i) {
@@ -130,6 +139,94 @@ TEST(ForgedFile, HeadersThatContradictThemselves) {
         const auto file = test::openBytes(bytes);
         ASSERT_FALSE(file) << i;
         EXPECT_EQ(file.error().code, ErrorCode::Malformed) << i << ": " << file.error().message;
+    }
+}
+
+/// A change to one plane of one node.
+Change plane(std::size_t node, std::size_t index, std::function<void(BlockPlace&)> change) {
+    return [=](FileParts& file) { change(file.planes[node * planesOf(file.facts).size() + index]); };
+}
+
+struct PlaneLie {
+    Change change;
+    std::string where, what;
+};
+
+// The sample file's planes: three columns, then companions of all samples. Its root is an inner node, its last node
+// a leaf.
+TEST(ForgedFile, EveryLieAboutPlanesIsFoundAndNamed) {
+    const auto honest = test::sampleFile();
+    const auto file = test::openBytes(honest).value();
+    const std::size_t last = file->nodes().size() - 1;
+    const std::string leaf = "node " + std::to_string(last) + " of the index, plane return_number: ";
+    const auto someBlock = file->planePlace(std::uint32_t(last), 0);
+    const std::vector<PlaneLie> lies{
+        {plane(last, 1, [](BlockPlace& p) { p = {}; }), leaf, "a block is missing"},
+        {plane(last, 1, [](BlockPlace& p) { p.bytes = 0; }), leaf, "a block is missing"},
+        {plane(last, 1, [](BlockPlace& p) { p.offset = 64; }), leaf, "outside"},
+        {plane(last, 1, [](BlockPlace& p) { p.offset = ~0ull; }), leaf, "outside"},
+        {plane(last, 1, [](BlockPlace& p) { p.bytes = 0xffffffffu; }), leaf, "outside"},
+        {plane(0, 1, [=](BlockPlace& p) { p = someBlock; }),
+         "node 0 of the index, plane return_number: ", "a block of nothing"},
+        {plane(0, 3, [](BlockPlace& p) { p.bytes = 0; }), "node 0 of the index, plane density: ", "missing"},
+        {plane(0, 3, [](BlockPlace& p) { p.offset = 0; }), "node 0 of the index, plane density: ", "outside"},
+        {[](FileParts& f) { f.planes.resize(f.planes.size() - f.nodes.size()); }, "the index of planes has ",
+         "places"},
+        {[](FileParts& f) { f.facts.companions.pop_back(); }, "the index of planes has ", "places"},
+        {[](FileParts& f) { f.planes.clear(); }, "the index of planes has 0 places", ""},
+    };
+    for (const PlaneLie& lie : lies) {
+        const auto forged = test::openBytes(test::forged(honest, lie.change));
+        ASSERT_FALSE(forged) << lie.where << lie.what;
+        EXPECT_EQ(forged.error().code, ErrorCode::Malformed);
+        EXPECT_TRUE(forged.error().message.starts_with("memory.scan, " + lie.where))
+            << forged.error().message;
+        EXPECT_NE(forged.error().message.find(lie.what), std::string::npos) << forged.error().message;
+    }
+}
+
+TEST(ForgedFile, PlanesMustBeLargeEnoughForTheirValues) {
+    const auto honest = test::sampleFile();
+    const auto bytes = test::forged(honest, [](FileParts& file) {
+        Node leaf = file.nodes[0].node;
+        leaf.childCount = 0, leaf.firstChild = noNode;
+        leaf.sampleCount = 1u << 24, leaf.points = file.facts.points = 1u << 24;
+        // Samples that could decode to 16 million, by their length.
+        file.nodes = {{leaf, {cloudHeaderBytes, 1u << 15, 0}}};
+        file.facts.companions.clear();
+        file.planes.assign(3, BlockPlace{cloudHeaderBytes, 100, 0});
+    });
+    const auto file = test::openBytes(bytes);
+    ASSERT_FALSE(file);
+    EXPECT_NE(file.error().message.find("plane gps_time: a block is too small"), std::string::npos)
+        << file.error().message;
+}
+
+TEST(ForgedFile, WhatMustBeZeroIsLookedAt) {
+    const auto honest = test::sampleFile();
+    const auto header = parseHeader(std::span(honest).first(cloudHeaderBytes), honest.size()).value();
+    const auto part = [&](const FilePart& p) {
+        return std::vector<std::byte>(honest.begin() + std::ptrdiff_t(p.offset),
+                                      honest.begin() + std::ptrdiff_t(p.end()));
+    };
+    const auto blocks = std::span(honest).first(header.index.offset);
+    const auto nodes = part(header.index), planes = part(header.planes), facts = part(header.facts);
+    ASSERT_EQ(test::assembled(blocks, nodes, planes, facts), honest);
+    for (const std::size_t at : {143, 184, 207}) {
+        auto other = nodes;
+        other[nodeRecordBytes + at] = std::byte(1);
+        const auto file = test::openBytes(test::assembled(blocks, other, planes, facts));
+        ASSERT_FALSE(file) << at;
+        EXPECT_NE(file.error().message.find("index of nodes has something where zeros"), std::string::npos)
+            << file.error().message;
+    }
+    for (const std::size_t at : {20, 23}) {
+        auto other = planes;
+        other[planeRecordBytes + at] = std::byte(1);
+        const auto file = test::openBytes(test::assembled(blocks, nodes, other, facts));
+        ASSERT_FALSE(file) << at;
+        EXPECT_NE(file.error().message.find("index of planes has something where zeros"), std::string::npos)
+            << file.error().message;
     }
 }
 

@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
+#include "files/bytes.hpp"
 #include "protocol/json_text.hpp"
 #include "renderer/cloud/file/byte_planes.hpp"
 #include "tests/unit/cloud/file/sample_cloud.hpp"
@@ -36,6 +37,22 @@ void expectRows(const std::array<FileField, N>& fields, std::size_t total) {
 TEST(FormatPage, HasEveryFieldWithItsPlace) {
     expectRows(cloudHeaderFields, cloudHeaderBytes);
     expectRows(nodeRecordFields, nodeRecordBytes);
+    expectRows(planeRecordFields, planeRecordBytes);
+}
+
+// As decodeRowsPlace() takes them.
+TEST(FormatPage, HasTheRowsOfVersionOne) {
+    const auto text = page();
+    const auto old = text.find("## Version 1");
+    ASSERT_NE(old, std::string::npos);
+    std::array<std::byte, nodeRecordBytes> record{};
+    storeLe(&record[184], std::uint64_t(1) << 40);
+    storeLe(&record[192], ~std::uint64_t(0));
+    storeLe(&record[200], std::uint32_t(7));
+    EXPECT_EQ(decodeRowsPlace(record), (BlockPlace{std::uint64_t(1) << 40, 7, ~std::uint64_t(0)}));
+    for (const char* row :
+         {"| 184 | 8 | `rowsOffset` | ", "| 192 | 8 | `rowsChecksum` | ", "| 200 | 4 | `rowsBytes` | "})
+        EXPECT_NE(text.find(row, old), std::string::npos) << row;
 }
 
 /// The bytes of a field in a record.
@@ -65,21 +82,26 @@ TEST(FormatPage, TheFileHasItsFieldsThere) {
     const auto header = [&](std::string_view name) { return bytesAt(cloudHeaderFields, name, start); };
     const auto parsed = parseHeader(start, bytes.size()).value();
     EXPECT_EQ(header("magic"), bytesOfValue(cloudFileMagic));
-    EXPECT_EQ(header("version"), bytesOfValue(std::uint32_t(1)));
+    EXPECT_EQ(header("version"), bytesOfValue(std::uint32_t(2)));
     EXPECT_EQ(header("headerBytes"), bytesOfValue(std::uint32_t(128)));
     EXPECT_EQ(header("fileBytes"), bytesOfValue(std::uint64_t(bytes.size())));
     EXPECT_EQ(header("indexOffset"), bytesOfValue(parsed.index.offset));
     EXPECT_EQ(header("indexBytes"), bytesOfValue(std::uint64_t(file->nodes().size() * nodeRecordBytes)));
-    EXPECT_EQ(header("factsOffset"), bytesOfValue(parsed.factsOffset));
+    EXPECT_EQ(header("factsOffset"), bytesOfValue(parsed.facts.offset));
     EXPECT_EQ(header("nodes"), bytesOfValue(std::uint32_t(file->nodes().size())));
     EXPECT_EQ(header("headerChecksum"), bytesOfValue(checksumOf(start.first(120))));
     EXPECT_EQ(header("indexChecksum"),
-              bytesOfValue(checksumOf(std::span(bytes).subspan(parsed.index.offset, parsed.indexBytes()))));
+              bytesOfValue(checksumOf(std::span(bytes).subspan(parsed.index.offset, parsed.index.bytes))));
+    EXPECT_EQ(header("planesOffset"), bytesOfValue(parsed.index.end()));
+    EXPECT_EQ(header("planesBytes"),
+              bytesOfValue(std::uint64_t(5 * file->nodes().size() * planeRecordBytes)));
+    EXPECT_EQ(header("planesChecksum"),
+              bytesOfValue(checksumOf(std::span(bytes).subspan(parsed.planes.offset, parsed.planes.bytes))));
     EXPECT_EQ(header("factsChecksum"),
-              bytesOfValue(checksumOf(std::span(bytes).subspan(parsed.factsOffset))));
+              bytesOfValue(checksumOf(std::span(bytes).subspan(parsed.facts.offset))));
 
     const auto last = file->nodes().back();
-    const auto record = std::span(bytes).subspan(parsed.factsOffset - nodeRecordBytes, nodeRecordBytes);
+    const auto record = std::span(bytes).subspan(parsed.planes.offset - nodeRecordBytes, nodeRecordBytes);
     const auto node = [&](std::string_view name) { return bytesAt(nodeRecordFields, name, record); };
     EXPECT_EQ(node("boxMin"), bytesOfValue(last.node.boxMin));
     EXPECT_EQ(node("step"), bytesOfValue(last.node.step));
@@ -101,9 +123,14 @@ TEST(FormatPage, TheFileHasItsFieldsThere) {
     EXPECT_EQ(node("samplesOffset"), bytesOfValue(last.samples.offset));
     EXPECT_EQ(node("samplesBytes"), bytesOfValue(last.samples.bytes));
     EXPECT_EQ(node("samplesChecksum"), bytesOfValue(last.samples.checksum));
-    EXPECT_EQ(node("rowsOffset"), bytesOfValue(last.rows.offset));
-    EXPECT_EQ(node("rowsBytes"), bytesOfValue(last.rows.bytes));
-    EXPECT_EQ(node("rowsChecksum"), bytesOfValue(last.rows.checksum));
+    EXPECT_EQ(node("confidence"), bytesOfValue(last.node.confidence));
+
+    const auto place = file->planePlace(std::uint32_t(file->nodes().size() - 1), 4);
+    const auto end = std::span(bytes).subspan(parsed.facts.offset - planeRecordBytes, planeRecordBytes);
+    const auto plane = [&](std::string_view name) { return bytesAt(planeRecordFields, name, end); };
+    EXPECT_EQ(plane("offset"), bytesOfValue(place.offset));
+    EXPECT_EQ(plane("bytes"), bytesOfValue(place.bytes));
+    EXPECT_EQ(plane("checksum"), bytesOfValue(place.checksum));
 }
 
 TEST(FormatPage, NamesEveryFact) {

@@ -3,6 +3,7 @@
 
 #include "tests/support/clouds/cloud_file_bytes.hpp"
 #include "tests/support/temporary_folder.hpp"
+#include "tests/unit/protocol/sample_looks.hpp"
 
 namespace scancast::test {
 
@@ -36,10 +37,17 @@ inline CloudFacts fullFacts(const CloudFacts& from, bool columns) {
                   .width = 2.7,
                   .height = 0.1,
                   .tint = {1, 2, 255}}};
-    if (columns)
-        f.columns = {{{"gps_time", ColumnType::Float64, 1, 0, "seconds of the week"}, {-1.0 / 3, 1e9 + 0.1}},
-                     {{"return_number", ColumnType::Uint8, 1, 0, ""}, {1, 5}},
-                     {{"height above ground", ColumnType::Int64, 0.001, -0.7, "metres"}, {-0.25, 31.1}}};
+    f.usual = {.position = {glm::dvec3(0.1, -1e17 / 3, 1), glm::dvec3(1.0 / 3, 1e17 / 3, 1)},
+               .intensity = {7, 60000.5},
+               .brightness = {0.1, 1.0 / 3, 1}};
+    f.scanner = {1.0 / 7, -389500.1, 1e-300};
+    f.look = test::plainLook();
+    if (!columns) return f;
+    f.companions = {{"density", ColumnType::Uint8, ValuePlane::Of::Samples},
+                    {"gps_time", ColumnType::Float32, ValuePlane::Of::Samples}};
+    f.columns = {{{"gps_time", ColumnType::Float64, 1, 0, "seconds of the week"}, {-1.0 / 3, 1e9 + 0.1}},
+                 {{"return_number", ColumnType::Uint8, 1, 0, ""}, {1, 5}},
+                 {{"height above ground", ColumnType::Int64, 0.001, -0.7, "metres"}, {-0.25, 31.1}}};
     return f;
 }
 
@@ -61,6 +69,10 @@ inline void expectSameFacts(const CloudFacts& a, const CloudFacts& b) {
     EXPECT_EQ(a.surfels, b.surfels);
     EXPECT_EQ(a.oriented, b.oriented);
     EXPECT_EQ(a.columns, b.columns);
+    EXPECT_EQ(a.companions, b.companions);
+    EXPECT_EQ(a.usual, b.usual);
+    EXPECT_EQ(a.scanner, b.scanner);
+    EXPECT_EQ(a.look, b.look);
     EXPECT_EQ(a.revision, b.revision);
     ASSERT_EQ(a.mirrors.size(), b.mirrors.size());
     for (std::size_t i = 0; i < a.mirrors.size(); ++i) {

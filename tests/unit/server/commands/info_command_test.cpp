@@ -6,6 +6,7 @@
 
 #include "server/commands/command.hpp"
 #include "server/commands/info_print.hpp"
+#include "tests/support/clouds/version_one.hpp"
 #include "tests/support/test_data.hpp"
 #include "tests/unit/cloud/file/sample_cloud.hpp"
 
@@ -128,6 +129,28 @@ TEST_F(Info, CheckFindsADamagedBlockAndNamesIt) {
     EXPECT_EQ(check.at("damaged")[0].at("offset"), place.offset);
 }
 
+// A plane of a column, one of a companion in an inner node; in version 1, one block of rows.
+TEST_F(Info, CheckLooksAtWhatIsBesideTheSamples) {
+    const auto sound = CloudFile::open(file()).value();
+    const auto leaf = std::uint32_t(sound->nodes().size() - 1);
+    damage(sound->planePlace(leaf, 1).offset);
+    damage(sound->planePlace(0, 3).offset);
+    const auto told = info({"--check", file()});
+    EXPECT_EQ(told.exitCode, 1);
+    EXPECT_THAT(told.output, HasSubstr("2 damaged blocks;"));
+    EXPECT_THAT(told.output, HasSubstr("node " + std::to_string(leaf) + ", plane return_number at byte "));
+    EXPECT_THAT(told.output, HasSubstr("node 0, plane density at byte "));
+
+    ASSERT_TRUE(test::writeCloudFile(file(), cloud_->octree, facts_));
+    const auto old = test::asVersionOne(*CloudFile::open(file()).value());
+    folder_.write("hill.scan", {reinterpret_cast<const char*>(old.data()), old.size()});
+    EXPECT_THAT(info({"--check", file()}).output, HasSubstr("every block is sound"));
+    damage(CloudFile::open(file()).value()->planePlace(leaf, 1).offset);
+    const auto rows = info({"--check", file()});
+    EXPECT_THAT(rows.output, HasSubstr("1 damaged block;"));
+    EXPECT_THAT(rows.output, HasSubstr("node " + std::to_string(leaf) + ", rows at byte "));
+}
+
 TEST_F(Info, WhatCannotBeReadIsAnErrorAndTheRestIsTold) {
     damage(20);
     const auto missing = (folder_.path() / "none.scan").string();
@@ -193,23 +216,27 @@ TEST(InfoOfAScan, CutOffIsAnErrorOnlyWhenRead) {
 }
 
 TEST(InfoPage, DescribesEveryFieldOfTheObject) {
-    std::ifstream file(SCANCAST_SOURCE_DIR "/docs/info.md");
-    const std::string page{std::istreambuf_iterator<char>(file), {}};
+    const auto read = [](const char* name) {
+        std::ifstream file(std::string(SCANCAST_SOURCE_DIR "/") + name);
+        return std::string{std::istreambuf_iterator<char>(file), {}};
+    };
+    const std::string ownPage = read("docs/info.md"), protocol = read("protocol/PROTOCOL.md");
     FileInfo info;
     info.octree = OctreeInfo{};
     info.checked = true;
     info.damaged = {{}};
     info.facts = test::fullFacts(CloudFacts{}, true);
     info.facts.attributes = {true, true, true, true};
-    const auto described = [&](const json& object, auto&& self) -> void {
-        if (object.is_array() && !object.empty()) self(object[0], self);
+    const auto described = [&](const json& object, const std::string& page, auto&& self) -> void {
+        if (object.is_array() && !object.empty()) self(object[0], page, self);
         if (!object.is_object()) return;
         for (const auto& [key, value] : object.items()) {
             EXPECT_THAT(page, HasSubstr("`" + key + "`"));
-            self(value, self);
+            // What is in a look is said where the API's is described.
+            self(value, key == "look" ? protocol : page, self);
         }
     };
-    described(json(infoJson(info)), described);
+    described(json(infoJson(info)), ownPage, described);
 }
 
 TEST(InfoPage, Grouping) {

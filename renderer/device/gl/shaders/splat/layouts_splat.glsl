@@ -6,7 +6,7 @@ struct SplatParams {
     vec4 view;         // centre of the view axis x and y, px in the whole picture, jitter included; near; far
     ivec4 area;        // x, y, width, height of the pixels that there are, px in the whole picture
     vec4 size;         // smallest and largest splat, px; world radius per px (times depth in perspective); gain
-    vec4 ramp;         // colour index = (value - x) * y, clamped to the ramp
+    vec4 ramp;         // colour index = (value - x) * y, clamped to the ramp; a factor's = (intensity - z) * w
     vec4 surfel;       // pixels per unit; units per pixel; scale of radii; largest half size, px
     vec4 extent;       // Sum of discs: reach, and its largest half size, px; tolerance, drawn radii; unused
     vec4 blur;         // Ellipse: 6 and sqrt(6) times the low-pass' variance and deviation, px; an ellipse's major axis over its radius,

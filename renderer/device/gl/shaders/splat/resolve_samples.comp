@@ -1,5 +1,5 @@
 // resolve, second step where payloads are ordinals: the colours and normals of the pixels whose samples lie in one page.
-// Variants: KEYS64, COLORING, NORMALS 0 or 1.
+// Variants: KEYS64, COLORING, BY_INTENSITY, NORMALS 0 or 1.
 #version 450 core
 #include "splat_kinds.glsl"
 #include "layouts_splat.glsl"

@@ -2,7 +2,7 @@
 // one chunk; each thread draws its samples' footprints itself, but for the large ones, which are put down in a queue and
 // then drawn by all threads together, pixel by pixel. Nothing depends on the order: reductions are integers.
 // Variants: GROUP_SIZE, TURN_STEP, REDUCTION, KEEP, KEYS64, LOOK_FIRST, SHAPE, SINGLE_PIXEL, SHARED_FOOTPRINTS,
-// PERSPECTIVE, COLORING, PAYLOAD_SAMPLE, SUM_NORMALS, SILHOUETTE, FILTERS.
+// PERSPECTIVE, COLORING, BY_INTENSITY, PAYLOAD_SAMPLE, SUM_NORMALS, SILHOUETTE, FILTERS.
 #version 450 core
 #if KEYS64
 #extension GL_ARB_gpu_shader_int64 : require

@@ -6,5 +6,6 @@ const uint rampWords = 0u;      // 256 colours
 const uint classWords = 256u;   // 256 flags, 1 = drawn
 const uint radiusWords = 512u;  // 256 radii in the node's unit; 0 = none
 const uint axisWords = 768u;    // 32 cosines and 32 sines of the angles that ellipses may have
-const uint normalWords = 832u;
+const uint factorWords = 832u;  // 256 factors of brightness by intensity, in 256ths
+const uint normalWords = 1088u;
 const uint regionWords = 21u;   // of one region

@@ -6,6 +6,9 @@
 #include <nlohmann/json.hpp>
 
 #include "protocol/json_text.hpp"
+#include "protocol/look.hpp"
+#include "protocol/view/view_json.hpp"
+#include "renderer/render.hpp"
 #include "tests/support/serving/fake_painter.hpp"
 
 namespace scancast {
@@ -217,6 +220,93 @@ TEST_F(ApiTest, AllowedOriginsAreToldSoAndEveryAnswerIsCounted) {
     EXPECT_EQ(*response.find("X-Content-Type-Options"), "nosniff");
     EXPECT_NE(metrics.text().find("scancast_http_requests_total{code=\"200\",route=\"/healthz\"} 1"),
               std::string::npos);
+}
+
+/// The same cloud with a look of three views.
+std::shared_ptr<const Cloud> lookedAt(const Cloud& tiny) {
+    auto cloud = std::make_shared<Cloud>(tiny);
+    Look& look = cloud->look.emplace();
+    look.kind = SceneKind::Street;
+    look.outline = {{0, 0, 0}, {10, 10, 5}, {10, 0, 0}, {0, 10, 5}};
+    look.style.method = "point";
+    Camera outside, inside, top;
+    outside.eye = {30, -40, 20};
+    inside.eye = {5, 5, 2};
+    inside.target = {6, 5, 2};
+    top.eye = {0, 0, 9};
+    top.up = {0, 1, 0};
+    look.views = {{"from the south-east", false, outside}, {"inside", true, inside}, {"top", false, top}};
+    return cloud;
+}
+
+// Right because the protocol's own reader takes each view, and the renderer plans it.
+TEST_F(ApiTest, ViewsAreWhatACloudIsBestSeenFrom) {
+    const auto with = lookedAt(*cloud);
+    catalog.setReady(catalog.add("looked"), with);
+    for (const std::shared_ptr<const Cloud>& one : {cloud, with})
+        for (const char* query :
+             {"", "?width=300&height=700", "?color=intensity&method=paraboloid&width=64&height=64"}) {
+            const std::string id = one == cloud ? "tiny" : "looked";
+            const HttpResponse response = ask("/api/v1/clouds/" + id + "/views" + query);
+            ASSERT_EQ(response.status, 200) << response.body();
+            EXPECT_EQ(*response.find("Content-Type"), "application/json");
+            const auto body = parseJson(response.body()).value();
+            ASSERT_EQ(body.size(), 1U);
+            const auto& list = body["views"];
+            EXPECT_EQ(list.size(), one->look ? 3U : 1U);
+            for (std::size_t i = 0; i < list.size(); ++i) {
+                ASSERT_EQ(list[i].size(), 3U);
+                const auto view = applyJson(View{}, list[i]["view"]);
+                ASSERT_TRUE(view) << view.error().message;
+                const auto drawable = checkView(*one, *view);
+                EXPECT_TRUE(drawable) << drawable.error().message;
+                EXPECT_EQ(view->width, *query == 0                                ? 1280
+                                       : std::string(query).starts_with("?width") ? 300
+                                                                                  : 64);
+                EXPECT_EQ(view->style.method, one->look && *query != '?' ? "point" : view->style.method);
+                if (!one->look) continue;
+                EXPECT_EQ(list[i]["name"], one->look->views[i].name);
+                EXPECT_EQ(list[i]["inside"], one->look->views[i].inside);
+                EXPECT_EQ(view->camera,
+                          cameraFor(*one->look, one->look->views[i], double(view->width) / view->height));
+            }
+            const HttpResponse head = ask("/api/v1/clouds/" + id + "/views" + query, {}, "HEAD");
+            EXPECT_EQ(head.status, 200);
+            EXPECT_EQ(*head.find("Content-Type"), "application/json");
+        }
+}
+
+TEST_F(ApiTest, ViewsOfNothingAndOfNonsenseAreRefused) {
+    const auto none = ask("/api/v1/clouds/nobody/views");
+    EXPECT_EQ(none.status, 404);
+    problem(none);
+    for (const char* query :
+         {"?colour=rgb", "?width=0", "?width=many", "?method=magic", "?color=beauty", "?shading=dark"}) {
+        const auto wrong = ask(std::string("/api/v1/clouds/tiny/views") + query);
+        EXPECT_EQ(wrong.status, 400) << query;
+        problem(wrong);
+    }
+    EXPECT_EQ(ask("/api/v1/clouds/tiny/views?fov=180").status, 422) << "no picture could be made of it";
+    EXPECT_EQ(ask("/api/v1/clouds/tiny/views", {}, "POST").status, 405);
+    catalog.add("still loading");
+    EXPECT_EQ(ask("/api/v1/clouds/still-loading/views").status, 503);
+}
+
+TEST_F(ApiTest, ACloudTellsItsLookWithoutItsOutline) {
+    const auto with = lookedAt(*cloud);
+    catalog.setReady(catalog.add("looked"), with);
+    const auto body = parseJson(ask("/api/v1/clouds/looked").body()).value();
+    ASSERT_TRUE(body.contains("look"));
+    EXPECT_FALSE(body["look"].contains("outline"));
+    EXPECT_EQ(body["look"]["kind"], "street");
+    auto whole = toJson(*with->look);
+    whole.erase("outline");
+    EXPECT_EQ(body["look"], whole);
+    EXPECT_FALSE(parseJson(ask("/api/v1/clouds/tiny").body()).value().contains("look"));
+    EXPECT_NE(body["revision"], with->revision) << "what is kept of its pictures depends on it";
+    const auto view = applyJson(View{}, body["view"]);
+    ASSERT_TRUE(view);
+    EXPECT_EQ(*view, defaultView(*with));
 }
 
 }  // namespace

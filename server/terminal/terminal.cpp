@@ -1,4 +1,4 @@
-#include "server/commands/terminal.hpp"
+#include "server/terminal/terminal.hpp"
 
 #include <cerrno>
 #include <cstdio>

@@ -1,4 +1,4 @@
-#include "server/commands/shutdown_signals.hpp"
+#include "server/terminal/shutdown_signals.hpp"
 
 #include <fcntl.h>
 #include <poll.h>

@@ -1,0 +1,37 @@
+#include "files/raw_writes.hpp"
+
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+
+namespace scancast {
+
+int writeFullyAt(int fd, std::uint64_t offset, std::span<const std::byte> bytes) {
+    constexpr std::size_t largestTransfer = std::size_t(1) << 30;
+    while (!bytes.empty()) {
+        const auto put =
+            ::pwrite(fd, bytes.data(), std::min(bytes.size(), largestTransfer), static_cast<off_t>(offset));
+        if (put < 0 && errno == EINTR) continue;
+        if (put <= 0) return put < 0 ? errno : ENOSPC;
+        offset += static_cast<std::uint64_t>(put);
+        bytes = bytes.subspan(static_cast<std::size_t>(put));
+    }
+    return 0;
+}
+
+int syncFile(int fd) {
+    while (::fsync(fd) != 0)
+        if (errno != EINTR) return errno;
+    return 0;
+}
+
+bool isStillNamed(int fd, const std::filesystem::path& name) {
+    struct stat opened {
+    }, named{};
+    return ::fstat(fd, &opened) == 0 && ::stat(name.c_str(), &named) == 0 && opened.st_dev == named.st_dev &&
+           opened.st_ino == named.st_ino;
+}
+
+}  // namespace scancast

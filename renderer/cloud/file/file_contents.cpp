@@ -1,0 +1,142 @@
+#include "renderer/cloud/file/file_contents.hpp"
+
+#include <spdlog/fmt/fmt.h>
+#include <xxhash.h>
+
+#include <algorithm>
+#include <array>
+#include <memory>
+#include <new>
+
+#include "renderer/cloud/file/file_layout.hpp"
+#include "renderer/cloud/file/node_index.hpp"
+
+namespace scancast {
+
+namespace {
+
+/// What a file says of itself, read part by part. Errors without the file's name.
+class Opening {
+  public:
+    explicit Opening(const RandomReader& reader) : reader_(reader) {}
+
+    /// Somebody may be changing the facts: the file becomes longer before its header does, so the size is asked for
+    /// last, and a header that was caught in between is whole a moment later.
+    Expected<CloudFileHeader> header() const {
+        auto header = headerNow();
+        return header || header.error().code != ErrorCode::Malformed ? header : headerNow();
+    }
+
+    Expected<StoredFacts> facts(const CloudFileHeader& header) const {
+        const FilePart& part = header.facts;
+        if (part.bytes > longestFacts)
+            return fail(ErrorCode::Malformed,
+                        fmt::format("byte {}: the description is too long", part.offset));
+        std::vector<std::byte> bytes(part.bytes);
+        if (auto ok = whole(part.offset, bytes); !ok) return passOn(ok);
+        if (checksumOf(bytes) != part.checksum)
+            return fail(
+                ErrorCode::Malformed,
+                fmt::format("byte {}: the description is damaged, its checksum is wrong", part.offset));
+        auto facts = parseFacts({reinterpret_cast<const char*>(bytes.data()), bytes.size()}, header.version);
+        if (!facts)
+            return fail(facts.error().code,
+                        fmt::format("byte {}: the description: {}", part.offset, facts.error().message));
+        return facts;
+    }
+
+    /// Nodes, and in version 1 the places of their rows.
+    Expected<void> nodes(const CloudFileHeader& header, FileContents& into) const {
+        into.nodes.reserve(header.nodes);
+        if (header.version == 1) into.places.reserve(header.nodes);
+        return records<nodeRecordBytes>(header.index, "index of nodes", [&](NodeRecord record) {
+            StoredNode& stored = into.nodes.emplace_back(decodeNode(record));
+            if (header.version == 1) {
+                into.places.push_back(decodeRowsPlace(record));
+                stored.node.confidence = into.facts.facts.oriented ? certainSide : 0;
+            }
+            return reservedAreZero(record, header.version);
+        });
+    }
+
+    Expected<void> planes(const CloudFileHeader& header, FileContents& into) const {
+        into.places.reserve(header.planes.bytes / planeRecordBytes);
+        return records<planeRecordBytes>(header.planes, "index of planes", [&](PlaneRecord record) {
+            into.places.push_back(decodePlane(record));
+            return reservedAreZero(record);
+        });
+    }
+
+  private:
+    Expected<CloudFileHeader> headerNow() const {
+        std::array<std::byte, cloudHeaderBytes> bytes;
+        const auto got = reader_.readAt(0, bytes);
+        if (!got) return passOn(got);
+        return parseHeader(std::span(bytes).first(*got), reader_.size());
+    }
+
+    /// Calls `take` with record after record, which says whether it may be so. In pieces that stay in the cache: an
+    /// index of 40 MB takes milliseconds.
+    template <std::size_t recordBytes, class Take>
+    Expected<void> records(const FilePart& part, const char* what, Take take) const {
+        constexpr std::uint64_t pieceRecords = 2048;
+        const std::unique_ptr<XXH3_state_t, decltype(&XXH3_freeState)> hash(XXH3_createState(),
+                                                                            &XXH3_freeState);
+        if (!hash) throw std::bad_alloc();
+        XXH3_64bits_reset(hash.get());
+        std::vector<std::byte> space(std::min(pieceRecords * recordBytes, part.bytes));
+        bool clean = true;
+        for (std::uint64_t done = 0; done < part.bytes;) {
+            const auto piece =
+                std::span(space).first(std::min<std::uint64_t>(space.size(), part.bytes - done));
+            if (auto ok = whole(part.offset + done, piece); !ok) return ok;
+            XXH3_64bits_update(hash.get(), piece.data(), piece.size());
+            for (std::size_t at = 0; at < piece.size(); at += recordBytes)
+                clean = take(std::span<const std::byte>(piece).subspan(at).template first<recordBytes>()) &&
+                        clean;
+            done += piece.size();
+        }
+        if (XXH3_64bits_digest(hash.get()) != part.checksum)
+            return fail(ErrorCode::Malformed,
+                        fmt::format("byte {}: the {} is damaged, its checksum is wrong", part.offset, what));
+        if (!clean)
+            return fail(ErrorCode::Malformed,
+                        fmt::format("byte {}: the {} has something where zeros must be", part.offset, what));
+        return {};
+    }
+
+    Expected<void> whole(std::uint64_t offset, std::span<std::byte> into) const {
+        const auto got = reader_.readAt(offset, into);
+        if (!got) return passOn(got);
+        if (*got < into.size())
+            return fail(ErrorCode::Truncated,
+                        fmt::format("the file ends at byte {}, within its index", offset + *got));
+        return {};
+    }
+
+    const RandomReader& reader_;
+};
+
+}  // namespace
+
+Expected<FileContents> readContents(const RandomReader& reader) {
+    const Opening opening(reader);
+    const auto header = opening.header();
+    if (!header) return passOn(header);
+    FileContents contents;
+    contents.version = header->version;
+    auto facts = opening.facts(*header);
+    if (!facts) return passOn(facts);
+    contents.facts = std::move(*facts);
+    contents.lists = listsBesideSamples(contents.facts.facts, header->version);
+    if (auto ok = opening.nodes(*header, contents); !ok) return passOn(ok);
+    if (header->version != 1)
+        if (auto ok = opening.planes(*header, contents); !ok) return passOn(ok);
+    const std::uint64_t blocksEnd = header->index.offset;
+    if (auto ok = checkNodes(contents.nodes, contents.facts.facts, blocksEnd); !ok) return passOn(ok);
+    if (auto ok = checkPlaces(contents.places, contents.lists, contents.nodes, blocksEnd); !ok)
+        return passOn(ok);
+    return contents;
+}
+
+}  // namespace scancast

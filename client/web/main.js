@@ -302,10 +302,17 @@ function toggleLooking() {
   for (const verb of document.querySelectorAll('.drag-verb')) verb.textContent = looks ? 'look around' : 'orbit';
 }
 
+/** All of the cloud from the direction that the camera has: as at first, where that is the first one. */
+function everything(room) {
+  const first = usualCamera(cloud, camera.upAxis);
+  const isFirst = ['azimuth', 'elevation', 'fov', 'projection'].every((key) => first[key] === camera[key]);
+  return isFirst ? first : fit(camera, ...room);
+}
+
 function showStandardView(name) {
   if (!camera || !cloud) return;
   const room = [boundsOf(), picture.cssSize, freeSize()];
-  goTo(name === 'fit' ? fit(camera, ...room) : standardView(camera, name, ...room));
+  goTo(name === 'fit' ? everything(room) : standardView(camera, name, ...room));
 }
 
 function showPanel(open) {

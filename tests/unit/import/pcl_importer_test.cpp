@@ -215,6 +215,24 @@ TEST_F(PclImporter, PcdOfEveryType) {
     }
 }
 
+// Programs that do not know where the sensor stood write the origin; what is no place counts as that.
+TEST_F(PclImporter, PcdTellsWhereTheSensorStood) {
+    const auto stoodAt = [&](const std::string& viewpoint) {
+        const auto source =
+            openScan(folder_.write("scan",
+                                   "# .PCD v0.7\nVERSION 0.7\nFIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nWIDTH 1\n"
+                                   "HEIGHT 1\nVIEWPOINT " +
+                                       viewpoint + "\nPOINTS 1\nDATA ascii\n1 2 3\n"),
+                     {.importerDirectory = SCANCAST_BIN_DIR});
+        EXPECT_TRUE(source) << source.error().message;
+        return source ? (*source)->header().scannerOrigin : std::nullopt;
+    };
+    EXPECT_EQ(stoodAt("500000.25 -2 1e1 1 0 0 0"), glm::dvec3(500000.25, -2, 10));
+    EXPECT_EQ(stoodAt("0 0 0 0 1 0 0"), std::nullopt);
+    EXPECT_EQ(stoodAt("1 2 nan 1 0 0 0"), std::nullopt);
+    EXPECT_EQ(stoodAt("1 2 3"), std::nullopt);
+}
+
 // Slices of the importer, chunks of the stream: the order holds over every seam.
 TEST_F(PclImporter, ManyPoints) {
     constexpr int n = 800000;

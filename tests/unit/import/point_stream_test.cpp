@@ -93,6 +93,7 @@ TEST(PointStream, RoundTrip) {
         header.bounds = {glm::dvec3(-1), glm::dvec3(2)};
         header.crsWkt = "PROJCS[]";
         header.crsEpsg = 25832;
+        if (mask > 7) header.scannerOrigin = {1e6, -2, 0.1};
         const std::vector<PointBatch> batches{batchOf(65536, has), batchOf(100, has, 5)};
         Recorder recorder;
         ASSERT_TRUE(recorder.writer.writeHeader(header));
@@ -111,6 +112,7 @@ TEST(PointStream, RoundTrip) {
         EXPECT_EQ(read.bounds, header.bounds);
         EXPECT_EQ(read.crsWkt, header.crsWkt);
         EXPECT_EQ(read.crsEpsg, header.crsEpsg);
+        EXPECT_EQ(read.scannerOrigin, header.scannerOrigin);
         PointBatch batch;
         for (const auto& expected : batches) {
             const auto more = (*reader)->read(batch);
@@ -208,7 +210,7 @@ TEST(PointStream, LiesAreErrors) {
     expectImporterError(changed(0, 'X'), "does not start as a point stream does");
     expectImporterError(changed(8, std::uint16_t(2)), "version 2");
     expectImporterError(changed(10, std::uint16_t(16)), "unknown columns");
-    expectImporterError(changed(12, std::uint32_t(8)), "unknown bits");
+    expectImporterError(changed(12, std::uint32_t(16)), "unknown bits");
     expectImporterError(changed(24, -1.0), "a grid step");
     expectImporterError(changed(24, nan), "a grid step");
     expectImporterError(changed(48, infinity), "the grid's origin");
@@ -228,6 +230,14 @@ TEST(PointStream, LiesAreErrors) {
     expectImporterError(changed(doneAt + 8, std::uint64_t(3)), "claims to have sent 3 points, it has sent 2");
     expectImporterError(changed(doneAt + 16, std::uint64_t(1)), "declared 2 points, sent 2 and dropped 1");
     expectImporterError(changed(16, std::uint64_t(5)), "declared 5 points");
+}
+
+TEST(PointStream, AScannerThatIsNowhereIsAnError) {
+    Recorder recorder;
+    ScanHeader header = headerOf({});
+    header.scannerOrigin = {0, std::numeric_limits<double>::quiet_NaN(), 0};
+    ASSERT_TRUE(recorder.writer.writeHeader(header));
+    expectImporterError(recorder.bytes, "the scanner's place is not a number");
 }
 
 TEST(PointStream, NotesAreHeardWhereverTheyStand) {

@@ -63,6 +63,19 @@ struct UsualRanges {
     bool operator==(const UsualRanges&) const = default;
 };
 
+/// How the side was found that normals point to, and how sure that is.
+struct KnownSides {
+    enum class By : std::uint8_t {
+        File,       ///< the scan's own normals
+        Scanner,    ///< towards the place where it stood
+        Up,         ///< upwards, as was asked for
+        Neighbours  ///< decided by all of them together (docs/spec/surfels.md §9)
+    };
+    By by = By::File;
+    double sure = 1;  ///< share of the points that are drawn as oriented
+    bool operator==(const KnownSides&) const = default;
+};
+
 /// Hundreds of scans can have something strange each; a cloud tells of so many.
 inline constexpr std::size_t mostCloudNotes = 100;
 
@@ -83,7 +96,8 @@ struct CloudFacts {
     std::optional<int> crsEpsg;
     double spacing = 0;     ///< s0, typical distance of neighbouring points, cloud units
     bool surfels = false;   ///< samples carry radius, ellipse and a normal
-    bool oriented = false;  ///< normals point to the side that was scanned; else their sign says nothing
+    bool oriented = false;  ///< all normals point to the side that was scanned; else their nodes say how sure that is
+    std::optional<KnownSides> sides;  ///< nullopt: nothing is known of them
     std::vector<KeptColumn> columns;
     std::vector<ValuePlane> companions;  ///< what the cloud file has beside its samples and columns
     std::vector<Mirror> mirrors;

@@ -32,6 +32,8 @@ struct NormalCone {
 
 /// Node::confidence where nobody had to guess.
 inline constexpr std::uint8_t certainSide = 255;
+/// From this confidence on a node is drawn as oriented: less leaves holes where somebody guessed wrong.
+inline constexpr std::uint8_t sureSide = 230;
 
 struct Node {
     glm::dvec3 boxMin;  ///< cloud-relative; the corner that sample positions count from

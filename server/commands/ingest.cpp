@@ -28,7 +28,7 @@ namespace fs = std::filesystem;
 
 struct IngestArguments {
     std::vector<std::string> inputs;
-    std::string output, memoryLimit, scratch, title, look, orient = "scan";
+    std::string output, memoryLimit, scratch, title, look, orient = "auto";
     int threads = 0, neighbours = 10;
     bool noSurfels = false, keepAttributes = false, force = false, quiet = false;
 };
@@ -71,7 +71,9 @@ Expected<IngestOptions> ingestOptions(const IngestArguments& arguments) {
     options.threads = arguments.threads;
     options.shape.surfels = !arguments.noSurfels;
     options.shape.neighbours = arguments.neighbours;
-    options.shape.orientation = arguments.orient == "up" ? Orientation::Up : Orientation::Scan;
+    options.shape.orientation = arguments.orient == "up"     ? Orientation::Up
+                                : arguments.orient == "scan" ? Orientation::Scan
+                                                             : Orientation::Auto;
     if (!arguments.memoryLimit.empty()) {
         const auto limit = parseByteSize(arguments.memoryLimit, "memory-limit");
         if (!limit) return passOn(limit);
@@ -227,9 +229,10 @@ void addIngest(CLI::App& app, int& exitCode) {
     command
         ->add_option(
             "--orient", arguments->orient,
-            "Which side estimated normals point to. scan: towards the scanner where the scan says where it "
-            "stood, else undecided; up: upwards, for scans from the air")
-        ->check(CLI::IsMember({"scan", "up"}))
+            "Which side estimated normals point to. auto: towards the scanner where the scan says where it "
+            "stood, else the side that neighbours agree on, where they do; scan: the same, else undecided; "
+            "up: upwards, for scans from the air")
+        ->check(CLI::IsMember({"auto", "scan", "up"}))
         ->capture_default_str()
         ->type_name("SIDE");
     command->add_flag("--keep-attributes", arguments->keepAttributes,

@@ -89,6 +89,15 @@ std::vector<std::string> firstNotes(std::vector<std::string> notes) {
     return notes;
 }
 
+/// What is known before anybody looks at the points.
+std::optional<KnownSides> knownSides(const ScanHeader& header, const OctreeShape& shape) {
+    if (header.attributes.normal) return KnownSides{KnownSides::By::File, 1};
+    if (!shape.surfels) return std::nullopt;
+    if (shape.orientation == Orientation::Up) return KnownSides{KnownSides::By::Up, 1};
+    if (header.scannerOrigin) return KnownSides{KnownSides::By::Scanner, 1};
+    return std::nullopt;
+}
+
 CloudFacts factsOf(const StagedScan& scan, const ScanHeader& header, const OctreeShape& shape) {
     CloudFacts facts;
     facts.format = header.format;
@@ -104,8 +113,8 @@ CloudFacts factsOf(const StagedScan& scan, const ScanHeader& header, const Octre
     facts.crsWkt = header.crsWkt;
     facts.crsEpsg = header.crsEpsg;
     facts.surfels = shape.surfels;
-    facts.oriented = header.attributes.normal ||
-                     (shape.surfels && (header.scannerOrigin || shape.orientation == Orientation::Up));
+    facts.oriented = knownSides(header, shape).has_value();
+    facts.sides = knownSides(header, shape);
     facts.scanner = header.scannerOrigin;
     for (std::size_t c = 0; c < header.columns.size(); ++c)
         facts.columns.push_back({header.columns[c], scan.columnRanges[c], scan.columnSketches[c].usual()});
@@ -120,6 +129,7 @@ OctreeInput inputOf(const CloudFacts& facts, const ScanHeader& header, const Oct
     input.attributes = facts.attributes;
     input.ownNormals = header.attributes.normal;
     input.oriented = facts.oriented;
+    input.findSides = shape.surfels && !facts.oriented && shape.orientation == Orientation::Auto;
     if (header.scannerOrigin) input.scanner = *header.scannerOrigin - facts.origin;
     input.shape = shape;
     std::vector<ColumnType> types;
@@ -165,6 +175,7 @@ Expected<BuiltCloud> buildFrom(PointSource& source, const OctreeShape& shape, co
     if (!octree) return passOn(octree);
     cloud.octree = std::move(*octree);
     cloud.facts.spacing = typicalSpacing(cloud.octree);
+    if (input.findSides) cloud.facts.sides = KnownSides{KnownSides::By::Neighbours, cloud.octree.sure};
     return cloud;
 }
 

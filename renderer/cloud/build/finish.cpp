@@ -44,7 +44,7 @@ Node toNode(const BuildNode& from, const Node* parent, const OctreeInput& input)
     node.cone = c.cone;
     node.childCount = std::uint8_t(from.children.size());
     node.level = std::uint8_t(from.level);
-    node.confidence = input.oriented ? certainSide : 0;
+    node.confidence = from.confidence;
     node.sampleCount = from.stored.node.sampleCount;
     node.points = from.pointCount;
     return node;

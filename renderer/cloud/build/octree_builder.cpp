@@ -11,6 +11,7 @@
 #include "renderer/cloud/build/chunks/kept_rows.hpp"
 #include "renderer/cloud/build/finish.hpp"
 #include "renderer/cloud/build/nodes/subtree.hpp"
+#include "renderer/cloud/build/sides/chunk_sides.hpp"
 #include "renderer/cloud/file/block_codec.hpp"
 #include "renderer/cloud/normal_cone.hpp"
 
@@ -33,7 +34,9 @@ struct LeafBlocks {
 
 /// A chunk on its way through the stages.
 struct Work {
+    std::size_t number = 0;
     Chunk chunk;
+    ChunkSides sides;
     std::vector<BuildPoint> loaded;
     std::vector<LeafBlocks> blocks;
     Expected<void> result;
@@ -48,31 +51,54 @@ class TreeBuilder {
         : input_(input), workspace_(workspace), file_(file), progress_(progress), stop_(stop) {}
 
     Expected<void> run(std::vector<Chunk> chunks, int lanes) {
+        chunks_ = std::move(chunks);
+        if (!input_.findSides)
+            return forChunks(
+                lanes, [this](Work& work) { return grow(work); }, [this](Work& work) { return settle(work); });
+        held_.resize(chunks_.size());
+        auto done = forChunks(
+            lanes, [this](Work& work) { return growWithoutSides(work); },
+            [this](Work& work) { return hold(work); });
+        if (!done) return done;
+        sides_ = decideSides(facets_, patches_);
+        giveBack(facets_);
+        return forChunks(
+            lanes, [this](Work& work) { return turn(work); }, [this](Work& work) { return settle(work); });
+    }
+
+    /// Share of the points.
+    double sure() const { return points_ ? double(surePoints_) / double(points_) : 0; }
+
+  private:
+    /// One chunk after the other through two stages: first several at once, then in the order of the tree.
+    template <class First, class Then>
+    Expected<void> forChunks(int lanes, First first, Then then) {
         std::size_t next = 0;
         Expected<void> result;
         tbb::parallel_pipeline(
             std::size_t(std::max(lanes, 1)),
             tbb::make_filter<void, Work*>(tbb::filter_mode::serial_in_order,
                                           [&](tbb::flow_control& control) -> Work* {
-                                              if (next == chunks.size() || failed_ ||
+                                              if (next == chunks_.size() || failed_ ||
                                                   stop_.stop_requested()) {
                                                   control.stop();
                                                   return nullptr;
                                               }
                                               auto work = std::make_unique<Work>();
-                                              work->chunk = std::move(chunks[next++]);
+                                              work->number = next;
+                                              work->chunk = std::move(chunks_[next++]);
                                               return work.release();
                                           }) &
                 tbb::make_filter<Work*, Work*>(tbb::filter_mode::parallel,
                                                [&](Work* work) {
-                                                   work->result = grow(*work);
+                                                   work->result = first(*work);
                                                    if (!work->result) failed_ = true;
                                                    return work;
                                                }) &
                 tbb::make_filter<Work*, void>(tbb::filter_mode::serial_in_order, [&](Work* done) {
                     const std::unique_ptr<Work> work(done);
                     if (result) result = work->result;
-                    if (result) result = settle(*work);
+                    if (result) result = then(*work);
                     if (!result) failed_ = true;
                 }));
         if (result && stop_.stop_requested())
@@ -80,12 +106,54 @@ class TreeBuilder {
         return result;
     }
 
-  private:
     /// A chunk's points become a subtree. Runs beside others of its kind.
     Expected<void> grow(Work& work) {
+        const auto patches = growLeaves(work);
+        if (!patches) return passOn(patches);
+        finishLeaves(work);
+        return {};
+    }
+
+    /// The leaves alone, and what decides on which side they were scanned.
+    Expected<void> growWithoutSides(Work& work) {
+        const auto patches = growLeaves(work);
+        if (!patches) return passOn(patches);
+        auto sides = holdSides(*work.chunk.root, *patches, input_, workspace_);
+        if (!sides) return passOn(sides);
+        work.sides = std::move(*sides);
+        forEachNode(*work.chunk.root, [&](BuildNode& n) {
+            if (n.isLeaf()) progress_.add(n.points.size() - n.points.size() / 3);
+        });
+        return putBack(work);
+    }
+
+    /// Leaves that know their sides, and what is above them.
+    Expected<void> turn(Work& work) {
+        HeldChunk& held = held_[work.number];
+        if (auto ok = load(work); !ok) return ok;
+        BuildNode& root = *work.chunk.root;
+        if (auto ok = takeSides(root, held.sides, sides_, held.firstPatch, input_); !ok) return ok;
+        held.sides.surfels.clear();
+        work.blocks.resize(held.leaves);
+        finishLeaves(work);
+        return {};
+    }
+
+    void finishLeaves(Work& work) {
+        std::vector<BuildNode*> leaves;
+        BuildNode& root = *work.chunk.root;
+        forEachNode(root, [&](BuildNode& n) {
+            if (n.isLeaf()) leaves.push_back(&n);
+        });
+        tbb::parallel_for(std::size_t(0), leaves.size(),
+                          [&](std::size_t i) { finishLeaf(*leaves[i], work.blocks[i]); });
+        fillBelow(root, input_);
+    }
+
+    Expected<SidePatches> growLeaves(Work& work) {
         Chunk& chunk = work.chunk;
         BuildNode& root = *chunk.root;
-        if (auto ok = load(work); !ok) return ok;
+        if (auto ok = load(work); !ok) return passOn(ok);
         std::vector<std::byte> space;
         const auto rows = chunk.rowBytes.view(space);
         if (!rows) return passOn(rows);
@@ -103,20 +171,22 @@ class TreeBuilder {
                 work.blocks[i].columns = encodeColumns(kept->rowsOf(leaves[i]->points));
             });
         kept.reset();
+        SidePatches patches;
         if (input_.shape.surfels) {
             std::vector<std::byte> haloSpace;
             const auto halo = chunk.haloBytes.view(haloSpace);
             if (!halo) return passOn(halo);
-            addLeafSurfels(
+            patches = addLeafSurfels(
                 root, std::span(reinterpret_cast<const BuildPoint*>(halo->data()), std::size_t(chunk.halo)),
                 input_);
         }
         chunk.haloBytes.clear();
         chunk.rowBytes.clear();
-        tbb::parallel_for(std::size_t(0), leaves.size(),
-                          [&](std::size_t i) { finishLeaf(*leaves[i], work.blocks[i]); });
-        fillBelow(root, input_);
-        return {};
+        for (std::size_t i = 0; i < leaves.size(); ++i) {
+            work.blocks[i].leaf = leaves[i];
+            leaves[i]->confidence = input_.oriented ? certainSide : 0;
+        }
+        return patches;
     }
 
     std::vector<std::vector<std::byte>> encodeColumns(std::span<const std::byte> rows) const {
@@ -135,8 +205,33 @@ class TreeBuilder {
         work.loaded.resize(chunk.points);
         if (auto ok = chunk.pointBytes.read(0, std::as_writable_bytes(std::span(work.loaded))); !ok)
             return ok;
-        chunk.pointBytes.clear();
+        if (!input_.findSides) chunk.pointBytes.clear();
         chunk.root->points = work.loaded;
+        return {};
+    }
+
+    /// Points in the order of the leaves wait again.
+    Expected<void> putBack(Work& work) {
+        forEachNode(*work.chunk.root, [](BuildNode& n) { n.points = {}; });
+        if (work.chunk.pointBytes.memory()) return {};
+        return work.chunk.pointBytes.write(0, std::as_bytes(std::span(work.loaded)));
+    }
+
+    Expected<void> hold(Work& work) {
+        HeldChunk& held = held_[work.number];
+        held.firstPatch = std::uint32_t(patches_.size());
+        held.leaves = work.blocks.size();
+        for (Facet& f : work.sides.facets)
+            if (f.patch != loosePoints) f.patch += held.firstPatch;
+        facets_.insert(facets_.end(), work.sides.facets.begin(), work.sides.facets.end());
+        patches_.insert(patches_.end(), work.sides.patches.begin(), work.sides.patches.end());
+        workspace_.occupy(work.sides.facets.size() * sizeof(Facet));
+        giveBack(work.sides.facets);
+        giveBack(work.sides.patches);
+        held.sides = std::move(work.sides);
+        for (LeafBlocks& blocks : work.blocks)
+            if (auto ok = storeColumns(blocks); !ok) return ok;
+        chunks_[work.number] = std::move(work.chunk);
         return {};
     }
 
@@ -145,8 +240,10 @@ class TreeBuilder {
         leaf.content.cone = coneOfSamples(samples);
         leaf.sampleHash = XXH3_64bits(samples.data(), samples.size() * sizeof(Sample));
         blocks.leaf = &leaf;
+        points_ += leaf.points.size();
+        if (leaf.confidence >= sureSide) surePoints_ += leaf.points.size();
         if (file_) blocks.samples = encodeSamples(samples);
-        progress_.add(leaf.points.size());
+        progress_.add(input_.findSides ? leaf.points.size() / 3 : leaf.points.size());
     }
 
     /// A finished subtree takes its place; one after the other, in the order of the tree.
@@ -179,7 +276,13 @@ class TreeBuilder {
         leaf.stored.samples = *place;
         giveBack(leaf.content.samples);
         giveBack(leaf.content.densities);
-        leaf.columns.reserve(blocks.columns.size());
+        return storeColumns(blocks);
+    }
+
+    Expected<void> storeColumns(LeafBlocks& blocks) {
+        if (!file_) return {};
+        BuildNode& leaf = *blocks.leaf;
+        leaf.columns.reserve(leaf.columns.size() + blocks.columns.size());
         for (const auto& block : blocks.columns) {
             auto column = file_->append(block);
             if (!column) return passOn(column);
@@ -225,6 +328,19 @@ class TreeBuilder {
     ProgressMeter& progress_;
     const std::stop_token& stop_;
     std::atomic<bool> failed_{false};
+    std::vector<Chunk> chunks_;
+    std::atomic<std::uint64_t> points_{0}, surePoints_{0};
+
+    /// Chunks that wait for their sides, and what those are decided by.
+    struct HeldChunk {
+        ChunkSides sides;
+        std::uint32_t firstPatch = 0;
+        std::size_t leaves = 0;
+    };
+    std::vector<HeldChunk> held_;
+    std::vector<Facet> facets_;
+    std::vector<PatchCount> patches_;
+    Sides sides_;
 };
 
 }  // namespace
@@ -238,7 +354,9 @@ Expected<BuiltOctree> buildOctree(BuildNode& root, std::vector<Chunk> chunks, co
     TreeBuilder builder(input, workspace, file, building, stop);
     if (auto ok = builder.run(std::move(chunks), lanes); !ok) return passOn(ok);
     building.finish();
-    return finishTree(root, input, file, progress, stop);
+    auto built = finishTree(root, input, file, progress, stop);
+    if (built) built->sure = builder.sure();
+    return built;
 }
 
 }  // namespace scancast

@@ -27,7 +27,8 @@ struct OctreeInput {
     glm::dvec3 origin{0};     ///< the cloud's, file coordinates
     Attributes attributes;    ///< that samples will have; with surfels, always a normal
     bool ownNormals = false;  ///< the scan's normals are kept
-    bool oriented = false;
+    bool oriented = false;    ///< the normals' sides are known from the start
+    bool findSides = false;   ///< they are to be found, when all points have normals
     std::optional<glm::dvec3> scanner;  ///< cloud-relative: estimated normals point to it
     OctreeShape shape;
     std::vector<PlaceInRow> columns;  ///< that are kept
@@ -40,6 +41,7 @@ struct BuiltOctree {
     std::vector<BlockPlace> planes;           ///< of the kept columns in the file, node by node
     std::vector<std::uint64_t> sampleHashes;  ///< XXH3, 64 bits, of each node's samples
     std::vector<Sample> samples;              ///< of all nodes in turn; empty where there is a file
+    double sure = 0;                          ///< share of the points in leaves of at least sureSide
 };
 
 /// `root` is the tree's top as divide() grew it; chunks are used up. With a file, blocks are appended to it:

@@ -7,6 +7,7 @@ namespace scancast {
 
 /// How estimated normals are made to point to one side; a scan's own normals stay as they are.
 enum class Orientation : std::uint8_t {
+    Auto,  ///< towards the scanner where the scan says where it stood, else decided by all of them together
     Scan,  ///< towards the scanner where the scan says where it stood, else left as they are: unoriented
     Up,    ///< upwards: airborne scans
 };
@@ -18,7 +19,7 @@ struct OctreeShape {
         1 << 20;           ///< larger sets are split on a counting grid, so that chunks fit in memory
     bool surfels = false;  ///< estimate normal, radius and ellipse of every sample
     int neighbours = 10;   ///< that surfels are estimated from
-    Orientation orientation = Orientation::Scan;
+    Orientation orientation = Orientation::Auto;
 };
 
 }  // namespace scancast

@@ -48,6 +48,7 @@ void addNode(Digest& add, const Node& n) {
     add(n.firstChild);
     add(n.childCount);
     add(n.level);
+    add(n.confidence);
     add(n.sampleCount);
     add(n.firstSample);
     add(n.points);

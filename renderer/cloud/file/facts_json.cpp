@@ -57,6 +57,19 @@ Json mirrorJson(const Mirror& m) {
 }
 
 /// Only what is there: most clouds have neither constant attributes nor notes nor values beside the samples.
+struct SidesName {
+    KnownSides::By by;
+    std::string_view name;
+};
+constexpr std::array sidesNames{SidesName{KnownSides::By::File, "file"},
+                                SidesName{KnownSides::By::Scanner, "scanner"},
+                                SidesName{KnownSides::By::Up, "up"},
+                                SidesName{KnownSides::By::Neighbours, "neighbours"}};
+
+std::string_view nameOf(KnownSides::By by) {
+    return sidesNames[std::size_t(by)].name;
+}
+
 void addRare(const CloudFacts& f, Json& json) {
     if (f.crsEpsg) json["crsEpsg"] = *f.crsEpsg;
     if (f.constant.color) json["constant"]["color"] = *f.constant.color;
@@ -67,6 +80,7 @@ void addRare(const CloudFacts& f, Json& json) {
                          {"intensity", f.usual->intensity},
                          {"brightness", f.usual->brightness}};
     if (f.scanner) json["scanner"] = vectorJson(*f.scanner);
+    if (f.sides) json["sides"] = {{"by", std::string(nameOf(f.sides->by))}, {"sure", f.sides->sure}};
     if (f.look) json["look"] = toJson(*f.look);
     for (const ValuePlane& plane : planesOf(f)) json["planes"].push_back(planeJson(plane));
 }
@@ -283,6 +297,17 @@ void takeUsual(Fields fields, UsualRanges& into) {
             fields.number((*brightness)[i], "brightness", into.brightness[i]);
 }
 
+void takeSidesFact(Fields fields, KnownSides& into) {
+    std::string by;
+    fields.text("by", by);
+    const auto found = std::find_if(sidesNames.begin(), sidesNames.end(),
+                                    [&](const SidesName& n) { return n.name == by; });
+    if (found == sidesNames.end()) return fields.blame("by", "is not known");
+    into.by = found->by;
+    fields.number("sure", into.sure);
+    if (!(into.sure >= 0 && into.sure <= 1)) fields.blame("sure", "is not in 0 to 1");
+}
+
 void takeLook(Fields& fields, std::optional<Look>& into) {
     auto look = applyLook(Look{}, *fields.find("look"));
     if (look)
@@ -301,6 +326,8 @@ void takeRare(Fields& fields, CloudFacts& facts) {
     if (fields.has("usual"))
         takeUsual({*fields.find("usual"), fields.member("usual"), fields.fault()}, facts.usual.emplace());
     if (fields.has("scanner")) fields.vector("scanner", facts.scanner.emplace());
+    if (fields.has("sides"))
+        takeSidesFact({*fields.find("sides"), fields.member("sides"), fields.fault()}, facts.sides.emplace());
     if (fields.has("look")) takeLook(fields, facts.look);
 }
 

@@ -29,6 +29,7 @@ class Evidence {
     Density density(std::uint32_t p, float spacing) const;
     float radius(std::uint32_t p) const { return facts_[p].radius; }
     float nearby(std::uint32_t p) const { return facts_[p].nearby; }
+    const glm::vec3& normal(std::uint32_t p) const { return facts_[p].normal; }
     std::span<const std::uint32_t> witnesses(std::uint32_t p) const {
         return std::span(witnesses_[p]).first(facts_[p].witnesses);
     }

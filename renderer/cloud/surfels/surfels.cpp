@@ -13,6 +13,7 @@
 #include "renderer/cloud/surfels/evidence.hpp"
 #include "renderer/cloud/surfels/kernels/levels.hpp"
 #include "renderer/cloud/surfels/neighbours.hpp"
+#include "renderer/cloud/surfels/patches.hpp"
 #include "renderer/cloud/surfels/strays.hpp"
 
 namespace scancast {
@@ -33,18 +34,24 @@ class Estimate {
              const surfel::SurfelKernels& kernels)
         : out_(out),
           spacings_(options.spacings),
+          patches_(options.patches),
           k_(std::clamp(options.neighbours, 1, surfel::maxNeighbours)),
           index_(points),
           evidence_(index_),
           kernels_(kernels) {}
 
     void run() {
-        if (index_.size() < 2) return std::fill(out_.begin(), out_.end(), Surfel{});
+        if (index_.size() < 2) {
+            std::fill(out_.begin(), out_.end(), Surfel{});
+            if (patches_) patches_->of.assign(out_.size(), noPatch);
+            return;
+        }
         forGroups([&](std::size_t begin, std::size_t end) { solve(begin, end); });
         forGroups([&](std::size_t begin, std::size_t end) {
             for (std::uint32_t p = index_.groups()[begin]; p < index_.groups()[end]; ++p) judge(p);
         });
         markStrays();
+        if (patches_) *patches_ = findPatches(index_, evidence_, out_);
     }
 
   private:
@@ -111,6 +118,7 @@ class Estimate {
 
     std::span<Surfel> out_;
     std::span<const float> spacings_;
+    SidePatches* patches_;
     int k_;
     NeighbourIndex index_;
     Evidence evidence_;

@@ -30,6 +30,7 @@ struct BuildNode {
     StoredNode stored;           ///< its place in the file, and sampleCount: samples may be away
     std::vector<BlockPlace> columns;  ///< a leaf's kept columns in the file
     std::uint64_t sampleHash = 0;
+    std::uint8_t confidence = 0;      ///< as in Node
     BuildNode* parent = nullptr;
     std::size_t finishedChildren = 0;
     std::vector<std::unique_ptr<BuildNode>> children;

@@ -50,6 +50,15 @@ AverageList averageChildren(BuildNode& node, int cellLevel, const AverageRules& 
     return merge(runs, starts, rules);
 }
 
+/// From here on two sides are averaged apart: most of them are known.
+constexpr std::uint8_t mostlyKnown = 127;
+
+std::uint8_t confidenceBelow(const BuildNode& node) {
+    double sum = 0;
+    for (const auto& child : node.children) sum += double(child->confidence) * double(child->pointCount);
+    return std::uint8_t(sum / double(node.pointCount));
+}
+
 Density densityOf(Bulk bulk) {
     constexpr std::array densities{Density::Surface, Density::Wire, Density::Foliage, Density::Stray};
     return densities[std::size_t(bulk)];
@@ -95,8 +104,9 @@ void fillInner(BuildNode& node, const OctreeInput& input) {
     const InnerLattice lattice = innerLattice(low, high, input.grid);
     NodeContent& content = node.content;
     content.cellLevel = chooseCellLevel(node, lattice, input);
+    node.confidence = confidenceBelow(node);
     const AverageRules rules{.attributes = input.attributes,
-                             .oriented = input.oriented,
+                             .oriented = node.confidence > mostlyKnown,
                              .reach = input.shape.surfels,
                              .gridStep = input.grid.step};
     node.averages = averageChildren(node, content.cellLevel, rules);

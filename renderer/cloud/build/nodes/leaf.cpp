@@ -112,6 +112,12 @@ Sample toSample(const BuildPoint& p, const LeafLattice& lattice) {
 
 }  // namespace
 
+std::vector<Sample> leafSamples(std::span<const BuildPoint> points, const LeafLattice& lattice) {
+    std::vector<Sample> samples(points.size());
+    for (std::size_t i = 0; i < points.size(); ++i) samples[i] = toSample(points[i], lattice);
+    return samples;
+}
+
 std::optional<NodeContent> makeLeaf(std::span<BuildPoint> points, const GridBox& box, const Grid& grid,
                                     const glm::dvec3& origin) {
     const LeafLattice lattice = leafLattice(box, grid, origin);
@@ -123,8 +129,7 @@ std::optional<NodeContent> makeLeaf(std::span<BuildPoint> points, const GridBox&
     leaf.spacing = spacing.closing;
     leaf.meanSpacing = spacing.mean;
     if (!box.isPoint() && !fineEnough(lattice, leaf.spacing)) return std::nullopt;
-    leaf.samples.resize(points.size());
-    for (std::size_t i = 0; i < points.size(); ++i) leaf.samples[i] = toSample(points[i], lattice);
+    leaf.samples = leafSamples(points, lattice);
     leaf.cells.addFirst();
     for (std::size_t i = 1; i < points.size(); ++i)
         leaf.cells.addStep(points[i - 1].position(), points[i].position());

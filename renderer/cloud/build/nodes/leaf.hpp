@@ -38,6 +38,9 @@ inline float radiusUnit(double spacing) {
 std::optional<NodeContent> makeLeaf(std::span<BuildPoint> points, const GridBox& box, const Grid& grid,
                                     const glm::dvec3& origin);
 
+/// The samples of a leaf's sorted points; all but surfels.
+std::vector<Sample> leafSamples(std::span<const BuildPoint> points, const LeafLattice& lattice);
+
 /// The largest leaf: 16 bits of the sorting key hold the point's number. Only equal points may be more.
 inline constexpr std::uint32_t mostLeafPoints = 65536;
 

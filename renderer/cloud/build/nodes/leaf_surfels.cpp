@@ -30,12 +30,13 @@ std::vector<glm::vec3> offsets(std::span<const BuildPoint> points, std::span<con
 
 /// Where nobody knows the side that was scanned, neighbours at least mostly agree on one: an oblique
 /// direction, which few surfaces of a built world are parallel to.
-constexpr glm::vec3 anySide(0.36f, 0.48f, 0.8f);
+constexpr glm::vec3 obliqueSide(0.36f, 0.48f, 0.8f);
 
 /// Turns an estimated normal to the side that was scanned, where that is known.
 glm::vec3 orient(const glm::vec3& normal, const BuildPoint& p, const OctreeInput& input) {
+    if (input.findSides) return normal;
     if (input.shape.orientation == Orientation::Up) return normal.z < 0 ? -normal : normal;
-    if (!input.scanner) return glm::dot(normal, anySide) < 0 ? -normal : normal;
+    if (!input.scanner) return glm::dot(normal, obliqueSide) < 0 ? -normal : normal;
     const glm::dvec3 toScanner = *input.scanner - (input.grid.toFile(p.position()) - input.origin);
     return glm::dot(glm::dvec3(normal), toScanner) < 0 ? -normal : normal;
 }
@@ -73,7 +74,7 @@ void intoLeaf(BuildNode& leaf, std::span<const Surfel> surfels, const OctreeInpu
 
 }  // namespace
 
-void addLeafSurfels(BuildNode& root, std::span<const BuildPoint> halo, const OctreeInput& input) {
+SidePatches addLeafSurfels(BuildNode& root, std::span<const BuildPoint> halo, const OctreeInput& input) {
     std::vector<BuildNode*> leaves;
     std::vector<float> spacings(root.points.size());
     const auto firstOf = [&](const BuildNode& leaf) {
@@ -85,12 +86,17 @@ void addLeafSurfels(BuildNode& root, std::span<const BuildPoint> halo, const Oct
         std::fill_n(spacings.begin() + std::ptrdiff_t(firstOf(n)), n.points.size(), float(n.content.spacing));
     });
     std::vector<Surfel> surfels(root.points.size());
+    SidePatches patches;
     estimateSurfels(offsets(root.points, halo, root.box, input.grid),
-                    {.neighbours = input.shape.neighbours, .spacings = spacings}, surfels);
+                    {.neighbours = input.shape.neighbours,
+                     .spacings = spacings,
+                     .patches = input.findSides ? &patches : nullptr},
+                    surfels);
     tbb::parallel_for(std::size_t(0), leaves.size(), [&](std::size_t i) {
         BuildNode& leaf = *leaves[i];
         intoLeaf(leaf, std::span<const Surfel>(surfels).subspan(firstOf(leaf), leaf.points.size()), input);
     });
+    return patches;
 }
 
 }  // namespace scancast

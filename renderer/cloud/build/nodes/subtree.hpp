@@ -4,6 +4,7 @@
 
 #include "renderer/cloud/build/nodes/build_node.hpp"
 #include "renderer/cloud/build/octree_builder.hpp"
+#include "renderer/cloud/surfels/patches.hpp"
 
 namespace scancast {
 
@@ -11,8 +12,9 @@ namespace scancast {
 void grow(BuildNode& node, const OctreeInput& input);
 
 /// Estimates the surfels of all leaves below a chunk's root; `halo` are points of other chunks nearby. Puts
-/// them into samples, and the normals into the points, so that they are averaged.
-void addLeafSurfels(BuildNode& root, std::span<const BuildPoint> halo, const OctreeInput& input);
+/// them into samples, and the normals into the points, so that they are averaged. Where sides are to be found, the
+/// normals of each of the patches point to one side.
+SidePatches addLeafSurfels(BuildNode& root, std::span<const BuildPoint> halo, const OctreeInput& input);
 
 /// Fills the inner nodes below and including this one, children first.
 void fillBelow(BuildNode& node, const OctreeInput& input);

@@ -56,7 +56,8 @@ struct Node {
         noNode;                   ///< children stand side by side: firstChild … firstChild + childCount - 1
     std::uint8_t childCount = 0;  ///< 0 = leaf
     std::uint8_t level = 0;       ///< root = 0
-    /// How sure it is that the samples' normals point to the side that was scanned: 0 not known … certainSide.
+    /// How sure it is that the samples' normals point to the side that was scanned, but for those that are two-sided
+    /// (surfel_bytes.hpp): 0 not known … certainSide.
     std::uint8_t confidence = 0;
     std::uint32_t sampleCount = 0;
     std::uint64_t firstSample = 0;  ///< index of the run in the octree's sample store

@@ -13,6 +13,10 @@ inline constexpr std::uint8_t outlierRadius = 255;  ///< an outlier: not drawn u
 /// The median of real scans (docs/decisions/005-surfel-in-four-bytes.md).
 inline constexpr float majorPerRadius = 1.36f;
 
+/// A circle whose normal may point to either side, in a node whose others point to the side that was scanned. Other
+/// circles are 0.
+inline constexpr std::uint8_t twoSidedCircle = 1;
+
 /// b/a of an ellipse is 1 less so many of these, 0 to 7.
 inline constexpr float axisRatioStep = 0.75f / 7;
 

@@ -102,6 +102,14 @@ void encodeSurfel(const Surfel& surfel, float nodeSpacing, Sample& sample) {
     }
 }
 
+void makeTwoSided(Sample& sample) {
+    if (sample.logRadius >= firstCode && sample.logRadius <= lastCode) {
+        const float ratio = 1 - float(sample.ellipse >> 5) * ((1 - leastSurfelRatio) / float(ratios - 1));
+        sample.logRadius = radiusCode(radii[sample.logRadius] * std::sqrt(ratio));
+    }
+    sample.ellipse = twoSidedCircle;
+}
+
 Surfel decodeSurfel(const Sample& sample, float nodeSpacing) {
     Surfel s;
     s.normal = decodeNormal(sample.normal);

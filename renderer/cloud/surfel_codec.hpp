@@ -23,6 +23,9 @@ struct TangentFrame {
 };
 TangentFrame tangentFrame(glm::vec3 normal);
 
+/// Makes the ellipse of an encoded sample a circle of the same area that is drawn from both sides.
+void makeTwoSided(Sample& sample);
+
 /// Sets normal (unless the surfel has none), logRadius and ellipse; nothing else of the sample. Radii outside
 /// 1/16 … 16 node spacings and ratios below 1/4 are clamped.
 void encodeSurfel(const Surfel& surfel, float nodeSpacing, Sample& sample);

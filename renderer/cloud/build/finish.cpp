@@ -9,6 +9,7 @@
 #include "renderer/cloud/build/nodes/inner_surfels.hpp"
 #include "renderer/cloud/file/block_codec.hpp"
 #include "renderer/cloud/normal_cone.hpp"
+#include "renderer/cloud/surfel_bytes.hpp"
 
 namespace scancast {
 
@@ -193,7 +194,7 @@ NormalCone coneOfSamples(std::span<const Sample> samples) {
     std::vector<glm::vec3> normals;
     normals.reserve(samples.size());
     for (const Sample& s : samples) {
-        if (s.normal == noNormal) return NormalCone{};
+        if (s.normal == noNormal || s.ellipse == twoSidedCircle) return NormalCone{};
         normals.push_back(decodeNormal(s.normal));
     }
     return coneOf(normals);

@@ -185,6 +185,7 @@ class TreeBuilder {
         for (std::size_t i = 0; i < leaves.size(); ++i) {
             work.blocks[i].leaf = leaves[i];
             leaves[i]->confidence = input_.oriented ? certainSide : 0;
+            leaves[i]->surePoints = input_.oriented ? leaves[i]->points.size() : 0;
         }
         return patches;
     }
@@ -241,7 +242,7 @@ class TreeBuilder {
         leaf.sampleHash = XXH3_64bits(samples.data(), samples.size() * sizeof(Sample));
         blocks.leaf = &leaf;
         points_ += leaf.points.size();
-        if (leaf.confidence >= sureSide) surePoints_ += leaf.points.size();
+        if (leaf.confidence >= sureSide) surePoints_ += leaf.surePoints;
         if (file_) blocks.samples = encodeSamples(samples);
         progress_.add(input_.findSides ? leaf.points.size() / 3 : leaf.points.size());
     }

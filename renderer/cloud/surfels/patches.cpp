@@ -2,10 +2,10 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <optional>
-#include <tuple>
 
 #include "renderer/cloud/surfels/signed_sets.hpp"
 
@@ -16,11 +16,19 @@ namespace {
 /// A patch of fewer points says nothing: a leaf's side, a scrap of noise.
 constexpr std::uint32_t leastPatch = 32;
 constexpr std::size_t mostPatches = 65535;
-/// Links of this quality and better join by themselves; of all others between two sets, the votes are counted.
+/// Links of this quality and better join sets of up to so many points by themselves; between larger ones, and of all
+/// other links, the votes are counted: where a sheet is thinner than its points are apart, single links lie.
 constexpr float soundLink = 0.9f;
+constexpr std::uint32_t mostOfBlob = 512;
 constexpr float leastLink = 0.3f;
-/// Rounds of counting, each between what the one before has joined, and how one-sided votes have to be in each.
-constexpr std::array<float, 3> agreements{0.8f, 0.65f, 0.5f};
+/// Rounds of counting, each between what the one before has joined, and how one-sided votes have to be: less so for
+/// scraps. What is left apart is joined, or not, by what the whole cloud knows.
+constexpr int rounds = 3;
+constexpr float agreementOfScraps = 0.6f, agreementOfSets = 0.85f;
+constexpr std::uint32_t mostOfScrap = 128;
+constexpr float leastOfSets = 6;
+/// Larger patches could hide a part that is plainly on the wrong side.
+constexpr std::uint32_t mostOfPatch = 4096;
 /// Normals that are nearer to each other than 45° are of one sheet, or of two sheets that are parallel.
 constexpr float nearlyParallel = 0.7f;
 /// A link across a crease has less to say than one along a plane.
@@ -30,7 +38,7 @@ constexpr float creaseFactor = 0.7f;
 /// surfaces of a built world are parallel to.
 constexpr glm::vec3 anySide(0.36f, 0.48f, 0.8f);
 
-struct WeakLink {
+struct SideVote {
     std::uint32_t from, to;
     float same;  ///< quality; negative: on opposite sides
 };
@@ -55,8 +63,9 @@ class PatchFinder {
     SidePatches find() {
         links_.resize(index_.size());
         contradictions_.resize(index_.size());
+        sizes_.assign(index_.size(), 1);
         joinSound();
-        for (const float agreement : agreements) joinByVotes(agreement);
+        for (int round = 0; round < rounds; ++round) joinByVotes();
         countContradictions();
         return number();
     }
@@ -78,59 +87,86 @@ class PatchFinder {
             for (const std::uint32_t w : evidence_.witnesses(p)) {
                 if (!own_[w] || (w < p && isWitness(p, w))) continue;
                 const SideLink link = linkBetween(at, normal, index_.position(w), evidence_.normal(w));
-                if (link.quality >= soundLink)
-                    join(p, w, link.opposite);
-                else if (link.quality >= leastLink)
-                    weak_.push_back({p, w, link.opposite ? -link.quality : link.quality});
+                if (link.quality < leastLink) continue;
+                if (link.quality < soundLink || !joinBlob(p, w, link.opposite))
+                    votes_.push_back({p, w, link.opposite ? -link.quality : link.quality});
             }
         }
     }
 
-    void joinByVotes(float agreement) {
-        std::vector<WeakLink> votes;  // between roots
-        for (const WeakLink& link : weak_) {
-            const SignedSets::Place from = sets_.find(link.from), to = sets_.find(link.to);
-            if (from.root == to.root) continue;
-            votes.push_back({std::min(from.root, to.root), std::max(from.root, to.root),
-                             from.turned != to.turned ? -link.same : link.same});
-        }
-        std::stable_sort(votes.begin(), votes.end(), [](const WeakLink& a, const WeakLink& b) {
-            return std::tie(a.from, a.to) < std::tie(b.from, b.to);
-        });
+    /// Borders between roots.
+    std::vector<SetBorder> countVotes() {
         std::vector<SetBorder> borders;
-        for (const WeakLink& v : votes) {
-            if (borders.empty() || borders.back().low != v.from || borders.back().high != v.to)
-                borders.push_back({.low = v.from, .high = v.to});
-            (v.same < 0 ? borders.back().opposite : borders.back().same) += std::abs(v.same);
+        std::vector<std::uint32_t> table(std::bit_ceil(std::max<std::size_t>(64, votes_.size())), 0);
+        const std::uint64_t mask = table.size() - 1;
+        std::size_t kept = 0;
+        for (const SideVote& v : votes_) {
+            const SignedSets::Place from = sets_.find(v.from), to = sets_.find(v.to);
+            if (from.root == to.root) {
+                count(v.from, v.to, (v.same < 0) != (from.turned != to.turned));
+                continue;
+            }
+            votes_[kept++] = v;
+            const std::uint32_t low = std::min(from.root, to.root), high = std::max(from.root, to.root);
+            std::uint64_t slot = ((std::uint64_t(low) << 32 | high) * 0x9e3779b97f4a7c15u >> 20) & mask;
+            while (table[slot] != 0 && (borders[table[slot] - 1].low != low || borders[table[slot] - 1].high != high))
+                slot = (slot + 1) & mask;
+            if (table[slot] == 0) {
+                borders.push_back({.low = low, .high = high});
+                table[slot] = std::uint32_t(borders.size());
+            }
+            SetBorder& border = borders[table[slot] - 1];
+            const bool same = (v.same > 0) == (from.turned == to.turned);
+            (same ? border.same : border.opposite) += std::abs(v.same);
         }
-        std::erase_if(borders, [&](const SetBorder& b) { return b.agreement() < agreement; });
+        votes_.resize(kept);
+        return borders;
+    }
+
+    void joinByVotes() {
+        std::vector<SetBorder> borders = countVotes();
+        std::erase_if(borders, [](const SetBorder& b) { return b.agreement() < agreementOfScraps; });
         std::stable_sort(borders.begin(), borders.end(),
                          [](const SetBorder& a, const SetBorder& b) { return a.net() > b.net(); });
         for (const SetBorder& b : borders) {
             const SignedSets::Place low = sets_.find(b.low), high = sets_.find(b.high);
-            if (low.root != high.root)
-                sets_.join(low.root, high.root, (b.opposite > b.same) != (low.turned != high.turned));
+            if (low.root == high.root) continue;
+            // A scrap between two sets hangs on one of them: it is no bridge to the other.
+            const bool scrap = std::min(sizes_[low.root], sizes_[high.root]) <= mostOfScrap;
+            if (sizes_[low.root] + sizes_[high.root] > mostOfPatch) continue;
+            if (!scrap && (b.agreement() < agreementOfSets || b.net() < leastOfSets)) continue;
+            joinRoots(low.root, high.root, (b.opposite > b.same) != (low.turned != high.turned));
         }
     }
 
-    void countContradictions() {
-        for (const WeakLink& link : weak_) {
-            const SignedSets::Place from = sets_.find(link.from), to = sets_.find(link.to);
-            if (from.root != to.root) continue;
-            ++links_[link.from];
-            contradictions_[link.from] += (link.same < 0) != (from.turned != to.turned);
-        }
-    }
+    /// Those that are left within a set, for or against it.
+    void countContradictions() { countVotes(); }
 
-    void join(std::uint32_t a, std::uint32_t b, bool opposite) {
+    /// False: they would be too many together.
+    bool joinBlob(std::uint32_t a, std::uint32_t b, bool opposite) {
         const SignedSets::Place from = sets_.find(a), to = sets_.find(b);
         const bool turn = opposite != (from.turned != to.turned);
-        ++links_[a];
-        if (from.root != to.root)
-            sets_.join(from.root, to.root, turn);
-        else
-            contradictions_[a] += turn;
+        if (from.root != to.root) {
+            if (sizes_[from.root] + sizes_[to.root] > mostOfBlob) return false;
+            joinRoots(from.root, to.root, turn);
+        }
+        count(a, b, from.root == to.root && turn);
+        return true;
     }
+
+    void joinRoots(std::uint32_t a, std::uint32_t b, bool opposite) {
+        sets_.join(a, b, opposite);
+        sizes_[std::min(a, b)] = sizes_[a] + sizes_[b];
+    }
+
+    void count(std::uint32_t a, std::uint32_t b, bool contradicts) {
+        for (const std::uint32_t p : {a, b}) {
+            ++links_[p];
+            contradictions_[p] += contradicts;
+        }
+    }
+    /// Many of its neighbours say the opposite: thinner than the points are apart, or where sheets cross.
+    bool doubtful(std::uint32_t p) const { return 4 * contradictions_[p] > links_[p]; }
 
     struct Tally {
         std::uint32_t points = 0, first = ~0u;
@@ -185,7 +221,7 @@ class PatchFinder {
         std::vector<Adoption> adoptions;
         for (std::uint32_t p = 0; p < index_.size(); ++p) {
             const std::uint32_t i = ownPoint(p);
-            if (i == noPoint || out.of[i] != noPatch || surfels_[i].normal == glm::vec3(0)) continue;
+            if (i == noPoint || out.of[i] != noPatch || doubtful(p) || surfels_[i].normal == glm::vec3(0)) continue;
             if (const auto adoption = adopt(p, i, out)) adoptions.push_back(*adoption);
         }
         for (const Adoption& a : adoptions)
@@ -231,11 +267,11 @@ class PatchFinder {
     void apply(std::uint32_t p, const std::vector<Tally>& tally, const std::vector<std::uint16_t>& numbers,
                SidePatches& out) {
         const SignedSets::Place place = sets_.find(p);
-        const std::uint16_t patch = own_[p] ? numbers[place.root] : noPatch;
+        const std::uint16_t patch = own_[p] && !doubtful(p) ? numbers[place.root] : noPatch;
         for (const std::uint32_t i : index_.pointsAt(p)) {
             if (i >= surfels_.size()) continue;
             glm::vec3& normal = surfels_[i].normal;
-            const bool turn = patch == noPatch ? glm::dot(normal, anySide) < 0
+            const bool turn = patch == noPatch && !(own_[p] && numbers[place.root] != noPatch) ? glm::dot(normal, anySide) < 0
                                                : place.turned != (tally[place.root].towards < 0);
             if (turn) normal = -normal;
             out.of[i] = patch;
@@ -247,8 +283,9 @@ class PatchFinder {
     std::span<Surfel> surfels_;
     std::vector<std::uint8_t> own_;  ///< by position: a point of the chunk, with a surface
     SignedSets sets_;
-    std::vector<WeakLink> weak_;
-    std::vector<std::uint8_t> links_, contradictions_;  ///< by the position that asked
+    std::vector<std::uint32_t> sizes_;  ///< of roots: positions in the set
+    std::vector<SideVote> votes_;
+    std::vector<std::uint16_t> links_, contradictions_;  ///< by position, of both that a link joins
 };
 
 }  // namespace

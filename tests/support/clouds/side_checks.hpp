@@ -8,6 +8,7 @@
 
 #include "renderer/cloud/build/build_cloud.hpp"
 #include "renderer/cloud/point_batch.hpp"
+#include "renderer/cloud/surfel_bytes.hpp"
 
 namespace scancast::test {
 
@@ -55,7 +56,7 @@ SideScore scoreSides(const Cloud& cloud, bool leaves, Truth truth) {
             const float along = glm::dot(found, right);
             ++score.samples;
             score.right += along > 0;
-            if (node.confidence >= sureSide) {
+            if (node.confidence >= sureSide && run->samples[s].ellipse != twoSidedCircle) {
                 ++score.sure;
                 score.sureWrong += along <= 0;
             }

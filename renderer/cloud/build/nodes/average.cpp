@@ -62,7 +62,7 @@ void add(Average& sum, const BuildPoint& p, int sign, const AverageRules& rules,
     sum.count += 1;
     sum.intensity += p.intensity;
     if (const Bulk bulk = p.bulk(); bulk != Bulk::Surface) ++sum.bulks[std::size_t(bulk) - 1];
-    if (rules.attributes.normal) {
+    if (rules.attributes.normal && rules.sides) {
         const NormalSum n = normalOf(p);
         for (int a = 0; a < 3; ++a) sum.normal[a] += sign * n[a];
     }
@@ -74,7 +74,7 @@ void add(Average& sum, const Average& other, int sign, const AverageRules& rules
     for (int a = 0; a < 3; ++a) {
         sum.position[a] += other.position[a];
         sum.color[a] += other.color[a];
-        sum.normal[a] += sign * other.normal[a];
+        if (rules.sides) sum.normal[a] += sign * other.normal[a];
         sum.bulks[std::size_t(a)] += other.bulks[std::size_t(a)];
     }
     sum.count += other.count;

@@ -37,6 +37,7 @@ struct Average {
 struct AverageRules {
     Attributes attributes;
     bool oriented = true;    ///< the sign of normals means something; else n and -n are the same
+    bool sides = true;       ///< what is added knows its side, or need not; else its normals are left out
     bool reach = false;      ///< fill Average::reach
     glm::dvec3 gridStep{1};  ///< cloud units
 };

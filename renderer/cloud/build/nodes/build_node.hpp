@@ -18,6 +18,11 @@ void giveBack(std::vector<T>& values) {
     std::vector<T>().swap(values);
 }
 
+/// Whether a node is drawn as oriented, with what is not sure in it two-sided. Else all of it is.
+inline bool mostlySure(std::uint64_t sure, std::uint64_t points) {
+    return 2 * sure > points;
+}
+
 struct BuildNode {
     std::span<BuildPoint> points;        ///< everything below, while its chunk is in memory
     std::vector<BuildPoint> keptPoints;  ///< a leaf's, until its parent in another chunk has averaged them
@@ -31,6 +36,7 @@ struct BuildNode {
     std::vector<BlockPlace> columns;  ///< a leaf's kept columns in the file
     std::uint64_t sampleHash = 0;
     std::uint8_t confidence = 0;      ///< as in Node
+    std::uint64_t surePoints = 0;     ///< below, whose side is sure
     BuildNode* parent = nullptr;
     std::size_t finishedChildren = 0;
     std::vector<std::unique_ptr<BuildNode>> children;

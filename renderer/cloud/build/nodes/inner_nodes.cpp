@@ -4,6 +4,7 @@
 
 #include "renderer/cloud/build/nodes/spacing.hpp"
 #include "renderer/cloud/build/nodes/subtree.hpp"
+#include "renderer/cloud/surfel_bytes.hpp"
 
 namespace scancast {
 
@@ -34,11 +35,13 @@ int chooseCellLevel(const BuildNode& node, const InnerLattice& lattice, const Oc
     return cellLevel;
 }
 
-AverageList averageChildren(BuildNode& node, int cellLevel, const AverageRules& rules) {
+AverageList averageChildren(BuildNode& node, int cellLevel, const AverageRules& all) {
     AverageList runs{.cellLevel = cellLevel, .averages = {}, .votes = {}};
     std::vector<std::size_t> starts;
     for (auto& child : node.children) {
         starts.push_back(runs.averages.size());
+        AverageRules rules = all;
+        rules.sides = !all.oriented || child->confidence >= sureSide;
         if (child->isLeaf())
             appendCells(std::span<const BuildPoint>(child->points), rules, runs);
         else
@@ -47,16 +50,26 @@ AverageList averageChildren(BuildNode& node, int cellLevel, const AverageRules& 
         child->points = {};
         giveBack(child->keptPoints);
     }
-    return merge(runs, starts, rules);
+    return merge(runs, starts, all);
 }
 
-/// From here on two sides are averaged apart: most of them are known.
-constexpr std::uint8_t mostlyKnown = 127;
-
+/// As sure as those children are that are.
 std::uint8_t confidenceBelow(const BuildNode& node) {
-    double sum = 0;
-    for (const auto& child : node.children) sum += double(child->confidence) * double(child->pointCount);
-    return std::uint8_t(sum / double(node.pointCount));
+    double sum = 0, weight = 0;
+    for (const auto& child : node.children) {
+        if (child->confidence < sureSide) continue;
+        sum += double(child->confidence) * double(child->surePoints);
+        weight += double(child->surePoints);
+    }
+    return std::uint8_t(sum / weight);
+}
+
+/// A normal that is the sum of few, or of normals that contradict each other, is nobody's side.
+bool isUnsure(const Average& average) {
+    constexpr double unit = 4096, least = 0.5;
+    double squared = 0;
+    for (const std::int64_t n : average.normal) squared += double(n) * double(n);
+    return squared < (least * unit * double(average.count)) * (least * unit * double(average.count));
 }
 
 Density densityOf(Bulk bulk) {
@@ -76,6 +89,8 @@ void fillSamples(BuildNode& node, const InnerLattice& lattice, const OctreeInput
         Sample s = meanAttributes(average, node.averages);
         const auto q = lattice.quantise(boxLow + offset);
         s.x = q[0], s.y = q[1], s.z = q[2];
+        if (input.shape.surfels && node.confidence >= sureSide && node.confidence < certainSide && isUnsure(average))
+            s.ellipse = twoSidedCircle;
         node.content.samples.push_back(s);
         if (!input.shape.surfels) continue;
         node.content.reaches.push_back(average.reach);
@@ -104,9 +119,10 @@ void fillInner(BuildNode& node, const OctreeInput& input) {
     const InnerLattice lattice = innerLattice(low, high, input.grid);
     NodeContent& content = node.content;
     content.cellLevel = chooseCellLevel(node, lattice, input);
-    node.confidence = confidenceBelow(node);
+    for (const auto& child : node.children) node.surePoints += child->surePoints;
+    if (mostlySure(node.surePoints, node.pointCount)) node.confidence = confidenceBelow(node);
     const AverageRules rules{.attributes = input.attributes,
-                             .oriented = node.confidence > mostlyKnown,
+                             .oriented = node.confidence >= sureSide,
                              .reach = input.shape.surfels,
                              .gridStep = input.grid.step};
     node.averages = averageChildren(node, content.cellLevel, rules);

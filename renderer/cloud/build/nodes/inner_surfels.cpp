@@ -95,7 +95,9 @@ Expected<void> addInnerSurfels(const BuildNode& node, const AveragedFacts& facts
         if (const glm::vec3 averaged = decodeNormal(samples[i].normal); averaged != glm::vec3(0))
             surfel.normal = averaged;
         resize(surfel, facts.densities[i], facts.reaches[i], content.spacing);
+        const bool twoSided = samples[i].ellipse == twoSidedCircle;
         encodeSurfel(surfel, unit, samples[i]);
+        if (twoSided) makeTwoSided(samples[i]);
     }
     return {};
 }

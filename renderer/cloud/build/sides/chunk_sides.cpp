@@ -82,19 +82,31 @@ Expected<void> takeSides(BuildNode& root, const ChunkSides& held, const Sides& s
         leaf->points = root.points.subspan(first, leaf->stored.node.sampleCount);
         auto& samples = leaf->content.samples;
         samples = leafSamples(leaf->points, leafLattice(leaf->box, input.grid, input.origin));
-        std::uint64_t confidence = 0;
         for (std::size_t s = 0; s < samples.size(); ++s) {
             const HeldSurfel& from = surfels[first + s];
             samples[s].logRadius = from.logRadius;
             samples[s].ellipse = from.ellipse;
-            if (from.patch == noPatch) continue;
-            const std::uint32_t patch = firstPatch + from.patch - 1;
-            confidence += sides.confidence[patch];
-            if (!sides.turn[patch]) continue;
+            if (from.patch == noPatch || !sides.turn[firstPatch + from.patch - 1u]) continue;
             turnOver(samples[s]);
             leaf->points[s].normal = samples[s].normal;
         }
-        leaf->confidence = std::uint8_t(confidence / samples.size());
+        const auto sureness = [&](std::size_t s) {
+            const std::uint16_t patch = surfels[first + s].patch;
+            return patch == noPatch ? std::uint8_t(0) : sides.confidence[firstPatch + patch - 1u];
+        };
+        std::uint64_t confidence = 0;
+        for (std::size_t s = 0; s < samples.size(); ++s) {
+            if (sureness(s) < sureSide) continue;
+            ++leaf->surePoints;
+            confidence += sureness(s);
+        }
+        if (!mostlySure(leaf->surePoints, samples.size())) return;
+        leaf->confidence = std::uint8_t(confidence / leaf->surePoints);
+        for (std::size_t s = 0; s < samples.size(); ++s) {
+            if (sureness(s) >= sureSide) continue;
+            makeTwoSided(samples[s]);
+            leaf->points[s].normal = noNormal;
+        }
     });
     return {};
 }

@@ -3,11 +3,13 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
 #include <glm/geometric.hpp>
 #include <numbers>
+#include <optional>
 
 #include "renderer/cloud/build/sides/free_space.hpp"
 #include "renderer/cloud/build/sides/patch_graph.hpp"
@@ -16,80 +18,62 @@ namespace scancast {
 
 namespace {
 
-constexpr std::size_t mostAsked = 4096;
+/// Facets that rays are sent from: so many in all, and so many of each patch.
+constexpr std::size_t mostAsked = 4096, askedOfPatch = 12;
 /// A direction within 78° of the normal leaves on its side.
 constexpr float leavesAt = 0.2f;
-/// Shares of rays: who sees so little of the outside is buried; who sees so much, stands at it.
-constexpr float buriedShare = 0.3f, openShare = 0.6f;
 /// In the open the largest tree looks up; it has the sky above where nothing is below it.
-constexpr double groundShare = 0.15, upSum = 0.4, skyShare = 0.4;
+constexpr double groundShare = 0.15, upSum = 0.4, plainlyUp = 0.7, skyShare = 0.4;
 /// A closed tree that goes around so much else, of its own area, is a room.
-constexpr double contentShare = 0.04, insideAt = 0.8;
+constexpr double contentShare = 0.04, insideAt = 0.6;
 constexpr std::size_t mostInside = 256;
 /// A tree of patches whose normals add up to less than this is closed.
 constexpr double closedSum = 0.35;
+/// Of its own side a patch says something with so many facets asked, and plainly with so much for one side.
+constexpr std::uint32_t leastAsked = 3;
+constexpr double plainly = 0.25;
 
 /// 0 below `low`, 1 from `high` on.
 double ramp(double value, double low, double high) {
     return std::clamp((value - low) / (high - low), 0.0, 1.0);
 }
 
-/// A facet from which rays were sent.
+/// A facet from which rays were sent: on each side of its patch the ways to what they met.
 struct Asked {
     std::size_t facet = 0;
-    float front = 0, back = 0;  ///< shares of the rays on that side that leave the cloud
-    bool up = false, down = false;
+    std::array<std::optional<float>, 14> ways;
 };
 
 /// What the facets of one tree of patches say together, on the tree's side.
 struct TreeVotes {
-    double area = 0, up = 0, upright = 0;
+    double area = 0, up = 0;
     glm::dvec3 normals{0}, middle{0};
-    double outward = 0, anyward = 0;            ///< from the middle: net, and all
-    double asked = 0, openFront = 0, open = 0;  ///< area asked; that sees the outside in front and not behind, net; all
-    double walls = 0;                           ///< area asked that sees it on one side alone
+    double outward = 0, anyward = 0;  ///< from the middle: net, and all
+    OwnSide own;
 };
 
 class SideDecision {
   public:
     SideDecision(std::span<const Facet> facets, std::span<const PatchCount> patches)
-        : facets_(facets), patches_(patches), forest_(joinPatches(facets, patches)), trees_(forest_.trees) {}
+        : facets_(facets), patches_(patches), borders_(bordersOf(facets)) {}
 
     Sides decide() {
         look();
+        forest_ = joinPatches(borders_, patches_, {});
         measure();
         Sides sides;
         sides.surroundings = surroundings_ = surroundings();
+        ownSides();
+        forest_ = joinPatches(borders_, patches_, own_);
+        measure();
         std::vector<double> votes;
         for (const TreeVotes& t : trees_) votes.push_back(vote(t));
         for (std::uint32_t p = 0; p < patches_.size(); ++p) {
             const double vote = votes[forest_.tree[p]];
-            const PatchCount& count = patches_[p];
-            const double against = count.links ? double(count.contradictions) / double(count.links) : 0;
-            const double sure = ramp(std::abs(vote), 0.1, 0.5) * ramp(forest_.trust[p], 0.4, 0.7) *
-                                (1 - ramp(against, 0.01, 0.06));
             sides.turn.push_back(forest_.turned[p] != (vote < 0));
-            sides.confidence.push_back(std::uint8_t(254 * sure));
+            sides.confidence.push_back(std::uint8_t(254 * sureness(p, vote)));
         }
-        if (std::getenv("SIDES_DEBUG")) {
-            static const char* names[] = {"object", "open", "interior"};
-            std::fprintf(stderr, "%s: %zu facets %zu patches %u trees\n",
-                         names[int(surroundings_)], facets_.size(), patches_.size(), forest_.trees);
-            std::vector<std::uint32_t> order(trees_.size());
-            for (std::uint32_t i = 0; i < order.size(); ++i) order[i] = i;
-            std::sort(order.begin(), order.end(), [&](auto a, auto b) { return trees_[a].area > trees_[b].area; });
-            double total = 0, loose = 0;
-            for (const Facet& f : facets_) (f.patch == loosePoints ? loose : total) += f.area;
-            std::fprintf(stderr, "area in patches %g loose %g\n", total, loose);
-            for (std::size_t i = 0; i < std::min<std::size_t>(12, order.size()); ++i) {
-                const TreeVotes& t = trees_[order[i]];
-                std::uint32_t n = 0;
-                for (auto x : forest_.tree) n += x == order[i];
-                std::fprintf(stderr, "  tree %u: patches %u area %.3f%% vote %.3f sum %.3f up %.3f/%.3f out %.3f open %.3f asked %.2f walls %.3f mid %.2f %.2f %.2f\n", order[i], n,
-                             100 * t.area / total, votes[order[i]], glm::length(t.normals) / t.area, t.up / t.area, t.upright / t.area,
-                             t.outward / t.anyward, t.open > 0 ? t.openFront / t.open : 0, t.asked/t.area, t.asked > 0 ? t.walls / t.asked : 0, t.middle.x, t.middle.y, t.middle.z);
-            }
-        }
+        tell(votes);
         return sides;
     }
 
@@ -98,37 +82,30 @@ class SideDecision {
 
     void look() {
         std::vector<std::size_t> known;
+        std::vector<std::uint32_t> of(patches_.size());
         for (std::size_t i = 0; i < facets_.size(); ++i)
-            if (facets_[i].patch != loosePoints) known.push_back(i);
+            if (facets_[i].patch != loosePoints) {
+                known.push_back(i);
+                ++of[facets_[i].patch];
+            }
         if (known.empty()) return;
         const FreeSpace space(facets_);
-        const std::size_t count = std::min(known.size(), mostAsked);
-        asked_.resize(count);
-        tbb::parallel_for(std::size_t(0), count, [&](std::size_t i) {
-            asked_[i] = ask(known[i * known.size() / count], space);
+        const std::size_t stride = std::max<std::size_t>(1, known.size() / mostAsked);
+        std::vector<std::uint32_t> seen(patches_.size());
+        for (std::size_t i = 0; i < known.size(); ++i) {
+            const std::uint32_t patch = facets_[known[i]].patch;
+            const std::uint32_t every = std::max<std::uint32_t>(1, of[patch] / askedOfPatch);
+            if (seen[patch]++ % std::min<std::size_t>(stride, every) == 0) asked_.push_back({known[i], {}});
+        }
+        tbb::parallel_for(std::size_t(0), asked_.size(), [&](std::size_t i) {
+            const auto& directions = FreeSpace::directions();
+            for (std::size_t d = 0; d < directions.size(); ++d)
+                asked_[i].ways[d] = space.wayToNext(facets_[asked_[i].facet].position, directions[d]);
         });
     }
 
-    Asked ask(std::size_t facet, const FreeSpace& space) const {
-        Asked a{.facet = facet};
-        const Facet& f = facets_[facet];
-        const glm::vec3 n = normal(f);
-        int front = 0, back = 0;
-        for (const glm::vec3& d : FreeSpace::directions()) {
-            const float along = glm::dot(d, n);
-            const bool vertical = std::abs(d.z) > 0.9f;
-            if (std::abs(along) < leavesAt && !vertical) continue;
-            const bool free = space.escapes(f.position, d);
-            if (vertical) (d.z > 0 ? a.up : a.down) = free;
-            if (along >= leavesAt) ++front, a.front += float(free);
-            if (along <= -leavesAt) ++back, a.back += float(free);
-        }
-        if (front > 0) a.front /= float(front);
-        if (back > 0) a.back /= float(back);
-        return a;
-    }
-
     void measure() {
+        trees_.assign(forest_.trees, {});
         for (const Facet& f : facets_) {
             if (f.patch == loosePoints) continue;
             TreeVotes& t = trees_[forest_.tree[f.patch]];
@@ -137,7 +114,6 @@ class SideDecision {
             t.normals += double(f.area) * glm::dvec3(n);
             t.middle += double(f.area) * glm::dvec3(f.position);
             t.up += double(f.area) * n.z;
-            t.upright += double(f.area) * std::abs(n.z);
         }
         for (TreeVotes& t : trees_)
             if (t.area > 0) t.middle /= t.area;
@@ -148,32 +124,29 @@ class SideDecision {
             t.outward += from;
             t.anyward += std::abs(from);
         }
-        for (const Asked& a : asked_) {
-            const Facet& f = facets_[a.facet];
-            TreeVotes& t = trees_[forest_.tree[f.patch]];
-            t.asked += f.area;
-            t.openFront += f.area * (a.front - a.back);
-            t.open += f.area * std::max(a.front, a.back);
-            if (std::max(a.front, a.back) >= openShare && std::min(a.front, a.back) < buriedShare)
-                t.walls += f.area;
+        for (std::uint32_t p = 0; p < own_.size(); ++p) {
+            TreeVotes& t = trees_[forest_.tree[p]];
+            t.own.net += forest_.turned[p] ? -own_[p].net : own_[p].net;
+            t.own.all += own_[p].all;
         }
     }
 
     Surroundings surroundings() const {
+        if (trees_.empty()) return Surroundings::Object;
+        constexpr std::size_t upwards = 0, downwards = 1;  // directions()
         double all = 0, ground = 0, sky = 0;
         for (const Asked& a : asked_) {
             const Facet& f = facets_[a.facet];
             all += f.area;
-            if (std::abs(f.normal.z) < 0.7f || !a.down) continue;
+            if (std::abs(f.normal.z) < 0.7f || (a.ways[downwards] && *a.ways[downwards] < 1)) continue;
             ground += f.area;
-            if (a.up) sky += f.area;
+            if (!a.ways[upwards] || *a.ways[upwards] >= 1) sky += f.area;
         }
-        if (trees_.empty()) return Surroundings::Object;
         const std::size_t main = mainTree();
         const TreeVotes& t = trees_[main];
-        const double up = t.area > 0 ? std::abs(t.up) / t.area : 0;
-        if (std::getenv("SIDES_DEBUG")) std::fprintf(stderr, "all %g ground %g sky %g up %g content %g\n", all, ground, sky, up, contentOf(main));
-        if (ground >= groundShare * all && up >= upSum && sky >= skyShare * ground) return Surroundings::Open;
+        const double up = std::abs(t.up) / t.area;
+        if (ground >= groundShare * all && up >= upSum && (up >= plainlyUp || sky >= skyShare * ground))
+            return Surroundings::Open;
         if (glm::length(t.normals) >= closedSum * t.area) return Surroundings::Object;
         return contentOf(main) >= contentShare * t.area ? Surroundings::Interior : Surroundings::Object;
     }
@@ -215,29 +188,83 @@ class SideDecision {
         return count > 0 ? sum * double(shell.size()) / double(count) / (4 * std::numbers::pi) : 0;
     }
 
+    /// The side with the free space: rays fly farther there. What leaves the cloud has flown farthest, but in a
+    /// room, where it has been in a wall; in the open only what leaves level or upwards counts at all.
+    void ownSides() {
+        own_.assign(patches_.size(), {});
+        std::vector<std::uint32_t> asked(patches_.size());
+        const auto& directions = FreeSpace::directions();
+        for (const Asked& a : asked_) {
+            const Facet& f = facets_[a.facet];
+            double front = 0, back = 0;
+            for (std::size_t d = 0; d < directions.size(); ++d) {
+                const float along = glm::dot(directions[d], f.normal);
+                if (std::abs(along) < leavesAt) continue;
+                if (surroundings_ == Surroundings::Open && directions[d].z < -0.1f) continue;
+                const double outside = surroundings_ == Surroundings::Interior ? 0 : 1;
+                (along > 0 ? front : back) += a.ways[d] ? double(*a.ways[d]) : outside;
+            }
+            ++asked[f.patch];
+            own_[f.patch].net += f.area * (front - back);
+            own_[f.patch].all += f.area * (front + back);
+        }
+        for (std::uint32_t p = 0; p < patches_.size(); ++p) {
+            if (asked[p] < leastAsked) own_[p] = {};
+            // What was asked stands for the whole patch.
+            const double share = patches_[p].points ? double(patches_[p].points) / std::max(1u, asked[p]) : 0;
+            own_[p].net *= share;
+            own_[p].all *= share;
+        }
+    }
+
     /// -1 … 1: how far the tree's side is the one that was scanned, or the other one.
     double vote(const TreeVotes& t) const {
-        if (!(t.area > 0)) return 0;
-        const bool closed = glm::length(t.normals) < closedSum * t.area;
-        const double outward = t.anyward > 0 ? t.outward / t.anyward : 0;
-        if (surroundings_ == Surroundings::Open) {
-            const double up = t.up / std::max(t.upright, 0.25 * t.area);
-            return std::abs(up) >= 0.25 || !closed ? up : outward;
+        const double own = t.own.all > 0 ? t.own.net / t.own.all : 0;
+        const bool closed = t.area > 0 && glm::length(t.normals) < closedSum * t.area;
+        if (!closed || surroundings_ == Surroundings::Interior || !(t.anyward > 0)) return own;
+        const double outward = t.outward / t.anyward;
+        return std::abs(outward) > std::abs(own) ? outward : own;
+    }
+
+    double sureness(std::uint32_t patch, double vote) const {
+        const PatchCount& count = patches_[patch];
+        const double against = count.links ? double(count.contradictions) / double(count.links) : 0;
+        const OwnSide& own = own_[patch];
+        const double net = (forest_.turned[patch] != (vote < 0)) ? -own.net : own.net;
+        if (net < -plainly * own.all) return 0;
+        return ramp(std::abs(vote), 0.05, 0.25) * ramp(forest_.trust[patch], 0.4, 0.7) *
+               (1 - ramp(against, 0.01, 0.06));
+    }
+
+    void tell(const std::vector<double>& votes) const {
+        if (!std::getenv("SIDES_DEBUG")) return;
+        static const char* names[] = {"object", "open", "interior"};
+        std::vector<std::uint32_t> order(trees_.size());
+        for (std::uint32_t i = 0; i < order.size(); ++i) order[i] = i;
+        std::sort(order.begin(), order.end(), [&](auto a, auto b) { return trees_[a].area > trees_[b].area; });
+        double total = 0, loose = 0;
+        for (const Facet& f : facets_) (f.patch == loosePoints ? loose : total) += f.area;
+        std::fprintf(stderr, "%s: %zu facets %zu patches %zu borders %u trees %zu asked; area %g loose %g\n",
+                     names[int(surroundings_)], facets_.size(), patches_.size(), borders_.size(), forest_.trees,
+                     asked_.size(), total, loose);
+        for (std::size_t i = 0; i < std::min<std::size_t>(8, order.size()); ++i) {
+            const TreeVotes& t = trees_[order[i]];
+            std::uint32_t n = 0;
+            for (auto x : forest_.tree) n += x == order[i];
+            std::fprintf(stderr,
+                         "  patches %u area %.3f%% vote %.3f own %.3f sum %.3f up %.3f out %.3f mid %.2f %.2f %.2f\n", n,
+                         100 * t.area / total, votes[order[i]], t.own.all > 0 ? t.own.net / t.own.all : 0,
+                         glm::length(t.normals) / t.area, t.up / t.area, t.outward / t.anyward, t.middle.x, t.middle.y,
+                         t.middle.z);
         }
-        const double open = t.open > 0 ? t.openFront / t.open : 0;
-        if (surroundings_ == Surroundings::Interior) {
-            if (t.asked > 0 && t.walls >= 0.2 * t.asked) return -open;
-            return closed ? outward : 0;
-        }
-        if (!closed) return open;
-        return (open < 0) == (outward < 0) ? (std::abs(open) > std::abs(outward) ? open : outward)
-                                           : open + outward;
     }
 
     std::span<const Facet> facets_;
     std::span<const PatchCount> patches_;
-    const PatchForest forest_;
+    const std::vector<Border> borders_;
+    PatchForest forest_;
     std::vector<Asked> asked_;
+    std::vector<OwnSide> own_;  ///< by patch
     std::vector<TreeVotes> trees_;
     Surroundings surroundings_ = Surroundings::Object;
 };

@@ -8,9 +8,20 @@ namespace scancast {
 
 namespace {
 
-constexpr float cellsAcross = 96;
-/// Cells that a ray has left before it meets anything.
-constexpr float cellsOfStart = 2.5f;
+/// Cells are as wide as facets, about, and at most so many.
+constexpr float facetWidths = 0.8f;
+constexpr double mostCellsOfSpace = 1 << 24;
+/// Cells that a ray has left before it meets anything, and that it goes at most.
+constexpr float cellsOfStart = 2, cellsOfWay = 100;
+
+float usualWidth(std::span<const Facet> facets) {
+    std::vector<float> areas;
+    for (const Facet& f : facets) areas.push_back(f.area);
+    if (areas.empty()) return 0;
+    const auto middle = areas.begin() + std::ptrdiff_t(areas.size() / 2);
+    std::nth_element(areas.begin(), middle, areas.end());
+    return std::sqrt(*middle);
+}
 
 }  // namespace
 
@@ -23,7 +34,12 @@ FreeSpace::FreeSpace(std::span<const Facet> facets) {
     }
     const glm::vec3 extent = glm::max(high - low_, glm::vec3(0));
     const float longest = std::max({extent.x, extent.y, extent.z});
-    width_ = longest > 0 ? longest / cellsAcross : 1;
+    width_ = std::max(facetWidths * usualWidth(facets), longest > 0 ? longest / 4096 : 1.0f);
+    const auto cells = [&] {
+        const glm::dvec3 n = glm::floor(glm::dvec3(extent) / double(width_)) + 1.0;
+        return n.x * n.y * n.z;
+    };
+    while (cells() > mostCellsOfSpace) width_ *= 1.25f;
     for (int a = 0; a < 3; ++a) size_[std::size_t(a)] = int(extent[a] / width_) + 1;
     solid_.resize(std::size_t(size_[0]) * std::size_t(size_[1]) * std::size_t(size_[2]));
     for (const Facet& f : facets) {
@@ -48,16 +64,16 @@ FreeSpace::FreeSpace(std::span<const Facet> facets) {
     }
 }
 
-bool FreeSpace::escapes(const glm::vec3& from, const glm::vec3& direction) const {
-    const glm::vec3 step = direction;
+std::optional<float> FreeSpace::wayToNext(const glm::vec3& from, const glm::vec3& direction) const {
     glm::vec3 at = (from - low_) / width_ + direction * cellsOfStart;
-    for (;; at += step) {
+    for (float way = cellsOfStart;; ++way, at += direction) {
         std::array<int, 3> in{};
         for (int a = 0; a < 3; ++a) {
-            if (at[a] < 0 || at[a] >= float(size_[std::size_t(a)])) return true;
+            if (at[a] < 0 || at[a] >= float(size_[std::size_t(a)])) return std::nullopt;
             in[std::size_t(a)] = int(at[a]);
         }
-        if (solid_[cell(in)]) return false;
+        if (way > cellsOfWay) return 1.0f;
+        if (solid_[cell(in)]) return way / cellsOfWay;
     }
 }
 

@@ -3,6 +3,8 @@
 #pragma once
 
 #include <array>
+#include <glm/vec3.hpp>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -14,8 +16,9 @@ class FreeSpace {
   public:
     explicit FreeSpace(std::span<const Facet> facets);
 
-    /// Whether the ray leaves the cloud without meeting anything. What is next to the place does not count.
-    bool escapes(const glm::vec3& from, const glm::vec3& direction) const;
+    /// How far it is to what the ray meets, as a share of the farthest that is looked, 1 if that is nothing; nullopt
+    /// where it leaves the cloud before. What is next to the place does not count.
+    std::optional<float> wayToNext(const glm::vec3& from, const glm::vec3& direction) const;
 
     /// 14 unit vectors: along the axes and the diagonals.
     static const std::array<glm::vec3, 14>& directions();

@@ -31,13 +31,8 @@ struct PatchVote {
     float same;               ///< negative: on opposite sides
 };
 
-/// All that two patches have to say of each other.
-struct Border {
-    std::uint32_t low, high;
-    double same = 0, opposite = 0;
-    double agreement() const { return std::abs(same - opposite) / (same + opposite); }
-    double strength() const { return agreement() * std::abs(same - opposite); }
-};
+/// Own sides that are at least so one-sided are believed against a border.
+constexpr double plainlyOwn = 0.25;
 
 void votesOf(std::uint32_t p, std::span<const Facet> facets, const NeighbourIndex& index,
              surfel::SearchScratch& scratch, std::vector<PatchVote>& out) {
@@ -60,31 +55,9 @@ void votesOf(std::uint32_t p, std::span<const Facet> facets, const NeighbourInde
     }
 }
 
-std::vector<Border> bordersOf(std::span<const Facet> facets) {
-    std::vector<glm::vec3> places;
-    for (const Facet& f : facets) places.push_back(f.position);
-    const NeighbourIndex index(places);
-    constexpr std::size_t task = 1024;
-    std::vector<std::vector<PatchVote>> found((index.size() + task - 1) / task);
-    if (index.size() > 1)
-        tbb::parallel_for(std::size_t(0), found.size(), [&](std::size_t t) {
-            const auto scratch = std::make_unique<surfel::SearchScratch>();
-            const std::size_t end = std::min<std::size_t>(index.size(), (t + 1) * task);
-            for (std::size_t p = t * task; p < end; ++p)
-                votesOf(std::uint32_t(p), facets, index, *scratch, found[t]);
-        });
-    std::vector<PatchVote> votes;
-    for (const auto& part : found) votes.insert(votes.end(), part.begin(), part.end());
-    std::stable_sort(votes.begin(), votes.end(), [](const PatchVote& a, const PatchVote& b) {
-        return std::tuple(a.low, a.high, a.same) < std::tuple(b.low, b.high, b.same);
-    });
-    std::vector<Border> borders;
-    for (const PatchVote& v : votes) {
-        if (borders.empty() || borders.back().low != v.low || borders.back().high != v.high)
-            borders.push_back({.low = v.low, .high = v.high});
-        (v.same < 0 ? borders.back().opposite : borders.back().same) += std::abs(v.same);
-    }
-    return borders;
+bool contradict(const OwnSide& a, const OwnSide& b, bool turn) {
+    const auto plain = [](const OwnSide& s) { return std::abs(s.net) > plainlyOwn * s.all; };
+    return plain(a) && plain(b) && (a.net < 0) != ((b.net < 0) != turn);
 }
 
 struct Branch {
@@ -119,19 +92,60 @@ void spreadTrust(std::span<const PatchCount> patches, const std::vector<std::vec
 
 }  // namespace
 
-PatchForest joinPatches(std::span<const Facet> facets, std::span<const PatchCount> patches) {
-    std::vector<Border> borders = bordersOf(facets);
+double Border::agreement() const {
+    return std::abs(same - opposite) / (same + opposite);
+}
+double Border::strength() const {
+    return agreement() * std::abs(same - opposite);
+}
+
+std::vector<Border> bordersOf(std::span<const Facet> facets) {
+    std::vector<glm::vec3> places;
+    for (const Facet& f : facets) places.push_back(f.position);
+    const NeighbourIndex index(places);
+    constexpr std::size_t task = 1024;
+    std::vector<std::vector<PatchVote>> found((index.size() + task - 1) / task);
+    if (index.size() > 1)
+        tbb::parallel_for(std::size_t(0), found.size(), [&](std::size_t t) {
+            const auto scratch = std::make_unique<surfel::SearchScratch>();
+            const std::size_t end = std::min<std::size_t>(index.size(), (t + 1) * task);
+            for (std::size_t p = t * task; p < end; ++p)
+                votesOf(std::uint32_t(p), facets, index, *scratch, found[t]);
+        });
+    std::vector<PatchVote> votes;
+    for (const auto& part : found) votes.insert(votes.end(), part.begin(), part.end());
+    std::stable_sort(votes.begin(), votes.end(), [](const PatchVote& a, const PatchVote& b) {
+        return std::tuple(a.low, a.high, a.same) < std::tuple(b.low, b.high, b.same);
+    });
+    std::vector<Border> borders;
+    for (const PatchVote& v : votes) {
+        if (borders.empty() || borders.back().low != v.low || borders.back().high != v.high)
+            borders.push_back({.low = v.low, .high = v.high});
+        (v.same < 0 ? borders.back().opposite : borders.back().same) += std::abs(v.same);
+    }
     std::erase_if(borders, [](const Border& b) {
         return b.agreement() < leastAgreement || std::abs(b.same - b.opposite) < leastVotes;
     });
     std::stable_sort(borders.begin(), borders.end(),
                      [](const Border& a, const Border& b) { return a.strength() > b.strength(); });
+    return borders;
+}
+
+PatchForest joinPatches(std::span<const Border> borders, std::span<const PatchCount> patches,
+                        std::span<const OwnSide> own) {
+    std::vector<OwnSide> sides(own.begin(), own.end());  // of roots: all of their sets
+    sides.resize(patches.size());
     SignedSets sets(patches.size());
     std::vector<std::vector<Branch>> branches(patches.size());
     for (const Border& b : borders) {
         const SignedSets::Place low = sets.find(b.low), high = sets.find(b.high);
         if (low.root == high.root) continue;
-        sets.join(low.root, high.root, (b.opposite > b.same) != (low.turned != high.turned));
+        const bool turn = (b.opposite > b.same) != (low.turned != high.turned);
+        OwnSide &first = sides[std::min(low.root, high.root)], &second = sides[std::max(low.root, high.root)];
+        if (contradict(first, second, turn)) continue;
+        sets.join(low.root, high.root, turn);
+        first.net += turn ? -second.net : second.net;
+        first.all += second.all;
         branches[b.low].push_back({b.high, float(b.agreement())});
         branches[b.high].push_back({b.low, float(b.agreement())});
     }

@@ -19,6 +19,23 @@ struct PatchForest {
     std::uint32_t trees = 0;
 };
 
-PatchForest joinPatches(std::span<const Facet> facets, std::span<const PatchCount> patches);
+/// All that two patches have to say of each other.
+struct Border {
+    std::uint32_t low, high;
+    double same = 0, opposite = 0;
+    double agreement() const;
+    double strength() const;
+};
+/// The surest first; those that say nothing left out.
+std::vector<Border> bordersOf(std::span<const Facet> facets);
+
+/// What a patch says of its own side: for it, against it, and how much was asked.
+struct OwnSide {
+    double net = 0, all = 0;
+};
+
+/// Patches that plainly say the opposite of each other are not joined. `own` may be empty.
+PatchForest joinPatches(std::span<const Border> borders, std::span<const PatchCount> patches,
+                        std::span<const OwnSide> own);
 
 }  // namespace scancast

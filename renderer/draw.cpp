@@ -68,6 +68,7 @@ Drawing drawingOf(const PreparedView& prepared, std::span<const glm::dvec2> jitt
     Drawing drawing;
     drawing.surfels = prepared.cloud->surfels;
     drawing.oriented = prepared.cloud->oriented;
+    drawing.orientedNodes = prepared.cloud->sides.has_value();
     drawing.passes = planned.passes;
     drawing.color = planned.color;
     drawing.background = planned.view.style.background;

@@ -69,7 +69,7 @@ int screenMargin(const PassList& passes) {
 
 CloudTraits traits(const Cloud& cloud) {
     return {.surfels = cloud.surfels,
-            .oriented = cloud.oriented,
+            .oriented = cloud.oriented || cloud.sides,
             .normals = cloud.surfels || cloud.attributes.normal,
             .colors = cloud.attributes.color,
             .spacing = cloud.spacing};
@@ -180,7 +180,8 @@ SelectOptions selectionFor(const Cloud& cloud, const View& view, double detail, 
     if (const auto most = mostSamples(cloud))
         selection.budget = std::min(selection.budget.value_or(*most), *most);
     growBySplats(passes, cloud.surfels, selection);
-    selection.cullBackFaces = cloud.oriented && drawsFrontOnly(passes);
+    selection.cullBackFaces = (cloud.oriented || cloud.sides) && drawsFrontOnly(passes);
+    selection.sureNodesOnly = !cloud.oriented;
     return selection;
 }
 

@@ -93,7 +93,8 @@ struct CutView {
 struct Drawing {
     std::span<const CutView> cuts;  ///< the main view, then its reflections
     bool surfels = false;           ///< samples carry radii, ellipses and normals
-    bool oriented = false;          ///< a normal's sign means something
+    bool oriented = false;          ///< every normal's sign means something
+    bool orientedNodes = false;     ///< those of nodes that are sure of it (sureSide) do
     std::span<const Pass> passes;
     ColorRule color;
     Background background;

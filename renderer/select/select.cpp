@@ -134,7 +134,8 @@ class Selection {
             ++cut_.nodesCulled;
             return true;
         }
-        if (options_.cullBackFaces && facesAway(n, viewpoint_, eye_)) {
+        if (options_.cullBackFaces && (!options_.sureNodesOnly || n.confidence >= sureSide) &&
+            facesAway(n, viewpoint_, eye_)) {
             ++cut_.nodesCulled;
             ++cut_.nodesFacingAway;
             return true;

@@ -28,6 +28,7 @@ struct SelectOptions {
     /// Leaves out nodes whose normals all face away from the eye: for methods that do not draw such samples, and
     /// clouds whose normals are oriented.
     bool cullBackFaces = false;
+    bool sureNodesOnly = false;  ///< those alone whose confidence is at least sureSide
     /// Levels fade into each other while the spacing is between τ and (1 + fade) · τ (fade.hpp); 0 = they switch.
     double fade = 0;
     /// Of the picture, only this much is looked at: left, top, right, bottom, px. Grown by growPx, too.

@@ -71,6 +71,23 @@ void tellPlace(const FileInfo& info, Lines& lines) {
     if (info.scannerOrigin) lines.add("scanner", "stood at " + vector(*info.scannerOrigin, 4, ", "));
 }
 
+std::string sidesOf(const CloudFacts& f) {
+    if (f.sides) switch (f.sides->by) {
+            case KnownSides::By::File:
+                return "normals are the scan's own";
+            case KnownSides::By::Scanner:
+                return "normals point to the scanner";
+            case KnownSides::By::Up:
+                return "normals point upwards, as was asked for";
+            case KnownSides::By::Neighbours:
+                return fmt::format(
+                    "{:.1f} % of the normals point to the side that was scanned, by their neighbours; the rest to "
+                    "either side",
+                    100 * f.sides->sure);
+        }
+    return f.oriented ? "normals point to the side that was scanned" : "normals point to either side";
+}
+
 void tellOctree(const FileInfo& info, Lines& lines) {
     if (!info.octree) return;
     const OctreeInfo& o = *info.octree;
@@ -78,9 +95,7 @@ void tellOctree(const FileInfo& info, Lines& lines) {
               fmt::format("{} levels, {} nodes, {} samples ({:.2f} a point)", o.levels, grouped(o.nodes),
                           grouped(o.samples), double(o.samples) / double(*info.points)));
     lines.add("spacing", fmt::format("{:.3g} between neighbouring points", info.facts.spacing));
-    lines.add("surfels", !info.facts.surfels   ? "no"
-                         : info.facts.oriented ? "yes, normals point to the side that was scanned"
-                                               : "yes, normals point to either side");
+    lines.add("surfels", info.facts.surfels ? "yes, " + sidesOf(info.facts) : "no");
 }
 
 void tellLook(const CloudFacts& f, Lines& lines) {
@@ -222,6 +237,7 @@ Json octreeJson(const FileInfo& info) {
             {"spacing", info.facts.spacing},
             {"surfels", info.facts.surfels},
             {"oriented", info.facts.oriented},
+            {"sureOfSides", info.facts.sides ? info.facts.sides->sure : info.facts.oriented ? 1.0 : 0.0},
             {"revision", info.facts.revision},
             {"writtenBy", info.writtenBy}};
 }

@@ -182,6 +182,7 @@ void joinCones(Numbered& tree) {
     for (std::size_t i = tree.nodes.size(); i-- > 0;) {
         Node& node = tree.nodes[i].node;
         std::vector<NormalCone> cones{tree.order[i]->content.cone};
+        if (node.confidence < sureSide) cones = {NormalCone{}};
         for (std::uint32_t c = 0; c < node.childCount; ++c)
             cones.push_back(tree.nodes[node.firstChild + c].node.cone);
         node.cone = join(cones);

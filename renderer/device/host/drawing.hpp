@@ -49,9 +49,11 @@ struct LayerView {
     const Viewpoint* viewpoint = nullptr;
     int pad = 0;            ///< rows and columns that every coordinate is shifted by, for a guard band
     bool surfels = false;   ///< samples carry radii, ellipses and normals
-    bool oriented = false;  ///< a normal's sign means something
+    bool oriented = false;  ///< every normal's sign means something
+    bool orientedNodes = false;  ///< those of nodes that are sure of it do
     /// The view axis, px, before jitter.
     glm::dvec2 center() const { return {viewpoint->width * 0.5 + pad, viewpoint->height * 0.5 + pad}; }
+    bool anyOriented() const { return oriented || orientedNodes; }
     bool perspective() const { return viewpoint->projection == Projection::Perspective; }
 };
 

@@ -62,7 +62,6 @@ struct SplatPass {
     float reach = 1;            ///< Sum of discs: covers reach · drawn radius
     float tolerance = 0;        ///< Cell, and Sum of discs: |d - d_vis| ≤ tolerance · drawn radius
     float lowPassPx = 0;        ///< Ellipse: σ of the screen's low-pass
-    bool oriented = false;      ///< a normal's sign means something; else it is turned to the eye
     bool outliers = false;      ///< outliers are drawn, too
     std::int32_t facing = 0;    ///< 1: only what faces the eye, -1: only what faces away, 0: all
     float rotation[3][3] = {};  ///< rows: cloud → view space (x right, y up, z towards the viewer)
@@ -105,6 +104,7 @@ struct RunNumbers {
     /// A sample is drawn if its ordinal · turnStep + turnBase, modulo 2^32, is not above lastTurn
     /// (renderer/select/fade.hpp); turnBase counts the ordinals from the run's beginning.
     std::uint32_t turnStep = 0, turnBase = 0, lastTurn = 0xffffffffu;
+    bool oriented = false;  ///< a normal's sign means something, but a two-sided circle's; else it is turned to the eye
     bool clipped = false;
     std::int32_t clipMin[3] = {},
                  clipMax[3] = {};  ///< integers of the samples inside the clip box, inclusive

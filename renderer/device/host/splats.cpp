@@ -40,8 +40,7 @@ SplatPass splatPass(const Splat& splat, const LayerView& view, const ColorRule& 
     n.pixelsPerUnit = static_cast<float>(std::min(viewpoint.pixelsPerUnit, largestCoefficient));
     n.scale = splat.size.scale;
     if (splat.footprint == Footprint::Ellipse) n.lowPassPx = splat.lowPassPx;
-    n.oriented = view.oriented;
-    if (view.oriented) n.facing = splat.facing == Facing::Front ? 1 : splat.facing == Facing::Back ? -1 : 0;
+    if (view.anyOriented()) n.facing = splat.facing == Facing::Front ? 1 : splat.facing == Facing::Back ? -1 : 0;
     for (int r = 0; r < 3; ++r) {
         for (int c = 0; c < 3; ++c) n.rotation[r][c] = static_cast<float>(viewpoint.cloudToView[c][r]);
     }
@@ -149,7 +148,7 @@ std::vector<SplatPass> splatPasses(const FramePasses& passes, const LayerView& v
         return out.emplace_back(splatPass(splat, view, color));
     };
     // Without a known front there is no back to make a silhouette of.
-    if (passes.silhouette && view.oriented) add(*passes.silhouette).silhouette = true;
+    if (passes.silhouette && view.anyOriented()) add(*passes.silhouette).silhouette = true;
     add(passes.nearest).payloadSample = passes.nearest.payload == Payload::Sample;
     if (passes.sum) {
         SplatPass& n = add(*passes.sum);
@@ -178,6 +177,7 @@ std::optional<RunNumbers> runNumbers(const CutRun& cutRun, const LayerView& view
     // Devices count radii from the run's plain one, which holds for samples that know none.
     run.plainRadius = node.spacing;
     run.ratioUnit = node.radiusUnit / node.spacing;
+    run.oriented = view.oriented || (view.orientedNodes && node.confidence >= sureSide);
     run.firstOrdinal = cutRun.firstOrdinal;
     run.turnStep = turnStep;
     run.turnBase = 0u - cutRun.firstOrdinal * turnStep;

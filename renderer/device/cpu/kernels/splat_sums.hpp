@@ -54,11 +54,11 @@ void sumCircle(const Block& b, int i, float farthest, const Addends<lanes>& adde
 }
 
 template <int lanes, bool normals>
-bool sumBlock(const SplatPass& pass, const Block& b, const KeyTile& tile) {
+bool sumBlock(const SplatPass& pass, bool oriented, const Block& b, const KeyTile& tile) {
     Splats splats;
     collectSplats(b, tile, splats);
     ViewNormals view;
-    if constexpr (normals) viewNormals(pass, b, view);
+    if constexpr (normals) viewNormals(pass, oriented, b, view);
     Int<lanes> full{};
     for (int i = 0; i < b.count; ++i) {
         if (splats.reaches[i] == 0) continue;
@@ -73,8 +73,8 @@ bool sumBlock(const SplatPass& pass, const Block& b, const KeyTile& tile) {
 
 template <bool normals>
 bool sumBlock(const SplatPass& pass, const SplatRun& run, const Block& b, const KeyTile& tile) {
-    if (run.largestPx <= 3) return sumBlock<4, normals>(pass, b, tile);
-    return sumBlock<wideLanes, normals>(pass, b, tile);
+    if (run.largestPx <= 3) return sumBlock<4, normals>(pass, run.oriented, b, tile);
+    return sumBlock<wideLanes, normals>(pass, run.oriented, b, tile);
 }
 
 /// Whether a block lies in other tiles, or so far behind what is visible that it adds nothing.

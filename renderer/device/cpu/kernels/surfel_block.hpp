@@ -87,11 +87,16 @@ inline void setNormal(const SplatPass& pass, const Block& b, int i, Pose& p) {
     p.z = p.hasNormal ? -p.z : all(-1.0f);
 }
 
+/// Which of them are circles that may point to either side (renderer/cloud/surfel_bytes.hpp).
+inline IntW twoSided(const Block& b, int i) {
+    return (load<IntW>(b.words[3] + i) >> 24 & 255) == twoSidedCircle;
+}
+
 /// Which of them are drawn, by the side that faces the eye.
-inline IntW drawnOf(const SplatPass& pass, const Block& b, int i, const Pose& p) {
+inline IntW drawnOf(const SplatPass& pass, const SplatRun& run, const Block& b, int i, const Pose& p) {
     const IntW drawn = load<IntW>(b.drawable + i);
     if (pass.facing == 0) return drawn;
-    const IntW faces = pass.oriented ? (p.m <= 0.0f) | ~p.hasNormal : all(-1);
+    const IntW faces = run.oriented ? (p.m <= 0.0f) | ~p.hasNormal | twoSided(b, i) : all(-1);
     return drawn & (pass.facing > 0 ? faces : ~faces);
 }
 
@@ -108,7 +113,7 @@ inline Pose poseOf(const SplatPass& pass, const SplatRun& run, const Block& b, i
         p.unitsPerPx = load<FloatW>(b.depth + i) * pixel;
     }
     p.m = p.x * p.u + p.y * p.v + p.z;
-    p.drawn = drawnOf(pass, b, i, p);
+    p.drawn = drawnOf(pass, run, b, i, p);
     p.m = p.m < 0.0f ? smaller(p.m, all(-leastCosine)) : larger(p.m, all(leastCosine));
     p.flat = squareRoot<wideLanes>(p.x * p.x + p.y * p.y);
     const IntW facing = p.flat < 1e-6f;
@@ -152,7 +157,8 @@ inline void storeOutline(const Block& b, int i, const Outline& o, Surfels& s) {
     store(s.y1 + i, last(y + (o.middleY + halfY), row));
 }
 
-inline void storeCommon(const SplatPass& pass, int i, const Pose& p, Surfels& s) {
+inline void storeCommon(const SplatPass& pass, const SplatRun& run, const Block& b, int i, const Pose& p,
+                        Surfels& s) {
     // Ordinals take all 32 bits: no distance then. Sums have no keys.
     if (!pass.payloadSample && pass.reduction == Reduction::Nearest) {
         const FloatW atLeastAPixel = larger(p.half, all(0.5f));
@@ -160,7 +166,8 @@ inline void storeCommon(const SplatPass& pass, int i, const Pose& p, Surfels& s)
     }
     if (!pass.sumNormals) return;
     // Turned to the eye unless a side is known; in view space y is up and z towards the viewer.
-    const FloatW turn = pass.oriented ? all(1.0f) : (p.m > 0.0f ? all(-1.0f) : all(1.0f));
+    const IntW turns = run.oriented ? (p.m > 0.0f) & twoSided(b, i) : p.m > 0.0f;
+    const FloatW turn = turns ? all(-1.0f) : all(1.0f);
     store(s.normalX + i, p.hasNormal ? p.x * turn : all(0.0f));
     store(s.normalY + i, p.hasNormal ? -(p.y * turn) : all(0.0f));
     store(s.normalZ + i, p.hasNormal ? -(p.z * turn) : all(0.0f));
@@ -215,7 +222,7 @@ void setUpDiscs(const SplatPass& pass, const SplatRun& run, const Block& b, Surf
         storeFront(pass, d, range, tolerance, i, s);
         store(s.reaches + i, p.drawn);
         storeOutline(b, i, discOutline<perspective>(pass, p, half), s);
-        storeCommon(pass, i, p, s);
+        storeCommon(pass, run, b, i, p, s);
     }
 }
 
@@ -293,7 +300,7 @@ void setUpEllipses(const SplatPass& pass, const SplatRun& run, const Block& b, S
         store(s.tolerance + i, tolerance);
         storeFront(pass, d, range * p.unitsPerPx, tolerance, i, s);
         store(s.reaches + i, p.drawn);
-        storeCommon(pass, i, p, s);
+        storeCommon(pass, run, b, i, p, s);
     }
 }
 

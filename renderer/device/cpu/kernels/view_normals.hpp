@@ -1,6 +1,7 @@
 // Normals of samples, out of their bits and into view space. Part of kernels.cpp.
 #pragma once
 
+#include "renderer/cloud/surfel_bytes.hpp"
 #include "renderer/device/cpu/kernels/normal_plane.hpp"
 #include "renderer/device/cpu/kernels/project.hpp"
 
@@ -33,21 +34,22 @@ struct alignas(64) ViewNormals {
     float x[blockSize], y[blockSize], z[blockSize];
 };
 
-inline void viewNormals(const SplatPass& pass, const Block& b, ViewNormals& out) {
+inline void viewNormals(const SplatPass& pass, bool oriented, const Block& b, ViewNormals& out) {
     const float slope = 1.0f / pass.pixelsPerUnit;
     for (int i = 0; i < b.padded; i += wideLanes) {
         FloatW x, y, z;
         sampleNormal(load<IntW>(b.words[3] + i) & 0xffff, x, y, z);
         rotateToView(pass, x, y, z);
-        if (!pass.oriented) {
-            // Towards the eye: against (x, y, -1) in perspective, along z in orthographic projection.
-            const FloatW px = (load<FloatW>(b.x + i) - pass.centerX) * slope;
-            const FloatW py = (pass.centerY - load<FloatW>(b.y + i)) * slope;
-            const FloatW towards = pass.perspective ? z - (x * px + y * py) : z;
-            x = towards < 0.0f ? -x : x;
-            y = towards < 0.0f ? -y : y;
-            z = towards < 0.0f ? -z : z;
-        }
+        const IntW word = load<IntW>(b.words[3] + i);
+        const IntW anySide = oriented ? (word >> 24 & 255) == twoSidedCircle : all(-1);
+        // Towards the eye: against (x, y, -1) in perspective, along z in orthographic projection.
+        const FloatW px = (load<FloatW>(b.x + i) - pass.centerX) * slope;
+        const FloatW py = (pass.centerY - load<FloatW>(b.y + i)) * slope;
+        const FloatW towards = pass.perspective ? z - (x * px + y * py) : z;
+        const IntW turns = (towards < 0.0f) & anySide;
+        x = turns ? -x : x;
+        y = turns ? -y : y;
+        z = turns ? -z : z;
         store(out.x + i, x);
         store(out.y + i, y);
         store(out.z + i, z);

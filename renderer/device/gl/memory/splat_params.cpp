@@ -31,7 +31,7 @@ SplatParams splatParams(const SplatPass& n, ivec4 area, std::size_t index, bool 
     p.extent = {n.reach, largestReach * n.pixelsPerUnit, n.tolerance, 0};
     p.blur = {6.0f * n.lowPassPx * n.lowPassPx, rootOf6 * n.lowPassPx, majorPerRadius, axisRatioStep};
     setRotation(n, p.rotation);
-    p.flags = {static_cast<int>(index), n.facing, n.oriented, n.ownRadii};
+    p.flags = {static_cast<int>(index), n.facing, 0, n.ownRadii};
     p.filters = {byClass, n.outliers, 0, 0};
     return p;
 }
@@ -79,7 +79,7 @@ std::uint32_t SplatTables::add(const RunNumbers& run, std::span<const DroppedReg
         out.sizeFactors[static_cast<int>(i)] = static_cast<float>(std::clamp(factor, 0.0, 1e30));
     }
     out.factors = {run.elevationStep, run.elevationBase, run.ratioUnit, run.plainRadius};
-    out.color = {run.color, run.lastTurn, run.firstOrdinal, 0};
+    out.color = {run.color, run.lastTurn, run.firstOrdinal, run.oriented};
     filters = filters || run.clipped || !dropped.empty();
     runs.push_back(out);
     return static_cast<std::uint32_t>(runs.size() - 1);

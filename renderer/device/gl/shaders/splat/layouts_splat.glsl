@@ -12,7 +12,7 @@ struct SplatParams {
     vec4 blur;         // Ellipse: 6 and sqrt(6) times the low-pass' variance and deviation, px; an ellipse's major axis over its radius,
                        // and a step of its axes' ratio (renderer/cloud/surfel_bytes.hpp)
     vec4 rotation[3];  // rows: cloud -> view space (x right, y up, z towards the viewer)
-    ivec4 flags;       // which of a run's size factors; facing: 1, -1 or 0; 1 = oriented; 1 = samples know radii
+    ivec4 flags;       // which of a run's size factors; facing: 1, -1 or 0; unused; 1 = samples know radii
     ivec4 filters;     // x: 1 = not all classes are drawn; y: 1 = outliers are drawn; unused
 };
 
@@ -24,7 +24,7 @@ struct RunParams {
     vec4 sizeFactors;   // by pass: size of sprites = this * ratio (over depth in perspective)
     vec4 factors;       // elevation: colour index = z * .x + .y; z: unit of the samples' radii over the run's; w: that
     uvec4 color;        // x: of every sample where the source is one per run; y: last turn (fade.hpp); z: ordinal of
-                        // the first sample; unused
+                        // the first sample; w: 1 = oriented
 };
 
 // Up to CHUNK_SAMPLES samples of one run: the work of one work group.

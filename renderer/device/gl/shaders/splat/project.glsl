@@ -9,7 +9,7 @@ struct Placed {
     float halfPx;  // half a sprite's size, px
 };
 
-const uint outlierCode = 255u;
+const uint outlierCode = 255u, twoSidedCircle = 1u;
 const float outsidePx = 1048576.0;  // far outside any picture, and still exact as an integer
 
 #if FILTERS
@@ -36,6 +36,9 @@ bool passesFilters(RunParams run, uvec4 words) {
     return true;
 }
 #endif
+
+// Whether the sign of its normal means something; else it is turned to the eye.
+bool isOneSided(RunParams run, uvec4 words) { return run.color.w != 0u && (words.w >> 24) != twoSidedCircle; }
 
 // 1 where no radius is known.
 float radiusRatio(RunParams run, uvec4 words) {

@@ -8,9 +8,9 @@ struct Footprint {
 };
 
 // In view space, turned to the eye where normals are not oriented: against (x, y, -1) in perspective, along z without.
-vec3 viewNormal(uint code, Placed placed) {
-    vec3 n = toView(sampleNormal(code));
-    if (pass.flags.z != 0) return n;
+vec3 viewNormal(RunParams run, uvec4 words, Placed placed) {
+    vec3 n = toView(sampleNormal(words.w & 0xffffu));
+    if (isOneSided(run, words)) return n;
 #if PERSPECTIVE
     precise float px = (placed.x - pass.view.x) * pass.surfel.y;
     precise float py = (pass.view.y - placed.y) * pass.surfel.y;
@@ -40,7 +40,7 @@ bool setUp(RunParams run, uvec4 words, Placed placed, uint color, out Footprint 
     precise float farthest = placed.depth - 2.0 * radius;
     f.farthest = farthest;
 #if SUM_NORMALS
-    f.addends = addendsOf(color, viewNormal(words.w & 0xffffu, placed));
+    f.addends = addendsOf(color, viewNormal(run, words, placed));
 #else
     f.addends = addendsOf(color, vec3(0.0));
 #endif

@@ -28,6 +28,7 @@ struct Pose {
     float halfPx;      // drawn radius as if facing the viewer, px
     float unitsPerPx;  // 1/q
     bool hasNormal;
+    bool oneSided;     // its sign means something
 };
 
 // Outline: middle, px from the centre, and the matrix V of its second moments (halfX^2 = v.x).
@@ -48,7 +49,7 @@ uint radiusCode(uvec4 words) { return (words.w >> 16) & 255u; }
 // By the side that faces the eye.
 bool facesRight(Pose p) {
     if (pass.flags.y == 0) return true;
-    bool faces = pass.flags.z == 0 || p.m <= 0.0 || !p.hasNormal;
+    bool faces = !p.oneSided || p.m <= 0.0 || !p.hasNormal;
     return pass.flags.y > 0 ? faces : !faces;
 }
 
@@ -67,6 +68,7 @@ float halfPixels(float radius, float depth) {
 bool poseOf(RunParams run, uvec4 words, Placed placed, float radiusFactor, out Pose p) {
     p.cloud = sampleNormal(words.w & 0xffffu);
     p.hasNormal = any(notEqual(p.cloud, vec3(0.0)));
+    p.oneSided = isOneSided(run, words);
     vec3 n = toView(p.cloud);
     // Without a normal: facing the screen.
     p.n = vec3(n.x, -n.y, p.hasNormal ? -n.z : -1.0);
@@ -122,7 +124,7 @@ void setCommon(Placed placed, Pose p, uint payload, inout Footprint f) {
 #if REDUCTION == REDUCTION_SUM
     // Turned to the eye unless a side is known; in view space y is up and z towards the viewer.
     vec3 n = vec3(p.n.x, -p.n.y, -p.n.z);
-    vec3 turned = pass.flags.z == 0 && p.m > 0.0 ? -n : n;
+    vec3 turned = !p.oneSided && p.m > 0.0 ? -n : n;
     f.addends = addendsOf(payload, p.hasNormal ? turned : vec3(0.0));
 #endif
 }

@@ -39,7 +39,7 @@ Expected<std::shared_ptr<const Cloud>> build(const std::string& what, bool drop)
     if (!scan) return passOn(scan);
     BuildOptions options;
     options.shape.surfels = true;
-    test::WithoutNormals without(**scan);
+    test::WithoutNormals without(**scan, !std::filesystem::exists(what));
     return buildCloud(drop ? static_cast<PointSource&>(without) : **scan, options);
 }
 

@@ -4,6 +4,7 @@
 #include <tbb/task_arena.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "renderer/cloud/build/chunks/staging.hpp"
@@ -89,6 +90,13 @@ std::vector<std::string> firstNotes(std::vector<std::string> notes) {
     return notes;
 }
 
+/// Surveyors' z is up; of other files nobody knows.
+bool saysWhatIsUp(const ScanHeader& header) {
+    if (header.crsEpsg || !header.crsWkt.empty()) return true;
+    constexpr std::array<std::string_view, 4> formats{"LAS", "LAZ", "COPC", "Potree"};
+    return std::ranges::any_of(formats, [&](std::string_view f) { return header.format.starts_with(f); });
+}
+
 /// What is known before anybody looks at the points.
 std::optional<KnownSides> knownSides(const ScanHeader& header, const OctreeShape& shape) {
     if (header.attributes.normal) return KnownSides{KnownSides::By::File, 1};
@@ -129,6 +137,7 @@ OctreeInput inputOf(const CloudFacts& facts, const ScanHeader& header, const Oct
     input.attributes = facts.attributes;
     input.ownNormals = header.attributes.normal;
     input.oriented = facts.oriented;
+    input.upIsZ = saysWhatIsUp(header);
     input.findSides = shape.surfels && !facts.oriented && shape.orientation == Orientation::Auto;
     if (header.scannerOrigin) input.scanner = *header.scannerOrigin - facts.origin;
     input.shape = shape;

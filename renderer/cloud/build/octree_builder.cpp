@@ -60,7 +60,7 @@ class TreeBuilder {
             lanes, [this](Work& work) { return growWithoutSides(work); },
             [this](Work& work) { return hold(work); });
         if (!done) return done;
-        sides_ = decideSides(facets_, patches_);
+        sides_ = decideSides(facets_, patches_, borders_, input_.upIsZ);
         giveBack(facets_);
         return forChunks(
             lanes, [this](Work& work) { return turn(work); }, [this](Work& work) { return settle(work); });
@@ -226,6 +226,12 @@ class TreeBuilder {
             if (f.patch != loosePoints) f.patch += held.firstPatch;
         facets_.insert(facets_.end(), work.sides.facets.begin(), work.sides.facets.end());
         patches_.insert(patches_.end(), work.sides.patches.begin(), work.sides.patches.end());
+        for (Border b : work.sides.borders) {
+            b.low += held.firstPatch;
+            b.high += held.firstPatch;
+            borders_.push_back(b);
+        }
+        giveBack(work.sides.borders);
         workspace_.occupy(work.sides.facets.size() * sizeof(Facet));
         giveBack(work.sides.facets);
         giveBack(work.sides.patches);
@@ -341,6 +347,7 @@ class TreeBuilder {
     std::vector<HeldChunk> held_;
     std::vector<Facet> facets_;
     std::vector<PatchCount> patches_;
+    std::vector<Border> borders_;
     Sides sides_;
 };
 

@@ -29,6 +29,7 @@ struct OctreeInput {
     bool ownNormals = false;  ///< the scan's normals are kept
     bool oriented = false;    ///< the normals' sides are known from the start
     bool findSides = false;   ///< they are to be found, when all points have normals
+    bool upIsZ = false;       ///< the scan says so: it has coordinates of the earth, or a format of surveyors
     std::optional<glm::dvec3> scanner;  ///< cloud-relative: estimated normals point to it
     OctreeShape shape;
     std::vector<PlaceInRow> columns;  ///< that are kept

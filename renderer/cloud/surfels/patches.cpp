@@ -19,7 +19,7 @@ constexpr std::size_t mostPatches = 65535;
 /// Links of this quality and better join sets of up to so many points by themselves; between larger ones, and of all
 /// other links, the votes are counted: where a sheet is thinner than its points are apart, single links lie.
 constexpr float soundLink = 0.9f;
-constexpr std::uint32_t mostOfBlob = 512;
+constexpr std::uint32_t mostOfBlob = 256;
 constexpr float leastLink = 0.3f;
 /// Rounds of counting, each between what the one before has joined, and how one-sided votes have to be: less so for
 /// scraps. What is left apart is joined, or not, by what the whole cloud knows.
@@ -28,7 +28,7 @@ constexpr float agreementOfScraps = 0.6f, agreementOfSets = 0.85f;
 constexpr std::uint32_t mostOfScrap = 128;
 constexpr float leastOfSets = 6;
 /// Larger patches could hide a part that is plainly on the wrong side.
-constexpr std::uint32_t mostOfPatch = 4096;
+constexpr std::uint32_t mostOfPatch = 1024;
 /// Normals that are nearer to each other than 45° are of one sheet, or of two sheets that are parallel.
 constexpr float nearlyParallel = 0.7f;
 /// A link across a crease has less to say than one along a plane.
@@ -66,7 +66,7 @@ class PatchFinder {
         sizes_.assign(index_.size(), 1);
         joinSound();
         for (int round = 0; round < rounds; ++round) joinByVotes();
-        countContradictions();
+        left_ = countVotes();
         return number();
     }
 
@@ -139,9 +139,6 @@ class PatchFinder {
         }
     }
 
-    /// Those that are left within a set, for or against it.
-    void countContradictions() { countVotes(); }
-
     /// False: they would be too many together.
     bool joinBlob(std::uint32_t a, std::uint32_t b, bool opposite) {
         const SignedSets::Place from = sets_.find(a), to = sets_.find(b);
@@ -213,7 +210,21 @@ class PatchFinder {
         out.of.assign(surfels_.size(), noPatch);
         for (std::uint32_t p = 0; p < index_.size(); ++p) apply(p, tally, numbers, out);
         adoptOthers(out);
+        tellBorders(tally, numbers, out);
         return out;
+    }
+
+    void tellBorders(const std::vector<Tally>& tally, const std::vector<std::uint16_t>& numbers, SidePatches& out) {
+        for (const SetBorder& b : left_) {
+            SidePatches::Border border{numbers[b.low], numbers[b.high], b.same, b.opposite};
+            if (border.low == noPatch || border.high == noPatch) continue;
+            if ((tally[b.low].towards < 0) != (tally[b.high].towards < 0)) std::swap(border.same, border.opposite);
+            if (border.low > border.high) std::swap(border.low, border.high);
+            out.borders.push_back(border);
+        }
+        std::sort(out.borders.begin(), out.borders.end(), [](const auto& a, const auto& b) {
+            return a.low != b.low ? a.low < b.low : a.high < b.high;
+        });
     }
 
     /// Whoever is in no patch - corners, scraps, noise - but among points of one takes its side where those agree.
@@ -285,6 +296,7 @@ class PatchFinder {
     SignedSets sets_;
     std::vector<std::uint32_t> sizes_;  ///< of roots: positions in the set
     std::vector<SideVote> votes_;
+    std::vector<SetBorder> left_;  ///< that did not join
     std::vector<std::uint16_t> links_, contradictions_;  ///< by position, of both that a link joins
 };
 

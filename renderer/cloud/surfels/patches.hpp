@@ -23,8 +23,14 @@ struct SidePatches {
         std::uint32_t points = 0;
         std::uint32_t links = 0, contradictions = 0;  ///< between its points; those that say the opposite
     };
+    /// What all links between two patches say together.
+    struct Border {
+        std::uint16_t low, high;  ///< numbers
+        float same = 0, opposite = 0;
+    };
     std::vector<std::uint16_t> of;  ///< of each point; noPatch = none
     std::vector<Patch> patches;     ///< number i is patches[i - 1]; in the order of their first points
+    std::vector<Border> borders;    ///< in the order of low and high
 };
 
 /// What two places with normals say of each other.

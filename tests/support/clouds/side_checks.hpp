@@ -15,8 +15,9 @@ namespace scancast::test {
 /// A scan as if it had no normals.
 class WithoutNormals final : public PointSource {
   public:
-    explicit WithoutNormals(PointSource& scan) : scan_(scan), header_(scan.header()) {
+    explicit WithoutNormals(PointSource& scan, bool upIsZ = false) : scan_(scan), header_(scan.header()) {
         header_.attributes.normal = false;
+        if (upIsZ) header_.crsEpsg = 32632;
     }
     const ScanHeader& header() const override { return header_; }
     Expected<bool> read(PointBatch& batch) override {

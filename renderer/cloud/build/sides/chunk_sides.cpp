@@ -48,6 +48,8 @@ Expected<ChunkSides> holdSides(BuildNode& root, const SidePatches& patches, cons
     ChunkSides held;
     for (const SidePatches::Patch& p : patches.patches)
         held.patches.push_back({.points = p.points, .links = p.links, .contradictions = p.contradictions});
+    for (const SidePatches::Border& b : patches.borders)
+        held.borders.push_back({.low = b.low - 1u, .high = b.high - 1u, .same = b.same, .opposite = b.opposite});
     const auto leaves = leavesOf(root);
     std::vector<HeldSurfel> surfels(root.points.size());
     std::vector<std::vector<Facet>> facets(leaves.size());

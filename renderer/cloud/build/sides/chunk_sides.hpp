@@ -15,6 +15,7 @@ struct ChunkSides {
     Workspace::Buffer surfels;  ///< HeldSurfel of each point, in the tree's order
     std::vector<Facet> facets;  ///< patches count from 0
     std::vector<PatchCount> patches;
+    std::vector<Border> borders;
 };
 
 /// The leaves' samples are given up: they are made again of the points and this.

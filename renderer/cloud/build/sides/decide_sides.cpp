@@ -19,7 +19,7 @@ namespace scancast {
 namespace {
 
 /// Facets that rays are sent from: so many in all, and so many of each patch.
-constexpr std::size_t mostAsked = 4096, askedOfPatch = 12;
+constexpr std::size_t mostAsked = 4096, askedOfPatch = 6;
 /// A direction within 78° of the normal leaves on its side.
 constexpr float leavesAt = 0.2f;
 /// In the open the largest tree looks up; it has the sky above where nothing is below it.
@@ -54,8 +54,9 @@ struct TreeVotes {
 
 class SideDecision {
   public:
-    SideDecision(std::span<const Facet> facets, std::span<const PatchCount> patches)
-        : facets_(facets), patches_(patches), borders_(bordersOf(facets)) {}
+    SideDecision(std::span<const Facet> facets, std::span<const PatchCount> patches,
+                 std::span<const Border> borders, bool upIsZ)
+        : facets_(facets), patches_(patches), upIsZ_(upIsZ), borders_(bordersOf(facets, borders)) {}
 
     Sides decide() {
         look();
@@ -145,7 +146,7 @@ class SideDecision {
         const std::size_t main = mainTree();
         const TreeVotes& t = trees_[main];
         const double up = std::abs(t.up) / t.area;
-        if (ground >= groundShare * all && up >= upSum && (up >= plainlyUp || sky >= skyShare * ground))
+        if (upIsZ_ && ground >= groundShare * all && up >= upSum && (up >= plainlyUp || sky >= skyShare * ground))
             return Surroundings::Open;
         if (glm::length(t.normals) >= closedSum * t.area) return Surroundings::Object;
         return contentOf(main) >= contentShare * t.area ? Surroundings::Interior : Surroundings::Object;
@@ -221,6 +222,7 @@ class SideDecision {
     double vote(const TreeVotes& t) const {
         const double own = t.own.all > 0 ? t.own.net / t.own.all : 0;
         const bool closed = t.area > 0 && glm::length(t.normals) < closedSum * t.area;
+        if (surroundings_ == Surroundings::Object && !closed) return 0;  // seen from where? A sheet has two sides
         if (!closed || surroundings_ == Surroundings::Interior || !(t.anyward > 0)) return own;
         const double outward = t.outward / t.anyward;
         return std::abs(outward) > std::abs(own) ? outward : own;
@@ -247,6 +249,25 @@ class SideDecision {
         std::fprintf(stderr, "%s: %zu facets %zu patches %zu borders %u trees %zu asked; area %g loose %g\n",
                      names[int(surroundings_)], facets_.size(), patches_.size(), borders_.size(), forest_.trees,
                      asked_.size(), total, loose);
+        if (std::getenv("SIDES_DOWN")) {
+            struct P { glm::dvec3 n{0}, at{0}; double area = 0; int facets = 0, asked = 0; };
+            std::vector<P> ps(patches_.size());
+            for (const Facet& f : facets_) {
+                if (f.patch == loosePoints) continue;
+                P& p = ps[f.patch];
+                const double sign = (forest_.turned[f.patch] != (votes[forest_.tree[f.patch]] < 0)) ? -1 : 1;
+                p.n += sign * f.area * glm::dvec3(f.normal); p.at += double(f.area) * glm::dvec3(f.position); p.area += f.area; ++p.facets;
+            }
+            for (const Asked& a : asked_) ++ps[facets_[a.facet].patch].asked;
+            for (std::uint32_t p = 0; p < ps.size(); ++p) {
+                const P& q = ps[p];
+                if (q.area <= 0 || std::abs(q.at.x/q.area - 263) > 3 || std::abs(q.at.y/q.area - 128) > 4 || q.at.z < 40*q.area) continue;
+                const double sign = (forest_.turned[p] != (votes[forest_.tree[p]] < 0)) ? -1 : 1;
+                std::fprintf(stderr, "down: patch %u points %llu facets %d asked %d at %.1f %.1f %.1f n %.2f %.2f %.2f own %.2f trust %.2f contra %.3f sure %.2f\n", p,
+                             (unsigned long long)patches_[p].points, q.facets, q.asked, q.at.x / q.area, q.at.y / q.area, q.at.z / q.area, q.n.x / q.area, q.n.y / q.area, q.n.z / q.area,
+                             own_[p].all > 0 ? sign * own_[p].net / own_[p].all : 0, forest_.trust[p], double(patches_[p].contradictions) / patches_[p].links, sureness(p, votes[forest_.tree[p]]));
+            }
+        }
         for (std::size_t i = 0; i < std::min<std::size_t>(8, order.size()); ++i) {
             const TreeVotes& t = trees_[order[i]];
             std::uint32_t n = 0;
@@ -261,6 +282,7 @@ class SideDecision {
 
     std::span<const Facet> facets_;
     std::span<const PatchCount> patches_;
+    const bool upIsZ_;
     const std::vector<Border> borders_;
     PatchForest forest_;
     std::vector<Asked> asked_;
@@ -271,8 +293,9 @@ class SideDecision {
 
 }  // namespace
 
-Sides decideSides(std::span<const Facet> facets, std::span<const PatchCount> patches) {
-    return SideDecision(facets, patches).decide();
+Sides decideSides(std::span<const Facet> facets, std::span<const PatchCount> patches, std::span<const Border> borders,
+                  bool upIsZ) {
+    return SideDecision(facets, patches, borders, upIsZ).decide();
 }
 
 }  // namespace scancast

@@ -23,6 +23,8 @@ struct Sides {
     Surroundings surroundings = Surroundings::Object;
 };
 
-Sides decideSides(std::span<const Facet> facets, std::span<const PatchCount> patches);
+/// `borders`: in the order of low and high. `upIsZ`: the scan says which way is up; else nothing is taken for ground.
+Sides decideSides(std::span<const Facet> facets, std::span<const PatchCount> patches, std::span<const Border> borders,
+                  bool upIsZ);
 
 }  // namespace scancast

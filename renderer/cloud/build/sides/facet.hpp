@@ -3,6 +3,7 @@
 // Source: docs/spec/surfels.md §9.
 #pragma once
 
+#include <cmath>
 #include <cstdint>
 #include <glm/vec3.hpp>
 #include <vector>
@@ -22,6 +23,14 @@ struct Facet {
 /// A patch of a chunk, by the points it has.
 struct PatchCount {
     std::uint64_t points = 0, links = 0, contradictions = 0;
+};
+
+/// All that two patches have to say of each other, in votes of links between points.
+struct Border {
+    std::uint32_t low, high;  ///< patches
+    double same = 0, opposite = 0;
+    double agreement() const { return std::abs(same - opposite) / (same + opposite); }
+    double strength() const { return agreement() * std::abs(same - opposite); }
 };
 
 }  // namespace scancast

@@ -12,7 +12,7 @@ namespace {
 
 /// Points of a cell, about: enough to be few, few enough to follow what a town's houses are made of. Small leaves
 /// have fewer in each.
-constexpr std::uint64_t pointsInCell = 128, leastInCell = 16, cellsOfSmallLeaf = 256;
+constexpr std::uint64_t pointsInCell = 64, leastInCell = 16, cellsOfSmallLeaf = 256;
 /// A facet of fewer says nothing that its neighbours do not.
 constexpr std::uint32_t leastInFacet = 4;
 

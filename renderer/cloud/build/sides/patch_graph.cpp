@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <glm/geometric.hpp>
+#include <iterator>
 #include <memory>
 #include <numeric>
 #include <tuple>
@@ -24,7 +25,9 @@ constexpr float leastVote = 0.3f;
 /// Facets farther apart than so many of their widths have nothing to say to each other.
 constexpr float reachInWidths = 2.5f;
 /// Votes for and against: a border has to be this one-sided, and as long as so many facets.
-constexpr double leastAgreement = 0.5, leastVotes = 2.0;
+constexpr double leastAgreement = 0.5, leastVotes = 4.0;
+/// Links between points, about, that facets stand for.
+constexpr double pointsOfVote = 4;
 
 struct PatchVote {
     std::uint32_t low, high;  ///< patches
@@ -92,14 +95,7 @@ void spreadTrust(std::span<const PatchCount> patches, const std::vector<std::vec
 
 }  // namespace
 
-double Border::agreement() const {
-    return std::abs(same - opposite) / (same + opposite);
-}
-double Border::strength() const {
-    return agreement() * std::abs(same - opposite);
-}
-
-std::vector<Border> bordersOf(std::span<const Facet> facets) {
+std::vector<Border> bordersOf(std::span<const Facet> facets, std::span<const Border> known) {
     std::vector<glm::vec3> places;
     for (const Facet& f : facets) places.push_back(f.position);
     const NeighbourIndex index(places);
@@ -121,8 +117,15 @@ std::vector<Border> bordersOf(std::span<const Facet> facets) {
     for (const PatchVote& v : votes) {
         if (borders.empty() || borders.back().low != v.low || borders.back().high != v.high)
             borders.push_back({.low = v.low, .high = v.high});
-        (v.same < 0 ? borders.back().opposite : borders.back().same) += std::abs(v.same);
+        (v.same < 0 ? borders.back().opposite : borders.back().same) += pointsOfVote * std::abs(v.same);
     }
+    std::vector<Border> all;
+    std::merge(known.begin(), known.end(), borders.begin(), borders.end(), std::back_inserter(all),
+               [](const Border& a, const Border& b) { return std::tie(a.low, a.high) < std::tie(b.low, b.high); });
+    // What points say comes first, and is enough.
+    const auto sameTwo = [](const Border& a, const Border& b) { return a.low == b.low && a.high == b.high; };
+    all.erase(std::unique(all.begin(), all.end(), sameTwo), all.end());
+    borders.swap(all);
     std::erase_if(borders, [](const Border& b) {
         return b.agreement() < leastAgreement || std::abs(b.same - b.opposite) < leastVotes;
     });

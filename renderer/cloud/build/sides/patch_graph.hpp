@@ -19,15 +19,8 @@ struct PatchForest {
     std::uint32_t trees = 0;
 };
 
-/// All that two patches have to say of each other.
-struct Border {
-    std::uint32_t low, high;
-    double same = 0, opposite = 0;
-    double agreement() const;
-    double strength() const;
-};
-/// The surest first; those that say nothing left out.
-std::vector<Border> bordersOf(std::span<const Facet> facets);
+/// The surest first; those that say nothing left out. `known`: what points have said already.
+std::vector<Border> bordersOf(std::span<const Facet> facets, std::span<const Border> known);
 
 /// What a patch says of its own side: for it, against it, and how much was asked.
 struct OwnSide {

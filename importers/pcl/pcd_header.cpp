@@ -174,7 +174,11 @@ void readViewpoint(const Lines& lines, PcdHeader& header) {
         const auto parsed = std::from_chars(text.data(), text.data() + text.size(), place[a]);
         if (parsed.ec != std::errc{} || !std::isfinite(place[a])) return;
     }
-    if (place != glm::dvec3(0)) header.viewpoint = place;
+    // A frame of a depth camera counts from the camera; elsewhere the origin says that nobody knows.
+    const auto height = lines.find("HEIGHT");
+    const bool isFrame = height != lines.end() && !height->second.values.empty() &&
+                         height->second.values[0].find_first_not_of("01") != std::string_view::npos;
+    if (isFrame || place != glm::dvec3(0)) header.viewpoint = place;
 }
 
 Expected<void> readData(const Lines& lines, PcdHeader& header) {

@@ -31,7 +31,8 @@ struct PcdHeader {
     std::vector<PcdField> fields;
     std::uint32_t pointBytes = 0;
     std::uint64_t points = 0;
-    /// Where the sensor stood; nullopt at the origin, which is what programs write that do not know it.
+    /// Where the sensor stood; nullopt at the origin, which is what programs write that do not know it - but for
+    /// frames, which have rows and columns.
     std::optional<glm::dvec3> viewpoint;
     PointFields meanings;
     /// Index into `fields` by meaning; only where `meanings` has it.

@@ -19,7 +19,7 @@ namespace scancast {
 namespace {
 
 /// Facets that rays are sent from: so many in all, and so many of each patch.
-constexpr std::size_t mostAsked = 4096, askedOfPatch = 6;
+constexpr std::size_t mostAsked = 4096, askedOfPatch = 10;
 /// A direction within 78° of the normal leaves on its side.
 constexpr float leavesAt = 0.2f;
 /// In the open the largest tree looks up; it has the sky above where nothing is below it.
@@ -31,7 +31,9 @@ constexpr std::size_t mostInside = 256;
 constexpr double closedSum = 0.35;
 /// Of its own side a patch says something with so many facets asked, and plainly with so much for one side.
 constexpr std::uint32_t leastAsked = 3;
-constexpr double plainly = 0.25;
+constexpr double plainly = 0.25, leastOwn = 0.1;
+/// One facet says it strongly with so much for one side; so many of a patch may say the opposite.
+constexpr double strongly = 0.4, mostAgainst = 0.12;
 
 /// 0 below `low`, 1 from `high` on.
 double ramp(double value, double low, double high) {
@@ -194,6 +196,7 @@ class SideDecision {
     void ownSides() {
         own_.assign(patches_.size(), {});
         std::vector<std::uint32_t> asked(patches_.size());
+        strong_.assign(patches_.size(), {});
         const auto& directions = FreeSpace::directions();
         for (const Asked& a : asked_) {
             const Facet& f = facets_[a.facet];
@@ -206,6 +209,7 @@ class SideDecision {
                 (along > 0 ? front : back) += a.ways[d] ? double(*a.ways[d]) : outside;
             }
             ++asked[f.patch];
+            if (front + back > 0 && std::abs(front - back) > strongly * (front + back)) ++strong_[f.patch][front < back];
             own_[f.patch].net += f.area * (front - back);
             own_[f.patch].all += f.area * (front + back);
         }
@@ -233,7 +237,12 @@ class SideDecision {
         const double against = count.links ? double(count.contradictions) / double(count.links) : 0;
         const OwnSide& own = own_[patch];
         const double net = (forest_.turned[patch] != (vote < 0)) ? -own.net : own.net;
-        if (net < -plainly * own.all) return 0;
+        // Under the sky and in a room every patch has free space before it; in the folds of a thing it may have little.
+        if (surroundings_ == Surroundings::Object ? net < -plainly * own.all : net <= leastOwn * own.all) return 0;
+        // Facets that say the opposite: something in the patch is on the wrong side.
+        const bool turned = forest_.turned[patch] != (vote < 0);
+        const auto& strong = strong_[patch];
+        if (surroundings_ != Surroundings::Object && double(strong[!turned]) > mostAgainst * (strong[0] + strong[1])) return 0;
         return ramp(std::abs(vote), 0.05, 0.25) * ramp(forest_.trust[patch], 0.4, 0.7) *
                (1 - ramp(against, 0.01, 0.06));
     }
@@ -287,6 +296,7 @@ class SideDecision {
     PatchForest forest_;
     std::vector<Asked> asked_;
     std::vector<OwnSide> own_;  ///< by patch
+    std::vector<std::array<std::uint32_t, 2>> strong_;  ///< by patch: facets that say so strongly: its side, the other
     std::vector<TreeVotes> trees_;
     Surroundings surroundings_ = Surroundings::Object;
 };

@@ -94,9 +94,10 @@ struct CloudFacts {
     std::array<std::uint64_t, 256> classCounts{};
     std::string crsWkt;
     std::optional<int> crsEpsg;
-    double spacing = 0;     ///< s0, typical distance of neighbouring points, cloud units
-    bool surfels = false;   ///< samples carry radius, ellipse and a normal
-    bool oriented = false;  ///< all normals point to the side that was scanned; else their nodes say how sure that is
+    double spacing = 0;    ///< s0, typical distance of neighbouring points, cloud units
+    bool surfels = false;  ///< samples carry radius, ellipse and a normal
+    bool oriented =
+        false;  ///< all normals point to the side that was scanned; else their nodes say how sure that is
     std::optional<KnownSides> sides;  ///< nullopt: nothing is known of them
     std::vector<KeptColumn> columns;
     std::vector<ValuePlane> companions;  ///< what the cloud file has beside its samples and columns

@@ -18,8 +18,9 @@
 namespace scancast {
 
 struct SelectOptions {
-    double detail = 1;                     ///< τ in px: refine while the projected spacing exceeds it; 0 = to the leaves
-    std::optional<std::uint64_t> budget;   ///< samples at most; the coarsest possible cut is drawn even if above it
+    double detail = 1;  ///< τ in px: refine while the projected spacing exceeds it; 0 = to the leaves
+    std::optional<std::uint64_t>
+        budget;  ///< samples at most; the coarsest possible cut is drawn even if above it
     /// Bounds are grown by this many px and by `growSpacings` × the node's spacing before frustum culling: half of
     /// the largest splat that the method draws, so that culled = not culled, pixel for pixel.
     double growPx = 1;
@@ -35,18 +36,18 @@ struct SelectOptions {
     std::optional<std::array<double, 4>> part{};
     /// Cloud-relative planes, unit normals: samples with dot(xyz, p) + w < 0 are not drawn anyway.
     std::vector<glm::dvec4> inFrontOf{};
-    bool bruteForce = false;               ///< every leaf sample; no selection, no culling
+    bool bruteForce = false;  ///< every leaf sample; no selection, no culling
 };
 
 struct CutRun {
     const Node* node = nullptr;
     std::uint32_t nodeIndex = noNode;
-    std::span<const Sample> samples;       ///< empty until provide() (renderer/residency) fills it in
+    std::span<const Sample> samples;         ///< empty until provide() (renderer/residency) fills it in
     std::span<const SampleLimits> limits{};  ///< of the samples, likewise; empty: not known
-    double projected = 0;                  ///< spacing as it appears in the picture, px, at most
-    double share = 1;                      ///< of the samples, drawn: those whose turn it is (fade.hpp); > 0
-    bool covered = false;                  ///< an ancestor is drawn, too
-    std::uint32_t firstOrdinal = 0;        ///< ordinal in the cut of samples[0]; ordinals are dense
+    double projected = 0;                    ///< spacing as it appears in the picture, px, at most
+    double share = 1;                ///< of the samples, drawn: those whose turn it is (fade.hpp); > 0
+    bool covered = false;            ///< an ancestor is drawn, too
+    std::uint32_t firstOrdinal = 0;  ///< ordinal in the cut of samples[0]; ordinals are dense
 };
 
 /// Every leaf in sight is covered by one whole run: its own, or an ancestor's. Without fading there are no others; with
@@ -56,16 +57,18 @@ struct CutRun {
 /// and into blocks that it keeps in memory as long as it lives.
 struct Cut {
     std::vector<CutRun> runs;
-    std::uint64_t source = 0;              ///< of its octree (Octree::source()); 0: not of one, nothing may be kept of it
-    std::uint64_t samples = 0;             ///< of the nodes, whatever share of them is drawn
-    std::uint64_t points = 0;              ///< scan points that the drawn nodes stand for, each counted once
+    std::uint64_t source = 0;  ///< of its octree (Octree::source()); 0: not of one, nothing may be kept of it
+    std::uint64_t samples = 0;  ///< of the nodes, whatever share of them is drawn
+    std::uint64_t points = 0;   ///< scan points that the drawn nodes stand for, each counted once
     std::uint32_t nodesVisited = 0, nodesCulled = 0, nodesRefined = 0;
-    std::uint32_t nodesFacingAway = 0;     ///< of those culled
-    double spacingReached = 0;             ///< largest projected spacing drawn, px
+    std::uint32_t nodesFacingAway = 0;  ///< of those culled
+    double spacingReached = 0;          ///< largest projected spacing drawn, px
     bool budgetReached = false;
-    std::uint32_t nodesMissing = 0;        ///< drawn by an ancestor, or not at all, because they are not in memory (yet)
-    std::uint64_t samplesMissing = 0;      ///< in those
-    std::uint32_t nodesDamaged = 0;        ///< likewise, because their blocks cannot be read; not counted as missing
+    std::uint32_t nodesMissing =
+        0;  ///< drawn by an ancestor, or not at all, because they are not in memory (yet)
+    std::uint64_t samplesMissing = 0;  ///< in those
+    std::uint32_t nodesDamaged =
+        0;  ///< likewise, because their blocks cannot be read; not counted as missing
     std::vector<std::shared_ptr<const void>> keep;  ///< what `samples` point into
 };
 

@@ -81,7 +81,8 @@ std::string sidesOf(const CloudFacts& f) {
                 return "normals point upwards, as was asked for";
             case KnownSides::By::Neighbours:
                 return fmt::format(
-                    "{:.1f} % of the normals point to the side that was scanned, by their neighbours; the rest to "
+                    "{:.1f} % of the normals point to the side that was scanned, by their neighbours; the "
+                    "rest to "
                     "either side",
                     100 * f.sides->sure);
         }
@@ -237,7 +238,9 @@ Json octreeJson(const FileInfo& info) {
             {"spacing", info.facts.spacing},
             {"surfels", info.facts.surfels},
             {"oriented", info.facts.oriented},
-            {"sureOfSides", info.facts.sides ? info.facts.sides->sure : info.facts.oriented ? 1.0 : 0.0},
+            {"sureOfSides", info.facts.sides      ? info.facts.sides->sure
+                            : info.facts.oriented ? 1.0
+                                                  : 0.0},
             {"revision", info.facts.revision},
             {"writtenBy", info.writtenBy}};
 }

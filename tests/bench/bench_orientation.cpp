@@ -8,7 +8,6 @@
 
 #include <chrono>
 #include <cstdio>
-#include <cstdlib>
 #include <filesystem>
 #include <string>
 
@@ -56,37 +55,10 @@ Expected<void> measure(const std::string& what, bool up) {
     test::SideScore score;
     if (up) {
         score = test::scoreSides(**found, true, side);
-        if (std::getenv("DUMP"))
-            for (std::uint32_t i = 0; i < (*found)->octree.nodes().size(); ++i) {
-                const Node& n = (*found)->octree.node(i);
-                if (!n.isLeaf() || n.confidence < sureSide) continue;
-                const auto a = (*found)->octree.run(i);
-                for (const Sample& k : a->samples) {
-                    const auto x = decodeNormal(k.normal);
-                    if (k.ellipse == twoSidedCircle || x.z > -0.3f) continue;
-                    const auto p = position(n, k) + (*found)->origin;
-                    fmt::print("{:.3f} {:.3f} {:.3f}  n {:.2f} {:.2f} {:.2f} class {} node {} conf {}\n", p.x, p.y, p.z, x.x, x.y, x.z, k.classification, i, n.confidence);
-                }
-            }
     } else {
         const auto truth = build(what, false);
         if (!truth) return passOn(truth);
         score = test::scoreSides(**found, **truth);
-        if (std::getenv("DUMP")) {
-            int c = 0;
-            for (std::uint32_t i = 0; i < (*found)->octree.nodes().size(); ++i) {
-                const Node& n = (*found)->octree.node(i);
-                if (!n.isLeaf()) continue;
-                const auto a = (*found)->octree.run(i), b = (*truth)->octree.run(i);
-                for (std::size_t k = 0; k < a->samples.size(); ++k) {
-                    const auto x = decodeNormal(a->samples[k].normal), y = decodeNormal(b->samples[k].normal);
-                    if (glm::dot(x, y) > 0 || a->samples[k].ellipse == twoSidedCircle || n.confidence < sureSide) continue;
-                    if (c++ % std::atoi(std::getenv("DUMP"))) continue;
-                    const auto p = position(n, a->samples[k]) + (*found)->origin;
-                    fmt::print("{:.3f} {:.3f} {:.3f}  n {:.2f} {:.2f} {:.2f}  t {:.2f} {:.2f} {:.2f} node {} conf {}\n", p.x, p.y, p.z, x.x, x.y, x.z, y.x, y.y, y.z, i, n.confidence);
-                }
-            }
-        }
     }
     fmt::print("{:<48} {:>9}  right {:7.3f} %  clear {:7.3f} %  sure {:6.2f} %  wrong {:7.4f} %\n",
                std::filesystem::path(what).filename().string(), score.samples, 100 * score.share(),

@@ -54,7 +54,8 @@ class TreeBuilder {
         chunks_ = std::move(chunks);
         if (!input_.findSides)
             return forChunks(
-                lanes, [this](Work& work) { return grow(work); }, [this](Work& work) { return settle(work); });
+                lanes, [this](Work& work) { return grow(work); },
+                [this](Work& work) { return settle(work); });
         held_.resize(chunks_.size());
         auto done = forChunks(
             lanes, [this](Work& work) { return growWithoutSides(work); },

@@ -61,10 +61,9 @@ struct SidesName {
     KnownSides::By by;
     std::string_view name;
 };
-constexpr std::array sidesNames{SidesName{KnownSides::By::File, "file"},
-                                SidesName{KnownSides::By::Scanner, "scanner"},
-                                SidesName{KnownSides::By::Up, "up"},
-                                SidesName{KnownSides::By::Neighbours, "neighbours"}};
+constexpr std::array sidesNames{
+    SidesName{KnownSides::By::File, "file"}, SidesName{KnownSides::By::Scanner, "scanner"},
+    SidesName{KnownSides::By::Up, "up"}, SidesName{KnownSides::By::Neighbours, "neighbours"}};
 
 std::string_view nameOf(KnownSides::By by) {
     return sidesNames[std::size_t(by)].name;
@@ -300,8 +299,8 @@ void takeUsual(Fields fields, UsualRanges& into) {
 void takeSidesFact(Fields fields, KnownSides& into) {
     std::string by;
     fields.text("by", by);
-    const auto found = std::find_if(sidesNames.begin(), sidesNames.end(),
-                                    [&](const SidesName& n) { return n.name == by; });
+    const auto found =
+        std::find_if(sidesNames.begin(), sidesNames.end(), [&](const SidesName& n) { return n.name == by; });
     if (found == sidesNames.end()) return fields.blame("by", "is not known");
     into.by = found->by;
     fields.number("sure", into.sure);

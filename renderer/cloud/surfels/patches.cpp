@@ -51,6 +51,19 @@ struct SetBorder {
     float agreement() const { return net() / (same + opposite); }
 };
 
+inline SideLink linkOf(const glm::vec3& from, const glm::vec3& fromNormal, const glm::vec3& to,
+                       const glm::vec3& toNormal) {
+    const glm::vec3 way = to - from;
+    const float length2 = glm::dot(way, way), straight = glm::dot(fromNormal, toNormal);
+    if (!(length2 > 0)) return {std::abs(straight), straight < 0};
+    const float mirrored = straight - 2 * glm::dot(fromNormal, way) * glm::dot(toNormal, way) / length2;
+    const float size = std::abs(mirrored);
+    if (std::abs(straight) < nearlyParallel) return {creaseFactor * size, mirrored < 0};
+    // One above the other: noise of one sheet, or two sheets.
+    if ((straight < 0) != (mirrored < 0)) return {};
+    return {std::min(std::abs(straight), size), mirrored < 0};
+}
+
 class PatchFinder {
   public:
     PatchFinder(const NeighbourIndex& index, const Evidence& evidence, std::span<Surfel> surfels)
@@ -61,8 +74,7 @@ class PatchFinder {
     }
 
     SidePatches find() {
-        links_.resize(index_.size());
-        contradictions_.resize(index_.size());
+        counts_.resize(index_.size());
         sizes_.assign(index_.size(), 1);
         joinSound();
         for (int round = 0; round < rounds; ++round) joinByVotes();
@@ -75,18 +87,25 @@ class PatchFinder {
         return s.normal != glm::vec3(0) && (s.density == Density::Surface || s.density == Density::Edge);
     }
 
-    bool isWitness(std::uint32_t p, std::uint32_t of) const {
-        const auto who = evidence_.witnesses(of);
-        return std::find(who.begin(), who.end(), p) != who.end();
-    }
+    /// A link is asked for by the first of its two ends. Whom only the second counts among its neighbours is left out.
+    /// What a link is made of, side by side.
+    struct Place {
+        glm::vec3 at, normal;
+        bool own;
+    };
 
     void joinSound() {
+        std::vector<Place> places(index_.size());
+        for (std::uint32_t p = 0; p < index_.size(); ++p)
+            places[p] = {index_.position(p), evidence_.normal(p), own_[p] != 0};
         for (std::uint32_t p = 0; p < index_.size(); ++p) {
-            if (!own_[p]) continue;
-            const glm::vec3 at = index_.position(p), normal = evidence_.normal(p);
+            const Place& from = places[p];
+            if (!from.own) continue;
             for (const std::uint32_t w : evidence_.witnesses(p)) {
-                if (!own_[w] || (w < p && isWitness(p, w))) continue;
-                const SideLink link = linkBetween(at, normal, index_.position(w), evidence_.normal(w));
+                if (w < p) continue;
+                const Place& to = places[w];
+                if (!to.own) continue;
+                const SideLink link = linkOf(from.at, from.normal, to.at, to.normal);
                 if (link.quality < leastLink) continue;
                 if (link.quality < soundLink || !joinBlob(p, w, link.opposite))
                     votes_.push_back({p, w, link.opposite ? -link.quality : link.quality});
@@ -109,7 +128,8 @@ class PatchFinder {
             votes_[kept++] = v;
             const std::uint32_t low = std::min(from.root, to.root), high = std::max(from.root, to.root);
             std::uint64_t slot = ((std::uint64_t(low) << 32 | high) * 0x9e3779b97f4a7c15u >> 20) & mask;
-            while (table[slot] != 0 && (borders[table[slot] - 1].low != low || borders[table[slot] - 1].high != high))
+            while (table[slot] != 0 &&
+                   (borders[table[slot] - 1].low != low || borders[table[slot] - 1].high != high))
                 slot = (slot + 1) & mask;
             if (table[slot] == 0) {
                 borders.push_back({.low = low, .high = high});
@@ -158,12 +178,12 @@ class PatchFinder {
 
     void count(std::uint32_t a, std::uint32_t b, bool contradicts) {
         for (const std::uint32_t p : {a, b}) {
-            ++links_[p];
-            contradictions_[p] += contradicts;
+            ++counts_[p].links;
+            counts_[p].against += contradicts;
         }
     }
     /// Many of its neighbours say the opposite: thinner than the points are apart, or where sheets cross.
-    bool doubtful(std::uint32_t p) const { return 4 * contradictions_[p] > links_[p]; }
+    bool doubtful(std::uint32_t p) const { return 4 * counts_[p].against > counts_[p].links; }
 
     struct Tally {
         std::uint32_t points = 0, first = ~0u;
@@ -184,8 +204,8 @@ class PatchFinder {
             }
             const double side = glm::dot(evidence_.normal(p), anySide);
             t.towards += place.turned ? -side : side;
-            t.facts.links += links_[p];
-            t.facts.contradictions += contradictions_[p];
+            t.facts.links += counts_[p].links;
+            t.facts.contradictions += counts_[p].against;
         }
         std::vector<std::uint32_t> roots;
         for (std::uint32_t p = 0; p < index_.size(); ++p)
@@ -214,11 +234,13 @@ class PatchFinder {
         return out;
     }
 
-    void tellBorders(const std::vector<Tally>& tally, const std::vector<std::uint16_t>& numbers, SidePatches& out) {
+    void tellBorders(const std::vector<Tally>& tally, const std::vector<std::uint16_t>& numbers,
+                     SidePatches& out) {
         for (const SetBorder& b : left_) {
             SidePatches::Border border{numbers[b.low], numbers[b.high], b.same, b.opposite};
             if (border.low == noPatch || border.high == noPatch) continue;
-            if ((tally[b.low].towards < 0) != (tally[b.high].towards < 0)) std::swap(border.same, border.opposite);
+            if ((tally[b.low].towards < 0) != (tally[b.high].towards < 0))
+                std::swap(border.same, border.opposite);
             if (border.low > border.high) std::swap(border.low, border.high);
             out.borders.push_back(border);
         }
@@ -232,7 +254,8 @@ class PatchFinder {
         std::vector<Adoption> adoptions;
         for (std::uint32_t p = 0; p < index_.size(); ++p) {
             const std::uint32_t i = ownPoint(p);
-            if (i == noPoint || out.of[i] != noPatch || doubtful(p) || surfels_[i].normal == glm::vec3(0)) continue;
+            if (i == noPoint || out.of[i] != noPatch || doubtful(p) || surfels_[i].normal == glm::vec3(0))
+                continue;
             if (const auto adoption = adopt(p, i, out)) adoptions.push_back(*adoption);
         }
         for (const Adoption& a : adoptions)
@@ -258,8 +281,8 @@ class PatchFinder {
             const std::uint32_t i = ownPoint(w);
             if (i == noPoint || out.of[i] == noPatch) continue;
             ++known;
-            const SideLink link =
-                linkBetween(index_.position(p), surfels_[point].normal, index_.position(w), surfels_[i].normal);
+            const SideLink link = linkBetween(index_.position(p), surfels_[point].normal, index_.position(w),
+                                              surfels_[i].normal);
             if (patch == noPatch) patch = out.of[i];
             (link.opposite ? opposite : same) += link.quality;
         }
@@ -282,8 +305,9 @@ class PatchFinder {
         for (const std::uint32_t i : index_.pointsAt(p)) {
             if (i >= surfels_.size()) continue;
             glm::vec3& normal = surfels_[i].normal;
-            const bool turn = patch == noPatch && !(own_[p] && numbers[place.root] != noPatch) ? glm::dot(normal, anySide) < 0
-                                               : place.turned != (tally[place.root].towards < 0);
+            const bool turn = patch == noPatch && !(own_[p] && numbers[place.root] != noPatch)
+                                  ? glm::dot(normal, anySide) < 0
+                                  : place.turned != (tally[place.root].towards < 0);
             if (turn) normal = -normal;
             out.of[i] = patch;
         }
@@ -297,23 +321,17 @@ class PatchFinder {
     std::vector<std::uint32_t> sizes_;  ///< of roots: positions in the set
     std::vector<SideVote> votes_;
     std::vector<SetBorder> left_;  ///< that did not join
-    std::vector<std::uint16_t> links_, contradictions_;  ///< by position, of both that a link joins
+    struct Counts {
+        std::uint16_t links = 0, against = 0;
+    };
+    std::vector<Counts> counts_;  ///< by position, of both that a link joins
 };
 
 }  // namespace
 
 SideLink linkBetween(const glm::vec3& from, const glm::vec3& fromNormal, const glm::vec3& to,
                      const glm::vec3& toNormal) {
-    const glm::vec3 way = to - from;
-    const float length2 = glm::dot(way, way), straight = glm::dot(fromNormal, toNormal);
-    if (!(length2 > 0)) return {std::abs(straight), straight < 0};
-    const float mirrored =
-        straight - 2 * glm::dot(fromNormal, way) * glm::dot(toNormal, way) / length2;
-    const float size = std::abs(mirrored);
-    if (std::abs(straight) < nearlyParallel) return {creaseFactor * size, mirrored < 0};
-    // One above the other: noise of one sheet, or two sheets.
-    if ((straight < 0) != (mirrored < 0)) return {};
-    return {std::min(std::abs(straight), size), mirrored < 0};
+    return linkOf(from, fromNormal, to, toNormal);
 }
 
 SidePatches findPatches(const NeighbourIndex& index, const Evidence& evidence, std::span<Surfel> surfels) {

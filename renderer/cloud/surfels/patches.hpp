@@ -35,7 +35,7 @@ struct SidePatches {
 
 /// What two places with normals say of each other.
 struct SideLink {
-    float quality = 0;    ///< 0 nothing … 1 beyond doubt
+    float quality = 0;      ///< 0 nothing … 1 beyond doubt
     bool opposite = false;  ///< one of the normals has to be turned for both to be on one side
 };
 

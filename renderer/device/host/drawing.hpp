@@ -47,9 +47,9 @@ Expected<FramePasses> framePasses(std::span<const Pass> passes);
 /// How a layer - the main view or a reflection - is seen.
 struct LayerView {
     const Viewpoint* viewpoint = nullptr;
-    int pad = 0;            ///< rows and columns that every coordinate is shifted by, for a guard band
-    bool surfels = false;   ///< samples carry radii, ellipses and normals
-    bool oriented = false;  ///< every normal's sign means something
+    int pad = 0;                 ///< rows and columns that every coordinate is shifted by, for a guard band
+    bool surfels = false;        ///< samples carry radii, ellipses and normals
+    bool oriented = false;       ///< every normal's sign means something
     bool orientedNodes = false;  ///< those of nodes that are sure of it do
     /// The view axis, px, before jitter.
     glm::dvec2 center() const { return {viewpoint->width * 0.5 + pad, viewpoint->height * 0.5 + pad}; }

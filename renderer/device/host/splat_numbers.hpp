@@ -104,7 +104,8 @@ struct RunNumbers {
     /// A sample is drawn if its ordinal · turnStep + turnBase, modulo 2^32, is not above lastTurn
     /// (renderer/select/fade.hpp); turnBase counts the ordinals from the run's beginning.
     std::uint32_t turnStep = 0, turnBase = 0, lastTurn = 0xffffffffu;
-    bool oriented = false;  ///< a normal's sign means something, but a two-sided circle's; else it is turned to the eye
+    bool oriented =
+        false;  ///< a normal's sign means something, but a two-sided circle's; else it is turned to the eye
     bool clipped = false;
     std::int32_t clipMin[3] = {},
                  clipMax[3] = {};  ///< integers of the samples inside the clip box, inclusive

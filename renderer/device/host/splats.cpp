@@ -40,7 +40,8 @@ SplatPass splatPass(const Splat& splat, const LayerView& view, const ColorRule& 
     n.pixelsPerUnit = static_cast<float>(std::min(viewpoint.pixelsPerUnit, largestCoefficient));
     n.scale = splat.size.scale;
     if (splat.footprint == Footprint::Ellipse) n.lowPassPx = splat.lowPassPx;
-    if (view.anyOriented()) n.facing = splat.facing == Facing::Front ? 1 : splat.facing == Facing::Back ? -1 : 0;
+    if (view.anyOriented())
+        n.facing = splat.facing == Facing::Front ? 1 : splat.facing == Facing::Back ? -1 : 0;
     for (int r = 0; r < 3; ++r) {
         for (int c = 0; c < 3; ++c) n.rotation[r][c] = static_cast<float>(viewpoint.cloudToView[c][r]);
     }

@@ -34,9 +34,9 @@ class WithoutNormals final : public PointSource {
 };
 
 struct SideScore {
-    std::uint64_t samples = 0, right = 0;          ///< with normals in both
-    std::uint64_t sure = 0, sureWrong = 0;         ///< in nodes that are drawn as oriented
-    std::uint64_t clear = 0, clearRight = 0;       ///< whose normals are the same within 45°, but for the side
+    std::uint64_t samples = 0, right = 0;     ///< with normals in both
+    std::uint64_t sure = 0, sureWrong = 0;    ///< in nodes that are drawn as oriented
+    std::uint64_t clear = 0, clearRight = 0;  ///< whose normals are the same within 45°, but for the side
     double share() const { return samples ? double(right) / double(samples) : 0; }
     double sureShare() const { return samples ? double(sure) / double(samples) : 0; }
     double wrongOfSure() const { return sure ? double(sureWrong) / double(sure) : 0; }

@@ -30,13 +30,14 @@ struct BuildNode {
     GridBox box;
     int level = 0;
     NodeContent content;
-    AverageList averages;        ///< of an inner node, until its parent has used it
-    Workspace::Buffer setAside;  ///< an inner node's samples, reaches and densities, between averaging and finishing
-    StoredNode stored;           ///< its place in the file, and sampleCount: samples may be away
+    AverageList averages;  ///< of an inner node, until its parent has used it
+    Workspace::Buffer
+        setAside;       ///< an inner node's samples, reaches and densities, between averaging and finishing
+    StoredNode stored;  ///< its place in the file, and sampleCount: samples may be away
     std::vector<BlockPlace> columns;  ///< a leaf's kept columns in the file
     std::uint64_t sampleHash = 0;
-    std::uint8_t confidence = 0;      ///< as in Node
-    std::uint64_t surePoints = 0;     ///< below, whose side is sure
+    std::uint8_t confidence = 0;   ///< as in Node
+    std::uint64_t surePoints = 0;  ///< below, whose side is sure
     BuildNode* parent = nullptr;
     std::size_t finishedChildren = 0;
     std::vector<std::unique_ptr<BuildNode>> children;

@@ -89,7 +89,8 @@ void fillSamples(BuildNode& node, const InnerLattice& lattice, const OctreeInput
         Sample s = meanAttributes(average, node.averages);
         const auto q = lattice.quantise(boxLow + offset);
         s.x = q[0], s.y = q[1], s.z = q[2];
-        if (input.shape.surfels && node.confidence >= sureSide && node.confidence < certainSide && isUnsure(average))
+        if (input.shape.surfels && node.confidence >= sureSide && node.confidence < certainSide &&
+            isUnsure(average))
             s.ellipse = twoSidedCircle;
         node.content.samples.push_back(s);
         if (!input.shape.surfels) continue;

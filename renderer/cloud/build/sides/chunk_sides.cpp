@@ -49,7 +49,8 @@ Expected<ChunkSides> holdSides(BuildNode& root, const SidePatches& patches, cons
     for (const SidePatches::Patch& p : patches.patches)
         held.patches.push_back({.points = p.points, .links = p.links, .contradictions = p.contradictions});
     for (const SidePatches::Border& b : patches.borders)
-        held.borders.push_back({.low = b.low - 1u, .high = b.high - 1u, .same = b.same, .opposite = b.opposite});
+        held.borders.push_back(
+            {.low = b.low - 1u, .high = b.high - 1u, .same = b.same, .opposite = b.opposite});
     const auto leaves = leavesOf(root);
     std::vector<HeldSurfel> surfels(root.points.size());
     std::vector<std::vector<Facet>> facets(leaves.size());
@@ -72,8 +73,8 @@ Expected<ChunkSides> holdSides(BuildNode& root, const SidePatches& patches, cons
     return held;
 }
 
-Expected<void> takeSides(BuildNode& root, const ChunkSides& held, const Sides& sides, std::uint32_t firstPatch,
-                         const OctreeInput& input) {
+Expected<void> takeSides(BuildNode& root, const ChunkSides& held, const Sides& sides,
+                         std::uint32_t firstPatch, const OctreeInput& input) {
     std::vector<std::byte> space;
     const auto bytes = held.surfels.view(space);
     if (!bytes) return passOn(bytes);

@@ -25,7 +25,7 @@ Expected<ChunkSides> holdSides(BuildNode& root, const SidePatches& patches, cons
 /// Makes the leaves below a root again, whose points are back in memory: samples, turned to the sides that were
 /// found, and the points' normals. `firstPatch`: what number the chunk's first patch has in the whole cloud.
 /// Errors: the workspace's.
-Expected<void> takeSides(BuildNode& root, const ChunkSides& held, const Sides& sides, std::uint32_t firstPatch,
-                         const OctreeInput& input);
+Expected<void> takeSides(BuildNode& root, const ChunkSides& held, const Sides& sides,
+                         std::uint32_t firstPatch, const OctreeInput& input);
 
 }  // namespace scancast

@@ -5,8 +5,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdio>
-#include <cstdlib>
 #include <glm/geometric.hpp>
 #include <numbers>
 #include <optional>
@@ -76,7 +74,6 @@ class SideDecision {
             sides.turn.push_back(forest_.turned[p] != (vote < 0));
             sides.confidence.push_back(std::uint8_t(254 * sureness(p, vote)));
         }
-        tell(votes);
         return sides;
     }
 
@@ -148,7 +145,8 @@ class SideDecision {
         const std::size_t main = mainTree();
         const TreeVotes& t = trees_[main];
         const double up = std::abs(t.up) / t.area;
-        if (upIsZ_ && ground >= groundShare * all && up >= upSum && (up >= plainlyUp || sky >= skyShare * ground))
+        if (upIsZ_ && ground >= groundShare * all && up >= upSum &&
+            (up >= plainlyUp || sky >= skyShare * ground))
             return Surroundings::Open;
         if (glm::length(t.normals) >= closedSum * t.area) return Surroundings::Object;
         return contentOf(main) >= contentShare * t.area ? Surroundings::Interior : Surroundings::Object;
@@ -186,7 +184,8 @@ class SideDecision {
             const glm::vec3 way = f.position - place;
             const float length2 = glm::dot(way, way);
             if (length2 > 0)
-                sum += double(f.area * glm::dot(normal(f), way)) / (double(length2) * std::sqrt(double(length2)));
+                sum += double(f.area * glm::dot(normal(f), way)) /
+                       (double(length2) * std::sqrt(double(length2)));
         }
         return count > 0 ? sum * double(shell.size()) / double(count) / (4 * std::numbers::pi) : 0;
     }
@@ -209,7 +208,8 @@ class SideDecision {
                 (along > 0 ? front : back) += a.ways[d] ? double(*a.ways[d]) : outside;
             }
             ++asked[f.patch];
-            if (front + back > 0 && std::abs(front - back) > strongly * (front + back)) ++strong_[f.patch][front < back];
+            if (front + back > 0 && std::abs(front - back) > strongly * (front + back))
+                ++strong_[f.patch][front < back];
             own_[f.patch].net += f.area * (front - back);
             own_[f.patch].all += f.area * (front + back);
         }
@@ -226,7 +226,8 @@ class SideDecision {
     double vote(const TreeVotes& t) const {
         const double own = t.own.all > 0 ? t.own.net / t.own.all : 0;
         const bool closed = t.area > 0 && glm::length(t.normals) < closedSum * t.area;
-        if (surroundings_ == Surroundings::Object && !closed) return 0;  // seen from where? A sheet has two sides
+        if (surroundings_ == Surroundings::Object && !closed)
+            return 0;  // seen from where? A sheet has two sides
         if (!closed || surroundings_ == Surroundings::Interior || !(t.anyward > 0)) return own;
         const double outward = t.outward / t.anyward;
         return std::abs(outward) > std::abs(own) ? outward : own;
@@ -238,55 +239,16 @@ class SideDecision {
         const OwnSide& own = own_[patch];
         const double net = (forest_.turned[patch] != (vote < 0)) ? -own.net : own.net;
         // Under the sky and in a room every patch has free space before it; in the folds of a thing it may have little.
-        if (surroundings_ == Surroundings::Object ? net < -plainly * own.all : net <= leastOwn * own.all) return 0;
+        if (surroundings_ == Surroundings::Object ? net < -plainly * own.all : net <= leastOwn * own.all)
+            return 0;
         // Facets that say the opposite: something in the patch is on the wrong side.
         const bool turned = forest_.turned[patch] != (vote < 0);
         const auto& strong = strong_[patch];
-        if (surroundings_ != Surroundings::Object && double(strong[!turned]) > mostAgainst * (strong[0] + strong[1])) return 0;
+        if (surroundings_ != Surroundings::Object &&
+            double(strong[!turned]) > mostAgainst * (strong[0] + strong[1]))
+            return 0;
         return ramp(std::abs(vote), 0.05, 0.25) * ramp(forest_.trust[patch], 0.4, 0.7) *
                (1 - ramp(against, 0.01, 0.06));
-    }
-
-    void tell(const std::vector<double>& votes) const {
-        if (!std::getenv("SIDES_DEBUG")) return;
-        static const char* names[] = {"object", "open", "interior"};
-        std::vector<std::uint32_t> order(trees_.size());
-        for (std::uint32_t i = 0; i < order.size(); ++i) order[i] = i;
-        std::sort(order.begin(), order.end(), [&](auto a, auto b) { return trees_[a].area > trees_[b].area; });
-        double total = 0, loose = 0;
-        for (const Facet& f : facets_) (f.patch == loosePoints ? loose : total) += f.area;
-        std::fprintf(stderr, "%s: %zu facets %zu patches %zu borders %u trees %zu asked; area %g loose %g\n",
-                     names[int(surroundings_)], facets_.size(), patches_.size(), borders_.size(), forest_.trees,
-                     asked_.size(), total, loose);
-        if (std::getenv("SIDES_DOWN")) {
-            struct P { glm::dvec3 n{0}, at{0}; double area = 0; int facets = 0, asked = 0; };
-            std::vector<P> ps(patches_.size());
-            for (const Facet& f : facets_) {
-                if (f.patch == loosePoints) continue;
-                P& p = ps[f.patch];
-                const double sign = (forest_.turned[f.patch] != (votes[forest_.tree[f.patch]] < 0)) ? -1 : 1;
-                p.n += sign * f.area * glm::dvec3(f.normal); p.at += double(f.area) * glm::dvec3(f.position); p.area += f.area; ++p.facets;
-            }
-            for (const Asked& a : asked_) ++ps[facets_[a.facet].patch].asked;
-            for (std::uint32_t p = 0; p < ps.size(); ++p) {
-                const P& q = ps[p];
-                if (q.area <= 0 || std::abs(q.at.x/q.area - 263) > 3 || std::abs(q.at.y/q.area - 128) > 4 || q.at.z < 40*q.area) continue;
-                const double sign = (forest_.turned[p] != (votes[forest_.tree[p]] < 0)) ? -1 : 1;
-                std::fprintf(stderr, "down: patch %u points %llu facets %d asked %d at %.1f %.1f %.1f n %.2f %.2f %.2f own %.2f trust %.2f contra %.3f sure %.2f\n", p,
-                             (unsigned long long)patches_[p].points, q.facets, q.asked, q.at.x / q.area, q.at.y / q.area, q.at.z / q.area, q.n.x / q.area, q.n.y / q.area, q.n.z / q.area,
-                             own_[p].all > 0 ? sign * own_[p].net / own_[p].all : 0, forest_.trust[p], double(patches_[p].contradictions) / patches_[p].links, sureness(p, votes[forest_.tree[p]]));
-            }
-        }
-        for (std::size_t i = 0; i < std::min<std::size_t>(8, order.size()); ++i) {
-            const TreeVotes& t = trees_[order[i]];
-            std::uint32_t n = 0;
-            for (auto x : forest_.tree) n += x == order[i];
-            std::fprintf(stderr,
-                         "  patches %u area %.3f%% vote %.3f own %.3f sum %.3f up %.3f out %.3f mid %.2f %.2f %.2f\n", n,
-                         100 * t.area / total, votes[order[i]], t.own.all > 0 ? t.own.net / t.own.all : 0,
-                         glm::length(t.normals) / t.area, t.up / t.area, t.outward / t.anyward, t.middle.x, t.middle.y,
-                         t.middle.z);
-        }
     }
 
     std::span<const Facet> facets_;
@@ -296,15 +258,16 @@ class SideDecision {
     PatchForest forest_;
     std::vector<Asked> asked_;
     std::vector<OwnSide> own_;  ///< by patch
-    std::vector<std::array<std::uint32_t, 2>> strong_;  ///< by patch: facets that say so strongly: its side, the other
+    std::vector<std::array<std::uint32_t, 2>>
+        strong_;  ///< by patch: facets that say so strongly: its side, the other
     std::vector<TreeVotes> trees_;
     Surroundings surroundings_ = Surroundings::Object;
 };
 
 }  // namespace
 
-Sides decideSides(std::span<const Facet> facets, std::span<const PatchCount> patches, std::span<const Border> borders,
-                  bool upIsZ) {
+Sides decideSides(std::span<const Facet> facets, std::span<const PatchCount> patches,
+                  std::span<const Border> borders, bool upIsZ) {
     return SideDecision(facets, patches, borders, upIsZ).decide();
 }
 

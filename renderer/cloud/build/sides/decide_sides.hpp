@@ -24,7 +24,7 @@ struct Sides {
 };
 
 /// `borders`: in the order of low and high. `upIsZ`: the scan says which way is up; else nothing is taken for ground.
-Sides decideSides(std::span<const Facet> facets, std::span<const PatchCount> patches, std::span<const Border> borders,
-                  bool upIsZ);
+Sides decideSides(std::span<const Facet> facets, std::span<const PatchCount> patches,
+                  std::span<const Border> borders, bool upIsZ);
 
 }  // namespace scancast

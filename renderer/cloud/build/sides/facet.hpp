@@ -14,9 +14,9 @@ namespace scancast {
 inline constexpr std::uint32_t loosePoints = 0xffffffffu;
 
 struct Facet {
-    glm::vec3 position{0};  ///< cloud-relative mean
-    glm::vec3 normal{0};    ///< unit; to the patch's side
-    float area = 0;         ///< square cloud units
+    glm::vec3 position{0};              ///< cloud-relative mean
+    glm::vec3 normal{0};                ///< unit; to the patch's side
+    float area = 0;                     ///< square cloud units
     std::uint32_t patch = loosePoints;  ///< in the whole cloud
 };
 

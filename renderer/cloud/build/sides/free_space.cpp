@@ -80,7 +80,7 @@ std::optional<float> FreeSpace::wayToNext(const glm::vec3& from, const glm::vec3
 const std::array<glm::vec3, 14>& FreeSpace::directions() {
     constexpr float d = 0.57735027f;
     static const std::array<glm::vec3, 14> all{
-        glm::vec3{0, 0, 1}, {0, 0, -1}, {1, 0, 0},  {-1, 0, 0}, {0, 1, 0},  {0, -1, 0},  {d, d, d},
+        glm::vec3{0, 0, 1}, {0, 0, -1}, {1, 0, 0},   {-1, 0, 0}, {0, 1, 0},   {0, -1, 0},  {d, d, d},
         {-d, d, d},         {d, -d, d}, {-d, -d, d}, {d, d, -d}, {-d, d, -d}, {d, -d, -d}, {-d, -d, -d}};
     return all;
 }

@@ -33,8 +33,8 @@ class CellFacets {
     }
 
     void add(const BuildPoint& p, std::uint16_t patch) {
-        auto sum = std::find_if(sums_.begin(), sums_.end(),
-                                [&](const FacetSum& s) { return s.patch == patch; });
+        auto sum =
+            std::find_if(sums_.begin(), sums_.end(), [&](const FacetSum& s) { return s.patch == patch; });
         if (sum == sums_.end()) sum = sums_.insert(sums_.end(), {.patch = patch});
         ++sum->points;
         for (int a = 0; a < 3; ++a) sum->position[a] += double(p.axis(a) - leaf_.box.min[a]);
@@ -45,11 +45,10 @@ class CellFacets {
         for (const FacetSum& s : sums_) {
             const float length = std::sqrt(glm::dot(s.normal, s.normal));
             if (s.points < leastInFacet || !(length > 0)) continue;
-            out.push_back(
-                {.position = glm::vec3(base_ + s.position / double(s.points) * grid_.step),
-                 .normal = s.normal / length,
-                 .area = areaOfPoint_ * float(s.points),
-                 .patch = s.patch == noPatch ? loosePoints : std::uint32_t(s.patch - 1)});
+            out.push_back({.position = glm::vec3(base_ + s.position / double(s.points) * grid_.step),
+                           .normal = s.normal / length,
+                           .area = areaOfPoint_ * float(s.points),
+                           .patch = s.patch == noPatch ? loosePoints : std::uint32_t(s.patch - 1)});
         }
         sums_.clear();
     }

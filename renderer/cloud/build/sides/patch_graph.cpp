@@ -20,7 +20,9 @@ namespace scancast {
 
 namespace {
 
-constexpr int neighboursAsked = 16;
+constexpr int neighboursAsked = 8;
+/// Every so-manieth facet asks its neighbours.
+constexpr std::size_t askingStride = 2;
 constexpr float leastVote = 0.3f;
 /// Facets farther apart than so many of their widths have nothing to say to each other.
 constexpr float reachInWidths = 2.5f;
@@ -105,7 +107,7 @@ std::vector<Border> bordersOf(std::span<const Facet> facets, std::span<const Bor
         tbb::parallel_for(std::size_t(0), found.size(), [&](std::size_t t) {
             const auto scratch = std::make_unique<surfel::SearchScratch>();
             const std::size_t end = std::min<std::size_t>(index.size(), (t + 1) * task);
-            for (std::size_t p = t * task; p < end; ++p)
+            for (std::size_t p = t * task; p < end; p += askingStride)
                 votesOf(std::uint32_t(p), facets, index, *scratch, found[t]);
         });
     std::vector<PatchVote> votes;
@@ -120,8 +122,9 @@ std::vector<Border> bordersOf(std::span<const Facet> facets, std::span<const Bor
         (v.same < 0 ? borders.back().opposite : borders.back().same) += pointsOfVote * std::abs(v.same);
     }
     std::vector<Border> all;
-    std::merge(known.begin(), known.end(), borders.begin(), borders.end(), std::back_inserter(all),
-               [](const Border& a, const Border& b) { return std::tie(a.low, a.high) < std::tie(b.low, b.high); });
+    std::merge(
+        known.begin(), known.end(), borders.begin(), borders.end(), std::back_inserter(all),
+        [](const Border& a, const Border& b) { return std::tie(a.low, a.high) < std::tie(b.low, b.high); });
     // What points say comes first, and is enough.
     const auto sameTwo = [](const Border& a, const Border& b) { return a.low == b.low && a.high == b.high; };
     all.erase(std::unique(all.begin(), all.end(), sameTwo), all.end());

@@ -15,7 +15,7 @@ namespace scancast {
 struct PatchForest {
     std::vector<std::uint32_t> tree;  ///< by patch: number of its tree, from 0
     std::vector<bool> turned;         ///< by patch: against the tree's side
-    std::vector<float> trust;         ///< by patch: the weakest vote between it and the tree's largest patch, 0-1
+    std::vector<float> trust;  ///< by patch: the weakest vote between it and the tree's largest patch, 0-1
     std::uint32_t trees = 0;
 };
 

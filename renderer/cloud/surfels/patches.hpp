@@ -1,7 +1,7 @@
 // Patches: sets of neighbouring positions whose normals are known to point to one side of one surface, whichever
 // that is. Neighbours' normals are made to agree along the links of a forest that takes the best links first.
 // Pipeline: evidence of one chunk → **patches** → facets (renderer/cloud/build/sides) → sides.
-// Source: Hoppe et al., "Surface Reconstruction from Unorganized Points", 1992, §3.3; docs/spec/surfels.md §9.
+// Source: Hoppe et al., "Surface Reconstruction from Unorganized Points", 1992; docs/spec/surfels.md §9.
 #pragma once
 
 #include <cstdint>

@@ -20,17 +20,19 @@ using test::uniform;
 
 constexpr Attributes colors{.color = true};
 
-std::shared_ptr<const Cloud> build(PointSource& source, int threads = 0,
-                                   std::uint32_t chunkPoints = 1 << 20) {
-    return buildCloud(source, {.threads = threads, .shape = {.chunkPoints = chunkPoints, .surfels = true}})
+std::shared_ptr<const Cloud> sidedCloud(PointSource& source, int threads = 0,
+                                        std::uint32_t chunkPoints = 1 << 20) {
+    return buildCloud(
+               source,
+               {.title = {}, .threads = threads, .shape = {.chunkPoints = chunkPoints, .surfels = true}})
         .value();
 }
 
-std::shared_ptr<const Cloud> build(std::uint64_t points, const test::SyntheticSource::Make& make,
-                                   bool upIsZ = false) {
+std::shared_ptr<const Cloud> sidedCloud(std::uint64_t points, const test::SyntheticSource::Make& make,
+                                        bool upIsZ = false) {
     test::SyntheticSource source(points, make, colors);
     test::WithoutNormals scan(source, upIsZ);
-    return build(scan);
+    return sidedCloud(scan);
 }
 
 glm::dvec3 placeOf(const Cloud& cloud, const Node& node, const Sample& sample) {
@@ -91,11 +93,11 @@ TEST(Sides, LinksAreMirrors) {
 
 TEST(Sides, ClosedThingsAreSeenFromOutside) {
     const auto points = test::sized(100'000u, 30'000u);
-    const auto ball = build(points, test::ball);
+    const auto ball = sidedCloud(points, test::ball);
     expectRight(score(*ball, true, [](const glm::dvec3& p) { return p; }), 0.98);
     expectRight(score(*ball, false, [](const glm::dvec3& p) { return p; }), 0.9);
-    expectRight(score(*build(points, onCube), true, ofCube), 0.95);
-    expectRight(score(*build(points, onTorus), true, ofTorus), 0.98);
+    expectRight(score(*sidedCloud(points, onCube), true, ofCube), 0.95);
+    expectRight(score(*sidedCloud(points, onTorus), true, ofTorus), 0.98);
     EXPECT_EQ(ball->sides->by, KnownSides::By::Neighbours);
     EXPECT_GT(ball->sides->sure, 0.98);
     EXPECT_FALSE(ball->oriented);
@@ -107,7 +109,7 @@ TEST(Sides, NestedBallsEachHaveOneSide) {
         if (i % 3 == 0) p.position *= 0.6;
         return p;
     };
-    const auto cloud = build(test::sized(100'000u, 40'000u), balls);
+    const auto cloud = sidedCloud(test::sized(100'000u, 40'000u), balls);
     for (const bool inner : {false, true}) {
         const auto one = score(*cloud, true, [&](const glm::dvec3& p) {
             return (glm::length(p) < 8) == inner ? p : glm::dvec3(0);
@@ -122,7 +124,7 @@ TEST(Sides, ASheetSeenFromBothSidesStaysTwoSided) {
     const auto sheet = [](std::uint64_t i, std::uint64_t) {
         return ScanPoint{.position = {10 * uniform(i, 1), 0.001 * uniform(i, 3), 10 * uniform(i, 2)}};
     };
-    for (const bool upIsZ : {false, true}) EXPECT_EQ(build(50'000, sheet, upIsZ)->sides->sure, 0);
+    for (const bool upIsZ : {false, true}) EXPECT_EQ(sidedCloud(50'000, sheet, upIsZ)->sides->sure, 0);
 }
 
 TEST(Sides, TwoSheetsOfAWallLookApart) {
@@ -132,7 +134,7 @@ TEST(Sides, TwoSheetsOfAWallLookApart) {
         p.position *= glm::dvec3(5, 0.25, 5);
         return p;
     };
-    const auto cloud = build(test::sized(200'000u, 100'000u), slab);
+    const auto cloud = sidedCloud(test::sized(200'000u, 100'000u), slab);
     const auto sides = score(*cloud, true, [](const glm::dvec3& p) {
         return std::abs(p.x) < 4.8 && std::abs(p.z) < 4.8 ? glm::dvec3(0, p.y, 0) : glm::dvec3(0);
     });
@@ -143,10 +145,10 @@ TEST(Sides, TwoSheetsOfAWallLookApart) {
 TEST(Sides, GroundLooksUpWhereTheScanSaysWhatIsUp) {
     const auto points = test::sized(100'000u, 30'000u);
     const auto up = [](const glm::dvec3&) { return glm::dvec3(0, 0, 1); };
-    const auto known = build(points, test::ground, true);
+    const auto known = sidedCloud(points, test::ground, true);
     expectRight(score(*known, true, up), 0.95);
     expectRight(score(*known, false, up), 0.95);
-    EXPECT_EQ(build(points, test::ground, false)->sides->sure, 0);
+    EXPECT_EQ(sidedCloud(points, test::ground, false)->sides->sure, 0);
 }
 
 TEST(Sides, DependOnTheSetOfPointsAlone) {
@@ -154,7 +156,7 @@ TEST(Sides, DependOnTheSetOfPointsAlone) {
     const auto revision = [&](std::uint64_t step, int threads) {
         test::SyntheticSource source(
             count, [&](std::uint64_t i, std::uint64_t n) { return onTorus(i * step % n, n); }, colors);
-        return build(source, threads, 6000)->revision;
+        return sidedCloud(source, threads, 6000)->revision;
     };
     const std::string first = revision(1, 1);
     EXPECT_EQ(revision(1, 4), first);

@@ -1,6 +1,6 @@
 // Which patches of a whole cloud agree on a side: neighbouring facets of different patches vote, and a spanning
 // forest takes the surest votes first. Pipeline: facets → **patch graph** → sides. Pure function; uses the
-// caller's TBB arena. Source: Hoppe et al., "Surface Reconstruction from Unorganized Points", 1992, §3.3;
+// caller's TBB arena. Source: Hoppe et al., "Surface Reconstruction from Unorganized Points", 1992;
 // docs/spec/surfels.md §9.
 #pragma once
 

@@ -18,7 +18,7 @@ struct SurfelOptions {
     int neighbours = 10;  ///< k; doubled up to 80 while λ2/λ1 < 1/16 (scan lines)
     /// Of the nodes that the points are drawn with, one for each of `out`: a surface that is much sparser has to
     /// have more evidence. Empty: all have to.
-    std::span<const float> spacings;
+    std::span<const float> spacings = {};
     /// Where to put which of the points' normals agree on a side; those are turned to it. Null: not wanted, and
     /// the normals' signs say nothing.
     SidePatches* patches = nullptr;

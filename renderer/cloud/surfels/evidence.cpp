@@ -42,51 +42,6 @@ bool isPlane(const glm::dmat3& c) {
            trace * determinant < flatFartherRatio * (minors * minors);
 }
 
-/// Rings of neighbours' neighbours asked under noise, and positions in them.
-constexpr int mostRings = 8;
-constexpr std::size_t mostInRings = 512;
-/// The farthest of them has to be so many deviations from the plane away: noise of a layer's step is seen across it.
-constexpr double acrossNoise = 4;
-
-/// Sums of squares in double, for a covariance.
-class Spread {
-  public:
-    void add(const glm::dvec3& d) {
-        sum_ += d;
-        for (int a = 0; a < 3; ++a)
-            for (int b = a; b < 3; ++b) squares_[a][b] += d[a] * d[b];
-        ++count_;
-    }
-    /// Symmetric.
-    glm::dmat3 variance() const {
-        glm::dmat3 v(0);
-        for (int a = 0; a < 3; ++a)
-            for (int b = a; b < 3; ++b)
-                v[a][b] = v[b][a] = squares_[a][b] / count_ - sum_[a] * sum_[b] / (count_ * count_);
-        return v;
-    }
-
-  private:
-    glm::dvec3 sum_{0};
-    glm::dmat3 squares_{0};
-    double count_ = 0;
-};
-
-/// The direction of a plane's least variance: powers of the adjugate turn to it.
-glm::dvec3 leastDirection(const glm::dmat3& v) {
-    glm::dmat3 adjugate(glm::cross(v[1], v[2]), glm::cross(v[2], v[0]), glm::cross(v[0], v[1]));
-    int longest = 0;
-    for (int a = 1; a < 3; ++a)
-        if (adjugate[a][a] > adjugate[longest][longest]) longest = a;
-    glm::dvec3 n = adjugate[longest];
-    for (int step = 0; step < 6; ++step) {
-        const double length = glm::length(n);
-        if (!(length > 0)) return glm::dvec3(0);
-        n = adjugate * (n / length);
-    }
-    return glm::normalize(n);
-}
-
 }  // namespace
 
 Evidence::Evidence(const NeighbourIndex& index)
@@ -143,54 +98,6 @@ Density Evidence::density(std::uint32_t p, float spacing) const {
     const bool mostlyFlat = 8 * flat >= 3 * who.size();
     if (((own.flat && 2 * agreeing > who.size()) || !mostlyFlat) && flatFarther(p)) return Density::Surface;
     return mostlyFlat ? Density::Edge : Density::Foliage;
-}
-
-bool Evidence::maybeNoise(std::uint32_t p) const {
-    const Facts& own = facts_[p];
-    if (own.line) return false;
-    const auto who = witnesses(p);
-    std::size_t alike = 0, agreeing = 0;
-    for (const std::uint32_t w : who) {
-        const Facts& other = facts_[w];
-        alike += other.radius < alikeFactor * own.radius && own.radius < alikeFactor * other.radius;
-        agreeing += std::abs(glm::dot(other.normal, own.normal)) > agreeingCosine;
-    }
-    return 2 * alike > who.size() && 2 * agreeing <= who.size();
-}
-
-std::optional<glm::vec3> Evidence::normalUnderNoise(std::uint32_t p) const {
-    thread_local std::vector<std::uint32_t> reached;
-    reached.assign(1, p);
-    const glm::vec3 at = index_.position(p);
-    Spread spread;
-    spread.add(glm::dvec3(0));
-    std::size_t first = 0;
-    for (int ring = 1; ring <= mostRings && reached.size() < mostInRings; ++ring) {
-        const std::size_t end = reached.size();
-        for (; first < end; ++first)
-            for (const std::uint32_t w : witnesses(reached[first])) reached.push_back(w);
-        std::sort(reached.begin() + std::ptrdiff_t(end), reached.end());
-        reached.erase(std::unique(reached.begin() + std::ptrdiff_t(end), reached.end()), reached.end());
-        const auto seen = [&](std::uint32_t w) {
-            return std::find(reached.begin(), reached.begin() + std::ptrdiff_t(end), w) !=
-                   reached.begin() + std::ptrdiff_t(end);
-        };
-        reached.erase(std::remove_if(reached.begin() + std::ptrdiff_t(end), reached.end(), seen),
-                      reached.end());
-        float far2 = 0;
-        for (std::size_t i = end; i < reached.size(); ++i) {
-            const glm::vec3 d = index_.position(reached[i]) - at;
-            spread.add(glm::dvec3(d));
-            far2 = std::max(far2, glm::dot(d, d));
-        }
-        if (reached.size() == end) return std::nullopt;
-        const glm::dmat3 variance = spread.variance();
-        if (ring < 2 || !isPlane(variance)) continue;
-        const glm::dvec3 n = leastDirection(variance);
-        const double thick2 = glm::dot(n, variance * n);
-        if (acrossNoise * acrossNoise * thick2 <= double(far2)) return glm::vec3(n);
-    }
-    return std::nullopt;
 }
 
 bool Evidence::flatFarther(std::uint32_t p) const {

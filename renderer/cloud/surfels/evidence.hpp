@@ -7,7 +7,6 @@
 #include <array>
 #include <cstdint>
 #include <glm/vec3.hpp>
-#include <optional>
 #include <span>
 #include <vector>
 
@@ -28,12 +27,6 @@ class Evidence {
     float usualRadius(std::uint32_t p) const;
     /// Never Stray. Who is large for the spacing of the node that it is drawn with has to have more evidence.
     Density density(std::uint32_t p, float spacing) const;
-    /// Whether it is no surface by its neighbours, but may be one under noise that reaches farther than they do: they
-    /// are as dense as it is.
-    bool maybeNoise(std::uint32_t p) const;
-    /// The normal of the plane that as many rings of neighbours lie in as it takes, if they do at all; docs/spec/surfels.md
-    /// §10.
-    std::optional<glm::vec3> normalUnderNoise(std::uint32_t p) const;
     float radius(std::uint32_t p) const { return facts_[p].radius; }
     float nearby(std::uint32_t p) const { return facts_[p].nearby; }
     const glm::vec3& normal(std::uint32_t p) const { return facts_[p].normal; }

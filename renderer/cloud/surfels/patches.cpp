@@ -83,12 +83,6 @@ class PatchFinder {
     }
 
   private:
-    /// As it was estimated; of who is not the chunk's, nothing.
-    glm::vec3 normalOf(std::uint32_t p) const {
-        const std::uint32_t i = ownPoint(p);
-        return i == noPoint ? glm::vec3(0) : surfels_[i].normal;
-    }
-
     static bool joins(const Surfel& s) {
         return s.normal != glm::vec3(0) && (s.density == Density::Surface || s.density == Density::Edge);
     }
@@ -103,7 +97,7 @@ class PatchFinder {
     void joinSound() {
         std::vector<Place> places(index_.size());
         for (std::uint32_t p = 0; p < index_.size(); ++p)
-            places[p] = {index_.position(p), normalOf(p), own_[p] != 0};
+            places[p] = {index_.position(p), evidence_.normal(p), own_[p] != 0};
         for (std::uint32_t p = 0; p < index_.size(); ++p) {
             const Place& from = places[p];
             if (!from.own) continue;
@@ -208,7 +202,7 @@ class PatchFinder {
                 ++t.facts.points;
                 t.first = std::min(t.first, i);
             }
-            const double side = glm::dot(normalOf(p), anySide);
+            const double side = glm::dot(evidence_.normal(p), anySide);
             t.towards += place.turned ? -side : side;
             t.facts.links += counts_[p].links;
             t.facts.contradictions += counts_[p].against;

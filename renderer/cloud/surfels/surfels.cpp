@@ -21,8 +21,6 @@ namespace scancast {
 namespace {
 
 constexpr std::size_t groupsPerTask = 512;
-/// Positions asked whether a scan is noisy; so many have to be, and seven in ten of those who might.
-constexpr std::uint32_t askedForNoise = 4096, leastPlanes = 64;
 
 /// One for each thread, for as long as it lives: kernels never wait, so nobody else uses it meanwhile.
 surfel::SearchScratch& workspace() {
@@ -52,7 +50,6 @@ class Estimate {
         forGroups([&](std::size_t begin, std::size_t end) {
             for (std::uint32_t p = index_.groups()[begin]; p < index_.groups()[end]; ++p) judge(p);
         });
-        if (isNoisy()) seeThroughNoise();
         markStrays();
         if (patches_) *patches_ = findPatches(index_, evidence_, out_);
     }
@@ -101,35 +98,6 @@ class Estimate {
                 out_[i].usual = usual;
                 out_[i].density = density;
             }
-    }
-
-    /// Asks a few whose neighbours disagree: where most of them lie in planes that their neighbours are too near to
-    /// show, the scan is noisy. Leaves are not.
-    bool isNoisy() const {
-        const std::uint32_t stride = std::max<std::uint32_t>(1, index_.size() / askedForNoise);
-        std::uint32_t suspects = 0, planes = 0;
-        for (std::uint32_t p = 0; p < index_.size(); p += stride) {
-            if (!evidence_.maybeNoise(p)) continue;
-            ++suspects;
-            planes += evidence_.normalUnderNoise(p).has_value();
-        }
-        return planes >= leastPlanes && 10 * planes >= 7 * suspects;
-    }
-
-    void seeThroughNoise() {
-        forGroups([&](std::size_t begin, std::size_t end) {
-            for (std::uint32_t p = index_.groups()[begin]; p < index_.groups()[end]; ++p) {
-                if (!evidence_.maybeNoise(p)) continue;
-                const auto normal = evidence_.normalUnderNoise(p);
-                if (!normal) continue;
-                for (const std::uint32_t i : index_.pointsAt(p)) {
-                    if (i >= out_.size()) continue;
-                    out_[i].normal = *normal;
-                    out_[i].minor = out_[i].major;
-                    out_[i].density = Density::Surface;
-                }
-            }
-        });
     }
 
     void markStrays() {

@@ -30,6 +30,8 @@ class Evidence {
     float radius(std::uint32_t p) const { return facts_[p].radius; }
     float nearby(std::uint32_t p) const { return facts_[p].nearby; }
     const glm::vec3& normal(std::uint32_t p) const { return facts_[p].normal; }
+    /// Where more is known of it than its neighbours tell.
+    void setNormal(std::uint32_t p, const glm::vec3& normal) { facts_[p].normal = normal; }
     std::span<const std::uint32_t> witnesses(std::uint32_t p) const {
         return std::span(witnesses_[p]).first(facts_[p].witnesses);
     }

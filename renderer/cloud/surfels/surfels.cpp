@@ -12,6 +12,7 @@
 
 #include "renderer/cloud/surfels/evidence.hpp"
 #include "renderer/cloud/surfels/kernels/levels.hpp"
+#include "renderer/cloud/surfels/layers.hpp"
 #include "renderer/cloud/surfels/neighbours.hpp"
 #include "renderer/cloud/surfels/patches.hpp"
 #include "renderer/cloud/surfels/strays.hpp"
@@ -35,6 +36,7 @@ class Estimate {
         : out_(out),
           spacings_(options.spacings),
           patches_(options.patches),
+          layers_(options.layers),
           k_(std::clamp(options.neighbours, 1, surfel::maxNeighbours)),
           index_(points),
           evidence_(index_),
@@ -50,6 +52,7 @@ class Estimate {
         forGroups([&](std::size_t begin, std::size_t end) {
             for (std::uint32_t p = index_.groups()[begin]; p < index_.groups()[end]; ++p) judge(p);
         });
+        if (layers_) seeThroughLayers(index_, evidence_, out_);
         markStrays();
         if (patches_) *patches_ = findPatches(index_, evidence_, out_);
     }
@@ -119,6 +122,7 @@ class Estimate {
     std::span<Surfel> out_;
     std::span<const float> spacings_;
     SidePatches* patches_;
+    bool layers_;
     int k_;
     NeighbourIndex index_;
     Evidence evidence_;

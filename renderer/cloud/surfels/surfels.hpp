@@ -22,6 +22,7 @@ struct SurfelOptions {
     /// Where to put which of the points' normals agree on a side; those are turned to it. Null: not wanted, and
     /// the normals' signs say nothing.
     SidePatches* patches = nullptr;
+    bool layers = false;  ///< see through the steps of scans that stand in layers (§10)
 };
 
 /// Of the first out.size() points; the rest (a halo) only lends neighbours. Points are offsets from a nearby

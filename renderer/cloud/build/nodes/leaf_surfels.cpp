@@ -90,7 +90,8 @@ SidePatches addLeafSurfels(BuildNode& root, std::span<const BuildPoint> halo, co
     estimateSurfels(offsets(root.points, halo, root.box, input.grid),
                     {.neighbours = input.shape.neighbours,
                      .spacings = spacings,
-                     .patches = input.findSides ? &patches : nullptr},
+                     .patches = input.findSides ? &patches : nullptr,
+                     .layers = true},
                     surfels);
     tbb::parallel_for(std::size_t(0), leaves.size(), [&](std::size_t i) {
         BuildNode& leaf = *leaves[i];

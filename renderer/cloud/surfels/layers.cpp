@@ -246,7 +246,8 @@ std::vector<Facing> planesThrough(const NeighbourIndex& index, const Steps& step
 }
 
 /// Who is in no window's plane, but in that of who stands beside him, gets it: planes end where another one begins.
-void grow(const NeighbourIndex& index, const Evidence& evidence, const Steps& steps, std::vector<Facing>& facings) {
+void grow(const NeighbourIndex& index, const Evidence& evidence, const Steps& steps,
+          std::vector<Facing>& facings) {
     std::vector<std::uint32_t> without;
     for (std::uint32_t p = 0; p < index.size(); ++p)
         if (!facings[p]) without.push_back(p);
@@ -258,7 +259,8 @@ void grow(const NeighbourIndex& index, const Evidence& evidence, const Steps& st
             float nearest = inPlane * steps[p];
             for (const std::uint32_t w : evidence.witnesses(p)) {
                 if (!facings[w]) continue;
-                const float far = std::abs(glm::dot(facings[w].normal, index.position(p)) - facings[w].offset);
+                const float far =
+                    std::abs(glm::dot(facings[w].normal, index.position(p)) - facings[w].offset);
                 if (far >= nearest) continue;
                 nearest = far;
                 found[i] = facings[w];
@@ -266,12 +268,20 @@ void grow(const NeighbourIndex& index, const Evidence& evidence, const Steps& st
         });
         std::size_t left = 0;
         for (std::size_t i = 0; i < without.size(); ++i) {
-            if (found[i]) facings[without[i]] = found[i];
-            else without[left++] = without[i];
+            if (found[i])
+                facings[without[i]] = found[i];
+            else
+                without[left++] = without[i];
         }
         if (left == without.size()) return;
         without.resize(left);
     }
+}
+
+/// Any direction in the plane.
+glm::vec3 across(const glm::vec3& normal) {
+    return glm::normalize(
+        glm::cross(normal, std::abs(normal.z) < 0.7f ? glm::vec3(0, 0, 1) : glm::vec3(1, 0, 0)));
 }
 
 }  // namespace
@@ -295,6 +305,7 @@ void seeThroughLayers(const NeighbourIndex& index, Evidence& evidence, std::span
         for (const std::uint32_t i : index.pointsAt(p))
             if (i < surfels.size()) {
                 surfels[i].normal = facings[p].normal;
+                surfels[i].majorAxis = across(facings[p].normal);
                 surfels[i].minor = surfels[i].major;
                 surfels[i].density = Density::Surface;
             }

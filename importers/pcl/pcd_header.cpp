@@ -175,10 +175,12 @@ void readViewpoint(const Lines& lines, PcdHeader& header) {
         if (parsed.ec != std::errc{} || !std::isfinite(place[a])) return;
     }
     // A frame of a depth camera counts from the camera; elsewhere the origin says that nobody knows.
-    const auto height = lines.find("HEIGHT");
-    const bool isFrame = height != lines.end() && !height->second.values.empty() &&
-                         height->second.values[0].find_first_not_of("01") != std::string_view::npos;
-    if (isFrame || place != glm::dvec3(0)) header.viewpoint = place;
+    const auto isMany = [&](const char* key) {
+        const auto count = lines.find(key);
+        return count != lines.end() && count->second.values.size() == 1 &&
+               number(count->second.values[0]).value_or(0) > 1;
+    };
+    if ((isMany("WIDTH") && isMany("HEIGHT")) || place != glm::dvec3(0)) header.viewpoint = place;
 }
 
 Expected<void> readData(const Lines& lines, PcdHeader& header) {

@@ -69,17 +69,24 @@ SideScore scoreSides(const Cloud& cloud, bool leaves, Truth truth) {
     return score;
 }
 
-/// Leaves against those of a cloud of the same points with normals: the same octree.
-inline SideScore scoreSides(const Cloud& cloud, const Cloud& truth) {
+/// Leaves against those of a cloud of the same points with normals: the same octree. Of those for which
+/// `counts(node, sample, right normal)`.
+template <class Counts>
+SideScore scoreSides(const Cloud& cloud, const Cloud& truth, Counts counts) {
     std::vector<SampleRun> runs;
     std::uint32_t node = noNode;
-    return scoreSides(cloud, true, [&](const Node&, std::uint32_t i, std::size_t s, const Sample&) {
+    return scoreSides(cloud, true, [&](const Node& at, std::uint32_t i, std::size_t s, const Sample& sample) {
         if (i != node) {
             runs.assign(1, *truth.octree.run(i));
             node = i;
         }
-        return decodeNormal(runs[0].samples[s].normal);
+        const glm::vec3 right = decodeNormal(runs[0].samples[s].normal);
+        return counts(at, sample, right) ? right : glm::vec3(0);
     });
+}
+
+inline SideScore scoreSides(const Cloud& cloud, const Cloud& truth) {
+    return scoreSides(cloud, truth, [](const Node&, const Sample&, const glm::vec3&) { return true; });
 }
 
 }  // namespace scancast::test

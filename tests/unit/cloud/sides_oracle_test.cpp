@@ -142,6 +142,25 @@ TEST(Sides, TwoSheetsOfAWallLookApart) {
     EXPECT_LE(sides.wrongOfSure(), 0.001);
 }
 
+TEST(Sides, ADeckOverGroundLooksDownWithItsUnderside) {
+    const auto bridge = [](std::uint64_t i, std::uint64_t n) {
+        if (i % 2) return ScanPoint{.position = {20 * uniform(i, 1) - 10, 20 * uniform(i, 2) - 10, 0}};
+        ScanPoint p = onCube(i, n);
+        p.position = p.position * glm::dvec3(3, 8, 0.3) + glm::dvec3(0, 0, 3);
+        return p;
+    };
+    const auto cloud = sidedCloud(test::sized(200'000u, 100'000u), bridge, true);
+    const auto faces = [](double z, double side) {
+        return [=](const glm::dvec3& p) {
+            const bool inside = std::abs(p.x) < 2.7 && std::abs(p.y) < 7.7;
+            return inside && std::abs(p.z - z) < 0.05 ? glm::dvec3(0, 0, side) : glm::dvec3(0);
+        };
+    };
+    expectRight(score(*cloud, true, faces(0, 1)), 0.95);
+    expectRight(score(*cloud, true, faces(3.3, 1)), 0.95);
+    expectRight(score(*cloud, true, faces(2.7, -1)), 0.9);
+}
+
 TEST(Sides, GroundLooksUpWhereTheScanSaysWhatIsUp) {
     const auto points = test::sized(100'000u, 30'000u);
     const auto up = [](const glm::dvec3&) { return glm::dvec3(0, 0, 1); };

@@ -215,15 +215,18 @@ TEST_F(PclImporter, PcdOfEveryType) {
     }
 }
 
-// Programs that do not know where the sensor stood write the origin; what is no place counts as that.
+// Programs that do not know where the sensor stood write the origin; what is no place counts as that. Only a frame
+// with rows and columns counts from its camera.
 TEST_F(PclImporter, PcdTellsWhereTheSensorStood) {
-    const auto stoodAt = [&](const std::string& viewpoint) {
-        const auto source =
-            openScan(folder_.write("scan",
-                                   "# .PCD v0.7\nVERSION 0.7\nFIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nWIDTH 1\n"
-                                   "HEIGHT 1\nVIEWPOINT " +
-                                       viewpoint + "\nPOINTS 1\nDATA ascii\n1 2 3\n"),
-                     {.importerDirectory = SCANCAST_BIN_DIR});
+    const auto stoodAt = [&](const std::string& viewpoint, int width = 1, int height = 1) {
+        std::string points;
+        for (int i = 0; i < width * height; ++i) points += "1 2 3\n";
+        const auto source = openScan(
+            folder_.write("scan", "# .PCD v0.7\nVERSION 0.7\nFIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nWIDTH " +
+                                      std::to_string(width) + "\nHEIGHT " + std::to_string(height) +
+                                      "\nVIEWPOINT " + viewpoint + "\nPOINTS " +
+                                      std::to_string(width * height) + "\nDATA ascii\n" + points),
+            {.importerDirectory = SCANCAST_BIN_DIR});
         EXPECT_TRUE(source) << source.error().message;
         return source ? (*source)->header().scannerOrigin : std::nullopt;
     };
@@ -231,6 +234,10 @@ TEST_F(PclImporter, PcdTellsWhereTheSensorStood) {
     EXPECT_EQ(stoodAt("0 0 0 0 1 0 0"), std::nullopt);
     EXPECT_EQ(stoodAt("1 2 nan 1 0 0 0"), std::nullopt);
     EXPECT_EQ(stoodAt("1 2 3"), std::nullopt);
+    EXPECT_EQ(stoodAt("0 0 0 1 0 0 0", 4, 11), glm::dvec3(0));
+    EXPECT_EQ(stoodAt("1 2 3 1 0 0 0", 4, 11), glm::dvec3(1, 2, 3));
+    EXPECT_EQ(stoodAt("0 0 0 1 0 0 0", 1, 20), std::nullopt);
+    EXPECT_EQ(stoodAt("0 0 0 1 0 0 0", 20, 1), std::nullopt);
 }
 
 // Slices of the importer, chunks of the stream: the order holds over every seam.

@@ -191,7 +191,7 @@ class SideDecision {
     }
 
     /// The side with the free space: rays fly farther there. What leaves the cloud has flown farthest, but in a
-    /// room, where it has been in a wall; in the open only what leaves level or upwards counts at all.
+    /// room, where it has been in a wall; in the open what leaves downwards does not count at all.
     void ownSides() {
         own_.assign(patches_.size(), {});
         std::vector<std::uint32_t> asked(patches_.size());
@@ -203,7 +203,7 @@ class SideDecision {
             for (std::size_t d = 0; d < directions.size(); ++d) {
                 const float along = glm::dot(directions[d], f.normal);
                 if (std::abs(along) < leavesAt) continue;
-                if (surroundings_ == Surroundings::Open && directions[d].z < -0.1f) continue;
+                if (surroundings_ == Surroundings::Open && directions[d].z < -0.1f && !a.ways[d]) continue;
                 const double outside = surroundings_ == Surroundings::Interior ? 0 : 1;
                 (along > 0 ? front : back) += a.ways[d] ? double(*a.ways[d]) : outside;
             }

@@ -1,6 +1,7 @@
 // How many normals point to the right side when nobody tells: scans whose own normals are dropped and found again
 // (docs/spec/surfels.md §9), a line each.
 //   bench_orientation kitten.xyz town:2M room:1M         (files with normals; scenes of the simulator)
+//   bench_orientation office.pcd                         (no normals, but the place of the camera)
 //   bench_orientation --up scan.laz                      (no normals: everything that faces up or down faces up)
 // right: of all samples of leaves; clear: of those whose normals are the same but for the side; sure: share in nodes
 // that are drawn as oriented; wrong: of those, the ones that point to the wrong side: holes, where they are culled. Of

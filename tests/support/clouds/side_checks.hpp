@@ -12,11 +12,12 @@
 
 namespace scancast::test {
 
-/// A scan as if it had no normals.
+/// A scan as if it had no normals, and nobody knew where it was made from.
 class WithoutNormals final : public PointSource {
   public:
     explicit WithoutNormals(PointSource& scan, bool upIsZ = false) : scan_(scan), header_(scan.header()) {
         header_.attributes.normal = false;
+        header_.scannerOrigin.reset();
         if (upIsZ) header_.crsEpsg = 32632;
     }
     const ScanHeader& header() const override { return header_; }

@@ -51,6 +51,15 @@ std::vector<float> valuesOf(const NeighbourIndex& index, int axis, std::uint32_t
     return values;
 }
 
+/// From one of the values to the nearer of the next ones.
+float stepAt(const std::vector<float>& layers, float value) {
+    const auto at = std::lower_bound(layers.begin(), layers.end(), value);
+    float least = std::numeric_limits<float>::infinity();
+    if (at != layers.begin()) least = *at - *(at - 1);
+    if (at + 1 != layers.end()) least = std::min(least, *(at + 1) - *at);
+    return least;
+}
+
 /// Empty where there are no layers.
 Steps stepsAlong(const NeighbourIndex& index, const Evidence& evidence, int axis) {
     const std::uint32_t stride = std::max<std::uint32_t>(1, index.size() / asked);
@@ -58,20 +67,18 @@ Steps stepsAlong(const NeighbourIndex& index, const Evidence& evidence, int axis
     const auto few = valuesOf(index, axis, stride);
     if (few.size() < fewestLayers || few.size() > most) return {};
 
-    const auto layers = valuesOf(index, axis, 1);
-    const auto step = [&](std::uint32_t p) {
-        const auto at = std::lower_bound(layers.begin(), layers.end(), index.position(p)[axis]);
-        float least = std::numeric_limits<float>::infinity();
-        if (at != layers.begin()) least = *at - *(at - 1);
-        if (at + 1 != layers.end()) least = std::min(least, *(at + 1) - *at);
-        return least;
+    const auto areApart = [&](const std::vector<float>& layers) {
+        std::size_t all = 0, far = 0;
+        for (std::uint32_t p = 0; p < index.size(); p += stride, ++all)
+            far += stepAt(layers, index.position(p)[axis]) > apart * evidence.radius(p);
+        return 2 * far >= all;
     };
-    std::size_t all = 0, far = 0;
-    for (std::uint32_t p = 0; p < index.size(); p += stride, ++all)
-        far += step(p) > apart * evidence.radius(p);
-    if (2 * far < all) return {};
+    // Of few values the next ones are not nearer than of all.
+    if (!areApart(few)) return {};
+    const auto layers = valuesOf(index, axis, 1);
+    if (!areApart(layers)) return {};
     Steps steps(index.size());
-    for (std::uint32_t p = 0; p < index.size(); ++p) steps[p] = step(p);
+    for (std::uint32_t p = 0; p < index.size(); ++p) steps[p] = stepAt(layers, index.position(p)[axis]);
     return steps;
 }
 

@@ -72,7 +72,8 @@ CloudTraits traits(const Cloud& cloud) {
             .oriented = cloud.oriented,
             .normals = cloud.surfels || cloud.attributes.normal,
             .colors = cloud.attributes.color,
-            .spacing = cloud.spacing};
+            .spacing = cloud.spacing,
+            .up = cloud.look ? cloud.look->up : glm::dvec3(0, 0, 1)};
 }
 
 /// Where the method is left open the look says how it is lit; a method that is named brings its own light.
@@ -228,7 +229,8 @@ Expected<std::shared_ptr<const PlannedView>> plan(const Cloud& cloud, const View
     planned->color = *color;
     planned->filter = sampleFilter(cloud, view.style);
     const double detail = view.quality.detail.value_or(method->defaultDetail);
-    planned->passes = method->passes({*method, chosen->parameters, shading, traits(cloud), detail});
+    planned->passes =
+        method->passes({*method, chosen->parameters, shading, traits(cloud), detail, style.light});
     planned->selection = selectionFor(cloud, view, detail, planned->passes);
     planned->margin = screenMargin(planned->passes);
     planned->tilesAreExact = looksNoFartherThanTheMargin(planned->passes);

@@ -8,6 +8,7 @@
 // then screen passes over those planes in any order that makes sense.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <variant>
 #include <vector>
@@ -110,10 +111,11 @@ struct ResolvePass {
 /// screen: two-sided Blinn-Phong by the plane of normals; docs/spec/shading.md §2. Pixels without a normal
 /// stay.
 struct PhongPass {
-    float ambient = 0.25f;
-    float headlight = 0.55f;
-    float directional = 0.35f;  ///< from the upper left, behind the viewer
-    float specular = 0.15f;     ///< of the directional light
+    float ambient = 0.5f;    ///< brightness = ambient + headlight · the lamp's light + sunlight · the sun's
+    float headlight = 0.5f;  ///< a soft lamp over the viewer's left shoulder
+    float sunlight = 0;
+    float shine = 0.08f;                ///< of the headlight
+    std::array<float, 3> sun{0, 0, 1};  ///< the way to it: cloud-relative, unit length
 };
 
 /// screen: eye-dome lighting from depth alone; docs/spec/shading.md §3.

@@ -19,7 +19,7 @@ std::string sentence(const char* has, double spacingPx, const char* therefore) {
 PassList passesOfChosen(const PassRequest& request) {
     const Method& chosen = *chooseMethod(request.cloud, 1).method;
     const ParameterValues defaults = resolveParameters(chosen, {}).value_or(ParameterValues());
-    return chosen.passes({chosen, defaults, request.shading, request.cloud, request.detail});
+    return chosen.passes({chosen, defaults, request.shading, request.cloud, request.detail, request.light});
 }
 
 }  // namespace

@@ -13,8 +13,12 @@ struct PhongNumbers {
     std::int32_t x = 0, y = 0;       ///< the planes' first pixel, in the picture
     float offsetX = 0, offsetY = 0;  ///< centre of the picture's pixel (0, 0), px right of and below the axis
     float inverseFocal = 0;          ///< 1/f
-    float ambient = 0, headlight = 0, directional = 0, specular = 0;
+    float ambient = 0, headlight = 0, sunlight = 0, shine = 0;
+    float sun[3] = {0, 0, 1};  ///< the way to it, view space
 };
+
+/// The way to the headlight, view space: 30° from the view axis, towards the upper left.
+inline constexpr float lampX = -0.35355339f, lampY = 0.35355339f, lampZ = 0.86602540f;
 
 /// Eye-dome lighting.
 struct EyeDomeNumbers {

@@ -112,8 +112,11 @@ PhongNumbers phongNumbers(const PhongPass& pass, const LayerView& view, const gl
     n.inverseFocal = static_cast<float>(std::min(1 / view.viewpoint->pixelsPerUnit, 1e30));
     n.ambient = pass.ambient;
     n.headlight = pass.headlight;
-    n.directional = pass.directional;
-    n.specular = pass.specular;
+    n.sunlight = pass.sunlight;
+    n.shine = pass.shine;
+    const glm::dvec3 sun =
+        glm::dmat3(view.viewpoint->cloudToView) * glm::dvec3(pass.sun[0], pass.sun[1], pass.sun[2]);
+    for (int i = 0; i < 3; ++i) n.sun[i] = static_cast<float>(sun[i]);
     return n;
 }
 

@@ -8,11 +8,8 @@
 namespace scancast::cpu {
 namespace {
 
-/// To the directional light, view space: upper left, behind the viewer.
-inline constexpr float lightX = -0.57735027f, lightY = 0.57735027f, lightZ = 0.57735027f;
-
 struct Brightness {
-    FloatW diffuse, specular;
+    FloatW diffuse, shine;
 };
 
 /// (nx, ny, nz) and (vx, vy, vz) are unit vectors, v to the eye.
@@ -21,20 +18,29 @@ inline Brightness blinnPhong(const Phong& p, FloatW nx, FloatW ny, FloatW nz, Fl
     const FloatW facing = nx * vx + ny * vy + nz * vz;
     // Two-sided: the side that is seen is lit.
     const FloatW side = facing < 0.0f ? all(-1.0f) : all(1.0f);
-    const FloatW light = larger(side * (nx * lightX + ny * lightY + nz * lightZ), all(0.0f));
-    const FloatW hx = vx + lightX, hy = vy + lightY, hz = vz + lightZ;
+    const FloatW lamp = larger(side * (nx * lampX + ny * lampY + nz * lampZ), all(0.0f));
+    const FloatW sun = larger(side * (nx * p.sun[0] + ny * p.sun[1] + nz * p.sun[2]), all(0.0f));
+    const FloatW hx = vx + lampX, hy = vy + lampY, hz = vz + lampZ;
     const FloatW half = side * (nx * hx + ny * hy + nz * hz);
-    // The halfway vector is never 0: the light stands behind the viewer, v before him.
+    // The halfway vector is never 0: the lamp stands behind the viewer, v before him.
     FloatW shine = larger(half, all(0.0f)) / squareRoot<wideLanes>(hx * hx + hy * hy + hz * hz);
-    for (int doubled = 0; doubled < 5; ++doubled) shine = shine * shine;
-    return {p.ambient + p.headlight * (side * facing) + p.directional * light, (p.specular * 255.0f) * shine};
+    for (int doubled = 0; doubled < 6; ++doubled) shine = shine * shine;
+    // A large lamp: surfaces that are turned from it a little get hardly less.
+    const FloatW soft = lamp * (2.0f - lamp);
+    const FloatW diffuse = p.ambient + p.headlight * soft + p.sunlight * sun;
+    return {smaller(diffuse, all(2.0f)), p.shine * shine};
 }
 
+/// What brightens bends towards white, and nothing but white becomes so.
 inline IntW lit(IntW rgba, const Brightness& b) {
+    const FloatW less = smaller(b.diffuse, all(1.0f));
+    const FloatW more = larger(b.diffuse - 1.0f, all(0.0f));
     IntW out = rgba & static_cast<std::int32_t>(0xff000000u);
     for (int shift = 0; shift < 24; shift += 8) {
-        const FloatW value = toFloat((rgba >> shift) & 255) * b.diffuse + b.specular + 0.5f;
-        out |= toInt(smaller(value, all(255.0f))) << shift;
+        const FloatW dimmed = toFloat((rgba >> shift) & 255) * less;
+        const FloatW value = dimmed + dimmed * more * (1.0f - dimmed * 0.003921569f);
+        const FloatW shining = value + b.shine * (255.0f - value) + 0.5f;
+        out |= toInt(smaller(shining, all(255.0f))) << shift;
     }
     return out;
 }

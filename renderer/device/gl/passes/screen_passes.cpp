@@ -27,7 +27,8 @@ Expected<void> run(const PhongPass& pass, const Screen& s) {
     params.size.z = n.x;
     params.size.w = n.y;
     params.eye = vec4(n.offsetX, n.offsetY, n.perspective ? n.inverseFocal : 0, 0);
-    params.shares = vec4(n.ambient, n.headlight, n.directional, n.specular);
+    params.shares = vec4(n.ambient, n.headlight, n.sunlight, n.shine);
+    params.sun = vec4(n.sun[0], n.sun[1], n.sun[2], 0);
     if (auto ok = s.shaders.set(params); !ok) return ok;
     s.planes.rgba->bindStorage(BindPlaneRgba);
     s.planes.normals->bindStorage(BindPlaneNormals);

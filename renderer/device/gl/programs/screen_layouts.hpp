@@ -16,8 +16,9 @@ using glm::uvec4;
 using glm::vec4;
 #include "renderer/device/gl/shaders/screen/layouts_screen.glsl"
 
-static_assert(sizeof(PhongParams) == 48);
-static_assert(offsetof(PhongParams, eye) == 16 && offsetof(PhongParams, shares) == 32);
+static_assert(sizeof(PhongParams) == 64);
+static_assert(offsetof(PhongParams, eye) == 16 && offsetof(PhongParams, shares) == 32 &&
+              offsetof(PhongParams, sun) == 48);
 static_assert(sizeof(EyeDomeLight) == 96);
 static_assert(offsetof(EyeDomeLight, offsets) == 16 && offsetof(EyeDomeLight, strength) == 80);
 static_assert(sizeof(PartParams) == 48);

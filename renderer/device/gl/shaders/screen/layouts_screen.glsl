@@ -5,7 +5,8 @@
 struct PhongParams {
     ivec4 size;   // width, height of the planes; their first pixel in the picture
     vec4 eye;     // centre of the picture's pixel (0, 0), px right of and below the view axis; 1/f, 0 = orthographic
-    vec4 shares;  // ambient, headlight, directional, specular
+    vec4 shares;  // ambient, headlight, sunlight, shine
+    vec4 sun;     // the way to it, view space
 };
 
 // Eye-dome lighting.

@@ -12,8 +12,8 @@ layout(std430, binding = 2) readonly buffer Normals { uint normals[]; };
 
 #include "normal_plane.glsl"
 
-// To the directional light, view space: upper left, behind the viewer.
-const float light = 0.57735027;
+// The way to the headlight, view space (screen_numbers.hpp).
+const vec3 lamp = vec3(-0.35355339, 0.35355339, 0.86602540);
 
 // From a pixel's point to the eye, unit length.
 vec3 toEye(ivec2 at) {
@@ -26,23 +26,28 @@ vec3 toEye(ivec2 at) {
     return v;
 }
 
-// Factor of the colour, and what is added to it.
+float positive(float value) { return value > 0.0 ? value : 0.0; }
+
+// Factor of the colour, and how far it then goes to white.
 vec2 brightnessOf(vec3 n, vec3 v) {
     precise float facing = n.x * v.x + n.y * v.y + n.z * v.z;
     float side = facing < 0.0 ? -1.0 : 1.0;
-    precise float lit = side * (n.x * -light + n.y * light + n.z * light);
-    lit = lit > 0.0 ? lit : 0.0;
-    precise float hx = v.x - light;
-    precise float hy = v.y + light;
-    precise float hz = v.z + light;
+    precise float ofLamp = side * (n.x * lamp.x + n.y * lamp.y + n.z * lamp.z);
+    precise float ofSun = side * (n.x * pass.sun.x + n.y * pass.sun.y + n.z * pass.sun.z);
+    precise float hx = v.x + lamp.x;
+    precise float hy = v.y + lamp.y;
+    precise float hz = v.z + lamp.z;
     precise float halfway = side * (n.x * hx + n.y * hy + n.z * hz);
-    // The halfway vector is never 0: the light stands behind the viewer, v before him.
+    // The halfway vector is never 0: the lamp stands behind the viewer, v before him.
     precise float length2 = hx * hx + hy * hy + hz * hz;
-    precise float shine = quotient(halfway > 0.0 ? halfway : 0.0, root(length2));
-    for (int doubled = 0; doubled < 5; ++doubled) shine = shine * shine;
-    precise float diffuse = pass.shares.x + pass.shares.y * (side * facing) + pass.shares.z * lit;
-    precise float specular = (pass.shares.w * 255.0) * shine;
-    return vec2(diffuse, specular);
+    precise float shine = quotient(positive(halfway), root(length2));
+    for (int doubled = 0; doubled < 6; ++doubled) shine = shine * shine;
+    // A large lamp: surfaces that are turned from it a little get hardly less.
+    ofLamp = positive(ofLamp);
+    precise float soft = ofLamp * (2.0 - ofLamp);
+    precise float diffuse = pass.shares.x + pass.shares.y * soft + pass.shares.z * positive(ofSun);
+    precise float reflected = pass.shares.w * shine;
+    return vec2(diffuse < 2.0 ? diffuse : 2.0, reflected);
 }
 
 void main() {
@@ -52,11 +57,16 @@ void main() {
     uint code = normals[pixel];
     if (code == 0u) return;
     vec2 b = brightnessOf(unpackNormal(code), toEye(at));
+    // What brightens bends towards white, and nothing but white becomes so.
+    float less = b.x < 1.0 ? b.x : 1.0;
+    precise float more = positive(b.x - 1.0);
     uint before = colors[pixel];
     uint after = before & 0xff000000u;
     for (int shift = 0; shift < 24; shift += 8) {
-        precise float value = float((before >> shift) & 255u) * b.x + b.y + 0.5;
-        after |= uint(int(value < 255.0 ? value : 255.0)) << shift;
+        precise float dimmed = float((before >> shift) & 255u) * less;
+        precise float value = dimmed + dimmed * more * (1.0 - dimmed * 0.003921569);
+        precise float shining = value + b.y * (255.0 - value) + 0.5;
+        after |= uint(int(shining < 255.0 ? shining : 255.0)) << shift;
     }
     colors[pixel] = after;
 }

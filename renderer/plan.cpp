@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "renderer/cloud/surfel_codec.hpp"
-#include "renderer/device/host/drawing.hpp"
+#include "renderer/device/host/screens.hpp"
 #include "renderer/method/automatic.hpp"
 #include "renderer/method/method.hpp"
 #include "renderer/select/fade.hpp"
@@ -62,6 +62,8 @@ int screenMargin(const PassList& passes) {
         if (const auto* eyeDome = std::get_if<EyeDomePass>(&pass)) {
             margin = std::max(margin, static_cast<int>(eyeDome->radiusPx) + 2);
         }
+        if (const auto* occlusion = std::get_if<OcclusionPass>(&pass))
+            margin = std::max(margin, occlusionReach(*occlusion));
         if (std::holds_alternative<HiddenPointsPass>(pass)) margin = std::max(margin, hiddenPointsMargin);
     }
     return margin;
@@ -229,8 +231,8 @@ Expected<std::shared_ptr<const PlannedView>> plan(const Cloud& cloud, const View
     planned->color = *color;
     planned->filter = sampleFilter(cloud, view.style);
     const double detail = view.quality.detail.value_or(method->defaultDetail);
-    planned->passes =
-        method->passes({*method, chosen->parameters, shading, traits(cloud), detail, style.light});
+    planned->passes = method->passes(
+        {*method, chosen->parameters, shading, traits(cloud), detail, style.light, view.height});
     planned->selection = selectionFor(cloud, view, detail, planned->passes);
     planned->margin = screenMargin(planned->passes);
     planned->tilesAreExact = looksNoFartherThanTheMargin(planned->passes);

@@ -88,6 +88,8 @@ struct LightRig {
         sun;                ///< azimuth from north (+Y) by east, elevation; degrees. nullopt = none
     double sunlight = 0.5;  ///< from the sun, where there is one
     double shine = 0.08;    ///< how bright the headlight's reflections are
+    double occlusion = 0;   ///< with any shading: how dark hollows are, 0 - 1 (docs/spec/shading.md §9)
+    double shadow = 0;      ///< with any shading: how dark the sun's shadows are, 0 - 1
     bool operator==(const LightRig&) const = default;
 };
 

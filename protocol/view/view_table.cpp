@@ -288,6 +288,10 @@ const std::vector<ViewWord>& table() {
          "How bright the headlight's reflections are in surfaces that face it.", "0.2",
          number(
              [](auto& v) -> auto& { return v.style.light.shine; }, shares)},
+        {"light.occlusion", "light.occlusion", "STRENGTH",
+         "How dark hollows, corners and the feet of things are drawn, with any shading; 0 is off.", "0.6",
+         number(
+             [](auto& v) -> auto& { return v.style.light.occlusion; }, shares)},
         {"mirrors", "mirrors", "true|false", "Whether the cloud's mirrors show what stands before them.",
          "false", value([](auto& v) -> auto& { return v.style.mirrors; })},
         {"behindMirrors", "behindMirrors", "true|false",

@@ -124,6 +124,12 @@ struct EyeDomePass {
     float radiusPx = 1.4f;
 };
 
+/// screen: ambient occlusion from depth alone; docs/spec/shading.md §9.
+struct OcclusionPass {
+    float strength = 1;
+    float radiusPx = 36;  ///< of the widest of its rings
+};
+
 /// screen, docs/spec/pyramid.md §4: labels pixels that other points occlude. s_eff = max(spacing,
 /// 2·detail/q).
 struct HiddenPointsPass {
@@ -145,8 +151,8 @@ struct DepthNormalsPass {
     float detail = 1;
 };
 
-using Pass = std::variant<NearestPass, ResolvePass, EyeDomePass, SilhouettePass, SumPass, CellPass, PhongPass,
-                          HiddenPointsPass, PullPushPass, DepthNormalsPass>;
+using Pass = std::variant<NearestPass, ResolvePass, EyeDomePass, OcclusionPass, SilhouettePass, SumPass,
+                          CellPass, PhongPass, HiddenPointsPass, PullPushPass, DepthNormalsPass>;
 using PassList = std::vector<Pass>;
 
 }  // namespace scancast

@@ -19,7 +19,8 @@ std::string sentence(const char* has, double spacingPx, const char* therefore) {
 PassList passesOfChosen(const PassRequest& request) {
     const Method& chosen = *chooseMethod(request.cloud, 1).method;
     const ParameterValues defaults = resolveParameters(chosen, {}).value_or(ParameterValues());
-    return chosen.passes({chosen, defaults, request.shading, request.cloud, request.detail, request.light});
+    return chosen.passes(
+        {chosen, defaults, request.shading, request.cloud, request.detail, request.light, request.height});
 }
 
 }  // namespace

@@ -9,7 +9,7 @@ namespace {
 
 /// What the headlight gives a surface of a picture, on average: more on walls and ground that face the viewer, less on
 /// things that are round. Measured: docs/spec/shading.md §2.
-constexpr double meanHeadlight = 0.82;
+constexpr double meanHeadlight = 0.9;
 
 /// Of a scene that is half flat ground and half walls in all directions.
 double meanSunlight(double elevation) {
@@ -45,6 +45,11 @@ PhongPass phongPass(const LightRig& light, const glm::dvec3& up) {
             pass.sun[axis] = static_cast<float>(way[static_cast<int>(axis)]);
     }
     return pass;
+}
+
+OcclusionPass occlusionPass(const LightRig& light, int height) {
+    constexpr double ofHeight = 0.05;
+    return {static_cast<float>(light.occlusion), static_cast<float>(height * ofHeight)};
 }
 
 }  // namespace scancast

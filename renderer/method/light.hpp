@@ -17,4 +17,7 @@ glm::dvec3 wayToSun(const std::array<double, 2>& azimuthElevation, const glm::dv
 /// `up`: of the cloud. Without any light, all is black.
 PhongPass phongPass(const LightRig& light, const glm::dvec3& up);
 
+/// `height`: of the whole picture, px, so that a picture has the same shades at any size.
+OcclusionPass occlusionPass(const LightRig& light, int height);
+
 }  // namespace scancast

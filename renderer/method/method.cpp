@@ -35,6 +35,7 @@ const Method* findMethod(std::string_view name) {
 void addShading(const PassRequest& request, PassList& list) {
     if (request.shading == Shading::Phong) list.push_back(phongPass(request.light, request.cloud.up));
     if (request.shading == Shading::EyeDome) list.push_back(EyeDomePass{});
+    if (request.light.occlusion > 0) list.push_back(occlusionPass(request.light, request.height));
 }
 
 }  // namespace scancast

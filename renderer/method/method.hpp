@@ -50,6 +50,7 @@ struct PassRequest {
     CloudTraits cloud{};
     double detail = 1;  ///< τ that the picture is selected with, px
     LightRig light{};
+    int height = 720;  ///< of the whole picture, px
 };
 
 struct Method {

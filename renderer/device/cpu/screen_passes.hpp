@@ -11,7 +11,7 @@ namespace scancast::cpu {
 
 /// What screen passes need beside the planes; lives as long as the device.
 struct ScreenMemory {
-    std::vector<float> logDepth;
+    std::vector<float> around;  ///< of depths what a pass compares, with a border of background
     Pyramid pyramid;
 };
 

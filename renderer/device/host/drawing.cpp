@@ -6,6 +6,8 @@
 #include <cmath>
 #include <string>
 
+#include "renderer/device/host/screens.hpp"
+
 namespace scancast {
 namespace {
 
@@ -15,8 +17,8 @@ bool is(const Pass& pass) {
 }
 
 bool isScreenPass(const Pass& pass) {
-    return is<PhongPass>(pass) || is<EyeDomePass>(pass) || is<HiddenPointsPass>(pass) ||
-           is<PullPushPass>(pass) || is<DepthNormalsPass>(pass);
+    return is<PhongPass>(pass) || is<EyeDomePass>(pass) || is<OcclusionPass>(pass) ||
+           is<HiddenPointsPass>(pass) || is<PullPushPass>(pass) || is<DepthNormalsPass>(pass);
 }
 
 tl::unexpected<Error> unsupported(const char* reason) {
@@ -60,6 +62,7 @@ int FramePasses::reach() const {
     for (const Pass& pass : screen) {
         if (const auto* e = std::get_if<EyeDomePass>(&pass))
             reach = std::max(reach, static_cast<int>(std::ceil(std::clamp(e->radiusPx, 0.0f, 64.0f))));
+        if (const auto* o = std::get_if<OcclusionPass>(&pass)) reach = std::max(reach, occlusionReach(*o));
     }
     return reach;
 }

@@ -19,12 +19,29 @@ struct PhongNumbers {
 
 /// The way to the headlight, view space: 30° from the view axis, towards the upper left.
 inline constexpr float lampX = -0.35355339f, lampY = 0.35355339f, lampZ = 0.86602540f;
+/// It reaches (cos + 0.3) / 1.3 of what faces it, and that softly.
+inline constexpr float lampScale = 0.76923077f, lampOffset = 0.23076923f;
 
 /// Eye-dome lighting.
 struct EyeDomeNumbers {
     std::int32_t x[8] = {}, y[8] = {};  ///< of the neighbours, px from a pixel
     std::int32_t reach = 0;             ///< none is farther on an axis
     float factor = 0;                   ///< shade = 2^(-factor · sum of the eight responses)
+};
+
+/// Ambient occlusion: pairs of opposite neighbours on rings around a pixel.
+inline constexpr int occlusionRings = 6, linesPerRing = 4, occlusionPairs = occlusionRings * linesPerRing;
+/// Neighbours that rise above a pixel by this many of their distances occlude it in full; by 1/occlusionFall more, not
+/// at all: they stand before it.
+inline constexpr float occlusionFull = 1.5f, occlusionFall = 0.4f;
+
+struct OcclusionNumbers {
+    bool perspective = true;
+    std::int32_t x[occlusionPairs] = {},
+                 y[occlusionPairs] = {};  ///< of one of each pair, px; the other is opposite
+    float perPx[occlusionPairs] = {};  ///< slope = difference of nearness · depth (orthographic: 1) · perPx
+    std::int32_t reach = 0;            ///< none is farther on an axis
+    float factor = 0;                  ///< shade = 2^(-factor · sum over the pairs)
 };
 
 /// A mirror's glass. What is linear in the picture's pixel (x, y), at its centre, is given as value at (0,

@@ -134,6 +134,34 @@ EyeDomeNumbers eyeDomeNumbers(const EyeDomePass& pass) {
     return n;
 }
 
+int occlusionReach(const OcclusionPass& pass) {
+    return std::max(
+        1, static_cast<int>(std::ceil(1.2 * std::clamp(double(pass.radiusPx), 0.0, widestOcclusion))));
+}
+
+OcclusionNumbers occlusionNumbers(const OcclusionPass& pass, const LayerView& view,
+                                  const glm::dvec2& jitter) {
+    constexpr double eighth = 0.785398163397448309616, golden = 0.618033988749894848;
+    constexpr double narrower = 0.6, darkest = 4;
+    OcclusionNumbers n;
+    n.perspective = view.perspective();
+    n.reach = occlusionReach(pass);
+    double radius =
+        std::clamp(double(pass.radiusPx), 0.0, widestOcclusion) * (1 + 0.4 * std::clamp(jitter.y, -0.5, 0.5));
+    for (int ring = 0; ring < occlusionRings; ++ring, radius *= narrower) {
+        for (int line = 0; line < linesPerRing; ++line) {
+            const double angle = eighth * (line + golden * ring + std::clamp(jitter.x, -0.5, 0.5));
+            const int k = ring * linesPerRing + line;
+            n.x[k] = static_cast<std::int32_t>(std::lround(radius * std::cos(angle)));
+            n.y[k] = static_cast<std::int32_t>(std::lround(radius * std::sin(angle)));
+            if (n.x[k] == 0 && n.y[k] == 0) n.x[k] = 1;  // nobody is his own neighbour
+            n.perPx[k] = static_cast<float>(view.viewpoint->pixelsPerUnit / std::hypot(n.x[k], n.y[k]));
+        }
+    }
+    n.factor = static_cast<float>(darkest * std::clamp(pass.strength, 0.0f, 1.0f) / occlusionPairs);
+    return n;
+}
+
 // ---- the pyramid
 
 PyramidView pyramidView(const LayerView& layer, const glm::dvec2& jitter, int x, int y, int width,

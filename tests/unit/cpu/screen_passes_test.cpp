@@ -37,7 +37,8 @@ TEST(ScreenPasses, LightEveryPixelAlikeWhoeverTakesIt) {
     const Viewpoint viewpoint = lookAt({0, -5, 0}, {0, 0, 0}, 1000, 700);
     LayerView layerView;
     layerView.viewpoint = &viewpoint;
-    const Pass passes[] = {PhongPass{0.1f, 0.5f, 0.7f, 0.9f}, EyeDomePass{}};
+    const Pass passes[] = {PhongPass{0.1f, 0.5f, 0.7f, 0.9f, {0.6f, 0, 0.8f}}, EyeDomePass{},
+                           OcclusionPass{1, 20}};
     // From the view axis outwards: there the first place has more digits than the last can keep.
     for (const cpu::Rect& area : {cpu::Rect{500, 350, 1000, 700}, {0, 0, 501, 351}, {499, 349, 640, 360}}) {
         std::vector<std::vector<std::uint32_t>> results;

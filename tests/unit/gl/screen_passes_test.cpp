@@ -127,7 +127,7 @@ const Scene scenes[] = {sceneOf(131, 67, true, {0.25, -0.375}, 1), sceneOf(131, 
                         sceneOf(320, 240, true, {0.1, 0.2}, 5)};
 
 TEST_P(GlScreenPasses, PhongIsTheCpus) {
-    const PhongPass shiny{0.1f, 0.4f, 0.8f, 0.9f};
+    const PhongPass shiny{0.1f, 0.4f, 0.8f, 0.9f, {0.48f, -0.6f, 0.64f}};
     for (const Scene& scene : scenes) {
         expectTheSame(scene, PassList{PhongPass{}});
         expectTheSame(scene, PassList{shiny});
@@ -143,13 +143,22 @@ TEST_P(GlScreenPasses, EyeDomeIsTheCpus) {
     }
 }
 
+TEST_P(GlScreenPasses, OcclusionIsTheCpus) {
+    for (const Scene& scene : scenes) {
+        for (const OcclusionPass pass :
+             {OcclusionPass{}, OcclusionPass{0.3f, 7}, OcclusionPass{1, 1000}, OcclusionPass{1, 0}}) {
+            expectTheSame(scene, PassList{pass});
+        }
+    }
+}
+
 PassList everything() {
     HiddenPointsPass hide;
     hide.spacing = 0.06f;
     hide.minGap = 0.18f;
     DepthNormalsPass normals;
     normals.spacing = hide.spacing;
-    return {hide, PullPushPass{}, normals, PhongPass{}, EyeDomePass{}};
+    return {hide, PullPushPass{}, normals, PhongPass{}, EyeDomePass{}, OcclusionPass{}};
 }
 
 TEST_P(GlScreenPasses, AllAfterOneAnotherAreTheCpus) {
@@ -160,8 +169,8 @@ TEST_P(GlScreenPasses, TellTheSameStages) {
     PassList passes = everything();
     passes.insert(passes.begin(), {NearestPass{}, ResolvePass{}});  // not ours
     expectTheSame(scenes[0], passes);
-    ASSERT_EQ(stats_.stages.size(), 5u);
-    for (std::size_t i = 0; i < 5; ++i) EXPECT_EQ(stats_.stages[i].name, cpuStats_.stages[i].name);
+    ASSERT_EQ(stats_.stages.size(), 6u);
+    for (std::size_t i = 0; i < 6; ++i) EXPECT_EQ(stats_.stages[i].name, cpuStats_.stages[i].name);
 }
 
 TEST_P(GlScreenPasses, AreAbandonedWhenAsked) {

@@ -36,17 +36,17 @@ TEST(Light, KnowsOtherWaysUp) {
 
 TEST(Light, IsMadeOfShares) {
     const auto passOf = [](const LightRig& light) { return phongPass(light, {0, 0, 1}); };
-    const PhongPass half = passOf({.ambient = 0.5, .headlight = 0.25}),
-                    whole = passOf({.ambient = 1, .headlight = 0.5});
+    const PhongPass half = passOf({.ambient = 0.5, .headlight = 0.25, .sun = {}}),
+                    whole = passOf({.ambient = 1, .headlight = 0.5, .sun = {}});
     EXPECT_FLOAT_EQ(half.ambient, whole.ambient);
     EXPECT_FLOAT_EQ(half.headlight, whole.headlight);
     EXPECT_EQ(passOf({}).sunlight, 0) << "there is no sun";
-    EXPECT_FLOAT_EQ(passOf({.ambient = 0.3, .headlight = 0}).ambient, 1)
+    EXPECT_FLOAT_EQ(passOf({.ambient = 0.3, .headlight = 0, .sun = {}}).ambient, 1)
         << "the same everywhere: nothing changes";
     const PhongPass sunny = passOf({.sun = {{135, 40}}});
     EXPECT_GT(sunny.sunlight, 0);
     EXPECT_LT(sunny.ambient, passOf({}).ambient) << "what the sun gives, others need not";
-    EXPECT_EQ(passOf({.ambient = 0, .headlight = 0}).headlight, 0) << "dark, and no division by 0";
+    EXPECT_EQ(passOf({.ambient = 0, .headlight = 0, .sun = {}}).headlight, 0) << "dark, and no division by 0";
 }
 
 }  // namespace

@@ -5,9 +5,10 @@
 #include "renderer/device/cpu/kernels/depth_normals.hpp"
 #include "renderer/device/cpu/kernels/glass.hpp"
 #include "renderer/device/cpu/kernels/hidden_points.hpp"
+#include "renderer/device/cpu/kernels/occlusion.hpp"
 #include "renderer/device/cpu/kernels/pull_push.hpp"
-#include "renderer/device/cpu/kernels/screen.hpp"
 #include "renderer/device/cpu/kernels/resolve.hpp"
+#include "renderer/device/cpu/kernels/screen.hpp"
 #include "renderer/device/cpu/kernels/shade.hpp"
 #include "renderer/device/cpu/kernels/splat.hpp"
 #include "renderer/device/cpu/kernels/splat_sums.hpp"
@@ -67,6 +68,8 @@ const Kernels kernels = {
     .phong = phong,
     .logDepth = logDepth,
     .eyeDome = eyeDome,
+    .nearness = nearness,
+    .occlude = occlude,
     .lookThrough = lookThrough,
     .tintGlass = tintGlass,
     .accumulate = accumulate,

@@ -118,6 +118,17 @@ struct EyeDome {
     float factor = 0;              ///< shade = 2^(-factor · sum of the eight responses)
 };
 
+/// Ambient occlusion of some rows, in place. Every pixel has all its neighbours in `nearness`.
+struct Occlusion : OcclusionNumbers {
+    const float* nearness = nullptr;  ///< of the first row's first pixel; -infinity = background
+    std::int32_t nearStride = 0;
+    const float* depth = nullptr;
+    std::uint32_t* rgba = nullptr;
+    std::int32_t stride = 0;  ///< pixels per row, of both
+    std::int32_t width = 0, height = 0;
+    std::int32_t offsets[occlusionPairs] = {};  ///< of one of each pair, in `nearness`
+};
+
 /// A mirror's glass over some rows of a picture.
 struct Glass : GlassNumbers {
     std::uint32_t* rgba = nullptr;
@@ -151,6 +162,8 @@ struct Kernels {
     void (*phong)(const Phong&);
     void (*logDepth)(const float* depth, float* out, int count);
     void (*eyeDome)(const EyeDome&);
+    void (*nearness)(const float* depth, bool perspective, float* out, int count);
+    void (*occlude)(const Occlusion&);
     /// Where the glass is seen: the reflected pixels instead of what is there, at their own depth.
     void (*lookThrough)(const Glass&);
     /// Where the glass is seen: its tint, and its own depth.

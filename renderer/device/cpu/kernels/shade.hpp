@@ -18,14 +18,15 @@ inline Brightness blinnPhong(const Phong& p, FloatW nx, FloatW ny, FloatW nz, Fl
     const FloatW facing = nx * vx + ny * vy + nz * vz;
     // Two-sided: the side that is seen is lit.
     const FloatW side = facing < 0.0f ? all(-1.0f) : all(1.0f);
-    const FloatW lamp = larger(side * (nx * lampX + ny * lampY + nz * lampZ), all(0.0f));
+    // Large and near: what is turned a little from it gets hardly less, what is turned away from it still some.
+    const FloatW ofLamp = side * (nx * lampX + ny * lampY + nz * lampZ);
+    const FloatW lamp = larger(ofLamp * lampScale + lampOffset, all(0.0f));
     const FloatW sun = larger(side * (nx * p.sun[0] + ny * p.sun[1] + nz * p.sun[2]), all(0.0f));
     const FloatW hx = vx + lampX, hy = vy + lampY, hz = vz + lampZ;
     const FloatW half = side * (nx * hx + ny * hy + nz * hz);
     // The halfway vector is never 0: the lamp stands behind the viewer, v before him.
     FloatW shine = larger(half, all(0.0f)) / squareRoot<wideLanes>(hx * hx + hy * hy + hz * hz);
     for (int doubled = 0; doubled < 6; ++doubled) shine = shine * shine;
-    // A large lamp: surfaces that are turned from it a little get hardly less.
     const FloatW soft = lamp * (2.0f - lamp);
     const FloatW diffuse = p.ambient + p.headlight * soft + p.sunlight * sun;
     return {smaller(diffuse, all(2.0f)), p.shine * shine};

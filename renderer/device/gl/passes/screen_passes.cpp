@@ -1,5 +1,7 @@
 #include "renderer/device/gl/passes/screen_passes.hpp"
 
+#include <bit>
+
 #include "renderer/device/host/screens.hpp"
 
 namespace scancast::gl {
@@ -48,6 +50,19 @@ Expected<void> run(const EyeDomePass& pass, const Screen& s) {
     return s.shaders.overPixels("light_eye_dome.comp", params.size.x, params.size.y);
 }
 
+Expected<void> run(const OcclusionPass& pass, const Screen& s) {
+    const OcclusionNumbers n = occlusionNumbers(pass, s.layerView, s.jitter);
+    OcclusionParams params{};
+    params.size = s.size();
+    for (int k = 0; k < occlusionPairs; ++k)
+        params.pairs[k] = ivec4(n.x[k], n.y[k], std::bit_cast<std::int32_t>(n.perPx[k]), 0);
+    params.strength = vec4(n.factor, n.perspective ? 1 : 0, 0, 0);
+    if (auto ok = s.shaders.set(params); !ok) return ok;
+    s.planes.rgba->bindStorage(BindPlaneRgba);
+    s.planes.depth->bindStorage(BindPlaneDepth);
+    return s.shaders.overPixels("occlude.comp", params.size.x, params.size.y);
+}
+
 Expected<void> run(const HiddenPointsPass& pass, const Screen& s) {
     return s.pyramid.hidePoints(s.planes, s.view(), pass);
 }
@@ -64,6 +79,7 @@ Expected<void> run(const DepthNormalsPass& pass, const Screen& s) {
 const char* stageOf(const Pass& pass) {
     if (std::holds_alternative<PhongPass>(pass)) return "phong";
     if (std::holds_alternative<EyeDomePass>(pass)) return "eyedome";
+    if (std::holds_alternative<OcclusionPass>(pass)) return "occlusion";
     if (std::holds_alternative<HiddenPointsPass>(pass)) return "hidden points";
     if (std::holds_alternative<PullPushPass>(pass)) return "pull-push";
     if (std::holds_alternative<DepthNormalsPass>(pass)) return "normals";

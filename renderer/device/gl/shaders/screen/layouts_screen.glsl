@@ -16,6 +16,18 @@ struct EyeDomeLight {
     vec4 strength;     // x: shade = 2^(-x * sum of the eight responses)
 };
 
+// Ambient occlusion (screen_numbers.hpp).
+#ifndef SCANCAST_SCREEN_NUMBERS
+const int occlusionPairs = 24;
+const float occlusionFull = 1.5, occlusionFall = 0.4;
+#endif
+
+struct OcclusionParams {
+    ivec4 size;                   // width, height of the planes
+    ivec4 pairs[occlusionPairs];  // of one of each pair of neighbours, px: x, y; bits of the float perPx
+    vec4 strength;                // x: shade = 2^(-x * sum over the pairs); y: not 0 = perspective
+};
+
 // A part of planes, and an average over frames of it.
 struct PartParams {
     ivec4 area;    // of the planes: x, y, width, height

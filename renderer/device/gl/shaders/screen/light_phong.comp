@@ -42,9 +42,10 @@ vec2 brightnessOf(vec3 n, vec3 v) {
     precise float length2 = hx * hx + hy * hy + hz * hz;
     precise float shine = quotient(positive(halfway), root(length2));
     for (int doubled = 0; doubled < 6; ++doubled) shine = shine * shine;
-    // A large lamp: surfaces that are turned from it a little get hardly less.
-    ofLamp = positive(ofLamp);
-    precise float soft = ofLamp * (2.0 - ofLamp);
+    // Large and near: what is turned a little from it gets hardly less, what is turned away from it still some.
+    precise float reached = ofLamp * 0.76923077 + 0.23076923;
+    reached = positive(reached);
+    precise float soft = reached * (2.0 - reached);
     precise float diffuse = pass.shares.x + pass.shares.y * soft + pass.shares.z * positive(ofSun);
     precise float reflected = pass.shares.w * shine;
     return vec2(diffuse < 2.0 ? diffuse : 2.0, reflected);

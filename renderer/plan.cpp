@@ -5,15 +5,21 @@
 #include "renderer/cloud/surfel_codec.hpp"
 #include "renderer/device/host/screens.hpp"
 #include "renderer/method/automatic.hpp"
+#include "renderer/method/light.hpp"
 #include "renderer/method/method.hpp"
 #include "renderer/select/fade.hpp"
 #include "renderer/style.hpp"
+#include "renderer/sun.hpp"
 
 namespace scancast {
 namespace {
 
 /// Pixels around a tile that hidden point removal and pull-push look at.
 constexpr int hiddenPointsMargin = 128;
+
+/// τ of what the sun sees, px of the map of shadows; and how far a surface may lie behind itself there: by the softness
+/// of look-ups, px, and by the size of splats.
+constexpr double shadowDetail = 1.5, biasInPixels = 2, biasInSpacings = 1.5;
 
 /// Bounds must grow by half of the largest splat, or culling would cut splats off at the picture's edge.
 /// `factor`: how much larger than `splat` says, and than a node's spacing, they may be.
@@ -187,6 +193,26 @@ SelectOptions selectionFor(const Cloud& cloud, const View& view, double detail, 
     return selection;
 }
 
+/// Where the passes ask for shadows: what the sun sees, and how much in front of a surface what it sees must lie.
+void planShadows(const Cloud& cloud, PlannedView& planned) {
+    const auto asks = [](const Pass& pass) { return std::holds_alternative<ShadowPass>(pass); };
+    const auto found = std::ranges::find_if(planned.passes, asks);
+    if (found == planned.passes.end()) return;
+    const auto& bounds = cloud.look ? cloud.look->bounds : cloud.bounds;
+    const CloudTraits cloudTraits = traits(cloud);
+    planned.sun = sunViewpoint({bounds[0] - cloud.origin, bounds[1] - cloud.origin}, planned.viewpoint,
+                               wayToSun(*planned.view.style.light.sun, cloudTraits.up));
+    if (!planned.sun) return;
+    planned.sunSelection = planned.selection;
+    planned.sunSelection.fade = 0;
+    planned.sunSelection.cullBackFaces = false;
+    planned.sunSelection.detail = shadowDetail;
+    growBySplats({shadowMapPasses(cloud.surfels).nearest}, cloud.surfels, planned.sunSelection);
+    const double pixel = 1 / planned.sun->pixelsPerUnit;
+    std::get<ShadowPass>(*found).bias = static_cast<float>(
+        biasInPixels * pixel + biasInSpacings * std::max(shadowDetail * pixel, cloud.spacing));
+}
+
 /// The style with open whatever the look decides where nothing is said: so naming another colour or method brings
 /// nothing of the look's along - no range of heights for intensities, no light of another method.
 Style leftOpen(Style style) {
@@ -234,6 +260,7 @@ Expected<std::shared_ptr<const PlannedView>> plan(const Cloud& cloud, const View
     planned->passes = method->passes(
         {*method, chosen->parameters, shading, traits(cloud), detail, style.light, view.height});
     planned->selection = selectionFor(cloud, view, detail, planned->passes);
+    planShadows(cloud, *planned);
     planned->margin = screenMargin(planned->passes);
     planned->tilesAreExact = looksNoFartherThanTheMargin(planned->passes);
     return planned;

@@ -29,6 +29,8 @@ struct PlannedView {
     ColorRule color;
     SampleFilter filter;
     SelectOptions selection;
+    std::optional<Viewpoint> sun;  ///< what it sees is the map of shadows; none: nothing is in the shadow
+    SelectOptions sunSelection;
     int margin = 0;  ///< px around a tile that its screen passes look at
     /// None of them looks farther, so a picture has the same bytes in tiles as in one piece.
     bool tilesAreExact = true;

@@ -292,6 +292,10 @@ const std::vector<ViewWord>& table() {
          "How dark hollows, corners and the feet of things are drawn, with any shading; 0 is off.", "0.6",
          number(
              [](auto& v) -> auto& { return v.style.light.occlusion; }, shares)},
+        {"light.shadow", "light.shadow", "STRENGTH",
+         "How dark the sun's shadows are, with any shading, where there is a sun; 0 is off.", "0.8",
+         number(
+             [](auto& v) -> auto& { return v.style.light.shadow; }, shares)},
         {"mirrors", "mirrors", "true|false", "Whether the cloud's mirrors show what stands before them.",
          "false", value([](auto& v) -> auto& { return v.style.mirrors; })},
         {"behindMirrors", "behindMirrors", "true|false",

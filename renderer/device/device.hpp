@@ -92,8 +92,10 @@ struct CutView {
 
 struct Drawing {
     std::span<const CutView> cuts;  ///< the main view, then its reflections
-    bool surfels = false;           ///< samples carry radii, ellipses and normals
-    bool oriented = false;          ///< a normal's sign means something
+    /// The cloud as the sun sees it, for a ShadowPass; null: nothing is in the shadow. Orthographic; its picture is the map.
+    const CutView* sun = nullptr;
+    bool surfels = false;   ///< samples carry radii, ellipses and normals
+    bool oriented = false;  ///< a normal's sign means something
     std::span<const Pass> passes;
     ColorRule color;
     Background background;

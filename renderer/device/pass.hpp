@@ -116,6 +116,15 @@ struct PhongPass {
     float sunlight = 0;
     float shine = 0.08f;                ///< of the headlight
     std::array<float, 3> sun{0, 0, 1};  ///< the way to it: cloud-relative, unit length
+    bool shadows = false;               ///< of the sun: from the ShadowPass before it
+};
+
+/// screen: which pixels the sun sees, by what it sees (Drawing::sun); docs/spec/shading.md §10. Before a PhongPass, which
+/// takes its sunlight from there; without one colours are darkened.
+struct ShadowPass {
+    float strength = 1;  ///< of the sunlight, so much is missing in the shadow
+    float share = 0;     ///< of a colour, so much is the sun's; 0: colours are left to a PhongPass
+    float bias = 0;      ///< cloud units: what is less in front does not shade
 };
 
 /// screen: eye-dome lighting from depth alone; docs/spec/shading.md §3.
@@ -152,7 +161,7 @@ struct DepthNormalsPass {
 };
 
 using Pass = std::variant<NearestPass, ResolvePass, EyeDomePass, OcclusionPass, SilhouettePass, SumPass,
-                          CellPass, PhongPass, HiddenPointsPass, PullPushPass, DepthNormalsPass>;
+                          CellPass, PhongPass, ShadowPass, HiddenPointsPass, PullPushPass, DepthNormalsPass>;
 using PassList = std::vector<Pass>;
 
 }  // namespace scancast

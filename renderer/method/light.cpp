@@ -39,11 +39,25 @@ PhongPass phongPass(const LightRig& light, const glm::dvec3& up) {
     pass.headlight = static_cast<float>(light.headlight * factor);
     pass.sunlight = static_cast<float>(sunlight * factor);
     pass.shine = static_cast<float>(light.shine);
+    pass.shadows = castsShadows(light);
     if (light.sun) {
         const glm::dvec3 way = wayToSun(*light.sun, up);
         for (std::size_t axis = 0; axis < 3; ++axis)
             pass.sun[axis] = static_cast<float>(way[static_cast<int>(axis)]);
     }
+    return pass;
+}
+
+bool castsShadows(const LightRig& light) {
+    return light.sun && light.sunlight > 0 && light.shadow > 0;
+}
+
+ShadowPass shadowPass(const LightRig& light, Shading shading) {
+    ShadowPass pass;
+    pass.strength = static_cast<float>(light.shadow);
+    // Colours that nothing else lights are as if lit by the sky and the sun.
+    if (shading != Shading::Phong)
+        pass.share = static_cast<float>(light.sunlight / (light.ambient + light.sunlight));
     return pass;
 }
 

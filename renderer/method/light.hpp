@@ -17,6 +17,10 @@ glm::dvec3 wayToSun(const std::array<double, 2>& azimuthElevation, const glm::dv
 /// `up`: of the cloud. Without any light, all is black.
 PhongPass phongPass(const LightRig& light, const glm::dvec3& up);
 
+/// Whether something is in the sun's shadow.
+bool castsShadows(const LightRig& light);
+/// Without its bias, which depends on what the sun sees (renderer/sun.hpp).
+ShadowPass shadowPass(const LightRig& light, Shading shading);
 /// `height`: of the whole picture, px, so that a picture has the same shades at any size.
 OcclusionPass occlusionPass(const LightRig& light, int height);
 

@@ -33,6 +33,7 @@ const Method* findMethod(std::string_view name) {
 }
 
 void addShading(const PassRequest& request, PassList& list) {
+    if (castsShadows(request.light)) list.push_back(shadowPass(request.light, request.shading));
     if (request.shading == Shading::Phong) list.push_back(phongPass(request.light, request.cloud.up));
     if (request.shading == Shading::EyeDome) list.push_back(EyeDomePass{});
     if (request.light.occlusion > 0) list.push_back(occlusionPass(request.light, request.height));

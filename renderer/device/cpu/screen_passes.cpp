@@ -18,6 +18,7 @@ struct Screen {
     const Kernels& kernels;
     const Workers& workers;
     ScreenMemory& memory;
+    const ShadowMap* sun;
 };
 
 /// What passes compare with their neighbours, made of depths row by row. Beyond the planes lies background, so that every
@@ -95,6 +96,7 @@ const char* run(const PhongPass& pass, const Screen& s) {
     whole.stride = whole.width = area.width();
     whole.rgba = s.planes.rgba;
     whole.normals = s.planes.normals;
+    if (pass.shadows && s.sun != nullptr) whole.sunSeen = s.memory.sunSeen.data();
     s.workers.overRows(area.height(), [&](int y0, int y1) {
         Phong p = whole;
         p.row0 = y0;
@@ -102,6 +104,28 @@ const char* run(const PhongPass& pass, const Screen& s) {
         s.kernels.phong(p);
     });
     return "phong";
+}
+
+/// nullptr: there is no sun.
+const char* run(const ShadowPass& pass, const Screen& s) {
+    if (s.sun == nullptr) return nullptr;
+    const Rect& area = s.planes.area;
+    Shadow whole;
+    static_cast<ShadowNumbers&>(whole) =
+        shadowNumbers(pass, s.layerView, *s.sun->viewpoint, s.jitter, area.x0, area.y0);
+    whole.map = s.sun->depth;
+    whole.stride = whole.width = area.width();
+    whole.rgba = s.planes.rgba;
+    whole.depths = s.planes.depth;
+    whole.sunlight = grown(s.memory.sunSeen,
+                           static_cast<std::size_t>(area.width()) * static_cast<std::size_t>(area.height()));
+    s.workers.overRows(area.height(), [&](int y0, int y1) {
+        Shadow rows = whole;
+        rows.row0 = y0;
+        rows.row1 = y1;
+        s.kernels.shadow(rows);
+    });
+    return "shadow";
 }
 
 PyramidPlanes pyramidPlanes(const Screen& s) {
@@ -135,13 +159,14 @@ const char* run(const DepthNormalsPass& pass, const Screen& s) {
 
 void runScreenPasses(std::span<const Pass> passes, const LayerView& layerView, const glm::dvec2& jitter,
                      const Planes& planes, const Kernels& kernels, const Workers& workers,
-                     ScreenMemory& memory, FrameStats& stats) {
-    const Screen screen{layerView, jitter, planes, kernels, workers, memory};
+                     ScreenMemory& memory, FrameStats& stats, const ShadowMap* sun) {
+    const Screen screen{layerView, jitter, planes, kernels, workers, memory, sun};
     for (const Pass& pass : passes) {
         if (workers.stopped()) return;
         const auto start = Clock::now();
         const char* name = nullptr;
         if (const auto* phong = std::get_if<PhongPass>(&pass)) name = run(*phong, screen);
+        if (const auto* shadow = std::get_if<ShadowPass>(&pass)) name = run(*shadow, screen);
         if (const auto* eyeDome = std::get_if<EyeDomePass>(&pass)) name = run(*eyeDome, screen);
         if (const auto* occlusion = std::get_if<OcclusionPass>(&pass)) name = run(*occlusion, screen);
         if (const auto* hidden = std::get_if<HiddenPointsPass>(&pass)) name = run(*hidden, screen);

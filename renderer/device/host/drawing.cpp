@@ -17,7 +17,7 @@ bool is(const Pass& pass) {
 }
 
 bool isScreenPass(const Pass& pass) {
-    return is<PhongPass>(pass) || is<EyeDomePass>(pass) || is<OcclusionPass>(pass) ||
+    return is<PhongPass>(pass) || is<EyeDomePass>(pass) || is<OcclusionPass>(pass) || is<ShadowPass>(pass) ||
            is<HiddenPointsPass>(pass) || is<PullPushPass>(pass) || is<DepthNormalsPass>(pass);
 }
 
@@ -57,6 +57,10 @@ bool FramePasses::makesNormals() const {
     return std::ranges::any_of(screen, is<DepthNormalsPass>);
 }
 
+bool FramePasses::castsShadows() const {
+    return std::ranges::any_of(screen, is<ShadowPass>);
+}
+
 int FramePasses::reach() const {
     int reach = 0;
     for (const Pass& pass : screen) {
@@ -70,6 +74,14 @@ int FramePasses::reach() const {
 int FramePasses::guardBand() const {
     const auto looksAround = [](const Pass& p) { return is<HiddenPointsPass>(p) || is<PullPushPass>(p); };
     return std::ranges::any_of(screen, looksAround) ? pyramidGuardBand : 0;
+}
+
+FramePasses shadowMapPasses(bool surfels) {
+    FramePasses passes;
+    passes.nearest.footprint = surfels ? Footprint::Disc : Footprint::Circle;
+    passes.nearest.profile = Profile::Flat;
+    passes.nearest.gain = 0;
+    return passes;
 }
 
 Expected<FramePasses> framePasses(std::span<const Pass> passes) {

@@ -44,6 +44,16 @@ struct OcclusionNumbers {
     float factor = 0;                  ///< shade = 2^(-factor · sum over the pairs)
 };
 
+/// Shadows. Where a pixel (x, y) of depth d lies in the map, px, and how deep: in perspective d · (a[0] + a[1] · x +
+/// a[2] · y) + a[3], else a[0] + a[1] · x + a[2] · y + a[3] · d.
+struct ShadowNumbers {
+    bool perspective = true;
+    std::int32_t x = 0, y = 0;  ///< the planes' first pixel, in the picture
+    float u[4] = {}, v[4] = {}, depth[4] = {};
+    std::int32_t mapWidth = 0, mapHeight = 0;
+    float strength = 0, share = 0, bias = 0;  ///< ShadowPass
+};
+
 /// A mirror's glass. What is linear in the picture's pixel (x, y), at its centre, is given as value at (0,
 /// 0), step in x, step in y. Without perspective: the depth of the mirror's plane, and the place on it, -1 …
 /// 1 on the glass. In perspective depth is 1/depth, and places are divided by the depth. The glass is seen

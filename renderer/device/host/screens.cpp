@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <glm/geometric.hpp>
+#include <glm/matrix.hpp>
 #include <limits>
 
 namespace scancast {
@@ -159,6 +160,36 @@ OcclusionNumbers occlusionNumbers(const OcclusionPass& pass, const LayerView& vi
         }
     }
     n.factor = static_cast<float>(darkest * std::clamp(pass.strength, 0.0f, 1.0f) / occlusionPairs);
+    return n;
+}
+
+ShadowNumbers shadowNumbers(const ShadowPass& pass, const LayerView& view, const Viewpoint& sun,
+                            const glm::dvec2& jitter, int x, int y) {
+    const Viewpoint& eye = *view.viewpoint;
+    const glm::dvec2 axis = view.center() + jitter;
+    const glm::dmat4 rows = glm::transpose(sun.cloudToView * glm::inverse(eye.cloudToView));
+    const double unit = 1 / eye.pixelsPerUnit;
+    ShadowNumbers n;
+    n.perspective = view.perspective();
+    n.x = x;
+    n.y = y;
+    n.mapWidth = sun.width;
+    n.mapHeight = sun.height;
+    n.strength = std::clamp(pass.strength, 0.0f, 1.0f);
+    n.share = std::clamp(pass.share, 0.0f, 1.0f);
+    n.bias = pass.bias;
+    // dot(row, point) with the point of a pixel and a depth put in: (x · unit, y · unit, -1) · d, or · 1 but for z.
+    const auto setTo = [&](const glm::dvec4& row, float* out) {
+        const double flat = (row.x * (0.5 - axis.x) + row.y * (axis.y - 0.5)) * unit;
+        out[0] = static_cast<float>(flat + (n.perspective ? -row.z : row.w));
+        out[1] = static_cast<float>(row.x * unit);
+        out[2] = static_cast<float>(-row.y * unit);
+        out[3] = static_cast<float>(n.perspective ? row.w : -row.z);
+    };
+    const double q = sun.pixelsPerUnit;
+    setTo(q * rows[0] + glm::dvec4(0, 0, 0, sun.width * 0.5), n.u);
+    setTo(-q * rows[1] + glm::dvec4(0, 0, 0, sun.height * 0.5), n.v);
+    setTo(-rows[2], n.depth);
     return n;
 }
 

@@ -27,6 +27,10 @@ int occlusionReach(const OcclusionPass& pass);
 /// docs/spec/shading.md §9. Each frame of an average looks in other directions.
 OcclusionNumbers occlusionNumbers(const OcclusionPass& pass, const LayerView& view, const glm::dvec2& jitter);
 
+/// For planes whose first pixel is (x, y) of the picture, guard band included; `sun` sees the map.
+ShadowNumbers shadowNumbers(const ShadowPass& pass, const LayerView& view, const Viewpoint& sun,
+                            const glm::dvec2& jitter, int x, int y);
+
 // ---- the pyramid
 
 /// A picture, guard band included, and where it stands in front of the eye.

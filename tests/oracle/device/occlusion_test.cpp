@@ -15,8 +15,8 @@ SCANCAST_ON_DEVICES(Occlusion, "egl");
 
 constexpr double quarterTurn = 1.57079632679489661923;
 
-double reference(const Frame& frame, const Viewpoint& view, int x, int y, const OcclusionPass& pass,
-                 const glm::dvec2& jitter) {
+double occlusionAt(const Frame& frame, const Viewpoint& view, int x, int y, const OcclusionPass& pass,
+                   const glm::dvec2& jitter) {
     const bool perspective = view.projection == Projection::Perspective;
     const auto nearness = [&](int i, int j) {
         const bool inside = i >= 0 && i < frame.width && j >= 0 && j < frame.height;
@@ -50,7 +50,7 @@ double reference(const Frame& frame, const Viewpoint& view, int x, int y, const 
 
 /// The surface y = depth(x, z), white, one point every half pixel or closer.
 template <class Depth>
-AnalyticCloud relief(const Depth& depthAt) {
+AnalyticCloud undulating(const Depth& depthAt) {
     std::vector<AnalyticPoint> points;
     for (double x = -4; x <= 4; x += 0.02) {
         for (double z = -3; z <= 3; z += 0.02) {
@@ -101,15 +101,15 @@ TEST_P(Occlusion, FollowsItsFormula) {
                 for (int y = 0; y < 150; ++y) {
                     for (int x = 0; x < 200; ++x) {
                         const bool background = std::isinf(depth(lit, x, y));
-                        const double shade = background ? 1 : reference(unlit, view, x, y, pass, jitter);
+                        const double shade = background ? 1 : occlusionAt(unlit, view, x, y, pass, jitter);
                         for (std::size_t c = 0; c < 3; ++c) {
                             ASSERT_NEAR(pixel(lit, x, y)[c], pixel(unlit, x, y)[c] * shade, 0.6)
                                 << x << ", " << y;
                         }
-                        darker += shade < 0.9 ? 1 : 0;
+                        darker += shade < 0.97 ? 1 : 0;
                     }
                 }
-                EXPECT_EQ(darker > 1000, pass.strength > 0.01f);
+                EXPECT_EQ(darker > 200, pass.strength > 0.01f);
             }
         }
     }
@@ -118,7 +118,7 @@ TEST_P(Occlusion, FollowsItsFormula) {
 TEST_P(Occlusion, LeavesPlanesAloneHoweverTheyLie) {
     // Right because 1/depth, or depth without perspective, is linear over a plane: opposite neighbours cancel out.
     for (const double steepness : {0.0, 0.5, 2.0}) {
-        const AnalyticCloud cloud = relief([&](double x, double z) { return steepness * (x + 0.3 * z); });
+        const AnalyticCloud cloud = undulating([&](double x, double z) { return steepness * (x + 0.3 * z); });
         for (const Viewpoint& view : {front, lookAt({0, -10, 0}, {0, 0, 0}, 160, 120, 25)}) {
             // Of squares 3 px wide each is flat: a staircase, which rings of few pixels see.
             const Frame frame = occluded(*device_, view, cloud, {1, 60});
@@ -139,7 +139,7 @@ TEST_P(Occlusion, LeavesPlanesAloneHoweverTheyLie) {
 
 TEST_P(Occlusion, DarkensTheBottomOfAGroove) {
     const AnalyticCloud cloud =
-        relief([](double x, double) { return std::abs(x) < 1 ? 1 - std::abs(x) : 0.0; });
+        undulating([](double x, double) { return std::abs(x) < 1 ? 1 - std::abs(x) : 0.0; });
     const Frame frame = occluded(*device_, front, cloud, {1, 24});
     EXPECT_LT(pixel(frame, 80, 60)[0], 170) << "the bottom";
     EXPECT_GT(pixel(frame, 56, 60)[0], 225) << "the rim";
@@ -148,7 +148,7 @@ TEST_P(Occlusion, DarkensTheBottomOfAGroove) {
 
 TEST_P(Occlusion, CastsNoHaloOnWhatLiesFarBehind) {
     // Right because the step is 20 times as deep as the rings are wide: it stands before the wall, not on it.
-    const AnalyticCloud cloud = relief([](double x, double) { return x < 0 ? -8.0 : 8.0; });
+    const AnalyticCloud cloud = undulating([](double x, double) { return x < 0 ? -8.0 : 8.0; });
     const Frame frame =
         occluded(*device_, lookAtOrthographic({0, -20, 0}, {0, 0, 0}, 160, 120, 5), cloud, {1, 10});
     for (int y = 20; y < 100; ++y) {

@@ -112,7 +112,7 @@ TEST_P(Shading, IsTheFormulaAtEveryPixel) {
 TEST_P(Shading, KeepsAGreySceneAsBrightAsItIs) {
     // Right because grey is the same everywhere, so the mean is the light's alone: docs/spec/shading.md §2.
     Numbers numbers(4);
-    const auto scene = [&](auto&& place) {
+    const auto greyCloud = [&](auto&& place) {
         std::vector<AnalyticPoint> points(120'000);
         for (AnalyticPoint& p : points) {
             place(p);
@@ -120,16 +120,16 @@ TEST_P(Shading, KeepsAGreySceneAsBrightAsItIs) {
         }
         return AnalyticCloud(points, 0.02);
     };
-    const auto ball = scene([&](AnalyticPoint& p) {
+    const auto ball = greyCloud([&](AnalyticPoint& p) {
         p.position = numbers.onSphere();
         p.normal = encodeNormal(glm::vec3(p.position));
     });
-    const auto ground = scene([&](AnalyticPoint& p) {
+    const auto ground = greyCloud([&](AnalyticPoint& p) {
         p.position = {numbers.uniform(-2, 2), numbers.uniform(-2, 2), 0};
         p.normal = encodeNormal(glm::vec3(0, 0, 1));
     });
     // A room seen from inside: all six sides.
-    const auto room = scene([&](AnalyticPoint& p) {
+    const auto room = greyCloud([&](AnalyticPoint& p) {
         const int axis = static_cast<int>(numbers.next() % 3);
         const double side = numbers.uniform() < 0.5 ? -1 : 1;
         p.position = {numbers.uniform(-1, 1), numbers.uniform(-1, 1), numbers.uniform(-1, 1)};

@@ -49,5 +49,20 @@ TEST(Light, IsMadeOfShares) {
     EXPECT_EQ(passOf({.ambient = 0, .headlight = 0, .sun = {}}).headlight, 0) << "dark, and no division by 0";
 }
 
+TEST(Light, CastsShadowsWhereThereIsASun) {
+    LightRig light;
+    light.shadow = 0.8;
+    EXPECT_FALSE(castsShadows(light)) << "there is no sun";
+    light.sun = {{135, 40}};
+    EXPECT_TRUE(castsShadows(light));
+    EXPECT_TRUE(phongPass(light, {0, 0, 1}).shadows);
+    EXPECT_EQ(shadowPass(light, Shading::Phong).share, 0) << "Phong takes it from the sunlight";
+    EXPECT_FLOAT_EQ(shadowPass(light, Shading::Unlit).share, 0.5f)
+        << "half of what comes from the sky and the sun";
+    EXPECT_FLOAT_EQ(shadowPass(light, Shading::EyeDome).strength, 0.8f);
+    light.sunlight = 0;
+    EXPECT_FALSE(castsShadows(light)) << "it does not shine";
+}
+
 }  // namespace
 }  // namespace scancast

@@ -32,7 +32,8 @@ inline View richView() {
                         .sun = {{225.5, 30}},
                         .sunlight = 1,
                         .shine = 0,
-                        .occlusion = 0.5};
+                        .occlusion = 0.5,
+                        .shadow = 1};
     view.style.mirrors = false;
     view.style.behindMirrors = true;
     view.style.outliers = Outliers::Show;

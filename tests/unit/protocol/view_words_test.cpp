@@ -113,6 +113,7 @@ TEST(ViewWords, WordsAndJsonMeanTheSame) {
                                 {"light.sunlight", "0.75"},
                                 {"light.shine", "0"},
                                 {"light.occlusion", "0.5"},
+                                {"light.shadow", "1"},
                                 {"mirrors", "false"},
                                 {"behindMirrors", "true"},
                                 {"outliers", "show"},
@@ -128,7 +129,7 @@ TEST(ViewWords, WordsAndJsonMeanTheSame) {
         "param": {"sizePx": 5, "smooth": true, "footprint": "square"}, "color": "#ff8800*intensity",
         "exposure": -0.5, "colormap": "grey",
         "range": [-1, 1e3], "classes": [2, 6], "clip": {"min": [0,0,0], "max": [1,2,3]}, "shading": "phong",
-        "light": {"ambient": 0.25, "headlight": 1, "sun": [-45, 30.5], "sunlight": 0.75, "shine": 0, "occlusion": 0.5},
+        "light": {"ambient": 0.25, "headlight": 1, "sun": [-45, 30.5], "sunlight": 0.75, "shine": 0, "occlusion": 0.5, "shadow": 1},
         "mirrors": false, "behindMirrors": true, "outliers": "show",
         "background": ["#010203", "#040506"], "detail": 2, "budget": 1000, "samples": 8, "quality": 50,
         "subsampling": "4:2:2"})"));

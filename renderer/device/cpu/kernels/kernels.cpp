@@ -10,6 +10,7 @@
 #include "renderer/device/cpu/kernels/resolve.hpp"
 #include "renderer/device/cpu/kernels/screen.hpp"
 #include "renderer/device/cpu/kernels/shade.hpp"
+#include "renderer/device/cpu/kernels/shadow.hpp"
 #include "renderer/device/cpu/kernels/splat.hpp"
 #include "renderer/device/cpu/kernels/splat_sums.hpp"
 #include "renderer/device/cpu/kernels/surfels.hpp"
@@ -66,6 +67,7 @@ const Kernels kernels = {
     .resolveSamples = resolveSamples,
     .resolveSums = resolveSums,
     .phong = phong,
+    .shadow = shadow,
     .logDepth = logDepth,
     .eyeDome = eyeDome,
     .nearness = nearness,

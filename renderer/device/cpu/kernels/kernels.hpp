@@ -102,6 +102,17 @@ struct Phong : PhongNumbers {
     const std::uint32_t* normals = nullptr;
     std::int32_t stride = 0;  ///< pixels per row, of both
     std::int32_t width = 0, row0 = 0, row1 = 0;
+    const float* sunSeen = nullptr;  ///< 0 - 1, as wide as the others; null: no shadows
+};
+
+/// Shadows over the rows [row0, row1) of some planes, in place.
+struct Shadow : ShadowNumbers {
+    const float* map = nullptr;     ///< depths from the sun, row by row; +infinity = nothing
+    std::uint32_t* rgba = nullptr;  ///< of row 0, as all planes
+    const float* depths = nullptr;
+    float* sunlight = nullptr;
+    std::int32_t stride = 0;  ///< pixels per row, of all three
+    std::int32_t width = 0, row0 = 0, row1 = 0;
 };
 
 /// Eye-dome lighting of some rows. Every pixel has its eight neighbours in `logDepth`.
@@ -160,6 +171,7 @@ struct Kernels {
     /// before, in planes like the tile's, or null.
     void (*resolveSums)(const KeyTile&, const std::int64_t* wide, const PixelTile&);
     void (*phong)(const Phong&);
+    void (*shadow)(const Shadow&);
     void (*logDepth)(const float* depth, float* out, int count);
     void (*eyeDome)(const EyeDome&);
     void (*nearness)(const float* depth, bool perspective, float* out, int count);

@@ -13,8 +13,8 @@ struct Brightness {
 };
 
 /// (nx, ny, nz) and (vx, vy, vz) are unit vectors, v to the eye.
-inline Brightness blinnPhong(const Phong& p, FloatW nx, FloatW ny, FloatW nz, FloatW vx, FloatW vy,
-                             FloatW vz) {
+inline Brightness blinnPhong(const Phong& p, FloatW nx, FloatW ny, FloatW nz, FloatW vx, FloatW vy, FloatW vz,
+                             FloatW sunSeen) {
     const FloatW facing = nx * vx + ny * vy + nz * vz;
     // Two-sided: the side that is seen is lit.
     const FloatW side = facing < 0.0f ? all(-1.0f) : all(1.0f);
@@ -28,7 +28,7 @@ inline Brightness blinnPhong(const Phong& p, FloatW nx, FloatW ny, FloatW nz, Fl
     FloatW shine = larger(half, all(0.0f)) / squareRoot<wideLanes>(hx * hx + hy * hy + hz * hz);
     for (int doubled = 0; doubled < 6; ++doubled) shine = shine * shine;
     const FloatW soft = lamp * (2.0f - lamp);
-    const FloatW diffuse = p.ambient + p.headlight * soft + p.sunlight * sun;
+    const FloatW diffuse = p.ambient + p.headlight * soft + p.sunlight * (sun * sunSeen);
     return {smaller(diffuse, all(2.0f)), p.shine * shine};
 }
 
@@ -67,7 +67,11 @@ void phong(const Phong& p) {
                 vz = inverse;
             }
             const IntW before = loadSome<IntW>(rgba + column, lanes);
-            const IntW after = lit(before, blinnPhong(p, nx, ny, nz, vx, vy, vz));
+            const FloatW seen =
+                p.sunSeen != nullptr
+                    ? loadSome<FloatW>(p.sunSeen + static_cast<std::int64_t>(row) * p.stride + column, lanes)
+                    : all(1.0f);
+            const IntW after = lit(before, blinnPhong(p, nx, ny, nz, vx, vy, vz, seen));
             storeSome(rgba + column, code == 0 ? before : after, lanes);
         }
     }

@@ -14,6 +14,7 @@ struct Screen {
     const GpuPlanes& planes;
     ScreenShaders& shaders;
     Pyramid& pyramid;
+    const GpuShadowMap* sun;
 
     PyramidView view() const {
         const ivec4& a = planes.area;
@@ -34,7 +35,10 @@ Expected<void> run(const PhongPass& pass, const Screen& s) {
     if (auto ok = s.shaders.set(params); !ok) return ok;
     s.planes.rgba->bindStorage(BindPlaneRgba);
     s.planes.normals->bindStorage(BindPlaneNormals);
-    return s.shaders.overPixels("light_phong.comp", params.size.x, params.size.y);
+    const bool shadows = pass.shadows && s.sun != nullptr;
+    if (shadows) s.sun->seen->bindStorage(BindSunSeen);
+    const Define defines[] = {{"SHADOWS", shadows ? 1 : 0}};
+    return s.shaders.overPixels("light_phong.comp", params.size.x, params.size.y, defines);
 }
 
 Expected<void> run(const EyeDomePass& pass, const Screen& s) {
@@ -48,6 +52,27 @@ Expected<void> run(const EyeDomePass& pass, const Screen& s) {
     s.planes.rgba->bindStorage(BindPlaneRgba);
     s.planes.depth->bindStorage(BindPlaneDepth);
     return s.shaders.overPixels("light_eye_dome.comp", params.size.x, params.size.y);
+}
+
+Expected<void> run(const ShadowPass& pass, const Screen& s) {
+    const ShadowNumbers n =
+        shadowNumbers(pass, s.layerView, *s.sun->viewpoint, s.jitter, s.planes.area.x, s.planes.area.y);
+    ShadowParams params{};
+    params.size = s.size();
+    params.size.z = n.x;
+    params.size.w = n.y;
+    params.map = ivec4(n.mapWidth, n.mapHeight, n.perspective ? 1 : 0, 0);
+    params.u = vec4(n.u[0], n.u[1], n.u[2], n.u[3]);
+    params.v = vec4(n.v[0], n.v[1], n.v[2], n.v[3]);
+    params.depth = vec4(n.depth[0], n.depth[1], n.depth[2], n.depth[3]);
+    params.strength = vec4(n.strength, n.bias, n.share, 0);
+    if (auto ok = s.sun->seen->reserve(s.planes.pixels() * 4); !ok) return ok;
+    if (auto ok = s.shaders.set(params); !ok) return ok;
+    s.planes.rgba->bindStorage(BindPlaneRgba);
+    s.planes.depth->bindStorage(BindPlaneDepth);
+    s.sun->depth->bindStorage(BindShadowMap);
+    s.sun->seen->bindStorage(BindSunSeen);
+    return s.shaders.overPixels("shadow.comp", params.size.x, params.size.y);
 }
 
 Expected<void> run(const OcclusionPass& pass, const Screen& s) {
@@ -78,6 +103,7 @@ Expected<void> run(const DepthNormalsPass& pass, const Screen& s) {
 /// nullptr: not a screen pass.
 const char* stageOf(const Pass& pass) {
     if (std::holds_alternative<PhongPass>(pass)) return "phong";
+    if (std::holds_alternative<ShadowPass>(pass)) return "shadow";
     if (std::holds_alternative<EyeDomePass>(pass)) return "eyedome";
     if (std::holds_alternative<OcclusionPass>(pass)) return "occlusion";
     if (std::holds_alternative<HiddenPointsPass>(pass)) return "hidden points";
@@ -90,11 +116,12 @@ const char* stageOf(const Pass& pass) {
 
 Expected<void> runScreenPasses(std::span<const Pass> passes, const LayerView& layerView,
                                const glm::dvec2& jitter, const GpuPlanes& planes, ScreenShaders& shaders,
-                               Pyramid& pyramid, StageTimes& times, const std::stop_token& stop) {
-    const Screen screen{layerView, jitter, planes, shaders, pyramid};
+                               Pyramid& pyramid, StageTimes& times, const std::stop_token& stop,
+                               const GpuShadowMap* sun) {
+    const Screen screen{layerView, jitter, planes, shaders, pyramid, sun};
     for (const Pass& pass : passes) {
         const char* const name = stageOf(pass);
-        if (name == nullptr) continue;
+        if (name == nullptr || (sun == nullptr && std::holds_alternative<ShadowPass>(pass))) continue;
         if (stop.stop_requested())
             return fail(ErrorCode::Cancelled, "The picture was abandoned: it is no longer wanted.");
         const StageTimes::Scope timed(times, name);

@@ -28,6 +28,16 @@ struct OcclusionParams {
     vec4 strength;                // x: shade = 2^(-x * sum over the pairs); y: not 0 = perspective
 };
 
+// Shadows.
+struct ShadowParams {
+    ivec4 size;      // width, height of the planes; their first pixel in the picture
+    ivec4 map;       // its width, height; not 0 = perspective
+    vec4 u;          // where a pixel lies in the map (screen_numbers.hpp) ...
+    vec4 v;
+    vec4 depth;      // ... and how deep
+    vec4 strength;   // strength, bias, share
+};
+
 // A part of planes, and an average over frames of it.
 struct PartParams {
     ivec4 area;    // of the planes: x, y, width, height

@@ -10,6 +10,10 @@ layout(std140, binding = 0) uniform Params { PhongParams pass; };
 layout(std430, binding = 0) buffer Colors { uint colors[]; };
 layout(std430, binding = 2) readonly buffer Normals { uint normals[]; };
 
+#if SHADOWS
+layout(std430, binding = 5) readonly buffer SunSeen { float sunSeen[]; };
+#endif
+
 #include "normal_plane.glsl"
 
 // The way to the headlight, view space (screen_numbers.hpp).
@@ -29,7 +33,7 @@ vec3 toEye(ivec2 at) {
 float positive(float value) { return value > 0.0 ? value : 0.0; }
 
 // Factor of the colour, and how far it then goes to white.
-vec2 brightnessOf(vec3 n, vec3 v) {
+vec2 brightnessOf(vec3 n, vec3 v, float seen) {
     precise float facing = n.x * v.x + n.y * v.y + n.z * v.z;
     float side = facing < 0.0 ? -1.0 : 1.0;
     precise float ofLamp = side * (n.x * lamp.x + n.y * lamp.y + n.z * lamp.z);
@@ -46,7 +50,7 @@ vec2 brightnessOf(vec3 n, vec3 v) {
     precise float reached = ofLamp * 0.76923077 + 0.23076923;
     reached = positive(reached);
     precise float soft = reached * (2.0 - reached);
-    precise float diffuse = pass.shares.x + pass.shares.y * soft + pass.shares.z * positive(ofSun);
+    precise float diffuse = pass.shares.x + pass.shares.y * soft + pass.shares.z * (positive(ofSun) * seen);
     precise float reflected = pass.shares.w * shine;
     return vec2(diffuse < 2.0 ? diffuse : 2.0, reflected);
 }
@@ -57,7 +61,12 @@ void main() {
     int pixel = at.y * pass.size.x + at.x;
     uint code = normals[pixel];
     if (code == 0u) return;
-    vec2 b = brightnessOf(unpackNormal(code), toEye(at));
+#if SHADOWS
+    float seen = sunSeen[pixel];
+#else
+    float seen = 1.0;
+#endif
+    vec2 b = brightnessOf(unpackNormal(code), toEye(at), seen);
     // What brightens bends towards white, and nothing but white becomes so.
     float less = b.x < 1.0 ? b.x : 1.0;
     precise float more = positive(b.x - 1.0);

@@ -9,7 +9,7 @@ namespace {
 
 /// What the headlight gives a surface of a picture, on average: more on walls and ground that face the viewer, less on
 /// things that are round. Measured: docs/spec/shading.md §2.
-constexpr double meanHeadlight = 0.9;
+constexpr double meanHeadlight = 0.91;
 
 /// Of a scene that is half flat ground and half walls in all directions.
 double meanSunlight(double elevation) {

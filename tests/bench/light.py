@@ -24,7 +24,7 @@ import png_file
 
 SCANS = ["ply/guanyin-statue.ply", "laz/strand-statue-1m.laz", "copc/lion_takanawa.copc.laz", "pcd/milk_color.pcd",
          "pcd/office1.pcd", "pcd/table_scene_mug_stereo_textured.pcd", "las/autzen_trim.las", "las/sample_c.las",
-         "laz/ign-lidarhd-fields.laz", "las/las14-pdrf7-color.las", "town", "room"]
+         "laz/ign-lidarhd-fields.laz", "las/warsaw_small.las", "town", "room"]
 GENERATED_POINTS = "500k"
 PATIENCE = 300  # seconds
 WEIGHTS = (0.2126, 0.7152, 0.0722)

@@ -17,10 +17,10 @@ struct PhongNumbers {
     float sun[3] = {0, 0, 1};  ///< the way to it, view space
 };
 
-/// The way to the headlight, view space: 30° from the view axis, towards the upper left.
-inline constexpr float lampX = -0.35355339f, lampY = 0.35355339f, lampZ = 0.86602540f;
-/// It reaches (cos + 0.3) / 1.3 of what faces it, and that softly.
-inline constexpr float lampScale = 0.76923077f, lampOffset = 0.23076923f;
+/// Where the headlight is: beside the way to the eye, to the left of it and above, 30° seen from the pixel before the viewer.
+inline constexpr float lampX = -0.5f, lampY = 0.28867513f;
+/// It reaches (cos + 0.4) / 1.4 of what faces it, and that softly.
+inline constexpr float lampScale = 0.71428571f, lampOffset = 0.28571429f;
 
 /// Eye-dome lighting.
 struct EyeDomeNumbers {

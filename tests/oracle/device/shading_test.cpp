@@ -18,8 +18,8 @@ SCANCAST_ON_DEVICES(Shading, "egl");
 /// What the light makes of a colour; n, the way to the eye and that to the sun are unit vectors in view space.
 double shaded(double color, glm::dvec3 n, glm::dvec3 toEye, const PhongPass& pass, glm::dvec3 toSun) {
     if (glm::dot(n, toEye) < 0) n = -n;
-    const glm::dvec3 lamp(-std::sqrt(0.125), std::sqrt(0.125), std::sqrt(0.75));
-    const double soft = 1 - std::pow(1 - std::max(0.0, (glm::dot(n, lamp) + 0.3) / 1.3), 2);
+    const glm::dvec3 lamp = glm::normalize(toEye + glm::dvec3(-0.5, std::sqrt(1.0 / 12), 0));
+    const double soft = 1 - std::pow(1 - std::max(0.0, (glm::dot(n, lamp) + 0.4) / 1.4), 2);
     const double brightness = std::min(
         2.0, pass.ambient + pass.headlight * soft + pass.sunlight * std::max(0.0, glm::dot(n, toSun)));
     const double shine = pass.shine * std::pow(std::max(0.0, glm::dot(n, glm::normalize(lamp + toEye))), 64);

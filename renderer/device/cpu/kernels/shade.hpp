@@ -18,13 +18,16 @@ inline Brightness blinnPhong(const Phong& p, FloatW nx, FloatW ny, FloatW nz, Fl
     const FloatW facing = nx * vx + ny * vy + nz * vz;
     // Two-sided: the side that is seen is lit.
     const FloatW side = facing < 0.0f ? all(-1.0f) : all(1.0f);
+    const FloatW toLampX = vx + lampX, toLampY = vy + lampY;
+    const FloatW nearer = 1.0f / squareRoot<wideLanes>(toLampX * toLampX + toLampY * toLampY + vz * vz);
+    const FloatW mx = toLampX * nearer, my = toLampY * nearer, mz = vz * nearer;
     // Large and near: what is turned a little from it gets hardly less, what is turned away from it still some.
-    const FloatW ofLamp = side * (nx * lampX + ny * lampY + nz * lampZ);
+    const FloatW ofLamp = side * (nx * mx + ny * my + nz * mz);
     const FloatW lamp = larger(ofLamp * lampScale + lampOffset, all(0.0f));
     const FloatW sun = larger(side * (nx * p.sun[0] + ny * p.sun[1] + nz * p.sun[2]), all(0.0f));
-    const FloatW hx = vx + lampX, hy = vy + lampY, hz = vz + lampZ;
+    const FloatW hx = vx + mx, hy = vy + my, hz = vz + mz;
     const FloatW half = side * (nx * hx + ny * hy + nz * hz);
-    // The halfway vector is never 0: the lamp stands behind the viewer, v before him.
+    // Neither is ever 0: eye and lamp are before whatever is seen.
     FloatW shine = larger(half, all(0.0f)) / squareRoot<wideLanes>(hx * hx + hy * hy + hz * hz);
     for (int doubled = 0; doubled < 6; ++doubled) shine = shine * shine;
     const FloatW soft = lamp * (2.0f - lamp);

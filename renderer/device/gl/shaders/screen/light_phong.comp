@@ -16,8 +16,8 @@ layout(std430, binding = 5) readonly buffer SunSeen { float sunSeen[]; };
 
 #include "normal_plane.glsl"
 
-// The way to the headlight, view space (screen_numbers.hpp).
-const vec3 lamp = vec3(-0.35355339, 0.35355339, 0.86602540);
+// Where the headlight is, beside the way to the eye (screen_numbers.hpp).
+const vec2 lamp = vec2(-0.5, 0.28867513);
 
 // From a pixel's point to the eye, unit length.
 vec3 toEye(ivec2 at) {
@@ -36,18 +36,22 @@ float positive(float value) { return value > 0.0 ? value : 0.0; }
 vec2 brightnessOf(vec3 n, vec3 v, float seen) {
     precise float facing = n.x * v.x + n.y * v.y + n.z * v.z;
     float side = facing < 0.0 ? -1.0 : 1.0;
-    precise float ofLamp = side * (n.x * lamp.x + n.y * lamp.y + n.z * lamp.z);
+    precise vec2 toLamp = v.xy + lamp;
+    precise float distance2 = toLamp.x * toLamp.x + toLamp.y * toLamp.y + v.z * v.z;
+    float nearer = quotient(1.0, root(distance2));
+    precise vec3 m = vec3(toLamp, v.z) * nearer;
+    precise float ofLamp = side * (n.x * m.x + n.y * m.y + n.z * m.z);
     precise float ofSun = side * (n.x * pass.sun.x + n.y * pass.sun.y + n.z * pass.sun.z);
-    precise float hx = v.x + lamp.x;
-    precise float hy = v.y + lamp.y;
-    precise float hz = v.z + lamp.z;
+    precise float hx = v.x + m.x;
+    precise float hy = v.y + m.y;
+    precise float hz = v.z + m.z;
     precise float halfway = side * (n.x * hx + n.y * hy + n.z * hz);
-    // The halfway vector is never 0: the lamp stands behind the viewer, v before him.
+    // Neither is ever 0: eye and lamp are before whatever is seen.
     precise float length2 = hx * hx + hy * hy + hz * hz;
     precise float shine = quotient(positive(halfway), root(length2));
     for (int doubled = 0; doubled < 6; ++doubled) shine = shine * shine;
     // Large and near: what is turned a little from it gets hardly less, what is turned away from it still some.
-    precise float reached = ofLamp * 0.76923077 + 0.23076923;
+    precise float reached = ofLamp * 0.71428571 + 0.28571429;
     reached = positive(reached);
     precise float soft = reached * (2.0 - reached);
     precise float diffuse = pass.shares.x + pass.shares.y * soft + pass.shares.z * (positive(ofSun) * seen);

@@ -86,14 +86,15 @@ std::optional<Viewpoint> sunViewpoint(const std::array<glm::dvec3, 2>& bounds, c
     }
     // Pixels of few sizes, whole numbers of them from the cloud's origin. Some more around: shadows are looked up softly.
     constexpr int around = 8;
-    const double least =
-        std::max({x.size(), y.size(), z.size() * 1e-6, 1e-9}) / (largestShadowMap - 2 * around);
+    const int largest =
+        std::clamp(2 * std::max(picture.width, picture.height), smallestShadowMap, largestShadowMap);
+    const double least = std::max({x.size(), y.size(), z.size() * 1e-6, 1e-9}) / (largest - 2 * around);
     const double pixel = std::exp2(std::ceil(std::log2(least) * 4) / 4);
     const double left = std::floor(x.low / pixel) - around, lower = std::floor(y.low / pixel) - around;
     Viewpoint sun;
     sun.projection = Projection::Orthographic;
-    sun.width = std::min(largestShadowMap, static_cast<int>(std::ceil(x.high / pixel) - left) + around);
-    sun.height = std::min(largestShadowMap, static_cast<int>(std::ceil(y.high / pixel) - lower) + around);
+    sun.width = std::min(largest, static_cast<int>(std::ceil(x.high / pixel) - left) + around);
+    sun.height = std::min(largest, static_cast<int>(std::ceil(y.high / pixel) - lower) + around);
     sun.pixelsPerUnit = 1 / pixel;
     const glm::dvec3 middle((left + sun.width * 0.5) * pixel, (lower + sun.height * 0.5) * pixel,
                             z.high + z.size() + pixel);

@@ -10,8 +10,8 @@
 
 namespace scancast {
 
-/// Of a map of shadows, px.
-inline constexpr int largestShadowMap = 2048;
+/// Of a map of shadows, px; it is at most twice as large as the picture, too.
+inline constexpr int smallestShadowMap = 256, largestShadowMap = 2048;
 
 /// Without perspective, along the sun's rays: all of the bounds (cloud-relative) that the picture shows, and whatever
 /// lies between that and the sun. Its pixels lie where those of another picture's map lie, as long as they are as large:

@@ -25,7 +25,7 @@ GroupHelp helpOf(std::string_view group) {
         if (word.group() != group) continue;
         const auto name = word.word.substr(group.size() + 1);
         if (help.example.empty()) help.example = exampleOf(word);
-        if (!help.meaning.empty()) help.meaning += ' ';
+        if (!help.meaning.empty()) help.meaning += '\n';
         if (name != "NAME") help.meaning += std::string(name) + "=" + std::string(word.shape) + ": ";
         help.meaning += word.description();
     }
@@ -49,7 +49,7 @@ void ViewFlags::addTo(CLI::App& app) {
             const auto [members, isFirst] = members_.try_emplace(word.group());
             if (!isFirst) continue;
             const GroupHelp help = helpOf(word.group());
-            option = app.add_option(flag, members->second, help.meaning + " Example: " + help.example)
+            option = app.add_option(flag, members->second, help.meaning + "\nExample: " + help.example)
                          ->expected(1)
                          ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll)
                          ->allow_extra_args(false)

@@ -15,7 +15,7 @@ namespace {
 void expectAgreement(const test::Points& points) {
     const test::Points distinct = test::distinct(points);
     std::vector<Surfel> ours(distinct.size());
-    estimateSurfels(distinct, {.neighbours = 10, .spacings = {}}, ours);
+    estimateSurfels(distinct, {.neighbours = 10}, ours);
     const auto pcl = test::surfelsByPcl(distinct, 10, 2);
     const test::Agreement a = test::compare(ours, pcl.surfels);
     std::printf("%zu compared, %.3f %% of normals, %.3f %% of radii; left out: %zu lines, %zu ties\n",

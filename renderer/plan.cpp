@@ -84,13 +84,6 @@ CloudTraits traits(const Cloud& cloud) {
             .up = cloud.look ? cloud.look->up : glm::dvec3(0, 0, 1)};
 }
 
-/// Where the method is left open the look says how it is lit; a method that is named brings its own light.
-Shading shadingOf(const Cloud& cloud, const Style& style, const Method& method) {
-    if (style.shading) return *style.shading;
-    const bool isOpen = style.method == automaticName && cloud.look;
-    return (isOpen ? cloud.look->style.shading : std::nullopt).value_or(method.defaultShading);
-}
-
 /// Whether the cloud has what the method and its shading draw.
 Expected<void> checkAbility(const Cloud& cloud, const Method& method, Shading shading) {
     if (method.needs == Needs::Surfels && !cloud.surfels)
@@ -107,41 +100,13 @@ Expected<void> checkAbility(const Cloud& cloud, const Method& method, Shading sh
     return {};
 }
 
-/// Distance of neighbouring samples on screen where they are as fine as the cloud has them, but not finer
-/// than surfels are drawn; the median over the samples, px.
-double spacingOnScreen(const Cloud& cloud, const Viewpoint& viewpoint) {
-    SelectOptions options;
-    options.detail = 2;
-    Cut cut = select(cloud.octree, viewpoint, options);
-    std::ranges::sort(cut.runs, {}, &CutRun::projected);
-    std::uint64_t seen = 0;
-    for (const CutRun& run : cut.runs) {
-        seen += run.node->sampleCount;
-        if (2 * seen >= cut.samples) return run.projected;
-    }
-    return 1;
-}
-
-/// A method with complete parameters, and why it was chosen where the request left that open.
+/// A method with complete parameters, its light, and why it was chosen where the request left that open.
 struct ChosenMethod {
     const Method* method = nullptr;
     ParameterValues parameters;
+    Shading shading = Shading::Unlit;
     std::string reason;
 };
-
-/// What depends on the view as `auto` chooses by it.
-bool choosesAlike(const View& view, const View& known) {
-    return known.style.method == automaticName && known.camera == view.camera && known.width == view.width &&
-           known.height == view.height;
-}
-
-/// The method that `auto` stands for, by name, and why.
-ChosenMethod chooseAutomatically(const Cloud& cloud, const View& view, const Viewpoint& viewpoint,
-                                 const PlannedView* known) {
-    if (known && choosesAlike(view, known->view)) return {findMethod(known->method), {}, known->reason};
-    const AutomaticChoice choice = chooseMethod(traits(cloud), spacingOnScreen(cloud, viewpoint));
-    return {choice.method, {}, choice.reason};
-}
 
 /// Of a style that leaves the method open: what the chosen one has; parameters of others wait for views in which
 /// those are chosen.
@@ -159,24 +124,24 @@ Expected<ParameterValues> parametersOfChosen(const Method& chosen, const Paramet
     return resolveParameters(chosen, own);
 }
 
-Expected<ChosenMethod> choose(const Cloud& cloud, const View& view, const Viewpoint& viewpoint,
-                              const PlannedView* known) {
-    const Style& style = view.style;
-    ChosenMethod chosen;
-    chosen.method = findMethod(style.method);
-    if (!chosen.method) {
+/// Where the method is left open the look says how it is lit; a method that is named brings its own light.
+Expected<ChosenMethod> choose(const Cloud& cloud, const Style& style) {
+    const Method* const named = findMethod(style.method);
+    if (!named) {
         std::string names;
         for (const auto& m : methods()) names += (names.empty() ? "" : ", ") + m.name;
         return fail(ErrorCode::InvalidArgument,
                     "there is no method '" + style.method + "'; there are " + names, "method");
     }
-    const bool isOpen = chosen.method->name == automaticName;
-    if (isOpen) chosen = chooseAutomatically(cloud, view, viewpoint, known);
-    auto parameters = isOpen ? parametersOfChosen(*chosen.method, style.parameters)
-                             : resolveParameters(*chosen.method, style.parameters);
+    const bool isOpen = named->name == automaticName;
+    const AutomaticChoice choice =
+        isOpen ? chooseMethod(traits(cloud)) : AutomaticChoice{named, named->defaultShading, {}};
+    const auto ofLook = isOpen && cloud.look ? cloud.look->style.shading : std::nullopt;
+    auto parameters = isOpen ? parametersOfChosen(*choice.method, style.parameters)
+                             : resolveParameters(*choice.method, style.parameters);
     if (!parameters) return passOn(parameters);
-    chosen.parameters = std::move(*parameters);
-    return chosen;
+    return ChosenMethod{choice.method, std::move(*parameters),
+                        style.shading.value_or(ofLook.value_or(choice.shading)), choice.reason};
 }
 
 /// How to select what the passes draw.
@@ -234,15 +199,13 @@ std::optional<std::uint64_t> mostSamples(const Cloud& cloud) {
     return cloud.octree.store().capacity();
 }
 
-Expected<std::shared_ptr<const PlannedView>> plan(const Cloud& cloud, const View& view,
-                                                  const PlannedView* known) {
+Expected<std::shared_ptr<const PlannedView>> plan(const Cloud& cloud, const View& view) {
     auto viewpoint = Viewpoint::create(view, cloud.origin, cloud.bounds);
     if (!viewpoint) return passOn(viewpoint);
-    const auto chosen = choose(cloud, view, *viewpoint, known);
+    const auto chosen = choose(cloud, view.style);
     if (!chosen) return passOn(chosen);
     const Method* const method = chosen->method;
-    const Shading shading = shadingOf(cloud, view.style, *method);
-    if (auto ok = checkAbility(cloud, *method, shading); !ok) return passOn(ok);
+    if (auto ok = checkAbility(cloud, *method, chosen->shading); !ok) return passOn(ok);
     const Style style = decidedStyle(cloud, view.style);
     auto color = colorRule(cloud, style, *viewpoint);
     if (!color) return passOn(color);
@@ -258,7 +221,7 @@ Expected<std::shared_ptr<const PlannedView>> plan(const Cloud& cloud, const View
     planned->filter = sampleFilter(cloud, view.style);
     const double detail = view.quality.detail.value_or(method->defaultDetail);
     planned->passes = method->passes(
-        {*method, chosen->parameters, shading, traits(cloud), detail, style.light, view.height});
+        {*method, chosen->parameters, chosen->shading, traits(cloud), detail, style.light, view.height});
     planned->selection = selectionFor(cloud, view, detail, planned->passes);
     planShadows(cloud, *planned);
     planned->margin = screenMargin(planned->passes);

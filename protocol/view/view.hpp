@@ -100,7 +100,7 @@ struct ClipBox {
 };
 
 struct Style {
-    std::string method = "paraboloid";
+    std::string method = "auto";
     ParameterValues parameters;
     ColorSource color = ColorSource::Auto;
     Rgb8 flatColor{255, 255, 255};               ///< for ColorSource::Flat (`color=#rrggbb`)

@@ -235,7 +235,9 @@ const std::vector<ViewWord>& table() {
         {"height", "height", "PIXELS", "Height of the picture.", "720",
          whole(
              [](auto& v) -> auto& { return v.height; }, sides)},
-        {"method", "method", "NAME", "How points are drawn; it starts with its own default parameters.",
+        {"method", "method", "NAME",
+         "How points are drawn, auto: by the method that suits the scan; one that is named starts with its "
+         "own default parameters.",
          "paraboloid", method()},
         {"param.NAME", "param", "NAME=VALUE", "A parameter of the method; may be given once for each.",
          "sizePx=5", parameters()},

@@ -16,7 +16,7 @@ struct SurfelOptions {
     int neighbours = 10;  ///< k; doubled up to 80 while λ2/λ1 < 1/16 (scan lines)
     /// Of the nodes that the points are drawn with, one for each of `out`: a surface that is much sparser has to
     /// have more evidence. Empty: all have to.
-    std::span<const float> spacings;
+    std::span<const float> spacings = {};
 };
 
 /// Of the first out.size() points; the rest (a halo) only lends neighbours. Points are offsets from a nearby

@@ -105,6 +105,7 @@ struct ChosenMethod {
     const Method* method = nullptr;
     ParameterValues parameters;
     Shading shading = Shading::Unlit;
+    LightRig light;
     std::string reason;
 };
 
@@ -136,12 +137,15 @@ Expected<ChosenMethod> choose(const Cloud& cloud, const Style& style) {
     const bool isOpen = named->name == automaticName;
     const AutomaticChoice choice =
         isOpen ? chooseMethod(traits(cloud)) : AutomaticChoice{named, named->defaultShading, {}};
-    const auto ofLook = isOpen && cloud.look ? cloud.look->style.shading : std::nullopt;
+    const Style ofLook = isOpen && !style.shading && cloud.look ? cloud.look->style : Style();
+    LightRig light = style.light;
+    light.occlusion = style.light.occlusion.value_or(ofLook.light.occlusion.value_or(0));
     auto parameters = isOpen ? parametersOfChosen(*choice.method, style.parameters)
                              : resolveParameters(*choice.method, style.parameters);
     if (!parameters) return passOn(parameters);
     return ChosenMethod{choice.method, std::move(*parameters),
-                        style.shading.value_or(ofLook.value_or(choice.shading)), choice.reason};
+                        style.shading.value_or(ofLook.shading.value_or(choice.shading)), light,
+                        choice.reason};
 }
 
 /// How to select what the passes draw.
@@ -188,7 +192,10 @@ Style leftOpen(Style style) {
     style.exposure = open.exposure;
     style.colormap = open.colormap;
     style.range = open.range;
-    if (style.method == automaticName) style.shading = open.shading;
+    if (style.method == automaticName) {
+        style.shading = open.shading;
+        style.light.occlusion = open.light.occlusion;
+    }
     return style;
 }
 
@@ -221,7 +228,7 @@ Expected<std::shared_ptr<const PlannedView>> plan(const Cloud& cloud, const View
     planned->filter = sampleFilter(cloud, view.style);
     const double detail = view.quality.detail.value_or(method->defaultDetail);
     planned->passes = method->passes(
-        {*method, chosen->parameters, chosen->shading, traits(cloud), detail, style.light, view.height});
+        {*method, chosen->parameters, chosen->shading, traits(cloud), detail, chosen->light, view.height});
     planned->selection = selectionFor(cloud, view, detail, planned->passes);
     planShadows(cloud, *planned);
     planned->margin = screenMargin(planned->passes);

@@ -88,8 +88,10 @@ struct LightRig {
         sun;                ///< azimuth from north (+Y) by east, elevation; degrees. nullopt = none
     double sunlight = 0.5;  ///< from the sun, where there is one
     double shine = 0.08;    ///< how bright the headlight's reflections are
-    double occlusion = 0;   ///< with any shading: how dark hollows are, 0 - 1 (docs/spec/shading.md §9)
-    double shadow = 0;      ///< with any shading: how dark the sun's shadows are, 0 - 1
+    /// With any shading: how dark hollows are, 0 - 1 (docs/spec/shading.md §9). nullopt = what the cloud's look says,
+    /// where method and shading are the look's to say, too; else 0.
+    std::optional<double> occlusion{};
+    double shadow = 0;  ///< with any shading: how dark the sun's shadows are, 0 - 1
     bool operator==(const LightRig&) const = default;
 };
 

@@ -290,8 +290,11 @@ const std::vector<ViewWord>& table() {
          "How bright the headlight's reflections are in surfaces that face it.", "0.2",
          number(
              [](auto& v) -> auto& { return v.style.light.shine; }, shares)},
-        {"light.occlusion", "light.occlusion", "STRENGTH",
-         "How dark hollows, corners and the feet of things are drawn, with any shading; 0 is off.", "0.6",
+        {"light.occlusion", "light.occlusion", "STRENGTH|auto",
+         "How dark hollows, corners and the feet of things are drawn, with any shading; 0 is off, auto "
+         "leaves "
+         "it to the cloud's look.",
+         "0.6",
          number(
              [](auto& v) -> auto& { return v.style.light.occlusion; }, shares)},
         {"light.shadow", "light.shadow", "STRENGTH",

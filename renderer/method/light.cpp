@@ -63,7 +63,7 @@ ShadowPass shadowPass(const LightRig& light, Shading shading) {
 
 OcclusionPass occlusionPass(const LightRig& light, int height) {
     constexpr double ofHeight = 0.05;
-    return {static_cast<float>(light.occlusion), static_cast<float>(height * ofHeight)};
+    return {static_cast<float>(light.occlusion.value_or(0)), static_cast<float>(height * ofHeight)};
 }
 
 }  // namespace scancast

@@ -36,7 +36,7 @@ void addShading(const PassRequest& request, PassList& list) {
     if (castsShadows(request.light)) list.push_back(shadowPass(request.light, request.shading));
     if (request.shading == Shading::Phong) list.push_back(phongPass(request.light, request.cloud.up));
     if (request.shading == Shading::EyeDome) list.push_back(EyeDomePass{});
-    if (request.light.occlusion > 0) list.push_back(occlusionPass(request.light, request.height));
+    if (request.light.occlusion.value_or(0) > 0) list.push_back(occlusionPass(request.light, request.height));
 }
 
 }  // namespace scancast

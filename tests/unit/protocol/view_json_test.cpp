@@ -48,8 +48,8 @@ TEST(ViewJson, CanonicalTextIsFixed) {
         R"({"background":["#3a424e","#16191e"],"behindMirrors":false,"budget":null,"camera":{"eye":[0.0,-1.0,0.0],"far":null,)"
         R"("fov":60.0,"near":null,"target":[0.0,0.0,0.0],"type":"perspective","up":[0.0,0.0,1.0]},)"
         R"("classes":null,"clip":null,"color":"auto","colormap":"viridis","detail":null,"exposure":null,"height":720,)"
-        R"("light":{"ambient":0.5,"headlight":0.5,"occlusion":0.0,"shadow":0.0,"shine":0.08,"sun":null,"sunlight":0.5},)"
-        R"("method":"paraboloid","mirrors":true,"outliers":"hide","param":{},"quality":90,"range":null,"samples":null,"shading":null,)"
+        R"("light":{"ambient":0.5,"headlight":0.5,"occlusion":null,"shadow":0.0,"shine":0.08,"sun":null,"sunlight":0.5},)"
+        R"("method":"auto","mirrors":true,"outliers":"hide","param":{},"quality":90,"range":null,"samples":null,"shading":null,)"
         R"("subsampling":"4:2:0","width":1280})")
         << "A new word? Put it here, in the order of the alphabet.";
 }

@@ -411,6 +411,26 @@ TEST(Plan, AutoLightsWhatHasNoColours) {
     EXPECT_EQ(lit(false, false), "unlit") << "the view's own word wins";
 }
 
+TEST(Plan, OcclusionLeftOpenIsTheLooksWithItsLight) {
+    Cloud cloud = fourPoints();
+    cloud.look.emplace().style.light.occlusion = 0.75;
+    View view = fromAbove(cloud);
+    const auto strength = [&] {
+        for (const Pass& pass : plan(cloud, view).value()->passes)
+            if (const auto* occlusion = std::get_if<OcclusionPass>(&pass)) return occlusion->strength;
+        return 0.0f;
+    };
+    EXPECT_EQ(strength(), 0.75f);
+    view.style.light.occlusion = 0.25;
+    EXPECT_EQ(strength(), 0.25f) << "the view's own word wins";
+    view.style.light.occlusion.reset();
+    view.style.shading = Shading::EyeDome;
+    EXPECT_EQ(strength(), 0.0f) << "another light, without it";
+    view.style.shading.reset();
+    view.style.method = "paraboloid";
+    EXPECT_EQ(strength(), 0.0f) << "another method brings its own light";
+}
+
 TEST(Render, AnAbandonedFrameIsCancelled) {
     const Cloud cloud = fourPoints();
     NotingDevice device;

@@ -130,6 +130,8 @@ struct Stats {
     double resolution = 1;  ///< of the wanted width and height
     int jpegQuality = 0;
     double bandwidth = 0;  ///< of the acknowledged frames, bytes/s; 0 = no limit has shown yet
+    std::string method;
+    std::string methodReason;  ///< why this one, where the view says auto; else empty
     bool operator==(const Stats&) const = default;
 };
 

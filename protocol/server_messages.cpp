@@ -70,6 +70,8 @@ Expected<ServerMessage> readStats(FieldReader& fields) {
     fields.number("resolution", stats.resolution);
     fields.integer("jpegQuality", stats.jpegQuality, 0, 100);
     fields.number("bandwidth", stats.bandwidth);
+    fields.text("method", stats.method);
+    fields.text("methodReason", stats.methodReason);
     eachEntry(fields, "stages", 64, [&](const json& item) {
         auto& stage = stats.stages.emplace_back();
         FieldReader entry(item, "stages", ErrorCode::Malformed);
@@ -149,6 +151,8 @@ json print(const Stats& stats) {
             {"samples", stats.samples},
             {"points", stats.points},
             {"dropped", stats.dropped},
+            {"method", stats.method},
+            {"methodReason", stats.methodReason},
             {"stages", stages}};
 }
 

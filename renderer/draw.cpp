@@ -27,10 +27,11 @@ FrameStats statsOf(const PreparedView& prepared, double provideMs, std::span<con
 }
 
 /// The cuts as a device with memory of its own can draw them within its budget for a frame.
-Expected<void> bringCuts(const Octree& octree, std::vector<CutView>& cuts, DeviceMemory& memory,
-                         const std::stop_token& stop) {
+Expected<void> bringCuts(const Octree& octree, std::vector<CutView>& cuts, std::optional<CutView>& sun,
+                         DeviceMemory& memory, const std::stop_token& stop) {
     std::vector<Cut*> all;
     for (CutView& view : cuts) all.push_back(&view.cut);
+    if (sun) all.push_back(&sun->cut);
     return provideOnDevice(octree, all, memory, stop);
 }
 
@@ -93,15 +94,17 @@ Expected<std::unique_ptr<PendingFrame>> beginDrawing(Device& device, const Prepa
     DeviceMemory* const memory = uploads == Uploads::ForAFrame ? device.memory() : nullptr;
     std::vector<CutView> own;  // where the device draws others than were prepared
     if (memory || !info.mirrors) own = prepared.cuts;
+    std::optional<CutView> sun = prepared.sun;
     double provideMs = prepared.provideMs;
     if (memory) {
         const auto start = Clock::now();
-        if (auto ok = bringCuts(prepared.cloud->octree, own, *memory, stop); !ok) return passOn(ok);
+        if (auto ok = bringCuts(prepared.cloud->octree, own, sun, *memory, stop); !ok) return passOn(ok);
         provideMs += millisecondsSince(start);
     }
     if (!info.mirrors) leaveMirrorsOut(own);
     Drawing drawing = drawingOf(prepared, jitter);
     drawing.cuts = own.empty() ? prepared.cuts : own;
+    if (sun) drawing.sun = &*sun;
     auto pixels =
         beginPicture(device, drawing, {prepared.tileSide, planned.margin, planned.tilesAreExact}, stop);
     if (!pixels) return pixels;

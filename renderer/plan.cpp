@@ -3,17 +3,23 @@
 #include <algorithm>
 
 #include "renderer/cloud/surfel_codec.hpp"
-#include "renderer/device/host/drawing.hpp"
+#include "renderer/device/host/screens.hpp"
 #include "renderer/method/automatic.hpp"
+#include "renderer/method/light.hpp"
 #include "renderer/method/method.hpp"
 #include "renderer/select/fade.hpp"
 #include "renderer/style.hpp"
+#include "renderer/sun.hpp"
 
 namespace scancast {
 namespace {
 
 /// Pixels around a tile that hidden point removal and pull-push look at.
 constexpr int hiddenPointsMargin = 128;
+
+/// τ of what the sun sees, px of the map of shadows; and how far a surface may lie behind itself there: by the softness
+/// of look-ups, px, and by the size of splats.
+constexpr double shadowDetail = 1.5, biasInPixels = 2, biasInSpacings = 1.5;
 
 /// Bounds must grow by half of the largest splat, or culling would cut splats off at the picture's edge.
 /// `factor`: how much larger than `splat` says, and than a node's spacing, they may be.
@@ -62,6 +68,8 @@ int screenMargin(const PassList& passes) {
         if (const auto* eyeDome = std::get_if<EyeDomePass>(&pass)) {
             margin = std::max(margin, static_cast<int>(eyeDome->radiusPx) + 2);
         }
+        if (const auto* occlusion = std::get_if<OcclusionPass>(&pass))
+            margin = std::max(margin, occlusionReach(*occlusion));
         if (std::holds_alternative<HiddenPointsPass>(pass)) margin = std::max(margin, hiddenPointsMargin);
     }
     return margin;
@@ -72,14 +80,8 @@ CloudTraits traits(const Cloud& cloud) {
             .oriented = cloud.oriented || cloud.sides,
             .normals = cloud.surfels || cloud.attributes.normal,
             .colors = cloud.attributes.color,
-            .spacing = cloud.spacing};
-}
-
-/// Where the method is left open the look says how it is lit; a method that is named brings its own light.
-Shading shadingOf(const Cloud& cloud, const Style& style, const Method& method) {
-    if (style.shading) return *style.shading;
-    const bool isOpen = style.method == automaticName && cloud.look;
-    return (isOpen ? cloud.look->style.shading : std::nullopt).value_or(method.defaultShading);
+            .spacing = cloud.spacing,
+            .up = cloud.look ? cloud.look->up : glm::dvec3(0, 0, 1)};
 }
 
 /// Whether the cloud has what the method and its shading draw.
@@ -98,41 +100,14 @@ Expected<void> checkAbility(const Cloud& cloud, const Method& method, Shading sh
     return {};
 }
 
-/// Distance of neighbouring samples on screen where they are as fine as the cloud has them, but not finer
-/// than surfels are drawn; the median over the samples, px.
-double spacingOnScreen(const Cloud& cloud, const Viewpoint& viewpoint) {
-    SelectOptions options;
-    options.detail = 2;
-    Cut cut = select(cloud.octree, viewpoint, options);
-    std::ranges::sort(cut.runs, {}, &CutRun::projected);
-    std::uint64_t seen = 0;
-    for (const CutRun& run : cut.runs) {
-        seen += run.node->sampleCount;
-        if (2 * seen >= cut.samples) return run.projected;
-    }
-    return 1;
-}
-
-/// A method with complete parameters, and why it was chosen where the request left that open.
+/// A method with complete parameters, its light, and why it was chosen where the request left that open.
 struct ChosenMethod {
     const Method* method = nullptr;
     ParameterValues parameters;
+    Shading shading = Shading::Unlit;
+    LightRig light;
     std::string reason;
 };
-
-/// What depends on the view as `auto` chooses by it.
-bool choosesAlike(const View& view, const View& known) {
-    return known.style.method == automaticName && known.camera == view.camera && known.width == view.width &&
-           known.height == view.height;
-}
-
-/// The method that `auto` stands for, by name, and why.
-ChosenMethod chooseAutomatically(const Cloud& cloud, const View& view, const Viewpoint& viewpoint,
-                                 const PlannedView* known) {
-    if (known && choosesAlike(view, known->view)) return {findMethod(known->method), {}, known->reason};
-    const AutomaticChoice choice = chooseMethod(traits(cloud), spacingOnScreen(cloud, viewpoint));
-    return {choice.method, {}, choice.reason};
-}
 
 /// Of a style that leaves the method open: what the chosen one has; parameters of others wait for views in which
 /// those are chosen.
@@ -150,24 +125,27 @@ Expected<ParameterValues> parametersOfChosen(const Method& chosen, const Paramet
     return resolveParameters(chosen, own);
 }
 
-Expected<ChosenMethod> choose(const Cloud& cloud, const View& view, const Viewpoint& viewpoint,
-                              const PlannedView* known) {
-    const Style& style = view.style;
-    ChosenMethod chosen;
-    chosen.method = findMethod(style.method);
-    if (!chosen.method) {
+/// Where the method is left open the look says how it is lit; a method that is named brings its own light.
+Expected<ChosenMethod> choose(const Cloud& cloud, const Style& style) {
+    const Method* const named = findMethod(style.method);
+    if (!named) {
         std::string names;
         for (const auto& m : methods()) names += (names.empty() ? "" : ", ") + m.name;
         return fail(ErrorCode::InvalidArgument,
                     "there is no method '" + style.method + "'; there are " + names, "method");
     }
-    const bool isOpen = chosen.method->name == automaticName;
-    if (isOpen) chosen = chooseAutomatically(cloud, view, viewpoint, known);
-    auto parameters = isOpen ? parametersOfChosen(*chosen.method, style.parameters)
-                             : resolveParameters(*chosen.method, style.parameters);
+    const bool isOpen = named->name == automaticName;
+    const AutomaticChoice choice =
+        isOpen ? chooseMethod(traits(cloud)) : AutomaticChoice{named, named->defaultShading, {}};
+    const Style ofLook = isOpen && !style.shading && cloud.look ? cloud.look->style : Style();
+    LightRig light = style.light;
+    light.occlusion = style.light.occlusion.value_or(ofLook.light.occlusion.value_or(0));
+    auto parameters = isOpen ? parametersOfChosen(*choice.method, style.parameters)
+                             : resolveParameters(*choice.method, style.parameters);
     if (!parameters) return passOn(parameters);
-    chosen.parameters = std::move(*parameters);
-    return chosen;
+    return ChosenMethod{choice.method, std::move(*parameters),
+                        style.shading.value_or(ofLook.shading.value_or(choice.shading)), light,
+                        choice.reason};
 }
 
 /// How to select what the passes draw.
@@ -185,6 +163,26 @@ SelectOptions selectionFor(const Cloud& cloud, const View& view, double detail, 
     return selection;
 }
 
+/// Where the passes ask for shadows: what the sun sees, and how much in front of a surface what it sees must lie.
+void planShadows(const Cloud& cloud, PlannedView& planned) {
+    const auto asks = [](const Pass& pass) { return std::holds_alternative<ShadowPass>(pass); };
+    const auto found = std::ranges::find_if(planned.passes, asks);
+    if (found == planned.passes.end()) return;
+    const auto& bounds = cloud.look ? cloud.look->bounds : cloud.bounds;
+    const CloudTraits cloudTraits = traits(cloud);
+    planned.sun = sunViewpoint({bounds[0] - cloud.origin, bounds[1] - cloud.origin}, planned.viewpoint,
+                               wayToSun(*planned.view.style.light.sun, cloudTraits.up));
+    if (!planned.sun) return;
+    planned.sunSelection = planned.selection;
+    planned.sunSelection.fade = 0;
+    planned.sunSelection.cullBackFaces = false;
+    planned.sunSelection.detail = shadowDetail;
+    growBySplats({shadowMapPasses(cloud.surfels).nearest}, cloud.surfels, planned.sunSelection);
+    const double pixel = 1 / planned.sun->pixelsPerUnit;
+    std::get<ShadowPass>(*found).bias = static_cast<float>(
+        biasInPixels * pixel + biasInSpacings * std::max(shadowDetail * pixel, cloud.spacing));
+}
+
 /// The style with open whatever the look decides where nothing is said: so naming another colour or method brings
 /// nothing of the look's along - no range of heights for intensities, no light of another method.
 Style leftOpen(Style style) {
@@ -195,7 +193,10 @@ Style leftOpen(Style style) {
     style.exposure = open.exposure;
     style.colormap = open.colormap;
     style.range = open.range;
-    if (style.method == automaticName) style.shading = open.shading;
+    if (style.method == automaticName) {
+        style.shading = open.shading;
+        style.light.occlusion = open.light.occlusion;
+    }
     return style;
 }
 
@@ -206,15 +207,13 @@ std::optional<std::uint64_t> mostSamples(const Cloud& cloud) {
     return cloud.octree.store().capacity();
 }
 
-Expected<std::shared_ptr<const PlannedView>> plan(const Cloud& cloud, const View& view,
-                                                  const PlannedView* known) {
+Expected<std::shared_ptr<const PlannedView>> plan(const Cloud& cloud, const View& view) {
     auto viewpoint = Viewpoint::create(view, cloud.origin, cloud.bounds);
     if (!viewpoint) return passOn(viewpoint);
-    const auto chosen = choose(cloud, view, *viewpoint, known);
+    const auto chosen = choose(cloud, view.style);
     if (!chosen) return passOn(chosen);
     const Method* const method = chosen->method;
-    const Shading shading = shadingOf(cloud, view.style, *method);
-    if (auto ok = checkAbility(cloud, *method, shading); !ok) return passOn(ok);
+    if (auto ok = checkAbility(cloud, *method, chosen->shading); !ok) return passOn(ok);
     const Style style = decidedStyle(cloud, view.style);
     auto color = colorRule(cloud, style, *viewpoint);
     if (!color) return passOn(color);
@@ -229,8 +228,10 @@ Expected<std::shared_ptr<const PlannedView>> plan(const Cloud& cloud, const View
     planned->color = *color;
     planned->filter = sampleFilter(cloud, view.style);
     const double detail = view.quality.detail.value_or(method->defaultDetail);
-    planned->passes = method->passes({*method, chosen->parameters, shading, traits(cloud), detail});
+    planned->passes = method->passes(
+        {*method, chosen->parameters, chosen->shading, traits(cloud), detail, chosen->light, view.height});
     planned->selection = selectionFor(cloud, view, detail, planned->passes);
+    planShadows(cloud, *planned);
     planned->margin = screenMargin(planned->passes);
     planned->tilesAreExact = looksNoFartherThanTheMargin(planned->passes);
     return planned;

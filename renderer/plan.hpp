@@ -29,17 +29,16 @@ struct PlannedView {
     ColorRule color;
     SampleFilter filter;
     SelectOptions selection;
+    std::optional<Viewpoint> sun;  ///< what it sees is the map of shadows; none: nothing is in the shadow
+    SelectOptions sunSelection;
     int margin = 0;  ///< px around a tile that its screen passes look at
     /// None of them looks farther, so a picture has the same bytes in tiles as in one piece.
     bool tilesAreExact = true;
 };
 
-/// `known`: what is planned of the same cloud already. Where that is seen by the same camera at the same
-/// size, it answers what only a whole selection can (the method `auto`). Errors: those of validate();
-/// NotFound for a method; InvalidArgument for its parameters, colour map, range; Unsupported when the cloud
-/// lacks what the style needs.
-Expected<std::shared_ptr<const PlannedView>> plan(const Cloud& cloud, const View& view,
-                                                  const PlannedView* known = nullptr);
+/// Errors: those of validate(); NotFound for a method; InvalidArgument for its parameters, colour map, range;
+/// Unsupported when the cloud lacks what the style needs.
+Expected<std::shared_ptr<const PlannedView>> plan(const Cloud& cloud, const View& view);
 
 /// Whether a view can be planned, for who needs nothing but the answer. Errors: those of plan().
 Expected<void> checkView(const Cloud& cloud, const View& view);

@@ -50,21 +50,43 @@ Cut cutAhead(const Cloud& cloud, View view, const Camera& camera, const SelectOp
     return viewpoint ? select(cloud.octree, *viewpoint, selection) : Cut();
 }
 
-std::vector<CutRun> runsOf(std::span<const CutView> cuts) {
+std::vector<CutRun> runsOf(std::span<CutView* const> cuts) {
     std::vector<CutRun> runs;
-    for (const CutView& view : cuts) runs.insert(runs.end(), view.cut.runs.begin(), view.cut.runs.end());
+    for (const CutView* view : cuts) runs.insert(runs.end(), view->cut.runs.begin(), view->cut.runs.end());
     return runs;
 }
 
+/// The main view, its reflections, the sun's.
+std::vector<CutView*> cutsIn(PreparedView& prepared) {
+    std::vector<CutView*> all;
+    for (CutView& view : prepared.cuts) all.push_back(&view);
+    if (prepared.sun) all.push_back(&*prepared.sun);
+    return all;
+}
+
+/// What the sun sees may take so much of a budget.
+constexpr std::uint64_t sunsPart = 4;
+
+/// Chooses what the sun sees; returns what is left of the budget for the others.
+SelectOptions selectSun(const Octree& octree, const PlannedView& plan, const RenderOptions& options,
+                        SelectOptions selection, PreparedView& prepared) {
+    if (!plan.sun) return selection;
+    SelectOptions ofSun = selectionWith(options, plan.sunSelection);
+    if (ofSun.budget) ofSun.budget = std::max<std::uint64_t>(1, *ofSun.budget / sunsPart);
+    prepared.sun = CutView{*plan.sun, select(octree, *plan.sun, ofSun), plan.filter};
+    if (selection.budget) *selection.budget -= std::min(*selection.budget - 1, prepared.sun->cut.samples);
+    return selection;
+}
+
 /// The samples of all cuts; what is missing is requested once for all, by the main view.
-Expected<void> provideCuts(const Octree& octree, ProvideOptions options, std::vector<CutView>& cuts,
+Expected<void> provideCuts(const Octree& octree, ProvideOptions options, std::span<CutView* const> cuts,
                            const std::stop_token& stop) {
-    const std::vector<CutRun> beside = runsOf(std::span(cuts).subspan(1));
+    const std::vector<CutRun> beside = runsOf(cuts.subspan(1));
     options.beside = beside;
-    for (CutView& view : cuts) {
-        auto cut = provide(octree, std::move(view.cut), options, stop);
+    for (CutView* const view : cuts) {
+        auto cut = provide(octree, std::move(view->cut), options, stop);
         if (!cut) return passOn(cut);
-        view.cut = std::move(*cut);
+        view->cut = std::move(*cut);
         options.request = false;
     }
     return {};
@@ -95,15 +117,16 @@ Expected<std::shared_ptr<const PreparedView>> prepare(const Cloud& cloud,
     const PlannedView& plan = *prepared->planned;
     auto start = Clock::now();
     prepared->cuts = cutsOf(cloud, plan);
-    const SelectOptions selection =
-        selectCuts(cloud.octree, selectionWith(options, plan.selection), prepared->cuts);
+    const SelectOptions whole =
+        selectSun(cloud.octree, plan, options, selectionWith(options, plan.selection), *prepared);
+    const SelectOptions selection = selectCuts(cloud.octree, whole, prepared->cuts);
     Cut soon;
     if (options.ahead && !options.wait && mostSamples(cloud))
         soon = cutAhead(cloud, plan.view, *options.ahead, selection);
     prepared->selectMs = millisecondsSince(start);
     start = Clock::now();
     const ProvideOptions provision{.wait = options.wait, .requester = options.requester, .ahead = soon.runs};
-    if (auto ok = provideCuts(cloud.octree, provision, prepared->cuts, stop); !ok) return passOn(ok);
+    if (auto ok = provideCuts(cloud.octree, provision, cutsIn(*prepared), stop); !ok) return passOn(ok);
     prepared->provideMs = millisecondsSince(start);
     return prepared;
 }
@@ -111,6 +134,7 @@ Expected<std::shared_ptr<const PreparedView>> prepare(const Cloud& cloud,
 std::uint64_t samplesMissing(const PreparedView& prepared) {
     std::uint64_t missing = 0;
     for (const CutView& view : prepared.cuts) missing += view.cut.samplesMissing;
+    if (prepared.sun) missing += prepared.sun->cut.samplesMissing;
     return missing;
 }
 

@@ -38,7 +38,8 @@ struct RenderOptions {
 struct PreparedView {
     std::shared_ptr<const PlannedView> planned;
     const Cloud* cloud = nullptr;
-    std::vector<CutView> cuts;  ///< the main view, then its reflections
+    std::vector<CutView> cuts;     ///< the main view, then its reflections
+    std::optional<CutView> sun{};  ///< what it sees, where there are shadows
     bool depth = true;
     int tileSide = largestTile;
     double selectMs = 0, provideMs = 0;

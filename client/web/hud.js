@@ -114,6 +114,7 @@ export class Hud {
       rows.push(['Size', `${Math.round(frame.picture.length / 1024)} KiB`]);
     }
     if (stats) {
+      if (stats.method) rows.push(['Method', stats.methodReason ? `${stats.method}: ${stats.methodReason}` : stats.method]);
       rows.push(['Samples drawn', amount(stats.samples)]);
       rows.push(['… for scan points', amount(stats.points)]);
       if (stats.detail > 0) rows.push(['Detail', `${stats.detail.toPrecision(2)} px`]);

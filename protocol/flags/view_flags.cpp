@@ -4,35 +4,74 @@
 #include "protocol/view/view_words.hpp"
 
 namespace scancast {
+namespace {
+
+/// Of one flag for several words, what each of them means and an example of the first.
+struct GroupHelp {
+    std::string meaning, example;
+};
+
+/// "--light ambient=0.3"; `param.NAME` says so itself.
+std::string exampleOf(const ViewWord& word) {
+    const std::string example(word.example);
+    const bool any = word.word.ends_with(".NAME");
+    return word.flag() + " " +
+           (any ? example : std::string(word.word.substr(word.group().size() + 1)) + "=" + example);
+}
+
+GroupHelp helpOf(std::string_view group) {
+    GroupHelp help;
+    for (const auto& word : viewWords()) {
+        if (word.group() != group) continue;
+        const auto name = word.word.substr(group.size() + 1);
+        if (help.example.empty()) help.example = exampleOf(word);
+        if (!help.meaning.empty()) help.meaning += '\n';
+        if (name != "NAME") help.meaning += std::string(name) + "=" + std::string(word.shape) + ": ";
+        help.meaning += word.description();
+    }
+    return help;
+}
+
+}  // namespace
 
 void ViewFlags::addTo(CLI::App& app) {
     for (const auto& word : viewWords()) {
         const auto flag = word.flag();
-        const auto help = word.description() + " Example: " + flag + " " + std::string(word.example);
         CLI::Option* option = nullptr;
-        if (flag == "--param")
-            option = app.add_option(flag, parameters_, help)
-                         ->expected(1)
-                         ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll)
-                         ->allow_extra_args(false);
-        else
+        if (word.group().empty()) {
+            const auto help = word.description() + " Example: " + flag + " " + std::string(word.example);
             option = app.add_option_function<std::string>(
                 flag,
                 [this, name = word.word](const std::string& value) { given_.emplace_back(name, value); },
                 help);
-        option->type_name(std::string(word.shape))->group("The view");
+            option->type_name(std::string(word.shape));
+        } else {
+            const auto [members, isFirst] = members_.try_emplace(word.group());
+            if (!isFirst) continue;
+            const GroupHelp help = helpOf(word.group());
+            option = app.add_option(flag, members->second, help.meaning + "\nExample: " + help.example)
+                         ->expected(1)
+                         ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll)
+                         ->allow_extra_args(false)
+                         ->type_name("NAME=VALUE");
+        }
+        option->group("The view");
     }
 }
 
 Expected<WordValues> ViewFlags::words() const {
     WordValues words = given_;
-    for (const auto& parameter : parameters_) {
-        const auto equals = parameter.find('=');
-        if (equals == std::string::npos || equals == 0)
-            return fail(ErrorCode::InvalidArgument,
-                        "--param takes NAME=VALUE, such as --param sizePx=5, not " + quoteText(parameter),
-                        "param");
-        words.emplace_back("param." + parameter.substr(0, equals), parameter.substr(equals + 1));
+    for (const auto& [group, members] : members_) {
+        for (const auto& member : members) {
+            const auto equals = member.find('=');
+            if (equals == std::string::npos || equals == 0)
+                return fail(ErrorCode::InvalidArgument,
+                            "--" + std::string(group) + " takes NAME=VALUE, such as " +
+                                helpOf(group).example + ", not " + quoteText(member),
+                            std::string(group));
+            words.emplace_back(std::string(group) + "." + member.substr(0, equals),
+                               member.substr(equals + 1));
+        }
     }
     return words;
 }

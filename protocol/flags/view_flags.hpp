@@ -1,11 +1,13 @@
 // The words of a view as flags of a command line, for every program: a flag for each row of the table of
-// words.
+// words, and one for each group of rows (`light.ambient`, `light.sun`: `--light ambient=0.3 --light sun=135,40`).
 //
 // Owned by whoever builds the command line; stays where it is, and outlives its parsing. One thread.
 #pragma once
 
 #include <CLI/CLI.hpp>
+#include <map>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "protocol/view/query.hpp"
@@ -20,13 +22,13 @@ class ViewFlags {
 
     /// Registers a flag for every word, with its meaning and an example in the help, in a group of its own.
     void addTo(CLI::App& app);
-    /// Those that were given, as words; applyWords() checks them. InvalidArgument for a --param that is not
-    /// NAME=VALUE.
+    /// Those that were given, as words; applyWords() checks them. InvalidArgument for a --param, or another
+    /// group's flag, that is not NAME=VALUE.
     Expected<WordValues> words() const;
 
   private:
     WordValues given_;
-    std::vector<std::string> parameters_;
+    std::map<std::string_view, std::vector<std::string>> members_;  ///< by group
 };
 
 }  // namespace scancast

@@ -79,6 +79,22 @@ struct Background {
 using ParameterValue = std::variant<bool, double, std::string>;
 using ParameterValues = std::map<std::string, ParameterValue>;
 
+/// The light that `phong` falls on a scene with (docs/spec/shading.md §2). `ambient`, `headlight` and `sunlight` are
+/// shares: only how they compare matters, because light as a whole keeps colours as bright as they are.
+struct LightRig {
+    double ambient = 0.5;    ///< from everywhere
+    double headlight = 0.5;  ///< a soft lamp over the viewer's left shoulder
+    std::optional<std::array<double, 2>>
+        sun;                ///< azimuth from north (+Y) by east, elevation; degrees. nullopt = none
+    double sunlight = 0.5;  ///< from the sun, where there is one
+    double shine = 0.08;    ///< how bright the headlight's reflections are
+    /// With any shading: how dark hollows are, 0 - 1 (docs/spec/shading.md §9). nullopt = what the cloud's look says,
+    /// where method and shading are the look's to say, too; else 0.
+    std::optional<double> occlusion{};
+    double shadow = 0;  ///< with any shading: how dark the sun's shadows are, 0 - 1
+    bool operator==(const LightRig&) const = default;
+};
+
 /// An axis-aligned box in file coordinates.
 struct ClipBox {
     glm::dvec3 min, max;
@@ -86,7 +102,7 @@ struct ClipBox {
 };
 
 struct Style {
-    std::string method = "paraboloid";
+    std::string method = "auto";
     ParameterValues parameters;
     ColorSource color = ColorSource::Auto;
     Rgb8 flatColor{255, 255, 255};               ///< for ColorSource::Flat (`color=#rrggbb`)
@@ -97,6 +113,7 @@ struct Style {
     std::optional<std::vector<std::uint8_t>> classes;  ///< draw these classifications only
     std::optional<ClipBox> clip;                       ///< draw inside this box only
     std::optional<Shading> shading;                    ///< nullopt = the method's default
+    LightRig light;                                    ///< how its light falls
     bool mirrors = true;                               ///< the cloud's mirrors show what stands before them
     bool behindMirrors = false;  ///< draw what the scanner recorded behind mirrors, where nothing is
     Outliers outliers = Outliers::Hide;

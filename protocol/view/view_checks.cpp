@@ -98,6 +98,16 @@ Expected<void> ends(std::string_view word, const std::array<double, 2>& range) {
     return invalid(word, "range needs two finite numbers, the lower one first");
 }
 
+// Written so that NaN fails and is refused.
+Expected<void> sun(std::string_view word, const std::array<double, 2>& direction) {
+    const auto [azimuth, elevation] = direction;
+    if (!(azimuth >= -360 && azimuth <= 360))
+        return invalid(word, std::string(word) + ": the azimuth must lie between -360 and 360 degrees");
+    if (!(elevation >= 0 && elevation <= 90))
+        return invalid(word, std::string(word) + ": the elevation must lie between 0 and 90 degrees");
+    return {};
+}
+
 Expected<void> method(std::string_view word, const std::string& name) {
     if (!name.empty() && name.size() <= longestName) return {};
     return invalid(word, "a method's name has 1 to 64 characters");

@@ -16,6 +16,8 @@ Expected<void> coordinates(std::string_view word, const glm::dvec3& value);
 Expected<void> matrix(std::string_view word, const std::array<double, 16>& value);
 Expected<void> clipBox(std::string_view word, const ClipBox& box);
 Expected<void> ends(std::string_view word, const std::array<double, 2>& range);
+/// Azimuth and elevation.
+Expected<void> sun(std::string_view word, const std::array<double, 2>& direction);
 Expected<void> method(std::string_view word, const std::string& name);
 Expected<void> color(std::string_view word, const Style& style);
 Expected<void> colormap(std::string_view word, const std::string& name);

@@ -11,30 +11,38 @@ namespace {
 
 using nlohmann::json;
 
-constexpr std::string_view camera = "camera.";
-
-bool isOfCamera(const ViewWord& word) {
-    return word.path.starts_with(camera);
+/// The member of the view's object that the word lies in: "camera", "light"; empty: in none.
+std::string_view objectOf(const ViewWord& word) {
+    const auto dot = word.path.find('.');
+    return dot == std::string_view::npos ? std::string_view() : word.path.substr(0, dot);
 }
 
 std::string_view keyOf(const ViewWord& word) {
-    return isOfCamera(word) ? word.path.substr(camera.size()) : word.path;
+    const auto object = objectOf(word);
+    return object.empty() ? word.path : word.path.substr(object.size() + 1);
 }
 
-void readWords(FieldReader& fields, bool ofCamera, View& view) {
-    for (const auto& word : viewWords())
-        if (isOfCamera(word) == ofCamera) word.value.read(view, fields, keyOf(word));
-}
-
-void readCamera(FieldReader& parent, View& view) {
-    const auto* object = parent.find("camera");
+void readObject(FieldReader& parent, std::string_view name, View& view) {
+    const auto* object = parent.find(name);
     if (!object) return;
-    FieldReader fields(*object, parent.path("camera"));
-    readWords(fields, true, view);
+    FieldReader fields(*object, parent.path(name));
+    for (const auto& word : viewWords())
+        if (objectOf(word) == name) word.value.read(view, fields, keyOf(word));
     if (auto result = fields.finishStrict(); !result) parent.error(result.error());
 }
 
-/// validate() names words; in JSON the camera's lie inside "camera".
+/// An object is read where the first of its words stands in the table; there they stand together.
+void readWords(FieldReader& fields, View& view) {
+    std::string_view last;
+    for (const auto& word : viewWords()) {
+        const auto object = objectOf(word);
+        if (object.empty()) word.value.read(view, fields, word.path);
+        if (!object.empty() && object != last) readObject(fields, object, view);
+        last = object;
+    }
+}
+
+/// validate() names words; in JSON some lie inside an object.
 Error atJsonPath(Error error) {
     const auto words = viewWords();
     const auto word =
@@ -48,20 +56,20 @@ Error atJsonPath(Error error) {
 Expected<View> applyJson(const View& base, const json& changes) {
     View view = base;
     FieldReader fields(changes);
-    readCamera(fields, view);
-    readWords(fields, false, view);
+    readWords(fields, view);
     if (auto ok = fields.finishStrict(); !ok) return passOn(ok);
     if (auto sound = validate(view); !sound) return tl::unexpected(atJsonPath(sound.error()));
     return view;
 }
 
 json toJson(const View& view) {
-    json object, cameraObject;
-    for (const auto& word : viewWords())
-        if (word.value.matters(view))
-            (isOfCamera(word) ? cameraObject : object)[std::string(keyOf(word))] = word.value.print(view);
-    object["camera"] = std::move(cameraObject);
-    return object;
+    json whole;
+    for (const auto& word : viewWords()) {
+        if (!word.value.matters(view)) continue;
+        json& object = objectOf(word).empty() ? whole : whole[std::string(objectOf(word))];
+        object[std::string(keyOf(word))] = word.value.print(view);
+    }
+    return whole;
 }
 
 }  // namespace scancast

@@ -17,6 +17,8 @@ constexpr ViewRange lengths{1e-9, checks::farthestCoordinate, "be above 0, in th
                             ErrorCode::ImpossibleView};
 constexpr ViewRange sides{1, maxPictureSide, "lie between 1 and 16384 px"};
 
+constexpr ViewRange shares{0, 1, "lie between 0 and 1"};
+
 constexpr auto anything = [](std::string_view, const auto&) { return Expected<void>(); };
 
 template <class T>
@@ -233,7 +235,9 @@ const std::vector<ViewWord>& table() {
         {"height", "height", "PIXELS", "Height of the picture.", "720",
          whole(
              [](auto& v) -> auto& { return v.height; }, sides)},
-        {"method", "method", "NAME", "How points are drawn; it starts with its own default parameters.",
+        {"method", "method", "NAME",
+         "How points are drawn, auto: by the method that suits the scan; one that is named starts with its "
+         "own default parameters.",
          "paraboloid", method()},
         {"param.NAME", "param", "NAME=VALUE", "A parameter of the method; may be given once for each.",
          "sizePx=5", parameters()},
@@ -264,6 +268,39 @@ const std::vector<ViewWord>& table() {
         {"shading", "shading", "unlit|phong|eyedome|auto",
          "How light falls on points; auto leaves it to the method.", "eyedome",
          value([](auto& v) -> auto& { return v.style.shading; })},
+        {"light.ambient", "light.ambient", "SHARE", "Of phong's light: what comes from everywhere.", "0.3",
+         number(
+             [](auto& v) -> auto& { return v.style.light.ambient; }, shares)},
+        {"light.headlight", "light.headlight", "SHARE",
+         "Of phong's light: what comes from a soft lamp over the viewer's left shoulder.", "0.7",
+         number(
+             [](auto& v) -> auto& { return v.style.light.headlight; }, shares)},
+        {"light.sun", "light.sun", "AZIMUTH,ELEVATION|auto",
+         "Where the sun stands, in degrees: from north (the file's +Y) by east, and above the horizon; auto "
+         "has "
+         "no sun.",
+         "135,40",
+         value(
+             [](auto& v) -> auto& { return v.style.light.sun; }, checks::sun)},
+        {"light.sunlight", "light.sunlight", "SHARE",
+         "Of phong's light: what comes from the sun, where there is one.", "0.8",
+         number(
+             [](auto& v) -> auto& { return v.style.light.sunlight; }, shares)},
+        {"light.shine", "light.shine", "SHARE",
+         "How bright the headlight's reflections are in surfaces that face it.", "0.2",
+         number(
+             [](auto& v) -> auto& { return v.style.light.shine; }, shares)},
+        {"light.occlusion", "light.occlusion", "STRENGTH|auto",
+         "How dark hollows, corners and the feet of things are drawn, with any shading; 0 is off, auto "
+         "leaves "
+         "it to the cloud's look.",
+         "0.6",
+         number(
+             [](auto& v) -> auto& { return v.style.light.occlusion; }, shares)},
+        {"light.shadow", "light.shadow", "STRENGTH",
+         "How dark the sun's shadows are, with any shading, where there is a sun; 0 is off.", "0.8",
+         number(
+             [](auto& v) -> auto& { return v.style.light.shadow; }, shares)},
         {"mirrors", "mirrors", "true|false", "Whether the cloud's mirrors show what stands before them.",
          "false", value([](auto& v) -> auto& { return v.style.mirrors; })},
         {"behindMirrors", "behindMirrors", "true|false",

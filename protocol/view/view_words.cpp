@@ -33,6 +33,11 @@ Expected<void> checkTogether(const WordValues& given) {
 
 }  // namespace
 
+std::string_view ViewWord::group() const {
+    const auto dot = word.find('.');
+    return dot == std::string_view::npos ? std::string_view() : word.substr(0, dot);
+}
+
 std::string ViewWord::flag() const {
     std::string flag = "--";
     for (const char c : word.substr(0, word.find('.')))

@@ -41,14 +41,18 @@ struct ViewValue {
 
 /// One word of the vocabulary.
 struct ViewWord {
-    std::string_view word;     ///< "viewHeight"; "param.NAME" stands for every parameter of a method
+    std::string_view
+        word;  ///< "viewHeight", "light.ambient"; "param.NAME" stands for every parameter of a method
     std::string_view path;     ///< in the JSON view: "camera.viewHeight", "param"
     std::string_view shape;    ///< of the value: "X,Y,Z"
     std::string_view meaning;  ///< one sentence
     std::string_view example;  ///< a legal value: "12.5,-3,1.7" ("sizePx=5" for param.NAME)
     ViewValue value;
 
-    /// The word in kebab case, "--view-height"; "--param", which takes NAME=VALUE and may be repeated.
+    /// Of a word with a dot, what stands before it: "param", "light"; else empty.
+    std::string_view group() const;
+    /// The word in kebab case, "--view-height"; of a group one for all, "--light", which takes NAME=VALUE and may be
+    /// repeated.
     std::string flag() const;
     /// Meaning and range in sentences, as help, PROTOCOL.md and openapi.json have them.
     std::string description() const;

@@ -92,9 +92,11 @@ struct CutView {
 
 struct Drawing {
     std::span<const CutView> cuts;  ///< the main view, then its reflections
-    bool surfels = false;           ///< samples carry radii, ellipses and normals
-    bool oriented = false;          ///< every normal's sign means something
-    bool orientedNodes = false;     ///< those of nodes that are sure of it (sureSide) do
+    /// The cloud as the sun sees it, for a ShadowPass; null: nothing is in the shadow. Orthographic; its picture is the map.
+    const CutView* sun = nullptr;
+    bool surfels = false;        ///< samples carry radii, ellipses and normals
+    bool oriented = false;       ///< every normal's sign means something
+    bool orientedNodes = false;  ///< those of nodes that are sure of it (sureSide) do
     std::span<const Pass> passes;
     ColorRule color;
     Background background;

@@ -8,6 +8,7 @@
 // then screen passes over those planes in any order that makes sense.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <variant>
 #include <vector>
@@ -110,16 +111,32 @@ struct ResolvePass {
 /// screen: two-sided Blinn-Phong by the plane of normals; docs/spec/shading.md §2. Pixels without a normal
 /// stay.
 struct PhongPass {
-    float ambient = 0.25f;
-    float headlight = 0.55f;
-    float directional = 0.35f;  ///< from the upper left, behind the viewer
-    float specular = 0.15f;     ///< of the directional light
+    float ambient = 0.5f;    ///< brightness = ambient + headlight · the lamp's light + sunlight · the sun's
+    float headlight = 0.5f;  ///< a soft lamp over the viewer's left shoulder
+    float sunlight = 0;
+    float shine = 0.08f;                ///< of the headlight
+    std::array<float, 3> sun{0, 0, 1};  ///< the way to it: cloud-relative, unit length
+    bool shadows = false;               ///< of the sun: from the ShadowPass before it
+};
+
+/// screen: which pixels the sun sees, by what it sees (Drawing::sun); docs/spec/shading.md §10. Before a PhongPass, which
+/// takes its sunlight from there; without one colours are darkened.
+struct ShadowPass {
+    float strength = 1;  ///< of the sunlight, so much is missing in the shadow
+    float share = 0;     ///< of a colour, so much is the sun's; 0: colours are left to a PhongPass
+    float bias = 0;      ///< cloud units: what is less in front does not shade
 };
 
 /// screen: eye-dome lighting from depth alone; docs/spec/shading.md §3.
 struct EyeDomePass {
     float strength = 0.4f;
     float radiusPx = 1.4f;
+};
+
+/// screen: ambient occlusion from depth alone; docs/spec/shading.md §9.
+struct OcclusionPass {
+    float strength = 1;
+    float radiusPx = 36;  ///< of the widest of its rings
 };
 
 /// screen, docs/spec/pyramid.md §4: labels pixels that other points occlude. s_eff = max(spacing,
@@ -143,8 +160,8 @@ struct DepthNormalsPass {
     float detail = 1;
 };
 
-using Pass = std::variant<NearestPass, ResolvePass, EyeDomePass, SilhouettePass, SumPass, CellPass, PhongPass,
-                          HiddenPointsPass, PullPushPass, DepthNormalsPass>;
+using Pass = std::variant<NearestPass, ResolvePass, EyeDomePass, OcclusionPass, SilhouettePass, SumPass,
+                          CellPass, PhongPass, ShadowPass, HiddenPointsPass, PullPushPass, DepthNormalsPass>;
 using PassList = std::vector<Pass>;
 
 }  // namespace scancast

@@ -79,7 +79,8 @@ struct Place {
 
 class FloorPlan {
   public:
-    explicit FloorPlan(const SurveyedScene& scene) : scene_(scene), axes_(horizontalAxes(scene.up)) {
+    explicit FloorPlan(const SurveyedScene& scene)
+        : scene_(scene), axes_(horizontalAxes(scene.up)), middle_(scene.center()) {
         std::vector<double> heights;
         for (const SurveyPoint& p : scene.points) heights.push_back(glm::dot(p.position, scene.up));
         low_ = quantileOf(heights, 0.02);
@@ -87,6 +88,7 @@ class FloorPlan {
         cell_ = std::max({glm::dot(scene.size(), glm::abs(axes_[0])),
                           glm::dot(scene.size(), glm::abs(axes_[1]))}) /
                 side;
+        if (!(cell_ > 0)) return;  // one point, or all above each other: nowhere to stand
         const double eyeLevel = eyeHeight();
         for (const SurveyPoint& p : scene.points) {
             Content& content = cells_[cellOf(p.position)];
@@ -101,8 +103,10 @@ class FloorPlan {
         std::vector<Place> all;
         for (const auto& [cell, content] : cells_) {
             if (content.blocked || content.low > low_ + 0.3 * eyeHeight()) continue;
-            const glm::dvec3 eye = cell_ * ((cell[0] + 0.5) * axes_[0] + (cell[1] + 0.5) * axes_[1]) +
-                                   scene_.up * (content.low + eyeHeight());
+            const glm::dvec3 beside =
+                middle_ + cell_ * ((cell[0] + 0.5) * axes_[0] + (cell[1] + 0.5) * axes_[1]);
+            const glm::dvec3 eye =
+                beside + scene_.up * (content.low + eyeHeight() - glm::dot(beside, scene_.up));
             all.push_back({eye, clearance(cell)});
         }
         std::ranges::stable_sort(all, std::greater(), &Place::clearance);
@@ -131,9 +135,10 @@ class FloorPlan {
         bool blocked = false;
     };
 
+    /// From the middle, so that plans of small scenes far from the origin have few cells, too.
     Cell cellOf(const glm::dvec3& position) const {
-        return {int(std::floor(glm::dot(position, axes_[0]) / cell_)),
-                int(std::floor(glm::dot(position, axes_[1]) / cell_))};
+        const glm::dvec3 at = (position - middle_) / cell_;
+        return {int(std::floor(glm::dot(at, axes_[0]))), int(std::floor(glm::dot(at, axes_[1])))};
     }
     /// In cells; what was not scanned counts as blocked: nothing is known of it.
     double clearance(const Cell& at) const {
@@ -149,6 +154,7 @@ class FloorPlan {
 
     const SurveyedScene& scene_;
     const std::array<glm::dvec3, 2> axes_;
+    const glm::dvec3 middle_;
     double low_ = 0, high_ = 0, cell_ = 1;
     std::map<Cell, Content> cells_;
 };

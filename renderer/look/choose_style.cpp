@@ -12,6 +12,8 @@ namespace {
 
 /// A calm warm grey: shape shows by light alone.
 constexpr Rgb8 clay{206, 196, 182};
+/// What is photographed has its own; points that stand singly would show their outlines by it, surfels do not.
+constexpr double clayOcclusion = 0.6;
 
 struct Choices {
     std::vector<StyleChoice> all;
@@ -100,13 +102,15 @@ void addMap(const CloudFacts& facts, const SurveyedScene& scene, Choices& choice
         std::clamp(std::round(1.5 * std::sqrt(pixels / double(facts.points))), 1.0, 24.0);
 }
 
-/// Light on clay, reflected light, height: in this order, as far as there is any.
+/// Light on clay, reflected light, height: in this order, objects; else reflected light first.
 void addShape(const CloudFacts& facts, const SurveyedScene& scene, bool lit, Choices& choices) {
     using enum ColorSource;
     const bool isObject = scene.kind == SceneKind::Object || scene.kind == SceneKind::DepthFrame;
     const auto addClay = [&] {
-        if (lit)
-            choices.add(Flat, Shading::Phong, "It has no colours: light shows the shape.").flatColor = clay;
+        if (!lit) return;
+        Style& style = choices.add(Flat, Shading::Phong, "It has no colours: light shows the shape.");
+        style.flatColor = clay;
+        style.light.occlusion = clayOcclusion;
     };
     if (isObject) addClay();
     if (facts.attributes.intensity) {
@@ -116,9 +120,9 @@ void addShape(const CloudFacts& facts, const SurveyedScene& scene, bool lit, Cho
         style.range = intensityRange(facts);
     }
     if (!isObject) addClay();
-    if (choices.all.empty())
-        choices.add(Elevation, Shading::EyeDome, "It has no colours: they show height.").range =
-            elevationRange(scene);
+    // What is flat looks the same all over in any light.
+    choices.add(Elevation, Shading::EyeDome, "It has no colours: they show height.").range =
+        elevationRange(scene);
 }
 
 }  // namespace

@@ -23,6 +23,8 @@ constexpr std::size_t surveyPoints = 12000;
 constexpr int width = 192, height = 108;
 /// A style is judged in a picture as people get it, so many times as wide and high.
 constexpr int styleScale = 6;
+/// Fewer than fit the least memory that clouds are served with (64 MB): so no memory limit changes a look.
+constexpr std::uint64_t mostSamplesDrawn = 1'000'000;
 /// Light may make points of a photographed surface differ by so much more than their own colours do.
 constexpr double noiseByLight = 0.003;
 
@@ -70,6 +72,7 @@ class Looker {
         view.camera = camera;
         view.style = style;
         view.quality.samples = 1;
+        view.quality.budget = mostSamplesDrawn;
         return render(device_, cloud_, view);
     }
 

@@ -1,45 +1,28 @@
 #include "renderer/method/automatic.hpp"
 
-#include <cstdio>
-
 namespace scancast {
 namespace {
 
-/// Up to here, samples leave no gaps that splats of their size would show, px.
-constexpr double densePx = 2;
-/// Up to here, depth alone tells a surface from what lies behind it, px.
-constexpr double pyramidPx = 8;
-
-std::string sentence(const char* has, double spacingPx, const char* therefore) {
-    char text[160];
-    std::snprintf(text, sizeof text, "%s, about %.1f px apart: %s", has, spacingPx, therefore);
-    return text;
-}
-
 PassList passesOfChosen(const PassRequest& request) {
-    const Method& chosen = *chooseMethod(request.cloud, 1).method;
+    const Method& chosen = *chooseMethod(request.cloud).method;
     const ParameterValues defaults = resolveParameters(chosen, {}).value_or(ParameterValues());
-    return chosen.passes({chosen, defaults, request.shading, request.cloud, request.detail});
+    return chosen.passes(
+        {chosen, defaults, request.shading, request.cloud, request.detail, request.light, request.height});
 }
 
 }  // namespace
 
-AutomaticChoice chooseMethod(const CloudTraits& cloud, double spacingPx) {
-    const bool dense = spacingPx <= densePx;
-    // Near and far alike: blended, what was photographed would lose its texture, and a change would be seen.
+AutomaticChoice chooseMethod(const CloudTraits& cloud) {
+    // Blended, what was photographed would lose its texture.
     if (cloud.colors)
-        return {findMethod("paraboloid"),
-                sentence("coloured points", spacingPx, "paraboloids close the gaps and keep texture sharp")};
-    if (cloud.surfels && dense)
-        return {findMethod("disc"),
-                sentence("points without colours", spacingPx, "lit discs show the shape")};
+        return {findMethod("paraboloid"), Shading::Unlit,
+                "coloured points: paraboloids close the gaps and keep texture sharp"};
     if (cloud.surfels)
-        return {findMethod("ewa"), sentence("surfels", spacingPx, "ellipses close the gaps and blend them")};
-    if (spacingPx <= pyramidPx)
-        return {findMethod("pyramid"), sentence("points without colours and surfels", spacingPx,
-                                                "normals from depth show the shape")};
-    return {findMethod("paraboloid"),
-            sentence("points without surfels", spacingPx, "paraboloids close the gaps")};
+        return {findMethod("voronoi"), Shading::Phong,
+                "surfels without colours: lit Voronoi cells show the shape, without seams"};
+    return {findMethod("paraboloid"), Shading::EyeDome,
+            "points without colours and surfels: paraboloids, darker where something stands before them, "
+            "show the shape"};
 }
 
 Method automaticMethod() {
@@ -47,8 +30,8 @@ Method automaticMethod() {
     m.name = automaticName;
     m.title = "Automatic";
     m.summary =
-        "Chooses among the others by what the scan carries and how dense it is on screen, and says in the "
-        "frame's statistics which and why.";
+        "Chooses among the others by what the scan carries - the same from near and from afar -, and says in "
+        "the frame's statistics which and why.";
     m.source = "this program's own comparison, docs/methods.md";
     m.passes = passesOfChosen;
     return m;

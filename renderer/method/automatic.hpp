@@ -1,11 +1,10 @@
-// `auto`: the method for a cloud and a view, chosen by what the samples carry and how far apart they are on
-// screen. A pure function, so the same request gets the same picture; frames say what was chosen and why.
+// `auto`: the method for a cloud, chosen by what its samples carry. A pure function of the cloud, so that it looks
+// the same from near and from afar, moving and at rest; frames say what was chosen and why.
 //
-// The reasons, from the papers and from this program's own table (docs/methods.md):
-//   samples at most 2 px apart     the picture is as fine as the screen: paraboloids, sharp and the fastest;
-//   further apart, with surfels    gaps show: ellipses close and blend them;
-//   without colours, with surfels  shape is all there is: lit discs, or lit ellipses where gaps show;
-//   without colours and surfels    shape again, from depth alone: the pyramid, while gaps are small.
+// The reasons (docs/methods.md compares the methods):
+//   colours                        texture is what people look at: paraboloids keep it sharp, and are the fastest;
+//   no colours, but surfels        shape is all there is: lit Voronoi cells, without seams from near, without rims;
+//   neither                        shape again, from depth alone: paraboloids with eye-dome lighting.
 #pragma once
 
 #include <string>
@@ -20,13 +19,13 @@ inline constexpr std::string_view automaticName = "auto";
 
 struct AutomaticChoice {
     const Method* method = nullptr;
-    std::string reason;  ///< a sentence for people
+    Shading shading = Shading::Unlit;  ///< unless view or look say another
+    std::string reason;                ///< a sentence for people
 };
 
-/// `spacingPx`: typical distance of neighbouring samples on screen, as fine as the cloud has them; > 0.
-AutomaticChoice chooseMethod(const CloudTraits& cloud, double spacingPx);
+AutomaticChoice chooseMethod(const CloudTraits& cloud);
 
-/// The entry among the methods: it takes no parameters, and its passes are those for a dense picture.
+/// The entry among the methods: it takes no parameters, and its passes are those of the chosen one.
 Method automaticMethod();
 
 }  // namespace scancast

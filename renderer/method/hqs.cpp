@@ -20,7 +20,7 @@ PassList hqsPasses(const PassRequest& request) {
     resolve.sums = true;
     resolve.normals = normals;
     PassList list{nearest, sum, resolve};
-    addShading(request.shading, list);
+    addShading(request, list);
     return list;
 }
 

@@ -4,6 +4,7 @@
 
 #include "renderer/method/automatic.hpp"
 #include "renderer/method/hqs.hpp"
+#include "renderer/method/light.hpp"
 #include "renderer/method/pyramid.hpp"
 #include "renderer/method/sprites.hpp"
 #include "renderer/method/surfels.hpp"
@@ -31,9 +32,11 @@ const Method* findMethod(std::string_view name) {
     return found == all.end() ? nullptr : &*found;
 }
 
-void addShading(Shading shading, PassList& list) {
-    if (shading == Shading::Phong) list.push_back(PhongPass{});
-    if (shading == Shading::EyeDome) list.push_back(EyeDomePass{});
+void addShading(const PassRequest& request, PassList& list) {
+    if (castsShadows(request.light)) list.push_back(shadowPass(request.light, request.shading));
+    if (request.shading == Shading::Phong) list.push_back(phongPass(request.light, request.cloud.up));
+    if (request.shading == Shading::EyeDome) list.push_back(EyeDomePass{});
+    if (request.light.occlusion.value_or(0) > 0) list.push_back(occlusionPass(request.light, request.height));
 }
 
 }  // namespace scancast

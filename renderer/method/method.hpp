@@ -38,6 +38,7 @@ struct CloudTraits {
     bool normals = false;   ///< samples carry normals: surfels, or the scan's own
     bool colors = false;    ///< the scan's own RGB
     double spacing = 0;     ///< s0, cloud units
+    glm::dvec3 up{0, 0, 1};
 };
 
 struct Method;
@@ -48,6 +49,8 @@ struct PassRequest {
     Shading shading = Shading::Unlit;
     CloudTraits cloud{};
     double detail = 1;  ///< τ that the picture is selected with, px
+    LightRig light{};
+    int height = 720;  ///< of the whole picture, px
 };
 
 struct Method {
@@ -73,7 +76,7 @@ const Method* findMethod(std::string_view name);
 /// naming the legal range or the nearest known name.
 Expected<ParameterValues> resolveParameters(const Method& method, const ParameterValues& given);
 
-/// The screen passes of a shading, at the end of a list.
-void addShading(Shading shading, PassList& list);
+/// The screen passes of the request's shading, at the end of a list (light.hpp).
+void addShading(const PassRequest& request, PassList& list);
 
 }  // namespace scancast

@@ -36,7 +36,7 @@ PassList pyramidPasses(const PassRequest& request) {
         normals.detail = hidden.detail;
         list.push_back(normals);
     }
-    addShading(request.shading, list);
+    addShading(request, list);
     return list;
 }
 

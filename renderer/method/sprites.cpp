@@ -58,14 +58,14 @@ SplatSize sizeOf(const ParameterValues& values) {
 namespace {
 
 /// Every sprite is one `nearest`, its resolve, and what the shading adds.
-PassList spritePasses(NearestPass nearest, Shading shading) {
+PassList spritePasses(NearestPass nearest, const PassRequest& request) {
     ResolvePass resolve;
-    if (shading == Shading::Phong) {
+    if (request.shading == Shading::Phong) {
         nearest.payload = Payload::Sample;
         resolve.normals = true;
     }
     PassList list{nearest, resolve};
-    addShading(shading, list);
+    addShading(request, list);
     return list;
 }
 
@@ -85,7 +85,7 @@ PassList passesOf(const PassRequest& request) {
     if (const auto choice = values.find("footprint"); choice != values.end()) {
         if (std::get<std::string>(choice->second) == "square") pass.footprint = Footprint::Square;
     }
-    return spritePasses(pass, request.shading);
+    return spritePasses(pass, request);
 }
 
 template <Footprint footprint, Profile profile>

@@ -34,7 +34,7 @@ PassList discPasses(const PassRequest& request) {
     resolve.normals = request.shading == Shading::Phong;
     if (resolve.normals) nearest.payload = Payload::Sample;
     PassList list{nearest, resolve};
-    addShading(request.shading, list);
+    addShading(request, list);
     return list;
 }
 
@@ -50,7 +50,7 @@ PassList ewaPasses(const PassRequest& request) {
         sum.normals = resolve.normals = true;
     }
     PassList list{nearest, sum, resolve};
-    addShading(request.shading, list);
+    addShading(request, list);
     return list;
 }
 

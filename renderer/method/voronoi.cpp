@@ -30,7 +30,7 @@ PassList voronoiPasses(const PassRequest& request) {
     cell.tolerance = static_cast<float>(numberOf(request.values, "tolerance"));
     list.push_back(cell);
     list.push_back(resolve);
-    addShading(request.shading, list);
+    addShading(request, list);
     return list;
 }
 

@@ -194,6 +194,9 @@ void addRender(CLI::App& app, int& exitCode) {
         "  scancast render church.las -o church.png\n"
         "  scancast render church.las -o top.jpg --projection orthographic --eye 0,0,100 --target 0,0,0 --up "
         "0,1,0\n"
+        "  scancast render church.las -o evening.png --shading phong --light sun=250,20 --light shadow=0.8 "
+        "--light "
+        "occlusion=0.5\n"
         "  scancast render church.las --repeat 50 --stats json --samples 1 --method point");
     auto arguments = std::make_shared<RenderArguments>();
     arguments->render.depth = false;  // of what it writes, no format shows it

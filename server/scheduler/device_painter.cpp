@@ -22,7 +22,7 @@ class PaintedFrame final : public PendingFrame {
 /// Once for each order: who ordered may know, and a second turn does.
 Expected<std::shared_ptr<const PlannedView>> planOf(const PictureOrder& order) {
     if (order.planned && order.planned->view == order.view) return order.planned;
-    return plan(*order.cloud, order.view, order.planned.get());
+    return plan(*order.cloud, order.view);
 }
 
 /// `most`: what the device can draw at once.

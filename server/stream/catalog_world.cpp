@@ -5,9 +5,8 @@
 
 namespace scancast {
 
-Expected<std::shared_ptr<const PlannedView>> CatalogWorld::plan(const Cloud& cloud, const View& view,
-                                                                const PlannedView* known) const {
-    return scancast::plan(cloud, view, known);
+Expected<std::shared_ptr<const PlannedView>> CatalogWorld::plan(const Cloud& cloud, const View& view) const {
+    return scancast::plan(cloud, view);
 }
 
 double CatalogWorld::ownDetail(const View& view) const {

@@ -18,8 +18,7 @@ class CatalogWorld final : public StreamWorld {
         const auto entry = catalog_.find(id);
         return entry && entry->state == CloudState::Loading;
     }
-    Expected<std::shared_ptr<const PlannedView>> plan(const Cloud& cloud, const View& view,
-                                                      const PlannedView* known) const override;
+    Expected<std::shared_ptr<const PlannedView>> plan(const Cloud& cloud, const View& view) const override;
     double ownDetail(const View& view) const override;
     std::vector<std::string> methodNames() const override;
 

@@ -91,7 +91,7 @@ Expected<void> SceneResolver::plan(Scene& scene) const {
                                 scene.view.width, scene.view.height, pixels, maxPixels_),
                     "width");
     }
-    auto planned = world_.plan(*scene.cloud, scene.view, scene.planned.get());
+    auto planned = world_.plan(*scene.cloud, scene.view);
     if (!planned) return passOn(std::move(planned));
     scene.planned = std::move(*planned);
     return {};

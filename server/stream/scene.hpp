@@ -26,10 +26,8 @@ class StreamWorld {
     virtual tl::expected<std::shared_ptr<const Cloud>, Problem> cloud(std::string_view id) const = 0;
     /// Whether another cloud will take this one's place soon.
     virtual bool loading(std::string_view id) const = 0;
-    /// What the view means for the cloud (renderer/plan.hpp); `known`: what another of the same cloud does,
-    /// or null.
-    virtual Expected<std::shared_ptr<const PlannedView>> plan(const Cloud& cloud, const View& view,
-                                                              const PlannedView* known) const = 0;
+    /// What the view means for the cloud (renderer/plan.hpp).
+    virtual Expected<std::shared_ptr<const PlannedView>> plan(const Cloud& cloud, const View& view) const = 0;
     /// τ of a full picture of this view, px.
     virtual double ownDetail(const View& view) const = 0;
     virtual std::vector<std::string> methodNames() const = 0;

@@ -434,6 +434,8 @@ void StreamSession::sendStats(const Order& order, const EncodedPicture& picture,
     stats.samples = picture.stats.samplesDrawn;
     stats.points = picture.stats.pointsShown;
     stats.dropped = overtaken_;
+    stats.method = picture.stats.method;
+    stats.methodReason = picture.stats.methodReason;
     for (const StageTime& stage : picture.stats.stages)
         stats.stages.push_back({stage.name, stage.milliseconds});
     port_.sendText(printMessage(stats));

@@ -99,6 +99,7 @@ describe('the page', { timeout: 240_000 }, () => {
       await page.press('#range-high', 'Enter');
     }) > changedAtLeast, 'range');
     assert.ok(await changeBy(page, () => page.selectOption('#color', 'flat')) > changedAtLeast, 'one colour');
+    assert.ok(await changeBy(page, () => page.selectOption('#shading', 'unlit')) > changedAtLeast, 'no light'); // the look has some
     assert.ok(await changeBy(page, () => page.selectOption('#shading', 'eyedome')) > changedAtLeast, 'edges');
     assert.ok(await changeBy(page, () => page.selectOption('#background', '#ffffff')) > changedAtLeast, 'white');
     await page.selectOption('#method', 'paraboloid'); // the automatic one has no parameters of its own

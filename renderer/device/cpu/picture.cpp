@@ -75,6 +75,25 @@ void Picture::makeMirrors() {
     }
 }
 
+/// Once for all frames: the sun does not move by a part of a pixel.
+void Picture::drawShadowMap(FrameStats& stats) {
+    const auto start = Clock::now();
+    const CutView& sun = *drawing_.sun;
+    const FramePasses passes = shadowMapPasses(drawing_.surfels);
+    Drawing drawing = drawing_;
+    drawing.color = ColorRule{.source = ColorSource::Flat};
+    const LayerView layerView{&sun.viewpoint, 0, drawing_.surfels, drawing_.oriented};
+    Planes planes;
+    planes.area = {0, 0, sun.viewpoint.width, sun.viewpoint.height};
+    planes.rgba = grown(buffers_.sun.rgba, pixelsOf(planes.area));
+    planes.depth = grown(buffers_.sun.depth, pixelsOf(planes.area));
+    FrameStats own;  // one stage of the picture's
+    Layer(drawing, sun, layerView, passes, kernels_, workers_, buffers_.tiles, planes.area)
+        .draw({0, 0}, planes, own);
+    sun_ = ShadowMap{&sun.viewpoint, planes.depth};
+    stats.add("shadow map", millisecondsSince(start));
+}
+
 template <class Work>
 void Picture::onMirrors(FrameStats& stats, const Work& work) {
     if (mirrors_.empty()) return;
@@ -91,7 +110,7 @@ void Picture::drawFrame(Layer& layer, const glm::dvec2& jitter, bool first, std:
     layer.draw(jitter, planes, frame.stats);
     onMirrors(frame.stats, [&](MirrorLayer& mirror) { mirror.draw(jitter, planes); });
     runScreenPasses(passes_.screen, layerView_, jitter, planes, kernels_, workers_, buffers_.screen,
-                    frame.stats);
+                    frame.stats, sun_ ? &*sun_ : nullptr);
     onMirrors(frame.stats, [&](const MirrorLayer& mirror) { mirror.finish(jitter, planes); });
     if (planes.rgba != out && !workers_.stopped()) crop(planes, first, out, frame);
 }
@@ -139,6 +158,7 @@ Expected<Frame> Picture::draw() {
         makeMirrors();
         if (!mirrors_.empty()) frame.stats.add("mirrors", millisecondsSince(mirrorsStart));
     }
+    if (drawing_.sun != nullptr && passes_.castsShadows() && !workers_.stopped()) drawShadowMap(frame.stats);
     if (drawing_.jitter.size() == 1) {
         drawFrame(layer, drawing_.jitter[0], true, reinterpret_cast<std::uint32_t*>(frame.rgba.own().data()),
                   frame);

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "renderer/device/cpu/layer.hpp"
@@ -17,6 +18,7 @@ struct Buffers {
     LayerMemory frame;  ///< of a frame with its margin
     std::vector<std::unique_ptr<LayerMemory>> mirrors;
     ScreenMemory screen;
+    LayerMemory sun;                 ///< its map of shadows
     std::vector<std::uint32_t> one;  ///< a frame to be averaged
     std::vector<std::uint16_t> sums;
 };
@@ -33,6 +35,7 @@ class Picture {
     void onMirrors(FrameStats& stats, const Work& work);
     void drawFrame(Layer& layer, const glm::dvec2& jitter, bool first, std::uint32_t* out, Frame& frame);
     void makeMirrors();
+    void drawShadowMap(FrameStats& stats);
     void crop(const Planes& planes, bool first, std::uint32_t* out, Frame& frame);
     void drawAveraged(Layer& layer, Frame& frame);
     void accumulate(const std::uint32_t* rgba);
@@ -45,6 +48,7 @@ class Picture {
     LayerView layerView_;
     Rect window_;
     Rect area_;  ///< the window, and what screen passes look at beyond it
+    std::optional<ShadowMap> sun_;
     std::vector<std::unique_ptr<MirrorLayer>> mirrors_;  ///< those that lie in the area
 };
 

@@ -18,29 +18,44 @@ struct Screen {
     const Kernels& kernels;
     const Workers& workers;
     ScreenMemory& memory;
+    const ShadowMap* sun;
 };
+
+/// What passes compare with their neighbours, made of depths row by row. Beyond the planes lies background, so that every
+/// pixel has all its neighbours.
+struct Surroundings {
+    const float* first = nullptr;  ///< of the planes' first pixel
+    int stride = 0;
+};
+
+template <class OfDepths>
+Surroundings surroundings(const Screen& s, int reach, float background, const OfDepths& ofDepths) {
+    const Rect& area = s.planes.area;
+    const int stride = area.width() + 2 * reach, rows = area.height() + 2 * reach;
+    float* const values =
+        grown(s.memory.around, static_cast<std::size_t>(stride) * static_cast<std::size_t>(rows));
+    s.workers.overRows(rows, [&](int y0, int y1) {
+        for (int y = y0; y < y1; ++y) {
+            float* const row = values + static_cast<std::ptrdiff_t>(y) * stride;
+            std::fill(row, row + stride, background);
+            if (y < reach || y >= reach + area.height()) continue;
+            ofDepths(s.planes.depth + static_cast<std::ptrdiff_t>(y - reach) * area.width(), row + reach,
+                     area.width());
+        }
+    });
+    return {values + static_cast<std::ptrdiff_t>(reach) * stride + reach, stride};
+}
 
 const char* run(const EyeDomePass& pass, const Screen& s) {
     const Rect& area = s.planes.area;
     const EyeDomeNumbers numbers = eyeDomeNumbers(pass);
-    const int reach = numbers.reach;
-    const int stride = area.width() + 2 * reach, rows = area.height() + 2 * reach;
-    // Beyond the planes lies background, so that every pixel has eight neighbours.
-    float* const logs =
-        grown(s.memory.logDepth, static_cast<std::size_t>(stride) * static_cast<std::size_t>(rows));
-    s.workers.overRows(rows, [&](int y0, int y1) {
-        for (int y = y0; y < y1; ++y) {
-            float* const row = logs + static_cast<std::ptrdiff_t>(y) * stride;
-            std::fill(row, row + stride, std::numeric_limits<float>::infinity());
-            if (y < reach || y >= reach + area.height()) continue;
-            s.kernels.logDepth(s.planes.depth + static_cast<std::ptrdiff_t>(y - reach) * area.width(),
-                               row + reach, area.width());
-        }
-    });
+    const Surroundings around =
+        surroundings(s, numbers.reach, std::numeric_limits<float>::infinity(), s.kernels.logDepth);
+    const int stride = around.stride;
     s.workers.overRows(area.height(), [&](int y0, int y1) {
         EyeDome e;
         e.logStride = stride;
-        e.logDepth = logs + static_cast<std::ptrdiff_t>(y0 + reach) * stride + reach;
+        e.logDepth = around.first + static_cast<std::ptrdiff_t>(y0) * stride;
         e.stride = e.outStride = e.width = area.width();
         e.out = s.planes.rgba + static_cast<std::ptrdiff_t>(y0) * area.width();
         e.rgba = e.out;
@@ -52,6 +67,28 @@ const char* run(const EyeDomePass& pass, const Screen& s) {
     return "eyedome";
 }
 
+const char* run(const OcclusionPass& pass, const Screen& s) {
+    const Rect& area = s.planes.area;
+    Occlusion whole;
+    static_cast<OcclusionNumbers&>(whole) = occlusionNumbers(pass, s.layerView, s.jitter);
+    const Surroundings around = surroundings(s, whole.reach, -std::numeric_limits<float>::infinity(),
+                                             [&](const float* depth, float* out, int count) {
+                                                 s.kernels.nearness(depth, whole.perspective, out, count);
+                                             });
+    whole.nearStride = around.stride;
+    whole.stride = whole.width = area.width();
+    for (int k = 0; k < occlusionPairs; ++k) whole.offsets[k] = whole.y[k] * around.stride + whole.x[k];
+    s.workers.overRows(area.height(), [&](int y0, int y1) {
+        Occlusion o = whole;
+        o.nearness = around.first + static_cast<std::ptrdiff_t>(y0) * around.stride;
+        o.depth = s.planes.depth + static_cast<std::ptrdiff_t>(y0) * area.width();
+        o.rgba = s.planes.rgba + static_cast<std::ptrdiff_t>(y0) * area.width();
+        o.height = y1 - y0;
+        s.kernels.occlude(o);
+    });
+    return "occlusion";
+}
+
 const char* run(const PhongPass& pass, const Screen& s) {
     const Rect& area = s.planes.area;
     Phong whole;
@@ -59,6 +96,7 @@ const char* run(const PhongPass& pass, const Screen& s) {
     whole.stride = whole.width = area.width();
     whole.rgba = s.planes.rgba;
     whole.normals = s.planes.normals;
+    if (pass.shadows && s.sun != nullptr) whole.sunSeen = s.memory.sunSeen.data();
     s.workers.overRows(area.height(), [&](int y0, int y1) {
         Phong p = whole;
         p.row0 = y0;
@@ -66,6 +104,28 @@ const char* run(const PhongPass& pass, const Screen& s) {
         s.kernels.phong(p);
     });
     return "phong";
+}
+
+/// nullptr: there is no sun.
+const char* run(const ShadowPass& pass, const Screen& s) {
+    if (s.sun == nullptr) return nullptr;
+    const Rect& area = s.planes.area;
+    Shadow whole;
+    static_cast<ShadowNumbers&>(whole) =
+        shadowNumbers(pass, s.layerView, *s.sun->viewpoint, s.jitter, area.x0, area.y0);
+    whole.map = s.sun->depth;
+    whole.stride = whole.width = area.width();
+    whole.rgba = s.planes.rgba;
+    whole.depths = s.planes.depth;
+    whole.sunlight = grown(s.memory.sunSeen,
+                           static_cast<std::size_t>(area.width()) * static_cast<std::size_t>(area.height()));
+    s.workers.overRows(area.height(), [&](int y0, int y1) {
+        Shadow rows = whole;
+        rows.row0 = y0;
+        rows.row1 = y1;
+        s.kernels.shadow(rows);
+    });
+    return "shadow";
 }
 
 PyramidPlanes pyramidPlanes(const Screen& s) {
@@ -99,14 +159,16 @@ const char* run(const DepthNormalsPass& pass, const Screen& s) {
 
 void runScreenPasses(std::span<const Pass> passes, const LayerView& layerView, const glm::dvec2& jitter,
                      const Planes& planes, const Kernels& kernels, const Workers& workers,
-                     ScreenMemory& memory, FrameStats& stats) {
-    const Screen screen{layerView, jitter, planes, kernels, workers, memory};
+                     ScreenMemory& memory, FrameStats& stats, const ShadowMap* sun) {
+    const Screen screen{layerView, jitter, planes, kernels, workers, memory, sun};
     for (const Pass& pass : passes) {
         if (workers.stopped()) return;
         const auto start = Clock::now();
         const char* name = nullptr;
         if (const auto* phong = std::get_if<PhongPass>(&pass)) name = run(*phong, screen);
+        if (const auto* shadow = std::get_if<ShadowPass>(&pass)) name = run(*shadow, screen);
         if (const auto* eyeDome = std::get_if<EyeDomePass>(&pass)) name = run(*eyeDome, screen);
+        if (const auto* occlusion = std::get_if<OcclusionPass>(&pass)) name = run(*occlusion, screen);
         if (const auto* hidden = std::get_if<HiddenPointsPass>(&pass)) name = run(*hidden, screen);
         if (const auto* pullPush = std::get_if<PullPushPass>(&pass)) name = run(*pullPush, screen);
         if (const auto* normals = std::get_if<DepthNormalsPass>(&pass)) name = run(*normals, screen);

@@ -6,6 +6,8 @@
 #include <cmath>
 #include <string>
 
+#include "renderer/device/host/screens.hpp"
+
 namespace scancast {
 namespace {
 
@@ -15,8 +17,8 @@ bool is(const Pass& pass) {
 }
 
 bool isScreenPass(const Pass& pass) {
-    return is<PhongPass>(pass) || is<EyeDomePass>(pass) || is<HiddenPointsPass>(pass) ||
-           is<PullPushPass>(pass) || is<DepthNormalsPass>(pass);
+    return is<PhongPass>(pass) || is<EyeDomePass>(pass) || is<OcclusionPass>(pass) || is<ShadowPass>(pass) ||
+           is<HiddenPointsPass>(pass) || is<PullPushPass>(pass) || is<DepthNormalsPass>(pass);
 }
 
 tl::unexpected<Error> unsupported(const char* reason) {
@@ -55,11 +57,16 @@ bool FramePasses::makesNormals() const {
     return std::ranges::any_of(screen, is<DepthNormalsPass>);
 }
 
+bool FramePasses::castsShadows() const {
+    return std::ranges::any_of(screen, is<ShadowPass>);
+}
+
 int FramePasses::reach() const {
     int reach = 0;
     for (const Pass& pass : screen) {
         if (const auto* e = std::get_if<EyeDomePass>(&pass))
             reach = std::max(reach, static_cast<int>(std::ceil(std::clamp(e->radiusPx, 0.0f, 64.0f))));
+        if (const auto* o = std::get_if<OcclusionPass>(&pass)) reach = std::max(reach, occlusionReach(*o));
     }
     return reach;
 }
@@ -67,6 +74,14 @@ int FramePasses::reach() const {
 int FramePasses::guardBand() const {
     const auto looksAround = [](const Pass& p) { return is<HiddenPointsPass>(p) || is<PullPushPass>(p); };
     return std::ranges::any_of(screen, looksAround) ? pyramidGuardBand : 0;
+}
+
+FramePasses shadowMapPasses(bool surfels) {
+    FramePasses passes;
+    passes.nearest.footprint = surfels ? Footprint::Disc : Footprint::Circle;
+    passes.nearest.profile = Profile::Flat;
+    passes.nearest.gain = 0;
+    return passes;
 }
 
 Expected<FramePasses> framePasses(std::span<const Pass> passes) {

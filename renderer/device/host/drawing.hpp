@@ -30,6 +30,8 @@ struct FramePasses {
 
     /// Colours come from samples looked up by their ordinals.
     bool bySample() const { return cell.has_value() || nearest.payload == Payload::Sample; }
+    /// There is a ShadowPass.
+    bool castsShadows() const;
     /// Normals are needed by a later pass.
     bool normals() const { return resolve.normals || makesNormals(); }
     /// Pixels around the window that screen passes look at, as far as there is a picture …
@@ -40,6 +42,9 @@ struct FramePasses {
   private:
     bool makesNormals() const;
 };
+
+/// What the sun sees: the depths of the surface that is nearest to it. Colours mean nothing.
+FramePasses shadowMapPasses(bool surfels);
 
 /// Unsupported for a list that pass.hpp does not describe, with the reason.
 Expected<FramePasses> framePasses(std::span<const Pass> passes);

@@ -13,14 +13,45 @@ struct PhongNumbers {
     std::int32_t x = 0, y = 0;       ///< the planes' first pixel, in the picture
     float offsetX = 0, offsetY = 0;  ///< centre of the picture's pixel (0, 0), px right of and below the axis
     float inverseFocal = 0;          ///< 1/f
-    float ambient = 0, headlight = 0, directional = 0, specular = 0;
+    float ambient = 0, headlight = 0, sunlight = 0, shine = 0;
+    float sun[3] = {0, 0, 1};  ///< the way to it, view space
 };
+
+/// Where the headlight is: beside the way to the eye, to the left of it and above, 30° seen from the pixel before the viewer.
+inline constexpr float lampX = -0.5f, lampY = 0.28867513f;
+/// It reaches (cos + 0.4) / 1.4 of what faces it, and that softly.
+inline constexpr float lampScale = 0.71428571f, lampOffset = 0.28571429f;
 
 /// Eye-dome lighting.
 struct EyeDomeNumbers {
     std::int32_t x[8] = {}, y[8] = {};  ///< of the neighbours, px from a pixel
     std::int32_t reach = 0;             ///< none is farther on an axis
     float factor = 0;                   ///< shade = 2^(-factor · sum of the eight responses)
+};
+
+/// Ambient occlusion: pairs of opposite neighbours on rings around a pixel.
+inline constexpr int occlusionRings = 6, linesPerRing = 4, occlusionPairs = occlusionRings * linesPerRing;
+/// Neighbours that rise above a pixel by this many of their distances occlude it in full; by 1/occlusionFall more, not
+/// at all: they stand before it.
+inline constexpr float occlusionFull = 1.5f, occlusionFall = 0.4f;
+
+struct OcclusionNumbers {
+    bool perspective = true;
+    std::int32_t x[occlusionPairs] = {},
+                 y[occlusionPairs] = {};  ///< of one of each pair, px; the other is opposite
+    float perPx[occlusionPairs] = {};  ///< slope = difference of nearness · depth (orthographic: 1) · perPx
+    std::int32_t reach = 0;            ///< none is farther on an axis
+    float factor = 0;                  ///< shade = 2^(-factor · sum over the pairs)
+};
+
+/// Shadows. Where a pixel (x, y) of depth d lies in the map, px, and how deep: in perspective d · (a[0] + a[1] · x +
+/// a[2] · y) + a[3], else a[0] + a[1] · x + a[2] · y + a[3] · d.
+struct ShadowNumbers {
+    bool perspective = true;
+    std::int32_t x = 0, y = 0;  ///< the planes' first pixel, in the picture
+    float u[4] = {}, v[4] = {}, depth[4] = {};
+    std::int32_t mapWidth = 0, mapHeight = 0;
+    float strength = 0, share = 0, bias = 0;  ///< ShadowPass
 };
 
 /// A mirror's glass. What is linear in the picture's pixel (x, y), at its centre, is given as value at (0,

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <glm/geometric.hpp>
+#include <glm/matrix.hpp>
 #include <limits>
 
 namespace scancast {
@@ -112,8 +113,11 @@ PhongNumbers phongNumbers(const PhongPass& pass, const LayerView& view, const gl
     n.inverseFocal = static_cast<float>(std::min(1 / view.viewpoint->pixelsPerUnit, 1e30));
     n.ambient = pass.ambient;
     n.headlight = pass.headlight;
-    n.directional = pass.directional;
-    n.specular = pass.specular;
+    n.sunlight = pass.sunlight;
+    n.shine = pass.shine;
+    const glm::dvec3 sun =
+        glm::dmat3(view.viewpoint->cloudToView) * glm::dvec3(pass.sun[0], pass.sun[1], pass.sun[2]);
+    for (int i = 0; i < 3; ++i) n.sun[i] = static_cast<float>(sun[i]);
     return n;
 }
 
@@ -128,6 +132,64 @@ EyeDomeNumbers eyeDomeNumbers(const EyeDomePass& pass) {
     }
     constexpr double log2e = 1.44269504088896340736;
     n.factor = static_cast<float>(300.0 * std::clamp(pass.strength, 0.0f, 1000.0f) / 8 * log2e);
+    return n;
+}
+
+int occlusionReach(const OcclusionPass& pass) {
+    return std::max(
+        1, static_cast<int>(std::ceil(1.2 * std::clamp(double(pass.radiusPx), 0.0, widestOcclusion))));
+}
+
+OcclusionNumbers occlusionNumbers(const OcclusionPass& pass, const LayerView& view,
+                                  const glm::dvec2& jitter) {
+    constexpr double eighth = 0.785398163397448309616, golden = 0.618033988749894848;
+    constexpr double narrower = 0.6, darkest = 4;
+    OcclusionNumbers n;
+    n.perspective = view.perspective();
+    n.reach = occlusionReach(pass);
+    double radius =
+        std::clamp(double(pass.radiusPx), 0.0, widestOcclusion) * (1 + 0.4 * std::clamp(jitter.y, -0.5, 0.5));
+    for (int ring = 0; ring < occlusionRings; ++ring, radius *= narrower) {
+        for (int line = 0; line < linesPerRing; ++line) {
+            const double angle = eighth * (line + golden * ring + std::clamp(jitter.x, -0.5, 0.5));
+            const int k = ring * linesPerRing + line;
+            n.x[k] = static_cast<std::int32_t>(std::lround(radius * std::cos(angle)));
+            n.y[k] = static_cast<std::int32_t>(std::lround(radius * std::sin(angle)));
+            if (n.x[k] == 0 && n.y[k] == 0) n.x[k] = 1;  // nobody is his own neighbour
+            n.perPx[k] = static_cast<float>(view.viewpoint->pixelsPerUnit / std::hypot(n.x[k], n.y[k]));
+        }
+    }
+    n.factor = static_cast<float>(darkest * std::clamp(pass.strength, 0.0f, 1.0f) / occlusionPairs);
+    return n;
+}
+
+ShadowNumbers shadowNumbers(const ShadowPass& pass, const LayerView& view, const Viewpoint& sun,
+                            const glm::dvec2& jitter, int x, int y) {
+    const Viewpoint& eye = *view.viewpoint;
+    const glm::dvec2 axis = view.center() + jitter;
+    const glm::dmat4 rows = glm::transpose(sun.cloudToView * glm::inverse(eye.cloudToView));
+    const double unit = 1 / eye.pixelsPerUnit;
+    ShadowNumbers n;
+    n.perspective = view.perspective();
+    n.x = x;
+    n.y = y;
+    n.mapWidth = sun.width;
+    n.mapHeight = sun.height;
+    n.strength = std::clamp(pass.strength, 0.0f, 1.0f);
+    n.share = std::clamp(pass.share, 0.0f, 1.0f);
+    n.bias = pass.bias;
+    // dot(row, point) with the point of a pixel and a depth put in: (x · unit, y · unit, -1) · d, or · 1 but for z.
+    const auto setTo = [&](const glm::dvec4& row, float* out) {
+        const double flat = (row.x * (0.5 - axis.x) + row.y * (axis.y - 0.5)) * unit;
+        out[0] = static_cast<float>(flat + (n.perspective ? -row.z : row.w));
+        out[1] = static_cast<float>(row.x * unit);
+        out[2] = static_cast<float>(-row.y * unit);
+        out[3] = static_cast<float>(n.perspective ? row.w : -row.z);
+    };
+    const double q = sun.pixelsPerUnit;
+    setTo(q * rows[0] + glm::dvec4(0, 0, 0, sun.width * 0.5), n.u);
+    setTo(-q * rows[1] + glm::dvec4(0, 0, 0, sun.height * 0.5), n.v);
+    setTo(-rows[2], n.depth);
     return n;
 }
 

@@ -21,6 +21,16 @@ PhongNumbers phongNumbers(const PhongPass& pass, const LayerView& view, const gl
 /// docs/spec/shading.md §3.
 EyeDomeNumbers eyeDomeNumbers(const EyeDomePass& pass);
 
+/// The widest ring may be so wide, px; in one jittered frame each is larger or smaller by up to a fifth.
+inline constexpr double widestOcclusion = 64;
+int occlusionReach(const OcclusionPass& pass);
+/// docs/spec/shading.md §9. Each frame of an average looks in other directions.
+OcclusionNumbers occlusionNumbers(const OcclusionPass& pass, const LayerView& view, const glm::dvec2& jitter);
+
+/// For planes whose first pixel is (x, y) of the picture, guard band included; `sun` sees the map.
+ShadowNumbers shadowNumbers(const ShadowPass& pass, const LayerView& view, const Viewpoint& sun,
+                            const glm::dvec2& jitter, int x, int y);
+
 // ---- the pyramid
 
 /// A picture, guard band included, and where it stands in front of the eye.

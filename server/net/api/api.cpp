@@ -26,16 +26,19 @@ std::string serverTiming(const EncodedPicture& picture) {
     return text;
 }
 
-HttpResponse pictureResponse(PictureFormat format, const View& view, const std::string& tag) {
+HttpResponse pictureResponse(PictureFormat format, const PlannedView& planned, const std::string& tag) {
     HttpResponse response;
     response.set("Content-Type", std::string(mediaType(format)))
         .set("ETag", tag)
         .set("Cache-Control", "no-cache")
         .set("Vary", "Accept");
     if (format == PictureFormat::Depth) {
-        response.set("Scancast-Width", std::to_string(view.width))
-            .set("Scancast-Height", std::to_string(view.height));
+        response.set("Scancast-Width", std::to_string(planned.view.width))
+            .set("Scancast-Height", std::to_string(planned.view.height));
+        return response;
     }
+    response.set("Scancast-Method", planned.method);
+    if (!planned.reason.empty()) response.set("Scancast-Method-Reason", planned.reason);
     return response;
 }
 
@@ -215,9 +218,9 @@ struct Api::Answers {
         if (device.state != DeviceStatus::State::Ready) {
             return refuse(problemOf(503, "The rendering device is not available."));
         }
-        const auto headBy = [cloud = *cloud, view, format = *format,
+        const auto headBy = [cloud = *cloud, view, planned = *planned, format = *format,
                              version = api.options_.version](const DeviceInfo& drawnBy) {
-            return pictureResponse(format, view, pictureTag(*cloud, view, format, drawnBy, version));
+            return pictureResponse(format, *planned, pictureTag(*cloud, view, format, drawnBy, version));
         };
         HttpResponse head = headBy(device.info);
         const std::string tag = *head.find("ETag");

@@ -84,7 +84,7 @@ void Api::complete(const HttpRequest& request, std::string_view routePattern, Ht
         response.set("Access-Control-Allow-Origin", origin).set("Vary", "Origin");
         response.set("Access-Control-Expose-Headers",
                      "ETag, Location, Retry-After, Server-Timing, Scancast-Session, Scancast-Width, "
-                     "Scancast-Height");
+                     "Scancast-Height, Scancast-Method, Scancast-Method-Reason");
     }
     if (access_.isPrivate(request)) {
         for (auto& [name, value] : response.headers)

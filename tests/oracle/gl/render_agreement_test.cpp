@@ -270,5 +270,27 @@ TEST_P(ViewAgreement, OnePieceHasTheBytesOfItsTiles) {
     });
 }
 
+/// Occlusion looks beyond a tile, and shadows come from far beyond. Oracle: as above.
+TEST_P(ViewAgreement, LightHasTheBytesOfItsTiles) {
+    const RenderOptions options{.tileSide = 128};
+    View v = view();
+    v.style.light.sun = {{200, 35}};
+    v.style.light.shadow = 0.9;
+    v.style.light.occlusion = 0.8;
+    v.quality.samples = 2;
+    using enum scancast::Shading;
+    for (const auto& [method, shading] : {std::pair{"paraboloid", Unlit}, {"ewa", Phong}, {"hqs", EyeDome}}) {
+        v.style.method = method;
+        v.style.shading = shading;
+        AtOnce tiles(*device_, 0), piece(*device_, 1 << 20);
+        const auto a = render(tiles, cloud_, v, options), b = render(piece, cloud_, v, options);
+        ASSERT_TRUE(a) << a.error().message;
+        ASSERT_TRUE(b) << b.error().message;
+        EXPECT_EQ(piece.pieces, 1);
+        EXPECT_EQ(a->rgba, b->rgba) << method;
+        expectPicturesAgree(piece, *cpu_, cloud_, v, options);
+    }
+}
+
 }  // namespace
 }  // namespace scancast::test

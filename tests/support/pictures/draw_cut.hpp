@@ -60,7 +60,8 @@ struct Scene {
     }
     Scene(const Scene&) = delete;
 
-    void addEyeDome(EyeDomePass pass = {}) {
+    void addEyeDome(EyeDomePass pass = {}) { add(pass); }
+    void add(const Pass& pass) {
         passes.push_back(pass);
         drawing.passes = passes;
     }

@@ -45,6 +45,7 @@ Frame drawEverything(Device& device, const AnalyticCloud& cloud, const NearestPa
     const Viewpoint view = lookAt({0.4, -1.9, 0.6}, {0, 0, 0}, 233, 171);
     Scene scene(view, cloud.cut(), pass);
     scene.addEyeDome();
+    scene.add(OcclusionPass{0.8f, 15});
     OwnDrawing& d = scene.drawing;
     d.color.source = ColorSource::Intensity;
     d.color.high = 65535;
@@ -252,6 +253,7 @@ TEST(SameBytes, DrawnWholeOrInWindows) {
         for (const NearestPass& pass : everySprite()) {
             Scene scene(view, cloud.cut(), pass);
             if (lit) scene.addEyeDome();
+            if (lit) scene.add(OcclusionPass{0.8f, 31.4f});
             scene.drawing.background = Background{};
             const Frame whole = mustDraw(*device, scene.drawing);
             for (const Window w : {Window{0, 0, 100, 60}, Window{100, 0, 133, 60}, Window{0, 60, 100, 111},

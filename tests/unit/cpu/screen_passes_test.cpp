@@ -37,7 +37,14 @@ TEST(ScreenPasses, LightEveryPixelAlikeWhoeverTakesIt) {
     const Viewpoint viewpoint = lookAt({0, -5, 0}, {0, 0, 0}, 1000, 700);
     LayerView layerView;
     layerView.viewpoint = &viewpoint;
-    const Pass passes[] = {PhongPass{0.1f, 0.5f, 0.7f, 0.9f}, EyeDomePass{}};
+    const Pass passes[] = {ShadowPass{0.8f, 0.3f, 0.1f},
+                           PhongPass{0.1f, 0.5f, 0.7f, 0.9f, {0.6f, 0, 0.8f}, true}, EyeDomePass{},
+                           OcclusionPass{1, 20}};
+    const Viewpoint ofSun = lookAtOrthographic({4, -9, 6}, {0, 0, 0}, 211, 173, 9);
+    Numbers numbers(7);
+    std::vector<float> map(std::size_t{211} * 173);
+    for (float& depth : map) depth = static_cast<float>(numbers.uniform(8, 14));
+    const cpu::ShadowMap sun{&ofSun, map.data()};
     // From the view axis outwards: there the first place has more digits than the last can keep.
     for (const cpu::Rect& area : {cpu::Rect{500, 350, 1000, 700}, {0, 0, 501, 351}, {499, 349, 640, 360}}) {
         std::vector<std::vector<std::uint32_t>> results;
@@ -50,7 +57,7 @@ TEST(ScreenPasses, LightEveryPixelAlikeWhoeverTakesIt) {
                 FrameStats stats;
                 Part part(area);
                 cpu::runScreenPasses(passes, layerView, {0.3, -0.4}, part.planes(), *level.kernels, workers,
-                                     memory, stats);
+                                     memory, stats, &sun);
                 results.push_back(std::move(part.rgba));
             }
         }

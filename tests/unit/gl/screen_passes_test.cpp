@@ -3,8 +3,10 @@
 #include "renderer/device/gl/passes/screen_passes.hpp"
 
 #include <glm/geometric.hpp>
+#include <limits>
 
 #include "renderer/device/cpu/screen_passes.hpp"
+#include "tests/support/pictures/analytic_cut.hpp"
 #include "tests/support/pictures/on_gl.hpp"
 #include "tests/support/pictures/point_accidents.hpp"
 
@@ -17,6 +19,8 @@ struct Scene {
     int pad = 0;
     glm::dvec2 jitter{0};
     PixelPlanes planes;
+    Viewpoint sun;
+    std::vector<float> sunDepth;  ///< what it sees; empty: there is none
 
     LayerView layerView() const {
         LayerView s;
@@ -67,8 +71,12 @@ class GlScreenPasses : public OnGl {
     PixelPlanes onGpu(const Scene& scene, std::span<const Pass> passes) {
         PixelPlanes planes = scene.planes;
         gl::StageTimes times(*timers_);
-        auto done = gl::runScreenPasses(passes, scene.layerView(), scene.jitter, buffers_->upload(planes),
-                                        shaders(), *pyramid_, times, {});
+        gl::Buffer map(shaders().functions(), "map"), seen(shaders().functions(), "seen");
+        const gl::GpuShadowMap sun{&scene.sun, &map, &seen};
+        EXPECT_TRUE(map.write(std::as_bytes(std::span(scene.sunDepth))));
+        auto done =
+            gl::runScreenPasses(passes, scene.layerView(), scene.jitter, buffers_->upload(planes), shaders(),
+                                *pyramid_, times, {}, scene.sunDepth.empty() ? nullptr : &sun);
         if (done) done = times.collect(stats_);
         EXPECT_TRUE(done) << done.error().message;
         buffers_->download(planes);
@@ -83,8 +91,9 @@ class GlScreenPasses : public OnGl {
         planes.depth = result.depth.data();
         planes.normals = result.normals.data();
         const cpu::Workers workers(arena_, 2, {});
+        const cpu::ShadowMap sun{&scene.sun, scene.sunDepth.data()};
         cpu::runScreenPasses(passes, scene.layerView(), scene.jitter, planes, *kernels_, workers, memory_,
-                             cpuStats_);
+                             cpuStats_, scene.sunDepth.empty() ? nullptr : &sun);
         return result;
     }
     void expectTheSame(const Scene& scene, std::span<const Pass> passes) {
@@ -127,7 +136,7 @@ const Scene scenes[] = {sceneOf(131, 67, true, {0.25, -0.375}, 1), sceneOf(131, 
                         sceneOf(320, 240, true, {0.1, 0.2}, 5)};
 
 TEST_P(GlScreenPasses, PhongIsTheCpus) {
-    const PhongPass shiny{0.1f, 0.4f, 0.8f, 0.9f};
+    const PhongPass shiny{0.1f, 0.4f, 0.8f, 0.9f, {0.48f, -0.6f, 0.64f}};
     for (const Scene& scene : scenes) {
         expectTheSame(scene, PassList{PhongPass{}});
         expectTheSame(scene, PassList{shiny});
@@ -143,13 +152,46 @@ TEST_P(GlScreenPasses, EyeDomeIsTheCpus) {
     }
 }
 
+/// What a sun above and behind the viewer may see of where the scenes' points lie.
+Scene sunny(Scene scene) {
+    scene.sun = lookAtOrthographic({9, 12, 5}, {0, 0, -4}, 97, 61, 14);
+    Numbers numbers(61);
+    scene.sunDepth.resize(std::size_t{97} * 61);
+    for (float& depth : scene.sunDepth)
+        depth = numbers.uniform() < 0.1 ? std::numeric_limits<float>::infinity()
+                                        : static_cast<float>(numbers.uniform(12, 20));
+    return scene;
+}
+
+TEST_P(GlScreenPasses, ShadowsAreTheCpus) {
+    PhongPass lit{0.3f, 0.2f, 0.8f, 0.1f, {0.48f, -0.6f, 0.64f}, true};
+    for (const Scene& scene : scenes) {
+        const Scene shaded = sunny(scene);
+        expectTheSame(shaded, PassList{ShadowPass{0.8f, 0.6f, 0.05f}});
+        expectTheSame(shaded, PassList{ShadowPass{1, 0, 0.05f}, lit});
+        expectTheSame(scene, PassList{ShadowPass{1, 0.5f, 0.05f}, lit});  // there is no sun
+    }
+    const Scene shaded = sunny(scenes[4]);
+    EXPECT_GT(differences(onCpu(shaded, PassList{ShadowPass{1, 1, 0.05f}}).rgba, shaded.planes.rgba), 1000u)
+        << "nothing was in the shadow";
+}
+
+TEST_P(GlScreenPasses, OcclusionIsTheCpus) {
+    for (const Scene& scene : scenes) {
+        for (const OcclusionPass pass :
+             {OcclusionPass{}, OcclusionPass{0.3f, 7}, OcclusionPass{1, 1000}, OcclusionPass{1, 0}}) {
+            expectTheSame(scene, PassList{pass});
+        }
+    }
+}
+
 PassList everything() {
     HiddenPointsPass hide;
     hide.spacing = 0.06f;
     hide.minGap = 0.18f;
     DepthNormalsPass normals;
     normals.spacing = hide.spacing;
-    return {hide, PullPushPass{}, normals, PhongPass{}, EyeDomePass{}};
+    return {hide, PullPushPass{}, normals, PhongPass{}, EyeDomePass{}, OcclusionPass{}};
 }
 
 TEST_P(GlScreenPasses, AllAfterOneAnotherAreTheCpus) {
@@ -160,8 +202,8 @@ TEST_P(GlScreenPasses, TellTheSameStages) {
     PassList passes = everything();
     passes.insert(passes.begin(), {NearestPass{}, ResolvePass{}});  // not ours
     expectTheSame(scenes[0], passes);
-    ASSERT_EQ(stats_.stages.size(), 5u);
-    for (std::size_t i = 0; i < 5; ++i) EXPECT_EQ(stats_.stages[i].name, cpuStats_.stages[i].name);
+    ASSERT_EQ(stats_.stages.size(), 6u);
+    for (std::size_t i = 0; i < 6; ++i) EXPECT_EQ(stats_.stages[i].name, cpuStats_.stages[i].name);
 }
 
 TEST_P(GlScreenPasses, AreAbandonedWhenAsked) {

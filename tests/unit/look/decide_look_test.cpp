@@ -19,6 +19,7 @@
 #include "tests/support/clouds/scene_clouds.hpp"
 #include "tests/support/clouds/scene_points.hpp"
 #include "tests/support/clouds/synthetic_source.hpp"
+#include "tests/support/sized.hpp"
 #include "tests/support/temporary_folder.hpp"
 
 namespace scancast {
@@ -75,16 +76,20 @@ TEST(DecideLook, IsTheSameOnAnyNumberOfThreads) {
 
 TEST(DecideLook, IsTheSameFromMemoryAndFromAFile) {
     const test::TemporaryFolder folder;
-    for (const char* scene : {"room", "cube"}) {
-        const auto cloud = generated(scene);
-        const auto file = folder.path() / (std::string(scene) + ".scan");
-        const auto written = test::writeCloudFile(file, cloud->octree, *cloud);
+    constexpr std::uint64_t mebibyte = 1 << 20;
+    const auto expectTheSame = [&](const Cloud& cloud, std::initializer_list<std::uint64_t> limits) {
+        const auto file = folder.path() / "cloud.scan";
+        const auto written = test::writeCloudFile(file, cloud.octree, cloud);
         ASSERT_TRUE(written) << written.error().message;
-        const std::string wanted = textOf(decideLook(*cloud));
-        // Less memory than the samples take.
-        for (const std::uint64_t memory : {std::uint64_t(1) << 30, std::uint64_t(1) << 20})
-            EXPECT_EQ(textOf(decideLook(*opened(file, memory))), wanted) << scene << ' ' << memory;
-    }
+        const std::string wanted = textOf(decideLook(cloud));
+        for (const std::uint64_t limit : limits)
+            EXPECT_TRUE(textOf(decideLook(*opened(file, limit * mebibyte))) == wanted) << limit << " MiB";
+    };
+    expectTheSame(*generated("cube"), {1024});
+    // Less than the samples take, which are 16 bytes each.
+    const auto large = test::sceneCloud("room", test::sized(2'500'000, 40'000));
+    ASSERT_TRUE(large) << large.error().message;
+    expectTheSame(**large, {1024, 40});
 }
 
 TEST(DecideLook, ARoomIsFirstSeenFromInside) {

@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <limits>
 #include <set>
 
@@ -65,6 +66,21 @@ TEST(Methods, EndWithTheScreenPassesOfTheShading) {
         EXPECT_EQ(dome.size(), unlit.size() + 1) << m.name;
         const PassList phong = passes(m.name.c_str(), {}, Shading::Phong);
         EXPECT_TRUE(std::holds_alternative<PhongPass>(phong.back())) << m.name;
+        for (const Shading shading : {Shading::Unlit, Shading::Phong, Shading::EyeDome}) {
+            const auto values = resolveParameters(m, {}).value();
+            PassRequest request{m, values, shading};
+            request.light.occlusion = 0.5;
+            request.height = 360;
+            const PassList hollow = m.passes(request);
+            ASSERT_TRUE(std::holds_alternative<OcclusionPass>(hollow.back())) << m.name;
+            request.light.sun = {{135, 40}};
+            request.light.shadow = 1;
+            const PassList shaded = m.passes(request);
+            EXPECT_TRUE(std::ranges::any_of(shaded, [](const Pass& p) {
+                return std::holds_alternative<ShadowPass>(p);
+            })) << m.name;
+            EXPECT_EQ(std::get<OcclusionPass>(hollow.back()).radiusPx, 18) << "of the picture's height";
+        }
     }
 }
 

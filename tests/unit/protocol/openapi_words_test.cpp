@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 
 #include <fstream>
+#include <map>
 #include <set>
 
 #include "protocol/json_text.hpp"
@@ -97,25 +98,28 @@ TEST(OpenApiWords, PicturesTakeAllOfThem) {
 TEST(OpenApiWords, TheJsonViewHasTheTablesFields) {
     const json document = openApi();
     const json& schemas = document["components"]["schemas"];
-    Names fields{"camera"}, cameraFields;
+    std::map<std::string, Names> fields;  // by schema
     for (const auto& word : viewWords()) {
         SCOPED_TRACE(word.path);
-        const bool ofCamera = word.path.starts_with("camera.");
-        const std::string key(ofCamera ? word.path.substr(7) : word.path);
-        (ofCamera ? cameraFields : fields).insert(key);
-        const json& properties = schemas[ofCamera ? "Camera" : "View"]["properties"];
+        const auto dot = word.path.find('.');
+        const bool inObject = dot != std::string_view::npos;
+        const std::string object(inObject ? word.path.substr(0, dot) : "");
+        const std::string key(inObject ? word.path.substr(dot + 1) : word.path);
+        const std::string schema = object == "camera" ? "Camera" : object == "light" ? "Light" : "View";
+        if (inObject) fields["View"].insert(object);
+        fields[schema].insert(key);
+        const json& properties = schemas[schema]["properties"];
         if (!properties.contains(key)) {
-            ADD_FAILURE() << "openapi.json: components.schemas." << (ofCamera ? "Camera" : "View")
-                          << ".properties lacks " << key;
+            ADD_FAILURE() << "openapi.json: components.schemas." << schema << ".properties lacks " << key;
             continue;
         }
         if (word.value.range) expectRange(properties[key], *word.value.range);
-        if (!ofCamera) {
+        if (!inObject) {
             EXPECT_EQ(schemas["ViewChange"]["properties"].value(key, json()), properties[key]);
         }
     }
-    EXPECT_EQ(keysOf(schemas["View"]["properties"]), fields);
-    EXPECT_EQ(keysOf(schemas["Camera"]["properties"]), cameraFields);
+    for (const auto& [schema, names] : fields)
+        EXPECT_EQ(keysOf(schemas[schema]["properties"]), names) << schema;
 }
 
 }  // namespace

@@ -27,6 +27,13 @@ inline View richView() {
     view.style.classes = {{2, 6, 255}};
     view.style.clip = ClipBox{{0, 1, 2}, {3, 4, 5}};
     view.style.shading = Shading::Phong;
+    view.style.light = {.ambient = 0.25,
+                        .headlight = 0.125,
+                        .sun = {{225.5, 30}},
+                        .sunlight = 1,
+                        .shine = 0,
+                        .occlusion = 0.5,
+                        .shadow = 1};
     view.style.mirrors = false;
     view.style.behindMirrors = true;
     view.style.outliers = Outliers::Show;

@@ -48,7 +48,8 @@ TEST(ViewJson, CanonicalTextIsFixed) {
         R"({"background":["#3a424e","#16191e"],"behindMirrors":false,"budget":null,"camera":{"eye":[0.0,-1.0,0.0],"far":null,)"
         R"("fov":60.0,"near":null,"target":[0.0,0.0,0.0],"type":"perspective","up":[0.0,0.0,1.0]},)"
         R"("classes":null,"clip":null,"color":"auto","colormap":"viridis","detail":null,"exposure":null,"height":720,)"
-        R"("method":"paraboloid","mirrors":true,"outliers":"hide","param":{},"quality":90,"range":null,"samples":null,"shading":null,)"
+        R"("light":{"ambient":0.5,"headlight":0.5,"occlusion":null,"shadow":0.0,"shine":0.08,"sun":null,"sunlight":0.5},)"
+        R"("method":"auto","mirrors":true,"outliers":"hide","param":{},"quality":90,"range":null,"samples":null,"shading":null,)"
         R"("subsampling":"4:2:0","width":1280})")
         << "A new word? Put it here, in the order of the alphabet.";
 }
@@ -62,6 +63,10 @@ TEST(ViewJson, SubsetsKeepTheRest) {
     EXPECT_EQ(applied(base, R"({"width": 2000})"), wider);
     EXPECT_EQ(applied(base, R"({"width": 2000.0})"), wider);
 
+    auto dimmed = base;
+    dimmed.style.light.ambient = 0.75;
+    EXPECT_EQ(applied(base, R"({"light": {"ambient": 0.75}})"), dimmed);
+
     auto moved = base;
     moved.camera.eye = {1, 2, 3};
     EXPECT_EQ(applied(base, R"({"camera": {"eye": [1, 2, 3]}})"), moved);
@@ -69,7 +74,7 @@ TEST(ViewJson, SubsetsKeepTheRest) {
 
 TEST(ViewJson, NullRestoresTheAutomaticValue) {
     const auto view = applied(test::richView(), R"({"camera": {"near": null, "far": null}, "range": null,
-        "classes": null, "clip": null, "exposure": null, "shading": null, "background": null, "detail": null, "budget": null,
+        "classes": null, "clip": null, "exposure": null, "shading": null, "light": {"sun": null}, "background": null, "detail": null, "budget": null,
         "samples": null})");
     EXPECT_EQ(view.camera.near, std::nullopt);
     EXPECT_EQ(view.camera.far, std::nullopt);
@@ -78,6 +83,7 @@ TEST(ViewJson, NullRestoresTheAutomaticValue) {
     EXPECT_EQ(view.style.clip, std::nullopt);
     EXPECT_EQ(view.style.exposure, std::nullopt);
     EXPECT_EQ(view.style.shading, std::nullopt);
+    EXPECT_EQ(view.style.light.sun, std::nullopt);
     EXPECT_EQ(view.style.background, Background{});
     EXPECT_EQ(view.quality.detail, std::nullopt);
     EXPECT_EQ(view.quality.budget, std::nullopt);
@@ -156,6 +162,13 @@ TEST(ViewJson, WrongTypesAndValuesNameTheirPath) {
         {R"({"clip": {"min": [0,0,0]}})", "clip.max"},
         {R"({"clip": [0,0,0,1,1,1]})", "clip"},
         {R"({"shading": "gouraud"})", "shading"},
+        {R"({"light": 1})", "light"},
+        {R"({"light": null})", "light"},
+        {R"({"light": {"ambient": 1.5}})", "light.ambient"},
+        {R"({"light": {"ambient": null}})", "light.ambient"},
+        {R"({"light": {"sun": [90]}})", "light.sun"},
+        {R"({"light": {"sun": [90, -1]}})", "light.sun"},
+        {R"({"light": {"suns": [90, 1]}})", "light.suns"},
         {R"({"mirrors": 1})", "mirrors"},
         {R"({"behindMirrors": null})", "behindMirrors"},
         {R"({"background": "#12"})", "background"},

@@ -29,14 +29,17 @@ Error refused(const WordValues& words, const View& base = {}) {
 
 TEST(ViewWords, TableIsComplete) {
     std::set<std::string> names, flags, paths;
+    std::string_view group;
     for (const auto& word : viewWords()) {
         EXPECT_TRUE(names.insert(std::string(word.word)).second) << word.word;
-        EXPECT_TRUE(flags.insert(word.flag()).second) << word.flag();
+        // The words of a group share one, and stand together.
+        EXPECT_TRUE(flags.insert(word.flag()).second || word.group() == group) << word.flag();
+        group = word.group();
         EXPECT_TRUE(paths.insert(std::string(word.path)).second) << word.path;
         EXPECT_TRUE(word.meaning.ends_with(".")) << word.meaning;
         EXPECT_FALSE(word.shape.empty());
     }
-    EXPECT_THAT(flags, testing::IsSupersetOf({"--eye", "--view-height", "--param"}));
+    EXPECT_THAT(flags, testing::IsSupersetOf({"--eye", "--view-height", "--param", "--light"}));
 }
 
 TEST(ViewWords, RangesAreTheSameForTextJsonAndTheViewItself) {
@@ -50,9 +53,11 @@ TEST(ViewWords, RangesAreTheSameForTextJsonAndTheViewItself) {
                                             ? nlohmann::json(std::int64_t(value))
                                             : nlohmann::json(value);
             if (legal && value == 0x1p64) continue;  // no whole number of 64 bits
-            const auto changes = word.path.starts_with("camera.")
-                                     ? nlohmann::json{{"camera", {{word.path.substr(7), json}}}}
-                                     : nlohmann::json{{word.path, json}};
+            const auto dot = word.path.find('.');
+            const auto changes =
+                dot == std::string_view::npos
+                    ? nlohmann::json{{word.path, json}}
+                    : nlohmann::json{{word.path.substr(0, dot), {{word.path.substr(dot + 1), json}}}};
             EXPECT_EQ(applyJson(base, changes).has_value(), legal) << word.word << " " << json;
             EXPECT_EQ(applyWords(base, {{std::string(word.word), json.dump()}}).has_value(), legal)
                 << word.word << " " << json;
@@ -102,6 +107,13 @@ TEST(ViewWords, WordsAndJsonMeanTheSame) {
                                 {"classes", "6,2"},
                                 {"clip", "0,0,0,1,2,3"},
                                 {"shading", "phong"},
+                                {"light.ambient", "0.25"},
+                                {"light.headlight", "1"},
+                                {"light.sun", "-45,30.5"},
+                                {"light.sunlight", "0.75"},
+                                {"light.shine", "0"},
+                                {"light.occlusion", "0.5"},
+                                {"light.shadow", "1"},
                                 {"mirrors", "false"},
                                 {"behindMirrors", "true"},
                                 {"outliers", "show"},
@@ -117,6 +129,7 @@ TEST(ViewWords, WordsAndJsonMeanTheSame) {
         "param": {"sizePx": 5, "smooth": true, "footprint": "square"}, "color": "#ff8800*intensity",
         "exposure": -0.5, "colormap": "grey",
         "range": [-1, 1e3], "classes": [2, 6], "clip": {"min": [0,0,0], "max": [1,2,3]}, "shading": "phong",
+        "light": {"ambient": 0.25, "headlight": 1, "sun": [-45, 30.5], "sunlight": 0.75, "shine": 0, "occlusion": 0.5, "shadow": 1},
         "mirrors": false, "behindMirrors": true, "outliers": "show",
         "background": ["#010203", "#040506"], "detail": 2, "budget": 1000, "samples": 8, "quality": 50,
         "subsampling": "4:2:2"})"));
@@ -158,13 +171,14 @@ TEST(ViewWords, AutoClears) {
                                {"clip", "auto"},
                                {"exposure", "auto"},
                                {"shading", "auto"},
+                               {"light.sun", "auto"},
                                {"detail", "auto"},
                                {"budget", "auto"},
                                {"samples", "auto"}},
                               test::richView());
     EXPECT_FALSE(view.camera.near || view.camera.far || view.style.range || view.style.classes ||
-                 view.style.clip || view.style.exposure || view.style.shading || view.quality.detail ||
-                 view.quality.budget || view.quality.samples);
+                 view.style.clip || view.style.exposure || view.style.shading || view.style.light.sun ||
+                 view.quality.detail || view.quality.budget || view.quality.samples);
     EXPECT_EQ(applied({{"classes", "none"}}).style.classes, std::vector<std::uint8_t>{});
 }
 
@@ -213,6 +227,14 @@ TEST(ViewWords, WrongOnesNameTheWord) {
                                                                  {"clip", "0,0,0"},
                                                                  {"clip", "1,0,0,0,1,1"},
                                                                  {"shading", "flat"},
+                                                                 {"light.ambient", "-0.1"},
+                                                                 {"light.headlight", "2"},
+                                                                 {"light.sun", "135"},
+                                                                 {"light.sun", "361,40"},
+                                                                 {"light.sun", "135,91"},
+                                                                 {"light.sun", "nan,40"},
+                                                                 {"light.sunlight", "bright"},
+                                                                 {"light.shine", "auto"},
                                                                  {"mirrors", "off"},
                                                                  {"behindMirrors", ""},
                                                                  {"background", "blue"},
@@ -240,6 +262,8 @@ TEST(ViewWords, ImpossibleViewsAreAnotherError) {
 
 TEST(ViewWords, UnknownAndRepeatedWordsAreRefused) {
     EXPECT_EQ(refused({{"fvo", "60"}}).message, "fvo: unknown; did you mean fov?");
+    EXPECT_EQ(refused({{"light.ambiant", "1"}}).message,
+              "light.ambiant: unknown; did you mean light.ambient?");
     EXPECT_EQ(refused({{"view-height", "60"}}).message, "view-height: unknown; did you mean viewHeight?");
     EXPECT_EQ(refused({{"fov", "60"}, {"fov", "60"}}).message, "\"fov\" is given twice");
     EXPECT_FALSE(applyWords({}, WordValues(257, {"fov", "60"})));

@@ -4,7 +4,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <limits>
+#include <string>
 
 #include "renderer/method/method.hpp"
 
@@ -305,32 +307,6 @@ TEST(Render, TheDefaultViewCanBeDrawn) {
     EXPECT_EQ(frame->stats.stages.front().name, "select");
 }
 
-/// What `auto` chose is asked of the plan that is there, as long as the cloud is seen alike.
-TEST(Plan, KeepsWhatAutoChose) {
-    const Cloud cloud = fourPoints();
-    View view = fromAbove(cloud);
-    view.style.method = "auto";
-    const auto chosen = plan(cloud, view);
-    ASSERT_TRUE(chosen) << chosen.error().message;
-    PlannedView known = **chosen;
-    known.method = known.method == "point" ? "square" : "point";
-    known.reason = "known";
-    const auto again = [&] { return plan(cloud, view, &known).value(); };
-
-    view.quality.samples = 1;
-    view.quality.detail = 3;
-    EXPECT_EQ(again()->method, known.method);
-    EXPECT_EQ(again()->reason, known.reason);
-    EXPECT_EQ(again()->selection.detail, 3);
-    view.width /= 2;
-    EXPECT_EQ(again()->method, (*chosen)->method) << "at another size it may be another";
-    view.width *= 2;
-    view.camera.eye.x += 1;
-    EXPECT_EQ(again()->method, (*chosen)->method);
-    view.style.method = "cone";
-    EXPECT_EQ(again()->method, "cone");
-}
-
 TEST(Render, UnknownMethodNamesTheKnownOnes) {
     const Cloud cloud = fourPoints();
     View view = fromAbove(cloud);
@@ -384,8 +360,7 @@ TEST(Render, LightNeedsNormalsUnlessTheMethodMakesThem) {
     EXPECT_TRUE(render(device, cloud, view));
 }
 
-TEST(Render, AutoSaysWhatItChoseAndWhy) {
-    // Four points a whole unit apart, seen from above: sparse on screen.
+TEST(Render, AutoSaysWhatItChoseAndWhyAndStaysWithItAtAnyDistance) {
     Cloud cloud = fourPoints();
     NotingDevice device;
     View view = fromAbove(cloud);
@@ -395,22 +370,65 @@ TEST(Render, AutoSaysWhatItChoseAndWhy) {
         cloud.attributes.color = colors;
         const auto frame = render(device, cloud, view);
         if (!frame) return "refused: " + frame.error().message;
-        EXPECT_THAT(frame->stats.methodReason, HasSubstr("px apart"));
+        EXPECT_THAT(frame->stats.methodReason, HasSubstr(colors ? "coloured" : "without colours"));
         return frame->stats.method;
     };
-    EXPECT_EQ(chosen(true, true), "paraboloid") << "blended, what was photographed would lose its texture";
-    EXPECT_EQ(chosen(true, false), "ewa");
-    EXPECT_EQ(chosen(false, true), "paraboloid");
-    view.camera.viewHeight = 1e6;  // all four points on a pixel
-    view.camera.projection = Projection::Orthographic;
-    EXPECT_EQ(chosen(true, true), "paraboloid");
-    EXPECT_EQ(chosen(true, false), "disc");
-    EXPECT_EQ(chosen(false, false), "pyramid");
+    for (const double height : {1.0, 1e6}) {  // from a unit apart to all four points on a pixel
+        view.camera.viewHeight = height;
+        view.camera.projection = Projection::Orthographic;
+        EXPECT_EQ(chosen(true, true), "paraboloid")
+            << "blended, what was photographed would lose its texture";
+        EXPECT_EQ(chosen(true, false), "voronoi");
+        EXPECT_EQ(chosen(false, true), "paraboloid");
+        EXPECT_EQ(chosen(false, false), "paraboloid");
+    }
     view.style.method = "paraboloid";
     const auto frame = render(device, cloud, view);
     ASSERT_TRUE(frame);
     EXPECT_EQ(frame->stats.method, "paraboloid");
     EXPECT_EQ(frame->stats.methodReason, "") << "nobody left it open";
+}
+
+TEST(Plan, AutoLightsWhatHasNoColours) {
+    Cloud cloud = fourPoints();
+    View view = fromAbove(cloud);
+    view.style.method = "auto";
+    const auto lit = [&](bool surfels, bool colors) {
+        cloud.surfels = surfels;
+        cloud.attributes.color = colors;
+        const auto planned = plan(cloud, view).value();
+        const auto has = [&](auto kind) {
+            return std::ranges::any_of(planned->passes, [](const Pass& pass) {
+                return std::holds_alternative<decltype(kind)>(pass);
+            });
+        };
+        return std::string(has(PhongPass{}) ? "phong" : has(EyeDomePass{}) ? "eyedome" : "unlit");
+    };
+    EXPECT_EQ(lit(true, true), "unlit");
+    EXPECT_EQ(lit(true, false), "phong");
+    EXPECT_EQ(lit(false, false), "eyedome");
+    view.style.shading = Shading::Unlit;
+    EXPECT_EQ(lit(false, false), "unlit") << "the view's own word wins";
+}
+
+TEST(Plan, OcclusionLeftOpenIsTheLooksWithItsLight) {
+    Cloud cloud = fourPoints();
+    cloud.look.emplace().style.light.occlusion = 0.75;
+    View view = fromAbove(cloud);
+    const auto strength = [&] {
+        for (const Pass& pass : plan(cloud, view).value()->passes)
+            if (const auto* occlusion = std::get_if<OcclusionPass>(&pass)) return occlusion->strength;
+        return 0.0f;
+    };
+    EXPECT_EQ(strength(), 0.75f);
+    view.style.light.occlusion = 0.25;
+    EXPECT_EQ(strength(), 0.25f) << "the view's own word wins";
+    view.style.light.occlusion.reset();
+    view.style.shading = Shading::EyeDome;
+    EXPECT_EQ(strength(), 0.0f) << "another light, without it";
+    view.style.shading.reset();
+    view.style.method = "paraboloid";
+    EXPECT_EQ(strength(), 0.0f) << "another method brings its own light";
 }
 
 TEST(Render, AnAbandonedFrameIsCancelled) {

@@ -5,10 +5,12 @@
 #include "renderer/device/cpu/kernels/depth_normals.hpp"
 #include "renderer/device/cpu/kernels/glass.hpp"
 #include "renderer/device/cpu/kernels/hidden_points.hpp"
+#include "renderer/device/cpu/kernels/occlusion.hpp"
 #include "renderer/device/cpu/kernels/pull_push.hpp"
-#include "renderer/device/cpu/kernels/screen.hpp"
 #include "renderer/device/cpu/kernels/resolve.hpp"
+#include "renderer/device/cpu/kernels/screen.hpp"
 #include "renderer/device/cpu/kernels/shade.hpp"
+#include "renderer/device/cpu/kernels/shadow.hpp"
 #include "renderer/device/cpu/kernels/splat.hpp"
 #include "renderer/device/cpu/kernels/splat_sums.hpp"
 #include "renderer/device/cpu/kernels/surfels.hpp"
@@ -65,8 +67,11 @@ const Kernels kernels = {
     .resolveSamples = resolveSamples,
     .resolveSums = resolveSums,
     .phong = phong,
+    .shadow = shadow,
     .logDepth = logDepth,
     .eyeDome = eyeDome,
+    .nearness = nearness,
+    .occlude = occlude,
     .lookThrough = lookThrough,
     .tintGlass = tintGlass,
     .accumulate = accumulate,

@@ -102,6 +102,17 @@ struct Phong : PhongNumbers {
     const std::uint32_t* normals = nullptr;
     std::int32_t stride = 0;  ///< pixels per row, of both
     std::int32_t width = 0, row0 = 0, row1 = 0;
+    const float* sunSeen = nullptr;  ///< 0 - 1, as wide as the others; null: no shadows
+};
+
+/// Shadows over the rows [row0, row1) of some planes, in place.
+struct Shadow : ShadowNumbers {
+    const float* map = nullptr;     ///< depths from the sun, row by row; +infinity = nothing
+    std::uint32_t* rgba = nullptr;  ///< of row 0, as all planes
+    const float* depths = nullptr;
+    float* sunlight = nullptr;
+    std::int32_t stride = 0;  ///< pixels per row, of all three
+    std::int32_t width = 0, row0 = 0, row1 = 0;
 };
 
 /// Eye-dome lighting of some rows. Every pixel has its eight neighbours in `logDepth`.
@@ -116,6 +127,17 @@ struct EyeDome {
     std::int32_t width = 0, height = 0;
     std::int32_t offsets[8] = {};  ///< of the neighbours, in `logDepth`
     float factor = 0;              ///< shade = 2^(-factor · sum of the eight responses)
+};
+
+/// Ambient occlusion of some rows, in place. Every pixel has all its neighbours in `nearness`.
+struct Occlusion : OcclusionNumbers {
+    const float* nearness = nullptr;  ///< of the first row's first pixel; -infinity = background
+    std::int32_t nearStride = 0;
+    const float* depth = nullptr;
+    std::uint32_t* rgba = nullptr;
+    std::int32_t stride = 0;  ///< pixels per row, of both
+    std::int32_t width = 0, height = 0;
+    std::int32_t offsets[occlusionPairs] = {};  ///< of one of each pair, in `nearness`
 };
 
 /// A mirror's glass over some rows of a picture.
@@ -149,8 +171,11 @@ struct Kernels {
     /// before, in planes like the tile's, or null.
     void (*resolveSums)(const KeyTile&, const std::int64_t* wide, const PixelTile&);
     void (*phong)(const Phong&);
+    void (*shadow)(const Shadow&);
     void (*logDepth)(const float* depth, float* out, int count);
     void (*eyeDome)(const EyeDome&);
+    void (*nearness)(const float* depth, bool perspective, float* out, int count);
+    void (*occlude)(const Occlusion&);
     /// Where the glass is seen: the reflected pixels instead of what is there, at their own depth.
     void (*lookThrough)(const Glass&);
     /// Where the glass is seen: its tint, and its own depth.

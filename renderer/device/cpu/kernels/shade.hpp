@@ -8,33 +8,43 @@
 namespace scancast::cpu {
 namespace {
 
-/// To the directional light, view space: upper left, behind the viewer.
-inline constexpr float lightX = -0.57735027f, lightY = 0.57735027f, lightZ = 0.57735027f;
-
 struct Brightness {
-    FloatW diffuse, specular;
+    FloatW diffuse, shine;
 };
 
 /// (nx, ny, nz) and (vx, vy, vz) are unit vectors, v to the eye.
-inline Brightness blinnPhong(const Phong& p, FloatW nx, FloatW ny, FloatW nz, FloatW vx, FloatW vy,
-                             FloatW vz) {
+inline Brightness blinnPhong(const Phong& p, FloatW nx, FloatW ny, FloatW nz, FloatW vx, FloatW vy, FloatW vz,
+                             FloatW sunSeen) {
     const FloatW facing = nx * vx + ny * vy + nz * vz;
     // Two-sided: the side that is seen is lit.
     const FloatW side = facing < 0.0f ? all(-1.0f) : all(1.0f);
-    const FloatW light = larger(side * (nx * lightX + ny * lightY + nz * lightZ), all(0.0f));
-    const FloatW hx = vx + lightX, hy = vy + lightY, hz = vz + lightZ;
+    const FloatW toLampX = vx + lampX, toLampY = vy + lampY;
+    const FloatW nearer = 1.0f / squareRoot<wideLanes>(toLampX * toLampX + toLampY * toLampY + vz * vz);
+    const FloatW mx = toLampX * nearer, my = toLampY * nearer, mz = vz * nearer;
+    // Large and near: what is turned a little from it gets hardly less, what is turned away from it still some.
+    const FloatW ofLamp = side * (nx * mx + ny * my + nz * mz);
+    const FloatW lamp = larger(ofLamp * lampScale + lampOffset, all(0.0f));
+    const FloatW sun = larger(side * (nx * p.sun[0] + ny * p.sun[1] + nz * p.sun[2]), all(0.0f));
+    const FloatW hx = vx + mx, hy = vy + my, hz = vz + mz;
     const FloatW half = side * (nx * hx + ny * hy + nz * hz);
-    // The halfway vector is never 0: the light stands behind the viewer, v before him.
+    // Neither is ever 0: eye and lamp are before whatever is seen.
     FloatW shine = larger(half, all(0.0f)) / squareRoot<wideLanes>(hx * hx + hy * hy + hz * hz);
-    for (int doubled = 0; doubled < 5; ++doubled) shine = shine * shine;
-    return {p.ambient + p.headlight * (side * facing) + p.directional * light, (p.specular * 255.0f) * shine};
+    for (int doubled = 0; doubled < 6; ++doubled) shine = shine * shine;
+    const FloatW soft = lamp * (2.0f - lamp);
+    const FloatW diffuse = p.ambient + p.headlight * soft + p.sunlight * (sun * sunSeen);
+    return {smaller(diffuse, all(2.0f)), p.shine * shine};
 }
 
+/// What brightens bends towards white, and nothing but white becomes so.
 inline IntW lit(IntW rgba, const Brightness& b) {
+    const FloatW less = smaller(b.diffuse, all(1.0f));
+    const FloatW more = larger(b.diffuse - 1.0f, all(0.0f));
     IntW out = rgba & static_cast<std::int32_t>(0xff000000u);
     for (int shift = 0; shift < 24; shift += 8) {
-        const FloatW value = toFloat((rgba >> shift) & 255) * b.diffuse + b.specular + 0.5f;
-        out |= toInt(smaller(value, all(255.0f))) << shift;
+        const FloatW dimmed = toFloat((rgba >> shift) & 255) * less;
+        const FloatW value = dimmed + dimmed * more * (1.0f - dimmed * 0.003921569f);
+        const FloatW shining = value + b.shine * (255.0f - value) + 0.5f;
+        out |= toInt(smaller(shining, all(255.0f))) << shift;
     }
     return out;
 }
@@ -60,7 +70,11 @@ void phong(const Phong& p) {
                 vz = inverse;
             }
             const IntW before = loadSome<IntW>(rgba + column, lanes);
-            const IntW after = lit(before, blinnPhong(p, nx, ny, nz, vx, vy, vz));
+            const FloatW seen =
+                p.sunSeen != nullptr
+                    ? loadSome<FloatW>(p.sunSeen + static_cast<std::int64_t>(row) * p.stride + column, lanes)
+                    : all(1.0f);
+            const IntW after = lit(before, blinnPhong(p, nx, ny, nz, vx, vy, vz, seen));
             storeSome(rgba + column, code == 0 ? before : after, lanes);
         }
     }

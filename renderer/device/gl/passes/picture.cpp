@@ -30,6 +30,8 @@ DevicePool::DevicePool(const std::shared_ptr<const Context>& context,
       frame(gl),
       rgba(gl, "picture's colours"),
       depth(gl, "picture's depths"),
+      sun(gl),
+      sunSeen(gl, "sunlight"),
       readBack(gl, context) {}
 
 LayerParts DevicePool::layerParts(std::size_t layer) {
@@ -63,6 +65,25 @@ Expected<void> Picture::makeLayers(StageTimes& times) {
     return {};
 }
 
+/// Once for all frames: the sun does not move by a part of a pixel.
+Expected<void> Picture::drawShadowMap(StageTimes& times) {
+    const CutView& sun = *drawing_.sun;
+    const FramePasses passes = shadowMapPasses(drawing_.surfels);
+    Drawing drawing = drawing_;
+    drawing.color = ColorRule{.source = ColorSource::Flat};
+    const ivec4 area(0, 0, sun.viewpoint.width, sun.viewpoint.height);
+    const LayerView layerView{&sun.viewpoint, 0, drawing_.surfels, drawing_.oriented};
+    const auto planes = pool_.sun.planes(area, false);
+    if (!planes) return passOn(planes);
+    const StageTimes::Scope timed(times, "shadow map");
+    const auto layer =
+        Layer::create(pool_.layerParts(drawing_.cuts.size()), drawing, sun, layerView, passes, area);
+    if (!layer) return passOn(layer);
+    if (auto ok = (*layer)->draw({0, 0}, *planes, times, stop_); !ok) return ok;
+    sun_ = GpuShadowMap{&sun.viewpoint, planes->depth, &pool_.sunSeen};
+    return {};
+}
+
 template <class Work>
 Expected<void> Picture::onMirrors(StageTimes& times, const Work& work) {
     if (mirrors_.empty()) return {};
@@ -79,12 +100,15 @@ Expected<void> Picture::drawFrame(const glm::dvec2& jitter, const GpuPlanes& pla
         onMirrors(times, [&](MirrorLayer& mirror) { return mirror.draw(jitter, planes, times, stop_); });
     if (!reflected) return reflected;
     auto screened = runScreenPasses(passes_.screen, shown_.view, jitter, planes, pool_.shaders, pool_.pyramid,
-                                    times, stop_);
+                                    times, stop_, sun_ ? &*sun_ : nullptr);
     if (!screened) return screened;
     return onMirrors(times, [&](const MirrorLayer& mirror) { return mirror.finish(jitter, planes); });
 }
 
 Expected<std::unique_ptr<ReadBack::Transfer>> Picture::draw(StageTimes& times) {
+    if (drawing_.sun != nullptr && passes_.castsShadows()) {
+        if (auto ok = drawShadowMap(times); !ok) return passOn(ok);
+    }
     if (auto ok = makeLayers(times); !ok) return passOn(ok);
     const auto planes = pool_.frame.planes(area_, passes_.normals());
     if (!planes) return passOn(planes);

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <stop_token>
 #include <vector>
 
@@ -36,9 +37,11 @@ struct DevicePool {
     PlaneMemory frame;
     std::vector<std::unique_ptr<PlaneMemory>> mirrors;
     Buffer rgba, depth;  ///< of the window
+    PlaneMemory sun;     ///< its map of shadows
+    Buffer sunSeen;
     ReadBack readBack;
 
-    /// For a picture's layer (0), or its mirrors' (from 1 on).
+    /// For a picture's layer (0), or its mirrors' and the sun's (from 1 on).
     LayerParts layerParts(std::size_t layer);
 };
 
@@ -51,6 +54,7 @@ class Picture {
 
   private:
     Expected<void> makeLayers(StageTimes& times);
+    Expected<void> drawShadowMap(StageTimes& times);
     Expected<void> drawFrame(const glm::dvec2& jitter, const GpuPlanes& planes, StageTimes& times);
     template <class Work>
     Expected<void> onMirrors(StageTimes& times, const Work& work);
@@ -62,6 +66,7 @@ class Picture {
     const PictureArea shown_;
     const ivec4 window_, area_;
     std::unique_ptr<Layer> layer_;
+    std::optional<GpuShadowMap> sun_;
     std::vector<std::unique_ptr<MirrorLayer>> mirrors_;  ///< those that lie in the area
 };
 

@@ -14,12 +14,21 @@ namespace scancast::gl {
 using glm::ivec4;
 using glm::uvec4;
 using glm::vec4;
+#define SCANCAST_SCREEN_NUMBERS
 #include "renderer/device/gl/shaders/screen/layouts_screen.glsl"
+#undef SCANCAST_SCREEN_NUMBERS
 
-static_assert(sizeof(PhongParams) == 48);
-static_assert(offsetof(PhongParams, eye) == 16 && offsetof(PhongParams, shares) == 32);
+static_assert(sizeof(PhongParams) == 64);
+static_assert(offsetof(PhongParams, eye) == 16 && offsetof(PhongParams, shares) == 32 &&
+              offsetof(PhongParams, sun) == 48);
 static_assert(sizeof(EyeDomeLight) == 96);
 static_assert(offsetof(EyeDomeLight, offsets) == 16 && offsetof(EyeDomeLight, strength) == 80);
+static_assert(occlusionPairs == 24 && occlusionFull == 1.5f && occlusionFall == 0.4f);
+static_assert(sizeof(OcclusionParams) == 416);
+static_assert(offsetof(OcclusionParams, pairs) == 16 && offsetof(OcclusionParams, strength) == 400);
+static_assert(sizeof(ShadowParams) == 96);
+static_assert(offsetof(ShadowParams, map) == 16 && offsetof(ShadowParams, u) == 32);
+static_assert(offsetof(ShadowParams, depth) == 64 && offsetof(ShadowParams, strength) == 80);
 static_assert(sizeof(PartParams) == 48);
 static_assert(offsetof(PartParams, window) == 16 && offsetof(PartParams, frames) == 32);
 static_assert(sizeof(GlassParams) == 96);
@@ -38,6 +47,9 @@ enum ScreenBinding : unsigned {
     BindLabels = 3,
     BindTexels = 4,
     BindPulled = 5,
+    // shadow.comp; light_phong.comp
+    BindShadowMap = 4,
+    BindSunSeen = 5,
     // glass.comp
     BindReflectedRgba = 3,
     BindReflectedDepth = 4,

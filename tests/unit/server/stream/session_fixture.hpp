@@ -66,8 +66,7 @@ class TwoClouds final : public StreamWorld {
         return tl::unexpected(problemOf(404, "no such cloud"));
     }
     bool loading(std::string_view) const override { return isLoading; }
-    Expected<std::shared_ptr<const PlannedView>> plan(const Cloud&, const View& view,
-                                                      const PlannedView*) const override {
+    Expected<std::shared_ptr<const PlannedView>> plan(const Cloud&, const View& view) const override {
         if (view.style.method == "nonsense") return fail(ErrorCode::NotFound, "no such method", "method");
         return nullptr;
     }

@@ -5,7 +5,8 @@
 struct PhongParams {
     ivec4 size;   // width, height of the planes; their first pixel in the picture
     vec4 eye;     // centre of the picture's pixel (0, 0), px right of and below the view axis; 1/f, 0 = orthographic
-    vec4 shares;  // ambient, headlight, directional, specular
+    vec4 shares;  // ambient, headlight, sunlight, shine
+    vec4 sun;     // the way to it, view space
 };
 
 // Eye-dome lighting.
@@ -13,6 +14,28 @@ struct EyeDomeLight {
     ivec4 size;        // width, height of the planes
     ivec4 offsets[4];  // of the eight neighbours, px: x0, y0, x1, y1, ...
     vec4 strength;     // x: shade = 2^(-x * sum of the eight responses)
+};
+
+// Ambient occlusion (screen_numbers.hpp).
+#ifndef SCANCAST_SCREEN_NUMBERS
+const int occlusionPairs = 24;
+const float occlusionFull = 1.5, occlusionFall = 0.4;
+#endif
+
+struct OcclusionParams {
+    ivec4 size;                   // width, height of the planes
+    ivec4 pairs[occlusionPairs];  // of one of each pair of neighbours, px: x, y; bits of the float perPx
+    vec4 strength;                // x: shade = 2^(-x * sum over the pairs); y: not 0 = perspective
+};
+
+// Shadows.
+struct ShadowParams {
+    ivec4 size;      // width, height of the planes; their first pixel in the picture
+    ivec4 map;       // its width, height; not 0 = perspective
+    vec4 u;          // where a pixel lies in the map (screen_numbers.hpp) ...
+    vec4 v;
+    vec4 depth;      // ... and how deep
+    vec4 strength;   // strength, bias, share
 };
 
 // A part of planes, and an average over frames of it.

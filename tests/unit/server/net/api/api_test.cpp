@@ -65,10 +65,20 @@ TEST_F(ApiTest, SnapshotIsAPictureOfTheAskedSize) {
     ASSERT_TRUE(frame);
     EXPECT_EQ(frame->width, 32);
     EXPECT_EQ(frame->height, 16);
+    EXPECT_NE(response.find("Scancast-Method"), nullptr);
     const auto png = ask("/api/v1/clouds/tiny/snapshot.png?width=8&height=9");
     const auto decoded = decodePng(*png.bytes);
     ASSERT_TRUE(decoded);
     EXPECT_EQ(decoded->height, 9);
+}
+
+TEST_F(ApiTest, APictureSaysByWhichMethodAndWhy) {
+    const HttpResponse open = ask(std::string(picture) + "&method=auto");
+    EXPECT_FALSE(open.find("Scancast-Method")->empty());
+    EXPECT_NE(open.find("Scancast-Method-Reason")->find("points"), std::string::npos);
+    const HttpResponse named = ask(std::string(picture) + "&method=cone");
+    EXPECT_EQ(*named.find("Scancast-Method"), "cone");
+    EXPECT_EQ(named.find("Scancast-Method-Reason"), nullptr) << "nobody left it open";
 }
 
 TEST_F(ApiTest, ARevalidationRendersNothing) {

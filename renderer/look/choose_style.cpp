@@ -4,7 +4,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <glm/geometric.hpp>
 #include <optional>
+
+#include "renderer/method/light.hpp"
 
 namespace scancast {
 
@@ -12,8 +15,6 @@ namespace {
 
 /// A calm warm grey: shape shows by light alone.
 constexpr Rgb8 clay{206, 196, 182};
-/// What is photographed has its own; points that stand singly would show their outlines by it, surfels do not.
-constexpr double clayOcclusion = 0.6;
 
 struct Choices {
     std::vector<StyleChoice> all;
@@ -110,7 +111,7 @@ void addShape(const CloudFacts& facts, const SurveyedScene& scene, bool lit, Cho
         if (!lit) return;
         Style& style = choices.add(Flat, Shading::Phong, "It has no colours: light shows the shape.");
         style.flatColor = clay;
-        style.light.occlusion = clayOcclusion;
+        choices.all.back().sidelit = true;
     };
     if (isObject) addClay();
     if (facts.attributes.intensity) {
@@ -141,6 +142,22 @@ std::vector<StyleChoice> stylesFor(const CloudFacts& facts, const SurveyedScene&
     else
         addShape(facts, scene, lit, choices);
     return std::move(choices.all);
+}
+
+LightRig sidelight(const Camera& first, const glm::dvec3& up) {
+    constexpr double left = 0.7, above = 0.5, behind = 0.5;  // of the way from what is seen to the sun
+    constexpr double lowest = 10;                            // degrees
+    const glm::dvec3 back = glm::normalize(first.eye - first.target);
+    const glm::dvec3 right = glm::normalize(glm::cross(first.up, back));
+    LightRig light;
+    light.ambient = 0.2;
+    light.headlight = 0.25;
+    light.sunlight = 0.55;
+    light.sun = sunAlong(back * behind - right * left + glm::cross(back, right) * above, up);
+    light.sun->at(1) = std::max(light.sun->at(1), lowest);
+    // What is photographed has its own; points that stand singly would show their outlines by it, surfels do not.
+    light.occlusion = 0.6;
+    return light;
 }
 
 }  // namespace scancast

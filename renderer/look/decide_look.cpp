@@ -138,14 +138,18 @@ Expected<Look> lookAt(const Cloud& cloud, Device& device, SurveyedScene scene) {
     look.bounds = scene.box;
     look.outline = outlineOf(scene.points);
     look.noise = noiseOf(cloud);
-    const auto styles = stylesFor(cloud, scene);
-    Looker looker(cloud, device, scene);
+    auto styles = stylesFor(cloud, scene);
+    Cloud upright(cloud);  // light needs to know the way up
+    upright.look.emplace().up = scene.up;
+    Looker looker(upright, device, scene);
     auto candidates = insideCandidates(scene);
     for (Candidate& candidate : outsideCandidates(scene, look.outline))
         candidates.push_back(std::move(candidate));
     const auto scored = looker.score(candidates, styles.front().style);
     if (!scored) return passOn(scored);
     look.views = bestViews(*scored);
+    for (StyleChoice& choice : styles)
+        if (choice.sidelit) choice.style.light = sidelight(look.views.front().camera, scene.up);
     const auto style = looker.choose(styles, look.views.front().camera);
     if (!style) return passOn(style);
     look.style = (*style)->style;

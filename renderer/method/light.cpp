@@ -1,5 +1,6 @@
 #include "renderer/method/light.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <glm/trigonometric.hpp>
@@ -27,6 +28,13 @@ glm::dvec3 wayToSun(const std::array<double, 2>& azimuthElevation, const glm::dv
     const glm::dvec3 east = glm::cross(north, up);
     return (north * std::cos(azimuth) + east * std::sin(azimuth)) * std::cos(elevation) +
            up * std::sin(elevation);
+}
+
+std::array<double, 2> sunAlong(const glm::dvec3& way, const glm::dvec3& up) {
+    const glm::dvec3 w = glm::normalize(way);
+    const double toNorth = glm::dot(w, wayToSun({0, 0}, up)), toEast = glm::dot(w, wayToSun({90, 0}, up));
+    return {std::round(glm::degrees(std::atan2(toEast, toNorth))),
+            std::round(glm::degrees(std::asin(std::clamp(glm::dot(w, up), -1.0, 1.0))))};
 }
 
 PhongPass phongPass(const LightRig& light, const glm::dvec3& up) {

@@ -13,6 +13,8 @@ namespace scancast {
 /// The way to the sun, in the file's axes, unit length. North is the file's +Y as far as it lies flat; where `up`, a
 /// unit vector, is ±Y, it is ∓Z. East is to the right of who looks north.
 glm::dvec3 wayToSun(const std::array<double, 2>& azimuthElevation, const glm::dvec3& up);
+/// Its inverse, to whole degrees: where a sun stands that shines from there. `way` is not 0.
+std::array<double, 2> sunAlong(const glm::dvec3& way, const glm::dvec3& up);
 
 /// `up`: of the cloud. Without any light, all is black.
 PhongPass phongPass(const LightRig& light, const glm::dvec3& up);

@@ -3,8 +3,11 @@
 
 #include <gtest/gtest.h>
 
-#include <bit>
+#include <array>
+#include <cmath>
+#include <glm/geometric.hpp>
 
+#include "renderer/method/light.hpp"
 #include "tests/unit/look/scenes.hpp"
 
 namespace scancast {
@@ -50,6 +53,38 @@ TEST(StylesFor, AskForWhatTheCloudHas) {
                 }
                 EXPECT_EQ(styles.front().style.color == ColorSource::Rgb, facts.attributes.color);
             }
+}
+
+// Right because left, above and before are dot products with the camera's axes.
+TEST(Sidelight, ComesFromTheUpperLeftOfTheFirstCamera) {
+    for (const glm::dvec3& up : {glm::dvec3(0, 0, 1), {0, 1, 0}, {0, -1, 0}})
+        for (int i = 0; i < 8; ++i) {
+            const double angle = 0.8 * i;
+            const glm::dvec3 across(up.z, 0, 1 - up.z), along = glm::cross(up, across);
+            Camera camera;
+            camera.target = {5, 6, 7};
+            const glm::dvec3 back =
+                glm::normalize(across * std::cos(angle) + along * std::sin(angle) + up * 0.4);
+            camera.eye = camera.target + 20.0 * back;
+            camera.up = up;
+            const LightRig light = sidelight(camera, up);
+            const glm::dvec3 sun = wayToSun(light.sun.value(), up);
+            EXPECT_LT(glm::dot(sun, glm::cross(up, back)), -0.5);
+            EXPECT_GT(glm::dot(sun, up), 0.3);
+            EXPECT_GT(glm::dot(sun, back), 0.3);
+            View view;
+            view.style.light = light;
+            EXPECT_TRUE(validate(view));
+        }
+}
+
+TEST(Sidelight, FromAboveIsStillInTheSky) {
+    Camera camera;
+    camera.eye = {0, 0, 9};
+    camera.up = {0, 1, 0};
+    const auto sun = sidelight(camera, {0, 0, 1}).sun.value();
+    EXPECT_GE(sun[1], 10);
+    EXPECT_LT(wayToSun(sun, {0, 0, 1}).x, -0.5) << "left in the picture";
 }
 
 TEST(StylesFor, ClassesTellOnlyWhereTheyDiffer) {

@@ -34,6 +34,15 @@ TEST(Light, KnowsOtherWaysUp) {
     }
 }
 
+TEST(Light, FindsTheSunAlongAWay) {
+    for (const glm::dvec3& up : {glm::dvec3(0, 0, 1), {0, 1, 0}, {0, -1, 0}, {0.6, 0, 0.8}})
+        for (const std::array<double, 2>& sun :
+             {std::array{0.0, 0.0}, {90.0, 10.0}, {-135.0, 40.0}, {17.0, 89.0}}) {
+            const auto found = sunAlong(3.0 * wayToSun(sun, up), up);
+            EXPECT_TRUE(found == sun) << found[0] << ", " << found[1];
+        }
+}
+
 TEST(Light, IsMadeOfShares) {
     const auto passOf = [](const LightRig& light) { return phongPass(light, {0, 0, 1}); };
     const PhongPass half = passOf({.ambient = 0.5, .headlight = 0.25, .sun = {}}),

@@ -260,7 +260,6 @@ Expected<std::unique_ptr<PointSource>> Loader::open(const ScanInput& input, cons
     PreviewOptions preview;
     preview.title = input.path().filename().string();
     preview.threads = options_.threads;
-    preview.first = options_.firstPreview;
     preview.show = [this, id](std::shared_ptr<const Cloud> cloud) {
         catalog_.setPreview(id, std::move(cloud));
     };

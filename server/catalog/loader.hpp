@@ -43,7 +43,6 @@ struct LoaderOptions {
     /// what does not fit into memory goes through a file in the system's temporary folder.
     std::filesystem::path cacheDir;
     std::string version;  ///< of the program: another one builds anew
-    std::chrono::milliseconds firstPreview{1000};
     /// Called on the loader's threads.
     std::function<void(const std::string& note)> onNote;
     std::function<void(const std::string& id, const Progress&)> onProgress;

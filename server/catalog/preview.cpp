@@ -83,20 +83,23 @@ Expected<bool> PreviewSource::read(PointBatch& batch) {
     if (!more) return more;
     if (*more) sample_.add(batch);
     const auto elapsed = Clock::now() - *began_;
-    const bool atEnd = !*more && elapsed >= options_.first;
+    const bool atEnd = !*more && elapsed >= options_.second;
     if ((elapsed < next_ && !atEnd) || sample_.points().size() == 0) return more;
     if (building_ && !atEnd) return more;
-    next_ = 2 * elapsed;
-    build();
+    next_ = std::max<Clock::duration>(2 * elapsed, options_.second);
+    build(isFirst_ && !atEnd ? options_.mostOfFirst : options_.mostPoints);
+    isFirst_ = false;
     return more;
 }
 
 // A preview that cannot be made is left out: the scan goes on being read.
-void PreviewSource::build() {
+void PreviewSource::build(std::size_t most) {
     if (builder_.joinable()) builder_.join();
     building_ = true;
-    const auto begun = contained("Starting a preview", [this] {
-        builder_ = std::thread([this, header = source_->header(), points = sample_.points()]() mutable {
+    const auto begun = contained("Starting a preview", [this, most] {
+        StrideSample fewer(most);
+        fewer.add(sample_.points());
+        builder_ = std::thread([this, header = source_->header(), points = fewer.points()]() mutable {
             std::ignore = contained("A preview", [&] { show(header, std::move(points)); });
             building_ = false;
         });

@@ -33,10 +33,12 @@ class StrideSample {
 
 struct PreviewOptions {
     std::string title;
-    std::size_t mostPoints = 1'000'000;
-    /// A preview is made after this long, and whenever as much time has passed again as before the last one;
-    /// and when everything is read, if that took so long.
-    std::chrono::milliseconds first{1000};
+    std::size_t mostPoints = 1'000'000, mostOfFirst = 50'000;
+    /// Something to look at, at once: a small preview is made after this long.
+    std::chrono::milliseconds first{100};
+    /// Then one after this long, and whenever as much time has passed again as before the last one; and when everything
+    /// is read, if that took so long.
+    std::chrono::milliseconds second{1000};
     int threads = 0;
     std::function<void(std::shared_ptr<const Cloud>)> show;  ///< called on the preview's thread
 };
@@ -55,7 +57,7 @@ class PreviewSource final : public PointSource {
 
   private:
     using Clock = std::chrono::steady_clock;
-    void build();
+    void build(std::size_t most);
     void show(const ScanHeader& header, PointBatch points) const;
 
     const std::unique_ptr<PointSource> source_;
@@ -63,6 +65,7 @@ class PreviewSource final : public PointSource {
     StrideSample sample_;
     std::optional<Clock::time_point> began_;
     Clock::duration next_;
+    bool isFirst_ = true;
     std::atomic<bool> building_{false};
     std::thread builder_;
 };

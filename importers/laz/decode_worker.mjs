@@ -47,7 +47,7 @@ async function eachPlainPiece(file, las, chunk, consume, most = chunk.points) {
   }
 }
 
-/// { kind: 'decode', path, las, chunk, depth, further? } or { …, node, depth }: the points as CHNK records.
+/// { kind: 'decode', path, las, chunk, depth, further?, most? } or { …, node, depth }: the points as CHNK records.
 async function decode(job) {
   if (job.node) {
     await encodeNode(open(job.path), job.node, job.depth, (buffer, points) => give(buffer, points, 0));
@@ -58,7 +58,7 @@ async function decode(job) {
     const kept = overflows ? keepFinite(heap, at, count, job.las) : count;
     const buffer = kept > 0 ? encodeRecords(heap, at, kept, job.las, job.depth, job.further) : null;
     return give(buffer, kept, count - kept);
-  });
+  }, job.most);
 }
 
 /// { kind: 'look', most, … }: how the colours of the first `most` points are meant; of a node, of all.

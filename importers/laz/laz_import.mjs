@@ -12,6 +12,10 @@ import { WorkerPool } from './worker_pool.mjs';
 // Places across the file where a first look at the colours is taken; any 16-bit file is found out by it.
 const firstLooks = 16;
 const firstLookPoints = 256;
+// Chunks across the file that a reader gets the first points of, to look at while the scan is decoded. Smaller scans are there at once.
+const glances = 256;
+const glancePoints = 200;
+const fewestToGlanceAt = 1_000_000;
 // What Scancast accepts at most; real scans have less than one.
 const mostPointsPerByte = 1000;
 
@@ -47,18 +51,42 @@ const what = ({ chunk, node }) =>
   node ? `the node ${node.name}` : `the chunk of ${grouped(chunk.points)} points at byte ${grouped(chunk.at)}`;
 
 /// `pieces`: [{ path, las, chunk }] of LAZ, [{ path, node }] of other octrees (potree/piece.mjs). The same rule as for LAS: 8 bits only if no number in the whole scan is above 255.
-export async function judgeColors(pool, pieces) {
-  if (pieces.every(({ las }) => las && !lasColumns(las).color)) return colorDepth.unknown;
-  const looks = (chosen, most) => chosen.map((piece) => ({ kind: 'look', what: what(piece), most, ...piece }));
+export async function judgeColors(pool, pieces, first = undefined) {
+  const depth = first ?? (await firstColors(pool, pieces));
+  if (depth === colorDepth.sixteenBits || !mayHaveColors(pieces)) return depth;
+  return lookAtColors(pool, pieces, Infinity);
+}
+
+/// What a first look at a few of them says.
+export function firstColors(pool, pieces) {
+  if (!mayHaveColors(pieces)) return colorDepth.unknown;
+  return lookAtColors(pool, everyFew(pieces, firstLooks), firstLookPoints);
+}
+
+const mayHaveColors = (pieces) => !pieces.every(({ las }) => las && !lasColumns(las).color);
+
+/// At most so many, as far apart as they can be.
+function everyFew(pieces, count) {
+  const step = Math.ceil(pieces.length / count);
+  return pieces.filter((_, i) => i % step === 0);
+}
+
+async function lookAtColors(pool, pieces, most) {
   let depth = colorDepth.unknown;
-  const take = (piece) => {
-    depth = Math.max(depth, piece.depth);
+  await pool.run(pieces.map((piece) => ({ kind: 'look', what: what(piece), most, ...piece })), (found) => {
+    depth = Math.max(depth, found.depth);
     return depth !== colorDepth.sixteenBits;
-  };
-  const step = Math.max(1, Math.floor(pieces.length / firstLooks));
-  await pool.run(looks(pieces.filter((_, i) => i % step === 0), firstLookPoints), take);
-  if (depth !== colorDepth.sixteenBits) await pool.run(looks(pieces, Infinity), take);
+  });
   return depth;
+}
+
+async function writeGlance(pool, pieces, depth, writer) {
+  const jobs = everyFew(pieces, glances).map((piece) => (
+    { kind: 'decode', what: what(piece), depth, most: Math.min(glancePoints, piece.chunk.points), ...piece }));
+  await pool.run(jobs, (part) => {
+    if (part.points > 0) writer.glance(part.buffer);
+  });
+  writer.endGlance();
 }
 
 /// Decodes the pieces in their order into `writer`.
@@ -73,7 +101,7 @@ export async function importLaz(path, writer, { keepAttributes = false } = {}) {
   const pieces = chunks.map((chunk) => ({ path, las, chunk, further }));
   const pool = new WorkerPool(workerUrl, pieces.length);
   try {
-    const depth = await judgeColors(pool, pieces);
+    const first = await firstColors(pool, pieces);
     writer.header({
       format: `LAZ 1.${las.minor}, point format ${las.pointFormat}`,
       points: las.points,
@@ -85,6 +113,9 @@ export async function importLaz(path, writer, { keepAttributes = false } = {}) {
       epsg: records.epsg,
       further: further?.columns,
     });
+    // Whether all colours have 8 bits takes a pass over the scan: meanwhile its reader has something to look at.
+    if (las.points >= fewestToGlanceAt) await writeGlance(pool, pieces, first, writer);
+    const depth = await judgeColors(pool, pieces, first);
     await writePieces(pool, pieces, depth, writer);
   } finally {
     await pool.close();

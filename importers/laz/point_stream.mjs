@@ -130,6 +130,19 @@ export class PointStreamWriter {
     this.#dropped += dropped;
   }
 
+  /// The same, of points from all over the scan that a reader may look at before all of them come; then endGlance().
+  glance(buffer) {
+    const bytes = new Uint8Array(buffer);
+    bytes.set([0x4c, 0x4f, 0x4f, 0x4b]); // LOOK
+    this.#write(bytes);
+  }
+
+  endGlance() {
+    const bytes = Buffer.alloc(8);
+    bytes.write('LOOK', 'latin1');
+    this.#write(bytes);
+  }
+
   done() {
     this.#write(encodeDone(this.#sent, this.#dropped));
   }

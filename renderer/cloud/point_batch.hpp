@@ -99,6 +99,13 @@ void forColumns(PointBatch& to, const PointBatch& from, F f) {
     f(to.normal, from.normal);
 }
 
+/// Points of the same scan behind one another.
+inline void append(PointBatch& to, const PointBatch& more) {
+    forColumns(to, more,
+               [](auto& all, const auto& some) { all.insert(all.end(), some.begin(), some.end()); });
+    to.rows.insert(to.rows.end(), more.rows.begin(), more.rows.end());
+}
+
 /// A scan being read, front to back, once. Owned and used by one thread.
 class PointSource {
   public:
@@ -106,6 +113,9 @@ class PointSource {
 
     virtual ~PointSource() = default;
     virtual const ScanHeader& header() const = 0;
+    /// Before the first read(): some points from all over the scan, to look at while it is read; read() gives them
+    /// once more. None where they cost as much as reading would. An error is one that read() will meet, too.
+    virtual Expected<PointBatch> glance() { return PointBatch(); }
     /// Replaces the batch with the next points (at most batchPoints). False at the end: then the batch is
     /// empty and the whole scan was sound. A file that is damaged, truncated or empty ends with an error
     /// instead.

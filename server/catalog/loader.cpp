@@ -33,6 +33,7 @@ class StoppableSource final : public PointSource {
     StoppableSource(std::unique_ptr<PointSource> source, std::stop_token stop)
         : source_(std::move(source)), stop_(std::move(stop)) {}
     const ScanHeader& header() const override { return source_->header(); }
+    Expected<PointBatch> glance() override { return source_->glance(); }
     Expected<bool> read(PointBatch& batch) override {
         if (stop_.stop_requested()) return fail(ErrorCode::Cancelled, "The server is shutting down.");
         return source_->read(batch);

@@ -78,7 +78,10 @@ PreviewSource::~PreviewSource() {
 }
 
 Expected<bool> PreviewSource::read(PointBatch& batch) {
-    if (!began_) began_ = Clock::now();
+    if (!began_) {
+        began_ = Clock::now();
+        showGlance();
+    }
     auto more = source_->read(batch);
     if (!more) return more;
     if (*more) sample_.add(batch);
@@ -87,19 +90,30 @@ Expected<bool> PreviewSource::read(PointBatch& batch) {
     if ((elapsed < next_ && !atEnd) || sample_.points().size() == 0) return more;
     if (building_ && !atEnd) return more;
     next_ = std::max<Clock::duration>(2 * elapsed, options_.second);
-    build(isFirst_ && !atEnd ? options_.mostOfFirst : options_.mostPoints);
-    isFirst_ = false;
+    StrideSample chosen(isFirst_ && !atEnd ? options_.mostOfFirst : options_.mostPoints);
+    chosen.add(sample_.points());
+    PointBatch points = chosen.points();
+    if (!atEnd) append(points, glance_);  // of what is not read yet
+    build(std::move(points));
     return more;
 }
 
+/// What goes wrong here is told of by read().
+void PreviewSource::showGlance() {
+    auto points = source_->glance();
+    if (!points || points->size() == 0) return;
+    next_ = options_.second;
+    glance_ = std::move(*points);
+    build(glance_);
+}
+
 // A preview that cannot be made is left out: the scan goes on being read.
-void PreviewSource::build(std::size_t most) {
+void PreviewSource::build(PointBatch points) {
     if (builder_.joinable()) builder_.join();
+    isFirst_ = false;
     building_ = true;
-    const auto begun = contained("Starting a preview", [this, most] {
-        StrideSample fewer(most);
-        fewer.add(sample_.points());
-        builder_ = std::thread([this, header = source_->header(), points = fewer.points()]() mutable {
+    const auto begun = contained("Starting a preview", [&] {
+        builder_ = std::thread([this, header = source_->header(), points = std::move(points)]() mutable {
             std::ignore = contained("A preview", [&] { show(header, std::move(points)); });
             building_ = false;
         });

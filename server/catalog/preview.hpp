@@ -34,7 +34,8 @@ class StrideSample {
 struct PreviewOptions {
     std::string title;
     std::size_t mostPoints = 1'000'000, mostOfFirst = 50'000;
-    /// Something to look at, at once: a small preview is made after this long.
+    /// Something to look at, at once: a small preview is made of what the source gives to glance at, or else after this
+    /// long.
     std::chrono::milliseconds first{100};
     /// Then one after this long, and whenever as much time has passed again as before the last one; and when everything
     /// is read, if that took so long.
@@ -57,11 +58,13 @@ class PreviewSource final : public PointSource {
 
   private:
     using Clock = std::chrono::steady_clock;
-    void build(std::size_t most);
+    void showGlance();
+    void build(PointBatch points);
     void show(const ScanHeader& header, PointBatch points) const;
 
     const std::unique_ptr<PointSource> source_;
     const PreviewOptions options_;
+    PointBatch glance_;
     StrideSample sample_;
     std::optional<Clock::time_point> began_;
     Clock::duration next_;

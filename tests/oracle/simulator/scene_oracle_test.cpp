@@ -19,7 +19,7 @@ PointBatch drain(const SceneOptions& options) {
     while (source->read(batch).value()) {
         EXPECT_LE(batch.size(), PointSource::batchPoints);
         EXPECT_GT(batch.size(), 0u);
-        test::append(all, batch);
+        append(all, batch);
     }
     EXPECT_EQ(batch.size(), 0u);
     const auto& bounds = *source->header().bounds;

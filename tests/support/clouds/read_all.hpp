@@ -5,12 +5,6 @@
 
 namespace scancast::test {
 
-inline void append(PointBatch& all, const PointBatch& batch) {
-    const auto add = [](auto& to, const auto& from) { to.insert(to.end(), from.begin(), from.end()); };
-    forColumns(all, batch, add);
-    add(all.rows, batch.rows);
-}
-
 /// What is left of the source. Errors: those of read().
 inline Expected<PointBatch> readAll(PointSource& source) {
     PointBatch all, batch;

@@ -130,6 +130,41 @@ TEST(LasSource, ManyBatches) {
     }
 }
 
+// Right because y says which point it is: a glance is of points from everywhere, and read() gives all of them.
+TEST(LasSource, AGlanceIsOfTheWholeScan) {
+    LasFile file = sample(2, 2, 1, 1'000'000);
+    for (std::size_t i = 0; i < file.points.size(); ++i) file.points[i].y = static_cast<std::int32_t>(i);
+    const auto bytes = file.bytes();
+    for (const bool seekable : {true, false}) {
+        const auto source = open(bytes, seekable);
+        ASSERT_TRUE(source);
+        const PointBatch glance = (*source)->glance().value();
+        PointBatch batch;
+        ASSERT_TRUE((*source)->read(batch).value());
+        EXPECT_EQ(batch.position.front().y, 1000.0);
+        if (!seekable) {
+            EXPECT_EQ(glance.size(), 0U) << "a pipe is read once";
+            continue;
+        }
+        ASSERT_GT(glance.size(), 10'000U);
+        ASSERT_LE(glance.size(), 65'536U);
+        EXPECT_EQ(glance.color.size(), glance.size());
+        std::vector<int> tenths(10, 0);
+        for (const glm::dvec3& p : glance.position) {
+            const double number = (p.y - 1000) / 0.01;
+            ASSERT_NEAR(number, std::round(number), 1e-5);
+            ++tenths.at(std::size_t(number / 100'000));
+        }
+        for (const int count : tenths) EXPECT_NEAR(count, double(glance.size()) / 10, glance.size() / 100.0);
+    }
+}
+
+TEST(LasSource, SmallScansAreReadAtOnce) {
+    const auto source = open(sample(2, 2, 1, 1000).bytes(), true);
+    ASSERT_TRUE(source);
+    EXPECT_EQ((*source)->glance().value().size(), 0U);
+}
+
 // A single number above 255, wherever it is and in whichever channel, makes the file a 16-bit one.
 TEST(LasSource, OneBrightPointDecidesTheColourDepth) {
     for (const std::size_t bright : {std::size_t(0), std::size_t(70001), std::size_t(149999)})

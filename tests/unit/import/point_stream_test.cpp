@@ -276,6 +276,71 @@ TEST(PointStream, NotesThatLieAreErrors) {
     expectImporterError(withNotes(3, 17), "more than 16 notes");
 }
 
+/// A sound stream with `parts` to look at first, each of two points.
+Bytes withGlance(int parts, bool ended = true) {
+    Bytes glance;
+    const Bytes whole = small();
+    for (int i = 0; i < parts; ++i)
+        glance.insert(glance.end(), whole.begin() + chunkAt, whole.begin() + doneAt);
+    if (ended) glance.resize(glance.size() + 8);
+    for (std::size_t at = 0; at < glance.size(); at += doneAt - chunkAt)
+        put(glance, at, std::array<char, 4>{'L', 'O', 'O', 'K'});
+    Bytes stream = whole;
+    stream.insert(stream.begin() + chunkAt, glance.begin(), glance.end());
+    return stream;
+}
+
+TEST(PointStream, AGlanceIsSeenFirstAndCountsForNothing) {
+    for (const bool ended : {true, false})
+        for (const int parts : {0, 1, 5}) {
+            const Bytes bytes = withGlance(parts, ended);
+            EXPECT_EQ(readStream(bytes).value().points, 2U) << "whoever does not want it";
+            auto reader = PointStreamReader::create(std::make_unique<MemoryByteSource>(bytes, false));
+            ASSERT_TRUE(reader) << reader.error().message;
+            const PointBatch glance = (*reader)->glance().value();
+            ASSERT_EQ(glance.size(), std::size_t(2 * parts));
+            ASSERT_EQ(glance.normal.size(), glance.size());
+            for (std::size_t i = 0; i < glance.size(); ++i)
+                EXPECT_EQ(glance.position[i], batchOf(2, all).position[i % 2]);
+            EXPECT_EQ((*reader)->glance().value().size(), 0U) << "once";
+            PointBatch batch;
+            EXPECT_TRUE((*reader)->read(batch).value());
+            EXPECT_TRUE(batch.position == batchOf(2, all).position);
+            EXPECT_FALSE((*reader)->read(batch).value());
+        }
+}
+
+// Right because the bytes end there: to wait for more would be an error.
+TEST(PointStream, AGlanceWaitsForNothingBehindIt) {
+    Bytes bytes = withGlance(3);
+    bytes.resize(bytes.size() - (small().size() - chunkAt));
+    auto reader = PointStreamReader::create(std::make_unique<MemoryByteSource>(bytes, false));
+    ASSERT_TRUE(reader) << reader.error().message;
+    EXPECT_EQ((*reader)->glance().value().size(), 6U);
+    PointBatch batch;
+    EXPECT_THAT((*reader)->read(batch).error().message, HasSubstr("broke off"));
+}
+
+TEST(PointStream, GlancesThatLieAreErrors) {
+    const Bytes good = withGlance(1);
+    for (std::size_t size = chunkAt; size < good.size(); ++size)
+        expectImporterError(Bytes(good.begin(), good.begin() + static_cast<std::ptrdiff_t>(size)),
+                            "broke off");
+    Bytes nan = good;
+    put(nan, chunkAt + 8, std::numeric_limits<double>::quiet_NaN());
+    expectImporterError(nan, "a coordinate is NaN");
+    Bytes many = good;
+    put(many, chunkAt + 4, std::uint32_t(65537));
+    expectImporterError(many, "more than 65,536 points to look at first");
+    Bytes twice = withGlance(0);
+    const Bytes again = withGlance(0);
+    twice.insert(twice.begin() + chunkAt, again.begin() + chunkAt, again.begin() + chunkAt + 8);
+    expectImporterError(twice, "a record of unknown kind");
+    Bytes late = small();
+    late.insert(late.begin() + doneAt, again.begin() + chunkAt, again.begin() + chunkAt + 8);
+    expectImporterError(late, "points to look at first, behind others");
+}
+
 TEST(PointStream, NoMorePointsThanTheFileCanHold) {
     EXPECT_TRUE(readStream(small(std::nullopt), 2));
     const auto scan = readStream(small(std::nullopt), 1);

@@ -57,6 +57,25 @@ void expectSamePoints(PointSource& one, PointSource& other) {
 
 }  // namespace
 
+TEST(LazGlance, IsOfPointsFromAllOverTheScan) {
+    const char* const file = "laz/strand-statue-1m.laz";
+    REQUIRE_TEST_DATA(file);
+    auto source = openScan(testData(file), realScanOptions()).value();
+    const PointBatch glance = source->glance().value();
+    const PointBatch whole = test::readAll(*source).value();
+    // The first 200 of each of its chunks, where they are in the file.
+    ASSERT_GE(glance.size(), 2'000U);
+    ASSERT_LE(glance.size(), 65'536U);
+    std::size_t at = 0;
+    for (std::size_t i = 0; i < glance.size(); ++i, ++at) {
+        while (at < whole.size() && whole.position[at] != glance.position[i]) ++at;
+        ASSERT_LT(at, whole.size()) << i;
+        ASSERT_TRUE(glance.color[i] == whole.color[at]);
+        ASSERT_EQ(glance.intensity[i], whole.intensity[at]);
+    }
+    EXPECT_GT(at, whole.size() * 9 / 10);
+}
+
 TEST_P(RealScans, GiveWhatIsInThem) {
     const auto& expected = GetParam();
     REQUIRE_TEST_DATA(expected.file);

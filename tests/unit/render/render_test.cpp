@@ -416,7 +416,8 @@ TEST(Plan, OcclusionLeftOpenIsTheLooksWithItsLight) {
     cloud.look.emplace().style.light.occlusion = 0.75;
     View view = fromAbove(cloud);
     const auto strength = [&] {
-        for (const Pass& pass : plan(cloud, view).value()->passes)
+        const auto planned = plan(cloud, view).value();
+        for (const Pass& pass : planned->passes)
             if (const auto* occlusion = std::get_if<OcclusionPass>(&pass)) return occlusion->strength;
         return 0.0f;
     };

@@ -22,6 +22,8 @@ constexpr std::uint64_t evlrHeaderBytes = 60;
 // Places across the file where a first look at the colours is taken; any 16-bit file is found out by it.
 constexpr std::uint64_t firstLooks = 16;
 constexpr std::uint64_t firstLookRecords = 256;
+// Places across the file that a glance takes points from. Smaller scans are read as fast.
+constexpr std::uint64_t glances = 8192, glanceRecords = 6, fewestToGlanceAt = 1'000'000;
 
 }  // namespace
 
@@ -195,6 +197,22 @@ Error LasSource::truncated(std::uint64_t at, std::uint64_t complete) const {
             name_ + " ends at byte " + grouped(at) + ": its header promises " + grouped(las_.points) +
                 " points, there are " + grouped(complete),
             {}};
+}
+
+Expected<PointBatch> LasSource::glance() {
+    PointBatch all, part;
+    if (!bytes_->size() || las_.points < fewestToGlanceAt) return all;
+    std::vector<std::byte> piece(glanceRecords * las_.recordBytes);
+    for (std::uint64_t place = 0; place < glances; ++place) {
+        const std::uint64_t first = las_.points / glances * place;
+        const auto got = bytes_->readAt(las_.pointOffset + first * las_.recordBytes, piece);
+        if (!got) return passOn(got);
+        if (*got < piece.size()) return all;  // it has become shorter; read() says where
+        decodeLasRecords(piece, las_, depth_, part);
+        dropNonFinite(part);
+        append(all, part);
+    }
+    return all;
 }
 
 Expected<bool> LasSource::read(PointBatch& batch) {

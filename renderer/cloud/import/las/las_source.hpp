@@ -26,6 +26,7 @@ class LasSource final : public PointSource {
                                                        bool keepAttributes = false);
 
     const ScanHeader& header() const override { return scan_; }
+    Expected<PointBatch> glance() override;
     Expected<bool> read(PointBatch& batch) override;
     std::uint64_t droppedPoints() const override { return dropped_; }
     std::array<std::uint64_t, 2> bytesRead() const override;

@@ -42,6 +42,12 @@ Expected<std::unique_ptr<ImporterSource>> ImporterSource::create(const ImporterP
     return source;
 }
 
+Expected<PointBatch> ImporterSource::glance() {
+    auto points = reader_->glance();
+    if (!points) return tl::unexpected(explain(points.error(), *process_));
+    return points;
+}
+
 Expected<bool> ImporterSource::read(PointBatch& batch) {
     auto more = reader_->read(batch);
     if (!more) return tl::unexpected(explain(more.error(), *process_));

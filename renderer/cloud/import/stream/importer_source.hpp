@@ -20,6 +20,7 @@ class ImporterSource final : public PointSource {
                                                             const ImportOptions& options);
 
     const ScanHeader& header() const override { return reader_->header(); }
+    Expected<PointBatch> glance() override;
     Expected<bool> read(PointBatch& batch) override;
     std::uint64_t droppedPoints() const override { return reader_->droppedPoints(); }
     std::vector<std::string> notes() const override;

@@ -26,9 +26,11 @@ inline constexpr std::size_t longestNote = 1024;
 inline constexpr std::size_t mostNotes = 16;
 inline constexpr std::size_t recordHeadBytes = 8;
 inline constexpr std::uint32_t chunkPoints = 65536;
+inline constexpr std::uint32_t glancePoints = 65536;
 static_assert(chunkPoints == PointSource::batchPoints);
 
 inline constexpr std::array<char, 4> chunkTag{'C', 'H', 'N', 'K'};
+inline constexpr std::array<char, 4> glanceTag{'L', 'O', 'O', 'K'};
 inline constexpr std::array<char, 4> doneTag{'D', 'O', 'N', 'E'};
 inline constexpr std::array<char, 4> failTag{'F', 'A', 'I', 'L'};
 inline constexpr std::array<char, 4> noteTag{'N', 'O', 'T', 'E'};

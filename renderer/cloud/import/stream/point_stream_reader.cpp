@@ -97,13 +97,9 @@ Expected<void> PointStreamReader::readColumn(std::vector<T>& column, bool presen
     return readExactly(std::as_writable_bytes(std::span(column)));
 }
 
-Expected<void> PointStreamReader::readChunk(PointBatch& batch) {
+/// As many as the record's head says.
+Expected<void> PointStreamReader::readPoints(PointBatch& batch) {
     const auto n = head_.n;
-    if (n == 0 || n > stream::chunkPoints)
-        return wrong("a chunk of " + grouped(n) + " points; 1 to 65,536 are allowed");
-    if (header_.points && n > *header_.points - points_)
-        return wrong("more points than the " + grouped(*header_.points) + " that it declared");
-    if (n > mostPoints_ - points_) return wrong("more points than such a file can hold");
     const auto& has = header_.attributes;
     if (auto ok = readColumn(batch.position, true, n); !ok) return ok;
     if (auto ok = readColumn(batch.color, has.color, n); !ok) return ok;
@@ -111,9 +107,37 @@ Expected<void> PointStreamReader::readChunk(PointBatch& batch) {
     if (auto ok = readColumn(batch.classification, has.classification, n); !ok) return ok;
     if (auto ok = readColumn(batch.normal, has.normal, n); !ok) return ok;
     if (auto ok = readColumn(batch.rows, rowBytes_ > 0, n * rowBytes_); !ok) return ok;
-    if (auto ok = checkChunk(batch); !ok) return ok;
+    return checkChunk(batch);
+}
+
+Expected<void> PointStreamReader::readChunk(PointBatch& batch) {
+    const auto n = head_.n;
+    if (n == 0 || n > stream::chunkPoints)
+        return wrong("a chunk of " + grouped(n) + " points; 1 to 65,536 are allowed");
+    if (header_.points && n > *header_.points - points_)
+        return wrong("more points than the " + grouped(*header_.points) + " that it declared");
+    if (n > mostPoints_ - points_) return wrong("more points than such a file can hold");
+    if (auto ok = readPoints(batch); !ok) return ok;
     points_ += n;
     return {};
+}
+
+// What follows the last of these records may take long: it is not waited for.
+Expected<PointBatch> PointStreamReader::glance() {
+    PointBatch all, part;
+    while (head_.tag == stream::glanceTag) {
+        const RecordHead head = head_;
+        if (points_ > 0) return wrong("points to look at first, behind others");
+        if (head.n > stream::glancePoints - all.size())
+            return wrong("more than " + grouped(stream::glancePoints) + " points to look at first");
+        if (head.n > 0)
+            if (auto ok = readPoints(part); !ok) return passOn(ok);
+        head_ = {};
+        if (head.n == 0) break;
+        append(all, part);
+        if (auto ok = readHead(); !ok) return passOn(ok);
+    }
+    return all;
 }
 
 Expected<void> PointStreamReader::checkChunk(const PointBatch& batch) const {
@@ -162,6 +186,17 @@ Expected<bool> PointStreamReader::read(PointBatch& batch) {
         batch.clear();
         return false;
     }
+    const auto ok = readRecord(batch);
+    if (ok && !done_) return true;
+    batch.clear();
+    if (!ok) return passOn(ok);
+    return false;
+}
+
+Expected<void> PointStreamReader::readRecord(PointBatch& batch) {
+    if (const auto unwanted = glance(); !unwanted) return passOn(unwanted);
+    if (head_.tag == RecordHead().tag)
+        if (auto ok = readHead(); !ok) return ok;
     const auto tag = head_.tag;
     Expected<void> ok;
     if (tag == stream::chunkTag) {
@@ -175,10 +210,7 @@ Expected<bool> PointStreamReader::read(PointBatch& batch) {
     } else {
         ok = wrong("a record of unknown kind");
     }
-    if (ok && !done_) return true;
-    batch.clear();
-    if (!ok) return passOn(ok);
-    return false;
+    return ok;
 }
 
 std::array<std::uint64_t, 2> PointStreamReader::bytesRead() const {

@@ -25,6 +25,7 @@ class PointStreamReader final : public PointSource {
         std::uint64_t mostPoints = std::numeric_limits<std::uint64_t>::max());
 
     const ScanHeader& header() const override { return header_; }
+    Expected<PointBatch> glance() override;
     /// Errors: those that the importer reports; Empty; Importer for a stream that breaks its rules or ends
     /// early.
     Expected<bool> read(PointBatch& batch) override;
@@ -51,7 +52,9 @@ class PointStreamReader final : public PointSource {
     Expected<void> readExactly(std::span<std::byte> into);
     template <class T>
     Expected<void> readColumn(std::vector<T>& column, bool present, std::size_t count);
+    Expected<void> readPoints(PointBatch& batch);
     Expected<void> readChunk(PointBatch& batch);
+    Expected<void> readRecord(PointBatch& batch);
     Expected<void> checkChunk(const PointBatch& batch) const;
     Expected<void> readDone();
     Expected<void> readFailure();
@@ -61,7 +64,7 @@ class PointStreamReader final : public PointSource {
     std::uint64_t mostPoints_;
     ScanHeader header_;
     std::size_t rowBytes_ = 0;  ///< of the further columns; 0 = none
-    RecordHead head_;           ///< of the next record
+    RecordHead head_;           ///< of the next record; all 0: not read yet
     std::uint64_t at_ = 0;      ///< bytes read
     std::uint64_t points_ = 0;
     std::uint64_t dropped_ = 0;

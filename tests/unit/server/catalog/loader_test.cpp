@@ -76,6 +76,35 @@ TEST(Preview, ShowsWhatHasBeenReadAndPassesEverythingOn) {
     EXPECT_GT(shown.back()->bounds[1].y, 195);
 }
 
+/// With every 100th of its points to glance at.
+class GlancedSource final : public test::SyntheticSource {
+  public:
+    using SyntheticSource::SyntheticSource;
+    Expected<PointBatch> glance() override {
+        test::SyntheticSource few(*header().points / 100, test::ground, header().attributes);
+        PointBatch all, part;
+        while (few.read(part).value()) append(all, part);
+        return all;
+    }
+};
+
+TEST(Preview, AGlanceIsShownAtOnceAndFillsWhatIsNotRead) {
+    std::vector<std::shared_ptr<const Cloud>> shown;
+    PreviewOptions options;
+    options.mostPoints = 5000;
+    options.second = 0ms;
+    options.show = [&](std::shared_ptr<const Cloud> cloud) { shown.push_back(std::move(cloud)); };
+    {
+        PreviewSource source(std::make_unique<GlancedSource>(300'000, test::ground, Attributes{}), options);
+        PointBatch batch;
+        while (source.read(batch).value()) continue;
+    }
+    ASSERT_GE(shown.size(), 2u);
+    EXPECT_EQ(shown.front()->points, 3000u);
+    for (const auto& cloud : shown) EXPECT_GT(cloud->bounds[1].y, 190) << "as far as the scan reaches";
+    EXPECT_LE(shown.back()->points, 5000u) << "all is read: no point twice";
+}
+
 class LoaderTest : public testing::Test {
   protected:
     void SetUp() override {

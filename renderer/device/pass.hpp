@@ -61,14 +61,15 @@ inline bool ofSurfels(const Splat& splat) {
     return splat.footprint == Footprint::Disc || splat.footprint == Footprint::Ellipse;
 }
 
-/// The 32 bits under a key's order.
+/// The 32 bits under a key's order. Where a SumPass needs to know of what is visible - surfels, or normals - devices put that
+/// there instead (docs/spec/passes.md §2.2).
 enum class Payload : std::uint8_t {
     Color,   ///< 8 bits of the fragment's distance to the splat's centre above RGB8 (b << 16 | g << 8 | r)
     Sample,  ///< the sample's ordinal in the cut: what the ResolvePass needs for normals
 };
 
 /// nearest: order = d + gain·(1-w)·R with R = (p/2)/q(d), the world radius of the clamped size; Disc: depth
-/// of its plane; Ellipse: the plane's, clamped to d_c ± dz (docs/spec/surfels.md §4.2). Key = bits(order) <<
+/// of its plane; Ellipse: the plane's, clamped to d_c … d_c + dz (docs/spec/surfels.md §4.2). Key = bits(order) <<
 /// 32 | payload. With dx, dy px from the projected centre to the pixel's, the 8 bits of distance are
 /// trunc(127.5 · (dx² + dy²) / max(p/2, 1/2)²), which is monotone in the distance. A square covers -p/2 < dx,
 /// dy ≤ p/2.
@@ -83,7 +84,7 @@ struct SilhouettePass : Splat {};
 /// sum: Σw·rgb, Σw and, if wanted, Σw·n over the fragments that lie at most a tolerance behind NearestPass'
 /// depth d_vis. By footprint:
 ///   Circle   w = (1-(u²+v²))^1.5                        d ≤ d_vis + 2R          docs/spec/sprites.md §6
-///   Ellipse  w = sqrt(|JΣJᵀ|/|V|)·exp(-½ xᵀV⁻¹x)        d ≤ d_vis + 2a + 2dz    docs/spec/surfels.md §4
+///   Ellipse  w = sqrt(|JΣJᵀ|/|V|)·exp(-½ xᵀV⁻¹x)        of its surface         docs/spec/surfels.md §4.3
 ///   Disc     w = 1-3t²+2t³, t = distance / (reach·r)    |d - d_vis| ≤ r/2       docs/spec/voronoi.md §2
 /// A disc covers reach·r, and with a CellPass the bound is its tolerance · r.
 /// Weights are integers 1 … 4095 inside the footprint. A circle or an ellipse must be no larger than the

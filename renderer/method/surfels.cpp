@@ -45,10 +45,7 @@ PassList ewaPasses(const PassRequest& request) {
     SumPass sum{splat};
     ResolvePass resolve;
     resolve.sums = true;
-    if (request.shading == Shading::Phong) {
-        nearest.payload = Payload::Sample;
-        sum.normals = resolve.normals = true;
-    }
+    sum.normals = resolve.normals = request.shading == Shading::Phong;
     PassList list{nearest, sum, resolve};
     addShading(request, list);
     return list;

@@ -24,7 +24,7 @@
 //   line 8: rasterize, accumulate                SumPass: w = sqrt(|JΣJᵀ|/|V|)·exp(-½ xᵀV⁻¹x)
 //   lines 15-17: normalize every pixel           ResolvePass with sums
 //   §III: QSplat's aliasing                      parameter `lowPass`: textures seen small are averaged
-//   visibility, left to Zwicker's ε-z-buffer     NearestPass, and SumPass' tolerance of 2a + 2dz behind it
+//   visibility, left to Zwicker's ε-z-buffer     NearestPass, and how far both surfels say that theirs reaches
 #pragma once
 
 #include <string>

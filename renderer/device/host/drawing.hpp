@@ -29,7 +29,9 @@ struct FramePasses {
     PassList screen;
 
     /// Colours come from samples looked up by their ordinals.
-    bool bySample() const { return cell.has_value() || nearest.payload == Payload::Sample; }
+    bool bySample() const { return cell.has_value() || (!bySurface() && nearest.payload == Payload::Sample); }
+    /// A sum looks at what is visible: the nearest's keys carry surfaces, and its colours are the sum's.
+    bool bySurface() const { return sum && resolve.sums && (sum->normals || ofSurfels(*sum)); }
     /// There is a ShadowPass.
     bool castsShadows() const;
     /// Normals are needed by a later pass.

@@ -41,12 +41,19 @@ enum class Reduction : std::uint8_t {
     Sum,      ///< adds; SumPass
 };
 
+/// The 32 bits under a key's order.
+enum class SplatPayload : std::uint8_t {
+    Color,    ///< 8 bits of distance above the colour
+    Sample,   ///< the sample's ordinal
+    Surface,  ///< what a sum has to know of what is visible: normal and tolerance (docs/spec/passes.md §2.2)
+};
+
 /// Everything that holds for a whole splat pass.
 struct SplatPass {
     Reduction reduction = Reduction::Nearest;
     bool silhouette = false;  ///< Nearest of what faces away: later passes drop what lies behind it
     SplatShape shape = SplatShape::FlatSquare;
-    bool payloadSample = false;  ///< keys carry the sample's ordinal instead of distance and colour
+    SplatPayload payload = SplatPayload::Color;  ///< of its keys
     bool sumNormals = false;
     bool ownRadii = false;  ///< samples know their radii, and the pass's size follows them
     bool perspective = true;
@@ -115,6 +122,25 @@ struct RunNumbers {
 /// drawn, once for what a sum extends it to.
 constexpr float largestSpread = 0.5f, largestReach = 0.9f;
 constexpr float rootOf6 = 2.4494897f;
+
+/// A surface in 32 bits: the normal's x, y, z in view space (x right, y up, z towards the viewer), turned to the eye,
+/// times normalStepsOfSurface, in signed bytes from the lowest; above them the tolerance in px: 5 bits of a float's
+/// exponent, from 2^leastTolerance on, and 3 of its mantissa.
+constexpr float normalStepsOfSurface = 127;
+constexpr int leastTolerance = -8;
+constexpr std::uint32_t toleranceBase = (127 + leastTolerance) << 23;
+constexpr int toleranceShift = 20;
+/// Squared cosine from which on an oriented sprite that faces away is seen from behind.
+constexpr float farAway = 0.25f;
+/// What two normals leave of a tolerance, 2 cosine + 1/2 between the least and all of it; and what is visible edge-on, with
+/// the z of its normal, whatever they say, in the splat's own half sizes: 2 - 4 |z|, at most 1. docs/spec/surfels.md §4.3.
+constexpr float leastAgreement = 0.125f;
+constexpr float agreementPerStep = 0.000124000246f, edgePerStep = 0.0314960629f;
+static_assert(agreementPerStep == 2.0f / (normalStepsOfSurface * normalStepsOfSurface));
+static_assert(edgePerStep == 4.0f / normalStepsOfSurface);
+/// Weight of what lies farther behind, but within its own tolerance: it shows where of what is visible there are only borders,
+/// as beside a crease.
+constexpr float hiddenShare = 0.03125f;
 
 /// Directions of the major axis that an ellipse byte may name (renderer/cloud/surfel_codec.hpp): 32, half a
 /// turn in all.

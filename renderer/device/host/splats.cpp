@@ -150,7 +150,9 @@ std::vector<SplatPass> splatPasses(const FramePasses& passes, const LayerView& v
     };
     // Without a known front there is no back to make a silhouette of.
     if (passes.silhouette && view.anyOriented()) add(*passes.silhouette).silhouette = true;
-    add(passes.nearest).payloadSample = passes.nearest.payload == Payload::Sample;
+    add(passes.nearest).payload = passes.bySurface()                          ? SplatPayload::Surface
+                                  : passes.nearest.payload == Payload::Sample ? SplatPayload::Sample
+                                                                              : SplatPayload::Color;
     if (passes.sum) {
         SplatPass& n = add(*passes.sum);
         n.reduction = Reduction::Sum;
@@ -163,7 +165,7 @@ std::vector<SplatPass> splatPasses(const FramePasses& passes, const LayerView& v
     if (passes.cell) {
         SplatPass& n = add(*passes.cell);
         n.reduction = Reduction::Cell;
-        n.payloadSample = true;
+        n.payload = SplatPayload::Sample;
         n.tolerance = passes.cell->tolerance;
     }
     return out;

@@ -16,6 +16,7 @@ struct Seen {
     glm::dvec3 center, normal, major, minor;  ///< unit vectors
     double radius = 0, a = 0, b = 0;          ///< as drawn, cloud units
     double depth = 0, q = 0;
+    double reach = 0;  ///< Ellipse: px behind it that are of its surface
     bool hasNormal = false;
     std::uint64_t ordinal = 0;
     Rgb8 color{};
@@ -124,25 +125,23 @@ class SurfelRenderer {
         return (project(s.center + h * tangent) - project(s.center - h * tangent)) / (2 * h);
     }
 
-    void drawEllipse(const Seen& s, double lowPass, const std::function<void(double, double)>& start,
-                     const Body& body) {
+    void drawEllipse(Seen s, double lowPass, const std::function<void(double)>& start, const Body& body) {
         const glm::dvec2 ja = s.a * slope(s, s.major), jb = s.b * slope(s, s.minor);
         const auto moment = [&](int i, int j) { return (ja[i] * ja[j] + jb[i] * jb[j]) / 6; };
         const double xx = moment(0, 0) + lowPass * lowPass, yy = moment(1, 1) + lowPass * lowPass;
         const double xy = moment(0, 1), det = xx * yy - xy * xy;
         const double before = moment(0, 0) * moment(1, 1) - xy * xy;
         const double steep = std::min(std::hypot(s.normal.x, s.normal.y) / std::abs(s.normal.z), 8.0);
-        const double dz =
-            std::sqrt(6 * ((s.a * s.a * s.major.z * s.major.z + s.b * s.b * s.minor.z * s.minor.z) / 6 +
-                           std::pow(lowPass * steep / s.q, 2)));
-        start(std::sqrt(std::max(0.0, before) / det), dz);
+        const double dz = std::hypot(s.a * s.major.z, s.b * s.minor.z);
+        s.reach = 2 * (s.a * s.q + std::hypot(dz * s.q, std::sqrt(6) * lowPass * steep));
+        start(std::sqrt(std::max(0.0, before) / det));
         const glm::dvec2 center = project(s.center);
         overPixels(center, std::sqrt(6 * std::max(xx, yy)) + 2, [&](int x, int y, ReferencePixel& pixel) {
             const double dx = x + 0.5 - center.x, dy = y + 0.5 - center.y;
             Fragment f;
             f.place = (dx * dx * yy - 2 * dx * dy * xy + dy * dy * xx) / det / 6;
             glm::dvec3 place;
-            f.depth = std::clamp(depthOfPlane(s, x, y, place), s.depth - dz, s.depth + dz);
+            f.depth = std::clamp(depthOfPlane(s, x, y, place), s.depth, s.depth + dz);
             if (x == std::floor(center.x) && y == std::floor(center.y)) {
                 f.depth = s.depth;
                 f.place = std::min(f.place, 1.0);
@@ -185,14 +184,26 @@ class SurfelRenderer {
         if (f.depth >= p.depth || f.depth > p.border) return;
         p.depth = f.depth;
         p.nearest = s.ordinal;
+        p.facing = glm::round(s.normal * 127.0) / 127.0;
+        const double step = std::exp2(std::floor(std::log2(std::max(s.reach, 1.0 / 256))) - 3);
+        p.reach = std::floor(s.reach / step) * step;
     }
 
     void nearest(const Splat& splat) {
         overSurfels(splat, [&](const Seen& seen) {
             if (splat.footprint == Footprint::Disc) return drawDisc(seen, seen.radius, keepNearest);
             drawEllipse(
-                seen, splat.lowPassPx, [](double, double) {}, keepNearest);
+                seen, splat.lowPassPx, [](double) {}, keepNearest);
         });
+    }
+
+    /// How far behind what is visible a fragment may lie, px, to be of its surface.
+    double agreed(const Seen& s, const ReferencePixel& p) const {
+        double cosine = glm::dot(p.facing, glm::round(s.normal * 127.0) / 127.0);
+        if (!drawing_.oriented) cosine = std::abs(cosine);
+        const double agreement = std::clamp((cosine + 0.25) / 0.5, 0.125, 1.0);
+        const double edgeOn = std::min((0.5 - std::abs(p.facing.z)) / 0.25, 1.0);
+        return std::max(std::min(p.reach, s.reach) * agreement, s.a * s.q * edgeOn);
     }
 
     /// Weights are whole, 1 … 4095.
@@ -213,17 +224,16 @@ class SurfelRenderer {
                     add(s, 1 - 3 * f.place * f.place + 2 * f.place * f.place * f.place, p);
                 });
             }
-            double peak = 0, dz = 0;
-            const auto start = [&](double p, double z) {
-                peak = p;
-                dz = z;
-            };
-            drawEllipse(seen, pass.lowPassPx, start,
-                        [&](const Seen& s, const Fragment& f, ReferencePixel& p) {
-                            if (f.depth > p.border || !(f.depth <= p.depth + 2 * s.a + 2 * dz)) return;
-                            if (p.depth == ReferencePixel::none) return;
-                            add(s, peak * std::exp(-3 * f.place), p);
-                        });
+            double peak = 0;
+            drawEllipse(
+                seen, pass.lowPassPx, [&](double p) { peak = p; },
+                [&](const Seen& s, const Fragment& f, ReferencePixel& p) {
+                    if (p.depth == ReferencePixel::none || f.depth > p.border) return;
+                    const double behind = (f.depth - p.depth) * view_.q(p.depth);
+                    if (behind > s.reach) return;
+                    const double share = behind <= agreed(s, p) ? 1 : 1.0 / 32;
+                    add(s, share * peak * std::exp(-3 * f.place), p);
+                });
         });
     }
 

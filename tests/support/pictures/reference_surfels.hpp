@@ -15,6 +15,8 @@ struct ReferencePixel {
     static constexpr double none = std::numeric_limits<double>::infinity();
     double depth = none;             ///< of the nearest pass
     std::uint64_t nearest = 0;       ///< ordinal of what is there
+    glm::dvec3 facing{0, 0, 1};      ///< its normal, in steps of 1/127
+    double reach = 0;                ///< Ellipse: px behind it that are of its surface, in steps of an eighth
     double border = none;            ///< of the silhouette pass
     double distance = none;          ///< of the cell pass, cloud units
     std::uint64_t cell = 0;          ///< ordinal

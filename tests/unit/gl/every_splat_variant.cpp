@@ -74,8 +74,10 @@ void addSprites(Variants& variants) {
             for (const float maxPx : {1.0f, 5.0f, 50.0f}) {
                 SplatPass pass = passOf(Reduction::Nearest, footprint, profile, maxPx);
                 addColorings(pass, false, variants);
-                pass.payloadSample = true;
-                addPass(pass, false, variants);
+                for (const SplatPayload payload : {SplatPayload::Sample, SplatPayload::Surface}) {
+                    pass.payload = payload;
+                    addPass(pass, false, variants);
+                }
             }
         }
     }
@@ -95,12 +97,14 @@ void addSurfels(Variants& variants) {
     for (const Footprint footprint : {Footprint::Disc, Footprint::Ellipse}) {
         SplatPass pass = passOf(Reduction::Nearest, footprint, Profile::Flat, 256);
         addColorings(pass, true, variants);
-        pass.payloadSample = true;
-        addPass(pass, true, variants);
+        for (const SplatPayload payload : {SplatPayload::Sample, SplatPayload::Surface}) {
+            pass.payload = payload;
+            addPass(pass, true, variants);
+        }
         addSums(footprint, true, variants);
     }
     SplatPass cell = passOf(Reduction::Cell, Footprint::Disc, Profile::Flat, 256);
-    cell.payloadSample = true;
+    cell.payload = SplatPayload::Sample;
     addPass(cell, true, variants);
 }
 

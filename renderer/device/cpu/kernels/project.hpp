@@ -220,10 +220,10 @@ inline void loadBlock(const SplatPass& pass, const SplatRun& run, std::uint32_t 
     if (run.clipped) filterByClip(run, b);
     if (run.droppedCount > 0) filterByRegions(run, b);
     if (run.lastTurn != 0xffffffffu) filterByTurn(run, first, b);
-    if (pass.payloadSample) {
+    if (pass.payload == SplatPayload::Sample) {
         for (int i = 0; i < b.padded; ++i)
             b.color[i] = run.firstOrdinal + first + static_cast<std::uint32_t>(i);
-    } else {
+    } else if (pass.payload == SplatPayload::Color) {
         colorize(pass, run, b);
         if (pass.byIntensity) brighten(pass, b);
     }

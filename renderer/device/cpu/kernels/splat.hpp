@@ -9,6 +9,7 @@
 #include "renderer/device/cpu/kernels/bounds.hpp"
 #include "renderer/device/cpu/kernels/project.hpp"
 #include "renderer/device/cpu/kernels/screen.hpp"
+#include "renderer/device/cpu/kernels/surfaces.hpp"
 
 namespace scancast::cpu {
 namespace {
@@ -20,7 +21,7 @@ struct alignas(64) PixelKeys {
 
 void splatPixels(const SplatPass& pass, const Block& b, const KeyTile& tile) {
     PixelKeys p;
-    const float distanceScale = pass.payloadSample ? 0.0f : 510.0f;
+    const float distanceScale = pass.payload == SplatPayload::Color ? 510.0f : 0.0f;
     IntW unused = static_cast<std::int32_t>(tile.unused - tile.keys) + toInt(laneNumbers<wideLanes>());
     for (int i = 0; i < b.padded; i += wideLanes) {
         const FloatW x = load<FloatW>(b.x + i), y = load<FloatW>(b.y + i);
@@ -103,8 +104,9 @@ void shapeSplats(const SplatPass& pass, const Block& b, Splats& s) {
         }
         // 8 bits of distance: trunc(this · squared distance in px); pass.hpp.
         const FloatW atLeastAPixel = larger(h, all(0.5f));
-        // Ordinals take all 32 bits: no distance then.
-        store(s.distance + i, pass.payloadSample ? all(0.0f) : 127.5f / (atLeastAPixel * atLeastAPixel));
+        // Ordinals and surfaces take all 32 bits: no distance then.
+        const bool colors = pass.payload == SplatPayload::Color;
+        store(s.distance + i, colors ? 127.5f / (atLeastAPixel * atLeastAPixel) : all(0.0f));
     }
 }
 
@@ -310,6 +312,7 @@ void splatSprites(const SplatPass& pass, const SplatRun& run, const KeyTile& til
         const int count = left < blockSize ? static_cast<int>(left) : blockSize;
         if ((run.largestPx > 1.0f || run.crossesTile) && leftOut(pass, run, first, count, tile)) continue;
         loadBlock(pass, run, first, block);
+        if (pass.payload == SplatPayload::Surface) setSurfaces(pass, run.oriented, block);
         if (run.largestPx <= 1.0f) {
             splatPixels(pass, block, tile);
         } else {

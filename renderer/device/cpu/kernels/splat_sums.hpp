@@ -5,6 +5,7 @@
 #include "renderer/device/cpu/kernels/project.hpp"
 #include "renderer/device/cpu/kernels/splat.hpp"
 #include "renderer/device/cpu/kernels/sums.hpp"
+#include "renderer/device/cpu/kernels/surfaces.hpp"
 #include "renderer/device/cpu/kernels/view_normals.hpp"
 
 namespace scancast::cpu {
@@ -15,8 +16,8 @@ inline constexpr float circleTolerance = 2.0f;
 
 /// One splat's fragments, row by row, clipped to the tile.
 template <int lanes, bool normals>
-void sumCircle(const Block& b, int i, float farthest, const Addends<lanes>& addends, const KeyTile& tile,
-               Int<lanes>& full) {
+void sumCircle(const Block& b, int i, float farthest, const Addends<lanes>& addends,
+               const OfSurface<lanes>& surface, const KeyTile& tile, Int<lanes>& full) {
     const float x = b.x[i], y = b.y[i], h = b.half[i];
     const std::int32_t centerColumn = static_cast<std::int32_t>(__builtin_floorf(x));
     const std::int32_t centerRow = static_cast<std::int32_t>(__builtin_floorf(y));
@@ -48,7 +49,13 @@ void sumCircle(const Block& b, int i, float farthest, const Addends<lanes>& adde
             const Float<lanes> rest = 1.0f - s * inverse;
             const Float<lanes> bounded = rest > 0.0f ? rest : Float<lanes>{};
             const Float<lanes> weight = bounded * squareRoot<lanes>(bounded);
-            addFragments<lanes, normals>(tile, offset, quantiseWeight<lanes>(weight, covered), addends, full);
+            const Int<lanes> whole = quantiseWeight<lanes>(weight, covered);
+            if (normals && surface.mayTurn) {
+                const Int<lanes> turned = surface.turned(loadPayloads<lanes>(tile.visible + offset));
+                addFragments<lanes, normals, true>(tile, offset, whole, addends, turned, full);
+            } else {
+                addFragments<lanes, normals, false>(tile, offset, whole, addends, Int<lanes>{}, full);
+            }
         }
     }
 }
@@ -65,8 +72,12 @@ bool sumBlock(const SplatPass& pass, bool oriented, const Block& b, const KeyTil
         float radius = b.half[i] * pass.radiusPerPixel;
         if (pass.perspective) radius *= b.depth[i];
         Addends<lanes> addends(b.color[i]);
-        if constexpr (normals) addends.setNormal(view.x[i], view.y[i], view.z[i]);
-        sumCircle<lanes, normals>(b, i, b.depth[i] - circleTolerance * radius, addends, tile, full);
+        OfSurface<lanes> surface;
+        if constexpr (normals) {
+            addends.setNormal(view.x[i], view.y[i], view.z[i]);
+            surface = {normalBytes(view.x[i], view.y[i], view.z[i]), view.anySide[i] != 0};
+        }
+        sumCircle<lanes, normals>(b, i, b.depth[i] - circleTolerance * radius, addends, surface, tile, full);
     }
     return anyOf<lanes>(full);
 }

@@ -20,6 +20,18 @@ inline Float<lanes> loadOrders(const Key* place) {
     }
 }
 
+/// Their payloads.
+template <int lanes>
+inline Int<lanes> loadPayloads(const Key* place) {
+    if constexpr (lanes == wideLanes) {
+        IntW order, payload;
+        loadKeys(place, order, payload);
+        return payload;
+    } else {
+        return __builtin_shufflevector(load<Ints4>(place), load<Ints4>(place + 2), 0, 2, 4, 6);
+    }
+}
+
 /// What a splat adds per unit of weight, in every lane.
 template <int lanes>
 struct Addends {
@@ -69,11 +81,11 @@ inline Ints8 smallProduct(Ints8 a, Ints8 b) {
 }
 #endif
 
-/// Adds `weight` times the addends at an offset (from pixel 0, 0) of the tile; `full` collects where sums are
-/// nearly full.
-template <int lanes, bool normals>
+/// Adds `weight` times the addends at an offset (from pixel 0, 0) of the tile, normals the other way round where `turned`;
+/// `full` collects where sums are nearly full.
+template <int lanes, bool normals, bool turns>
 inline void addFragments(const KeyTile& tile, std::int64_t offset, Int<lanes> weight,
-                         const Addends<lanes>& addends, Int<lanes>& full) {
+                         const Addends<lanes>& addends, Int<lanes> turned, Int<lanes>& full) {
     // Read before anything is written: it might be the tile itself, as far as the compiler knows.
     std::int32_t* place = tile.sums + offset;
     const std::int64_t step = tile.planeSize;
@@ -88,9 +100,10 @@ inline void addFragments(const KeyTile& tile, std::int64_t offset, Int<lanes> we
     add(smallProduct(weight, addends.green));
     add(smallProduct(weight, addends.blue));
     if constexpr (normals) {
-        add(smallProduct(weight, addends.x));
-        add(smallProduct(weight, addends.y));
-        add(smallProduct(weight, addends.z));
+        const auto turn = [&](Int<lanes> value) { return turns ? (value ^ turned) - turned : value; };
+        add(turn(smallProduct(weight, addends.x)));
+        add(turn(smallProduct(weight, addends.y)));
+        add(turn(smallProduct(weight, addends.z)));
     }
 }
 

@@ -10,6 +10,7 @@
 #pragma once
 
 #include "renderer/device/cpu/kernels/project.hpp"
+#include "renderer/device/cpu/kernels/surfaces.hpp"
 #include "renderer/device/cpu/kernels/surfel_codes.hpp"
 #include "renderer/device/cpu/kernels/view_normals.hpp"
 #include "renderer/device/host/splat_numbers.hpp"
@@ -39,15 +40,17 @@ struct alignas(64) Surfels {
     /// Place on the surfel: s = sx·dx + sy·dy, t = tx·dx + ty·dy; Ellipse: tx = 0, units of √6 σ.
     float sx[surfelRow], sy[surfelRow], tx[surfelRow], ty[surfelRow];
     /// Disc: c = 1 + slopeX · t, or depth = d + slopeX · t without perspective. Ellipse: c = 1 + slopeX·dx +
-    /// slopeY·dy, or depth = d + …, kept within [low, high].
+    /// slopeY·dy, or depth = d + …, kept within [low, high]: not before the centre.
     float slopeX[surfelRow], slopeY[surfelRow], low[surfelRow], high[surfelRow];
-    float radius[surfelRow];     ///< Disc: cloud units covered
-    float tolerance[surfelRow];  ///< cloud units
+    float radius[surfelRow];     ///< Disc: cloud units covered; Ellipse: half of the larger axis, px
+    float tolerance[surfelRow];  ///< Disc: cloud units; Ellipse: px
     /// No fragment counts where the visible depth is nearer than this; a little less than exact.
     float front[surfelRow];
     float peak[surfelRow];                                             ///< Ellipse: weight at the centre
     float distance[surfelRow];                                         ///< 8 bits of distance = this · px²
     float normalX[surfelRow], normalY[surfelRow], normalZ[surfelRow];  ///< view space, (0, 0, 0) = none
+    std::int32_t surface[surfelRow];  ///< host/splat_numbers.hpp; its normal turned to the eye
+    std::int32_t anySide[surfelRow];  ///< -1: its normal may be turned
     std::int32_t reaches[surfelRow];
     std::uint16_t list[surfelRow];  ///< those that reach into the tile
     int count = 0;
@@ -157,20 +160,25 @@ inline void storeOutline(const Block& b, int i, const Outline& o, Surfels& s) {
     store(s.y1 + i, last(y + (o.middleY + halfY), row));
 }
 
+/// `tolerance`: px behind it that are of its surface.
 inline void storeCommon(const SplatPass& pass, const SplatRun& run, const Block& b, int i, const Pose& p,
-                        Surfels& s) {
+                        FloatW tolerance, Surfels& s) {
     // Ordinals take all 32 bits: no distance then. Sums have no keys.
-    if (!pass.payloadSample && pass.reduction == Reduction::Nearest) {
+    if (pass.payload == SplatPayload::Color && pass.reduction == Reduction::Nearest) {
         const FloatW atLeastAPixel = larger(p.half, all(0.5f));
         store(s.distance + i, 127.5f / (atLeastAPixel * atLeastAPixel));
     }
-    if (!pass.sumNormals) return;
+    if (pass.reduction != Reduction::Sum && pass.payload != SplatPayload::Surface) return;
     // Turned to the eye unless a side is known; in view space y is up and z towards the viewer.
-    const IntW turns = run.oriented ? (p.m > 0.0f) & twoSided(b, i) : p.m > 0.0f;
-    const FloatW turn = turns ? all(-1.0f) : all(1.0f);
-    store(s.normalX + i, p.hasNormal ? p.x * turn : all(0.0f));
-    store(s.normalY + i, p.hasNormal ? -(p.y * turn) : all(0.0f));
-    store(s.normalZ + i, p.hasNormal ? -(p.z * turn) : all(0.0f));
+    const IntW anySide = run.oriented ? twoSided(b, i) : all(-1);
+    const FloatW turn = (p.m > 0.0f) & anySide ? all(-1.0f) : all(1.0f);
+    const FloatW x = p.x * turn, y = -(p.y * turn), z = -(p.z * turn);
+    store(s.surface + i, normalBytes(x, y, z) | toleranceCode(tolerance) << 24);
+    store(s.anySide + i, anySide);
+    if (!pass.sumNormals) return;
+    store(s.normalX + i, p.hasNormal ? x : all(0.0f));
+    store(s.normalY + i, p.hasNormal ? y : all(0.0f));
+    store(s.normalZ + i, p.hasNormal ? z : all(0.0f));
 }
 
 /// `range`: how far in front of its centre's a fragment's depth may lie.
@@ -222,7 +230,7 @@ void setUpDiscs(const SplatPass& pass, const SplatRun& run, const Block& b, Surf
         storeFront(pass, d, range, tolerance, i, s);
         store(s.reaches + i, p.drawn);
         storeOutline(b, i, discOutline<perspective>(pass, p, half), s);
-        storeCommon(pass, run, b, i, p, s);
+        storeCommon(pass, run, b, i, p, pass.tolerance * p.half, s);
     }
 }
 
@@ -247,13 +255,19 @@ inline Axes axesOf(const SplatPass& pass, const AxisCodes& codes, int i, const P
             minor * (p.x * y - p.y * x)};
 }
 
-/// How far a fragment's depth may lie from the centre's, px: a surfel's own extent, and what the screen's
-/// low-pass adds on its plane.
-inline FloatW depthRange(const SplatPass& pass, const Pose& p, const Axes& a) {
+/// How far a fragment may lie behind its centre, px: a surfel's own extent, since nothing is known of the surface where the
+/// screen's low-pass alone reaches. None lies before it: what is seen edge-on would stand out of its surface, and the back of
+/// a thing before its front.
+inline FloatW depthRange(const Axes& a) {
+    return squareRoot<wideLanes>(a.az * a.az + a.bz * a.bz);
+}
+
+/// px behind it that are of its surface: what it covers itself, and what the low-pass takes in of its plane.
+inline FloatW ellipseTolerance(const SplatPass& pass, const Pose& p, FloatW range) {
     const FloatW steep = p.z < 0.0f ? -p.z : p.z;
     const FloatW slope = p.flat < 8.0f * steep ? p.flat / larger(steep, all(0.1f)) : all(8.0f);
     const FloatW blur = (rootOf6 * pass.lowPassPx) * slope;
-    return squareRoot<wideLanes>(a.az * a.az + a.bz * a.bz + blur * blur);
+    return 2.0f * (p.half + squareRoot<wideLanes>(range * range + blur * blur));
 }
 
 template <bool perspective>
@@ -280,27 +294,24 @@ void setUpEllipses(const SplatPass& pass, const SplatRun& run, const Block& b, S
         store(s.peak + i, smaller((absolute(ax * by - ay * bx) * inverse) * inverseY, all(1.0f)));
 
         const FloatW d = load<FloatW>(b.depth + i);
-        const FloatW range = depthRange(pass, p, a);
+        const FloatW range = depthRange(a);
         const FloatW perM =
             (perspective ? all(1.0f) : -p.unitsPerPx) / (perspective ? p.m * pass.pixelsPerUnit : p.m);
         store(s.slopeX + i, p.x * perM);
         store(s.slopeY + i, p.y * perM);
         if constexpr (perspective) {
-            // 1 / (1 + share) and 1 / (1 - share), by one division.
-            const FloatW share = range * pixel;
-            const FloatW front = larger(1.0f - share, all(1e-6f)), back = 1.0f + share;
-            const FloatW both = 1.0f / (front * back);
-            store(s.low + i, front * both);
-            store(s.high + i, back * both);
+            store(s.low + i, 1.0f / (1.0f + range * pixel));
+            store(s.high + i, all(1.0f));
         } else {
-            store(s.low + i, d - range * p.unitsPerPx);
+            store(s.low + i, d);
             store(s.high + i, d + range * p.unitsPerPx);
         }
-        const FloatW tolerance = (2.0f * (p.half + range)) * p.unitsPerPx;
+        const FloatW tolerance = ellipseTolerance(pass, p, range);
+        store(s.radius + i, p.half);
         store(s.tolerance + i, tolerance);
-        storeFront(pass, d, range * p.unitsPerPx, tolerance, i, s);
+        storeFront(pass, d, all(0.0f), tolerance * p.unitsPerPx, i, s);
         store(s.reaches + i, p.drawn);
-        storeCommon(pass, run, b, i, p, s);
+        storeCommon(pass, run, b, i, p, tolerance, s);
     }
 }
 

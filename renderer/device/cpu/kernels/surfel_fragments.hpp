@@ -2,6 +2,7 @@
 #pragma once
 
 #include "renderer/device/cpu/kernels/sums.hpp"
+#include "renderer/device/cpu/kernels/surfaces.hpp"
 #include "renderer/device/cpu/kernels/surfel_block.hpp"
 
 namespace scancast::cpu {
@@ -48,12 +49,18 @@ class SurfelFragments {
             low_ = F{} + s.low[i];
             high_ = F{} + s.high[i];
         }
-        if constexpr (disc && reduction == Reduction::Cell) radius_ = F{} + s.radius[i];
+        if constexpr (disc ? reduction == Reduction::Cell : sums) radius_ = F{} + s.radius[i];
         if constexpr (sums && !disc) peak_ = F{} + s.peak[i];
         if constexpr (reduction != Reduction::Nearest) tolerance_ = F{} + s.tolerance[i];
         front_ = F{} + s.front[i];
-        if constexpr (reduction == Reduction::Nearest && extra) distance_ = F{} + s.distance[i];
-        payload_ = I{} + static_cast<std::int32_t>(b.color[i]);
+        if constexpr (nearest && extra) distance_ = F{} + s.distance[i];
+        payload_ =
+            I{} + (nearest && pass.payload == SplatPayload::Surface ? s.surface[i]
+                                                                    : static_cast<std::int32_t>(b.color[i]));
+        if constexpr (sums) {
+            unitsPerPx_ = 1.0f / pass.pixelsPerUnit;
+            surface_ = {s.surface[i], s.anySide[i] != 0};
+        }
         if constexpr (sums && extra) addends_.setNormal(s.normalX[i], s.normalY[i], s.normalZ[i]);
     }
 
@@ -105,7 +112,7 @@ class SurfelFragments {
   private:
     /// `c`: depth = d / c in perspective, else the depth itself.
     void reduce(std::int64_t offset, float dy, F visible, F square, F c, I covered) {
-        if constexpr (!nearest) covered &= nearVisible(visible, c);
+        if constexpr (!nearest && disc) covered &= nearVisible(visible, c);
         if (tile_.silhouette != nullptr) {
             const F border = loadOrders<lanes>(tile_.silhouette + offset);
             // Where there is none, it is not a number, and no comparison holds.
@@ -113,9 +120,7 @@ class SurfelFragments {
         }
         if constexpr (sums) {
             covered &= inside_;
-            if (!anyOf<lanes>(covered)) return;
-            addFragments<lanes, extra>(tile_, offset, quantiseWeight<lanes>(weight(square, c), covered),
-                                       addends_, full_);
+            add(offset, visible, square, c, covered);
         } else {
             const F order = reduction == Reduction::Cell ? placeOnDisc(square, c) * radius_ : depthOf(c);
             const F positive = order > 1.17549435e-38f ? order : F{} + 1.17549435e-38f;
@@ -124,12 +129,39 @@ class SurfelFragments {
         }
     }
 
+    /// Adds what belongs to the surface that is visible there, as that surface itself says.
+    void add(std::int64_t offset, F visible, F square, F c, I covered) {
+        const I surface = loadPayloads<lanes>(tile_.visible + offset);
+        F share = F{} + 1.0f;
+        if constexpr (!disc) {
+            covered &= within(visible, tolerance_, c);
+            // Most lie so near that it does not matter which way they face.
+            const I beyond = covered & ~within(visible, leastReach<lanes>(surface, tolerance_), c);
+            if (anyOf<lanes>(beyond)) {
+                const F reach = reachBehind<lanes>(surface, surface_, tolerance_, radius_);
+                share = beyond & ~within(visible, reach, c) ? F{} + hiddenShare : share;
+            }
+        }
+        if (!anyOf<lanes>(covered)) return;
+        const I whole = quantiseWeight<lanes>(weight(square, c) * share, covered);
+        if (extra && surface_.mayTurn) {
+            const I turned = surface_.turned(surface);
+            addFragments<lanes, extra, true>(tile_, offset, whole, addends_, turned, full_);
+        } else {
+            addFragments<lanes, extra, false>(tile_, offset, whole, addends_, I{}, full_);
+        }
+    }
+
     F depthOf(F c) const { return perspective ? depth_ / c : c; }
+
+    /// Whether a fragment lies at most so many px behind what is visible.
+    I within(F visible, F px, F c) const {
+        const F units = px * unitsPerPx_;
+        return perspective ? depth_ <= (visible + visible * units) * c : c <= visible + units;
+    }
 
     /// Whether a fragment belongs to the surface that is visible there.
     I nearVisible(F visible, F c) const {
-        if constexpr (!disc)
-            return perspective ? depth_ <= (visible + tolerance_) * c : c <= visible + tolerance_;
         const F low = visible - tolerance_, high = visible + tolerance_;
         if constexpr (perspective) return (depth_ >= low * c) & (depth_ <= high * c);
         return (c >= low) & (c <= high);
@@ -167,7 +199,8 @@ class SurfelFragments {
     F depth_, sx_, tx_, slopeX_, low_, high_, radius_, peak_, tolerance_, front_, distance_;
     F dx_, sdx_, tdx_;
     I payload_, center_, inside_, full_{};
-    float x_, y_, sy_, ty_, slopeY_ = 0, near_;
+    OfSurface<lanes> surface_;
+    float x_, y_, sy_, ty_, slopeY_ = 0, near_, unitsPerPx_ = 0;
     std::int32_t centerRow_, centerColumn_;
 };
 

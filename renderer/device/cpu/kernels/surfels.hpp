@@ -168,11 +168,12 @@ inline float nearestThatCounts(const SplatPass& pass, float radius, float front)
         const float reach = radius * (sums ? pass.reach : 1.0f);
         return front - reach - (pass.reduction == Reduction::Nearest ? 0.0f : pass.tolerance * radius);
     }
+    if (pass.reduction == Reduction::Nearest) return front;
     // dz of the nearest sample; of those behind it grows slower than their depth, while it is below it.
     const float blur = 8.0f * rootOf6 * pass.lowPassPx * unitsPerPx;
     const float range = radius + blur;
     if (pass.perspective && 3.0f * blur > front) return 0.0f;
-    return front - range - (pass.reduction == Reduction::Nearest ? 0.0f : 2.0f * (radius + range));
+    return front - 2.0f * (radius + range);
 }
 
 /// Whether a block can be left out: it lies in other tiles, or too far behind what is visible.
@@ -234,8 +235,9 @@ std::uint32_t drawSurfels(const SplatPass& pass, const SplatRun& run, const KeyT
     if (shape == Shape::Disc && pass.reduction == Reduction::Cell) {
         return drawSurfels<Shape::Disc, Reduction::Cell, false>(pass, run, tile);
     }
-    return pass.payloadSample ? drawSurfels<shape, Reduction::Nearest, false>(pass, run, tile)
-                              : drawSurfels<shape, Reduction::Nearest, true>(pass, run, tile);
+    return pass.payload == SplatPayload::Color
+               ? drawSurfels<shape, Reduction::Nearest, true>(pass, run, tile)
+               : drawSurfels<shape, Reduction::Nearest, false>(pass, run, tile);
 }
 
 std::uint32_t splatSurfels(const SplatPass& pass, const SplatRun& run, const KeyTile& tile) {

@@ -29,9 +29,12 @@ inline void rotateToView(const SplatPass& pass, FloatW& x, FloatW& y, FloatW& z)
     z = vz;
 }
 
-/// Unit normals of a block's samples in view space, turned to the eye where they are not oriented.
+/// Unit normals of a block's samples in view space, turned to the eye: where they are not oriented, and where they face
+/// away by 30° or more, so that a back is seen. What faces away by less lies just behind an outline, over which its sprite
+/// hangs: that one goes on to the side, so its normal is mirrored.
 struct alignas(64) ViewNormals {
     float x[blockSize], y[blockSize], z[blockSize];
+    std::int32_t anySide[blockSize];  ///< -1: it might as well point the other way
 };
 
 inline void viewNormals(const SplatPass& pass, bool oriented, const Block& b, ViewNormals& out) {
@@ -46,10 +49,19 @@ inline void viewNormals(const SplatPass& pass, bool oriented, const Block& b, Vi
         const FloatW px = (load<FloatW>(b.x + i) - pass.centerX) * slope;
         const FloatW py = (pass.centerY - load<FloatW>(b.y + i)) * slope;
         const FloatW towards = pass.perspective ? z - (x * px + y * py) : z;
-        const IntW turns = (towards < 0.0f) & anySide;
+        const FloatW length2 = pass.perspective ? px * px + py * py + 1.0f : all(1.0f);
+        const IntW away = towards < 0.0f;
+        const IntW turns = away & (anySide | (towards * towards >= farAway * length2));
+        const FloatW twice = (away & ~turns) ? 2.0f * towards / length2 : all(0.0f);
+        if (pass.perspective) {
+            x = x + twice * px;
+            y = y + twice * py;
+        }
+        z = z - twice;
         x = turns ? -x : x;
         y = turns ? -y : y;
         z = turns ? -z : z;
+        store(out.anySide + i, anySide);
         store(out.x + i, x);
         store(out.y + i, y);
         store(out.z + i, z);

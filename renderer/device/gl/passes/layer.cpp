@@ -201,6 +201,8 @@ Expected<void> Layer::splat(std::size_t index, const SplatPass& pass, ivec4 band
     parts_.tables.lookUps.bindStorage(binding::tables);
     if (traits_.silhouette) memory.silhouette.bindTexels(unit::silhouette);
     if (pass.reduction != Reduction::Nearest) memory.nearest.keys.bindTexels(unit::visible);
+    if (pass.reduction == Reduction::Sum && passes_.bySurface() && !traits_.limits.keys64)
+        memory.nearest.payloads.bindTexels(unit::payloads);
     if (pass.silhouette) {
         memory.silhouette.clear(pixels);
         memory.silhouette.bindStorage(binding::splat::keys);
@@ -209,7 +211,7 @@ Expected<void> Layer::splat(std::size_t index, const SplatPass& pass, ivec4 band
     switch (pass.reduction) {
         case Reduction::Nearest:
             // Where there are cells, theirs are the colours.
-            return splatKeys(pass, memory.nearest, pixels, !passes_.cell, stop);
+            return splatKeys(pass, memory.nearest, pixels, !passes_.cell || passes_.bySurface(), stop);
         case Reduction::Sum:
             memory.sums.clear(pixels * sumWords(passes_), 0);
             memory.sums.bindStorage(binding::splat::sums);

@@ -46,6 +46,8 @@ static_assert(COLOR_NORMAL == int(SplatColoring::Normal) && COLOR_DEPTH == int(S
 static_assert(COLOR_TONED == int(SplatColoring::Toned));
 static_assert(REDUCTION_NEAREST == int(Reduction::Nearest) && REDUCTION_CELL == int(Reduction::Cell));
 static_assert(REDUCTION_SUM == int(Reduction::Sum));
+static_assert(PAYLOAD_COLOR == int(SplatPayload::Color) && PAYLOAD_SAMPLE == int(SplatPayload::Sample));
+static_assert(PAYLOAD_SURFACE == int(SplatPayload::Surface));
 static_assert(KEEP_ORDER == int(Keep::Order) && KEEP_PAYLOAD == int(Keep::Payload));
 static_assert(KEEP_KEY == int(Keep::Key) && CHUNK_SAMPLES == samplesPerChunk);
 
@@ -55,7 +57,7 @@ ShaderVariant splatVariant(const SplatPass& pass, const LayerTraits& traits, Kee
     const bool surfels = ofSurfels(pass), sums = pass.reduction == Reduction::Sum;
     // Where only orders count, neither colours nor ordinals do.
     const bool bare = !sums && keep == Keep::Order;
-    const bool colored = !bare && !pass.payloadSample;
+    const bool colored = !bare && pass.payload == SplatPayload::Color;
     const bool tested = traits.silhouette && surfels && !pass.silhouette;
     return {"splat.comp",
             {{"GROUP_SIZE", groupSize(pass, traits)},
@@ -70,7 +72,7 @@ ShaderVariant splatVariant(const SplatPass& pass, const LayerTraits& traits, Kee
              {"PERSPECTIVE", pass.perspective},
              {"COLORING", colored ? static_cast<int>(pass.coloring) : 0},
              {"BY_INTENSITY", colored && pass.byIntensity},
-             {"PAYLOAD_SAMPLE", pass.payloadSample && !bare},
+             {"PAYLOAD", bare ? PAYLOAD_NONE : static_cast<int>(pass.payload)},
              {"SUM_NORMALS", pass.sumNormals},
              {"SILHOUETTE", tested},
              {"FILTERS", traits.filters}}};

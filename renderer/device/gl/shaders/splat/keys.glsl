@@ -38,9 +38,9 @@ void keep(uint pixel, float order, uint payload) {
 }
 #endif
 
-// 8 bits of the squared distance to the centre, above the colour; nothing above an ordinal, which takes all 32.
+// 8 bits of the squared distance to the centre, above the colour; nothing above an ordinal or a surface, which take all 32.
 uint payloadOf(float distance2, float scale, uint color) {
-#if PAYLOAD_SAMPLE
+#if PAYLOAD != PAYLOAD_COLOR
     return color;
 #else
     precise float distance = distance2 * scale;

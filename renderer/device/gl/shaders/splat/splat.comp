@@ -2,7 +2,7 @@
 // one chunk; each thread draws its samples' footprints itself, but for the large ones, which are put down in a queue and
 // then drawn by all threads together, pixel by pixel. Nothing depends on the order: reductions are integers.
 // Variants: GROUP_SIZE, TURN_STEP, REDUCTION, KEEP, KEYS64, LOOK_FIRST, SHAPE, SINGLE_PIXEL, SHARED_FOOTPRINTS,
-// PERSPECTIVE, COLORING, BY_INTENSITY, PAYLOAD_SAMPLE, SUM_NORMALS, SILHOUETTE, FILTERS.
+// PERSPECTIVE, COLORING, BY_INTENSITY, PAYLOAD, SUM_NORMALS, SILHOUETTE, FILTERS.
 #version 450 core
 #if KEYS64
 #extension GL_ARB_gpu_shader_int64 : require
@@ -24,27 +24,27 @@ layout(location = 0) uniform uint firstChunk;
 #include "colors.glsl"
 #include "project.glsl"
 #include "visible.glsl"
+#include "sample_normals.glsl"
+#include "surfaces.glsl"
 #if REDUCTION == REDUCTION_SUM
 #include "sums.glsl"
 #else
 #include "keys.glsl"
 #endif
 #if SHAPE == SHAPE_DISC || SHAPE == SHAPE_ELLIPSE
-#include "sample_normals.glsl"
 #include "surfels.glsl"
 #include "surfel_fragments.glsl"
 #elif REDUCTION == REDUCTION_SUM
-#include "sample_normals.glsl"
 #include "sprite_sums.glsl"
 #else
 #include "sprites.glsl"
 #endif
 
-// What a key carries, or a sum adds, of a sample with this index in its run.
+// What a key carries, or a sum adds, of a sample with this index in its run; of a surface its pose tells (surfaces.glsl).
 uint carriedBy(RunParams run, uvec4 words, uint index, float depth) {
-#if REDUCTION != REDUCTION_SUM && KEEP == KEEP_ORDER
+#if REDUCTION != REDUCTION_SUM && (PAYLOAD == PAYLOAD_NONE || PAYLOAD == PAYLOAD_SURFACE)
     return 0u;
-#elif PAYLOAD_SAMPLE
+#elif PAYLOAD == PAYLOAD_SAMPLE
     return run.color.z + index;
 #else
     return colorOf(run, words, depth);

@@ -23,6 +23,11 @@
 #define REDUCTION_CELL 1
 #define REDUCTION_SUM 2
 
+#define PAYLOAD_COLOR 0
+#define PAYLOAD_SAMPLE 1
+#define PAYLOAD_SURFACE 2
+#define PAYLOAD_NONE 3
+
 #define KEEP_ORDER 0
 #define KEEP_PAYLOAD 1
 #define KEEP_KEY 2

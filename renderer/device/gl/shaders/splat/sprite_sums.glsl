@@ -4,22 +4,10 @@ struct Footprint {
     ivec2 centre;
     float x, y, half2, inverse;
     float farthest;  // depth that nothing visible may lie in front of: d <= d_vis + 2R
+    ivec3 normal;    // in steps, as the visible's are
+    bool anySide;    // it may be turned
     Addends addends;
 };
-
-// In view space, turned to the eye where normals are not oriented: against (x, y, -1) in perspective, along z without.
-vec3 viewNormal(RunParams run, uvec4 words, Placed placed) {
-    vec3 n = toView(sampleNormal(words.w & 0xffffu));
-    if (isOneSided(run, words)) return n;
-#if PERSPECTIVE
-    precise float px = (placed.x - pass.view.x) * pass.surfel.y;
-    precise float py = (pass.view.y - placed.y) * pass.surfel.y;
-    precise float towards = n.z - (n.x * px + n.y * py);
-#else
-    float towards = n.z;
-#endif
-    return towards < 0.0 ? -n : n;
-}
 
 bool setUp(RunParams run, uvec4 words, Placed placed, uint color, out Footprint f) {
     float h = placed.halfPx;
@@ -40,7 +28,10 @@ bool setUp(RunParams run, uvec4 words, Placed placed, uint color, out Footprint 
     precise float farthest = placed.depth - 2.0 * radius;
     f.farthest = farthest;
 #if SUM_NORMALS
-    f.addends = addendsOf(color, viewNormal(run, words, placed));
+    vec3 n = viewNormal(run, words, placed);
+    f.normal = normalSteps3(n);
+    f.anySide = !isOneSided(run, words);
+    f.addends = addendsOf(color, n);
 #else
     f.addends = addendsOf(color, vec3(0.0));
 #endif
@@ -57,5 +48,10 @@ void drawFragment(Footprint f, ivec2 at, uint pixel) {
     precise float rest = 1.0 - s * f.inverse;
     float bounded = max(rest, 0.0);
     precise float weight = bounded * root(bounded);
-    addFragment(pixel, weight, f.addends);
+#if SUM_NORMALS
+    bool turned = f.anySide && cosineOf(visiblePayload(pixel), f.normal) < 0;
+#else
+    const bool turned = false;
+#endif
+    addFragment(pixel, weight, f.addends, turned);
 }

@@ -6,7 +6,7 @@ struct Footprint {
     float x, y, depth, halfPx;
     float rise;      // how fast the order grows; its unit is the profile's
     float distance;  // 8 bits of distance = this times squared px
-    uint payload;    // colour or ordinal
+    uint payload;    // colour, ordinal or surface
 };
 
 // The order's growth: gain * R in units of (px/h)^2, px/h or 1.
@@ -55,7 +55,11 @@ bool setUp(RunParams run, uvec4 words, Placed placed, uint payload, out Footprin
     f.y = placed.y;
     f.depth = placed.depth;
     f.halfPx = placed.halfPx;
+#if PAYLOAD == PAYLOAD_SURFACE
+    f.payload = surfaceOf(viewNormal(run, words, placed));
+#else
     f.payload = payload;
+#endif
     f.centre = ivec2(floor(vec2(f.x, f.y)));
 #if SINGLE_PIXEL
     f.box = ivec4(f.centre, f.centre);

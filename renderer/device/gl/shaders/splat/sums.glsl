@@ -34,14 +34,15 @@ void addTo(uint word, uint value) {
     if (before + value < before) atomicAdd(sums[word + 1u], 1u);
 }
 
-// `weight` in [0, 1]; 12 bits of it, at least 1.
-void addFragment(uint pixel, float weight, Addends addends) {
+// `weight` in [0, 1]; 12 bits of it, at least 1. The normal the other way round where `turned`.
+void addFragment(uint pixel, float weight, Addends addends, bool turned) {
     precise float scaled = weight * float(largestWeight) + 0.5;
     uint whole = uint(max(int(scaled), 1));
     uint word = pixel * (2u * planes);
     addTo(word, whole);
     for (uint c = 0u; c < 3u; ++c) addTo(word + 2u + 2u * c, whole * addends.color[c]);
 #if SUM_NORMALS
-    for (uint c = 0u; c < 3u; ++c) addTo(word + 8u + 2u * c, whole * addends.normal[c]);
+    uvec3 normal = turned ? 2u * uint(normalSteps) - addends.normal : addends.normal;
+    for (uint c = 0u; c < 3u; ++c) addTo(word + 8u + 2u * c, whole * normal[c]);
 #endif
 }

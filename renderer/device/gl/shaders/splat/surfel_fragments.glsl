@@ -40,19 +40,26 @@ bool inFrontOf(Footprint f, float c, float border) {
 }
 
 #if REDUCTION != REDUCTION_NEAREST
+#if SHAPE == SHAPE_DISC
 // Whether a fragment belongs to the surface that is visible there.
-bool nearVisible(Footprint f, float c, uint pixel) {
-    uint order = visibleOrder(pixel);
-    if (order >= infiniteOrder) return false;
-    float visible = uintBitsToFloat(order);
+bool nearVisible(Footprint f, float c, float visible) {
     precise float high = visible + f.tolerance;
     if (behind(f, c, high)) return false;
-#if SHAPE == SHAPE_DISC
     precise float low = visible - f.tolerance;
-    if (inFrontOf(f, c, low)) return false;
-#endif
-    return true;
+    return !inFrontOf(f, c, low);
 }
+#else
+// Whether a fragment lies at most so many px behind what is visible.
+bool within(Footprint f, float c, float visible, float px) {
+    precise float units = px * pass.surfel.y;
+#if PERSPECTIVE
+    precise float high = visible + visible * units;
+#else
+    precise float high = visible + units;
+#endif
+    return !behind(f, c, high);
+}
+#endif
 #endif
 
 #if SHAPE == SHAPE_DISC
@@ -78,14 +85,31 @@ float weightOf(Footprint f, float square, float c) {
 
 void reduce(Footprint f, uint pixel, float distance2, float square, float c) {
 #if REDUCTION != REDUCTION_NEAREST
-    if (!nearVisible(f, c, pixel)) return;
+    uint visibleBits = visibleOrder(pixel);
+    if (visibleBits >= infiniteOrder) return;
+    float visible = uintBitsToFloat(visibleBits);
+#if SHAPE == SHAPE_DISC
+    if (!nearVisible(f, c, visible)) return;
+#endif
+#endif
+#if REDUCTION == REDUCTION_SUM
+    uint surface = visiblePayload(pixel);
+    int cosine = cosineOf(surface, f.normal);
+    bool turned = f.anySide && cosine < 0;
+    float share = 1.0;
+#if SHAPE == SHAPE_ELLIPSE
+    if (!within(f, c, visible, f.tolerance)) return;
+    float reach = reachBehind(surface, turned ? -cosine : cosine, f.tolerance, f.radius);
+    if (!within(f, c, visible, reach)) share = hiddenShare;
+#endif
 #endif
 #if SILHOUETTE
     uint border = silhouetteOrder(pixel);
     if (border < infiniteOrder && behind(f, c, uintBitsToFloat(border))) return;
 #endif
 #if REDUCTION == REDUCTION_SUM
-    addFragment(pixel, weightOf(f, square, c), f.addends);
+    precise float weight = weightOf(f, square, c) * share;
+    addFragment(pixel, weight, f.addends, turned);
 #else
 #if REDUCTION == REDUCTION_CELL
     precise float order = placeOnDisc(square, c) * f.radius;

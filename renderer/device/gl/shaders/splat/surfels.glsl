@@ -8,12 +8,14 @@ struct Footprint {
     vec2 s, t;        // place on the surfel: s = dot(s, (dx, dy)), t likewise; Ellipse: t.x = 0, units of sqrt(6) sigma
     vec2 slope;       // Disc: c = 1 + slope.x * t, or depth = d + slope.x * t without perspective; Ellipse: by (dx, dy)
     float low, high;  // Ellipse: bounds of that
-    float radius;     // Disc: cloud units covered
-    float tolerance;  // cloud units
+    float radius;     // Disc: cloud units covered; Ellipse: half of the larger axis, px
+    float tolerance;  // Disc: cloud units; Ellipse: px
     float peak;       // Ellipse: weight at the centre
     float distance;   // 8 bits of distance = this times squared px
-    uint payload;     // colour or ordinal
+    uint payload;     // colour, ordinal or surface
 #if REDUCTION == REDUCTION_SUM
+    ivec3 normal;     // in steps, as the visible's are
+    bool anySide;     // it may be turned
     Addends addends;
 #endif
 };
@@ -116,15 +118,21 @@ void setOutline(Outline o, inout Footprint f, out Rows rows) {
     rows.narrow = root(max(rest, 0.0));
 }
 
-void setCommon(Placed placed, Pose p, uint payload, inout Footprint f) {
+// `tolerance`: px behind it that are of its surface.
+void setCommon(Placed placed, Pose p, uint payload, float tolerance, inout Footprint f) {
     f.payload = payload;
     float atLeastHalf = max(p.halfPx, 0.5);
     precise float atLeastHalf2 = atLeastHalf * atLeastHalf;
     f.distance = quotient(127.5, atLeastHalf2);
-#if REDUCTION == REDUCTION_SUM
     // Turned to the eye unless a side is known; in view space y is up and z towards the viewer.
     vec3 n = vec3(p.n.x, -p.n.y, -p.n.z);
     vec3 turned = !p.oneSided && p.m > 0.0 ? -n : n;
+#if PAYLOAD == PAYLOAD_SURFACE
+    f.payload = surfaceOf(turned) | toleranceCode(tolerance) << 24;
+#endif
+#if REDUCTION == REDUCTION_SUM
+    f.normal = normalSteps3(turned);
+    f.anySide = !p.oneSided;
     f.addends = addendsOf(payload, p.hasNormal ? turned : vec3(0.0));
 #endif
 }
@@ -187,7 +195,8 @@ bool setUp(RunParams run, uvec4 words, Placed placed, uint payload, out Footprin
     f.tolerance = tolerance;
     Rows rows;
     setOutline(outlineOf(p, halfPx), f, rows);
-    setCommon(placed, p, payload, f);
+    precise float across = pass.extent.z * p.halfPx;
+    setCommon(placed, p, payload, across, f);
     return true;
 }
 #else
@@ -227,37 +236,41 @@ void setAxes(Pose p, uint code, out Axes axes) {
     axes.b = vec3(bx, by, bz);
 }
 
-// How far a fragment's depth may lie from the centre's, px: a surfel's own extent, and what the screen's low-pass adds on
-// its plane.
-float depthRange(Pose p, Axes axes) {
+// How far a fragment may lie behind its centre, px: a surfel's own extent. None lies before it (kernels/surfel_block.hpp).
+float depthRange(Axes axes) {
+    precise float range2 = axes.a.z * axes.a.z + axes.b.z * axes.b.z;
+    return root(range2);
+}
+
+// px behind it that are of its surface: what it covers itself, and what the low-pass takes in of its plane.
+float ellipseTolerance(Pose p, float range) {
     float steep = abs(p.n.z);
     precise float limit = 8.0 * steep;
     float open = quotient(p.slant, max(steep, 0.1));
     precise float blur = pass.blur.y * (p.slant < limit ? open : 8.0);
-    precise float range2 = axes.a.z * axes.a.z + axes.b.z * axes.b.z + blur * blur;
-    return root(range2);
+    precise float reach2 = range * range + blur * blur;
+    precise float tolerance = 2.0 * (p.halfPx + root(reach2));
+    return tolerance;
 }
 
 void setDepths(Pose p, float range, inout Footprint f) {
 #if PERSPECTIVE
     precise float towards = p.m * pass.surfel.x;
     float perM = quotient(1.0, towards);
-    // 1 / (1 + share) and 1 / (1 - share), by one division.
-    precise float share = range * pass.surfel.y;
-    precise float front = max(1.0 - share, 1e-6), back = 1.0 + share;
-    precise float area = front * back;
-    float both = quotient(1.0, area);
-    precise float low = front * both, high = back * both;
+    precise float back = 1.0 + range * pass.surfel.y;
+    float low = quotient(1.0, back);
+    const float high = 1.0;
 #else
     float perM = quotient(-p.unitsPerPx, p.m);
-    precise float low = f.depth - range * p.unitsPerPx, high = f.depth + range * p.unitsPerPx;
+    float low = f.depth;
+    precise float high = f.depth + range * p.unitsPerPx;
 #endif
     precise vec2 slope = p.n.xy * perM;
-    precise float tolerance = (2.0 * (p.halfPx + range)) * p.unitsPerPx;
     f.slope = slope;
     f.low = low;
     f.high = high;
-    f.tolerance = tolerance;
+    f.tolerance = ellipseTolerance(p, range);
+    f.radius = p.halfPx;
 }
 
 bool setUp(RunParams run, uvec4 words, Placed placed, uint payload, out Footprint f) {
@@ -283,8 +296,8 @@ bool setUp(RunParams run, uvec4 words, Placed placed, uint payload, out Footprin
     f.t = vec2(0.0, rows.inverseY);
     precise float peak = (abs(ax * by - ay * bx) * inverse) * rows.inverseY;
     f.peak = min(peak, 1.0);
-    setDepths(p, depthRange(p, axes), f);
-    setCommon(placed, p, payload, f);
+    setDepths(p, depthRange(axes), f);
+    setCommon(placed, p, payload, f.tolerance, f);
     return true;
 }
 #endif

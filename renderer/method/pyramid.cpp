@@ -7,8 +7,14 @@
 namespace scancast {
 namespace {
 
-/// Points less than this many spacings, or noises, in front of others hide nobody.
-constexpr double gapInSpacings = 3;
+/// Points less than this many times the noise in front of others are the same surface.
+constexpr double gapInNoises = 3;
+
+/// Cloud units: what is less in front of a point does not hide it.
+double minGapOf(const PassRequest& request) {
+    const double given = numberOf(request.values, "minGap"), noise = numberOf(request.values, "noise");
+    return given >= 0 ? given : gapInNoises * (noise > 0 ? noise : request.cloud.noise);
+}
 
 PassList pyramidPasses(const PassRequest& request) {
     const ParameterValues& values = request.values;
@@ -25,7 +31,7 @@ PassList pyramidPasses(const PassRequest& request) {
     hidden.scale = static_cast<float>(numberOf(values, "hprScale"));
     hidden.spacing = static_cast<float>(spacing);
     hidden.detail = static_cast<float>(request.detail);
-    hidden.minGap = static_cast<float>(gapInSpacings * std::max(spacing, numberOf(values, "noise")));
+    hidden.minGap = static_cast<float>(minGapOf(request));
     hidden.threshold = static_cast<float>(numberOf(values, "threshold"));
 
     PassList list{nearest, ResolvePass{}, hidden, PullPushPass{}};
@@ -48,8 +54,13 @@ std::vector<Parameter> parameters() {
         numberParameter("threshold", 0.1, 0, 0.5, "",
                         "Mean occlusion below which a point counts as hidden; 0 hides nothing."),
         numberParameter("noise", 0, 0, 1000, "cloud units",
-                        "Noise of the scan, where it is more than the point spacing: points less than three "
-                        "times this in front of others do not hide them."),
+                        "Noise of the scan, how far points lie off their surface; 0 takes what was measured "
+                        "of the cloud, "
+                        "if anything."),
+        numberParameter(
+            "minGap", -1, -1, 1000, "cloud units",
+            "Points less than this in front of others are the same surface and do not hide them; 0: "
+            "all hide, -1: three times the noise."),
         numberParameter("spacing", 0, 0, 1000, "cloud units",
                         "Typical distance between neighbouring points; 0 takes the cloud's own."),
         numberParameter("normalScale", 2, 0.5, 16, "",

@@ -17,8 +17,8 @@
 //   §3.1.2: background tested for occlusion      closing of the points by discs; kernels/closing.hpp. Tested by
 //     at the far plane                           occlusion, outlines frayed and slabs stood beside poles. Where
 //                                                discs would be too wide: occlusion, at infinity on its own ray
-//   -                                            parameter noise: points just in front of others are the same
-//                                                surface
+//   -                                            parameters minGap and noise, measured where not given: points
+//                                                just in front of others are the same surface
 //   §3.2 pull-push, the background put back      PullPushPass; kernels/pull_push.hpp. Not mixing depths
 //                                                across steps was tried: outlines became blocks, 0.3 dB
 //                                                worse

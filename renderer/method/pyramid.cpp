@@ -1,6 +1,7 @@
 #include "renderer/method/pyramid.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 #include "renderer/method/parameters.hpp"
 
@@ -10,10 +11,33 @@ namespace {
 /// Points less than this many times the noise in front of others are the same surface.
 constexpr double gapInNoises = 3;
 
+/// The least width of a surface that is looked at for its slope, in spacings; and that by which the noise's error of a
+/// normal, which falls with the square of the width, comes to about one degree.
+constexpr double narrowestSlope = 2, slopePerRootOfNoise = 7;
+
+/// Cloud units.
+double noiseOf(const PassRequest& request) {
+    const double given = numberOf(request.values, "noise");
+    return given > 0 ? given : request.cloud.noise;
+}
+
 /// Cloud units: what is less in front of a point does not hide it.
 double minGapOf(const PassRequest& request) {
-    const double given = numberOf(request.values, "minGap"), noise = numberOf(request.values, "noise");
-    return given >= 0 ? given : gapInNoises * (noise > 0 ? noise : request.cloud.noise);
+    const double given = numberOf(request.values, "minGap");
+    return given >= 0 ? given : gapInNoises * noiseOf(request);
+}
+
+/// Where levels of detail have thinned a noisy scan out, points are far apart for their noise, and nothing is widened: so
+/// it is the spacing that grows, not the scale.
+DepthNormalsPass normalsOf(const PassRequest& request, double spacing) {
+    const double given = numberOf(request.values, "normalScale");
+    const double wide = spacing > 0 ? slopePerRootOfNoise * std::sqrt(noiseOf(request) / spacing) : 0;
+    DepthNormalsPass normals;
+    normals.scale = static_cast<float>(given > 0 ? given : narrowestSlope);
+    normals.spacing =
+        static_cast<float>(given > 0 ? spacing : spacing * std::max(1.0, wide / narrowestSlope));
+    normals.detail = static_cast<float>(request.detail);
+    return normals;
 }
 
 PassList pyramidPasses(const PassRequest& request) {
@@ -35,13 +59,7 @@ PassList pyramidPasses(const PassRequest& request) {
     hidden.threshold = static_cast<float>(numberOf(values, "threshold"));
 
     PassList list{nearest, ResolvePass{}, hidden, PullPushPass{}};
-    if (request.shading == Shading::Phong) {
-        DepthNormalsPass normals;
-        normals.scale = static_cast<float>(numberOf(values, "normalScale"));
-        normals.spacing = hidden.spacing;
-        normals.detail = hidden.detail;
-        list.push_back(normals);
-    }
+    if (request.shading == Shading::Phong) list.push_back(normalsOf(request, spacing));
     addShading(request, list);
     return list;
 }
@@ -63,9 +81,9 @@ std::vector<Parameter> parameters() {
             "all hide, -1: three times the noise."),
         numberParameter("spacing", 0, 0, 1000, "cloud units",
                         "Typical distance between neighbouring points; 0 takes the cloud's own."),
-        numberParameter("normalScale", 2, 0.5, 16, "",
+        numberParameter("normalScale", 0, 0, 16, "",
                         "How wide a surface is looked at to find its slope, in point spacings; more is "
-                        "smoother."),
+                        "smoother; 0: 2, and more where the scan is noisy."),
     };
 }
 

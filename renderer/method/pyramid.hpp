@@ -23,7 +23,7 @@
 //                                                across steps was tried: outlines became blocks, 0.3 dB
 //                                                worse
 //   §3.3 pyramidal normals                       DepthNormalsPass; kernels/depth_normals.hpp. Parameter
-//                                                normalScale
+//                                                normalScale; by default as the noise asks for
 //   deferred shading                             what the request's shading adds
 #pragma once
 

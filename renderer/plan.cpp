@@ -81,6 +81,7 @@ CloudTraits traits(const Cloud& cloud) {
             .normals = cloud.surfels || cloud.attributes.normal,
             .colors = cloud.attributes.color,
             .spacing = cloud.spacing,
+            .noise = cloud.look ? cloud.look->noise : 0,
             .up = cloud.look ? cloud.look->up : glm::dvec3(0, 0, 1)};
 }
 

@@ -144,6 +144,7 @@ struct OcclusionPass {
 /// 2·detail/q).
 struct HiddenPointsPass {
     float scale = 10;        ///< hprScale: size of the neighbourhood, in s_eff
+    float closing = 2;       ///< radius of the closing that makes background a hole, in s_eff
     float spacing = 0;       ///< s0, cloud units
     float detail = 1;        ///< τ, px
     float minGap = 0;        ///< cloud units: what is less in front does not occlude

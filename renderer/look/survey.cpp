@@ -131,7 +131,45 @@ std::array<glm::dvec3, 2> neighbourhood(const std::vector<SurveyPoint>& points) 
 /// layers in which depth cameras count.
 constexpr std::size_t noiseLeaves = 8, noisePoints = 48, noiseNeighbours = 48;
 
-/// Of some samples: deviation of the nearest neighbours from their plane.
+/// A value for every neighbour.
+using Column = std::array<double, noiseNeighbours>;
+double dotOf(const Column& a, const Column& b) {
+    double sum = 0;
+    for (std::size_t i = 0; i < a.size(); ++i) sum += a[i] * b[i];
+    return sum;
+}
+void removeFrom(Column& column, const Column& unit) {
+    const double along = dotOf(column, unit);
+    for (std::size_t i = 0; i < column.size(); ++i) column[i] -= along * unit[i];
+}
+
+/// Root mean square of heights over a plane less those of the paraboloid through them, by Gram and Schmidt: a curved
+/// surface is no noise. What the fit takes of the noise is made up for.
+double deviationFromParaboloid(const std::vector<glm::vec3>& offsets, const TangentPlane& plane) {
+    const glm::dvec3 u = plane.first, v = plane.second, n = glm::cross(u, v);
+    std::array<Column, 6> basis;
+    Column heights;
+    for (std::size_t i = 0; i < noiseNeighbours; ++i) {
+        const glm::dvec3 p(offsets[i]);
+        const double a = glm::dot(p, u), b = glm::dot(p, v);
+        const double terms[] = {1, a, b, a * a, a * b, b * b};
+        for (std::size_t k = 0; k < basis.size(); ++k) basis[k][i] = terms[k];
+        heights[i] = glm::dot(p, n);
+    }
+    std::size_t used = 0;
+    for (std::size_t k = 0; k < basis.size(); ++k) {
+        const double before = dotOf(basis[k], basis[k]);
+        for (std::size_t earlier = 0; earlier < used; ++earlier) removeFrom(basis[k], basis[earlier]);
+        const double left = dotOf(basis[k], basis[k]);
+        if (!(left > 1e-9 * before)) continue;
+        basis[used] = basis[k];
+        for (double& value : basis[used]) value /= std::sqrt(left);
+        removeFrom(heights, basis[used++]);
+    }
+    return std::sqrt(dotOf(heights, heights) / double(noiseNeighbours - used));
+}
+
+/// Of some samples: deviation of the nearest neighbours from their surface.
 void addDeviations(const Node& node, std::span<const Sample> samples, std::vector<double>& deviations) {
     if (samples.size() <= noiseNeighbours) return;
     std::vector<std::pair<double, std::size_t>> near(samples.size());
@@ -146,7 +184,7 @@ void addDeviations(const Node& node, std::span<const Sample> samples, std::vecto
         offsets.clear();
         for (std::size_t i = 0; i < noiseNeighbours; ++i)
             offsets.emplace_back(position(node, samples[near[i].second]) - at);
-        deviations.push_back(std::sqrt(std::max(0.0, tangentPlane(offsets).variance[2])));
+        deviations.push_back(deviationFromParaboloid(offsets, tangentPlane(offsets)));
     }
 }
 

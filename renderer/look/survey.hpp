@@ -22,7 +22,7 @@ struct SurveyPoint {
 /// At most `most` points, the same on any machine; none when no block can be read.
 std::vector<SurveyPoint> survey(const Cloud& cloud, std::size_t most);
 
-/// Median deviation of a point's nearest neighbours from the plane through them, in leaves all over the cloud; 0 for
+/// Median deviation of a point's nearest neighbours from the paraboloid through them, in leaves all over the cloud; 0 for
 /// clouds of few points. Cloud units.
 double noiseOf(const Cloud& cloud);
 

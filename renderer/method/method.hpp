@@ -38,6 +38,7 @@ struct CloudTraits {
     bool normals = false;   ///< samples carry normals: surfels, or the scan's own
     bool colors = false;    ///< the scan's own RGB
     double spacing = 0;     ///< s0, cloud units
+    double noise = 0;  ///< typical distance of points from their surface, cloud units; 0: unknown, or none
     glm::dvec3 up{0, 0, 1};
 };
 

@@ -14,15 +14,16 @@
 //                                                of the rear of two sheets as 10 does, closes windows half as
 //                                                wide, and views of a town are 0 to 0.5 dB nearer to a dense
 //                                                picture of it
-//   §3.1.2: background at the far plane          at infinity, on its own ray: holes in front of a near far
-//                                                plane would stay open
-//   -                                            parameter noise: points just in front of others are the same
-//                                                surface
+//   §3.1.2: background tested for occlusion      closing of the points by discs; kernels/closing.hpp. Tested by
+//     at the far plane                           occlusion, outlines frayed and slabs stood beside poles. Where
+//                                                discs would be too wide: occlusion, at infinity on its own ray
+//   -                                            parameters minGap and noise, measured where not given: points
+//                                                just in front of others are the same surface
 //   §3.2 pull-push, the background put back      PullPushPass; kernels/pull_push.hpp. Not mixing depths
 //                                                across steps was tried: outlines became blocks, 0.3 dB
 //                                                worse
 //   §3.3 pyramidal normals                       DepthNormalsPass; kernels/depth_normals.hpp. Parameter
-//                                                normalScale
+//                                                normalScale; by default as the noise asks for
 //   deferred shading                             what the request's shading adds
 #pragma once
 

@@ -10,6 +10,8 @@ namespace {
 constexpr float infinite = std::numeric_limits<float>::infinity();
 /// Levels of fewer rows are one thread's work: handing it out would take longer.
 constexpr int rowsWorthSharing = 48;
+/// Beside rows of bytes, more than widestClosing; and columns that one thread takes.
+constexpr std::int32_t bytePadding = 64, columnsAtOnce = 128;
 
 /// Room for padding, and for reading whole vectors.
 std::int32_t strideOf(std::int32_t width) {
@@ -79,7 +81,15 @@ void Pyramid::layOut(const PyramidPlanes& s) {
     blocksPerRow_ = (width_ + blockSize - 1) / blockSize;
     const std::size_t blocks = static_cast<std::size_t>(blocksPerRow_) *
                                static_cast<std::size_t>((height_ + blockSize - 1) / blockSize);
-    if (reach_.size() < blocks) reach_.resize(blocks);
+    for (auto* const plane : {&reach_, &wide_, &uncovered_})
+        if (plane->size() < blocks) plane->resize(blocks);
+    for (auto* const sizes : {&sizes_, &settled_})
+        if (sizes->size() < blocks) sizes->resize(blocks);
+    byteStride_ = (width_ + 31) / 32 * 32 + 2 * bytePadding;
+    const std::size_t bytes = static_cast<std::size_t>(byteStride_) * static_cast<std::size_t>(height_);
+    // Beyond the border nothing is near, and nothing is uncovered.
+    distances_.assign(bytes, 255);
+    covered_.assign(bytes, 1);
 }
 
 void Pyramid::chooseReach(const HiddenPointsNumbers& numbers) {
@@ -92,8 +102,19 @@ void Pyramid::chooseReach(const HiddenPointsNumbers& numbers) {
                 depth = level.depth[std::ptrdiff_t{level.stride} * (y >> (k - blockLevel)) +
                                     (x >> (k - blockLevel))];
             }
-            reach_[static_cast<std::size_t>(y * blocksPerRow_ + x)] =
-                static_cast<std::uint8_t>(numbers.reachAt(depth, shape_.widest));
+            const auto block = static_cast<std::size_t>(y * blocksPerRow_ + x);
+            reach_[block] = static_cast<std::uint8_t>(numbers.reachAt(depth, shape_.widest));
+            sizes_[block] = numbers.closingAt(depth);
+        }
+    }
+    // A pixel's radius lies between those of the four blocks around it, whose points are no nearer.
+    for (std::int32_t y = 0; y < coarse.height; ++y) {
+        for (std::int32_t x = 0; x < coarse.width; ++x) {
+            std::int32_t most = 0;
+            for (std::int32_t j = std::max(0, y - 1); j <= std::min(y + 1, coarse.height - 1); ++j)
+                for (std::int32_t i = std::max(0, x - 1); i <= std::min(x + 1, coarse.width - 1); ++i)
+                    most = std::max(most, sizes_[static_cast<std::size_t>(j * blocksPerRow_ + i)]);
+            wide_[static_cast<std::size_t>(y * blocksPerRow_ + x)] = (most >> 3) > widestClosing ? 1 : 0;
         }
     }
 }
@@ -117,6 +138,9 @@ void Pyramid::hidePoints(const PyramidPlanes& s, const HiddenPointsPass& pass, c
     h.unprojection = u;
     h.reach = reach_.data();
     h.blocksPerRow = blocksPerRow_;
+    h.wide = wide_.data();
+    h.size = numbers.closing;
+    h.sizes = sizes_.data();
     h.minGap = numbers.minGap;
     h.threshold = numbers.threshold;
     h.sureLevel = numbers.sureLevel;
@@ -125,6 +149,59 @@ void Pyramid::hidePoints(const PyramidPlanes& s, const HiddenPointsPass& pass, c
     workers.inParallel((height_ + blockSize - 1) / blockSize, [&](int block) {
         kernels.hidePoints(h, block * blockSize, std::min(height_, (block + 1) * blockSize));
     });
+    closeBackground(kernels, workers);
+}
+
+/// Where no point is visible: the least of the blocks around, or what the nearest depth says - which stays where that is
+/// too wide for a closing.
+void Pyramid::settleSizes() {
+    const std::int32_t rows = points_[blockLevel].height;
+    const auto sizeAt = [&](std::int32_t x, std::int32_t y) {
+        return sizes_[static_cast<std::size_t>(y * blocksPerRow_ + x)];
+    };
+    for (std::int32_t y = 0; y < rows; ++y) {
+        for (std::int32_t x = 0; x < blocksPerRow_; ++x) {
+            std::int32_t size = sizeAt(x, y);
+            if (size < 0) {
+                size = -1 - size;
+                const bool wide = (size >> 3) > widestClosing;
+                for (std::int32_t j = std::max(0, y - 2); !wide && j <= std::min(y + 2, rows - 1); ++j)
+                    for (std::int32_t i = std::max(0, x - 2); i <= std::min(x + 2, blocksPerRow_ - 1); ++i)
+                        if (sizeAt(i, j) >= 0) size = std::min(size, sizeAt(i, j));
+            }
+            settled_[static_cast<std::size_t>(y * blocksPerRow_ + x)] = size;
+        }
+    }
+}
+
+void Pyramid::closeBackground(const PyramidKernels& kernels, const Workers& workers) {
+    settleSizes();
+    const PointLevel& picture = points_[0];
+    const PointLevel& blocks = points_[blockLevel];
+    Closing c;
+    c.depth = picture.depth;
+    c.depthStride = picture.stride;
+    c.width = width_;
+    c.height = height_;
+    c.nearest = blocks.depth;
+    c.nearestStride = blocks.stride;
+    c.sizes = settled_.data();
+    c.wide = wide_.data();
+    c.uncovered = uncovered_.data();
+    c.blocksPerRow = blocksPerRow_;
+    c.blockRows = blocks.height;
+    c.distance = distances_.data() + bytePadding;
+    c.covered = covered_.data() + bytePadding;
+    c.stride = byteStride_;
+    c.labels = labels_.data();
+    c.labelStride = labelStride_;
+    for (const bool ofUncovered : {false, true}) {
+        workers.inParallel((width_ + columnsAtOnce - 1) / columnsAtOnce, [&](int i) {
+            const int x0 = i * columnsAtOnce;
+            kernels.closingColumns(c, ofUncovered, x0, std::min(width_, x0 + columnsAtOnce));
+        });
+        workers.inParallel(c.blockRows, [&](int row) { kernels.closingRows(c, ofUncovered, row); });
+    }
 }
 
 Pyramid::Labels Pyramid::labels() const {

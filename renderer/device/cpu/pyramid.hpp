@@ -50,12 +50,15 @@ class Pyramid {
     void layOut(const PyramidPlanes&);
     float* takePlane(LevelMemory& block, std::int32_t stride, std::int32_t height, std::size_t& offset);
     void chooseReach(const HiddenPointsNumbers&);
+    void settleSizes();
+    void closeBackground(const PyramidKernels&, const Workers&);
 
     std::int32_t width_ = 0, height_ = 0;
     PyramidShape shape_;
     LevelMemory pointBlock_, fillBlock_, normalBlock_;
-    std::vector<std::uint8_t> labels_, reach_;
-    std::int32_t labelStride_ = 0, blocksPerRow_ = 0;
+    std::vector<std::uint8_t> labels_, reach_, wide_, uncovered_, distances_, covered_;
+    std::vector<std::int32_t> sizes_, settled_;
+    std::int32_t labelStride_ = 0, blocksPerRow_ = 0, byteStride_ = 0;
     PointLevel points_[maxPyramidLevels];
     FillLevel fills_[maxPyramidLevels];  ///< [0] is the picture itself: unused
     NormalLevel normals_[maxPyramidLevels];

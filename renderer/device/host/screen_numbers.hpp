@@ -79,6 +79,16 @@ struct Unprojection {
     float centerX = 0, centerY = 0;  ///< the view axis, px from the planes' left and top edges
 };
 
+/// The widest radius of a closing of the background, px.
+inline constexpr int widestClosing = 32;
+
+/// The radius of a closing at a depth d in eighths of a pixel: scaled / d (orthographic: scaled), from `least` to `most`,
+/// without its fraction. docs/spec/pyramid.md §4.4.
+struct ClosingSize {
+    static constexpr float most = 16 * widestClosing, nearest = 1e-15f;
+    float scaled = 0, least = 0;
+};
+
 /// What hidden point removal finds of a pixel.
 inline constexpr std::uint8_t hiddenLabel = 0, foregroundLabel = 1, backgroundLabel = 2;
 

@@ -243,7 +243,17 @@ HiddenPointsNumbers hiddenPointsNumbers(const PyramidView& view, const HiddenPoi
     n.minGap = std::max(0.0f, pass.minGap);
     n.threshold = pass.threshold;
     n.sureLevel = sureLevelOf(view, pass.threshold);
+    // Whoever hides nothing closes nothing.
+    const Size closing = sizeOf(view, pass.threshold > 0 ? 8 * pass.closing : 0, pass.spacing, pass.detail);
+    n.closing = {static_cast<float>(std::min(closing.scaled, 1e15)),
+                 static_cast<float>(std::min(closing.least, double(ClosingSize::most)))};
+    n.perspective = view.perspective;
     return n;
+}
+
+std::int32_t HiddenPointsNumbers::closingAt(float depth) const {
+    const float size = perspective ? closing.scaled / std::max(depth, ClosingSize::nearest) : closing.scaled;
+    return static_cast<std::int32_t>(std::min(std::max(size, closing.least), ClosingSize::most));
 }
 
 NormalNumbers normalNumbers(const PyramidView& view, const PyramidShape& shape,

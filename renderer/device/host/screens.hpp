@@ -62,7 +62,11 @@ struct HiddenPointsNumbers {
     /// Up to this level, a pixel without a sample that has neighbours on all sides is hidden for certain:
     /// angles need no look.
     int sureLevel = -1;
+    ClosingSize closing;
+    bool perspective = true;
 
+    /// Of the background of a block of this depth.
+    std::int32_t closingAt(float depth) const;
     /// The coarsest level that a block of this depth looks at.
     int reachAt(float depth, int widest) const {
         int level = 0;

@@ -155,6 +155,62 @@ TEST_P(HiddenPoints, KeepAWindowOpen) {
     }
 }
 
+/// A table top and its underside, `gap` spacings apart, with points every `step` spacings, each off its place by up to
+/// `noise` spacings: how many of the underside's points go, and how many of the top's.
+struct TableTop {
+    Share removed, lost;
+};
+
+TableTop tableTop(PointPasses& passes, bool perspective, double spacingPx, double step, double gap,
+                  double noise, double minGap) {
+    PointScreen s = screenFor({401, 333, perspective, spacingPx, noise});
+    const double spacing = spacingOf({401, 333, perspective, spacingPx, noise}, s);
+    Numbers numbers(4);
+    const double half = 0.7 * s.width * spacing / spacingPx;
+    sheet(depth, half, half, step * spacing, noise * spacing, numbers,
+          [&](const ScreenPoint& p) { s.add(p, front); });
+    sheet(depth + gap * spacing, half, half, spacing, noise * spacing, numbers, [&](ScreenPoint p) {
+        p.x += 0.5 * step * spacing;
+        p.y += 0.5 * step * spacing;
+        s.add(p, rear);
+    });
+    HiddenPointsPass pass = hiding(spacing);
+    pass.minGap = static_cast<float>(minGap * spacing);
+    passes.hidePoints(s, pass);
+    TableTop out;
+    insideGuardBand(s, [&](std::size_t i, int, int) {
+        if (s.surface[i] == rear) out.removed.count(s.labels[i] == hiddenLabel);
+        if (s.surface[i] == front) out.lost.count(s.labels[i] == hiddenLabel);
+    });
+    return out;
+}
+
+TEST_P(HiddenPoints, OfTheUndersideOfATableGoWhereTheScanIsClean) {
+    // Where a scan is twice as dense as on the whole, nearly three spacings below: dark dots, as long as less than
+    // three spacings counted as the same surface.
+    for (const bool perspective : {true, false}) {
+        for (const double spacingPx : {3.0, 5.0, 8.0}) {
+            for (const double noise : {0.0, 0.05}) {
+                const TableTop table = tableTop(*passes_, perspective, spacingPx, 0.5, 2.9, noise, 3 * noise);
+                EXPECT_GE(table.removed.value(), 0.99) << spacingPx << ", " << noise << ", " << perspective;
+                EXPECT_GT(table.removed.whole, 500);
+                EXPECT_LE(table.lost.value(), 0.01) << spacingPx << ", " << noise << ", " << perspective;
+            }
+        }
+    }
+}
+
+TEST_P(HiddenPoints, OfANoisyFrontStayWhereTheNoiseIsKnown) {
+    // Off by up to half a spacing on every axis.
+    for (const bool perspective : {true, false}) {
+        for (const double spacingPx : {2.0, 3.0, 5.0, 8.0}) {
+            const TableTop known = tableTop(*passes_, perspective, spacingPx, 1, 8, 0.5, 3 * 0.29);
+            EXPECT_LE(known.lost.value(), 0.01) << spacingPx << ", " << perspective;
+            EXPECT_GE(known.removed.value(), 0.99) << spacingPx << ", " << perspective;
+        }
+    }
+}
+
 /// Under the bridge (Bouchiba, Deschaud and Goulette, "Raw point cloud deferred shading through screen space
 /// pyramidal operators", 2018, §3.1.2, Fig. 4): through openings near by one sees things up to a hundred
 /// times as far.

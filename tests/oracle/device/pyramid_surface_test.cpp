@@ -5,6 +5,7 @@
 #include <glm/geometric.hpp>
 #include <string>
 
+#include "renderer/method/method.hpp"
 #include "tests/support/pictures/devices.hpp"
 #include "tests/support/pictures/point_passes.hpp"
 
@@ -148,6 +149,44 @@ TEST_P(PyramidSurface, LevelsSmoothTheNoiseOfNormals) {
         }
         EXPECT_LT(error[0], 0.5 * error[1]) << spacingPx << " px";
         EXPECT_GT(error[1], 5) << "without smoothing there is noise";
+    }
+}
+
+/// What the method asks for, of a cloud whose noise was measured.
+template <class Wanted>
+Wanted passOf(double spacing, double noise) {
+    const Method& method = *findMethod("pyramid");
+    const ParameterValues values = resolveParameters(method, {}).value();
+    CloudTraits cloud;
+    cloud.spacing = spacing;
+    cloud.noise = noise;
+    for (const Pass& pass : method.passes(
+             {.method = method, .values = values, .shading = Shading::Phong, .cloud = cloud, .detail = 0}))
+        if (const auto* wanted = std::get_if<Wanted>(&pass)) return *wanted;
+    return {};
+}
+
+TEST_P(PyramidSurface, NormalsOfNoisyScansAreAsGoodAsTheNoiseIsKnown) {
+    // A facing sheet again: normal noise, so large that two spacings are not enough to see a slope.
+    for (const double sigma : {0.1, 0.3, 0.45, 1.0}) {
+        PointScreen s(480, 360, true, 420);
+        const double spacing = 3.0 * 10 / 420;
+        Numbers numbers(84);
+        sheet(10, 9, 7, spacing, 0, numbers, [&](ScreenPoint p) {
+            double height = -6;
+            for (int k = 0; k < 12; ++k) height += numbers.uniform();
+            p.x += numbers.uniform(-0.3, 0.3) * spacing;
+            p.y += numbers.uniform(-0.3, 0.3) * spacing;
+            p.depth += height * sigma * spacing;
+            s.add(p, 0);
+        });
+        passes_->hidePoints(s, passOf<HiddenPointsPass>(spacing, sigma * spacing));
+        passes_->fill(s, {});
+        passes_->findNormals(s, passOf<DepthNormalsPass>(spacing, sigma * spacing));
+        double error = 0;
+        for (const std::uint32_t code : s.normals)
+            error += std::acos(std::min(1.0, normalOf(code).z)) * degrees;
+        EXPECT_LE(error / double(s.normals.size()), 1.2) << sigma << " spacings";
     }
 }
 

@@ -147,6 +147,94 @@ double meanOcclusion(const PointScreen& s, const std::vector<Level>& levels, con
     return counting > 0 ? sum / counting : 1;
 }
 
+/// Radius of a closing at a depth, eighths of a pixel.
+int closingAt(const PointScreen& s, const HiddenPointsPass& pass, double depth) {
+    if (!(pass.threshold > 0)) return 0;
+    // In floats, as the page says: a fraction more or less is another pixel.
+    const double unit = 8 * double(pass.closing);
+    const auto scaled = float(unit * double(pass.spacing) * s.pixelsPerUnit);
+    const auto least = float(unit * 2 * double(pass.detail));
+    return int(std::min(std::max(s.perspective ? scaled / float(depth) : scaled, least), 16.0f * 32));
+}
+
+/// Of every block of 16 × 16: the mean over the points that are visible; where there are none, the least of the blocks
+/// around that have some, or what the nearest depth says.
+std::vector<int> closingSizes(const PointScreen& s, const std::vector<Level>& levels,
+                              const HiddenPointsPass& pass, const std::vector<std::uint8_t>& labels) {
+    const int columns = levels[4].width, rows = levels[4].height;
+    std::vector<int> means(std::size_t(columns * rows), -1), out = means;
+    for (int b = 0; b < columns * rows; ++b) {
+        int sum = 0, count = 0;
+        for (int i = 0; i < 256; ++i) {
+            const int x = b % columns * 16 + i % 16, y = b / columns * 16 + i / 16;
+            if (x >= s.width || y >= s.height || labels[s.at(x, y)] != 1) continue;
+            sum += closingAt(s, pass, double(s.depth[s.at(x, y)]));
+            ++count;
+        }
+        if (count > 0) means[std::size_t(b)] = sum / count;
+    }
+    for (int b = 0; b < columns * rows; ++b) {
+        int& size = out[std::size_t(b)] = means[std::size_t(b)];
+        if (size >= 0) continue;
+        const int x = b % columns, y = b / columns;
+        double depth = 1e300;
+        for (int k = int(levels.size()) - 1; k >= 4; --k) {
+            const auto& point = levels[std::size_t(k)].at(x >> (k - 4), y >> (k - 4));
+            if (point) depth = -point->z;
+        }
+        size = closingAt(s, pass, depth);
+        if (size / 8 > 32) continue;
+        for (int j = std::max(0, y - 2); j <= std::min(rows - 1, y + 2); ++j)
+            for (int i = std::max(0, x - 2); i <= std::min(columns - 1, x + 2); ++i)
+                if (means[std::size_t(j * columns + i)] >= 0)
+                    size = std::min(size, means[std::size_t(j * columns + i)]);
+    }
+    return out;
+}
+
+/// Between the middles of four blocks, px without fraction.
+int radiusAt(const std::vector<int>& sizes, int columns, int x, int y) {
+    const int rows = int(sizes.size()) / columns;
+    const double u = (x + 0.5) / 16 - 0.5, v = (y + 0.5) / 16 - 0.5, left = std::floor(u),
+                 top = std::floor(v);
+    double sum = 0;
+    for (int j = 0; j < 2; ++j) {
+        for (int i = 0; i < 2; ++i) {
+            const int column = std::clamp(int(left) + i, 0, columns - 1);
+            const int row = std::clamp(int(top) + j, 0, rows - 1);
+            sum += (i ? u - left : 1 - (u - left)) * (j ? v - top : 1 - (v - top)) *
+                   sizes[std::size_t(row * columns + column)];
+        }
+    }
+    return int(sum / 8);
+}
+
+/// Whether one of `those` lies in the disc around a pixel.
+bool inDisc(const PointScreen& s, const std::vector<bool>& those, int x, int y, int radius) {
+    for (int j = std::max(0, y - radius); j <= std::min(s.height - 1, y + radius); ++j)
+        for (int i = std::max(0, x - radius); i <= std::min(s.width - 1, x + radius); ++i)
+            if (those[s.at(i, j)] && std::hypot(i - x, j - y) < radius + 0.5) return true;
+    return false;
+}
+
+/// Background that a closing of the points covers is a hole in them.
+void closeBackground(const PointScreen& s, const std::vector<Level>& levels, const HiddenPointsPass& pass,
+                     std::vector<std::uint8_t>& labels) {
+    const std::vector<int> sizes = closingSizes(s, levels, pass, labels);
+    const auto radius = [&](int x, int y) { return radiusAt(sizes, levels[4].width, x, y); };
+    std::vector<bool> points(s.depth.size()), uncovered(s.depth.size());
+    for (std::size_t i = 0; i < points.size(); ++i) points[i] = !std::isinf(s.depth[i]);
+    for (int y = 0; y < s.height; ++y)
+        for (int x = 0; x < s.width; ++x)
+            uncovered[s.at(x, y)] = !inDisc(s, points, x, y, std::min(radius(x, y), 32));
+    for (int y = 0; y < s.height; ++y) {
+        for (int x = 0; x < s.width; ++x) {
+            if (points[s.at(x, y)] || radius(x, y) > 32) continue;
+            labels[s.at(x, y)] = inDisc(s, uncovered, x, y, radius(x, y)) ? 2 : 0;
+        }
+    }
+}
+
 }  // namespace
 
 ReferenceHidden referenceHidden(const PointScreen& s, const HiddenPointsPass& pass) {
@@ -159,6 +247,7 @@ ReferenceHidden referenceHidden(const PointScreen& s, const HiddenPointsPass& pa
             out.labels.push_back(out.occlusion.back() < double(pass.threshold) ? 0 : background ? 2 : 1);
         }
     }
+    closeBackground(s, levels, pass, out.labels);
     return out;
 }
 

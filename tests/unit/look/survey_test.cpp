@@ -112,5 +112,26 @@ TEST(NoiseOf, IsThatOfThePlane) {
     }
 }
 
+// A sphere's curvature is no noise: within its neighbours it bends by much more than the points are off it.
+TEST(NoiseOf, IsThatOfASphere) {
+    for (const double sigma : {0.0005, 0.005}) {
+        const auto make = [&](std::uint64_t i, std::uint64_t) {
+            double height = -6;
+            for (std::uint64_t k = 0; k < 12; ++k) height += test::uniform(i, 10 + k);
+            const double z = 2 * test::uniform(i, 1) - 1, turn = 6.283185307179586 * test::uniform(i, 2);
+            const double r = std::sqrt(1 - z * z);
+            test::ScanPoint p;
+            p.position = glm::dvec3{r * std::cos(turn), r * std::sin(turn), z} * (1 + sigma * height);
+            return p;
+        };
+        test::SyntheticSource source(5000, make, {});
+        BuildOptions build;
+        build.shape.surfels = false;
+        const auto cloud = buildCloud(source, build);
+        ASSERT_TRUE(cloud) << cloud.error().message;
+        EXPECT_NEAR(noiseOf(**cloud), sigma, 0.15 * sigma) << sigma;
+    }
+}
+
 }  // namespace
 }  // namespace scancast

@@ -54,6 +54,23 @@ TEST(Methods, DescribeThemselvesAndHaveLegalDefaults) {
     }
 }
 
+TEST(Methods, PyramidTakesItsGapFromTheNoise) {
+    const auto gap = [](const ParameterValues& given, double measured) {
+        const Method& m = method("pyramid");
+        const ParameterValues values = resolveParameters(m, given).value();
+        CloudTraits cloud;
+        cloud.spacing = 0.5;
+        cloud.noise = measured;
+        const PassList list = m.passes({.method = m, .values = values, .cloud = cloud});
+        return std::get<HiddenPointsPass>(list[2]).minGap;
+    };
+    EXPECT_EQ(gap({}, 0), 0);
+    EXPECT_FLOAT_EQ(gap({}, 0.1), 0.3f);
+    EXPECT_FLOAT_EQ(gap({{"noise", 0.2}}, 0.1), 0.6f);
+    EXPECT_EQ(gap({{"minGap", 0.0}}, 0.1), 0);
+    EXPECT_FLOAT_EQ(gap({{"minGap", 2.0}, {"noise", 0.2}}, 0.1), 2);
+}
+
 TEST(Methods, EndWithTheScreenPassesOfTheShading) {
     for (const Method& m : methods()) {
         const PassList unlit = passes(m.name.c_str(), {});

@@ -163,13 +163,18 @@ template <bool perspective>
 struct Column {
     const HiddenPoints& h;
     const int x, reach;
+    const bool wide;      ///< background is judged, too
+    const bool differ;    ///< radii of closings may
     const bool nearEdge;  ///< some sector of some pixel may leave the picture
     IntW west{}, east{};  ///< which pixels' western and eastern sectors do
     /// Least depths in levels k and coarser, for the rows that share them.
     Sectors nearest[maxPyramidLevels + 1];
 
-    Column(const HiddenPoints& points, int firstX, int levels, bool edge)
-        : h(points), x(firstX), reach(levels), nearEdge(edge) {
+    IntW sizes{},
+        points{};  ///< sums over the visible points: radius of their closing, and how many there are
+
+    Column(const HiddenPoints& points, int firstX, int levels, bool background, bool unlike, bool edge)
+        : h(points), x(firstX), reach(levels), wide(background), differ(unlike), nearEdge(edge) {
         for (FloatW& v : nearest[reach + 1].v) v = all(infinity);
         if (!nearEdge) return;
         const IntW px = laneIndices() + x;
@@ -234,7 +239,17 @@ struct Column {
         return own;
     }
 
-    IntW labelsOf(int y) const {
+    /// Adds the points of a row.
+    void addSizes(FloatW depth, IntW visible) {
+        points -= visible;
+        if (!differ) return;
+        const FloatW size =
+            perspective ? h.size.scaled / larger(depth, all(ClosingSize::nearest)) : all(h.size.scaled);
+        const FloatW bounded = smaller(larger(size, all(h.size.least)), all(ClosingSize::most));
+        sizes += toInt(bounded) & visible;
+    }
+
+    IntW labelsOf(int y) {
         const Leaving leaving = nearEdge ? leavingFrom(y) : Leaving{};
         const Sectors around = nearestAround(y);
         const FloatW depth = load<FloatW>(h.levels[0].depth + rowOf(h.levels[0].stride, y) + x);
@@ -245,7 +260,7 @@ struct Column {
             open -= ~(occupied | leaving.v[s]);
         }
         const Judged own = judged(y, counting);
-        const IntW visible = toFloat(open) >= own.limit;
+        const IntW visible = (toFloat(open) >= own.limit) | (wide ? IntW{} : own.background);
         const IntW sure = reach <= h.sureLevel ? own.background & (open == 0) : IntW{};
         IntW hidden = ~visible & sure;
         const IntW undecided = ~visible & ~sure;
@@ -254,6 +269,7 @@ struct Column {
         }
         const IntW seen =
             own.background ? all(std::int32_t{backgroundLabel}) : all(std::int32_t{foregroundLabel});
+        addSizes(depth, ~(hidden | own.background) & (laneIndices() + x < h.levels[0].width));
         return hidden ? all(std::int32_t{hiddenLabel}) : seen;
     }
 };
@@ -276,22 +292,37 @@ template <bool perspective>
 void hideBlock(const HiddenPoints& h, int x0, int y0, int y1) {
     const int width = h.levels[0].width, height = h.levels[0].height;
     const int x1 = x0 + blockSize < width ? x0 + blockSize : width;
-    const int reach = h.reach[rowOf(h.blocksPerRow, y0 >> blockLevel) + (x0 >> blockLevel)];
+    const std::int64_t block = rowOf(h.blocksPerRow, y0 >> blockLevel) + (x0 >> blockLevel);
+    const int reach = h.reach[block];
+    std::int32_t& size = h.sizes[block];
+    // Nobody's is larger than that of the nearest depth.
+    const bool differ = size > static_cast<std::int32_t>(h.size.least);
     if (nothingAround(h, x0, y0, x1, y1, reach)) {
         // Without neighbours nobody is hidden, and there is no foreground either.
         for (int y = y0; y < y1; ++y) {
             for (int x = x0; x < x1; ++x) h.labels[rowOf(h.labelStride, y) + x] = backgroundLabel;
         }
+        size = -1 - size;
         return;
     }
     const int margin = 3 << reach;
     const bool nearEdge = x0 < margin || y0 < margin || x1 + margin > width || y1 + margin > height;
+    std::int32_t sizes = 0, points = 0;
     for (int x = x0; x < x1; x += wideLanes) {
-        Column<perspective> column(h, x, reach, nearEdge);
+        Column<perspective> column(h, x, reach, h.wide[block] != 0, differ, nearEdge);
         for (int y = y0; y < y1; ++y) {
             column.findNearest(y, y == y0);
             storeLabels(h.labels + rowOf(h.labelStride, y) + x, column.labelsOf(y));
         }
+        for (int i = 0; i < wideLanes; ++i) {
+            sizes += column.sizes[i];
+            points += column.points[i];
+        }
+    }
+    if (points == 0) {
+        size = -1 - size;
+    } else if (differ) {
+        size = sizes / points;
     }
 }
 

@@ -1,6 +1,7 @@
 // Compiled once per SIMD level, with SCANCAST_SIMD_LEVEL = 2, 3 or 4 and the matching -march: see kernels.hpp
 // for what that forbids in here.
 #include "renderer/device/cpu/kernels/kernels.hpp"
+#include "renderer/device/cpu/kernels/closing.hpp"
 
 #include "renderer/device/cpu/kernels/depth_normals.hpp"
 #include "renderer/device/cpu/kernels/glass.hpp"
@@ -82,6 +83,8 @@ const Kernels kernels = {
             .firstPoints = firstPoints,
             .nextPoints = nextPoints,
             .hidePoints = hidePoints,
+            .closingColumns = closingColumns,
+            .closingRows = closingRows,
             .pullPicture = pullPicture,
             .pull = pull,
             .push = push,

@@ -30,11 +30,34 @@ struct HiddenPoints {
     /// Per block of blockSize² pixels: the coarsest level that its pixels look at.
     const std::uint8_t* reach = nullptr;
     std::int32_t blocksPerRow = 0;
+    /// Per block: not 0 where closing may be too narrow for some pixel, whose background is judged, too.
+    const std::uint8_t* wide = nullptr;
+    ClosingSize size;
+    /// Per block: radius of the closing, eighths of a pixel. Becomes the mean over its visible points,
+    /// or, where it has none, -1 - itself.
+    std::int32_t* sizes = nullptr;
     float minGap = 0, threshold = 0;
     /// Up to this level, a pixel without a sample that has neighbours on all sides is hidden for certain:
     /// angles need no look.
     std::int32_t sureLevel = -1;
     std::uint8_t* labels = nullptr;  ///< one byte per pixel, padded: whole vectors are written
+    std::int32_t labelStride = 0;
+};
+
+/// Closing of the background. Planes of bytes are padded by widestClosing and more on every side of a row.
+struct Closing {
+    const float* depth = nullptr;  ///< level 0 of the points, padded
+    std::int32_t depthStride = 0, width = 0, height = 0;
+    const float* nearest = nullptr;  ///< depths of level blockLevel: whether a block has points
+    std::int32_t nearestStride = 0;
+    const std::int32_t* sizes = nullptr;  ///< of HiddenPoints, settled
+    const std::uint8_t* wide = nullptr;   ///< of HiddenPoints
+    std::uint8_t* uncovered = nullptr;    ///< per block: some pixel of it is not covered
+    std::int32_t blocksPerRow = 0, blockRows = 0;
+    std::uint8_t* distance = nullptr;  ///< along columns
+    std::uint8_t* covered = nullptr;   ///< 1: a point is within the radius; so is all beyond the border
+    std::int32_t stride = 0;
+    std::uint8_t* labels = nullptr;
     std::int32_t labelStride = 0;
 };
 
@@ -95,6 +118,10 @@ struct PyramidKernels {
     void (*nextPoints)(const PointLevel& fine, const PointLevel& out, int y0, int y1);
     /// y0 is a multiple of blockSize.
     void (*hidePoints)(const HiddenPoints&, int y0, int y1);
+    /// Distances along columns to samples, or to what is not covered; x0 is a multiple of 32.
+    void (*closingColumns)(const Closing&, bool ofUncovered, int x0, int x1);
+    /// Of a row of blocks: what is covered, and which background pixels are holes.
+    void (*closingRows)(const Closing&, bool ofUncovered, int row);
     void (*pullPicture)(const FillPicture&, const FillLevel& out, int y0, int y1);
     void (*pull)(const FillLevel& fine, const FillLevel& out, int y0, int y1);
     /// Fills what `fine` does not know.

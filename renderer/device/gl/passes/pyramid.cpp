@@ -16,6 +16,7 @@ constexpr int normalsPerGroup = 256;
 Pyramid::Pyramid(ScreenShaders& shaders)
     : shaders_(shaders),
       labels_(shaders.functions(), "labels of hidden points"),
+      closing_(shaders.functions(), "closing of the background"),
       texels_(shaders.functions(), "pyramid of points"),
       pulled_(shaders.functions(), "pyramid of colours") {}
 
@@ -28,12 +29,15 @@ Expected<void> Pyramid::layOut(const PyramidView& view) {
     }
     const std::size_t pixels = static_cast<std::size_t>(view.width) * static_cast<std::size_t>(view.height);
     const std::size_t bytes = texels * sizeof(vec4);
-    if (std::max(bytes, pixels * 4) > shaders_.largestBuffer())
+    if (std::max(bytes, pixels * 9) > shaders_.largestBuffer())
         return fail(ErrorCode::ResourceLimit,
                     fmt::format("A picture of {} x {} px needs a pyramid of {} MiB, more than a shader can "
                                 "see here ({} MiB); ask for a smaller one.",
                                 view.width, view.height, bytes >> 20, shaders_.largestBuffer() >> 20));
     if (auto ok = labels_.reserve(pixels * 4); !ok) return ok;
+    const std::size_t blocks = static_cast<std::size_t>(shape_.width[blockLevel]) *
+                               static_cast<std::size_t>(shape_.height[blockLevel]);
+    if (auto ok = closing_.reserve((blocks + 2 * pixels) * 4); !ok) return ok;
     if (auto ok = texels_.reserve(bytes); !ok) return ok;
     return pulled_.reserve(bytes);
 }
@@ -53,6 +57,7 @@ void Pyramid::bind(const GpuPlanes& planes) const {
     planes.depth->bindStorage(BindPlaneDepth);
     if (planes.normals != nullptr) planes.normals->bindStorage(BindPlaneNormals);
     labels_.bindStorage(BindLabels);
+    closing_.bindStorage(BindClosing);
     texels_.bindStorage(BindTexels);
     pulled_.bindStorage(BindPulled);
 }
@@ -72,12 +77,33 @@ Expected<void> Pyramid::hidePoints(const GpuPlanes& planes, const PyramidView& v
     for (int k = 0; k < maxPyramidLevels; ++k)
         params.farthest[k / 4][k % 4] = numbers.farthest[static_cast<std::size_t>(k)];
     params.hide = vec4(numbers.minGap, numbers.threshold, static_cast<float>(numbers.sureLevel), 0);
+    params.closing =
+        vec4(numbers.closing.scaled, numbers.closing.least, ClosingSize::most, ClosingSize::nearest);
+    params.blocks = ivec4(shape_.width[blockLevel], shape_.height[blockLevel], widestClosing, 0);
     if (auto ok = shaders_.set(params); !ok) return ok;
     bind(planes);
     for (int level = 0; level < shape_.levels - 1; level += levelsAtOnce) {
         if (auto ok = overTiles("point_pyramid.comp", level); !ok) return ok;
     }
-    return shaders_.run("hide_points.comp", tilesOf(view.width, blockSize), tilesOf(view.height, blockSize));
+    if (auto ok =
+            shaders_.run("hide_points.comp", tilesOf(view.width, blockSize), tilesOf(view.height, blockSize));
+        !ok)
+        return ok;
+    return closeBackground(view);
+}
+
+Expected<void> Pyramid::closeBackground(const PyramidView& view) {
+    for (const std::uint32_t half : {0u, 1u}) {
+        if (auto ok = shaders_.run("closing_columns.comp", tilesOf(view.width, 32), tilesOf(view.height, 8),
+                                   {}, &half);
+            !ok)
+            return ok;
+        if (auto ok = shaders_.run("closing_rows.comp", tilesOf(view.width, blockSize),
+                                   tilesOf(view.height, blockSize), {}, &half);
+            !ok)
+            return ok;
+    }
+    return {};
 }
 
 Expected<void> Pyramid::fill(const GpuPlanes& planes, const PyramidView& view) {

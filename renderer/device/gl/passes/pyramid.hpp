@@ -36,13 +36,16 @@ class Pyramid {
     Expected<void> layOut(const PyramidView& view);
     PyramidParams paramsOf(const PyramidView& view) const;
     void bind(const GpuPlanes& planes) const;
+    /// Which background pixels are holes.
+    Expected<void> closeBackground(const PyramidView& view);
     /// Runs a shader of six levels at a time on the tiles of one level.
     Expected<void> overTiles(const char* shader, int level);
 
     ScreenShaders& shaders_;
     Buffer labels_;
-    Buffer texels_;  ///< nearest points; later filled depths and colours
-    Buffer pulled_;  ///< pulled depths and colours; later normals
+    Buffer closing_;  ///< of the background: blocks, then twice the pixels
+    Buffer texels_;   ///< nearest points; later filled depths and colours
+    Buffer pulled_;   ///< pulled depths and colours; later normals
     PyramidShape shape_;
     std::array<std::int32_t, maxPyramidLevels> first_{};  ///< a level's first texel
 };

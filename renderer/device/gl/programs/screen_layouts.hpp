@@ -34,10 +34,11 @@ static_assert(offsetof(PartParams, window) == 16 && offsetof(PartParams, frames)
 static_assert(sizeof(GlassParams) == 96);
 static_assert(offsetof(GlassParams, depthAt) == 32 && offsetof(GlassParams, tint) == 80);
 static_assert(pyramidLevels == maxPyramidLevels);
-static_assert(sizeof(PyramidParams) == 560);
+static_assert(sizeof(PyramidParams) == 592);
 static_assert(offsetof(PyramidParams, layerView) == 16 && offsetof(PyramidParams, levels) == 32);
 static_assert(offsetof(PyramidParams, farthest) == 416 && offsetof(PyramidParams, hide) == 512);
-static_assert(offsetof(PyramidParams, normals) == 528 && offsetof(PyramidParams, normalLevels) == 544);
+static_assert(offsetof(PyramidParams, normals) == 528 && offsetof(PyramidParams, closing) == 544);
+static_assert(offsetof(PyramidParams, blocks) == 560 && offsetof(PyramidParams, normalLevels) == 576);
 
 /// Storage blocks of screen passes; the shaders name the same numbers. Uniform block 0 is the pass's own.
 enum ScreenBinding : unsigned {
@@ -47,6 +48,7 @@ enum ScreenBinding : unsigned {
     BindLabels = 3,
     BindTexels = 4,
     BindPulled = 5,
+    BindClosing = 6,
     // shadow.comp; light_phong.comp
     BindShadowMap = 4,
     BindSunSeen = 5,

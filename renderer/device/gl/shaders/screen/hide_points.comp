@@ -14,6 +14,7 @@ layout(local_size_x = 16, local_size_y = 16) in;
 layout(std430, binding = 1) readonly buffer Depths { float depths[]; };
 layout(std430, binding = 3) writeonly buffer Labels { uint labels[]; };
 layout(std430, binding = 4) readonly buffer Points { vec4 points[]; };
+layout(std430, binding = 6) buffer Closing { int closing[]; };
 
 const uint hiddenLabel = 0u, foregroundLabel = 1u, backgroundLabel = 2u;
 // One depth of this level chooses the levels of a block.
@@ -23,6 +24,8 @@ shared vec4 rings[269 + 16 * (pyramidLevels - 5)];
 shared float around[18 * 18];
 // Whether some pixel of the block has a neighbour: the coarsest ring covers the finer ones.
 shared bool accompanied;
+// Of the block's visible points: sum of the radii of their closings, and how many there are.
+shared int sizes, visible;
 
 // Calls X(column, row, sector) for the ring of 12 in 4 x 4, and for the pixels around one. Sectors are in reading
 // order: north-west, north, north-east, west, east, south-west, south, south-east.
@@ -43,18 +46,33 @@ ivec2 ringStart(ivec2 pixel, int level) {
     return (((pixel >> (level - 1)) - 1) >> 1) - 1;
 }
 
-// The coarsest level that a block looks at.
-int reachOf(ivec2 block) {
+// The depth of a block: that of the nearest point in it, or around it.
+float depthOf(ivec2 block) {
     float depth = infinity;
     for (int k = blockLevel; k < pyramid.size.z && !(depth < infinity); ++k)
         depth = points[placeOf(k, block >> (k - blockLevel))].x;
+    return depth;
+}
+
+// The coarsest level that a block looks at.
+int reachOf(float depth) {
     int reach = 0;
     while (reach < pyramid.size.w && depth <= pyramid.farthest[(reach + 1) >> 2][(reach + 1) & 3]) ++reach;
     return reach;
 }
 
+// The radius of a closing at a depth, eighths of a pixel.
+int closingAt(float depth) {
+    float size = perspective() ? quotient(pyramid.closing.x, max(depth, pyramid.closing.w)) : pyramid.closing.x;
+    return int(min(max(size, pyramid.closing.y), pyramid.closing.z));
+}
+
 void loadNeighbours(ivec2 corner, int reach) {
-    if (gl_LocalInvocationIndex == 0u) accompanied = reach < 3;
+    if (gl_LocalInvocationIndex == 0u) {
+        accompanied = reach < 3;
+        sizes = 0;
+        visible = 0;
+    }
     barrier();
     int total = firstOf(reach + 1);
     for (int i = int(gl_LocalInvocationIndex); i < total; i += 256) {
@@ -191,16 +209,28 @@ bool isHidden(ivec2 at, ivec2 corner, int reach, float depth) {
     return hiddenByAngles(at, corner, reach, own, leaving, limit);
 }
 
-void main() {
-    ivec2 corner = 16 * ivec2(gl_WorkGroupID.xy), at = ivec2(gl_GlobalInvocationID.xy);
-    int reach = reachOf(ivec2(gl_WorkGroupID.xy));
-    loadNeighbours(corner, reach);
-    if (!inside(at, pyramid.size.xy)) return;
+// Labels a pixel, and adds to the sums where it is visible.
+void judge(ivec2 at, ivec2 corner, int reach) {
     uint label = backgroundLabel;
     if (accompanied) {
         float depth = around[cornerOfPixels() + 19];
         uint seen = depth > finiteDepths ? backgroundLabel : foregroundLabel;
         label = isHidden(at, corner, reach, depth) ? hiddenLabel : seen;
+        if (label == foregroundLabel) {
+            atomicAdd(sizes, closingAt(depth));
+            atomicAdd(visible, 1);
+        }
     }
     labels[pixelOf(at)] = label;
+}
+
+void main() {
+    ivec2 block = ivec2(gl_WorkGroupID.xy), corner = 16 * block, at = ivec2(gl_GlobalInvocationID.xy);
+    float nearest = depthOf(block);
+    int reach = reachOf(nearest);
+    loadNeighbours(corner, reach);
+    if (inside(at, pyramid.size.xy)) judge(at, corner, reach);
+    barrier();
+    if (gl_LocalInvocationIndex == 0u)
+        closing[block.y * pyramid.blocks.x + block.x] = visible > 0 ? sizes / visible : -1 - closingAt(nearest);
 }

@@ -65,5 +65,7 @@ struct PyramidParams {
     vec4 farthest[6];             // by level, four in one: whoever is not farther has neighbours in it
     vec4 hide;                    // least gap; threshold; up to this level neighbours all around hide what is at infinity
     vec4 normals;                 // normalScale * s0 * f, px * depth (orthographic: px); least px
+    vec4 closing;                 // eighths of a px: size of a closing * depth (orthographic: size), least, most; least depth
+    ivec4 blocks;                 // in a row; rows; the widest closing, px
     ivec4 normalLevels;           // the finest above the picture that some pixel needs; how many levels have normals
 };

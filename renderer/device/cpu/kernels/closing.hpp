@@ -135,18 +135,25 @@ inline IntW within(const std::uint8_t* distances, IntW limit, IntW asked, int wi
     return found;
 }
 
-/// The disc of a radius by columns: at an offset, distances along the column up to it are within.
-struct Disc {
-    int radius;
-    std::uint8_t along[widestClosing + 1];
+/// Discs by columns: at an offset, distances along the column up to it are within.
+struct DiscTable {
+    std::uint8_t along[widestClosing + 1][widestClosing + 1] = {};
 
-    explicit Disc(int px) : radius(px) {
-        int y = px;
-        for (int x = 0; x <= px; ++x) {
-            while (y > 0 && x * x + y * y > px * px + px) --y;
-            along[x] = std::uint8_t(y);
+    constexpr DiscTable() {
+        for (int radius = 0; radius <= widestClosing; ++radius) {
+            for (int x = 0, y = radius; x <= radius; ++x) {
+                while (y > 0 && x * x + y * y > radius * radius + radius) --y;
+                along[radius][x] = std::uint8_t(y);
+            }
         }
     }
+};
+inline constexpr DiscTable discTable;
+
+struct Disc {
+    int radius;
+    const std::uint8_t* along;
+    explicit Disc(int px) : radius(px), along(discTable.along[px]) {}
 };
 
 /// As within(), where all radii of the block are the same: a row of it at once.
@@ -166,7 +173,7 @@ struct ClosingBlock {
     const Closing& c;
     const int column, row, y1;
     const Sizes sizes;
-    const Disc disc;
+    const Disc narrow, wide;
 
     ClosingBlock(const Closing& closing, int blockColumn, int blockRow)
         : c(closing),
@@ -174,12 +181,11 @@ struct ClosingBlock {
           row(blockRow),
           y1((row + 1) * blockSize < c.height ? (row + 1) * blockSize : c.height),
           sizes(c, column, row),
-          disc(sizes.widest) {}
+          narrow(sizes.narrowest),
+          wide(sizes.widest) {}
 
-    /// Whether one disc does for all its pixels.
-    bool simple() const {
-        return sizes.narrowest == sizes.widest && !sizes.beyond && (column + 1) * blockSize <= c.width;
-    }
+    /// Whether rows can be taken at once: all of the block inside the picture, no radius too wide.
+    bool regular() const { return !sizes.beyond && (column + 1) * blockSize <= c.width; }
 
     /// Whether a block within the radius has what is looked for.
     template <class Has>
@@ -194,43 +200,41 @@ struct ClosingBlock {
         return false;
     }
 
-    /// Calls work(y) for its rows, or work(x, y) for vectors of pixels.
-    template <class Work>
-    void overRows(const Work& work) const {
-        for (int y = row * blockSize; y < y1; ++y) work(y);
-    }
+    /// Calls work(x) for the vectors of pixels of a row.
     template <class Work>
     void overVectors(const Work& work) const {
-        for (int y = row * blockSize; y < y1; ++y) {
-            for (int x = column * blockSize; x < (column + 1) * blockSize && x < c.width; x += wideLanes)
-                work(x, y);
-        }
+        for (int x = column * blockSize; x < (column + 1) * blockSize && x < c.width; x += wideLanes) work(x);
+    }
+
+    /// Of a row, where the narrowest disc of the block and the widest agree on all that is asked.
+    bool decided(int y, BlockRow asked, BlockRow& found) const {
+        const std::uint8_t* const distances = c.distance + rowOf(c.stride, y) + column * blockSize;
+        found = withinDisc(distances, narrow, asked);
+        const BlockRow left = asked & ~found;
+        return narrow.radius == wide.radius || allOf(~left) ||
+               allOf(~(withinDisc(distances, wide, left) & left));
     }
 
     /// Dilation: 1 where a point is within the radius.
     void cover() const {
+        const bool any =
+            anyAround([&](int i, int j) { return c.nearest[rowOf(c.nearestStride, j) + i] < finiteDepths; });
         bool uncovered = false;
-        if (!anyAround(
-                [&](int i, int j) { return c.nearest[rowOf(c.nearestStride, j) + i] < finiteDepths; })) {
-            uncovered = true;
-            overVectors([&](int x, int y) {
-                storeLabels(c.covered + rowOf(c.stride, y) + x, ~(laneIndices() + x < c.width) & 1);
-            });
-        } else if (simple()) {
-            overRows([&](int y) {
-                const std::int64_t first = rowOf(c.stride, y) + column * blockSize;
-                const BlockRow found = withinDisc(c.distance + first, disc, ~BlockRow{});
+        for (int y = row * blockSize; y < y1; ++y) {
+            const std::int64_t first = rowOf(c.stride, y);
+            BlockRow found{};
+            if (regular() && (!any || decided(y, ~BlockRow{}, found))) {
                 uncovered |= !allOf(found);
-                store(c.covered + first, found & 1);
-            });
-        } else {
-            overVectors([&](int x, int y) {
-                const std::int64_t place = rowOf(c.stride, y) + x;
+                store(c.covered + first + column * blockSize, found & 1);
+                continue;
+            }
+            overVectors([&](int x) {
                 const IntW inside = laneIndices() + x < c.width;
-                const IntW found = within(c.distance + place, Radii(sizes, x, y).limit, inside, sizes.widest);
-                uncovered |= bitsOf(inside & ~found) != 0;
+                const Radii radii(sizes, x, y);
+                const IntW near = within(c.distance + first + x, radii.limit, inside, sizes.widest);
+                uncovered |= bitsOf(inside & ~near) != 0;
                 // Beyond the border nothing is uncovered.
-                storeLabels(c.covered + place, (found | ~inside) & 1);
+                storeLabels(c.covered + first + x, (near | ~inside) & 1);
             });
         }
         c.uncovered[rowOf(c.blocksPerRow, row) + column] = uncovered ? 1 : 0;
@@ -241,21 +245,24 @@ struct ClosingBlock {
         const bool any =
             anyAround([&](int i, int j) { return c.uncovered[rowOf(c.blocksPerRow, j) + i] != 0; });
         // Where background was judged before, labels do not tell it from hidden points.
-        if ((!any && !sizes.beyond) || (simple() && c.wide[rowOf(c.blocksPerRow, row) + column] == 0)) {
-            overRows([&](int y) { closeRow(y, any); });
-            return;
+        const bool byRows =
+            (!any && !sizes.beyond) || (regular() && c.wide[rowOf(c.blocksPerRow, row) + column] == 0);
+        for (int y = row * blockSize; y < y1; ++y) {
+            if (byRows && closeRow(y, any)) continue;
+            overVectors([&](int x) { closeVector(x, y, any); });
         }
-        overVectors([&](int x, int y) { closeVector(x, y, any); });
     }
 
-    void closeRow(int y, bool any) const {
+    bool closeRow(int y, bool any) const {
         std::uint8_t* const labels = c.labels + rowOf(c.labelStride, y) + column * blockSize;
         const BlockRow seen = load<BlockRow>(labels);
-        BlockRow closed = reinterpret_cast<BlockRow>(seen == backgroundLabel);
-        if (any && !allOf(~closed))
-            closed &= ~withinDisc(c.distance + rowOf(c.stride, y) + column * blockSize, disc, closed);
+        const BlockRow background = reinterpret_cast<BlockRow>(seen == backgroundLabel);
+        if (allOf(~background)) return true;
+        BlockRow open{};
+        if (any && !decided(y, background, open)) return false;
         static_assert(hiddenLabel == 0);
-        store(labels, seen & ~closed);
+        store(labels, seen & (~background | open));
+        return true;
     }
 
     void closeVector(int x, int y, bool any) const {
@@ -266,8 +273,8 @@ struct ClosingBlock {
         IntW open{};
         if (any) open = within(c.distance + rowOf(c.stride, y) + x, radii.limit, asked, sizes.widest);
         std::uint8_t* const labels = c.labels + rowOf(c.labelStride, y) + x;
-        const IntW decided = open ? all(std::int32_t{backgroundLabel}) : all(std::int32_t{hiddenLabel});
-        storeLabels(labels, asked ? decided : loadLabels(labels));
+        const IntW decision = open ? all(std::int32_t{backgroundLabel}) : all(std::int32_t{hiddenLabel});
+        storeLabels(labels, asked ? decision : loadLabels(labels));
     }
 };
 

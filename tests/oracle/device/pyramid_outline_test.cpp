@@ -11,9 +11,6 @@
 namespace scancast::test {
 namespace {
 
-class PyramidOutline : public OnPointPasses {};
-SCANCAST_ON_DEVICES(PyramidOutline, "egl");
-
 constexpr double pi = 3.14159265358979, eyeDistance = 3;
 
 struct OutlineSetting {
@@ -66,6 +63,19 @@ void addRing(PointScreen& screen, double ring, double tube, double spacing) {
     }
 }
 
+class PyramidOutline : public OnPointPasses {
+  protected:
+    /// A ring as addRing() makes it, drawn.
+    PointScreen ringOf(const OutlineSetting& setting, double ring, double tube) {
+        PointScreen s = screenFor(setting);
+        const double spacing = spacingOf(setting, s, tube);
+        addRing(s, ring, tube, spacing);
+        passes_->run(s, spacing);
+        return s;
+    }
+};
+SCANCAST_ON_DEVICES(PyramidOutline, "egl");
+
 /// Radius of a ring's outline on the screen, px; side = 1: the outer one, -1: the inner one.
 double outlineOf(const PointScreen& s, double ring, double tube, int side) {
     if (!s.perspective) return s.pixelsPerUnit * (ring + side * tube);
@@ -92,20 +102,14 @@ double wrongRim(const PointScreen& s, double radius, int side) {
 
 TEST_P(PyramidOutline, OfASphereIsKnownToAPixel) {
     for (const OutlineSetting& setting : outlineSettings(slow_)) {
-        PointScreen s = screenFor(setting);
-        const double spacing = spacingOf(setting, s, 1);
-        addRing(s, 0, 1, spacing);
-        passes_->run(s, spacing);
+        const PointScreen s = ringOf(setting, 0, 1);
         EXPECT_LE(wrongRim(s, outlineOf(s, 0, 1, 1), 1), 0.01) << nameOf(setting);
     }
 }
 
 TEST_P(PyramidOutline, OfATorusIsKnownToAPixel) {
     for (const OutlineSetting& setting : outlineSettings(slow_)) {
-        PointScreen s = screenFor(setting);
-        const double spacing = spacingOf(setting, s, 0.3);
-        addRing(s, 0.7, 0.3, spacing);
-        passes_->run(s, spacing);
+        const PointScreen s = ringOf(setting, 0.7, 0.3);
         for (const int side : {1, -1})
             EXPECT_LE(wrongRim(s, outlineOf(s, 0.7, 0.3, side), side), 0.01)
                 << nameOf(setting) << ", " << side;

@@ -65,7 +65,11 @@ bool sumBlock(const SplatPass& pass, bool oriented, const Block& b, const KeyTil
     Splats splats;
     collectSplats(b, tile, splats);
     ViewNormals view;
-    if constexpr (normals) viewNormals(pass, oriented, b, view);
+    std::uint32_t surfaces[blockSize];
+    if constexpr (normals) {
+        viewNormals(pass, oriented, b, view);
+        spriteSurfaces(view, b.padded, surfaces);
+    }
     Int<lanes> full{};
     for (int i = 0; i < b.count; ++i) {
         if (splats.reaches[i] == 0) continue;
@@ -75,7 +79,7 @@ bool sumBlock(const SplatPass& pass, bool oriented, const Block& b, const KeyTil
         OfSurface<lanes> surface;
         if constexpr (normals) {
             addends.setNormal(view.x[i], view.y[i], view.z[i]);
-            surface = {normalBytes(view.x[i], view.y[i], view.z[i]), view.anySide[i] != 0};
+            surface = {static_cast<std::int32_t>(surfaces[i]), view.anySide[i] != 0};
         }
         sumCircle<lanes, normals>(b, i, b.depth[i] - circleTolerance * radius, addends, surface, tile, full);
     }

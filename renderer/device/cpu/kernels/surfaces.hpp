@@ -16,12 +16,6 @@ inline IntW normalBytes(FloatW x, FloatW y, FloatW z) {
     };
     return byte(x) | byte(y) << 8 | byte(z) << 16;
 }
-inline std::int32_t normalBytes(float x, float y, float z) {
-    const auto byte = [](float v) {
-        return static_cast<std::int32_t>(v * normalStepsOfSurface + (v < 0.0f ? -0.5f : 0.5f)) & 255;
-    };
-    return byte(x) | byte(y) << 8 | byte(z) << 16;
-}
 
 inline IntW toleranceCode(FloatW px) {
     const FloatW most = all(4194304.0f), least = all(1.0f / (1 << -leastTolerance));
@@ -29,13 +23,18 @@ inline IntW toleranceCode(FloatW px) {
     return (bits - static_cast<std::int32_t>(toleranceBase)) >> toleranceShift;
 }
 
-/// Of sprites: normals alone. Instead of their colours.
+/// Of a block's sprites: normals alone.
+inline void spriteSurfaces(const ViewNormals& view, int padded, std::uint32_t* surfaces) {
+    for (int i = 0; i < padded; i += wideLanes)
+        store(surfaces + i,
+              normalBytes(load<FloatW>(view.x + i), load<FloatW>(view.y + i), load<FloatW>(view.z + i)));
+}
+
+/// The same instead of their colours.
 inline void setSurfaces(const SplatPass& pass, bool oriented, Block& b) {
     ViewNormals view;
     viewNormals(pass, oriented, b, view);
-    for (int i = 0; i < b.padded; i += wideLanes)
-        store(b.color + i,
-              normalBytes(load<FloatW>(view.x + i), load<FloatW>(view.y + i), load<FloatW>(view.z + i)));
+    spriteSurfaces(view, b.padded, b.color);
 }
 
 /// A splat as its fragments are compared with what is visible.

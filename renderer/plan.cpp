@@ -101,6 +101,19 @@ Expected<void> checkAbility(const Cloud& cloud, const Method& method, Shading sh
     return {};
 }
 
+/// Whether it has what the passes draw of it.
+Expected<void> checkPasses(const Cloud& cloud, const PassList& passes) {
+    const auto clips = [](const Pass& pass) { return std::holds_alternative<SilhouettePass>(pass); };
+    if (!traits(cloud).oriented && std::ranges::any_of(passes, clips))
+        return fail(
+            ErrorCode::Unsupported,
+            "param.silhouette=true clips outlines by what faces away, and of no surface of this cloud "
+            "is it known which side faces out, so it would do nothing; leave it out, or, if the scan "
+            "was taken from the air, ingest it with --orient up",
+            "param.silhouette");
+    return {};
+}
+
 /// A method with complete parameters, its light, and why it was chosen where the request left that open.
 struct ChosenMethod {
     const Method* method = nullptr;
@@ -231,6 +244,7 @@ Expected<std::shared_ptr<const PlannedView>> plan(const Cloud& cloud, const View
     const double detail = view.quality.detail.value_or(method->defaultDetail);
     planned->passes = method->passes(
         {*method, chosen->parameters, chosen->shading, traits(cloud), detail, chosen->light, view.height});
+    if (auto ok = checkPasses(cloud, planned->passes); !ok) return passOn(ok);
     planned->selection = selectionFor(cloud, view, detail, planned->passes);
     planShadows(cloud, *planned);
     planned->margin = screenMargin(planned->passes);

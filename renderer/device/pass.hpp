@@ -3,7 +3,7 @@
 // All reductions are integers, so pictures do not depend on order: any thread count, any SIMD variant, any
 // partition of the cloud. Plain values; devices know how to run them, methods only list them.
 //
-// A list reads: splat passes (SilhouettePass, NearestPass, SumPass, CellPass, in this order, all but
+// A list reads: splat passes (SilhouettePass, NearestPass, CellPass, SumPass, in this order, all but
 // NearestPass optional), one ResolvePass that turns what they left into planes of colour, depth and normal,
 // then screen passes over those planes in any order that makes sense.
 #pragma once
@@ -81,24 +81,24 @@ struct NearestPass : Splat {
 /// normals are not oriented.
 struct SilhouettePass : Splat {};
 
+/// nearest, Disc only: order = world distance to the disc's centre, at most r, also in the centre's own pixel; over the
+/// fragments that lie no more than tolerance · r from what is visible, across the surface, and are of the right side of its
+/// creases. What wins is the surface Voronoi cell; docs/spec/voronoi.md §2, §4.
+struct CellPass : Splat {
+    float tolerance = 0.5f;
+};
+
 /// sum: Σw·rgb, Σw and, if wanted, Σw·n over the fragments that lie at most a tolerance behind NearestPass'
 /// depth d_vis. By footprint:
 ///   Circle   w = (1-(u²+v²))^1.5                        d ≤ d_vis + 2R          docs/spec/sprites.md §6
 ///   Ellipse  w = sqrt(|JΣJᵀ|/|V|)·exp(-½ xᵀV⁻¹x)        of its surface         docs/spec/surfels.md §4.3
-///   Disc     w = 1-3t²+2t³, t = distance / (reach·r)    |d - d_vis| ≤ r/2       docs/spec/voronoi.md §2
-/// A disc covers reach·r, and with a CellPass the bound is its tolerance · r.
+///   Disc     w = 1-3t²+2t³, t = distance / (reach·r)    of its cell's surface   docs/spec/voronoi.md §3
+/// A disc covers reach·r, and needs a CellPass.
 /// Weights are integers 1 … 4095 inside the footprint. A circle or an ellipse must be no larger than the
 /// NearestPass's: the selection grows nodes by that one alone.
 struct SumPass : Splat {
     bool normals = false;
     float reach = 2;
-};
-
-/// nearest, Disc only: order = world distance to the disc's centre, payload Sample, over the fragments with
-/// |d - d_vis| ≤ tolerance · r; at most r, also in the centre's own pixel. What wins is the surface Voronoi
-/// cell; docs/spec/voronoi.md §2.
-struct CellPass : Splat {
-    float tolerance = 0.5f;
 };
 
 /// screen: what the splat passes left → colour, depth and, if wanted, normal; the background where no key is.

@@ -18,6 +18,9 @@ PassList voronoiPasses(const PassRequest& request) {
     NearestPass nearest{splat};
     nearest.payload = Payload::Sample;
     list.push_back(nearest);
+    CellPass cell{splat};
+    cell.tolerance = static_cast<float>(numberOf(request.values, "tolerance"));
+    list.push_back(cell);
     ResolvePass resolve;
     resolve.normals = lit;
     resolve.sums = booleanOf(request.values, "smooth");
@@ -26,9 +29,6 @@ PassList voronoiPasses(const PassRequest& request) {
         sum.normals = lit;
         list.push_back(sum);
     }
-    CellPass cell{splat};
-    cell.tolerance = static_cast<float>(numberOf(request.values, "tolerance"));
-    list.push_back(cell);
     list.push_back(resolve);
     addShading(request, list);
     return list;
@@ -51,9 +51,9 @@ Method voronoiMethod() {
         "tolerance", 1, 0.05, 4, "",
         "How far from the visible surface a disc still takes part, in its radii; less separates thin sheets, "
         "more closes cracks."));
-    m.parameters.push_back(booleanParameter(
-        "silhouette", false,
-        "Clip the scalloped outline by discs that face away; needs a scan that knows its front side."));
+    m.parameters.push_back(booleanParameter("silhouette", false,
+                                            "Clip the scalloped outline by discs that face away; refused "
+                                            "where no surface knows its front side."));
     m.defaultDetail = 2;
     m.defaultShading = Shading::Phong;
     m.needs = Needs::Surfels;

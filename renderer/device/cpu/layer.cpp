@@ -181,13 +181,14 @@ void Layer::drawTile(const Tile& tile, std::span<const SplatPass> passes, const 
                 const int count = colorPlanes + (passes[i].sumNormals ? normalPlanes : 0);
                 memory.sums.assign(static_cast<std::size_t>(count * empty.planeSize), 0);
                 target.visible = nearest.keys;
+                target.surfaces = colors.keys;
                 target.sums = memory.sums.data() + guard * empty.stride + guard;
                 colors.sums = target.sums;
                 break;
             }
             case Reduction::Cell:
                 target = withKeys(nearest, memory, 2);
-                target.visible = nearest.keys;
+                target.visible = target.surfaces = nearest.keys;
                 target.silhouette = silhouette;
                 colors.keys = target.keys;
                 colors.visible = nearest.keys;

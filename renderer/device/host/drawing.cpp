@@ -33,7 +33,10 @@ const char* whatIsWrong(const FramePasses& p) {
     if (p.sum && !ofSurfels(*p.sum) &&
         (p.sum->footprint != Footprint::Circle || p.nearest.profile != Profile::Flat))
         return "sums of sprites are of flat circles";
-    if (p.cell && p.cell->footprint != Footprint::Disc) return "cells are of discs";
+    if (p.cell && (p.cell->footprint != Footprint::Disc || p.nearest.footprint != Footprint::Disc))
+        return "cells are of discs";
+    if (p.sum && p.sum->footprint == Footprint::Disc && !p.cell)
+        return "sums of discs are blended between cells";
     if (p.silhouette && !ofSurfels(*p.silhouette)) return "silhouettes are of surfels";
     if (p.resolve.sums && !p.sum) return "there are no sums to resolve";
     if (p.resolve.normals && !p.bySample() && !(p.resolve.sums && p.sum->normals))
@@ -93,10 +96,10 @@ Expected<FramePasses> framePasses(std::span<const Pass> passes) {
     take(sorted.silhouette);
     if (next == passes.end() || !is<NearestPass>(*next)) return unsupported("it needs a nearest pass first");
     sorted.nearest = std::get<NearestPass>(*next++);
-    take(sorted.sum);
     take(sorted.cell);
+    take(sorted.sum);
     if (next == passes.end() || !is<ResolvePass>(*next))
-        return unsupported("splat passes must be resolved, in the order silhouette, nearest, sum, cell");
+        return unsupported("splat passes must be resolved, in the order silhouette, nearest, cell, sum");
     sorted.resolve = std::get<ResolvePass>(*next++);
     for (; next != passes.end(); ++next) {
         if (!isScreenPass(*next)) return unsupported("only screen passes may follow the resolve pass");

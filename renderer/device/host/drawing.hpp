@@ -23,15 +23,17 @@ inline constexpr int pyramidGuardBand = 32;
 struct FramePasses {
     std::optional<SilhouettePass> silhouette;
     NearestPass nearest;
-    std::optional<SumPass> sum;
     std::optional<CellPass> cell;
+    std::optional<SumPass> sum;
     ResolvePass resolve;
     PassList screen;
 
     /// Colours come from samples looked up by their ordinals.
-    bool bySample() const { return cell.has_value() || (!bySurface() && nearest.payload == Payload::Sample); }
-    /// A sum looks at what is visible: the nearest's keys carry surfaces, and its colours are the sum's.
-    bool bySurface() const { return sum && resolve.sums && (sum->normals || ofSurfels(*sum)); }
+    bool bySample() const {
+        return cell ? !resolve.sums : !bySurface() && nearest.payload == Payload::Sample;
+    }
+    /// A later pass looks at what is visible: the nearest's keys carry surfaces, and its colours are that pass's.
+    bool bySurface() const { return cell || (sum && resolve.sums && (sum->normals || ofSurfels(*sum))); }
     /// There is a ShadowPass.
     bool castsShadows() const;
     /// Normals are needed by a later pass.

@@ -45,7 +45,7 @@ enum class Reduction : std::uint8_t {
 enum class SplatPayload : std::uint8_t {
     Color,    ///< 8 bits of distance above the colour
     Sample,   ///< the sample's ordinal
-    Surface,  ///< what a sum has to know of what is visible: normal and tolerance (docs/spec/passes.md §2.2)
+    Surface,  ///< what later passes have to know of what is visible (docs/spec/passes.md §2.2)
 };
 
 /// Everything that holds for a whole splat pass.
@@ -64,10 +64,11 @@ struct SplatPass {
     float gain = 0;
 
     /// Surfels (Disc, Ellipse).
-    float pixelsPerUnit = 1;    ///< f in perspective, q in orthographic projection
-    float scale = 1;            ///< drawn radius = r · scale
-    float reach = 1;            ///< Sum of discs: covers reach · drawn radius
-    float tolerance = 0;        ///< Cell, and Sum of discs: |d - d_vis| ≤ tolerance · drawn radius
+    float pixelsPerUnit = 1;  ///< f in perspective, q in orthographic projection
+    float scale = 1;          ///< drawn radius = r · scale
+    float reach = 1;          ///< Sum of discs: covers reach · drawn radius
+    float tolerance =
+        0;  ///< Cell, and Sum of discs: |d - d_vis| across the surface ≤ tolerance · drawn radius
     float lowPassPx = 0;        ///< Ellipse: σ of the screen's low-pass
     bool outliers = false;      ///< outliers are drawn, too
     std::int32_t facing = 0;    ///< 1: only what faces the eye, -1: only what faces away, 0: all
@@ -86,7 +87,7 @@ struct SplatPass {
     const std::uint32_t* normals = nullptr;  ///< 65,536 colours
     const std::uint8_t* classes = nullptr;   ///< 256 flags, 1 = drawn; null = all
 };
-/// Of a list: silhouette, nearest, sum, cell.
+/// Of a list: silhouette, nearest, cell, sum.
 inline constexpr int mostSplatPasses = 4;
 
 /// Where samples of a run are dropped: inside all planes, planes[i] · (x, y, z, 1) ≥ 0 of a sample's
@@ -123,13 +124,28 @@ struct RunNumbers {
 constexpr float largestSpread = 0.5f, largestReach = 0.9f;
 constexpr float rootOf6 = 2.4494897f;
 
-/// A surface in 32 bits: the normal's x, y, z in view space (x right, y up, z towards the viewer), turned to the eye,
-/// times normalStepsOfSurface, in signed bytes from the lowest; above them the tolerance in px: 5 bits of a float's
-/// exponent, from 2^leastTolerance on, and 3 of its mantissa.
+/// A surface in 32 bits: the normal's x, y, z in view space (x right, y up, z towards the viewer), turned to the eye
+/// (of an oriented ellipse as it is), times normalStepsOfSurface, in signed bytes from the lowest. Above them, of an ellipse the tolerance in px: 5 bits of a
+/// float's exponent, from 2^leastTolerance on, and 3 of its mantissa; of a disc the way from the pixel to its centre, px to the
+/// right and up times offsetSteps over its half size, 4 signed bits each; of a cell the px along the ray from what is visible
+/// to where its surface lies behind a flap, as a tolerance is written.
 constexpr float normalStepsOfSurface = 127;
 constexpr int leastTolerance = -8;
 constexpr std::uint32_t toleranceBase = (127 + leastTolerance) << 23;
 constexpr int toleranceShift = 20;
+constexpr float offsetSteps = 7;
+/// Discs of a cell: a gap across the surface is the one along the ray times the cosine, and no less than this much of it.
+/// docs/spec/voronoi.md §4.
+constexpr float leastCosineOfGap = 0.25f;
+/// Cosine of two discs' normals from which on they are of one surface and not of two sides of a crease; in steps squared.
+constexpr int sameSide = 8065;
+/// Half sizes that a centre may lie off a plane and still be on it; and no plane is seen more edge-on than this.
+constexpr float creaseSlack = 0.125f, leastOpen = 0.03125f;
+/// On the distances to centres, of those that win over a crease.
+constexpr float creasePriority = 0.000244140625f;
+/// Of the cosine c of a fragment's normal and its cell's, what is left of its weight: 2 c - 1/2, at most 1.
+constexpr float blendPerStep = 0.000124000246f;
+static_assert(blendPerStep == 2.0f / (127.0f * 127.0f) && creasePriority == 1.0f / 4096);
 /// Squared cosine from which on an oriented sprite that faces away is seen from behind.
 constexpr float farAway = 0.25f;
 /// What two normals leave of a tolerance, 2 cosine + 1/2 between the least and all of it; and what is visible edge-on, with

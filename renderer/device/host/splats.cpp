@@ -153,20 +153,21 @@ std::vector<SplatPass> splatPasses(const FramePasses& passes, const LayerView& v
     add(passes.nearest).payload = passes.bySurface()                          ? SplatPayload::Surface
                                   : passes.nearest.payload == Payload::Sample ? SplatPayload::Sample
                                                                               : SplatPayload::Color;
+    if (passes.cell) {
+        SplatPass& n = add(*passes.cell);
+        n.reduction = Reduction::Cell;
+        n.payload = passes.bySample() ? SplatPayload::Sample : SplatPayload::Surface;
+        n.tolerance = passes.cell->tolerance;
+    }
     if (passes.sum) {
         SplatPass& n = add(*passes.sum);
         n.reduction = Reduction::Sum;
         n.sumNormals = passes.sum->normals;
-        if (passes.sum->footprint == Footprint::Disc) {
+        if (passes.cell) {
             n.reach = passes.sum->reach;
-            n.tolerance = passes.cell ? passes.cell->tolerance : 0.5f;
+            // A little more, so that rounding never leaves out the cell's own disc.
+            n.tolerance = 1.01f * passes.cell->tolerance;
         }
-    }
-    if (passes.cell) {
-        SplatPass& n = add(*passes.cell);
-        n.reduction = Reduction::Cell;
-        n.payload = SplatPayload::Sample;
-        n.tolerance = passes.cell->tolerance;
     }
     return out;
 }

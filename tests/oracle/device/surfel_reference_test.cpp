@@ -144,10 +144,10 @@ TEST_P(SurfelReference, BlendedDiscs) {
     const auto same = [](const Rgb8& c, const ReferencePixel& r, const ReferenceSurfels&) {
         return distance(c, r.color / r.weight) <= 1.0;
     };
-    compare("blended discs", {NearestPass{discs()}, SumPass{discs()}, means()}, same);
+    compare("blended discs", {NearestPass{discs()}, CellPass{discs()}, SumPass{discs()}, means()}, same);
     SumPass near{discs()};
     near.reach = 1;
-    compare("blended discs, not extended", {NearestPass{discs()}, near, means()}, same);
+    compare("blended discs, not extended", {NearestPass{discs()}, CellPass{discs()}, near, means()}, same);
 }
 
 TEST_P(SurfelReference, BlendedEllipses) {

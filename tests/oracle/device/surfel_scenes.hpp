@@ -107,10 +107,10 @@ inline Ray rayThrough(const Viewpoint& view, double x, double y) {
     return {glm::dvec3(back * origin), glm::normalize(glm::dvec3(back * direction))};
 }
 
-/// Where a ray enters the cube [-1,1]³: the face (as cubeOf counts them), or -1.
+/// Where a ray enters the cube [-1,1]³, or leaves it if it starts inside: the face (as cubeOf counts them), or -1.
 inline int faceHit(const Ray& ray) {
     double nearest = -1e300, farthest = 1e300;
-    int face = -1;
+    int face = -1, behind = -1;
     for (int a = 0; a < 3; ++a) {
         const double t0 = (-1 - ray.origin[a]) / ray.direction[a],
                      t1 = (1 - ray.origin[a]) / ray.direction[a];
@@ -118,9 +118,13 @@ inline int faceHit(const Ray& ray) {
             nearest = std::min(t0, t1);
             face = 2 * a + (ray.direction[a] > 0 ? 0 : 1);
         }
-        farthest = std::min(farthest, std::max(t0, t1));
+        if (std::max(t0, t1) < farthest) {
+            farthest = std::max(t0, t1);
+            behind = 2 * a + (ray.direction[a] > 0 ? 1 : 0);
+        }
     }
-    return nearest <= farthest ? face : -1;
+    if (nearest > farthest) return -1;
+    return nearest < 0 ? behind : face;
 }
 
 /// What a method lists, unlit, with everything that is not given at its default.

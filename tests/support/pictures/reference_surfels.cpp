@@ -14,6 +14,7 @@ namespace {
 /// A surfel in view space: x right, y up, z towards the viewer.
 struct Seen {
     glm::dvec3 center, normal, major, minor;  ///< unit vectors
+    glm::dvec3 seen;                          ///< the normal turned to the eye
     double radius = 0, a = 0, b = 0;          ///< as drawn, cloud units
     double depth = 0, q = 0;
     double reach = 0;  ///< Ellipse: px behind it that are of its surface
@@ -25,6 +26,8 @@ struct Seen {
 struct Fragment {
     double depth = 0;
     double place = 0;  ///< Disc: distance from the centre, radii; Ellipse: xᵀV⁻¹x / 6
+    glm::dvec2 way{};  ///< Disc: px to its centre, right and up
+    glm::dvec3 ray{};  ///< through the pixel's centre, one unit deep
 };
 
 class SurfelRenderer {
@@ -87,7 +90,8 @@ class SurfelRenderer {
         const bool front = !s.hasNormal || !drawing_.oriented || glm::dot(s.normal, towardsEye) >= 0;
         if (splat.facing == Facing::Front && !front) return std::nullopt;
         if (splat.facing == Facing::Back && front) return std::nullopt;
-        if (!drawing_.oriented && glm::dot(s.normal, towardsEye) < 0) s.normal = -s.normal;
+        s.seen = glm::dot(s.normal, towardsEye) < 0 ? -s.normal : s.normal;
+        if (!drawing_.oriented) s.normal = s.seen;
         return s;
     }
 
@@ -109,6 +113,11 @@ class SurfelRenderer {
         overPixels(center, 3 * radius * s.q + 2, [&](int x, int y, ReferencePixel& pixel) {
             Fragment f;
             glm::dvec3 place;
+            f.way = {center.x - x - 0.5, y + 0.5 - center.y};
+            if (perspective())
+                f.ray = {(x + 0.5 - middleX()) / view_.pixelsPerUnit,
+                         (middleY() - y - 0.5) / view_.pixelsPerUnit, 0};
+            f.ray.z = -1;
             f.depth = depthOfPlane(s, x, y, place);
             f.place = std::isfinite(f.depth) ? glm::distance(place, s.center) / radius : 2;
             if (x == std::floor(center.x) && y == std::floor(center.y)) {
@@ -180,27 +189,71 @@ class SurfelRenderer {
         });
     }
 
+    static glm::dvec3 inSteps(const glm::dvec3& normal) { return glm::round(normal * 127.0) / 127.0; }
+
+    /// In steps of an eighth, at least 1/256.
+    static double eighths(double px) {
+        const double known = std::max(px, 1.0 / 256);
+        const double step = std::exp2(std::floor(std::log2(known)) - 3);
+        return std::floor(known / step) * step;
+    }
+
+    template <bool disc>
     static void keepNearest(const Seen& s, const Fragment& f, ReferencePixel& p) {
         if (f.depth >= p.depth || f.depth > p.border) return;
         p.depth = f.depth;
         p.nearest = s.ordinal;
-        p.facing = glm::round(s.normal * 127.0) / 127.0;
-        const double step = std::exp2(std::floor(std::log2(std::max(s.reach, 1.0 / 256))) - 3);
-        p.reach = std::floor(s.reach / step) * step;
+        p.facing = inSteps(disc ? s.seen : s.normal);
+        p.center = glm::round(glm::clamp(f.way * 7.0 / (s.radius * s.q), -7.0, 7.0)) / 7.0;
+        p.reach = eighths(s.reach);
     }
 
     void nearest(const Splat& splat) {
         overSurfels(splat, [&](const Seen& seen) {
-            if (splat.footprint == Footprint::Disc) return drawDisc(seen, seen.radius, keepNearest);
+            if (splat.footprint == Footprint::Disc) return drawDisc(seen, seen.radius, keepNearest<true>);
             drawEllipse(
-                seen, splat.lowPassPx, [](double) {}, keepNearest);
+                seen, splat.lowPassPx, [](double) {}, keepNearest<false>);
         });
+    }
+
+    double cosineTo(const glm::dvec3& normal, const glm::dvec3& facing) const {
+        const double cosine = glm::dot(facing, inSteps(normal));
+        return drawing_.oriented ? cosine : std::abs(cosine);
+    }
+
+    /// Whether a fragment lies near a depth, measured across its own surface, or, of a sheet, along the ray.
+    bool nearDepth(const Seen& s, const Fragment& f, double depth, double tolerance, bool sheet) const {
+        const glm::dvec3 ray = perspective() ? s.center / s.depth : glm::dvec3(0, 0, -1);
+        const double cosine = std::max(std::abs(glm::dot(s.normal, ray)), 0.25);
+        const double across = sheet ? 1 : 1 / cosine;
+        return std::abs(f.depth - depth) <= tolerance * s.radius * across;
+    }
+
+    enum class Crease { Convex, Concave, Crossing };
+
+    /// By which side of each other's planes the centres lie.
+    Crease meet(const Seen& s, const Fragment& f, const ReferencePixel& p) const {
+        const double half = s.radius * s.q;
+        const glm::dvec3& ray = f.ray;
+        const auto across = [&](const glm::dvec3& n) { return std::min(glm::dot(n, ray), -1.0 / 32); };
+        const auto onPlane = [&](const glm::dvec2& way, const glm::dvec3& n) {
+            return glm::dvec3(way, 0) - ray * ((n.x * way.x + n.y * way.y) / across(n));
+        };
+        // From the visible place, px: to the visible disc's centre, and to this one's.
+        const double q = perspective() ? view_.q(p.depth) : view_.pixelsPerUnit;
+        const glm::dvec3 behind = ray * ((f.depth - p.depth) * q);
+        const glm::dvec3 visible = onPlane(p.center * half, p.facing);
+        const glm::dvec3 own = behind + onPlane(f.way, s.seen);
+        const double above = glm::dot(s.seen, visible - behind);
+        const double itself = glm::dot(p.facing, own);
+        const double limit = half / 8;
+        if (above <= limit && itself <= limit && above + itself < 0) return Crease::Convex;
+        return above < -limit && itself > limit ? Crease::Crossing : Crease::Concave;
     }
 
     /// How far behind what is visible a fragment may lie, px, to be of its surface.
     double agreed(const Seen& s, const ReferencePixel& p) const {
-        double cosine = glm::dot(p.facing, glm::round(s.normal * 127.0) / 127.0);
-        if (!drawing_.oriented) cosine = std::abs(cosine);
+        const double cosine = cosineTo(s.normal, p.facing);
         const double agreement = std::clamp((cosine + 0.25) / 0.5, 0.125, 1.0);
         const double edgeOn = std::min((0.5 - std::abs(p.facing.z)) / 0.25, 1.0);
         return std::max(std::min(p.reach, s.reach) * agreement, s.a * s.q * edgeOn);
@@ -215,13 +268,22 @@ class SurfelRenderer {
     }
 
     void sum(const SumPass& pass) {
+        double tolerance = 0;
+        for (const Pass& other : drawing_.passes) {
+            if (const auto* cell = std::get_if<CellPass>(&other)) tolerance = 1.01 * cell->tolerance;
+        }
         overSurfels(pass, [&](const Seen& seen) {
             if (pass.footprint == Footprint::Disc) {
                 double reach = seen.radius * pass.reach;
                 if (perspective()) reach = std::min(reach, 0.9 * seen.depth);
                 return drawDisc(seen, reach, [&](const Seen& s, const Fragment& f, ReferencePixel& p) {
-                    if (f.depth > p.border || !(std::abs(f.depth - p.depth) <= s.radius / 2)) return;
-                    add(s, 1 - 3 * f.place * f.place + 2 * f.place * f.place * f.place, p);
+                    if (f.depth > p.border || !nearDepth(s, f, p.depth, tolerance, false)) return;
+                    if (!nearDepth(s, f, p.cellDepth, tolerance, true)) return;
+                    const double share = 2 * cosineTo(s.seen, p.cellFacing) - 0.5;
+                    if (share <= 0) return;
+                    add(s,
+                        (1 - 3 * f.place * f.place + 2 * f.place * f.place * f.place) * std::min(share, 1.0),
+                        p);
                 });
             }
             double peak = 0;
@@ -240,10 +302,20 @@ class SurfelRenderer {
     void cells(const CellPass& pass) {
         overSurfels(pass, [&](const Seen& seen) {
             drawDisc(seen, seen.radius, [&](const Seen& s, const Fragment& f, ReferencePixel& p) {
-                if (f.depth > p.border || !(std::abs(f.depth - p.depth) <= pass.tolerance * s.radius)) return;
-                if (f.place * s.radius >= p.distance) return;
-                p.distance = f.place * s.radius;
+                const bool sameSide = cosineTo(s.seen, p.facing) >= 0.5;
+                if (f.depth > p.border || !nearDepth(s, f, p.depth, pass.tolerance, sameSide)) return;
+                double distance = f.place * s.radius, gap = 0;
+                if (!sameSide) {
+                    gap = (f.depth - p.depth) * (perspective() ? view_.q(p.depth) : view_.pixelsPerUnit);
+                    const Crease crease = meet(s, f, p);
+                    if (crease == Crease::Concave) return;
+                    if (crease == Crease::Convex) distance /= 4096;
+                }
+                if (distance >= p.distance) return;
+                p.distance = distance;
                 p.cell = s.ordinal;
+                p.cellFacing = inSteps(s.seen);
+                p.cellDepth = p.depth + eighths(gap) / view_.q(p.depth);
             });
         });
     }

@@ -17,9 +17,12 @@ struct ReferencePixel {
     std::uint64_t nearest = 0;       ///< ordinal of what is there
     glm::dvec3 facing{0, 0, 1};      ///< its normal, in steps of 1/127
     double reach = 0;                ///< Ellipse: px behind it that are of its surface, in steps of an eighth
+    glm::dvec2 center{0};            ///< Disc: px from here to its centre, right and up, half sizes in steps of 1/7
     double border = none;            ///< of the silhouette pass
     double distance = none;          ///< of the cell pass, cloud units
     std::uint64_t cell = 0;          ///< ordinal
+    glm::dvec3 cellFacing{0, 0, 1};  ///< its normal, in steps of 1/127
+    double cellDepth = none;         ///< of its surface, where that lies behind a flap
     double weight = 0;               ///< Σw
     glm::dvec3 color{0}, normal{0};  ///< Σw·rgb, Σw·n (view space)
 };

@@ -171,7 +171,8 @@ TEST(Methods, VoronoiListsThePassesOfItsPaperInOrder) {
     const PassList all = passes("voronoi", {{"silhouette", true}});
     ASSERT_EQ(all.size(), 5u);
     EXPECT_EQ(std::get<SilhouettePass>(all[0]).facing, Facing::Back);
-    EXPECT_EQ(std::get<SumPass>(all[2]).reach, 2);
+    EXPECT_EQ(std::get<CellPass>(all[2]).tolerance, 1);
+    EXPECT_EQ(std::get<SumPass>(all[3]).reach, 2);
     EXPECT_TRUE(std::get<ResolvePass>(all[4]).sums);
 }
 

@@ -347,6 +347,24 @@ TEST(Render, MethodsThatNeedSurfelsSayHowToGetThem) {
     EXPECT_GE(refused, 3);
 }
 
+TEST(Render, SilhouettesNeedASideAndSaySo) {
+    Cloud cloud = fourPoints();
+    cloud.surfels = true;
+    View view = fromAbove(cloud);
+    view.style.method = "voronoi";
+    view.style.parameters["silhouette"] = true;
+    const auto checked = checkView(cloud, view);
+    ASSERT_FALSE(checked);
+    EXPECT_EQ(checked.error().code, ErrorCode::Unsupported);
+    EXPECT_EQ(checked.error().field, "param.silhouette");
+    EXPECT_THAT(checked.error().message, HasSubstr("--orient up"));
+    cloud.sides.emplace();
+    EXPECT_TRUE(checkView(cloud, view));
+    cloud.sides.reset();
+    cloud.oriented = true;
+    EXPECT_TRUE(checkView(cloud, view));
+}
+
 TEST(Render, LightNeedsNormalsUnlessTheMethodMakesThem) {
     const Cloud cloud = fourPoints();
     NotingDevice device;

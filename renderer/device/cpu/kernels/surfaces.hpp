@@ -17,10 +17,19 @@ inline IntW normalBytes(FloatW x, FloatW y, FloatW z) {
     return byte(x) | byte(y) << 8 | byte(z) << 16;
 }
 
-inline IntW toleranceCode(FloatW px) {
-    const FloatW most = all(4194304.0f), least = all(1.0f / (1 << -leastTolerance));
-    const IntW bits = reinterpret_cast<IntW>(larger(smaller(px, most), least));
+template <int lanes>
+inline Int<lanes> toleranceCode(Float<lanes> px) {
+    const Float<lanes> most = Float<lanes>{} + 4194304.0f,
+                       least = Float<lanes>{} + 1.0f / (1 << -leastTolerance);
+    const Float<lanes> below = px < most ? px : most;
+    const Int<lanes> bits = reinterpret_cast<Int<lanes>>(below > least ? below : least);
     return (bits - static_cast<std::int32_t>(toleranceBase)) >> toleranceShift;
+}
+
+template <int lanes>
+inline Float<lanes> toleranceOf(Int<lanes> surface) {
+    return reinterpret_cast<Float<lanes>>(((surface >> (24 - toleranceShift)) & (255 << toleranceShift)) +
+                                          static_cast<std::int32_t>(toleranceBase));
 }
 
 /// Of a block's sprites: normals alone.
@@ -54,6 +63,11 @@ struct OfSurface {
     I cosine(I visible) const {
         return smallProduct(evens(visible), even) + smallProduct(odds(visible), odd);
     }
+    /// The same whichever way it points, if it may turn.
+    I agreement(I visible) const {
+        const I c = cosine(visible);
+        return mayTurn ? (c < 0 ? -c : c) : c;
+    }
     /// Where its normal has to be turned to point to the visible's side.
     I turned(I visible) const { return cosine(visible) < 0; }
 
@@ -67,9 +81,7 @@ struct OfSurface {
 /// px behind what is visible that are of its surface, by what is visible and by the splat.
 template <int lanes>
 inline Float<lanes> bothReach(Int<lanes> visible, Float<lanes> tolerance) {
-    const Float<lanes> there =
-        reinterpret_cast<Float<lanes>>(((visible >> (24 - toleranceShift)) & (255 << toleranceShift)) +
-                                       static_cast<std::int32_t>(toleranceBase));
+    const Float<lanes> there = toleranceOf<lanes>(visible);
     return there < tolerance ? there : tolerance;
 }
 
@@ -84,9 +96,7 @@ template <int lanes>
 inline Float<lanes> reachBehind(Int<lanes> visible, const OfSurface<lanes>& splat, Float<lanes> tolerance,
                                 Float<lanes> half) {
     using F = Float<lanes>;
-    Int<lanes> cosine = splat.cosine(visible);
-    if (splat.mayTurn) cosine = cosine < 0 ? -cosine : cosine;
-    const F share = __builtin_convertvector(cosine, F) * agreementPerStep + 0.5f;
+    const F share = __builtin_convertvector(splat.agreement(visible), F) * agreementPerStep + 0.5f;
     const F most = share < 1.0f ? share : F{} + 1.0f;
     const F agreed =
         bothReach<lanes>(visible, tolerance) * (most > leastAgreement ? most : F{} + leastAgreement);

@@ -43,7 +43,9 @@ struct alignas(64) Surfels {
     /// slopeY·dy, or depth = d + …, kept within [low, high]: not before the centre.
     float slopeX[surfelRow], slopeY[surfelRow], low[surfelRow], high[surfelRow];
     float radius[surfelRow];     ///< Disc: cloud units covered; Ellipse: half of the larger axis, px
-    float tolerance[surfelRow];  ///< Disc: cloud units; Ellipse: px
+    float tolerance[surfelRow];  ///< Disc: cloud units along the ray; Ellipse: px
+    float sheet[surfelRow];      ///< Disc: the same of what faces the same way
+    float half[surfelRow];       ///< Disc: drawn radius, px
     /// No fragment counts where the visible depth is nearer than this; a little less than exact.
     float front[surfelRow];
     float peak[surfelRow];                                             ///< Ellipse: weight at the centre
@@ -160,25 +162,34 @@ inline void storeOutline(const Block& b, int i, const Outline& o, Surfels& s) {
     store(s.y1 + i, last(y + (o.middleY + halfY), row));
 }
 
-/// `tolerance`: px behind it that are of its surface.
+/// `above`: bits over its normal's.
 inline void storeCommon(const SplatPass& pass, const SplatRun& run, const Block& b, int i, const Pose& p,
-                        FloatW tolerance, Surfels& s) {
+                        IntW above, Surfels& s) {
     // Ordinals take all 32 bits: no distance then. Sums have no keys.
     if (pass.payload == SplatPayload::Color && pass.reduction == Reduction::Nearest) {
         const FloatW atLeastAPixel = larger(p.half, all(0.5f));
         store(s.distance + i, 127.5f / (atLeastAPixel * atLeastAPixel));
     }
-    if (pass.reduction != Reduction::Sum && pass.payload != SplatPayload::Surface) return;
+    if (pass.reduction == Reduction::Nearest && pass.payload != SplatPayload::Surface) return;
     // Turned to the eye unless a side is known; in view space y is up and z towards the viewer.
     const IntW anySide = run.oriented ? twoSided(b, i) : all(-1);
     const FloatW turn = (p.m > 0.0f) & anySide ? all(-1.0f) : all(1.0f);
     const FloatW x = p.x * turn, y = -(p.y * turn), z = -(p.z * turn);
-    store(s.surface + i, normalBytes(x, y, z) | toleranceCode(tolerance) << 24);
+    // Discs meet as the eye sees them, from whichever side.
+    const FloatW seen = p.m > 0.0f ? all(-1.0f) : all(1.0f);
+    const bool disc = pass.shape == SplatShape::Disc;
+    store(s.surface + i,
+          normalBytes(disc ? p.x * seen : x, disc ? -(p.y * seen) : y, disc ? -(p.z * seen) : z) | above);
     store(s.anySide + i, anySide);
-    if (!pass.sumNormals) return;
-    store(s.normalX + i, p.hasNormal ? x : all(0.0f));
-    store(s.normalY + i, p.hasNormal ? y : all(0.0f));
-    store(s.normalZ + i, p.hasNormal ? z : all(0.0f));
+    if (pass.reduction == Reduction::Cell) {
+        store(s.normalX + i, p.x * seen);
+        store(s.normalY + i, -(p.y * seen));
+        store(s.normalZ + i, -(p.z * seen));
+    } else if (pass.sumNormals) {
+        store(s.normalX + i, p.hasNormal ? x : all(0.0f));
+        store(s.normalY + i, p.hasNormal ? y : all(0.0f));
+        store(s.normalZ + i, p.hasNormal ? z : all(0.0f));
+    }
 }
 
 /// `range`: how far in front of its centre's a fragment's depth may lie.
@@ -222,15 +233,20 @@ void setUpDiscs(const SplatPass& pass, const SplatRun& run, const Block& b, Surf
         const FloatW slope = p.flat * half;
         store(s.slopeX + i, perspective ? slope * pixel : -(slope * p.unitsPerPx));
         store(s.radius + i, radius);
-        const FloatW tolerance = pass.tolerance * (p.half * p.unitsPerPx);
+        // Of another direction, across the surface: along the ray it is more.
+        const FloatW open = larger(p.m < 0.0f ? -p.m : p.m, all(leastCosineOfGap));
+        const FloatW sheet = pass.tolerance * (p.half * p.unitsPerPx);
+        const FloatW tolerance = sheet / open;
         store(s.tolerance + i, tolerance);
+        store(s.sheet + i, sheet);
+        store(s.half + i, p.half);
         // D = d / c ≥ d · (1 - slope), since |t| ≤ c.
         const FloatW d = load<FloatW>(b.depth + i);
         const FloatW range = perspective ? (d * slope) * pixel : slope * p.unitsPerPx;
         storeFront(pass, d, range, tolerance, i, s);
         store(s.reaches + i, p.drawn);
         storeOutline(b, i, discOutline<perspective>(pass, p, half), s);
-        storeCommon(pass, run, b, i, p, pass.tolerance * p.half, s);
+        storeCommon(pass, run, b, i, p, all(0), s);
     }
 }
 
@@ -311,7 +327,7 @@ void setUpEllipses(const SplatPass& pass, const SplatRun& run, const Block& b, S
         store(s.tolerance + i, tolerance);
         storeFront(pass, d, all(0.0f), tolerance * p.unitsPerPx, i, s);
         store(s.reaches + i, p.drawn);
-        storeCommon(pass, run, b, i, p, tolerance, s);
+        storeCommon(pass, run, b, i, p, toleranceCode<wideLanes>(tolerance) << 24, s);
     }
 }
 

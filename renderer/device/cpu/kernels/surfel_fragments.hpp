@@ -1,6 +1,7 @@
 // One surfel's fragments: a row of pixels at a time, reduced as the pass says. Part of kernels.cpp.
 #pragma once
 
+#include "renderer/device/cpu/kernels/creases.hpp"
 #include "renderer/device/cpu/kernels/sums.hpp"
 #include "renderer/device/cpu/kernels/surfaces.hpp"
 #include "renderer/device/cpu/kernels/surfel_block.hpp"
@@ -27,6 +28,7 @@ class SurfelFragments {
     static constexpr bool disc = shape == Shape::Disc;
     static constexpr bool sums = reduction == Reduction::Sum;
     static constexpr bool nearest = reduction == Reduction::Nearest;
+    static constexpr bool cells = reduction == Reduction::Cell;
 
   public:
     SurfelFragments(const SplatPass& pass, const Block& b, const Surfels& s, int i, const KeyTile& tile)
@@ -37,6 +39,7 @@ class SurfelFragments {
           sy_(s.sy[i]),
           ty_(s.ty[i]),
           near_(pass.near),
+          surfaces_(pass.payload == SplatPayload::Surface),
           centerRow_(static_cast<std::int32_t>(__builtin_floorf(b.y[i]))),
           centerColumn_(static_cast<std::int32_t>(__builtin_floorf(b.x[i]))) {
         depth_ = F{} + b.depth[i];
@@ -49,24 +52,33 @@ class SurfelFragments {
             low_ = F{} + s.low[i];
             high_ = F{} + s.high[i];
         }
-        if constexpr (disc ? reduction == Reduction::Cell : sums) radius_ = F{} + s.radius[i];
+        if constexpr (disc ? cells : sums) radius_ = F{} + s.radius[i];
         if constexpr (sums && !disc) peak_ = F{} + s.peak[i];
         if constexpr (reduction != Reduction::Nearest) tolerance_ = F{} + s.tolerance[i];
         front_ = F{} + s.front[i];
         if constexpr (nearest && extra) distance_ = F{} + s.distance[i];
         payload_ =
-            I{} + (nearest && pass.payload == SplatPayload::Surface ? s.surface[i]
-                                                                    : static_cast<std::int32_t>(b.color[i]));
-        if constexpr (sums) {
+            I{} + (!sums && pass.payload == SplatPayload::Surface ? s.surface[i]
+                                                                  : static_cast<std::int32_t>(b.color[i]));
+        if constexpr (!nearest) {
             unitsPerPx_ = 1.0f / pass.pixelsPerUnit;
             surface_ = {s.surface[i], s.anySide[i] != 0};
+        }
+        if constexpr (disc) half_ = s.half[i];
+        if constexpr (disc && !nearest) sheet_ = F{} + s.sheet[i];
+        if constexpr (cells) {
+            pixelsPerUnit_ = pass.pixelsPerUnit;
+            axisX_ = pass.centerX;
+            axisY_ = pass.centerY;
+            here_ = {s.normalX[i], s.normalY[i], s.normalZ[i], F{}, 0, half_};
         }
         if constexpr (sums && extra) addends_.setNormal(s.normalX[i], s.normalY[i], s.normalZ[i]);
     }
 
     /// Starts rows of lanes at this column of the picture; those beyond `last` are left alone by sums.
     void startColumns(std::int32_t column, std::int32_t last) {
-        dx_ = (static_cast<float>(column) + 0.5f + laneNumbers<lanes>()) - x_;
+        middle_ = static_cast<float>(column) + 0.5f + laneNumbers<lanes>();
+        dx_ = middle_ - x_;
         const I columns = __builtin_convertvector(laneNumbers<lanes>(), I) + column;
         center_ = columns == centerColumn_;
         if constexpr (sums) inside_ = columns <= last;
@@ -104,15 +116,15 @@ class SurfelFragments {
         covered |= center;
         c = center ? (perspective ? F{} + 1.0f : depth_) : c;
         covered &= perspective ? depth_ >= near_ * c : c >= F{} + near_;
-        reduce(offset, dy, visible, square, c, covered);
+        reduce(offset, static_cast<float>(row) + 0.5f, visible, square, c, covered);
     }
 
     bool full() const { return sums && anyOf<lanes>(full_); }
 
   private:
-    /// `c`: depth = d / c in perspective, else the depth itself.
-    void reduce(std::int64_t offset, float dy, F visible, F square, F c, I covered) {
-        if constexpr (!nearest && disc) covered &= nearVisible(visible, c);
+    /// `c`: depth = d / c in perspective, else the depth itself; `y`: of the pixels' centres.
+    void reduce(std::int64_t offset, float y, F visible, F square, F c, I covered) {
+        if constexpr (!nearest && disc) covered &= nearVisible(visible, c, tolerance_);
         if (tile_.silhouette != nullptr) {
             const F border = loadOrders<lanes>(tile_.silhouette + offset);
             // Where there is none, it is not a number, and no comparison holds.
@@ -122,18 +134,48 @@ class SurfelFragments {
             covered &= inside_;
             add(offset, visible, square, c, covered);
         } else {
-            const F order = reduction == Reduction::Cell ? placeOnDisc(square, c) * radius_ : depthOf(c);
+            F order;
+            I below = payload(y - y_);
+            if constexpr (cells) {
+                order = placeOnDisc(square, c) * radius_;
+                seeCreases(offset, y, visible, c, covered, order, below);
+            } else {
+                order = depthOf(c);
+            }
             const F positive = order > 1.17549435e-38f ? order : F{} + 1.17549435e-38f;
             const I bits = covered ? reinterpret_cast<I>(positive) : I{} + 0x7fffffff;
-            storeNearest(tile_.keys + offset, bits, payload(dy));
+            storeNearest(tile_.keys + offset, bits, below);
         }
+    }
+
+    /// Where what is visible faces another way: which of the two is the surface.
+    void seeCreases(std::int64_t offset, float y, F visible, F c, I& covered, F& order, I& below) {
+        const I surface = loadPayloads<lanes>(tile_.surfaces + offset);
+        const I other = covered & (surface_.agreement(surface) < sameSide);
+        covered &= other | nearVisible(visible, c, sheet_);
+        if (!anyOf<lanes>(other)) return;
+        here_.right = -dx_;
+        here_.up = y - y_;
+        const F gap = (depthOf(c) - visible) * pixelsPerUnit_ / (perspective ? visible : F{} + 1.0f);
+        const F u = perspective ? (middle_ - axisX_) * unitsPerPx_ : F{};
+        const float v = perspective ? (axisY_ - y) * unitsPerPx_ : 0.0f;
+        const Verdict<lanes> verdict = meet<lanes>(surface, here_, gap, u, v);
+        covered &= ~(other & verdict.shunned);
+        order = other & verdict.wins ? order * creasePriority : order;
+        if (surfaces_) below |= other & toleranceCode<lanes>(gap) << 24;
     }
 
     /// Adds what belongs to the surface that is visible there, as that surface itself says.
     void add(std::int64_t offset, F visible, F square, F c, I covered) {
-        const I surface = loadPayloads<lanes>(tile_.visible + offset);
+        const I surface = loadPayloads<lanes>(tile_.surfaces + offset);
         F share = F{} + 1.0f;
-        if constexpr (!disc) {
+        if constexpr (disc) {
+            // No more than the angle between their normals leaves of it.
+            share = __builtin_convertvector(surface_.agreement(surface), F) * blendPerStep - 0.5f;
+            covered &= share > 0.0f;
+            share = share < 1.0f ? share : F{} + 1.0f;
+            covered &= nearVisible(behind(visible, surface), c, sheet_);
+        } else {
             covered &= within(visible, tolerance_, c);
             // Most lie so near that it does not matter which way they face.
             const I beyond = covered & ~within(visible, leastReach<lanes>(surface, tolerance_), c);
@@ -160,9 +202,15 @@ class SurfelFragments {
         return perspective ? depth_ <= (visible + visible * units) * c : c <= visible + units;
     }
 
-    /// Whether a fragment belongs to the surface that is visible there.
-    I nearVisible(F visible, F c) const {
-        const F low = visible - tolerance_, high = visible + tolerance_;
+    /// The depth of a cell's surface, by what is visible and its payload.
+    F behind(F visible, I surface) const {
+        const F units = toleranceOf<lanes>(surface) * unitsPerPx_;
+        return perspective ? visible + visible * units : visible + units;
+    }
+
+    /// Whether a fragment lies so near to what is visible.
+    I nearVisible(F visible, F c, F tolerance) const {
+        const F low = visible - tolerance, high = visible + tolerance;
         if constexpr (perspective) return (depth_ >= low * c) & (depth_ <= high * c);
         return (c >= low) & (c <= high);
     }
@@ -185,8 +233,11 @@ class SurfelFragments {
 
     /// Where a lane is not covered it means nothing, but it must stay an integer.
     I payload(float dy) const {
-        if constexpr (reduction != Reduction::Nearest || !extra) {
+        if constexpr (!nearest) {
             return payload_;
+        } else if constexpr (!extra) {
+            if constexpr (!disc) return payload_;
+            return surfaces_ ? withOffset<lanes>(payload_, -dx_, F{} + dy, offsetSteps / half_) : payload_;
         } else {
             const F d = (dx_ * dx_ + dy * dy) * distance_;
             const F bounded = d < 255.0f ? d : F{} + 255.0f;
@@ -196,11 +247,14 @@ class SurfelFragments {
 
     const KeyTile tile_;
     Addends<lanes> addends_;
-    F depth_, sx_, tx_, slopeX_, low_, high_, radius_, peak_, tolerance_, front_, distance_;
-    F dx_, sdx_, tdx_;
+    F depth_, sx_, tx_, slopeX_, low_, high_, radius_, peak_, tolerance_, front_, distance_, sheet_;
+    F middle_, dx_, sdx_, tdx_;
     I payload_, center_, inside_, full_{};
     OfSurface<lanes> surface_;
-    float x_, y_, sy_, ty_, slopeY_ = 0, near_, unitsPerPx_ = 0;
+    DiscThere<lanes> here_;
+    float x_, y_, sy_, ty_, slopeY_ = 0, near_, unitsPerPx_ = 0, pixelsPerUnit_ = 0;
+    float half_ = 1, axisX_ = 0, axisY_ = 0;
+    bool surfaces_;
     std::int32_t centerRow_, centerColumn_;
 };
 

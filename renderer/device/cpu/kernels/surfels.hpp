@@ -166,7 +166,8 @@ inline float nearestThatCounts(const SplatPass& pass, float radius, float front)
     if (pass.shape == Shape::Disc) {
         const bool sums = pass.reduction == Reduction::Sum;
         const float reach = radius * (sums ? pass.reach : 1.0f);
-        return front - reach - (pass.reduction == Reduction::Nearest ? 0.0f : pass.tolerance * radius);
+        const float along = pass.tolerance * (1 / leastCosineOfGap);
+        return front - reach - (pass.reduction == Reduction::Nearest ? 0.0f : along * radius);
     }
     if (pass.reduction == Reduction::Nearest) return front;
     // dz of the nearest sample; of those behind it grows slower than their depth, while it is below it.

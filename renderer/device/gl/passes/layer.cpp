@@ -155,6 +155,10 @@ void Layer::bindColors() const {
     if (!traits_.limits.keys64) colors().payloads.bindTexels(unit::payloads);
 }
 
+void Layer::bindSurfaces(const KeyPlane& plane) const {
+    (traits_.limits.keys64 ? plane.keys : plane.payloads).bindTexels(unit::surfaces);
+}
+
 Expected<void> Layer::overPixels(ivec4 area, const ShaderVariant& variant) {
     return parts_.screen.overPixels(variant.shader, area.z, area.w, variant.defines);
 }
@@ -179,13 +183,13 @@ Expected<void> Layer::splatOnce(const SplatPass& pass, Keep keep, const std::sto
     return drawn;
 }
 
-Expected<void> Layer::splatKeys(const SplatPass& pass, KeyPlane& into, std::size_t pixels, bool payloads,
+Expected<void> Layer::splatKeys(const SplatPass& pass, KeyPlane& into, std::size_t pixels,
                                 const std::stop_token& stop) {
     into.keys.clear(pixels);
     into.keys.bindStorage(binding::splat::keys);
     if (traits_.limits.keys64) return splatOnce(pass, Keep::Key, stop);
     auto drawn = splatOnce(pass, Keep::Order, stop);
-    if (!drawn || !payloads) return drawn;
+    if (!drawn) return drawn;
     into.keys.bindTexels(unit::keys);
     into.payloads.clear(pixels);
     into.payloads.bindStorage(binding::splat::payloads);
@@ -200,9 +204,10 @@ Expected<void> Layer::splat(std::size_t index, const SplatPass& pass, ivec4 band
     parts_.tables.runs.bindStorage(binding::runs);
     parts_.tables.lookUps.bindStorage(binding::tables);
     if (traits_.silhouette) memory.silhouette.bindTexels(unit::silhouette);
-    if (pass.reduction != Reduction::Nearest) memory.nearest.keys.bindTexels(unit::visible);
-    if (pass.reduction == Reduction::Sum && passes_.bySurface() && !traits_.limits.keys64)
-        memory.nearest.payloads.bindTexels(unit::payloads);
+    if (pass.reduction != Reduction::Nearest) {
+        memory.nearest.keys.bindTexels(unit::visible);
+        bindSurfaces(pass.reduction == Reduction::Cell ? memory.nearest : colors());
+    }
     if (pass.silhouette) {
         memory.silhouette.clear(pixels);
         memory.silhouette.bindStorage(binding::splat::keys);
@@ -210,14 +215,13 @@ Expected<void> Layer::splat(std::size_t index, const SplatPass& pass, ivec4 band
     }
     switch (pass.reduction) {
         case Reduction::Nearest:
-            // Where there are cells, theirs are the colours.
-            return splatKeys(pass, memory.nearest, pixels, !passes_.cell || passes_.bySurface(), stop);
+            return splatKeys(pass, memory.nearest, pixels, stop);
         case Reduction::Sum:
             memory.sums.clear(pixels * sumWords(passes_), 0);
             memory.sums.bindStorage(binding::splat::sums);
             return splatOnce(pass, Keep::Order, stop);
         case Reduction::Cell:
-            return splatKeys(pass, memory.cells, pixels, true, stop);
+            return splatKeys(pass, memory.cells, pixels, stop);
     }
     return {};
 }

@@ -64,7 +64,7 @@ class Layer {
     Expected<void> drawBand(ivec4 band, std::span<const SplatPass> splats, const GpuPlanes& planes,
                             StageTimes& times, const std::stop_token& stop);
     Expected<void> splat(std::size_t index, const SplatPass& pass, ivec4 band, const std::stop_token& stop);
-    Expected<void> splatKeys(const SplatPass& pass, KeyPlane& into, std::size_t pixels, bool payloads,
+    Expected<void> splatKeys(const SplatPass& pass, KeyPlane& into, std::size_t pixels,
                              const std::stop_token& stop);
     Expected<void> splatOnce(const SplatPass& pass, Keep keep, const std::stop_token& stop);
     Expected<void> resolve(ivec4 band, const GpuPlanes& planes, const std::stop_token& stop);
@@ -76,6 +76,7 @@ class Layer {
     /// The keys that colours come from.
     const KeyPlane& colors() const;
     void bindColors() const;
+    void bindSurfaces(const KeyPlane& plane) const;
 
     const LayerParts parts_;
     const LayerView layerView_;

@@ -40,6 +40,7 @@ inline constexpr std::uint32_t samplesPerChunk = 1024;
 namespace unit {
 inline constexpr unsigned samples = 0;             ///< splat.comp, resolve_samples.comp
 inline constexpr unsigned keys = 1, payloads = 2;  ///< without 64-bit keys `keys` are orders alone
+inline constexpr unsigned surfaces = 2;            ///< splat.comp: keys or payloads that hold what is visible
 inline constexpr unsigned visible = 3;             ///< the nearest pass' keys or orders
 inline constexpr unsigned silhouette = 4;
 }  // namespace unit

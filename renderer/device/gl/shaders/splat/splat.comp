@@ -1,4 +1,4 @@
-// A splat pass over samples of one page: silhouette, nearest, sum or cell (renderer/device/pass.hpp). A work group takes
+// A splat pass over samples of one page: silhouette, nearest, cell or sum (renderer/device/pass.hpp). A work group takes
 // one chunk; each thread draws its samples' footprints itself, but for the large ones, which are put down in a queue and
 // then drawn by all threads together, pixel by pixel. Nothing depends on the order: reductions are integers.
 // Variants: GROUP_SIZE, TURN_STEP, REDUCTION, KEEP, KEYS64, LOOK_FIRST, SHAPE, SINGLE_PIXEL, SHARED_FOOTPRINTS,
@@ -26,6 +26,7 @@ layout(location = 0) uniform uint firstChunk;
 #include "visible.glsl"
 #include "sample_normals.glsl"
 #include "surfaces.glsl"
+#include "creases.glsl"
 #if REDUCTION == REDUCTION_SUM
 #include "sums.glsl"
 #else

@@ -49,7 +49,7 @@ void drawFragment(Footprint f, ivec2 at, uint pixel) {
     float bounded = max(rest, 0.0);
     precise float weight = bounded * root(bounded);
 #if SUM_NORMALS
-    bool turned = f.anySide && cosineOf(visiblePayload(pixel), f.normal) < 0;
+    bool turned = f.anySide && cosineOf(surfaceThere(pixel), f.normal) < 0;
 #else
     const bool turned = false;
 #endif

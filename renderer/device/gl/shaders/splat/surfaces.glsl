@@ -1,12 +1,14 @@
 // What a sum has to know of what is visible, in the 32 bits of a key's payload (host/splat_numbers.hpp), as
 // kernels/surfaces.hpp packs and asks it. Variants: SHAPE, REDUCTION, PAYLOAD, SUM_NORMALS.
-#if PAYLOAD == PAYLOAD_SURFACE || REDUCTION == REDUCTION_SUM
+#if PAYLOAD == PAYLOAD_SURFACE || REDUCTION != REDUCTION_NEAREST
 const float normalStepsOfSurface = 127.0;
 const uint toleranceBase = uint(127 - 8) << 23;
 const int toleranceShift = 20;
 const float leastTolerancePx = 0.00390625;
 const float leastAgreement = 0.125, agreementPerStep = 0.000124000246, edgePerStep = 0.0314960629;
 const float hiddenShare = 0.03125;
+const int sameSide = 8065;
+const float blendPerStep = 0.000124000246;
 
 // Bytes as integers of their own: each part in [-1, 1].
 ivec3 normalSteps3(vec3 n) {

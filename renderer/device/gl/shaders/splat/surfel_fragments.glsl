@@ -41,11 +41,11 @@ bool inFrontOf(Footprint f, float c, float border) {
 
 #if REDUCTION != REDUCTION_NEAREST
 #if SHAPE == SHAPE_DISC
-// Whether a fragment belongs to the surface that is visible there.
-bool nearVisible(Footprint f, float c, float visible) {
-    precise float high = visible + f.tolerance;
+// Whether a fragment lies so near to what is visible.
+bool nearVisible(Footprint f, float c, float visible, float tolerance) {
+    precise float high = visible + tolerance;
     if (behind(f, c, high)) return false;
-    precise float low = visible - f.tolerance;
+    precise float low = visible - tolerance;
     return !inFrontOf(f, c, low);
 }
 #else
@@ -83,21 +83,57 @@ float weightOf(Footprint f, float square, float c) {
     return weight;
 }
 
-void reduce(Footprint f, uint pixel, float distance2, float square, float c) {
+#if REDUCTION == REDUCTION_CELL
+// The distance to the disc's centre, or as if it were none; false: what is visible there goes on before it.
+bool seeCreases(Footprint f, ivec2 at, uint pixel, vec2 d, float visible, float c, inout float order, inout uint payload) {
+    uint surface = surfaceThere(pixel);
+    int cosine = cosineOf(surface, f.normal);
+    if ((f.anySide ? abs(cosine) : cosine) >= sameSide) return nearVisible(f, c, visible, f.sheet);
+    precise float gap = (depthOf(f, c) - visible) * pass.surfel.x;
+#if PERSPECTIVE
+    gap = quotient(gap, visible);
+    precise vec2 uv = vec2((float(at.x) + 0.5) - pass.view.x, pass.view.y - (float(at.y) + 0.5)) * pass.surfel.y;
+#else
+    const vec2 uv = vec2(0.0);
+#endif
+    int verdict = meet(surface, f.facing, vec2(-d.x, d.y), f.halfPx, gap, uv);
+    precise float before = order * 0.000244140625;
+    if (verdict == discWins) order = before;
+#if PAYLOAD == PAYLOAD_SURFACE
+    payload |= toleranceCode(gap) << 24;
+#endif
+    return verdict != discShunned;
+}
+#endif
+
+// `d`: px from the centre, right and down.
+void reduce(Footprint f, ivec2 at, uint pixel, vec2 d, float square, float c) {
 #if REDUCTION != REDUCTION_NEAREST
     uint visibleBits = visibleOrder(pixel);
     if (visibleBits >= infiniteOrder) return;
     float visible = uintBitsToFloat(visibleBits);
 #if SHAPE == SHAPE_DISC
-    if (!nearVisible(f, c, visible)) return;
+    if (!nearVisible(f, c, visible, f.tolerance)) return;
 #endif
 #endif
 #if REDUCTION == REDUCTION_SUM
-    uint surface = visiblePayload(pixel);
+    uint surface = surfaceThere(pixel);
     int cosine = cosineOf(surface, f.normal);
     bool turned = f.anySide && cosine < 0;
+#if SHAPE == SHAPE_DISC
+    // No more than the angle between their normals leaves of it.
+    precise float left = float(turned ? -cosine : cosine) * blendPerStep - 0.5;
+    if (!(left > 0.0)) return;
+    float share = min(left, 1.0);
+    precise float units = toleranceOf(surface) * pass.surfel.y;
+#if PERSPECTIVE
+    precise float there = visible + visible * units;
+#else
+    precise float there = visible + units;
+#endif
+    if (!nearVisible(f, c, there, f.sheet)) return;
+#else
     float share = 1.0;
-#if SHAPE == SHAPE_ELLIPSE
     if (!within(f, c, visible, f.tolerance)) return;
     float reach = reachBehind(surface, turned ? -cosine : cosine, f.tolerance, f.radius);
     if (!within(f, c, visible, reach)) share = hiddenShare;
@@ -113,10 +149,18 @@ void reduce(Footprint f, uint pixel, float distance2, float square, float c) {
 #else
 #if REDUCTION == REDUCTION_CELL
     precise float order = placeOnDisc(square, c) * f.radius;
+    uint payload = f.payload;
+    if (!seeCreases(f, at, pixel, d, visible, c, order, payload)) return;
 #else
     precise float order = depthOf(f, c);
+#if SHAPE == SHAPE_DISC && PAYLOAD == PAYLOAD_SURFACE
+    uint payload = withOffset(f.payload, vec2(-d.x, d.y), f.halfPx);
+#else
+    precise float distance2 = d.x * d.x + d.y * d.y;
+    uint payload = payloadOf(distance2, f.distance, f.payload);
 #endif
-    keep(pixel, max(order, 1.17549435e-38), payloadOf(distance2, f.distance, f.payload));
+#endif
+    keep(pixel, max(order, 1.17549435e-38), payload);
 #endif
 }
 
@@ -153,6 +197,5 @@ void drawFragment(Footprint f, ivec2 at, uint pixel) {
 #else
     if (!(seen >= pass.view.z)) return;
 #endif
-    precise float distance2 = dx * dx + dy * dy;
-    reduce(f, pixel, distance2, square, seen);
+    reduce(f, at, pixel, vec2(dx, dy), square, seen);
 }

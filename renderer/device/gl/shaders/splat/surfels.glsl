@@ -9,14 +9,20 @@ struct Footprint {
     vec2 slope;       // Disc: c = 1 + slope.x * t, or depth = d + slope.x * t without perspective; Ellipse: by (dx, dy)
     float low, high;  // Ellipse: bounds of that
     float radius;     // Disc: cloud units covered; Ellipse: half of the larger axis, px
-    float tolerance;  // Disc: cloud units; Ellipse: px
+    float tolerance;  // Disc: cloud units along the ray; Ellipse: px
+    float sheet;      // Disc: the same of what faces the same way
+    float halfPx;     // Disc: drawn radius, px
     float peak;       // Ellipse: weight at the centre
     float distance;   // 8 bits of distance = this times squared px
     uint payload;     // colour, ordinal or surface
-#if REDUCTION == REDUCTION_SUM
+#if REDUCTION != REDUCTION_NEAREST
     ivec3 normal;     // in steps, as the visible's are
     bool anySide;     // it may be turned
+#endif
+#if REDUCTION == REDUCTION_SUM
     Addends addends;
+#elif REDUCTION == REDUCTION_CELL
+    vec3 facing;      // the normal itself, in view space
 #endif
 };
 
@@ -44,7 +50,7 @@ struct Rows {
     float inverseY, skew, narrow;
 };
 
-const float leastHalf = 1e-3, leastCosine = 1e-4;
+const float leastHalf = 1e-3, leastCosine = 1e-4, leastCosineOfGap = 0.25;
 
 uint radiusCode(uvec4 words) { return (words.w >> 16) & 255u; }
 
@@ -118,8 +124,8 @@ void setOutline(Outline o, inout Footprint f, out Rows rows) {
     rows.narrow = root(max(rest, 0.0));
 }
 
-// `tolerance`: px behind it that are of its surface.
-void setCommon(Placed placed, Pose p, uint payload, float tolerance, inout Footprint f) {
+// `above`: bits over its normal's.
+void setCommon(Placed placed, Pose p, uint payload, uint above, inout Footprint f) {
     f.payload = payload;
     float atLeastHalf = max(p.halfPx, 0.5);
     precise float atLeastHalf2 = atLeastHalf * atLeastHalf;
@@ -127,12 +133,22 @@ void setCommon(Placed placed, Pose p, uint payload, float tolerance, inout Footp
     // Turned to the eye unless a side is known; in view space y is up and z towards the viewer.
     vec3 n = vec3(p.n.x, -p.n.y, -p.n.z);
     vec3 turned = !p.oneSided && p.m > 0.0 ? -n : n;
-#if PAYLOAD == PAYLOAD_SURFACE
-    f.payload = surfaceOf(turned) | toleranceCode(tolerance) << 24;
+#if SHAPE == SHAPE_DISC
+    // Discs meet as the eye sees them, from whichever side.
+    vec3 seen = p.m > 0.0 ? -n : n;
+#else
+    vec3 seen = turned;
 #endif
-#if REDUCTION == REDUCTION_SUM
-    f.normal = normalSteps3(turned);
+#if PAYLOAD == PAYLOAD_SURFACE
+    f.payload = surfaceOf(seen) | above;
+#endif
+#if REDUCTION != REDUCTION_NEAREST
+    f.normal = normalSteps3(seen);
     f.anySide = !p.oneSided;
+#endif
+#if REDUCTION == REDUCTION_CELL
+    f.facing = seen;
+#elif REDUCTION == REDUCTION_SUM
     f.addends = addendsOf(payload, p.hasNormal ? turned : vec3(0.0));
 #endif
 }
@@ -189,14 +205,17 @@ bool setUp(RunParams run, uvec4 words, Placed placed, uint payload, out Footprin
 #else
     precise float along = -(slope * p.unitsPerPx);
 #endif
-    precise float tolerance = pass.extent.z * (p.halfPx * p.unitsPerPx);
+    // Of another direction, across the surface: along the ray it is more.
+    precise float sheet = pass.extent.z * (p.halfPx * p.unitsPerPx);
+    float tolerance = quotient(sheet, max(abs(p.m), leastCosineOfGap));
+    f.sheet = sheet;
     f.slope = vec2(along, 0.0);
     f.radius = radius;
     f.tolerance = tolerance;
     Rows rows;
     setOutline(outlineOf(p, halfPx), f, rows);
-    precise float across = pass.extent.z * p.halfPx;
-    setCommon(placed, p, payload, across, f);
+    f.halfPx = p.halfPx;
+    setCommon(placed, p, payload, 0u, f);
     return true;
 }
 #else
@@ -297,7 +316,11 @@ bool setUp(RunParams run, uvec4 words, Placed placed, uint payload, out Footprin
     precise float peak = (abs(ax * by - ay * bx) * inverse) * rows.inverseY;
     f.peak = min(peak, 1.0);
     setDepths(p, depthRange(axes), f);
-    setCommon(placed, p, payload, f.tolerance, f);
+#if PAYLOAD == PAYLOAD_SURFACE
+    setCommon(placed, p, payload, toleranceCode(f.tolerance) << 24, f);
+#else
+    setCommon(placed, p, payload, 0u, f);
+#endif
     return true;
 }
 #endif

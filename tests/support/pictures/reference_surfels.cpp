@@ -224,7 +224,7 @@ class SurfelRenderer {
     /// Whether a fragment lies near a depth, measured across its own surface, or, of a sheet, along the ray.
     bool nearDepth(const Seen& s, const Fragment& f, double depth, double tolerance, bool sheet) const {
         const glm::dvec3 ray = perspective() ? s.center / s.depth : glm::dvec3(0, 0, -1);
-        const double cosine = std::max(std::abs(glm::dot(s.normal, ray)), 0.25);
+        const double cosine = std::clamp(std::abs(glm::dot(s.normal, ray)), 0.25, 1.0);
         const double across = sheet ? 1 : 1 / cosine;
         return std::abs(f.depth - depth) <= tolerance * s.radius * across;
     }
@@ -234,18 +234,19 @@ class SurfelRenderer {
     /// By which side of each other's planes the centres lie.
     Crease meet(const Seen& s, const Fragment& f, const ReferencePixel& p) const {
         const double half = s.radius * s.q;
-        const glm::dvec3& ray = f.ray;
-        const auto across = [&](const glm::dvec3& n) { return std::min(glm::dot(n, ray), -1.0 / 32); };
-        const auto onPlane = [&](const glm::dvec2& way, const glm::dvec3& n) {
-            return glm::dvec3(way, 0) - ray * ((n.x * way.x + n.y * way.y) / across(n));
-        };
-        // From the visible place, px: to the visible disc's centre, and to this one's.
         const double q = perspective() ? view_.q(p.depth) : view_.pixelsPerUnit;
-        const glm::dvec3 behind = ray * ((f.depth - p.depth) * q);
-        const glm::dvec3 visible = onPlane(p.center * half, p.facing);
-        const glm::dvec3 own = behind + onPlane(f.way, s.seen);
-        const double above = glm::dot(s.seen, visible - behind);
-        const double itself = glm::dot(p.facing, own);
+        const double gap = (f.depth - p.depth) * q;
+        // No plane is seen more edge-on than this.
+        const auto across = [&](const glm::dvec3& n) { return std::min(glm::dot(n, f.ray), -1.0 / 32); };
+        const auto slide = [](const glm::dvec3& n, const glm::dvec2& way) {
+            return n.x * way.x + n.y * way.y;
+        };
+        // Along the ray, px: from the visible place to where each centre is seen.
+        const glm::dvec2 way = p.center * half;
+        const double visible = -slide(p.facing, way) / across(p.facing);
+        const double own = gap - slide(s.seen, f.way) / across(s.seen);
+        const double above = slide(s.seen, way) + (visible - gap) * across(s.seen);
+        const double itself = slide(p.facing, f.way) + own * across(p.facing);
         const double limit = half / 8;
         if (above <= limit && itself <= limit && above + itself < 0) return Crease::Convex;
         return above < -limit && itself > limit ? Crease::Crossing : Crease::Concave;

@@ -234,7 +234,7 @@ void setUpDiscs(const SplatPass& pass, const SplatRun& run, const Block& b, Surf
         store(s.slopeX + i, perspective ? slope * pixel : -(slope * p.unitsPerPx));
         store(s.radius + i, radius);
         // Of another direction, across the surface: along the ray it is more.
-        const FloatW open = larger(p.m < 0.0f ? -p.m : p.m, all(leastCosineOfGap));
+        const FloatW open = smaller(larger(p.m < 0.0f ? -p.m : p.m, all(leastCosineOfGap)), all(1.0f));
         const FloatW sheet = pass.tolerance * (p.half * p.unitsPerPx);
         const FloatW tolerance = sheet / open;
         store(s.tolerance + i, tolerance);

@@ -167,6 +167,7 @@ class SurfelFragments {
 
     /// Adds what belongs to the surface that is visible there, as that surface itself says.
     void add(std::int64_t offset, F visible, F square, F c, I covered) {
+        if (disc && !anyOf<lanes>(covered)) return;
         const I surface = loadPayloads<lanes>(tile_.surfaces + offset);
         F share = F{} + 1.0f;
         if constexpr (disc) {

@@ -207,7 +207,7 @@ bool setUp(RunParams run, uvec4 words, Placed placed, uint payload, out Footprin
 #endif
     // Of another direction, across the surface: along the ray it is more.
     precise float sheet = pass.extent.z * (p.halfPx * p.unitsPerPx);
-    float tolerance = quotient(sheet, max(abs(p.m), leastCosineOfGap));
+    float tolerance = quotient(sheet, clamp(abs(p.m), leastCosineOfGap, 1.0));
     f.sheet = sheet;
     f.slope = vec2(along, 0.0);
     f.radius = radius;

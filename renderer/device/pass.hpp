@@ -53,6 +53,7 @@ struct Splat {
     SplatSize size{};
     float gain = 2;               ///< profiles but Flat: how far the border lies behind the centre, in R
     float lowPassPx = 0.5f;       ///< Ellipse: σ of the screen's low-pass
+    bool round = false;           ///< Ellipse: a circle of its larger half-axis; docs/spec/surfels.md §4.4
     Facing facing = Facing::Any;  ///< Disc, Ellipse
 };
 

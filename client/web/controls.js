@@ -7,7 +7,7 @@ const find = (id) => document.getElementById(id);
 
 const colorNames = {
   auto: 'Automatic', rgb: 'As scanned', intensity: 'Intensity', elevation: 'Height', classification: 'Classification', normal: 'Direction of the surface',
-  depth: 'Distance', lod: 'Level of detail', visibility: 'Hidden points',
+  depth: 'Distance', lod: 'Level of detail', visibility: 'Hidden points (reconstructed surface only)',
 };
 const shadingNames = { unlit: 'None', phong: 'From the viewer', eyedome: 'Shaded edges' };
 const colormapNames = { viridis: 'Viridis', turbo: 'Turbo', grey: 'Grey' };

@@ -20,7 +20,8 @@ import subprocess
 import sys
 import tempfile
 
-ENDINGS = (".las", ".laz", ".ply", ".pcd", ".e57", ".pts", ".ptx", ".xyz", ".txt", ".csv", "cloud.js", "metadata.json")
+ENDINGS = (".las", ".laz", ".ply", ".pcd", ".e57", ".pts", ".ptx", ".xyz", ".txt", ".csv")
+OCTREES = ("cloud.js", "metadata.json")  # of Potree: what lies beside and beneath is theirs
 GEOMETRY = ("nearest", "resolve")
 SCREEN = ("hidden points", "pull-push", "normals", "phong")
 PATIENCE = 600  # seconds for one scan
@@ -29,8 +30,11 @@ PATIENCE = 600  # seconds for one scan
 def scans_beneath(folder):
     for place, folders, files in os.walk(folder):
         folders[:] = sorted(name for name in folders if name != "bad")
-        for name in sorted(files):
-            if name.lower().endswith(ENDINGS) and name != "SOURCES.md":
+        octrees = [name for name in files if name in OCTREES]
+        if octrees:
+            folders.clear()
+        for name in octrees or sorted(files):
+            if octrees or name.lower().endswith(ENDINGS):
                 yield os.path.join(place, name)
 
 

@@ -219,8 +219,8 @@ Expected<std::shared_ptr<const PlannedView>> plan(const Cloud& cloud, const View
     const auto chosen = choose(cloud, view.style);
     if (!chosen) return passOn(chosen);
     const Method* const method = chosen->method;
-    if (auto ok = checkAbility(cloud, *method, chosen->shading, view.style.color); !ok) return passOn(ok);
     const Style style = decidedStyle(cloud, view.style);
+    if (auto ok = checkAbility(cloud, *method, chosen->shading, style.color); !ok) return passOn(ok);
     auto color = colorRule(cloud, style, *viewpoint);
     if (!color) return passOn(color);
 

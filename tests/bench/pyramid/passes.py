@@ -1,8 +1,8 @@
 #!/usr/bin/python3
 """What each pass of method pyramid costs, scan by scan.
 
-    tests/bench/pyramid_passes.py [SCAN...] [--data ../shared/data] [--scancast build/release/bin/scancast]
-                                  [--backend cpu] [--size 1248x768] [--repeat 9] [--least 5000] [-- FLAGS OF render]
+    tests/bench/pyramid/passes.py [SCAN...] [--data ../shared/data] [--scancast build/release/bin/scancast]
+                                   [--backend cpu] [--size 1248x768] [--repeat 9] [--least 5000] [-- FLAGS OF render]
 
 Bouchiba, Deschaud and Goulette, "Raw point cloud deferred shading through screen space pyramidal operators", 2018, §4,
 says that the screen passes do not depend on the scene and cost what its one geometry pass does (table 1). Draws the scans
@@ -89,7 +89,7 @@ def main():
             rows.append(row)
             print(line(name, points, samples, row), flush=True)
     if not rows:
-        print("pyramid_passes.py: nothing could be measured; name scans, or a folder of them with --data", file=sys.stderr)
+        print("passes.py: nothing could be measured; name scans, or a folder of them with --data", file=sys.stderr)
         return 2
     columns = list(zip(*rows))
     for what, of in (("least", min), ("median", statistics.median), ("greatest", max)):

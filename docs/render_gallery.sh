@@ -73,6 +73,8 @@ far=(--eye=-60,-75,30 --target=15,15,4 --fov 22)
 for method in circle ewa; do picture town "far-$method" --method "$method" --shading unlit --samples 1 "${far[@]}"; done
 hidden=(--eye=-16,-30,5 --target=2,0,3 --fov 36)
 for method in point pyramid; do picture bridge "hidden-$method" --method "$method" "${hidden[@]}"; done
+picture bridge hidden-visibility --method pyramid --color visibility --samples 1 "${hidden[@]}"
+picture bridge hidden-fixed --method pyramid --param hprPx=64 "${hidden[@]}"
 
 # Light, colours, mirrors.
 head=(--eye=-1.0,1.4,0.2 --target=-2.7,3.7,0.0 --fov 34)

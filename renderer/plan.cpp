@@ -85,8 +85,13 @@ CloudTraits traits(const Cloud& cloud) {
             .up = cloud.look ? cloud.look->up : glm::dvec3(0, 0, 1)};
 }
 
-/// Whether the cloud has what the method and its shading draw.
-Expected<void> checkAbility(const Cloud& cloud, const Method& method, Shading shading) {
+/// Whether the cloud has what the method and its shading draw, and the method what is to be shown.
+Expected<void> checkAbility(const Cloud& cloud, const Method& method, Shading shading, ColorSource color) {
+    if (color == ColorSource::Visibility && !method.findsHidden)
+        return fail(ErrorCode::Unsupported,
+                    "color=visibility shows which points hidden point removal takes away, and method '" +
+                        method.name + "' has none; use method=pyramid",
+                    "color");
     if (method.needs == Needs::Surfels && !cloud.surfels)
         return fail(ErrorCode::Unsupported,
                     "method '" + method.name +
@@ -227,8 +232,8 @@ Expected<std::shared_ptr<const PlannedView>> plan(const Cloud& cloud, const View
     const auto chosen = choose(cloud, view.style);
     if (!chosen) return passOn(chosen);
     const Method* const method = chosen->method;
-    if (auto ok = checkAbility(cloud, *method, chosen->shading); !ok) return passOn(ok);
     const Style style = decidedStyle(cloud, view.style);
+    if (auto ok = checkAbility(cloud, *method, chosen->shading, style.color); !ok) return passOn(ok);
     auto color = colorRule(cloud, style, *viewpoint);
     if (!color) return passOn(color);
 
@@ -242,8 +247,8 @@ Expected<std::shared_ptr<const PlannedView>> plan(const Cloud& cloud, const View
     planned->color = *color;
     planned->filter = sampleFilter(cloud, view.style);
     const double detail = view.quality.detail.value_or(method->defaultDetail);
-    planned->passes = method->passes(
-        {*method, chosen->parameters, chosen->shading, traits(cloud), detail, chosen->light, view.height});
+    planned->passes = method->passes({*method, chosen->parameters, chosen->shading, traits(cloud), detail,
+                                      chosen->light, view.height, style.color == ColorSource::Visibility});
     if (auto ok = checkPasses(cloud, planned->passes); !ok) return passOn(ok);
     planned->selection = selectionFor(cloud, view, detail, planned->passes);
     planShadows(cloud, *planned);

@@ -37,6 +37,7 @@ bool has(const CloudFacts& cloud, ColorSource source) {
         case ColorSource::Elevation:
         case ColorSource::Depth:
         case ColorSource::Lod:
+        case ColorSource::Visibility:
         case ColorSource::Flat:
             return true;
     }
@@ -180,7 +181,8 @@ Expected<ColorRule> colorRule(const Cloud& cloud, const Style& style, const View
     const auto ramp = rampOf(style);
     if (!ramp) return passOn(ramp);
     ColorRule rule;
-    rule.source = style.color;
+    // What points look like does not matter where the picture is of labels.
+    rule.source = style.color == ColorSource::Visibility ? ColorSource::Flat : style.color;
     rule.flat = style.flatColor;
     rule.ramp = *ramp;
     setRange(cloud, style, viewpoint, rule);

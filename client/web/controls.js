@@ -7,11 +7,13 @@ const find = (id) => document.getElementById(id);
 
 const colorNames = {
   auto: 'Automatic', rgb: 'As scanned', intensity: 'Intensity', elevation: 'Height', classification: 'Classification', normal: 'Direction of the surface',
-  depth: 'Distance', lod: 'Level of detail',
+  depth: 'Distance', lod: 'Level of detail', visibility: 'Hidden points (reconstructed surface only)',
 };
 const shadingNames = { unlit: 'None', phong: 'From the viewer', eyedome: 'Shaded edges' };
 const colormapNames = { viridis: 'Viridis', turbo: 'Turbo', grey: 'Grey' };
 const withRamp = ['intensity', 'elevation', 'depth', 'lod'];
+/** Who removes hidden points, and so can show them. */
+const findsHidden = 'pyramid';
 const mayLack = ['rgb', 'intensity', 'classification', 'normal'];
 const dusk = JSON.stringify(['#3a424e', '#16191e']);
 
@@ -39,7 +41,7 @@ export class Controls {
     find('controls').addEventListener('submit', (event) => event.preventDefault());
     find('cloud').addEventListener('change', (event) => on.cloud(event.target.value));
     find('up-axis').addEventListener('change', (event) => on.upAxis(event.target.value));
-    find('method').addEventListener('change', (event) => on.style({ method: event.target.value, param: {} }));
+    find('method').addEventListener('change', (event) => this.#methodChosen(event.target.value));
     find('color').addEventListener('change', () => this.#colorChosen());
     find('flat-color').addEventListener('input', () => on.style({ color: this.#flatColor() }));
     find('colormap').addEventListener('change', (event) => on.style({ colormap: event.target.value }));
@@ -160,6 +162,8 @@ export class Controls {
     const [source] = factorsOf(view.color);
     const flat = source.startsWith('#');
     find('color').value = flat ? 'flat' : view.color;
+    for (const option of find('color').options)
+      if (option.value === 'visibility') option.disabled = view.method !== findsHidden;
     find('flat-color').hidden = !flat;
     if (flat) find('flat-color').value = source;
     find('ramp').hidden = !withRamp.includes(source);
@@ -189,6 +193,11 @@ export class Controls {
     // A link may ask for something between the steps.
     if (![...select.options].some((option) => option.value === value)) select.append(new Option(`${value} px`, value));
     select.value = value;
+  }
+
+  #methodChosen(method) {
+    const without = this.#view.color === 'visibility' && method !== findsHidden;
+    this.#on.style({ method, param: {}, ...(without ? { color: 'auto' } : {}) });
   }
 
   #colorChosen() {

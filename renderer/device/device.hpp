@@ -38,7 +38,7 @@ struct IntensityFactors {
 
 /// How a sample becomes a colour, with everything looked up: no device knows colour maps or clouds.
 struct ColorRule {
-    ColorSource source = ColorSource::Rgb;  ///< never Auto
+    ColorSource source = ColorSource::Rgb;  ///< neither Auto nor Visibility
     Rgb8 flat{255, 255, 255};
     /// 256 colours; index = clamp((value - low) / (high - low)) · 255 for intensity, elevation
     /// (cloud-relative z) and depth; classification and lod index it directly.

@@ -53,6 +53,7 @@ struct Splat {
     SplatSize size{};
     float gain = 2;               ///< profiles but Flat: how far the border lies behind the centre, in R
     float lowPassPx = 0.5f;       ///< Ellipse: σ of the screen's low-pass
+    bool round = false;           ///< Ellipse: a circle of its larger half-axis; docs/spec/surfels.md §4.4
     Facing facing = Facing::Any;  ///< Disc, Ellipse
 };
 
@@ -144,11 +145,21 @@ struct OcclusionPass {
 /// 2·detail/q).
 struct HiddenPointsPass {
     float scale = 10;        ///< hprScale: size of the neighbourhood, in s_eff
+    float fixedPx = 0;       ///< hprPx: where > 0, its size everywhere, px
     float closing = 2;       ///< radius of the closing that makes background a hole, in s_eff
     float spacing = 0;       ///< s0, cloud units
     float detail = 1;        ///< τ, px
     float minGap = 0;        ///< cloud units: what is less in front does not occlude
     float threshold = 0.1f;  ///< mean occlusion below which a point is hidden
+};
+
+/// screen, docs/spec/pyramid.md §4.5: colours that tell what HiddenPointsPass found, in place of the points' own. Visible
+/// background stays.
+struct VisibilityPass {
+    using Rgb = std::array<std::uint8_t, 3>;
+    Rgb foreground{214, 69, 65};  ///< visible points
+    Rgb hidden{63, 166, 77};      ///< points that others hide
+    Rgb hole{49, 74, 122};        ///< background between points, which is filled
 };
 
 /// screen, docs/spec/pyramid.md §5: colour and depth of hidden and background pixels from their visible
@@ -162,8 +173,9 @@ struct DepthNormalsPass {
     float detail = 1;
 };
 
-using Pass = std::variant<NearestPass, ResolvePass, EyeDomePass, OcclusionPass, SilhouettePass, SumPass,
-                          CellPass, PhongPass, ShadowPass, HiddenPointsPass, PullPushPass, DepthNormalsPass>;
+using Pass =
+    std::variant<NearestPass, ResolvePass, EyeDomePass, OcclusionPass, SilhouettePass, SumPass, CellPass,
+                 PhongPass, ShadowPass, HiddenPointsPass, PullPushPass, DepthNormalsPass, VisibilityPass>;
 using PassList = std::vector<Pass>;
 
 }  // namespace scancast

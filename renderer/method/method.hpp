@@ -51,7 +51,8 @@ struct PassRequest {
     CloudTraits cloud{};
     double detail = 1;  ///< τ that the picture is selected with, px
     LightRig light{};
-    int height = 720;  ///< of the whole picture, px
+    int height = 720;         ///< of the whole picture, px
+    bool visibility = false;  ///< the picture is of what hidden point removal finds (`color=visibility`)
 };
 
 struct Method {
@@ -65,6 +66,8 @@ struct Method {
     Needs needs = Needs::Points;
     /// Lights clouds without normals, too: it makes them itself.
     bool makesNormals = false;
+    /// Removes hidden points, and can show which.
+    bool findsHidden = false;
     /// Ends with addShading(): a PhongPass or EyeDomePass at the end is the shading's alone.
     PassList (*passes)(const PassRequest& request) = nullptr;
 };

@@ -88,12 +88,26 @@ Parameter booleanParameter(std::string name, bool value, std::string meaning) {
     return p;
 }
 
+Parameter choiceParameter(std::string name, std::vector<std::string> choices, std::string meaning) {
+    Parameter p;
+    p.name = std::move(name);
+    p.type = Parameter::Type::Choice;
+    p.defaultValue = choices.front();
+    p.choices = std::move(choices);
+    p.meaning = std::move(meaning);
+    return p;
+}
+
 double numberOf(const ParameterValues& values, const char* name) {
     return std::get<double>(values.at(name));
 }
 
 bool booleanOf(const ParameterValues& values, const char* name) {
     return std::get<bool>(values.at(name));
+}
+
+const std::string& choiceOf(const ParameterValues& values, const char* name) {
+    return std::get<std::string>(values.at(name));
 }
 
 Expected<ParameterValues> resolveParameters(const Method& method, const ParameterValues& given) {

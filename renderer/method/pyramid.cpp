@@ -53,11 +53,13 @@ PassList pyramidPasses(const PassRequest& request) {
 
     HiddenPointsPass hidden;
     hidden.scale = static_cast<float>(numberOf(values, "hprScale"));
+    hidden.fixedPx = static_cast<float>(numberOf(values, "hprPx"));
     hidden.spacing = static_cast<float>(spacing);
     hidden.detail = static_cast<float>(request.detail);
     hidden.minGap = static_cast<float>(minGapOf(request));
     hidden.threshold = static_cast<float>(numberOf(values, "threshold"));
 
+    if (request.visibility) return {nearest, ResolvePass{}, hidden, VisibilityPass{}};
     PassList list{nearest, ResolvePass{}, hidden, PullPushPass{}};
     if (request.shading == Shading::Phong) list.push_back(normalsOf(request, spacing));
     addShading(request, list);
@@ -69,6 +71,9 @@ std::vector<Parameter> parameters() {
         numberParameter("hprScale", 5, 3, 20, "",
                         "How far points look for others that hide them, in point spacings; more removes "
                         "sparser surfaces' background and closes larger windows."),
+        numberParameter("hprPx", 0, 0, 4096, "px",
+                        "The same in pixels, for the whole picture, as hidden points were found before there "
+                        "were pyramids; 0: hprScale's, wider near by than far away."),
         numberParameter("threshold", 0.1, 0, 0.5, "",
                         "Mean occlusion below which a point counts as hidden; 0 hides nothing."),
         numberParameter("noise", 0, 0, 1000, "cloud units",
@@ -101,6 +106,7 @@ Method pyramidMethod() {
     m.defaultDetail = 1.5;
     m.defaultShading = Shading::Phong;
     m.makesNormals = true;
+    m.findsHidden = true;
     m.passes = pyramidPasses;
     return m;
 }

@@ -17,6 +17,9 @@
 //   §3.1.2: background tested for occlusion      closing of the points by discs; kernels/closing.hpp. Tested by
 //     at the far plane                           occlusion, outlines frayed and slabs stood beside poles. Where
 //                                                discs would be too wide: occlusion, at infinity on its own ray
+//   Fig. 2b: the mask                            `color=visibility`: VisibilityPass ends the list
+//   Fig. 4: fixed neighbourhoods, before         parameter hprPx; HiddenPointsPass::fixedPx
+//   Fig. 5a: normals of level 0                  parameter normalScale, near 0
 //   -                                            parameters minGap and noise, measured where not given: points
 //                                                just in front of others are the same surface
 //   §3.2 pull-push, the background put back      PullPushPass; kernels/pull_push.hpp. Not mixing depths

@@ -35,13 +35,8 @@ Parameter gainParameter() {
 }
 
 Parameter footprintParameter() {
-    Parameter p;
-    p.name = "footprint";
-    p.type = Parameter::Type::Choice;
-    p.defaultValue = std::string("circle");
-    p.choices = {"circle", "square"};
-    p.meaning = "Outline of a point on screen; squares close larger holes.";
-    return p;
+    return choiceParameter("footprint", {"circle", "square"},
+                           "Outline of a point on screen; squares close larger holes.");
 }
 
 }  // namespace

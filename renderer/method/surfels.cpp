@@ -41,6 +41,7 @@ PassList discPasses(const PassRequest& request) {
 PassList ewaPasses(const PassRequest& request) {
     Splat splat = surfelSplat(Footprint::Ellipse, request.values);
     splat.lowPassPx = static_cast<float>(numberOf(request.values, "lowPass"));
+    splat.round = choiceOf(request.values, "shape") == "circle";
     NearestPass nearest{splat};
     SumPass sum{splat};
     ResolvePass resolve;
@@ -82,6 +83,10 @@ Method ewaMethod() {
     m.parameters.push_back(numberParameter(
         "lowPass", 0.5, 0, 4, "px",
         "Standard deviation of the filter over the screen; more blurs, 0 lets distant textures alias."));
+    m.parameters.push_back(choiceParameter(
+        "shape", {"ellipse", "circle"},
+        "Outline of a surfel in its surface; circles of the larger half-axis, what ellipses were made to "
+        "improve on, hang over edges and corners."));
     m.defaultDetail = 2;
     m.defaultShading = Shading::Phong;
     m.needs = Needs::Surfels;

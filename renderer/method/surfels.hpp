@@ -24,6 +24,8 @@
 //   line 8: rasterize, accumulate                SumPass: w = sqrt(|JΣJᵀ|/|V|)·exp(-½ xᵀV⁻¹x)
 //   lines 15-17: normalize every pixel           ResolvePass with sums
 //   §III: QSplat's aliasing                      parameter `lowPass`: textures seen small are averaged
+//   §IV-b: circular splats, what ellipses are      parameter `shape=circle`: of the larger half-axis, which is
+//     compared with                                §IV-a's radius, the distance to the k-th neighbour
 //   visibility, left to Zwicker's ε-z-buffer     NearestPass, and how far both surfels say that theirs reaches
 #pragma once
 

@@ -197,6 +197,7 @@ describe('the page, when things go wrong', { timeout: 120_000 }, () => {
     const option = (selector) => page.$eval(selector, (node) => [node.disabled, node.textContent]);
     assert.deepEqual(await option('#method option[value=surfel]'), [true, 'Surfels (needs normal)']);
     assert.deepEqual(await option('#color option[value=intensity]'), [true, 'Intensity (not in this cloud)']);
+    assert.deepEqual(await option('#color option[value=visibility]'), [true, 'Hidden points (reconstructed surface only)']);
     const colors = () => page.$$eval('#color option', (nodes) => nodes.map((node) => node.textContent));
     assert.equal((await colors())[0], 'Automatic');
     assert.ok(!(await colors()).some((label) => label.includes('×')), 'no products without intensity');

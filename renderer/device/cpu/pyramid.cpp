@@ -208,6 +208,22 @@ Pyramid::Labels Pyramid::labels() const {
     return {labels_.data(), labelStride_};
 }
 
+void Pyramid::showLabels(const PyramidPlanes& s, const VisibilityPass& pass, const Workers& workers) const {
+    const VisibilityColors colors = visibilityColors(pass);
+    workers.overRows(height_, [&](int y0, int y1) {
+        for (int y = y0; y < y1; ++y) {
+            const std::ptrdiff_t first = std::ptrdiff_t{y} * s.stride;
+            const std::uint8_t* const labels = labels_.data() + std::ptrdiff_t{y} * labelStride_;
+            for (int x = 0; x < width_; ++x) {
+                const bool hole = !(s.depth[first + x] < infinite);
+                std::uint32_t& color = s.rgba[first + x];
+                if (labels[x] == foregroundLabel) color = colors.foreground;
+                if (labels[x] == hiddenLabel) color = hole ? colors.hole : colors.hidden;
+            }
+        }
+    });
+}
+
 void Pyramid::fill(const PyramidPlanes& s, const PullPushPass&, const PyramidKernels& kernels,
                    const Workers& workers) {
     FillPicture picture;

@@ -34,6 +34,8 @@ class Pyramid {
     void hidePoints(const PyramidPlanes&, const HiddenPointsPass&, const PyramidKernels&, const Workers&);
     /// Valid until the next hidePoints.
     Labels labels() const;
+    /// Colours of labels in place of those of points. After hidePoints of the same picture, before fill.
+    void showLabels(const PyramidPlanes&, const VisibilityPass&, const Workers&) const;
     /// Gives colour and depth to hidden pixels. After hidePoints of the same picture.
     void fill(const PyramidPlanes&, const PullPushPass&, const PyramidKernels&, const Workers&);
     /// Packed normals (kernels/normal_plane.hpp), 0 at background. After fill of the same picture.

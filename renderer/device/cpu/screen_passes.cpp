@@ -144,6 +144,11 @@ const char* run(const HiddenPointsPass& pass, const Screen& s) {
     return "hidden points";
 }
 
+const char* run(const VisibilityPass& pass, const Screen& s) {
+    s.memory.pyramid.showLabels(pyramidPlanes(s), pass, s.workers);
+    return "visibility";
+}
+
 const char* run(const PullPushPass& pass, const Screen& s) {
     s.memory.pyramid.fill(pyramidPlanes(s), pass, s.kernels.pyramid, s.workers);
     return "pull-push";
@@ -172,6 +177,7 @@ void runScreenPasses(std::span<const Pass> passes, const LayerView& layerView, c
         if (const auto* hidden = std::get_if<HiddenPointsPass>(&pass)) name = run(*hidden, screen);
         if (const auto* pullPush = std::get_if<PullPushPass>(&pass)) name = run(*pullPush, screen);
         if (const auto* normals = std::get_if<DepthNormalsPass>(&pass)) name = run(*normals, screen);
+        if (const auto* visibility = std::get_if<VisibilityPass>(&pass)) name = run(*visibility, screen);
         if (name == nullptr) continue;
         stats.add(name, millisecondsSince(start));
     }

@@ -46,6 +46,7 @@ SplatColoring splatColoring(const ColorRule& rule) {
         case ColorSource::Depth:
             return SplatColoring::Depth;
         case ColorSource::Lod:
+        case ColorSource::Visibility:  // of its own pass
         case ColorSource::Flat:
             return SplatColoring::PerRun;
     }

@@ -18,7 +18,8 @@ bool is(const Pass& pass) {
 
 bool isScreenPass(const Pass& pass) {
     return is<PhongPass>(pass) || is<EyeDomePass>(pass) || is<OcclusionPass>(pass) || is<ShadowPass>(pass) ||
-           is<HiddenPointsPass>(pass) || is<PullPushPass>(pass) || is<DepthNormalsPass>(pass);
+           is<HiddenPointsPass>(pass) || is<PullPushPass>(pass) || is<DepthNormalsPass>(pass) ||
+           is<VisibilityPass>(pass);
 }
 
 tl::unexpected<Error> unsupported(const char* reason) {
@@ -46,6 +47,8 @@ const char* whatIsWrong(const FramePasses& p) {
     for (const Pass& pass : p.screen) {
         labelled = labelled || is<HiddenPointsPass>(pass);
         if (is<PullPushPass>(pass) && !labelled) return "pull-push fills what hidden point removal labelled";
+        if (is<VisibilityPass>(pass) && (!labelled || filled))
+            return "labels are shown after hidden point removal, before anything is filled";
         filled = filled || is<PullPushPass>(pass);
         if (is<DepthNormalsPass>(pass) && !filled) return "normals of depth need the pyramid of pull-push";
         normals = normals || is<DepthNormalsPass>(pass);

@@ -6,6 +6,8 @@
 #include <glm/matrix.hpp>
 #include <limits>
 
+#include "renderer/device/host/colors.hpp"
+
 namespace scancast {
 namespace {
 
@@ -232,7 +234,8 @@ PyramidShape pyramidShape(std::int32_t width, std::int32_t height) {
 }
 
 HiddenPointsNumbers hiddenPointsNumbers(const PyramidView& view, const HiddenPointsPass& pass) {
-    const Size size = sizeOf(view, pass.scale, pass.spacing, pass.detail);
+    const Size size =
+        pass.fixedPx > 0 ? Size{0, pass.fixedPx} : sizeOf(view, pass.scale, pass.spacing, pass.detail);
     HiddenPointsNumbers n;
     for (int level = 0; level < maxPyramidLevels; ++level) {
         const double px = std::ldexp(1.0, level);
@@ -254,6 +257,11 @@ HiddenPointsNumbers hiddenPointsNumbers(const PyramidView& view, const HiddenPoi
 std::int32_t HiddenPointsNumbers::closingAt(float depth) const {
     const float size = perspective ? closing.scaled / std::max(depth, ClosingSize::nearest) : closing.scaled;
     return static_cast<std::int32_t>(std::min(std::max(size, closing.least), ClosingSize::most));
+}
+
+VisibilityColors visibilityColors(const VisibilityPass& pass) {
+    constexpr std::uint32_t opaque = 0xff000000u;
+    return {packed(pass.foreground) | opaque, packed(pass.hidden) | opaque, packed(pass.hole) | opaque};
 }
 
 NormalNumbers normalNumbers(const PyramidView& view, const PyramidShape& shape,

@@ -77,6 +77,13 @@ struct HiddenPointsNumbers {
 
 HiddenPointsNumbers hiddenPointsNumbers(const PyramidView& view, const HiddenPointsPass& pass);
 
+/// Of VisibilityPass, as planes have colours.
+struct VisibilityColors {
+    std::uint32_t foreground = 0, hidden = 0, hole = 0;
+};
+
+VisibilityColors visibilityColors(const VisibilityPass& pass);
+
 /// Which level a pixel's normal comes from: log2 of its size, max(scaled / depth (orthographic: scaled),
 /// least).
 struct NormalNumbers {

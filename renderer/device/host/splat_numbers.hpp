@@ -70,6 +70,7 @@ struct SplatPass {
     float tolerance =
         0;  ///< Cell, and Sum of discs: |d - d_vis| across the surface ≤ tolerance · drawn radius
     float lowPassPx = 0;        ///< Ellipse: σ of the screen's low-pass
+    float ratioStep = 0;        ///< Ellipse: by how much b/a falls with each step of its code; 0: circles
     bool outliers = false;      ///< outliers are drawn, too
     std::int32_t facing = 0;    ///< 1: only what faces the eye, -1: only what faces away, 0: all
     float rotation[3][3] = {};  ///< rows: cloud → view space (x right, y up, z towards the viewer)

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <glm/geometric.hpp>
 
+#include "renderer/cloud/surfel_bytes.hpp"
 #include "renderer/device/host/colors.hpp"
 #include "renderer/select/fade.hpp"
 
@@ -39,7 +40,10 @@ SplatPass splatPass(const Splat& splat, const LayerView& view, const ColorRule& 
     n.gain = splat.profile == Profile::Flat || !(splat.gain > 0) ? 0.0f : std::min(splat.gain, 1000.0f);
     n.pixelsPerUnit = static_cast<float>(std::min(viewpoint.pixelsPerUnit, largestCoefficient));
     n.scale = splat.size.scale;
-    if (splat.footprint == Footprint::Ellipse) n.lowPassPx = splat.lowPassPx;
+    if (splat.footprint == Footprint::Ellipse) {
+        n.lowPassPx = splat.lowPassPx;
+        n.ratioStep = splat.round ? 0 : axisRatioStep;
+    }
     if (view.anyOriented())
         n.facing = splat.facing == Facing::Front ? 1 : splat.facing == Facing::Back ? -1 : 0;
     for (int r = 0; r < 3; ++r) {

@@ -247,7 +247,7 @@ export class FakeServer {
       return json({
         methods, colors: [
           'auto', 'rgb*intensity', 'elevation*intensity', 'classification*intensity',
-          'rgb', 'intensity', 'elevation', 'classification', 'normal', 'depth', 'lod',
+          'rgb', 'intensity', 'elevation', 'classification', 'normal', 'depth', 'lod', 'visibility',
         ],
         colormaps: ['viridis', 'turbo', 'grey'], shadings: ['unlit', 'phong', 'eyedome'],
       });

@@ -7,6 +7,7 @@
 
 #include "tests/support/pictures/devices.hpp"
 #include "tests/support/pictures/point_passes.hpp"
+#include "tests/support/pictures/pyramid_reference.hpp"
 
 namespace scancast::test {
 namespace {
@@ -208,6 +209,100 @@ TEST_P(HiddenPoints, OfANoisyFrontStayWhereTheNoiseIsKnown) {
             EXPECT_LE(known.lost.value(), 0.01) << spacingPx << ", " << perspective;
             EXPECT_GE(known.removed.value(), 0.99) << spacingPx << ", " << perspective;
         }
+    }
+}
+
+/// Labels as colours are the paper's criterion (Bouchiba, Deschaud and Goulette, "Raw point cloud deferred shading through
+/// screen space pyramidal operators", 2018, §3.1.2) asked of every pixel, one neighbour after another and in double.
+TEST_P(HiddenPoints, AreShownAsTheCriterionFindsThem) {
+    for (const bool perspective : {true, false}) {
+        const HiddenSetting setting{401, 333, perspective, 3, 0.3};
+        PointScreen s =
+            twoSheets(setting, 3, [](const ScreenPoint& p) { return std::hypot(p.x, p.y) > 1.5; });
+        HiddenPointsPass pass = hiding(spacingOf(setting, s));
+        const ReferenceHidden expected = referenceHidden(s, pass);
+        const VisibilityPass colors;
+        passes_->hidePoints(s, pass);
+        passes_->showLabels(s, colors);
+        const auto opaque = [](const VisibilityPass::Rgb& c) {
+            return 0xff000000u | std::uint32_t{c[2]} << 16 | std::uint32_t{c[1]} << 8 | c[0];
+        };
+        std::size_t seen[4] = {}, unsure = 0;
+        for (std::size_t i = 0; i < s.labels.size(); ++i) {
+            if (std::abs(expected.occlusion[i] - double(pass.threshold)) < 1e-5) {
+                ++unsure;
+                continue;
+            }
+            const bool point = s.surface[i] >= 0, hidden = expected.labels[i] == hiddenLabel;
+            const std::uint32_t colorOf[2][2] = {{PointScreen::background, opaque(colors.hole)},
+                                                 {opaque(colors.foreground), opaque(colors.hidden)}};
+            ASSERT_EQ(s.rgba[i], colorOf[point][hidden]) << i;
+            ++seen[2 * (point ? 1 : 0) + (hidden ? 1 : 0)];
+        }
+        EXPECT_LT(unsure, 100u);
+        EXPECT_GT(seen[1], 10000u) << "holes";
+        EXPECT_GT(seen[2], 5000u) << "visible";
+        EXPECT_GT(seen[3], 5000u) << "hidden";
+    }
+}
+
+TEST_P(HiddenPoints, AreTheSameInAFixedNeighbourhoodWhereAllIsEquallyFar) {
+    // Where every block's depth asks for the same level, saying that level asks for the same.
+    for (const HiddenSetting& setting : hiddenSettings(true)) {
+        if (setting.noise > 0) continue;
+        PointScreen s = twoSheets(setting, 2, [](const ScreenPoint&) { return true; });
+        HiddenPointsPass pass = hiding(spacingOf(setting, s));
+        // Away from a power of two, where rounding would decide.
+        pass.scale = 5.5f;
+        passes_->hidePoints(s, pass);
+        const std::vector<std::uint8_t> adaptive = s.labels;
+        pass.fixedPx = static_cast<float>(5.5 * setting.spacingPx);
+        passes_->hidePoints(s, pass);
+        EXPECT_EQ(s.labels, adaptive) << nameOf(setting);
+    }
+}
+
+TEST_P(HiddenPoints, AreFoundNearAndFarByNoFixedNeighbourhood) {
+    // One wall, near and far away: with points every 32 px, and what it hides must go; with points every 2 px and a
+    // window of 15 s0, through which one sees ten times as far (Bouchiba, Deschaud and Goulette, "Raw point cloud deferred
+    // shading through screen space pyramidal operators", 2018, §3.1.2, Fig. 4). A fixed size is too small for the
+    // one or too large for the other.
+    const HiddenSetting near{640, 480, true, 32, 0}, far{640, 480, true, 2, 0};
+    const auto removedNear = [&](float px) {
+        PointScreen s = twoSheets(near, 5, [](const ScreenPoint&) { return true; });
+        HiddenPointsPass pass = hiding(spacingOf(near, s));
+        pass.fixedPx = px;
+        passes_->hidePoints(s, pass);
+        Share removed;
+        insideGuardBand(s, [&](std::size_t i, int, int) {
+            if (s.surface[i] == rear) removed.count(s.labels[i] == hiddenLabel);
+        });
+        return removed.value();
+    };
+    const auto closedFar = [&](float px) {
+        const double spacing = spacingOf(far, screenFor(far));
+        PointScreen s = screenFor(far);
+        Numbers numbers(5);
+        sheet(depth, 8, 6, spacing, 0, numbers, [&](const ScreenPoint& p) {
+            if (std::hypot(p.x, p.y) > 15 * spacing) s.add(p, front);
+        });
+        sheet(10 * depth, 80, 60, 10 * spacing, 0, numbers, [&](const ScreenPoint& p) { s.add(p, rear); });
+        HiddenPointsPass pass = hiding(spacing);
+        pass.fixedPx = px;
+        passes_->hidePoints(s, pass);
+        Share closed;
+        insideGuardBand(s, [&](std::size_t i, int x, int y) {
+            const double r = std::hypot(x + 0.5 - s.width / 2.0, y + 0.5 - s.height / 2.0) / 30;
+            if (r < 0.9 && s.surface[i] == rear) closed.count(s.labels[i] == hiddenLabel);
+        });
+        return closed.value();
+    };
+    EXPECT_GE(removedNear(0), 0.99);
+    EXPECT_LE(closedFar(0), 0.01);
+    for (const float px : {4.0f, 8.0f, 16.0f, 32.0f, 64.0f, 128.0f, 256.0f}) {
+        const double removed = removedNear(px), closed = closedFar(px);
+        EXPECT_TRUE(removed < 0.9 || closed > 0.9)
+            << px << " px: " << removed << " removed near by, " << closed << " closed far away";
     }
 }
 

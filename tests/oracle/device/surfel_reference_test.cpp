@@ -63,6 +63,11 @@ Splat ellipses(float lowPass = 0.5f) {
     return s;
 }
 
+Splat rounded(Splat s) {
+    s.round = true;
+    return s;
+}
+
 Splat turned(Splat s, Facing facing) {
     s.facing = facing;
     return s;
@@ -138,6 +143,7 @@ TEST_P(SurfelReference, NearestEllipses) {
     for (const float lowPass : {0.1f, 0.5f, 1.5f}) {
         compare("ellipses", {NearestPass{ellipses(lowPass)}, ResolvePass{}}, same);
     }
+    compare("circles", {NearestPass{rounded(ellipses())}, ResolvePass{}}, same);
 }
 
 TEST_P(SurfelReference, BlendedDiscs) {
@@ -158,6 +164,8 @@ TEST_P(SurfelReference, BlendedEllipses) {
         const Splat splat = ellipses(lowPass);
         compare("blended ellipses", {NearestPass{splat}, SumPass{splat}, means()}, same);
     }
+    const Splat circles = rounded(ellipses());
+    compare("blended circles", {NearestPass{circles}, SumPass{circles}, means()}, same);
 }
 
 TEST_P(SurfelReference, Cells) {

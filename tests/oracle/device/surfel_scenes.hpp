@@ -141,6 +141,10 @@ inline PassList ewaPasses(double lowPass = 0.5) {
     return methodPasses("ewa", {{"lowPass", lowPass}});
 }
 
+inline PassList circularPasses(double lowPass = 0.5) {
+    return methodPasses("ewa", {{"lowPass", lowPass}, {"shape", std::string("circle")}});
+}
+
 inline PassList voronoiPasses(bool smooth, bool silhouette = false) {
     return methodPasses("voronoi", {{"smooth", smooth}, {"silhouette", silhouette}});
 }

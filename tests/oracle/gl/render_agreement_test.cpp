@@ -187,6 +187,10 @@ TEST_P(ViewAgreement, Colours) {
             v.style.flatColor = {10, 200, 90};
             check(v);
         }
+        if (v.style.method == "pyramid") {
+            v.style.color = ColorSource::Visibility;
+            check(v);
+        }
         v.style.color = ColorSource::Rgb;
         v.style.exposure = 1.5;
         v.style.byIntensity = true;

@@ -20,6 +20,9 @@ class GlPointPasses : public PointPasses {
         pyramid_.labels().read(std::as_writable_bytes(std::span(labels)));
         p.labels.assign(labels.begin(), labels.end());
     }
+    void showLabels(PointScreen& p, const VisibilityPass& pass) override {
+        there(p, [&](const gl::GpuPlanes& planes) { return pyramid_.showLabels(planes, p.planes(), pass); });
+    }
     void fill(PointScreen& p, const PullPushPass&) override {
         there(p, [&](const gl::GpuPlanes& planes) { return pyramid_.fill(planes, p.planes()); });
     }

@@ -85,6 +85,8 @@ class PointPasses {
   public:
     virtual ~PointPasses() = default;
     virtual void hidePoints(PointScreen& p, const HiddenPointsPass& pass) = 0;
+    /// After hidePoints of the same picture.
+    virtual void showLabels(PointScreen& p, const VisibilityPass& pass) = 0;
     virtual void fill(PointScreen& p, const PullPushPass& pass) = 0;
     virtual void findNormals(PointScreen& p, const DepthNormalsPass& pass) = 0;
 
@@ -121,6 +123,9 @@ class PyramidRunner : public PointPasses {
         for (int y = 0; y < p.height; ++y) {
             for (int x = 0; x < p.width; ++x) p.labels[p.at(x, y)] = labels.first[y * labels.stride + x];
         }
+    }
+    void showLabels(PointScreen& p, const VisibilityPass& pass) override {
+        pyramid_.showLabels(p.planes(), pass, workers_);
     }
     void fill(PointScreen& p, const PullPushPass& pass) override {
         pyramid_.fill(p.planes(), pass, kernels_, workers_);

@@ -76,13 +76,15 @@ int reachOf(const PointScreen& s, const std::vector<Level>& levels, const Hidden
     for (int k = 0; k < int(levels.size()); ++k) {
         if (std::min(levels[std::size_t(k)].width, levels[std::size_t(k)].height) >= 4) top = k;
     }
+    const auto levelOf = [&](double size) { return std::clamp(int(std::floor(std::log2(size))), 0, top); };
+    if (pass.fixedPx > 0) return levelOf(pass.fixedPx);
     for (int k = 4; k < int(levels.size()); ++k) {
         const auto& coarse = levels[std::size_t(k)].at(px >> k, py >> k);
         if (!coarse) continue;
         const double depth = -coarse->z;
         const double size = double(pass.scale) * effectiveSpacing(s, pass.spacing, pass.detail, depth) *
                             pixelsPerUnitAt(s, depth);
-        return std::clamp(int(std::floor(std::log2(size))), 0, top);
+        return levelOf(size);
     }
     return 0;
 }

@@ -35,6 +35,7 @@ Rgb8 sourceColor(const ColorRule& rule, const Node& node, const Sample& s, const
         case ColorSource::Auto:  // a rule names what was chosen
         case ColorSource::Rgb:
             return toned(rule, {s.r, s.g, s.b});
+        case ColorSource::Visibility:
         case ColorSource::Flat:
             return rule.flat;
         case ColorSource::Intensity:

@@ -83,7 +83,7 @@ class SurfelRenderer {
         if (perspective()) most = std::min(most, s.depth / 2);
         s.radius = std::min(s.radius, most);
         s.a = std::min(s.a, most);
-        s.b = s.a * surfel.minor / surfel.major;
+        s.b = splat.round ? s.a : s.a * surfel.minor / surfel.major;
         s.ordinal = run.firstOrdinal + i;
         s.color = {sample.r, sample.g, sample.b};
         const glm::dvec3 towardsEye = perspective() ? -s.center : glm::dvec3(0, 0, 1);

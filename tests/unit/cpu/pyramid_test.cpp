@@ -43,6 +43,30 @@ TEST(HidePoints, FollowsItsDefinition) {
     EXPECT_GT(byAngles, pixels / 20);
 }
 
+TEST(HidePoints, FollowsItsDefinitionInFixedNeighbourhoods) {
+    PyramidRunner runner;
+    std::int64_t hidden = 0, others = 0;
+    for (const AccidentCase& c : accidentCases) {
+        for (const float px : {1.0f, 6.0f, 20.0f}) {
+            HiddenPointsPass pass = hiding(c);
+            PointScreen s = accidents(c.width, c.height, c.perspective, c.cover, 7);
+            runner.hidePoints(s, pass);
+            const std::vector<std::uint8_t> adaptive = s.labels;
+            pass.fixedPx = px;
+            runner.hidePoints(s, pass);
+            const ReferenceHidden expected = referenceHidden(s, pass);
+            for (std::size_t i = 0; i < s.labels.size(); ++i) {
+                hidden += s.labels[i] == 0 ? 1 : 0;
+                others += s.labels[i] != adaptive[i] ? 1 : 0;
+                if (std::abs(expected.occlusion[i] - double(pass.threshold)) < 1e-5) continue;
+                ASSERT_EQ(s.labels[i], expected.labels[i]) << i << " of " << c.width << ", " << px << " px";
+            }
+        }
+    }
+    EXPECT_GT(hidden, 1000);
+    EXPECT_GT(others, 1000) << "it says something";
+}
+
 TEST(HidePoints, NeverHidesWithoutPoints) {
     PyramidRunner runner;
     PointScreen s(90, 60, true, 80);

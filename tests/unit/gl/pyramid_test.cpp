@@ -113,6 +113,17 @@ TEST_P(GlPyramid, ComputesWhatTheCpuDoes) {
     }
 }
 
+TEST_P(GlPyramid, ComputesWhatTheCpuDoesInFixedNeighbourhoods) {
+    for (const AccidentCase& c : accidentCases) {
+        const PointScreen s = accidents(c.width, c.height, c.perspective, c.cover, 7);
+        HiddenPointsPass pass = hiding(c);
+        for (const float px : {1.0f, 20.0f}) {
+            pass.fixedPx = px;
+            expectTheSame(s, pass, nameOf(c) + ", fixed");
+        }
+    }
+}
+
 // Several tiles of work groups on each axis, and pyramids of more levels than one dispatch makes.
 TEST_P(GlPyramid, ComputesWhatTheCpuDoesOnLargePictures) {
     const AccidentCase cases[] = {{1313, 333, true, 0.1, 0.02f, 1},

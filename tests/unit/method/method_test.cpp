@@ -160,6 +160,14 @@ TEST(Methods, EllipsesAreBlendedDiscsAreNot) {
     EXPECT_EQ(find<SumPass>(ewa)->lowPassPx, 0.75f);
     EXPECT_TRUE(find<SumPass>(ewa)->normals);
     EXPECT_TRUE(find<ResolvePass>(ewa)->sums);
+    EXPECT_FALSE(find<NearestPass>(ewa)->round || find<SumPass>(ewa)->round);
+    const PassList circles = passes("ewa", {{"shape", std::string("circle")}});
+    EXPECT_TRUE(find<NearestPass>(circles)->round && find<SumPass>(circles)->round);
+}
+
+TEST(Methods, PyramidLooksEquallyFarEverywhereWhereAsked) {
+    EXPECT_EQ(find<HiddenPointsPass>(passes("pyramid", {}))->fixedPx, 0);
+    EXPECT_EQ(find<HiddenPointsPass>(passes("pyramid", {{"hprPx", 40.0}}))->fixedPx, 40);
 }
 
 TEST(Methods, VoronoiListsThePassesOfItsPaperInOrder) {

@@ -149,6 +149,14 @@ TEST(ViewWords, AColourMayBeMultipliedByIntensity) {
     EXPECT_THAT(refused({{"color", "normal*intensity"}}).message, testing::HasSubstr("classification"));
 }
 
+TEST(ViewWords, HiddenPointsMayBeShown) {
+    const View view = applied({{"color", "visibility"}});
+    EXPECT_EQ(view.style.color, ColorSource::Visibility);
+    EXPECT_EQ(colorWord(view.style), "visibility");
+    EXPECT_THAT(refused({{"color", "visible"}}).message, testing::HasSubstr("visibility"));
+    EXPECT_THAT(refused({{"color", "visibility*intensity"}}).message, testing::HasSubstr("classification"));
+}
+
 TEST(ViewWords, OneWordKeepsTheRest) {
     auto expected = test::richView();
     expected.camera.eye = {1, 2, 3};

@@ -113,6 +113,30 @@ TEST(Render, WhatIsTheSameEverywhereIsLeftOutUnlessAskedFor) {
     EXPECT_GT(device.color.high, device.color.low);
 }
 
+TEST(Render, HiddenPointsAreShownByWhoRemovesThem) {
+    const Cloud cloud = fourPoints();
+    View view = fromAbove(cloud, 64, 48);
+    view.style.color = ColorSource::Visibility;
+    for (const Method& method : methods()) {
+        view.style.method = method.name;
+        const auto ok = checkView(cloud, view);
+        if (method.needs == Needs::Surfels) continue;  // refused for that
+        EXPECT_EQ(ok.has_value(), method.name == "pyramid") << method.name;
+        if (ok) continue;
+        EXPECT_EQ(ok.error().field, "color");
+        EXPECT_THAT(ok.error().message, HasSubstr("use method=pyramid"));
+    }
+    view.style.method = "pyramid";
+    view.style.shading = Shading::Phong;
+    view.style.light.occlusion = 1;
+    NotingDevice device;
+    ASSERT_TRUE(render(device, cloud, view));
+    EXPECT_EQ(device.color.source, ColorSource::Flat) << "devices know no labels' colours but the pass's";
+    ASSERT_EQ(device.passes.size(), 4u) << "neither filled nor lit";
+    EXPECT_TRUE(std::holds_alternative<VisibilityPass>(device.passes.back()));
+    EXPECT_EQ(plan(cloud, view).value()->colorName, "visibility");
+}
+
 TEST(Render, APosterIsDrawnInTilesThatFitTogether) {
     const Cloud cloud = fourPoints();
     NotingDevice device;

@@ -23,7 +23,7 @@ inline void decodeAxes(const SplatPass& pass, const Block& b, AxisCodes& out) {
         const std::uint32_t code = word >> 24;
         const bool known = radius != noRadius && radius != outlierCode && pass.radii != nullptr;
         out.major[i] = known ? majorPerRadius : 1.0f;
-        out.ratio[i] = 1.0f - static_cast<float>(static_cast<std::int32_t>(code >> 5)) * axisRatioStep;
+        out.ratio[i] = 1.0f - static_cast<float>(static_cast<std::int32_t>(code >> 5)) * pass.ratioStep;
         out.cosine[i] = axisDirections.cosine[code & (axisAngles - 1)];
         out.sine[i] = axisDirections.sine[code & (axisAngles - 1)];
     }

@@ -29,7 +29,7 @@ SplatParams splatParams(const SplatPass& n, ivec4 area, std::size_t index, bool 
     if (n.perspective) most = std::min(most, largestSpread * n.pixelsPerUnit);
     p.surfel = {n.pixelsPerUnit, 1.0f / n.pixelsPerUnit, n.scale, most};
     p.extent = {n.reach, largestReach * n.pixelsPerUnit, n.tolerance, 0};
-    p.blur = {6.0f * n.lowPassPx * n.lowPassPx, rootOf6 * n.lowPassPx, majorPerRadius, axisRatioStep};
+    p.blur = {6.0f * n.lowPassPx * n.lowPassPx, rootOf6 * n.lowPassPx, majorPerRadius, n.ratioStep};
     setRotation(n, p.rotation);
     p.flags = {static_cast<int>(index), n.facing, 0, n.ownRadii};
     p.filters = {byClass, n.outliers, 0, 0};

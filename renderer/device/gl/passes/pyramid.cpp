@@ -106,6 +106,17 @@ Expected<void> Pyramid::closeBackground(const PyramidView& view) {
     return {};
 }
 
+Expected<void> Pyramid::showLabels(const GpuPlanes& planes, const PyramidView& view,
+                                   const VisibilityPass& pass) {
+    const VisibilityColors colors = visibilityColors(pass);
+    VisibilityParams params{};
+    params.size = ivec4(view.width, view.height, 0, 0);
+    params.colors = uvec4(colors.foreground, colors.hidden, colors.hole, 0);
+    if (auto ok = shaders_.set(params); !ok) return ok;
+    bind(planes);
+    return shaders_.overPixels("show_labels.comp", view.width, view.height);
+}
+
 Expected<void> Pyramid::fill(const GpuPlanes& planes, const PyramidView& view) {
     if (auto ok = shaders_.set(paramsOf(view)); !ok) return ok;
     bind(planes);

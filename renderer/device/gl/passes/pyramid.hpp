@@ -23,6 +23,8 @@ class Pyramid {
     /// Labels every pixel hidden, visible foreground or visible background. Changes nothing else.
     /// ResourceLimit for a picture whose levels a shader cannot see as a whole.
     Expected<void> hidePoints(const GpuPlanes& planes, const PyramidView& view, const HiddenPointsPass& pass);
+    /// Colours of labels in place of those of points. After hidePoints of the same picture, before fill.
+    Expected<void> showLabels(const GpuPlanes& planes, const PyramidView& view, const VisibilityPass& pass);
     /// Gives colour and depth to hidden pixels. After hidePoints of the same picture.
     Expected<void> fill(const GpuPlanes& planes, const PyramidView& view);
     /// Writes the plane of normals, 0 at background. After fill of the same picture.

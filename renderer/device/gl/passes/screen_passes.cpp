@@ -92,6 +92,10 @@ Expected<void> run(const HiddenPointsPass& pass, const Screen& s) {
     return s.pyramid.hidePoints(s.planes, s.view(), pass);
 }
 
+Expected<void> run(const VisibilityPass& pass, const Screen& s) {
+    return s.pyramid.showLabels(s.planes, s.view(), pass);
+}
+
 Expected<void> run(const PullPushPass&, const Screen& s) {
     return s.pyramid.fill(s.planes, s.view());
 }
@@ -109,6 +113,7 @@ const char* stageOf(const Pass& pass) {
     if (std::holds_alternative<HiddenPointsPass>(pass)) return "hidden points";
     if (std::holds_alternative<PullPushPass>(pass)) return "pull-push";
     if (std::holds_alternative<DepthNormalsPass>(pass)) return "normals";
+    if (std::holds_alternative<VisibilityPass>(pass)) return "visibility";
     return nullptr;
 }
 

@@ -33,6 +33,7 @@ static_assert(sizeof(PartParams) == 48);
 static_assert(offsetof(PartParams, window) == 16 && offsetof(PartParams, frames) == 32);
 static_assert(sizeof(GlassParams) == 96);
 static_assert(offsetof(GlassParams, depthAt) == 32 && offsetof(GlassParams, tint) == 80);
+static_assert(sizeof(VisibilityParams) == 32 && offsetof(VisibilityParams, colors) == 16);
 static_assert(pyramidLevels == maxPyramidLevels);
 static_assert(sizeof(PyramidParams) == 592);
 static_assert(offsetof(PyramidParams, layerView) == 16 && offsetof(PyramidParams, levels) == 32);

@@ -55,6 +55,12 @@ struct GlassParams {
     ivec4 tint;       // w: 1 where there are normals, else 0
 };
 
+// Labels of hidden points as colours.
+struct VisibilityParams {
+    ivec4 size;    // width, height of the planes
+    uvec4 colors;  // of visible points, hidden ones, holes
+};
+
 const int pyramidLevels = 24;
 
 // The passes of docs/spec/pyramid.md section 1. Level 0 is the picture; texels of the others stand in one buffer.

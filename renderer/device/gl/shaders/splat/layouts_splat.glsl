@@ -10,7 +10,7 @@ struct SplatParams {
     vec4 surfel;       // pixels per unit; units per pixel; scale of radii; largest half size, px
     vec4 extent;       // Sum of discs: reach, and its largest half size, px; tolerance, drawn radii; unused
     vec4 blur;         // Ellipse: 6 and sqrt(6) times the low-pass' variance and deviation, px; an ellipse's major axis over its radius,
-                       // and a step of its axes' ratio (renderer/cloud/surfel_bytes.hpp)
+                       // and a step of its axes' ratio (renderer/cloud/surfel_bytes.hpp), 0 for circles
     vec4 rotation[3];  // rows: cloud -> view space (x right, y up, z towards the viewer)
     ivec4 flags;       // which of a run's size factors; facing: 1, -1 or 0; unused; 1 = samples know radii
     ivec4 filters;     // x: 1 = not all classes are drawn; y: 1 = outliers are drawn; unused

@@ -21,7 +21,7 @@ inline Int<lanes> offsetBits(Float<lanes> steps) {
     return (__builtin_convertvector(bounded + (8 + 0.5f), Int<lanes>) - 8) & 15;
 }
 
-/// Of two vectors, the first as bytes.
+/// A visible normal, out of its bytes.
 template <int lanes>
 struct Unpacked {
     Float<lanes> x, y, z;
@@ -51,8 +51,7 @@ struct Verdict {
     Int<lanes> shunned;  ///< it is not: it goes on behind a concave one
 };
 
-/// `gap`: px along the ray from the visible one to the disc; (u, v, -1) the ray, of which `straight` without perspective
-/// has no u, v.
+/// `gap`: px along the ray (u, v, -1) from the visible one to the disc.
 template <int lanes>
 inline Verdict<lanes> meet(Int<lanes> visible, const DiscThere<lanes>& disc, Float<lanes> gap, Float<lanes> u,
                            float v) {

@@ -7,12 +7,13 @@ const find = (id) => document.getElementById(id);
 
 const colorNames = {
   auto: 'Automatic', rgb: 'As scanned', intensity: 'Intensity', elevation: 'Height', classification: 'Classification', normal: 'Direction of the surface',
+  curvature: 'Curvature',
   depth: 'Distance', lod: 'Level of detail',
 };
 const shadingNames = { unlit: 'None', phong: 'From the viewer', eyedome: 'Shaded edges' };
 const colormapNames = { viridis: 'Viridis', turbo: 'Turbo', grey: 'Grey' };
 const withRamp = ['intensity', 'elevation', 'depth', 'lod'];
-const mayLack = ['rgb', 'intensity', 'classification', 'normal'];
+const mayLack = ['rgb', 'intensity', 'classification', 'normal', 'curvature'];
 const dusk = JSON.stringify(['#3a424e', '#16191e']);
 
 const named = (names, key) => names[key] ?? key.charAt(0).toUpperCase() + key.slice(1);

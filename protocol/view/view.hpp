@@ -44,13 +44,14 @@ enum class ColorSource : std::uint8_t {
     Elevation,
     Classification,
     Normal,
+    Curvature,
     Depth,
     Lod,
     Flat,
 };
 /// Of all but Flat, which is #rrggbb on the wire.
-inline constexpr std::array<std::string_view, 8> colorSourceNames{
-    "auto", "rgb", "intensity", "elevation", "classification", "normal", "depth", "lod"};
+inline constexpr std::array<std::string_view, 9> colorSourceNames{
+    "auto", "rgb", "intensity", "elevation", "classification", "normal", "curvature", "depth", "lod"};
 /// Whether its brightness may follow intensity (`rgb*intensity`).
 constexpr bool takesIntensity(ColorSource source) {
     using enum ColorSource;

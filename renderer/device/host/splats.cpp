@@ -107,8 +107,13 @@ void setColor(const CutRun& cutRun, const ColorRule& rule, RunNumbers& run) {
     if (rule.source == ColorSource::Flat) run.color = packed(rule.flat);
     if (rule.source == ColorSource::Lod) run.color = packed(rule.ramp[cutRun.node->level]);
     const double scale = indexScale(rule.low, rule.high);
-    run.elevationStep = static_cast<float>(cutRun.node->step.z * scale);
-    run.elevationBase = static_cast<float>((cutRun.node->boxMin.z - rule.low) * scale);
+    if (rule.source == ColorSource::Curvature) {
+        run.indexStep = static_cast<float>(0.5 * scale / cutRun.node->radiusUnit);
+        run.indexBase = static_cast<float>(-rule.low * scale);
+        return;
+    }
+    run.indexStep = static_cast<float>(cutRun.node->step.z * scale);
+    run.indexBase = static_cast<float>((cutRun.node->boxMin.z - rule.low) * scale);
 }
 
 }  // namespace
@@ -181,6 +186,7 @@ std::optional<RunNumbers> runNumbers(const CutRun& cutRun, const LayerView& view
     run.plainRadius = node.spacing;
     run.ratioUnit = node.radiusUnit / node.spacing;
     run.oriented = view.oriented || (view.orientedNodes && node.confidence >= sureSide);
+    run.knowsCurvatures = !cutRun.curvatures.empty();
     run.firstOrdinal = cutRun.firstOrdinal;
     run.turnStep = turnStep;
     run.turnBase = 0u - cutRun.firstOrdinal * turnStep;

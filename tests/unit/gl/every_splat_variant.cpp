@@ -10,7 +10,7 @@ namespace {
 constexpr SplatColoring colorings[] = {
     SplatColoring::Rgb,       SplatColoring::PerRun,         SplatColoring::Intensity,
     SplatColoring::Elevation, SplatColoring::Classification, SplatColoring::Normal,
-    SplatColoring::Depth,     SplatColoring::Toned};
+    SplatColoring::Depth,     SplatColoring::Toned,          SplatColoring::Curvature};
 
 /// Collects variants, each once.
 class Variants {

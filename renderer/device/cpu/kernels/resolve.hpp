@@ -17,7 +17,7 @@ inline const SplatRun& runOf(const SampleTable& table, std::uint32_t ordinal) {
 
 /// As colorize() does for a block, but for the depth, which is the pixel's.
 inline std::uint32_t sourceColor(const SplatPass& pass, const SplatRun& run, const SampleWords& words,
-                                 float depth) {
+                                 std::uint32_t curvature, float depth) {
     switch (pass.coloring) {
         case Coloring::Rgb:
             return words[2] & 0xffffff;
@@ -29,7 +29,7 @@ inline std::uint32_t sourceColor(const SplatPass& pass, const SplatRun& run, con
         }
         case Coloring::Elevation: {
             const float z = static_cast<float>(static_cast<std::int32_t>(words[1] & 0xffff));
-            return tableEntry(pass.ramp, z * run.elevationStep + run.elevationBase);
+            return tableEntry(pass.ramp, z * run.indexStep + run.indexBase);
         }
         case Coloring::Classification:
             return pass.ramp[words[2] >> 24];
@@ -39,13 +39,15 @@ inline std::uint32_t sourceColor(const SplatPass& pass, const SplatRun& run, con
             return tableEntry(pass.ramp, (depth - pass.colorLow) * pass.colorScale);
         case Coloring::Toned:
             return toned(pass.ramp, words[2]);
+        case Coloring::Curvature:
+            return tableEntry(pass.ramp, curvatureIndex(pass, run, curvature));
     }
     return 0;
 }
 
 inline std::uint32_t sampleColor(const SplatPass& pass, const SplatRun& run, const SampleWords& words,
-                                 float depth) {
-    const std::uint32_t color = sourceColor(pass, run, words, depth);
+                                 std::uint32_t curvature, float depth) {
+    const std::uint32_t color = sourceColor(pass, run, words, curvature, depth);
     return pass.byIntensity ? brightened(pass, color, words[1]) : color;
 }
 
@@ -76,8 +78,10 @@ inline void lookUp(const SplatPass& pass, const SampleTable& table, const Key* k
         __builtin_memcpy(&out.depth[i], &depthBits, 4);
         const std::uint32_t ordinal = static_cast<std::uint32_t>(keys[i]);
         const SplatRun& run = runOf(table, ordinal);
-        const SampleWords& words = run.samples[ordinal - run.firstOrdinal];
-        out.rgba[i] = sampleColor(pass, run, words, out.depth[i]) | 0xff000000u;
+        const std::uint32_t at = ordinal - run.firstOrdinal;
+        const SampleWords& words = run.samples[at];
+        const std::uint32_t curvature = run.curvatures != nullptr ? run.curvatures[at] : 0;
+        out.rgba[i] = sampleColor(pass, run, words, curvature, out.depth[i]) | 0xff000000u;
         out.normals[i] = words[3] & 0xffff;
     }
 }

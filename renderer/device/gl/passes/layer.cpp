@@ -169,6 +169,7 @@ Expected<void> Layer::splatOnce(const SplatPass& pass, Keep keep, const std::sto
         parts_.tables.chunks.bindStorage(binding::splat::chunks);
         for (std::size_t i = 0; i < batch.pages.size(); ++i) {
             batch.pages[i].samples->bind(unit::samples);
+            batch.pages[i].curvatures->bind(unit::curvatures);
             if (auto ok = parts_.slices.dispatch(pages_[i].firstChunk, pages_[i].chunks, stop); !ok)
                 return ok;
         }
@@ -253,6 +254,7 @@ Expected<void> Layer::resolveSamples(ResolveParams params, const GpuPlanes& plan
             params.look.y = pages_[i].extents;
             if (auto ok = parts_.screen.set(params); !ok) return ok;
             batch.pages[i].samples->bind(unit::samples);
+            batch.pages[i].curvatures->bind(unit::curvatures);
             if (auto ok = overPixels(params.area, variant); !ok) return ok;
         }
         return {};

@@ -42,6 +42,7 @@ inline constexpr unsigned samples = 0;             ///< splat.comp, resolve_samp
 inline constexpr unsigned keys = 1, payloads = 2;  ///< without 64-bit keys `keys` are orders alone
 inline constexpr unsigned visible = 3;             ///< the nearest pass' keys or orders
 inline constexpr unsigned silhouette = 4;
+inline constexpr unsigned curvatures = 5;  ///< where the samples are
 }  // namespace unit
 
 /// Binding points of storage blocks by shader, as the shaders number them; OpenGL promises eight.

@@ -93,7 +93,7 @@ TEST(Describe, EveryMethodWithEveryParameter) {
     }
     EXPECT_EQ(json["colors"],
               nlohmann::json({"auto", "rgb*intensity", "elevation*intensity", "classification*intensity",
-                              "rgb", "intensity", "elevation", "classification", "normal", "depth", "lod"}));
+                              "rgb", "intensity", "elevation", "classification", "normal", "curvature", "depth", "lod"}));
     EXPECT_FALSE(json["colormaps"].empty());
 }
 

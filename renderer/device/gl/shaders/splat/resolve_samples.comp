@@ -41,8 +41,9 @@ void main() {
     uint ordinal = keyPayload(pixel);
     uvec4 extent = extentOf(ordinal);
     if (ordinal < extent.x || ordinal - extent.x >= extent.y) return;
-    uvec4 words = texelFetch(samples, int(extent.w + (ordinal - extent.x)));
-    rgba[place] = colorOf(runs[extent.z], words, there) | 0xff000000u;
+    int sampleAt = int(extent.w + (ordinal - extent.x));
+    uvec4 words = texelFetch(samples, sampleAt);
+    rgba[place] = colorOf(runs[extent.z], words, sampleAt, there) | 0xff000000u;
 #if NORMALS
     normals[place] = packNormal(toView(sampleDirection(words.w)));
 #endif

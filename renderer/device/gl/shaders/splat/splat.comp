@@ -40,14 +40,14 @@ layout(location = 0) uniform uint firstChunk;
 #include "sprites.glsl"
 #endif
 
-// What a key carries, or a sum adds, of a sample with this index in its run; of a surface its pose tells (surfaces.glsl).
-uint carriedBy(RunParams run, uvec4 words, uint index, float depth) {
+// What a key carries, or a sum adds, of a sample with this index in its run and this place in its page; of a surface its pose tells (surfaces.glsl).
+uint carriedBy(RunParams run, uvec4 words, uint index, int at, float depth) {
 #if REDUCTION != REDUCTION_SUM && (PAYLOAD == PAYLOAD_NONE || PAYLOAD == PAYLOAD_SURFACE)
     return 0u;
 #elif PAYLOAD == PAYLOAD_SAMPLE
     return run.color.z + index;
 #else
-    return colorOf(run, words, depth);
+    return colorOf(run, words, at, depth);
 #endif
 }
 
@@ -58,7 +58,7 @@ bool footprintOf(RunParams run, uvec4 range, uint i, out Footprint f) {
     uvec4 words = texelFetch(samples, int(range.x + i));
     Placed placed;
     if (!placeSample(run, words, placed)) return false;
-    if (!setUp(run, words, placed, carriedBy(run, words, range.w + i, placed.depth), f)) return false;
+    if (!setUp(run, words, placed, carriedBy(run, words, range.w + i, int(range.x + i), placed.depth), f)) return false;
     f.box = ivec4(max(f.box.xy, pass.area.xy), min(f.box.zw, pass.area.xy + pass.area.zw - 1));
     return f.box.x <= f.box.z && f.box.y <= f.box.w;
 }

@@ -91,6 +91,8 @@ struct SilhouettePass : Splat {};
 /// NearestPass's: the selection grows nodes by that one alone.
 struct SumPass : Splat {
     bool normals = false;
+    /// Ellipse, with normals: they turn across the surfel as its curvatures say (docs/spec/surfels.md §12).
+    bool curved = false;
     float reach = 2;
 };
 
@@ -107,6 +109,8 @@ struct CellPass : Splat {
 struct ResolvePass {
     bool sums = false;
     bool normals = false;
+    /// Normals that are looked up turn with the place on the surfel (docs/spec/surfels.md §12).
+    bool curved = false;
 };
 
 /// screen: two-sided Blinn-Phong by the plane of normals; docs/spec/shading.md §2. Pixels without a normal

@@ -28,10 +28,20 @@ Splat surfelSplat(Footprint footprint, const ParameterValues& values) {
 
 namespace {
 
+/// Where ellipses are blended, facets hardly show, and what noise leaves of curvatures costs more than it gains
+/// (docs/spec/surfels.md §12).
+Parameter curvedParameter(bool value) {
+    return booleanParameter(
+        "curved", value,
+        "Light surfels as bent as their surface is, where the cloud knows curvatures; off lights each "
+        "as flat.");
+}
+
 PassList discPasses(const PassRequest& request) {
     NearestPass nearest{surfelSplat(Footprint::Disc, request.values)};
     ResolvePass resolve;
     resolve.normals = request.shading == Shading::Phong;
+    resolve.curved = booleanOf(request.values, "curved");
     if (resolve.normals) nearest.payload = Payload::Sample;
     PassList list{nearest, resolve};
     addShading(request, list);
@@ -46,6 +56,7 @@ PassList ewaPasses(const PassRequest& request) {
     ResolvePass resolve;
     resolve.sums = true;
     sum.normals = resolve.normals = request.shading == Shading::Phong;
+    sum.curved = booleanOf(request.values, "curved");
     PassList list{nearest, sum, resolve};
     addShading(request, list);
     return list;
@@ -61,6 +72,7 @@ Method discMethod() {
         "A disc in the surface for every point: closed surfaces with true slopes and lighting, in one pass.";
     m.source = "Point-based Rendering: normal detection, splatting and mirrors";
     m.parameters = surfelParameters();
+    m.parameters.push_back(curvedParameter(true));
     m.defaultDetail = 2;
     m.defaultShading = Shading::Phong;
     m.needs = Needs::Surfels;
@@ -82,6 +94,7 @@ Method ewaMethod() {
     m.parameters.push_back(numberParameter(
         "lowPass", 0.5, 0, 4, "px",
         "Standard deviation of the filter over the screen; more blurs, 0 lets distant textures alias."));
+    m.parameters.push_back(curvedParameter(false));
     m.defaultDetail = 2;
     m.defaultShading = Shading::Phong;
     m.needs = Needs::Surfels;

@@ -18,7 +18,7 @@ MirrorLayer::MirrorLayer(const Drawing& drawing, const CutView& reflection, cons
                          TileMemories& tiles, LayerMemory& memory, const Rect& picture)
     : glass_(*reflection.glass),
       layerView_{&reflection.viewpoint, mainView.pad, mainView.surfels, mainView.oriented,
-                 mainView.orientedNodes},
+                 mainView.orientedNodes, mainView.curvatures},
       passes_(passes),
       kernels_(kernels),
       workers_(workers),

@@ -56,6 +56,7 @@ struct SplatPass {
     SplatShape shape = SplatShape::FlatSquare;
     SplatPayload payload = SplatPayload::Color;  ///< of its keys
     bool sumNormals = false;
+    bool curved = false;    ///< what it sums, or what is looked up by its payloads, has normals that turn
     bool ownRadii = false;  ///< samples know their radii, and the pass's size follows them
     bool perspective = true;
     float centerX = 0, centerY = 0;  ///< the view axis, px in the whole picture, jitter included

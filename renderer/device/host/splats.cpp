@@ -162,6 +162,8 @@ std::vector<SplatPass> splatPasses(const FramePasses& passes, const LayerView& v
         SplatPass& n = add(*passes.sum);
         n.reduction = Reduction::Sum;
         n.sumNormals = passes.sum->normals;
+        n.curved = view.curvatures && passes.sum->normals && passes.sum->curved &&
+                   passes.sum->footprint == Footprint::Ellipse;
         if (passes.sum->footprint == Footprint::Disc) {
             n.reach = passes.sum->reach;
             n.tolerance = passes.cell ? passes.cell->tolerance : 0.5f;
@@ -173,6 +175,9 @@ std::vector<SplatPass> splatPasses(const FramePasses& passes, const LayerView& v
         n.payload = SplatPayload::Sample;
         n.tolerance = passes.cell->tolerance;
     }
+    if (passes.bySample())
+        for (SplatPass& n : out)
+            n.curved = view.curvatures && passes.resolve.normals && passes.resolve.curved;
     return out;
 }
 

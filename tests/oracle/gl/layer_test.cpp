@@ -280,6 +280,8 @@ const MethodCase methodCases[] = {
     {"disc", {}, "disc", true},
     {"disc", {{"maxPx", 9.0}, {"cull", false}}, "smallDisc", true},
     {"ewa", {}, "ewa", true},
+    {"disc", {{"curved", false}}, "flatDisc", true},
+    {"ewa", {{"curved", true}}, "curvedEwa", true},
     {"ewa", {{"lowPass", 2.0}, {"scale", 3.0}}, "blurredEwa", true},
     {"voronoi", {{"smooth", false}}, "voronoiFlat", true},
     {"voronoi", {{"smooth", true}}, "voronoiSmooth", true},

@@ -9,8 +9,8 @@ namespace {
 
 /// Constants, slopes, then second derivatives: 1, u, v, u²/2, u·v, v²/2.
 inline constexpr int quadricTerms = 6, planeTerms = 3;
-/// Of F(3, 5), the 1 % that a plane's noise exceeds: what bends less than that is flat.
-inline constexpr double bendsBeyondNoise = 12.06;
+/// Of F(3, 5), what a plane's noise exceeds once in a thousand: what bends less than that is flat.
+inline constexpr double bendsBeyondNoise = 33.2;
 /// Of a pivot, in units of the reach: less, and the neighbours lie on two lines, and say nothing of what is between.
 inline constexpr double leastPivot = 1e-4;
 

@@ -27,6 +27,7 @@ class SurfelFragments {
     static constexpr bool disc = shape == Shape::Disc;
     static constexpr bool sums = reduction == Reduction::Sum;
     static constexpr bool nearest = reduction == Reduction::Nearest;
+    static constexpr bool turning = sums && extra && !disc;  ///< normals may turn across the surfel
 
   public:
     SurfelFragments(const SplatPass& pass, const Block& b, const Surfels& s, int i, const KeyTile& tile)
@@ -62,6 +63,7 @@ class SurfelFragments {
             surface_ = {s.surface[i], s.anySide[i] != 0};
         }
         if constexpr (sums && extra) addends_.setNormal(s.normalX[i], s.normalY[i], s.normalZ[i]);
+        if constexpr (turning) setBend(s, i);
     }
 
     /// Starts rows of lanes at this column of the picture; those beyond `last` are left alone by sums.
@@ -77,6 +79,8 @@ class SurfelFragments {
             tdx_ = slopeX_ * dx_;
             tdx_ = (perspective ? F{} + 1.0f : depth_) + tdx_;
         }
+        if constexpr (turning)
+            for (int a = 0; a < 3 && bent_; ++a) rowNormal_[a] = normal_[a] + right_[a] * dx_;
     }
 
     /// The row's lanes, at this offset from the tile's pixel (0, 0).
@@ -120,7 +124,7 @@ class SurfelFragments {
         }
         if constexpr (sums) {
             covered &= inside_;
-            add(offset, visible, square, c, covered);
+            add(offset, dy, visible, square, c, covered);
         } else {
             const F order = reduction == Reduction::Cell ? placeOnDisc(square, c) * radius_ : depthOf(c);
             const F positive = order > 1.17549435e-38f ? order : F{} + 1.17549435e-38f;
@@ -130,7 +134,7 @@ class SurfelFragments {
     }
 
     /// Adds what belongs to the surface that is visible there, as that surface itself says.
-    void add(std::int64_t offset, F visible, F square, F c, I covered) {
+    void add(std::int64_t offset, float dy, F visible, F square, F c, I covered) {
         const I surface = loadPayloads<lanes>(tile_.visible + offset);
         F share = F{} + 1.0f;
         if constexpr (!disc) {
@@ -143,12 +147,30 @@ class SurfelFragments {
             }
         }
         if (!anyOf<lanes>(covered)) return;
+        if constexpr (turning) {
+            if (bent_) {
+                addends_.x = quantiseNormal<lanes>(rowNormal_[0] + down_[0] * dy);
+                addends_.y = quantiseNormal<lanes>(rowNormal_[1] + down_[1] * dy);
+                addends_.z = quantiseNormal<lanes>(rowNormal_[2] + down_[2] * dy);
+            }
+        }
         const I whole = quantiseWeight<lanes>(weight(square, c) * share, covered);
         if (extra && surface_.mayTurn) {
             const I turned = surface_.turned(surface);
             addFragments<lanes, extra, true>(tile_, offset, whole, addends_, turned, full_);
         } else {
             addFragments<lanes, extra, false>(tile_, offset, whole, addends_, I{}, full_);
+        }
+    }
+
+    void setBend(const Surfels& s, int i) {
+        bent_ = s.bends && s.bent[i] != 0;
+        if (!bent_) return;
+        const float normal[3] = {s.normalX[i], s.normalY[i], s.normalZ[i]};
+        for (int a = 0; a < 3; ++a) {
+            normal_[a] = normal[a];
+            right_[a] = s.bendRight[a][i];
+            down_[a] = s.bendDown[a][i];
         }
     }
 
@@ -200,6 +222,9 @@ class SurfelFragments {
     F dx_, sdx_, tdx_;
     I payload_, center_, inside_, full_{};
     OfSurface<lanes> surface_;
+    F rowNormal_[3];
+    float normal_[3] = {}, right_[3] = {}, down_[3] = {};
+    bool bent_ = false;
     float x_, y_, sy_, ty_, slopeY_ = 0, near_, unitsPerPx_ = 0;
     std::int32_t centerRow_, centerColumn_;
 };

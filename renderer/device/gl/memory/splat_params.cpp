@@ -43,6 +43,7 @@ ResolveParams resolveParams(const SplatPass& n, ivec4 area, ivec4 planes, int ba
     p.planes = planes;
     p.ramp = {n.colorLow, n.colorScale, n.intensityLow, n.intensityScale};
     p.look.z = static_cast<std::uint32_t>(backgroundRow);
+    p.view = {n.centerX, n.centerY, 1.0f / n.pixelsPerUnit, n.perspective ? 1.0f : 0.0f};
     setRotation(n, p.rotation);
     return p;
 }

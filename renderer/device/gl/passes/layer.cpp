@@ -272,9 +272,10 @@ Expected<void> Layer::resolveSums(const ResolveParams& params, const GpuPlanes& 
     return overPixels(params.area, resolveSumsVariant(passes_, traits_.limits.keys64, normals));
 }
 
-Expected<void> Layer::resolve(ivec4 band, const GpuPlanes& planes, const std::stop_token& stop) {
+Expected<void> Layer::resolve(const SplatPass& pass, ivec4 band, const GpuPlanes& planes,
+                              const std::stop_token& stop) {
     const bool normals = passes_.resolve.normals && planes.normals != nullptr;
-    const ResolveParams params = resolveParams(splats_.front(), band, planes.area, band.y - area_.y);
+    const ResolveParams params = resolveParams(pass, band, planes.area, band.y - area_.y);
     Expected<void> done = resolveKeys(params, planes, normals);
     if (done && passes_.bySample()) done = resolveSamples(params, planes, normals, stop);
     if (done && passes_.resolve.sums) done = resolveSums(params, planes, normals);
@@ -290,7 +291,7 @@ Expected<void> Layer::drawBand(ivec4 band, std::span<const SplatPass> splats, co
         if (auto ok = checkErrors(parts_.gl, std::string("splatting \"") + name + "\""); !ok) return ok;
     }
     const StageTimes::Scope timed(times, "resolve");
-    if (auto ok = resolve(band, planes, stop); !ok) return ok;
+    if (auto ok = resolve(splats.front(), band, planes, stop); !ok) return ok;
     return checkErrors(parts_.gl, "resolving splats");
 }
 

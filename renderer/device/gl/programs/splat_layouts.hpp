@@ -29,7 +29,7 @@ static_assert(offsetof(RunParams, clipMin) == 48 && offsetof(RunParams, clipMax)
 static_assert(offsetof(RunParams, sizeFactors) == 80 && offsetof(RunParams, factors) == 96);
 static_assert(offsetof(RunParams, color) == 112);
 static_assert(sizeof(SplatChunk) == 16 && sizeof(SplatExtent) == 16);
-static_assert(sizeof(ResolveParams) == 112);
+static_assert(sizeof(ResolveParams) == 128 && offsetof(ResolveParams, view) == 112);
 static_assert(offsetof(ResolveParams, planes) == 16 && offsetof(ResolveParams, ramp) == 32);
 static_assert(offsetof(ResolveParams, look) == 48 && offsetof(ResolveParams, rotation) == 64);
 

@@ -74,6 +74,7 @@ ShaderVariant splatVariant(const SplatPass& pass, const LayerTraits& traits, Kee
              {"BY_INTENSITY", colored && pass.byIntensity},
              {"PAYLOAD", bare ? PAYLOAD_NONE : static_cast<int>(pass.payload)},
              {"SUM_NORMALS", pass.sumNormals},
+             {"CURVED", pass.curved && sums && pass.sumNormals && pass.shape == SplatShape::Ellipse},
              {"SILHOUETTE", tested},
              {"FILTERS", traits.filters}}};
 }
@@ -109,7 +110,8 @@ ShaderVariant resolveSamplesVariant(const SplatPass& pass, bool keys64, bool nor
             {{"KEYS64", keys64},
              {"COLORING", static_cast<int>(pass.coloring)},
              {"BY_INTENSITY", pass.byIntensity},
-             {"NORMALS", normals}}};
+             {"NORMALS", normals},
+             {"CURVED", pass.curved && normals}}};
 }
 
 ShaderVariant resolveSumsVariant(const FramePasses& passes, bool keys64, bool normals) {

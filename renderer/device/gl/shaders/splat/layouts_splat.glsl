@@ -44,4 +44,5 @@ struct ResolveParams {
     vec4 ramp;         // as SplatParams has it
     uvec4 look;        // the page's first extent, and how many; first row of the background; unused
     vec4 rotation[3];  // as SplatParams has it
+    vec4 view;         // centre of the view axis x and y, px in the whole picture; units per pixel; 1 = perspective
 };

@@ -2,7 +2,7 @@
 // one chunk; each thread draws its samples' footprints itself, but for the large ones, which are put down in a queue and
 // then drawn by all threads together, pixel by pixel. Nothing depends on the order: reductions are integers.
 // Variants: GROUP_SIZE, TURN_STEP, REDUCTION, KEEP, KEYS64, LOOK_FIRST, SHAPE, SINGLE_PIXEL, SHARED_FOOTPRINTS,
-// PERSPECTIVE, COLORING, BY_INTENSITY, PAYLOAD, SUM_NORMALS, SILHOUETTE, FILTERS.
+// PERSPECTIVE, COLORING, BY_INTENSITY, PAYLOAD, SUM_NORMALS, SILHOUETTE, FILTERS, CURVED.
 #version 450 core
 #if KEYS64
 #extension GL_ARB_gpu_shader_int64 : require
@@ -31,6 +31,13 @@ layout(location = 0) uniform uint firstChunk;
 #else
 #include "keys.glsl"
 #endif
+#if CURVED
+#if COLORING != COLOR_CURVATURE
+#include "curvatures.glsl"
+#endif
+#include "bends.glsl"
+uint bendCode;  // of the sample that is being set up
+#endif
 #if SHAPE == SHAPE_DISC || SHAPE == SHAPE_ELLIPSE
 #include "surfels.glsl"
 #include "surfel_fragments.glsl"
@@ -58,6 +65,9 @@ bool footprintOf(RunParams run, uvec4 range, uint i, out Footprint f) {
     uvec4 words = texelFetch(samples, int(range.x + i));
     Placed placed;
     if (!placeSample(run, words, placed)) return false;
+#if CURVED
+    bendCode = curvatureAt(run, int(range.x + i));
+#endif
     if (!setUp(run, words, placed, carriedBy(run, words, range.w + i, int(range.x + i), placed.depth), f)) return false;
     f.box = ivec4(max(f.box.xy, pass.area.xy), min(f.box.zw, pass.area.xy + pass.area.zw - 1));
     return f.box.x <= f.box.z && f.box.y <= f.box.w;

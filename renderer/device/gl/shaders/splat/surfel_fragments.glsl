@@ -1,4 +1,5 @@
-// One surfel's fragments, as kernels/surfel_fragments.hpp reduces them. Variants: SHAPE, REDUCTION, PERSPECTIVE, SILHOUETTE.
+// One surfel's fragments, as kernels/surfel_fragments.hpp reduces them. Variants: SHAPE, REDUCTION, PERSPECTIVE, SILHOUETTE,
+// CURVED.
 
 // exp(-3 x) for x in [0, 1], by the eighth power of a cubic.
 float bell(float x) {
@@ -83,7 +84,7 @@ float weightOf(Footprint f, float square, float c) {
     return weight;
 }
 
-void reduce(Footprint f, uint pixel, float distance2, float square, float c) {
+void reduce(Footprint f, uint pixel, float dx, float dy, float square, float c) {
 #if REDUCTION != REDUCTION_NEAREST
     uint visibleBits = visibleOrder(pixel);
     if (visibleBits >= infiniteOrder) return;
@@ -109,6 +110,13 @@ void reduce(Footprint f, uint pixel, float distance2, float square, float c) {
 #endif
 #if REDUCTION == REDUCTION_SUM
     precise float weight = weightOf(f, square, c) * share;
+#if CURVED
+    if (f.bent) {
+        precise vec3 n = (f.own + f.right * dx) + f.down * dy;
+        n = clamp(n, -1.0, 1.0);
+        f.addends.normal = uvec3(shifted(n.x), shifted(n.y), shifted(n.z));
+    }
+#endif
     addFragment(pixel, weight, f.addends, turned);
 #else
 #if REDUCTION == REDUCTION_CELL
@@ -116,6 +124,7 @@ void reduce(Footprint f, uint pixel, float distance2, float square, float c) {
 #else
     precise float order = depthOf(f, c);
 #endif
+    precise float distance2 = dx * dx + dy * dy;
     keep(pixel, max(order, 1.17549435e-38), payloadOf(distance2, f.distance, f.payload));
 #endif
 }
@@ -153,6 +162,5 @@ void drawFragment(Footprint f, ivec2 at, uint pixel) {
 #else
     if (!(seen >= pass.view.z)) return;
 #endif
-    precise float distance2 = dx * dx + dy * dy;
-    reduce(f, pixel, distance2, square, seen);
+    reduce(f, pixel, dx, dy, square, seen);
 }

@@ -36,7 +36,7 @@ layout(location = 0) uniform uint firstChunk;
 #include "curvatures.glsl"
 #endif
 #include "bends.glsl"
-uint bendCode;  // of the sample that is being set up
+uint bendCode = 0u;  // of the sample that is being set up
 #endif
 #if SHAPE == SHAPE_DISC || SHAPE == SHAPE_ELLIPSE
 #include "surfels.glsl"

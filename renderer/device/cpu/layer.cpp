@@ -191,7 +191,7 @@ void Layer::drawTile(const Tile& tile, std::span<const SplatPass> passes, const 
             }
             case Reduction::Cell:
                 target = withKeys(nearest, memory, 2);
-                target.visible = target.surfaces = nearest.keys;
+                target.visible = nearest.keys;
                 target.silhouette = silhouette;
                 colors.keys = target.keys;
                 colors.visible = nearest.keys;

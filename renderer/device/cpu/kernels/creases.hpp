@@ -11,19 +11,14 @@
 namespace scancast::cpu {
 namespace {
 
-/// Four signed bits of a length in half sizes.
+/// Four signed bits of a length in half sizes: from a pixel to the centre of the disc that it shows, 24 bits above to the
+/// right and 28 bits above upwards.
 template <int lanes>
 inline Int<lanes> offsetBits(Float<lanes> steps) {
     const Float<lanes> most = Float<lanes>{} + offsetSteps;
     const Float<lanes> low = steps > -offsetSteps ? steps : -most;
     const Float<lanes> bounded = low < offsetSteps ? low : most;
     return (__builtin_convertvector(bounded + (8 + 0.5f), Int<lanes>) - 8) & 15;
-}
-
-/// From a pixel to the centre of the disc that it shows, above the bits of the disc's normal.
-template <int lanes>
-inline Int<lanes> withOffset(Int<lanes> normal, Float<lanes> right, Float<lanes> up, float stepsPerPx) {
-    return normal | offsetBits<lanes>(right * stepsPerPx) << 24 | offsetBits<lanes>(up * stepsPerPx) << 28;
 }
 
 /// Of two vectors, the first as bytes.

@@ -62,7 +62,7 @@ struct KeyTile {
     std::int32_t width = 0, height = 0;
     /// Sum and Cell: keys of the NearestPass, same geometry.
     const Key* visible = nullptr;
-    /// Sum and Cell: keys whose payloads are the surfaces there: the cells' where there are any, else the same.
+    /// Sum: keys whose payloads are the surfaces there: the cells' where there are any, else the same.
     const Key* surfaces = nullptr;
     /// Fragments behind these keys' orders are dropped; null: no SilhouettePass.
     const Key* silhouette = nullptr;

@@ -65,13 +65,13 @@ class SurfelFragments {
             unitsPerPx_ = 1.0f / pass.pixelsPerUnit;
             surface_ = {s.surface[i], s.anySide[i] != 0};
         }
-        if constexpr (disc) half_ = s.half[i];
+        if constexpr (disc && nearest) stepsPerPx_ = offsetSteps / s.half[i];
         if constexpr (disc && !nearest) sheet_ = F{} + s.sheet[i];
         if constexpr (cells) {
             pixelsPerUnit_ = pass.pixelsPerUnit;
             axisX_ = pass.centerX;
             axisY_ = pass.centerY;
-            here_ = {s.normalX[i], s.normalY[i], s.normalZ[i], F{}, 0, half_};
+            here_ = {s.normalX[i], s.normalY[i], s.normalZ[i], F{}, 0, s.half[i]};
         }
         if constexpr (sums && extra) addends_.setNormal(s.normalX[i], s.normalY[i], s.normalZ[i]);
         if constexpr (turning) setBend(s, i);
@@ -81,6 +81,8 @@ class SurfelFragments {
     void startColumns(std::int32_t column, std::int32_t last) {
         middle_ = static_cast<float>(column) + 0.5f + laneNumbers<lanes>();
         dx_ = middle_ - x_;
+        if constexpr (disc && nearest && !extra)
+            column_ = payload_ | offsetBits<lanes>(-dx_ * stepsPerPx_) << 24;
         const I columns = __builtin_convertvector(laneNumbers<lanes>(), I) + column;
         center_ = columns == centerColumn_;
         if constexpr (sums) inside_ = columns <= last;
@@ -128,7 +130,7 @@ class SurfelFragments {
   private:
     /// `c`: depth = d / c in perspective, else the depth itself; `y`: of the pixels' centres.
     void reduce(std::int64_t offset, float y, F visible, F square, F c, I covered) {
-        if constexpr (!nearest && disc) covered &= nearVisible(visible, c, tolerance_);
+        if constexpr (sums && disc) covered &= notBehind(visible, c, tolerance_);
         if (tile_.silhouette != nullptr) {
             const F border = loadOrders<lanes>(tile_.silhouette + offset);
             // Where there is none, it is not a number, and no comparison holds.
@@ -154,9 +156,11 @@ class SurfelFragments {
 
     /// Where what is visible faces another way: which of the two is the surface.
     void seeCreases(std::int64_t offset, float y, F visible, F c, I& covered, F& order, I& below) {
-        const I surface = loadPayloads<lanes>(tile_.surfaces + offset);
-        const I other = covered & (surface_.agreement(surface) < sameSide);
-        covered &= other | nearVisible(visible, c, sheet_);
+        const I surface = loadPayloads<lanes>(tile_.visible + offset);
+        const I different = surface_.agreement(surface) < sameSide;
+        // What is visible is one of them, so none lies before it.
+        covered &= notBehind(visible, c, different ? tolerance_ : sheet_);
+        const I other = covered & different;
         if (!anyOf<lanes>(other)) return;
         here_.right = -dx_;
         here_.up = y - y_;
@@ -231,6 +235,12 @@ class SurfelFragments {
         return perspective ? visible + visible * units : visible + units;
     }
 
+    /// Whether a fragment lies no further behind what is visible.
+    I notBehind(F visible, F c, F tolerance) const {
+        const F high = visible + tolerance;
+        return perspective ? depth_ <= high * c : c <= high;
+    }
+
     /// Whether a fragment lies so near to what is visible.
     I nearVisible(F visible, F c, F tolerance) const {
         const F low = visible - tolerance, high = visible + tolerance;
@@ -260,7 +270,7 @@ class SurfelFragments {
             return payload_;
         } else if constexpr (!extra) {
             if constexpr (!disc) return payload_;
-            return surfaces_ ? withOffset<lanes>(payload_, -dx_, F{} + dy, offsetSteps / half_) : payload_;
+            return surfaces_ ? column_ | offsetBits<lanes>(F{} + dy * stepsPerPx_) << 28 : payload_;
         } else {
             const F d = (dx_ * dx_ + dy * dy) * distance_;
             const F bounded = d < 255.0f ? d : F{} + 255.0f;
@@ -272,14 +282,14 @@ class SurfelFragments {
     Addends<lanes> addends_;
     F depth_, sx_, tx_, slopeX_, low_, high_, radius_, peak_, tolerance_, front_, distance_, sheet_;
     F middle_, dx_, sdx_, tdx_;
-    I payload_, center_, inside_, full_{};
+    I payload_, column_, center_, inside_, full_{};
     OfSurface<lanes> surface_;
     F rowNormal_[3];
     float normal_[3] = {}, right_[3] = {}, down_[3] = {};
     bool bent_ = false;
     DiscThere<lanes> here_;
     float x_, y_, sy_, ty_, slopeY_ = 0, near_, unitsPerPx_ = 0, pixelsPerUnit_ = 0;
-    float half_ = 1, axisX_ = 0, axisY_ = 0;
+    float stepsPerPx_ = 0, axisX_ = 0, axisY_ = 0;
     bool surfaces_;
     std::int32_t centerRow_, centerColumn_;
 };

@@ -11,8 +11,8 @@
 namespace scancast::cpu {
 namespace {
 
-/// Four signed bits of a length in half sizes: from a pixel to the centre of the disc that it shows, 24 bits above to the
-/// right and 28 bits above upwards.
+/// Four signed bits of a length in half sizes. Of the way from a pixel to the centre of the disc that it shows they stand
+/// above the bits of the disc's normal: to the right first, then upwards.
 template <int lanes>
 inline Int<lanes> offsetBits(Float<lanes> steps) {
     const Float<lanes> most = Float<lanes>{} + offsetSteps;

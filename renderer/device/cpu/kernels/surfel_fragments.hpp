@@ -65,7 +65,7 @@ class SurfelFragments {
             unitsPerPx_ = 1.0f / pass.pixelsPerUnit;
             surface_ = {s.surface[i], s.anySide[i] != 0};
         }
-        if constexpr (disc && nearest) stepsPerPx_ = offsetSteps / s.half[i];
+        if (disc && nearest && surfaces_) stepsPerPx_ = offsetSteps / s.half[i];
         if constexpr (disc && !nearest) sheet_ = F{} + s.sheet[i];
         if constexpr (cells) {
             pixelsPerUnit_ = pass.pixelsPerUnit;
@@ -81,8 +81,7 @@ class SurfelFragments {
     void startColumns(std::int32_t column, std::int32_t last) {
         middle_ = static_cast<float>(column) + 0.5f + laneNumbers<lanes>();
         dx_ = middle_ - x_;
-        if constexpr (disc && nearest && !extra)
-            column_ = payload_ | offsetBits<lanes>(-dx_ * stepsPerPx_) << 24;
+        if (disc && nearest && surfaces_) column_ = payload_ | offsetBits<lanes>(-dx_ * stepsPerPx_) << 24;
         const I columns = __builtin_convertvector(laneNumbers<lanes>(), I) + column;
         center_ = columns == centerColumn_;
         if constexpr (sums) inside_ = columns <= last;

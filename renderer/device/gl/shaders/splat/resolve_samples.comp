@@ -24,6 +24,7 @@ layout(std430, binding = 5) writeonly buffer Normals { uint normals[]; };
 #if COLORING != COLOR_CURVATURE
 #include "curvatures.glsl"
 #endif
+#include "axes.glsl"
 #include "bends.glsl"
 
 // The normal at a pixel of the picture that the surface is seen in: n + k1 (away . e1) e1 + k2 (away . e2) e2.

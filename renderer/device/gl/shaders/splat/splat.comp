@@ -21,6 +21,7 @@ layout(location = 0) uniform uint firstChunk;
 
 #include "exact.glsl"
 #include "splat_tables.glsl"
+#include "axes.glsl"
 #include "colors.glsl"
 #include "project.glsl"
 #include "visible.glsl"

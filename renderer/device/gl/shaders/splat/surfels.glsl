@@ -223,24 +223,6 @@ bool setUp(RunParams run, uvec4 words, Placed placed, uint payload, out Footprin
     return true;
 }
 #else
-// Of a unit normal in cloud space, one unit long: Frisvad's frame, turned by the code's angle.
-vec3 majorAxis(vec3 n, uint code) {
-    uint angle = code & 31u;
-    float cosine = uintBitsToFloat(tables[axisWords + angle]), sine = uintBitsToFloat(tables[axisWords + 32u + angle]);
-    precise float across = n.x * n.x + n.y * n.y;
-    bool down = n.z < 0.0, pole = down && across == 0.0;
-    precise float above = down ? 1.0 - n.z : 1.0;
-    precise float below = down ? across : 1.0 + n.z;
-    float a = quotient(above, pole ? 1.0 : below);
-    precise float b = -n.x * n.y * a;
-    precise float firstX = pole ? 0.0 : 1.0 - n.x * n.x * a, secondY = pole ? 0.0 : 1.0 - n.y * n.y * a;
-    float firstY = pole ? -1.0 : b, secondX = pole ? -1.0 : b;
-    precise float x = firstX * cosine + secondX * sine;
-    precise float y = firstY * cosine + secondY * sine;
-    precise float z = -(n.x * cosine + n.y * sine);
-    return vec3(x, y, pole ? 0.0 : z);
-}
-
 #if CURVED
 // As kernels/surfel_block.hpp has it; `bendCode` is the sample's.
 void setBend(RunParams run, Pose p, inout Footprint f) {
@@ -271,7 +253,7 @@ struct Axes {
 };
 
 void setAxes(Pose p, uint code, out Axes axes) {
-    vec3 view = toView(majorAxis(p.cloud, code));
+    vec3 view = toView(axisAt(p.cloud, code & 31u));
     vec3 d = p.hasNormal ? vec3(view.x, -view.y, -view.z) : vec3(1.0, 0.0, 0.0);
     precise float ratio = 1.0 - float(code >> 5) * pass.blur.w;
     precise float minor = p.halfPx * ratio;

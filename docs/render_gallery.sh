@@ -85,6 +85,7 @@ for color in rgb intensity elevation classification normal depth lod '#c8b890'; 
     [ "$color" = rgb ] && shading=unlit
     picture town "color-${color#\#}" --color "$color" --shading "$shading" "${roofs[@]}"
 done
+picture statue color-curvature --color curvature --shading unlit --method ewa --eye=-1.5,-3.3,2.6 --target=0.05,0,1.75 --fov 42
 mirror=(--eye=-1.7,-1.8,1.6 --target=0.5,1.5,1.2 --fov 70 --method disc --shading unlit)
 picture room mirror "${mirror[@]}"
 picture room mirror-off "${mirror[@]}" --mirrors false --behind-mirrors true

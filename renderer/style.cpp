@@ -33,6 +33,8 @@ bool has(const CloudFacts& cloud, ColorSource source) {
             return cloud.attributes.classification;
         case ColorSource::Normal:
             return cloud.attributes.normal;
+        case ColorSource::Curvature:
+            return hasCurvature(cloud);
         case ColorSource::Auto:
         case ColorSource::Elevation:
         case ColorSource::Depth:
@@ -46,8 +48,8 @@ bool has(const CloudFacts& cloud, ColorSource source) {
 
 std::string available(const CloudFacts& cloud) {
     std::string list;
-    for (const auto source :
-         {ColorSource::Rgb, ColorSource::Intensity, ColorSource::Classification, ColorSource::Normal}) {
+    for (const auto source : {ColorSource::Rgb, ColorSource::Intensity, ColorSource::Classification,
+                              ColorSource::Normal, ColorSource::Curvature}) {
         if (has(cloud, source)) list += std::string(name(source)) + ", ";
     }
     return list + "elevation, depth, lod and #rrggbb";
@@ -80,12 +82,21 @@ std::array<double, 2> elevationRange(const Cloud& cloud) {
     return {box[0].z, box[1].z};
 }
 
+/// Around 0, which is the middle of its colours. 1 / cloud units.
+std::array<double, 2> curvatureRange(const CloudFacts& cloud) {
+    double most = cloud.usual ? std::max(-cloud.usual->curvature[0], cloud.usual->curvature[1]) : 0;
+    if (!(most > 0)) most = cloud.spacing > 0 ? 1 / cloud.spacing : 1;
+    return {-most, most};
+}
+
 std::array<double, 2> naturalRange(const Cloud& cloud, ColorSource source, const Viewpoint& viewpoint) {
     switch (source) {
         case ColorSource::Intensity:
             return intensityRange(cloud);
         case ColorSource::Elevation:
             return elevationRange(cloud);
+        case ColorSource::Curvature:
+            return curvatureRange(cloud);
         case ColorSource::Depth:
             return depthRange(cloud, viewpoint);
         default:
@@ -110,6 +121,7 @@ Expected<std::array<Rgb8, 256>> rampOf(const Style& style) {
     }
     if (style.color == ColorSource::Classification) return classificationColors();
     if (style.color == ColorSource::Lod) return levelColors();
+    if (style.color == ColorSource::Curvature) return curvatureColors();
     return *ramp;
 }
 

@@ -44,14 +44,16 @@ enum class ColorSource : std::uint8_t {
     Elevation,
     Classification,
     Normal,
+    Curvature,
     Depth,
     Lod,
     Visibility,  ///< what hidden point removal finds; docs/spec/pyramid.md section 4.5
     Flat,
 };
 /// Of all but Flat, which is #rrggbb on the wire.
-inline constexpr std::array<std::string_view, 9> colorSourceNames{
-    "auto", "rgb", "intensity", "elevation", "classification", "normal", "depth", "lod", "visibility"};
+inline constexpr std::array<std::string_view, 10> colorSourceNames{
+    "auto",   "rgb",       "intensity", "elevation", "classification",
+    "normal", "curvature", "depth",     "lod",       "visibility"};
 /// Whether its brightness may follow intensity (`rgb*intensity`).
 constexpr bool takesIntensity(ColorSource source) {
     using enum ColorSource;

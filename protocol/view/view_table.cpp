@@ -242,7 +242,8 @@ const std::vector<ViewWord>& table() {
         {"param.NAME", "param", "NAME=VALUE", "A parameter of the method; may be given once for each.",
          "sizePx=5", parameters()},
         {"color", "color",
-         "auto|rgb|intensity|elevation|classification|normal|depth|lod|visibility|#rrggbb|COLOR*intensity",
+         "auto|rgb|intensity|elevation|classification|normal|curvature|depth|lod|visibility|#rrggbb|COLOR*"
+         "intensity",
          "Where colours come from, or one colour for everything (the # may be left out); auto takes the "
          "cloud's best. rgb, elevation, classification and #rrggbb get brighter with intensity by "
          "*intensity. visibility tells hidden points from visible ones, with method pyramid.",

@@ -25,6 +25,14 @@ bool standsOnXZ(const std::array<glm::dvec3, 2>& bounds) {
 
 }  // namespace
 
+ValuePlane curvaturePlane() {
+    return {std::string(curvaturePlaneName), ColumnType::Uint32, ValuePlane::Of::Samples};
+}
+
+bool hasCurvature(const CloudFacts& facts) {
+    return std::ranges::find(facts.companions, curvaturePlane()) != facts.companions.end();
+}
+
 std::vector<ValuePlane> planesOf(const CloudFacts& facts) {
     std::vector<ValuePlane> planes;
     for (const KeptColumn& kept : facts.columns)

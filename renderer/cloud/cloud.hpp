@@ -10,6 +10,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "protocol/look.hpp"
@@ -60,6 +61,8 @@ struct UsualRanges {
     std::array<glm::dvec3, 2> position{};       ///< file coordinates, each axis for itself
     std::array<double, 2> intensity{0, 0};      ///< 0, 0 without
     std::array<double, 3> brightness{0, 0, 0};  ///< of the colours (Rec. 709, sRGB, 0-1): 5, 50, 95 %
+    std::array<double, 2> curvature{0,
+                                    0};  ///< mean curvature of inner nodes' samples, 1 / cloud units: 5, 95 %
     bool operator==(const UsualRanges&) const = default;
 };
 
@@ -108,6 +111,12 @@ struct CloudFacts {
     std::vector<std::string> notes;     ///< what was strange about the scan, one sentence each without an end
     std::string revision;               ///< hex digest of everything that pictures depend on but the look
 };
+
+/// The companion that keeps samples' curvatures (curvature.hpp).
+inline constexpr std::string_view curvaturePlaneName = "curvature";
+ValuePlane curvaturePlane();
+/// Whether samples carry curvatures: there is that companion, as it has to be.
+bool hasCurvature(const CloudFacts& facts);
 
 /// All values beside the samples: each column's, in their order, then the companions.
 std::vector<ValuePlane> planesOf(const CloudFacts& facts);

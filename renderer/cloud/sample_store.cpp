@@ -15,8 +15,9 @@ namespace {
 
 class MemoryStore final : public SampleStore {
   public:
-    MemoryStore(std::vector<Sample> samples, std::vector<std::uint64_t> first)
-        : samples_(std::move(samples)), first_(std::move(first)) {
+    MemoryStore(std::vector<Sample> samples, std::vector<std::uint64_t> first,
+                std::vector<CurvatureCode> curvatures)
+        : samples_(std::move(samples)), curvatures_(std::move(curvatures)), first_(std::move(first)) {
         firstLimits_.reserve(first_.size());
         for (std::size_t run = 0; run + 1 < first_.size(); ++run) {
             firstLimits_.push_back(limits_.size());
@@ -40,20 +41,25 @@ class MemoryStore final : public SampleStore {
     bool damaged(std::uint32_t) const override { return false; }
     std::uint64_t capacity() const override { return std::numeric_limits<std::uint64_t>::max(); }
     std::uint64_t bytesResident() const override {
-        return samples_.size() * sizeof(Sample) + limits_.size() * sizeof(SampleLimits);
+        return samples_.size() * sizeof(Sample) + limits_.size() * sizeof(SampleLimits) +
+               curvatures_.size() * sizeof(CurvatureCode);
     }
 
   private:
     SampleRun run(std::uint32_t node) const {
         const std::span limits =
             std::span(limits_).subspan(firstLimits_[node], firstLimits_[node + 1] - firstLimits_[node]);
-        return {samplesOf(node), limits, nullptr};
+        return {samplesOf(node), limits, nullptr, partOf<CurvatureCode>(curvatures_, node)};
     }
-    std::span<const Sample> samplesOf(std::size_t run) const {
-        return std::span(samples_).subspan(first_[run], first_[run + 1] - first_[run]);
+    std::span<const Sample> samplesOf(std::size_t run) const { return partOf<Sample>(samples_, run); }
+    /// Of values of all samples, or of none.
+    template <class T>
+    std::span<const T> partOf(std::span<const T> all, std::size_t run) const {
+        return all.empty() ? all : all.subspan(first_[run], first_[run + 1] - first_[run]);
     }
 
     const std::vector<Sample> samples_;
+    const std::vector<CurvatureCode> curvatures_;
     const std::vector<std::uint64_t> first_;
     std::vector<SampleLimits> limits_;
     std::vector<std::size_t> firstLimits_;  ///< by run
@@ -61,8 +67,9 @@ class MemoryStore final : public SampleStore {
 
 }  // namespace
 
-std::shared_ptr<SampleStore> memoryStore(std::vector<Sample> samples, std::vector<std::uint64_t> first) {
-    return std::make_shared<MemoryStore>(std::move(samples), std::move(first));
+std::shared_ptr<SampleStore> memoryStore(std::vector<Sample> samples, std::vector<std::uint64_t> first,
+                                         std::vector<CurvatureCode> curvatures) {
+    return std::make_shared<MemoryStore>(std::move(samples), std::move(first), std::move(curvatures));
 }
 
 }  // namespace scancast

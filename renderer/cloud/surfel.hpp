@@ -20,8 +20,17 @@ struct Surfel {
     float radius = 0;        ///< r: average distance to those k neighbours; 0 = no neighbour
     float nearby = 0;        ///< average distance to the eight nearest of them
     float usual = 0;         ///< the median of its witnesses' r (surfels/evidence.hpp); 0 = not known
+    /// How the normal turns, 1 / cloud units: dN = (x, y; y, z) in majorAxis and normal × majorAxis. 0 where it does not,
+    /// or no more than noise explains (curvature.hpp).
+    glm::vec3 bend{0};
     Density density = Density::Surface;
     bool outlier = false;  ///< its density is Stray
 };
+
+/// The same surfel with its normal on the other side.
+inline void turnNormal(Surfel& surfel) {
+    surfel.normal = -surfel.normal;
+    surfel.bend = {-surfel.bend.x, surfel.bend.y, -surfel.bend.z};
+}
 
 }  // namespace scancast

@@ -60,18 +60,7 @@ std::uint8_t ellipseCode(const Surfel& surfel, glm::vec3 decodedNormal) {
     const float ratio = std::clamp(surfel.minor / surfel.major, leastSurfelRatio, 1.0f);
     const int step = int((1 - ratio) / (1 - leastSurfelRatio) * float(ratios - 1) + 0.5f);
     if (step == 0) return 0;
-    const TangentFrame frame = tangentFrame(decodedNormal);
-    const float u = glm::dot(surfel.majorAxis, frame.first), v = glm::dot(surfel.majorAxis, frame.second);
-    int best = 0;
-    float largest = -1;
-    for (int i = 0; i < angles; ++i) {
-        const float along = std::abs(u * directions.cosine[i] + v * directions.sine[i]);
-        if (along > largest) {
-            largest = along;
-            best = i;
-        }
-    }
-    return std::uint8_t(step << 5 | best);
+    return std::uint8_t(step << 5 | axisAngleOf(surfel.majorAxis, decodedNormal));
 }
 
 }  // namespace
@@ -87,6 +76,27 @@ TangentFrame tangentFrame(glm::vec3 n) {
     const float a = n.z < 0 ? (1 - n.z) / flat : 1 / (1 + n.z);
     const float b = -n.x * n.y * a;
     return {{1 - n.x * n.x * a, b, -n.x}, {b, 1 - n.y * n.y * a, -n.y}};
+}
+
+std::uint8_t axisAngleOf(const glm::vec3& axis, const glm::vec3& normal) {
+    const TangentFrame frame = tangentFrame(normal);
+    const float u = glm::dot(axis, frame.first), v = glm::dot(axis, frame.second);
+    int best = 0;
+    float largest = -1;
+    for (int i = 0; i < angles; ++i) {
+        const float along = std::abs(u * directions.cosine[i] + v * directions.sine[i]);
+        if (along > largest) {
+            largest = along;
+            best = i;
+        }
+    }
+    return std::uint8_t(best);
+}
+
+glm::vec3 axisAtAngle(std::uint8_t angle, const glm::vec3& normal) {
+    const TangentFrame frame = tangentFrame(normal);
+    const int i = angle & (angles - 1);
+    return frame.first * directions.cosine[i] + frame.second * directions.sine[i];
 }
 
 void encodeSurfel(const Surfel& surfel, float nodeSpacing, Sample& sample) {
@@ -119,9 +129,7 @@ Surfel decodeSurfel(const Sample& sample, float nodeSpacing) {
     s.major = known ? s.radius * majorPerRadius : s.radius;
     const float ratio = 1 - float(sample.ellipse >> 5) * ((1 - leastSurfelRatio) / float(ratios - 1));
     s.minor = s.major * ratio;
-    const TangentFrame frame = tangentFrame(s.normal);
-    const int angle = sample.ellipse & (angles - 1);
-    s.majorAxis = frame.first * directions.cosine[angle] + frame.second * directions.sine[angle];
+    s.majorAxis = axisAtAngle(sample.ellipse, s.normal);
     return s;
 }
 

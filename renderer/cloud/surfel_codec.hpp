@@ -23,6 +23,11 @@ struct TangentFrame {
 };
 TangentFrame tangentFrame(glm::vec3 normal);
 
+/// Directions in a normal's tangent frame that five bits can name, half a turn in all: the one nearest to this axis,
+/// whichever way that points; and what it stands for, one unit long.
+std::uint8_t axisAngleOf(const glm::vec3& axis, const glm::vec3& normal);
+glm::vec3 axisAtAngle(std::uint8_t angle, const glm::vec3& normal);
+
 /// Makes the ellipse of an encoded sample a circle of the same area that is drawn from both sides.
 void makeTwoSided(Sample& sample);
 

@@ -97,6 +97,7 @@ struct Drawing {
     bool surfels = false;        ///< samples carry radii, ellipses and normals
     bool oriented = false;       ///< every normal's sign means something
     bool orientedNodes = false;  ///< those of nodes that are sure of it (sureSide) do
+    bool curvatures = false;     ///< samples know theirs
     std::span<const Pass> passes;
     ColorRule color;
     Background background;

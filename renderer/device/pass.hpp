@@ -99,6 +99,8 @@ struct CellPass : Splat {
 /// NearestPass's: the selection grows nodes by that one alone.
 struct SumPass : Splat {
     bool normals = false;
+    /// Ellipse, with normals: they turn across the surfel as its curvatures say (docs/spec/surfels.md §12).
+    bool curved = false;
     float reach = 2;
 };
 
@@ -108,6 +110,8 @@ struct SumPass : Splat {
 struct ResolvePass {
     bool sums = false;
     bool normals = false;
+    /// Normals that are looked up turn with the place on the surfel (docs/spec/surfels.md §12).
+    bool curved = false;
 };
 
 /// screen: two-sided Blinn-Phong by the plane of normals; docs/spec/shading.md §2. Pixels without a normal

@@ -63,6 +63,10 @@ constexpr std::array<Rgb8, 17> turboAnchors{{{48, 18, 59},
                                              {163, 19, 2},
                                              {122, 4, 3}}};
 
+/// Two hues of the same lightness, and what lies between them brighter.
+constexpr std::array<Rgb8, 5> curvatureAnchors{
+    {{46, 72, 190}, {126, 166, 240}, {222, 222, 218}, {242, 150, 112}, {186, 30, 42}}};
+
 constexpr std::array<Rgb8, 2> greyAnchors{{{0, 0, 0}, {255, 255, 255}}};
 
 }  // namespace
@@ -108,6 +112,11 @@ const Ramp& classificationColors() {
         std::copy(named.begin(), named.end(), ramp.begin());
         return ramp;
     }();
+    return colors;
+}
+
+const Ramp& curvatureColors() {
+    static const Ramp colors = interpolate(curvatureAnchors);
     return colors;
 }
 

@@ -15,6 +15,8 @@ using Ramp = std::array<Rgb8, 256>;
 std::optional<Ramp> colormap(std::string_view name);
 /// Customary colours of the ASPRS classes: ground brown, vegetation greens, building red-grey, water blue …
 const Ramp& classificationColors();
+/// From hollow to convex: blue, the grey of what is flat, red.
+const Ramp& curvatureColors();
 /// One clearly different colour per octree level.
 const Ramp& levelColors();
 

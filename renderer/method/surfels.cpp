@@ -28,10 +28,20 @@ Splat surfelSplat(Footprint footprint, const ParameterValues& values) {
 
 namespace {
 
+/// Where ellipses are blended, facets hardly show, and what noise leaves of curvatures costs more than it gains
+/// (docs/spec/surfels.md §12).
+Parameter curvedParameter(bool value) {
+    return booleanParameter(
+        "curved", value,
+        "Light surfels as bent as their surface is, where the cloud knows curvatures; off lights each "
+        "as flat.");
+}
+
 PassList discPasses(const PassRequest& request) {
     NearestPass nearest{surfelSplat(Footprint::Disc, request.values)};
     ResolvePass resolve;
     resolve.normals = request.shading == Shading::Phong;
+    resolve.curved = booleanOf(request.values, "curved");
     if (resolve.normals) nearest.payload = Payload::Sample;
     PassList list{nearest, resolve};
     addShading(request, list);
@@ -47,6 +57,7 @@ PassList ewaPasses(const PassRequest& request) {
     ResolvePass resolve;
     resolve.sums = true;
     sum.normals = resolve.normals = request.shading == Shading::Phong;
+    sum.curved = booleanOf(request.values, "curved");
     PassList list{nearest, sum, resolve};
     addShading(request, list);
     return list;
@@ -62,6 +73,7 @@ Method discMethod() {
         "A disc in the surface for every point: closed surfaces with true slopes and lighting, in one pass.";
     m.source = "Point-based Rendering: normal detection, splatting and mirrors";
     m.parameters = surfelParameters();
+    m.parameters.push_back(curvedParameter(true));
     m.defaultDetail = 2;
     m.defaultShading = Shading::Phong;
     m.needs = Needs::Surfels;
@@ -87,6 +99,7 @@ Method ewaMethod() {
         "shape", {"ellipse", "circle"},
         "Outline of a surfel in its surface; circles of the larger half-axis, what ellipses were made to "
         "improve on, hang over edges and corners."));
+    m.parameters.push_back(curvedParameter(false));
     m.defaultDetail = 2;
     m.defaultShading = Shading::Phong;
     m.needs = Needs::Surfels;

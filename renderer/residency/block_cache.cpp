@@ -33,7 +33,8 @@ Error cancelled() {
 SampleRun runOf(std::shared_ptr<const Block> block) {
     const std::span<const Sample> samples = block->samples;
     const std::span<const SampleLimits> limits = block->limits;
-    return {samples, limits, std::move(block)};
+    const std::span<const CurvatureCode> curvatures = block->curvatures;
+    return {samples, limits, std::move(block), curvatures};
 }
 
 class Cache final : public BlockCache, public std::enable_shared_from_this<Cache> {
@@ -122,7 +123,7 @@ class ResidentStore final : public SampleStore {
     /// Depends on the limit and the cloud alone: pictures must not depend on what else is in memory.
     std::uint64_t capacity() const override {
         const std::uint64_t tables = std::min(tableBytes(), cache_->limit());
-        return (cache_->limit() - tables) / 4 * 3 / sizeof(Sample);
+        return (cache_->limit() - tables) / 4 * 3 / BlockTable::bytesPerSample(*cloud_);
     }
     std::uint64_t bytesResident() const override { return cloud_->bytes; }
 
@@ -336,6 +337,13 @@ Cache::Loaded Cache::read(const CachedCloud& cloud, std::uint32_t node, std::sha
     if (samples->size() != cloud.file->nodes()[node].node.sampleCount) {
         return fail(ErrorCode::Malformed,
                     "Node " + std::to_string(node) + " has another number of samples than its index says.");
+    }
+    if (cloud.curvaturePlane) {
+        auto values = cloud.file->plane(node, *cloud.curvaturePlane);
+        if (!values) return passOn(std::move(values));
+        // A node that has none is flat.
+        room->curvatures.assign(samples->size(), 0);
+        std::ranges::copy(*values, std::as_writable_bytes(std::span(room->curvatures)).begin());
     }
     room->limits = limitsOf(*samples);
     room->samples = std::move(*samples);

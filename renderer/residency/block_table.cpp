@@ -1,5 +1,7 @@
 #include "renderer/residency/block_table.hpp"
 
+#include <algorithm>
+
 namespace scancast {
 
 std::shared_ptr<BlockTable::CloudBlocks> BlockTable::add(std::shared_ptr<const CloudFile> file,
@@ -7,6 +9,9 @@ std::shared_ptr<BlockTable::CloudBlocks> BlockTable::add(std::shared_ptr<const C
     auto cloud = std::make_shared<CloudBlocks>();
     cloud->id = ++lastId_;
     cloud->file = std::move(file);
+    const auto planes = cloud->file->planes();
+    if (const auto at = std::ranges::find(planes, curvaturePlane()); at != planes.end())
+        cloud->curvaturePlane = std::size_t(at - planes.begin());
     cloud->slots.resize(cloud->file->nodes().size());
     std::uint64_t pinned = 0;
     for (std::uint32_t node = 0; node < cloud->slots.size(); ++node) {

@@ -33,6 +33,7 @@ class Block {
     std::uint64_t bytes() const { return bytes_; }
     std::vector<Sample> samples;
     std::vector<SampleLimits> limits;
+    std::vector<CurvatureCode> curvatures;  ///< empty: not known
 
   private:
     MemoryMeter meter_;
@@ -64,7 +65,8 @@ class BlockTable {
     struct CloudBlocks {
         std::uint64_t id = 0;
         std::shared_ptr<const CloudFile> file;
-        std::vector<Slot> slots;  // by node
+        std::optional<std::size_t> curvaturePlane;  // of the file's planes
+        std::vector<Slot> slots;                    // by node
         std::unordered_map<std::uint32_t, Damage> damage;
         std::atomic<std::uint64_t> bytes{0};  // resident blocks
         bool removed = false;
@@ -91,9 +93,13 @@ class BlockTable {
     void failLoad(CloudBlocks& cloud, std::uint32_t node, Error error, Time now);
     // An exception in these three leaves everything as it was; in failLoad() the node is Absent.
 
+    /// Its own, and what stands beside it.
+    static std::uint64_t bytesPerSample(const CloudBlocks& cloud) {
+        return sizeof(Sample) + (cloud.curvaturePlane ? sizeof(CurvatureCode) : 0);
+    }
     static std::uint64_t bytesOf(const CloudBlocks& cloud, std::uint32_t node) {
         const std::uint64_t samples = cloud.file->nodes()[node].node.sampleCount;
-        return samples * sizeof(Sample) + limitsBytes(samples) + blockOverhead;
+        return samples * bytesPerSample(cloud) + limitsBytes(samples) + blockOverhead;
     }
 
     std::uint64_t limit() const { return limit_; }

@@ -34,7 +34,8 @@ class DeviceProvision {
 
     Expected<void> provide(const std::stop_token& stop) {
         for (const Cut* cut : cuts_)
-            for (const CutRun& run : cut->runs) runs_.give(run.nodeIndex, {run.samples, run.limits, {}});
+            for (const CutRun& run : cut->runs)
+                runs_.give(run.nodeIndex, {run.samples, run.limits, {}, run.curvatures});
         // In this order: what must be there, what is there and wanted, what is to come.
         add(0);
         for (const Cut* cut : cuts_)
@@ -55,8 +56,10 @@ class DeviceProvision {
 
     void add(std::uint32_t node) {
         if (!runs_.has(node) || !added_.insert(node).second) return;
-        toBring_.push_back(
-            {.node = &octree_.node(node), .nodeIndex = node, .samples = runs_.run(node).samples});
+        toBring_.push_back({.node = &octree_.node(node),
+                            .nodeIndex = node,
+                            .samples = runs_.run(node).samples,
+                            .curvatures = runs_.run(node).curvatures});
     }
 
     /// What would be drawn for a node that is not there.
@@ -91,6 +94,7 @@ class DeviceProvision {
             const SampleRun& samples = runs_.run(run.nodeIndex);
             run.samples = samples.samples;
             run.limits = samples.limits;
+            run.curvatures = samples.curvatures;
             if (samples.keep) cut.keep.push_back(samples.keep);
         }
     }

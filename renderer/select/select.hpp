@@ -42,9 +42,10 @@ struct SelectOptions {
 struct CutRun {
     const Node* node = nullptr;
     std::uint32_t nodeIndex = noNode;
-    std::span<const Sample> samples;         ///< empty until provide() (renderer/residency) fills it in
-    std::span<const SampleLimits> limits{};  ///< of the samples, likewise; empty: not known
-    double projected = 0;                    ///< spacing as it appears in the picture, px, at most
+    std::span<const Sample> samples;              ///< empty until provide() (renderer/residency) fills it in
+    std::span<const SampleLimits> limits{};       ///< of the samples, likewise; empty: not known
+    std::span<const CurvatureCode> curvatures{};  ///< likewise; empty: not known
+    double projected = 0;                         ///< spacing as it appears in the picture, px, at most
     double share = 1;                ///< of the samples, drawn: those whose turn it is (fade.hpp); > 0
     bool covered = false;            ///< an ancestor is drawn, too
     std::uint32_t firstOrdinal = 0;  ///< ordinal in the cut of samples[0]; ordinals are dense

@@ -20,6 +20,7 @@ std::vector<AttributeInfo> attributesOf(const Cloud& cloud) {
     }
     if (cloud.attributes.classification) list.push_back({"classification", std::nullopt});
     if (cloud.attributes.normal) list.push_back({"normal", std::nullopt});
+    if (hasCurvature(cloud)) list.push_back({"curvature", std::nullopt});
     return list;
 }
 

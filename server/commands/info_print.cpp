@@ -89,6 +89,12 @@ std::string sidesOf(const CloudFacts& f) {
     return f.oriented ? "normals point to the side that was scanned" : "normals point to either side";
 }
 
+std::string usualCurvature(const CloudFacts& f) {
+    if (!f.usual) return "yes";
+    return fmt::format("yes, mean mostly {:.3g} to {:.3g}, 1 / unit", f.usual->curvature[0],
+                       f.usual->curvature[1]);
+}
+
 void tellOctree(const FileInfo& info, Lines& lines) {
     if (!info.octree) return;
     const OctreeInfo& o = *info.octree;
@@ -97,6 +103,7 @@ void tellOctree(const FileInfo& info, Lines& lines) {
                           grouped(o.samples), double(o.samples) / double(*info.points)));
     lines.add("spacing", fmt::format("{:.3g} between neighbouring points", info.facts.spacing));
     lines.add("surfels", info.facts.surfels ? "yes, " + sidesOf(info.facts) : "no");
+    lines.add("curvature", hasCurvature(info.facts) ? usualCurvature(info.facts) : "no");
 }
 
 void tellLook(const CloudFacts& f, Lines& lines) {
@@ -237,6 +244,7 @@ Json octreeJson(const FileInfo& info) {
             {"samples", o.samples},
             {"spacing", info.facts.spacing},
             {"surfels", info.facts.surfels},
+            {"curvature", hasCurvature(info.facts)},
             {"oriented", info.facts.oriented},
             {"sureOfSides", info.facts.sides      ? info.facts.sides->sure
                             : info.facts.oriented ? 1.0

@@ -30,7 +30,7 @@ struct IngestArguments {
     std::vector<std::string> inputs;
     std::string output, memoryLimit, scratch, title, look, orient = "auto";
     int threads = 0, neighbours = 10;
-    bool noSurfels = false, keepAttributes = false, force = false, quiet = false;
+    bool noSurfels = false, noCurvature = false, keepAttributes = false, force = false, quiet = false;
 };
 
 /// Large blocks go back to the system when they are freed, or the limit would be kept in name only; small
@@ -70,6 +70,7 @@ Expected<IngestOptions> ingestOptions(const IngestArguments& arguments) {
     options.title = arguments.title;
     options.threads = arguments.threads;
     options.shape.surfels = !arguments.noSurfels;
+    options.shape.curvature = !arguments.noCurvature;
     options.shape.neighbours = arguments.neighbours;
     options.shape.orientation = arguments.orient == "up"     ? Orientation::Up
                                 : arguments.orient == "scan" ? Orientation::Scan
@@ -220,6 +221,9 @@ void addIngest(CLI::App& app, int& exitCode) {
         "--no-surfels", arguments->noSurfels,
         "Do not estimate normals and radii from neighbours: much faster, but without the methods that "
         "need them");
+    command->add_flag(
+        "--no-curvature", arguments->noCurvature,
+        "Do not keep how the surface bends at each sample: a smaller file, without color=curvature");
     command
         ->add_option("--neighbours", arguments->neighbours,
                      "Neighbours that normals and radii are estimated from")

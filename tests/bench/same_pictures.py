@@ -153,7 +153,7 @@ def mirror_cameras(cloud):
 def styles(cloud):
     low, high = cloud["bounds"]["min"], cloud["bounds"]["max"]
     named = {attribute["name"] for attribute in cloud["attributes"]}
-    sources = [name for name in ("rgb", "intensity", "classification", "normal") if name in named]
+    sources = [name for name in ("rgb", "intensity", "classification", "normal", "curvature") if name in named]
     yield from ({"color": source} for source in [*sources, "elevation", "depth", "lod", "#d08030"])
     yield from ({"color": "elevation", "colormap": name} for name in ("turbo", "grey"))
     yield {"color": "elevation", "range": f"{low[2]:.9g},{(low[2] + high[2]) / 2:.9g}"}

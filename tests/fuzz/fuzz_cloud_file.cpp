@@ -133,13 +133,13 @@ Node soundNode(std::uint32_t i) {
     return n;
 }
 
-/// A root with two leaves, a column and a companion, as sound as can be: what mutations start from.
+/// A root with two leaves, a column and the curvature, as sound as can be: what mutations start from.
 Parts sound() {
     Parts s;
     CloudFacts cloud;
     cloud.points = 40;
     cloud.columns = {{{"gps_time", ColumnType::Float64, 1, 0, ""}, {0, 1}}};
-    cloud.companions = {{"density", ColumnType::Uint8, ValuePlane::Of::Samples}};
+    cloud.companions = {curvaturePlane()};
     s.facts = printFacts(cloud, "fuzzer").value();
     const auto put = [&](const Bytes& block) {
         const BlockPlace place{cloudHeaderBytes + s.blocks.size(), std::uint32_t(block.size()), 0};
@@ -154,7 +154,7 @@ Parts sound() {
                                     20, Sample{std::uint16_t(i), 2, 3, 4, 5, 6, 7, 8, 9, 10, 11})))};
         encodeNode(stored, std::span(s.nodes).subspan(i * nodeRecordBytes).first<nodeRecordBytes>());
         const BlockPlace column = i > 0 ? put(encodeRows(Bytes(20 * 8), 8)) : BlockPlace{};
-        const BlockPlace companion = put(encodeRows(Bytes(20), 1));
+        const BlockPlace companion = put(encodeRows(Bytes(20 * 4, std::byte(i)), 4));
         const auto records = std::span(s.planes).subspan(2 * i * planeRecordBytes);
         encodePlane(column, records.first<planeRecordBytes>());
         encodePlane(companion, records.subspan(planeRecordBytes).first<planeRecordBytes>());

@@ -48,9 +48,9 @@ struct Mailbox {
     std::string status;  ///< of the connection; empty = well
 };
 
-constexpr std::array colors{ColorSource::Auto,           ColorSource::Rgb,
-                            ColorSource::Elevation,      ColorSource::Intensity,
-                            ColorSource::Classification, ColorSource::Normal};
+constexpr std::array colors{
+    ColorSource::Auto,           ColorSource::Rgb,    ColorSource::Elevation, ColorSource::Intensity,
+    ColorSource::Classification, ColorSource::Normal, ColorSource::Curvature};
 constexpr const char* help =
     "drag turn | right drag move | wheel zoom | WASD QE fly | M N method | 1 2 3 quality | C colour | R "
     "reset | "

@@ -126,6 +126,7 @@ CloudFacts factsOf(const StagedScan& scan, const ScanHeader& header, const Octre
     facts.scanner = header.scannerOrigin;
     for (std::size_t c = 0; c < header.columns.size(); ++c)
         facts.columns.push_back({header.columns[c], scan.columnRanges[c], scan.columnSketches[c].usual()});
+    if (shape.curvatures()) facts.companions.push_back(curvaturePlane());
     return facts;
 }
 
@@ -184,6 +185,7 @@ Expected<BuiltCloud> buildFrom(PointSource& source, const OctreeShape& shape, co
     if (!octree) return passOn(octree);
     cloud.octree = std::move(*octree);
     cloud.facts.spacing = typicalSpacing(cloud.octree);
+    if (cloud.facts.usual) cloud.facts.usual->curvature = cloud.octree.usualCurvature;
     if (input.findSides) cloud.facts.sides = KnownSides{KnownSides::By::Neighbours, cloud.octree.sure};
     return cloud;
 }

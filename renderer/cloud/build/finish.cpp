@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "renderer/cloud/build/nodes/inner_surfels.hpp"
+#include "renderer/cloud/build/value_sketch.hpp"
 #include "renderer/cloud/file/block_codec.hpp"
 #include "renderer/cloud/normal_cone.hpp"
 #include "renderer/cloud/surfel_bytes.hpp"
@@ -75,13 +76,23 @@ Numbered number(BuildNode& root, const OctreeInput& input) {
     return n;
 }
 
-/// Of all nodes in turn; inner ones have none.
-std::vector<BlockPlace> columnPlaces(std::span<BuildNode* const> order, std::size_t columns) {
-    std::vector<BlockPlace> places(order.size() * columns);
-    for (std::size_t i = 0; i < order.size(); ++i)
+/// Of all nodes in turn; inner ones have no columns.
+std::vector<BlockPlace> planePlaces(std::span<BuildNode* const> order, const OctreeInput& input) {
+    const std::size_t planes = planesOf(input);
+    std::vector<BlockPlace> places(order.size() * planes);
+    for (std::size_t i = 0; i < order.size(); ++i) {
         std::copy(order[i]->columns.begin(), order[i]->columns.end(),
-                  places.begin() + std::ptrdiff_t(i * columns));
+                  places.begin() + std::ptrdiff_t(i * planes));
+        if (input.shape.curvatures()) places[i * planes + planes - 1] = order[i]->curvature;
+    }
     return places;
+}
+
+/// Mean curvatures of a node's samples, as `radiusUnit` says what codes count from.
+void addMeans(std::span<const CurvatureCode> curvatures, float unit, ValueSketch& sketch) {
+    const auto& steps = curvatureSteps();
+    for (const CurvatureCode code : curvatures)
+        sketch.add(0.5 * (double(steps[code & 255]) + double(steps[code >> 8 & 255])) / unit);
 }
 
 class Finisher {
@@ -92,7 +103,8 @@ class Finisher {
     struct Inner {
         BuildNode* node = nullptr;
         std::vector<Sample> samples;
-        std::vector<std::byte> block;
+        std::vector<CurvatureCode> curvatures;
+        std::vector<std::byte> block, curvatureBlock;
         Expected<void> result;
     };
 
@@ -115,6 +127,26 @@ class Finisher {
         progress.finish();
         return {};
     }
+
+    /// A cloud of one leaf has no others.
+    Expected<void> addLeaf(const BuildNode& leaf) {
+        if (!input_.shape.curvatures()) return {};
+        if (!file_) {
+            addMeans(leaf.content.curvatures, radiusUnit(leaf.content.spacing), means_);
+            return {};
+        }
+        std::vector<CurvatureCode> codes(leaf.stored.node.sampleCount);
+        if (leaf.curvature.bytes > 0) {
+            const auto block = file_->readBack(leaf.curvature);
+            if (!block) return passOn(block);
+            const auto values = decodeRows(*block, sizeof(CurvatureCode), codes.size());
+            if (!values) return passOn(values);
+            std::ranges::copy(*values, std::as_writable_bytes(std::span(codes)).begin());
+        }
+        addMeans(codes, radiusUnit(leaf.content.spacing), means_);
+        return {};
+    }
+    std::array<double, 2> usualCurvature() const { return {means_.quantile(0.05), means_.quantile(0.95)}; }
 
   private:
     Expected<std::vector<Sample>> samplesOf(const BuildNode& node) const {
@@ -152,29 +184,39 @@ class Finisher {
             const auto facts = factsOf(node);
             if (!facts) return passOn(facts);
             const auto find = [this](const BuildNode& n) { return samplesOf(n); };
-            if (auto ok = addInnerSurfels(node, *facts, root_, input_, find, work.samples); !ok) return ok;
+            if (input_.shape.curvature) work.curvatures.resize(work.samples.size());
+            if (auto ok = addInnerSurfels(node, *facts, root_, input_, find, work.samples, work.curvatures);
+                !ok)
+                return ok;
         }
         node.content.cone = coneOfSamples(work.samples);
-        node.sampleHash = XXH3_64bits(work.samples.data(), work.samples.size() * sizeof(Sample));
+        node.sampleHash = hashOf(work.samples, work.curvatures);
         if (file_) work.block = encodeSamples(work.samples);
+        if (file_) work.curvatureBlock = encodeCurvatures(work.curvatures);
         return {};
     }
 
     Expected<void> store(Inner& work, StoredNode& to) {
         if (!work.result) return work.result;
+        addMeans(work.curvatures, radiusUnit(work.node->content.spacing), means_);
         if (!file_) {
+            work.node->content.curvatures = std::move(work.curvatures);
             work.node->content.samples = std::move(work.samples);
             return {};
         }
         auto place = file_->append(work.block);
         if (!place) return passOn(place);
         to.samples = *place;
+        auto curvature = appendBlock(*file_, work.curvatureBlock);
+        if (!curvature) return passOn(curvature);
+        work.node->curvature = *curvature;
         return {};
     }
 
     BuildNode& root_;
     const OctreeInput& input_;
     CloudFileWriter* const file_;
+    ValueSketch means_;  ///< of inner nodes: what is seen of the whole cloud
 };
 
 /// Children stand behind their parents: from the end to the start, every cone is joined with finished ones.
@@ -191,6 +233,22 @@ void joinCones(Numbered& tree) {
 
 }  // namespace
 
+std::uint64_t hashOf(std::span<const Sample> samples, std::span<const CurvatureCode> curvatures) {
+    const std::uint64_t hash = XXH3_64bits(samples.data(), samples.size_bytes());
+    if (curvatures.empty()) return hash;
+    return XXH3_64bits_withSeed(curvatures.data(), curvatures.size_bytes(), hash);
+}
+
+std::vector<std::byte> encodeCurvatures(std::span<const CurvatureCode> curvatures) {
+    if (std::ranges::all_of(curvatures, [](CurvatureCode code) { return code == 0; })) return {};
+    return encodeRows(std::as_bytes(curvatures), sizeof(CurvatureCode));
+}
+
+Expected<BlockPlace> appendBlock(CloudFileWriter& file, std::span<const std::byte> block) {
+    if (block.empty()) return BlockPlace{};
+    return file.append(block);
+}
+
 NormalCone coneOfSamples(std::span<const Sample> samples) {
     std::vector<glm::vec3> normals;
     normals.reserve(samples.size());
@@ -204,23 +262,32 @@ NormalCone coneOfSamples(std::span<const Sample> samples) {
 Expected<BuiltOctree> finishTree(BuildNode& root, const OctreeInput& input, CloudFileWriter* file,
                                  const ProgressSink& progress, const std::stop_token& stop) {
     Numbered tree = number(root, input);
-    if (auto ok = Finisher(root, input, file).finishInner(tree, progress, stop); !ok) return passOn(ok);
+    Finisher finisher(root, input, file);
+    if (auto ok = finisher.finishInner(tree, progress, stop); !ok) return passOn(ok);
+    if (root.isLeaf())
+        if (auto ok = finisher.addLeaf(root); !ok) return passOn(ok);
     joinCones(tree);
 
     BuiltOctree built;
+    built.usualCurvature = finisher.usualCurvature();
     for (const BuildNode* node : tree.order) built.sampleHashes.push_back(node->sampleHash);
     built.nodes = std::move(tree.nodes);
     if (file) {
-        built.planes = columnPlaces(tree.order, input.columns.size());
+        built.planes = planePlaces(tree.order, input);
         return built;
     }
     const Node& last = built.nodes.back().node;
     built.samples.resize(last.firstSample + last.sampleCount);
+    if (input.shape.curvatures()) built.curvatures.resize(built.samples.size());
     tbb::parallel_for(std::size_t(0), tree.order.size(), [&](std::size_t i) {
         auto& own = tree.order[i]->content.samples;
         std::copy(own.begin(), own.end(),
                   built.samples.begin() + std::ptrdiff_t(built.nodes[i].node.firstSample));
         giveBack(own);
+        auto& curvatures = tree.order[i]->content.curvatures;
+        std::copy(curvatures.begin(), curvatures.end(),
+                  built.curvatures.begin() + std::ptrdiff_t(built.nodes[i].node.firstSample));
+        giveBack(curvatures);
     });
     return built;
 }

@@ -12,6 +12,18 @@ namespace scancast {
 Expected<BuiltOctree> finishTree(BuildNode& root, const OctreeInput& input, CloudFileWriter* file,
                                  const ProgressSink& progress, const std::stop_token& stop);
 
+/// What revisions know a node's samples by, and the curvatures beside them, if any.
+std::uint64_t hashOf(std::span<const Sample> samples, std::span<const CurvatureCode> curvatures);
+
+/// A node's plane of curvatures as a block; empty where all of it is flat, or there is none.
+std::vector<std::byte> encodeCurvatures(std::span<const CurvatureCode> curvatures);
+/// Of nothing where the block is empty. Errors: the file's.
+Expected<BlockPlace> appendBlock(CloudFileWriter& file, std::span<const std::byte> block);
+/// Kept columns, and the curvature.
+inline std::size_t planesOf(const OctreeInput& input) {
+    return input.columns.size() + (input.shape.curvatures() ? 1 : 0);
+}
+
 /// Around the samples' own normals.
 NormalCone coneOfSamples(std::span<const Sample> samples);
 

@@ -22,7 +22,7 @@ namespace fs = std::filesystem;
 
 /// Bytes a point that the pieces of the work take; measured, rounded up.
 constexpr std::uint64_t laneBytes = 160, laneBytesWithSurfels = 270;
-constexpr std::uint64_t stagedBytes = 20, chunkBytes = 24, fileBytes = 22;
+constexpr std::uint64_t stagedBytes = 20, chunkBytes = 24, fileBytes = 22, curvatureBytes = 5;
 /// Program, counting grid, readers.
 constexpr std::uint64_t fixedBytes = std::uint64_t(160) << 20;
 
@@ -134,8 +134,9 @@ std::optional<DiskNeeds> diskNeeds(const ScanHeader& header, const IngestOptions
     const int threads = options.threads > 0 ? options.threads : int(std::thread::hardware_concurrency());
     const std::uint64_t inMemory = shareMemory(limit, threads, options.shape).workspace;
     const std::uint64_t row = rowBytes(header.columns);
-    const std::uint64_t waiting = *header.points * (std::max(stagedBytes, chunkBytes) + 4 + row);
-    return DiskNeeds{.file = *header.points * (fileBytes + row),
+    const std::uint64_t beside = options.shape.curvatures() ? curvatureBytes : 0;
+    const std::uint64_t waiting = *header.points * (std::max(stagedBytes, chunkBytes) + 8 + row);
+    return DiskNeeds{.file = *header.points * (fileBytes + beside + row),
                      .scratch = waiting > inMemory ? waiting - inMemory : 0};
 }
 

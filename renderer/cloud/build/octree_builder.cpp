@@ -30,6 +30,7 @@ struct LeafBlocks {
     BuildNode* leaf = nullptr;
     std::vector<std::byte> samples;
     std::vector<std::vector<std::byte>> columns;
+    std::vector<std::byte> curvatures;
 };
 
 /// A chunk on its way through the stages.
@@ -246,11 +247,12 @@ class TreeBuilder {
     void finishLeaf(BuildNode& leaf, LeafBlocks& blocks) {
         const auto& samples = leaf.content.samples;
         leaf.content.cone = coneOfSamples(samples);
-        leaf.sampleHash = XXH3_64bits(samples.data(), samples.size() * sizeof(Sample));
+        leaf.sampleHash = hashOf(samples, leaf.content.curvatures);
         blocks.leaf = &leaf;
         points_ += leaf.points.size();
         if (leaf.confidence >= sureSide) surePoints_ += leaf.surePoints;
         if (file_) blocks.samples = encodeSamples(samples);
+        if (file_) blocks.curvatures = encodeCurvatures(leaf.content.curvatures);
         progress_.add(input_.findSides ? leaf.points.size() / 3 : leaf.points.size());
     }
 
@@ -261,7 +263,7 @@ class TreeBuilder {
         BuildNode& root = *work.chunk.root;
         Expected<void> result;
         forEachNode(root, [&](BuildNode& n) {
-            workspace_.occupy(nodeBytes + input_.columns.size() * columnBytes);
+            workspace_.occupy(nodeBytes + planesOf(input_) * columnBytes);
             if (n.isLeaf()) {
                 if (&n != &root) n.points = {};
             } else {
@@ -282,8 +284,12 @@ class TreeBuilder {
         auto place = file_->append(blocks.samples);
         if (!place) return passOn(place);
         leaf.stored.samples = *place;
+        auto curvature = appendBlock(*file_, blocks.curvatures);
+        if (!curvature) return passOn(curvature);
+        leaf.curvature = *curvature;
         giveBack(leaf.content.samples);
         giveBack(leaf.content.densities);
+        giveBack(leaf.content.curvatures);
         return storeColumns(blocks);
     }
 

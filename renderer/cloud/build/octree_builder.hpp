@@ -8,6 +8,7 @@
 // order of the points.
 #pragma once
 
+#include <array>
 #include <optional>
 #include <stop_token>
 #include <vector>
@@ -39,10 +40,12 @@ struct OctreeInput {
 /// A finished octree: in a file, or with its samples in memory.
 struct BuiltOctree {
     std::vector<StoredNode> nodes;            ///< breadth first; places are set where there is a file
-    std::vector<BlockPlace> planes;           ///< of the kept columns in the file, node by node
-    std::vector<std::uint64_t> sampleHashes;  ///< XXH3, 64 bits, of each node's samples
+    std::vector<BlockPlace> planes;           ///< of all planes in the file, node by node: columns, curvature
+    std::vector<std::uint64_t> sampleHashes;  ///< XXH3, 64 bits, of each node's samples and curvatures
     std::vector<Sample> samples;              ///< of all nodes in turn; empty where there is a file
-    double sure = 0;                          ///< share of the points in leaves of at least sureSide
+    std::vector<CurvatureCode> curvatures;    ///< likewise; empty without
+    std::array<double, 2> usualCurvature{};  ///< mean curvature: its 5th and 95th percentile, 1 / cloud units
+    double sure = 0;                         ///< share of the points in leaves of at least sureSide
 };
 
 /// `root` is the tree's top as divide() grew it; chunks are used up. With a file, blocks are appended to it:

@@ -16,10 +16,13 @@ enum class Orientation : std::uint8_t {
 struct OctreeShape {
     std::uint32_t leafPoints = 16384;  ///< a leaf holds at most this many points
     std::uint32_t chunkPoints =
-        1 << 20;           ///< larger sets are split on a counting grid, so that chunks fit in memory
-    bool surfels = false;  ///< estimate normal, radius and ellipse of every sample
-    int neighbours = 10;   ///< that surfels are estimated from
+        1 << 20;            ///< larger sets are split on a counting grid, so that chunks fit in memory
+    bool surfels = false;   ///< estimate normal, radius and ellipse of every sample
+    bool curvature = true;  ///< with surfels: and their curvatures, in four bytes more
+    int neighbours = 10;    ///< that surfels are estimated from
     Orientation orientation = Orientation::Auto;
+
+    bool curvatures() const { return surfels && curvature; }
 };
 
 }  // namespace scancast

@@ -72,6 +72,8 @@ std::string revisionOf(const CloudFacts& cloud, const BuiltOctree& octree) {
         for (const glm::dvec3& corner : cloud.usual->position) add(corner);
         for (const double end : cloud.usual->intensity) add(end);
         for (const double level : cloud.usual->brightness) add(level);
+        if (hasCurvature(cloud))
+            for (const double end : cloud.usual->curvature) add(end);
     }
     for (const Mirror& m : cloud.mirrors) {
         add(m.center);

@@ -78,6 +78,7 @@ void addRare(const CloudFacts& f, Json& json) {
         json["usual"] = {{"position", {vectorJson(f.usual->position[0]), vectorJson(f.usual->position[1])}},
                          {"intensity", f.usual->intensity},
                          {"brightness", f.usual->brightness}};
+    if (f.usual && hasCurvature(f)) json["usual"]["curvature"] = f.usual->curvature;
     if (f.scanner) json["scanner"] = vectorJson(*f.scanner);
     if (f.sides) json["sides"] = {{"by", std::string(nameOf(f.sides->by))}, {"sure", f.sides->sure}};
     if (f.look) json["look"] = toJson(*f.look);
@@ -294,6 +295,7 @@ void takeUsual(Fields fields, UsualRanges& into) {
     if (const Json* brightness = fields.list("brightness", into.brightness.size()))
         for (std::size_t i = 0; i < into.brightness.size(); ++i)
             fields.number((*brightness)[i], "brightness", into.brightness[i]);
+    if (fields.has("curvature")) fields.range("curvature", into.curvature);
 }
 
 void takeSidesFact(Fields fields, KnownSides& into) {

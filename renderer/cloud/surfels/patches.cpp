@@ -263,7 +263,7 @@ class PatchFinder {
                 if (i >= surfels_.size()) continue;
                 out.of[i] = a.patch;
                 ++out.patches[a.patch - 1u].points;
-                if (a.turn) surfels_[i].normal = -surfels_[i].normal;
+                if (a.turn) turnNormal(surfels_[i]);
             }
     }
 
@@ -308,7 +308,7 @@ class PatchFinder {
             const bool turn = patch == noPatch && !(own_[p] && numbers[place.root] != noPatch)
                                   ? glm::dot(normal, anySide) < 0
                                   : place.turned != (tally[place.root].towards < 0);
-            if (turn) normal = -normal;
+            if (turn) turnNormal(surfels_[i]);
             out.of[i] = patch;
         }
     }

@@ -76,6 +76,8 @@ class Estimate {
         Surfel surfel;
         surfel.normal = glm::vec3(s.normal[0], s.normal[1], s.normal[2]);
         surfel.majorAxis = glm::vec3(s.axis[0], s.axis[1], s.axis[2]);
+        // The normal turns away from where the surface rises.
+        surfel.bend = glm::vec3(-s.bend[0], -s.bend[1], -s.bend[2]);
         surfel.major = std::sqrt(s.reach2);
         surfel.minor = surfel.major * std::max(float(std::sqrt(s.ratio)), leastSurfelRatio);
         surfel.radius = s.radius;

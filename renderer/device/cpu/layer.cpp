@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "renderer/cloud/curvature.hpp"
 #include "renderer/cloud/surfel_codec.hpp"
 #include "renderer/device/cpu/grown.hpp"
 #include "renderer/image/clock.hpp"
@@ -70,6 +71,7 @@ Layer::Layer(const Drawing& drawing, const CutView& view, const LayerView& layer
       splats_(splatPasses(passes, layerView, drawing.color)) {
     for (SplatPass& pass : splats_) {
         if (pass.ownRadii) pass.radii = surfelRadii().data();
+        pass.curvatures = curvatureSteps().data();
         pass.ramp = tables_.ramp.data();
         pass.factors = tables_.factors.data();
         pass.normals = tables_.normals.data();
@@ -122,6 +124,7 @@ void Layer::splatRun(const PreparedRun& prepared, SplatRun slice, const SplatPas
     for (std::uint32_t first = 0; first < prepared.run.count;) {
         if (workers_.stopped()) return;
         slice.samples = prepared.run.samples + first;
+        if (prepared.run.curvatures != nullptr) slice.curvatures = prepared.run.curvatures + first;
         if (prepared.run.limits != nullptr) slice.limits = prepared.run.limits + first / limitsStep;
         slice.count = std::min(sliceSamples, prepared.run.count - first);
         slice.firstOrdinal = prepared.run.firstOrdinal + first;

@@ -17,8 +17,8 @@ MirrorLayer::MirrorLayer(const Drawing& drawing, const CutView& reflection, cons
                          const FramePasses& passes, const Kernels& kernels, const Workers& workers,
                          TileMemories& tiles, LayerMemory& memory, const Rect& picture)
     : glass_(*reflection.glass),
-      layerView_{&reflection.viewpoint, mainView.pad, mainView.surfels, mainView.oriented,
-                 mainView.orientedNodes},
+      layerView_{&reflection.viewpoint, mainView.pad,           mainView.surfels,
+                 mainView.oriented,     mainView.orientedNodes, mainView.curvatures},
       passes_(passes),
       kernels_(kernels),
       workers_(workers),

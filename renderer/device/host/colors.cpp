@@ -43,6 +43,8 @@ SplatColoring splatColoring(const ColorRule& rule) {
             return SplatColoring::Classification;
         case ColorSource::Normal:
             return SplatColoring::Normal;
+        case ColorSource::Curvature:
+            return SplatColoring::Curvature;
         case ColorSource::Depth:
             return SplatColoring::Depth;
         case ColorSource::Lod:

@@ -149,7 +149,7 @@ PictureArea pictureArea(const Drawing& drawing, const FramePasses& passes) {
     const Viewpoint& viewpoint = drawing.mainView().viewpoint;
     const int pad = passes.guardBand(), reach = std::max(passes.reach(), pad);
     PictureArea p;
-    p.view = {&viewpoint, pad, drawing.surfels, drawing.oriented, drawing.orientedNodes};
+    p.view = {&viewpoint, pad, drawing.surfels, drawing.oriented, drawing.orientedNodes, drawing.curvatures};
     p.window = {w.x + pad, w.y + pad, w.width, w.height};
     p.area.x = std::max(0, p.window.x - reach);
     p.area.y = std::max(0, p.window.y - reach);

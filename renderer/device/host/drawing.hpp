@@ -60,6 +60,7 @@ struct LayerView {
     bool surfels = false;        ///< samples carry radii, ellipses and normals
     bool oriented = false;       ///< every normal's sign means something
     bool orientedNodes = false;  ///< those of nodes that are sure of it do
+    bool curvatures = false;     ///< samples know theirs
     /// The view axis, px, before jitter.
     glm::dvec2 center() const { return {viewpoint->width * 0.5 + pad, viewpoint->height * 0.5 + pad}; }
     bool anyOriented() const { return oriented || orientedNodes; }

@@ -32,6 +32,7 @@ enum class SplatColoring : std::uint8_t {
     Normal,
     Depth,
     Toned,
+    Curvature,
 };
 
 /// What a splat pass does with its fragments.
@@ -55,6 +56,7 @@ struct SplatPass {
     SplatShape shape = SplatShape::FlatSquare;
     SplatPayload payload = SplatPayload::Color;  ///< of its keys
     bool sumNormals = false;
+    bool curved = false;    ///< what it sums, or what is looked up by its payloads, has normals that turn
     bool ownRadii = false;  ///< samples know their radii, and the pass's size follows them
     bool perspective = true;
     float centerX = 0, centerY = 0;  ///< the view axis, px in the whole picture, jitter included
@@ -86,6 +88,7 @@ struct SplatPass {
     const std::uint32_t* ramp = nullptr;     ///< 256 colours, r | g << 8 | b << 16
     const std::uint32_t* factors = nullptr;  ///< 256, in 256ths, by intensity
     const std::uint32_t* normals = nullptr;  ///< 65,536 colours
+    const float* curvatures = nullptr;       ///< 256, by byte (renderer/cloud/curvature.hpp)
     const std::uint8_t* classes = nullptr;   ///< 256 flags, 1 = drawn; null = all
 };
 /// Of a list: silhouette, nearest, cell, sum.
@@ -104,7 +107,8 @@ struct RunNumbers {
     /// Rows times (x, y, z, 1) of a sample's integers: horizontal and vertical place, px (· d in
     /// perspective), and depth.
     float toPicture[3][4] = {};
-    float elevationStep = 0, elevationBase = 0;  ///< colour index of Elevation = z · step + base
+    /// Colour index = value · step + base: of Elevation a sample's z, of Curvature k1 + k2 in 1 / radiusUnit.
+    float indexStep = 0, indexBase = 0;
     /// World radius r = plainRadius · ratio, with ratio = surfelRadii()[logRadius] · ratioUnit, or 1 where no
     /// radius is known.
     float ratioUnit = 1;
@@ -115,6 +119,7 @@ struct RunNumbers {
     std::uint32_t turnStep = 0, turnBase = 0, lastTurn = 0xffffffffu;
     bool oriented =
         false;  ///< a normal's sign means something, but a two-sided circle's; else it is turned to the eye
+    bool knowsCurvatures = false;  ///< of its samples
     bool clipped = false;
     std::int32_t clipMin[3] = {},
                  clipMax[3] = {};  ///< integers of the samples inside the clip box, inclusive

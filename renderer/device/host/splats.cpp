@@ -111,8 +111,13 @@ void setColor(const CutRun& cutRun, const ColorRule& rule, RunNumbers& run) {
     if (rule.source == ColorSource::Flat) run.color = packed(rule.flat);
     if (rule.source == ColorSource::Lod) run.color = packed(rule.ramp[cutRun.node->level]);
     const double scale = indexScale(rule.low, rule.high);
-    run.elevationStep = static_cast<float>(cutRun.node->step.z * scale);
-    run.elevationBase = static_cast<float>((cutRun.node->boxMin.z - rule.low) * scale);
+    if (rule.source == ColorSource::Curvature) {
+        run.indexStep = static_cast<float>(0.5 * scale / cutRun.node->radiusUnit);
+        run.indexBase = static_cast<float>(-rule.low * scale);
+        return;
+    }
+    run.indexStep = static_cast<float>(cutRun.node->step.z * scale);
+    run.indexBase = static_cast<float>((cutRun.node->boxMin.z - rule.low) * scale);
 }
 
 }  // namespace
@@ -167,12 +172,17 @@ std::vector<SplatPass> splatPasses(const FramePasses& passes, const LayerView& v
         SplatPass& n = add(*passes.sum);
         n.reduction = Reduction::Sum;
         n.sumNormals = passes.sum->normals;
+        n.curved = view.curvatures && passes.sum->normals && passes.sum->curved &&
+                   passes.sum->footprint == Footprint::Ellipse;
         if (passes.cell) {
             n.reach = passes.sum->reach;
             // A little more, so that rounding never leaves out the cell's own disc.
             n.tolerance = 1.01f * passes.cell->tolerance;
         }
     }
+    if (passes.bySample())
+        for (SplatPass& n : out)
+            n.curved = view.curvatures && passes.resolve.normals && passes.resolve.curved;
     return out;
 }
 
@@ -186,6 +196,7 @@ std::optional<RunNumbers> runNumbers(const CutRun& cutRun, const LayerView& view
     run.plainRadius = node.spacing;
     run.ratioUnit = node.radiusUnit / node.spacing;
     run.oriented = view.oriented || (view.orientedNodes && node.confidence >= sureSide);
+    run.knowsCurvatures = !cutRun.curvatures.empty();
     run.firstOrdinal = cutRun.firstOrdinal;
     run.turnStep = turnStep;
     run.turnBase = 0u - cutRun.firstOrdinal * turnStep;

@@ -28,11 +28,13 @@ struct Point {
         : rgb{std::uint8_t(i), std::uint8_t(255 - i), std::uint8_t(7 * i)},
           intensity(static_cast<std::uint16_t>(i * 27)),
           classification(static_cast<std::uint8_t>(i % 20)),
-          height(101 * i % 256) {}
+          height(101 * i % 256),
+          number(i) {}
     Rgb8 rgb;
     std::uint16_t intensity;  // some below, some above the cloud's range
     std::uint8_t classification;
     std::size_t height;  // in 255ths of the cloud's
+    std::size_t number;
 };
 
 std::vector<Sample> samples() {
@@ -49,6 +51,15 @@ std::vector<Sample> samples() {
         s.b = p.rgb[2];
         s.classification = p.classification;
     }
+    return made;
+}
+
+/// Mean curvatures from -64 to 64 in 1 / unit, and what nobody knows, in the leaf's unit.
+std::vector<CurvatureCode> curvatures() {
+    std::vector<CurvatureCode> made(side * side);
+    for (std::size_t i = 0; i < made.size(); ++i)
+        made[i] = static_cast<CurvatureCode>((i * 7 % 98 + (i % 2) * 158) % 256 | (i * 5 % 90) << 8 |
+                                             (i % 32) << 16);
     return made;
 }
 
@@ -70,7 +81,10 @@ Cloud grid() {
     node.spacing = node.meanSpacing = 1;
     node.sampleCount = side * side;
     node.points = side * side;
-    cloud.octree = Octree({node}, samples());
+    node.radiusUnit = 0.125f;
+    cloud.companions = {curvaturePlane()};
+    cloud.usual.emplace().curvature = {-8, 3};
+    cloud.octree = Octree({node}, samples(), curvatures());
     return cloud;
 }
 
@@ -102,6 +116,11 @@ double exposed(double value, double stops) {
 
 Rgb8 plainColor(const Point& p, std::string_view source, double stops) {
     if (source == "elevation") return (*colormap("viridis"))[p.height];
+    if (source == "curvature") {
+        const Curvature c = decodeCurvature(curvatures()[p.number], {0, 0, 1}, 0.125f);
+        const double t = (0.5 * (double(c.k1) + double(c.k2)) + 8) / 16;
+        return curvatureColors()[std::size_t(std::lround(255 * std::clamp(t, 0.0, 1.0)))];
+    }
     if (source == "classification") return classificationColors()[p.classification];
     if (source == "#ff8800") return {255, 136, 0};
     Rgb8 color;
@@ -136,8 +155,8 @@ void expectColors(Device& device, const std::string& color, const std::string& e
 }
 
 void expectAllColors(Device& device) {
-    for (const char* color :
-         {"rgb", "rgb*intensity", "elevation*intensity", "classification*intensity", "#ff8800*intensity"}) {
+    for (const char* color : {"rgb", "curvature", "rgb*intensity", "elevation*intensity",
+                              "classification*intensity", "#ff8800*intensity"}) {
         expectColors(device, color, "auto", 0);
         for (const double stops : {-3.0, -0.5, 0.25, 3.0})
             expectColors(device, color, std::to_string(stops), stops);

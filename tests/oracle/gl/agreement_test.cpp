@@ -205,17 +205,12 @@ TEST_P(DrawingAgreement, SamplesWithRadiiOfTheirOwn) {
 
 TEST_P(DrawingAgreement, EveryColorSource) {
     const ColorRule rules[] = {
-        ramped(ColorSource::Rgb, 0, 1),
-        ramped(ColorSource::Intensity, 5000, 60000),
-        ramped(ColorSource::Elevation, -1, 2),
-        ramped(ColorSource::Classification, 0, 0),
-        ramped(ColorSource::Normal, 0, 0),
-        ramped(ColorSource::Depth, 3, 7),
-        ramped(ColorSource::Lod, 0, 0),
-        ramped(ColorSource::Flat, 0, 0),
-        ramped(ColorSource::Elevation, 0.5, 0.5),
-        toned(ramped(ColorSource::Rgb, 0, 1)),
-        byIntensity(ramped(ColorSource::Elevation, -1, 2)),
+        ramped(ColorSource::Rgb, 0, 1),        ramped(ColorSource::Intensity, 5000, 60000),
+        ramped(ColorSource::Elevation, -1, 2), ramped(ColorSource::Classification, 0, 0),
+        ramped(ColorSource::Normal, 0, 0),     ramped(ColorSource::Curvature, -1, 2),
+        ramped(ColorSource::Depth, 3, 7),      ramped(ColorSource::Lod, 0, 0),
+        ramped(ColorSource::Flat, 0, 0),       ramped(ColorSource::Elevation, 0.5, 0.5),
+        toned(ramped(ColorSource::Rgb, 0, 1)), byIntensity(ramped(ColorSource::Elevation, -1, 2)),
     };
     for (const ColorRule& rule : rules) {
         SCOPED_TRACE(std::string(name(rule.source)));

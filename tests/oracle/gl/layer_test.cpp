@@ -227,6 +227,7 @@ AnalyticCloud scene() {
         const glm::dvec3 along = glm::normalize(glm::cross(tilted, numbers.onSphere()));
         p.surfel = surfelOf(tilted, radius * numbers.uniform(0.4, 2.2), along, numbers.uniform(0.25, 1));
         p.surfel->outlier = numbers.uniform() < 0.03;
+        p.surfel->bend = glm::vec3(0.4 / radius * numbers.onSphere());
         if (numbers.uniform() < 0.03) p.surfel->normal = glm::vec3(0);
         if (numbers.uniform() < 0.03) p.surfel.reset();
         points.push_back(p);
@@ -279,6 +280,8 @@ const MethodCase methodCases[] = {
     {"disc", {}, "disc", true},
     {"disc", {{"maxPx", 9.0}, {"cull", false}}, "smallDisc", true},
     {"ewa", {}, "ewa", true},
+    {"disc", {{"curved", false}}, "flatDisc", true},
+    {"ewa", {{"curved", true}}, "curvedEwa", true},
     {"ewa", {{"lowPass", 2.0}, {"scale", 3.0}}, "blurredEwa", true},
     {"voronoi", {{"smooth", false}}, "voronoiFlat", true},
     {"voronoi", {{"smooth", true}}, "voronoiSmooth", true},
@@ -348,7 +351,7 @@ INSTANTIATE_TEST_SUITE_P(Gl, GlLayerDrawing, testing::Values("egl"),
 TEST_P(GlLayerDrawing, EveryColorSource) {
     for (const ColorSource source :
          {ColorSource::Intensity, ColorSource::Elevation, ColorSource::Classification, ColorSource::Normal,
-          ColorSource::Depth, ColorSource::Lod, ColorSource::Flat}) {
+          ColorSource::Curvature, ColorSource::Depth, ColorSource::Lod, ColorSource::Flat}) {
         SCOPED_TRACE(std::string(name(source)));
         check({sprites, {"voronoi", {{"smooth", false}}, ""}}, [&](OwnDrawing& d) {
             d.color.source = source;

@@ -181,7 +181,8 @@ TEST_P(ViewAgreement, Colours) {
         v.style.method = method;
         for (const ColorSource color :
              {ColorSource::Intensity, ColorSource::Elevation, ColorSource::Classification,
-              ColorSource::Normal, ColorSource::Depth, ColorSource::Lod, ColorSource::Flat}) {
+              ColorSource::Normal, ColorSource::Curvature, ColorSource::Depth, ColorSource::Lod,
+              ColorSource::Flat}) {
             SCOPED_TRACE(std::string(method) + ", " + std::string(name(color)));
             v.style.color = color;
             v.style.flatColor = {10, 200, 90};

@@ -40,9 +40,21 @@ class FakeCloudFile final : public CloudFile {
     std::uint64_t bytes() const override { return 0; }
     const CloudFacts& facts() const override { return facts_; }
     std::span<const StoredNode> nodes() const override { return stored_; }
-    std::span<const ValuePlane> planes() const override { return {}; }
-    Expected<std::vector<std::byte>> plane(std::uint32_t, std::size_t) const override {
-        return std::vector<std::byte>();
+    std::span<const ValuePlane> planes() const override { return planes_; }
+    /// Of every third node none.
+    Expected<std::vector<std::byte>> plane(std::uint32_t node, std::size_t) const override {
+        const std::lock_guard lock(mutex_);
+        if (damagedCurvatures_.contains(node))
+            return fail(ErrorCode::Malformed, "node " + std::to_string(node) + " at byte 4712 is damaged");
+        if (node % 3 == 2) return std::vector<std::byte>();
+        const std::vector<CurvatureCode> codes(stored_[node].node.sampleCount, node + 1);
+        const auto bytes = std::as_bytes(std::span(codes));
+        return std::vector<std::byte>(bytes.begin(), bytes.end());
+    }
+    /// Before anybody opens it: samples get curvatures that tell whose they are.
+    void addCurvatures() { planes_ = {curvaturePlane()}; }
+    void damageCurvatures(std::uint32_t node) {
+        set([&] { damagedCurvatures_.insert(node); });
     }
     BlockPlace planePlace(std::uint32_t, std::size_t) const override { return {}; }
     Expected<std::vector<std::byte>> rows(std::uint32_t) const override { return std::vector<std::byte>(); }
@@ -120,7 +132,8 @@ class FakeCloudFile final : public CloudFile {
     mutable std::vector<std::uint32_t> reads_;
     mutable int readers_ = 0, mostReaders_ = 0;
     std::chrono::microseconds delay_{0};
-    std::set<std::uint32_t> damaged_;
+    std::set<std::uint32_t> damaged_, damagedCurvatures_;
+    std::vector<ValuePlane> planes_;
     bool open_ = true;
 };
 

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <glm/gtc/matrix_transform.hpp>
+#include <tuple>
 
 #include "renderer/cloud/surfel_codec.hpp"
 
@@ -27,6 +28,13 @@ std::uint64_t mortonCode(const Sample& s) {
         code = code << 3 | (s.x >> bit & 1u) << 2 | (s.y >> bit & 1u) << 1 | (s.z >> bit & 1u);
     }
     return code;
+}
+
+void sortByMorton(std::span<Sample> samples, std::span<CurvatureCode> curvatures) {
+    std::vector<std::pair<Sample, CurvatureCode>> both;
+    for (std::size_t i = 0; i < samples.size(); ++i) both.emplace_back(samples[i], curvatures[i]);
+    std::ranges::sort(both, {}, [](const auto& one) { return mortonCode(one.first); });
+    for (std::size_t i = 0; i < both.size(); ++i) std::tie(samples[i], curvatures[i]) = both[i];
 }
 
 /// Splits at the median of the longest axis until every part is small; calls `leaf` from first to last.
@@ -59,12 +67,15 @@ AnalyticCloud::AnalyticCloud(std::span<const AnalyticPoint> points, double spaci
         splitAtMedians(std::span(own), leafPoints,
                        [&](std::span<AnalyticPoint> leaf) { addLeaf(leaf, spacing); });
     }
+    const bool bent = std::ranges::any_of(curvatures_, [](CurvatureCode code) { return code != 0; });
     std::uint32_t ordinal = 0;
     for (std::uint32_t i = 0; i < nodes_.size(); ++i) {
         const Node& node = nodes_[i];
         const std::span<Sample> run(samples_.data() + node.firstSample, node.sampleCount);
-        if (mortonOrder) std::ranges::sort(run, {}, mortonCode);
+        const std::span<CurvatureCode> codes(curvatures_.data() + node.firstSample, node.sampleCount);
+        if (mortonOrder) sortByMorton(run, codes);
         cut_.runs.push_back({.nodeIndex = i, .samples = run, .firstOrdinal = ordinal});
+        if (bent) cut_.runs.back().curvatures = codes;
         ordinal += node.sampleCount;
     }
     // The vector's memory moves with the object, so these stay true.
@@ -99,6 +110,7 @@ void AnalyticCloud::addLeaf(std::span<const AnalyticPoint> points, double spacin
         s.normal = p.normal;
         if (p.surfel) encodeSurfel(*p.surfel, node.radiusUnit, s);
         samples_.push_back(s);
+        curvatures_.push_back(p.surfel ? curvatureCodeOf(*p.surfel, s, node.radiusUnit) : 0);
     }
     nodes_.push_back(node);
 }

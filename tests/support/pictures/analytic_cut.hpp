@@ -43,6 +43,7 @@ class AnalyticCloud {
 
     std::vector<Node> nodes_;
     std::vector<Sample> samples_;
+    std::vector<CurvatureCode> curvatures_;  ///< of all samples where a surfel bends, else of none
     Cut cut_;
 };
 

@@ -27,6 +27,7 @@ struct SurfelScene {
     SurfelScene(const Viewpoint& viewpoint, const Cut& cut, PassList list)
         : passes(std::move(list)), drawing(viewpoint, cut, passes) {
         drawing.surfels = true;
+        for (const CutRun& run : cut.runs) drawing.curvatures |= !run.curvatures.empty();
         drawing.background.kind = Background::Kind::Color;
         drawing.background.top = {0, 0, 0};
     }

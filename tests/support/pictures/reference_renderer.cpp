@@ -29,8 +29,8 @@ Rgb8 brightened(const ColorRule& rule, const Sample& s, Rgb8 color) {
     return color;
 }
 
-Rgb8 sourceColor(const ColorRule& rule, const Node& node, const Sample& s, const glm::dvec3& place,
-                 double depth) {
+Rgb8 sourceColor(const ColorRule& rule, const Node& node, const Sample& s, CurvatureCode curvature,
+                 const glm::dvec3& place, double depth) {
     switch (rule.source) {
         case ColorSource::Auto:  // a rule names what was chosen
         case ColorSource::Rgb:
@@ -48,6 +48,10 @@ Rgb8 sourceColor(const ColorRule& rule, const Node& node, const Sample& s, const
             return rule.ramp[s.classification];
         case ColorSource::Lod:
             return rule.ramp[node.level];
+        case ColorSource::Curvature: {
+            const Curvature c = decodeCurvature(curvature, decodeNormal(s.normal), node.radiusUnit);
+            return onRamp(rule, 0.5 * (double(c.k1) + double(c.k2)));
+        }
         case ColorSource::Normal:
             break;
     }
@@ -59,9 +63,9 @@ Rgb8 sourceColor(const ColorRule& rule, const Node& node, const Sample& s, const
     return color;
 }
 
-Rgb8 colorOf(const ColorRule& rule, const Node& node, const Sample& s, const glm::dvec3& place,
-             double depth) {
-    return brightened(rule, s, sourceColor(rule, node, s, place, depth));
+Rgb8 colorOf(const ColorRule& rule, const Node& node, const Sample& s, CurvatureCode curvature,
+             const glm::dvec3& place, double depth) {
+    return brightened(rule, s, sourceColor(rule, node, s, curvature, place, depth));
 }
 
 bool wanted(const SampleFilter& filter, const Sample& s, const glm::dvec3& p) {
@@ -149,7 +153,8 @@ ReferencePicture referenceNearest(const Drawing& drawing) {
                                   : std::clamp(2.0 * run.node->spacing * size.scale * s.q, double(size.minPx),
                                                double(size.maxPx));
             s.ordinal = run.firstOrdinal + i;
-            s.color = colorOf(drawing.color, *run.node, run.samples[i], place, s.depth);
+            const CurvatureCode curvature = run.curvatures.empty() ? 0 : run.curvatures[i];
+            s.color = colorOf(drawing.color, *run.node, run.samples[i], curvature, place, s.depth);
             draw(s, pass, picture);
         }
     }

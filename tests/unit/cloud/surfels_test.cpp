@@ -33,7 +33,7 @@ double degrees(const glm::vec3& a, const glm::vec3& b) {
 
 bool same(const Surfel& a, const Surfel& b) {
     return a.normal == b.normal && a.majorAxis == b.majorAxis && a.major == b.major && a.minor == b.minor &&
-           a.radius == b.radius && a.outlier == b.outlier;
+           a.radius == b.radius && a.outlier == b.outlier && a.bend == b.bend;
 }
 
 void expectSound(const std::vector<Surfel>& surfels) {

@@ -10,7 +10,7 @@ namespace {
 constexpr SplatColoring colorings[] = {
     SplatColoring::Rgb,       SplatColoring::PerRun,         SplatColoring::Intensity,
     SplatColoring::Elevation, SplatColoring::Classification, SplatColoring::Normal,
-    SplatColoring::Depth,     SplatColoring::Toned};
+    SplatColoring::Depth,     SplatColoring::Toned,          SplatColoring::Curvature};
 
 /// Collects variants, each once.
 class Variants {
@@ -90,6 +90,9 @@ void addSums(Footprint footprint, bool silhouettes, Variants& variants) {
             pass.sumNormals = normals;
             addColorings(pass, silhouettes, variants);
         }
+        if (footprint != Footprint::Ellipse) continue;
+        pass.curved = true;
+        addPass(pass, silhouettes, variants);
     }
 }
 
@@ -119,7 +122,10 @@ void addResolves(bool keys64, bool normals, Variants& variants) {
     SplatPass pass;
     for (const SplatColoring coloring : colorings) {
         pass.coloring = coloring;
-        variants.add(resolveSamplesVariant(pass, keys64, normals));
+        for (const bool curved : {false, true}) {
+            pass.curved = curved;
+            variants.add(resolveSamplesVariant(pass, keys64, normals));
+        }
     }
     pass.byIntensity = true;
     variants.add(resolveSamplesVariant(pass, keys64, normals));

@@ -188,6 +188,38 @@ TEST(BlockCache, ADamagedBlockIsToldOnceAndTheRestIsThere) {
     EXPECT_THAT(told[0], testing::HasSubstr("fake.scan: node 7 at byte 4711"));
 }
 
+TEST(BlockCache, CurvaturesComeWithTheirSamplesOrNeitherDoes) {
+    const auto scan = file(3);
+    scan->addCurvatures();
+    scan->damageCurvatures(4);
+    const auto cache = BlockCache::create(roomFor(1000, *scan));
+    const auto store = cache->add(scan);
+    for (const std::uint32_t node : {0u, 1u, 2u, 3u}) {
+        const auto run = store->load(node);
+        ASSERT_TRUE(run) << run.error().message;
+        ASSERT_EQ(run->curvatures.size(), run->samples.size());
+        const CurvatureCode code = node % 3 == 2 ? 0 : node + 1;
+        EXPECT_TRUE(std::ranges::all_of(run->curvatures, [&](CurvatureCode c) { return c == code; }))
+            << "node " << node << (code ? "" : ", which has none, is flat");
+    }
+    const auto damaged = store->load(4);
+    ASSERT_FALSE(damaged);
+    EXPECT_THAT(damaged.error().message, testing::HasSubstr("4712"));
+    EXPECT_TRUE(store->damaged(4));
+}
+
+// Right because a sample then takes a quarter more.
+TEST(BlockCache, CurvaturesCount) {
+    const auto with = file(3), without = file(3);
+    with->addCurvatures();
+    const auto first = BlockCache::create(roomFor(1000, *with)),
+               second = BlockCache::create(roomFor(1000, *with));
+    const auto bent = first->add(with), flat = second->add(without);
+    ASSERT_TRUE(bent->load(0) && flat->load(0));
+    EXPECT_EQ(bent->bytesResident() - flat->bytesResident(), samples * sizeof(CurvatureCode));
+    EXPECT_LT(bent->capacity(), flat->capacity());
+}
+
 TEST(BlockCache, AWaitCanBeAbandoned) {
     const auto scan = file();
     const auto cache = BlockCache::create(roomFor(1000, *scan, 1));

@@ -69,7 +69,7 @@ void resize(Surfel& surfel, Density below, float reach, double spacing) {
 
 Expected<void> addInnerSurfels(const BuildNode& node, const AveragedFacts& facts, const BuildNode& root,
                                const OctreeInput& input, const SamplesOf& samplesOf,
-                               std::span<Sample> samples) {
+                               std::span<Sample> samples, std::span<CurvatureCode> curvatures) {
     const NodeContent& content = node.content;
     std::vector<glm::vec3> offsets;
     for (const Sample& s : samples) offsets.emplace_back(positionOf(s, content) - content.bounds.low);
@@ -91,13 +91,16 @@ Expected<void> addInnerSurfels(const BuildNode& node, const AveragedFacts& facts
     estimateSurfels(offsets, {.neighbours = input.shape.neighbours, .spacings = spacings}, surfels);
     const float unit = radiusUnit(content.spacing);
     for (std::size_t i = 0; i < samples.size(); ++i) {
-        Surfel& surfel = surfels[i];
+        Surfel surfel = surfels[i];
         if (const glm::vec3 averaged = decodeNormal(samples[i].normal); averaged != glm::vec3(0))
             surfel.normal = averaged;
         resize(surfel, facts.densities[i], facts.reaches[i], content.spacing);
         const bool twoSided = samples[i].ellipse == twoSidedCircle;
         encodeSurfel(surfel, unit, samples[i]);
         if (twoSided) makeTwoSided(samples[i]);
+        if (curvatures.empty()) continue;
+        surfel.normal = surfels[i].normal;
+        curvatures[i] = curvatureCodeOf(surfel, samples[i], unit);
     }
     return {};
 }

@@ -8,6 +8,7 @@
 
 #include "renderer/cloud/build/morton.hpp"
 #include "renderer/cloud/build/nodes/lattice.hpp"
+#include "renderer/cloud/curvature.hpp"
 #include "renderer/cloud/density.hpp"
 
 namespace scancast {
@@ -23,8 +24,9 @@ struct NodeContent {
     std::vector<Sample> samples;
     std::vector<float> reaches;  ///< of an inner node's samples, with surfels: Average::reach
     std::vector<Density>
-        densities;    ///< of its samples, with surfels; Surface, Wire, Foliage or Stray of averages
-    NormalCone cone;  ///< of the node's own samples
+        densities;  ///< of its samples, with surfels; Surface, Wire, Foliage or Stray of averages
+    std::vector<CurvatureCode> curvatures;  ///< of its samples, with curvatures
+    NormalCone cone;                        ///< of the node's own samples
 };
 
 /// What a node's radii count from (Node::radiusUnit).

@@ -1,4 +1,4 @@
-// What a chunk's subtree keeps while it waits for all others: its leaves' surfels in four bytes a point, and the
+// What a chunk's subtree keeps while it waits for all others: its leaves' surfels in eight bytes a point, and the
 // facets and patches that sides are decided by. Pipeline: leaves with surfels → **held** → sides → leaves again.
 // Source: docs/spec/surfels.md §9.
 #pragma once

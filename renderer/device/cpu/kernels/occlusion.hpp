@@ -46,8 +46,8 @@ void occlude(const Occlusion& o) {
             const FloatW scale = o.perspective ? loadSome<FloatW>(depth + x, lanes) : all(1.0f);
             FloatW sum{};
             for (int k = 0; k < occlusionPairs; ++k) {
-                const FloatW h = hollow(row + x + o.offsets[k], row + x - o.offsets[k], own,
-                                        scale * o.perPx[k], lanes);
+                const FloatW h =
+                    hollow(row + x + o.offsets[k], row + x - o.offsets[k], own, scale * o.perPx[k], lanes);
                 const FloatW square = h * h;
                 sum += square / (1.0f + square);
             }

@@ -162,7 +162,14 @@ inline std::uint32_t brightened(const SplatPass& pass, std::uint32_t color, std:
     return out;
 }
 
-inline void colorize(const SplatPass& pass, const SplatRun& run, Block& b) {
+/// Of twice the mean curvature.
+inline float curvatureIndex(const SplatPass& pass, const SplatRun& run, std::uint32_t code) {
+    const float sum = pass.curvatures[code & 255] + pass.curvatures[(code >> 8) & 255];
+    return sum * run.indexStep + run.indexBase;
+}
+
+/// The block's first sample is the run's `first`.
+inline void colorize(const SplatPass& pass, const SplatRun& run, std::uint32_t first, Block& b) {
     const auto* const words = b.words;
     switch (pass.coloring) {
         case Coloring::Rgb:
@@ -180,7 +187,7 @@ inline void colorize(const SplatPass& pass, const SplatRun& run, Block& b) {
         case Coloring::Elevation:
             for (int i = 0; i < b.padded; ++i) {
                 const float z = static_cast<float>(static_cast<std::int32_t>(words[1][i] & 0xffff));
-                b.color[i] = tableEntry(pass.ramp, z * run.elevationStep + run.elevationBase);
+                b.color[i] = tableEntry(pass.ramp, z * run.indexStep + run.indexBase);
             }
             return;
         case Coloring::Classification:
@@ -196,6 +203,13 @@ inline void colorize(const SplatPass& pass, const SplatRun& run, Block& b) {
             return;
         case Coloring::Toned:
             for (int i = 0; i < b.padded; ++i) b.color[i] = toned(pass.ramp, words[2][i]);
+            return;
+        case Coloring::Curvature:
+            for (int i = 0; i < b.count; ++i) {
+                const std::uint32_t code =
+                    run.curvatures != nullptr ? run.curvatures[first + static_cast<std::uint32_t>(i)] : 0;
+                b.color[i] = tableEntry(pass.ramp, curvatureIndex(pass, run, code));
+            }
             return;
     }
 }
@@ -224,7 +238,7 @@ inline void loadBlock(const SplatPass& pass, const SplatRun& run, std::uint32_t 
         for (int i = 0; i < b.padded; ++i)
             b.color[i] = run.firstOrdinal + first + static_cast<std::uint32_t>(i);
     } else if (pass.payload == SplatPayload::Color) {
-        colorize(pass, run, b);
+        colorize(pass, run, first, b);
         if (pass.byIntensity) brighten(pass, b);
     }
 }

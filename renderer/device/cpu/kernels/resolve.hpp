@@ -2,6 +2,7 @@
 // samples looked up by their ordinals, means of sums. Part of kernels.cpp.
 #pragma once
 
+#include "renderer/device/cpu/kernels/bends.hpp"
 #include "renderer/device/cpu/kernels/normal_plane.hpp"
 #include "renderer/device/cpu/kernels/project.hpp"
 #include "renderer/device/cpu/kernels/vectors.hpp"
@@ -17,7 +18,7 @@ inline const SplatRun& runOf(const SampleTable& table, std::uint32_t ordinal) {
 
 /// As colorize() does for a block, but for the depth, which is the pixel's.
 inline std::uint32_t sourceColor(const SplatPass& pass, const SplatRun& run, const SampleWords& words,
-                                 float depth) {
+                                 std::uint32_t curvature, float depth) {
     switch (pass.coloring) {
         case Coloring::Rgb:
             return words[2] & 0xffffff;
@@ -29,7 +30,7 @@ inline std::uint32_t sourceColor(const SplatPass& pass, const SplatRun& run, con
         }
         case Coloring::Elevation: {
             const float z = static_cast<float>(static_cast<std::int32_t>(words[1] & 0xffff));
-            return tableEntry(pass.ramp, z * run.elevationStep + run.elevationBase);
+            return tableEntry(pass.ramp, z * run.indexStep + run.indexBase);
         }
         case Coloring::Classification:
             return pass.ramp[words[2] >> 24];
@@ -39,18 +40,51 @@ inline std::uint32_t sourceColor(const SplatPass& pass, const SplatRun& run, con
             return tableEntry(pass.ramp, (depth - pass.colorLow) * pass.colorScale);
         case Coloring::Toned:
             return toned(pass.ramp, words[2]);
+        case Coloring::Curvature:
+            return tableEntry(pass.ramp, curvatureIndex(pass, run, curvature));
     }
     return 0;
 }
 
 inline std::uint32_t sampleColor(const SplatPass& pass, const SplatRun& run, const SampleWords& words,
-                                 float depth) {
-    const std::uint32_t color = sourceColor(pass, run, words, depth);
+                                 std::uint32_t curvature, float depth) {
+    const std::uint32_t color = sourceColor(pass, run, words, curvature, depth);
     return pass.byIntensity ? brightened(pass, color, words[1]) : color;
 }
 
+struct alignas(64) ResolvedPixels {
+    std::uint32_t rgba[wideLanes], normals[wideLanes];
+    float depth[wideLanes];
+    /// From the sample's centre to the place that is seen: view space, cloud units.
+    float awayX[wideLanes], awayY[wideLanes], awayZ[wideLanes];
+    BendCodes bends;
+    bool bent = false;  ///< any of them
+};
+
+/// Of a pixel of the picture, whose depth is known.
+inline void bendPixel(const SplatPass& pass, const SplatRun& run, const SampleWords& words,
+                      std::uint32_t code, std::int32_t px, std::int32_t py, int i, ResolvedPixels& out) {
+    const float unitsPerPx = 1.0f / pass.pixelsPerUnit;
+    const auto& m = run.toPicture;
+    const float sx = static_cast<float>(static_cast<std::int32_t>(words[0] & 0xffff));
+    const float sy = static_cast<float>(static_cast<std::int32_t>(words[0] >> 16));
+    const float sz = static_cast<float>(static_cast<std::int32_t>(words[1] & 0xffff));
+    const float across = m[0][0] * sx + (m[0][1] * sy + (m[0][2] * sz + m[0][3]));
+    const float down = m[1][0] * sx + (m[1][1] * sy + (m[1][2] * sz + m[1][3]));
+    const float depth = m[2][0] * sx + (m[2][1] * sy + (m[2][2] * sz + m[2][3]));
+    const float spread = pass.perspective ? out.depth[i] : 1.0f;
+    const float dx = (static_cast<float>(px) + 0.5f) - pass.centerX;
+    const float dy = (static_cast<float>(py) + 0.5f) - pass.centerY;
+    out.awayX[i] = (dx * spread - across) * unitsPerPx;
+    out.awayY[i] = (down - dy * spread) * unitsPerPx;
+    out.awayZ[i] = depth - out.depth[i];
+    decodeBend(pass, run, code, i, out.bends);
+    out.bent = true;
+}
+
 /// Normals of samples, turned into view space.
-inline IntW viewNormalCodes(const SplatPass& pass, IntW codes) {
+inline IntW viewNormalCodes(const SplatPass& pass, const ResolvedPixels& p) {
+    const IntW codes = load<IntW>(p.normals);
     FloatW x, y, z;
     unpackSampleNormal(codes, x, y, z);
     const auto& r = pass.rotation;
@@ -58,13 +92,25 @@ inline IntW viewNormalCodes(const SplatPass& pass, IntW codes) {
                       r[2][0] * x + (r[2][1] * y + r[2][2] * z));
 }
 
-struct alignas(64) ResolvedPixels {
-    std::uint32_t rgba[wideLanes], normals[wideLanes];
-    float depth[wideLanes];
-};
+/// The same where the surface bends: n + k1 (away · e1) e1 + k2 (away · e2) e2.
+inline IntW bentNormalCodes(const SplatPass& pass, const ResolvedPixels& p) {
+    FloatW x, y, z;
+    sampleNormal(load<IntW>(p.normals), x, y, z);
+    const FloatW cloudX = x, cloudY = y, cloudZ = z;
+    rotateToView(pass, x, y, z);
+    const Bend b = bendOf(pass, cloudX, cloudY, cloudZ, x, y, z, p.bends);
+    const FloatW ax = load<FloatW>(p.awayX), ay = load<FloatW>(p.awayY), az = load<FloatW>(p.awayZ);
+    const FloatW turn1 = turnOf((ax * b.x1 + (ay * b.y1 + az * b.z1)) * b.k1);
+    const FloatW turn2 = turnOf((ax * b.x2 + (ay * b.y2 + az * b.z2)) * b.k2);
+    const IntW bent = packNormal(x + (turn1 * b.x1 + turn2 * b.x2), y + (turn1 * b.y1 + turn2 * b.y2),
+                                 z + (turn1 * b.z1 + turn2 * b.z2));
+    const IntW flat = (b.k1 == 0.0f) & (b.k2 == 0.0f);
+    return flat | (load<IntW>(p.normals) == 0) ? viewNormalCodes(pass, p) : bent;
+}
 
 inline void lookUp(const SplatPass& pass, const SampleTable& table, const Key* keys, const Key* visible,
-                   std::uint32_t background, int lanes, ResolvedPixels& out) {
+                   std::uint32_t background, std::int32_t px, std::int32_t py, int lanes,
+                   ResolvedPixels& out) {
     for (int i = 0; i < lanes; ++i) {
         const std::int32_t order = static_cast<std::int32_t>(keys[i] >> 32);
         out.rgba[i] = background;
@@ -76,9 +122,12 @@ inline void lookUp(const SplatPass& pass, const SampleTable& table, const Key* k
         __builtin_memcpy(&out.depth[i], &depthBits, 4);
         const std::uint32_t ordinal = static_cast<std::uint32_t>(keys[i]);
         const SplatRun& run = runOf(table, ordinal);
-        const SampleWords& words = run.samples[ordinal - run.firstOrdinal];
-        out.rgba[i] = sampleColor(pass, run, words, out.depth[i]) | 0xff000000u;
+        const std::uint32_t at = ordinal - run.firstOrdinal;
+        const SampleWords& words = run.samples[at];
+        const std::uint32_t curvature = run.curvatures != nullptr ? run.curvatures[at] : 0;
+        out.rgba[i] = sampleColor(pass, run, words, curvature, out.depth[i]) | 0xff000000u;
         out.normals[i] = words[3] & 0xffff;
+        if (pass.curved && curvature != 0) bendPixel(pass, run, words, curvature, px + i, py, i, out);
     }
 }
 
@@ -91,11 +140,13 @@ void resolveSamples(const SplatPass& pass, const SampleTable& table, const KeyTi
             const int lanes = tile.width - x < wideLanes ? tile.width - x : wideLanes;
             ResolvedPixels p{};
             lookUp(pass, table, tile.keys + row + x,
-                   tile.visible != nullptr ? tile.visible + row + x : nullptr, out.background[y], lanes, p);
+                   tile.visible != nullptr ? tile.visible + row + x : nullptr, out.background[y], tile.x + x,
+                   tile.y + y, lanes, p);
             storeSome(out.rgba + first + x, load<IntW>(p.rgba), lanes);
             if (out.depth != nullptr) storeSome(out.depth + first + x, load<FloatW>(p.depth), lanes);
             if (out.normals != nullptr)
-                storeSome(out.normals + first + x, viewNormalCodes(pass, load<IntW>(p.normals)), lanes);
+                storeSome(out.normals + first + x,
+                          p.bent ? bentNormalCodes(pass, p) : viewNormalCodes(pass, p), lanes);
         }
     }
 }

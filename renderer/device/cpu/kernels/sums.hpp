@@ -56,6 +56,15 @@ struct Addends {
     }
 };
 
+/// Normals of the lanes, each part of them at most 1; they need not be one unit long.
+template <int lanes>
+inline Int<lanes> quantiseNormal(Float<lanes> v) {
+    const Float<lanes> above = v > -1.0f ? v : Float<lanes>{} - 1.0f;
+    const Float<lanes> within = above < 1.0f ? above : Float<lanes>{} + 1.0f;
+    const Float<lanes> half = within < 0.0f ? Float<lanes>{} - 0.5f : Float<lanes>{} + 0.5f;
+    return __builtin_convertvector(within * normalSteps + half, Int<lanes>);
+}
+
 /// 12 bits; at least 1 where covered, 0 elsewhere. `weight` in [0, 1] where covered.
 template <int lanes>
 inline Int<lanes> quantiseWeight(Float<lanes> weight, Int<lanes> covered) {

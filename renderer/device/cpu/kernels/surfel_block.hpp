@@ -9,6 +9,7 @@
 // cancels, however grazing the view.
 #pragma once
 
+#include "renderer/device/cpu/kernels/bends.hpp"
 #include "renderer/device/cpu/kernels/project.hpp"
 #include "renderer/device/cpu/kernels/surfaces.hpp"
 #include "renderer/device/cpu/kernels/surfel_codes.hpp"
@@ -51,6 +52,10 @@ struct alignas(64) Surfels {
     float peak[surfelRow];                                             ///< Ellipse: weight at the centre
     float distance[surfelRow];                                         ///< 8 bits of distance = this · px²
     float normalX[surfelRow], normalY[surfelRow], normalZ[surfelRow];  ///< view space, (0, 0, 0) = none
+    bool bends = false;  ///< what follows, up to `bent`, is known
+    /// How the normal turns, per px to the right and down.
+    float bendRight[3][surfelRow], bendDown[3][surfelRow];
+    std::int32_t bent[surfelRow];     ///< -1: it does
     std::int32_t surface[surfelRow];  ///< host/splat_numbers.hpp; its normal turned to the eye
     std::int32_t anySide[surfelRow];  ///< -1: its normal may be turned
     std::int32_t reaches[surfelRow];
@@ -286,10 +291,47 @@ inline FloatW ellipseTolerance(const SplatPass& pass, const Pose& p, FloatW rang
     return 2.0f * (p.half + squareRoot<wideLanes>(range * range + blur * blur));
 }
 
+/// The normals of ellipses turn linearly over the picture, as their footprints are one linear step from the surface to it: the
+/// place on the surface of a pixel (dx, dy) from the centre is (dx, dy, 0) - (u, v, 1) · (N.x·dx + N.y·dy) / m, in units a px.
+/// Less so by the low-pass' share: what that takes in is not theirs. `turn`: 1, or -1 where the normal was turned.
+inline void storeBends(const SplatPass& pass, const SplatRun& run, const Block& b, std::uint32_t firstCode,
+                       int i, const Pose& p, FloatW share, Surfels& s) {
+    BendCodes codes;
+    std::uint32_t any = 0;
+    for (int l = 0; l < wideLanes; ++l) {
+        const std::uint32_t code =
+            i + l < b.count ? run.curvatures[firstCode + static_cast<std::uint32_t>(i + l)] : 0;
+        decodeBend(pass, run, code, l, codes);
+        any |= code;
+    }
+    if (any == 0) return store(s.bent + i, all(0));
+    const FloatW x = p.x, y = -p.y, z = -p.z;
+    const Bend e = bendOf(pass, p.cloudX, p.cloudY, p.cloudZ, x, y, z, codes);
+    const IntW anySide = run.oriented ? twoSided(b, i) : all(-1);
+    const FloatW turn = (p.m > 0.0f) & anySide ? all(-1.0f) : all(1.0f);
+    const FloatW per = (share * p.unitsPerPx) * turn;
+    const FloatW overM = 1.0f / p.m;
+    // Directions in the picture's frame, where y is down and z away.
+    const FloatW along1 = ((e.x1 * p.u - e.y1 * p.v) - e.z1) * overM;
+    const FloatW along2 = ((e.x2 * p.u - e.y2 * p.v) - e.z2) * overM;
+    const FloatW k1 = e.k1 * per, k2 = e.k2 * per;
+    const FloatW right1 = k1 * (e.x1 - along1 * p.x), right2 = k2 * (e.x2 - along2 * p.x);
+    const FloatW down1 = k1 * (-e.y1 - along1 * p.y), down2 = k2 * (-e.y2 - along2 * p.y);
+    store(s.bendRight[0] + i, right1 * e.x1 + right2 * e.x2);
+    store(s.bendRight[1] + i, right1 * e.y1 + right2 * e.y2);
+    store(s.bendRight[2] + i, right1 * e.z1 + right2 * e.z2);
+    store(s.bendDown[0] + i, down1 * e.x1 + down2 * e.x2);
+    store(s.bendDown[1] + i, down1 * e.y1 + down2 * e.y2);
+    store(s.bendDown[2] + i, down1 * e.z1 + down2 * e.z2);
+    store(s.bent + i, p.hasNormal & ((e.k1 != 0.0f) | (e.k2 != 0.0f)));
+}
+
 template <bool perspective>
-void setUpEllipses(const SplatPass& pass, const SplatRun& run, const Block& b, Surfels& s) {
+void setUpEllipses(const SplatPass& pass, const SplatRun& run, std::uint32_t first, const Block& b,
+                   Surfels& s) {
     AxisCodes codes;
     decodeAxes(pass, b, codes);
+    s.bends = pass.curved && pass.sumNormals && run.curvatures != nullptr;
     const float blur2 = 6.0f * pass.lowPassPx * pass.lowPassPx;
     const float pixel = 1.0f / pass.pixelsPerUnit;
     for (int i = 0; i < b.padded; i += wideLanes) {
@@ -328,6 +370,7 @@ void setUpEllipses(const SplatPass& pass, const SplatRun& run, const Block& b, S
         storeFront(pass, d, all(0.0f), tolerance * p.unitsPerPx, i, s);
         store(s.reaches + i, p.drawn);
         storeCommon(pass, run, b, i, p, toleranceCode<wideLanes>(tolerance) << 24, s);
+        if (s.bends) storeBends(pass, run, b, first, i, p, load<FloatW>(s.peak + i), s);
     }
 }
 

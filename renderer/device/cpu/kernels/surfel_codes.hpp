@@ -30,20 +30,23 @@ inline void decodeAxes(const SplatPass& pass, const Block& b, AxisCodes& out) {
 }
 
 /// Of a unit normal in cloud space, one unit long: Frisvad's frame, turned by the angle.
-inline void majorAxis(FloatW nx, FloatW ny, FloatW nz, const AxisCodes& codes, int i, FloatW& x, FloatW& y,
-                      FloatW& z) {
+inline void axisAt(FloatW nx, FloatW ny, FloatW nz, FloatW c, FloatW s, FloatW& x, FloatW& y, FloatW& z) {
     const FloatW flat = nx * nx + ny * ny;
     const IntW down = nz < 0.0f, pole = down & (flat == 0.0f);
     const FloatW above = down ? 1.0f - nz : all(1.0f);
     const FloatW below = down ? flat : 1.0f + nz;
     const FloatW a = above / (pole ? all(1.0f) : below);
     const FloatW b = -nx * ny * a;
-    const FloatW c = load<FloatW>(codes.cosine + i), s = load<FloatW>(codes.sine + i);
     const FloatW firstX = pole ? all(0.0f) : 1.0f - nx * nx * a, firstY = pole ? all(-1.0f) : b;
     const FloatW secondX = pole ? all(-1.0f) : b, secondY = pole ? all(0.0f) : 1.0f - ny * ny * a;
     x = firstX * c + secondX * s;
     y = firstY * c + secondY * s;
     z = pole ? all(0.0f) : -(nx * c + ny * s);
+}
+
+inline void majorAxis(FloatW nx, FloatW ny, FloatW nz, const AxisCodes& codes, int i, FloatW& x, FloatW& y,
+                      FloatW& z) {
+    axisAt(nx, ny, nz, load<FloatW>(codes.cosine + i), load<FloatW>(codes.sine + i), x, y, z);
 }
 
 }  // namespace

@@ -29,6 +29,7 @@ class SurfelFragments {
     static constexpr bool sums = reduction == Reduction::Sum;
     static constexpr bool nearest = reduction == Reduction::Nearest;
     static constexpr bool cells = reduction == Reduction::Cell;
+    static constexpr bool turning = sums && extra && !disc;  ///< normals may turn across the surfel
 
   public:
     SurfelFragments(const SplatPass& pass, const Block& b, const Surfels& s, int i, const KeyTile& tile)
@@ -73,6 +74,7 @@ class SurfelFragments {
             here_ = {s.normalX[i], s.normalY[i], s.normalZ[i], F{}, 0, s.half[i]};
         }
         if constexpr (sums && extra) addends_.setNormal(s.normalX[i], s.normalY[i], s.normalZ[i]);
+        if constexpr (turning) setBend(s, i);
     }
 
     /// Starts rows of lanes at this column of the picture; those beyond `last` are left alone by sums.
@@ -90,6 +92,8 @@ class SurfelFragments {
             tdx_ = slopeX_ * dx_;
             tdx_ = (perspective ? F{} + 1.0f : depth_) + tdx_;
         }
+        if constexpr (turning)
+            for (int a = 0; a < 3 && bent_; ++a) rowNormal_[a] = normal_[a] + right_[a] * dx_;
     }
 
     /// The row's lanes, at this offset from the tile's pixel (0, 0).
@@ -133,7 +137,7 @@ class SurfelFragments {
         }
         if constexpr (sums) {
             covered &= inside_;
-            add(offset, visible, square, c, covered);
+            add(offset, y - y_, visible, square, c, covered);
         } else {
             F order;
             I below = payload(y - y_);
@@ -169,7 +173,7 @@ class SurfelFragments {
     }
 
     /// Adds what belongs to the surface that is visible there, as that surface itself says.
-    void add(std::int64_t offset, F visible, F square, F c, I covered) {
+    void add(std::int64_t offset, float dy, F visible, F square, F c, I covered) {
         if (disc && !anyOf<lanes>(covered)) return;
         const I surface = loadPayloads<lanes>(tile_.surfaces + offset);
         F share = F{} + 1.0f;
@@ -189,12 +193,30 @@ class SurfelFragments {
             }
         }
         if (!anyOf<lanes>(covered)) return;
+        if constexpr (turning) {
+            if (bent_) {
+                addends_.x = quantiseNormal<lanes>(rowNormal_[0] + down_[0] * dy);
+                addends_.y = quantiseNormal<lanes>(rowNormal_[1] + down_[1] * dy);
+                addends_.z = quantiseNormal<lanes>(rowNormal_[2] + down_[2] * dy);
+            }
+        }
         const I whole = quantiseWeight<lanes>(weight(square, c) * share, covered);
         if (extra && surface_.mayTurn) {
             const I turned = surface_.turned(surface);
             addFragments<lanes, extra, true>(tile_, offset, whole, addends_, turned, full_);
         } else {
             addFragments<lanes, extra, false>(tile_, offset, whole, addends_, I{}, full_);
+        }
+    }
+
+    void setBend(const Surfels& s, int i) {
+        bent_ = s.bends && s.bent[i] != 0;
+        if (!bent_) return;
+        const float normal[3] = {s.normalX[i], s.normalY[i], s.normalZ[i]};
+        for (int a = 0; a < 3; ++a) {
+            normal_[a] = normal[a];
+            right_[a] = s.bendRight[a][i];
+            down_[a] = s.bendDown[a][i];
         }
     }
 
@@ -261,6 +283,9 @@ class SurfelFragments {
     F middle_, dx_, sdx_, tdx_;
     I payload_, column_, center_, inside_, full_{};
     OfSurface<lanes> surface_;
+    F rowNormal_[3];
+    float normal_[3] = {}, right_[3] = {}, down_[3] = {};
+    bool bent_ = false;
     DiscThere<lanes> here_;
     float x_, y_, sy_, ty_, slopeY_ = 0, near_, unitsPerPx_ = 0, pixelsPerUnit_ = 0;
     float stepsPerPx_ = 0, axisX_ = 0, axisY_ = 0;

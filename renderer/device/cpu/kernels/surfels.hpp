@@ -212,7 +212,7 @@ std::uint32_t drawSurfels(const SplatPass& pass, const SplatRun& run, const KeyT
         if constexpr (shape == Shape::Disc) {
             setUpDiscs<perspective>(pass, run, block, surfels);
         } else {
-            setUpEllipses<perspective>(pass, run, block, surfels);
+            setUpEllipses<perspective>(pass, run, first, block, surfels);
         }
         collectSurfels(block, tile, surfels);
         const SurfelPainter<shape, reduction, perspective, extra> painter{pass, block, surfels, tile};

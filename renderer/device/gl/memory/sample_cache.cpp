@@ -49,12 +49,17 @@ bool SampleCache::has(std::uint64_t source, std::uint32_t node, std::uint32_t sa
     return true;
 }
 
-void SampleCache::addParts(const SampleKey& key, std::uint32_t run, std::span<const Sample> samples,
+void SampleCache::addParts(const SampleKey& key, std::uint32_t run, const CutRun& from,
                            std::vector<Part>& parts) const {
-    for (std::size_t first = 0; first < samples.size(); first += mostInPart_)
-        parts.push_back({{key.source, key.run, static_cast<std::uint32_t>(first)},
-                         run,
-                         samples.subspan(first, std::min<std::size_t>(mostInPart_, samples.size() - first))});
+    for (std::size_t first = 0; first < from.samples.size(); first += mostInPart_) {
+        const std::size_t count = std::min<std::size_t>(mostInPart_, from.samples.size() - first);
+        Part part{{key.source, key.run, static_cast<std::uint32_t>(first)},
+                  run,
+                  from.samples.subspan(first, count),
+                  {}};
+        if (!from.curvatures.empty()) part.curvatures = from.curvatures.subspan(first, count);
+        parts.push_back(part);
+    }
 }
 
 void SampleCache::touch(std::span<const Part> parts) {
@@ -67,7 +72,7 @@ Expected<void> SampleCache::bring(std::uint64_t source, std::span<const CutRun> 
                                   const std::stop_token& stop) {
     std::vector<Part> parts;
     for (std::uint32_t i = 0; i < runs.size(); ++i)
-        addParts({source, runs[i].nodeIndex, 0}, i, runs[i].samples, parts);
+        addParts({source, runs[i].nodeIndex, 0}, i, runs[i], parts);
     touch(parts);
     for (const Part& part : parts) {
         if (stop.stop_requested()) return cancelled();
@@ -90,7 +95,7 @@ Expected<std::span<const Place>> SampleCache::load(const Part& part) {
         if (!made) return passOn(made);
         if (*made) break;
     }
-    if (auto uploaded = upload(places, part.samples); !uploaded) {
+    if (auto uploaded = upload(places, part); !uploaded) {
         table_.erase(part.key);
         return passOn(uploaded);
     }
@@ -116,8 +121,30 @@ Expected<bool> SampleCache::makePages(std::span<const Place> places) {
     return true;
 }
 
-Expected<void> SampleCache::upload(std::span<const Place> places, std::span<const Sample> samples) {
+Expected<void> SampleCache::makeCurvatures(std::uint32_t index) {
+    Page& page = *pages_[index];
+    if (page.curvatures) return {};
+    const std::uint64_t bytes = std::uint64_t(table_.pageSamples(index)) * sizeof(CurvatureCode);
+    Buffer buffer(gl_, "curvatures of a page", Buffer::Use::Copies);
+    if (auto made = buffer.reserve(bytes); !made) return made;
+    page.curvatureTexels.emplace(gl_, buffer, 1);
+    page.curvatures.emplace(std::move(buffer));
+    bytes_ += bytes;
+    return {};
+}
+
+Expected<void> SampleCache::upload(std::span<const Place> places, const Part& part) {
+    std::span<const Sample> samples = part.samples;
+    std::span<const CurvatureCode> curvatures = part.curvatures;
     for (const Place& place : places) {
+        if (!curvatures.empty()) {
+            if (auto ok = makeCurvatures(place.page); !ok) return ok;
+            auto copied = staging_.copy(std::as_bytes(curvatures.first(place.count)),
+                                        *pages_[place.page]->curvatures, place.at * sizeof(CurvatureCode));
+            if (!copied) return copied;
+            curvatures = curvatures.subspan(place.count);
+            bytesUploaded_ += place.count * sizeof(CurvatureCode);
+        }
         auto copied = staging_.copy(std::as_bytes(samples.first(place.count)), pages_[place.page]->buffer,
                                     place.at * sizeof(Sample));
         if (!copied) return copied;
@@ -135,7 +162,7 @@ CutSamples::CutSamples(SampleCache& cache, const Cut& cut, std::span<const std::
     parts_.reserve(runs.size());
     for (const std::uint32_t run : runs) {
         const std::uint32_t key = passing_ ? run : cut.runs[run].nodeIndex;
-        cache.addParts({source, key, 0}, run, cut.runs[run].samples, parts_);
+        cache.addParts({source, key, 0}, run, cut.runs[run], parts_);
     }
 }
 
@@ -196,8 +223,12 @@ Expected<std::size_t> CutSamples::loadBatch(std::size_t from, const std::stop_to
                     "The GPU has no memory left for samples; close other programs that use it, give Scancast "
                     "more by --gpu-memory-limit, or use --backend=cpu.");
     batchPages_.clear();
-    for (std::size_t page = 0; page < extents_.size(); ++page)
-        if (!extents_[page].empty()) batchPages_.push_back({&cache_.pages_[page]->texels, extents_[page]});
+    for (std::size_t page = 0; page < extents_.size(); ++page) {
+        if (extents_[page].empty()) continue;
+        const SampleCache::Page& own = *cache_.pages_[page];
+        batchPages_.push_back(
+            {&own.texels, own.curvatureTexels ? &*own.curvatureTexels : &own.texels, extents_[page]});
+    }
     return at;
 }
 

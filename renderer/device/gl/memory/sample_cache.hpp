@@ -22,7 +22,7 @@
 namespace scancast::gl {
 
 struct SampleCacheOptions {
-    std::uint64_t memoryLimit = 0;  ///< bytes of samples at most
+    std::uint64_t memoryLimit = 0;  ///< bytes of samples at most; curvatures beside them take a quarter more
     /// Bytes of the first page; each next one is twice as large, up to what the driver reads as texels, or
     /// 128 MiB.
     std::uint64_t firstPage = 0;
@@ -34,7 +34,7 @@ class SampleCache {
 
     /// Samples that fit at once.
     std::uint64_t capacity() const { return table_.capacity(); }
-    /// Of the pages that there are.
+    /// Of the pages that there are, and what is beside them.
     std::uint64_t bytes() const { return bytes_; }
     /// Since the beginning.
     std::uint64_t bytesUploaded() const { return bytesUploaded_; }
@@ -52,20 +52,25 @@ class SampleCache {
         SampleKey key;
         std::uint32_t run = 0;  ///< index in the cut
         std::span<const Sample> samples;
+        std::span<const CurvatureCode> curvatures;  ///< of the samples, or empty
     };
-    void addParts(const SampleKey& key, std::uint32_t run, std::span<const Sample> samples,
+    void addParts(const SampleKey& key, std::uint32_t run, const CutRun& from,
                   std::vector<Part>& parts) const;
     /// They are wanted, the first of them soonest.
     void touch(std::span<const Part> parts);
     /// The places of a part, uploaded if need be; empty: no room but in the batch that is being loaded.
     Expected<std::span<const Place>> load(const Part& part);
-    Expected<void> upload(std::span<const Place> places, std::span<const Sample> samples);
+    Expected<void> upload(std::span<const Place> places, const Part& part);
+    /// Room for the curvatures of a page's samples: made when the first of them come.
+    Expected<void> makeCurvatures(std::uint32_t page);
     /// False: the GPU has no memory for them, and there are fewer pages from now on.
     Expected<bool> makePages(std::span<const Place> places);
 
     struct Page {
         Buffer buffer;
         Texels texels;
+        std::optional<Buffer> curvatures{};
+        std::optional<Texels> curvatureTexels{};
     };
 
     const GlFunctions& gl_;
@@ -87,8 +92,9 @@ struct Extent {
 /// What is drawn without moving samples: one page bound after the other.
 struct SampleBatch {
     struct Page {
-        const Texels* samples = nullptr;  ///< one a sample
-        std::span<const Extent> extents;  ///< in the order of the runs that were asked for
+        const Texels* samples = nullptr;     ///< one a sample
+        const Texels* curvatures = nullptr;  ///< likewise; anything where no run's are known
+        std::span<const Extent> extents;     ///< in the order of the runs that were asked for
     };
     std::span<const Page> pages;
     /// The same number as before, by the same CutSamples: the same pages and extents, so that what was made

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <bit>
 
+#include "renderer/cloud/curvature.hpp"
 #include "renderer/cloud/surfel_codec.hpp"
 #include "renderer/device/host/splat_numbers.hpp"
 
@@ -42,6 +43,7 @@ ResolveParams resolveParams(const SplatPass& n, ivec4 area, ivec4 planes, int ba
     p.planes = planes;
     p.ramp = {n.colorLow, n.colorScale, n.intensityLow, n.intensityScale};
     p.look.z = static_cast<std::uint32_t>(backgroundRow);
+    p.view = {n.centerX, n.centerY, 1.0f / n.pixelsPerUnit, n.perspective ? 1.0f : 0.0f};
     setRotation(n, p.rotation);
     return p;
 }
@@ -56,6 +58,7 @@ void SplatTables::begin(const ColorTables& colors, std::size_t mostRuns) {
     std::ranges::transform(axisDirections.cosine, std::back_inserter(words), bits);
     std::ranges::transform(axisDirections.sine, std::back_inserter(words), bits);
     words.insert(words.end(), colors.factors.begin(), colors.factors.end());
+    std::ranges::transform(curvatureSteps(), std::back_inserter(words), bits);
     words.insert(words.end(), colors.normals.begin(), colors.normals.end());
 }
 
@@ -78,8 +81,9 @@ std::uint32_t SplatTables::add(const RunNumbers& run, std::span<const DroppedReg
         const double factor = spriteFactor(run, passes[i], viewpoint);
         out.sizeFactors[static_cast<int>(i)] = static_cast<float>(std::clamp(factor, 0.0, 1e30));
     }
-    out.factors = {run.elevationStep, run.elevationBase, run.ratioUnit, run.plainRadius};
-    out.color = {run.color, run.lastTurn, run.firstOrdinal, run.oriented};
+    out.factors = {run.indexStep, run.indexBase, run.ratioUnit, run.plainRadius};
+    out.color = {run.color, run.lastTurn, run.firstOrdinal,
+                 (run.oriented ? 1u : 0u) | (run.knowsCurvatures ? 2u : 0u)};
     filters = filters || run.clipped || !dropped.empty();
     runs.push_back(out);
     return static_cast<std::uint32_t>(runs.size() - 1);

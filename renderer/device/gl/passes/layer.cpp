@@ -173,6 +173,7 @@ Expected<void> Layer::splatOnce(const SplatPass& pass, Keep keep, const std::sto
         parts_.tables.chunks.bindStorage(binding::splat::chunks);
         for (std::size_t i = 0; i < batch.pages.size(); ++i) {
             batch.pages[i].samples->bind(unit::samples);
+            batch.pages[i].curvatures->bind(unit::curvatures);
             if (auto ok = parts_.slices.dispatch(pages_[i].firstChunk, pages_[i].chunks, stop); !ok)
                 return ok;
         }
@@ -257,6 +258,7 @@ Expected<void> Layer::resolveSamples(ResolveParams params, const GpuPlanes& plan
             params.look.y = pages_[i].extents;
             if (auto ok = parts_.screen.set(params); !ok) return ok;
             batch.pages[i].samples->bind(unit::samples);
+            batch.pages[i].curvatures->bind(unit::curvatures);
             if (auto ok = overPixels(params.area, variant); !ok) return ok;
         }
         return {};
@@ -274,9 +276,10 @@ Expected<void> Layer::resolveSums(const ResolveParams& params, const GpuPlanes& 
     return overPixels(params.area, resolveSumsVariant(passes_, traits_.limits.keys64, normals));
 }
 
-Expected<void> Layer::resolve(ivec4 band, const GpuPlanes& planes, const std::stop_token& stop) {
+Expected<void> Layer::resolve(const SplatPass& pass, ivec4 band, const GpuPlanes& planes,
+                              const std::stop_token& stop) {
     const bool normals = passes_.resolve.normals && planes.normals != nullptr;
-    const ResolveParams params = resolveParams(splats_.front(), band, planes.area, band.y - area_.y);
+    const ResolveParams params = resolveParams(pass, band, planes.area, band.y - area_.y);
     Expected<void> done = resolveKeys(params, planes, normals);
     if (done && passes_.bySample()) done = resolveSamples(params, planes, normals, stop);
     if (done && passes_.resolve.sums) done = resolveSums(params, planes, normals);
@@ -292,7 +295,7 @@ Expected<void> Layer::drawBand(ivec4 band, std::span<const SplatPass> splats, co
         if (auto ok = checkErrors(parts_.gl, std::string("splatting \"") + name + "\""); !ok) return ok;
     }
     const StageTimes::Scope timed(times, "resolve");
-    if (auto ok = resolve(band, planes, stop); !ok) return ok;
+    if (auto ok = resolve(splats.front(), band, planes, stop); !ok) return ok;
     return checkErrors(parts_.gl, "resolving splats");
 }
 

@@ -67,7 +67,9 @@ class Layer {
     Expected<void> splatKeys(const SplatPass& pass, KeyPlane& into, std::size_t pixels,
                              const std::stop_token& stop);
     Expected<void> splatOnce(const SplatPass& pass, Keep keep, const std::stop_token& stop);
-    Expected<void> resolve(ivec4 band, const GpuPlanes& planes, const std::stop_token& stop);
+    /// `pass`: a splat pass, of which all know the frame's view.
+    Expected<void> resolve(const SplatPass& pass, ivec4 band, const GpuPlanes& planes,
+                           const std::stop_token& stop);
     Expected<void> resolveKeys(const ResolveParams& params, const GpuPlanes& planes, bool normals);
     Expected<void> resolveSamples(ResolveParams params, const GpuPlanes& planes, bool normals,
                                   const std::stop_token& stop);

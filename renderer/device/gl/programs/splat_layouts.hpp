@@ -29,7 +29,7 @@ static_assert(offsetof(RunParams, clipMin) == 48 && offsetof(RunParams, clipMax)
 static_assert(offsetof(RunParams, sizeFactors) == 80 && offsetof(RunParams, factors) == 96);
 static_assert(offsetof(RunParams, color) == 112);
 static_assert(sizeof(SplatChunk) == 16 && sizeof(SplatExtent) == 16);
-static_assert(sizeof(ResolveParams) == 112);
+static_assert(sizeof(ResolveParams) == 128 && offsetof(ResolveParams, view) == 112);
 static_assert(offsetof(ResolveParams, planes) == 16 && offsetof(ResolveParams, ramp) == 32);
 static_assert(offsetof(ResolveParams, look) == 48 && offsetof(ResolveParams, rotation) == 64);
 
@@ -43,6 +43,7 @@ inline constexpr unsigned keys = 1, payloads = 2;  ///< without 64-bit keys `key
 inline constexpr unsigned surfaces = 2;            ///< splat.comp: keys or payloads that hold what is visible
 inline constexpr unsigned visible = 3;             ///< the nearest pass' keys or orders
 inline constexpr unsigned silhouette = 4;
+inline constexpr unsigned curvatures = 5;  ///< where the samples are
 }  // namespace unit
 
 /// Binding points of storage blocks by shader, as the shaders number them; OpenGL promises eight.

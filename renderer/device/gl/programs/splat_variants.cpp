@@ -43,7 +43,7 @@ static_assert(COLOR_INTENSITY == int(SplatColoring::Intensity));
 static_assert(COLOR_ELEVATION == int(SplatColoring::Elevation));
 static_assert(COLOR_CLASSIFICATION == int(SplatColoring::Classification));
 static_assert(COLOR_NORMAL == int(SplatColoring::Normal) && COLOR_DEPTH == int(SplatColoring::Depth));
-static_assert(COLOR_TONED == int(SplatColoring::Toned));
+static_assert(COLOR_TONED == int(SplatColoring::Toned) && COLOR_CURVATURE == int(SplatColoring::Curvature));
 static_assert(REDUCTION_NEAREST == int(Reduction::Nearest) && REDUCTION_CELL == int(Reduction::Cell));
 static_assert(REDUCTION_SUM == int(Reduction::Sum));
 static_assert(PAYLOAD_COLOR == int(SplatPayload::Color) && PAYLOAD_SAMPLE == int(SplatPayload::Sample));
@@ -74,6 +74,7 @@ ShaderVariant splatVariant(const SplatPass& pass, const LayerTraits& traits, Kee
              {"BY_INTENSITY", colored && pass.byIntensity},
              {"PAYLOAD", bare ? PAYLOAD_NONE : static_cast<int>(pass.payload)},
              {"SUM_NORMALS", pass.sumNormals},
+             {"CURVED", pass.curved && sums && pass.sumNormals && pass.shape == SplatShape::Ellipse},
              {"SILHOUETTE", tested},
              {"FILTERS", traits.filters}}};
 }
@@ -109,7 +110,8 @@ ShaderVariant resolveSamplesVariant(const SplatPass& pass, bool keys64, bool nor
             {{"KEYS64", keys64},
              {"COLORING", static_cast<int>(pass.coloring)},
              {"BY_INTENSITY", pass.byIntensity},
-             {"NORMALS", normals}}};
+             {"NORMALS", normals},
+             {"CURVED", pass.curved && normals}}};
 }
 
 ShaderVariant resolveSumsVariant(const FramePasses& passes, bool keys64, bool normals) {

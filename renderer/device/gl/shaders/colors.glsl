@@ -1,14 +1,18 @@
 // A sample's colour, as the cpu device finds it (kernels/project.hpp, resolve.hpp). Needs `pass.ramp`, RunParams and
 // splat_tables.glsl. Variants: COLORING, BY_INTENSITY.
 
+#if COLORING == COLOR_CURVATURE
+#include "curvatures.glsl"
+#endif
+
 // The nearest of 256 entries from word `first` on.
 uint tableEntry(uint first, float index) {
     precise float nearest = clamp(index, 0.0, 255.0) + 0.5;
     return tables[first + uint(nearest)];
 }
 
-// r | g << 8 | b << 16
-uint sourceColor(RunParams run, uvec4 words, float depth) {
+// r | g << 8 | b << 16; `at`: the sample's place in its page.
+uint sourceColor(RunParams run, uvec4 words, int at, float depth) {
 #if COLORING == COLOR_RGB
     return words.z & 0xffffffu;
 #elif COLORING == COLOR_PER_RUN
@@ -23,6 +27,12 @@ uint sourceColor(RunParams run, uvec4 words, float depth) {
     return tables[rampWords + (words.z >> 24)];
 #elif COLORING == COLOR_NORMAL
     return tables[normalWords + (words.w & 0xffffu)];
+#elif COLORING == COLOR_CURVATURE
+    uint code = curvatureAt(run, at);
+    precise float sum = uintBitsToFloat(tables[curvatureWords + (code & 255u)]) +
+                        uintBitsToFloat(tables[curvatureWords + ((code >> 8) & 255u)]);
+    precise float index = sum * run.factors.x + run.factors.y;
+    return tableEntry(rampWords, index);
 #elif COLORING == COLOR_TONED
     uvec3 rgb = rampWords + ((uvec3(words.z) >> uvec3(0, 8, 16)) & 0xffu);
     return (tables[rgb.x] & 0xffu) | (tables[rgb.y] & 0xff00u) | (tables[rgb.z] & 0xff0000u);
@@ -32,8 +42,8 @@ uint sourceColor(RunParams run, uvec4 words, float depth) {
 #endif
 }
 
-uint colorOf(RunParams run, uvec4 words, float depth) {
-    uint color = sourceColor(run, words, depth);
+uint colorOf(RunParams run, uvec4 words, int at, float depth) {
+    uint color = sourceColor(run, words, at, depth);
 #if BY_INTENSITY
     precise float index = (float(words.y >> 16) - pass.ramp.z) * pass.ramp.w;
     uint factor = tableEntry(factorWords, index);

@@ -20,7 +20,10 @@ TEST(FactsJson, ReadsBackExactly) {
     const auto cloud = test::sampleCloud(500);
     CloudFacts richlyLookedAt = test::fullFacts(*cloud, true);
     richlyLookedAt.look = test::richLook();
-    for (const CloudFacts& facts : {test::fullFacts(*cloud, true), richlyLookedAt,
+    CloudFacts bent;
+    bent.companions = {curvaturePlane()};
+    bent.usual.emplace().curvature = {-1.0 / 3, 1e9 + 0.1};
+    for (const CloudFacts& facts : {test::fullFacts(*cloud, true), richlyLookedAt, bent,
                                     static_cast<const CloudFacts&>(*cloud), CloudFacts{}}) {
         const auto back = parseFacts(printFacts(facts, "me 1.0").value());
         ASSERT_TRUE(back) << back.error().message;

@@ -91,9 +91,10 @@ TEST(Describe, EveryMethodWithEveryParameter) {
             EXPECT_FALSE((*list)[i].parameters[p].meaning.empty());
         }
     }
-    EXPECT_EQ(json["colors"], nlohmann::json({"auto", "rgb*intensity", "elevation*intensity",
-                                              "classification*intensity", "rgb", "intensity", "elevation",
-                                              "classification", "normal", "depth", "lod", "visibility"}));
+    EXPECT_EQ(json["colors"],
+              nlohmann::json({"auto", "rgb*intensity", "elevation*intensity", "classification*intensity",
+                              "rgb", "intensity", "elevation", "classification", "normal", "curvature",
+                              "depth", "lod", "visibility"}));
     EXPECT_FALSE(json["colormaps"].empty());
 }
 

@@ -109,6 +109,7 @@ TEST_F(Info, TellsProgramsTheSame) {
     EXPECT_EQ(one.at("octree").at("samples"), cloud_->octree.sampleCount());
     EXPECT_EQ(one.at("octree").at("revision"), facts_.revision);
     EXPECT_EQ(one.at("octree").at("surfels"), true);
+    EXPECT_EQ(one.at("octree").at("curvature"), false);
     EXPECT_TRUE(one.at("check").is_null());
 }
 

@@ -22,9 +22,9 @@ struct RunParams {
     ivec4 clipMin;      // integers of the samples inside the clip box, inclusive; w: first word of its regions
     ivec4 clipMax;      // w: regions in which its samples are dropped
     vec4 sizeFactors;   // by pass: size of sprites = this * ratio (over depth in perspective)
-    vec4 factors;       // elevation: colour index = z * .x + .y; z: unit of the samples' radii over the run's; w: that
+    vec4 factors;       // colour index = value * .x + .y; z: unit of the samples' radii over the run's; w: that
     uvec4 color;        // x: of every sample where the source is one per run; y: last turn (fade.hpp); z: ordinal of
-                        // the first sample; w: 1 = oriented
+                        // the first sample; w: 1 = oriented, 2 = curvatures are known
 };
 
 // Up to CHUNK_SAMPLES samples of one run: the work of one work group.
@@ -44,4 +44,5 @@ struct ResolveParams {
     vec4 ramp;         // as SplatParams has it
     uvec4 look;        // the page's first extent, and how many; first row of the background; unused
     vec4 rotation[3];  // as SplatParams has it
+    vec4 view;         // centre of the view axis x and y, px in the whole picture; units per pixel; 1 = perspective
 };

@@ -38,7 +38,7 @@ bool passesFilters(RunParams run, uvec4 words) {
 #endif
 
 // Whether the sign of its normal means something; else it is turned to the eye.
-bool isOneSided(RunParams run, uvec4 words) { return run.color.w != 0u && (words.w >> 24) != twoSidedCircle; }
+bool isOneSided(RunParams run, uvec4 words) { return (run.color.w & 1u) != 0u && (words.w >> 24) != twoSidedCircle; }
 
 // 1 where no radius is known.
 float radiusRatio(RunParams run, uvec4 words) {

@@ -1,5 +1,5 @@
 // resolve, second step where payloads are ordinals: the colours and normals of the pixels whose samples lie in one page.
-// Variants: KEYS64, COLORING, BY_INTENSITY, NORMALS 0 or 1.
+// Variants: KEYS64, COLORING, BY_INTENSITY, NORMALS 0 or 1, CURVED.
 #version 450 core
 #include "splat_kinds.glsl"
 #include "layouts_splat.glsl"
@@ -20,6 +20,34 @@ layout(std430, binding = 5) writeonly buffer Normals { uint normals[]; };
 #include "colors.glsl"
 #include "sample_normals.glsl"
 #include "normal_plane.glsl"
+#if CURVED
+#if COLORING != COLOR_CURVATURE
+#include "curvatures.glsl"
+#endif
+#include "axes.glsl"
+#include "bends.glsl"
+
+// The normal at a pixel of the picture that the surface is seen in: n + k1 (away . e1) e1 + k2 (away . e2) e2.
+vec3 bentNormal(RunParams run, uvec4 words, uint code, ivec2 at, float there) {
+    float sx = float(words.x & 0xffffu), sy = float(words.x >> 16), sz = float(words.y & 0xffffu);
+    precise vec3 centre = vec3(run.toPicture[0].x * sx + (run.toPicture[0].y * sy + (run.toPicture[0].z * sz + run.toPicture[0].w)),
+                               run.toPicture[1].x * sx + (run.toPicture[1].y * sy + (run.toPicture[1].z * sz + run.toPicture[1].w)),
+                               run.toPicture[2].x * sx + (run.toPicture[2].y * sy + (run.toPicture[2].z * sz + run.toPicture[2].w)));
+    float spread = pass.view.w != 0.0 ? there : 1.0;
+    precise float dx = (float(at.x) + 0.5) - pass.view.x;
+    precise float dy = (float(at.y) + 0.5) - pass.view.y;
+    precise float ax = (dx * spread - centre.x) * pass.view.z;
+    precise float ay = (centre.y - dy * spread) * pass.view.z;
+    precise float az = centre.z - there;
+    vec3 cloud = sampleNormal(words.w), n = toView(cloud);
+    Bend b = bendOf(run, cloud, n, code);
+    precise float along1 = (ax * b.e1.x + (ay * b.e1.y + az * b.e1.z)) * b.k1;
+    precise float along2 = (ax * b.e2.x + (ay * b.e2.y + az * b.e2.z)) * b.k2;
+    float turn1 = max(min(along1, 1.0), -1.0), turn2 = max(min(along2, 1.0), -1.0);
+    precise vec3 bent = n + (turn1 * b.e1 + turn2 * b.e2);
+    return b.k1 == 0.0 && b.k2 == 0.0 ? toView(sampleDirection(words.w)) : bent;
+}
+#endif
 
 // The last of the page's extents that begins at or before the ordinal; it may end before it, too.
 uvec4 extentOf(uint ordinal) {
@@ -41,9 +69,17 @@ void main() {
     uint ordinal = keyPayload(pixel);
     uvec4 extent = extentOf(ordinal);
     if (ordinal < extent.x || ordinal - extent.x >= extent.y) return;
-    uvec4 words = texelFetch(samples, int(extent.w + (ordinal - extent.x)));
-    rgba[place] = colorOf(runs[extent.z], words, there) | 0xff000000u;
+    int sampleAt = int(extent.w + (ordinal - extent.x));
+    uvec4 words = texelFetch(samples, sampleAt);
+    rgba[place] = colorOf(runs[extent.z], words, sampleAt, there) | 0xff000000u;
 #if NORMALS
+#if CURVED
+    uint code = curvatureAt(runs[extent.z], sampleAt);
+    if (code != 0u && (words.w & 0xffffu) != 0u) {
+        normals[place] = packNormal(bentNormal(runs[extent.z], words, code, at + pass.area.xy, there));
+        return;
+    }
+#endif
     normals[place] = packNormal(toView(sampleDirection(words.w)));
 #endif
 }

@@ -2,7 +2,7 @@
 // one chunk; each thread draws its samples' footprints itself, but for the large ones, which are put down in a queue and
 // then drawn by all threads together, pixel by pixel. Nothing depends on the order: reductions are integers.
 // Variants: GROUP_SIZE, TURN_STEP, REDUCTION, KEEP, KEYS64, LOOK_FIRST, SHAPE, SINGLE_PIXEL, SHARED_FOOTPRINTS,
-// PERSPECTIVE, COLORING, BY_INTENSITY, PAYLOAD, SUM_NORMALS, SILHOUETTE, FILTERS.
+// PERSPECTIVE, COLORING, BY_INTENSITY, PAYLOAD, SUM_NORMALS, SILHOUETTE, FILTERS, CURVED.
 #version 450 core
 #if KEYS64
 #extension GL_ARB_gpu_shader_int64 : require
@@ -21,6 +21,7 @@ layout(location = 0) uniform uint firstChunk;
 
 #include "exact.glsl"
 #include "splat_tables.glsl"
+#include "axes.glsl"
 #include "colors.glsl"
 #include "project.glsl"
 #include "visible.glsl"
@@ -32,6 +33,13 @@ layout(location = 0) uniform uint firstChunk;
 #else
 #include "keys.glsl"
 #endif
+#if CURVED
+#if COLORING != COLOR_CURVATURE
+#include "curvatures.glsl"
+#endif
+#include "bends.glsl"
+uint bendCode = 0u;  // of the sample that is being set up
+#endif
 #if SHAPE == SHAPE_DISC || SHAPE == SHAPE_ELLIPSE
 #include "surfels.glsl"
 #include "surfel_fragments.glsl"
@@ -41,14 +49,14 @@ layout(location = 0) uniform uint firstChunk;
 #include "sprites.glsl"
 #endif
 
-// What a key carries, or a sum adds, of a sample with this index in its run; of a surface its pose tells (surfaces.glsl).
-uint carriedBy(RunParams run, uvec4 words, uint index, float depth) {
+// What a key carries, or a sum adds, of a sample with this index in its run and this place in its page; of a surface its pose tells (surfaces.glsl).
+uint carriedBy(RunParams run, uvec4 words, uint index, int at, float depth) {
 #if REDUCTION != REDUCTION_SUM && (PAYLOAD == PAYLOAD_NONE || PAYLOAD == PAYLOAD_SURFACE)
     return 0u;
 #elif PAYLOAD == PAYLOAD_SAMPLE
     return run.color.z + index;
 #else
-    return colorOf(run, words, depth);
+    return colorOf(run, words, at, depth);
 #endif
 }
 
@@ -59,7 +67,10 @@ bool footprintOf(RunParams run, uvec4 range, uint i, out Footprint f) {
     uvec4 words = texelFetch(samples, int(range.x + i));
     Placed placed;
     if (!placeSample(run, words, placed)) return false;
-    if (!setUp(run, words, placed, carriedBy(run, words, range.w + i, placed.depth), f)) return false;
+#if CURVED
+    bendCode = curvatureAt(run, int(range.x + i));
+#endif
+    if (!setUp(run, words, placed, carriedBy(run, words, range.w + i, int(range.x + i), placed.depth), f)) return false;
     f.box = ivec4(max(f.box.xy, pass.area.xy), min(f.box.zw, pass.area.xy + pass.area.zw - 1));
     return f.box.x <= f.box.z && f.box.y <= f.box.w;
 }

@@ -18,6 +18,7 @@
 #define COLOR_NORMAL 5
 #define COLOR_DEPTH 6
 #define COLOR_TONED 7
+#define COLOR_CURVATURE 8
 
 #define REDUCTION_NEAREST 0
 #define REDUCTION_CELL 1

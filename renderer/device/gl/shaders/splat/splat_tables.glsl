@@ -7,5 +7,6 @@ const uint classWords = 256u;   // 256 flags, 1 = drawn
 const uint radiusWords = 512u;  // 256 radii in the node's unit; 0 = none
 const uint axisWords = 768u;    // 32 cosines and 32 sines of the angles that ellipses may have
 const uint factorWords = 832u;  // 256 factors of brightness by intensity, in 256ths
-const uint normalWords = 1088u;
+const uint curvatureWords = 1088u;  // 256 curvatures by byte, in 1 / radiusUnit
+const uint normalWords = 1344u;
 const uint regionWords = 21u;   // of one region

@@ -1,4 +1,5 @@
-// One surfel's fragments, as kernels/surfel_fragments.hpp reduces them. Variants: SHAPE, REDUCTION, PERSPECTIVE, SILHOUETTE.
+// One surfel's fragments, as kernels/surfel_fragments.hpp reduces them. Variants: SHAPE, REDUCTION, PERSPECTIVE, SILHOUETTE,
+// CURVED.
 
 // exp(-3 x) for x in [0, 1], by the eighth power of a cubic.
 float bell(float x) {
@@ -145,6 +146,13 @@ void reduce(Footprint f, ivec2 at, uint pixel, vec2 d, float square, float c) {
 #endif
 #if REDUCTION == REDUCTION_SUM
     precise float weight = weightOf(f, square, c) * share;
+#if CURVED
+    if (f.bent) {
+        precise vec3 n = (f.own + f.right * d.x) + f.down * d.y;
+        n = clamp(n, -1.0, 1.0);
+        f.addends.normal = uvec3(shifted(n.x), shifted(n.y), shifted(n.z));
+    }
+#endif
     addFragment(pixel, weight, f.addends, turned);
 #else
 #if REDUCTION == REDUCTION_CELL

@@ -1,6 +1,6 @@
 // Surfels: from a placed sample and its four bytes to the few numbers that every fragment is two linear functions of, as
 // kernels/surfel_block.hpp derives them; the frame is explained there: x right, y down, z away from the eye.
-// Variants: SHAPE, REDUCTION, PERSPECTIVE.
+// Variants: SHAPE, REDUCTION, PERSPECTIVE, CURVED.
 struct Footprint {
     ivec4 box;  // first and last pixel
     ivec2 centre;
@@ -23,6 +23,10 @@ struct Footprint {
     Addends addends;
 #elif REDUCTION == REDUCTION_CELL
     vec3 facing;      // the normal itself, in view space
+#endif
+#if CURVED
+    bool bent;              // its normal turns, per px to the right and down; Ellipse alone
+    vec3 own, right, down;  // view space
 #endif
 };
 
@@ -219,23 +223,29 @@ bool setUp(RunParams run, uvec4 words, Placed placed, uint payload, out Footprin
     return true;
 }
 #else
-// Of a unit normal in cloud space, one unit long: Frisvad's frame, turned by the code's angle.
-vec3 majorAxis(vec3 n, uint code) {
-    uint angle = code & 31u;
-    float cosine = uintBitsToFloat(tables[axisWords + angle]), sine = uintBitsToFloat(tables[axisWords + 32u + angle]);
-    precise float across = n.x * n.x + n.y * n.y;
-    bool down = n.z < 0.0, pole = down && across == 0.0;
-    precise float above = down ? 1.0 - n.z : 1.0;
-    precise float below = down ? across : 1.0 + n.z;
-    float a = quotient(above, pole ? 1.0 : below);
-    precise float b = -n.x * n.y * a;
-    precise float firstX = pole ? 0.0 : 1.0 - n.x * n.x * a, secondY = pole ? 0.0 : 1.0 - n.y * n.y * a;
-    float firstY = pole ? -1.0 : b, secondX = pole ? -1.0 : b;
-    precise float x = firstX * cosine + secondX * sine;
-    precise float y = firstY * cosine + secondY * sine;
-    precise float z = -(n.x * cosine + n.y * sine);
-    return vec3(x, y, pole ? 0.0 : z);
+#if CURVED
+// As kernels/surfel_block.hpp has it; `bendCode` is the sample's.
+void setBend(RunParams run, Pose p, inout Footprint f) {
+    f.bent = false;
+    if (bendCode == 0u || !p.hasNormal) return;
+    vec3 n = vec3(p.n.x, -p.n.y, -p.n.z);
+    Bend b = bendOf(run, p.cloud, n, bendCode);
+    float turn = !p.oneSided && p.m > 0.0 ? -1.0 : 1.0;
+    precise float per = (f.peak * p.unitsPerPx) * turn;
+    float overM = quotient(1.0, p.m);
+    precise float along1 = ((b.e1.x * p.u - b.e1.y * p.v) - b.e1.z) * overM;
+    precise float along2 = ((b.e2.x * p.u - b.e2.y * p.v) - b.e2.z) * overM;
+    precise float k1 = b.k1 * per, k2 = b.k2 * per;
+    precise float right1 = k1 * (b.e1.x - along1 * p.n.x), right2 = k2 * (b.e2.x - along2 * p.n.x);
+    precise float down1 = k1 * (-b.e1.y - along1 * p.n.y), down2 = k2 * (-b.e2.y - along2 * p.n.y);
+    precise vec3 right = right1 * b.e1 + right2 * b.e2;
+    precise vec3 down = down1 * b.e1 + down2 * b.e2;
+    f.own = turn * n;
+    f.right = right;
+    f.down = down;
+    f.bent = b.k1 != 0.0 || b.k2 != 0.0;
 }
+#endif
 
 // Half-axes in px, in the picture: what a step along the axis moves there.
 struct Axes {
@@ -243,7 +253,7 @@ struct Axes {
 };
 
 void setAxes(Pose p, uint code, out Axes axes) {
-    vec3 view = toView(majorAxis(p.cloud, code));
+    vec3 view = toView(axisAt(p.cloud, code & 31u));
     vec3 d = p.hasNormal ? vec3(view.x, -view.y, -view.z) : vec3(1.0, 0.0, 0.0);
     precise float ratio = 1.0 - float(code >> 5) * pass.blur.w;
     precise float minor = p.halfPx * ratio;
@@ -320,6 +330,9 @@ bool setUp(RunParams run, uvec4 words, Placed placed, uint payload, out Footprin
     setCommon(placed, p, payload, toleranceCode(f.tolerance) << 24, f);
 #else
     setCommon(placed, p, payload, 0u, f);
+#endif
+#if CURVED
+    setBend(run, p, f);
 #endif
     return true;
 }

@@ -50,6 +50,7 @@ generated statue statue 1.2M
 generated sign sign 100k
 generated cube cube 20k
 generated bridge bridge 1M
+generated torus torus 4k
 generated town town 4M
 generated room room 1M
 real lion copc/lion_takanawa.copc.laz
@@ -69,6 +70,9 @@ picture cube voronoi-flat "${crease[@]}" --method voronoi --param smooth=false
 picture cube voronoi-smooth "${crease[@]}" --method voronoi
 picture cube voronoi-paraboloid "${crease[@]}" --method paraboloid --shading phong
 picture cube voronoi-ewa "${crease[@]}" --method ewa
+for bent in true false; do
+    picture torus "disc-curved-$bent" --method disc --param curved=$bent --color '#c8b890' --shading phong --light occlusion=0
+done
 far=(--eye=-60,-75,30 --target=15,15,4 --fov 22)
 for method in circle ewa; do picture town "far-$method" --method "$method" --shading unlit --samples 1 "${far[@]}"; done
 hidden=(--eye=-16,-30,5 --target=2,0,3 --fov 36)

@@ -70,7 +70,7 @@ Drawing drawingOf(const PreparedView& prepared, std::span<const glm::dvec2> jitt
     drawing.surfels = prepared.cloud->surfels;
     drawing.oriented = prepared.cloud->oriented;
     drawing.orientedNodes = prepared.cloud->sides.has_value();
-    drawing.curvatures = hasCurvature(*prepared.cloud);
+    drawing.curvatures = planned.curvatures;
     drawing.passes = planned.passes;
     drawing.color = planned.color;
     drawing.background = planned.view.style.background;

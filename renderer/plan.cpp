@@ -182,6 +182,16 @@ SelectOptions selectionFor(const Cloud& cloud, const View& view, double detail, 
     return selection;
 }
 
+/// Whether anything that is drawn asks how surfaces bend.
+bool looksAtCurvatures(const PassList& passes, const ColorRule& color) {
+    const auto asks = [](const Pass& pass) {
+        if (const auto* const sum = std::get_if<SumPass>(&pass)) return sum->normals && sum->curved;
+        const auto* const resolve = std::get_if<ResolvePass>(&pass);
+        return resolve && resolve->normals && resolve->curved;
+    };
+    return color.source == ColorSource::Curvature || std::ranges::any_of(passes, asks);
+}
+
 /// Where the passes ask for shadows: what the sun sees, and how much in front of a surface what it sees must lie.
 void planShadows(const Cloud& cloud, PlannedView& planned) {
     const auto asks = [](const Pass& pass) { return std::holds_alternative<ShadowPass>(pass); };
@@ -250,6 +260,7 @@ Expected<std::shared_ptr<const PlannedView>> plan(const Cloud& cloud, const View
     planned->passes = method->passes({*method, chosen->parameters, chosen->shading, traits(cloud), detail,
                                       chosen->light, view.height, style.color == ColorSource::Visibility});
     if (auto ok = checkPasses(cloud, planned->passes); !ok) return passOn(ok);
+    planned->curvatures = hasCurvature(cloud) && looksAtCurvatures(planned->passes, planned->color);
     planned->selection = selectionFor(cloud, view, detail, planned->passes);
     planShadows(cloud, *planned);
     planned->margin = screenMargin(planned->passes);

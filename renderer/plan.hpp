@@ -31,7 +31,8 @@ struct PlannedView {
     SelectOptions selection;
     std::optional<Viewpoint> sun;  ///< what it sees is the map of shadows; none: nothing is in the shadow
     SelectOptions sunSelection;
-    int margin = 0;  ///< px around a tile that its screen passes look at
+    bool curvatures = false;  ///< samples need theirs: for light or for colour
+    int margin = 0;           ///< px around a tile that its screen passes look at
     /// None of them looks farther, so a picture has the same bytes in tiles as in one piece.
     bool tilesAreExact = true;
 };

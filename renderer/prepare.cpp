@@ -20,10 +20,12 @@ Expected<void> checkBruteForce(const Cloud& cloud) {
                             cloud.points, *most));
 }
 
-SelectOptions selectionWith(const RenderOptions& options, SelectOptions selection) {
+SelectOptions selectionWith(const RenderOptions& options, bool curvatures, SelectOptions selection) {
     selection.bruteForce = options.bruteForce;
-    if (!options.wait && options.mostSamples)
-        selection.budget = std::min(selection.budget.value_or(*options.mostSamples), *options.mostSamples);
+    if (options.wait || !options.mostSamples) return selection;
+    // Four samples' curvatures take as much of a device's memory as a sample.
+    const std::uint64_t most = curvatures ? *options.mostSamples / 5 * 4 : *options.mostSamples;
+    selection.budget = std::min(selection.budget.value_or(most), most);
     return selection;
 }
 
@@ -71,11 +73,16 @@ constexpr std::uint64_t sunsPart = 4;
 SelectOptions selectSun(const Octree& octree, const PlannedView& plan, const RenderOptions& options,
                         SelectOptions selection, PreparedView& prepared) {
     if (!plan.sun) return selection;
-    SelectOptions ofSun = selectionWith(options, plan.sunSelection);
+    SelectOptions ofSun = selectionWith(options, plan.curvatures, plan.sunSelection);
     if (ofSun.budget) ofSun.budget = std::max<std::uint64_t>(1, *ofSun.budget / sunsPart);
     prepared.sun = CutView{*plan.sun, select(octree, *plan.sun, ofSun), plan.filter};
     if (selection.budget) *selection.budget -= std::min(*selection.budget - 1, prepared.sun->cut.samples);
     return selection;
+}
+
+/// All of them or none, so that a node is the same thing in each.
+void askForCurvatures(std::span<CutView* const> cuts) {
+    for (CutView* const view : cuts) view->cut.curvatures = true;
 }
 
 /// The samples of all cuts; what is missing is requested once for all, by the main view.
@@ -117,8 +124,8 @@ Expected<std::shared_ptr<const PreparedView>> prepare(const Cloud& cloud,
     const PlannedView& plan = *prepared->planned;
     auto start = Clock::now();
     prepared->cuts = cutsOf(cloud, plan);
-    const SelectOptions whole =
-        selectSun(cloud.octree, plan, options, selectionWith(options, plan.selection), *prepared);
+    const SelectOptions whole = selectSun(cloud.octree, plan, options,
+                                          selectionWith(options, plan.curvatures, plan.selection), *prepared);
     const SelectOptions selection = selectCuts(cloud.octree, whole, prepared->cuts);
     Cut soon;
     if (options.ahead && !options.wait && mostSamples(cloud))
@@ -126,7 +133,9 @@ Expected<std::shared_ptr<const PreparedView>> prepare(const Cloud& cloud,
     prepared->selectMs = millisecondsSince(start);
     start = Clock::now();
     const ProvideOptions provision{.wait = options.wait, .requester = options.requester, .ahead = soon.runs};
-    if (auto ok = provideCuts(cloud.octree, provision, cutsIn(*prepared), stop); !ok) return passOn(ok);
+    const std::vector<CutView*> all = cutsIn(*prepared);
+    if (plan.curvatures) askForCurvatures(all);
+    if (auto ok = provideCuts(cloud.octree, provision, all, stop); !ok) return passOn(ok);
     prepared->provideMs = millisecondsSince(start);
     return prepared;
 }

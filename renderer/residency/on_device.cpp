@@ -21,7 +21,7 @@ bool fits(const Octree& octree, std::span<Cut* const> cuts, const DeviceMemory& 
             seen[run.nodeIndex] = true;
             const std::uint32_t samples = run.node->sampleCount;
             all += samples;
-            if (!memory.has(octree.source(), run.nodeIndex, samples)) missing += samples;
+            if (!memory.has(octree.source(), run.nodeIndex, samples, cut->curvatures)) missing += samples;
         }
     }
     return missing == 0 || (missing <= memory.frameBudget() && all <= memory.capacity());
@@ -30,7 +30,11 @@ bool fits(const Octree& octree, std::span<Cut* const> cuts, const DeviceMemory& 
 class DeviceProvision {
   public:
     DeviceProvision(const Octree& octree, std::span<Cut* const> cuts, DeviceMemory& memory)
-        : octree_(octree), cuts_(cuts), memory_(memory), runs_(octree) {}
+        : octree_(octree),
+          cuts_(cuts),
+          curvatures_(cuts.front()->curvatures),
+          memory_(memory),
+          runs_(octree) {}
 
     Expected<void> provide(const std::stop_token& stop) {
         for (const Cut* cut : cuts_)
@@ -51,15 +55,14 @@ class DeviceProvision {
 
   private:
     bool isThere(std::uint32_t node) const {
-        return memory_.has(octree_.source(), node, octree_.node(node).sampleCount);
+        return memory_.has(octree_.source(), node, octree_.node(node).sampleCount, curvatures_);
     }
 
     void add(std::uint32_t node) {
         if (!runs_.has(node) || !added_.insert(node).second) return;
-        toBring_.push_back({.node = &octree_.node(node),
-                            .nodeIndex = node,
-                            .samples = runs_.run(node).samples,
-                            .curvatures = runs_.run(node).curvatures});
+        CutRun run{.node = &octree_.node(node), .nodeIndex = node, .samples = runs_.run(node).samples};
+        if (curvatures_) run.curvatures = runs_.run(node).curvatures;
+        toBring_.push_back(run);
     }
 
     /// What would be drawn for a node that is not there.
@@ -94,13 +97,14 @@ class DeviceProvision {
             const SampleRun& samples = runs_.run(run.nodeIndex);
             run.samples = samples.samples;
             run.limits = samples.limits;
-            run.curvatures = samples.curvatures;
+            if (curvatures_) run.curvatures = samples.curvatures;
             if (samples.keep) cut.keep.push_back(samples.keep);
         }
     }
 
     const Octree& octree_;
     const std::span<Cut* const> cuts_;
+    const bool curvatures_;
     DeviceMemory& memory_;
     NodeRuns runs_;
     std::vector<CutRun> toBring_;

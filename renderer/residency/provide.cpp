@@ -89,7 +89,7 @@ class Provision {
             const SampleRun& samples = runs_.run(run.nodeIndex);
             run.samples = samples.samples;
             run.limits = samples.limits;
-            run.curvatures = samples.curvatures;
+            if (cut_.curvatures) run.curvatures = samples.curvatures;
             if (samples.keep) cut_.keep.push_back(samples.keep);
         }
     }

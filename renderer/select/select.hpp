@@ -59,6 +59,7 @@ struct CutRun {
 struct Cut {
     std::vector<CutRun> runs;
     std::uint64_t source = 0;  ///< of its octree (Octree::source()); 0: not of one, nothing may be kept of it
+    bool curvatures = false;   ///< provide() is to give its samples theirs, too
     std::uint64_t samples = 0;  ///< of the nodes, whatever share of them is drawn
     std::uint64_t points = 0;   ///< scan points that the drawn nodes stand for, each counted once
     std::uint32_t nodesVisited = 0, nodesCulled = 0, nodesRefined = 0;

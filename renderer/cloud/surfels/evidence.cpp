@@ -51,6 +51,7 @@ void Evidence::add(const surfel::Solved& s) {
     facts_[s.point] = {.radius = s.radius,
                        .nearby = s.nearby,
                        .normal = glm::vec3(s.normal[0], s.normal[1], s.normal[2]),
+                       .middle = glm::vec3(s.middle[0], s.middle[1], s.middle[2]),
                        .witnesses = std::uint8_t(s.witnesses),
                        .flat = s.flat < flatRatio,
                        .extended = s.extended,

@@ -30,8 +30,13 @@ class Evidence {
     float radius(std::uint32_t p) const { return facts_[p].radius; }
     float nearby(std::uint32_t p) const { return facts_[p].nearby; }
     const glm::vec3& normal(std::uint32_t p) const { return facts_[p].normal; }
+    /// Of its neighbourhood, from the position: where the normal of a plane that lies nearest to all of it is the surface's.
+    const glm::vec3& middle(std::uint32_t p) const { return facts_[p].middle; }
     /// Where more is known of it than its neighbours tell.
-    void setNormal(std::uint32_t p, const glm::vec3& normal) { facts_[p].normal = normal; }
+    void setNormal(std::uint32_t p, const glm::vec3& normal) {
+        facts_[p].normal = normal;
+        facts_[p].middle = glm::vec3(0);
+    }
     std::span<const std::uint32_t> witnesses(std::uint32_t p) const {
         return std::span(witnesses_[p]).first(facts_[p].witnesses);
     }
@@ -39,7 +44,7 @@ class Evidence {
   private:
     struct Facts {
         float radius, nearby;
-        glm::vec3 normal;
+        glm::vec3 normal, middle;
         std::uint8_t witnesses;
         bool flat, extended, line;
     };

@@ -314,7 +314,6 @@ void seeThroughLayers(const NeighbourIndex& index, Evidence& evidence, std::span
                 surfels[i].normal = facings[p].normal;
                 surfels[i].majorAxis = across(facings[p].normal);
                 surfels[i].minor = surfels[i].major;
-                surfels[i].bend = glm::vec3(0);
                 surfels[i].density = Density::Surface;
             }
     });

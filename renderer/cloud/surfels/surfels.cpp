@@ -15,6 +15,7 @@
 #include "renderer/cloud/surfels/layers.hpp"
 #include "renderer/cloud/surfels/neighbours.hpp"
 #include "renderer/cloud/surfels/patches.hpp"
+#include "renderer/cloud/surfels/shape_operator.hpp"
 #include "renderer/cloud/surfels/strays.hpp"
 
 namespace scancast {
@@ -37,6 +38,7 @@ class Estimate {
           spacings_(options.spacings),
           patches_(options.patches),
           layers_(options.layers),
+          bends_(options.bends),
           k_(std::clamp(options.neighbours, 1, surfel::maxNeighbours)),
           index_(points),
           evidence_(index_),
@@ -53,6 +55,10 @@ class Estimate {
             for (std::uint32_t p = index_.groups()[begin]; p < index_.groups()[end]; ++p) judge(p);
         });
         if (layers_) seeThroughLayers(index_, evidence_, out_);
+        if (bends_)
+            forGroups([&](std::size_t begin, std::size_t end) {
+                estimateBends(index_.groups()[begin], index_.groups()[end], index_, evidence_, out_);
+            });
         markStrays();
         if (patches_) *patches_ = findPatches(index_, evidence_, out_);
     }
@@ -76,8 +82,6 @@ class Estimate {
         Surfel surfel;
         surfel.normal = glm::vec3(s.normal[0], s.normal[1], s.normal[2]);
         surfel.majorAxis = glm::vec3(s.axis[0], s.axis[1], s.axis[2]);
-        // The normal turns away from where the surface rises.
-        surfel.bend = glm::vec3(-s.bend[0], -s.bend[1], -s.bend[2]);
         surfel.major = std::sqrt(s.reach2);
         surfel.minor = surfel.major * std::max(float(std::sqrt(s.ratio)), leastSurfelRatio);
         surfel.radius = s.radius;
@@ -124,7 +128,7 @@ class Estimate {
     std::span<Surfel> out_;
     std::span<const float> spacings_;
     SidePatches* patches_;
-    bool layers_;
+    bool layers_, bends_;
     int k_;
     NeighbourIndex index_;
     Evidence evidence_;

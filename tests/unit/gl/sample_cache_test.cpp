@@ -17,19 +17,24 @@ constexpr const char* collector =
     "layout(binding = 0) uniform usamplerBuffer samples;\n"
     "layout(std430, binding = 1) buffer Seen { uvec4 seen[]; };\n"
     "layout(std430, binding = 2) buffer Times { uint times[]; };\n"
-    "layout(std430, binding = 3) readonly buffer Extents { uvec4 extents[]; };  // to, count, at\n"
+    "layout(std430, binding = 3) readonly buffer Extents { uvec4 extents[]; };  // to, count, at, "
+    "curvatures\n"
+    "layout(std430, binding = 4) buffer Curvatures { uint curvatures[]; };\n"
     "layout(location = 0) uniform uint extent;\n"
     "void main() {\n"
     "    uvec4 e = extents[extent];\n"
     "    for (uint i = gl_LocalInvocationID.x; i < e.y; i += 64u) {\n"
     "        seen[e.x + i] = texelFetch(samples, int(e.z + i));\n"
     "        atomicAdd(times[e.x + i], 1u);\n"
+    "        uint word = e.w + i;\n"
+    "        curvatures[e.x + i] = e.w == 0u ? 0u : texelFetch(samples, int(word >> 2))[word & 3u];\n"
     "    }\n"
     "}\n";
 
 /// Nodes of one octree, or a cut made by hand.
 struct TestCut {
     std::vector<std::vector<Sample>> samples;
+    std::vector<std::vector<CurvatureCode>> curvatures;
     std::vector<Node> nodes;
     Cut cut;
 
@@ -49,6 +54,18 @@ struct TestCut {
         }
     }
     TestCut(const TestCut&) = delete;
+
+    /// The same nodes, by somebody who asks how they bend; or no longer.
+    void ask(bool asks) {
+        curvatures.resize(samples.size());
+        for (std::size_t i = 0; i < samples.size(); ++i) {
+            curvatures[i].resize(samples[i].size());
+            for (std::size_t s = 0; s < samples[i].size(); ++s)
+                curvatures[i][s] = CurvatureCode(1 + 7919 * i + s);
+            cut.runs[i].curvatures =
+                asks ? std::span<const CurvatureCode>(curvatures[i]) : std::span<const CurvatureCode>();
+        }
+    }
 
     void fill(std::uint32_t seed) {
         std::mt19937 random(seed);
@@ -83,6 +100,8 @@ class SampleCacheTest : public WithContext {
     /// Returns the number of batches.
     int expectEverySampleOnce(CutSamples& resident, const TestCut& test) {
         Buffer seen(gl(), "seen"), times(gl(), "times"), extents(gl(), "extents");
+        Buffer curvatures(gl(), "curvatures");
+        EXPECT_TRUE(curvatures.reserve(test.cut.samples * sizeof(CurvatureCode)));
         EXPECT_TRUE(seen.reserve(test.cut.samples * sizeof(Sample)));
         EXPECT_TRUE(times.reserve(test.cut.samples * 4));
         times.clear(test.cut.samples, 0);
@@ -95,12 +114,14 @@ class SampleCacheTest : public WithContext {
                 for (const SampleBatch::Page& page : batch.pages) {
                     std::vector<glm::uvec4> told;
                     for (const Extent& e : page.extents)
-                        told.emplace_back(test.cut.runs[e.run].firstOrdinal + e.first, e.count, e.at, 0);
+                        told.emplace_back(test.cut.runs[e.run].firstOrdinal + e.first, e.count, e.at,
+                                          e.curvatures);
                     EXPECT_TRUE(extents.write(std::as_bytes(std::span(told))));
-                    page.samples->bind(0);
+                    page.texels->bind(0);
                     seen.bindStorage(1);
                     times.bindStorage(2);
                     extents.bindStorage(3);
+                    curvatures.bindStorage(4);
                     for (std::uint32_t i = 0; i < told.size(); ++i) {
                         gl().Uniform1ui(0, i);
                         gl().DispatchCompute(1, 1, 1);
@@ -113,8 +134,10 @@ class SampleCacheTest : public WithContext {
         gl().MemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT);
         std::vector<Sample> found(test.cut.samples);
         std::vector<std::uint32_t> counts(test.cut.samples);
+        std::vector<CurvatureCode> bent(test.cut.samples);
         seen.read(std::as_writable_bytes(std::span(found)));
         times.read(std::as_writable_bytes(std::span(counts)));
+        curvatures.read(std::as_writable_bytes(std::span(bent)));
         EXPECT_TRUE(checkErrors(gl(), "testing"));
         for (const std::uint32_t count : counts)
             if (count != 1) {
@@ -125,6 +148,12 @@ class SampleCacheTest : public WithContext {
             if (std::memcmp(found.data() + run.firstOrdinal, run.samples.data(), run.samples.size_bytes()) !=
                 0) {
                 ADD_FAILURE() << "the samples of run " << (&run - test.cut.runs.data()) << " are others";
+                break;
+            }
+        for (const CutRun& run : test.cut.runs)
+            if (std::memcmp(bent.data() + run.firstOrdinal, run.curvatures.data(),
+                            run.curvatures.size_bytes()) != 0) {
+                ADD_FAILURE() << "the curvatures of run " << (&run - test.cut.runs.data()) << " are others";
                 break;
             }
         return batches;
@@ -255,19 +284,61 @@ TEST_P(SampleCacheTest, WhatWasBroughtIsThere) {
     SampleCache cache(gl(), {.memoryLimit = 4 * mib, .firstPage = mib});
     const TestCut test(newSource(), 20, 5000, 13);
     const auto has = [&](std::uint32_t run) {
-        return cache.has(test.cut.source, test.cut.runs[run].nodeIndex, test.nodes[run].sampleCount);
+        return cache.has(test.cut.source, test.cut.runs[run].nodeIndex, test.nodes[run].sampleCount, false);
     };
     ASSERT_TRUE(cache.bring(test.cut.source, std::span(test.cut.runs).first(10), {}));
     for (std::uint32_t i = 0; i < 20; ++i) EXPECT_EQ(has(i), i < 10);
     drawOnce(cache, test);
     EXPECT_EQ(cache.bytesUploaded(), bytesOf(test));
+    const auto hasBent = [&](std::uint32_t run) {
+        return cache.has(test.cut.source, test.cut.runs[run].nodeIndex, test.nodes[run].sampleCount, true);
+    };
+    for (std::uint32_t i = 0; i < 20; ++i) EXPECT_FALSE(hasBent(i));
+    TestCut asking(test.cut.source, 20, 5000, 13);
+    asking.ask(true);
+    ASSERT_TRUE(cache.bring(asking.cut.source, asking.cut.runs, {}));
+    for (std::uint32_t i = 0; i < 20; ++i) EXPECT_TRUE(has(i) && hasBent(i));
+}
+
+TEST_P(SampleCacheTest, CurvaturesComeWithTheSamplesOfWhoAsksForThem) {
+    for (const std::uint64_t limit : {4096ull, 300'000ull, 64ull * mib}) {
+        SCOPED_TRACE(limit);
+        SampleCache cache(gl(), {.memoryLimit = limit, .firstPage = 16384});
+        TestCut test(newSource(), 40, 4000, 16);
+        drawOnce(cache, test);
+        const std::uint64_t plain = cache.bytesUploaded();
+        test.ask(true);
+        for (int i = 0; i < 2; ++i) drawOnce(cache, test);
+        EXPECT_LE(cache.bytes(), std::max<std::uint64_t>(limit, 4096));
+        const std::uint64_t both = cache.bytesUploaded();
+        test.ask(false);
+        drawOnce(cache, test);
+        if (limit < 64 * mib) continue;
+        EXPECT_EQ(plain, bytesOf(test));
+        EXPECT_EQ(both, plain + bytesOf(test) / 4 * 5) << "uploaded once, with the samples once more";
+        EXPECT_EQ(cache.bytesUploaded(), both) << "who does not ask is served by them, too";
+    }
+}
+
+/// Of two layers, one asks: what the other had gathered is somewhere else.
+TEST_P(SampleCacheTest, WhoAsksLaterMovesWhatOthersHadGathered) {
+    SampleCache cache(gl(), {.memoryLimit = 16 * mib, .firstPage = mib});
+    const std::uint64_t source = newSource();
+    const TestCut plain(source, 30, 7000, 17);
+    TestCut asking(source, 30, 7000, 17);
+    asking.ask(true);
+    CutSamples first(cache, plain.cut, plain.everyRun()), second(cache, asking.cut, asking.everyRun());
+    for (int i = 0; i < 3; ++i) {
+        expectEverySampleOnce(first, plain);
+        expectEverySampleOnce(second, asking);
+    }
 }
 
 TEST_P(SampleCacheTest, NodesLargerThanTheMemoryAreDealtOut) {
     SampleCache cache(gl(), {.memoryLimit = 100'000, .firstPage = 50'000});
     const TestCut test(newSource(), 3, 60'000, 14);
     EXPECT_GT(drawOnce(cache, test), 3);
-    EXPECT_FALSE(cache.has(test.cut.source, 0, test.nodes[0].sampleCount));
+    EXPECT_FALSE(cache.has(test.cut.source, 0, test.nodes[0].sampleCount, false));
 }
 
 /// The ring of staging memory (32 MiB) goes round more than once.

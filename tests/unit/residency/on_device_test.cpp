@@ -21,7 +21,7 @@ class ToyMemory final : public DeviceMemory {
     std::uint64_t capacity() const override { return capacity_; }
     std::uint64_t frameBudget() const override { return budget_; }
     std::uint64_t bytes() const override { return used() * sizeof(Sample); }
-    bool has(std::uint64_t source, std::uint32_t node, std::uint32_t) const override {
+    bool has(std::uint64_t source, std::uint32_t node, std::uint32_t, bool) const override {
         return source == source_ && position(node) != nodes_.end();
     }
     Expected<void> bring(std::uint64_t source, std::span<const CutRun> runs,

@@ -88,7 +88,10 @@ Expected<void> addInnerSurfels(const BuildNode& node, const AveragedFacts& facts
 
     std::vector<Surfel> surfels(samples.size());
     const std::vector<float> spacings(samples.size(), float(content.spacing));
-    estimateSurfels(offsets, {.neighbours = input.shape.neighbours, .spacings = spacings}, surfels);
+    estimateSurfels(
+        offsets,
+        {.neighbours = input.shape.neighbours, .spacings = spacings, .bends = input.shape.curvatures()},
+        surfels);
     const float unit = radiusUnit(content.spacing);
     for (std::size_t i = 0; i < samples.size(); ++i) {
         Surfel surfel = surfels[i];

@@ -94,6 +94,7 @@ SidePatches addLeafSurfels(BuildNode& root, std::span<const BuildPoint> halo, co
                     {.neighbours = input.shape.neighbours,
                      .spacings = spacings,
                      .patches = input.findSides ? &patches : nullptr,
+                     .bends = input.shape.curvatures(),
                      .layers = true},
                     surfels);
     tbb::parallel_for(std::size_t(0), leaves.size(), [&](std::size_t i) {

@@ -16,6 +16,7 @@ typedef float FloatLanes __attribute__((vector_size(chunk * sizeof(float))));
 struct Matrices {
     Lanes diagonal[3];
     Lanes xy, xz, yz;
+    Lanes mean[3];  ///< of the neighbours and the point itself, from the point
 };
 struct Directions {
     Lanes axis[3][3];  ///< first, second, third direction; x, y, z
@@ -123,7 +124,7 @@ inline void covariance(const Neighbourhoods& n, int first, int m, Matrices& a) {
         xz += x * z;
         yz += y * z;
     }
-    a = {{xx * share, yy * share, zz * share}, xy * share, xz * share, yz * share};
+    a = {{xx * share, yy * share, zz * share}, xy * share, xz * share, yz * share, {mx, my, mz}};
 }
 
 /// Average distance of the m neighbours.

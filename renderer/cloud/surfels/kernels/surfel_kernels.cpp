@@ -3,7 +3,6 @@
 
 #include "renderer/cloud/surfels/kernels/find.hpp"
 #include "renderer/cloud/surfels/kernels/principal.hpp"
-#include "renderer/cloud/surfels/kernels/quadric.hpp"
 
 #if SCANCAST_SIMD_LEVEL == 4
 #define SCANCAST_SIMD_NAMESPACE v4
@@ -57,19 +56,8 @@ struct Distances {
     Lanes all, nearest;
 };
 
-/// 1 where the second direction is the third × the first, -1 where it is the opposite.
-double handed(const Directions& d, int l) {
-    const auto at = [&](int axis, int part) { return d.axis[axis][part][l]; };
-    double along = 0;
-    for (int i = 0; i < 3; ++i) {
-        const int j = (i + 1) % 3, k = (i + 2) % 3;
-        along += at(1, i) * (at(2, j) * at(0, k) - at(2, k) * at(0, j));
-    }
-    return along < 0 ? -1 : 1;
-}
-
 void emitLane(const Run& run, int level, int lane, int l, int m, const Matrices& a, const Directions& d,
-              const Distances& distances, const Lanes (&bend)[3], bool straightLine) {
+              const Distances& distances, bool straightLine) {
     const Neighbourhoods& n = run.w.waiting[level];
     Solved s;
     s.point = n.point[lane];
@@ -77,12 +65,9 @@ void emitLane(const Run& run, int level, int lane, int l, int m, const Matrices&
     s.reach2 = n.reach2[lane];
     for (int i = 0; i < 3; ++i) {
         s.axis[i] = d.axis[0][i][l];
+        s.middle[i] = float(a.mean[i][l]);
         s.normal[i] = straightLine ? 0 : d.axis[2][i][l];
     }
-    const double turn = handed(d, l);
-    s.bend[0] = straightLine ? 0 : bend[0][l];
-    s.bend[1] = straightLine ? 0 : bend[1][l] * turn;
-    s.bend[2] = straightLine ? 0 : bend[2][l];
     const double longest = a.diagonal[0][l], across = a.diagonal[1][l], thick = a.diagonal[2][l];
     s.ratio = longest > 0 && across > 0 ? across / longest : 0;
     s.flat = across > 0 ? (thick > 0 ? thick / across : 0) : 1;
@@ -110,8 +95,6 @@ void flush(const Run& run, int level) {
         Distances distances;
         averageDistance(n, first, m, distances.all);
         averageDistance(n, first, m < mostWitnesses ? m : mostWitnesses, distances.nearest);
-        Lanes bend[3];
-        fitQuadric(n, first, m, d, bend);
         const Lanes(&variance)[3] = a.diagonal;
         for (int l = 0; l < chunk && first + l < count; ++l) {
             if (variance[1][l] < lineRatio * variance[0][l] && run.canDouble(level)) {
@@ -121,7 +104,7 @@ void flush(const Run& run, int level) {
             const double grain = roundingUnit * n.magnitude[first + l];
             const bool isLine =
                 !(variance[1][l] > straight * variance[0][l]) || variance[1][l] <= 2 * grain * grain;
-            emitLane(run, level, first + l, l, m, a, d, distances, bend, isLine);
+            emitLane(run, level, first + l, l, m, a, d, distances, isLine);
         }
     }
     std::uint32_t* retry = run.w.retry[level + 1 < doublings ? level + 1 : level];

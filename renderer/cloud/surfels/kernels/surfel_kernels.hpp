@@ -71,9 +71,10 @@ struct Solved {
     float reach2;
     double normal[3];  ///< zero where there is none
     double axis[3];
-    double bend[3];  ///< second derivatives of the height over axis and normal × axis: along, mixed, across
-    double ratio;    ///< λ2 / λ1
-    double flat;     ///< λ3 / λ2; 1 where both are 0
+    float middle
+        [3];  ///< of the neighbours and the point itself, from the point: where the normal is the surface's
+    double ratio;  ///< λ2 / λ1
+    double flat;   ///< λ3 / λ2; 1 where both are 0
     float radius;
     float nearby;   ///< average distance of the nearest mostWitnesses
     bool extended;  ///< the k nearest lie on a line

@@ -204,8 +204,21 @@ std::span<const Place> PageTable::need(const SampleKey& key) {
     return entries_[number].places;
 }
 
+std::uint64_t PageTable::texels(const SampleKey& key) const {
+    const std::uint32_t number = index_.find(key);
+    std::uint64_t count = 0;
+    if (number != KeyIndex::none)
+        for (const Place& place : entries_[number].places) count += place.count;
+    return count;
+}
+
 std::span<const Place> PageTable::insert(const SampleKey& key, std::uint32_t count) {
-    assert(count > 0 && !has(key));
+    assert(count > 0);
+    if (const std::uint32_t old = index_.find(key); old != KeyIndex::none) {
+        // Whoever knows its places learns that they are no longer true.
+        remove(old);
+        ++evicted_;
+    }
     const std::uint32_t wanted = (count + grain - 1) / grain;
     while (holes_.free() < wanted) {
         // Whatever the batch needs was touched last.

@@ -25,11 +25,11 @@ struct SampleKey {
     bool operator==(const SampleKey&) const = default;
 };
 
-/// Samples side by side in a page.
+/// Texels side by side in a page.
 struct Place {
     std::uint32_t page = 0;
-    std::uint32_t at = 0;     ///< samples from the page's beginning
-    std::uint32_t count = 0;  ///< samples
+    std::uint32_t at = 0;     ///< texels from the page's beginning
+    std::uint32_t count = 0;  ///< texels
     bool operator==(const Place&) const = default;
 };
 
@@ -104,6 +104,8 @@ class PageTable {
     std::uint64_t evicted() const { return evicted_; }  ///< parts, since the beginning
 
     bool has(const SampleKey& key) const { return index_.find(key) != KeyIndex::none; }
+    /// Of what is here, as many as were inserted; 0: it is not here.
+    std::uint64_t texels(const SampleKey& key) const;
     /// It goes after everything that was touched before. False: it is not here.
     bool touch(const SampleKey& key);
     /// From now on, nothing is needed. What the batch may need is touched before it needs anything: what it
@@ -111,8 +113,8 @@ class PageTable {
     void beginBatch() { ++batch_; }
     /// The places of what is here, which is needed until beginBatch(). Empty: it is not here.
     std::span<const Place> need(const SampleKey& key);
-    /// Makes room, and needs it. Empty: everything that is here is needed. Expects count > 0, and that the
-    /// key is not here.
+    /// Makes room for so many texels, and needs it; what was here by this key goes. Empty: everything that is
+    /// here is needed. Expects count > 0.
     std::span<const Place> insert(const SampleKey& key, std::uint32_t count);
     /// Does nothing where it is not here.
     void erase(const SampleKey& key);

@@ -16,16 +16,41 @@ std::uint64_t mostPageBytes(const GlFunctions& gl) {
     return std::min(largestPageBytes, std::uint64_t{mostTexels(gl)} * sizeof(Sample));
 }
 
-/// Of a small memory, no node takes more than a part: pages are then never full of one node alone.
+constexpr std::uint32_t curvaturesPerTexel = sizeof(Sample) / sizeof(CurvatureCode);
+/// Of a grain's texels, where curvatures stand behind them.
+constexpr std::uint32_t curvedPerGrain = PageTable::grain * curvaturesPerTexel / (curvaturesPerTexel + 1);
+
+std::uint32_t curvatureTexels(std::uint32_t samples) {
+    return (samples + curvaturesPerTexel - 1) / curvaturesPerTexel;
+}
+
+/// That so many samples take; how ever they are dealt out to places, whole grains are filled alike.
+std::uint32_t texelsOf(std::uint32_t samples, bool curvatures) {
+    if (!curvatures) return samples;
+    const std::uint32_t rest = samples % curvedPerGrain;
+    return samples / curvedPerGrain * PageTable::grain + rest + curvatureTexels(rest);
+}
+
+/// What a place of these holds of them.
+std::uint32_t samplesIn(const Place& place, bool curvatures) {
+    if (!curvatures) return place.count;
+    const std::uint32_t rest = place.count % PageTable::grain;
+    return place.count / PageTable::grain * curvedPerGrain +
+           rest * curvaturesPerTexel / (curvaturesPerTexel + 1);
+}
+
+/// Of a small memory, no node takes more than a part: pages are then never full of one node alone. With its
+/// curvatures a part fits, too.
 std::uint32_t mostInPart(std::uint64_t capacity) {
+    if (capacity < 2 * PageTable::grain) return curvedPerGrain;
     const std::uint64_t grains = std::clamp<std::uint64_t>(capacity / 4 / PageTable::grain, 1, 1 << 20);
     return static_cast<std::uint32_t>(grains) * PageTable::grain;
 }
 
-std::uint64_t samplesOf(std::span<const Place> places) {
-    std::uint64_t samples = 0;
-    for (const Place& place : places) samples += place.count;
-    return samples;
+std::uint64_t texelsIn(std::span<const Place> places) {
+    std::uint64_t texels = 0;
+    for (const Place& place : places) texels += place.count;
+    return texels;
 }
 
 tl::unexpected<Error> cancelled() {
@@ -43,9 +68,12 @@ SampleCache::SampleCache(const GlFunctions& gl, const SampleCacheOptions& option
       pages_(table_.pages()),
       staging_(gl, std::clamp<std::uint64_t>(options.memoryLimit / 4, 64 << 10, stagingBytes)) {}
 
-bool SampleCache::has(std::uint64_t source, std::uint32_t node, std::uint32_t samples) const {
-    for (std::uint32_t first = 0; first < samples; first += mostInPart_)
-        if (!table_.has({source, node, first})) return false;
+bool SampleCache::has(std::uint64_t source, std::uint32_t node, std::uint32_t samples,
+                      bool curvatures) const {
+    for (std::uint32_t first = 0; first < samples; first += mostInPart_) {
+        const std::uint32_t inPart = std::min(mostInPart_, samples - first);
+        if (table_.texels({source, node, first}) < texelsOf(inPart, curvatures)) return false;
+    }
     return true;
 }
 
@@ -84,11 +112,14 @@ Expected<void> SampleCache::bring(std::uint64_t source, std::span<const CutRun> 
 }
 
 Expected<std::span<const Place>> SampleCache::load(const Part& part) {
+    const auto samples = static_cast<std::uint32_t>(part.samples.size());
+    const std::uint32_t texels = texelsOf(samples, !part.curvatures.empty());
     auto places = table_.need(part.key);
-    if (samplesOf(places) == part.samples.size()) return places;
-    table_.erase(part.key);
+    // One with curvatures holds more texels than samples, and serves both.
+    if (const std::uint64_t there = texelsIn(places); there == texels || there == texelsOf(samples, true))
+        return places;
     while (true) {
-        places = table_.insert(part.key, static_cast<std::uint32_t>(part.samples.size()));
+        places = table_.insert(part.key, texels);
         if (places.empty()) return places;
         const auto made = makePages(places);
         if (!made) table_.erase(part.key);
@@ -121,35 +152,22 @@ Expected<bool> SampleCache::makePages(std::span<const Place> places) {
     return true;
 }
 
-Expected<void> SampleCache::makeCurvatures(std::uint32_t index) {
-    Page& page = *pages_[index];
-    if (page.curvatures) return {};
-    const std::uint64_t bytes = std::uint64_t(table_.pageSamples(index)) * sizeof(CurvatureCode);
-    Buffer buffer(gl_, "curvatures of a page", Buffer::Use::Copies);
-    if (auto made = buffer.reserve(bytes); !made) return made;
-    page.curvatureTexels.emplace(gl_, buffer, 1);
-    page.curvatures.emplace(std::move(buffer));
-    bytes_ += bytes;
-    return {};
+template <class T>
+Expected<void> SampleCache::copy(std::span<const T> values, std::uint32_t page, std::uint32_t texel) {
+    bytesUploaded_ += values.size_bytes();
+    return staging_.copy(std::as_bytes(values), pages_[page]->buffer, texel * sizeof(Sample));
 }
 
 Expected<void> SampleCache::upload(std::span<const Place> places, const Part& part) {
-    std::span<const Sample> samples = part.samples;
-    std::span<const CurvatureCode> curvatures = part.curvatures;
+    const bool curvatures = !part.curvatures.empty();
+    std::size_t first = 0;
     for (const Place& place : places) {
-        if (!curvatures.empty()) {
-            if (auto ok = makeCurvatures(place.page); !ok) return ok;
-            auto copied = staging_.copy(std::as_bytes(curvatures.first(place.count)),
-                                        *pages_[place.page]->curvatures, place.at * sizeof(CurvatureCode));
-            if (!copied) return copied;
-            curvatures = curvatures.subspan(place.count);
-            bytesUploaded_ += place.count * sizeof(CurvatureCode);
-        }
-        auto copied = staging_.copy(std::as_bytes(samples.first(place.count)), pages_[place.page]->buffer,
-                                    place.at * sizeof(Sample));
-        if (!copied) return copied;
-        samples = samples.subspan(place.count);
-        bytesUploaded_ += place.count * sizeof(Sample);
+        const std::uint32_t count = samplesIn(place, curvatures);
+        if (auto ok = copy(part.samples.subspan(first, count), place.page, place.at); !ok) return ok;
+        if (curvatures)
+            if (auto ok = copy(part.curvatures.subspan(first, count), place.page, place.at + count); !ok)
+                return ok;
+        first += count;
     }
     return {};
 }
@@ -212,10 +230,13 @@ Expected<std::size_t> CutSamples::loadBatch(std::size_t from, const std::stop_to
         const auto places = cache_.load(part);
         if (!places) return passOn(places);
         if (places->empty()) break;
+        const bool curvatures = texelsIn(*places) > part.samples.size();
         std::uint32_t first = part.key.first;
         for (const Place& place : *places) {
-            extents_[place.page].push_back({part.run, first, place.count, place.at});
-            first += place.count;
+            const std::uint32_t count = samplesIn(place, curvatures);
+            extents_[place.page].push_back(
+                {part.run, first, count, place.at, curvatures ? (place.at + count) * curvaturesPerTexel : 0});
+            first += count;
         }
     }
     if (at == from)
@@ -225,9 +246,7 @@ Expected<std::size_t> CutSamples::loadBatch(std::size_t from, const std::stop_to
     batchPages_.clear();
     for (std::size_t page = 0; page < extents_.size(); ++page) {
         if (extents_[page].empty()) continue;
-        const SampleCache::Page& own = *cache_.pages_[page];
-        batchPages_.push_back(
-            {&own.texels, own.curvatureTexels ? &*own.curvatureTexels : &own.texels, extents_[page]});
+        batchPages_.push_back({&cache_.pages_[page]->texels, extents_[page]});
     }
     return at;
 }

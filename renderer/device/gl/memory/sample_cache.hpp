@@ -1,5 +1,6 @@
 // Samples on the GPU: nodes' runs in pages of buffers that are read as texels, within a memory limit, least
-// recently used out. Layers ask for the runs of their cut and get them page by page; where a cut does not
+// recently used out. Where somebody asks for their curvatures, these stand behind the samples of each place, four
+// a texel; who does not ask is served by either kind. Layers ask for the runs of their cut and get them page by page; where a cut does not
 // fit, batch by batch, with uploads in between. Place: host blocks → provide() → **sample cache** → layer.
 //
 // Owned by the GL device; everything, destruction included, on its thread and inside a Current scope of its
@@ -22,7 +23,7 @@
 namespace scancast::gl {
 
 struct SampleCacheOptions {
-    std::uint64_t memoryLimit = 0;  ///< bytes of samples at most; curvatures beside them take a quarter more
+    std::uint64_t memoryLimit = 0;  ///< bytes of samples and curvatures at most
     /// Bytes of the first page; each next one is twice as large, up to what the driver reads as texels, or
     /// 128 MiB.
     std::uint64_t firstPage = 0;
@@ -32,14 +33,14 @@ class SampleCache {
   public:
     SampleCache(const GlFunctions& gl, const SampleCacheOptions& options);
 
-    /// Samples that fit at once.
+    /// Samples that fit at once, without curvatures.
     std::uint64_t capacity() const { return table_.capacity(); }
-    /// Of the pages that there are, and what is beside them.
+    /// Of the pages that there are.
     std::uint64_t bytes() const { return bytes_; }
     /// Since the beginning.
     std::uint64_t bytesUploaded() const { return bytesUploaded_; }
-    /// Whether all samples of an octree's node are here.
-    bool has(std::uint64_t source, std::uint32_t node, std::uint32_t samples) const;
+    /// Whether all samples of an octree's node are here, and if need be their curvatures.
+    bool has(std::uint64_t source, std::uint32_t node, std::uint32_t samples, bool curvatures) const;
     /// Uploads what is not here of these runs of one octree, as many as fit, and counts all as used: for
     /// pictures to come. Errors: Cancelled; ResourceLimit, DeviceLost: the driver's.
     Expected<void> bring(std::uint64_t source, std::span<const CutRun> runs, const std::stop_token& stop);
@@ -61,16 +62,14 @@ class SampleCache {
     /// The places of a part, uploaded if need be; empty: no room but in the batch that is being loaded.
     Expected<std::span<const Place>> load(const Part& part);
     Expected<void> upload(std::span<const Place> places, const Part& part);
-    /// Room for the curvatures of a page's samples: made when the first of them come.
-    Expected<void> makeCurvatures(std::uint32_t page);
+    template <class T>
+    Expected<void> copy(std::span<const T> values, std::uint32_t page, std::uint32_t texel);
     /// False: the GPU has no memory for them, and there are fewer pages from now on.
     Expected<bool> makePages(std::span<const Place> places);
 
     struct Page {
         Buffer buffer;
         Texels texels;
-        std::optional<Buffer> curvatures{};
-        std::optional<Texels> curvatureTexels{};
     };
 
     const GlFunctions& gl_;
@@ -86,15 +85,16 @@ struct Extent {
     std::uint32_t run = 0;    ///< index in the cut's runs
     std::uint32_t first = 0;  ///< index in the run of the first
     std::uint32_t count = 0;
-    std::uint32_t at = 0;  ///< the first's place in the page, samples
+    std::uint32_t at = 0;  ///< the first's place in the page, texels
+    std::uint32_t curvatures =
+        0;  ///< its curvature's, words of four bytes, the others' behind it; 0: not there
 };
 
 /// What is drawn without moving samples: one page bound after the other.
 struct SampleBatch {
     struct Page {
-        const Texels* samples = nullptr;     ///< one a sample
-        const Texels* curvatures = nullptr;  ///< likewise; anything where no run's are known
-        std::span<const Extent> extents;     ///< in the order of the runs that were asked for
+        const Texels* texels = nullptr;
+        std::span<const Extent> extents;  ///< in the order of the runs that were asked for
     };
     std::span<const Page> pages;
     /// The same number as before, by the same CutSamples: the same pages and extents, so that what was made

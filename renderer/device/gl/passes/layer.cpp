@@ -129,9 +129,11 @@ Expected<void> Layer::begin(const SampleBatch& batch) {
         for (const Extent& e : page.extents) {
             const std::uint32_t run = runOfCut_[e.run];
             if (passes_.bySample())
-                extents.push_back({uvec4(tables_.runs[run].color.z + e.first, e.count, run, e.at)});
+                extents.push_back({uvec4(tables_.runs[run].color.z + e.first, e.count, run, e.at),
+                                   uvec4(e.curvatures, 0, 0, 0)});
             for (std::uint32_t i = 0; i < e.count; i += chunkSamples_)
-                chunks.push_back({uvec4(e.at + i, std::min(chunkSamples_, e.count - i), run, e.first + i)});
+                chunks.push_back({uvec4(e.at + i, std::min(chunkSamples_, e.count - i), run, e.first + i),
+                                  uvec4(e.curvatures + i, 0, 0, 0)});
         }
         std::sort(extents.begin() + work.firstExtent, extents.end(),
                   [](const SplatExtent& a, const SplatExtent& b) { return a.range.x < b.range.x; });
@@ -172,8 +174,7 @@ Expected<void> Layer::splatOnce(const SplatPass& pass, Keep keep, const std::sto
         if (auto ok = begin(batch); !ok) return ok;
         parts_.tables.chunks.bindStorage(binding::splat::chunks);
         for (std::size_t i = 0; i < batch.pages.size(); ++i) {
-            batch.pages[i].samples->bind(unit::samples);
-            batch.pages[i].curvatures->bind(unit::curvatures);
+            batch.pages[i].texels->bind(unit::samples);
             if (auto ok = parts_.slices.dispatch(pages_[i].firstChunk, pages_[i].chunks, stop); !ok)
                 return ok;
         }
@@ -257,8 +258,7 @@ Expected<void> Layer::resolveSamples(ResolveParams params, const GpuPlanes& plan
             params.look.x = pages_[i].firstExtent;
             params.look.y = pages_[i].extents;
             if (auto ok = parts_.screen.set(params); !ok) return ok;
-            batch.pages[i].samples->bind(unit::samples);
-            batch.pages[i].curvatures->bind(unit::curvatures);
+            batch.pages[i].texels->bind(unit::samples);
             if (auto ok = overPixels(params.area, variant); !ok) return ok;
         }
         return {};

@@ -28,7 +28,8 @@ static_assert(sizeof(RunParams) == 128);
 static_assert(offsetof(RunParams, clipMin) == 48 && offsetof(RunParams, clipMax) == 64);
 static_assert(offsetof(RunParams, sizeFactors) == 80 && offsetof(RunParams, factors) == 96);
 static_assert(offsetof(RunParams, color) == 112);
-static_assert(sizeof(SplatChunk) == 16 && sizeof(SplatExtent) == 16);
+static_assert(sizeof(SplatChunk) == 32 && sizeof(SplatExtent) == 32);
+static_assert(offsetof(SplatChunk, beside) == 16 && offsetof(SplatExtent, beside) == 16);
 static_assert(sizeof(ResolveParams) == 128 && offsetof(ResolveParams, view) == 112);
 static_assert(offsetof(ResolveParams, planes) == 16 && offsetof(ResolveParams, ramp) == 32);
 static_assert(offsetof(ResolveParams, look) == 48 && offsetof(ResolveParams, rotation) == 64);
@@ -38,12 +39,11 @@ inline constexpr std::uint32_t samplesPerChunk = 1024;
 
 /// Texture units, as the shaders number them.
 namespace unit {
-inline constexpr unsigned samples = 0;             ///< splat.comp, resolve_samples.comp
+inline constexpr unsigned samples = 0;  ///< splat.comp, resolve_samples.comp: with their curvatures
 inline constexpr unsigned keys = 1, payloads = 2;  ///< without 64-bit keys `keys` are orders alone
 inline constexpr unsigned surfaces = 2;            ///< splat.comp: keys or payloads that hold what is visible
 inline constexpr unsigned visible = 3;             ///< the nearest pass' keys or orders
 inline constexpr unsigned silhouette = 4;
-inline constexpr unsigned curvatures = 5;  ///< where the samples are
 }  // namespace unit
 
 /// Binding points of storage blocks by shader, as the shaders number them; OpenGL promises eight.

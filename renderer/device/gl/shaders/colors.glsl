@@ -11,8 +11,8 @@ uint tableEntry(uint first, float index) {
     return tables[first + uint(nearest)];
 }
 
-// r | g << 8 | b << 16; `at`: the sample's place in its page.
-uint sourceColor(RunParams run, uvec4 words, int at, float depth) {
+// r | g << 8 | b << 16; `beside`: the word of its page that holds the sample's curvature.
+uint sourceColor(RunParams run, uvec4 words, uint beside, float depth) {
 #if COLORING == COLOR_RGB
     return words.z & 0xffffffu;
 #elif COLORING == COLOR_PER_RUN
@@ -28,7 +28,7 @@ uint sourceColor(RunParams run, uvec4 words, int at, float depth) {
 #elif COLORING == COLOR_NORMAL
     return tables[normalWords + (words.w & 0xffffu)];
 #elif COLORING == COLOR_CURVATURE
-    uint code = curvatureAt(run, at);
+    uint code = curvatureAt(run, beside);
     precise float sum = uintBitsToFloat(tables[curvatureWords + (code & 255u)]) +
                         uintBitsToFloat(tables[curvatureWords + ((code >> 8) & 255u)]);
     precise float index = sum * run.factors.x + run.factors.y;
@@ -42,8 +42,8 @@ uint sourceColor(RunParams run, uvec4 words, int at, float depth) {
 #endif
 }
 
-uint colorOf(RunParams run, uvec4 words, int at, float depth) {
-    uint color = sourceColor(run, words, at, depth);
+uint colorOf(RunParams run, uvec4 words, uint beside, float depth) {
+    uint color = sourceColor(run, words, beside, depth);
 #if BY_INTENSITY
     precise float index = (float(words.y >> 16) - pass.ramp.z) * pass.ramp.w;
     uint factor = tableEntry(factorWords, index);

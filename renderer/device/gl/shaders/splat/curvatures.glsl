@@ -1,5 +1,6 @@
-// Curvatures of samples (renderer/cloud/curvature.hpp), as many in a page as samples. Needs RunParams.
-layout(binding = 5) uniform usamplerBuffer curvatures;
+// Curvatures of samples (renderer/cloud/curvature.hpp), behind them in their page. Needs `samples` and RunParams.
 
-// Of the sample at this place in its page; 0 where nobody knows.
-uint curvatureAt(RunParams run, int at) { return (run.color.w & 2u) != 0u ? texelFetch(curvatures, at).x : 0u; }
+// The word of the page; 0 where nobody knows.
+uint curvatureAt(RunParams run, uint word) {
+    return (run.color.w & 2u) != 0u ? texelFetch(samples, int(word >> 2))[word & 3u] : 0u;
+}

@@ -29,12 +29,14 @@ struct RunParams {
 
 // Up to CHUNK_SAMPLES samples of one run: the work of one work group.
 struct SplatChunk {
-    uvec4 range;  // first sample in its page, samples, run, the first one's index in the run
+    uvec4 range;   // first sample in its page, samples, run, the first one's index in the run
+    uvec4 beside;  // the first one's curvature in the page, words of four bytes; unused
 };
 
 // Samples of one run side by side in a page: where ordinals lead to. Those of a page are sorted by ordinal.
 struct SplatExtent {
-    uvec4 range;  // ordinal of the first sample, samples, run, the first one's place in the page
+    uvec4 range;   // ordinal of the first sample, samples, run, the first one's place in the page
+    uvec4 beside;  // the first one's curvature in the page, words of four bytes; unused
 };
 
 // What splat passes left of an area -> planes of pixels.

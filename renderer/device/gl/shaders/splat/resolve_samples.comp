@@ -50,14 +50,14 @@ vec3 bentNormal(RunParams run, uvec4 words, uint code, ivec2 at, float there) {
 #endif
 
 // The last of the page's extents that begins at or before the ordinal; it may end before it, too.
-uvec4 extentOf(uint ordinal) {
+SplatExtent extentOf(uint ordinal) {
     uint low = pass.look.x, high = pass.look.x + pass.look.y;
     while (high - low > 1u) {
         uint middle = (low + high) / 2u;
         if (extents[middle].range.x <= ordinal) low = middle;
         else high = middle;
     }
-    return extents[low].range;
+    return extents[low];
 }
 
 void main() {
@@ -67,16 +67,16 @@ void main() {
     float there = depth[place];
     if (floatBitsToUint(there) >= infiniteOrder) return;
     uint ordinal = keyPayload(pixel);
-    uvec4 extent = extentOf(ordinal);
-    if (ordinal < extent.x || ordinal - extent.x >= extent.y) return;
-    int sampleAt = int(extent.w + (ordinal - extent.x));
-    uvec4 words = texelFetch(samples, sampleAt);
-    rgba[place] = colorOf(runs[extent.z], words, sampleAt, there) | 0xff000000u;
+    SplatExtent extent = extentOf(ordinal);
+    uint i = ordinal - extent.range.x, beside = extent.beside.x + i;
+    if (ordinal < extent.range.x || i >= extent.range.y) return;
+    uvec4 words = texelFetch(samples, int(extent.range.w + i));
+    rgba[place] = colorOf(runs[extent.range.z], words, beside, there) | 0xff000000u;
 #if NORMALS
 #if CURVED
-    uint code = curvatureAt(runs[extent.z], sampleAt);
+    uint code = curvatureAt(runs[extent.range.z], beside);
     if (code != 0u && (words.w & 0xffffu) != 0u) {
-        normals[place] = packNormal(bentNormal(runs[extent.z], words, code, at + pass.area.xy, there));
+        normals[place] = packNormal(bentNormal(runs[extent.range.z], words, code, at + pass.area.xy, there));
         return;
     }
 #endif

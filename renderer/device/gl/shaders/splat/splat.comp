@@ -49,28 +49,30 @@ uint bendCode = 0u;  // of the sample that is being set up
 #include "sprites.glsl"
 #endif
 
-// What a key carries, or a sum adds, of a sample with this index in its run and this place in its page; of a surface its pose tells (surfaces.glsl).
-uint carriedBy(RunParams run, uvec4 words, uint index, int at, float depth) {
+// What a key carries, or a sum adds, of a sample with this index in its run, and with its curvature in this word of its
+// page; of a surface its pose tells (surfaces.glsl).
+uint carriedBy(RunParams run, uvec4 words, uint index, uint beside, float depth) {
 #if REDUCTION != REDUCTION_SUM && (PAYLOAD == PAYLOAD_NONE || PAYLOAD == PAYLOAD_SURFACE)
     return 0u;
 #elif PAYLOAD == PAYLOAD_SAMPLE
     return run.color.z + index;
 #else
-    return colorOf(run, words, at, depth);
+    return colorOf(run, words, beside, depth);
 #endif
 }
 
 // A sample of the chunk; false: nothing of it lies in the area.
-bool footprintOf(RunParams run, uvec4 range, uint i, out Footprint f) {
+bool footprintOf(RunParams run, SplatChunk chunk, uint i, out Footprint f) {
+    uint index = chunk.range.w + i, beside = chunk.beside.x + i;
     // Fading levels: the samples whose turn has come (renderer/select/fade.hpp).
-    if ((range.w + i) * uint(TURN_STEP) > run.color.y) return false;
-    uvec4 words = texelFetch(samples, int(range.x + i));
+    if (index * uint(TURN_STEP) > run.color.y) return false;
+    uvec4 words = texelFetch(samples, int(chunk.range.x + i));
     Placed placed;
     if (!placeSample(run, words, placed)) return false;
 #if CURVED
-    bendCode = curvatureAt(run, int(range.x + i));
+    bendCode = curvatureAt(run, beside);
 #endif
-    if (!setUp(run, words, placed, carriedBy(run, words, range.w + i, int(range.x + i), placed.depth), f)) return false;
+    if (!setUp(run, words, placed, carriedBy(run, words, index, beside, placed.depth), f)) return false;
     f.box = ivec4(max(f.box.xy, pass.area.xy), min(f.box.zw, pass.area.xy + pass.area.zw - 1));
     return f.box.x <= f.box.z && f.box.y <= f.box.w;
 }
@@ -103,15 +105,15 @@ void drawTogether(Footprint f) {
 #endif
 
 void main() {
-    uvec4 range = chunks[firstChunk + gl_WorkGroupID.x].range;
-    RunParams run = runs[range.z];
+    SplatChunk chunk = chunks[firstChunk + gl_WorkGroupID.x];
+    RunParams run = runs[chunk.range.z];
     Footprint f;
 #if SHARED_FOOTPRINTS
     if (gl_LocalInvocationID.x == 0u) queued = 0u;
     barrier();
 #endif
-    for (uint i = gl_LocalInvocationID.x; i < range.y; i += GROUP_SIZE) {
-        if (!footprintOf(run, range, i, f)) continue;
+    for (uint i = gl_LocalInvocationID.x; i < chunk.range.y; i += GROUP_SIZE) {
+        if (!footprintOf(run, chunk, i, f)) continue;
 #if SHARED_FOOTPRINTS
         if (pixelsOf(f) >= MANY_PIXELS) {
             queue[atomicAdd(queued, 1u)] = i;
@@ -123,7 +125,7 @@ void main() {
 #if SHARED_FOOTPRINTS
     barrier();
     for (uint i = 0u; i < queued; ++i) {
-        if (footprintOf(run, range, queue[i], f)) drawTogether(f);
+        if (footprintOf(run, chunk, queue[i], f)) drawTogether(f);
     }
 #endif
 }

@@ -30,6 +30,9 @@ constexpr auto curvatureTable = [] {
     return table;
 }();
 
+/// Radians from a splat's centre to its border: half a degree, which nobody sees.
+constexpr float leastTurn = 1.0f / 128;
+
 /// The byte whose curvature is nearest in ratio; 0 for what is less than half a step below the least.
 std::uint32_t stepOf(float curvature) {
     const float size = std::abs(curvature);
@@ -75,6 +78,7 @@ Curvature curvatureOf(const Surfel& surfel) {
 CurvatureCode encodeCurvature(const Curvature& curvature, const glm::vec3& estimated,
                               const glm::vec3& decoded, float radius, float radiusUnit) {
     if (decoded == glm::vec3(0) || !(radius > 0)) return 0;
+    if (std::abs(curvature.k1) * radius < leastTurn) return 0;
     const float sign = glm::dot(estimated, decoded) < 0 ? -1.0f : 1.0f, most = radiusUnit / radius;
     const auto step = [&](float k) { return stepOf(std::clamp(sign * k * radiusUnit, -most, most)); };
     const std::uint32_t k1 = step(curvature.k1), k2 = step(curvature.k2);

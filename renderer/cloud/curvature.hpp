@@ -33,7 +33,8 @@ const std::array<float, 256>& curvatureSteps();
 Curvature curvatureOf(const Surfel& surfel);
 
 /// `curvature` counts from `estimated`, the normal that it was estimated with; the code counts from `decoded`, the
-/// sample's own. No curvature is larger than 1 / radius: a splat of that radius would turn by more than it sees.
+/// sample's own. No curvature is larger than 1 / radius: a splat of that radius would turn by more than it sees; what turns by less than
+/// half a degree from its centre to its border is flat.
 CurvatureCode encodeCurvature(const Curvature& curvature, const glm::vec3& estimated,
                               const glm::vec3& decoded, float radius, float radiusUnit);
 /// Of a surfel with its estimated normal, for the sample that it became. Wires, foliage and strays have none: they are

@@ -117,7 +117,11 @@ TEST_F(AdministrationTest, ARemovedCloudIsGoneForEverybodyWhoLooksAtIt) {
     EXPECT_EQ(request(port(), "/api/v1/clouds/short", {withToken(user)}).status, 404);
     EXPECT_EQ(remove("short").status, 404);
     elsewhere.text(R"({"type":"ping","id":3})");
-    EXPECT_THAT(elsewhere.receiveKind(WsMessage::Kind::Text).payload, ::testing::HasSubstr("pong"));
+    // Statistics may come first, where all of this took a second.
+    WsMessage answer = elsewhere.receiveKind(WsMessage::Kind::Text);
+    while (answer.kind == WsMessage::Kind::Text && answer.payload.find("pong") == std::string::npos)
+        answer = elsewhere.receiveKind(WsMessage::Kind::Text);
+    EXPECT_THAT(answer.payload, ::testing::HasSubstr("pong"));
 }
 
 }  // namespace

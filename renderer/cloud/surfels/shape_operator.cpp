@@ -70,6 +70,11 @@ glm::dvec3 fitOperator(const TurnMoments& m) {
     return std::max(0.0, 1 - noiseExplains * turnTerms * noise / explained) * glm::dvec3(a, b, c);
 }
 
+bool isSurface(const Surfel& surfel) {
+    return surfel.normal != glm::vec3(0) &&
+           (surfel.density == Density::Surface || surfel.density == Density::Edge);
+}
+
 glm::dvec3 bendAt(std::uint32_t p, const NeighbourIndex& index, const Evidence& evidence,
                   const Surfel& surfel) {
     const glm::dvec3 n = surfel.normal, first = surfel.majorAxis, second = glm::cross(n, first);
@@ -97,7 +102,7 @@ void estimateBends(std::uint32_t begin, std::uint32_t end, const NeighbourIndex&
     for (std::uint32_t p = begin; p < end; ++p) {
         const auto here = index.pointsAt(p);
         const auto wanted = std::ranges::find_if(here, [&](std::uint32_t i) { return i < surfels.size(); });
-        if (wanted == here.end() || surfels[*wanted].normal == glm::vec3(0)) continue;
+        if (wanted == here.end() || !isSurface(surfels[*wanted])) continue;
         const glm::vec3 bend(bendAt(p, index, evidence, surfels[*wanted]));
         for (const std::uint32_t i : here)
             if (i < surfels.size()) surfels[i].bend = bend;

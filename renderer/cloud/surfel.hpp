@@ -20,6 +20,7 @@ struct Surfel {
     float radius = 0;        ///< r: average distance to those k neighbours; 0 = no neighbour
     float nearby = 0;        ///< average distance to the eight nearest of them
     float usual = 0;         ///< the median of its witnesses' r (surfels/evidence.hpp); 0 = not known
+    float rough = 0;         ///< of foliage: 1 in the middle of a rough surface, 0 of leaves
     Density density = Density::Surface;
     bool outlier = false;  ///< its density is Stray
 };

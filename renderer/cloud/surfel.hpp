@@ -23,6 +23,7 @@ struct Surfel {
     /// How the normal turns, 1 / cloud units: dN = (x, y; y, z) in majorAxis and normal × majorAxis. 0 where it does not,
     /// or no more than noise explains (curvature.hpp).
     glm::vec3 bend{0};
+    float rough = 0;         ///< of foliage: 1 in the middle of a rough surface, 0 of leaves
     Density density = Density::Surface;
     bool outlier = false;  ///< its density is Stray
 };

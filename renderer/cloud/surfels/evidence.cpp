@@ -22,6 +22,11 @@ constexpr float muchSmaller = 0.8f;
 constexpr float largeSpacings = 1.75f;
 /// Of two rings of neighbours: λ3/λ2 + λ3/λ1 of a plane is less, and λ2/λ1 is more.
 constexpr double flatFartherRatio = 0.17, wideFartherRatio = 0.08;
+/// The same of a rough surface: stone, bark, the noise of photogrammetry. Most places of a volume have more.
+/// Beams and rails are narrower.
+constexpr double roughRatio = 0.3, wideRoughRatio = 0.16;
+/// The mean of the witnesses' ways, as a part of their mean distance: less in the middle of a surface, more at its border.
+constexpr float middleOffset = 0.35f, borderOffset = 0.6f;
 /// Their variance in squared radii: 1.8 on a plane, 1 at its border, 0.6 of eleven points that have only each other.
 constexpr double goesOn = 0.9;
 
@@ -31,15 +36,14 @@ double traceOf(const glm::dmat3& c) {
 
 /// Of the eigenvalues of a symmetric matrix, without the roots of a cubic: λ3/λ2 + λ3/λ1 where λ3 is small (1/3
 /// of a ball), and λ2/λ1 where that is small (1/4 of a plane's).
-bool isPlane(const glm::dmat3& c) {
+bool isPlane(const glm::dmat3& c, double mostRatio, double leastWidth) {
     const double trace = traceOf(c);
     const double minors = c[0][0] * c[1][1] - c[0][1] * c[0][1] + c[0][0] * c[2][2] - c[0][2] * c[0][2] +
                           c[1][1] * c[2][2] - c[1][2] * c[1][2];
     const double determinant = c[0][0] * (c[1][1] * c[2][2] - c[1][2] * c[1][2]) -
                                c[0][1] * (c[0][1] * c[2][2] - c[1][2] * c[0][2]) +
                                c[0][2] * (c[0][1] * c[1][2] - c[1][1] * c[0][2]);
-    return minors > wideFartherRatio * (trace * trace) &&
-           trace * determinant < flatFartherRatio * (minors * minors);
+    return minors > leastWidth * (trace * trace) && trace * determinant < mostRatio * (minors * minors);
 }
 
 }  // namespace
@@ -90,18 +94,30 @@ Density Evidence::density(std::uint32_t p, float spacing) const {
     const bool large = own.radius > largeSpacings * spacing;
     // The nearest say nothing of what is beside their line: who does has to agree with few exceptions.
     if (own.extended) {
-        if (own.flat && !who.empty() && 4 * agreeing >= 3 * who.size() && (!large || flatFarther(p)))
+        if (own.flat && !who.empty() && 4 * agreeing >= 3 * who.size() &&
+            (!large || flatFarther(p, flatFartherRatio, wideFartherRatio)))
             return Density::Surface;
         return 2 * flat > who.size() && 2 * alike > who.size() ? Density::Edge : Density::Wire;
     }
     if (own.flat && 2 * agreeing > who.size() && !large) return Density::Surface;
     if (2 * alike <= who.size()) return Density::Foliage;
     const bool mostlyFlat = 8 * flat >= 3 * who.size();
-    if (((own.flat && 2 * agreeing > who.size()) || !mostlyFlat) && flatFarther(p)) return Density::Surface;
+    if (((own.flat && 2 * agreeing > who.size()) || !mostlyFlat) &&
+        flatFarther(p, flatFartherRatio, wideFartherRatio))
+        return Density::Surface;
     return mostlyFlat ? Density::Edge : Density::Foliage;
 }
 
-bool Evidence::flatFarther(std::uint32_t p) const {
+float Evidence::rough(std::uint32_t p) const {
+    const auto who = witnesses(p);
+    const float mean = facts_[p].nearby * float(who.size());
+    if (!(mean > 0) || !flatFarther(p, roughRatio, wideRoughRatio)) return 0;
+    glm::vec3 sum(0);
+    for (const std::uint32_t w : who) sum += index_.position(w) - index_.position(p);
+    return std::clamp((borderOffset - glm::length(sum) / mean) / (borderOffset - middleOffset), 0.0f, 1.0f);
+}
+
+bool Evidence::flatFarther(std::uint32_t p, double mostRatio, double leastWidth) const {
     const glm::vec3 at = index_.position(p);
     glm::dvec3 sum(0);
     glm::dmat3 squares(0);
@@ -119,7 +135,7 @@ bool Evidence::flatFarther(std::uint32_t p) const {
         for (int b = a; b < 3; ++b)
             variance[a][b] = squares[a][b] / count - sum[a] * sum[b] / (count * count);
     const double radius = facts_[p].radius;
-    return traceOf(variance) > goesOn * (radius * radius) && isPlane(variance);
+    return traceOf(variance) > goesOn * (radius * radius) && isPlane(variance, mostRatio, leastWidth);
 }
 
 }  // namespace scancast

@@ -27,6 +27,8 @@ class Evidence {
     float usualRadius(std::uint32_t p) const;
     /// Never Stray. Who is large for the spacing of the node that it is drawn with has to have more evidence.
     Density density(std::uint32_t p, float spacing) const;
+    /// Of foliage: how much it looks like a rough surface with points all around, 0 - 1.
+    float rough(std::uint32_t p) const;
     float radius(std::uint32_t p) const { return facts_[p].radius; }
     float nearby(std::uint32_t p) const { return facts_[p].nearby; }
     const glm::vec3& normal(std::uint32_t p) const { return facts_[p].normal; }
@@ -50,7 +52,7 @@ class Evidence {
     };
 
     /// Whether witnesses' witnesses and the point lie in a plane that goes on: the surface under the noise.
-    bool flatFarther(std::uint32_t p) const;
+    bool flatFarther(std::uint32_t p, double mostRatio, double leastWidth) const;
 
     const NeighbourIndex& index_;
     std::vector<Facts> facts_;

@@ -15,6 +15,8 @@ constexpr float edgeSpacings = 1.5f;
 constexpr float wireShare = 0.25f;
 /// Discs of leaves hardly overlap, and five layers of them hide most of what is behind.
 constexpr float foliageShare = 0.4f;
+/// A rough surface has one layer only, which has to close.
+constexpr float roughShare = 1;
 
 }  // namespace
 
@@ -30,7 +32,8 @@ float largestRadius(const Surfel& surfel, Density density, double levelSpacing) 
             return std::min(wireShare * surfel.nearby, level);
         case Density::Foliage:
         case Density::Stray:
-            return std::min({foliageShare * surfel.nearby, edgeFactor * usual, level});
+            return std::min({(foliageShare + (roughShare - foliageShare) * surfel.rough) * surfel.nearby,
+                             edgeFactor * usual, level});
     }
     return surfel.radius;
 }

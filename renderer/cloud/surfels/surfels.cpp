@@ -102,10 +102,12 @@ class Estimate {
         if (!wanted) return;
         const float usual = evidence_.usualRadius(p);
         const Density density = evidence_.density(p, spacing);
+        const float rough = density == Density::Foliage ? evidence_.rough(p) : 0;
         for (const std::uint32_t i : index_.pointsAt(p))
             if (i < out_.size()) {
                 out_[i].usual = usual;
                 out_[i].density = density;
+                out_[i].rough = rough;
             }
     }
 

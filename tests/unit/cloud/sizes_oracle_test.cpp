@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <glm/geometric.hpp>
+#include <glm/vec2.hpp>
 #include <numbers>
 
 #include "renderer/cloud/build/build_cloud.hpp"
@@ -68,6 +70,23 @@ Points groupsFarAway(std::size_t small, std::size_t large) {
     return p;
 }
 
+/// 80 × 80 points of a surface as rough as they are apart: stone, or the noise of photogrammetry.
+constexpr int roughSide = 80;
+Points roughSurface() {
+    Points p;
+    for (int x = 0; x < roughSide; ++x)
+        for (int y = 0; y < roughSide; ++y)
+            p.push_back(glm::vec3(float(x), float(y), 0) +
+                        test::randomPoint(p.size(), 7) * glm::vec3(1, 1, 2.2f));
+    return p;
+}
+/// As many points of a bush: a volume.
+Points bush() {
+    Points p;
+    for (std::size_t i = 0; i < roughSide * roughSide; ++i) p.push_back(test::randomPoint(i, 8) * 18.5f);
+    return p;
+}
+
 std::vector<Surfel> estimated(const Points& points, float spacing) {
     std::vector<Surfel> out(points.size());
     const std::vector<float> spacings(points.size(), spacing);
@@ -96,6 +115,53 @@ TEST(Sizes, LeavesOverAMeadowAreSmallAndTheMeadowIsASurface) {
     for (const Surfel& s : leaves) bubbles += drawnRadius(s, pitch) > 1.5f * pitch;
     EXPECT_LE(bubbles, 3u);
     for (const Surfel& s : ground) EXPECT_GE(drawnRadius(s, pitch), std::min(s.radius, 1.4f * pitch));
+}
+
+/// Part of the surface, seen from above, that circles of the drawn radii leave open.
+double openFromAbove(const Points& points, const std::vector<Surfel>& surfels) {
+    constexpr int border = 4, probes = 4 * (roughSide - 2 * border);
+    int open = 0;
+    for (int i = 0; i < probes * probes; ++i) {
+        const glm::vec2 probe = float(border) + glm::vec2(float(i % probes), float(i / probes)) / 4.0f;
+        bool covered = false;
+        // Its points are in order, and nobody is as large as three of their distances.
+        for (int x = int(probe.x) - 3; x <= int(probe.x) + 3 && !covered; ++x)
+            for (int y = int(probe.y) - 3; y <= int(probe.y) + 3 && !covered; ++y) {
+                const auto p = std::size_t(x * roughSide + y);
+                covered = glm::length(glm::vec2(points[p]) - probe) <= drawnRadius(surfels[p], 1.5f);
+            }
+        open += !covered;
+    }
+    return double(open) / (probes * probes);
+}
+
+double meanRough(std::span<const Surfel> surfels) {
+    double sum = 0;
+    for (const Surfel& s : surfels) sum += double(s.rough);
+    return sum / double(surfels.size());
+}
+
+// Right because a rough surface has no second layer behind its holes: whoever is in its middle has to reach the next. A bush
+// has, so most of its leaves stay small; and what stands at a border has nobody beyond it to reach.
+TEST(Sizes, RoughSurfacesAreClosedAndBushesAndBordersLessSo) {
+    const Points stone = roughSurface();
+    std::vector<Surfel> surfels = estimated(stone, 1.5f);
+    ASSERT_GT(share(surfels, Density::Foliage), 0.8) << "else it is not rough, and proves nothing";
+    EXPECT_LE(openFromAbove(stone, surfels), 0.001);
+    std::vector<Surfel> middle, border;
+    for (std::size_t p = 0; p < stone.size(); ++p) {
+        if (surfels[p].density != Density::Foliage) continue;
+        const auto x = int(p) / roughSide, y = int(p) % roughSide;
+        const bool outermost = x == 0 || y == 0 || x == roughSide - 1 || y == roughSide - 1;
+        (outermost ? border : middle).push_back(surfels[p]);
+    }
+    const auto leaves = estimated(bush(), 1.5f);
+    ASSERT_GT(share(leaves, Density::Foliage), 0.9);
+    EXPECT_GT(meanRough(middle), 0.65);
+    EXPECT_LT(meanRough(border), 0.5 * meanRough(middle));
+    EXPECT_LT(meanRough(leaves), 0.6 * meanRough(middle));
+    for (Surfel& s : surfels) s.rough = 0;
+    EXPECT_GE(openFromAbove(stone, surfels), 0.05) << "leaves of these sizes would do";
 }
 
 // Right because half the distance between its points closes a wire, and more than all of it is thick.

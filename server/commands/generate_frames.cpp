@@ -40,8 +40,10 @@ Expected<SceneInMemory> readScene(PointSource& source) {
     return scene;
 }
 
-Expected<void> writeFrame(const SceneInMemory& scene, const ScanHeader& header, double degrees, OutputFile& output) {
-    PointStreamWriter writer([&](std::span<const std::byte> bytes) { return output.write(bytes).has_value(); });
+Expected<void> writeFrame(const SceneInMemory& scene, const ScanHeader& header, double degrees,
+                          OutputFile& output) {
+    PointStreamWriter writer(
+        [&](std::span<const std::byte> bytes) { return output.write(bytes).has_value(); });
     if (auto ok = writer.writeHeader(header); !ok) return ok;
     for (const PointBatch& chunk : scene.chunks)
         if (auto ok = writer.writeChunk(turned(chunk, scene.middle, degrees)); !ok) return ok;
@@ -59,8 +61,7 @@ PointBatch turned(const PointBatch& points, const glm::dvec3& middle, double deg
         const glm::dvec3 d = p - middle;
         p = middle + glm::dvec3(c * d.x - s * d.y, s * d.x + c * d.y, d.z);
     }
-    for (glm::vec3& n : result.normal)
-        n = {float(c) * n.x - float(s) * n.y, float(s) * n.x + float(c) * n.y, n.z};
+    result.normal.clear();
     return result;
 }
 
@@ -72,14 +73,16 @@ Expected<std::uint64_t> writeFrames(PointSource& source, const std::string& outp
     ScanHeader header = source.header();
     header.bounds.reset();  // of the scene as it stands
     header.gridStep = glm::dvec3(0);
+    header.attributes.normal = false;
     auto file = OutputFile::create(output);
     if (!file) return passOn(file);
     const auto begun = FrameClock::now();
     std::uint64_t frame = 0;
     for (; series.frames == 0 || frame < series.frames; ++frame) {
         if (series.rate > 0)
-            std::this_thread::sleep_until(begun + std::chrono::duration_cast<FrameClock::duration>(
-                                                      std::chrono::duration<double>(double(frame) / series.rate)));
+            std::this_thread::sleep_until(begun +
+                                          std::chrono::duration_cast<FrameClock::duration>(
+                                              std::chrono::duration<double>(double(frame) / series.rate)));
         if (interrupted()) {
             if (series.frames == 0) return frame;
             return fail(ErrorCode::Cancelled, "Interrupted after " + std::to_string(frame) + " frames.");

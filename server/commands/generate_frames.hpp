@@ -16,7 +16,7 @@ struct FrameSeries {
     double turn = 3;           ///< degrees from frame to frame, about the middle, seen from above to the left
 };
 
-/// The points, turned by `degrees` about the vertical axis through `middle`.
+/// The points without normals, as cameras send them, turned by `degrees` about the vertical axis through `middle`.
 PointBatch turned(const PointBatch& points, const glm::dvec3& middle, double degrees);
 
 /// Reads the source once and keeps its points: about 30 bytes each. Returns how many frames were written; that nobody

@@ -29,10 +29,12 @@ Expected<std::array<glm::dvec3, 2>> boundsOfFrame(const PointBatch& points) {
     for (const glm::dvec3& corner : bounds)
         for (int a = 0; a < 3; ++a)
             if (!(std::abs(corner[a]) <= farthestCoordinate))
-                return fail(ErrorCode::Malformed,
-                            fmt::format("A point of the frame has the coordinate {:g}; beyond {:g} they are taken for "
-                                        "damage.",
-                                        corner[a], farthestCoordinate));
+                return fail(
+                    ErrorCode::Malformed,
+                    fmt::format(
+                        "A point of the frame has the coordinate {:g}; beyond {:g} they are taken for "
+                        "damage.",
+                        corner[a], farthestCoordinate));
     return bounds;
 }
 
@@ -107,9 +109,11 @@ Expected<std::shared_ptr<const Cloud>> buildFrame(const PointFrame& frame, const
     BuiltOctree octree;
     tbb::task_arena arena(options.threads > 0 ? options.threads : tbb::task_arena::automatic);
     arena.execute([&] {
-        const FrameOrder order = orderFrame(points.position, *bounds);
-        const FrameSurface surface = estimateFrameSurface(points.position, order, cloud->scanner);
-        octree = buildFrameOctree({frame, order, surface, cloud->origin, cloud->surfels, cloud->oriented});
+        std::optional<glm::dvec3> scanner;
+        if (cloud->scanner) scanner = *cloud->scanner - cloud->origin;
+        const FrameOrder order = orderFrame(points, *bounds, cloud->origin);
+        const FrameSurface surface = estimateFrameSurface(order, scanner);
+        octree = buildFrameOctree({order, surface, cloud->surfels, cloud->oriented});
     });
     cloud->spacing = usualSpacing(octree.nodes, cloud->points);
     cloud->revision = revisionOf(*cloud, octree);

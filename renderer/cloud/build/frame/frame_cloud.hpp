@@ -25,7 +25,7 @@ struct FrameBasis {
 FrameBasis basisOf(const Cloud& first);
 
 struct FrameOptions {
-    std::string title;
+    std::string title{};
     int threads = 0;                    ///< 0 = all cores; the result does not depend on it
     bool surfels = true;                ///< estimate radius and normal of every sample
     const FrameBasis* basis = nullptr;  ///< of the frames before; null = this is the first one

@@ -40,14 +40,26 @@ struct FilledNode {
     double spacing = 0, meanSpacing = 0;
     std::vector<Sample> samples;
     std::uint64_t hash = 0;
-};
 
-/// A sample before it lies on its node's lattice.
-struct LooseSample {
-    glm::dvec3 position{0};  ///< cloud-relative
-    Sample sample{};
-    glm::vec3 normal{0};
-    float radius = 0;
+    void grow(const glm::dvec3& position) {
+        low = glm::min(low, position);
+        high = glm::max(high, position);
+    }
+    /// Over all that grow() was told.
+    void chooseLattice(double cell) {
+        // Without an extent any step will do: all samples are at 0.
+        for (int a = 0; a < 3; ++a) step[a] = (high[a] > low[a] ? high[a] - low[a] : cell) / latticeSteps;
+        perStep_ = 1.0 / step;
+    }
+    void place(const glm::dvec3& position, Sample& sample) const {
+        const glm::dvec3 at = glm::min((position - low) * perStep_ + 0.5, glm::dvec3(latticeSteps));
+        sample.x = std::uint16_t(at.x);
+        sample.y = std::uint16_t(at.y);
+        sample.z = std::uint16_t(at.z);
+    }
+
+  private:
+    glm::dvec3 perStep_{1};
 };
 
 /// Of equal keys, which no cell tells apart, as many to each child.
@@ -86,7 +98,8 @@ std::vector<DraftNode> draftTree(const FrameOrder& order) {
         nodes[i].childCount = std::uint8_t(cuts.size());
         std::uint32_t begin = nodes[i].begin;
         for (const std::uint32_t end : cuts) {
-            nodes.push_back({.begin = begin, .end = end, .parent = i, .level = std::uint8_t(nodes[i].level + 1)});
+            nodes.push_back(
+                {.begin = begin, .end = end, .parent = i, .level = std::uint8_t(nodes[i].level + 1)});
             begin = end;
         }
     }
@@ -99,13 +112,20 @@ class NodeFiller {
 
     FilledNode fill(const DraftNode& draft) const {
         FilledNode node;
-        std::vector<LooseSample> loose = draft.childCount == 0 ? points(draft, node) : averages(draft, node);
-        place(loose, node);
+        if (draft.childCount == 0)
+            fillLeaf(draft, node);
+        else
+            fillInner(draft, node);
         node.hash = XXH3_64bits(node.samples.data(), node.samples.size() * sizeof(Sample));
         return node;
     }
 
   private:
+    /// A part of a cell's surface.
+    static double areaOf(const CellSurface& cell, std::uint32_t points) {
+        return double(cell.spacing) * double(cell.spacing) * points;
+    }
+
     /// Calls f(cell, begin, end) with every cell of the surface that has points of the run.
     template <class F>
     void forCells(std::uint32_t begin, std::uint32_t end, const F& f) const {
@@ -116,116 +136,129 @@ class NodeFiller {
         }
     }
 
-    LooseSample pointAt(std::uint32_t at, const CellSurface& surface) const {
-        const PointBatch& points = in_.frame.points;
-        const std::uint32_t p = in_.order.order[at];
-        LooseSample loose{.position = points.position[p] - in_.origin};
-        const auto color = points.color.empty() ? std::array<std::uint8_t, 3>{255, 255, 255} : points.color[p];
-        loose.sample.r = color[0];
-        loose.sample.g = color[1];
-        loose.sample.b = color[2];
-        if (!points.intensity.empty()) loose.sample.intensity = points.intensity[p];
-        if (!points.classification.empty()) loose.sample.classification = points.classification[p];
-        if (!points.normal.empty()) loose.normal = points.normal[p];
-        if (in_.surfels && loose.normal == glm::vec3(0)) loose.normal = surface.normal;
-        loose.radius = radiusInPitches * surface.spacing;
-        return loose;
+    /// Its points as they are.
+    void fillLeaf(const DraftNode& draft, FilledNode& node) const {
+        double area = 0;
+        std::vector<std::pair<float, std::uint32_t>> pitches;
+        forCells(draft.begin, draft.end,
+                 [&](const CellSurface& cell, std::uint32_t begin, std::uint32_t end) {
+                     area += areaOf(cell, end - begin);
+                     pitches.emplace_back(cell.spacing, end - begin);
+                 });
+        node.meanSpacing = std::sqrt(area / double(draft.points()));
+        node.spacing = std::max(closingFactor * closingPitch(pitches, draft.points()), node.meanSpacing);
+        for (std::uint32_t at = draft.begin; at < draft.end; ++at) node.grow(in_.order.points[at].position);
+        node.chooseLattice(in_.order.step);
+        node.samples.reserve(draft.points());
+        forCells(draft.begin, draft.end,
+                 [&](const CellSurface& cell, std::uint32_t begin, std::uint32_t end) {
+                     Sample like{};
+                     if (in_.surfels)
+                         encodeSurfel({.normal = cell.normal, .radius = radiusInPitches * cell.spacing},
+                                      float(node.spacing), like);
+                     for (std::uint32_t at = begin; at < end; ++at)
+                         addPoint(in_.order.points[at], like, node);
+                 });
     }
 
-    /// A leaf's.
-    std::vector<LooseSample> points(const DraftNode& draft, FilledNode& node) const {
-        std::vector<LooseSample> loose;
-        std::vector<float> pitches;
-        loose.reserve(draft.points());
-        pitches.reserve(draft.points());
-        double surface = 0;
-        forCells(draft.begin, draft.end, [&](const CellSurface& cell, std::uint32_t begin, std::uint32_t end) {
-            surface += double(cell.spacing) * double(cell.spacing) * (end - begin);
-            pitches.insert(pitches.end(), end - begin, cell.spacing);
-            for (std::uint32_t at = begin; at < end; ++at) loose.push_back(pointAt(at, cell));
-        });
-        const auto quantile = pitches.begin() + std::ptrdiff_t(closingQuantile * double(pitches.size() - 1));
-        std::nth_element(pitches.begin(), quantile, pitches.end());
-        node.meanSpacing = std::sqrt(surface / double(draft.points()));
-        node.spacing = std::max(closingFactor * double(*quantile), node.meanSpacing);
-        return loose;
+    /// The pitch that so large a share of the points do not exceed.
+    static double closingPitch(std::vector<std::pair<float, std::uint32_t>>& pitches, std::uint32_t points) {
+        std::sort(pitches.begin(), pitches.end());
+        double below = 0;
+        for (const auto& [pitch, count] : pitches) {
+            below += count;
+            if (below >= closingQuantile * points) return double(pitch);
+        }
+        return 0;
     }
 
-    /// An inner node's: of the finest cells that are not too many.
-    std::vector<LooseSample> averages(const DraftNode& draft, FilledNode& node) const {
+    static void addPoint(const FramePoint& point, const Sample& like, FilledNode& node) {
+        Sample& sample = node.samples.emplace_back(like);
+        node.place(point.position, sample);
+        sample.r = point.color[0];
+        sample.g = point.color[1];
+        sample.b = point.color[2];
+        sample.intensity = point.intensity;
+        sample.classification = point.classification;
+        if (point.normal != noNormal) sample.normal = point.normal;
+    }
+
+    /// What is left of the points of one cell.
+    struct Mean {
+        glm::dvec3 position{0};
+        std::array<std::uint64_t, 3> color{};
+        std::uint64_t intensity = 0;
+        glm::vec3 normal{0};
+        std::uint8_t classification = 0;  ///< the first point's
+        float pitch = 0;                  ///< the largest
+        std::uint32_t points = 0;
+    };
+
+    /// Averages over the finest cells that are not too many, in the box of all that is below.
+    void fillInner(const DraftNode& draft, FilledNode& node) const {
+        for (std::uint32_t at = draft.begin; at < draft.end; ++at) node.grow(in_.order.points[at].position);
         const auto counts = in_.order.cellCounts(draft.begin, draft.end);
         int level = 0;
         while (level < FrameOrder::bits && counts[std::size_t(level)] > innerMost) ++level;
-        std::vector<LooseSample> loose;
-        loose.reserve(counts[std::size_t(level)]);
         const double size = in_.order.step * std::ldexp(1.0, level);
-        double surface = 0;
-        for (std::uint32_t begin = draft.begin; begin < draft.end;) {
-            std::uint32_t end = begin + 1;
-            while (end < draft.end && commonLevel(in_.order.keys[begin], in_.order.keys[end]) <= level) ++end;
-            loose.push_back(average(begin, end, size, surface));
-            begin = end;
+        std::vector<Mean> means;
+        means.reserve(counts[std::size_t(level)]);
+        double area = 0;
+        const auto& keys = in_.order.keys;
+        for (std::uint32_t begin = draft.begin, end = begin; begin < draft.end; begin = end) {
+            while (end < draft.end && keys[end] >> (3 * level) == keys[begin] >> (3 * level)) ++end;
+            means.push_back(meanOf(begin, end, area));
         }
-        node.meanSpacing = std::sqrt(surface / double(loose.size()));
-        node.spacing = std::max({closingFactor * node.meanSpacing, size, node.meanSpacing});
-        return loose;
+        node.meanSpacing = std::sqrt(area / double(means.size()));
+        node.spacing = std::max(closingFactor * node.meanSpacing, size);
+        node.chooseLattice(in_.order.step);
+        node.samples.reserve(means.size());
+        for (const Mean& mean : means) addMean(mean, size, node);
     }
 
-    /// Of the points of one cell; their share of the surface is added to `surface`.
-    LooseSample average(std::uint32_t begin, std::uint32_t end, double size, double& surface) const {
-        LooseSample mean;
-        glm::dvec3 position(0);
-        std::array<std::uint32_t, 3> color{};
-        std::uint64_t intensity = 0;
-        double pitch = 0;
+    Mean meanOf(std::uint32_t begin, std::uint32_t end, double& area) const {
+        Mean mean{.classification = in_.order.points[begin].classification, .points = end - begin};
+        // Where the sides are arbitrary, all are turned to that of the first.
+        const auto addNormal = [&](const glm::vec3& normal, float weight) {
+            const bool isTurned = !in_.oriented && glm::dot(mean.normal, normal) < 0;
+            mean.normal += (isTurned ? -weight : weight) * normal;
+        };
         forCells(begin, end, [&](const CellSurface& cell, std::uint32_t first, std::uint32_t stop) {
-            surface += double(cell.spacing) * double(cell.spacing) * (stop - first);
-            pitch = std::max(pitch, double(cell.spacing));
+            area += areaOf(cell, stop - first);
+            mean.pitch = std::max(mean.pitch, cell.spacing);
+            std::uint32_t estimated = 0;
             for (std::uint32_t at = first; at < stop; ++at) {
-                const LooseSample one = pointAt(at, cell);
-                if (at == begin) mean.sample = one.sample;
-                position += one.position;
-                color[0] += one.sample.r;
-                color[1] += one.sample.g;
-                color[2] += one.sample.b;
-                intensity += one.sample.intensity;
-                // Where the sides are arbitrary, all are turned to that of the first.
-                const bool turned = !in_.oriented && glm::dot(mean.normal, one.normal) < 0;
-                mean.normal += turned ? -one.normal : one.normal;
+                const FramePoint& point = in_.order.points[at];
+                mean.position += point.position;
+                for (std::size_t c = 0; c < 3; ++c) mean.color[c] += point.color[c];
+                mean.intensity += point.intensity;
+                if (point.normal != noNormal)
+                    addNormal(decodeNormal(point.normal), 1);
+                else
+                    ++estimated;
             }
+            if (in_.surfels && estimated > 0) addNormal(cell.normal, float(estimated));
         });
-        const std::uint32_t n = end - begin;
-        mean.position = position / double(n);
-        mean.sample.r = std::uint8_t((color[0] + n / 2) / n);
-        mean.sample.g = std::uint8_t((color[1] + n / 2) / n);
-        mean.sample.b = std::uint8_t((color[2] + n / 2) / n);
-        mean.sample.intensity = std::uint16_t((intensity + n / 2) / n);
-        const float length = glm::length(mean.normal);
-        mean.normal = length > 1e-3F ? mean.normal / length : glm::vec3(0);
-        mean.radius = radiusInPitches * float(std::max(pitch, size));
+        mean.position /= double(mean.points);
         return mean;
     }
 
-    /// On the lattice of the node's own box, in the bytes that devices draw.
-    void place(std::vector<LooseSample>& loose, FilledNode& node) const {
-        for (const LooseSample& s : loose) {
-            node.low = glm::min(node.low, s.position);
-            node.high = glm::max(node.high, s.position);
-        }
-        const glm::dvec3 size = node.high - node.low;
-        for (int a = 0; a < 3; ++a) node.step[a] = std::max(size[a], 1e-6 * in_.order.step) / latticeSteps;
-        node.samples.reserve(loose.size());
-        for (const LooseSample& s : loose) {
-            Sample& sample = node.samples.emplace_back(s.sample);
-            const glm::dvec3 at = (s.position - node.low) / node.step + 0.5;
-            sample.x = std::uint16_t(std::min(at.x, latticeSteps));
-            sample.y = std::uint16_t(std::min(at.y, latticeSteps));
-            sample.z = std::uint16_t(std::min(at.z, latticeSteps));
-            if (in_.surfels)
-                encodeSurfel({.normal = s.normal, .radius = s.radius}, float(node.spacing), sample);
-            else if (s.normal != glm::vec3(0))
-                sample.normal = encodeNormal(s.normal);
-        }
+    void addMean(const Mean& mean, double size, FilledNode& node) const {
+        Sample& sample = node.samples.emplace_back();
+        node.place(mean.position, sample);
+        const auto rounded = [&](std::uint64_t sum) { return (sum + mean.points / 2) / mean.points; };
+        sample.r = std::uint8_t(rounded(mean.color[0]));
+        sample.g = std::uint8_t(rounded(mean.color[1]));
+        sample.b = std::uint8_t(rounded(mean.color[2]));
+        sample.intensity = std::uint16_t(rounded(mean.intensity));
+        sample.classification = mean.classification;
+        const float length = glm::length(mean.normal);
+        const glm::vec3 normal = length > 1e-3F ? mean.normal / length : glm::vec3(0);
+        const float radius = radiusInPitches * std::max(mean.pitch, float(size));
+        if (in_.surfels)
+            encodeSurfel({.normal = normal, .radius = radius}, float(node.spacing), sample);
+        else if (normal != glm::vec3(0))
+            sample.normal = encodeNormal(normal);
     }
 
     const FrameOctreeInput& in_;
@@ -236,7 +269,8 @@ Node nodeOf(const DraftNode& draft, const FilledNode& filled, bool oriented) {
     Node node{};
     node.boxMin = filled.low;
     node.step = filled.step;
-    node.boxMax = filled.low + filled.step * latticeSteps;
+    for (int a = 0; a < 3; ++a)
+        node.boxMax[a] = filled.low[a] + (filled.high[a] > filled.low[a] ? filled.step[a] * latticeSteps : 0);
     node.radiusUnit = float(filled.spacing);
     node.spacing = float(filled.spacing);
     node.meanSpacing = float(filled.meanSpacing);
@@ -250,18 +284,16 @@ Node nodeOf(const DraftNode& draft, const FilledNode& filled, bool oriented) {
     return node;
 }
 
-/// From the leaves up, what is below a node is inside of its bounds; from the root down, no node claims to be coarser
-/// than its parent.
+/// From the leaves up, boxes hold what is below them; from the root down, no node claims to be coarser than its parent.
 void settleNodes(std::vector<StoredNode>& nodes) {
-    std::vector<glm::dvec3> low;
-    for (const StoredNode& n : nodes) low.push_back(n.node.boxMin);
     for (std::size_t i = nodes.size(); i-- > 0;) {
         Node& node = nodes[i].node;
+        // Lattices of their own round differently: the children's boxes are the truth.
         for (std::uint32_t c = 0; c < node.childCount; ++c) {
-            low[i] = glm::min(low[i], low[node.firstChild + c]);
-            node.boxMax = glm::max(node.boxMax, nodes[node.firstChild + c].node.boxMax);
+            const glm::dvec3& high = nodes[node.firstChild + c].node.boxMax;
+            node.boxMax = c == 0 ? high : glm::max(node.boxMax, high);
         }
-        node.center = (low[i] + node.boxMax) * 0.5;
+        node.center = (node.boxMin + node.boxMax) * 0.5;
         node.radius = glm::length(node.boxMax - node.center);
     }
     for (StoredNode& stored : nodes) {
@@ -279,12 +311,14 @@ BuiltOctree buildFrameOctree(const FrameOctreeInput& input) {
     const std::vector<DraftNode> drafts = draftTree(input.order);
     std::vector<FilledNode> filled(drafts.size());
     const NodeFiller filler(input);
-    tbb::parallel_for(std::size_t(0), drafts.size(), [&](std::size_t i) { filled[i] = filler.fill(drafts[i]); });
+    tbb::parallel_for(std::size_t(0), drafts.size(),
+                      [&](std::size_t i) { filled[i] = filler.fill(drafts[i]); });
 
     BuiltOctree octree;
     std::uint64_t samples = 0;
     for (std::size_t i = 0; i < drafts.size(); ++i) {
-        Node& node = octree.nodes.emplace_back(StoredNode{nodeOf(drafts[i], filled[i], input.oriented), {}}).node;
+        Node& node =
+            octree.nodes.emplace_back(StoredNode{nodeOf(drafts[i], filled[i], input.oriented), {}}).node;
         node.firstSample = samples;
         samples += node.sampleCount;
         octree.sampleHashes.push_back(filled[i].hash);

@@ -3,18 +3,14 @@
 // → cloud of a frame.
 #pragma once
 
-#include <optional>
-
 #include "renderer/cloud/build/frame/frame_surface.hpp"
 #include "renderer/cloud/build/octree_builder.hpp"
 
 namespace scancast {
 
 struct FrameOctreeInput {
-    const PointFrame& frame;
     const FrameOrder& order;
     const FrameSurface& surface;
-    glm::dvec3 origin{0};   ///< the cloud's, file coordinates
     bool surfels = true;    ///< samples carry radius and normal
     bool oriented = false;  ///< normals point to the side that was scanned
 };

@@ -20,6 +20,23 @@ constexpr std::size_t pointsPerTask = 16384;
 /// Of the keys' highest bits: enough that what has the same ones fits a core's cache.
 constexpr int bucketBits = 12;
 
+template <class F>
+void inFrame(std::size_t count, const F& f) {
+    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, count, pointsPerTask), [&](const auto& range) {
+        for (std::size_t i = range.begin(); i != range.end(); ++i) f(i);
+    });
+}
+
+FramePoint framePoint(const PointBatch& points, std::size_t i, const glm::dvec3& origin) {
+    FramePoint point{.position = points.position[i] - origin};
+    if (!points.color.empty()) point.color = points.color[i];
+    if (!points.intensity.empty()) point.intensity = points.intensity[i];
+    if (!points.classification.empty()) point.classification = points.classification[i];
+    if (!points.normal.empty() && points.normal[i] != glm::vec3(0))
+        point.normal = encodeNormal(points.normal[i]);
+    return point;
+}
+
 /// Two zero bits before each of 21 bits.
 constexpr std::uint64_t spreadCell(std::uint64_t v) {
     v = (v | v << 32) & 0x001f00000000ffffull;
@@ -73,7 +90,8 @@ std::array<std::uint32_t, FrameOrder::bits + 1> FrameOrder::cellCounts(std::size
                                                                        std::size_t end) const {
     std::array<std::uint32_t, bits + 1> steps{}, counts{};
     for (std::size_t i = begin + 1; i < end; ++i) ++steps[std::size_t(commonLevel(keys[i - 1], keys[i]))];
-    std::uint32_t cells = 1;  // a cell of level n ends where its next point is in common at a higher level only
+    std::uint32_t cells =
+        1;  // a cell of level n ends where its next point is in common at a higher level only
     for (int level = bits; level >= 0; --level) {
         counts[std::size_t(level)] = cells;
         cells += steps[std::size_t(level)];
@@ -81,30 +99,30 @@ std::array<std::uint32_t, FrameOrder::bits + 1> FrameOrder::cellCounts(std::size
     return counts;
 }
 
-FrameOrder orderFrame(std::span<const glm::dvec3> positions, const std::array<glm::dvec3, 2>& bounds) {
+FrameOrder orderFrame(const PointBatch& points, const std::array<glm::dvec3, 2>& bounds,
+                      const glm::dvec3& origin) {
     FrameOrder frame;
-    frame.low = bounds[0];
+    frame.low = bounds[0] - origin;
     const glm::dvec3 size = bounds[1] - bounds[0];
     const double extent = std::max({size.x, size.y, size.z});
     constexpr double cells = double((1u << FrameOrder::bits) - 1);
     // All at one place: any step will do.
     frame.step = extent > 1e-25 ? extent / cells : 1e-6;
-    std::vector<KeyedPoint> keyed(positions.size());
-    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, positions.size(), pointsPerTask), [&](const auto& range) {
-        for (std::size_t i = range.begin(); i != range.end(); ++i) {
-            std::array<std::uint32_t, 3> cell{};
-            const glm::dvec3 at = frame.inCells(positions[i]);
-            for (int a = 0; a < 3; ++a) cell[std::size_t(a)] = std::uint32_t(std::clamp(at[a], 0.0, cells));
-            keyed[i] = {frameKey(cell), std::uint32_t(i)};
-        }
+    std::vector<KeyedPoint> keyed(points.size());
+    const double perStep = 1 / frame.step;
+    inFrame(points.size(), [&](std::size_t i) {
+        std::array<std::uint32_t, 3> cell{};
+        const glm::dvec3 at = (points.position[i] - bounds[0]) * perStep;
+        for (int a = 0; a < 3; ++a) cell[std::size_t(a)] = std::uint32_t(std::clamp(at[a], 0.0, cells));
+        keyed[i] = {frameKey(cell), std::uint32_t(i)};
     });
     keyed = sortedByKey(keyed);
     frame.keys.resize(keyed.size());
-    frame.order.resize(keyed.size());
-    for (std::size_t i = 0; i < keyed.size(); ++i) {
+    frame.points.resize(keyed.size());
+    inFrame(keyed.size(), [&](std::size_t i) {
         frame.keys[i] = keyed[i].key;
-        frame.order[i] = keyed[i].point;
-    }
+        frame.points[i] = framePoint(points, keyed[i].point, origin);
+    });
     return frame;
 }
 

@@ -7,7 +7,6 @@
 #include <cstdint>
 #include <glm/vec3.hpp>
 #include <optional>
-#include <span>
 #include <vector>
 
 #include "renderer/cloud/build/frame/frame_order.hpp"
@@ -28,8 +27,7 @@ struct FrameSurface {
     std::size_t cellAt(std::size_t at) const;
 };
 
-/// `scanner`: normals point to it; without it their sides are arbitrary.
-FrameSurface estimateFrameSurface(std::span<const glm::dvec3> positions, const FrameOrder& order,
-                                  const std::optional<glm::dvec3>& scanner);
+/// `scanner`, cloud-relative: normals point to it; without it their sides are arbitrary.
+FrameSurface estimateFrameSurface(const FrameOrder& order, const std::optional<glm::dvec3>& scanner);
 
 }  // namespace scancast

@@ -138,11 +138,12 @@ struct Metrics::Families {
             .Name("scancast_live_frames_total")
             .Help("Frames of live sources, by what became of them")
             .Register(registry);
-    prometheus::Histogram& frameToCloud = prometheus::BuildHistogram()
-                                              .Name("scancast_live_frame_seconds")
-                                              .Help("Time from a live frame's last byte to the cloud that is shown")
-                                              .Register(registry)
-                                              .Add({}, renderBuckets);
+    prometheus::Histogram& frameToCloud =
+        prometheus::BuildHistogram()
+            .Name("scancast_live_frame_seconds")
+            .Help("Time from a live frame's last byte to the cloud that is shown")
+            .Register(registry)
+            .Add({}, renderBuckets);
     std::mutex device;
     prometheus::Family<prometheus::Gauge>& devices = prometheus::BuildGauge()
                                                          .Name("scancast_device_info")

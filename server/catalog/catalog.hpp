@@ -45,7 +45,7 @@ struct CatalogEntry {
     std::optional<double> progress;  ///< while loading: 0–1 of the stage, where that is known
     /// Set when Ready; while Loading, once there is a coarse one to look at.
     std::shared_ptr<const Cloud> cloud;
-    std::string error;  ///< when Failed: why, for people
+    std::string error;                 ///< when Failed: why, for people
     std::optional<LiveStatus> live{};  ///< of a cloud that changes: Loading until its first frame, then Ready
 };
 

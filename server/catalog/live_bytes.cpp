@@ -30,9 +30,10 @@ UniqueFd takeStandardInput() {
 Expected<UniqueFd> openDescriptor(const std::filesystem::path& path) {
     const bool isInput = path == "-";
     if (isInput && ::isatty(STDIN_FILENO))
-        return fail(ErrorCode::InvalidArgument,
-                    "Standard input is a terminal; pipe frames into it, for example: scancast generate statue "
-                    "--points 100k --frames 0 -o - | scancast serve --live statue=-");
+        return fail(
+            ErrorCode::InvalidArgument,
+            "Standard input is a terminal; pipe frames into it, for example: scancast generate statue "
+            "--points 100k --frames 0 -o - | scancast serve --live statue=-");
     UniqueFd fd = isInput ? takeStandardInput() : UniqueFd(::open(path.c_str(), inputFlags));
     if (!fd) return failedToOpen(isInput ? "standard input" : path, errno);
     return fd;
@@ -40,7 +41,8 @@ Expected<UniqueFd> openDescriptor(const std::filesystem::path& path) {
 
 }  // namespace
 
-Expected<std::unique_ptr<LiveBytes>> LiveBytes::open(const std::filesystem::path& path, std::stop_token stop) {
+Expected<std::unique_ptr<LiveBytes>> LiveBytes::open(const std::filesystem::path& path,
+                                                     std::stop_token stop) {
     auto fd = openDescriptor(path);
     if (!fd) return passOn(std::move(fd));
     struct stat facts {};

@@ -32,11 +32,12 @@ std::uint64_t mostFramePoints(std::uint64_t memoryLimit) {
 Expected<LiveInput> parseLiveInput(const std::string& text) {
     const auto equals = text.find('=');
     if (equals == std::string::npos || equals == 0 || equals + 1 == text.size())
-        return fail(ErrorCode::InvalidArgument,
-                    "--live: '" + text +
-                        "' is not NAME=PATH; for example --live depth=- for frames on standard input, or --live "
-                        "depth=/run/depth.fifo for those of a named pipe",
-                    "live");
+        return fail(
+            ErrorCode::InvalidArgument,
+            "--live: '" + text +
+                "' is not NAME=PATH; for example --live depth=- for frames on standard input, or --live "
+                "depth=/run/depth.fifo for those of a named pipe",
+            "live");
     return LiveInput{text.substr(0, equals), text.substr(equals + 1)};
 }
 
@@ -92,13 +93,15 @@ void LiveSource::readAll() {
 // nobody reads.
 void LiveSource::readFrom(std::unique_ptr<LiveBytes> bytes) {
     const bool reopens = bytes->reopens();
-    auto frames = std::make_unique<FrameReader>(std::move(bytes), mostFramePoints(options_.cache->stats().limit));
+    auto frames =
+        std::make_unique<FrameReader>(std::move(bytes), mostFramePoints(options_.cache->stats().limit));
     readFrames(*frames);
     while (reopens && !stop_.stop_requested()) {
         frames->discardRest();  // of a stream that broke: its writer would go on where the next one begins
         auto next = LiveBytes::open(input_.path, stop_.get_token());
         if (!next) return ended(LiveStatus::State::Broken, next.error().message);
-        frames = std::make_unique<FrameReader>(std::move(*next), mostFramePoints(options_.cache->stats().limit));
+        frames =
+            std::make_unique<FrameReader>(std::move(*next), mostFramePoints(options_.cache->stats().limit));
         readFrames(*frames);
     }
 }
@@ -141,8 +144,9 @@ void LiveSource::tellSkipped(bool atEnd) {
     if (skipped == skippedTold_ || (!atEnd && Clock::now() < nextNote_)) return;
     nextNote_ = Clock::now() + options_.noteInterval;
     if (options_.onNote)
-        options_.onNote(fmt::format("{}: {} frames were skipped, because newer ones came while they waited ({} in all)",
-                                    id_, skipped - skippedTold_, skipped));
+        options_.onNote(
+            fmt::format("{}: frames skipped, because newer ones came while they waited: {}, {} in all", id_,
+                        skipped - skippedTold_, skipped));
     skippedTold_ = skipped;
 }
 
@@ -159,8 +163,8 @@ void LiveSource::ended(LiveStatus::State state, std::string error) {
     if (state == LiveStatus::State::Broken && options_.onFailure)
         options_.onFailure(id_ + ": nothing more is read of it: " + now.error);
     if (state == LiveStatus::State::Ended && options_.onNote)
-        options_.onNote(fmt::format("{}: its frames have ended ({} skipped, {} failed); the last one stays", id_,
-                                    now.skipped, now.failed));
+        options_.onNote(fmt::format("{}: its frames have ended ({} skipped, {} failed); the last one stays",
+                                    id_, now.skipped, now.failed));
 }
 
 void LiveSource::frameFailed(const Error& error) {

@@ -46,8 +46,8 @@ struct LiveOptions {
     std::shared_ptr<BlockCache> cache;  ///< its limit bounds the points of a frame
     Metrics* metrics = nullptr;         ///< outlives the source; null = nothing is counted there
     std::function<void()> onChanged;    ///< another cloud, or another status, is in the catalog
-    std::function<void(const std::string& line)> onNote, onFailure;  ///< for people, with the cloud's id
-    std::chrono::milliseconds noteInterval{10'000};  ///< between lines about skipped frames
+    std::function<void(const std::string&line)> onNote, onFailure;  ///< for people, with the cloud's id
+    std::chrono::milliseconds noteInterval{10'000};                 ///< between lines about skipped frames
 };
 
 /// Points that a frame may have: while one is shown, one is built, one waits, and one is read.

@@ -176,8 +176,8 @@ constexpr const char* generateExamples =
 
 void addGenerate(CLI::App& app, int& exitCode) {
     const auto arguments = std::make_shared<GenerateArguments>();
-    CLI::App* command =
-        app.add_subcommand("generate", "Make a simulated scan of any size, as a PLY or LAS file, or frames of a live one");
+    CLI::App* command = app.add_subcommand(
+        "generate", "Make a simulated scan of any size, as a PLY or LAS file, or frames of a live one");
     std::string sceneHelp = "What is scanned:";
     for (const SceneInfo& scene : scenes()) sceneHelp += fmt::format("\n  {}: {}", scene.name, scene.summary);
     command->add_option("scene", arguments->scene, sceneHelp)->required()->type_name("SCENE");
@@ -213,10 +213,10 @@ void addGenerate(CLI::App& app, int& exitCode) {
         ->check(CLI::Range(0, 4096))
         ->capture_default_str()
         ->type_name("N");
-    CLI::Option* frames = command->add_option(
-        "--frames", arguments->frames,
-        "As a live source sends it (serve --live): so many point streams, one behind the other, of the scene turning; 0 "
-        "= until nobody reads any more");
+    CLI::Option* frames = command->add_option("--frames", arguments->frames,
+                                              "As a live source sends it (serve --live): so many point "
+                                              "streams, one behind the other, of the scene turning; 0 "
+                                              "= until nobody reads any more");
     frames->type_name("N");
     command->add_option("--rate", arguments->series.rate, "Frames a second; 0 = as fast as they are read")
         ->check(CLI::Range(0.0, 1000.0))

@@ -96,7 +96,8 @@ struct CloudSources {
         : loader(options.files, server.catalog(), loaderOptions(options, bar)) {
         const auto inputs = liveInputs(options);  // sound: check() has said so
         for (const LiveInput& input : *inputs)
-            live.push_back(std::make_unique<LiveSource>(input, server.catalog(), liveOptions(options, server, bar)));
+            live.push_back(
+                std::make_unique<LiveSource>(input, server.catalog(), liveOptions(options, server, bar)));
     }
     /// None of them has anything to show, and none will.
     bool failed(const ServeOptions& options) const {
@@ -108,7 +109,8 @@ struct CloudSources {
         for (const auto& source : live) source->requestStop();
     }
     bool finished() const {
-        return loader.finished() && std::ranges::all_of(live, [](const auto& source) { return source->finished(); });
+        return loader.finished() &&
+               std::ranges::all_of(live, [](const auto& source) { return source->finished(); });
     }
 };
 

@@ -43,9 +43,10 @@ Expected<AccessTokens> accessTokens(const ServeOptions& options) {
 
 void addServeFlags(CLI::App& app, ServeOptions& options) {
     app.add_option("FILE", options.files, "Cloud files (scancast ingest) and scans to serve")->type_name("");
-    app.add_option("--live", options.live,
-                   "A cloud that changes: frames as point streams, one behind the other, from standard input (-), a "
-                   "named pipe or a file; may be repeated")
+    app.add_option(
+           "--live", options.live,
+           "A cloud that changes: frames as point streams, one behind the other, from standard input (-), a "
+           "named pipe or a file; may be repeated")
         ->type_name("NAME=PATH")
         ->envname("SCANCAST_LIVE")
         ->allow_extra_args(false)
@@ -145,9 +146,10 @@ Expected<std::vector<LiveInput>> liveInputs(const ServeOptions& options) {
         auto input = parseLiveInput(text);
         if (!input) return passOn(std::move(input));
         if (std::ranges::find(inputs, input->path, &LiveInput::path) != inputs.end())
-            return fail(ErrorCode::InvalidArgument,
-                        "--live: " + input->path.string() + " is named twice; its frames can go to one cloud only.",
-                        "live");
+            return fail(
+                ErrorCode::InvalidArgument,
+                "--live: " + input->path.string() + " is named twice; its frames can go to one cloud only.",
+                "live");
         inputs.push_back(std::move(*input));
     }
     return inputs;

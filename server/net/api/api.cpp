@@ -223,7 +223,8 @@ struct Api::Answers {
         const auto headBy = [cloud = *cloud, view, planned = *planned, format = *format,
                              live = api.catalog_.isLive(routed.id),
                              version = api.options_.version](const DeviceInfo& drawnBy) {
-            return pictureResponse(format, *planned, pictureTag(*cloud, view, format, drawnBy, version), live);
+            return pictureResponse(format, *planned, pictureTag(*cloud, view, format, drawnBy, version),
+                                   live);
         };
         HttpResponse head = headBy(device.info);
         const std::string tag = *head.find("ETag");

@@ -93,10 +93,12 @@ Expected<PointFrame> FrameReader::read() {
         return fail(code, std::move(reason));
     };
     if (!frame.header.columns.empty())
-        return refuse(ErrorCode::Unsupported, "it has further columns, which frames of a live source must not have");
+        return refuse(ErrorCode::Unsupported,
+                      "it has further columns, which frames of a live source must not have");
     const auto tooMany = [&] {
-        return refuse(ErrorCode::ResourceLimit, "it has more than " + grouped(mostPoints_) +
-                                                    " points, which is what the memory limit leaves for a frame");
+        return refuse(ErrorCode::ResourceLimit,
+                      "it has more than " + grouped(mostPoints_) +
+                          " points, which is what the memory limit leaves for a frame");
     };
     if (frame.header.points.value_or(0) > mostPoints_) return tooMany();
     reserve(frame.points, frame.header.attributes, std::size_t(frame.header.points.value_or(0)));

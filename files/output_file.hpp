@@ -27,13 +27,14 @@ class OutputFile {
     /// Replaces bytes written before. Only where seekable() is true.
     Expected<void> overwrite(std::uint64_t offset, std::span<const std::byte> bytes);
     Expected<void> finish();
+    /// Whoever reads what is written in place has all of it when this returns.
+    Expected<void> flush();
 
     bool seekable() const { return seekable_; }
     std::uint64_t bytesWritten() const { return written_; }
 
   private:
     OutputFile() = default;
-    Expected<void> flush();
     Expected<void> writeAll(std::span<const std::byte> bytes);
     tl::unexpected<Error> failure(const char* what) const;
 

@@ -69,6 +69,8 @@ class RunningServer final : public ScancastServer {
     Catalog& catalog() override { return catalog_; }
     CloudAdmin& admin() override { return admin_; }
     Scheduler& scheduler() override { return scheduler_; }
+    Metrics& metrics() override { return metrics_; }
+    void cloudsChanged() override { sessions_.wakeAll(); }
     std::uint16_t port() const override { return listener_->port(); }
     std::size_t connections() const override { return context_.connections.size(); }
 

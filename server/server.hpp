@@ -45,6 +45,9 @@ class ScancastServer {
     virtual Catalog& catalog() = 0;
     virtual CloudAdmin& admin() = 0;
     virtual Scheduler& scheduler() = 0;
+    virtual Metrics& metrics() = 0;
+    /// A live cloud has changed: whoever looks at it sees the new one. Returns at once.
+    virtual void cloudsChanged() = 0;
     virtual std::uint16_t port() const = 0;
     /// To open in a browser: "http://127.0.0.1:8080/".
     virtual std::string url() const = 0;

@@ -106,6 +106,14 @@ inline void append(PointBatch& to, const PointBatch& more) {
     to.rows.insert(to.rows.end(), more.rows.begin(), more.rows.end());
 }
 
+/// A whole scan in memory: what a live source sends again and again.
+struct PointFrame {
+    ScanHeader header;
+    PointBatch points;
+    std::uint64_t droppedPoints = 0;  ///< left out by who sent it: NaN or infinite coordinates
+    std::vector<std::string> notes;
+};
+
 /// A scan being read, front to back, once. Owned and used by one thread.
 class PointSource {
   public:

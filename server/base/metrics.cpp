@@ -35,6 +35,18 @@ const char* name(DropReason reason) {
     return "unknown";
 }
 
+const char* name(LiveOutcome outcome) {
+    switch (outcome) {
+        case LiveOutcome::Shown:
+            return "shown";
+        case LiveOutcome::Skipped:
+            return "skipped";
+        case LiveOutcome::Failed:
+            return "failed";
+    }
+    return "unknown";
+}
+
 }  // namespace
 
 struct Metrics::Families {
@@ -121,6 +133,17 @@ struct Metrics::Families {
                                              .Help("Blocks of cloud files that could not be read")
                                              .Register(registry)
                                              .Add({});
+    prometheus::Family<prometheus::Counter>& liveFrames =
+        prometheus::BuildCounter()
+            .Name("scancast_live_frames_total")
+            .Help("Frames of live sources, by what became of them")
+            .Register(registry);
+    prometheus::Histogram& frameToCloud =
+        prometheus::BuildHistogram()
+            .Name("scancast_live_frame_seconds")
+            .Help("Time from a live frame's last byte to the cloud that is shown")
+            .Register(registry)
+            .Add({}, renderBuckets);
     std::mutex device;
     prometheus::Family<prometheus::Gauge>& devices = prometheus::BuildGauge()
                                                          .Name("scancast_device_info")
@@ -150,6 +173,8 @@ Metrics::Metrics(std::string_view version) : families_(std::make_unique<Families
                               DropReason::Failed, DropReason::Gone, DropReason::Lacking}) {
         families_->dropped.Add({{"reason", name(reason)}});
     }
+    for (LiveOutcome outcome : {LiveOutcome::Shown, LiveOutcome::Skipped, LiveOutcome::Failed})
+        families_->liveFrames.Add({{"outcome", name(outcome)}});
 }
 
 Metrics::~Metrics() = default;
@@ -216,6 +241,15 @@ void Metrics::setResidency(const BlockCacheStats& stats) {
     raise(families_->blocksLoaded, stats.blocksLoaded);
     raise(families_->blocksEvicted, stats.blocksEvicted);
     raise(families_->blocksDamaged, stats.blocksDamaged);
+}
+
+void Metrics::liveFrame(LiveOutcome outcome) {
+    families_->liveFrames.Add({{"outcome", name(outcome)}}).Increment();
+}
+
+void Metrics::liveFrameShown(double seconds) {
+    liveFrame(LiveOutcome::Shown);
+    families_->frameToCloud.Observe(seconds);
 }
 
 void Metrics::httpRequest(std::string_view route, int code) {

@@ -22,6 +22,13 @@ enum class DropReason : std::uint8_t {
     Lacking,      ///< a still for which samples were still to be read; it is tried again
 };
 
+/// What became of a frame of a live source.
+enum class LiveOutcome : std::uint8_t {
+    Shown,
+    Skipped,  ///< a newer one had come before it was built (latest wins)
+    Failed,   ///< it could not be read or built
+};
+
 class Metrics {
   public:
     /// `version` and the names of what was built become labels of scancast_build_info.
@@ -48,6 +55,10 @@ class Metrics {
     void setDeviceMemory(std::uint64_t bytes);
     /// Of everything that counts against the memory limit, now and since the start.
     void setResidency(const BlockCacheStats& stats);
+    /// Of a frame of a live source.
+    void liveFrame(LiveOutcome outcome);
+    /// From a live frame's last byte to the cloud in the catalog.
+    void liveFrameShown(double seconds);
     /// `route` is a pattern ("/api/v1/clouds/{id}"), never what a client sent.
     void httpRequest(std::string_view route, int code);
 

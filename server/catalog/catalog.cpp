@@ -19,6 +19,18 @@ std::string_view name(CloudState state) {
     return "unknown";
 }
 
+std::string_view name(LiveStatus::State state) {
+    switch (state) {
+        case LiveStatus::State::Running:
+            return "running";
+        case LiveStatus::State::Ended:
+            return "ended";
+        case LiveStatus::State::Broken:
+            return "broken";
+    }
+    return "unknown";
+}
+
 std::string cloudIdFor(std::string_view stem) {
     constexpr std::size_t longest = 64;
     std::string id;
@@ -59,6 +71,13 @@ bool Catalog::addAs(std::string_view id, std::string_view title) {
     if (findLocked(id) != nullptr) return false;
     addLocked(std::string(id), title);
     return true;
+}
+
+std::string Catalog::addLive(std::string_view title) {
+    const std::string id = add(title);
+    setTitle(id, title);
+    setLive(id, {});
+    return id;
 }
 
 void Catalog::addLocked(std::string id, std::string_view title) {
@@ -123,6 +142,18 @@ void Catalog::setFailed(std::string_view id, std::string reason) {
     }
 }
 
+void Catalog::setLive(std::string_view id, LiveStatus status, std::shared_ptr<const Cloud> cloud) {
+    const std::lock_guard lock(mutex_);
+    CatalogEntry* entry = findLocked(id);
+    if (entry == nullptr) return;
+    entry->live = std::move(status);
+    if (cloud == nullptr) return;
+    entry->state = CloudState::Ready;
+    entry->stage.clear();
+    entry->error.clear();
+    entry->cloud.swap(cloud);  // a large one takes its time to go
+}
+
 std::vector<CatalogEntry> Catalog::list() const {
     const std::lock_guard lock(mutex_);
     return entries_;
@@ -152,6 +183,12 @@ tl::expected<std::shared_ptr<const Cloud>, Problem> Catalog::cloud(std::string_v
         return refuse(503, "The cloud \"" + entry->id + "\" is still being loaded; ask again in a moment.");
     }
     return entry->cloud;
+}
+
+bool Catalog::isLive(std::string_view id) const {
+    const std::lock_guard lock(mutex_);
+    const CatalogEntry* entry = findLocked(id);
+    return entry != nullptr && entry->live;
 }
 
 std::string Catalog::defaultId() const {

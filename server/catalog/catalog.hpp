@@ -21,6 +21,21 @@ struct Cloud;
 enum class CloudState : std::uint8_t { Loading, Ready, Failed };
 std::string_view name(CloudState state);
 
+/// What is known of the source of a cloud that changes.
+struct LiveStatus {
+    enum class State : std::uint8_t {
+        Running,
+        Ended,   ///< nothing more comes
+        Broken,  ///< what came could not be understood: nothing more is read of it
+    };
+    State state = State::Running;
+    std::uint64_t shown = 0;    ///< frames that became clouds
+    std::uint64_t skipped = 0;  ///< not built, because a newer one had come
+    std::uint64_t failed = 0;   ///< that could not be read or built
+    std::string error{};        ///< of the last one that failed, until another one is shown
+};
+std::string_view name(LiveStatus::State state);
+
 struct CatalogEntry {
     std::string id;       ///< the name in URLs
     std::string title;    ///< for people
@@ -30,7 +45,8 @@ struct CatalogEntry {
     std::optional<double> progress;  ///< while loading: 0–1 of the stage, where that is known
     /// Set when Ready; while Loading, once there is a coarse one to look at.
     std::shared_ptr<const Cloud> cloud;
-    std::string error;  ///< when Failed: why, for people
+    std::string error;                 ///< when Failed: why, for people
+    std::optional<LiveStatus> live{};  ///< of a cloud that changes: Loading until its first frame, then Ready
 };
 
 /// Turns any name into an id: letters, digits, '.', '_' and '-' stay, runs of anything else become one '-'.
@@ -43,6 +59,8 @@ class Catalog {
     std::string add(std::string_view title);
     /// The same under this id; false, and nothing is added, where it is taken.
     bool addAs(std::string_view id, std::string_view title);
+    /// As add(), for a cloud that changes.
+    std::string addLive(std::string_view title);
     void setTitle(std::string_view id, std::string_view title);
     /// Forgets the entry; who looks at its cloud goes on looking. False when there is none of that id.
     bool remove(std::string_view id);
@@ -51,6 +69,8 @@ class Catalog {
     void setPreview(std::string_view id, std::shared_ptr<const Cloud> cloud);
     void setReady(std::string_view id, std::shared_ptr<const Cloud> cloud);
     void setFailed(std::string_view id, std::string reason);
+    /// How its source is doing, and the newest cloud; without one, that of before stays.
+    void setLive(std::string_view id, LiveStatus status, std::shared_ptr<const Cloud> cloud = nullptr);
 
     /// In the order in which they were added.
     std::vector<CatalogEntry> list() const;
@@ -58,6 +78,8 @@ class Catalog {
     /// The cloud, if it is Ready or can be looked at coarsely. 404 when there is none of that name or it
     /// could not be loaded, 503 while there is nothing to look at yet.
     tl::expected<std::shared_ptr<const Cloud>, Problem> cloud(std::string_view id) const;
+    /// Whether it is there and changes by itself.
+    bool isLive(std::string_view id) const;
     /// The first cloud that is Ready, else the first that can be looked at, else the first one at all; empty
     /// when there is none.
     std::string defaultId() const;

@@ -81,6 +81,10 @@ tl::expected<void, Problem> CloudAdmin::remove(std::string_view id) {
         return refuse(409,
                       "The cloud " + quoteText(id) + " is still being loaded; remove it when it is done.",
                       "cloud");
+    if (entry->live)
+        return refuse(
+            409, "The cloud " + quoteText(id) + " is live: it was named when the server started, and stays.",
+            "cloud");
     catalog_.remove(id);
     return {};
 }

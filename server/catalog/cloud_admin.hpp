@@ -32,7 +32,7 @@ class CloudAdmin {
     /// data root or for a file outside of it, 404 when there is no such file, 409 when the id is taken, 422
     /// for what is no file or cannot be opened, 503 when too much is waiting.
     tl::expected<std::string, Problem> add(const AddCloud& asked);
-    /// 404 when there is no such cloud, 409 while it is being loaded.
+    /// 404 when there is no such cloud, 409 while it is being loaded, and for a live one.
     tl::expected<void, Problem> remove(std::string_view id);
 
   private:

@@ -44,11 +44,21 @@ std::string_view name(Parameter::Type type) {
     return "number";
 }
 
+nlohmann::json liveJson(const LiveStatus& live) {
+    nlohmann::json json{{"state", name(live.state)},
+                        {"shown", live.shown},
+                        {"skipped", live.skipped},
+                        {"failed", live.failed}};
+    if (!live.error.empty()) json["error"] = live.error;
+    return json;
+}
+
 nlohmann::json pendingJson(const CatalogEntry& entry) {
     nlohmann::json json{{"id", entry.id}, {"title", entry.title}, {"state", name(entry.state)}};
     if (!entry.stage.empty()) json["stage"] = entry.stage;
     if (entry.progress) json["progress"] = *entry.progress;
     if (!entry.error.empty()) json["error"] = entry.error;
+    if (entry.live) json["live"] = liveJson(*entry.live);
     return json;
 }
 

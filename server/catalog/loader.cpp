@@ -15,6 +15,7 @@
 #include "renderer/look/keep_look.hpp"
 #include "renderer/residency/open_cloud.hpp"
 #include "server/base/faults.hpp"
+#include "server/catalog/counted_cloud.hpp"
 #include "server/catalog/preview.hpp"
 
 namespace scancast {
@@ -64,17 +65,6 @@ std::string keptName(const ScanInput& input, const LoaderOptions& options) {
 std::uint64_t memoryToBuild(const PointSource& source, const ScanInput& input) {
     if (source.header().points) return *source.header().points * bytesPerPoint;
     return input.bytes() * bytesPerUnknownByte;
-}
-
-/// Counts what it takes, as long as anybody looks at it.
-std::shared_ptr<const Cloud> counted(std::shared_ptr<const Cloud> cloud, BlockCache& cache) {
-    struct Counted {
-        std::shared_ptr<const Cloud> cloud;
-        std::shared_ptr<const void> bytes;
-    };
-    const std::uint64_t bytes = cloud->octree.bytesResident();
-    const auto holder = std::make_shared<const Counted>(Counted{std::move(cloud), cache.reserve(bytes)});
-    return {holder, holder->cloud.get()};
 }
 
 }  // namespace

@@ -10,6 +10,7 @@
 
 #include "renderer/cloud/import/mirror_file.hpp"
 #include "server/commands/command.hpp"
+#include "server/commands/generate_frames.hpp"
 #include "server/terminal/progress_bar.hpp"
 #include "server/terminal/terminal.hpp"
 #include "simulator/scene.hpp"
@@ -25,6 +26,8 @@ struct GenerateArguments {
     double noise = 1;
     int threads = 0;
     bool quiet = false;
+    std::optional<std::uint64_t> frames;
+    FrameSeries series{};
 };
 
 /// Ctrl-C, or the end of its terminal, ends the loop, so that the unfinished file is removed as after any
@@ -114,11 +117,25 @@ Expected<std::uint64_t> pump(PointSource& source, PointWriter& writer, std::uint
     }
 }
 
+Expected<void> generateFrames(const GenerateArguments& arguments) {
+    const auto options = sceneOptions(arguments);
+    if (!options) return passOn(options);
+    auto source = simulate(*options);
+    if (!source) return passOn(source);
+    FrameSeries series = arguments.series;
+    series.frames = *arguments.frames;
+    const auto written = writeFrames(**source, arguments.output, series, [] { return interrupted.load(); });
+    if (!written) return passOn(written);
+    if (!arguments.quiet) tell("{} frames of {} points\n", *written, options->points);
+    return {};
+}
+
 Expected<void> generate(const GenerateArguments& arguments) {
     if (arguments.output == "-" && isatty(STDOUT_FILENO))
         return fail(ErrorCode::InvalidArgument,
                     "A scan is binary data, not for a terminal; give a file with -o FILE or pipe it on.",
                     "output");
+    if (arguments.frames) return generateFrames(arguments);
     const auto options = sceneOptions(arguments);
     if (!options) return passOn(options);
     const auto format = chooseFormat(arguments, options->points);
@@ -152,14 +169,15 @@ constexpr const char* generateExamples =
     "  scancast generate room --points 3M -o room.ply          # and room.ply.mirrors.json\n"
     "  scancast generate statue --points 4M -o statue.ply      # points about 2 mm apart\n"
     "  scancast generate sphere --points 1.5e6 --order random --noise 0 -o sphere.ply\n"
-    "  scancast generate town --points 1G --format las -o - | gzip > town.las.gz\n";
+    "  scancast generate town --points 1G --format las -o - | gzip > town.las.gz\n"
+    "  scancast generate statue --points 100k --frames 0 -o - | scancast serve --live statue=-\n";
 
 }  // namespace
 
 void addGenerate(CLI::App& app, int& exitCode) {
     const auto arguments = std::make_shared<GenerateArguments>();
-    CLI::App* command =
-        app.add_subcommand("generate", "Make a simulated scan of any size, as a PLY or LAS file");
+    CLI::App* command = app.add_subcommand(
+        "generate", "Make a simulated scan of any size, as a PLY or LAS file, or frames of a live one");
     std::string sceneHelp = "What is scanned:";
     for (const SceneInfo& scene : scenes()) sceneHelp += fmt::format("\n  {}: {}", scene.name, scene.summary);
     command->add_option("scene", arguments->scene, sceneHelp)->required()->type_name("SCENE");
@@ -195,6 +213,21 @@ void addGenerate(CLI::App& app, int& exitCode) {
         ->check(CLI::Range(0, 4096))
         ->capture_default_str()
         ->type_name("N");
+    CLI::Option* frames = command->add_option("--frames", arguments->frames,
+                                              "As a live source sends it (serve --live): so many point "
+                                              "streams, one behind the other, of the scene turning; 0 "
+                                              "= until nobody reads any more");
+    frames->type_name("N");
+    command->add_option("--rate", arguments->series.rate, "Frames a second; 0 = as fast as they are read")
+        ->check(CLI::Range(0.0, 1000.0))
+        ->needs(frames)
+        ->capture_default_str()
+        ->type_name("FPS");
+    command->add_option("--turn", arguments->series.turn, "Degrees from frame to frame")
+        ->check(CLI::Range(-180.0, 180.0))
+        ->needs(frames)
+        ->capture_default_str()
+        ->type_name("DEGREES");
     command->add_flag("-q,--quiet", arguments->quiet, "No progress on standard error");
     command->footer(generateExamples);
     command->callback([arguments, &exitCode] {

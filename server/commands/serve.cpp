@@ -3,6 +3,7 @@
 #include <malloc.h>
 #include <spdlog/spdlog.h>
 
+#include <algorithm>
 #include <cstdio>
 #include <cstdlib>
 
@@ -68,6 +69,51 @@ LoaderOptions loaderOptions(const ServeOptions& options, ProgressBar& bar) {
     return loading;
 }
 
+LiveOptions liveOptions(const ServeOptions& options, ScancastServer& server, ProgressBar& bar) {
+    LiveOptions live;
+    live.threads = options.device.threads;
+    live.surfels = !options.noSurfels;
+    live.cache = options.server.cache;
+    live.metrics = &server.metrics();
+    live.onChanged = [&server] { server.cloudsChanged(); };
+    live.onNote = [&bar](const std::string& line) {
+        bar.clear();
+        spdlog::info("{}", line);
+    };
+    live.onFailure = [&bar](const std::string& line) {
+        bar.clear();
+        spdlog::error("{}", line);
+    };
+    return live;
+}
+
+/// Everything that clouds come from.
+struct CloudSources {
+    Loader loader;
+    std::vector<std::unique_ptr<LiveSource>> live;
+
+    CloudSources(const ServeOptions& options, ScancastServer& server, ProgressBar& bar)
+        : loader(options.files, server.catalog(), loaderOptions(options, bar)) {
+        const auto inputs = liveInputs(options);  // sound: check() has said so
+        for (const LiveInput& input : *inputs)
+            live.push_back(
+                std::make_unique<LiveSource>(input, server.catalog(), liveOptions(options, server, bar)));
+    }
+    /// None of them has anything to show, and none will.
+    bool failed(const ServeOptions& options) const {
+        return loader.finished() && loader.failed() == options.files.size() &&
+               std::ranges::all_of(live, [](const auto& source) { return source->failed(); });
+    }
+    void requestStop() {
+        loader.requestStop();
+        for (const auto& source : live) source->requestStop();
+    }
+    bool finished() const {
+        return loader.finished() &&
+               std::ranges::all_of(live, [](const auto& source) { return source->finished(); });
+    }
+};
+
 // Tells of the device once, when it is open. False when there is none: then nothing can be served.
 bool reportDevice(ScancastServer& server, bool& reported) {
     if (reported) return true;
@@ -93,7 +139,7 @@ void reportReloads(const ShutdownSignals& signals, int& reported) {
 }
 
 // Until a signal comes (0), or there is nothing to serve with or from (1).
-int waitForTheEnd(ScancastServer& server, const Loader& loader, const ServeOptions& options,
+int waitForTheEnd(ScancastServer& server, const CloudSources& sources, const ServeOptions& options,
                   ShutdownSignals& signals) {
     const bool mayGrow = !options.server.dataRoot.empty();
     bool deviceReported = false;
@@ -101,7 +147,7 @@ int waitForTheEnd(ScancastServer& server, const Loader& loader, const ServeOptio
     while (signals.wait(std::chrono::milliseconds(100)) == 0) {
         reportReloads(signals, reloadsReported);
         if (!reportDevice(server, deviceReported)) return 1;
-        if (!mayGrow && loader.finished() && loader.failed() == options.files.size()) {
+        if (!mayGrow && sources.failed(options)) {
             spdlog::error("None of the files could be loaded; there is nothing to serve.");
             return 1;
         }
@@ -111,13 +157,13 @@ int waitForTheEnd(ScancastServer& server, const Loader& loader, const ServeOptio
 
 // Streams are told, and what was promised is finished; then everybody is told and given time. A second
 // signal, or the end of patience, ends the process as it is.
-void leave(ScancastServer& server, Loader& loader, BlockCache& cache, ShutdownSignals& signals,
+void leave(ScancastServer& server, CloudSources& sources, BlockCache& cache, ShutdownSignals& signals,
            int exitCode) {
     using Clock = std::chrono::steady_clock;
     const int before = signals.wait(std::chrono::milliseconds(0));
     spdlog::info("shutting down");
     server.drain();
-    loader.requestStop();
+    sources.requestStop();
     const auto drained = Clock::now() + drainPatience;
     while (!server.drained() && Clock::now() < drained &&
            signals.wait(std::chrono::milliseconds(20)) == before) {
@@ -125,7 +171,7 @@ void leave(ScancastServer& server, Loader& loader, BlockCache& cache, ShutdownSi
     const auto end = Clock::now() + shutdownPatience;
     server.shutDown();
     cache.stop();
-    while (!server.waitForClients(std::chrono::milliseconds(0)) || !loader.finished()) {
+    while (!server.waitForClients(std::chrono::milliseconds(0)) || !sources.finished()) {
         if (signals.wait(std::chrono::milliseconds(20)) > before || Clock::now() >= end) {
             spdlog::warn("not everything had ended in time");
             spdlog::default_logger()->flush();
@@ -170,13 +216,14 @@ int serve(ServeOptions options) {
     warnOfExposure(options);
     ProgressBar bar(stderr,
                     options.logFormat == "json" ? ProgressBar::Style::Quiet : ProgressBar::Style::Automatic);
-    Loader loader(options.files, (*server)->catalog(), loaderOptions(options, bar));
-    (*server)->admin().loadWith(
-        [&loader](ScanInput input, const std::string& id) { return loader.load(std::move(input), id); });
-    const int exitCode = waitForTheEnd(**server, loader, options, signals);
+    CloudSources sources(options, **server, bar);
+    (*server)->admin().loadWith([&sources](ScanInput input, const std::string& id) {
+        return sources.loader.load(std::move(input), id);
+    });
+    const int exitCode = waitForTheEnd(**server, sources, options, signals);
     (*server)->admin().loadWith({});
     bar.clear();
-    leave(**server, loader, *options.server.cache, signals, exitCode);
+    leave(**server, sources, *options.server.cache, signals, exitCode);
     return exitCode;
 }
 
@@ -208,6 +255,7 @@ void addServe(CLI::App& app, int& exitCode) {
         "Every option can come from the environment too: --max-pixels is SCANCAST_MAX_PIXELS.\n"
         "Example: scancast serve town.las room.ply --port 9000\n"
         "         scancast serve city.scan --memory-limit 2G\n"
+        "         scancast generate statue --points 100k --frames 0 -o - | scancast serve --live statue=-\n"
         "         scancast serve --config /etc/scancast.json --check-config");
     addServeFlags(*command, *options);
     command->callback([options, command, &exitCode] { exitCode = run(*command, *options); });

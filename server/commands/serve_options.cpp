@@ -43,6 +43,14 @@ Expected<AccessTokens> accessTokens(const ServeOptions& options) {
 
 void addServeFlags(CLI::App& app, ServeOptions& options) {
     app.add_option("FILE", options.files, "Cloud files (scancast ingest) and scans to serve")->type_name("");
+    app.add_option(
+           "--live", options.live,
+           "A cloud that changes: frames as point streams, one behind the other, from standard input (-), a "
+           "named pipe or a file; may be repeated")
+        ->type_name("NAME=PATH")
+        ->envname("SCANCAST_LIVE")
+        ->allow_extra_args(false)
+        ->take_all();
     const auto flag = [&](const char* name, auto& value, const char* environment, const char* meaning) {
         return app.add_option(name, value, meaning)->envname(environment)->capture_default_str();
     };
@@ -132,8 +140,24 @@ Expected<std::uint64_t> memoryLimit(const ServeOptions& options) {
     return limit;
 }
 
+Expected<std::vector<LiveInput>> liveInputs(const ServeOptions& options) {
+    std::vector<LiveInput> inputs;
+    for (const std::string& text : options.live) {
+        auto input = parseLiveInput(text);
+        if (!input) return passOn(std::move(input));
+        if (std::ranges::find(inputs, input->path, &LiveInput::path) != inputs.end())
+            return fail(
+                ErrorCode::InvalidArgument,
+                "--live: " + input->path.string() + " is named twice; its frames can go to one cloud only.",
+                "live");
+        inputs.push_back(std::move(*input));
+    }
+    return inputs;
+}
+
 Expected<void> check(const ServeOptions& options) {
-    if (options.files.empty() && options.server.dataRoot.empty()) {
+    if (auto ok = liveInputs(options); !ok) return passOn(ok);
+    if (options.files.empty() && options.live.empty() && options.server.dataRoot.empty()) {
         return fail(ErrorCode::InvalidArgument,
                     "Nothing to serve: name at least one scan. Without one at hand, make a town: "
                     "scancast generate town --points 2000000 -o town.las && scancast serve town.las");

@@ -7,12 +7,14 @@
 #include <vector>
 
 #include "renderer/device/device.hpp"
+#include "server/catalog/live_source.hpp"
 #include "server/server.hpp"
 
 namespace scancast {
 
 struct ServeOptions {
     std::vector<std::filesystem::path> files;
+    std::vector<std::string> live;  ///< NAME=PATH of sources of clouds that change
     ServerOptions server;
     DeviceOptions device;
     bool insecure = false;
@@ -33,6 +35,9 @@ void addServeFlags(CLI::App& app, ServeOptions& options);
 /// What no single flag can know. InvalidArgument: no file and no data root, an address that needs a token or
 /// --insecure, an origin that is none.
 Expected<void> check(const ServeOptions& options);
+
+/// What --live names. InvalidArgument for what is not NAME=PATH, and for a path that is named twice.
+Expected<std::vector<LiveInput>> liveInputs(const ServeOptions& options);
 
 /// --memory-limit in bytes. InvalidArgument when it is none, or too small to draw anything.
 Expected<std::uint64_t> memoryLimit(const ServeOptions& options);

@@ -18,6 +18,7 @@ class CatalogWorld final : public StreamWorld {
         const auto entry = catalog_.find(id);
         return entry && entry->state == CloudState::Loading;
     }
+    bool live(std::string_view id) const override { return catalog_.isLive(id); }
     Expected<std::shared_ptr<const PlannedView>> plan(const Cloud& cloud, const View& view) const override;
     double ownDetail(const View& view) const override;
     std::vector<std::string> methodNames() const override;

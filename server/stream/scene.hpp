@@ -26,6 +26,8 @@ class StreamWorld {
     virtual tl::expected<std::shared_ptr<const Cloud>, Problem> cloud(std::string_view id) const = 0;
     /// Whether another cloud will take this one's place soon.
     virtual bool loading(std::string_view id) const = 0;
+    /// Whether it changes by itself, again and again: each cloud that takes its place is shown at once, like a new view.
+    virtual bool live(std::string_view id) const = 0;
     /// What the view means for the cloud (renderer/plan.hpp).
     virtual Expected<std::shared_ptr<const PlannedView>> plan(const Cloud& cloud, const View& view) const = 0;
     /// τ of a full picture of this view, px.

@@ -241,7 +241,7 @@ void StreamSession::leaderLeft() {
            std::nullopt);
 }
 
-// A client that stands still sees a cloud get finer while it is loaded.
+// A client that stands still sees a cloud get finer while it is loaded, and move while it is live.
 void StreamSession::lookForNewerCloud(Time now) {
     if (state_ != State::Open || !nextLook_ || now < *nextLook_) return;
     const bool more =
@@ -254,6 +254,7 @@ void StreamSession::lookForNewerCloud(Time now) {
     scene.cloud = std::move(*cloud);
     scene.planned.reset();
     if (!scenes_.plan(scene)) return;
+    if (world_.live(scene.cloudId)) return show(std::move(scene), now);
     scene_ = std::move(scene);
     before_.reset();
     viewChanged(now);

@@ -4,7 +4,7 @@
 //   hello → welcome → (view → moving frames → quiet → stills, sharper as blocks arrive → final still)*
 //
 // A cloud that is still being read is looked at coarsely; when a finer one takes its place, so does the
-// picture.
+// picture. A frame of a live cloud is shown like a new view: a moving frame at once, stills when none follows.
 //
 // Owned by a WebSocket connection, which calls it from its strand only. Place in the pipeline: net →
 // **session** → scheduler → session → net.

@@ -21,6 +21,12 @@ T orExit(Expected<T> result) {
     std::exit(1);
 }
 
+inline void orExit(const Expected<void>& result) {
+    if (result) return;
+    std::fprintf(stderr, "%s\n", result.error().message.c_str());
+    std::exit(1);
+}
+
 inline double median(std::vector<double> values) {
     if (values.empty()) return 0;
     const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);

@@ -96,6 +96,46 @@ TEST_F(ProgramTest, ABadFileIsNamedAndTheOthersAreServed) {
     EXPECT_THAT(server->err(), HasSubstr("missing.ply"));
 }
 
+// As in the README, with a named pipe between the two.
+TEST_F(ProgramTest, FramesOfALiveSourceAreServed) {
+    const std::string fifo = file("frames.fifo");
+    ASSERT_EQ(mkfifo(fifo.c_str(), 0600), 0);
+    const auto frames = [&](const char* count) {
+        return std::vector<std::string>{"scancast", "generate", "statue", "--points", "5000", "--frames",
+                                        count,      "--rate",   "20",     "-o",       fifo};
+    };
+    fs::create_directories(folder / "camera");
+    Process camera(folder / "camera", frames("5"));
+    const auto server = serve({"--backend", "cpu", "--live", "depth=" + fifo});
+    EXPECT_EQ(camera.wait(), 0) << camera.err();
+    const auto live = [&] {
+        return nlohmann::json::parse(request(port, "/api/v1/clouds/depth").body)["live"];
+    };
+    const auto becomes = [&](const char* state) {
+        const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(30);
+        while (live()["state"] != state && std::chrono::steady_clock::now() < end)
+            std::this_thread::sleep_for(std::chrono::milliseconds(20));
+        return live()["state"] == state;
+    };
+    ASSERT_TRUE(becomes("ended"));
+    EXPECT_EQ(live()["shown"].get<int>() + live()["skipped"].get<int>(), 5);
+    const char* picture = "/api/v1/clouds/depth/snapshot.jpg?width=64&height=48&method=voronoi";
+    const HttpReply last = request(port, picture);
+    ASSERT_EQ(last.status, 200) << last.body;
+    EXPECT_EQ(last.header("cache-control"), "no-store");
+    // Another writer goes on, and one that writes nonsense is told of; what it was stays to be seen.
+    EXPECT_EQ(run(frames("2")), 0) << lastError;
+    std::ofstream(fifo) << std::string(500, 'x');
+    ASSERT_TRUE(becomes("broken"));
+    EXPECT_NE(live()["error"].get<std::string>().find("point stream"), std::string::npos);
+    const HttpReply later = request(port, picture);
+    EXPECT_EQ(later.status, 200);
+    EXPECT_NE(later.header("etag"), "");
+    server->signal(SIGTERM);
+    EXPECT_EQ(server->wait(), 0) << server->err();
+    EXPECT_NE(server->err().find("depth: its frames have ended"), std::string::npos) << server->err();
+}
+
 TEST_F(ProgramTest, WithNothingLeftToServeItFails) {
     std::ofstream(folder / "bad.las") << "not a scan";
     EXPECT_EQ(run({"scancast", "serve", "--port", "0", file("bad.las")}), 1);
@@ -185,7 +225,8 @@ TEST_F(ProgramTest, VersionBackendsAndHelp) {
 // and the server lives on.
 TEST_F(ProgramTest, AServerWithLittleMemoryRefusesWhatDoesNotFitAndLivesOn) {
     if (test::sanitized)
-        GTEST_SKIP() << "sanitizers need more address space than this test leaves: it runs in the other builds only";
+        GTEST_SKIP()
+            << "sanitizers need more address space than this test leaves: it runs in the other builds only";
     generate("ball.las");
     const auto server = serve({file("ball.las"), "--backend", "cpu", "--threads", "2", "--max-pixels",
                                "268435456", "--memory-limit", "64M"},

@@ -77,7 +77,8 @@ TEST_F(SnapshotTest, EqualOnesAtOnceAreRenderedOnce) {
         });
     }
     // Connected is not asked: a request that comes after the picture is done is drawn anew, and rightly so.
-    EXPECT_TRUE(eventually([&] { return metric("scancast_pictures_awaited") == "scancast_pictures_awaited 10"; }));
+    EXPECT_TRUE(
+        eventually([&] { return metric("scancast_pictures_awaited") == "scancast_pictures_awaited 10"; }));
     painter.openGate();
     for (auto& thread : crowd) thread.join();
     EXPECT_EQ(good, 10);
@@ -154,6 +155,27 @@ TEST_F(SnapshotTest, NobodyReadsABodyWithoutAToken) {
     socket.send(std::string("POST ") + snapshotTarget + " HTTP/1.1\r\nHost: localhost\r\n" + sendsJson +
                 "\r\nContent-Length: 60000\r\n\r\n");
     EXPECT_EQ(readReply(socket).status, 401);
+}
+
+TEST_F(SnapshotTest, OfALiveCloudNothingIsKept) {
+    start();
+    Catalog& catalog = server->catalog();
+    const std::string id = catalog.addLive("depth");
+    const std::string target = "/api/v1/clouds/depth/snapshot.jpg?width=32&height=16";
+    EXPECT_EQ(request(port(), target).status, 503) << "no frame has come";
+    catalog.setLive(id, {}, tinyCloud(10));
+    const HttpReply first = request(port(), target);
+    ASSERT_EQ(first.status, 200);
+    EXPECT_EQ(first.header("cache-control"), "no-store");
+    EXPECT_EQ(request(port(), onePicture).header("cache-control"), "no-cache") << "of others as ever";
+    catalog.setLive(id, {}, tinyCloud(20));
+    const HttpReply second = request(port(), target);
+    EXPECT_NE(second.header("etag"), first.header("etag"));
+    EXPECT_EQ(second.header("cache-control"), "no-store");
+
+    const auto clouds = nlohmann::json::parse(request(port(), "/api/v1/clouds").body)["clouds"];
+    EXPECT_EQ(clouds.at(2)["live"]["state"], "running");
+    EXPECT_FALSE(clouds.at(0).contains("live"));
 }
 
 }  // namespace

@@ -24,7 +24,8 @@ TEST_F(StreamTest, HelloWelcomeMovingFinal) {
     EXPECT_EQ(welcome["view"]["width"], 64);
     client.view(1, 60);
     auto moving = client.frame();
-    while (moving && moving->header.seq == 0) moving = client.frame();  // the welcome's view, if that took long
+    while (moving && moving->header.seq == 0)
+        moving = client.frame();  // the welcome's view, if that took long
     ASSERT_TRUE(moving);
     EXPECT_TRUE(moving->header.moving);
     EXPECT_EQ(moving->header.seq, 1U);
@@ -76,6 +77,28 @@ TEST_F(StreamTest, WhoStandsStillSeesTheWholeCloudOnceItIsLoaded) {
     ASSERT_TRUE(whole);
     EXPECT_NE(whole->picture, finer->picture);
     EXPECT_FALSE(client.frame(std::chrono::milliseconds(400))) << "and then there is silence";
+}
+
+TEST_F(StreamTest, WhoStandsStillSeesALiveCloudMove) {
+    start();
+    Catalog& catalog = server->catalog();
+    const std::string id = catalog.addLive("depth");
+    catalog.setLive(id, {}, tinyCloud(10));
+    StreamClient client(port());
+    client.greet({{"cloud", id}});
+    const auto first = client.finalFrame(0);
+    ASSERT_TRUE(first);
+    for (const std::uint64_t points : {60U, 250U}) {
+        catalog.setLive(id, {}, tinyCloud(points));
+        server->cloudsChanged();
+        const auto moving = client.frame();
+        ASSERT_TRUE(moving);
+        EXPECT_TRUE(moving->header.moving) << "at once";
+        const auto still = client.finalFrame(0);
+        ASSERT_TRUE(still);
+        EXPECT_NE(still->picture, first->picture);
+    }
+    EXPECT_FALSE(client.frame(std::chrono::milliseconds(300))) << "and then there is silence";
 }
 
 TEST_F(StreamTest, TheFinalStillIsTheSnapshotByteForByte) {

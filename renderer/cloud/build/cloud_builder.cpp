@@ -13,19 +13,6 @@ namespace scancast {
 
 namespace {
 
-/// The minimum corner, rounded down to a power of ten not above the cloud's size: short to write, and exact.
-glm::dvec3 roundOrigin(const std::array<glm::dvec3, 2>& bounds) {
-    const glm::dvec3 size = bounds[1] - bounds[0];
-    const double largest = std::max({size.x, size.y, size.z});
-    const int digits = largest > 0 ? std::clamp(int(std::floor(std::log10(largest))), -6, 15) : 0;
-    const double unit = std::pow(10.0, std::abs(digits));
-    glm::dvec3 origin;
-    for (int a = 0; a < 3; ++a)
-        origin[a] =
-            digits >= 0 ? std::floor(bounds[0][a] / unit) * unit : std::floor(bounds[0][a] * unit) / unit;
-    return origin + 0.0;  // no -0
-}
-
 /// Median of the leaves' spacings, each leaf counting as many times as it has points.
 double typicalSpacing(const BuiltOctree& octree) {
     std::vector<std::pair<float, std::uint64_t>> leaves;

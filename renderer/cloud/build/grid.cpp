@@ -35,4 +35,16 @@ Grid cubicGrid(const glm::dvec3& low, const glm::dvec3& high) {
     return grid;
 }
 
+glm::dvec3 roundOrigin(const std::array<glm::dvec3, 2>& bounds) {
+    const glm::dvec3 size = bounds[1] - bounds[0];
+    const double largest = std::max({size.x, size.y, size.z});
+    const int digits = largest > 0 ? std::clamp(int(std::floor(std::log10(largest))), -6, 15) : 0;
+    const double unit = std::pow(10.0, std::abs(digits));
+    glm::dvec3 origin;
+    for (int a = 0; a < 3; ++a)
+        origin[a] =
+            digits >= 0 ? std::floor(bounds[0][a] / unit) * unit : std::floor(bounds[0][a] * unit) / unit;
+    return origin + 0.0;  // no -0
+}
+
 }  // namespace scancast

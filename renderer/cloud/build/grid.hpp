@@ -56,6 +56,10 @@ Grid ownGrid(const glm::dvec3& origin, const glm::dvec3& ownStep, const std::arr
 /// A cubic grid over a box in file coordinates.
 Grid cubicGrid(const glm::dvec3& low, const glm::dvec3& high);
 
+/// A cloud's origin: the minimum corner, rounded down to a power of ten not above the cloud's size: short to write, and
+/// exact.
+glm::dvec3 roundOrigin(const std::array<glm::dvec3, 2>& bounds);
+
 /// What averages need to know of a density (Density), in two bits: a sample of points most of which are edges
 /// is a surface's.
 enum class Bulk : std::uint8_t { Surface, Wire, Foliage, Stray };

@@ -26,11 +26,13 @@ std::string serverTiming(const EncodedPicture& picture) {
     return text;
 }
 
-HttpResponse pictureResponse(PictureFormat format, const PlannedView& planned, const std::string& tag) {
+/// A picture of a live cloud is old when the next frame comes: keeping it helps nobody.
+HttpResponse pictureResponse(PictureFormat format, const PlannedView& planned, const std::string& tag,
+                             bool live) {
     HttpResponse response;
     response.set("Content-Type", std::string(mediaType(format)))
         .set("ETag", tag)
-        .set("Cache-Control", "no-cache")
+        .set("Cache-Control", live ? "no-store" : "no-cache")
         .set("Vary", "Accept");
     if (format == PictureFormat::Depth) {
         response.set("Scancast-Width", std::to_string(planned.view.width))
@@ -219,8 +221,10 @@ struct Api::Answers {
             return refuse(problemOf(503, "The rendering device is not available."));
         }
         const auto headBy = [cloud = *cloud, view, planned = *planned, format = *format,
+                             live = api.catalog_.isLive(routed.id),
                              version = api.options_.version](const DeviceInfo& drawnBy) {
-            return pictureResponse(format, *planned, pictureTag(*cloud, view, format, drawnBy, version));
+            return pictureResponse(format, *planned, pictureTag(*cloud, view, format, drawnBy, version),
+                                   live);
         };
         HttpResponse head = headBy(device.info);
         const std::string tag = *head.find("ETag");

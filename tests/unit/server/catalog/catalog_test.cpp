@@ -44,6 +44,29 @@ TEST(Catalog, FromLoadingToReady) {
     EXPECT_EQ(catalog.cloud("other").error().status, 404);
 }
 
+TEST(Catalog, ALiveCloudIsReplacedAgainAndAgain) {
+    Catalog catalog;
+    const std::string id = catalog.addLive("depth");
+    EXPECT_TRUE(catalog.isLive(id));
+    EXPECT_FALSE(catalog.settled());
+    EXPECT_EQ(catalog.cloud(id).error().status, 503);
+    LiveStatus status;
+    for (std::uint64_t n = 1; n <= 3; ++n) {
+        status.shown = n;
+        catalog.setLive(id, status, test::tinyCloud(n));
+        EXPECT_EQ((*catalog.cloud(id))->points, n);
+    }
+    EXPECT_TRUE(catalog.settled());
+    status.state = LiveStatus::State::Broken;
+    status.error = "it broke off";
+    catalog.setLive(id, status);
+    EXPECT_EQ((*catalog.cloud(id))->points, 3U) << "the last one stays";
+    EXPECT_EQ(catalog.find(id)->live->error, "it broke off");
+    EXPECT_FALSE(catalog.isLive("other"));
+    EXPECT_FALSE(catalog.isLive(catalog.add("still")));
+    catalog.setLive("other", status, test::tinyCloud());
+}
+
 TEST(Catalog, AFailedCloudIsNoReasonToWait) {
     Catalog catalog;
     const std::string bad = catalog.add("bad");

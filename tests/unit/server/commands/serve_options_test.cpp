@@ -36,6 +36,23 @@ TEST(ServeOptions, FlagBeforeEnvironmentBeforeDefault) {
     EXPECT_EQ(parsed({"a.las"}).server.port, 8080);
 }
 
+TEST(ServeOptions, LiveSourcesAreNamed) {
+    const ServeOptions options = parsed({"--live", "depth=-", "--live", "other=/run/other.fifo"});
+    EXPECT_TRUE(check(options)) << "nothing else is needed";
+    const auto inputs = liveInputs(options);
+    ASSERT_TRUE(inputs);
+    ASSERT_EQ(inputs->size(), 2U);
+    EXPECT_EQ(inputs->at(0).name, "depth");
+    EXPECT_EQ(inputs->at(0).path, "-");
+    EXPECT_EQ(inputs->at(1).path, "/run/other.fifo");
+    for (const char* wrong : {"depth", "=-", "depth=", ""}) {
+        const auto refused = check(parsed({std::string("--live=") + wrong, "town.las"}));
+        ASSERT_FALSE(refused) << wrong;
+        EXPECT_THAT(refused.error().message, testing::HasSubstr("NAME=PATH"));
+    }
+    EXPECT_FALSE(check(parsed({"--live", "a=-", "--live", "b=-"}))) << "one input, two readers";
+}
+
 TEST(ServeOptions, MemoryIsMeasuredAsPeopleWriteIt) {
     EXPECT_EQ(memoryLimit(parsed({"a.scan", "--memory-limit", "2G"})).value(), std::uint64_t(2) << 30);
     EXPECT_EQ(memoryLimit(parsed({"a.scan", "--memory-limit", "512M"})).value(), std::uint64_t(512) << 20);

@@ -66,6 +66,7 @@ class TwoClouds final : public StreamWorld {
         return tl::unexpected(problemOf(404, "no such cloud"));
     }
     bool loading(std::string_view) const override { return isLoading; }
+    bool live(std::string_view) const override { return isLive; }
     Expected<std::shared_ptr<const PlannedView>> plan(const Cloud&, const View& view) const override {
         if (view.style.method == "nonsense") return fail(ErrorCode::NotFound, "no such method", "method");
         return nullptr;
@@ -74,7 +75,7 @@ class TwoClouds final : public StreamWorld {
     std::vector<std::string> methodNames() const override { return {"paraboloid"}; }
 
     std::shared_ptr<const Cloud> first = tinyCloud(1), second = tinyCloud(2);
-    bool isLoading = false, removed = false;
+    bool isLoading = false, isLive = false, removed = false;
 };
 
 class SessionTest : public ::testing::Test {

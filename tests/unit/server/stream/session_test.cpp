@@ -376,5 +376,30 @@ TEST_F(SessionTest, QualityMessageMovesTheLimits) {
     EXPECT_GT(*order(1).view.quality.detail, 2);
 }
 
+// A frame of a live cloud is shown as a new view is, at once and as a moving frame; stills come when none follows.
+TEST_F(SessionTest, EachFrameOfALiveCloudIsShownAtOnce) {
+    world.isLive = true;
+    hello();
+    ASSERT_EQ(port.orders.size(), 0U);
+    pass(200);
+    finish(0);  // the still of the welcome's view
+    ack(1);
+    for (std::uint64_t n = 1; n <= 5; ++n) {
+        now += milliseconds(50);
+        world.first = tinyCloud(n + 1);
+        session->lookAround(now);
+        ASSERT_EQ(port.orders.size(), 1 + n);
+        EXPECT_EQ(order(n).cloud, world.first);
+        EXPECT_FALSE(order(n).complete);
+        finish(n);
+        EXPECT_TRUE(port.frames.back().moving);
+        ack(1 + n);
+    }
+    pass(200);
+    ASSERT_EQ(port.orders.size(), 7U);
+    EXPECT_TRUE(order(6).complete) << "the last one stands";
+    EXPECT_EQ(order(6).cloud, world.first);
+}
+
 }  // namespace
 }  // namespace scancast::test

@@ -174,7 +174,7 @@ TEST(CurvatureCode, KeepsCurvaturesToFivePercentAndDirectionsToThreeDegrees) {
     constexpr float unit = 0.37f;
     for (std::uint64_t i = 0; i < 2000; ++i) {
         const auto [n, direction, c] = known(i);
-        const CurvatureCode code = encodeCurvature(c, n, n, 0.01f, unit);
+        const CurvatureCode code = encodeCurvature(c, n, n, 0.3f, unit);
         const Curvature back = decodeCurvature(code, n, unit);
         ASSERT_NEAR(back.k1, c.k1, 0.046 * std::abs(c.k1));
         ASSERT_NEAR(back.k2, c.k2, std::max(0.046 * std::abs(c.k2), 0.0011 / unit));
@@ -189,11 +189,11 @@ TEST(CurvatureCode, CountsFromTheSamplesOwnSideAndTurnsOver) {
     for (std::uint64_t i = 0; i < 2000; ++i) {
         const auto [n, direction, c] = known(i);
         const glm::vec3 other = decodeNormal(encodeNormal(-n));
-        const Curvature front = decodeCurvature(encodeCurvature(c, n, n, 0.01f, 1), n, 1);
-        const Curvature behind = decodeCurvature(encodeCurvature(c, n, other, 0.01f, 1), other, 1);
+        const Curvature front = decodeCurvature(encodeCurvature(c, n, n, 0.3f, 1), n, 1);
+        const Curvature behind = decodeCurvature(encodeCurvature(c, n, other, 0.3f, 1), other, 1);
         ASSERT_EQ(behind.k1, -front.k1);
         ASSERT_EQ(behind.k2, -front.k2);
-        const CurvatureCode turned = turnedOver(encodeCurvature(c, n, n, 0.01f, 1), n, other);
+        const CurvatureCode turned = turnedOver(encodeCurvature(c, n, n, 0.3f, 1), n, other);
         const Curvature t = decodeCurvature(turned, other, 1);
         ASSERT_EQ(t.k1, -front.k1);
         ASSERT_EQ(t.k2, -front.k2);

@@ -16,19 +16,16 @@
 #include <cstdlib>
 #include <cstring>
 #include <optional>
-#include <sstream>
 #include <string>
 
-#include "renderer/cloud/build/build_cloud.hpp"
-#include "renderer/cloud/import/open_scan.hpp"
 #include "renderer/device/cpu/cpu_device.hpp"
-#include "renderer/residency/open_cloud.hpp"
-#include "simulator/scene.hpp"
+#include "tests/bench/surfaces/measured_cloud.hpp"
 #include "tests/support/pictures/stability.hpp"
 
 namespace {
 
 using namespace scancast;
+using namespace scancast::bench;
 
 struct Settings {
     std::vector<std::string> clouds, methods{"paraboloid", "circle", "point"}, details{"auto"},
@@ -38,13 +35,6 @@ struct Settings {
     int steps = 100, threads = 0;
     bool bruteForce = true;
 };
-
-std::vector<std::string> words(const std::string& list) {
-    std::vector<std::string> out;
-    std::istringstream in(list);
-    for (std::string word; std::getline(in, word, ',');) out.push_back(word);
-    return out;
-}
 
 Shading shadingOf(const std::string& word) {
     for (const Shading shading : {Shading::Unlit, Shading::Phong, Shading::EyeDome})
@@ -99,35 +89,6 @@ Settings parse(int argc, char** argv) {
     }
     if (s.clouds.empty()) s.clouds = {"town:2000000"};
     return s;
-}
-
-template <class T>
-T orExit(Expected<T> result) {
-    if (result) return std::move(*result);
-    std::fprintf(stderr, "bench_stability: %s\n", result.error().message.c_str());
-    std::exit(1);
-}
-
-std::shared_ptr<const Cloud> open(const std::string& name, int threads, std::shared_ptr<BlockCache>& cache) {
-    const std::size_t colon = name.find(':');
-    if (colon == std::string::npos && isCloudFileAt(name)) {
-        if (!cache) {
-            BlockCacheOptions options;
-            options.memoryLimit = std::uint64_t{4} << 30;
-            cache = BlockCache::create(options);
-        }
-        return orExit(openCloud(name, cache));
-    }
-    BuildOptions build;
-    build.threads = threads;
-    build.shape.surfels = true;
-    ImportOptions import;
-    import.importerDirectory = SCANCAST_BIN_DIR;
-    SceneOptions scene;
-    scene.scene = name.substr(0, colon);
-    if (colon != std::string::npos) scene.points = std::strtoull(name.c_str() + colon + 1, nullptr, 10);
-    auto source = orExit(colon == std::string::npos ? openScan(name, import) : simulate(scene));
-    return orExit(buildCloud(*source, build));
 }
 
 void printRow(Device& device, const Cloud& cloud, const std::string& cloudName, const View& view,
@@ -196,7 +157,7 @@ int main(int argc, char** argv) {
         "worst  "
         "million    ms\n");
     for (const std::string& name : settings.clouds) {
-        const auto cloud = open(name, settings.threads, cache);
+        const auto cloud = measuredCloud(name, settings.threads, SCANCAST_BIN_DIR, cache);
         measure(*device, *cloud, name.substr(name.rfind('/') + 1), settings);
     }
     return 0;

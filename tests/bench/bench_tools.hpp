@@ -6,6 +6,7 @@
 #include <cstdio>
 #include <cstdlib>
 #include <map>
+#include <sstream>
 #include <string>
 #include <vector>
 
@@ -25,6 +26,14 @@ inline void orExit(const Expected<void>& result) {
     if (result) return;
     std::fprintf(stderr, "%s\n", result.error().message.c_str());
     std::exit(1);
+}
+
+/// "a,b" → a, b.
+inline std::vector<std::string> words(const std::string& list) {
+    std::vector<std::string> out;
+    std::istringstream in(list);
+    for (std::string word; std::getline(in, word, ',');) out.push_back(word);
+    return out;
 }
 
 inline double median(std::vector<double> values) {

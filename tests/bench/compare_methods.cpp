@@ -15,7 +15,6 @@
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
-#include <sstream>
 #include <string>
 
 #include "renderer/cloud/build/build_cloud.hpp"
@@ -47,13 +46,6 @@ constexpr std::pair<const char*, std::uint64_t> ownPoints[] = {
     {"statue", 600'000}, {"cube", 100'000},     {"torus", 100'000},  {"sign", 100'000},
     {"plane", 60'000},   {"bridge", 1'000'000}, {"town", 4'000'000},
 };
-
-std::vector<std::string> words(const std::string& list) {
-    std::vector<std::string> out;
-    std::istringstream in(list);
-    for (std::string word; std::getline(in, word, ',');) out.push_back(word);
-    return out;
-}
 
 Settings parse(int argc, char** argv) {
     Settings s;

@@ -15,16 +15,11 @@
 #include <cstdlib>
 #include <glm/geometric.hpp>
 #include <glm/trigonometric.hpp>
-#include <sstream>
 #include <string>
 
-#include "renderer/cloud/build/build_cloud.hpp"
-#include "renderer/cloud/import/open_scan.hpp"
 #include "renderer/device/cpu/cpu_device.hpp"
 #include "renderer/render.hpp"
-#include "renderer/residency/open_cloud.hpp"
-#include "simulator/scene.hpp"
-#include "tests/bench/bench_tools.hpp"
+#include "tests/bench/surfaces/measured_cloud.hpp"
 #include "tests/support/pictures/picture_metrics.hpp"
 
 namespace {
@@ -37,13 +32,6 @@ struct Settings {
         distances{"1", "0.4", "0.15"}, tilts{"own", "15"};
     int width = 1280, threads = 0;
 };
-
-std::vector<std::string> words(const std::string& list) {
-    std::vector<std::string> out;
-    std::istringstream in(list);
-    for (std::string word; std::getline(in, word, ',');) out.push_back(word);
-    return out;
-}
 
 Settings parse(int argc, char** argv) {
     Settings s;
@@ -70,28 +58,6 @@ Settings parse(int argc, char** argv) {
     }
     if (s.clouds.empty()) s.clouds = {"town:2000000"};
     return s;
-}
-
-std::shared_ptr<const Cloud> open(const std::string& name, int threads, std::shared_ptr<BlockCache>& cache) {
-    const std::size_t colon = name.find(':');
-    if (colon == std::string::npos && isCloudFileAt(name)) {
-        if (!cache) {
-            BlockCacheOptions options;
-            options.memoryLimit = std::uint64_t{4} << 30;
-            cache = BlockCache::create(options);
-        }
-        return orExit(openCloud(name, cache));
-    }
-    BuildOptions build;
-    build.threads = threads;
-    build.shape.surfels = true;
-    ImportOptions import;
-    import.importerDirectory = SCANCAST_BIN_DIR;
-    SceneOptions scene;
-    scene.scene = name.substr(0, colon);
-    if (colon != std::string::npos) scene.points = std::strtoull(name.c_str() + colon + 1, nullptr, 10);
-    auto source = orExit(colon == std::string::npos ? openScan(name, import) : simulate(scene));
-    return orExit(buildCloud(*source, build));
 }
 
 View viewOf(const Cloud& cloud, const std::string& distance, const std::string& tilt, int width) {
@@ -170,7 +136,7 @@ int main(int argc, char** argv) {
         "| cloud | distance | tilt | method | background, %% | far behind, %% | beyond, %% "
         "|\n|---|---|---|---|---|---|---|\n");
     for (const std::string& name : settings.clouds) {
-        const auto cloud = open(name, settings.threads, cache);
+        const auto cloud = measuredCloud(name, settings.threads, SCANCAST_BIN_DIR, cache);
         measure(*device, *cloud, name.substr(name.rfind('/') + 1), settings);
     }
     return 0;

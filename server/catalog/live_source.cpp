@@ -97,7 +97,9 @@ void LiveSource::readFrom(std::unique_ptr<LiveBytes> bytes) {
         std::make_unique<FrameReader>(std::move(bytes), mostFramePoints(options_.cache->stats().limit));
     readFrames(*frames);
     while (reopens && !stop_.stop_requested()) {
-        frames->discardRest();  // of a stream that broke: its writer would go on where the next one begins
+        // Of a stream that broke: its writer would go on where the next one begins. After one that ended, whatever comes
+        // is the next writer's already.
+        if (!frames->mayGoOn()) frames->discardRest();
         auto next = LiveBytes::open(input_.path, stop_.get_token());
         if (!next) return ended(LiveStatus::State::Broken, next.error().message);
         frames =

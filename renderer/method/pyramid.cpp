@@ -12,8 +12,9 @@ namespace {
 constexpr double gapInNoises = 3;
 
 /// The least width of a surface that is looked at for its slope, in spacings; and that by which the noise's error of a
-/// normal, which falls with the square of the width, comes to about one degree.
-constexpr double narrowestSlope = 2, slopePerRootOfNoise = 7;
+/// normal, which falls with the square of the width, comes to three degrees at most. One degree would take twice the width,
+/// and faces with it: what is measured as noise is fine relief, too.
+constexpr double narrowestSlope = 2, slopePerRootOfNoise = 3.8;
 
 /// Cloud units.
 double noiseOf(const PassRequest& request) {

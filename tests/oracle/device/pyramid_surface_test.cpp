@@ -2,7 +2,9 @@
 // which every ray and every normal is known.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <glm/geometric.hpp>
+#include <numbers>
 #include <string>
 
 #include "renderer/method/method.hpp"
@@ -186,8 +188,32 @@ TEST_P(PyramidSurface, NormalsOfNoisyScansAreAsGoodAsTheNoiseIsKnown) {
         double error = 0;
         for (const std::uint32_t code : s.normals)
             error += std::acos(std::min(1.0, normalOf(code).z)) * degrees;
-        EXPECT_LE(error / double(s.normals.size()), 1.2) << sigma << " spacings";
+        EXPECT_LE(error / double(s.normals.size()), 3.0) << sigma << " spacings";
     }
+}
+
+TEST_P(PyramidSurface, ReliefStaysThatIsAsFineAsTheNoise) {
+    // A sheet with waves of eight spacings, as wide as a statue's lips: their slopes are known. Measured, a scan with
+    // such relief has a noise of a quarter of its spacing.
+    PointScreen s(480, 360, true, 420);
+    const double spacing = 3.0 * 10 / 420, wave = 8 * spacing, steepest = std::tan(25 / degrees);
+    const double turns = 2 * std::numbers::pi / wave;
+    Numbers numbers(84);
+    sheet(10, 9, 7, spacing, 0, numbers, [&](ScreenPoint p) {
+        p.depth += steepest / turns * std::sin(turns * p.x);
+        s.add(p, 0);
+    });
+    passes_->hidePoints(s, passOf<HiddenPointsPass>(spacing, 0.25 * spacing));
+    passes_->fill(s, {});
+    passes_->findNormals(s, passOf<DepthNormalsPass>(spacing, 0.25 * spacing));
+    double slope = 0, error = 0;
+    for (std::size_t i = 0; i < s.normals.size(); ++i) {
+        const double x = (double(i % 480) + 0.5 - 240) * 10 / 420;
+        const glm::dvec3 truth = glm::normalize(glm::dvec3(steepest * std::cos(turns * x), 0, 1));
+        slope += std::acos(truth.z) * degrees;
+        error += std::acos(std::clamp(glm::dot(truth, normalOf(s.normals[i])), -1.0, 1.0)) * degrees;
+    }
+    EXPECT_LE(error, 0.6 * slope);
 }
 
 }  // namespace

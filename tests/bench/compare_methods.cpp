@@ -109,6 +109,7 @@ Target targetOf(const SceneView& from, const Cloud& cloud, const RayCaster& cast
     view.camera.target = from.target;
     view.camera.fov = from.fov;
     view.style.shading = Shading::Unlit;
+    view.style.exposure = 0;  // the truth is as bright as the scene
     view.style.background = {Background::Kind::Color, background, background};
     const Viewpoint viewpoint = orExit(Viewpoint::create(view, cloud.origin, cloud.bounds));
     const GroundTruth truth = orExit(

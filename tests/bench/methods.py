@@ -3,6 +3,7 @@
 
     tests/bench/methods.py [--scan SCAN.laz] [--bin build/release/bin] [--bench build/bench/bench]
                            [--only table,papers,speed] [--town TOWN.scan] [--scenes sign,cube]
+    tests/bench/methods.py --only ratio --before OTHER/BUILD/bin/scancast --clouds a.scan,b.scan
 
 Prints Markdown, ready for docs/performance.md:
   table   method x scene: PSNR and SSIM against the ray-cast truth, holes, stability, milliseconds of each pass
@@ -12,6 +13,8 @@ Prints Markdown, ready for docs/performance.md:
           (frames/s over point size) as docs/images/point_sizes.svg (--plot)
   speed   frames/s at 1280 x 720 of a turning town of 20 million points, and of a real scan where --scan names one,
           against the marks; a frame is everything from the view to the JPEG
+  ratio   each method's time in this build over that in another (--before), on cloud files that both can read: one thread,
+          what both draw without being asked left out, least of nine turns each, builds in turn. Below 1 is faster
 
 Moving: what the server may go down to while the camera moves, one sample a pixel: first detail (2 px at full
 resolution), then resolution, too (640 x 360 with 2 px of that picture), its floor.
@@ -171,6 +174,36 @@ def speed(scancast, clouds):
         print()
 
 
+def fastest(scancast, cloud, method, flags):
+    """ms of the passes of a picture of one sample a pixel, the least of three."""
+    stats = json.loads(output_of([scancast, "render", cloud, "--method", method, "--samples", "1", "--threads", "1", "--width", "1280", "--height",
+                                  "720", "--repeat", "3", "--orbit", "0.001", "--stats", "json", *flags]))
+    return sum(stage["medianMs"] for stage in stats["stages"] if stage["name"] not in ("encode", "select", "provide"))
+
+
+def ratio(scancast, before, clouds):
+    print("## Beside another build\n\nTime of this build over the other's: all passes, 1280 × 720, one sample a pixel, one thread; lit as each method is lit, "
+          "without occlusion.\n")
+    names = [os.path.basename(cloud).removesuffix(".scan") for cloud in clouds]
+    print(f"| method | {' | '.join(names)} |\n|---|{'---|' * len(names)}", flush=True)
+    cameras = [look_of(scancast, cloud) for cloud in clouds]
+    for method in METHODS:
+        row = []
+        for cloud, camera in zip(clouds, cameras):
+            here, there = [], []
+            for _ in range(9):
+                there.append(fastest(before, cloud, method, ["--shading", "auto", *camera]))
+                here.append(fastest(scancast, cloud, method, ["--shading", "auto", "--light", "occlusion=0", "--exposure", "0", *camera]))
+            row.append(f"{min(here) / min(there):.2f} ({min(here):.1f} ms)")
+        print(f"| `{method}` | {' | '.join(row)} |", flush=True)
+
+
+def look_of(scancast, cloud):
+    """The cloud's first view, as flags."""
+    camera = json.loads(output_of([scancast, "look", cloud]))["views"][0]["camera"]
+    return [f"--{name}={','.join(map(str, camera[name]))}" for name in ("eye", "target", "up")] + ["--fov", str(camera["fov"])]
+
+
 def prepare(scancast, arguments, folder):
     """Cloud files, with what to call them."""
     clouds = []
@@ -203,12 +236,16 @@ def main():
     parser.add_argument("--town", help="a cloud file of the town that is there already")
     parser.add_argument("--scan", help="a real scan, or a cloud file of one")
     parser.add_argument("--plot", default=os.path.join(root, "docs/images/point_sizes.svg"), help="where the plot goes")
+    parser.add_argument("--before", help="another build's program, for ratio")
+    parser.add_argument("--clouds", help="cloud files for ratio, comma between them")
     parser.add_argument("--folder", help="where to work; by default a temporary folder")
     arguments = parser.parse_args()
     scancast, parts = os.path.join(arguments.bin, "scancast"), arguments.only.split(",")
     with tempfile.TemporaryDirectory(dir=arguments.folder) as folder:
         if "table" in parts:
             table(arguments.bench, arguments.scenes)
+        if "ratio" in parts:
+            ratio(scancast, arguments.before, arguments.clouds.split(","))
         if "papers" in parts or "speed" in parts:
             clouds = prepare(scancast, arguments, folder)
             if "papers" in parts:

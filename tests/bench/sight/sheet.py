@@ -1,6 +1,6 @@
 """A contact sheet: small pictures in a grid, a name and a mark under each.
 
-Belongs to first_sight.py. Sizes are in pixels; colours are sRGB bytes, and are averaged as they are.
+Belongs to first_sight.py and every_method.py. Sizes are in pixels; colours are sRGB bytes, and are averaged as they are.
 """
 from itertools import accumulate
 from operator import add, sub
@@ -11,7 +11,7 @@ from sight import label
 
 WIDE, HIGH, COLUMNS, GAP = 320, 180, 4, 8
 NAME, DETAIL = 2 * label.HIGH, label.HIGH  # heights of the two lines of text
-CELL_HIGH = HIGH + 4 + NAME + 4 + DETAIL + GAP
+BENEATH = 4 + NAME + 4 + DETAIL + GAP     # all that stands under a picture
 BEHIND, TEXT, QUIET = (24, 25, 28), (235, 235, 235), (150, 152, 158)
 MARKS = {"pass": (46, 178, 82), "fail": (222, 56, 48)}  # of other words: QUIET
 
@@ -44,22 +44,22 @@ def shrunk(picture, most_wide=WIDE, most_high=HIGH):
     return png_file.Picture(wide, high, 3, bytes(done))
 
 
-def sheet(entries):
-    """The picture of them all, or None of none."""
+def sheet(entries, wide=WIDE, high=HIGH):
+    """The picture of them all, no small one larger than `wide` x `high`; or None of none."""
     if not entries:
         return None
-    width = GAP + COLUMNS * (WIDE + GAP)
-    height = GAP + -(-len(entries) // COLUMNS) * CELL_HIGH
+    width = GAP + COLUMNS * (wide + GAP)
+    height = GAP + -(-len(entries) // COLUMNS) * (high + BENEATH)
     pixels = bytearray(bytes(BEHIND) * (width * height))
     for number, entry in enumerate(entries):
-        x, y = GAP + number % COLUMNS * (WIDE + GAP), GAP + number // COLUMNS * CELL_HIGH
-        put(pixels, width, x + (WIDE - entry.small.width) // 2, y + (HIGH - entry.small.height) // 2, entry.small)
-        y += HIGH + 4
+        x, y = GAP + number % COLUMNS * (wide + GAP), GAP + number // COLUMNS * (high + BENEATH)
+        put(pixels, width, x + (wide - entry.small.width) // 2, y + (high - entry.small.height) // 2, entry.small)
+        y += high + 4
         label.fill(pixels, width, x, y, NAME, NAME, MARKS.get(entry.mark, QUIET))
-        beside, room = x + NAME + 6, WIDE - NAME - 6
+        beside, room = x + NAME + 6, wide - NAME - 6
         scale = 2 if label.PITCH * 2 * len(entry.name) <= room else 1
         label.draw(pixels, width, beside, y + (NAME - label.HIGH * scale) // 2, label.fitting(entry.name, room, scale), TEXT, scale)
-        label.draw(pixels, width, x, y + NAME + 4, label.fitting(entry.detail, WIDE, 1), QUIET)
+        label.draw(pixels, width, x, y + NAME + 4, label.fitting(entry.detail, wide, 1), QUIET)
     return png_file.Picture(width, height, 3, bytes(pixels))
 
 

@@ -10,14 +10,16 @@ namespace {
 /// Of a vector of samples: what their codes say, one lane each.
 struct alignas(64) BendCodes {
     float cosine[wideLanes], sine[wideLanes];  ///< of k1's direction
-    float k1[wideLanes], k2[wideLanes];        ///< 1 / cloud units
+    float k1[wideLanes], k2[wideLanes];        ///< times what the run has per cloud unit
 };
 
-inline void decodeBend(const SplatPass& pass, const SplatRun& run, std::uint32_t code, int i,
-                       BendCodes& out) {
-    const float perUnit = 1.0f / (run.ratioUnit * run.plainRadius);
-    out.k1[i] = pass.curvatures[code & 255] * perUnit;
-    out.k2[i] = pass.curvatures[(code >> 8) & 255] * perUnit;
+inline float bendsPerUnit(const SplatRun& run) {
+    return 1.0f / (run.ratioUnit * run.plainRadius);
+}
+
+inline void decodeBend(const SplatPass& pass, std::uint32_t code, int i, BendCodes& out) {
+    out.k1[i] = pass.curvatures[code & 255];
+    out.k2[i] = pass.curvatures[(code >> 8) & 255];
     out.cosine[i] = axisDirections.cosine[(code >> 16) & (axisAngles - 1)];
     out.sine[i] = axisDirections.sine[(code >> 16) & (axisAngles - 1)];
 }
@@ -30,10 +32,10 @@ struct Bend {
 
 /// Of unit normals in cloud space, and the same in view space.
 inline Bend bendOf(const SplatPass& pass, FloatW cloudX, FloatW cloudY, FloatW cloudZ, FloatW x, FloatW y,
-                   FloatW z, const BendCodes& codes) {
+                   FloatW z, const BendCodes& codes, FloatW perUnit) {
     Bend b;
-    b.k1 = load<FloatW>(codes.k1);
-    b.k2 = load<FloatW>(codes.k2);
+    b.k1 = load<FloatW>(codes.k1) * perUnit;
+    b.k2 = load<FloatW>(codes.k2) * perUnit;
     axisAt(cloudX, cloudY, cloudZ, load<FloatW>(codes.cosine), load<FloatW>(codes.sine), b.x1, b.y1, b.z1);
     rotateToView(pass, b.x1, b.y1, b.z1);
     b.x2 = y * b.z1 - z * b.y1;

@@ -52,34 +52,56 @@ inline std::uint32_t sampleColor(const SplatPass& pass, const SplatRun& run, con
     return pass.byIntensity ? brightened(pass, color, words[1]) : color;
 }
 
+/// Where the samples of a row of pixels lie; no run where there is none.
+struct SamplePlaces {
+    const SplatRun* runs[wideLanes];
+    std::uint32_t at[wideLanes];
+};
+
 struct alignas(64) ResolvedPixels {
     std::uint32_t rgba[wideLanes], normals[wideLanes];
     float depth[wideLanes];
-    /// From the sample's centre to the place that is seen: view space, cloud units.
-    float awayX[wideLanes], awayY[wideLanes], awayZ[wideLanes];
-    BendCodes bends;
+    /// Where normals turn: of the samples seen, and 0 where they do not.
+    std::uint32_t xy[wideLanes], zi[wideLanes], curvatures[wideLanes], firstOrdinals[wideLanes];
     bool bent = false;  ///< any of them
 };
 
-/// Of a pixel of the picture, whose depth is known.
-inline void bendPixel(const SplatPass& pass, const SplatRun& run, const SampleWords& words,
-                      std::uint32_t code, std::int32_t px, std::int32_t py, int i, ResolvedPixels& out) {
+/// From samples' centres to the places that are seen, in view space, cloud units; and how the surface bends there.
+struct BentPlaces {
+    FloatW awayX, awayY, awayZ, perUnit;
+    BendCodes bends;
+};
+
+/// Pixels of a row of the picture, whose depths are known. Most show samples of one run or two.
+inline BentPlaces bentPlaces(const SplatPass& pass, const SamplePlaces& places, const ResolvedPixels& p,
+                             std::int32_t px, std::int32_t py) {
+    BentPlaces out{};
+    for (int i = 0; i < wideLanes; ++i) decodeBend(pass, p.curvatures[i], i, out.bends);
+    const FloatW depth = load<FloatW>(p.depth), spread = pass.perspective ? depth : all(1.0f);
+    const FloatW dx = (toFloat(toInt(laneNumbers<wideLanes>()) + px) + 0.5f) - pass.centerX;
+    const FloatW dy = all((static_cast<float>(py) + 0.5f) - pass.centerY);
+    const FloatW right = dx * spread, below = dy * spread;
     const float unitsPerPx = 1.0f / pass.pixelsPerUnit;
-    const auto& m = run.toPicture;
-    const float sx = static_cast<float>(static_cast<std::int32_t>(words[0] & 0xffff));
-    const float sy = static_cast<float>(static_cast<std::int32_t>(words[0] >> 16));
-    const float sz = static_cast<float>(static_cast<std::int32_t>(words[1] & 0xffff));
-    const float across = m[0][0] * sx + (m[0][1] * sy + (m[0][2] * sz + m[0][3]));
-    const float down = m[1][0] * sx + (m[1][1] * sy + (m[1][2] * sz + m[1][3]));
-    const float depth = m[2][0] * sx + (m[2][1] * sy + (m[2][2] * sz + m[2][3]));
-    const float spread = pass.perspective ? out.depth[i] : 1.0f;
-    const float dx = (static_cast<float>(px) + 0.5f) - pass.centerX;
-    const float dy = (static_cast<float>(py) + 0.5f) - pass.centerY;
-    out.awayX[i] = (dx * spread - across) * unitsPerPx;
-    out.awayY[i] = (down - dy * spread) * unitsPerPx;
-    out.awayZ[i] = depth - out.depth[i];
-    decodeBend(pass, run, code, i, out.bends);
-    out.bent = true;
+    const IntW xy = load<IntW>(p.xy), ordinals = load<IntW>(p.firstOrdinals);
+    const FloatW sx = toFloat(xy & 0xffff), sy = toFloat((xy >> 16) & 0xffff);
+    const FloatW sz = toFloat(load<IntW>(p.zi) & 0xffff);
+    IntW left = load<IntW>(p.curvatures) != 0;
+    for (int i = 0; i < wideLanes; ++i) {
+        if (left[i] == 0) continue;
+        const SplatRun& run = *places.runs[i];
+        const IntW here = left & (ordinals == static_cast<std::int32_t>(run.firstOrdinal));
+        const auto& m = run.toPicture;
+        const FloatW across = m[0][0] * sx + (m[0][1] * sy + (m[0][2] * sz + m[0][3]));
+        const FloatW down = m[1][0] * sx + (m[1][1] * sy + (m[1][2] * sz + m[1][3]));
+        const FloatW away = m[2][0] * sx + (m[2][1] * sy + (m[2][2] * sz + m[2][3]));
+        out.awayX = here ? (right - across) * unitsPerPx : out.awayX;
+        out.awayY = here ? (down - below) * unitsPerPx : out.awayY;
+        out.awayZ = here ? away - depth : out.awayZ;
+        out.perUnit = here ? all(bendsPerUnit(run)) : out.perUnit;
+        left &= ~here;
+        if (!anyOf<wideLanes>(left)) break;
+    }
+    return out;
 }
 
 /// Normals of samples, turned into view space.
@@ -93,60 +115,84 @@ inline IntW viewNormalCodes(const SplatPass& pass, const ResolvedPixels& p) {
 }
 
 /// The same where the surface bends: n + k1 (away · e1) e1 + k2 (away · e2) e2.
-inline IntW bentNormalCodes(const SplatPass& pass, const ResolvedPixels& p) {
+inline IntW bentNormalCodes(const SplatPass& pass, const SamplePlaces& places, const ResolvedPixels& p,
+                            std::int32_t px, std::int32_t py) {
+    const BentPlaces at = bentPlaces(pass, places, p, px, py);
     FloatW x, y, z;
     sampleNormal(load<IntW>(p.normals), x, y, z);
     const FloatW cloudX = x, cloudY = y, cloudZ = z;
     rotateToView(pass, x, y, z);
-    const Bend b = bendOf(pass, cloudX, cloudY, cloudZ, x, y, z, p.bends);
-    const FloatW ax = load<FloatW>(p.awayX), ay = load<FloatW>(p.awayY), az = load<FloatW>(p.awayZ);
-    const FloatW turn1 = turnOf((ax * b.x1 + (ay * b.y1 + az * b.z1)) * b.k1);
-    const FloatW turn2 = turnOf((ax * b.x2 + (ay * b.y2 + az * b.z2)) * b.k2);
+    const Bend b = bendOf(pass, cloudX, cloudY, cloudZ, x, y, z, at.bends, at.perUnit);
+    const FloatW turn1 = turnOf((at.awayX * b.x1 + (at.awayY * b.y1 + at.awayZ * b.z1)) * b.k1);
+    const FloatW turn2 = turnOf((at.awayX * b.x2 + (at.awayY * b.y2 + at.awayZ * b.z2)) * b.k2);
     const IntW bent = packNormal(x + (turn1 * b.x1 + turn2 * b.x2), y + (turn1 * b.y1 + turn2 * b.y2),
                                  z + (turn1 * b.z1 + turn2 * b.z2));
     const IntW flat = (b.k1 == 0.0f) & (b.k2 == 0.0f);
     return flat | (load<IntW>(p.normals) == 0) ? viewNormalCodes(pass, p) : bent;
 }
 
-inline void lookUp(const SplatPass& pass, const SampleTable& table, const Key* keys, const Key* visible,
-                   std::uint32_t background, std::int32_t px, std::int32_t py, int lanes,
-                   ResolvedPixels& out) {
+/// Asks for the samples on the way, so that they are at hand when they are looked up.
+inline void findSamples(const SplatPass& pass, const SampleTable& table, const Key* keys, int lanes,
+                        SamplePlaces& out) {
     for (int i = 0; i < lanes; ++i) {
-        const std::int32_t order = static_cast<std::int32_t>(keys[i] >> 32);
-        out.rgba[i] = background;
-        out.depth[i] = __builtin_inff();
-        out.normals[i] = 0;
-        if (order >= infiniteOrder) continue;
-        const std::int32_t depthBits =
-            visible != nullptr ? static_cast<std::int32_t>(visible[i] >> 32) : order;
-        __builtin_memcpy(&out.depth[i], &depthBits, 4);
+        out.runs[i] = nullptr;
+        if (static_cast<std::int32_t>(keys[i] >> 32) >= infiniteOrder) continue;
         const std::uint32_t ordinal = static_cast<std::uint32_t>(keys[i]);
         const SplatRun& run = runOf(table, ordinal);
         const std::uint32_t at = ordinal - run.firstOrdinal;
-        const SampleWords& words = run.samples[at];
-        const std::uint32_t curvature = run.curvatures != nullptr ? run.curvatures[at] : 0;
+        __builtin_prefetch(run.samples + at);
+        if (pass.curved && run.curvatures != nullptr) __builtin_prefetch(run.curvatures + at);
+        out.runs[i] = &run;
+        out.at[i] = at;
+    }
+}
+
+inline void lookUp(const SplatPass& pass, const SamplePlaces& places, const Key* depths,
+                   std::uint32_t background, int lanes, ResolvedPixels& out) {
+    for (int i = 0; i < lanes; ++i) {
+        out.rgba[i] = background;
+        out.depth[i] = __builtin_inff();
+        out.normals[i] = 0;
+        if (places.runs[i] == nullptr) continue;
+        const std::int32_t depthBits = static_cast<std::int32_t>(depths[i] >> 32);
+        __builtin_memcpy(&out.depth[i], &depthBits, 4);
+        const SplatRun& run = *places.runs[i];
+        const SampleWords& words = run.samples[places.at[i]];
+        const std::uint32_t curvature = run.curvatures != nullptr ? run.curvatures[places.at[i]] : 0;
         out.rgba[i] = sampleColor(pass, run, words, curvature, out.depth[i]) | 0xff000000u;
         out.normals[i] = words[3] & 0xffff;
-        if (pass.curved && curvature != 0) bendPixel(pass, run, words, curvature, px + i, py, i, out);
+        if (!pass.curved) continue;
+        out.xy[i] = words[0];
+        out.zi[i] = words[1];
+        out.curvatures[i] = curvature;
+        out.firstOrdinals[i] = run.firstOrdinal;
+        out.bent |= curvature != 0;
     }
 }
 
 void resolveSamples(const SplatPass& pass, const SampleTable& table, const KeyTile& tile,
                     const PixelTile& out) {
+    const Key* const depths = tile.visible != nullptr ? tile.visible : tile.keys;
+    const auto lanesAt = [&](int x) { return tile.width - x < wideLanes ? tile.width - x : wideLanes; };
+    SamplePlaces places[2];
     for (int y = 0; y < tile.height; ++y) {
         const std::int64_t row = static_cast<std::int64_t>(y) * tile.stride;
         const std::int64_t first = static_cast<std::int64_t>(y) * out.stride;
-        for (int x = 0; x < tile.width; x += wideLanes) {
-            const int lanes = tile.width - x < wideLanes ? tile.width - x : wideLanes;
+        findSamples(pass, table, tile.keys + row, lanesAt(0), places[0]);
+        for (int x = 0, turn = 0; x < tile.width; x += wideLanes, turn ^= 1) {
+            if (x + wideLanes < tile.width)
+                findSamples(pass, table, tile.keys + row + x + wideLanes, lanesAt(x + wideLanes),
+                            places[turn ^ 1]);
+            const int lanes = lanesAt(x);
             ResolvedPixels p{};
-            lookUp(pass, table, tile.keys + row + x,
-                   tile.visible != nullptr ? tile.visible + row + x : nullptr, out.background[y], tile.x + x,
-                   tile.y + y, lanes, p);
+            lookUp(pass, places[turn], depths + row + x, out.background[y], lanes, p);
             storeSome(out.rgba + first + x, load<IntW>(p.rgba), lanes);
             if (out.depth != nullptr) storeSome(out.depth + first + x, load<FloatW>(p.depth), lanes);
             if (out.normals != nullptr)
                 storeSome(out.normals + first + x,
-                          p.bent ? bentNormalCodes(pass, p) : viewNormalCodes(pass, p), lanes);
+                          p.bent ? bentNormalCodes(pass, places[turn], p, tile.x + x, tile.y + y)
+                                 : viewNormalCodes(pass, p),
+                          lanes);
         }
     }
 }

@@ -116,14 +116,5 @@ inline void addFragments(const KeyTile& tile, std::int64_t offset, Int<lanes> we
     }
 }
 
-/// Lanes are 0 or -1.
-template <int lanes>
-inline bool anyOf(Int<lanes> mask) {
-#if SCANCAST_SIMD_LEVEL >= 3
-    if constexpr (lanes == 8) return __builtin_ia32_movmskps256(reinterpret_cast<Float<8>>(mask)) != 0;
-#endif
-    if constexpr (lanes == 4) return __builtin_ia32_movmskps(reinterpret_cast<Float<4>>(mask)) != 0;
-}
-
 }  // namespace
 }  // namespace scancast::cpu

@@ -301,12 +301,12 @@ inline void storeBends(const SplatPass& pass, const SplatRun& run, const Block& 
     for (int l = 0; l < wideLanes; ++l) {
         const std::uint32_t code =
             i + l < b.count ? run.curvatures[firstCode + static_cast<std::uint32_t>(i + l)] : 0;
-        decodeBend(pass, run, code, l, codes);
+        decodeBend(pass, code, l, codes);
         any |= code;
     }
     if (any == 0) return store(s.bent + i, all(0));
     const FloatW x = p.x, y = -p.y, z = -p.z;
-    const Bend e = bendOf(pass, p.cloudX, p.cloudY, p.cloudZ, x, y, z, codes);
+    const Bend e = bendOf(pass, p.cloudX, p.cloudY, p.cloudZ, x, y, z, codes, all(bendsPerUnit(run)));
     const IntW anySide = run.oriented ? twoSided(b, i) : all(-1);
     const FloatW turn = (p.m > 0.0f) & anySide ? all(-1.0f) : all(1.0f);
     const FloatW per = (share * p.unitsPerPx) * turn;

@@ -74,6 +74,15 @@ inline constexpr int wideLanes = 8;
 inline constexpr int wideLanes = 4;
 #endif
 
+/// Lanes are 0 or -1.
+template <int lanes>
+inline bool anyOf(Int<lanes> mask) {
+#if SCANCAST_SIMD_LEVEL >= 3
+    if constexpr (lanes == 8) return __builtin_ia32_movmskps256(reinterpret_cast<Float<8>>(mask)) != 0;
+#endif
+    if constexpr (lanes == 4) return __builtin_ia32_movmskps(reinterpret_cast<Float<4>>(mask)) != 0;
+}
+
 /// 0, 1, 2 …
 template <int lanes>
 inline Float<lanes> laneNumbers() {

@@ -65,6 +65,8 @@ bool drawsFrontOnly(const PassList& passes) {
 int screenMargin(const PassList& passes) {
     int margin = 0;
     for (const auto& pass : passes) {
+        if (const auto* resolve = std::get_if<ResolvePass>(&pass); resolve && resolve->smooth)
+            margin = std::max(margin, 1);
         if (const auto* eyeDome = std::get_if<EyeDomePass>(&pass)) {
             margin = std::max(margin, static_cast<int>(eyeDome->radiusPx) + 2);
         }
@@ -258,7 +260,8 @@ Expected<std::shared_ptr<const PlannedView>> plan(const Cloud& cloud, const View
     planned->filter = sampleFilter(cloud, view.style);
     const double detail = view.quality.detail.value_or(method->defaultDetail);
     planned->passes = method->passes({*method, chosen->parameters, chosen->shading, traits(cloud), detail,
-                                      chosen->light, view.height, style.color == ColorSource::Visibility});
+                                      chosen->light, view.height, style.color == ColorSource::Visibility,
+                                      view.quality.samples.value_or(defaultSamples)});
     if (auto ok = checkPasses(cloud, planned->passes); !ok) return passOn(ok);
     planned->curvatures = hasCurvature(cloud) && looksAtCurvatures(planned->passes, planned->color);
     planned->selection = selectionFor(cloud, view, detail, planned->passes);

@@ -112,6 +112,9 @@ struct ResolvePass {
     bool normals = false;
     /// Normals that are looked up turn with the place on the surfel (docs/spec/surfels.md §12).
     bool curved = false;
+    /// Paraboloids whose keys name samples: colours are blended across the border of two cells by how much of the pixel
+    /// lies beyond it (docs/spec/sprites.md §9). Depth and normal stay the nearest's.
+    bool smooth = false;
 };
 
 /// screen: two-sided Blinn-Phong by the plane of normals; docs/spec/shading.md §2. Pixels without a normal

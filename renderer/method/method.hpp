@@ -51,8 +51,9 @@ struct PassRequest {
     CloudTraits cloud{};
     double detail = 1;  ///< τ that the picture is selected with, px
     LightRig light{};
-    int height = 720;         ///< of the whole picture, px
-    bool visibility = false;  ///< the picture is of what hidden point removal finds (`color=visibility`)
+    int height = 720;              ///< of the whole picture, px
+    bool visibility = false;       ///< the picture is of what hidden point removal finds (`color=visibility`)
+    int samples = defaultSamples;  ///< a pixel: frames that are averaged
 };
 
 struct Method {

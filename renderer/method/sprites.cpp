@@ -34,6 +34,12 @@ Parameter gainParameter() {
         "surfaces, 0 gives a flat point.");
 }
 
+Parameter smoothParameter() {
+    return booleanParameter("smooth", false,
+                            "Blends neighbours across their border where a picture has one sample a pixel: "
+                            "calmer while the camera moves.");
+}
+
 Parameter footprintParameter() {
     return choiceParameter("footprint", {"circle", "square"},
                            "Outline of a point on screen; squares close larger holes.");
@@ -55,6 +61,10 @@ namespace {
 /// Every sprite is one `nearest`, its resolve, and what the shading adds.
 PassList spritePasses(NearestPass nearest, const PassRequest& request) {
     ResolvePass resolve;
+    // Several samples a pixel do so by themselves, and more exactly; both together would blur.
+    if (const auto smooth = request.values.find("smooth"); smooth != request.values.end())
+        resolve.smooth = std::get<bool>(smooth->second) && request.samples == 1;
+    if (resolve.smooth) nearest.payload = Payload::Sample;
     if (request.shading == Shading::Phong) {
         nearest.payload = Payload::Sample;
         resolve.normals = true;
@@ -96,6 +106,7 @@ Method sprite(std::string name, std::string title, std::string summary) {
     if constexpr (profile == Profile::Paraboloid || profile == Profile::Cone) {
         m.parameters.push_back(footprintParameter());
     }
+    if constexpr (profile == Profile::Paraboloid) m.parameters.push_back(smoothParameter());
     return m;
 }
 

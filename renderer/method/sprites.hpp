@@ -15,6 +15,7 @@
 //                                                is the paper's picture, with unequal ones a large sparse
 //                                                splat cannot break through a dense surface. The listing's
 //                                                vRadius is a diameter: hence gain 2.
+//   (not in the paper)                           ResolvePass::smooth; docs/spec/sprites.md §9
 //   §V: no early depth test                      does not hold here: no fragment lies in front of its centre,
 //                                                so a device may skip splats that lie wholly behind what it
 //                                                has drawn.

@@ -5,7 +5,7 @@
 //   bench_stability [--cloud town:2000000|FILE]... [--method A,B,…] [--detail D,…] [--motion
 //   orbit,zoom,parallel]
 //                   [--distance 1,0.2,…] [--steps N] [--no-brute-force] [--threads N] [--samples N,…]
-//                   [--shading unlit|phong|eyedome] [--param NAME=NUMBER]…
+//                   [--shading unlit|phong|eyedome] [--param NAME=NUMBER|true|false]…
 //
 // With --samples 16 what is measured is the motion itself: points move by parts of a pixel, and what they show
 // with them, however well that is drawn.
@@ -50,7 +50,12 @@ void addParameter(const std::string& word, ParameterValues& parameters) {
         std::fprintf(stderr, "bench_stability: %s gives no value; example: --param gain=2\n", word.c_str());
         std::exit(2);
     }
-    parameters[word.substr(0, equals)] = std::atof(word.c_str() + equals + 1);
+    const std::string value = word.substr(equals + 1);
+    ParameterValue& parameter = parameters[word.substr(0, equals)];
+    if (value == "true" || value == "false")
+        parameter = value == "true";
+    else
+        parameter = std::atof(value.c_str());
 }
 
 Settings parse(int argc, char** argv) {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "renderer/cloud/curvature.hpp"
 #include "renderer/cloud/surfel_codec.hpp"
@@ -56,7 +57,34 @@ void emptySums(const KeyTile& tile, int planes, TileMemory& memory) {
     }
 }
 
+Owners movedBy(const Owners& first, std::ptrdiff_t right, std::ptrdiff_t down) {
+    Owners o = first;
+    const std::ptrdiff_t at = down * o.stride + right;
+    o.places += at;
+    o.halves += at;
+    o.orders += at;
+    o.colors += at;
+    return o;
+}
+
 }  // namespace
+
+Owners OwnerMemory::around(const Rect& area) {
+    // Kernels read whole registers, beyond a row's end, too.
+    constexpr int widest = 16;
+    const int stride = area.width() + 2, rows = area.height() + 2;
+    const std::size_t size = static_cast<std::size_t>(stride) * static_cast<std::size_t>(rows) + widest;
+    const Owners first{grown(places, size), grown(halves, size), grown(orders, size), grown(colors, size),
+                       stride};
+    constexpr float background = std::numeric_limits<float>::infinity();
+    std::fill_n(first.orders, stride, background);
+    std::fill_n(first.orders + std::ptrdiff_t{rows - 1} * stride, stride + widest, background);
+    for (int y = 1; y < rows - 1; ++y) {
+        float* const row = first.orders + std::ptrdiff_t{y} * stride;
+        row[0] = row[stride - 1] = background;
+    }
+    return movedBy(first, 1, 1);
+}
 
 Layer::Layer(const Drawing& drawing, const CutView& view, const LayerView& layerView,
              const FramePasses& passes, const Kernels& kernels, const Workers& workers,
@@ -105,7 +133,9 @@ void Layer::prepareRuns(const Drawing& drawing, const CutView& view) {
 }
 
 void Layer::listSamples() {
-    for (const PreparedRun& prepared : runs_) byOrdinal_.push_back(prepared.run);
+    // Who shows in a pixel is asked of sprites, which have one splat pass.
+    for (const PreparedRun& prepared : runs_)
+        byOrdinal_.emplace_back(prepared.run).sizeFactor = prepared.sizes.front().sizeFactor;
     std::ranges::sort(byOrdinal_, {}, &SplatRun::firstOrdinal);
     const std::uint64_t end =
         byOrdinal_.empty() ? 0 : std::uint64_t{byOrdinal_.back().firstOrdinal} + byOrdinal_.back().count;
@@ -156,7 +186,8 @@ void Layer::drawRuns(const Tile& tile, std::size_t index, const SplatPass& pass,
     }
 }
 
-void Layer::drawTile(const Tile& tile, std::span<const SplatPass> passes, const Planes& planes) {
+void Layer::drawTile(const Tile& tile, std::span<const SplatPass> passes, const Planes& planes,
+                     const Owners& owners) {
     TileMemory& memory = *memories_[Workers::index()];
     const KeyTile empty = emptyTile(tile.area);
     grown(memory.keys, static_cast<std::size_t>(empty.planeSize + unusedKeys) * 3);
@@ -201,12 +232,12 @@ void Layer::drawTile(const Tile& tile, std::span<const SplatPass> passes, const 
         drawRuns(tile, i, passes[i], target, memory);
         spend(i);
     }
-    resolveTile(nearest, colors, passes.back(), memory, planes);
+    resolveTile(nearest, colors, passes.back(), memory, planes, owners);
     spend(passes.size());
 }
 
 void Layer::resolveTile(const KeyTile& nearest, const KeyTile& colors, const SplatPass& pass,
-                        const TileMemory& memory, const Planes& planes) {
+                        const TileMemory& memory, const Planes& planes, const Owners& owners) {
     PixelTile pixels;
     pixels.stride = planes.area.width();
     const std::ptrdiff_t offset = planes.at(nearest.x, nearest.y);
@@ -215,6 +246,8 @@ void Layer::resolveTile(const KeyTile& nearest, const KeyTile& colors, const Spl
     const bool normals = passes_.resolve.normals && planes.normals != nullptr;
     pixels.normals = normals ? planes.normals + offset : nullptr;
     pixels.background = background_.data() + (nearest.y - area_.y0);
+    if (owners.places != nullptr)
+        pixels.owners = movedBy(owners, nearest.x - planes.area.x0, nearest.y - planes.area.y0);
     if (passes_.bySample()) {
         kernels_.resolveSamples(pass, samples_, colors, pixels);
     } else {
@@ -230,13 +263,31 @@ void Layer::resolveTile(const KeyTile& nearest, const KeyTile& colors, const Spl
     kernels_.resolveSums(colors, wide, pixels);
 }
 
+void Layer::smooth(const SplatPass& pass, const Planes& planes, const Owners& owners) const {
+    Smoothing whole;
+    whole.perspective = pass.perspective;
+    whole.square = pass.shape == SplatShape::ParaboloidSquare;
+    whole.bulge = pass.gain * pass.radiusPerPixel;
+    whole.stride = whole.width = planes.area.width();
+    workers_.overRows(planes.area.height(), [&](int y0, int y1) {
+        Smoothing rows = whole;
+        rows.owners = movedBy(owners, 0, y0);
+        rows.rgba = planes.rgba + static_cast<std::ptrdiff_t>(y0) * whole.stride;
+        rows.height = y1 - y0;
+        kernels_.smooth(rows);
+    });
+}
+
 void Layer::draw(const glm::dvec2& jitter, const Planes& planes, FrameStats& stats) {
     std::vector<SplatPass> passes = splats_;
     for (SplatPass& pass : passes) pass = jittered(pass, layerView_, jitter);
     for (auto& time : spent_) time = 0;
     const auto start = Clock::now();
-    workers_.inParallel(static_cast<int>(tiles_.size()),
-                        [&](int i) { drawTile(tiles_[static_cast<std::size_t>(i)], passes, planes); });
+    Owners owners;
+    if (passes_.resolve.smooth && planes.owners != nullptr) owners = planes.owners->around(planes.area);
+    workers_.inParallel(static_cast<int>(tiles_.size()), [&](int i) {
+        drawTile(tiles_[static_cast<std::size_t>(i)], passes, planes, owners);
+    });
     // All passes run side by side: the time that passed is shared out by what the threads spent on each.
     const double passed = millisecondsSince(start);
     std::int64_t all = 0;
@@ -245,6 +296,10 @@ void Layer::draw(const glm::dvec2& jitter, const Planes& planes, FrameStats& sta
         stats.add(i < passes.size() ? nameOf(passes[i]) : "resolve",
                   passed * double(spent_[i]) / double(std::max<std::int64_t>(1, all)));
     }
+    if (owners.places == nullptr || workers_.stopped()) return;
+    const auto smoothing = Clock::now();
+    smooth(passes.front(), planes, owners);
+    stats.add("smooth", millisecondsSince(smoothing));
 }
 
 }  // namespace scancast::cpu

@@ -24,12 +24,21 @@ struct TileMemory {
 /// One per thread.
 using TileMemories = std::vector<std::unique_ptr<TileMemory>>;
 
+/// What a layer needs to smooth the borders of paraboloids, besides what it draws into. Grows to the largest layer and stays.
+struct OwnerMemory {
+    std::vector<std::uint32_t> places, colors;
+    std::vector<float> halves, orders;
+    /// Planes of an area, with a border of background around it; at its first pixel.
+    Owners around(const Rect& area);
+};
+
 /// Pixels in memory: `area` of the whole picture, row by row.
 struct Planes {
     Rect area;
     std::uint32_t* rgba = nullptr;
     float* depth = nullptr;            ///< may be null
     std::uint32_t* normals = nullptr;  ///< may be null
+    OwnerMemory* owners = nullptr;     ///< null: no borders are smoothed
     std::ptrdiff_t at(int x, int y) const {
         return static_cast<std::ptrdiff_t>(y - area.y0) * area.width() + (x - area.x0);
     }
@@ -41,19 +50,21 @@ class Layer {
     Layer(const Drawing& drawing, const CutView& view, const LayerView& layerView, const FramePasses& passes,
           const Kernels& kernels, const Workers& workers, TileMemories& memories, const Rect& area);
     /// Splats and resolves one frame; `planes` cover the layer's area. Adds to the stages "nearest", "sum",
-    /// "cell" and "resolve".
+    /// "cell", "resolve" and "smooth".
     void draw(const glm::dvec2& jitter, const Planes& planes, FrameStats& stats);
 
   private:
     void prepareRuns(const Drawing& drawing, const CutView& view);
     void listSamples();
-    void drawTile(const Tile& tile, std::span<const SplatPass> passes, const Planes& planes);
+    void drawTile(const Tile& tile, std::span<const SplatPass> passes, const Planes& planes,
+                  const Owners& owners);
     void drawRuns(const Tile& tile, std::size_t index, const SplatPass& pass, const KeyTile& target,
                   TileMemory& memory);
     void splatRun(const PreparedRun& prepared, SplatRun slice, const SplatPass& pass, const KeyTile& target,
                   TileMemory& memory);
     void resolveTile(const KeyTile& nearest, const KeyTile& colors, const SplatPass& pass,
-                     const TileMemory& memory, const Planes& planes);
+                     const TileMemory& memory, const Planes& planes, const Owners& owners);
+    void smooth(const SplatPass& pass, const Planes& planes, const Owners& owners) const;
 
     const LayerView layerView_;
     const FramePasses& passes_;

@@ -35,6 +35,7 @@ void MirrorLayer::draw(const glm::dvec2& jitter, const Planes& picture) {
     planes.rgba = grown(memory_.rgba, pixels);
     planes.depth = grown(memory_.depth, pixels);
     if (passes_.resolve.normals) planes.normals = grown(memory_.normals, pixels);
+    if (passes_.resolve.smooth) planes.owners = &memory_.owners;
     FrameStats own;  // its stages are the picture's one stage "mirrors"
     layer_->draw(jitter, planes, own);
     layOver(jitter, planes, picture, kernels_.lookThrough);

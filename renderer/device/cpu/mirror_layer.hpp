@@ -16,6 +16,7 @@ namespace scancast::cpu {
 struct LayerMemory {
     std::vector<std::uint32_t> rgba, normals;
     std::vector<float> depth;
+    OwnerMemory owners;
 };
 
 class MirrorLayer {

@@ -41,13 +41,14 @@ Planes Picture::framePlanes(std::uint32_t* out, bool first, Frame& frame) {
     planes.area = area_;
     const std::size_t pixels = pixelsOf(area_);
     if (passes_.normals()) planes.normals = grown(buffers_.frame.normals, pixels);
+    if (passes_.resolve.smooth) planes.owners = &buffers_.frame.owners;
     if (same(area_, window_)) {
         planes.rgba = out;
         planes.depth = first && drawing_.depth ? frame.depth.own().data() : nullptr;
     } else {
         planes.rgba = grown(buffers_.frame.rgba, pixels);
     }
-    const bool needed = !passes_.screen.empty() || !mirrors_.empty();
+    const bool needed = !passes_.screen.empty() || !mirrors_.empty() || !same(area_, window_);
     if (planes.depth == nullptr && needed) planes.depth = grown(buffers_.frame.depth, pixels);
     return planes;
 }

@@ -27,6 +27,13 @@ tl::unexpected<Error> unsupported(const char* reason) {
                                             " (renderer/device/pass.hpp).");
 }
 
+/// What shows is one paraboloid, of which the key tells which.
+bool smoothable(const FramePasses& p) {
+    const bool paraboloids = !ofSurfels(p.nearest) && p.nearest.footprint != Footprint::Pixel &&
+                             p.nearest.profile == Profile::Paraboloid;
+    return paraboloids && p.nearest.payload == Payload::Sample && !p.silhouette && !p.cell && !p.sum;
+}
+
 /// Empty where the passes fit each other.
 const char* whatIsWrong(const FramePasses& p) {
     if (p.sum && p.sum->footprint != p.nearest.footprint)
@@ -40,6 +47,8 @@ const char* whatIsWrong(const FramePasses& p) {
         return "sums of discs are blended between cells";
     if (p.silhouette && !ofSurfels(*p.silhouette)) return "silhouettes are of surfels";
     if (p.resolve.sums && !p.sum) return "there are no sums to resolve";
+    if (p.resolve.smooth && !smoothable(p))
+        return "borders are smoothed between paraboloids whose keys name samples";
     if (p.resolve.normals && !p.bySample() && !(p.resolve.sums && p.sum->normals))
         return "normals need keys that name samples";
     if (p.resolve.normals && p.resolve.sums && !p.sum->normals) return "the sums have no normals";
@@ -68,7 +77,7 @@ bool FramePasses::castsShadows() const {
 }
 
 int FramePasses::reach() const {
-    int reach = 0;
+    int reach = resolve.smooth ? 1 : 0;
     for (const Pass& pass : screen) {
         if (const auto* e = std::get_if<EyeDomePass>(&pass))
             reach = std::max(reach, static_cast<int>(std::ceil(std::clamp(e->radiusPx, 0.0f, 64.0f))));

@@ -38,7 +38,7 @@ struct FramePasses {
     bool castsShadows() const;
     /// Normals are needed by a later pass.
     bool normals() const { return resolve.normals || makesNormals(); }
-    /// Pixels around the window that screen passes look at, as far as there is a picture …
+    /// Pixels around the window that screen passes and smoothed borders look at, as far as there is a picture …
     int reach() const;
     /// … and those that are drawn beyond its border, for passes that judge a pixel by what surrounds it.
     int guardBand() const;

@@ -94,6 +94,13 @@ struct SplatPass {
 /// Of a list: silhouette, nearest, cell, sum.
 inline constexpr int mostSplatPasses = 4;
 
+/// Where a pixel lies from its paraboloid's centre, on each axis: 16 bits of px · placeSteps + placeMiddle. No splat is larger than
+/// 256 px. Of borders that are smoothed, docs/spec/sprites.md §9.
+constexpr float placeSteps = 256, placeStep = 0.00390625f, placeMiddle = 32768, lastPlace = 65535;
+static_assert(placeStep * placeSteps == 1);
+/// What two paraboloids differ by is counted in the sum of their rises and in px; less than this is nothing.
+constexpr float leastRise = 1e-12f, leastSlope = 1e-6f;
+
 /// Where samples of a run are dropped: inside all planes, planes[i] · (x, y, z, 1) ≥ 0 of a sample's
 /// integers.
 struct DroppedRegion {

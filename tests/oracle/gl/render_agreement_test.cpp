@@ -57,6 +57,14 @@ void expectPicturesAgree(Device& gl, Device& cpu, const Cloud& cloud, const View
     }
 }
 
+/// Of paraboloids, one sample a pixel, borders smoothed.
+View smoothView(View view) {
+    view.style.method = "paraboloid";
+    view.style.parameters["smooth"] = true;
+    view.quality.samples = 1;
+    return view;
+}
+
 /// Calls work(view) for every method.
 template <class Work>
 void inEveryMethod(View view, const Work& work) {
@@ -112,7 +120,7 @@ TEST_P(ArithmeticAgreement, CorrectedQuotientsAndRootsGiveTheCpusBytes) {
         // That nothing is right by itself, one projection will show.
         if (!GetParam().agrees && projection == Projection::Orthographic) continue;
         const View from = sceneView(cloud, sceneViews("town")[0], projection, agreedWidth, agreedHeight);
-        inEveryMethod(from, [&](const View& view) {
+        const auto compare = [&](const View& view) {
             const auto a = render(**device, cloud, view), b = render(*cpu, cloud, view);
             ASSERT_TRUE(a && b);
             const Agreement agreement = agreementOf(*a, *b);
@@ -122,7 +130,9 @@ TEST_P(ArithmeticAgreement, CorrectedQuotientsAndRootsGiveTheCpusBytes) {
                     << agreement.changed << " pixels and " << agreement.changedDepth << " depths differ, "
                     << agreement.psnr << " dB";
             }
-        });
+        };
+        inEveryMethod(from, compare);
+        compare(smoothView(from));
     }
     if (!GetParam().agrees) {
         EXPECT_GT(others, 0u) << "pictures do not hang on quotients and roots, it seems";
@@ -199,6 +209,31 @@ TEST_P(ViewAgreement, Colours) {
     }
 }
 
+/// Every colour looks up whose cell it is another way, and mirrors are layers of their own.
+TEST_P(ViewAgreement, SmoothBorders) {
+    View v = smoothView(view());
+    for (const Projection projection : projections) {
+        const View from = view(projection);
+        v.camera = from.camera;
+        for (const Shading shading : {Shading::Unlit, Shading::Phong}) {
+            v.style.shading = shading;
+            v.quality.samples = 1;
+            check(v);
+            View hard = v;
+            hard.style.parameters["smooth"] = false;
+            EXPECT_NE(render(*cpu_, cloud_, hard)->rgba, render(*cpu_, cloud_, v)->rgba);
+            // Several samples a pixel smooth by themselves.
+            v.quality.samples = hard.quality.samples = 3;
+            EXPECT_EQ(render(*cpu_, cloud_, hard)->rgba, render(*cpu_, cloud_, v)->rgba);
+        }
+    }
+    v.quality.samples = 1;
+    for (const ColorSource color : {ColorSource::Elevation, ColorSource::Depth, ColorSource::Flat}) {
+        v.style.color = color;
+        check(v);
+    }
+}
+
 TEST_P(ViewAgreement, ClipAndClasses) {
     View from = view(Projection::Perspective, 1);
     from.style.clip = ClipBox{{-1.1, -1.2, 0.3}, {1.7, 1.9, 2}};
@@ -261,7 +296,7 @@ class AtOnce : public Device {
 /// in tiles, and where it must be, the cpu device's.
 TEST_P(ViewAgreement, OnePieceHasTheBytesOfItsTiles) {
     const RenderOptions options{.tileSide = 128};
-    inEveryMethod(view(), [&](const View& v) {
+    const auto compare = [&](const View& v) {
         AtOnce tiles(*device_, 0), piece(*device_, 1 << 20);
         const auto a = render(tiles, cloud_, v, options), b = render(piece, cloud_, v, options);
         ASSERT_TRUE(a) << a.error().message;
@@ -272,7 +307,9 @@ TEST_P(ViewAgreement, OnePieceHasTheBytesOfItsTiles) {
         EXPECT_EQ(a->rgba, b->rgba);
         EXPECT_EQ(a->depth, b->depth);
         expectPicturesAgree(piece, *cpu_, cloud_, v, options);
-    });
+    };
+    inEveryMethod(view(), compare);
+    compare(smoothView(view()));
 }
 
 /// Occlusion looks beyond a tile, and shadows come from far beyond. Oracle: as above.

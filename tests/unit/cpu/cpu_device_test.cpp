@@ -302,8 +302,14 @@ TEST_F(CpuDeviceTest, HostileNumbersNeverBecomeNaN) {
 TEST_F(CpuDeviceTest, RefusesPassListsThatItDoesNotKnow) {
     const AnalyticCloud cloud = one({0, 0, 0});
     Scene scene(view_, cloud.cut(), sprite(Footprint::Pixel, Profile::Flat, 1));
-    for (const PassList& list : {PassList{}, PassList{ResolvePass{}}, PassList{ResolvePass{}, NearestPass{}},
-                                 PassList{NearestPass{}, ResolvePass{}, EyeDomePass{}, EyeDomePass{}}}) {
+    ResolvePass smooth;
+    smooth.smooth = true;
+    NearestPass cones = sprite(Footprint::Circle, Profile::Cone, 5);
+    cones.payload = Payload::Sample;
+    for (const PassList& list :
+         {PassList{}, PassList{ResolvePass{}}, PassList{ResolvePass{}, NearestPass{}},
+          PassList{NearestPass{}, ResolvePass{}, EyeDomePass{}, EyeDomePass{}},
+          PassList{sprite(Footprint::Circle, Profile::Paraboloid, 5), smooth}, PassList{cones, smooth}}) {
         scene.drawing.passes = list;
         const auto frame = device_->draw(scene.drawing, {});
         ASSERT_FALSE(frame);

@@ -222,6 +222,42 @@ TEST(SameBytes, OfSurfelsHoweverTheCutIsDividedWholeOrInWindows) {
     }
 }
 
+TEST(SameBytes, OfSmoothedBordersOnAnyThreadsAndSimdLevelWholeOrInWindows) {
+    const AnalyticCloud cloud = mixedCloud();
+    std::vector<std::unique_ptr<Device>> devices;
+    devices.push_back(createCpuDevice(1).value());
+    for (const cpu::SimdLevel& level : cpu::simdLevels()) {
+        if (!level.available()) continue;
+        const SimdVariable forced(std::string(level.name).c_str());
+        for (const int threads : {1, 3}) devices.push_back(createCpuDevice(threads).value());
+    }
+    const Viewpoint views[] = {lookAt({0.4, -1.9, 0.6}, {0, 0, 0}, 233, 171),
+                               lookAtOrthographic({0.4, -1.9, 0.6}, {0, 0, 0}, 233, 171, 2.3)};
+    for (const Viewpoint& view : views) {
+        for (const float px : {0.0f, 0.5f, 3.3f, 30.0f}) {
+            NearestPass pass =
+                sprite(px == 3.3f ? Footprint::Square : Footprint::Circle, Profile::Paraboloid, px);
+            const Frame hard = mustDraw(*devices[0], Scene(view, cloud.cut(), pass).drawing);
+            pass.payload = Payload::Sample;
+            Scene scene(view, cloud.cut(), pass);
+            std::get<ResolvePass>(scene.passes[1]).smooth = true;
+            const Frame whole = mustDraw(*devices[0], scene.drawing);
+            EXPECT_NE(whole.rgba, hard.rgba) << px;
+            EXPECT_EQ(whole.depth, hard.depth) << px;
+            for (const auto& device : devices)
+                ASSERT_EQ(whole.rgba, mustDraw(*device, scene.drawing).rgba) << device->info().renderer;
+            for (const Window w : {Window{0, 0, 100, 60}, Window{100, 0, 133, 60}, Window{0, 60, 100, 111},
+                                   Window{100, 60, 133, 111}}) {
+                scene.drawing.window = w;
+                const Frame part = mustDraw(*devices.back(), scene.drawing);
+                for (int y = 0; y < w.height; ++y)
+                    for (int x = 0; x < w.width; ++x)
+                        ASSERT_EQ(pixel(part, x, y), pixel(whole, w.x + x, w.y + y)) << px;
+            }
+        }
+    }
+}
+
 TEST(SameBytes, WhateverWasDrawnBefore) {
     const AnalyticCloud cloud = mixedCloud();
     const auto device = createCpuDevice(2).value();

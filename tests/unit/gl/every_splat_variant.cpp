@@ -124,11 +124,14 @@ void addResolves(bool keys64, bool normals, Variants& variants) {
         pass.coloring = coloring;
         for (const bool curved : {false, true}) {
             pass.curved = curved;
-            variants.add(resolveSamplesVariant(pass, keys64, normals));
+            variants.add(resolveSamplesVariant(pass, keys64, normals, false));
         }
+        pass.curved = false;
+        variants.add(resolveSamplesVariant(pass, keys64, normals, true));
     }
     pass.byIntensity = true;
-    variants.add(resolveSamplesVariant(pass, keys64, normals));
+    for (const bool owners : {false, true})
+        variants.add(resolveSamplesVariant(pass, keys64, normals, owners));
     passes.sum.emplace().normals = normals;
     variants.add(resolveSumsVariant(passes, keys64, normals));
 }

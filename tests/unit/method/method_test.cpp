@@ -127,6 +127,27 @@ TEST(Methods, PassParametersOn) {
     EXPECT_EQ(nearest("cone", {}).gain, 2);
 }
 
+TEST(Methods, SmoothBordersOfParaboloidsWhereAPixelHasOneSample) {
+    const Method& m = method("paraboloid");
+    const auto listed = [&](bool smooth, int samples) {
+        const ParameterValues values = resolveParameters(m, {{"smooth", smooth}}).value();
+        PassRequest request{m, values};
+        request.samples = samples;
+        return m.passes(request);
+    };
+    const PassList smooth = listed(true, 1);
+    EXPECT_TRUE(std::get<ResolvePass>(smooth[1]).smooth);
+    EXPECT_EQ(std::get<NearestPass>(smooth[0]).payload, Payload::Sample) << "whose cell a pixel shows";
+    for (const auto& [wanted, samples] : {std::pair{false, 1}, {true, 2}, {true, 4}, {false, 4}}) {
+        const PassList list = listed(wanted, samples);
+        EXPECT_FALSE(std::get<ResolvePass>(list[1]).smooth) << samples;
+        EXPECT_EQ(std::get<NearestPass>(list[0]).payload, Payload::Color) << samples;
+    }
+    EXPECT_FALSE(std::get<bool>(resolveParameters(m, {}).value().at("smooth"))) << "not without being asked";
+    for (const char* other : {"cone", "sphere", "circle"})
+        EXPECT_FALSE(resolveParameters(method(other), {{"smooth", true}})) << other;
+}
+
 template <class P>
 const P* find(const PassList& list) {
     for (const Pass& pass : list) {

@@ -11,7 +11,7 @@
 #include "renderer/device/cpu/kernels/resolve.hpp"
 #include "renderer/device/cpu/kernels/screen.hpp"
 #include "renderer/device/cpu/kernels/shade.hpp"
-#include "renderer/device/cpu/kernels/shadow.hpp"
+#include "renderer/device/cpu/kernels/smooth.hpp"
 #include "renderer/device/cpu/kernels/splat.hpp"
 #include "renderer/device/cpu/kernels/splat_sums.hpp"
 #include "renderer/device/cpu/kernels/surfels.hpp"
@@ -67,6 +67,7 @@ const Kernels kernels = {
     .resolve = resolve,
     .resolveSamples = resolveSamples,
     .resolveSums = resolveSums,
+    .smooth = smooth,
     .phong = phong,
     .shadow = shadow,
     .logDepth = logDepth,

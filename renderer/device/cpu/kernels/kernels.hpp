@@ -82,6 +82,28 @@ inline constexpr int unusedKeys = 64;
 /// Larger splats are clipped row by row.
 inline constexpr float guardPx = 8;
 
+/// Whose paraboloid each pixel shows (docs/spec/sprites.md §9); planes with the same geometry.
+struct Owners {
+    std::uint32_t* places = nullptr;  ///< x | y << 16, as placeSteps counts
+    float* halves = nullptr;          ///< half the splat's size, px
+    float* orders = nullptr;          ///< +infinity = background
+    std::uint32_t* colors = nullptr;
+    std::int32_t stride = 0;  ///< pixels per row
+};
+
+/// Smooths the borders of some rows. Every pixel has its four neighbours in `owners`, and as many more at a row's end as are
+/// read at once.
+struct Smoothing {
+    Owners owners;  ///< places of the first row's first pixel
+    bool perspective = true;
+    bool square = false;  ///< what splats cover
+    float bulge =
+        0;  ///< how far the border lies behind the centre, over half a splat's size in px (and over depth)
+    std::uint32_t* rgba = nullptr;
+    std::int32_t stride = 0;
+    std::int32_t width = 0, height = 0;
+};
+
 /// Where resolved pixels go: place of its first pixel, and background per row of the tile.
 struct PixelTile {
     std::uint32_t* rgba = nullptr;
@@ -89,6 +111,7 @@ struct PixelTile {
     std::uint32_t* normals = nullptr;           ///< as normal_plane.hpp packs them; null: not wanted
     std::int32_t stride = 0;                    ///< pixels per row
     const std::uint32_t* background = nullptr;  ///< one rgba per row
+    Owners owners;                              ///< null: not wanted
 };
 
 /// From an ordinal to its sample: the runs by ordinal, and for every 2^shift ordinals where to begin to look.
@@ -173,6 +196,7 @@ struct Kernels {
     /// Means instead of what is there, wherever there is a key and Σw > 0. `wide`: sums that were emptied
     /// before, in planes like the tile's, or null.
     void (*resolveSums)(const KeyTile&, const std::int64_t* wide, const PixelTile&);
+    void (*smooth)(const Smoothing&);
     void (*phong)(const Phong&);
     void (*shadow)(const Shadow&);
     void (*logDepth)(const float* depth, float* out, int count);

@@ -61,10 +61,66 @@ struct SamplePlaces {
 struct alignas(64) ResolvedPixels {
     std::uint32_t rgba[wideLanes], normals[wideLanes];
     float depth[wideLanes];
-    /// Where normals turn: of the samples seen, and 0 where they do not.
-    std::uint32_t xy[wideLanes], zi[wideLanes], curvatures[wideLanes], firstOrdinals[wideLanes];
-    bool bent = false;  ///< any of them
+    /// Where samples' places are asked for: of the samples seen.
+    std::uint32_t xy[wideLanes], zi[wideLanes], firstOrdinals[wideLanes];
+    std::uint32_t curvatures[wideLanes];  ///< where normals turn, and 0 where they do not
+    bool bent = false;                    ///< any of them
+    float radii[wideLanes];               ///< where borders are smoothed; 0 = unknown
 };
+
+/// Samples' places: px from the view axis, right and down (times depth in perspective), and depths.
+struct Centres {
+    FloatW across, down, depth;
+};
+
+/// work(run, lanes, centres) for each run of the samples seen in these lanes; most are of one run or two.
+template <class Work>
+inline void inEachRun(const SamplePlaces& places, const ResolvedPixels& p, IntW left, const Work& work) {
+    const IntW xy = load<IntW>(p.xy), ordinals = load<IntW>(p.firstOrdinals);
+    const FloatW sx = toFloat(xy & 0xffff), sy = toFloat((xy >> 16) & 0xffff);
+    const FloatW sz = toFloat(load<IntW>(p.zi) & 0xffff);
+    for (int i = 0; i < wideLanes; ++i) {
+        if (left[i] == 0) continue;
+        const SplatRun& run = *places.runs[i];
+        const IntW here = left & (ordinals == static_cast<std::int32_t>(run.firstOrdinal));
+        const auto& m = run.toPicture;
+        work(run, here,
+             Centres{m[0][0] * sx + (m[0][1] * sy + (m[0][2] * sz + m[0][3])),
+                     m[1][0] * sx + (m[1][1] * sy + (m[1][2] * sz + m[1][3])),
+                     m[2][0] * sx + (m[2][1] * sy + (m[2][2] * sz + m[2][3]))});
+        left &= ~here;
+        if (!anyOf<wideLanes>(left)) break;
+    }
+}
+
+/// In the codes of Owners.
+inline IntW placeCodes(FloatW away) {
+    const FloatW code = away * placeSteps + (placeMiddle + 0.5f);
+    return toInt(smaller(larger(code, all(0.0f)), all(lastPlace)));
+}
+
+/// Whose sprites pixels of a row of the picture show, placed and sized as place() of project.hpp does it.
+inline void storeOwners(const SplatPass& pass, const SamplePlaces& places, const ResolvedPixels& p,
+                        std::int32_t px, std::int32_t py, const Owners& out, std::int64_t at, int lanes) {
+    const FloatW depth = load<FloatW>(p.depth), radii = load<FloatW>(p.radii);
+    const FloatW column = toFloat(toInt(laneNumbers<wideLanes>()) + px) + 0.5f;
+    const float row = static_cast<float>(py) + 0.5f;
+    IntW codes = all(0);
+    FloatW halves = all(0.0f);
+    inEachRun(places, p, depth < __builtin_inff(), [&](const SplatRun& run, IntW here, const Centres& c) {
+        const FloatW inverse = pass.perspective ? 1.0f / c.depth : all(1.0f);
+        const FloatW x = pass.centerX + c.across * inverse, y = pass.centerY + c.down * inverse;
+        const FloatW ratio = radii > 0.0f ? radii * run.ratioUnit : all(1.0f);
+        const FloatW wanted = (run.sizeFactor * ratio) * inverse;
+        const FloatW size = smaller(larger(wanted, all(pass.minPx)), all(pass.maxPx));
+        halves = here ? 0.5f * size : halves;
+        codes = here ? placeCodes(column - x) | placeCodes(row - y) << 16 : codes;
+    });
+    storeSome(out.places + at, codes, lanes);
+    storeSome(out.halves + at, halves, lanes);
+    storeSome(out.orders + at, depth, lanes);
+    storeSome(out.colors + at, load<IntW>(p.rgba), lanes);
+}
 
 /// From samples' centres to the places that are seen, in view space, cloud units; and how the surface bends there.
 struct BentPlaces {
@@ -72,7 +128,7 @@ struct BentPlaces {
     BendCodes bends;
 };
 
-/// Pixels of a row of the picture, whose depths are known. Most show samples of one run or two.
+/// Pixels of a row of the picture, whose depths are known.
 inline BentPlaces bentPlaces(const SplatPass& pass, const SamplePlaces& places, const ResolvedPixels& p,
                              std::int32_t px, std::int32_t py) {
     BentPlaces out{};
@@ -82,25 +138,13 @@ inline BentPlaces bentPlaces(const SplatPass& pass, const SamplePlaces& places, 
     const FloatW dy = all((static_cast<float>(py) + 0.5f) - pass.centerY);
     const FloatW right = dx * spread, below = dy * spread;
     const float unitsPerPx = 1.0f / pass.pixelsPerUnit;
-    const IntW xy = load<IntW>(p.xy), ordinals = load<IntW>(p.firstOrdinals);
-    const FloatW sx = toFloat(xy & 0xffff), sy = toFloat((xy >> 16) & 0xffff);
-    const FloatW sz = toFloat(load<IntW>(p.zi) & 0xffff);
-    IntW left = load<IntW>(p.curvatures) != 0;
-    for (int i = 0; i < wideLanes; ++i) {
-        if (left[i] == 0) continue;
-        const SplatRun& run = *places.runs[i];
-        const IntW here = left & (ordinals == static_cast<std::int32_t>(run.firstOrdinal));
-        const auto& m = run.toPicture;
-        const FloatW across = m[0][0] * sx + (m[0][1] * sy + (m[0][2] * sz + m[0][3]));
-        const FloatW down = m[1][0] * sx + (m[1][1] * sy + (m[1][2] * sz + m[1][3]));
-        const FloatW away = m[2][0] * sx + (m[2][1] * sy + (m[2][2] * sz + m[2][3]));
-        out.awayX = here ? (right - across) * unitsPerPx : out.awayX;
-        out.awayY = here ? (down - below) * unitsPerPx : out.awayY;
-        out.awayZ = here ? away - depth : out.awayZ;
-        out.perUnit = here ? all(bendsPerUnit(run)) : out.perUnit;
-        left &= ~here;
-        if (!anyOf<wideLanes>(left)) break;
-    }
+    inEachRun(places, p, load<IntW>(p.curvatures) != 0,
+              [&](const SplatRun& run, IntW here, const Centres& c) {
+                  out.awayX = here ? (right - c.across) * unitsPerPx : out.awayX;
+                  out.awayY = here ? (c.down - below) * unitsPerPx : out.awayY;
+                  out.awayZ = here ? c.depth - depth : out.awayZ;
+                  out.perUnit = here ? all(bendsPerUnit(run)) : out.perUnit;
+              });
     return out;
 }
 
@@ -148,7 +192,7 @@ inline void findSamples(const SplatPass& pass, const SampleTable& table, const K
 }
 
 inline void lookUp(const SplatPass& pass, const SamplePlaces& places, const Key* depths,
-                   std::uint32_t background, int lanes, ResolvedPixels& out) {
+                   std::uint32_t background, bool owners, int lanes, ResolvedPixels& out) {
     for (int i = 0; i < lanes; ++i) {
         out.rgba[i] = background;
         out.depth[i] = __builtin_inff();
@@ -161,11 +205,13 @@ inline void lookUp(const SplatPass& pass, const SamplePlaces& places, const Key*
         const std::uint32_t curvature = run.curvatures != nullptr ? run.curvatures[places.at[i]] : 0;
         out.rgba[i] = sampleColor(pass, run, words, curvature, out.depth[i]) | 0xff000000u;
         out.normals[i] = words[3] & 0xffff;
-        if (!pass.curved) continue;
+        if (!pass.curved && !owners) continue;
         out.xy[i] = words[0];
         out.zi[i] = words[1];
-        out.curvatures[i] = curvature;
         out.firstOrdinals[i] = run.firstOrdinal;
+        out.radii[i] = pass.radii != nullptr ? pass.radii[(words[3] >> 16) & 255] : 0.0f;
+        if (!pass.curved) continue;
+        out.curvatures[i] = curvature;
         out.bent |= curvature != 0;
     }
 }
@@ -173,6 +219,7 @@ inline void lookUp(const SplatPass& pass, const SamplePlaces& places, const Key*
 void resolveSamples(const SplatPass& pass, const SampleTable& table, const KeyTile& tile,
                     const PixelTile& out) {
     const Key* const depths = tile.visible != nullptr ? tile.visible : tile.keys;
+    const bool owners = out.owners.places != nullptr;
     const auto lanesAt = [&](int x) { return tile.width - x < wideLanes ? tile.width - x : wideLanes; };
     SamplePlaces places[2];
     for (int y = 0; y < tile.height; ++y) {
@@ -185,7 +232,7 @@ void resolveSamples(const SplatPass& pass, const SampleTable& table, const KeyTi
                             places[turn ^ 1]);
             const int lanes = lanesAt(x);
             ResolvedPixels p{};
-            lookUp(pass, places[turn], depths + row + x, out.background[y], lanes, p);
+            lookUp(pass, places[turn], depths + row + x, out.background[y], owners, lanes, p);
             storeSome(out.rgba + first + x, load<IntW>(p.rgba), lanes);
             if (out.depth != nullptr) storeSome(out.depth + first + x, load<FloatW>(p.depth), lanes);
             if (out.normals != nullptr)
@@ -193,6 +240,9 @@ void resolveSamples(const SplatPass& pass, const SampleTable& table, const KeyTi
                           p.bent ? bentNormalCodes(pass, places[turn], p, tile.x + x, tile.y + y)
                                  : viewNormalCodes(pass, p),
                           lanes);
+            if (owners)
+                storeOwners(pass, places[turn], p, tile.x + x, tile.y + y, out.owners,
+                            std::int64_t{y} * out.owners.stride + x, lanes);
         }
     }
 }

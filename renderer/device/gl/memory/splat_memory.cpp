@@ -37,6 +37,9 @@ SplatMemory::SplatMemory(const GlFunctions& gl, const SplatLimits& limits)
       cells{{gl, "cell keys", keyWords(limits)}, {gl, "cell payloads", 1}},
       silhouette(gl, "silhouette", 1),
       sums(gl, "sums"),
+      places(gl, "places of sprites"),
+      halves(gl, "sizes of sprites"),
+      smoothed(gl, "smoothed colours"),
       limits_(limits) {}
 
 std::size_t SplatMemory::mostPixels(const FramePasses& passes) const {
@@ -47,6 +50,13 @@ std::size_t SplatMemory::mostPixels(const FramePasses& passes) const {
 Expected<void> SplatMemory::reserve(KeyPlane& plane, std::size_t pixels) {
     if (auto made = plane.keys.reserve(pixels); !made || limits_.keys64) return made;
     return plane.payloads.reserve(pixels);
+}
+
+Expected<void> SplatMemory::reserveOwners(std::size_t pixels) {
+    for (Buffer* const buffer : {&places, &halves, &smoothed}) {
+        if (auto ok = buffer->reserve(pixels * 4); !ok) return ok;
+    }
+    return {};
 }
 
 Expected<void> SplatMemory::reserve(const FramePasses& passes, std::size_t pixels) {

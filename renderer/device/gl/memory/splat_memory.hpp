@@ -47,10 +47,14 @@ class SplatMemory {
     std::size_t mostPixels(const FramePasses& passes) const;
     /// Makes room. ResourceLimit.
     Expected<void> reserve(const FramePasses& passes, std::size_t pixels);
+    /// Room to smooth the borders of as many pixels. ResourceLimit.
+    Expected<void> reserveOwners(std::size_t pixels);
 
     KeyPlane nearest, cells;
     PixelPlane silhouette;  ///< orders
     Buffer sums;            ///< shaders/sums.glsl
+    /// Whose paraboloid each pixel of a layer shows (shaders/owners.glsl), and its colours once borders are smoothed.
+    Buffer places, halves, smoothed;
 
   private:
     Expected<void> reserve(KeyPlane& plane, std::size_t pixels);

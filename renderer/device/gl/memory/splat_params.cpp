@@ -44,7 +44,15 @@ ResolveParams resolveParams(const SplatPass& n, ivec4 area, ivec4 planes, int ba
     p.ramp = {n.colorLow, n.colorScale, n.intensityLow, n.intensityScale};
     p.look.z = static_cast<std::uint32_t>(backgroundRow);
     p.view = {n.centerX, n.centerY, 1.0f / n.pixelsPerUnit, n.perspective ? 1.0f : 0.0f};
+    p.sprite = {n.minPx, n.maxPx, n.ownRadii ? 1.0f : 0.0f, 0};
     setRotation(n, p.rotation);
+    return p;
+}
+
+SmoothParams smoothParams(const SplatPass& n, ivec4 planes) {
+    SmoothParams p{};
+    p.size = {planes.z, planes.w, n.perspective, n.shape == SplatShape::ParaboloidSquare};
+    p.bulge.x = n.gain * n.radiusPerPixel;
     return p;
 }
 

@@ -16,6 +16,7 @@ namespace scancast::gl {
 SplatParams splatParams(const SplatPass& numbers, ivec4 area, std::size_t index, bool byClass);
 /// Rows of background begin `firstRow` rows above the area.
 ResolveParams resolveParams(const SplatPass& numbers, ivec4 area, ivec4 planes, int backgroundRow);
+SmoothParams smoothParams(const SplatPass& numbers, ivec4 planes);
 
 /// What samples look up (shaders/splat_tables.glsl), and the runs that refer to it.
 struct SplatTables {

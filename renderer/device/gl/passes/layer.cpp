@@ -243,13 +243,19 @@ Expected<void> Layer::resolveKeys(const ResolveParams& params, const GpuPlanes& 
 Expected<void> Layer::resolveSamples(ResolveParams params, const GpuPlanes& planes, bool normals,
                                      const std::stop_token& stop) {
     namespace at = binding::resolveSamples;
-    const ShaderVariant variant = resolveSamplesVariant(splats_.front(), traits_.limits.keys64, normals);
+    const bool owners = passes_.resolve.smooth;
+    const ShaderVariant variant =
+        resolveSamplesVariant(splats_.front(), traits_.limits.keys64, normals, owners);
     parts_.tables.runs.bindStorage(binding::runs);
     parts_.tables.lookUps.bindStorage(binding::tables);
     bindColors();
     planes.rgba->bindStorage(at::rgba);
     planes.depth->bindStorage(at::depth);
     if (normals) planes.normals->bindStorage(at::normals);
+    if (owners) {
+        parts_.memory.places.bindStorage(at::places);
+        parts_.memory.halves.bindStorage(at::halves);
+    }
     const auto look = [&](const SampleBatch& batch) -> Expected<void> {
         if (auto ok = begin(batch); !ok) return ok;
         parts_.tables.extents.bindStorage(at::extents);
@@ -299,6 +305,22 @@ Expected<void> Layer::drawBand(ivec4 band, std::span<const SplatPass> splats, co
     return checkErrors(parts_.gl, "resolving splats");
 }
 
+/// Of the whole layer, since each pixel looks at its neighbours, whatever band and page they come from.
+Expected<void> Layer::smooth(const SplatPass& pass, const GpuPlanes& planes) {
+    namespace at = binding::smooth;
+    if (auto ok = parts_.screen.set(smoothParams(pass, planes.area)); !ok) return ok;
+    const SplatMemory& memory = parts_.memory;
+    memory.places.bindStorage(at::places);
+    memory.halves.bindStorage(at::halves);
+    planes.depth->bindStorage(at::depth);
+    planes.rgba->bindStorage(at::rgba);
+    memory.smoothed.bindStorage(at::smoothed);
+    if (auto ok = overPixels(planes.area, {"smooth.comp", {}}); !ok) return ok;
+    parts_.gl.CopyNamedBufferSubData(memory.smoothed.name(), planes.rgba->name(), 0, 0,
+                                     static_cast<GLsizeiptr>(planes.pixels() * 4));
+    return checkErrors(parts_.gl, "smoothing borders");
+}
+
 /// What the first pass would do when it is asked for, done before: the GPU need not wait for it within a
 /// pass.
 Expected<void> Layer::gather(StageTimes& times, const std::stop_token& stop) {
@@ -317,11 +339,15 @@ Expected<void> Layer::draw(const glm::dvec2& jitter, const GpuPlanes& planes, St
     const std::size_t most = parts_.memory.mostPixels(passes_) / static_cast<std::size_t>(area_.z);
     const int rows = static_cast<int>(std::clamp<std::size_t>(most, 1, static_cast<std::size_t>(area_.w)));
     if (auto ok = parts_.memory.reserve(passes_, static_cast<std::size_t>(rows * area_.z)); !ok) return ok;
+    const bool smoothed = passes_.resolve.smooth;
+    if (auto ok = smoothed ? parts_.memory.reserveOwners(planes.pixels()) : Expected<void>(); !ok) return ok;
     for (int y = 0; y < area_.w; y += rows) {
         const ivec4 band(area_.x, area_.y + y, area_.z, std::min(rows, area_.w - y));
         if (auto ok = drawBand(band, splats, planes, times, stop); !ok) return ok;
     }
-    return {};
+    if (!smoothed) return {};
+    const StageTimes::Scope timed(times, "smooth");
+    return smooth(splats.front(), planes);
 }
 
 }  // namespace scancast::gl

@@ -44,7 +44,7 @@ class Layer {
     /// Splats and resolves one frame; `planes` cover the layer's area, and nothing outside it is touched.
     /// Normals are written where there is a plane of them and the frame resolves them. Adds to the stages
     /// "prepare" (the host finds or uploads samples, and tells where they are), "silhouette", "nearest",
-    /// "sum", "cell" and "resolve". Errors: Cancelled, ResourceLimit, DeviceLost.
+    /// "sum", "cell", "resolve" and "smooth". Errors: Cancelled, ResourceLimit, DeviceLost.
     Expected<void> draw(const glm::dvec2& jitter, const GpuPlanes& planes, StageTimes& times,
                         const std::stop_token& stop);
 
@@ -74,6 +74,7 @@ class Layer {
     Expected<void> resolveSamples(ResolveParams params, const GpuPlanes& planes, bool normals,
                                   const std::stop_token& stop);
     Expected<void> resolveSums(const ResolveParams& params, const GpuPlanes& planes, bool normals);
+    Expected<void> smooth(const SplatPass& pass, const GpuPlanes& planes);
     Expected<void> overPixels(ivec4 area, const ShaderVariant& variant);
     /// The keys that colours come from.
     const KeyPlane& colors() const;

@@ -30,7 +30,9 @@ static_assert(offsetof(RunParams, sizeFactors) == 80 && offsetof(RunParams, fact
 static_assert(offsetof(RunParams, color) == 112);
 static_assert(sizeof(SplatChunk) == 32 && sizeof(SplatExtent) == 32);
 static_assert(offsetof(SplatChunk, beside) == 16 && offsetof(SplatExtent, beside) == 16);
-static_assert(sizeof(ResolveParams) == 128 && offsetof(ResolveParams, view) == 112);
+static_assert(sizeof(ResolveParams) == 144 && offsetof(ResolveParams, view) == 112);
+static_assert(offsetof(ResolveParams, sprite) == 128);
+static_assert(sizeof(SmoothParams) == 32 && offsetof(SmoothParams, bulge) == 16);
 static_assert(offsetof(ResolveParams, planes) == 16 && offsetof(ResolveParams, ramp) == 32);
 static_assert(offsetof(ResolveParams, look) == 48 && offsetof(ResolveParams, rotation) == 64);
 
@@ -56,7 +58,10 @@ namespace resolveKeys {
 inline constexpr unsigned rgba = 0, depth = 1, normals = 2, background = 3;
 }
 namespace resolveSamples {
-inline constexpr unsigned extents = 2, normals = 5, rgba = 6, depth = 7;
+inline constexpr unsigned places = 0, extents = 2, halves = 4, normals = 5, rgba = 6, depth = 7;
+}
+namespace smooth {
+inline constexpr unsigned places = 0, halves = 1, depth = 2, rgba = 3, smoothed = 4;
 }
 namespace resolveSums {
 inline constexpr unsigned sums = 3, rgba = 6, normals = 7;

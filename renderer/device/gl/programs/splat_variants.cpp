@@ -105,13 +105,14 @@ ShaderVariant resolveKeysVariant(const FramePasses& passes, bool keys64, bool no
              {"NORMALS", normals}}};
 }
 
-ShaderVariant resolveSamplesVariant(const SplatPass& pass, bool keys64, bool normals) {
+ShaderVariant resolveSamplesVariant(const SplatPass& pass, bool keys64, bool normals, bool owners) {
     return {"resolve_samples.comp",
             {{"KEYS64", keys64},
              {"COLORING", static_cast<int>(pass.coloring)},
              {"BY_INTENSITY", pass.byIntensity},
              {"NORMALS", normals},
-             {"CURVED", pass.curved && normals}}};
+             {"CURVED", pass.curved && normals},
+             {"OWNERS", owners}}};
 }
 
 ShaderVariant resolveSumsVariant(const FramePasses& passes, bool keys64, bool normals) {

@@ -35,9 +35,10 @@ ShaderVariant splatVariant(const SplatPass& pass, const LayerTraits& traits, Kee
 /// the driver allows, on pictures of `pixels`; `regions` = dropped regions that a sample is tested against.
 std::uint32_t chunkSamples(const SplatPass& pass, const LayerTraits& traits, std::size_t pixels,
                            std::size_t regions);
-/// resolve_keys.comp, resolve_samples.comp, resolve_sums.comp; `normals`: into a plane of them.
+/// resolve_keys.comp, resolve_samples.comp, resolve_sums.comp; `normals`: into a plane of them. `owners`: into planes that
+/// borders are smoothed by.
 ShaderVariant resolveKeysVariant(const FramePasses& passes, bool keys64, bool normals);
-ShaderVariant resolveSamplesVariant(const SplatPass& pass, bool keys64, bool normals);
+ShaderVariant resolveSamplesVariant(const SplatPass& pass, bool keys64, bool normals, bool owners);
 ShaderVariant resolveSumsVariant(const FramePasses& passes, bool keys64, bool normals);
 
 }  // namespace scancast::gl

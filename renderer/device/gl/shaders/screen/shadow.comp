@@ -1,5 +1,5 @@
 // The sun's shadows, looked up in what it sees (docs/spec/shading.md section 10), as the cpu device computes it
-// (kernels/shadow.hpp).
+// (kernels/shade.hpp).
 #version 450 core
 #include "layouts_screen.glsl"
 

@@ -47,4 +47,11 @@ struct ResolveParams {
     uvec4 look;        // the page's first extent, and how many; first row of the background; unused
     vec4 rotation[3];  // as SplatParams has it
     vec4 view;         // centre of the view axis x and y, px in the whole picture; units per pixel; 1 = perspective
+    vec4 sprite;       // smallest and largest splat, px; 1 = samples know radii; unused
+};
+
+// Borders of paraboloids, smoothed.
+struct SmoothParams {
+    ivec4 size;  // width, height of the planes; 1 = perspective; 1 = squares
+    vec4 bulge;  // x: how far the border lies behind the centre, over half a splat's size in px (and over depth)
 };

@@ -1,5 +1,5 @@
 // resolve, second step where payloads are ordinals: the colours and normals of the pixels whose samples lie in one page.
-// Variants: KEYS64, COLORING, BY_INTENSITY, NORMALS 0 or 1, CURVED.
+// Variants: KEYS64, COLORING, BY_INTENSITY, NORMALS 0 or 1, CURVED, OWNERS.
 #version 450 core
 #include "splat_kinds.glsl"
 #include "layouts_splat.glsl"
@@ -15,6 +15,10 @@ layout(std430, binding = 7) readonly buffer Depth { float depth[]; };
 #if NORMALS
 layout(std430, binding = 5) writeonly buffer Normals { uint normals[]; };
 #endif
+#if OWNERS
+layout(std430, binding = 0) writeonly buffer Places { uint places[]; };
+layout(std430, binding = 4) writeonly buffer Halves { float halves[]; };
+#endif
 
 #include "splat_tables.glsl"
 #include "colors.glsl"
@@ -26,13 +30,13 @@ layout(std430, binding = 5) writeonly buffer Normals { uint normals[]; };
 #endif
 #include "axes.glsl"
 #include "bends.glsl"
+#endif
+#include "owners.glsl"
 
+#if CURVED
 // The normal at a pixel of the picture that the surface is seen in: n + k1 (away . e1) e1 + k2 (away . e2) e2.
 vec3 bentNormal(RunParams run, uvec4 words, uint code, ivec2 at, float there) {
-    float sx = float(words.x & 0xffffu), sy = float(words.x >> 16), sz = float(words.y & 0xffffu);
-    precise vec3 centre = vec3(run.toPicture[0].x * sx + (run.toPicture[0].y * sy + (run.toPicture[0].z * sz + run.toPicture[0].w)),
-                               run.toPicture[1].x * sx + (run.toPicture[1].y * sy + (run.toPicture[1].z * sz + run.toPicture[1].w)),
-                               run.toPicture[2].x * sx + (run.toPicture[2].y * sy + (run.toPicture[2].z * sz + run.toPicture[2].w)));
+    vec3 centre = centreOf(run, words);
     float spread = pass.view.w != 0.0 ? there : 1.0;
     precise float dx = (float(at.x) + 0.5) - pass.view.x;
     precise float dy = (float(at.y) + 0.5) - pass.view.y;
@@ -72,6 +76,11 @@ void main() {
     if (ordinal < extent.range.x || i >= extent.range.y) return;
     uvec4 words = texelFetch(samples, int(extent.range.w + i));
     rgba[place] = colorOf(runs[extent.range.z], words, beside, there) | 0xff000000u;
+#if OWNERS
+    Owner owner = ownerOf(runs[extent.range.z], words, at + pass.area.xy);
+    places[place] = owner.place;
+    halves[place] = owner.halfPx;
+#endif
 #if NORMALS
 #if CURVED
     uint code = curvatureAt(runs[extent.range.z], beside);

@@ -107,7 +107,9 @@ inline void storeOwners(const SplatPass& pass, const SamplePlaces& places, const
     const float row = static_cast<float>(py) + 0.5f;
     IntW codes = all(0);
     FloatW halves = all(0.0f);
-    inEachRun(places, p, depth < __builtin_inff(), [&](const SplatRun& run, IntW here, const Centres& c) {
+    // Lanes beyond the row's end have no depth.
+    const IntW shown = (depth > 0.0f) & (depth < __builtin_inff());
+    inEachRun(places, p, shown, [&](const SplatRun& run, IntW here, const Centres& c) {
         const FloatW inverse = pass.perspective ? 1.0f / c.depth : all(1.0f);
         const FloatW x = pass.centerX + c.across * inverse, y = pass.centerY + c.down * inverse;
         const FloatW ratio = radii > 0.0f ? radii * run.ratioUnit : all(1.0f);

@@ -211,7 +211,7 @@ inline void lookUp(const SplatPass& pass, const SamplePlaces& places, const Key*
         out.xy[i] = words[0];
         out.zi[i] = words[1];
         out.firstOrdinals[i] = run.firstOrdinal;
-        out.radii[i] = pass.radii != nullptr ? pass.radii[(words[3] >> 16) & 255] : 0.0f;
+        if (owners && pass.radii != nullptr) out.radii[i] = pass.radii[(words[3] >> 16) & 255];
         if (!pass.curved) continue;
         out.curvatures[i] = curvature;
         out.bent |= curvature != 0;

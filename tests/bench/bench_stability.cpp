@@ -60,38 +60,19 @@ void addParameter(const std::string& word, ParameterValues& parameters) {
 
 Settings parse(int argc, char** argv) {
     Settings s;
-    for (int i = 1; i < argc; ++i) {
-        const std::string name = argv[i];
-        const auto value = [&]() -> std::string { return i + 1 < argc ? argv[++i] : ""; };
-        if (name == "--cloud")
-            s.clouds.push_back(value());
-        else if (name == "--method")
-            s.methods = words(value());
-        else if (name == "--detail")
-            s.details = words(value());
-        else if (name == "--motion")
-            s.motions = words(value());
-        else if (name == "--distance")
-            s.distances = words(value());
-        else if (name == "--samples")
-            s.samples = words(value());
-        else if (name == "--shading")
-            s.shading = shadingOf(value());
-        else if (name == "--param")
-            addParameter(value(), s.parameters);
-        else if (name == "--steps")
-            s.steps = std::max(1, std::atoi(value().c_str()));
-        else if (name == "--threads")
-            s.threads = std::atoi(value().c_str());
-        else if (name == "--no-brute-force")
-            s.bruteForce = false;
-        else {
-            std::fprintf(
-                stderr, "bench_stability: unknown option %s; example: bench_stability --cloud town:2000000\n",
-                name.c_str());
-            std::exit(2);
-        }
-    }
+    readOptions(argc, argv,
+                {{"--cloud", [&](const std::string& value) { s.clouds.push_back(value); }},
+                 wordsOption("--method", s.methods),
+                 wordsOption("--detail", s.details),
+                 wordsOption("--motion", s.motions),
+                 wordsOption("--distance", s.distances),
+                 wordsOption("--samples", s.samples),
+                 {"--shading", [&](const std::string& value) { s.shading = shadingOf(value); }},
+                 {"--param", [&](const std::string& value) { addParameter(value, s.parameters); }},
+                 countOption("--steps", s.steps, 1),
+                 countOption("--threads", s.threads, 0),
+                 flagOption("--no-brute-force", s.bruteForce, false)},
+                "bench_stability --cloud town:2000000");
     if (s.clouds.empty()) s.clouds = {"town:2000000"};
     return s;
 }
@@ -119,9 +100,7 @@ View viewOf(const Cloud& cloud, const std::string& motion, const std::string& di
     View view = defaultView(cloud);
     Camera& camera = view.camera;
     const double factor = std::atof(distance.c_str());
-    // From close by, at the middle: the whole view looks past it, to fit the picture.
-    const glm::dvec3 middle = (cloud.bounds[0] + cloud.bounds[1]) * 0.5;
-    if (factor != 1) camera.eye += middle - camera.target, camera.target = middle;
+    aimFrom(factor, cloud, camera);
     camera.viewHeight =
         2 * factor * glm::length(camera.eye - camera.target) * std::tan(glm::radians(camera.fov) / 2);
     if (motion == "parallel")

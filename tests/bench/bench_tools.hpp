@@ -1,10 +1,11 @@
-// What benchmarks share: medians, lists of words, and an end with a sentence where something fails.
+// What benchmarks share: medians, options, lists of words, and an end with a sentence where something fails.
 #pragma once
 
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
 #include <cstdlib>
+#include <functional>
 #include <map>
 #include <sstream>
 #include <string>
@@ -34,6 +35,38 @@ inline std::vector<std::string> words(const std::string& list) {
     std::istringstream in(list);
     for (std::string word; std::getline(in, word, ',');) out.push_back(word);
     return out;
+}
+
+/// An option of the command line, and what it does with the word behind it; `alone`: there is none.
+struct Option {
+    std::string name;
+    std::function<void(const std::string&)> take;
+    bool alone = false;
+};
+
+inline Option wordsOption(const char* name, std::vector<std::string>& into) {
+    return {name, [&into](const std::string& value) { into = words(value); }};
+}
+inline Option countOption(const char* name, int& into, int least) {
+    return {name,
+            [&into, least](const std::string& value) { into = std::max(least, std::atoi(value.c_str())); }};
+}
+inline Option flagOption(const char* name, bool& into, bool to = true) {
+    return {name, [&into, to](const std::string&) { into = to; }, true};
+}
+
+/// Ends with `example`, a command line, at what is none of them.
+inline void readOptions(int argc, char** argv, const std::vector<Option>& options,
+                        const std::string& example) {
+    for (int i = 1; i < argc; ++i) {
+        const auto option = std::ranges::find(options, std::string(argv[i]), &Option::name);
+        if (option == options.end()) {
+            std::fprintf(stderr, "%s: unknown option %s; example: %s\n",
+                         example.substr(0, example.find(' ')).c_str(), argv[i], example.c_str());
+            std::exit(2);
+        }
+        option->take(!option->alone && i + 1 < argc ? argv[++i] : "");
+    }
 }
 
 inline double median(std::vector<double> values) {

@@ -24,6 +24,7 @@
 #include "renderer/select/viewpoint.hpp"
 #include "tests/bench/bench_tools.hpp"
 #include "tests/ground_truth/ground_truth.hpp"
+#include "tests/support/clouds/scene_clouds.hpp"
 #include "tests/support/pictures/picture_metrics.hpp"
 #include "tests/support/pictures/stability.hpp"
 
@@ -49,35 +50,18 @@ constexpr std::pair<const char*, std::uint64_t> ownPoints[] = {
 
 Settings parse(int argc, char** argv) {
     Settings s;
-    for (int i = 1; i < argc; ++i) {
-        const std::string name = argv[i];
-        const auto value = [&]() -> std::string { return i + 1 < argc ? argv[++i] : ""; };
-        const auto count = [&](int least) { return std::max(least, std::atoi(value().c_str())); };
-        if (name == "--scenes")
-            s.scenes = words(value());
-        else if (name == "--methods")
-            s.methods = words(value());
-        else if (name == "--points")
-            s.points = std::strtoull(value().c_str(), nullptr, 10);
-        else if (name == "--width")
-            s.width = count(16);
-        else if (name == "--steps")
-            s.steps = count(0);
-        else if (name == "--repeat")
-            s.repeat = count(1);
-        else if (name == "--threads")
-            s.threads = count(0);
-        else if (name == "--each-view")
-            s.eachView = true;
-        else if (name == "--csv")
-            s.csv = true;
-        else {
-            std::fprintf(stderr,
-                         "compare_methods: unknown option %s; example: compare_methods --scenes sign,cube\n",
-                         name.c_str());
-            std::exit(2);
-        }
-    }
+    readOptions(argc, argv,
+                {wordsOption("--scenes", s.scenes),
+                 wordsOption("--methods", s.methods),
+                 {"--points",
+                  [&](const std::string& value) { s.points = std::strtoull(value.c_str(), nullptr, 10); }},
+                 countOption("--width", s.width, 16),
+                 countOption("--steps", s.steps, 0),
+                 countOption("--repeat", s.repeat, 1),
+                 countOption("--threads", s.threads, 0),
+                 flagOption("--each-view", s.eachView),
+                 flagOption("--csv", s.csv)},
+                "compare_methods --scenes sign,cube");
     if (s.scenes.empty())
         for (const auto& [scene, points] : ownPoints) s.scenes.emplace_back(scene);
     if (s.methods.empty())
@@ -104,10 +88,7 @@ Target targetOf(const SceneView& from, const Cloud& cloud, const RayCaster& cast
     Target target;
     target.name = from.name;
     View& view = target.view = defaultView(cloud, s.width, s.width * 9 / 16);
-    view.camera = Camera{};
-    view.camera.eye = from.eye;
-    view.camera.target = from.target;
-    view.camera.fov = from.fov;
+    view.camera = test::cameraOf(from);
     view.style.shading = Shading::Unlit;
     view.style.exposure = 0;  // the truth is as bright as the scene
     view.style.background = {Background::Kind::Color, background, background};

@@ -18,6 +18,7 @@ import sys
 import tempfile
 
 import png_file
+from sight.camera import camera_flags
 from sight.measure import BLUE, GREEN, RED, luminances
 
 MOST = 0.02
@@ -35,17 +36,6 @@ def mean_luminance(picture):
     alpha = picture.channel(3)
     covered = sum(alpha)
     return sum(l * a for l, a in zip(luminances(picture), alpha)) / covered / WHITE if covered else None
-
-
-def words(camera, factor):
-    """Flags of a camera at `factor` of its distance to its target."""
-    eye = [t + (e - t) * factor for e, t in zip(camera["eye"], camera["target"])]
-    flags = [f"--{word}=" + ",".join(map(repr, value))
-             for word, value in (("eye", eye), ("target", camera["target"]), ("up", camera["up"]))]
-    flags.append(f"--projection={camera['type']}")
-    if camera["type"] == "orthographic":
-        return flags + [f"--view-height={camera['viewHeight'] * factor!r}"]
-    return flags + [f"--fov={camera['fov']!r}"]
 
 
 def seen_in_the_middle(draw, camera):
@@ -84,7 +74,7 @@ def main():
 
             def draw(camera, factor, *more):
                 stats = said(options.scancast, "render", cloud, "-o", picture, "--background", "transparent", "--stats", "json",
-                             f"--width={options.width}", f"--height={options.height}", *words(camera, factor), *(more or flags))
+                             f"--width={options.width}", f"--height={options.height}", *camera_flags(camera, factor), *(more or flags))
                 return png_file.read(picture), json.loads(stats)["method"]
 
             camera = seen_in_the_middle(draw, json.loads(said(options.scancast, "look", cloud))["views"][0]["camera"])

@@ -30,6 +30,8 @@ import subprocess
 import sys
 import tempfile
 
+from sight.camera import camera_flags
+
 SPRITES = ["point", "square", "circle", "paraboloid", "cone", "sphere"]
 METHODS = SPRITES + ["hqs", "disc", "ewa", "voronoi", "pyramid"]
 # Frames/s wanted on two cores at full quality; moving, all of them 30.
@@ -49,7 +51,11 @@ def output_of(command):
     try:
         return subprocess.run(command, check=True, stdout=subprocess.PIPE, text=True).stdout
     except (OSError, subprocess.CalledProcessError) as problem:
-        sys.exit(f"methods.py: {problem}")
+        sys.exit(f"{os.path.basename(sys.argv[0])}: {problem}")
+
+
+def first_camera(scancast, cloud):
+    return json.loads(output_of([scancast, "look", cloud]))["views"][0]["camera"]
 
 
 def turn(scancast, cloud, method, width=1280, height=720, frames=FRAMES, flags=()):
@@ -176,8 +182,7 @@ def speed(scancast, clouds):
 
 def fastest(scancast, cloud, method, flags):
     """ms of the passes of a picture of one sample a pixel, the least of three."""
-    stats = json.loads(output_of([scancast, "render", cloud, "--method", method, "--samples", "1", "--threads", "1", "--width", "1280", "--height",
-                                  "720", "--repeat", "3", "--orbit", "0.001", "--stats", "json", *flags]))
+    stats = turn(scancast, cloud, method, frames=3, flags=["--threads", "1", *flags])
     return sum(stage["medianMs"] for stage in stats["stages"] if stage["name"] not in ("encode", "select", "provide"))
 
 
@@ -186,7 +191,7 @@ def ratio(scancast, before, clouds):
           "without occlusion.\n")
     names = [os.path.basename(cloud).removesuffix(".scan") for cloud in clouds]
     print(f"| method | {' | '.join(names)} |\n|---|{'---|' * len(names)}", flush=True)
-    cameras = [look_of(scancast, cloud) for cloud in clouds]
+    cameras = [camera_flags(first_camera(scancast, cloud)) for cloud in clouds]
     for method in METHODS:
         row = []
         for cloud, camera in zip(clouds, cameras):
@@ -196,12 +201,6 @@ def ratio(scancast, before, clouds):
                 here.append(fastest(scancast, cloud, method, ["--shading", "auto", "--light", "occlusion=0", "--exposure", "0", *camera]))
             row.append(f"{min(here) / min(there):.2f} ({min(here):.1f} ms)")
         print(f"| `{method}` | {' | '.join(row)} |", flush=True)
-
-
-def look_of(scancast, cloud):
-    """The cloud's first view, as flags."""
-    camera = json.loads(output_of([scancast, "look", cloud]))["views"][0]["camera"]
-    return [f"--{name}={','.join(map(str, camera[name]))}" for name in ("eye", "target", "up")] + ["--fov", str(camera["fov"])]
 
 
 def prepare(scancast, arguments, folder):

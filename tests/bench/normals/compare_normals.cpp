@@ -18,6 +18,7 @@
 #include "renderer/select/viewpoint.hpp"
 #include "tests/bench/bench_tools.hpp"
 #include "tests/ground_truth/ground_truth.hpp"
+#include "tests/support/clouds/scene_clouds.hpp"
 
 namespace {
 
@@ -67,10 +68,7 @@ void compare(const std::string& scene, std::uint64_t points, double tau, double 
         std::size_t views = 0;
         for (const SceneView& from : sceneViews(scene)) {
             View view = defaultView(*cloud, 960, 540);
-            view.camera = Camera{};
-            view.camera.eye = from.eye;
-            view.camera.target = from.target;
-            view.camera.fov = from.fov;
+            view.camera = test::cameraOf(from);
             view.style.method = method;
             view.style.shading = Shading::Phong;
             view.style.color = ColorSource::Flat;
@@ -94,8 +92,7 @@ void compare(const std::string& scene, std::uint64_t points, double tau, double 
                     for (const auto& stage : frame.stats.stages) all += stage.milliseconds;
                     times.push_back(all);
                 }
-                std::ranges::sort(times);
-                ms[curved] += times[times.size() / 2];
+                ms[curved] += median(times);
             }
         }
         const double n = double(views);

@@ -13,33 +13,16 @@ import argparse
 import json
 import multiprocessing
 import os
-import subprocess
 import sys
 import tempfile
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."))
 import png_file  # noqa: E402
+from methods import METHODS, first_camera, output_of  # noqa: E402
 from sight import sheet  # noqa: E402
+from sight.camera import camera_flags  # noqa: E402
 
-METHODS = ["point", "square", "circle", "paraboloid", "cone", "sphere", "hqs", "disc", "ewa", "voronoi", "pyramid"]
 WIDE, HIGH = 2 * sheet.WIDE, 2 * sheet.HIGH
-
-
-def output_of(command):
-    try:
-        return subprocess.run(command, check=True, stdout=subprocess.PIPE, text=True).stdout
-    except (OSError, subprocess.CalledProcessError) as problem:
-        sys.exit(f"every_method.py: {problem}")
-
-
-def camera_flags(camera, near):
-    """Of the command line: the view's camera, its eye `near` times as far from the target."""
-    target = camera["target"]
-    eye = [t + near * (e - t) for e, t in zip(camera["eye"], target)]
-    place = [f"--{name}={','.join(map(str, values))}" for name, values in (("eye", eye), ("target", target), ("up", camera["up"]))]
-    if camera["type"] == "orthographic":
-        return place + ["--projection", "orthographic", "--view-height", str(near * camera["viewHeight"])]
-    return place + ["--fov", str(camera["fov"])]
 
 
 def drawn(job):
@@ -55,9 +38,9 @@ def sheets(arguments, flags, scan, folder, pool):
     if not scan.endswith(".scan"):
         cloud = os.path.join(folder, "cloud.scan")
         output_of([arguments.scancast, "ingest", scan, "-o", cloud, "--force", "--quiet"])
-    look = json.loads(output_of([arguments.scancast, "look", cloud]))
+    camera = first_camera(arguments.scancast, cloud)
     for title, near in (("first", 1), ("near", arguments.near)):
-        seen = camera_flags(look["views"][0]["camera"], near) + ([] if "--shading" in flags else ["--shading", "auto"]) + flags
+        seen = camera_flags(camera, near) + ([] if "--shading" in flags else ["--shading", "auto"]) + flags
         jobs = [(arguments.scancast, cloud, method, seen, os.path.join(folder, f"{method}.png")) for method in METHODS]
         file = os.path.join(arguments.out, f"{name}-{title}.png")
         png_file.write(file, sheet.sheet(pool.map(drawn, jobs), WIDE, HIGH))

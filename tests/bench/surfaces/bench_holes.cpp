@@ -35,27 +35,14 @@ struct Settings {
 
 Settings parse(int argc, char** argv) {
     Settings s;
-    for (int i = 1; i < argc; ++i) {
-        const std::string name = argv[i];
-        const auto value = [&]() -> std::string { return i + 1 < argc ? argv[++i] : ""; };
-        if (name == "--cloud")
-            s.clouds.push_back(value());
-        else if (name == "--method")
-            s.methods = words(value());
-        else if (name == "--distance")
-            s.distances = words(value());
-        else if (name == "--tilt")
-            s.tilts = words(value());
-        else if (name == "--width")
-            s.width = std::max(16, std::atoi(value().c_str()));
-        else if (name == "--threads")
-            s.threads = std::atoi(value().c_str());
-        else {
-            std::fprintf(stderr, "bench_holes: unknown option %s; example: bench_holes --cloud flight.laz\n",
-                         name.c_str());
-            std::exit(2);
-        }
-    }
+    readOptions(argc, argv,
+                {{"--cloud", [&](const std::string& value) { s.clouds.push_back(value); }},
+                 wordsOption("--method", s.methods),
+                 wordsOption("--distance", s.distances),
+                 wordsOption("--tilt", s.tilts),
+                 countOption("--width", s.width, 16),
+                 countOption("--threads", s.threads, 0)},
+                "bench_holes --cloud flight.laz");
     if (s.clouds.empty()) s.clouds = {"town:2000000"};
     return s;
 }
@@ -64,8 +51,7 @@ View viewOf(const Cloud& cloud, const std::string& distance, const std::string& 
     View view = defaultView(cloud, width, width * 9 / 16);
     Camera& camera = view.camera;
     const double factor = std::atof(distance.c_str());
-    const glm::dvec3 middle = (cloud.bounds[0] + cloud.bounds[1]) * 0.5;
-    if (factor != 1) camera.eye += middle - camera.target, camera.target = middle;
+    aimFrom(factor, cloud, camera);
     glm::dvec3 arm = camera.eye - camera.target;
     if (tilt != "own") {
         const double angle = glm::radians(std::atof(tilt.c_str()));

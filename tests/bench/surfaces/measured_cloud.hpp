@@ -1,4 +1,4 @@
-// The cloud that a benchmark is told to measure: a file, or a generated scene.
+// The cloud that a benchmark is told to measure: a file, or a generated scene; and its camera from nearer.
 #pragma once
 
 #include <cstdint>
@@ -37,6 +37,15 @@ inline std::shared_ptr<const Cloud> measuredCloud(const std::string& name, int t
     if (colon != std::string::npos) scene.points = std::strtoull(name.c_str() + colon + 1, nullptr, 10);
     auto source = orExit(colon == std::string::npos ? openScan(name, import) : simulate(scene));
     return orExit(buildCloud(*source, build));
+}
+
+/// For a camera at `factor` of its distance. From close by it looks at the middle: the whole view looks past it, to fit the
+/// picture.
+inline void aimFrom(double factor, const Cloud& cloud, Camera& camera) {
+    if (factor == 1) return;
+    const glm::dvec3 middle = (cloud.bounds[0] + cloud.bounds[1]) * 0.5;
+    camera.eye += middle - camera.target;
+    camera.target = middle;
 }
 
 }  // namespace scancast::bench

@@ -85,16 +85,21 @@ int difference(Rgb8 a, Rgb8 b) {
 constexpr Rgb8 red{250, 20, 90}, blue{10, 180, 240};
 
 /// What two points share, seen from -y: pixels that lie well inside what both cover, and the distance of each to the border.
-/// `border(x, y)`: signed distance of a place to it, positive on the first one's side.
+/// `border(first, second, x, y)`: signed distance of a place to it, positive on the first one's side.
 template <class Border>
-void expectOneBorder(Device& device, const SmoothScene& scene, const std::vector<SeenSplat>& seen,
-                     const Border& border, int& blended, int& kept) {
+void expectOneBorder(Device& device, const Viewpoint& view, std::span<const AnalyticPoint> points,
+                     const glm::dvec2& shift, const Border& border, int& blended, int& kept) {
+    const AnalyticCloud cloud(points, 0.1);
+    const NearestPass pass = sprite(Footprint::Circle, Profile::Paraboloid, 24);
+    SmoothScene scene(view, cloud.cut(), pass, true);
+    scene.drawing.jitter = {&shift, 1};
+    const std::vector<SeenSplat> seen = seenSplats(scene.drawing, pass);
     const Frame frame = mustDraw(device, scene.drawing);
     for (int y = 0; y < frame.height; ++y) {
         for (int x = 0; x < frame.width; ++x) {
             const double px = x + 0.5, py = y + 0.5, margin = 1.5;
             if (seen[0].beyond(px, py, false) > -margin || seen[1].beyond(px, py, false) > -margin) continue;
-            const double distance = border(px, py);
+            const double distance = border(seen[0], seen[1], px, py);
             const bool first = distance > 0;
             const Rgb8 own = seen[first ? 0 : 1].color, other = seen[first ? 1 : 0].color;
             // On the very border rounding decides whose it is, and it is half of each.
@@ -120,19 +125,12 @@ TEST_P(SmoothBorders, OfTwoPointsAtOneDepthAreSharedByTheirDistance) {
             const double angle = 0.13 + direction * 3.14159265358979323846 / 4;
             const glm::dvec3 half{0.5 * std::cos(angle), 0, 0.5 * std::sin(angle)};
             const AnalyticPoint points[] = {{-half, red}, {half, blue}};
-            const AnalyticCloud cloud(points, 0.1);
-            for (const glm::dvec2& shift : {glm::dvec2{0, 0}, {0.3, 0.1}, {-0.45, 0.2}, {0.17, -0.38}}) {
-                const NearestPass pass = sprite(Footprint::Circle, Profile::Paraboloid, 24);
-                SmoothScene scene(view, cloud.cut(), pass, true);
-                scene.drawing.jitter = {&shift, 1};
-                const std::vector<SeenSplat> seen = seenSplats(scene.drawing, pass);
-                const glm::dvec2 a{seen[0].x, seen[0].y}, b{seen[1].x, seen[1].y};
-                const glm::dvec2 normal = (a - b) / std::hypot(a.x - b.x, a.y - b.y);
-                const auto border = [&](double x, double y) {
-                    return normal.x * (x - 0.5 * (a.x + b.x)) + normal.y * (y - 0.5 * (a.y + b.y));
-                };
-                expectOneBorder(*device_, scene, seen, border, blended, kept);
-            }
+            const auto border = [](const SeenSplat& a, const SeenSplat& b, double x, double y) {
+                const glm::dvec2 normal = glm::dvec2(a.x - b.x, a.y - b.y) / std::hypot(a.x - b.x, a.y - b.y);
+                return normal.x * (x - 0.5 * (a.x + b.x)) + normal.y * (y - 0.5 * (a.y + b.y));
+            };
+            for (const glm::dvec2& shift : {glm::dvec2{0, 0}, {0.3, 0.1}, {-0.45, 0.2}, {0.17, -0.38}})
+                expectOneBorder(*device_, view, points, shift, border, blended, kept);
         }
     }
     EXPECT_GT(blended, 500);
@@ -145,15 +143,10 @@ TEST_P(SmoothBorders, BetweenDepthsLieWhereOrdersAreEqual) {
     int blended = 0, kept = 0;
     for (const double behind : {0.1, 0.3, -0.4}) {
         const AnalyticPoint points[] = {{{-0.4, 0, -0.2}, red}, {{0.4, behind, 0.25}, blue}};
-        const AnalyticCloud cloud(points, 0.1);
-        const NearestPass pass = sprite(Footprint::Circle, Profile::Paraboloid, 24);
-        const SmoothScene scene(view, cloud.cut(), pass, true);
-        const std::vector<SeenSplat> seen = seenSplats(scene.drawing, pass);
-        const double slope = 2 * seen[0].rise * std::hypot(seen[0].x - seen[1].x, seen[0].y - seen[1].y);
-        const auto border = [&](double x, double y) {
-            return (seen[1].order(x, y) - seen[0].order(x, y)) / slope;
+        const auto border = [](const SeenSplat& a, const SeenSplat& b, double x, double y) {
+            return (b.order(x, y) - a.order(x, y)) / (2 * a.rise * std::hypot(a.x - b.x, a.y - b.y));
         };
-        expectOneBorder(*device_, scene, seen, border, blended, kept);
+        expectOneBorder(*device_, view, points, {0, 0}, border, blended, kept);
     }
     EXPECT_GT(blended, 15);
     EXPECT_GT(kept, 100);

@@ -265,7 +265,7 @@ void PrintTo(const MethodCase& c, std::ostream* out) {
     *out << c.label;
 }
 
-const MethodCase methodCases[] = {
+const MethodCase spriteCases[] = {
     {"point", {}, "point"},
     {"square", {}, "square"},
     {"circle", {}, "circle"},
@@ -277,6 +277,8 @@ const MethodCase methodCases[] = {
     {"paraboloid", {{"sizePx", 26.5}, {"footprint", std::string("square")}}, "paraboloidOnSquares"},
     {"hqs", {}, "hqs", true},
     {"hqs", {{"sizePx", 21.0}}, "hqs21px", true},
+};
+const MethodCase surfelCases[] = {
     {"disc", {}, "disc", true},
     {"disc", {{"maxPx", 9.0}, {"cull", false}}, "smallDisc", true},
     {"ewa", {}, "ewa", true},
@@ -315,13 +317,21 @@ TEST_P(GlLayer, LeavesTheBytesOfTheCpuDevice) {
     check(Shading::Phong, true);
 }
 
-INSTANTIATE_TEST_SUITE_P(Gl, GlLayer,
-                         testing::Combine(testing::Values("egl"), testing::ValuesIn(methodCases),
-                                          testing::Values(Projection::Perspective, Projection::Orthographic)),
-                         [](const testing::TestParamInfo<AgreementCase>& c) {
-                             return std::get<0>(c.param) + "_" + std::get<1>(c.param).label + "_" +
-                                    std::string(name(std::get<2>(c.param)));
-                         });
+std::string labelOf(const testing::TestParamInfo<AgreementCase>& c) {
+    return std::get<0>(c.param) + "_" + std::get<1>(c.param).label + "_" +
+           std::string(name(std::get<2>(c.param)));
+}
+const auto bothProjections = testing::Values(Projection::Perspective, Projection::Orthographic);
+
+// Two suites, since most of their time is compiling shaders, wherever the driver has none of them in its cache yet.
+INSTANTIATE_TEST_SUITE_P(GlSprites, GlLayer,
+                         testing::Combine(testing::Values("egl"), testing::ValuesIn(spriteCases),
+                                          bothProjections),
+                         labelOf);
+INSTANTIATE_TEST_SUITE_P(GlSurfels, GlLayer,
+                         testing::Combine(testing::Values("egl"), testing::ValuesIn(surfelCases),
+                                          bothProjections),
+                         labelOf);
 
 /// One method of each kind of pass, and everything else varied.
 class GlLayerDrawing : public testing::TestWithParam<std::string> {

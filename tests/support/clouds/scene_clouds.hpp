@@ -30,15 +30,20 @@ inline Expected<std::shared_ptr<const Cloud>> sceneCloud(const std::string& scen
     return buildCloud(**source, build, progress);
 }
 
+inline Camera cameraOf(const SceneView& from) {
+    Camera camera;
+    camera.eye = from.eye;
+    camera.target = from.target;
+    camera.fov = from.fov;
+    return camera;
+}
+
 /// One of the scene's own views; without perspective it shows as much at its target.
 inline View sceneView(const Cloud& cloud, const SceneView& from, Projection projection, int width,
                       int height) {
     View view = defaultView(cloud, width, height);
-    view.camera = Camera{};
+    view.camera = cameraOf(from);
     view.camera.projection = projection;
-    view.camera.eye = from.eye;
-    view.camera.target = from.target;
-    view.camera.fov = from.fov;
     view.camera.viewHeight = 2 * glm::distance(from.eye, from.target) * std::tan(glm::radians(from.fov) / 2);
     view.style.color = ColorSource::Rgb;
     view.quality.samples = 1;

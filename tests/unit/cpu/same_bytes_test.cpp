@@ -114,21 +114,28 @@ Frame drawSurfels(Device& device, const Cut& cut, const PassList& passes, bool o
 }
 
 constexpr Window everything{0, 0, 233, 171};
+constexpr Window quarters[] = {{0, 0, 100, 60}, {100, 0, 133, 60}, {0, 60, 100, 111}, {100, 60, 133, 111}};
 
 struct SimdVariable {
     explicit SimdVariable(const char* value) { setenv("SCANCAST_SIMD", value, 1); }
     ~SimdVariable() { unsetenv("SCANCAST_SIMD"); }
 };
 
-TEST(SameBytes, OnAnyNumberOfThreadsAndAnySimdLevel) {
-    const AnalyticCloud cloud = mixedCloud();
+/// One as it comes, and of each SIMD level that there is one for each number of threads.
+std::vector<std::unique_ptr<Device>> devicesOfEveryLevel(std::initializer_list<int> threadCounts) {
     std::vector<std::unique_ptr<Device>> devices;
     devices.push_back(createCpuDevice(1).value());
     for (const cpu::SimdLevel& level : cpu::simdLevels()) {
         if (!level.available()) continue;
         const SimdVariable forced(std::string(level.name).c_str());
-        for (const int threads : {1, 2, 5}) devices.push_back(createCpuDevice(threads).value());
+        for (const int threads : threadCounts) devices.push_back(createCpuDevice(threads).value());
     }
+    return devices;
+}
+
+TEST(SameBytes, OnAnyNumberOfThreadsAndAnySimdLevel) {
+    const AnalyticCloud cloud = mixedCloud();
+    const std::vector<std::unique_ptr<Device>> devices = devicesOfEveryLevel({1, 2, 5});
     ASSERT_GE(devices.size(), 4u);
     for (const NearestPass& pass : everySprite()) {
         const Frame first = drawEverything(*devices[0], cloud, pass);
@@ -168,13 +175,7 @@ TEST(SameBytes, WithWhatIsKnownOfSamplesAndWithout) {
 
 TEST(SameBytes, OfSurfelsOnAnyNumberOfThreadsAndAnySimdLevel) {
     const AnalyticCloud cloud = surfelCloud();
-    std::vector<std::unique_ptr<Device>> devices;
-    devices.push_back(createCpuDevice(1).value());
-    for (const cpu::SimdLevel& level : cpu::simdLevels()) {
-        if (!level.available()) continue;
-        const SimdVariable forced(std::string(level.name).c_str());
-        for (const int threads : {1, 2}) devices.push_back(createCpuDevice(threads).value());
-    }
+    const std::vector<std::unique_ptr<Device>> devices = devicesOfEveryLevel({1, 2});
     for (const auto& [name, passes] : everySurfelMethod()) {
         for (const bool oriented : {false, true}) {
             for (const bool perspective : {true, false}) {
@@ -209,8 +210,7 @@ TEST(SameBytes, OfSurfelsHoweverTheCutIsDividedWholeOrInWindows) {
         if (blended) {
             ASSERT_EQ(whole.rgba, drawSurfels(*device, reversed, passes, true, everything).rgba) << name;
         }
-        for (const Window w : {Window{0, 0, 100, 60}, Window{100, 0, 133, 60}, Window{0, 60, 100, 111},
-                               Window{100, 60, 133, 111}}) {
+        for (const Window& w : quarters) {
             const Frame part = drawSurfels(*device, cloud.cut(), passes, true, w);
             for (int y = 0; y < w.height; ++y) {
                 for (int x = 0; x < w.width; ++x) {
@@ -224,13 +224,7 @@ TEST(SameBytes, OfSurfelsHoweverTheCutIsDividedWholeOrInWindows) {
 
 TEST(SameBytes, OfSmoothedBordersOnAnyThreadsAndSimdLevelWholeOrInWindows) {
     const AnalyticCloud cloud = mixedCloud();
-    std::vector<std::unique_ptr<Device>> devices;
-    devices.push_back(createCpuDevice(1).value());
-    for (const cpu::SimdLevel& level : cpu::simdLevels()) {
-        if (!level.available()) continue;
-        const SimdVariable forced(std::string(level.name).c_str());
-        for (const int threads : {1, 3}) devices.push_back(createCpuDevice(threads).value());
-    }
+    const std::vector<std::unique_ptr<Device>> devices = devicesOfEveryLevel({1, 3});
     const Viewpoint views[] = {lookAt({0.4, -1.9, 0.6}, {0, 0, 0}, 233, 171),
                                lookAtOrthographic({0.4, -1.9, 0.6}, {0, 0, 0}, 233, 171, 2.3)};
     for (const Viewpoint& view : views) {
@@ -246,8 +240,7 @@ TEST(SameBytes, OfSmoothedBordersOnAnyThreadsAndSimdLevelWholeOrInWindows) {
             EXPECT_EQ(whole.depth, hard.depth) << px;
             for (const auto& device : devices)
                 ASSERT_EQ(whole.rgba, mustDraw(*device, scene.drawing).rgba) << device->info().renderer;
-            for (const Window w : {Window{0, 0, 100, 60}, Window{100, 0, 133, 60}, Window{0, 60, 100, 111},
-                                   Window{100, 60, 133, 111}}) {
+            for (const Window& w : quarters) {
                 scene.drawing.window = w;
                 const Frame part = mustDraw(*devices.back(), scene.drawing);
                 for (int y = 0; y < w.height; ++y)
@@ -292,8 +285,7 @@ TEST(SameBytes, DrawnWholeOrInWindows) {
             if (lit) scene.add(OcclusionPass{0.8f, 31.4f});
             scene.drawing.background = Background{};
             const Frame whole = mustDraw(*device, scene.drawing);
-            for (const Window w : {Window{0, 0, 100, 60}, Window{100, 0, 133, 60}, Window{0, 60, 100, 111},
-                                   Window{100, 60, 133, 111}}) {
+            for (const Window& w : quarters) {
                 scene.drawing.window = w;
                 const Frame part = mustDraw(*device, scene.drawing);
                 for (int y = 0; y < w.height; ++y) {

@@ -60,27 +60,41 @@ inline void setRatios(const SplatPass& pass, const SplatRun& run, Block& b) {
     }
 }
 
+/// Samples' places: px from the view axis, right and down (times depth in perspective), and depths.
+struct Centres {
+    FloatW across, down, depth;
+};
+
+/// Of samples' first two words.
+inline Centres centresOf(const SplatRun& run, IntW xy, IntW zi) {
+    const auto& m = run.toPicture;
+    const FloatW sx = toFloat(xy & 0xffff), sy = toFloat((xy >> 16) & 0xffff), sz = toFloat(zi & 0xffff);
+    return {m[0][0] * sx + (m[0][1] * sy + (m[0][2] * sz + m[0][3])),
+            m[1][0] * sx + (m[1][1] * sy + (m[1][2] * sz + m[1][3])),
+            m[2][0] * sx + (m[2][1] * sy + (m[2][2] * sz + m[2][3]))};
+}
+
+/// Px. `inverse`: 1 / depth, or 1 without perspective.
+inline FloatW sizeOfSprites(const SplatPass& pass, const SplatRun& run, FloatW ratio, FloatW inverse) {
+    const FloatW wanted = (run.sizeFactor * ratio) * inverse;
+    return smaller(larger(wanted, all(pass.minPx)), all(pass.maxPx));
+}
+
 /// Places, depths and sizes. What is not drawable keeps finite numbers, so that nothing later needs care.
 template <bool perspective>
 void place(const SplatPass& pass, const SplatRun& run, Block& b) {
-    const auto& m = run.toPicture;
     // Far outside any picture, and still exact as an integer.
     const FloatW outside = all(1048576.0f);
     const IntW count = all(b.count);
     IntW number = toInt(laneNumbers<wideLanes>());
     for (int i = 0; i < b.padded; i += wideLanes, number += wideLanes) {
-        const IntW xy = load<IntW>(b.words[0] + i), zi = load<IntW>(b.words[1] + i);
-        const FloatW sx = toFloat(xy & 0xffff), sy = toFloat((xy >> 16) & 0xffff), sz = toFloat(zi & 0xffff);
-        const FloatW depth = m[2][0] * sx + (m[2][1] * sy + (m[2][2] * sz + m[2][3]));
-        const FloatW across = m[0][0] * sx + (m[0][1] * sy + (m[0][2] * sz + m[0][3]));
-        const FloatW down = m[1][0] * sx + (m[1][1] * sy + (m[1][2] * sz + m[1][3]));
-        const IntW seen = (depth >= pass.near) & (depth <= pass.far) & (number < count);
-        const FloatW d = seen ? depth : all(1.0f);
+        const Centres c = centresOf(run, load<IntW>(b.words[0] + i), load<IntW>(b.words[1] + i));
+        const IntW seen = (c.depth >= pass.near) & (c.depth <= pass.far) & (number < count);
+        const FloatW d = seen ? c.depth : all(1.0f);
         const FloatW inverse = perspective ? 1.0f / d : all(1.0f);
-        const FloatW x = pass.centerX + across * inverse;
-        const FloatW y = pass.centerY + down * inverse;
-        const FloatW wanted = (run.sizeFactor * load<FloatW>(b.ratio + i)) * inverse;
-        const FloatW size = smaller(larger(wanted, all(pass.minPx)), all(pass.maxPx));
+        const FloatW x = pass.centerX + c.across * inverse;
+        const FloatW y = pass.centerY + c.down * inverse;
+        const FloatW size = sizeOfSprites(pass, run, load<FloatW>(b.ratio + i), inverse);
         store(b.x + i, smaller(larger(x, -outside), outside));
         store(b.y + i, smaller(larger(y, -outside), outside));
         store(b.depth + i, d);

@@ -68,26 +68,15 @@ struct alignas(64) ResolvedPixels {
     float radii[wideLanes];               ///< where borders are smoothed; 0 = unknown
 };
 
-/// Samples' places: px from the view axis, right and down (times depth in perspective), and depths.
-struct Centres {
-    FloatW across, down, depth;
-};
-
 /// work(run, lanes, centres) for each run of the samples seen in these lanes; most are of one run or two.
 template <class Work>
 inline void inEachRun(const SamplePlaces& places, const ResolvedPixels& p, IntW left, const Work& work) {
-    const IntW xy = load<IntW>(p.xy), ordinals = load<IntW>(p.firstOrdinals);
-    const FloatW sx = toFloat(xy & 0xffff), sy = toFloat((xy >> 16) & 0xffff);
-    const FloatW sz = toFloat(load<IntW>(p.zi) & 0xffff);
+    const IntW xy = load<IntW>(p.xy), zi = load<IntW>(p.zi), ordinals = load<IntW>(p.firstOrdinals);
     for (int i = 0; i < wideLanes; ++i) {
         if (left[i] == 0) continue;
         const SplatRun& run = *places.runs[i];
         const IntW here = left & (ordinals == static_cast<std::int32_t>(run.firstOrdinal));
-        const auto& m = run.toPicture;
-        work(run, here,
-             Centres{m[0][0] * sx + (m[0][1] * sy + (m[0][2] * sz + m[0][3])),
-                     m[1][0] * sx + (m[1][1] * sy + (m[1][2] * sz + m[1][3])),
-                     m[2][0] * sx + (m[2][1] * sy + (m[2][2] * sz + m[2][3]))});
+        work(run, here, centresOf(run, xy, zi));
         left &= ~here;
         if (!anyOf<wideLanes>(left)) break;
     }
@@ -113,9 +102,7 @@ inline void storeOwners(const SplatPass& pass, const SamplePlaces& places, const
         const FloatW inverse = pass.perspective ? 1.0f / c.depth : all(1.0f);
         const FloatW x = pass.centerX + c.across * inverse, y = pass.centerY + c.down * inverse;
         const FloatW ratio = radii > 0.0f ? radii * run.ratioUnit : all(1.0f);
-        const FloatW wanted = (run.sizeFactor * ratio) * inverse;
-        const FloatW size = smaller(larger(wanted, all(pass.minPx)), all(pass.maxPx));
-        halves = here ? 0.5f * size : halves;
+        halves = here ? 0.5f * sizeOfSprites(pass, run, ratio, inverse) : halves;
         codes = here ? placeCodes(column - x) | placeCodes(row - y) << 16 : codes;
     });
     storeSome(out.places + at, codes, lanes);
@@ -152,12 +139,10 @@ inline BentPlaces bentPlaces(const SplatPass& pass, const SamplePlaces& places, 
 
 /// Normals of samples, turned into view space.
 inline IntW viewNormalCodes(const SplatPass& pass, const ResolvedPixels& p) {
-    const IntW codes = load<IntW>(p.normals);
     FloatW x, y, z;
-    unpackSampleNormal(codes, x, y, z);
-    const auto& r = pass.rotation;
-    return packNormal(r[0][0] * x + (r[0][1] * y + r[0][2] * z), r[1][0] * x + (r[1][1] * y + r[1][2] * z),
-                      r[2][0] * x + (r[2][1] * y + r[2][2] * z));
+    unpackSampleNormal(load<IntW>(p.normals), x, y, z);
+    rotateToView(pass, x, y, z);
+    return packNormal(x, y, z);
 }
 
 /// The same where the surface bends: n + k1 (away · e1) e1 + k2 (away · e2) e2.

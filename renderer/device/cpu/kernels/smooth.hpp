@@ -1,14 +1,10 @@
 // Borders between neighbouring paraboloids' cells, smoothed; docs/spec/sprites.md §9. Part of kernels.cpp.
 #pragma once
 
-#include "renderer/device/cpu/kernels/vectors.hpp"
+#include "renderer/device/cpu/kernels/normal_plane.hpp"
 
 namespace scancast::cpu {
 namespace {
-
-inline FloatW magnitude(FloatW v) {
-    return larger(v, -v);
-}
 
 /// The paraboloids that some pixels beside each other show. From each one's centre to a pixel: x, y.
 struct ShownParaboloids {
@@ -17,7 +13,7 @@ struct ShownParaboloids {
     FloatW order() const { return depth + rise * (x * x + y * y); }
     /// Px beyond what the splat covers; negative inside.
     FloatW beyond(bool square) const {
-        const FloatW out = square ? larger(magnitude(x), magnitude(y)) : squareRoot<wideLanes>(x * x + y * y);
+        const FloatW out = square ? larger(absolute(x), absolute(y)) : squareRoot<wideLanes>(x * x + y * y);
         return out - half;
     }
 };
@@ -47,7 +43,7 @@ inline ShownParaboloids shownAt(const Smoothing& s, std::int64_t at, IntW& shown
 
 /// The same cell, as seen from the same pixel: centres in one place. Or two without a border between them.
 inline IntW sameCell(const ShownParaboloids& a, const ShownParaboloids& b) {
-    return (a.half == b.half) & (magnitude(a.x - b.x) <= placeStep) & (magnitude(a.y - b.y) <= placeStep);
+    return (a.half == b.half) & (absolute(a.x - b.x) <= placeStep) & (absolute(a.y - b.y) <= placeStep);
 }
 
 /// How far a pixel's centre, which shows `own`, lies from where `other` begins, which its neighbour `dx` to the right and `dy`

@@ -1,6 +1,6 @@
 // First half of a splat pass: a sample's words -> place on the picture, depth, size. Operation by operation what the cpu
 // device computes (kernels/project.hpp), in the same order, so that both draw the same picture. Needs `pass`, RunParams,
-// exact.glsl and splat_tables.glsl. Variants: PERSPECTIVE, FILTERS 0 or 1.
+// exact.glsl, splat_tables.glsl and sample_places.glsl. Variants: PERSPECTIVE, FILTERS 0 or 1.
 
 struct Placed {
     float x, y;    // px in the whole picture
@@ -40,14 +40,6 @@ bool passesFilters(RunParams run, uvec4 words) {
 // Whether the sign of its normal means something; else it is turned to the eye.
 bool isOneSided(RunParams run, uvec4 words) { return (run.color.w & 1u) != 0u && (words.w >> 24) != twoSidedCircle; }
 
-// 1 where no radius is known.
-float radiusRatio(RunParams run, uvec4 words) {
-    if (pass.flags.w == 0) return 1.0;
-    float radius = uintBitsToFloat(tables[radiusWords + ((words.w >> 16) & 255u)]);
-    precise float ratio = radius * run.factors.z;
-    return radius > 0.0 ? ratio : 1.0;
-}
-
 // Of the pass. Not by its index: a vector that is indexed by what only the GPU knows is put into slow memory by some compilers,
 // and the whole run with it.
 float sizeFactor(vec4 factors) {
@@ -57,26 +49,21 @@ float sizeFactor(vec4 factors) {
 
 // False: it is not drawn.
 bool placeSample(RunParams run, uvec4 words, out Placed placed) {
-    float sx = float(words.x & 0xffffu);
-    float sy = float(words.x >> 16);
-    float sz = float(words.y & 0xffffu);
-    vec4 a = run.toPicture[0], b = run.toPicture[1], c = run.toPicture[2];
-    precise float depth = c.x * sx + (c.y * sy + (c.z * sz + c.w));
+    vec3 centre = centreOf(run, words);
+    float depth = centre.z;
     if (!(depth >= pass.view.z && depth <= pass.view.w)) return false;
     if (pass.filters.y == 0 && ((words.w >> 16) & 255u) == outlierCode) return false;
 #if FILTERS
     if (!passesFilters(run, words)) return false;
 #endif
-    precise float across = a.x * sx + (a.y * sy + (a.z * sz + a.w));
-    precise float down = b.x * sx + (b.y * sy + (b.z * sz + b.w));
 #if PERSPECTIVE
     float inverse = quotient(1.0, depth);
 #else
     float inverse = 1.0;
 #endif
-    precise float x = pass.view.x + across * inverse;
-    precise float y = pass.view.y + down * inverse;
-    placed.ratio = radiusRatio(run, words);
+    precise float x = pass.view.x + centre.x * inverse;
+    precise float y = pass.view.y + centre.y * inverse;
+    placed.ratio = radiusRatio(run, words, pass.flags.w != 0);
     precise float wanted = sizeFactor(run.sizeFactors) * placed.ratio;
     precise float size = wanted * inverse;
     placed.x = clamp(x, -outsidePx, outsidePx);

@@ -21,6 +21,7 @@ layout(std430, binding = 4) writeonly buffer Halves { float halves[]; };
 #endif
 
 #include "splat_tables.glsl"
+#include "sample_places.glsl"
 #include "colors.glsl"
 #include "sample_normals.glsl"
 #include "normal_plane.glsl"
@@ -31,7 +32,9 @@ layout(std430, binding = 4) writeonly buffer Halves { float halves[]; };
 #include "axes.glsl"
 #include "bends.glsl"
 #endif
+#if OWNERS
 #include "owners.glsl"
+#endif
 
 #if CURVED
 // The normal at a pixel of the picture that the surface is seen in: n + k1 (away . e1) e1 + k2 (away . e2) e2.

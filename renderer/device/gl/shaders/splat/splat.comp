@@ -23,6 +23,7 @@ layout(location = 0) uniform uint firstChunk;
 #include "splat_tables.glsl"
 #include "axes.glsl"
 #include "colors.glsl"
+#include "sample_places.glsl"
 #include "project.glsl"
 #include "visible.glsl"
 #include "sample_normals.glsl"

@@ -121,6 +121,7 @@ struct DeviceInfo {
         0;  ///< of a GPU, bytes: all, or what is free if its driver tells no more; 0 = unknown
     bool atomics64 = false;  ///< egl, osmesa: finds the smallest of 64-bit integers in one step
     bool exact = true;       ///< rounds as IEEE 754 says: draws the cpu device's bytes
+    bool pauses = false;     ///< within a picture, every few milliseconds; else between its tiles at most
     bool tellsLoss = true;   ///< says when its GPU was reset; else it is found lost when it does not answer
 };
 

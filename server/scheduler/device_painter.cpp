@@ -53,7 +53,8 @@ OpenPainter painterWith(OpenDevice openDevice, OpenPainter instead) {
             return preparePicture(order, wait, std::move(stop), most);
         };
         painter.begin = [device](const PictureOrder& order, const PreparedPicture& prepared,
-                                 std::stop_token stop) -> Expected<std::unique_ptr<PendingFrame>> {
+                                 std::stop_token stop,
+                                 const Pause&) -> Expected<std::unique_ptr<PendingFrame>> {
             auto begun = beginDrawing(*device, *prepared.view, std::move(stop),
                                       order.complete ? Uploads::Everything : Uploads::ForAFrame);
             if (!begun) return begun;

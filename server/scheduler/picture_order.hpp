@@ -7,6 +7,7 @@
 #include <memory>
 #include <optional>
 #include <stop_token>
+#include <string>
 
 #include "protocol/view/view.hpp"
 #include "renderer/cloud/cloud.hpp"
@@ -38,6 +39,8 @@ struct PictureOrder {
     bool onlyWhole = false;
     std::optional<Camera> ahead{};  ///< where the camera will be soon
     std::uint64_t requester = 0;    ///< set by the scheduler: whose requests for blocks these are
+    std::string client{};           ///< of a snapshot: whose share of the device's time it is drawn in
+    double price = 0;               ///< ms that it is expected to take a core; 0 = guessed from its pixels
     /// What the view means for the cloud; of a view that differs (in its quality, mostly), what still holds
     /// is kept. Empty: not known yet. The scheduler keeps what the painter found out.
     std::shared_ptr<const PlannedView> planned{};
@@ -67,6 +70,9 @@ struct PreparedPicture {
 using PreparePicture =
     std::function<Expected<PreparedPicture>(const PictureOrder&, bool wait, std::stop_token)>;
 
+/// TEMPORARY
+using Pause = std::function<void()>;
+
 struct Painter;
 using OpenPainter = std::function<Expected<Painter>()>;
 
@@ -74,8 +80,9 @@ struct Painter {
     DeviceInfo device;
     PreparePicture prepare;
     /// Draws on the render thread, which also made the painter and destroys it; what it began may outlive it.
+    /// In its pauses it is called again.
     std::function<Expected<std::unique_ptr<PendingFrame>>(const PictureOrder&, const PreparedPicture&,
-                                                          std::stop_token)>
+                                                          std::stop_token, const Pause&)>
         begin;
     /// Opens the one that takes over when this one's device is lost (DeviceLost); empty = none does.
     OpenPainter instead{};

@@ -1,5 +1,5 @@
-// The scheduler's render thread: opens the device, takes requests, begins pictures and finishes them, and has
-// another painter take over when the device is lost.
+// The scheduler's render thread: opens the device, takes requests, begins pictures and finishes them, draws
+// others within their pauses, and has another painter take over when the device is lost.
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
@@ -44,12 +44,14 @@ void Scheduler::usePainter(Expected<Painter> opened, std::optional<LostDevice> l
     std::ignore = contained("Counting", [&] { metrics_.setDevice(status.info.name, status.info.renderer); });
     const Monitor::Lock lock(monitor_);
     if (painter_) prepare_ = painter_->prepare;
+    turns_.setPauses(painter_ && painter_->device.pauses);
     device_ = std::move(status);
 }
 
 void Scheduler::replacePainter(const Error& lost) {
     LostDevice device{painter_->device, lost};
     const OpenPainter instead = painter_->instead;
+    lost_.reset();
     painter_.reset();  // a device is closed on the thread that opened it, and before another takes its place
     ++painterNumber_;
     metrics_.deviceLost();
@@ -70,126 +72,88 @@ void Scheduler::replacePainter(const Error& lost) {
 
 // ---- one picture after the other
 
-bool Scheduler::renderIsDue() const {
-    // Room for the result first, and only then a request: what is taken is then as new as can be.
-    return stopping_ || (encoding_.size() < maxEncoding && (begun_ || !turns_.empty()));
-}
-
 void Scheduler::renderLoop() {
     openDevice();
-    std::optional<Begun> begun;  // its pixels may still be on their way
-    while (contained("The render thread", [&] { return renderStep(begun); }).value_or(true)) {
+    while (contained("The render thread", [&] { return renderStep(); }).value_or(true)) {
     }
-    if (begun) completeOne(std::move(*begun));
+    if (begun_) completeOne(*std::exchange(begun_, std::nullopt));
     painter_.reset();
     const Monitor::Lock lock(monitor_);
     rendering_ = false;
 }
 
-bool Scheduler::renderStep(std::optional<Begun>& begun) {
+bool Scheduler::renderStep() {
     {
         Monitor::Lock lock(monitor_);
         monitor_.wait(lock, [this] { return renderIsDue(); });
-        if (stopping_) return false;
+        if (turns_.stopping()) return false;
     }
     // What is finished waits for nobody else's picture to be begun.
-    const auto finished = contained("The renderer", [&] { return begun && begun->frame->ready(); });
-    if (begun && finished.value_or(true))
-        completeOne(*std::exchange(begun, std::nullopt));
+    const auto finished = contained("The renderer", [&] { return begun_ && begun_->frame->ready(); });
+    if (begun_ && finished.value_or(true))
+        completeOne(*std::exchange(begun_, std::nullopt));
     else
-        beginNext(begun);
+        beginNext();
     return true;
 }
 
 /// Begins the next picture, if one is asked for, and only then waits for the pixels of the one before.
-void Scheduler::beginNext(std::optional<Begun>& begun) {
-    std::optional<Request> request;  // ends, if it must, without the lock
+void Scheduler::beginNext() {
+    std::optional<Taken> request;
     {
         const Monitor::Lock lock(monitor_);
-        takeNext(request);
+        request = turns_.take(Clock::now());
     }
-    // A still or a snapshot may take long to begin, and a moving frame's pixels do not wait for that.
-    if (request && request->order.complete && begun) completeOne(*std::exchange(begun, std::nullopt));
     std::optional<Begun> next;
-    if (request) next = beginOne(std::move(*request));
-    if (begun) completeOne(*std::exchange(begun, std::nullopt));
-    begun = std::move(next);
-    if (!begun) return;
-    const Monitor::Lock lock(monitor_);
-    begun_ = std::exchange(running_, std::nullopt);
-}
-
-// What waits for that turn, or nullptr. Called with the lock held.
-const Scheduler::Request* Scheduler::waiting(MailboxId turn) const {
-    if (turn == preparedOne) return prepared_.empty() ? nullptr : &prepared_.front();
-    if (turn == snapshots) return snapshots_.empty() ? nullptr : &snapshots_.front();
-    const auto at = mailboxes_.find(turn);
-    return at == mailboxes_.end() || !at->second ? nullptr : &*at->second;
-}
-
-// The first in line, but for stills that give way to somebody behind them; goes to the end of the line where
-// more waits for it. Called with the lock held.
-Scheduler::MailboxId Scheduler::takeTurn() {
-    const auto now = Clock::now();
-    const auto takesIt = [&](MailboxId turn) {
-        const Request* request = waiting(turn);
-        return request && now >= request->givesWayUntil;
-    };
-    auto at = std::find_if(turns_.begin(), turns_.end(), takesIt);
-    if (at == turns_.end()) at = turns_.begin();
-    const MailboxId turn = *at;
-    std::rotate(at, at + 1, turns_.end());
-    if (turn != snapshots || snapshots_.size() <= 1) turns_.pop_back();
-    return turn;
-}
-
-// Into `request`, if there is any. Called with the lock held.
-void Scheduler::takeNext(std::optional<Request>& request) {
-    if (turns_.empty()) return;
-    const MailboxId turn = takeTurn();
-    if (!waiting(turn)) return;
-    if (turn == preparedOne || turn == snapshots) {
-        Requests& line = turn == snapshots ? snapshots_ : prepared_;
-        request = std::move(line.front());
-        line.pop_front();
-    } else {
-        request = std::exchange(mailboxes_.at(turn), std::nullopt);
+    if (request) {
+        // A still or a snapshot may take long to begin, and a moving frame's pixels do not wait for that.
+        if ((*request)->order.complete && begun_) completeOne(*std::exchange(begun_, std::nullopt));
+        next = beginOne(*request);
     }
-    request->rivals = movingRequests();
-    running_ = runningOf(*request);
+    if (next) {
+        const Monitor::Lock lock(monitor_);
+        turns_.letGo(next->request, Clock::now());
+    }
+    if (begun_) completeOne(*std::exchange(begun_, std::nullopt));
+    begun_ = std::move(next);
 }
 
-// Called with the lock held.
-std::size_t Scheduler::movingRequests() const {
-    return std::size_t(std::count_if(mailboxes_.begin(), mailboxes_.end(), [](const auto& mailbox) {
-        return mailbox.second && !mailbox.second->order.complete;
-    }));
+/// In a pause of the picture that is being drawn: others, each to its end, as long as it is their turn.
+void Scheduler::drawWithin() {
+    const auto start = Clock::now();
+    while (!lost_) {
+        std::optional<Taken> request;
+        {
+            const Monitor::Lock lock(monitor_);
+            request = turns_.takeWithin(Clock::now());
+        }
+        if (!request) break;
+        ++within_;
+        if (auto begun = beginOne(*request)) completeOne(std::move(*begun));
+        --within_;
+    }
+    paused_ += Clock::now() - start;
 }
 
-std::optional<Scheduler::Begun> Scheduler::beginOne(Request request) {
+std::optional<Scheduler::Begun> Scheduler::beginOne(Taken request) {
     auto begun = contained("The render thread", [&] { return tryBegin(request); });
     if (begun) return std::move(*begun);
-    endFaulty(running_, request, std::move(begun.error()));
+    endFaulty(request, std::move(begun.error()));
     return std::nullopt;
 }
 
-std::optional<Scheduler::Begun> Scheduler::tryBegin(Request& request) {
-    std::stop_token token;
-    {
-        const Monitor::Look look(monitor_);
-        token = running_->stop.get_token();
-    }
+std::optional<Scheduler::Begun> Scheduler::tryBegin(Taken request) {
+    const std::stop_token token = tokenOf(request);
+    const auto pausedAround = std::exchange(paused_, {});
     const auto start = Clock::now();
-    bool deferred = false;
-    auto frame = begin(request, token, deferred);
-    request.prepared.reset();  // what is begun needs no samples any more
-    if (!frame) {
-        endWithout(running_, request, std::move(frame.error()), deferred);
-        return std::nullopt;
-    }
-    DeviceInfo device = painter_->device;
-    return Begun{std::move(request), std::move(*frame), std::move(device), painterNumber_,
-                 millisecondsSince(start)};
+    Why why = Why::Failed;
+    auto frame = contained("The renderer", [&] { return begin(*request, token, why); });
+    const double renderMs = millisecondsSince(start + paused_);
+    paused_ = pausedAround;
+    request->prepared.reset();  // what is begun needs no samples any more
+    if (frame) return Begun{request, std::move(*frame), painter_->device, painterNumber_, renderMs};
+    endWithout(request, std::move(frame.error()), why);
+    return std::nullopt;
 }
 
 Expected<void> Scheduler::checkMemory(const View& view) const {
@@ -197,9 +161,9 @@ Expected<void> Scheduler::checkMemory(const View& view) const {
     return checkRoom(view, options_.room());
 }
 
-/// `deferred`: the picture lacks blocks that it must not lack.
-Expected<std::unique_ptr<PendingFrame>> Scheduler::begin(Request& request, const std::stop_token& token,
-                                                         bool& deferred) {
+Expected<std::unique_ptr<PendingFrame>> Scheduler::begin(Turns::Request& request,
+                                                         const std::stop_token& token, Why& why) {
+    if (lost_ && within_ == 0) replacePainter(Error(*lost_));
     while (painter_) {
         if (!request.prepared) {
             auto prepared =
@@ -208,54 +172,63 @@ Expected<std::unique_ptr<PendingFrame>> Scheduler::begin(Request& request, const
             request.prepared = std::move(*prepared);
             request.order.planned = request.prepared->planned;
         }
-        deferred = request.order.complete && !request.prepared->complete;
-        if (deferred) return tl::unexpected(cancelled());
-        request.lacking = request.order.onlyWhole && !request.prepared->complete;
-        if (request.lacking)
-            return fail(ErrorCode::Cancelled, "Samples of this picture are still to be read.");
+        if (!request.prepared->complete) {
+            why = request.order.complete ? Why::LacksBlocks : request.order.onlyWhole ? Why::Lacks : why;
+            if (why != Why::Failed) return tl::unexpected(cancelled());
+        }
         if (auto ok = checkMemory(request.order.view); !ok) return passOn(ok);
-        auto frame = contained("The renderer",
-                               [&] { return painter_->begin(request.order, *request.prepared, token); });
+        auto frame = contained("The renderer", [&] {
+            return painter_->begin(request.order, *request.prepared, token, [this] { drawWithin(); });
+        });
         if (!isLost(frame)) return frame;
+        if (within_ > 0) {
+            lost_ = frame.error();
+            why = Why::DeviceLost;
+            return frame;
+        }
         replacePainter(frame.error());
     }
     return tl::unexpected(device().error);
 }
 
 void Scheduler::completeOne(Begun begun) {
+    if (within_ == 0) {  // else it never left the device
+        const Monitor::Lock lock(monitor_);
+        turns_.resume(begun.request, Clock::now());
+    }
     auto completed = contained("The render thread", [&] { complete(begun); });
-    if (!completed) endFaulty(begun_, begun.request, std::move(completed.error()));
+    if (!completed) endFaulty(begun.request, std::move(completed.error()));
 }
 
 void Scheduler::complete(Begun& begun) {
-    std::stop_token token;
-    {
-        const Monitor::Look look(monitor_);
-        token = begun_->stop.get_token();
-    }
+    const std::stop_token token = tokenOf(begun.request);
     const auto start = Clock::now();
-    bool deferred = false;
-    auto frame = finish(begun, token, deferred);
-    begun.request.prepared.reset();
-    if (!frame) return endWithout(begun_, begun.request, std::move(frame.error()), deferred);
-    const double renderMs = begun.renderMs + millisecondsSince(start);
-    metrics_.frameRendered(begun.request.order.view.style.method, renderMs / 1000,
-                           frame->stats.samplesMissing == 0);
-    metrics_.setDeviceMemory(frame->stats.deviceBytes);
+    Why why = Why::Failed;
+    auto frame = finish(begun, token, why);
+    begun.request->prepared.reset();
+    if (!frame) return endWithout(begun.request, std::move(frame.error()), why);
+    DrawnPicture drawn{std::move(*frame), std::move(begun.device), begun.renderMs + millisecondsSince(start)};
+    metrics_.frameRendered(begun.request->order.view.style.method, drawn.renderMs / 1000,
+                           drawn.frame.stats.samplesMissing == 0);
+    metrics_.setDeviceMemory(drawn.frame.stats.deviceBytes);
     const Monitor::Lock lock(monitor_);
-    encoding_.emplace_back();  // may fail for want of memory; what follows does not
-    encoding_.back() = {std::move(begun.request), std::move(*frame), std::move(begun.device), renderMs};
-    begun_.reset();
+    begun.request->drawn = std::move(drawn);
+    turns_.drawn(begun.request, Clock::now());
 }
 
 /// What was lost with its device is begun again with the painter that took over.
-Expected<Frame> Scheduler::finish(Begun& begun, const std::stop_token& token, bool& deferred) {
+Expected<Frame> Scheduler::finish(Begun& begun, const std::stop_token& token, Why& why) {
     while (true) {
         auto frame = contained("The renderer", [&] { return begun.frame->finish(); });
         begun.frame.reset();
         if (!isLost(frame)) return frame;
+        if (within_ > 0) {
+            lost_ = frame.error();
+            why = Why::DeviceLost;
+            return frame;
+        }
         if (begun.painter == painterNumber_) replacePainter(frame.error());
-        auto again = begin(begun.request, token, deferred);
+        auto again = begin(*begun.request, token, why);
         if (!again) return passOn(std::move(again));
         begun.frame = std::move(*again);
         begun.device = painter_->device;
@@ -263,24 +236,21 @@ Expected<Frame> Scheduler::finish(Begun& begun, const std::stop_token& token, bo
     }
 }
 
-/// The picture in `slot` ends without one: it waits for blocks, gave way to another, or failed.
-void Scheduler::endWithout(std::optional<Running>& slot, Request& request, Error error, bool deferred) {
-    Running how;
-    {
-        const Monitor::Lock lock(monitor_);
-        how = *std::exchange(slot, std::nullopt);
-        if (waitsOn(how, request, deferred)) return;
-    }
-    finishFailed(request, std::move(error), how);
-}
-
-// Called with the lock held.
-bool Scheduler::waitsOn(const Running& how, Request& request, bool deferred) {
-    if (!deferred || stopping_ || how.stop.stop_requested())
-        return how.gaveWay && !how.orphaned && putBack(request);
-    toPrepare_.emplace_back();  // may fail for want of memory; what follows does not
-    toPrepare_.back() = std::move(request);
-    return true;
+/// It ends without a picture, for now or for good.
+void Scheduler::endWithout(Taken request, Error error, Why why) {
+    change([&](Requests& ended) {
+        const auto now = Clock::now();
+        switch (why) {
+            case Why::LacksBlocks:
+                return turns_.lacksBlocks(request, now, ended);
+            case Why::Lacks:
+                return turns_.lacks(request, now, ended);
+            case Why::DeviceLost:
+                return turns_.putBack(request, now, ended);
+            case Why::Failed:
+                return turns_.failed(request, std::move(error), now, ended);
+        }
+    });
 }
 
 }  // namespace scancast

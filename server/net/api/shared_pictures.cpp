@@ -54,7 +54,7 @@ Expected<void> SharedPictures::order(const std::string& tag, PictureOrder order,
     const Expected<EncodedPicture> full = fail(ErrorCode::Cancelled, queued.error().message);
     const auto others = waiting_->take(tag);
     for (std::size_t i = 1; i < others.size(); ++i) answer(others[i], full);
-    return queued;
+    return passOn(queued);
 }
 
 }  // namespace scancast

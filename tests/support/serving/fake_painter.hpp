@@ -38,9 +38,8 @@ class FakePainter {
             painter.prepare = [this](const PictureOrder& order, bool wait, std::stop_token stop) {
                 return prepare(order, wait, stop);
             };
-            painter.begin = [this](const PictureOrder& order, const PreparedPicture&, std::stop_token stop) {
-                return begin(*order.cloud, order.view, std::move(stop));
-            };
+            painter.begin = [this](const PictureOrder& order, const PreparedPicture&, std::stop_token stop,
+                                   const Pause&) { return begin(*order.cloud, order.view, std::move(stop)); };
             return painter;
         };
     }

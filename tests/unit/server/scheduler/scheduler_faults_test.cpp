@@ -58,8 +58,8 @@ struct ThrowingPainter {
                 maybe(wait ? Where::Wait : Where::Prepare);
                 return PreparedPicture{nullptr, wait || !order.complete || !missing};
             };
-            painter.begin = [this](const PictureOrder&, const PreparedPicture&,
-                                   const std::stop_token&) -> Expected<std::unique_ptr<PendingFrame>> {
+            painter.begin = [this](const PictureOrder&, const PreparedPicture&, const std::stop_token&,
+                                   const Pause&) -> Expected<std::unique_ptr<PendingFrame>> {
                 maybe(Where::Begin);
                 return std::make_unique<Pending>(*this, side);
             };

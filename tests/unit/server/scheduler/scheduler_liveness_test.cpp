@@ -31,8 +31,8 @@ class GatedPainter {
                 loading.pass();
                 return PreparedPicture{};
             };
-            painter.begin = [this](const PictureOrder&, const PreparedPicture&,
-                                   const std::stop_token&) -> Expected<std::unique_ptr<PendingFrame>> {
+            painter.begin = [this](const PictureOrder&, const PreparedPicture&, const std::stop_token&,
+                                   const Pause&) -> Expected<std::unique_ptr<PendingFrame>> {
                 drawing.pass();
                 Frame frame{1, 1, {0, 0, 0, 255}, {1}, {}};
                 return std::make_unique<DrawnFrame>(std::move(frame));

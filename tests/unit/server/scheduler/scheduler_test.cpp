@@ -45,64 +45,6 @@ TEST_F(SchedulerTest, TheLatestRequestWinsAndOverwrittenOnesAreCounted) {
               "scancast_frames_dropped_total{reason=\"overwritten\"} 8");
 }
 
-TEST_F(SchedulerTest, SessionsTakeTurnsHoweverMuchOneOfThemRequests) {
-    painter.closeGate();
-    Scheduler scheduler(painter.open(), {}, metrics);
-    const auto busy = scheduler.openMailbox();
-    const auto calm = scheduler.openMailbox();
-    scheduler.request(busy, order(100), results.collect(100));
-    ASSERT_TRUE(painter.waitBegun(1));
-    scheduler.request(busy, order(101), results.collect(101));
-    scheduler.request(calm, order(200), results.collect(200));
-    // From here on the busy session has a new request waiting whenever one of its own begins.
-    for (std::size_t round = 0; round < 4; ++round) {
-        const int next = int(round) + 1;
-        painter.let(1);
-        ASSERT_TRUE(painter.waitBegun(2 * round + 2));
-        scheduler.request(busy, order(101 + next), results.collect(101 + next));
-        painter.let(1);
-        ASSERT_TRUE(painter.waitBegun(2 * round + 3));
-        scheduler.request(calm, order(200 + next), results.collect(200 + next));
-    }
-    painter.openGate();
-    ASSERT_TRUE(results.waitFor(11));
-    const auto begun = begunWidths();
-    // Strict alternation: after each picture of one session comes one of the other.
-    for (std::size_t i = 1; i + 1 < begun.size(); ++i) {
-        EXPECT_NE(begun[i] / 100, begun[i + 1] / 100) << "at " << i;
-    }
-}
-
-TEST_F(SchedulerTest, SnapshotsAreOneParticipantAmongSessions) {
-    painter.closeGate();
-    Scheduler scheduler(painter.open(), {}, metrics);
-    const auto mailbox = scheduler.openMailbox();
-    for (int i = 0; i < 5; ++i) ASSERT_TRUE(scheduler.snapshot(order(10 + i), results.collect(10 + i)));
-    ASSERT_TRUE(painter.waitBegun(1));
-    scheduler.request(mailbox, order(99), results.collect(99));
-    painter.openGate();
-    ASSERT_TRUE(results.waitFor(6));
-    const auto begun = begunWidths();
-    // The session came after five snapshots, one of which was begun; it waits for one more at most.
-    EXPECT_TRUE(begun[1] == 99 || begun[2] == 99) << ::testing::PrintToString(begun);
-}
-
-TEST_F(SchedulerTest, TheSnapshotQueueIsBounded) {
-    painter.closeGate();
-    SchedulerOptions options;
-    options.maxSnapshots = 3;
-    Scheduler scheduler(painter.open(), options, metrics);
-    ASSERT_TRUE(scheduler.snapshot(order(1), results.collect(1)));
-    ASSERT_TRUE(painter.waitBegun(1));  // begun, so it waits no more
-    for (int i = 2; i <= 4; ++i) ASSERT_TRUE(scheduler.snapshot(order(i), results.collect(i)));
-    const auto refused = scheduler.snapshot(order(5), results.collect(5));
-    ASSERT_FALSE(refused);
-    EXPECT_EQ(refused.error().code, ErrorCode::ResourceLimit);
-    painter.openGate();
-    ASSERT_TRUE(results.waitFor(4));
-    EXPECT_EQ(begunWidths(), (std::vector<int>{1, 2, 3, 4}));
-}
-
 TEST_F(SchedulerTest, DeadlinesEndWaitingAndRenderingSnapshots) {
     painter.closeGate();
     SchedulerOptions options;
@@ -136,25 +78,6 @@ TEST_F(SchedulerTest, ANewViewStopsTheSessionsOwnStillAtOnce) {
     EXPECT_EQ(painter.cancelled(), 1);
 }
 
-TEST_F(SchedulerTest, NeitherMovingFramesNorStillsThatHaveWaitedLongAreStopped) {
-    painter.closeGate();
-    SchedulerOptions options;
-    options.stillPatience = std::chrono::milliseconds(0);
-    Scheduler scheduler(painter.open(), options, metrics);
-    const auto mine = scheduler.openMailbox();
-    const auto other = scheduler.openMailbox();
-    scheduler.request(mine, order(1), results.collect(1));
-    ASSERT_TRUE(painter.waitBegun(1));
-    scheduler.request(mine, order(2, true), results.collect(2));
-    painter.let(1);
-    ASSERT_TRUE(painter.waitBegun(2));
-    scheduler.request(other, order(3), results.collect(3));
-    painter.openGate();
-    ASSERT_TRUE(results.waitFor(3));
-    EXPECT_EQ(painter.cancelled(), 0);
-    for (int label : {1, 2, 3}) EXPECT_EQ(results.code(label), std::nullopt);
-}
-
 TEST_F(SchedulerTest, AStillGivesWayToTheMovingFrameOfAnother) {
     painter.closeGate();
     SchedulerOptions options;
@@ -170,83 +93,7 @@ TEST_F(SchedulerTest, AStillGivesWayToTheMovingFrameOfAnother) {
     ASSERT_TRUE(results.waitFor(2));
     EXPECT_EQ(begunWidths(), (std::vector<int>{1, 2, 1})) << "it is begun again, and not lost";
     EXPECT_EQ(results.code(1), std::nullopt);
-    EXPECT_EQ(results.labels(), (std::vector<int>{2, 1}));
-}
-
-TEST_F(SchedulerTest, StillsWaitUntilNobodyMoves) {
-    painter.closeGate();
-    SchedulerOptions options;
-    options.stillPatience = std::chrono::hours(1);
-    Scheduler scheduler(painter.open(), options, metrics);
-    const auto first = scheduler.openMailbox();
-    scheduler.request(first, moving(1), results.collect(1));
-    ASSERT_TRUE(painter.waitBegun(1));
-    for (int i = 2; i <= 4; ++i)
-        scheduler.request(scheduler.openMailbox(), order(i, true), results.collect(i));
-    for (int i = 5; i <= 7; ++i) scheduler.request(scheduler.openMailbox(), moving(i), results.collect(i));
-    painter.openGate();
-    ASSERT_TRUE(results.waitFor(7));
-    EXPECT_EQ(begunWidths(), (std::vector<int>{1, 5, 6, 7, 2, 3, 4}));
-}
-
-TEST_F(SchedulerTest, AStillThatGaveWayIsStoppedByItsOwnSessionsNewView) {
-    painter.closeGate();
-    SchedulerOptions options;
-    options.stillPatience = std::chrono::hours(1);
-    Scheduler scheduler(painter.open(), options, metrics);
-    const auto looker = scheduler.openMailbox(), mover = scheduler.openMailbox();
-    scheduler.request(looker, order(1, true), results.collect(1));
-    ASSERT_TRUE(painter.waitBegun(1));
-    scheduler.request(mover, moving(2), results.collect(2));
-    ASSERT_TRUE(painter.waitBegun(2));
-    scheduler.request(looker, moving(3), results.collect(3));
-    painter.openGate();
-    ASSERT_TRUE(results.waitFor(3));
-    EXPECT_EQ(begunWidths(), (std::vector<int>{1, 2, 3}));
-    EXPECT_EQ(results.code(1), ErrorCode::Cancelled);
-}
-
-// Round robin, proved: with everybody asking again and again, nobody has two frames before all have one.
-TEST_F(SchedulerTest, ManySessionsAreServedInTurn) {
-    painter.closeGate();
-    Scheduler scheduler(painter.open(), {}, metrics);
-    constexpr int sessions = 9, rounds = 5;
-    std::vector<Scheduler::MailboxId> mailboxes;
-    for (int s = 0; s < sessions; ++s) mailboxes.push_back(scheduler.openMailbox());
-    int label = 0;
-    const auto request = [&](int s) {
-        scheduler.request(mailboxes[std::size_t(s)], moving(s + 1), results.collect(++label));
-    };
-    request(0);
-    ASSERT_TRUE(painter.waitBegun(1));
-    for (int s = 1; s < sessions; ++s) request(s);
-    for (std::size_t done = 1; done < sessions * rounds; ++done) {
-        request(begunWidths().back() - 1);  // whoever is being served requests again at once
-        painter.let(1);
-        ASSERT_TRUE(painter.waitBegun(done + 1));
-    }
-    const auto begun = begunWidths();
-    for (std::size_t i = 0; i < begun.size(); ++i) EXPECT_EQ(begun[i], int(i % sessions) + 1) << "turn " << i;
-    painter.openGate();
-}
-
-TEST_F(SchedulerTest, APictureTellsHowManyOthersMovedMeanwhile) {
-    painter.closeGate();
-    Scheduler scheduler(painter.open(), {}, metrics);
-    std::promise<std::size_t> rivals;
-    const auto a = scheduler.openMailbox();
-    scheduler.request(a, moving(1), results.collect(1));
-    ASSERT_TRUE(painter.waitBegun(1));
-    scheduler.request(a, moving(2), [&](const Expected<EncodedPicture>& picture) {
-        rivals.set_value(picture ? picture->rivals : 99);
-    });
-    for (int i = 3; i <= 5; ++i) scheduler.request(scheduler.openMailbox(), moving(i), results.collect(i));
-    scheduler.request(scheduler.openMailbox(), order(6, true), results.collect(6));
-    painter.openGate();
-    auto told = rivals.get_future();
-    ASSERT_EQ(told.wait_for(FakePainter::patience), std::future_status::ready);
-    EXPECT_EQ(told.get(), 3U) << "the still is no rival";
-    ASSERT_TRUE(results.waitFor(5));
+    EXPECT_EQ(results.code(2), std::nullopt);
 }
 
 TEST_F(SchedulerTest, DrainingFinishesWhatWasPromisedAndTakesNothingNew) {
@@ -268,22 +115,6 @@ TEST_F(SchedulerTest, DrainingFinishesWhatWasPromisedAndTakesNothingNew) {
     scheduler.stop();
     scheduler.wait();
     EXPECT_TRUE(scheduler.idle());
-}
-
-TEST_F(SchedulerTest, ReplaceWaitingOnlyReplaces) {
-    painter.closeGate();
-    Scheduler scheduler(painter.open(), {}, metrics);
-    const auto mailbox = scheduler.openMailbox();
-    EXPECT_FALSE(scheduler.replaceWaiting(mailbox, order(1), results.collect(1)));
-    scheduler.request(mailbox, order(2), results.collect(2));
-    ASSERT_TRUE(painter.waitBegun(1));
-    EXPECT_FALSE(scheduler.replaceWaiting(mailbox, order(3), results.collect(3)));
-    scheduler.request(mailbox, order(4), results.collect(4));
-    EXPECT_TRUE(scheduler.replaceWaiting(mailbox, order(5), results.collect(5)));
-    painter.openGate();
-    ASSERT_TRUE(results.waitFor(3));
-    EXPECT_EQ(begunWidths(), (std::vector<int>{2, 5}));
-    EXPECT_EQ(results.code(4), ErrorCode::Cancelled);
 }
 
 TEST_F(SchedulerTest, AClosedMailboxStopsEverythingOfItsSession) {

@@ -3,6 +3,7 @@
 #include <spng.h>
 #include <turbojpeg.h>
 
+#include <algorithm>
 #include <cstdlib>
 #include <memory>
 
@@ -86,7 +87,7 @@ Expected<Bytes> encodeJpeg(const Frame& frame, int quality, Subsampling subsampl
     return Bytes(raw, raw + size);
 }
 
-Expected<Bytes> encodePng(const Frame& frame, bool alpha) {
+Expected<Bytes> encodePng(const Frame& frame, bool alpha, const std::stop_token& stop) {
     if (!sound(frame)) return fail(ErrorCode::Internal, "PNG: the frame has no pixels");
     const Spng encoder(spng_ctx_new(SPNG_CTX_ENCODER));
     if (!encoder) return fail(ErrorCode::ResourceLimit, "PNG: out of memory");
@@ -102,21 +103,22 @@ Expected<Bytes> encodePng(const Frame& frame, bool alpha) {
     if (const int status = spng_set_ihdr(encoder.get(), &header))
         return pngFailure(ErrorCode::Internal, status);
 
-    Bytes rgb;
-    std::span<const std::uint8_t> pixels = frame.rgba;
-    if (!alpha) {
-        rgb.reserve(pixelCount(frame) * 3);
-        for (std::size_t i = 0; i < frame.rgba.size(); i += 4) {
-            rgb.insert(rgb.end(), frame.rgba.begin() + i, frame.rgba.begin() + i + 3);
-        }
-        pixels = rgb;
+    int status = spng_encode_image(encoder.get(), nullptr, 0, SPNG_FMT_PNG,
+                                   SPNG_ENCODE_PROGRESSIVE | SPNG_ENCODE_FINALIZE);
+    const std::size_t width = header.width;
+    Bytes rgb(alpha ? 0 : width * 3);
+    for (int y = 0; y < frame.height && status == 0; ++y) {
+        if (stop.stop_requested())
+            return fail(ErrorCode::Cancelled, "The picture was abandoned: it is no longer wanted.");
+        std::span<const std::uint8_t> row(frame.rgba.data() + static_cast<std::size_t>(y) * width * 4,
+                                          width * 4);
+        for (std::size_t x = 0; x < width && !alpha; ++x)
+            std::copy_n(row.data() + 4 * x, 3, rgb.data() + 3 * x);
+        if (!alpha) row = rgb;
+        status = spng_encode_scanline(encoder.get(), row.data(), row.size());
     }
-    if (const int status = spng_encode_image(encoder.get(), pixels.data(), pixels.size(), SPNG_FMT_PNG,
-                                             SPNG_ENCODE_FINALIZE)) {
-        return pngFailure(ErrorCode::Internal, status);
-    }
+    if (status != SPNG_EOI) return pngFailure(ErrorCode::Internal, status);
     std::size_t size = 0;
-    int status = 0;
     const std::unique_ptr<void, FreeDeleter> buffer(spng_get_png_buffer(encoder.get(), &size, &status));
     if (!buffer) return pngFailure(ErrorCode::Internal, status);
     const auto* begin = static_cast<const std::uint8_t*>(buffer.get());

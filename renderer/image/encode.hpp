@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <span>
+#include <stop_token>
 #include <vector>
 
 #include "protocol/view/view.hpp"
@@ -14,8 +15,9 @@ using Bytes = std::vector<std::uint8_t>;
 
 /// Baseline JPEG; alpha is dropped. Same frame, quality and subsampling → same bytes.
 Expected<Bytes> encodeJpeg(const Frame& frame, int quality, Subsampling subsampling);
-/// 8-bit PNG; RGBA when `alpha`, else RGB.
-Expected<Bytes> encodePng(const Frame& frame, bool alpha);
+/// 8-bit PNG; RGBA when `alpha`, else RGB. Looks at `stop` with every row, because large ones take seconds:
+/// Cancelled.
+Expected<Bytes> encodePng(const Frame& frame, bool alpha, const std::stop_token& stop = {});
 
 /// For tests and clients: RGBA, no depth. Malformed or Truncated with the library's reason.
 Expected<Frame> decodeJpeg(std::span<const std::uint8_t> bytes);

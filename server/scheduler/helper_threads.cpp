@@ -52,24 +52,27 @@ bool Scheduler::encodeStep(Line line) {
         request = turns_.toEncode(line);
     }
     const auto start = Clock::now();
-    auto picture = contained("The encoder", [&] { return encoded(*request); });
+    const std::stop_token token = tokenOf(request);
+    auto picture = contained("The encoder", [&] { return encoded(*request, token); });
     const auto took = Clock::now() - start;
     std::optional<DropReason> dropped;
     if (!picture) {
-        const bool late = picture.error().code == ErrorCode::DeadlineExceeded;
-        dropped = late ? DropReason::Deadline : DropReason::Failed;
+        const ErrorCode code = picture.error().code;
+        dropped = code == ErrorCode::DeadlineExceeded ? DropReason::Deadline
+                  : code == ErrorCode::Cancelled      ? DropReason::Gone
+                                                      : DropReason::Failed;
     }
     answer(*request, std::move(picture), dropped);
     Requests answered;  // only now: who waits until nothing is being made waits for the answer, too
     const Monitor::Lock lock(monitor_);
-    turns_.encoded(request, took, answered);
+    turns_.encoded(request, took, Clock::now(), answered);
     return true;
 }
 
-Expected<EncodedPicture> Scheduler::encoded(Turns::Request& request) {
+Expected<EncodedPicture> Scheduler::encoded(Turns::Request& request, const std::stop_token& token) {
     DrawnPicture& drawn = *request.drawn;
     const auto start = Clock::now();
-    auto bytes = encodePicture(drawn.frame, request.order.view, request.order.format);
+    auto bytes = encodePicture(drawn.frame, request.order.view, request.order.format, token);
     const double encodeMs = millisecondsSince(start);
     if (!bytes) return passOn(std::move(bytes));
     if (Clock::now() > request.deadline) return tl::unexpected(tooLate());

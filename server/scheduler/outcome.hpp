@@ -1,20 +1,20 @@
 // How pictures end that nobody gets to see. Pure functions; any thread.
 #pragma once
 
+#include <optional>
+
 #include "protocol/error.hpp"
+#include "server/base/metrics.hpp"
+#include "server/scheduler/turns.hpp"
 
 namespace scancast {
 
-inline Error cancelled() {
-    return Error{ErrorCode::Cancelled, "The picture is not wanted any more.", {}};
-}
+Error cancelled();
+Error tooLate();
 
-inline Error tooLate() {
-    return Error{
-        ErrorCode::DeadlineExceeded,
-        "The picture was not ready in time: the server is busy, or the view is too costly. Ask for a smaller "
-        "picture, fewer samples or a coarser detail.",
-        {}};
-}
+/// Of a request that ended without a picture: what who asked is told.
+Error errorOf(const Turns::Request& request);
+/// As what it is counted; nullopt = not at all.
+std::optional<DropReason> dropReason(Turns::End end);
 
 }  // namespace scancast

@@ -7,9 +7,10 @@ namespace scancast {
 
 static_assert(std::endian::native == std::endian::little, "depth goes out as it lies in memory");
 
-Expected<Bytes> encodePicture(const Frame& frame, const View& view, PictureFormat format) {
+Expected<Bytes> encodePicture(const Frame& frame, const View& view, PictureFormat format,
+                              const std::stop_token& stop) {
     if (format == PictureFormat::Png) {
-        return encodePng(frame, view.style.background.kind == Background::Kind::Transparent);
+        return encodePng(frame, view.style.background.kind == Background::Kind::Transparent, stop);
     }
     if (format == PictureFormat::Depth) {
         Bytes bytes(frame.depth.size() * sizeof(float));

@@ -51,7 +51,7 @@ struct EncodedPicture {
     int width = 0, height = 0;
     FrameStats stats;  ///< with "encode" as the last stage
     double renderMs = 0, encodeMs = 0;
-    std::size_t rivals = 0;  ///< other sessions whose moving frames waited when it was begun
+    std::size_t rivals = 0;  ///< others who shared the device's time when it was begun
     DeviceInfo device;       ///< that drew it: another than when it was ordered, where that one was lost
 };
 
@@ -88,8 +88,9 @@ struct Painter {
     OpenPainter instead{};
 };
 
-/// The frame's bytes as the view and the format ask. A pure function.
-Expected<Bytes> encodePicture(const Frame& frame, const View& view, PictureFormat format);
+/// The frame's bytes as the view and the format ask. A pure function, unless it is stopped: Cancelled.
+Expected<Bytes> encodePicture(const Frame& frame, const View& view, PictureFormat format,
+                              const std::stop_token& stop = {});
 
 using OpenDevice = std::function<Expected<std::unique_ptr<Device>>()>;
 

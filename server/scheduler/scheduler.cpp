@@ -5,42 +5,6 @@
 #include "server/scheduler/outcome.hpp"
 
 namespace scancast {
-namespace {
-
-Error errorOf(const Turns::Request& request) {
-    switch (request.end) {
-        case Turns::End::Late:
-            return tooLate();
-        case Turns::End::Lacking:
-            return Error{ErrorCode::Cancelled, "Samples of this picture are still to be read.", {}};
-        case Turns::End::Failed:
-            return *request.error;
-        default:
-            return cancelled();
-    }
-}
-
-std::optional<DropReason> reasonOf(Turns::End end) {
-    switch (end) {
-        case Turns::End::Overwritten:
-            return DropReason::Overwritten;
-        case Turns::End::Abandoned:
-            return DropReason::Abandoned;
-        case Turns::End::Gone:
-            return DropReason::Gone;
-        case Turns::End::Late:
-            return DropReason::Deadline;
-        case Turns::End::Lacking:
-            return DropReason::Lacking;
-        case Turns::End::Failed:
-            return DropReason::Failed;
-        default:
-            return std::nullopt;
-    }
-}
-
-}  // namespace
-
 Scheduler::Scheduler(OpenPainter openPainter, const SchedulerOptions& options, Metrics& metrics)
     : openPainter_(std::move(openPainter)), options_(options), metrics_(metrics), turns_(options) {
     renderThread_ = std::thread([this] { renderLoop(); });
@@ -158,7 +122,7 @@ void Scheduler::change(const Change& change) {
 void Scheduler::answer(Requests ended) noexcept {
     for (Turns::Request& request : ended)
         std::ignore = contained("The scheduler", [&] {
-            answer(request, tl::unexpected(errorOf(request)), reasonOf(request.end));
+            answer(request, tl::unexpected(errorOf(request)), dropReason(request.end));
         });
 }
 

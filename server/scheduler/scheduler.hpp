@@ -148,7 +148,7 @@ class Scheduler {
     Expected<Frame> finish(Begun& begun, const std::stop_token& token, Why& why);
     void endWithout(Taken request, Error error, Why why);
     void endFaulty(Taken request, Error fault);
-    Expected<EncodedPicture> encoded(Turns::Request& request);
+    Expected<EncodedPicture> encoded(Turns::Request& request, const std::stop_token& token);
     std::stop_token tokenOf(Taken request) const;
 
     template <class Change>

@@ -14,15 +14,11 @@ constexpr std::size_t mostToEncode = 2;  // frames that wait for their encoder, 
 constexpr std::size_t mostWithin = 3;    // pictures within pauses of pictures within pauses
 /// A picture is drawn within another that costs so many times as much.
 constexpr double muchCheaper = 4;
-/// ms of the device's time that others had and one may catch up with who asked for nothing meanwhile: enough that
-/// one frame after another, with a moment between them, is as good as asking all the time.
-constexpr double mostOwed = 250;
+/// That who asks for nothing goes on to be owed: who asks for one frame after another, with a moment between them,
+/// loses nothing.
+constexpr milliseconds mostOwed{250};
 /// How long one waits for its blocks, at least, before another may.
 constexpr milliseconds prepareSlice{250};
-
-double inMilliseconds(Turns::Clock::duration duration) {
-    return std::chrono::duration<double, std::milli>(duration).count();
-}
 
 /// ms of a core. A guess, where nobody said: only how pictures compare matters.
 double costOf(const PictureOrder& order) {
@@ -171,13 +167,13 @@ std::optional<Turns::Choice> Turns::front(Participants::iterator participant) {
     return std::nullopt;
 }
 
-// Of those that are eligible: before stills that give way, who has been given least; then who came first.
+// Of those that are eligible: before stills that give way, who is owed most; then who came first.
 template <class Eligible>
 std::optional<Turns::Choice> Turns::choose(Time now, const Eligible& eligible) {
     std::optional<Choice> best;
     const auto key = [&](const Choice& choice) {
         const Request& request = choice.request();
-        return std::tuple(now < request.givesWayUntil, choice.of->second.given, request.number);
+        return std::tuple(now < request.givesWayUntil, -choice.of->second.owed, request.number);
     };
     for (auto at = participants_.begin(); at != participants_.end(); ++at) {
         if (!at->second.asks()) continue;
@@ -206,11 +202,14 @@ std::optional<Turns::Taken> Turns::takeWithin(Time now) {
 
 bool Turns::goesBefore(const Choice& candidate, const Request& running, Time now) const {
     const Request& request = candidate.request();
-    if (request.by == running.by || now < request.givesWayUntil) return false;
+    if (now < request.givesWayUntil) return false;
+    // Frames of a session come in their order.
+    const auto its = [&](const Request& drawn) { return drawn.by == request.by; };
+    if (std::any_of(drawing_.begin(), drawing_.end(), its)) return false;
     const bool moves = request.kind == Kind::Moving && running.kind != Kind::Moving;
     if (!moves && costOf(request.order) * muchCheaper > costOf(running.order)) return false;
     if (moves && now < running.givesWayUntil) return true;
-    return candidate.of->second.given <= given(running.by);
+    return candidate.of->second.owed >= std::chrono::nanoseconds(0);
 }
 
 Turns::Taken Turns::begin(const Choice& choice, Time now) {
@@ -222,37 +221,49 @@ Turns::Taken Turns::begin(const Choice& choice, Time now) {
     Request& request = drawing_.back();
     request.stop = std::move(stop);
     request.gaveWay = false;
-    request.rivals = waiting_[std::size_t(Line::Frames)];
-    moveClock();
+    request.rivals = sharers(request.by, now) - 1;
     return std::prev(drawing_.end());
 }
 
 void Turns::charge(Time now) {
     if (drawing_.empty()) return;
-    spend(drawing_.back().by, inMilliseconds(now - std::exchange(charged_, now)));
+    spend(drawing_.back().by, now - std::exchange(charged_, now), now);
 }
 
-void Turns::spend(ParticipantId participant, double milliseconds) {
-    const auto at = participants_.find(participant);
-    if (at == participants_.end()) return;
-    at->second.given += milliseconds;
-    moveClock();
-}
-
-// Where those are who ask.
-void Turns::moveClock() {
-    double least = std::numeric_limits<double>::infinity();
-    for (const auto& [id, participant] : participants_)
-        if (participant.asks()) least = std::min(least, participant.given);
+// Who asks for the device's time, or has it; stills that give way ask for what is left over.
+bool Turns::shares(ParticipantId id, const Participant& participant, Time now) const {
+    for (const Requests* list : {&participant.prepared, &participant.waiting})
+        for (const Request& request : *list)
+            if (now >= request.givesWayUntil) return true;
     for (const Requests* busy : {&drawing_, &underWay_})
         for (const Request& request : *busy)
-            if (participants_.count(request.by) > 0) least = std::min(least, given(request.by));
-    if (least < std::numeric_limits<double>::infinity()) clock_ = std::max(clock_, least);
+            if (request.by == id && now >= request.givesWayUntil) return true;
+    return false;
 }
 
-double Turns::given(ParticipantId participant) const {
+std::size_t Turns::sharers(ParticipantId besides, Time now) const {
+    return 1 + std::size_t(std::count_if(participants_.begin(), participants_.end(), [&](const auto& other) {
+               return other.first != besides && shares(other.first, other.second, now);
+           }));
+}
+
+// Everybody who shares the time is owed a part of it, and one has had all. Who asks for nothing is paid back to.
+void Turns::spend(ParticipantId participant, std::chrono::nanoseconds time, Time now) {
+    const std::chrono::nanoseconds part = time / std::int64_t(sharers(participant, now));
+    constexpr std::chrono::nanoseconds none{0};
+    for (auto& [id, other] : participants_) {
+        if (id == participant)
+            other.owed += part - time;
+        else if (shares(id, other, now))
+            other.owed += part;
+        else if (other.owed < none)
+            other.owed = std::min(none, other.owed + part);
+    }
+}
+
+std::chrono::nanoseconds Turns::owed(ParticipantId participant) const {
     const auto at = participants_.find(participant);
-    return at == participants_.end() ? clock_ : at->second.given;
+    return at == participants_.end() ? std::chrono::nanoseconds(0) : at->second.owed;
 }
 
 void Turns::letGo(Taken taken, Time now) {
@@ -349,9 +360,9 @@ std::optional<Turns::Time> Turns::othersPrepareAt() const {
 
 // ---- encoding
 
-void Turns::encoded(Taken taken, std::chrono::nanoseconds took, Requests& ended) {
-    spend(taken->by, inMilliseconds(took) / std::max(1, options_.cores));
-    endIn(lineOf(lineFor(*taken)), taken, End::Done, ended);
+void Turns::encoded(Taken taken, std::chrono::nanoseconds took, Time now, Requests& ended) {
+    spend(taken->by, took / std::max(1, options_.cores), now);
+    endIn(lineOf(lineFor(*taken)), taken, taken->end != End::Open ? taken->end : End::Done, ended);
 }
 
 // ---- time
@@ -393,7 +404,8 @@ void Turns::passTime(Time now, Requests& ended) {
 // ---- lists
 
 void Turns::enter(Participant& participant, bool prepared, Requests& from, Taken request) {
-    if (!participant.asks()) participant.given = std::max(participant.given, clock_ - mostOwed);
+    if (!participant.asks())
+        participant.owed = std::min<std::chrono::nanoseconds>(participant.owed, mostOwed);
     Requests& to = prepared ? participant.prepared : participant.waiting;
     to.splice(to.end(), from, request);
     ++waiting_[std::size_t(lineFor(*request))];
@@ -457,13 +469,15 @@ void Turns::endAside(const Wanted& wanted, End how, Requests& ended) {
 // Whoever works on them finds out.
 template <class Wanted>
 void Turns::stopWork(const Wanted& wanted, End how) {
-    for (Requests* busy : {&drawing_, &underWay_, &preparing_}) {
-        for (Request& request : *busy) {
-            if (request.end != End::Open || !wanted(request)) continue;
-            request.end = how;
-            request.stop.request_stop();
-        }
-    }
+    const auto stop = [&](Request& request) {
+        if (request.end != End::Open || !wanted(request)) return;
+        request.end = how;
+        request.stop.request_stop();
+    };
+    for (Requests* busy : {&drawing_, &underWay_, &preparing_})
+        for (Request& request : *busy) stop(request);
+    for (Requests& line : lines_)
+        if (!line.empty()) stop(line.front());
 }
 
 // For a moving frame, where it cannot be drawn in a pause; blocks may go on being loaded meanwhile.
@@ -493,7 +507,7 @@ void Turns::waitAside(Requests& from, Taken taken) {
     toPrepare_.splice(toPrepare_.end(), from, taken);
 }
 
-// What a client was given counts as long as others who ask were given less.
+// What a client has had too much counts until it is paid back.
 void Turns::forgetIdleClients() {
     const auto isBusy = [&](ParticipantId id) {
         const auto its = [id](const Request& request) { return request.by == id; };
@@ -503,7 +517,7 @@ void Turns::forgetIdleClients() {
     };
     for (auto at = clients_.begin(); at != clients_.end();) {
         const auto client = at++;
-        if (isBusy(client->second) || given(client->second) > clock_) continue;
+        if (isBusy(client->second) || owed(client->second).count() < 0) continue;
         participants_.erase(client->second);
         clients_.erase(client);
     }

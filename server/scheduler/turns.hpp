@@ -5,12 +5,14 @@
 //
 // - A session has a mailbox of size one: a newer request overwrites the one that waits (latest wins).
 // - The device's time is shared by time, not by count: participants are mailboxes, and the snapshots of each
-//   client together. Start-time fair queueing: each has a clock of the time that it was given, whoever is
-//   furthest behind comes next, and who asked for nothing is owed next to nothing for that. (P. Goyal, H. M. Vin,
-//   H. Cheng, "Start-Time Fair Queueing", IEEE/ACM Transactions on Networking 5(5), 1997, section 2.)
+//   client together. Deficit round robin in its fluid form: while some ask, all of them are owed the time that
+//   passes in equal parts, and who is drawn for pays it back; whoever is owed most comes next. (M. Shreedhar,
+//   G. Varghese, "Efficient Fair Queuing Using Deficit Round-Robin", IEEE/ACM Transactions on Networking 4(3),
+//   1996; A. K. Parekh, R. G. Gallager, "A Generalized Processor Sharing Approach to Flow Control", ibid. 1(3),
+//   1993, of which the lag is what is owed here.)
 // - A picture that takes long pauses between slices; meanwhile another may be drawn to its end inside the
 //   pause: a moving frame inside a still or a snapshot, and any picture inside one that costs four times as
-//   much, so that there are few at a time. It comes when its participant is behind the other's.
+//   much, so that there are few at a time. It comes when its participant has not had its part.
 // - Stills give way: they wait until nobody else asks for anything, and let every moving frame pass, until
 //   their patience ends. Where a device does not pause, they are stopped and drawn again.
 // - Snapshots wait in a bounded queue, each with a deadline that counts waiting, rendering and encoding.
@@ -79,7 +81,7 @@ class Turns {
         PicturePromise promise;
         std::optional<PreparedPicture> prepared{};
         std::optional<DrawnPicture> drawn{};
-        std::size_t rivals = 0;  ///< moving frames that waited when its turn came
+        std::size_t rivals = 0;  ///< others who shared the device's time when its turn came
 
         // What follows is the policy's to change.
         Kind kind = Kind::Snapshot;
@@ -166,7 +168,7 @@ class Turns {
     /// Its place stays taken, so that the bound counts it, too.
     Taken toEncode(Line line) { return lineOf(line).begin(); }
     /// It has been answered; `took`: of encoding.
-    void encoded(Taken taken, std::chrono::nanoseconds took, Requests& ended);
+    void encoded(Taken taken, std::chrono::nanoseconds took, Time now, Requests& ended);
     /// Whether something has been begun and not been drawn.
     bool drawing() const { return !drawing_.empty() || !underWay_.empty(); }
 
@@ -182,14 +184,14 @@ class Turns {
     std::size_t snapshotsWaiting() const { return snapshotCount_; }
     std::size_t mostInLine() const { return std::max(lines_[0].size(), lines_[1].size()); }
     std::size_t depth() const { return drawing_.size(); }
-    /// Device time that the participant has been given, since it came; in the policy's own clock.
-    double given(ParticipantId participant) const;
+    /// The device's time that the participant has not had of its part; less than 0 = it had too much.
+    std::chrono::nanoseconds owed(ParticipantId participant) const;
 
   private:
     struct Participant {
         Requests waiting;   ///< of a mailbox at most one
         Requests prepared;  ///< with its samples
-        double given = 0;   ///< ms of the device's time, by the clock of all (SFQ's finish tag)
+        std::chrono::nanoseconds owed{0};
         bool asks() const { return !waiting.empty() || !prepared.empty(); }
     };
     using Participants = std::map<ParticipantId, Participant>;
@@ -211,8 +213,9 @@ class Turns {
     std::optional<Choice> choose(Time now, const Eligible& eligible);
     bool goesBefore(const Choice& candidate, const Request& running, Time now) const;
     Taken begin(const Choice& choice, Time now);
-    void spend(ParticipantId participant, double milliseconds);
-    void moveClock();
+    std::size_t sharers(ParticipantId besides, Time now) const;
+    bool shares(ParticipantId id, const Participant& participant, Time now) const;
+    void spend(ParticipantId participant, std::chrono::nanoseconds time, Time now);
 
     void enter(Participant& participant, bool prepared, Requests& from, Taken request);
     void leave(Participant& participant, bool prepared, Taken request, Requests& to);
@@ -234,7 +237,6 @@ class Turns {
     Participants participants_;
     std::map<std::string, ParticipantId> clients_;  ///< participants that are snapshots of one client
     std::uint64_t lastId_ = 0, lastNumber_ = 0;
-    double clock_ = 0;  ///< ms that those have been given who ask
 
     // What waits for a turn is in its participant's lists, and counted.
     std::array<std::size_t, 2> waiting_{};  ///< for each encoding line

@@ -14,7 +14,7 @@ namespace scancast {
 /// What a moving frame took.
 struct FrameCost {
     double renderMs = 0, encodeMs = 0;
-    std::size_t rivals = 0;  ///< moving frames of other sessions that waited for the device meanwhile
+    std::size_t rivals = 0;  ///< others who shared the device's time meanwhile
 };
 
 class QualityController {

@@ -34,6 +34,9 @@ struct ThrowingPainter {
             const auto pixels = std::size_t(side) * std::size_t(side);
             frame.width = frame.height = side;
             frame.rgba.own().resize(pixels * 4, 255);
+            std::uint32_t noise = 1;  // that no encoder makes small
+            for (std::uint8_t& byte : frame.rgba.own())
+                byte = std::uint8_t((noise = noise * 1664525 + 1013904223) >> 24);
             frame.depth.own().resize(pixels, 1.0F);
         }
         bool ready() override {

@@ -88,7 +88,8 @@ std::optional<std::uint64_t> mostSamplesOn(Device& device) {
 }
 
 Expected<std::unique_ptr<PendingFrame>> beginDrawing(Device& device, const PreparedView& prepared,
-                                                     std::stop_token stop, Uploads uploads) {
+                                                     std::stop_token stop, Uploads uploads,
+                                                     const Pause* pause) {
     const PlannedView& planned = *prepared.planned;
     const auto jitter = jitterSequence(planned.view.quality.samples.value_or(defaultSamples));
     const DeviceInfo info = device.info();
@@ -106,6 +107,7 @@ Expected<std::unique_ptr<PendingFrame>> beginDrawing(Device& device, const Prepa
     Drawing drawing = drawingOf(prepared, jitter);
     drawing.cuts = own.empty() ? prepared.cuts : own;
     if (sun) drawing.sun = &*sun;
+    drawing.pause = pause;
     auto pixels =
         beginPicture(device, drawing, {prepared.tileSide, planned.margin, planned.tilesAreExact}, stop);
     if (!pixels) return pixels;

@@ -26,9 +26,11 @@ enum class Uploads : std::uint8_t {
 Expected<Frame> draw(Device& device, const PreparedView& prepared, std::stop_token stop = {},
                      Uploads uploads = Uploads::Everything);
 /// The same in two steps (Device::begin); `prepared` is not needed afterwards. Pictures of several tiles are
-/// drawn at once.
+/// drawn at once. `pause` (null = none) lets others in meanwhile: of a device that does not pause by itself
+/// (DeviceInfo::pauses), between tiles.
 Expected<std::unique_ptr<PendingFrame>> beginDrawing(Device& device, const PreparedView& prepared,
                                                      std::stop_token stop = {},
-                                                     Uploads uploads = Uploads::Everything);
+                                                     Uploads uploads = Uploads::Everything,
+                                                     const Pause* pause = nullptr);
 
 }  // namespace scancast

@@ -36,10 +36,18 @@ Window withMargin(const Window& wanted, int margin, int width, int height) {
     return drawn;
 }
 
+/// Between tiles nothing of the device is in use, and others can be let in; within one, a GPU could lose the samples that
+/// it draws to them.
+bool pausesBetweenTiles(const Device& device, const Drawing& drawing) {
+    return drawing.pause != nullptr && *drawing.pause && !device.info().pauses;
+}
+
 /// What a device draws at once depends on its memory, and a picture's bytes must not.
-bool isOnePiece(const Device& device, const Viewpoint& viewpoint, const Tiling& tiling) {
-    return (viewpoint.width <= tiling.side && viewpoint.height <= tiling.side) ||
-           (tiling.exact && std::int64_t{viewpoint.width} * viewpoint.height <= device.pixelsAtOnce());
+bool isOnePiece(const Device& device, const Drawing& drawing, const Tiling& tiling) {
+    const Viewpoint& viewpoint = drawing.mainView().viewpoint;
+    if (viewpoint.width <= tiling.side && viewpoint.height <= tiling.side) return true;
+    return tiling.exact && !pausesBetweenTiles(device, drawing) &&
+           std::int64_t{viewpoint.width} * viewpoint.height <= device.pixelsAtOnce();
 }
 
 class TiledPicture final : public PendingFrame {
@@ -64,6 +72,7 @@ class TiledPicture final : public PendingFrame {
                 auto tile = device.begin(drawing, stop);
                 if (!tile) return passOn(std::move(tile));
                 underWay_.push_back({std::move(*tile), drawing.window, wanted});
+                if (auto ok = letOthersIn(device, drawing); !ok) return ok;
             }
         }
         // Of a device that draws at once, nothing is left.
@@ -81,6 +90,14 @@ class TiledPicture final : public PendingFrame {
     }
 
   private:
+    /// What is under way is finished first: pictures are finished in the order in which they were begun.
+    Expected<void> letOthersIn(const Device& device, const Drawing& drawing) {
+        if (!pausesBetweenTiles(device, drawing)) return {};
+        if (auto ok = pasteReady(0); !ok) return ok;
+        (*drawing.pause)();
+        return {};
+    }
+
     struct Tile {
         std::unique_ptr<PendingFrame> pixels;
         Window drawn, wanted;
@@ -115,7 +132,7 @@ class TiledPicture final : public PendingFrame {
 Expected<std::unique_ptr<PendingFrame>> beginPicture(Device& device, const Drawing& drawing,
                                                      const Tiling& tiling, const std::stop_token& stop) {
     const Viewpoint& viewpoint = drawing.mainView().viewpoint;
-    if (isOnePiece(device, viewpoint, tiling)) {
+    if (isOnePiece(device, drawing, tiling)) {
         Drawing whole = drawing;
         whole.window = {0, 0, viewpoint.width, viewpoint.height};
         return device.begin(whole, stop);

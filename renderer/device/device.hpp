@@ -22,6 +22,7 @@
 #include "protocol/error.hpp"
 #include "protocol/view/view.hpp"
 #include "renderer/device/pass.hpp"
+#include "renderer/device/pause.hpp"
 #include "renderer/device/pending_frame.hpp"
 #include "renderer/image/frame.hpp"
 #include "renderer/select/select.hpp"
@@ -103,6 +104,7 @@ struct Drawing {
     Background background;
     Window window;                       ///< what to draw; the frame has its size
     std::span<const glm::dvec2> jitter;  ///< one sub-pixel shift (px) per anti-aliasing frame; at least one
+    const Pause* pause = nullptr;        ///< lets others in meanwhile; null = nobody
     bool depth = true;                   ///< the frame shall have its depth; what only is encoded needs none
 
     const CutView& mainView() const { return cuts.front(); }
@@ -143,7 +145,7 @@ class Device {
     virtual std::int64_t pixelsAtOnce() const { return 0; }
     /// Draws one picture: for each jitter all passes, then the integer mean of the frames (colour weighted by
     /// coverage; depth is that of the first). Checks `stop` every few milliseconds: Cancelled leaves no
-    /// trace. Errors: Cancelled, ResourceLimit (picture or cut too large for the device), Unsupported,
+    /// trace. In its pauses (info().pauses) it is called again. Errors: Cancelled, ResourceLimit (picture or cut too large for the device), Unsupported,
     /// DeviceLost.
     virtual Expected<Frame> draw(const Drawing& drawing, std::stop_token stop) = 0;
     /// The same in two steps, so that nobody waits for pixels who has something else to begin. Nothing that

@@ -52,11 +52,13 @@ OpenPainter painterWith(OpenDevice openDevice, OpenPainter instead) {
                                                           std::stop_token stop) {
             return preparePicture(order, wait, std::move(stop), most);
         };
-        painter.begin = [device](const PictureOrder& order, const PreparedPicture& prepared,
-                                 std::stop_token stop,
-                                 const Pause&) -> Expected<std::unique_ptr<PendingFrame>> {
+        // A moving frame is not cut into tiles for the sake of others.
+        painter.begin = [device, pauses = painter.device.pauses](
+                            const PictureOrder& order, const PreparedPicture& prepared, std::stop_token stop,
+                            const Pause& pause) -> Expected<std::unique_ptr<PendingFrame>> {
             auto begun = beginDrawing(*device, *prepared.view, std::move(stop),
-                                      order.complete ? Uploads::Everything : Uploads::ForAFrame);
+                                      order.complete ? Uploads::Everything : Uploads::ForAFrame,
+                                      order.complete || pauses ? &pause : nullptr);
             if (!begun) return begun;
             return std::make_unique<PaintedFrame>(device, std::move(*begun));
         };

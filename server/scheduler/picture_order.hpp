@@ -70,9 +70,6 @@ struct PreparedPicture {
 using PreparePicture =
     std::function<Expected<PreparedPicture>(const PictureOrder&, bool wait, std::stop_token)>;
 
-/// TEMPORARY
-using Pause = std::function<void()>;
-
 struct Painter;
 using OpenPainter = std::function<Expected<Painter>()>;
 

@@ -5,6 +5,7 @@
 #include <tbb/task_arena.h>
 
 #include <cstdlib>
+#include <deque>
 #include <new>
 #include <string>
 #include <thread>
@@ -33,9 +34,7 @@ Expected<void> check(const Drawing& d) {
 class CpuDevice final : public Device {
   public:
     CpuDevice(int threads, const cpu::SimdLevel& level)
-        : threads_(threads), level_(level), control_(allowThreads(threads)), arena_(threads) {
-        for (int i = 0; i < threads; ++i) buffers_.tiles.push_back(std::make_unique<cpu::TileMemory>());
-    }
+        : threads_(threads), level_(level), control_(allowThreads(threads)), arena_(threads) {}
 
     DeviceInfo info() const override {
         DeviceInfo info;
@@ -45,6 +44,7 @@ class CpuDevice final : public Device {
         info.version = std::string("kernels 1");
         info.identity = info.name;
         info.mirrors = true;
+        info.pauses = true;
         return info;
     }
 
@@ -52,8 +52,13 @@ class CpuDevice final : public Device {
         if (auto ok = check(drawing); !ok) return passOn(ok);
         const auto passes = framePasses(drawing.passes);
         if (!passes) return passOn(passes);
+        if (depth_ == mostWithin) {
+            return fail(ErrorCode::ResourceLimit,
+                        "Too many pictures are being drawn within the pauses of others.");
+        }
         try {
-            return cpu::Picture(drawing, *passes, *level_.kernels, threads_, arena_, buffers_,
+            const Within within(*this);
+            return cpu::Picture(drawing, *passes, *level_.kernels, threads_, arena_, buffers_[depth_ - 1],
                                 std::move(stop))
                 .draw();
         } catch (const std::bad_alloc&) {
@@ -63,6 +68,27 @@ class CpuDevice final : public Device {
     }
 
   private:
+    static constexpr std::size_t mostWithin = 4;
+
+    /// A picture, perhaps in a pause of another: it has buffers of its own.
+    class Within {
+      public:
+        explicit Within(CpuDevice& device) : device_(device) {
+            if (device.buffers_.size() == device.depth_) {
+                auto& buffers = device.buffers_.emplace_back();
+                for (int i = 0; i < device.threads_; ++i)
+                    buffers.tiles.push_back(std::make_unique<cpu::TileMemory>());
+            }
+            ++device.depth_;
+        }
+        ~Within() { --device_.depth_; }
+        Within(const Within&) = delete;
+        Within& operator=(const Within&) = delete;
+
+      private:
+        CpuDevice& device_;
+    };
+
     /// The library starts no more threads than there are cores unless told to.
     static std::unique_ptr<tbb::global_control> allowThreads(int threads) {
         if (threads <= static_cast<int>(std::thread::hardware_concurrency())) return nullptr;
@@ -74,7 +100,8 @@ class CpuDevice final : public Device {
     const cpu::SimdLevel& level_;
     std::unique_ptr<tbb::global_control> control_;
     tbb::task_arena arena_;
-    cpu::Buffers buffers_;
+    std::deque<cpu::Buffers> buffers_;  ///< of pictures within each other's pauses
+    std::size_t depth_ = 0;             ///< of those that are being drawn
 };
 
 }  // namespace

@@ -7,7 +7,6 @@
 #include "renderer/cloud/curvature.hpp"
 #include "renderer/cloud/surfel_codec.hpp"
 #include "renderer/device/cpu/grown.hpp"
-#include "renderer/image/clock.hpp"
 
 namespace scancast::cpu {
 namespace {
@@ -109,7 +108,9 @@ Layer::Layer(const Drawing& drawing, const CutView& view, const LayerView& layer
     background_ = backgroundRows(drawing.background, area_.y0 - layerView.pad, area_.height(),
                                  layerView.viewpoint->height);
     prepareRuns(drawing, view);
+    workers_.pauseIfDue();
     if (passes.bySample()) listSamples();
+    workers_.pauseIfDue();
     if (!workers_.stopped()) tiles_ = cutIntoTiles(area_, runs_, workers_.threads() * tilesPerThread);
 }
 
@@ -149,32 +150,34 @@ void Layer::listSamples() {
                 ordinalShift};
 }
 
-void Layer::splatRun(const PreparedRun& prepared, SplatRun slice, const SplatPass& pass,
-                     const KeyTile& target, TileMemory& memory) {
-    for (std::uint32_t first = 0; first < prepared.run.count;) {
-        if (workers_.stopped()) return;
-        slice.samples = prepared.run.samples + first;
-        if (prepared.run.curvatures != nullptr) slice.curvatures = prepared.run.curvatures + first;
-        if (prepared.run.limits != nullptr) slice.limits = prepared.run.limits + first / limitsStep;
-        slice.count = std::min(sliceSamples, prepared.run.count - first);
-        slice.firstOrdinal = prepared.run.firstOrdinal + first;
-        const std::uint32_t done = kernels_.splat(pass, slice, target);
+/// From the sample that it has come to; false: the slice is over before its last one.
+bool Layer::splatRun(TileDrawing& at, const PreparedRun& prepared, SplatRun slice, const SplatPass& pass) {
+    while (at.sample < prepared.run.count) {
+        if (workers_.stopped() || workers_.sliceIsOver()) return false;
+        slice.samples = prepared.run.samples + at.sample;
+        if (prepared.run.curvatures != nullptr) slice.curvatures = prepared.run.curvatures + at.sample;
+        if (prepared.run.limits != nullptr) slice.limits = prepared.run.limits + at.sample / limitsStep;
+        slice.count = std::min(sliceSamples, prepared.run.count - at.sample);
+        slice.firstOrdinal = prepared.run.firstOrdinal + at.sample;
+        const std::uint32_t done = kernels_.splat(pass, slice, at.target);
         if (pass.reduction == Reduction::Sum && done < slice.count)
-            emptySums(target, colorPlanes + (pass.sumNormals ? normalPlanes : 0), memory);
-        first += done;
+            emptySums(at.target, colorPlanes + (pass.sumNormals ? normalPlanes : 0), *at.memory);
+        at.sample += done;
     }
+    at.sample = 0;
+    return true;
 }
 
-void Layer::drawRuns(const Tile& tile, std::size_t index, const SplatPass& pass, const KeyTile& target,
-                     TileMemory& memory) {
+bool Layer::drawRuns(TileDrawing& at, const SplatPass& pass) {
+    const KeyTile& target = at.target;
     KeyTile visible = target;
     if (target.visible != nullptr) visible.keys = const_cast<Key*>(target.visible);
-    for (const std::uint32_t at : tile.runs) {
-        const PreparedRun& prepared = runs_[at];
-        const PassSize& size = prepared.sizes[index];
-        const Rect part = prepared.bounds.intersect(tile.area);
-        if (kernels_.hidden(visible, part.x0 - target.x, part.y0 - target.y, part.x1 - target.x,
-                            part.y1 - target.y, size.frontOrder)) {
+    for (; at.run < at.tile->runs.size(); ++at.run) {
+        const PreparedRun& prepared = runs_[at.tile->runs[at.run]];
+        const PassSize& size = prepared.sizes[at.pass];
+        const Rect part = prepared.bounds.intersect(at.tile->area);
+        if (at.sample == 0 && kernels_.hidden(visible, part.x0 - target.x, part.y0 - target.y,
+                                              part.x1 - target.x, part.y1 - target.y, size.frontOrder)) {
             continue;
         }
         SplatRun slice = prepared.run;
@@ -182,58 +185,79 @@ void Layer::drawRuns(const Tile& tile, std::size_t index, const SplatPass& pass,
         slice.largestPx = size.largestPx;
         slice.crossesTile =
             part.width() < prepared.bounds.width() || part.height() < prepared.bounds.height();
-        splatRun(prepared, slice, pass, target, memory);
+        if (!splatRun(at, prepared, slice, pass)) return false;
     }
+    at.run = 0;
+    return true;
 }
 
-void Layer::drawTile(const Tile& tile, std::span<const SplatPass> passes, const Planes& planes,
-                     const Owners& owners) {
-    TileMemory& memory = *memories_[Workers::index()];
-    const KeyTile empty = emptyTile(tile.area);
-    grown(memory.keys, static_cast<std::size_t>(empty.planeSize + unusedKeys) * 3);
-    memory.wide.clear();
-    KeyTile nearest = withKeys(empty, memory, 0), colors = nearest;
-    const Key* silhouette = nullptr;
-    auto start = Clock::now();
+void Layer::begin(TileDrawing& at, const Tile& tile) {
+    TileMemory* const memory = at.memory;
+    at = {};
+    at.memory = memory;
+    at.tile = &tile;
+    at.empty = emptyTile(tile.area);
+    grown(memory->keys, static_cast<std::size_t>(at.empty.planeSize + unusedKeys) * 3);
+    memory->wide.clear();
+    at.nearest = at.colors = withKeys(at.empty, *memory, 0);
+}
+
+void Layer::beginPass(TileDrawing& at, const SplatPass& pass) {
+    TileMemory& memory = *at.memory;
+    at.target = at.nearest;
+    at.target.silhouette = at.silhouette;
+    switch (pass.reduction) {
+        case Reduction::Nearest:
+            if (pass.silhouette) {
+                at.target = withKeys(at.empty, memory, 1);
+                at.silhouette = at.target.keys;
+            }
+            kernels_.clear(at.target);
+            break;
+        case Reduction::Sum: {
+            const int count = colorPlanes + (pass.sumNormals ? normalPlanes : 0);
+            memory.sums.assign(static_cast<std::size_t>(count * at.empty.planeSize), 0);
+            at.target.visible = at.nearest.keys;
+            at.target.surfaces = at.colors.keys;
+            at.target.sums = memory.sums.data() + guard * at.empty.stride + guard;
+            at.colors.sums = at.target.sums;
+            break;
+        }
+        case Reduction::Cell:
+            at.target = withKeys(at.nearest, memory, 2);
+            at.target.visible = at.nearest.keys;
+            at.target.silhouette = at.silhouette;
+            at.colors.keys = at.target.keys;
+            at.colors.visible = at.nearest.keys;
+            kernels_.clear(at.target);
+            break;
+    }
+    at.begun = true;
+}
+
+/// False: the slice is over, and the tile is not done.
+bool Layer::goOn(TileDrawing& at, const FrameDrawing& frame) {
+    auto start = Workers::Clock::now();
     const auto spend = [&](std::size_t on) {
-        const auto now = Clock::now();
+        const auto now = Workers::Clock::now();
         spent_[on] += std::chrono::duration_cast<std::chrono::nanoseconds>(now - start).count();
         start = now;
     };
-    for (std::size_t i = 0; i < passes.size(); ++i) {
-        KeyTile target = nearest;
-        target.silhouette = silhouette;
-        switch (passes[i].reduction) {
-            case Reduction::Nearest:
-                if (passes[i].silhouette) {
-                    target = withKeys(empty, memory, 1);
-                    silhouette = target.keys;
-                }
-                kernels_.clear(target);
-                break;
-            case Reduction::Sum: {
-                const int count = colorPlanes + (passes[i].sumNormals ? normalPlanes : 0);
-                memory.sums.assign(static_cast<std::size_t>(count * empty.planeSize), 0);
-                target.visible = nearest.keys;
-                target.surfaces = colors.keys;
-                target.sums = memory.sums.data() + guard * empty.stride + guard;
-                colors.sums = target.sums;
-                break;
-            }
-            case Reduction::Cell:
-                target = withKeys(nearest, memory, 2);
-                target.visible = nearest.keys;
-                target.silhouette = silhouette;
-                colors.keys = target.keys;
-                colors.visible = nearest.keys;
-                kernels_.clear(target);
-                break;
+    for (; at.pass < frame.passes.size(); ++at.pass) {
+        if (!at.begun) beginPass(at, frame.passes[at.pass]);
+        const bool done = drawRuns(at, frame.passes[at.pass]);
+        spend(at.pass);
+        if (!done) return false;
+        at.begun = false;
+        if (workers_.sliceIsOver() && at.pass + 1 < frame.passes.size()) {
+            ++at.pass;
+            return false;
         }
-        drawRuns(tile, i, passes[i], target, memory);
-        spend(i);
     }
-    resolveTile(nearest, colors, passes.back(), memory, planes, owners);
-    spend(passes.size());
+    resolveTile(at.nearest, at.colors, frame.passes.back(), *at.memory, frame.planes, frame.owners);
+    spend(frame.passes.size());
+    at.tile = nullptr;
+    return true;
 }
 
 void Layer::resolveTile(const KeyTile& nearest, const KeyTile& colors, const SplatPass& pass,
@@ -282,14 +306,28 @@ void Layer::draw(const glm::dvec2& jitter, const Planes& planes, FrameStats& sta
     std::vector<SplatPass> passes = splats_;
     for (SplatPass& pass : passes) pass = jittered(pass, layerView_, jitter);
     for (auto& time : spent_) time = 0;
-    const auto start = Clock::now();
+    const auto start = workers_.now();
     Owners owners;
     if (passes_.resolve.smooth && planes.owners != nullptr) owners = planes.owners->around(planes.area);
-    workers_.inParallel(static_cast<int>(tiles_.size()), [&](int i) {
-        drawTile(tiles_[static_cast<std::size_t>(i)], passes, planes, owners);
+    const FrameDrawing frame{passes, planes, owners};
+    std::vector<TileDrawing> drawings(std::min(tiles_.size(), memories_.size()));
+    for (std::size_t i = 0; i < drawings.size(); ++i) drawings[i].memory = memories_[i].get();
+    std::atomic<std::size_t> next{0};
+    workers_.inSlices(static_cast<int>(drawings.size()), [&](int i) {
+        TileDrawing& at = drawings[static_cast<std::size_t>(i)];
+        while (!workers_.stopped()) {
+            if (at.tile == nullptr) {
+                const std::size_t tile = next++;
+                if (tile >= tiles_.size()) return true;
+                begin(at, tiles_[tile]);
+            }
+            if (!goOn(at, frame)) return false;
+            if (workers_.sliceIsOver()) return next >= tiles_.size();
+        }
+        return true;
     });
     // All passes run side by side: the time that passed is shared out by what the threads spent on each.
-    const double passed = millisecondsSince(start);
+    const double passed = workers_.millisecondsSince(start);
     std::int64_t all = 0;
     for (const auto& time : spent_) all += time;
     for (std::size_t i = 0; i <= passes.size(); ++i) {
@@ -297,9 +335,9 @@ void Layer::draw(const glm::dvec2& jitter, const Planes& planes, FrameStats& sta
                   passed * double(spent_[i]) / double(std::max<std::int64_t>(1, all)));
     }
     if (owners.places == nullptr || workers_.stopped()) return;
-    const auto smoothing = Clock::now();
+    const auto smoothing = workers_.now();
     smooth(passes.front(), planes, owners);
-    stats.add("smooth", millisecondsSince(smoothing));
+    stats.add("smooth", workers_.millisecondsSince(smoothing));
 }
 
 }  // namespace scancast::cpu

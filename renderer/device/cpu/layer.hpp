@@ -14,14 +14,14 @@
 
 namespace scancast::cpu {
 
-/// What one thread draws a tile in. Grows to the largest tile and stays.
+/// What a tile is drawn in. Grows to the largest tile and stays.
 struct TileMemory {
     std::vector<Key> keys;  ///< a block per kind of key
     std::vector<std::int32_t> sums;
     std::vector<std::int64_t> wide;
 };
 
-/// One per thread.
+/// As many as there are threads.
 using TileMemories = std::vector<std::unique_ptr<TileMemory>>;
 
 /// What a layer needs to smooth the borders of paraboloids, besides what it draws into. Grows to the largest layer and stays.
@@ -56,12 +56,32 @@ class Layer {
   private:
     void prepareRuns(const Drawing& drawing, const CutView& view);
     void listSamples();
-    void drawTile(const Tile& tile, std::span<const SplatPass> passes, const Planes& planes,
-                  const Owners& owners);
-    void drawRuns(const Tile& tile, std::size_t index, const SplatPass& pass, const KeyTile& target,
-                  TileMemory& memory);
-    void splatRun(const PreparedRun& prepared, SplatRun slice, const SplatPass& pass, const KeyTile& target,
-                  TileMemory& memory);
+    /// A tile that is being drawn, and how far it has come: one takes as long as its samples do, and the picture pauses
+    /// meanwhile.
+    struct TileDrawing {
+        TileMemory* memory = nullptr;
+        const Tile* tile = nullptr;  ///< null: it is done, or there is none
+        KeyTile empty, nearest, colors;
+        const Key* silhouette = nullptr;
+        std::size_t pass =
+            0;  ///< the next one, up to which it has come: `run` of the tile's, `sample` of the run's
+        std::size_t run = 0;
+        std::uint32_t sample = 0;
+        KeyTile target;  ///< of the pass, once it has begun
+        bool begun = false;
+    };
+    /// What is the same for all tiles of a frame.
+    struct FrameDrawing {
+        std::span<const SplatPass> passes;
+        const Planes& planes;
+        const Owners& owners;
+    };
+
+    void begin(TileDrawing& at, const Tile& tile);
+    bool goOn(TileDrawing& at, const FrameDrawing& frame);
+    void beginPass(TileDrawing& at, const SplatPass& pass);
+    bool drawRuns(TileDrawing& at, const SplatPass& pass);
+    bool splatRun(TileDrawing& at, const PreparedRun& prepared, SplatRun slice, const SplatPass& pass);
     void resolveTile(const KeyTile& nearest, const KeyTile& colors, const SplatPass& pass,
                      const TileMemory& memory, const Planes& planes, const Owners& owners);
     void smooth(const SplatPass& pass, const Planes& planes, const Owners& owners) const;

@@ -4,7 +4,6 @@
 
 #include "renderer/device/cpu/grown.hpp"
 #include "renderer/device/host/drawing.hpp"
-#include "renderer/image/clock.hpp"
 
 namespace scancast::cpu {
 namespace {
@@ -28,7 +27,7 @@ Picture::Picture(const Drawing& drawing, const FramePasses& passes, const Kernel
     : drawing_(drawing),
       passes_(passes),
       kernels_(kernels),
-      workers_(arena, threads, std::move(stop)),
+      workers_(arena, threads, std::move(stop), drawing.pause),
       buffers_(buffers) {
     const PictureArea shown = pictureArea(drawing, passes);
     layerView_ = shown.view;
@@ -78,7 +77,7 @@ void Picture::makeMirrors() {
 
 /// Once for all frames: the sun does not move by a part of a pixel.
 void Picture::drawShadowMap(FrameStats& stats) {
-    const auto start = Clock::now();
+    const auto start = workers_.now();
     const CutView& sun = *drawing_.sun;
     const FramePasses passes = shadowMapPasses(drawing_.surfels);
     Drawing drawing = drawing_;
@@ -92,17 +91,17 @@ void Picture::drawShadowMap(FrameStats& stats) {
     Layer(drawing, sun, layerView, passes, kernels_, workers_, buffers_.tiles, planes.area)
         .draw({0, 0}, planes, own);
     sun_ = ShadowMap{&sun.viewpoint, planes.depth};
-    stats.add("shadow map", millisecondsSince(start));
+    stats.add("shadow map", workers_.millisecondsSince(start));
 }
 
 template <class Work>
 void Picture::onMirrors(FrameStats& stats, const Work& work) {
     if (mirrors_.empty()) return;
-    const auto start = Clock::now();
+    const auto start = workers_.now();
     for (const auto& mirror : mirrors_) {
         if (!workers_.stopped()) work(*mirror);
     }
-    stats.add("mirrors", millisecondsSince(start));
+    stats.add("mirrors", workers_.millisecondsSince(start));
 }
 
 void Picture::drawFrame(Layer& layer, const glm::dvec2& jitter, bool first, std::uint32_t* out,
@@ -130,22 +129,22 @@ void Picture::drawAveraged(Layer& layer, Frame& frame) {
     buffers_.sums.assign(pixels * 4, 0);
     for (std::size_t i = 0; i < drawing_.jitter.size() && !workers_.stopped(); ++i) {
         drawFrame(layer, drawing_.jitter[i], i == 0, one, frame);
-        const auto start = Clock::now();
+        const auto start = workers_.now();
         accumulate(one);
-        frame.stats.add("average", millisecondsSince(start));
+        frame.stats.add("average", workers_.millisecondsSince(start));
     }
-    const auto start = Clock::now();
+    const auto start = workers_.now();
     std::uint8_t* const mean = frame.rgba.own().data();
     workers_.overRows(window_.height(), [&](int y0, int y1) {
         const std::ptrdiff_t first = static_cast<std::ptrdiff_t>(y0) * window_.width();
         kernels_.average(buffers_.sums.data() + 4 * first, mean + 4 * first, (y1 - y0) * window_.width(),
                          static_cast<int>(drawing_.jitter.size()));
     });
-    frame.stats.add("average", millisecondsSince(start));
+    frame.stats.add("average", workers_.millisecondsSince(start));
 }
 
 Expected<Frame> Picture::draw() {
-    const auto start = Clock::now();
+    const auto start = workers_.now();
     Frame frame;
     frame.width = window_.width();
     frame.height = window_.height();
@@ -153,11 +152,11 @@ Expected<Frame> Picture::draw() {
     if (drawing_.depth) frame.depth.own().resize(pixelsOf(window_));
     Layer layer(drawing_, drawing_.mainView(), layerView_, passes_, kernels_, workers_, buffers_.tiles,
                 area_);
-    frame.stats.add("nearest", millisecondsSince(start));
+    frame.stats.add("nearest", workers_.millisecondsSince(start));
     if (!drawing_.reflections().empty()) {
-        const auto mirrorsStart = Clock::now();
+        const auto mirrorsStart = workers_.now();
         makeMirrors();
-        if (!mirrors_.empty()) frame.stats.add("mirrors", millisecondsSince(mirrorsStart));
+        if (!mirrors_.empty()) frame.stats.add("mirrors", workers_.millisecondsSince(mirrorsStart));
     }
     if (drawing_.sun != nullptr && passes_.castsShadows() && !workers_.stopped()) drawShadowMap(frame.stats);
     if (drawing_.jitter.size() == 1) {

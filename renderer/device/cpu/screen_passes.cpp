@@ -5,7 +5,6 @@
 
 #include "renderer/device/cpu/grown.hpp"
 #include "renderer/device/host/screens.hpp"
-#include "renderer/image/clock.hpp"
 
 namespace scancast::cpu {
 namespace {
@@ -168,7 +167,7 @@ void runScreenPasses(std::span<const Pass> passes, const LayerView& layerView, c
     const Screen screen{layerView, jitter, planes, kernels, workers, memory, sun};
     for (const Pass& pass : passes) {
         if (workers.stopped()) return;
-        const auto start = Clock::now();
+        const auto start = workers.now();
         const char* name = nullptr;
         if (const auto* phong = std::get_if<PhongPass>(&pass)) name = run(*phong, screen);
         if (const auto* shadow = std::get_if<ShadowPass>(&pass)) name = run(*shadow, screen);
@@ -179,7 +178,7 @@ void runScreenPasses(std::span<const Pass> passes, const LayerView& layerView, c
         if (const auto* normals = std::get_if<DepthNormalsPass>(&pass)) name = run(*normals, screen);
         if (const auto* visibility = std::get_if<VisibilityPass>(&pass)) name = run(*visibility, screen);
         if (name == nullptr) continue;
-        stats.add(name, millisecondsSince(start));
+        stats.add(name, workers.millisecondsSince(start));
     }
 }
 

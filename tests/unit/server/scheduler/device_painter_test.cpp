@@ -135,7 +135,7 @@ TEST(DevicePainter, OnlyPicturesOfDepthAskForIt) {
         order.format = format;
         const auto prepared = painter->prepare(order, true, {});
         ASSERT_TRUE(prepared) << prepared.error().message;
-        const auto begun = painter->begin(order, *prepared, {});
+        const auto begun = painter->begin(order, *prepared, {}, {});
         ASSERT_TRUE(begun) << begun.error().message;
         const auto frame = (*begun)->finish();
         ASSERT_TRUE(frame) << frame.error().message;

@@ -1,5 +1,6 @@
 #include "protocol/problem.hpp"
 
+#include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "protocol/json_fields.hpp"
@@ -190,6 +191,11 @@ nlohmann::json toJson(const Problem& problem) {
     if (!problem.instance.empty()) object["instance"] = problem.instance;
     for (const auto& cause : problem.errors)
         object["errors"].push_back({{"parameter", cause.parameter}, {"detail", cause.detail}});
+    if (problem.cost) {
+        object["price"] = std::round(problem.cost->price);
+        object["limit"] = std::round(problem.cost->limit);
+        if (!problem.cost->nearest.empty()) object["nearest"] = problem.cost->nearest;
+    }
     return object;
 }
 
@@ -213,6 +219,14 @@ Expected<Problem> problemFromJson(const nlohmann::json& value) {
                 entry.text("detail", cause.detail, longestText);
                 if (auto sound = entry.finishLenient(); !sound) fields.error(sound.error());
             }
+    }
+    Problem::Cost cost;
+    if (fields.number("price", cost.price) && fields.number("limit", cost.limit)) {
+        const auto* nearest = fields.findValue("nearest");
+        if (nearest != nullptr && nearest->is_object() && nearest->size() <= mostCauses)
+            for (const auto& [word, number] : nearest->items())
+                if (number.is_number()) cost.nearest[word] = number.get<double>();
+        problem.cost = std::move(cost);
     }
     if (auto ok = fields.finishLenient(); !ok) return passOn(ok);
     return problem;

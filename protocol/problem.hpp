@@ -3,7 +3,9 @@
 // Plain values and pure functions; any thread.
 #pragma once
 
+#include <map>
 #include <nlohmann/json_fwd.hpp>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -26,6 +28,14 @@ struct Problem {
     std::string detail;    ///< the sentence to read
     std::string instance;  ///< what was asked for: "/api/v1/clouds/town/snapshot.jpg"; may be empty
     std::vector<Cause> errors;
+    /// Of what costs too much.
+    struct Cost {
+        double price = 0, limit = 0;  ///< ms of a reference core
+        std::map<std::string, double>
+            nearest;  ///< words of the view to change, for what would be drawn; may be empty
+        bool operator==(const Cost&) const = default;
+    };
+    std::optional<Cost> cost{};
     bool operator==(const Problem&) const = default;
 };
 

@@ -109,6 +109,16 @@ std::vector<CutView> cutsOf(const Cloud& cloud, const PlannedView& planned) {
     return cuts;
 }
 
+std::uint64_t samplesWanted(const Cloud& cloud, const PlannedView& planned) {
+    PreparedView wanted;
+    wanted.cuts = cutsOf(cloud, planned);
+    const SelectOptions whole = selectSun(cloud.octree, planned, {}, planned.selection, wanted);
+    selectCuts(cloud.octree, whole, wanted.cuts);
+    std::uint64_t samples = 0;
+    for (const CutView* view : cutsIn(wanted)) samples += view->cut.samples;
+    return samples;
+}
+
 Expected<std::shared_ptr<const PreparedView>> prepare(const Cloud& cloud,
                                                       std::shared_ptr<const PlannedView> planned,
                                                       const RenderOptions& options, std::stop_token stop) {

@@ -23,7 +23,9 @@ ApiOptions apiOptions(const ServerOptions& options) {
             options.limits.maxPixels,
             {options.host, options.allowedOrigins},
             options.cache,
-            options.tokens};
+            options.tokens,
+            options.rates,
+            options.costs};
 }
 
 class RunningServer final : public ScancastServer {

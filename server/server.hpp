@@ -16,6 +16,7 @@
 #include "server/catalog/cloud_admin.hpp"
 #include "server/net/net_context.hpp"
 #include "server/net/tls.hpp"
+#include "server/price/admission.hpp"
 #include "server/scheduler/scheduler.hpp"
 
 namespace scancast {
@@ -29,6 +30,8 @@ struct ServerOptions {
     int netThreads = 2;
     NetLimits limits;
     SchedulerOptions scheduler;
+    Rates rates = shippedRates();       ///< what pictures cost
+    CostLimits costs;                   ///< and may
     std::shared_ptr<BlockCache> cache;  ///< that the clouds' blocks live in, if any do
     std::filesystem::path dataRoot;     ///< whose files administrators may add; empty = none
 };

@@ -35,6 +35,18 @@ const char* name(DropReason reason) {
     return "unknown";
 }
 
+const char* name(CostRefusal why) {
+    switch (why) {
+        case CostRefusal::Picture:
+            return "picture";
+        case CostRefusal::Client:
+            return "client";
+        case CostRefusal::Total:
+            return "total";
+    }
+    return "unknown";
+}
+
 const char* name(LiveOutcome outcome) {
     switch (outcome) {
         case LiveOutcome::Shown:
@@ -76,6 +88,17 @@ struct Metrics::Families {
         prometheus::BuildCounter()
             .Name("scancast_frames_dropped_total")
             .Help("Pictures that were asked for and never shown")
+            .Register(registry);
+    prometheus::Counter& price =
+        prometheus::BuildCounter()
+            .Name("scancast_price_seconds_total")
+            .Help("What snapshots that were taken on are priced at, in seconds of a core")
+            .Register(registry)
+            .Add({});
+    prometheus::Family<prometheus::Counter>& refused =
+        prometheus::BuildCounter()
+            .Name("scancast_pictures_refused_total")
+            .Help("Pictures that were refused for their cost, by whose limit it was")
             .Register(registry);
     prometheus::Histogram& viewToFrame =
         prometheus::BuildHistogram()
@@ -210,6 +233,14 @@ void Metrics::deviceLost() {
 
 void Metrics::frameDropped(DropReason reason) {
     families_->dropped.Add({{"reason", name(reason)}}).Increment();
+}
+
+void Metrics::pictureAdmitted(double coreSeconds) {
+    families_->price.Increment(coreSeconds);
+}
+
+void Metrics::pictureRefused(CostRefusal why) {
+    families_->refused.Add({{"by", name(why)}}).Increment();
 }
 
 void Metrics::sessionOpened() {

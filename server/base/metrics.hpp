@@ -22,6 +22,9 @@ enum class DropReason : std::uint8_t {
     Lacking,      ///< a still for which samples were still to be read; it is tried again
 };
 
+/// Whose limit of cost a picture would have exceeded (server/price/admission.hpp).
+enum class CostRefusal : std::uint8_t { Picture, Client, Total };
+
 /// What became of a frame of a live source.
 enum class LiveOutcome : std::uint8_t {
     Shown,
@@ -43,6 +46,9 @@ class Metrics {
     /// A frame went to a stream; `viewToFrameSeconds` counts from the arrival of the view that it shows.
     void frameSent(double viewToFrameSeconds);
     void frameDropped(DropReason reason);
+    /// A picture was taken on that is priced at so many seconds of a core.
+    void pictureAdmitted(double coreSeconds);
+    void pictureRefused(CostRefusal why);
     /// What draws from now on; an empty name = nothing.
     void setDevice(std::string_view name, std::string_view renderer);
     void deviceLost();

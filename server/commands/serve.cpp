@@ -205,6 +205,7 @@ int serve(ServeOptions options) {
     options.server.tokens = std::move(*tokens);
     returnMemoryOfBlocks();
     keepMemoryReserve();
+    options.server.rates = *rates(options);
     options.server.cache = blockCache(*memoryLimit(options));
     options.device.programFolder = programFolder(options.cacheDir);
     options.device.gpuMemoryLimit = *parseGpuMemoryLimit(options.gpuMemoryLimit);

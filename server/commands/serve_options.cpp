@@ -5,6 +5,7 @@
 
 #include <algorithm>
 
+#include "files/input_file.hpp"
 #include "files/machine_memory.hpp"
 #include "server/commands/byte_size.hpp"
 #include "server/net/origin_check.hpp"
@@ -73,6 +74,18 @@ void addServeFlags(CLI::App& app, ServeOptions& options) {
     flag("--max-pixels", options.server.limits.maxPixels, "SCANCAST_MAX_PIXELS", "Largest picture, in pixels")
         ->type_name("N")
         ->check(CLI::Range(std::uint64_t(1), std::uint64_t(maxPictureSide) * maxPictureSide));
+    const auto cost = [&](const char* name, double& value, const char* environment, const char* meaning) {
+        flag(name, value, environment, meaning)->type_name("MS")->check(CLI::Range(0.0, 1e9));
+    };
+    cost("--max-picture-cost", options.server.costs.picture, "SCANCAST_MAX_PICTURE_COST",
+         "What one picture may cost, in ms of a core");
+    cost("--max-client-cost", options.server.costs.client, "SCANCAST_MAX_CLIENT_COST",
+         "What all pictures may cost that one address waits for; 0 = half of --max-total-cost");
+    cost("--max-total-cost", options.server.costs.total, "SCANCAST_MAX_TOTAL_COST",
+         "What all pictures may cost that are waited for; 0 = what this machine's cores do in 25 s");
+    flag("--rates", options.rates, "SCANCAST_RATES",
+         "JSON file with what methods, passes and encoders cost, in place of the shipped table")
+        ->type_name("FILE");
     flag("--max-sessions", options.server.limits.maxSessions, "SCANCAST_MAX_SESSIONS",
          "Streams at the same time")
         ->type_name("N")
@@ -126,6 +139,18 @@ void addServeFlags(CLI::App& app, ServeOptions& options) {
         ->type_name("FORMAT");
 }
 
+Expected<Rates> rates(const ServeOptions& options) {
+    if (options.rates.empty()) return shippedRates();
+    constexpr std::size_t longest = 1 << 20;
+    auto text = readTextFile(options.rates, longest);
+    if (!text) return fail(text.error().code, "--rates: " + text.error().message, "rates");
+    auto rates = parseRates(*text);
+    if (!rates)
+        return fail(rates.error().code, "--rates: " + options.rates.string() + ": " + rates.error().message,
+                    "rates");
+    return rates;
+}
+
 Expected<std::uint64_t> memoryLimit(const ServeOptions& options) {
     constexpr std::uint64_t least = 64 << 20;
     if (options.memoryLimit.empty()) {
@@ -174,6 +199,10 @@ Expected<void> check(const ServeOptions& options) {
             "host");
     }
     if (auto ok = memoryLimit(options); !ok) return passOn(ok);
+    if (auto ok = rates(options); !ok) return passOn(ok);
+    if (options.server.costs.picture <= 0)
+        return fail(ErrorCode::InvalidArgument,
+                    "--max-picture-cost: must be more than 0, or nothing is drawn.", "max-picture-cost");
     if (auto ok = parseGpuMemoryLimit(options.gpuMemoryLimit); !ok) return passOn(ok);
     std::error_code error;
     for (const auto& [flag, folder] :

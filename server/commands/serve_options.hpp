@@ -21,6 +21,7 @@ struct ServeOptions {
     std::filesystem::path authTokenFile, adminTokenFile;  ///< empty = none
     std::string memoryLimit;         ///< as written: "2G"; empty = half of the machine's memory
     std::string gpuMemoryLimit;      ///< as written; empty = most of what the GPU has free
+    std::filesystem::path rates;     ///< a file in place of the shipped ones; empty = none
     std::filesystem::path cacheDir;  ///< empty = built anew with every start
     bool noSurfels = false;          ///< scans are built without normals and radii
     std::filesystem::path config;    ///< empty = none
@@ -38,6 +39,9 @@ Expected<void> check(const ServeOptions& options);
 
 /// What --live names. InvalidArgument for what is not NAME=PATH, and for a path that is named twice.
 Expected<std::vector<LiveInput>> liveInputs(const ServeOptions& options);
+
+/// What --rates holds, or the shipped ones; an error names the file.
+Expected<Rates> rates(const ServeOptions& options);
 
 /// --memory-limit in bytes. InvalidArgument when it is none, or too small to draw anything.
 Expected<std::uint64_t> memoryLimit(const ServeOptions& options);

@@ -3,9 +3,12 @@
 #include "server/net/http_connection.hpp"
 
 #include <fmt/format.h>
+#include <poll.h>
 
+#include <algorithm>
 #include <boost/asio/dispatch.hpp>
 #include <boost/asio/post.hpp>
+#include <boost/asio/steady_timer.hpp>
 #include <boost/asio/write.hpp>
 #include <boost/beast/core/flat_buffer.hpp>
 #include <boost/beast/core/tcp_stream.hpp>
@@ -18,6 +21,7 @@
 #include <boost/beast/websocket/rfc6455.hpp>
 #include <limits>
 #include <optional>
+#include <stop_token>
 
 #include "server/net/api/handler.hpp"
 #include "server/net/mjpeg_connection.hpp"
@@ -43,12 +47,30 @@ HttpRequest plain(const http::request_header<>& request) {
     return result;
 }
 
+constexpr std::chrono::milliseconds watchInterval{40};
+
+/// Whom work is counted for: an address, and of those of version 6 the network, of which a client has as many as it
+/// likes.
+std::string clientOf(const asio::ip::tcp::socket& socket) {
+    error_code none;
+    const asio::ip::address address = socket.remote_endpoint(none).address();
+    if (none) return {};
+    if (address.is_v4()) return address.to_string();
+    asio::ip::address_v6 network = address.to_v6();
+    if (network.is_v4_mapped()) return asio::ip::make_address_v4(asio::ip::v4_mapped, network).to_string();
+    auto bytes = network.to_bytes();
+    std::fill(bytes.begin() + 8, bytes.end(), std::uint8_t(0));
+    return asio::ip::address_v6(bytes).to_string() + "/64";
+}
+
 class HttpConnection final : public Connection, public std::enable_shared_from_this<HttpConnection> {
   public:
     HttpConnection(asio::ip::tcp::socket socket, NetContext& context)
         : stream_(streamOf(std::move(socket), context)),
           context_(context),
-          buffer_(2 * context.limits.maxHeaderBytes) {}
+          buffer_(2 * context.limits.maxHeaderBytes),
+          client_(clientOf(stream_.tcp().socket())),
+          watch_(stream_.get_executor()) {}
     ~HttpConnection() override { context_.connections.remove(this); }
 
     void run() {
@@ -115,6 +137,7 @@ class HttpConnection final : public Connection, public std::enable_shared_from_t
         if (ec) return dropOrRefuse(ec);
         const auto& head = parser_->get();
         request_ = plain(head);
+        request_.client = client_;
         // What is not read of a request would be taken for the next one.
         keepAlive_ = head.keep_alive() && parser_->is_done();
         version_ = head.version();
@@ -200,9 +223,26 @@ class HttpConnection final : public Connection, public std::enable_shared_from_t
                 onBehalfOf(*self, [&] { self->answered(request, std::move(response), pattern(route)); });
             });
         };
-        const auto asked = contained("The server", [&] { context_.api.answer(request_, routed, respond); });
+        gone_ = std::stop_source();
+        watchClient(request);
+        const auto asked = contained(
+            "The server", [&] { context_.api.answer(request_, routed, respond, gone_.get_token()); });
         if (!asked)
             answered(request, problemResponse(problemOf(asked.error(), routed.path)), pattern(routed.route));
+    }
+
+    // Who has gone, or has closed his half, waits for no answer: what is made for him is given up. Asked of the system
+    // by itself, because what a client still sends must stay unread until it is answered.
+    void watchClient(std::uint64_t request) {
+        watch_.expires_after(watchInterval);
+        watch_.async_wait(handler([request](HttpConnection& self, error_code ec) {
+            if (ec || self.unanswered_ != request) return;
+            pollfd peer{self.stream_.tcp().socket().native_handle(), POLLRDHUP, 0};
+            if (::poll(&peer, 1, 0) <= 0) return self.watchClient(request);
+            self.unanswered_ = 0;
+            self.gone_.request_stop();
+            self.close();
+        }));
     }
 
     void answered(std::uint64_t request, HttpResponse response, std::string_view route) {
@@ -220,6 +260,7 @@ class HttpConnection final : public Connection, public std::enable_shared_from_t
 
     void write(HttpResponse response, std::string_view route) {
         unanswered_ = 0;
+        watch_.cancel();
         response_ = std::move(response);
         context_.api.complete(request_, route, response_);
         keepAlive_ = keepAlive_ && !leaving_;
@@ -291,6 +332,9 @@ class HttpConnection final : public Connection, public std::enable_shared_from_t
     bool leaving_ = false;
     bool handedOver_ = false;                      // the stream has gone to a session
     std::uint64_t requests_ = 0, unanswered_ = 0;  // numbers; 0 = none
+    const std::string client_;
+    asio::steady_timer watch_;
+    std::stop_source gone_{std::nostopstate};
     HttpResponse response_;  // kept while it is written: the messages below point into it
     std::optional<http::response<http::span_body<const char>>> message_;
     std::optional<http::response<http::empty_body>> bodyless_;

@@ -12,7 +12,7 @@ namespace scancast {
 namespace asio = boost::asio;
 
 SessionHost::SessionHost(const Executor& strand, NetContext& context)
-    : context_(context), strand_(strand), world_(context.catalog), timer_(strand) {}
+    : context_(context), strand_(strand), world_(context.catalog, context.api.admission()), timer_(strand) {}
 
 SessionHost::~SessionHost() {
     context_.connections.remove(this);

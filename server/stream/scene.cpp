@@ -94,7 +94,7 @@ Expected<void> SceneResolver::plan(Scene& scene) const {
     auto planned = world_.plan(*scene.cloud, scene.view);
     if (!planned) return passOn(std::move(planned));
     scene.planned = std::move(*planned);
-    return {};
+    return scene.planned ? world_.mayBeDrawn(*scene.cloud, *scene.planned) : Expected<void>();
 }
 
 }  // namespace scancast

@@ -30,6 +30,8 @@ class StreamWorld {
     virtual bool live(std::string_view id) const = 0;
     /// What the view means for the cloud (renderer/plan.hpp).
     virtual Expected<std::shared_ptr<const PlannedView>> plan(const Cloud& cloud, const View& view) const = 0;
+    /// Whether its still costs no more than it may; ResourceLimit, with what would do.
+    virtual Expected<void> mayBeDrawn(const Cloud&, const PlannedView&) const { return {}; }
     /// τ of a full picture of this view, px.
     virtual double ownDetail(const View& view) const = 0;
     virtual std::vector<std::string> methodNames() const = 0;

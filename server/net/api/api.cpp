@@ -1,5 +1,7 @@
 #include "server/net/api/api.hpp"
 
+#include <fmt/format.h>
+
 #include <cstdio>
 #include <nlohmann/json.hpp>
 #include <utility>
@@ -87,6 +89,7 @@ Api::Api(ApiOptions options, const Catalog& catalog, CloudAdmin& admin, const Se
       sessions_(sessions),
       scheduler_(scheduler),
       metrics_(metrics),
+      admission_(options_.rates, options_.costs),
       pictures_(scheduler),
       picker_(pictures_, scheduler, options_.version) {}
 
@@ -96,6 +99,7 @@ struct Api::Answers {
     const Api& api;
     const HttpRequest& request;
     const Routed& routed;
+    const std::stop_token& gone;
 
     HttpResponse asset() const {
         HttpResponse response = fileResponse(request, *findAsset(routed.path));
@@ -236,19 +240,45 @@ struct Api::Answers {
             head.bodyUnknown = true;
             return respond(std::move(head));
         }
+        const auto price = api.admission_.price(**cloud, **planned, *format);
+        if (!price) return refuseCostly(respond, price.error());
         PictureOrder order{std::move(*cloud), view, *format, false};
         order.planned = *planned;
-        auto done = [respond, headBy, path = routed.path](const Expected<EncodedPicture>& picture) {
+        order.price = *price;
+        order.client = request.client;
+        PictureDone done = [respond, headBy, path = routed.path,
+                            price = *price](const Expected<EncodedPicture>& picture) {
             if (!picture) return respond(problemResponse(problemOf(picture.error(), path)));
             // Not by the device that was there when it was asked for: that one may have been lost since.
             HttpResponse response = headBy(picture->device);
             response.set("Server-Timing", serverTiming(*picture));
+            response.set("Scancast-Price", fmt::format("{:.0f}", price));
             response.bytes = picture->bytes;
             respond(std::move(response));
         };
-        if (auto queued = api.pictures_.order(tag, std::move(order), std::move(done)); !queued) {
+        if (api.pictures_.join(tag, done, gone)) return;
+        auto ticket = api.admission_.take(request.client, *price);
+        if (!ticket) return refuseCostly(respond, ticket.error());
+        api.metrics_.pictureAdmitted(*price / 1000);
+        if (auto queued = api.pictures_.order(tag, std::move(order), holding(*ticket, std::move(done)), gone);
+            !queued)
             refuse(problemOf(503, queued.error().message));
-        }
+    }
+
+    /// The same, with the ticket until it is called or forgotten.
+    static PictureDone holding(const WorkBudget::Ticket& ticket, PictureDone done) {
+        return
+            [ticket, done = std::move(done)](Expected<EncodedPicture> picture) { done(std::move(picture)); };
+    }
+
+    void refuseCostly(const Respond& respond, Problem problem) const {
+        api.metrics_.pictureRefused(problem.status == 413   ? CostRefusal::Picture
+                                    : problem.status == 429 ? CostRefusal::Client
+                                                            : CostRefusal::Total);
+        const bool later = problem.status != 413;
+        HttpResponse response = refusal(std::move(problem), routed);
+        if (later) response.set("Retry-After", "1");
+        respond(std::move(response));
     }
 
     void pick(Respond respond) const {
@@ -263,7 +293,12 @@ struct Api::Answers {
             if (!error.field.empty()) error.field = "view." + error.field;
             return refuse(problemOf(error));
         }
-        auto done = [respond, cloud = *cloud, path = routed.path](Expected<std::optional<Picked>> picked) {
+        const auto price = api.admission_.price(**cloud, **planned, PictureFormat::Depth);
+        if (!price) return refuseCostly(respond, price.error());
+        auto ticket = api.admission_.take(request.client, *price);
+        if (!ticket) return refuseCostly(respond, ticket.error());
+        auto done = [respond, cloud = *cloud, path = routed.path,
+                     ticket = *ticket](Expected<std::optional<Picked>> picked) {
             if (!picked) return respond(problemResponse(problemOf(picked.error(), path)));
             respond(jsonResponse(*picked ? pickedJson(*cloud, **picked) : nlohmann::json()));
         };
@@ -272,12 +307,13 @@ struct Api::Answers {
     }
 };
 
-void Api::answer(const HttpRequest& request, const Routed& routed, Respond respond) const {
+void Api::answer(const HttpRequest& request, const Routed& routed, Respond respond,
+                 const std::stop_token& gone) const {
     if (infoOf(routed.route).json && !accepts(request.header("accept"), "application/json")) {
         return respond(refusal(
             problemOf(406, "This address answers with JSON, which the Accept header rules out."), routed));
     }
-    const Answers answers{*this, request, routed};
+    const Answers answers{*this, request, routed, gone};
     switch (routed.route) {
         case Route::Asset:
             return respond(answers.asset());

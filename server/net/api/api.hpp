@@ -5,6 +5,7 @@
 #pragma once
 
 #include <cstdint>
+#include <stop_token>
 #include <string>
 
 #include "server/base/metrics.hpp"
@@ -16,6 +17,7 @@
 #include "server/net/api/router.hpp"
 #include "server/net/api/shared_pictures.hpp"
 #include "server/net/origin_check.hpp"
+#include "server/price/admission.hpp"
 #include "server/scheduler/scheduler.hpp"
 #include "server/stream/session_register.hpp"
 
@@ -27,6 +29,8 @@ struct ApiOptions {
     OriginRules origins;
     std::shared_ptr<BlockCache> cache{};  ///< for /metrics; may be empty
     AccessTokens tokens{};
+    Rates rates = shippedRates();
+    CostLimits costs{};
 };
 
 class Api {
@@ -39,12 +43,16 @@ class Api {
     tl::expected<Routed, HttpResponse> admit(const HttpRequest& request) const;
     /// Answers an admitted request, at once or when its picture is done. Not for a WebSocket's upgrade or a
     /// GET of an MJPEG stream.
-    void answer(const HttpRequest& request, const Routed& routed, Respond respond) const;
+    /// Once `gone` is requested nobody waits for the answer, and work for it ends; it may never come.
+    void answer(const HttpRequest& request, const Routed& routed, Respond respond,
+                const std::stop_token& gone = {}) const;
     /// Counts a response and puts the headers on it that all of them carry. Goes over every response,
     /// refusals too.
     void complete(const HttpRequest& request, std::string_view routePattern, HttpResponse& response) const;
     /// What lies under a pixel; for streams, too.
     const Picker& picker() const { return picker_; }
+    /// What pictures may cost; for streams, too.
+    const Admission& admission() const { return admission_; }
     /// After the scheduler has ended: nothing is answered any more.
     void stop() { picker_.stop(); }
 
@@ -58,6 +66,7 @@ class Api {
     const SessionRegister& sessions_;
     Scheduler& scheduler_;
     Metrics& metrics_;
+    const Admission admission_;
     const SharedPictures pictures_;
     Picker picker_;
 };

@@ -84,7 +84,7 @@ void Api::complete(const HttpRequest& request, std::string_view routePattern, Ht
         response.set("Access-Control-Allow-Origin", origin).set("Vary", "Origin");
         response.set("Access-Control-Expose-Headers",
                      "ETag, Location, Retry-After, Server-Timing, Scancast-Session, Scancast-Width, "
-                     "Scancast-Height, Scancast-Method, Scancast-Method-Reason");
+                     "Scancast-Height, Scancast-Method, Scancast-Method-Reason, Scancast-Price");
     }
     if (access_.isPrivate(request)) {
         for (auto& [name, value] : response.headers)

@@ -20,6 +20,7 @@ struct HttpRequest {
     std::vector<std::pair<std::string, std::string>>
         headers;  ///< names in lower case, in the order of arrival
     std::string body{};
+    std::string client{};  ///< whom its work is counted for: the address that it came from
 
     /// All values of that name (lower case), joined by ", "; empty when there is none.
     std::string header(std::string_view name) const;

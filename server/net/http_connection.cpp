@@ -232,17 +232,23 @@ class HttpConnection final : public Connection, public std::enable_shared_from_t
     }
 
     // Who has gone, or has closed his half, waits for no answer: what is made for him is given up. Asked of the system
-    // by itself, because what a client still sends must stay unread until it is answered.
+    // by itself, because what a client still sends must stay unread until it is answered. An answer that is lost ends
+    // the connection, so this must not keep it.
     void watchClient(std::uint64_t request) {
         watch_.expires_after(watchInterval);
-        watch_.async_wait(handler([request](HttpConnection& self, error_code ec) {
-            if (ec || self.unanswered_ != request) return;
-            pollfd peer{self.stream_.tcp().socket().native_handle(), POLLRDHUP, 0};
-            if (::poll(&peer, 1, 0) <= 0) return self.watchClient(request);
-            self.unanswered_ = 0;
-            self.gone_.request_stop();
-            self.close();
-        }));
+        watch_.async_wait([weak = weak_from_this(), request](error_code ec) {
+            const auto self = weak.lock();
+            if (!ec && self) onBehalfOf(*self, [&] { self->lookAfterClient(request); });
+        });
+    }
+
+    void lookAfterClient(std::uint64_t request) {
+        if (unanswered_ != request) return;
+        pollfd peer{stream_.tcp().socket().native_handle(), POLLRDHUP, 0};
+        if (::poll(&peer, 1, 0) <= 0) return watchClient(request);
+        unanswered_ = 0;
+        gone_.request_stop();
+        close();
     }
 
     void answered(std::uint64_t request, HttpResponse response, std::string_view route) {

@@ -20,8 +20,8 @@ def allow_many_files():
 
 
 class Server:
-    def __init__(self, scancast, cloud, sessions, log):
-        self.process = subprocess.Popen([scancast, "serve", cloud, "--port", "0", "--max-sessions", str(sessions)],
+    def __init__(self, scancast, cloud, sessions, log, *flags):
+        self.process = subprocess.Popen([scancast, "serve", cloud, "--port", "0", "--max-sessions", str(sessions), *flags],
                                         stdout=subprocess.PIPE, stderr=log, text=True)
         found = re.search(r"http://([^/:]+):(\d+)", self.process.stdout.readline())
         if not found:

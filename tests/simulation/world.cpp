@@ -92,9 +92,10 @@ class World {
     Chance chance_;
     Metrics metrics_{"simulation"};
     const OneCloud clouds_;
-    SimulatedServer server_;
+    // Who asks is told what became of it, at the latest when the server ends.
     std::vector<std::unique_ptr<SimulatedViewer>> viewers_;
     std::vector<std::unique_ptr<SimulatedFetcher>> fetchers_;
+    SimulatedServer server_;
     int clients_ = 0;
 };
 

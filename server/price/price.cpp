@@ -39,17 +39,25 @@ double pixelsOf(const View& view) {
     return double(view.width) * view.height;
 }
 
-double price(const Rates& rates, const PlannedView& planned, PictureFormat format, double samples) {
-    const View& view = planned.view;
+/// ms: of each anti-aliasing frame, and once.
+struct Parts {
+    double frame = 0, once = 0;
+    double of(int frames) const { return frames * frame + once; }
+};
+
+Parts partsOf(const Rates& rates, const PlannedView& planned, PictureFormat format, double samples) {
     const auto method = rates.methods.find(planned.method);
     const Rates::Method rate = method == rates.methods.end() ? Rates::Method{} : method->second;
     double pixel = rate.pixel;
     for (const Pass& pass : planned.passes) pixel += rateIn(rates.passes, std::string(nameOf(pass)));
-    // Depth is that of the pixels' centres, whatever is asked for.
-    const double frames = format == PictureFormat::Depth ? 1 : view.quality.samples.value_or(defaultSamples);
-    const double ns = frames * (pixelsOf(view) * pixel + samples * rate.sample) +
-                      pixelsOf(view) * rateIn(rates.encoders, encoderOf(format));
-    return ns * 1e-6;
+    const double pixels = pixelsOf(planned.view);
+    return {(pixels * pixel + samples * rate.sample) * 1e-6,
+            pixels * rateIn(rates.encoders, encoderOf(format)) * 1e-6};
+}
+
+/// Depth is that of the pixels' centres, whatever is asked for.
+int framesOf(const View& view, PictureFormat format) {
+    return format == PictureFormat::Depth ? 1 : view.quality.samples.value_or(defaultSamples);
 }
 
 /// Samples of a surface of so many pixels, for each layer of it that is seen or hidden, and for as many layers as
@@ -59,50 +67,43 @@ constexpr double mostLayers = 8;
 }  // namespace
 
 double priceOf(const Rates& rates, const Cloud& cloud, const PlannedView& planned, PictureFormat format) {
-    return price(rates, planned, format, double(samplesWanted(cloud, planned)));
+    const auto samples = double(samplesWanted(cloud, planned));
+    return partsOf(rates, planned, format, samples).of(framesOf(planned.view, format));
 }
 
 double mostPriceOf(const Rates& rates, const Cloud& cloud, const PlannedView& planned, PictureFormat format) {
     double samples = double(cloud.points) * 2;  // levels above the leaves have less than as many again
     if (planned.selection.budget) samples = std::min(samples, double(*planned.selection.budget));
-    const double detail = std::max(planned.view.quality.detail.value_or(planned.selection.detail), 1e-3);
+    const double detail = std::max(planned.selection.detail, 1e-3);
     samples = std::min(samples, mostLayers * pixelsOf(planned.view) / (detail * detail));
-    return price(rates, planned, format, samples);
+    return partsOf(rates, planned, format, samples).of(framesOf(planned.view, format));
 }
 
 std::map<std::string, double> nearestWithin(double limit, const Rates& rates, const Cloud& cloud,
                                             const View& view, PictureFormat format) {
-    const auto costs = [&](const View& candidate) {
+    const auto partsWith = [&](const View& candidate) {
         const auto planned = plan(cloud, candidate);
-        return planned ? priceOf(rates, cloud, **planned, format) : 0;
+        return planned ? partsOf(rates, **planned, format, double(samplesWanted(cloud, **planned))) : Parts{};
     };
+    const int asked = framesOf(view, format);
+    Parts parts = partsWith(view);
+    if (parts.of(asked) <= limit) return {};
     std::map<std::string, double> words;
     View nearest = view;
-    if (costs(nearest) <= limit) return words;
-    // Each frame costs the same, but for the encoder: found by halving.
-    const int asked = view.quality.samples.value_or(defaultSamples);
-    const auto withSamples = [&](int samples) {
-        nearest.quality.samples = samples;
-        return costs(nearest);
-    };
-    int fits = 0, exceeds = asked;
-    while (exceeds - fits > 1) {
-        const int middle = (fits + exceeds) / 2;
-        (withSamples(middle) <= limit ? fits : exceeds) = middle;
-    }
-    nearest.quality.samples = std::max(fits, 1);
-    if (asked != *nearest.quality.samples) words["samples"] = *nearest.quality.samples;
-    if (fits >= 1) return words;
-    // One frame is too much. Detail, as far as it helps: to where the picture's samples are as many as its pixels.
-    const auto planned = plan(cloud, nearest);
-    const double own = planned ? (*planned)->selection.detail : 1;
-    for (double detail = std::max(own, 0.01) * 2; detail <= 2 && costs(nearest) > limit; detail *= 2)
+    const int fits = int(std::clamp((limit - parts.once) / parts.frame, 1.0, double(asked)));
+    if (fits < asked) words["samples"] = *(nearest.quality.samples = fits);
+    if (parts.of(fits) <= limit) return words;
+    // One frame is too much. Coarser detail, as far as it helps: to where there are no more samples than pixels.
+    for (double detail = 0.02; detail <= 2 && parts.of(1) > limit; detail *= 2) {
+        if (view.quality.detail.value_or(1) >= detail) continue;
         words["detail"] = *(nearest.quality.detail = detail);
-    for (double side = 1; costs(nearest) > limit && side > 1e-3; side *= 0.9) {
-        nearest.width = std::max(1, int(view.width * side));
-        nearest.height = std::max(1, int(view.height * side));
-        words["width"] = nearest.width;
-        words["height"] = nearest.height;
+        parts = partsWith(nearest);
+    }
+    for (double side = 1; parts.of(1) > limit && nearest.width * nearest.height > 1;) {
+        side *= std::min(0.95, std::sqrt(limit / parts.of(1)));
+        words["width"] = nearest.width = std::max(1, int(view.width * side));
+        words["height"] = nearest.height = std::max(1, int(view.height * side));
+        parts = partsWith(nearest);
     }
     return words;
 }

@@ -18,7 +18,8 @@ namespace scancast {
 /// ms. What the cut has is selected for this, which takes about a millisecond; its samples are not touched.
 double priceOf(const Rates& rates, const Cloud& cloud, const PlannedView& planned, PictureFormat format);
 
-/// At least that: without selecting, by what a cut can have at most.
+/// Hardly ever less, and known without selecting: by the cloud's size, the budget, and how many samples a surface of so
+/// many pixels may have.
 double mostPriceOf(const Rates& rates, const Cloud& cloud, const PlannedView& planned, PictureFormat format);
 
 /// The nearest view that costs no more than `limit`, as words to change: first fewer anti-aliasing frames, then

@@ -2,7 +2,7 @@
 //
 // - One render thread owns the device. A picture's pixels may still be on their way from the GPU while the next
 //   one is begun. A picture that takes long pauses between slices of some milliseconds, and others are drawn
-//   within its pauses, on the same thread (docs/spec is silent about it: no byte depends on it).
+//   within its pauses, on the same thread; no byte depends on it.
 // - Two threads encode beside it, moving frames and what takes longer; one waits for blocks, one for deadlines.
 // - A large picture that there is no memory for is refused before it is begun.
 // - When the device is lost, the painter that takes over draws what was asked of it: nobody sees an error.

@@ -361,7 +361,7 @@ std::optional<Turns::Time> Turns::othersPrepareAt() const {
 // ---- encoding
 
 void Turns::encoded(Taken taken, std::chrono::nanoseconds took, Time now, Requests& ended) {
-    spend(taken->by, took / std::max(1, options_.cores), now);
+    spend(taken->by, took / options_.cores, now);
     endIn(lineOf(lineFor(*taken)), taken, taken->end != End::Open ? taken->end : End::Done, ended);
 }
 

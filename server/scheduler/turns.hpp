@@ -24,6 +24,7 @@
 // from one list to another without needing memory. Owned by the scheduler, or a simulation; its lock or thread.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <chrono>
 #include <cstdint>
@@ -32,6 +33,7 @@
 #include <optional>
 #include <stop_token>
 #include <string>
+#include <thread>
 
 #include "server/scheduler/picture_order.hpp"
 #include "server/scheduler/picture_promise.hpp"
@@ -42,7 +44,8 @@ struct TurnsOptions {
     std::size_t maxSnapshots = 64;                      ///< waiting at most; one more is refused
     std::chrono::milliseconds snapshotDeadline{30000};  ///< from the request to the finished picture
     std::chrono::milliseconds stillPatience{2000};      ///< of an interruptible picture that gives way
-    int cores = 1;  ///< of the machine: drawing takes all of them, and encoding one
+    /// Of the machine: drawing takes all of them, and encoding one.
+    int cores = int(std::max(1u, std::thread::hardware_concurrency()));
 };
 
 /// A picture that waits for its encoder.

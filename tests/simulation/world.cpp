@@ -12,30 +12,8 @@
 namespace scancast::simulation {
 namespace {
 
-/// Says that its samples come and go, so that sessions try their stills (server/stream/still_schedule.hpp); the
-/// simulated server decides which are there.
-class ComingAndGoing final : public SampleStore {
-  public:
-    std::optional<SampleRun> find(std::uint32_t) override { return std::nullopt; }
-    Expected<SampleRun> load(std::uint32_t, std::stop_token) override {
-        return fail(ErrorCode::Cancelled, "nothing is loaded here");
-    }
-    std::vector<Expected<SampleRun>> loadAll(std::span<const std::uint32_t>, std::stop_token) override {
-        return {};
-    }
-    void request(std::uint64_t, std::vector<BlockRequest>) override {}
-    bool whole() const override { return false; }
-    bool damaged(std::uint32_t) const override { return false; }
-    std::uint64_t capacity() const override { return 1; }
-    std::uint64_t bytesResident() const override { return 0; }
-};
-
-std::shared_ptr<const Cloud> cloudWhoseBlocksComeAndGo() {
-    auto cloud = std::make_shared<Cloud>(*test::tinyCloud());
-    cloud->octree = Octree({cloud->octree.nodes().front()}, std::make_shared<ComingAndGoing>());
-    return cloud;
-}
-
+/// Its blocks come and go, so that sessions try their stills (server/stream/still_schedule.hpp); which are there,
+/// the simulated server decides.
 class OneCloud final : public StreamWorld {
   public:
     std::string defaultCloud() const override { return "cloud"; }
@@ -51,7 +29,7 @@ class OneCloud final : public StreamWorld {
     std::vector<std::string> methodNames() const override { return {"paraboloid"}; }
 
   private:
-    const std::shared_ptr<const Cloud> cloud_ = cloudWhoseBlocksComeAndGo();
+    const std::shared_ptr<const Cloud> cloud_ = test::coldCloud();
 };
 
 class World {

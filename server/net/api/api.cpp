@@ -260,15 +260,19 @@ struct Api::Answers {
         auto ticket = api.admission_.take(request.client, *price);
         if (!ticket) return refuseCostly(respond, ticket.error());
         api.metrics_.pictureAdmitted(*price / 1000);
-        if (auto queued = api.pictures_.order(tag, std::move(order), holding(*ticket, std::move(done)), gone);
+        if (auto queued = api.pictures_.order(tag, std::move(order),
+                                              holding(std::move(*ticket), std::move(done)), gone);
             !queued)
             refuse(problemOf(503, queued.error().message));
     }
 
-    /// The same, with the ticket until it is called or forgotten.
-    static PictureDone holding(const WorkBudget::Ticket& ticket, PictureDone done) {
-        return
-            [ticket, done = std::move(done)](Expected<EncodedPicture> picture) { done(std::move(picture)); };
+    /// The same, with the ticket until it is called or forgotten: who has been answered waits for nothing any more.
+    static PictureDone holding(WorkBudget::Ticket ticket, PictureDone done) {
+        return [held = std::make_shared<WorkBudget::Ticket>(std::move(ticket)),
+                done = std::move(done)](Expected<EncodedPicture> picture) {
+            held->reset();
+            done(std::move(picture));
+        };
     }
 
     void refuseCostly(const Respond& respond, Problem problem) const {
@@ -298,11 +302,15 @@ struct Api::Answers {
         auto ticket = api.admission_.take(request.client, *price);
         if (!ticket) return refuseCostly(respond, ticket.error());
         auto done = [respond, cloud = *cloud, path = routed.path,
-                     ticket = *ticket](Expected<std::optional<Picked>> picked) {
+                     held = std::make_shared<WorkBudget::Ticket>(std::move(*ticket))](
+                        Expected<std::optional<Picked>> picked) {
+            held->reset();
             if (!picked) return respond(problemResponse(problemOf(picked.error(), path)));
             respond(jsonResponse(*picked ? pickedJson(*cloud, **picked) : nlohmann::json()));
         };
-        if (auto queued = api.picker_.pick(*cloud, *planned, asked->x, asked->y, std::move(done)); !queued)
+        if (auto queued = api.picker_.pick(*cloud, *planned, asked->x, asked->y, std::move(done),
+                                           {request.client, *price, gone});
+            !queued)
             refuse(problemOf(queued.error()));
     }
 };

@@ -42,7 +42,7 @@ Picker::Picker(const SharedPictures& pictures, Scheduler& scheduler, std::string
     : pictures_(pictures), scheduler_(scheduler), version_(std::move(version)), worker_(mostWaiting) {}
 
 Expected<void> Picker::pick(std::shared_ptr<const Cloud> cloud, std::shared_ptr<const PlannedView> asked,
-                            double x, double y, PickDone done) const {
+                            double x, double y, PickDone done, const PickedFor& by) const {
     const auto pixel = pixelAt(asked->view, x, y);
     if (!pixel) return passOn(pixel);
     const View view = depthView(asked->view);
@@ -52,6 +52,8 @@ Expected<void> Picker::pick(std::shared_ptr<const Cloud> cloud, std::shared_ptr<
     const std::string tag = pictureTag(*cloud, view, PictureFormat::Depth, device.info, version_);
     PictureOrder order{cloud, view, PictureFormat::Depth, false};
     order.planned = std::move(asked);
+    order.client = by.client;
+    order.price = by.price;
     auto drawn = [this, cloud, view, pixel = *pixel, done](const Expected<EncodedPicture>& picture) {
         if (!picture) return done(tl::unexpected(picture.error()));
         const double depth = depthAt(*picture, pixel);
@@ -65,7 +67,7 @@ Expected<void> Picker::pick(std::shared_ptr<const Cloud> cloud, std::shared_ptr<
         if (!posted) return done(tl::unexpected(posted.error()));
         if (!*posted) done(tl::unexpected(busy("Too many picks are waiting; try again in a moment.")));
     };
-    if (auto queued = pictures_.order(tag, std::move(order), std::move(drawn)); !queued)
+    if (auto queued = pictures_.order(tag, std::move(order), std::move(drawn), by.gone); !queued)
         return tl::unexpected(busy(queued.error().message));
     return {};
 }

@@ -22,6 +22,13 @@ using PickDone = std::function<void(Expected<std::optional<Picked>>)>;
 /// InvalidArgument (x, y) unless the pixel lies in the view's picture.
 Expected<glm::ivec2> pixelAt(const View& view, double x, double y);
 
+/// Who asked for it, and what its picture costs.
+struct PickedFor {
+    std::string client{};
+    double price = 0;
+    std::stop_token gone{};  ///< once it is requested, `done` is not called
+};
+
 class Picker {
   public:
     /// Both outlive this.
@@ -30,7 +37,7 @@ class Picker {
     /// Errors, `done` not being called then: those of pixelAt(); DeviceUnavailable; Cancelled when there are
     /// too many pictures waiting.
     Expected<void> pick(std::shared_ptr<const Cloud> cloud, std::shared_ptr<const PlannedView> asked,
-                        double x, double y, PickDone done) const;
+                        double x, double y, PickDone done, const PickedFor& by = {}) const;
     /// No `done` is called afterwards. The scheduler must have ended.
     void stop() { worker_.stop(); }
 

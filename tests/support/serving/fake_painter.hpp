@@ -233,6 +233,29 @@ inline std::shared_ptr<const Cloud> tinyCloud(std::uint64_t points = 1) {
     return cloud;
 }
 
+/// A store of which everything is always still to come; what pictures lack is what the test says.
+class NeverWhole final : public SampleStore {
+  public:
+    std::optional<SampleRun> find(std::uint32_t) override { return std::nullopt; }
+    Expected<SampleRun> load(std::uint32_t, std::stop_token) override { return fail(ErrorCode::Io, "never"); }
+    std::vector<Expected<SampleRun>> loadAll(std::span<const std::uint32_t>, std::stop_token) override {
+        return {};
+    }
+    void request(std::uint64_t, std::vector<BlockRequest>) override {}
+    bool whole() const override { return false; }
+    bool damaged(std::uint32_t) const override { return false; }
+    std::uint64_t capacity() const override { return 1000; }
+    std::uint64_t bytesResident() const override { return 0; }
+};
+
+/// tinyCloud() in such a store.
+inline std::shared_ptr<const Cloud> coldCloud() {
+    auto cloud = std::make_shared<Cloud>(*tinyCloud());
+    const auto nodes = cloud->octree.nodes();
+    cloud->octree = Octree(std::vector<Node>(nodes.begin(), nodes.end()), std::make_shared<NeverWhole>());
+    return cloud;
+}
+
 /// Whether that comes true in time: a hang fails, not blocks.
 template <class Condition>
 bool soon(Condition condition) {

@@ -53,18 +53,10 @@ class TurnsTest : public ::testing::Test {
         return turns.snapshot(list, now).value_or(0);
     }
     /// Width of what is drawn next, to its end, in so many ms; 0 = nothing is.
-    int draw(int ms = 10) {
-        const auto taken = turns.take(now);
-        if (!taken) return 0;
-        const int width = (*taken)->order.view.width;
-        now += milliseconds(ms);
-        turns.drawn(*taken, now);
-        encodeAll();
-        return width;
-    }
+    int draw(int ms = 10) { return drawTaken(turns.take(now), ms); }
     /// The same in a pause of what is being drawn.
-    int drawWithin(int ms = 10) {
-        const auto taken = turns.takeWithin(now);
+    int drawWithin(int ms = 10) { return drawTaken(turns.takeWithin(now), ms); }
+    int drawTaken(std::optional<Turns::Taken> taken, int ms) {
         if (!taken) return 0;
         const int width = (*taken)->order.view.width;
         now += milliseconds(ms);

@@ -167,7 +167,7 @@ class MjpegConnection final : public SessionHost {
         part_ = {};
         if (ec) {
             gone_ = true;
-            stopTime();
+            leave();
             return cut();
         }
         if (frame && listening()) {
@@ -191,7 +191,7 @@ class MjpegConnection final : public SessionHost {
         ignoredBytes_ += bytes;
         if (!ec && ignoredBytes_ <= mostIgnored) return read();
         gone_ = true;
-        stopTime();
+        leave();
         cut();
     }
 

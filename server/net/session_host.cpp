@@ -3,6 +3,7 @@
 #include <boost/asio/post.hpp>
 #include <nlohmann/json.hpp>
 #include <tuple>
+#include <utility>
 
 #include "server/catalog/describe.hpp"
 #include "server/net/api/handler.hpp"
@@ -19,17 +20,22 @@ SessionHost::~SessionHost() {
     if (session_)
         std::ignore =
             contained("Ending a session", [this] { session_->connectionLost(false, Clock::now()); });
-    if (mailbox_ != 0) context_.scheduler.closeMailbox(mailbox_);
+    leave();
     if (!counted_) return;
     context_.sessions.fetch_sub(1);
     context_.metrics.sessionClosed();
+}
+
+void SessionHost::leave() {
+    timer_.cancel();
+    if (mailbox_ != 0) context_.scheduler.closeMailbox(std::exchange(mailbox_, 0));
 }
 
 void SessionHost::fault() noexcept {
     if (context_.connections.shuttingDown()) return;
     giveUp();
     std::ignore = contained("Closing a connection", [this] {
-        stopTime();
+        leave();
         cut();
     });
 }

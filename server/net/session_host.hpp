@@ -54,7 +54,8 @@ class SessionHost : public Connection,
     std::string sessionId() const { return registration_->id(); }
     /// After every call into the session: sets the timer for its next tick.
     void keepTime();
-    void stopTime() { timer_.cancel(); }
+    /// The client has gone: nothing is made for it any more, however long its connection takes to end.
+    void leave();
 
     /// Neither gone nor about to close: the session may be told things.
     virtual bool listening() const = 0;

@@ -148,7 +148,7 @@ class StreamConnection final : public SessionHost {
             // itself.
             gone_ = true;
             if (session()) session()->connectionLost(saidGoodbye(ec), Clock::now());
-            stopTime();
+            leave();
             closeTimer_.cancel();
             return;
         }

@@ -111,6 +111,13 @@ TEST_F(CostTest, WorkForWhoHasGoneEnds) {
     }
     EXPECT_TRUE(
         eventually([&] { return metric("scancast_pictures_awaited") == "scancast_pictures_awaited 0"; }));
+    {
+        StreamClient viewer(port());
+        viewer.greet();
+        viewer.view(1, 1);
+        ASSERT_TRUE(painter.waitBegun(3));
+    }
+    EXPECT_TRUE(eventually([&] { return painter.cancelled() == 3; })) << "of a stream, even a moving frame";
 }
 
 }  // namespace

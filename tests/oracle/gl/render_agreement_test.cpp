@@ -163,6 +163,9 @@ class ViewAgreement : public OnDevice {
     const Cloud& cloud_ = agreedCloud("room");
 };
 INSTANTIATE_TEST_SUITE_P(Gl, ViewAgreement, testing::Values("egl"), deviceName);
+/// A suite, and a process, of its own: each colour compiles shaders of its own.
+using ColourAgreement = ViewAgreement;
+INSTANTIATE_TEST_SUITE_P(Gl, ColourAgreement, testing::Values("egl"), deviceName);
 
 TEST_P(ViewAgreement, Mirrors) {
     for (const Projection projection : projections) {
@@ -185,7 +188,7 @@ TEST_P(ViewAgreement, Shadings) {
     });
 }
 
-TEST_P(ViewAgreement, Colours) {
+TEST_P(ColourAgreement, Sources) {
     for (const char* method : {"paraboloid", "hqs", "disc", "ewa", "voronoi", "pyramid"}) {
         View v = view(Projection::Orthographic, 1);
         v.style.method = method;
@@ -210,7 +213,7 @@ TEST_P(ViewAgreement, Colours) {
 }
 
 /// Every colour looks up whose cell it is another way, and mirrors are layers of their own.
-TEST_P(ViewAgreement, SmoothBorders) {
+TEST_P(ColourAgreement, SmoothBorders) {
     View v = smoothView(view());
     for (const Projection projection : projections) {
         const View from = view(projection);

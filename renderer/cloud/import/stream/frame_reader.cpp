@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "files/bytes.hpp"
+#include "renderer/cloud/import/printable_text.hpp"
 #include "renderer/cloud/import/stream/point_stream_reader.hpp"
 
 namespace scancast {

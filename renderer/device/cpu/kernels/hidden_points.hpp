@@ -173,8 +173,8 @@ struct Column {
     IntW sizes{},
         points{};  ///< sums over the visible points: radius of their closing, and how many there are
 
-    Column(const HiddenPoints& points, int firstX, int levels, bool background, bool unlike, bool edge)
-        : h(points), x(firstX), reach(levels), wide(background), differ(unlike), nearEdge(edge) {
+    Column(const HiddenPoints& hidden, int firstX, int levels, bool background, bool unlike, bool edge)
+        : h(hidden), x(firstX), reach(levels), wide(background), differ(unlike), nearEdge(edge) {
         for (FloatW& v : nearest[reach + 1].v) v = all(infinity);
         if (!nearEdge) return;
         const IntW px = laneIndices() + x;
@@ -202,10 +202,9 @@ struct Column {
         for (int k = reach; k >= 1; --k) {
             if (!first && (y & ((1 << (k - 1)) - 1)) != 0) continue;
             nearest[k] = nearest[k + 1];
-            const PointLevel& points = h.levels[k];
-            const float* const corner =
-                points.depth + rowOf(points.stride, ringStart(y, k)) + ringStart(x, k);
-            withSpread(k, NearestInRing{corner, points.stride, nearest[k]});
+            const PointLevel& level = h.levels[k];
+            const float* const corner = level.depth + rowOf(level.stride, ringStart(y, k)) + ringStart(x, k);
+            withSpread(k, NearestInRing{corner, level.stride, nearest[k]});
         }
     }
 

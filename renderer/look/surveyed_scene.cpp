@@ -1,6 +1,7 @@
 #include "renderer/look/surveyed_scene.hpp"
 
 #include <fmt/format.h>
+#include <glm/vec2.hpp>
 
 #include <algorithm>
 #include <cmath>

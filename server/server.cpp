@@ -25,7 +25,8 @@ ApiOptions apiOptions(const ServerOptions& options) {
             options.cache,
             options.tokens,
             options.rates,
-            options.costs};
+            options.costs,
+            options.scheduler.memory};
 }
 
 class RunningServer final : public ScancastServer {
@@ -36,7 +37,7 @@ class RunningServer final : public ScancastServer {
           scheduler_(std::move(openPainter), options.scheduler, metrics_),
           admin_(catalog_, options.dataRoot),
           api_(apiOptions(options), catalog_, admin_, sessions_, scheduler_, metrics_),
-          context_{options.limits, api_, catalog_, scheduler_, metrics_, sessions_},
+          context_{options.limits, api_, catalog_, scheduler_, metrics_, sessions_, options.scheduler.memory},
           io_(std::max(1, options.netThreads)),
           work_(asio::make_work_guard(io_)) {}
 

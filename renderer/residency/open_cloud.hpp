@@ -12,7 +12,8 @@
 namespace scancast {
 
 /// Takes milliseconds: reads the file's index and the root's block; the levels below it follow in the
-/// background. Errors: those of CloudFile::open(). A damaged root is none: the rest can be looked at.
+/// background. Errors: those of CloudFile::open();
+/// ResourceLimit for a file with a block that is too large for the memory limit. A damaged root is none: the rest can be looked at.
 Expected<std::shared_ptr<const Cloud>> openCloud(InputFile file, const std::shared_ptr<BlockCache>& cache);
 Expected<std::shared_ptr<const Cloud>> openCloud(const std::filesystem::path& path,
                                                  const std::shared_ptr<BlockCache>& cache);

@@ -8,6 +8,8 @@
 
 #include <mutex>
 
+#include "files/machine.hpp"
+
 namespace scancast {
 namespace {
 
@@ -141,6 +143,26 @@ struct Metrics::Families {
                                          .Help("Memory of the GPU that holds samples")
                                          .Register(registry)
                                          .Add({});
+    prometheus::Family<prometheus::Gauge>& memory =
+        prometheus::BuildGauge()
+            .Name("scancast_transient_bytes")
+            .Help("Memory that pictures and clients take, clouds not counted, by what it is for")
+            .Register(registry);
+    prometheus::Gauge& memoryLimit = prometheus::BuildGauge()
+                                         .Name("scancast_transient_limit_bytes")
+                                         .Help("What pictures and clients may take together")
+                                         .Register(registry)
+                                         .Add({});
+    prometheus::Gauge& resident = prometheus::BuildGauge()
+                                      .Name("scancast_process_resident_bytes")
+                                      .Help("Memory of the whole process, as the system counts it")
+                                      .Register(registry)
+                                      .Add({});
+    prometheus::Counter& slowReaders = prometheus::BuildCounter()
+                                           .Name("scancast_slow_readers_total")
+                                           .Help("Connections ended because what was sent was not read")
+                                           .Register(registry)
+                                           .Add({});
     prometheus::Counter& blocksLoaded = prometheus::BuildCounter()
                                             .Name("scancast_blocks_loaded_total")
                                             .Help("Blocks of cloud files read into memory")
@@ -272,6 +294,18 @@ void Metrics::setResidency(const BlockCacheStats& stats) {
     raise(families_->blocksLoaded, stats.blocksLoaded);
     raise(families_->blocksEvicted, stats.blocksEvicted);
     raise(families_->blocksDamaged, stats.blocksDamaged);
+}
+
+void Metrics::setMemory(const TransientMemory& memory) {
+    for (std::size_t use = 0; use < memoryUses; ++use)
+        families_->memory.Add({{"use", std::string(scancast::name(MemoryUse(use)))}})
+            .Set(double(memory.bytes(MemoryUse(use))));
+    families_->memoryLimit.Set(double(memory.limit()));
+    families_->resident.Set(double(residentMemory()));
+}
+
+void Metrics::slowReaderEnded() {
+    families_->slowReaders.Increment();
 }
 
 void Metrics::liveFrame(LiveOutcome outcome) {

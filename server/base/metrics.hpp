@@ -9,6 +9,7 @@
 #include <string_view>
 
 #include "renderer/residency/block_cache.hpp"
+#include "server/base/transient_memory.hpp"
 
 namespace scancast {
 
@@ -61,6 +62,10 @@ class Metrics {
     void setDeviceMemory(std::uint64_t bytes);
     /// Of everything that counts against the memory limit, now and since the start.
     void setResidency(const BlockCacheStats& stats);
+    /// Of everything that is not residency, and of the process as the system sees it.
+    void setMemory(const TransientMemory& memory);
+    /// A connection was ended, because what it was sent was not read, or too slowly.
+    void slowReaderEnded();
     /// Of a frame of a live source.
     void liveFrame(LiveOutcome outcome);
     /// From a live frame's last byte to the cloud in the catalog.

@@ -89,15 +89,7 @@ MemoryRoom roomOf(const MemoryFacts& facts) {
     return room;
 }
 
-std::uint64_t pictureBytes(const View& view) {
-    constexpr std::uint64_t frame = 4 + 4;  // colours; depth, if that is what is asked for
-    constexpr std::uint64_t encoded =
-        3 * 4;  // their bytes in the encoder's order, encoded at worst as large, copied once
-    return std::uint64_t(view.width) * std::uint64_t(view.height) * (frame + encoded);
-}
-
-Expected<void> checkRoom(const View& view, const MemoryRoom& room) {
-    const std::uint64_t needed = pictureBytes(view);
+Expected<void> checkRoom(const View& view, std::uint64_t needed, const MemoryRoom& room) {
     if (needed <= room.bytes) return {};
     return fail(
         ErrorCode::ResourceLimit,

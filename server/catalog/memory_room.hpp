@@ -35,10 +35,7 @@ inline MemoryRoom memoryRoom() {
 
 /// Pictures up to this size come all the time and are not worth asking for.
 inline constexpr std::int64_t smallPicturePixels = 2 << 20;
-/// Of a frame with colours and depth, and of what it is encoded into, bytes. Drawing needs more, but no more
-/// for large pictures than for a screenful (renderer/render.hpp).
-std::uint64_t pictureBytes(const View& view);
-/// ResourceLimit, naming the limit, when the picture does not fit.
-Expected<void> checkRoom(const View& view, const MemoryRoom& room);
+/// ResourceLimit, naming the limit, when the picture, which needs so many bytes, does not fit.
+Expected<void> checkRoom(const View& view, std::uint64_t needed, const MemoryRoom& room);
 
 }  // namespace scancast

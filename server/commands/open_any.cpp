@@ -2,7 +2,7 @@
 
 #include <filesystem>
 
-#include "files/machine_memory.hpp"
+#include "files/machine.hpp"
 #include "renderer/cloud/build/build_cloud.hpp"
 #include "renderer/cloud/file/cloud_file.hpp"
 #include "renderer/cloud/import/open_scan.hpp"

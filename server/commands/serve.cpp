@@ -206,7 +206,10 @@ int serve(ServeOptions options) {
     returnMemoryOfBlocks();
     keepMemoryReserve();
     options.server.rates = *rates(options);
-    options.server.cache = blockCache(*memoryLimit(options));
+    const MemoryShares shares = *memoryShares(options);
+    options.server.cache = blockCache(shares.clouds);
+    options.server.scheduler.memory = TransientMemory(shares.transient);
+    options.server.scheduler.maxFrameBytes = options.server.scheduler.memory.forFrames();
     options.device.programFolder = programFolder(options.cacheDir);
     options.device.gpuMemoryLimit = *parseGpuMemoryLimit(options.gpuMemoryLimit);
     ShutdownSignals signals(ShutdownSignals::Hangup::Reloads);

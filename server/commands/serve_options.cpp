@@ -1,12 +1,13 @@
 #include "server/commands/serve_options.hpp"
 
 #include <arpa/inet.h>
+#include <fmt/format.h>
 #include <unistd.h>
 
 #include <algorithm>
 
 #include "files/input_file.hpp"
-#include "files/machine_memory.hpp"
+#include "files/machine.hpp"
 #include "server/commands/byte_size.hpp"
 #include "server/net/origin_check.hpp"
 #include "transport/secret_file.hpp"
@@ -91,7 +92,14 @@ void addServeFlags(CLI::App& app, ServeOptions& options) {
         ->type_name("N")
         ->check(CLI::Range(1, 100000));
     flag("--memory-limit", options.memoryLimit, "SCANCAST_MEMORY_LIMIT",
-         "Memory for all clouds, like 2G or 512M; half of the machine's without it")
+         "Memory for clouds, pictures and clients together, like 2G or 512M; without it half of what the "
+         "machine, or "
+         "this process' control group, has")
+        ->type_name("SIZE");
+    flag("--transient-limit", options.transientLimit, "SCANCAST_TRANSIENT_LIMIT",
+         "The part of --memory-limit that pictures, and what clients have not read, may take, like 256M; "
+         "without it "
+         "three eighths, and 2G at most. Clouds have the rest")
         ->type_name("SIZE");
     flag("--gpu-memory-limit", options.gpuMemoryLimit, "SCANCAST_GPU_MEMORY_LIMIT",
          "Memory of the GPU for points, like 8G; three quarters of what is free there without it")
@@ -151,18 +159,35 @@ Expected<Rates> rates(const ServeOptions& options) {
     return rates;
 }
 
-Expected<std::uint64_t> memoryLimit(const ServeOptions& options) {
-    constexpr std::uint64_t least = 64 << 20;
-    if (options.memoryLimit.empty()) {
-        const std::uint64_t memory = machineMemory();
-        return std::max(memory / 2, least);
+Expected<MemoryShares> memoryShares(const ServeOptions& options) {
+    constexpr std::uint64_t least = 64 << 20, leastTransient = 8 << 20, leastForClouds = 16 << 20;
+    std::uint64_t all = std::max(machineMemory() / 2, least);
+    if (!options.memoryLimit.empty()) {
+        const auto limit = parseByteSize(options.memoryLimit, "memory-limit");
+        if (!limit) return passOn(limit);
+        all = *limit;
     }
-    auto limit = parseByteSize(options.memoryLimit, "memory-limit");
-    if (limit && *limit < least) {
+    if (all < least) {
         return fail(ErrorCode::InvalidArgument,
                     "--memory-limit: 64M is the least that a picture can be drawn with.", "memory-limit");
     }
-    return limit;
+    // Enough for a picture of 3840 x 2160 with its depth where there are 512M, and no more than pictures ever need.
+    std::uint64_t transient = std::min(all / 8 * 3, std::uint64_t(2) << 30);
+    if (!options.transientLimit.empty()) {
+        const auto limit = parseByteSize(options.transientLimit, "transient-limit");
+        if (!limit) return passOn(limit);
+        transient = *limit;
+    }
+    if (transient < leastTransient || transient + leastForClouds > all) {
+        return fail(
+            ErrorCode::InvalidArgument,
+            fmt::format(
+                "--transient-limit: must be from 8M to {}M, since it is a share of --memory-limit and "
+                "clouds need 16M of that at least.",
+                (all - leastForClouds) >> 20),
+            "transient-limit");
+    }
+    return MemoryShares{all - transient, transient};
 }
 
 Expected<std::vector<LiveInput>> liveInputs(const ServeOptions& options) {
@@ -198,7 +223,7 @@ Expected<void> check(const ServeOptions& options) {
                 "forward the port: ssh -L 8080:127.0.0.1:8080 THIS-MACHINE",
             "host");
     }
-    if (auto ok = memoryLimit(options); !ok) return passOn(ok);
+    if (auto ok = memoryShares(options); !ok) return passOn(ok);
     if (auto ok = rates(options); !ok) return passOn(ok);
     if (options.server.costs.picture <= 0)
         return fail(ErrorCode::InvalidArgument,

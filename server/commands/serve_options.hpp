@@ -20,6 +20,7 @@ struct ServeOptions {
     bool insecure = false;
     std::filesystem::path authTokenFile, adminTokenFile;  ///< empty = none
     std::string memoryLimit;         ///< as written: "2G"; empty = half of the machine's memory
+    std::string transientLimit;      ///< as written; empty = a fixed share of memoryLimit
     std::string gpuMemoryLimit;      ///< as written; empty = most of what the GPU has free
     std::filesystem::path rates;     ///< a file in place of the shipped ones; empty = none
     std::filesystem::path cacheDir;  ///< empty = built anew with every start
@@ -43,8 +44,13 @@ Expected<std::vector<LiveInput>> liveInputs(const ServeOptions& options);
 /// What --rates holds, or the shipped ones; an error names the file.
 Expected<Rates> rates(const ServeOptions& options);
 
-/// --memory-limit in bytes. InvalidArgument when it is none, or too small to draw anything.
-Expected<std::uint64_t> memoryLimit(const ServeOptions& options);
+/// Of --memory-limit, bytes: settled at the start, whatever the load.
+struct MemoryShares {
+    std::uint64_t clouds = 0;     ///< blocks of cloud files and scans that were read
+    std::uint64_t transient = 0;  ///< pictures, and what clients have not read (--transient-limit)
+};
+/// InvalidArgument when a limit is none, or leaves too little to draw anything.
+Expected<MemoryShares> memoryShares(const ServeOptions& options);
 
 /// What --auth-token-file and --admin-token-file hold; an error names the flag, and never a token.
 Expected<AccessTokens> accessTokens(const ServeOptions& options);

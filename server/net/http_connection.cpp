@@ -26,6 +26,7 @@
 #include "server/net/api/handler.hpp"
 #include "server/net/mjpeg_connection.hpp"
 #include "server/net/stream_connection.hpp"
+#include "server/net/write_watch.hpp"
 #include "transport/net_stream.hpp"
 
 namespace scancast {
@@ -70,7 +71,10 @@ class HttpConnection final : public Connection, public std::enable_shared_from_t
           context_(context),
           buffer_(2 * context.limits.maxHeaderBytes),
           client_(clientOf(stream_.tcp().socket())),
-          watch_(stream_.get_executor()) {}
+          watch_(stream_.get_executor()),
+          writing_(stream_.get_executor(), context.limits.leastRate),
+          buffers_(context.memory.hold(MemoryUse::Connections, bytesOfConnection)),
+          texts_(context.memory.hold(MemoryUse::Texts)) {}
     ~HttpConnection() override { context_.connections.remove(this); }
 
     void run() {
@@ -203,6 +207,7 @@ class HttpConnection final : public Connection, public std::enable_shared_from_t
                 self.stream_.tcp().expires_never();
                 self.keepAlive_ = self.parser_->get().keep_alive();
                 self.request_.body = std::move(self.parser_->get().body());
+                self.texts_.resize(self.request_.body.size());
                 self.ask(routed);
             }));
     }
@@ -271,7 +276,13 @@ class HttpConnection final : public Connection, public std::enable_shared_from_t
         context_.api.complete(request_, route, response_);
         keepAlive_ = keepAlive_ && !leaving_;
         const auto body = response_.body();
-        stream_.tcp().expires_after(context_.limits.writeTimeout + std::chrono::seconds(body.size() / 65536));
+        texts_.resize(request_.body.size() + response_.text.size());
+        if (writing_.begin(stream_.tcp().socket().native_handle(), weak_from_this(),
+                           [this] { endSlowReader(); }))
+            stream_.tcp().expires_never();
+        else
+            stream_.tcp().expires_after(context_.limits.writeTimeout +
+                                        std::chrono::seconds(body.size() / 65536));
         auto onWritten =
             handler([](HttpConnection& self, error_code ec, std::size_t) { self.onWritten(ec); });
         const bool neverHasBody = response_.status == 304 || response_.status == 204;
@@ -298,10 +309,17 @@ class HttpConnection final : public Connection, public std::enable_shared_from_t
         message.keep_alive(keepAlive_);
     }
 
+    void endSlowReader() {
+        context_.metrics.slowReaderEnded();
+        close();
+    }
+
     void onWritten(error_code ec) {
+        writing_.end();
         message_.reset();
         bodyless_.reset();
         response_ = {};
+        texts_.resize(0);
         if (ec) return;
         if (keepAlive_) return readHead();
         closeGently();
@@ -340,6 +358,9 @@ class HttpConnection final : public Connection, public std::enable_shared_from_t
     std::uint64_t requests_ = 0, unanswered_ = 0;  // numbers; 0 = none
     const std::string client_;
     asio::steady_timer watch_;
+    WriteWatch writing_;
+    const TransientMemory::Hold buffers_;
+    TransientMemory::Hold texts_;
     std::stop_source gone_{std::nostopstate};
     HttpResponse response_;  // kept while it is written: the messages below point into it
     std::optional<http::response<http::span_body<const char>>> message_;

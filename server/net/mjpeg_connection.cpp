@@ -12,6 +12,7 @@
 #include "server/net/api/handler.hpp"
 #include "server/net/api/mjpeg_request.hpp"
 #include "server/net/session_host.hpp"
+#include "server/net/write_watch.hpp"
 
 namespace scancast {
 namespace {
@@ -46,7 +47,9 @@ class MjpegConnection final : public SessionHost {
         : SessionHost(stream.get_executor(), context),
           stream_(std::move(stream)),
           request_(std::move(request)),
-          routed_(std::move(routed)) {}
+          routed_(std::move(routed)),
+          watch_(stream_.get_executor(), context.limits.leastRate),
+          buffers_(context.memory.hold(MemoryUse::Connections, bytesOfConnection)) {}
 
     void run() {
         asio::dispatch(stream_.get_executor(), handler([](MjpegConnection& self) { self.begin(); }));
@@ -64,6 +67,7 @@ class MjpegConnection final : public SessionHost {
 
     void sendFrame(const FrameHeader& header, std::shared_ptr<const Bytes> picture) override {
         if (!listening()) return;
+        if (writing_ && context_.memory.streamsAreFull()) return endSlowReader();
         next_ = Part{partHead(header), std::move(picture), header.frameId};
         if (!writing_) writeNext();
     }
@@ -91,6 +95,13 @@ class MjpegConnection final : public SessionHost {
     template <class Work>
     Handler<MjpegConnection, Work> handler(Work work) {
         return {self(), std::move(work)};
+    }
+
+    void endSlowReader() {
+        context_.metrics.slowReaderEnded();
+        gone_ = true;
+        leave();
+        cut();
     }
 
     void begin() {
@@ -154,8 +165,12 @@ class MjpegConnection final : public SessionHost {
     template <class Buffers>
     void write(const Buffers& buffers, std::optional<std::uint64_t> frame) {
         writing_ = true;
-        stream_.tcp().expires_after(context_.limits.writeTimeout +
-                                    std::chrono::seconds(asio::buffer_size(buffers) / 65536));
+        if (watch_.begin(stream_.tcp().socket().native_handle(), weak_from_this(),
+                         [this] { endSlowReader(); }))
+            stream_.tcp().expires_never();
+        else
+            stream_.tcp().expires_after(context_.limits.writeTimeout +
+                                        std::chrono::seconds(asio::buffer_size(buffers) / 65536));
         asio::async_write(stream_, buffers,
                           handler([frame](MjpegConnection& self, error_code ec, std::size_t) {
                               self.onWritten(ec, frame);
@@ -164,6 +179,7 @@ class MjpegConnection final : public SessionHost {
 
     void onWritten(error_code ec, std::optional<std::uint64_t> frame) {
         writing_ = false;
+        watch_.end();
         part_ = {};
         if (ec) {
             gone_ = true;
@@ -217,6 +233,8 @@ class MjpegConnection final : public SessionHost {
     NetStream stream_;
     const HttpRequest request_;
     const Routed routed_;
+    WriteWatch watch_;
+    const TransientMemory::Hold buffers_;
     std::string text_;
     Part part_;                 ///< being written
     std::optional<Part> next_;  ///< waits for the head to be written

@@ -17,6 +17,7 @@
 #include "server/base/metrics.hpp"
 #include "server/catalog/catalog.hpp"
 #include "server/net/api/api.hpp"
+#include "server/net/write_watch.hpp"
 #include "server/scheduler/scheduler.hpp"
 #include "server/stream/resume_store.hpp"
 #include "server/stream/session_register.hpp"
@@ -36,13 +37,19 @@ struct NetLimits {
     std::size_t maxHelloBytes = 4 * 1024;      ///< of a stream's messages before its hello is accepted
     std::size_t maxQueuedTexts = 64;           ///< that a stream's client does not read; beyond, 1008
     std::chrono::milliseconds requestTimeout{
-        15000};  ///< for a whole request head, and for the pause between two
-    std::chrono::milliseconds writeTimeout{30000};  ///< for an answer, plus a second for every 64 KiB
+        15000};            ///< for a whole request head, and for the pause between two
+    ReadRate leastRate{};  ///< at which a client must read what it is sent
+    std::chrono::milliseconds writeTimeout{
+        30000};  ///< where the system does not tell how fast that is: for an answer,
+                 ///< plus a second for every 64 KiB
     std::chrono::milliseconds helloTimeout{10000};
     std::chrono::milliseconds quiet{150};          ///< without a new view before the final still
     std::chrono::milliseconds idleTimeout{40000};  ///< of a stream; a ping is sent at half of it
     std::chrono::milliseconds closeTimeout{5000};  ///< for a closing handshake
 };
+
+/// What a connection takes with its buffers and, where it has one, its session: as measured with a thousand of them.
+inline constexpr std::uint64_t bytesOfConnection = 32 * 1024;
 
 /// Anything that is connected and can be asked to leave.
 class Connection {
@@ -80,6 +87,7 @@ struct NetContext {
     Scheduler& scheduler;
     Metrics& metrics;
     SessionRegister& sessionRegister;
+    TransientMemory memory{};
     std::shared_ptr<boost::asio::ssl::context> tls{};  ///< empty = in the clear
     ConnectionRegister connections{};
     std::atomic<std::size_t> sessions{0};

@@ -9,6 +9,7 @@
 
 #include "server/net/api/handler.hpp"
 #include "server/net/session_host.hpp"
+#include "server/net/write_watch.hpp"
 
 namespace scancast {
 namespace {
@@ -47,7 +48,10 @@ class StreamConnection final : public SessionHost {
         : SessionHost(stream.get_executor(), context),
           ws_(std::move(stream)),
           request_(std::move(request)),
-          closeTimer_(ws_.get_executor()) {}
+          closeTimer_(ws_.get_executor()),
+          watch_(ws_.get_executor(), context.limits.leastRate),
+          buffers_(context.memory.hold(MemoryUse::Connections, bytesOfConnection)),
+          texts_(context.memory.hold(MemoryUse::Texts)) {}
 
     void run() {
         // tcp_stream's own deadlines belong to HTTP; from here on the WebSocket keeps time.
@@ -79,11 +83,14 @@ class StreamConnection final : public SessionHost {
         }
         Outgoing message;
         message.text = std::move(text);
+        unread_ += message.text.size();
+        texts_.resize(unread_);
         enqueue(std::move(message));
     }
 
     void sendFrame(const FrameHeader& header, std::shared_ptr<const Bytes> picture) override {
         if (closing_) return;
+        if (writing_ && context_.memory.streamsAreFull()) return giveUpSlowReader();
         Outgoing message;
         message.header = printFrameHeader(header);
         message.picture = std::move(picture);
@@ -102,6 +109,14 @@ class StreamConnection final : public SessionHost {
     }
 
   private:
+    /// There is no memory for what clients have not read, and this one has something to read.
+    void giveUpSlowReader() {
+        context_.metrics.slowReaderEnded();
+        queue_.resize(1);  // what is being written
+        texts_.resize(unread_ = queue_.front().text.size());
+        close(CloseCode::TryAgainLater, "Frames are not read as fast as they come, and memory is short.");
+    }
+
     std::shared_ptr<StreamConnection> self() {
         return std::static_pointer_cast<StreamConnection>(shared_from_this());
     }
@@ -178,6 +193,10 @@ class StreamConnection final : public SessionHost {
 
     void writeNext() {
         writing_ = true;
+        watch_.begin(ws_.next_layer().tcp().socket().native_handle(), weak_from_this(), [this] {
+            context_.metrics.slowReaderEnded();
+            cut();
+        });
         const Outgoing& message = queue_.front();
         auto onWritten =
             handler([](StreamConnection& self, error_code ec, std::size_t) { self.onWritten(ec); });
@@ -194,9 +213,13 @@ class StreamConnection final : public SessionHost {
 
     void onWritten(error_code ec) {
         writing_ = false;
+        watch_.end();
+        unread_ -= queue_.front().text.size();
         queue_.pop_front();
+        texts_.resize(unread_);
         if (ec) {
             queue_.clear();
+            texts_.resize(unread_ = 0);
             return;
         }
         if (!queue_.empty()) return writeNext();
@@ -211,7 +234,11 @@ class StreamConnection final : public SessionHost {
     http::request<http::empty_body> request_;
     beast::flat_buffer buffer_;
     asio::steady_timer closeTimer_;
+    WriteWatch watch_;
     std::deque<Outgoing> queue_;
+    const TransientMemory::Hold buffers_;
+    TransientMemory::Hold texts_;
+    std::size_t unread_ = 0;  // bytes of texts
     bool writing_ = false;
     bool gone_ = false;
     std::optional<websocket::close_reason> closing_;

@@ -78,7 +78,9 @@ Expected<EncodedPicture> Scheduler::encoded(Turns::Request& request, const std::
     if (Clock::now() > request.deadline) return tl::unexpected(tooLate());
     metrics_.frameEncoded(encodeMs / 1000, bytes->size());
     EncodedPicture picture;
-    picture.bytes = std::make_shared<const Bytes>(std::move(*bytes));
+    picture.bytes = options_.memory.shared(
+        request.kind == Turns::Kind::Snapshot ? MemoryUse::Answers : MemoryUse::Streams, std::move(*bytes),
+        std::move(request.order.kept));
     picture.width = drawn.frame.width;
     picture.height = drawn.frame.height;
     picture.stats = std::move(drawn.frame.stats);
@@ -88,6 +90,7 @@ Expected<EncodedPicture> Scheduler::encoded(Turns::Request& request, const std::
     picture.rivals = request.rivals;
     picture.device = std::move(drawn.device);
     drawn.frame = {};
+    drawn.held = {};
     return picture;
 }
 

@@ -41,6 +41,8 @@ struct PictureOrder {
     std::uint64_t requester = 0;    ///< set by the scheduler: whose requests for blocks these are
     std::string client{};           ///< of a snapshot: whose share of the device's time it is drawn in
     double price = 0;               ///< ms that it is expected to take a core; 0 = guessed from its pixels
+    /// Lives as long as the picture's bytes: a place among what its client may have and not read.
+    std::shared_ptr<const void> kept{};
     /// What the view means for the cloud; of a view that differs (in its quality, mostly), what still holds
     /// is kept. Empty: not known yet. The scheduler keeps what the painter found out.
     std::shared_ptr<const PlannedView> planned{};

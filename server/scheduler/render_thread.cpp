@@ -8,6 +8,7 @@
 #include "renderer/image/clock.hpp"
 #include "server/base/faults.hpp"
 #include "server/scheduler/outcome.hpp"
+#include "server/scheduler/picture_bytes.hpp"
 #include "server/scheduler/scheduler.hpp"
 
 namespace scancast {
@@ -156,9 +157,10 @@ std::optional<Scheduler::Begun> Scheduler::tryBegin(Taken request) {
     return std::nullopt;
 }
 
-Expected<void> Scheduler::checkMemory(const View& view) const {
+Expected<void> Scheduler::checkMemory(const PictureOrder& order) const {
+    const View& view = order.view;
     if (std::int64_t{view.width} * view.height <= smallPicturePixels) return {};
-    return checkRoom(view, options_.room());
+    return checkRoom(view, bytesToDraw(view, order.format), options_.room());
 }
 
 Expected<std::unique_ptr<PendingFrame>> Scheduler::begin(Turns::Request& request,
@@ -176,7 +178,7 @@ Expected<std::unique_ptr<PendingFrame>> Scheduler::begin(Turns::Request& request
             why = request.order.complete ? Why::LacksBlocks : request.order.onlyWhole ? Why::Lacks : why;
             if (why != Why::Failed) return tl::unexpected(cancelled());
         }
-        if (auto ok = checkMemory(request.order.view); !ok) return passOn(ok);
+        if (auto ok = checkMemory(request.order); !ok) return passOn(ok);
         auto frame = contained("The renderer", [&] {
             return painter_->begin(request.order, *request.prepared, token, [this] { drawWithin(); });
         });
@@ -208,6 +210,8 @@ void Scheduler::complete(Begun& begun) {
     begun.request->prepared.reset();
     if (!frame) return endWithout(begun.request, std::move(frame.error()), why);
     DrawnPicture drawn{std::move(*frame), std::move(begun.device), begun.renderMs + millisecondsSince(start)};
+    const PictureOrder& order = begun.request->order;
+    drawn.held = options_.memory.hold(MemoryUse::Frames, bytesToDraw(order.view, order.format));
     metrics_.frameRendered(begun.request->order.view.style.method, drawn.renderMs / 1000,
                            drawn.frame.stats.samplesMissing == 0);
     metrics_.setDeviceMemory(drawn.frame.stats.deviceBytes);

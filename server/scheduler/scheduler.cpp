@@ -109,16 +109,6 @@ void Scheduler::stop() {
 
 // ---- how pictures end; without the lock, because `done` is somebody else's code
 
-template <class Change>
-void Scheduler::change(const Change& change) {
-    Requests ended;
-    {
-        const Monitor::Lock lock(monitor_);
-        change(ended);
-    }
-    answer(std::move(ended));
-}
-
 void Scheduler::answer(Requests ended) noexcept {
     for (Turns::Request& request : ended)
         std::ignore = contained("The scheduler", [&] {

@@ -23,6 +23,7 @@
 #include <vector>
 
 #include "server/base/metrics.hpp"
+#include "server/base/transient_memory.hpp"
 #include "server/catalog/memory_room.hpp"
 #include "server/scheduler/picture_order.hpp"
 #include "server/scheduler/turns.hpp"
@@ -32,6 +33,7 @@ namespace scancast {
 
 struct SchedulerOptions : TurnsOptions {
     std::function<MemoryRoom()> room = memoryRoom;  ///< asked before a large picture is begun
+    TransientMemory memory{};                       ///< where frames and encoded pictures are counted
 };
 
 /// A device that was there and is gone.
@@ -142,7 +144,7 @@ class Scheduler {
     std::optional<Begun> tryBegin(Taken request);
     void completeOne(Begun begun);
     void complete(Begun& begun);
-    Expected<void> checkMemory(const View& view) const;
+    Expected<void> checkMemory(const PictureOrder& order) const;
     Expected<std::unique_ptr<PendingFrame>> begin(Turns::Request& request, const std::stop_token& token,
                                                   Why& why);
     Expected<Frame> finish(Begun& begun, const std::stop_token& token, Why& why);
@@ -177,5 +179,15 @@ class Scheduler {
 
     std::thread renderThread_, prepareThread_, frameThread_, pictureThread_, deadlineThread_;
 };
+
+template <class Change>
+void Scheduler::change(const Change& change) {
+    Requests ended;
+    {
+        const Monitor::Lock lock(monitor_);
+        change(ended);
+    }
+    answer(std::move(ended));
+}
 
 }  // namespace scancast

@@ -5,6 +5,8 @@
 #include <limits>
 #include <utility>
 
+#include "server/scheduler/picture_bytes.hpp"
+
 namespace scancast {
 namespace {
 
@@ -154,16 +156,52 @@ bool Turns::hasRoom(Line line) const {
     return line == Line::Frames || pauses_ || waiting_[0] == 0 || hasRoom(Line::Frames);
 }
 
+template <class Visit>
+void Turns::forEachInHand(const Visit& visit) const {
+    for (const Requests* list : {&drawing_, &underWay_, &lineOf(Line::Pictures)})
+        for (const Request& request : *list)
+            if (request.kind != Kind::Moving) visit(request.order);
+}
+
+std::size_t Turns::picturesInHand() const {
+    std::size_t count = 0;
+    forEachInHand([&](const PictureOrder&) { ++count; });
+    return count;
+}
+
+std::uint64_t Turns::frameBytes() const {
+    std::uint64_t bytes = 0;
+    forEachInHand([&](const PictureOrder& order) { bytes += bytesToDraw(order.view, order.format); });
+    return bytes;
+}
+
+bool Turns::hasMemory(const Request& request) const {
+    if (request.kind == Kind::Moving) return true;
+    const std::uint64_t inHand = frameBytes();
+    return inHand == 0 ||
+           inHand + bytesToDraw(request.order.view, request.order.format) <= options_.maxFrameBytes;
+}
+
+bool Turns::hasTurn(const Participant& participant, Line line) const {
+    for (const Requests* list : {&participant.prepared, &participant.waiting})
+        if (!list->empty() && lineFor(list->front()) == line && hasMemory(list->front())) return true;
+    return false;
+}
+
 bool Turns::hasTurn() const {
-    for (const Line line : {Line::Frames, Line::Pictures})
-        if (waiting_[std::size_t(line)] > 0 && hasRoom(line)) return true;
+    for (const Line line : {Line::Frames, Line::Pictures}) {
+        if (waiting_[std::size_t(line)] == 0 || !hasRoom(line)) continue;
+        const auto its = [&](const auto& one) { return hasTurn(one.second, line); };
+        if (line == Line::Frames || frameBytes() == 0 || std::ranges::any_of(participants_, its)) return true;
+    }
     return false;
 }
 
 // What the participant would have drawn next, if there is room for it behind the device.
 std::optional<Turns::Choice> Turns::front(Participants::iterator participant) {
     for (Requests* list : {&participant->second.prepared, &participant->second.waiting})
-        if (!list->empty() && hasRoom(lineFor(list->front()))) return Choice{participant, list};
+        if (!list->empty() && hasRoom(lineFor(list->front())) && hasMemory(list->front()))
+            return Choice{participant, list};
     return std::nullopt;
 }
 

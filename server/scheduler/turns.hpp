@@ -15,6 +15,8 @@
 //   much, so that there are few at a time. It comes when its participant has not had its part.
 // - Stills give way: they wait until nobody else asks for anything, and let every moving frame pass, until
 //   their patience ends. Where a device does not pause, they are stopped and drawn again.
+// - Stills and snapshots are begun only when there is memory for them beside the others that are drawn and encoded;
+//   one alone is begun in any case, and moving frames, of which there are few at a time, do not wait.
 // - Snapshots wait in a bounded queue, each with a deadline that counts waiting, rendering and encoding.
 // - Pictures that must be complete and lack blocks wait for them aside, one at a time; one whose disk stalls
 //   lets others go first, and gets the longer to itself the longer it has waited.
@@ -35,17 +37,21 @@
 #include <string>
 #include <thread>
 
+#include "files/machine.hpp"
+#include "server/base/transient_memory.hpp"
 #include "server/scheduler/picture_order.hpp"
 #include "server/scheduler/picture_promise.hpp"
 
 namespace scancast {
 
 struct TurnsOptions {
+    /// Of frames of stills and snapshots that are drawn and encoded at the same time (picture_bytes.hpp).
+    std::uint64_t maxFrameBytes = ~std::uint64_t(0);
     std::size_t maxSnapshots = 64;                      ///< waiting at most; one more is refused
     std::chrono::milliseconds snapshotDeadline{30000};  ///< from the request to the finished picture
     std::chrono::milliseconds stillPatience{2000};      ///< of an interruptible picture that gives way
     /// Of the machine: drawing takes all of them, and encoding one.
-    int cores = int(std::max(1u, std::thread::hardware_concurrency()));
+    int cores = machineCores();
 };
 
 /// A picture that waits for its encoder.
@@ -53,6 +59,7 @@ struct DrawnPicture {
     Frame frame;
     DeviceInfo device;    ///< that drew it
     double renderMs = 0;  ///< that it took, others within its pauses not counted
+    TransientMemory::Hold held{};
 };
 
 class Turns {
@@ -187,6 +194,9 @@ class Turns {
     std::size_t snapshotsWaiting() const { return snapshotCount_; }
     std::size_t mostInLine() const { return std::max(lines_[0].size(), lines_[1].size()); }
     std::size_t depth() const { return drawing_.size(); }
+    /// Stills and snapshots that are drawn and encoded, and the memory that they take.
+    std::size_t picturesInHand() const;
+    std::uint64_t frameBytes() const;
     /// The device's time that the participant has not had of its part; less than 0 = it had too much.
     std::chrono::nanoseconds owed(ParticipantId participant) const;
 
@@ -210,6 +220,10 @@ class Turns {
     Requests& lineOf(Line line) { return lines_[std::size_t(line)]; }
     const Requests& lineOf(Line line) const { return lines_[std::size_t(line)]; }
     bool hasRoom(Line line) const;
+    bool hasMemory(const Request& request) const;
+    template <class Visit>
+    void forEachInHand(const Visit& visit) const;
+    bool hasTurn(const Participant& participant, Line line) const;
 
     std::optional<Choice> front(Participants::iterator participant);
     template <class Eligible>

@@ -79,13 +79,13 @@ def posters_that_leave(load, _):
     return "left"
 
 
-def slow_readers(load, _):
+def slow_readers(load, number):
     """Depth of 33 MB, read at a kilobyte now and then."""
     with socket.socket() as connection:
         connection.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 4096)
         connection.settimeout(30)
         connection.connect(load.server.address)
-        body = b'{"width": 3840, "height": 2160}'
+        body = b'{"width": 3840, "height": 2160, "camera": {"eye": [%d, %.6f, 400]}}' % (number, time.monotonic() % 100)
         connection.sendall(f"POST /api/v1/clouds/{load.server.cloud}/snapshot HTTP/1.1\r\nHost: 127.0.0.1\r\nAccept: application/octet-stream\r\n"
                            f"Content-Type: application/json\r\nContent-Length: {len(body)}\r\n\r\n".encode() + body)
         while not load.done.wait(0.5):

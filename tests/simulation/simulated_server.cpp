@@ -29,8 +29,13 @@ double viewOf(const PictureOrder& order) {
     return order.view.camera.eye.x;
 }
 
-TurnsOptions options() {
+double memoryOf(const Machine& machine) {
+    return machine.frameMemoryMB * 1e6;
+}
+
+TurnsOptions options(const Machine& machine) {
     TurnsOptions options;
+    options.maxFrameBytes = std::uint64_t(memoryOf(machine));
     options.maxSnapshots = 16;
     options.cores = 2;
     return options;
@@ -39,7 +44,7 @@ TurnsOptions options() {
 }  // namespace
 
 SimulatedServer::SimulatedServer(VirtualTime& time, Chance& chance, const Machine& machine)
-    : time_(time), chance_(chance), machine_(machine), turns_(options()) {
+    : time_(time), chance_(chance), machine_(machine), turns_(options(machine)) {
     turns_.setPauses(machine.pauses);
     mayStall();
     mayLoseDevice();
@@ -395,6 +400,8 @@ void SimulatedServer::check() {
     if (turns_.snapshotsWaiting() > 16) violate("more snapshots wait than may");
     if (turns_.mostInLine() > 4) violate("more frames wait for an encoder than may");
     if (turns_.depth() > 4) violate("pictures lie too deep within each other");
+    if (turns_.picturesInHand() > 1 && double(turns_.frameBytes()) > memoryOf(machine_))
+        violate("stills and snapshots in hand take more memory than there is");
     // Nobody starves: a moving frame waits for as long as everybody else may have owed to them and draw one
     // frame, and where the device does not pause, one of their pictures.
     const double each =

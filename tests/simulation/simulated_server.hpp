@@ -26,6 +26,7 @@ struct Machine {
     double coldViews = 0.3;       ///< share of such views
     double stallsPerMinute = 0, stallMs = 0;
     double lossesPerMinute = 0;  ///< of the device
+    double frameMemoryMB = 1e6;  ///< for stills and snapshots in hand
     double badGuess = 1.5;       ///< prices are wrong by up to this factor
 };
 

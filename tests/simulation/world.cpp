@@ -91,6 +91,7 @@ Machine someMachine(Chance& chance) {
     }
     if (chance.happens(0.3)) machine.lossesPerMinute = chance.between(1, 12);
     machine.badGuess = chance.between(1, 4);
+    if (chance.happens(0.3)) machine.frameMemoryMB = chance.scale(1, 200);
     return machine;
 }
 

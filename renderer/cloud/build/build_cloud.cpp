@@ -5,6 +5,7 @@
 #include <new>
 #include <thread>
 
+#include "files/machine.hpp"
 #include "renderer/cloud/build/cloud_builder.hpp"
 #include "renderer/cloud/build/revision.hpp"
 
@@ -15,7 +16,7 @@ namespace {
 Expected<std::shared_ptr<const Cloud>> build(PointSource& source, const BuildOptions& options,
                                              const ProgressSink& progress) {
     Workspace workspace(Workspace::unlimited, {});
-    const int lanes = options.threads > 0 ? options.threads : int(std::thread::hardware_concurrency());
+    const int lanes = options.threads > 0 ? options.threads : machineCores();
     auto built = buildFrom(
         source, options.shape,
         {.workspace = workspace, .file = nullptr, .threads = options.threads, .lanes = lanes}, progress, {});

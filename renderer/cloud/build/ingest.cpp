@@ -9,7 +9,7 @@
 #include <new>
 #include <thread>
 
-#include "files/machine_memory.hpp"
+#include "files/machine.hpp"
 #include "renderer/cloud/build/cloud_builder.hpp"
 #include "renderer/cloud/build/many_scans.hpp"
 #include "renderer/cloud/build/revision.hpp"
@@ -96,7 +96,7 @@ Expected<IngestReport> build(std::vector<std::unique_ptr<PointSource>> sources, 
     const fs::path outputFolder =
         options.output.has_parent_path() ? options.output.parent_path() : fs::path(".");
     const fs::path scratch = options.scratch.empty() ? outputFolder : options.scratch;
-    const int threads = options.threads > 0 ? options.threads : int(std::thread::hardware_concurrency());
+    const int threads = options.threads > 0 ? options.threads : machineCores();
     const MemoryShares memory = shareMemory(*limit, threads, options.shape);
     if (const auto needs = diskNeeds((*source)->header(), options))
         if (auto ok = checkDisk(*needs, outputFolder, scratch); !ok) return passOn(ok);
@@ -131,7 +131,7 @@ Expected<IngestReport> build(std::vector<std::unique_ptr<PointSource>> sources, 
 std::optional<DiskNeeds> diskNeeds(const ScanHeader& header, const IngestOptions& options) {
     if (!header.points) return std::nullopt;
     const std::uint64_t limit = options.memoryLimit > 0 ? options.memoryLimit : machineMemory() / 2;
-    const int threads = options.threads > 0 ? options.threads : int(std::thread::hardware_concurrency());
+    const int threads = options.threads > 0 ? options.threads : machineCores();
     const std::uint64_t inMemory = shareMemory(limit, threads, options.shape).workspace;
     const std::uint64_t row = rowBytes(header.columns);
     const std::uint64_t beside = options.shape.curvatures() ? curvatureBytes : 0;

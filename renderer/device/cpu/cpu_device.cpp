@@ -10,6 +10,7 @@
 #include <string>
 #include <thread>
 
+#include "files/machine.hpp"
 #include "renderer/device/cpu/picture.hpp"
 #include "renderer/device/cpu/simd_level.hpp"
 #include "renderer/device/host/drawing.hpp"
@@ -113,7 +114,7 @@ Expected<std::unique_ptr<Device>> createCpuDevice(int threads) {
                                 maxThreads, threads),
                     "threads");
     }
-    if (threads == 0) threads = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
+    if (threads == 0) threads = machineCores();
     const char* forced = std::getenv("SCANCAST_SIMD");
     const auto level = cpu::chooseSimdLevel(forced != nullptr ? forced : "");
     if (!level) return passOn(level);

@@ -13,6 +13,7 @@
 #include "server/net/api/negotiate.hpp"
 #include "server/net/api/page.hpp"
 #include "server/net/api/picture_request.hpp"
+#include "server/scheduler/picture_bytes.hpp"
 
 namespace scancast {
 namespace {
@@ -89,7 +90,7 @@ Api::Api(ApiOptions options, const Catalog& catalog, CloudAdmin& admin, const Se
       sessions_(sessions),
       scheduler_(scheduler),
       metrics_(metrics),
-      admission_(options_.rates, options_.costs),
+      admission_(options_.rates, options_.costs, options_.memory),
       pictures_(scheduler),
       picker_(pictures_, scheduler, options_.version) {}
 
@@ -198,6 +199,7 @@ struct Api::Answers {
         api.metrics_.setPointsResident(api.catalog_.pointsResident());
         api.metrics_.setPicturesAwaited(api.pictures_.waiting());
         if (api.options_.cache) api.metrics_.setResidency(api.options_.cache->stats());
+        api.metrics_.setMemory(api.options_.memory);
         HttpResponse response = textResponse(200, api.metrics_.text());
         response.headers.front().second = "text/plain; version=0.0.4; charset=utf-8";
         return response;
@@ -259,6 +261,9 @@ struct Api::Answers {
         if (api.pictures_.join(tag, done, gone)) return;
         auto ticket = api.admission_.take(request.client, *price);
         if (!ticket) return refuseCostly(respond, ticket.error());
+        auto kept = api.admission_.keep(request.client, bytesToKeep(order.view, order.format));
+        if (!kept) return refuseCostly(respond, kept.error());
+        order.kept = std::move(*kept);
         api.metrics_.pictureAdmitted(*price / 1000);
         if (auto queued = api.pictures_.order(tag, std::move(order),
                                               holding(std::move(*ticket), std::move(done)), gone);

@@ -31,6 +31,7 @@ struct ApiOptions {
     AccessTokens tokens{};
     Rates rates = shippedRates();
     CostLimits costs{};
+    TransientMemory memory{};
 };
 
 class Api {

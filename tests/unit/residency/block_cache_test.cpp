@@ -6,6 +6,7 @@
 
 #include <mutex>
 
+#include "renderer/residency/open_cloud.hpp"
 #include "renderer/residency/provide.hpp"
 #include "tests/support/clouds/fake_cloud_file.hpp"
 #include "tests/support/failing_allocation.hpp"
@@ -410,6 +411,17 @@ TEST(BlockCache, EveryAllocationMayFail) {
         ASSERT_TRUE(store->load(last)) << nth;
     }
     EXPECT_GT(nth, 5U);
+}
+
+TEST(OpenCloud, RefusesABlockThatIsLargerThanMemoryWithItsSize) {
+    // Constant planes pack well: a file of some hundred kilobytes may say this.
+    const auto file = std::make_shared<test::FakeCloudFile>(1, 1, 140'000'000);
+    const auto refused =
+        openCloud(file, BlockCache::create({.memoryLimit = 512 << 20, .threads = 1, .onDamaged = {}}));
+    ASSERT_FALSE(refused);
+    EXPECT_EQ(refused.error().code, ErrorCode::ResourceLimit);
+    for (const char* said : {"140000000 samples", "2800 MB", "402 MB", "--memory-limit"})
+        EXPECT_NE(refused.error().message.find(said), std::string::npos) << refused.error().message;
 }
 
 }  // namespace

@@ -54,9 +54,21 @@ TEST(ServeOptions, LiveSourcesAreNamed) {
 }
 
 TEST(ServeOptions, MemoryIsMeasuredAsPeopleWriteIt) {
-    EXPECT_EQ(memoryLimit(parsed({"a.scan", "--memory-limit", "2G"})).value(), std::uint64_t(2) << 30);
-    EXPECT_EQ(memoryLimit(parsed({"a.scan", "--memory-limit", "512M"})).value(), std::uint64_t(512) << 20);
-    EXPECT_GT(memoryLimit(parsed({"a.scan"})).value(), std::uint64_t(64) << 20) << "half of the machine's";
+    constexpr std::uint64_t MiB = 1 << 20;
+    const auto shares = [](std::vector<std::string> flags) {
+        flags.insert(flags.begin(), "a.scan");
+        return memoryShares(parsed(std::move(flags))).value();
+    };
+    EXPECT_EQ(shares({"--memory-limit", "512M"}).clouds, 320 * MiB);
+    EXPECT_EQ(shares({"--memory-limit", "512M"}).transient, 192 * MiB);
+    EXPECT_EQ(shares({"--memory-limit", "64G"}).transient, 2048 * MiB);
+    EXPECT_EQ(shares({"--memory-limit", "2G", "--transient-limit", "100M"}).clouds, 1948 * MiB);
+    EXPECT_GE(shares({}).clouds + shares({}).transient, 64 * MiB) << "half of the machine's";
+    for (const char* wrong : {"7M", "500M", "much"})
+        EXPECT_EQ(memoryShares(parsed({"a.scan", "--memory-limit", "512M", "--transient-limit", wrong}))
+                      .error()
+                      .field,
+                  "transient-limit");
     for (const char* wrong : {"plenty", "1M", "-2G"}) {
         const auto refused = check(parsed({"a.scan", std::string("--memory-limit=") + wrong}));
         ASSERT_FALSE(refused) << wrong;

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "server/scheduler/outcome.hpp"
+#include "server/scheduler/picture_bytes.hpp"
 
 namespace scancast {
 namespace {
@@ -15,6 +16,8 @@ using End = Turns::End;
 
 class TurnsTest : public ::testing::Test {
   protected:
+    explicit TurnsTest(const TurnsOptions& options = {}) : turns(options) {}
+
     /// Orders tell themselves apart by their width, here and in what a test expects.
     static PictureOrder moving(int width) {
         PictureOrder order;
@@ -86,7 +89,7 @@ class TurnsTest : public ::testing::Test {
     }
     static Error stopped() { return cancelled(); }
 
-    Turns turns{TurnsOptions{}};
+    Turns turns;
     Turns::Time now{hours(1)};
     Turns::Requests ended;
 };
@@ -465,6 +468,48 @@ TEST_F(TurnsTest, TheEndEndsEverythingOnce) {
     EXPECT_EQ(endOf(6), End::Refused);
     EXPECT_EQ(ended.size(), 6U);
     EXPECT_TRUE(turns.idle());
+}
+
+/// With memory for one picture of a width of 1000, and a half.
+class TightTurnsTest : public TurnsTest {
+  protected:
+    TightTurnsTest() : TurnsTest(tight()) {}
+    static TurnsOptions tight() {
+        TurnsOptions options;
+        options.maxFrameBytes = bytesToDraw(picture(1000).view, PictureFormat::Jpeg) * 3 / 2;
+        return options;
+    }
+};
+
+TEST_F(TightTurnsTest, StillsAndSnapshotsWaitForMemoryAndMovingFramesDoNot) {
+    turns.setPauses(true);
+    snapshot(picture(1000, "a"));
+    const Turns::Taken large = take();
+    turns.letGo(large, now);
+    snapshot(picture(1001, "b"));
+    EXPECT_FALSE(turns.hasTurn()) << "together they are too large";
+    EXPECT_EQ(draw(), 0);
+    const auto mover = turns.openMailbox();
+    place(mover, moving(4000));
+    EXPECT_TRUE(turns.hasTurn());
+    EXPECT_EQ(draw(), 4000);
+    snapshot(picture(400, "c"));
+    EXPECT_TRUE(turns.hasTurn());
+    EXPECT_EQ(draw(), 400) << "there is room for a small one";
+    EXPECT_FALSE(turns.hasTurn());
+    turns.resume(large, now);
+    turns.drawn(large, now);
+    EXPECT_FALSE(turns.hasTurn()) << "it is still to be encoded";
+    EXPECT_GT(turns.frameBytes(), 0u);
+    encodeAll();
+    EXPECT_EQ(turns.frameBytes(), 0u);
+    EXPECT_EQ(draw(), 1001);
+}
+
+TEST_F(TightTurnsTest, OneThatIsLargerThanAllMemoryIsDrawnAlone) {
+    snapshot(picture(2000));
+    snapshot(picture(3000));
+    EXPECT_EQ(drawAll(), (std::vector<int>{2000, 3000}));
 }
 
 }  // namespace

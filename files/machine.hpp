@@ -1,0 +1,28 @@
+// How much memory and how many cores this process may use: what limits are made from where nobody names one. The
+// machine's, or less where a control group (version 1 or 2: containers, units of systemd) grants less.
+// Functions that read a few small files; any thread.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+
+namespace scancast {
+
+/// Bytes that may be in use at the most, whatever is in use.
+std::uint64_t machineMemory();
+/// At least 1. A quota of one and a half is two.
+int machineCores();
+/// Bytes that this process has in memory now.
+std::uint64_t residentMemory();
+
+/// What the control groups of a process grant, the tightest of those that it is in; nullopt = all that there is.
+struct GroupLimits {
+    std::optional<std::uint64_t> memory;  ///< bytes
+    std::optional<double> cores;
+};
+/// `root`: where control groups are mounted; `membership`: the text of /proc/self/cgroup.
+GroupLimits groupLimits(const std::filesystem::path& root, const std::string& membership);
+
+}  // namespace scancast

@@ -1,0 +1,42 @@
+#include "server/scheduler/picture_bytes.hpp"
+
+namespace scancast {
+namespace {
+
+constexpr std::uint64_t rgba = 4, depth = 4;
+
+struct PerPixel {
+    double encodedAtMost = 0, encoded = 0;
+};
+
+PerPixel perPixel(const View& view, PictureFormat format) {
+    switch (format) {
+        case PictureFormat::Png:
+            return view.style.background.kind == Background::Kind::Transparent ? PerPixel{4, 2}
+                                                                               : PerPixel{3, 1.5};
+        case PictureFormat::Depth:
+            return {4, 4};
+        case PictureFormat::Jpeg:
+            break;
+    }
+    return {1.5, 0.5};
+}
+
+double pixelsOf(const View& view) {
+    return double(view.width) * view.height;
+}
+
+}  // namespace
+
+std::uint64_t bytesToDraw(const View& view, PictureFormat format) {
+    const bool isDepth = format == PictureFormat::Depth;
+    // What libraries encode into is copied once; depth goes out as it is.
+    const double encoded = perPixel(view, format).encodedAtMost * (isDepth ? 1 : 2);
+    return std::uint64_t(pixelsOf(view) * (double(rgba + (isDepth ? depth : 0)) + encoded));
+}
+
+std::uint64_t bytesToKeep(const View& view, PictureFormat format) {
+    return std::uint64_t(pixelsOf(view) * perPixel(view, format).encoded);
+}
+
+}  // namespace scancast

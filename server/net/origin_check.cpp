@@ -84,6 +84,15 @@ std::optional<Origin> parseOrigin(std::string_view text) {
     return origin;
 }
 
+/// An address of version 6 may stand without brackets, because no port follows.
+std::optional<Authority> parseAllowedHost(std::string_view text) {
+    const std::string name = lower(text);
+    if (isAddress(name)) return Authority{name, {}};
+    auto authority = parseAuthority(text);
+    if (authority && !authority->port.empty()) return std::nullopt;
+    return authority;
+}
+
 bool isLoopback(const std::string& host) {
     return host == "localhost" || host == "::1" || (isAddress(host) && host.rfind("127.", 0) == 0);
 }
@@ -106,12 +115,16 @@ Expected<void> checkHost(const std::vector<std::string>& hostHeaders, const Orig
     const std::string bind = lower(rules.bindHost);
     if (host->host == bind || isLoopback(host->host)) return {};
     if (!isLoopback(bind) && isAddress(host->host)) return {};
+    for (const std::string& allowed : rules.allowedHosts) {
+        const auto name = parseAllowedHost(allowed);
+        if (name && name->host == host->host) return {};
+    }
     for (const std::string& allowed : rules.allowedOrigins) {
         const auto origin = parseOrigin(allowed);
         if (origin && origin->authority.host == host->host) return {};
     }
     return fail(ErrorCode::Unsupported, "This server does not answer to the name " + quoteText(host->host) +
-                                            "; --allowed-origin http://NAME:PORT would make it.");
+                                            "; --allowed-host NAME would make it.");
 }
 
 bool isAllowedOrigin(std::string_view origin, const OriginRules& rules) {
@@ -147,6 +160,15 @@ Expected<void> checkAllowedOrigin(std::string_view origin) {
                     " is no origin; it looks like https://viewer.example.org or "
                     "http://localhost:3000.",
                 "allowed-origin");
+}
+
+Expected<void> checkAllowedHost(std::string_view host) {
+    if (parseAllowedHost(host)) return {};
+    return fail(ErrorCode::InvalidArgument,
+                quoteText(host) +
+                    " is no name of a host; it looks like scans.example.org, without scheme, port or "
+                    "patterns: each name is given by a flag of its own.",
+                "allowed-host");
 }
 
 }  // namespace scancast

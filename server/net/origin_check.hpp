@@ -17,9 +17,10 @@ struct OriginRules {
     std::string bindHost = "127.0.0.1";  ///< as given by --host
     std::vector<std::string>
         allowedOrigins;  ///< "https://viewer.example.org"; their hosts are allowed as Host too
+    std::vector<std::string> allowedHosts{};  ///< "scans.example.org": further names of this server
 };
 
-/// Host: required, once. Allowed are the bind address, the loopback names, the hosts of allowed origins, and,
+/// Host: required, once. Allowed are the bind address, the loopback names, allowed hosts and those of allowed origins, and,
 /// when the server listens on other addresses, any IP address - rebinding needs a *name*. The port may be
 /// any: it is another one behind a forwarded port, and no page can choose it against the browser's will.
 Expected<void> checkHost(const std::vector<std::string>& hostHeaders, const OriginRules& rules);
@@ -34,5 +35,7 @@ bool isAllowedOrigin(std::string_view origin, const OriginRules& rules);
 
 /// For the command line: InvalidArgument unless it is SCHEME://HOST[:PORT] with http or https.
 Expected<void> checkAllowedOrigin(std::string_view origin);
+/// The same of a name of this server: one name or address, without scheme or port; no pattern.
+Expected<void> checkAllowedHost(std::string_view host);
 
 }  // namespace scancast

@@ -6,6 +6,8 @@
 #include "server/net/api/http_message.hpp"
 #include "server/net/api/negotiate.hpp"
 #include "server/net/api/router.hpp"
+#include "server/net/clients/trusted_proxies.hpp"
+#include "server/net/listen_address.hpp"
 #include "server/net/origin_check.hpp"
 
 namespace {
@@ -54,6 +56,29 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
                 origin.find("viewer.example") != std::string::npos);
         require(origin.rfind("http", 0) == 0 && origin.find('/', 8) == std::string::npos);
     }
+    // Whatever a proxy passes on, somebody is counted: the proxy itself, or an address that stands in the text and is no
+    // proxy's, unless all are. And whoever is no proxy is himself.
+    static const std::vector<std::string> ranges{"10.0.0.0/8", "fd00::/8"};
+    static const TrustedProxies proxies = *TrustedProxies::parse(ranges);
+    const IpAddress peer = *IpAddress::parse("10.0.0.1"), other = *IpAddress::parse("192.0.2.7");
+    for (const char* header : {"forwarded", "x-forwarded-for"}) {
+        const HttpRequest request{"GET", "/", {{header, text}}};
+        const Counted found = proxies.clientOf(request, peer);
+        require(found.client == peer.client() || AddressRange::parse(found.client).has_value());
+        require(proxies.clientOf(request, other) == Counted{other.client(), true});
+        // A proxy that appends what it knows is believed, whatever its client had written before.
+        const HttpRequest appended{"GET", "/", {{"x-forwarded-for", text + ", 203.0.113.9"}}};
+        require(proxies.clientOf(appended, peer) == Counted{"203.0.113.9", true});
+    }
+    if (const auto range = AddressRange::parse(text))
+        require(range->contains(*IpAddress::parse(text.substr(0, text.find('/')))));
+    if (checkAllowedHost(text))
+        require(checkHost({text.find(':') == std::string::npos || text[0] == '[' ? text : "[" + text + "]"},
+                          {"127.0.0.1", {}, {text}})
+                    .has_value());
+    if (const auto address = parseListenAddress(text, "admin-listen"))
+        require(parseListenAddress(address->text(), "admin-listen")->port == address->port);
+
     require(!matchesAny(text, "\"0123456789abcdef\"") || text.find("0123456789abcdef") != std::string::npos ||
             text.find('*') != std::string::npos);
     accepts(text, "image/jpeg");

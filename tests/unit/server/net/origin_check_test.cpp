@@ -51,6 +51,30 @@ TEST(HostCheck, ListeningElsewhereAddressesAreFineButNamesMustBeAllowed) {
     EXPECT_TRUE(checkHost({"viewer.example"}, rules("0.0.0.0", {"https://viewer.example"})));
 }
 
+TEST(HostCheck, FurtherNamesOfTheServer) {
+    OriginRules known = rules("127.0.0.1");
+    known.allowedHosts = {"Scans.Example.org", "192.168.1.7", "fd00::7"};
+    for (const char* host : {"scans.example.org", "SCANS.example.org:443", "scans.example.org.",
+                             "192.168.1.7:80", "[fd00::7]:8080", "localhost"})
+        EXPECT_TRUE(checkHost({host}, known)) << host;
+    for (const char* host : {"example.org", "a.scans.example.org", "192.168.1.8", "[fd00::8]"}) {
+        const auto refused = checkHost({host}, known);
+        ASSERT_FALSE(refused) << host;
+        EXPECT_NE(refused.error().message.find("--allowed-host NAME"), std::string::npos)
+            << refused.error().message;
+    }
+    EXPECT_TRUE(checkOrigin({"https://scans.example.org"}, "scans.example.org", known))
+        << "a page of that name is the server's own";
+    EXPECT_FALSE(checkOrigin({"https://scans.example.org"}, "localhost:8080", known));
+}
+
+TEST(HostCheck, FlagValuesOfNames) {
+    for (const char* right : {"scans.example.org", "LOCALHOST", "10.0.0.1", "::1", "[::1]"})
+        EXPECT_TRUE(checkAllowedHost(right)) << right;
+    for (const char* wrong : {"", "*", "*.example.org", "https://a", "a:8080", "[::1]:80", "a/b", "a b"})
+        EXPECT_FALSE(checkAllowedHost(wrong)) << wrong;
+}
+
 TEST(OriginCheck, SameOriginOnly) {
     EXPECT_TRUE(checkOrigin({}, "localhost:8080", rules()));
     EXPECT_TRUE(checkOrigin({"http://localhost:8080"}, "localhost:8080", rules()));

@@ -21,12 +21,13 @@ namespace asio = boost::asio;
 ApiOptions apiOptions(const ServerOptions& options) {
     return {std::string(scancastVersion()),
             options.limits.maxPixels,
-            {options.host, options.allowedOrigins},
+            {options.host, options.allowedOrigins, options.allowedHosts},
             options.cache,
             options.tokens,
             options.rates,
             options.costs,
-            options.scheduler.memory};
+            options.scheduler.memory,
+            options.adminListen ? options.adminListen->host : std::string()};
 }
 
 class RunningServer final : public ScancastServer {
@@ -59,9 +60,16 @@ class RunningServer final : public ScancastServer {
             if (!tls) return passOn(std::move(tls));
             context_.tls = std::move(*tls);
         }
-        auto listener = Listener::create(io_, options_.host, options_.port, context_);
+        context_.proxies = options_.proxies;
+        auto listener = Listener::create(io_, {options_.host, options_.port}, context_, Entrance::Public);
         if (!listener) return passOn(std::move(listener));
         listener_ = std::move(*listener);
+        if (options_.adminListen) {
+            auto probes = Listener::create(io_, *options_.adminListen, context_, Entrance::Probes);
+            if (!probes) return passOn(std::move(probes));
+            probeListener_ = std::move(*probes);
+            probeListener_->run();
+        }
         listener_->run();
         for (int i = 0; i < std::max(1, options_.netThreads); ++i) {
             threads_.emplace_back([this] { runNetwork(); });
@@ -75,7 +83,8 @@ class RunningServer final : public ScancastServer {
     Metrics& metrics() override { return metrics_; }
     void cloudsChanged() override { sessions_.wakeAll(); }
     std::uint16_t port() const override { return listener_->port(); }
-    std::size_t connections() const override { return context_.connections.size(); }
+    std::uint16_t adminPort() const override { return probeListener_ ? probeListener_->port() : 0; }
+    std::size_t connections() const override { return context_.connections.size() + context_.probes.size(); }
 
     std::string url() const override {
         const std::string& host = options_.host;
@@ -95,8 +104,10 @@ class RunningServer final : public ScancastServer {
     void shutDown() override {
         std::ignore = contained("Shutting down", [this] {
             if (listener_) listener_->close();
+            if (probeListener_) probeListener_->close();
         });
         std::ignore = contained("Shutting down", [this] { context_.connections.shutDownAll(); });
+        std::ignore = contained("Shutting down", [this] { context_.probes.shutDownAll(); });
         scheduler_.stop();
     }
 
@@ -126,7 +137,7 @@ class RunningServer final : public ScancastServer {
     NetContext context_;
     asio::io_context io_;
     asio::executor_work_guard<asio::io_context::executor_type> work_;
-    std::shared_ptr<Listener> listener_;
+    std::shared_ptr<Listener> listener_, probeListener_;
     std::vector<std::thread> threads_;
 };
 

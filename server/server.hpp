@@ -7,6 +7,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -14,6 +15,7 @@
 #include "server/base/metrics.hpp"
 #include "server/catalog/catalog.hpp"
 #include "server/catalog/cloud_admin.hpp"
+#include "server/net/listen_address.hpp"
 #include "server/net/net_context.hpp"
 #include "server/net/tls.hpp"
 #include "server/price/admission.hpp"
@@ -23,8 +25,10 @@ namespace scancast {
 
 struct ServerOptions {
     std::string host = "127.0.0.1";
-    std::uint16_t port = 8080;  ///< 0 = any free one
-    std::vector<std::string> allowedOrigins;
+    std::uint16_t port = 8080;                 ///< 0 = any free one
+    std::optional<ListenAddress> adminListen;  ///< for probes, beside that; empty = nowhere
+    std::vector<std::string> allowedOrigins, allowedHosts;
+    TrustedProxies proxies;
     AccessTokens tokens;
     TlsFiles tls;
     int netThreads = 2;
@@ -52,6 +56,8 @@ class ScancastServer {
     /// A live cloud has changed: whoever looks at it sees the new one. Returns at once.
     virtual void cloudsChanged() = 0;
     virtual std::uint16_t port() const = 0;
+    /// Of --admin-listen; 0 = nowhere.
+    virtual std::uint16_t adminPort() const = 0;
     /// To open in a browser: "http://127.0.0.1:8080/".
     virtual std::string url() const = 0;
     virtual std::size_t connections() const = 0;

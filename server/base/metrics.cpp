@@ -49,6 +49,18 @@ const char* name(CostRefusal why) {
     return "unknown";
 }
 
+const char* name(ConnectionRefusal why) {
+    switch (why) {
+        case ConnectionRefusal::Full:
+            return "full";
+        case ConnectionRefusal::Address:
+            return "address";
+        case ConnectionRefusal::ShuttingDown:
+            return "shutdown";
+    }
+    return "unknown";
+}
+
 const char* name(LiveOutcome outcome) {
     switch (outcome) {
         case LiveOutcome::Shown:
@@ -113,6 +125,22 @@ struct Metrics::Families {
                                       .Help("Open stream sessions")
                                       .Register(registry)
                                       .Add({});
+    prometheus::Gauge& connections =
+        prometheus::BuildGauge()
+            .Name("scancast_connections")
+            .Help("Open connections, those of sessions included and those of --admin-listen not")
+            .Register(registry)
+            .Add({});
+    prometheus::Family<prometheus::Counter>& turnedAway =
+        prometheus::BuildCounter()
+            .Name("scancast_connections_refused_total")
+            .Help("Connections, and requests through proxies, that there was no place for, by reason")
+            .Register(registry);
+    prometheus::Counter& displaced = prometheus::BuildCounter()
+                                         .Name("scancast_connections_displaced_total")
+                                         .Help("Idle connections that were closed to make room")
+                                         .Register(registry)
+                                         .Add({});
     prometheus::Gauge& points = prometheus::BuildGauge()
                                     .Name("scancast_points_resident")
                                     .Help("Scan points held in memory")
@@ -218,6 +246,9 @@ Metrics::Metrics(std::string_view version) : families_(std::make_unique<Families
                               DropReason::Failed, DropReason::Gone, DropReason::Lacking}) {
         families_->dropped.Add({{"reason", name(reason)}});
     }
+    for (ConnectionRefusal why :
+         {ConnectionRefusal::Full, ConnectionRefusal::Address, ConnectionRefusal::ShuttingDown})
+        families_->turnedAway.Add({{"reason", name(why)}});
     for (LiveOutcome outcome : {LiveOutcome::Shown, LiveOutcome::Skipped, LiveOutcome::Failed})
         families_->liveFrames.Add({{"outcome", name(outcome)}});
 }
@@ -271,6 +302,18 @@ void Metrics::sessionOpened() {
 void Metrics::sessionClosed() {
     families_->sessions.Decrement();
 }
+void Metrics::setConnections(std::size_t now) {
+    families_->connections.Set(double(now));
+}
+
+void Metrics::connectionRefused(ConnectionRefusal why) {
+    families_->turnedAway.Add({{"reason", name(why)}}).Increment();
+}
+
+void Metrics::connectionDisplaced() {
+    families_->displaced.Increment();
+}
+
 void Metrics::setPointsResident(std::uint64_t points) {
     families_->points.Set(double(points));
 }

@@ -26,6 +26,13 @@ enum class DropReason : std::uint8_t {
 /// Whose limit of cost a picture would have exceeded (server/price/admission.hpp).
 enum class CostRefusal : std::uint8_t { Picture, Client, Total };
 
+/// Why somebody who connected was sent away (server/net/clients/connection_register.hpp).
+enum class ConnectionRefusal : std::uint8_t {
+    Full,          ///< all connections are taken, none of them idle
+    Address,       ///< all are that one address may have, none of them idle
+    ShuttingDown,  ///< the server is
+};
+
 /// What became of a frame of a live source.
 enum class LiveOutcome : std::uint8_t {
     Shown,
@@ -55,6 +62,10 @@ class Metrics {
     void deviceLost();
     void sessionOpened();
     void sessionClosed();
+    void setConnections(std::size_t now);
+    void connectionRefused(ConnectionRefusal why);
+    /// An idle one was closed to make room.
+    void connectionDisplaced();
     void setPointsResident(std::uint64_t points);
     /// Requests that wait for a picture now; those that share one count each.
     void setPicturesAwaited(std::size_t requests);

@@ -14,6 +14,7 @@
 #include "server/commands/byte_size.hpp"
 #include "server/commands/command.hpp"
 #include "server/commands/config_file.hpp"
+#include "server/commands/open_files.hpp"
 #include "server/commands/program_folder.hpp"
 #include "server/commands/serve_options.hpp"
 #include "server/server.hpp"
@@ -197,6 +198,24 @@ void warnOfExposure(const ServeOptions& options) {
             options.server.host);
 }
 
+void reportEntrances(const ServeOptions& options, const ScancastServer& server) {
+    const NetLimits& limits = options.server.limits;
+    if (options.maxConnections == 0 &&
+        limits.maxConnections < ConnectionWish{limits.maxSessions, {}, 0}.connections()) {
+        spdlog::warn(
+            "only {} connections fit into the files that this process may open; ulimit -Hn, or "
+            "LimitNOFILE= of a systemd unit, allows more",
+            limits.maxConnections);
+    }
+    if (!options.server.adminListen) return;
+    const ListenAddress probes{options.server.adminListen->host, server.adminPort()};
+    spdlog::info("probes at http://{}/healthz, /readyz and /metrics", probes.text());
+    if (!isLoopbackHost(probes.host) && options.server.tokens.user)
+        spdlog::warn(
+            "--admin-listen is in the clear: the token that asks for /metrics can be read on the way to {}",
+            probes.host);
+}
+
 int serve(ServeOptions options) {
     if (auto log = setUpLog(options.logLevel, options.logFormat); !log) return failure(log.error());
     if (auto sound = check(options); !sound) return failure(sound.error());
@@ -206,6 +225,9 @@ int serve(ServeOptions options) {
     returnMemoryOfBlocks();
     keepMemoryReserve();
     options.server.rates = *rates(options);
+    options.server.adminListen = *adminListen(options);
+    options.server.proxies = *TrustedProxies::parse(options.trustedProxies);
+    options.server.limits.maxConnections = *maxConnections(options);
     const MemoryShares shares = *memoryShares(options);
     options.server.cache = blockCache(shares.clouds);
     options.server.scheduler.memory = TransientMemory(shares.transient);
@@ -217,6 +239,7 @@ int serve(ServeOptions options) {
     if (!server) return failure(server.error());
     std::printf("Open %s\n", (*server)->url().c_str());
     std::fflush(stdout);
+    reportEntrances(options, **server);
     warnOfExposure(options);
     ProgressBar bar(stderr,
                     options.logFormat == "json" ? ProgressBar::Style::Quiet : ProgressBar::Style::Automatic);

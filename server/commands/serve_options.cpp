@@ -9,6 +9,7 @@
 #include "files/input_file.hpp"
 #include "files/machine.hpp"
 #include "server/commands/byte_size.hpp"
+#include "server/commands/open_files.hpp"
 #include "server/net/origin_check.hpp"
 #include "transport/secret_file.hpp"
 
@@ -91,6 +92,18 @@ void addServeFlags(CLI::App& app, ServeOptions& options) {
          "Streams at the same time")
         ->type_name("N")
         ->check(CLI::Range(1, 100000));
+    flag("--max-connections", options.maxConnections, "SCANCAST_MAX_CONNECTIONS",
+         "Connections at the same time, those of streams included. When all are taken, the one that has been "
+         "idle longest goes; when none is idle, who comes is answered 503. 0 = --max-sessions and 448 more")
+        ->type_name("N")
+        ->check(CLI::Range(0, 1000000));
+    flag("--max-connections-per-address", options.server.limits.maxConnectionsPerAddress,
+         "SCANCAST_MAX_CONNECTIONS_PER_ADDRESS",
+         "Of these, from one address (of IPv6: one network of 64 bits); beyond, 429. 0 = a quarter of all, "
+         "and "
+         "as many as they like from this machine itself")
+        ->type_name("N")
+        ->check(CLI::Range(0, 1000000));
     flag("--memory-limit", options.memoryLimit, "SCANCAST_MEMORY_LIMIT",
          "Memory for clouds, pictures and clients together, like 2G or 512M; without it half of what the "
          "machine, or "
@@ -117,6 +130,29 @@ void addServeFlags(CLI::App& app, ServeOptions& options) {
         ->envname("SCANCAST_ALLOWED_ORIGIN")
         ->allow_extra_args(false)
         ->take_all();
+    const auto list = [&](const char* name, std::vector<std::string>& values, const char* environment,
+                          const char* meaning) {
+        return app.add_option(name, values, meaning)
+            ->envname(environment)
+            ->allow_extra_args(false)
+            ->delimiter(',')
+            ->take_all();
+    };
+    list("--allowed-host", options.server.allowedHosts, "SCANCAST_ALLOWED_HOST",
+         "A further name of this server, as people type it into a browser: scans.example.org. Requests for "
+         "names "
+         "that it does not know are refused. May be repeated, or a list with commas")
+        ->type_name("NAME");
+    list("--trusted-proxy", options.trustedProxies, "SCANCAST_TRUSTED_PROXY",
+         "Address of a proxy before this server, or a range like 10.0.0.0/8: of requests from there, "
+         "Forwarded or "
+         "X-Forwarded-For says whom they are counted for. May be repeated, or a list with commas")
+        ->type_name("CIDR");
+    flag("--admin-listen", options.adminListen, "SCANCAST_ADMIN_LISTEN",
+         "A second address, like 127.0.0.1:9090 or [::1]:9090, for /healthz, /readyz and /metrics alone, in "
+         "the "
+         "clear: whoever watches the server is answered there even when all connections are taken")
+        ->type_name("HOST:PORT");
     app.add_flag("--no-surfels", options.noSurfels,
                  "Read scans faster: do not estimate normals and radii, which disc, ewa, voronoi and "
                  "shading=phong need. Cloud files stay as they are")
@@ -157,6 +193,21 @@ Expected<Rates> rates(const ServeOptions& options) {
         return fail(rates.error().code, "--rates: " + options.rates.string() + ": " + rates.error().message,
                     "rates");
     return rates;
+}
+
+Expected<std::size_t> maxConnections(const ServeOptions& options) {
+    ConnectionWish wish;
+    wish.sessions = options.server.limits.maxSessions;
+    if (options.maxConnections > 0) wish.asked = options.maxConnections;
+    wish.clouds = options.files.size() + options.live.size();
+    return fittingConnections(wish, raiseFileLimit(wish.files(wish.connections())));
+}
+
+Expected<std::optional<ListenAddress>> adminListen(const ServeOptions& options) {
+    if (options.adminListen.empty()) return std::nullopt;
+    return parseListenAddress(options.adminListen, "admin-listen").map([](ListenAddress address) {
+        return std::optional(std::move(address));
+    });
 }
 
 Expected<MemoryShares> memoryShares(const ServeOptions& options) {
@@ -223,6 +274,20 @@ Expected<void> check(const ServeOptions& options) {
                 "forward the port: ssh -L 8080:127.0.0.1:8080 THIS-MACHINE",
             "host");
     }
+    const auto probes = adminListen(options);
+    if (!probes) return passOn(probes);
+    if (*probes && !isLoopbackHost((*probes)->host) && !options.insecure && options.authTokenFile.empty()) {
+        return fail(
+            ErrorCode::InvalidArgument,
+            "--admin-listen " + options.adminListen +
+                " can be reached from other machines. Give --auth-token-file FILE, so that /metrics needs "
+                "the "
+                "token in it (/healthz and /readyz never do), or --insecure if everybody may read it; or "
+                "listen on 127.0.0.1.",
+            "admin-listen");
+    }
+    if (auto ok = TrustedProxies::parse(options.trustedProxies); !ok) return passOn(ok);
+    if (auto ok = maxConnections(options); !ok) return passOn(ok);
     if (auto ok = memoryShares(options); !ok) return passOn(ok);
     if (auto ok = rates(options); !ok) return passOn(ok);
     if (options.server.costs.picture <= 0)
@@ -245,6 +310,10 @@ Expected<void> check(const ServeOptions& options) {
     }
     for (const std::string& origin : options.server.allowedOrigins) {
         if (auto ok = checkAllowedOrigin(origin); !ok) return ok;
+    }
+    for (const std::string& name : options.server.allowedHosts) {
+        if (auto ok = checkAllowedHost(name); !ok)
+            return fail(ok.error().code, "--allowed-host: " + ok.error().message, ok.error().field);
     }
     return {};
 }

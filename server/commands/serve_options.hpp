@@ -4,6 +4,8 @@
 
 #include <CLI/CLI.hpp>
 #include <filesystem>
+#include <optional>
+#include <string>
 #include <vector>
 
 #include "renderer/device/device.hpp"
@@ -19,6 +21,9 @@ struct ServeOptions {
     DeviceOptions device;
     bool insecure = false;
     std::filesystem::path authTokenFile, adminTokenFile;  ///< empty = none
+    std::size_t maxConnections = 0;                       ///< 0 = what sessions need, and short requests
+    std::string adminListen;                              ///< as written: "127.0.0.1:9090"; empty = nowhere
+    std::vector<std::string> trustedProxies;
     std::string memoryLimit;         ///< as written: "2G"; empty = half of the machine's memory
     std::string transientLimit;      ///< as written; empty = a fixed share of memoryLimit
     std::string gpuMemoryLimit;      ///< as written; empty = most of what the GPU has free
@@ -35,7 +40,7 @@ struct ServeOptions {
 void addServeFlags(CLI::App& app, ServeOptions& options);
 
 /// What no single flag can know. InvalidArgument: no file and no data root, an address that needs a token or
-/// --insecure, an origin that is none.
+/// --insecure, an origin that is none, connections that do not fit.
 Expected<void> check(const ServeOptions& options);
 
 /// What --live names. InvalidArgument for what is not NAME=PATH, and for a path that is named twice.
@@ -51,6 +56,13 @@ struct MemoryShares {
 };
 /// InvalidArgument when a limit is none, or leaves too little to draw anything.
 Expected<MemoryShares> memoryShares(const ServeOptions& options);
+
+/// How many connections there may be: --max-connections, or what goes with --max-sessions. Raises the limit of open
+/// files where it must. InvalidArgument when they do not fit.
+Expected<std::size_t> maxConnections(const ServeOptions& options);
+
+/// --admin-listen; empty when it was not given. InvalidArgument when it is none.
+Expected<std::optional<ListenAddress>> adminListen(const ServeOptions& options);
 
 /// What --auth-token-file and --admin-token-file hold; an error names the flag, and never a token.
 Expected<AccessTokens> accessTokens(const ServeOptions& options);

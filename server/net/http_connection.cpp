@@ -25,6 +25,7 @@
 
 #include "server/net/api/handler.hpp"
 #include "server/net/mjpeg_connection.hpp"
+#include "server/net/refused_connection.hpp"
 #include "server/net/stream_connection.hpp"
 #include "server/net/write_watch.hpp"
 #include "transport/net_stream.hpp"
@@ -50,34 +51,32 @@ HttpRequest plain(const http::request_header<>& request) {
 
 constexpr std::chrono::milliseconds watchInterval{40};
 
-/// Whom work is counted for: an address, and of those of version 6 the network, of which a client has as many as it
-/// likes.
-std::string clientOf(const asio::ip::tcp::socket& socket) {
+std::optional<IpAddress> peerOf(const asio::ip::tcp::socket& socket) {
     error_code none;
     const asio::ip::address address = socket.remote_endpoint(none).address();
-    if (none) return {};
-    if (address.is_v4()) return address.to_string();
-    asio::ip::address_v6 network = address.to_v6();
-    if (network.is_v4_mapped()) return asio::ip::make_address_v4(asio::ip::v4_mapped, network).to_string();
-    auto bytes = network.to_bytes();
-    std::fill(bytes.begin() + 8, bytes.end(), std::uint8_t(0));
-    return asio::ip::address_v6(bytes).to_string() + "/64";
+    if (none) return std::nullopt;
+    return address.is_v4() ? IpAddress::ofV4(address.to_v4().to_bytes())
+                           : IpAddress::ofV6(address.to_v6().to_bytes());
 }
 
 class HttpConnection final : public Connection, public std::enable_shared_from_this<HttpConnection> {
   public:
-    HttpConnection(asio::ip::tcp::socket socket, NetContext& context)
-        : stream_(streamOf(std::move(socket), context)),
+    HttpConnection(asio::ip::tcp::socket socket, const std::optional<IpAddress>& peer, NetContext& context,
+                   Entrance entrance)
+        : stream_(streamOf(std::move(socket), context.tlsOf(entrance))),
           context_(context),
+          entrance_(entrance),
           buffer_(2 * context.limits.maxHeaderBytes),
-          client_(clientOf(stream_.tcp().socket())),
+          peer_(peer),
           watch_(stream_.get_executor()),
           writing_(stream_.get_executor(), context.limits.leastRate),
           buffers_(context.memory.hold(MemoryUse::Connections, bytesOfConnection)),
           texts_(context.memory.hold(MemoryUse::Texts)) {}
-    ~HttpConnection() override { context_.connections.remove(this); }
 
-    void run() {
+    void run(ConnectionRegister::Place place) {
+        place_ = std::move(place);
+        place_.heldBy(shared_from_this());
+        place_.idle();
         asio::dispatch(stream_.get_executor(), handler([](HttpConnection& self) { self.greet(); }));
     }
 
@@ -105,9 +104,9 @@ class HttpConnection final : public Connection, public std::enable_shared_from_t
         std::ignore = contained("Closing a connection", [this] { stream_.tcp().close(); });
     }
 
-    static NetStream streamOf(asio::ip::tcp::socket socket, NetContext& context) {
+    static NetStream streamOf(asio::ip::tcp::socket socket, asio::ssl::context* tls) {
         beast::tcp_stream tcp(std::move(socket));
-        return context.tls ? NetStream(std::move(tcp), *context.tls) : NetStream(std::move(tcp));
+        return tls != nullptr ? NetStream(std::move(tcp), *tls) : NetStream(std::move(tcp));
     }
 
     void greet() {
@@ -121,6 +120,7 @@ class HttpConnection final : public Connection, public std::enable_shared_from_t
     void readHead() {
         answering_ = false;
         if (leaving_) return closeGently();
+        awaitNext();
         parser_.emplace();
         parser_->header_limit(context_.limits.maxHeaderBytes);
         // A body that nobody wants is answered by its head; one that is wanted gets its limit when it is
@@ -133,6 +133,31 @@ class HttpConnection final : public Connection, public std::enable_shared_from_t
             handler([](HttpConnection& self, error_code ec, std::size_t) { self.onHead(ec); }));
     }
 
+    void awaitNext() {
+        place_.idle();
+        if (!proxied_) return;
+        proxied_ = false;
+        std::ignore = place_.countFor(context_.peerOf(peer_));  // a proxy's, which is not limited
+    }
+
+    // False when it has been answered that there is no place: for the client behind a proxy, or for anybody any more.
+    bool countRequest() {
+        if (!place_.busy()) {
+            refuse(refusalResponse(ConnectionRefusal::Full, context_.registerOf(entrance_).limits()));
+            return false;
+        }
+        if (!peer_) return true;
+        const Counted client = context_.proxies.clientOf(request_, *peer_);
+        request_.client = client.client;
+        proxied_ = entrance_ == Entrance::Public && context_.proxies.trusts(*peer_);
+        if (!proxied_) return true;
+        if (const auto counted = place_.countFor(client); !counted) {
+            write(refusalResponse(counted.error(), context_.connections.limits()), "refused");
+            return false;
+        }
+        return true;
+    }
+
     void onHead(error_code ec) {
         if (ec == http::error::end_of_stream) return closeGently();
         if (ec == http::error::header_limit || ec == http::error::buffer_overflow) {
@@ -141,14 +166,15 @@ class HttpConnection final : public Connection, public std::enable_shared_from_t
         if (ec) return dropOrRefuse(ec);
         const auto& head = parser_->get();
         request_ = plain(head);
-        request_.client = client_;
         // What is not read of a request would be taken for the next one.
         keepAlive_ = head.keep_alive() && parser_->is_done();
         version_ = head.version();
         if (std::string fault = framingFault(request_, version_); !fault.empty()) return refuse(400, fault);
         answering_ = true;
         stream_.tcp().expires_never();
-        auto answered = contained("The server", [this] { answer(); });
+        auto answered = contained("The server", [this] {
+            if (countRequest()) answer();
+        });
         if (!answered && !handedOver_) refuse(problemOf(answered.error()));
     }
 
@@ -160,7 +186,7 @@ class HttpConnection final : public Connection, public std::enable_shared_from_t
     }
 
     void answer() {
-        auto routed = context_.api.admit(request_);
+        auto routed = context_.api.admit(request_, entrance_);
         if (!routed) return write(std::move(routed.error()), "refused");
         const bool upgrade = beast::websocket::is_upgrade(parser_->get());
         if (routed->route == Route::Stream && upgrade && context_.scheduler.draining())
@@ -168,15 +194,15 @@ class HttpConnection final : public Connection, public std::enable_shared_from_t
                          pattern(Route::Stream));
         if (routed->route == Route::Stream && upgrade) {
             context_.metrics.httpRequest(pattern(Route::Stream), 101);
-            context_.connections.remove(this);
             handedOver_ = true;
             return startStream(std::move(stream_),
-                               http::request<http::empty_body>(std::move(parser_->get().base())), context_);
+                               http::request<http::empty_body>(std::move(parser_->get().base())), context_,
+                               std::move(place_));
         }
         if (routed->route == Route::StreamMjpeg && request_.method == "GET") {
-            context_.connections.remove(this);
             handedOver_ = true;
-            return startMjpeg(std::move(stream_), std::move(request_), std::move(*routed), context_);
+            return startMjpeg(std::move(stream_), std::move(request_), std::move(*routed), context_,
+                              std::move(place_));
         }
         if (request_.method == "POST") return readBody(std::move(*routed));
         ask(*routed);
@@ -186,6 +212,7 @@ class HttpConnection final : public Connection, public std::enable_shared_from_t
         if (parser_->content_length().value_or(0) > context_.limits.maxBodyBytes) return refuseBody();
         parser_->body_limit(context_.limits.maxBodyBytes);
         answering_ = false;  // a shutdown does not wait for the rest
+        place_.idle();
         stream_.tcp().expires_after(context_.limits.requestTimeout);
         if (request_.header("expect") == "100-continue") {
             static constexpr std::string_view goOn = "HTTP/1.1 100 Continue\r\n\r\n";
@@ -205,6 +232,7 @@ class HttpConnection final : public Connection, public std::enable_shared_from_t
                 if (ec == http::error::body_limit) return self.refuseBody();
                 if (ec) return self.dropOrRefuse(ec);
                 self.stream_.tcp().expires_never();
+                if (!self.place_.busy()) return;  // it closes
                 self.keepAlive_ = self.parser_->get().keep_alive();
                 self.request_.body = std::move(self.parser_->get().body());
                 self.texts_.resize(self.request_.body.size());
@@ -262,11 +290,13 @@ class HttpConnection final : public Connection, public std::enable_shared_from_t
 
     void refuse(int status, std::string detail) { refuse(problemOf(status, std::move(detail))); }
 
-    void refuse(const Problem& problem) {
+    void refuse(const Problem& problem) { refuse(problemResponse(problem)); }
+
+    void refuse(HttpResponse response) {
         request_ = {};
         keepAlive_ = false;
         version_ = 11;
-        write(problemResponse(problem), "refused");
+        write(std::move(response), "refused");
     }
 
     void write(HttpResponse response, std::string_view route) {
@@ -274,6 +304,10 @@ class HttpConnection final : public Connection, public std::enable_shared_from_t
         watch_.cancel();
         response_ = std::move(response);
         context_.api.complete(request_, route, response_);
+        if (entrance_ == Entrance::Probes) {  // who does not read may go for the next probe
+            answering_ = false;
+            place_.idle();
+        }
         keepAlive_ = keepAlive_ && !leaving_;
         const auto body = response_.body();
         texts_.resize(request_.body.size() + response_.text.size());
@@ -345,8 +379,10 @@ class HttpConnection final : public Connection, public std::enable_shared_from_t
             }));
     }
 
+    ConnectionRegister::Place place_;  // first: given back when the socket has been closed
     NetStream stream_;
     NetContext& context_;
+    const Entrance entrance_;
     beast::flat_buffer buffer_;
     std::optional<http::request_parser<http::string_body>> parser_;
     HttpRequest request_;
@@ -356,7 +392,8 @@ class HttpConnection final : public Connection, public std::enable_shared_from_t
     bool leaving_ = false;
     bool handedOver_ = false;                      // the stream has gone to a session
     std::uint64_t requests_ = 0, unanswered_ = 0;  // numbers; 0 = none
-    const std::string client_;
+    const std::optional<IpAddress> peer_;
+    bool proxied_ = false;  // counted for the client of a proxy
     asio::steady_timer watch_;
     WriteWatch writing_;
     const TransientMemory::Hold buffers_;
@@ -369,9 +406,11 @@ class HttpConnection final : public Connection, public std::enable_shared_from_t
 
 }  // namespace
 
-void startHttp(asio::ip::tcp::socket socket, NetContext& context) {
-    const auto connection = std::make_shared<HttpConnection>(std::move(socket), context);
-    if (context.connections.add(connection, context.limits.maxConnections)) connection->run();
+void startHttp(asio::ip::tcp::socket socket, NetContext& context, Entrance entrance) {
+    const auto peer = peerOf(socket);
+    auto place = context.registerOf(entrance).enter(context.peerOf(peer));
+    if (!place) return refuseConnection(std::move(socket), place.error(), context, entrance);
+    std::make_shared<HttpConnection>(std::move(socket), peer, context, entrance)->run(std::move(*place));
 }
 
 }  // namespace scancast

@@ -11,7 +11,8 @@
 
 namespace scancast {
 
-/// Takes over the socket, whose executor must be a strand. The context outlives the connection.
-void startHttp(boost::asio::ip::tcp::socket socket, NetContext& context);
+/// Takes over the socket, whose executor must be a strand, or refuses it where there is no place. The context outlives
+/// the connection.
+void startHttp(boost::asio::ip::tcp::socket socket, NetContext& context, Entrance entrance);
 
 }  // namespace scancast

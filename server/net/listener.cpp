@@ -23,21 +23,29 @@ constexpr std::chrono::milliseconds pauseTime{100};
 
 }  // namespace
 
-Listener::Listener(asio::io_context& io, NetContext& context)
-    : io_(io), context_(context), acceptor_(asio::make_strand(io)), pause_(acceptor_.get_executor()) {}
+Listener::Listener(asio::io_context& io, NetContext& context, Entrance entrance)
+    : io_(io),
+      context_(context),
+      entrance_(entrance),
+      acceptor_(asio::make_strand(io)),
+      pause_(acceptor_.get_executor()) {}
 
-Expected<std::shared_ptr<Listener>> Listener::create(asio::io_context& io, const std::string& host,
-                                                     std::uint16_t port, NetContext& context) {
+Expected<std::shared_ptr<Listener>> Listener::create(asio::io_context& io, const ListenAddress& address,
+                                                     NetContext& context, Entrance entrance) {
+    const bool isPublic = entrance == Entrance::Public;
     error_code ec;
     asio::ip::tcp::resolver resolver(io);
-    const auto found = resolver.resolve(host, std::to_string(port), asio::ip::tcp::resolver::passive, ec);
+    const auto found =
+        resolver.resolve(address.host, std::to_string(address.port), asio::ip::tcp::resolver::passive, ec);
     if (ec || found.empty()) {
+        const std::string flag = isPublic ? "host" : "admin-listen";
         return fail(ErrorCode::InvalidArgument,
-                    fmt::format("--host {}: there is no such address here ({}).", host, ec.message()),
-                    "host");
+                    fmt::format("--{} {}: there is no such address here ({}).", flag,
+                                isPublic ? address.host : address.text(), ec.message()),
+                    flag);
     }
     const asio::ip::tcp::endpoint endpoint = *found.begin();
-    const std::shared_ptr<Listener> listener(new Listener(io, context));
+    const std::shared_ptr<Listener> listener(new Listener(io, context, entrance));
     auto& acceptor = listener->acceptor_;
     acceptor.open(endpoint.protocol(), ec);
     if (!ec) acceptor.set_option(asio::socket_base::reuse_address(true), ec);
@@ -45,11 +53,10 @@ Expected<std::shared_ptr<Listener>> Listener::create(asio::io_context& io, const
     if (!ec) acceptor.listen(asio::socket_base::max_listen_connections, ec);
     if (!ec) listener->port_ = acceptor.local_endpoint(ec).port();
     if (ec) {
-        return fail(
-            ErrorCode::Io,
-            fmt::format(
-                "Cannot listen on {} port {}: {}. Another port may be free: --port 0 takes any that is.",
-                host, port, ec.message()));
+        return fail(ErrorCode::Io,
+                    fmt::format("{} {} port {}: {}. Another port may be free: {} 0 takes any that is.",
+                                isPublic ? "Cannot listen on" : "--admin-listen: cannot listen on",
+                                address.host, address.port, ec.message(), isPublic ? "--port" : "port"));
     }
     return listener;
 }
@@ -83,15 +90,16 @@ void Listener::acceptNext() {
                                std::ignore = contained("The listener", [&] {
                                    error_code ignored;
                                    socket.set_option(asio::ip::tcp::no_delay(true), ignored);
-                                   startHttp(std::move(socket), self.context_);
+                                   startHttp(std::move(socket), self.context_, self.entrance_);
                                });
                                self.accept();
                            }));
 }
 
-// Out of file descriptors, most likely: a pause instead of a spin.
+// Out of file descriptors, most likely: whoever is idle gives his back, and a pause instead of a spin.
 void Listener::pause() {
     std::ignore = contained("The listener", [this] {
+        context_.connections.makeRoom();
         Handler goOn(shared_from_this(), [](Listener& self, error_code) { self.accept(); });
         pause_.expires_after(pauseTime);
         pause_.async_wait(std::move(goOn));

@@ -10,16 +10,18 @@
 #include <memory>
 #include <string>
 
+#include "server/net/listen_address.hpp"
 #include "server/net/net_context.hpp"
 
 namespace scancast {
 
 class Listener : public std::enable_shared_from_this<Listener> {
   public:
-    /// Binds and listens, but accepts nothing before run(). `host` is a name or an address; port 0 takes a
-    /// free one. Errors: InvalidArgument, Io; both say what to do.
-    static Expected<std::shared_ptr<Listener>> create(boost::asio::io_context& io, const std::string& host,
-                                                      std::uint16_t port, NetContext& context);
+    /// Binds and listens, but accepts nothing before run(). Errors: InvalidArgument, Io; both name the entrance's
+    /// flag and say what to do.
+    static Expected<std::shared_ptr<Listener>> create(boost::asio::io_context& io,
+                                                      const ListenAddress& address, NetContext& context,
+                                                      Entrance entrance);
     void run();
     void close();
     std::uint16_t port() const { return port_; }
@@ -27,13 +29,14 @@ class Listener : public std::enable_shared_from_this<Listener> {
     void fault() noexcept;
 
   private:
-    Listener(boost::asio::io_context& io, NetContext& context);
+    Listener(boost::asio::io_context& io, NetContext& context, Entrance entrance);
     void accept() noexcept;
     void acceptNext();
     void pause();
 
     boost::asio::io_context& io_;
     NetContext& context_;
+    const Entrance entrance_;
     boost::asio::ip::tcp::acceptor acceptor_;
     boost::asio::steady_timer pause_;
     bool beginning_ = false;  // to accept

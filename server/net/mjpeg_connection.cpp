@@ -246,10 +246,12 @@ class MjpegConnection final : public SessionHost {
 
 }  // namespace
 
-void startMjpeg(NetStream stream, HttpRequest request, Routed routed, NetContext& context) {
+void startMjpeg(NetStream stream, HttpRequest request, Routed routed, NetContext& context,
+                ConnectionRegister::Place place) {
     const auto connection =
         std::make_shared<MjpegConnection>(std::move(stream), std::move(request), std::move(routed), context);
-    if (context.connections.add(connection, context.limits.maxConnections)) connection->run();
+    connection->take(std::move(place));
+    connection->run();
 }
 
 }  // namespace scancast

@@ -1,22 +1,22 @@
-// What connections share: limits, the routes, and the register of who is connected, so that a shutdown
-// reaches all.
+// What connections share: limits, the routes, and the registers of who is connected.
 //
 // Owned by the server, which outlives every connection. *Thread safety*: every function may be called from
 // any thread.
 #pragma once
 
+#include <algorithm>
 #include <atomic>
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
-#include <mutex>
-#include <unordered_map>
-#include <vector>
+#include <optional>
 
 #include "server/base/metrics.hpp"
 #include "server/catalog/catalog.hpp"
 #include "server/net/api/api.hpp"
+#include "server/net/clients/connection_register.hpp"
+#include "server/net/clients/trusted_proxies.hpp"
 #include "server/net/write_watch.hpp"
 #include "server/scheduler/scheduler.hpp"
 #include "server/stream/resume_store.hpp"
@@ -29,8 +29,10 @@ class context;
 namespace scancast {
 
 struct NetLimits {
-    std::size_t maxConnections = 512;          ///< beyond, a connection is closed at once
-    std::size_t maxSessions = 64;              ///< streams; beyond, 1013
+    std::size_t maxConnections = 512;  ///< beyond, idle ones go, or who comes gets 503
+    std::size_t maxConnectionsPerAddress =
+        0;                         ///< beyond, 429; 0 = a quarter of all, and this machine not limited
+    std::size_t maxSessions = 64;  ///< streams; beyond, 1013
     std::uint64_t maxPixels = 64'000'000;      ///< of a picture
     std::uint32_t maxHeaderBytes = 16 * 1024;  ///< of a request
     std::uint64_t maxBodyBytes = 64 * 1024;    ///< of a request that brings JSON
@@ -51,34 +53,14 @@ struct NetLimits {
 /// What a connection takes with its buffers and, where it has one, its session: as measured with a thousand of them.
 inline constexpr std::uint64_t bytesOfConnection = 32 * 1024;
 
-/// Anything that is connected and can be asked to leave.
-class Connection {
-  public:
-    virtual ~Connection() = default;
-    /// Says goodbye and closes; posts, returns at once.
-    virtual void shutDown() = 0;
-    /// Ends what would never end by itself; posts, returns at once.
-    virtual void sayGoodbye() {}
-};
-
-class ConnectionRegister {
-  public:
-    /// False, and nothing is registered, when `limit` connections are there or everything shuts down.
-    bool add(const std::shared_ptr<Connection>& connection, std::size_t limit);
-    void remove(const Connection* connection);
-    void shutDownAll();
-    /// To everybody who is connected now.
-    void sayGoodbye() const;
-    std::size_t size() const;
-    bool shuttingDown() const;
-
-  private:
-    std::vector<std::weak_ptr<Connection>> allLocked() const;
-
-    mutable std::mutex mutex_;
-    std::unordered_map<const Connection*, std::weak_ptr<Connection>> connections_;
-    bool shuttingDown_ = false;
-};
+/// How NetLimits are meant for the public address and for the one of probes.
+constexpr ConnectionLimits publicLimits(const NetLimits& limits) {
+    const std::size_t share = std::max<std::size_t>(1, limits.maxConnections / 4);
+    return {limits.maxConnections,
+            limits.maxConnectionsPerAddress > 0 ? limits.maxConnectionsPerAddress : share};
+}
+/// Few, and all of them idle as soon as their answer is made: who comes is always let in.
+inline constexpr ConnectionLimits probeLimits{32, 32};
 
 struct NetContext {
     NetLimits limits;
@@ -89,9 +71,28 @@ struct NetContext {
     SessionRegister& sessionRegister;
     TransientMemory memory{};
     std::shared_ptr<boost::asio::ssl::context> tls{};  ///< empty = in the clear
-    ConnectionRegister connections{};
+    TrustedProxies proxies{};
+    ConnectionRegister connections{publicLimits(limits), &metrics};
+    ConnectionRegister probes{probeLimits};
+    std::atomic<std::size_t> refusedLingering{0};  ///< refused_connection.cpp
     std::atomic<std::size_t> sessions{0};
     ResumeStore resumable{};
+
+    ConnectionRegister& registerOf(Entrance entrance) {
+        return entrance == Entrance::Public ? connections : probes;
+    }
+    /// Probes come in the clear: who sends them rarely knows certificates.
+    boost::asio::ssl::context* tlsOf(Entrance entrance) const {
+        return entrance == Entrance::Public ? tls.get() : nullptr;
+    }
+    /// Whom a connection of this peer is counted for before it has asked for anything. Not limited are proxies, and,
+    /// unless a limit was given, this machine: all who forward a port come from there.
+    Counted peerOf(const std::optional<IpAddress>& address) const {
+        if (!address) return {};
+        const bool exempt =
+            proxies.trusts(*address) || (limits.maxConnectionsPerAddress == 0 && address->isLoopback());
+        return {address->client(), !exempt};
+    }
 };
 
 }  // namespace scancast

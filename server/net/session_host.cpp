@@ -16,7 +16,6 @@ SessionHost::SessionHost(const Executor& strand, NetContext& context)
     : context_(context), strand_(strand), world_(context.catalog, context.api.admission()), timer_(strand) {}
 
 SessionHost::~SessionHost() {
-    context_.connections.remove(this);
     if (session_)
         std::ignore =
             contained("Ending a session", [this] { session_->connectionLost(false, Clock::now()); });
@@ -24,6 +23,11 @@ SessionHost::~SessionHost() {
     if (!counted_) return;
     context_.sessions.fetch_sub(1);
     context_.metrics.sessionClosed();
+}
+
+void SessionHost::take(ConnectionRegister::Place place) {
+    place_ = std::move(place);
+    place_.heldBy(shared_from_this());
 }
 
 void SessionHost::leave() {

@@ -28,6 +28,8 @@ class SessionHost : public Connection,
     using Executor = boost::asio::steady_timer::executor_type;
     ~SessionHost() override;
 
+    /// Its place among the connections, which it keeps to its end.
+    void take(ConnectionRegister::Place place);
     void shutDown() override;
     void sayGoodbye() override { shutDown(); }
     void changeView(messages::ViewChange change, Changed done) override;
@@ -67,6 +69,7 @@ class SessionHost : public Connection,
     NetContext& context_;
 
   private:
+    ConnectionRegister::Place place_;
     using Weak = std::weak_ptr<SessionHost>;
     /// Posts `work(session)`, which is not done when the session is over by then.
     template <class Work>

@@ -246,10 +246,12 @@ class StreamConnection final : public SessionHost {
 
 }  // namespace
 
-void startStream(NetStream stream, http::request<http::empty_body> request, NetContext& context) {
+void startStream(NetStream stream, http::request<http::empty_body> request, NetContext& context,
+                 ConnectionRegister::Place place) {
     const auto connection =
         std::make_shared<StreamConnection>(std::move(stream), std::move(request), context);
-    if (context.connections.add(connection, context.limits.maxConnections)) connection->run();
+    connection->take(std::move(place));
+    connection->run();
 }
 
 }  // namespace scancast

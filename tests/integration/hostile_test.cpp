@@ -151,19 +151,6 @@ TEST_F(HostileTest, IdleConnectionsAreClosed) {
     EXPECT_TRUE(eventually([&] { return server->connections() == 0; }));
 }
 
-TEST_F(HostileTest, ConnectionsAreLimited) {
-    options.limits.maxConnections = 3;
-    start();
-    std::vector<RawSocket> held;
-    for (int i = 0; i < 3; ++i) {
-        held.emplace_back(port());
-        ASSERT_EQ(requestOn(held.back(), "/healthz").status, 200);
-    }
-    EXPECT_EQ(request(port(), "/healthz").status, 0);
-    held.clear();
-    EXPECT_TRUE(eventually([&] { return server->connections() == 0; }));
-}
-
 TEST_F(HostileTest, AbruptDisconnectsAtEveryStage) {
     start();
     for (int i = 0; i < 20; ++i) {

@@ -84,6 +84,7 @@ Expected<messages::ViewChange> parseViewChange(const std::string& body, std::uin
 Api::Api(ApiOptions options, const Catalog& catalog, CloudAdmin& admin, const SessionRegister& sessions,
          Scheduler& scheduler, Metrics& metrics)
     : options_(std::move(options)),
+      probeRules_{options_.probesHost, {}, options_.origins.allowedHosts},
       access_(options_.tokens),
       catalog_(catalog),
       admin_(admin),

@@ -23,6 +23,12 @@
 
 namespace scancast {
 
+/// The addresses that the server listens on.
+enum class Entrance : std::uint8_t {
+    Public,
+    Probes,  ///< of --admin-listen: /healthz, /readyz and /metrics
+};
+
 struct ApiOptions {
     std::string version;
     std::uint64_t maxPixels = 0;  ///< of a picture
@@ -32,6 +38,7 @@ struct ApiOptions {
     Rates rates = shippedRates();
     CostLimits costs{};
     TransientMemory memory{};
+    std::string probesHost{};  ///< of --admin-listen; a Host there may name it
 };
 
 class Api {
@@ -40,8 +47,10 @@ class Api {
     Api(ApiOptions options, const Catalog& catalog, CloudAdmin& admin, const SessionRegister& sessions,
         Scheduler& scheduler, Metrics& metrics);
 
-    /// Everything that can be refused before anything is done: Host, Origin, path, token, method.
-    tl::expected<Routed, HttpResponse> admit(const HttpRequest& request) const;
+    /// Everything that can be refused before anything is done: Host, Origin, path, token, method; and, at an entrance
+    /// for probes, what is none.
+    tl::expected<Routed, HttpResponse> admit(const HttpRequest& request,
+                                             Entrance entrance = Entrance::Public) const;
     /// Answers an admitted request, at once or when its picture is done. Not for a WebSocket's upgrade or a
     /// GET of an MJPEG stream.
     /// Once `gone` is requested nobody waits for the answer, and work for it ends; it may never come.
@@ -61,6 +70,7 @@ class Api {
     struct Answers;  ///< what each route answers, in api.cpp
 
     const ApiOptions options_;
+    const OriginRules probeRules_;
     const Access access_;
     const Catalog& catalog_;
     CloudAdmin& admin_;

@@ -26,6 +26,10 @@ Expected<void> checkFetchSite(const HttpRequest& request, const OriginRules& rul
                 "Pages of another site may not use this server; --allowed-origin would let them.");
 }
 
+bool isProbe(Route route) {
+    return route == Route::Health || route == Route::Ready || route == Route::Metrics;
+}
+
 bool isPreflight(const HttpRequest& request) {
     return request.method == "OPTIONS" && request.count("access-control-request-method") > 0;
 }
@@ -41,9 +45,10 @@ HttpResponse preflightResponse(Route route) {
 
 }  // namespace
 
-tl::expected<Routed, HttpResponse> Api::admit(const HttpRequest& request) const {
+tl::expected<Routed, HttpResponse> Api::admit(const HttpRequest& request, Entrance entrance) const {
     const auto refuse = [](const Problem& problem) { return tl::unexpected(problemResponse(problem)); };
-    const OriginRules& rules = options_.origins;
+    const bool isPublic = entrance == Entrance::Public;
+    const OriginRules& rules = isPublic ? options_.origins : probeRules_;
     if (auto host = checkHost(values(request, "host"), rules); !host) {
         return refuse(
             problemOf(host.error().code == ErrorCode::InvalidArgument ? 400 : 403, host.error().message));
@@ -55,13 +60,20 @@ tl::expected<Routed, HttpResponse> Api::admit(const HttpRequest& request) const 
         return refuse(problemOf(403, site.error().message));
     auto routed = route(request.target);
     if (!routed) return refuse(routed.error());
+    if (!isPublic && !isProbe(routed->route)) {
+        return refuse(
+            problemOf(404,
+                      "At this address (--admin-listen) are /healthz, /readyz and /metrics alone; the "
+                      "page and the clouds are where --host and --port say.",
+                      routed->path));
+    }
     if (routed->route == Route::Asset && findAsset(routed->path) == nullptr) {
         return refuse(problemOf(
             404, "Nothing is served at this address; the page is at /, the API at /api/v1/clouds."));
     }
     // Asked by browsers before a page of an allowed origin may send its token; the question itself carries
     // none.
-    if (isPreflight(request) && isAllowedOrigin(request.header("origin"), rules))
+    if (isPublic && isPreflight(request) && isAllowedOrigin(request.header("origin"), rules))
         return tl::unexpected(preflightResponse(routed->route));
     if (auto ok = access_.check(request, routed->route); !ok) return passOn(ok);
     const std::string allowed(infoOf(routed->route).methods);

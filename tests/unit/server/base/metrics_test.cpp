@@ -15,6 +15,9 @@ TEST(Metrics, NamesAndUnitsOfTheProtocol) {
     metrics.frameSent(0.05);
     metrics.frameDropped(DropReason::Overwritten);
     metrics.sessionOpened();
+    metrics.setConnections(12);
+    metrics.connectionRefused(ConnectionRefusal::Address);
+    metrics.connectionDisplaced();
     metrics.setPointsResident(1234);
     metrics.setPicturesAwaited(3);
     metrics.httpRequest("/api/v1/clouds/{id}", 404);
@@ -28,6 +31,10 @@ TEST(Metrics, NamesAndUnitsOfTheProtocol) {
              "scancast_frames_dropped_total{reason=\"deadline\"} 0",
              "scancast_view_to_frame_seconds_count 1",
              "scancast_sessions 1",
+             "scancast_connections 12",
+             "scancast_connections_refused_total{reason=\"address\"} 1",
+             "scancast_connections_refused_total{reason=\"full\"} 0",
+             "scancast_connections_displaced_total 1",
              "scancast_points_resident 1234",
              "scancast_pictures_awaited 3",
              "scancast_http_requests_total{code=\"404\",route=\"/api/v1/clouds/{id}\"} 1",

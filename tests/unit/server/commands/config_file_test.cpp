@@ -40,13 +40,20 @@ class ConfigFileTest : public ::testing::Test {
 TEST_F(ConfigFileTest, KeysAreNamesOfFlags) {
     const auto p =
         parsed(R"({"files": ["a.las", "b.las"], "port": 9000, "memory-limit": "2G", "no-surfels": true,
-                              "allowed-origin": ["https://a.example", "https://b.example"], "host": "localhost"})");
+                              "allowed-origin": ["https://a.example", "https://b.example"], "host": "localhost",
+                              "allowed-host": ["a.example", "b.example"], "trusted-proxy": ["10.0.0.0/8", "::1"],
+                              "admin-listen": "[::1]:9090", "max-connections": 900, "max-connections-per-address": 9})");
     ASSERT_TRUE(p->applied) << p->applied.error().message;
     EXPECT_EQ(p->options.files.size(), 2U);
     EXPECT_EQ(p->options.server.port, 9000);
     EXPECT_EQ(p->options.memoryLimit, "2G");
     EXPECT_TRUE(p->options.noSurfels);
     EXPECT_EQ(p->options.server.allowedOrigins.size(), 2U);
+    EXPECT_EQ(p->options.server.allowedHosts.size(), 2U);
+    EXPECT_EQ(p->options.trustedProxies.size(), 2U);
+    EXPECT_EQ(p->options.adminListen, "[::1]:9090");
+    EXPECT_EQ(p->options.maxConnections, 900U);
+    EXPECT_EQ(p->options.server.limits.maxConnectionsPerAddress, 9U);
     EXPECT_EQ(p->options.server.host, "localhost");
     EXPECT_EQ(p->options.logLevel, "info");
 }

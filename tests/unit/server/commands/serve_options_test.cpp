@@ -153,6 +153,43 @@ TEST(ServeOptions, NothingToServeNamesTheWayOut) {
     EXPECT_THAT(refused.error().message, ::testing::HasSubstr("scancast generate town"));
 }
 
+TEST(ServeOptions, NamesAndProxiesAreLists) {
+    const auto given = parsed({"a.las", "--allowed-host", "a.example", "--allowed-host",
+                               "b.example,c.example", "--trusted-proxy", "10.0.0.0/8,fd00::1"});
+    EXPECT_THAT(given.server.allowedHosts, ::testing::ElementsAre("a.example", "b.example", "c.example"));
+    EXPECT_THAT(given.trustedProxies, ::testing::ElementsAre("10.0.0.0/8", "fd00::1"));
+    EXPECT_TRUE(check(given));
+    setenv("SCANCAST_TRUSTED_PROXY", "10.0.0.0/8,192.168.0.1", 1);
+    EXPECT_EQ(parsed({"a.las"}).trustedProxies.size(), 2U);
+    unsetenv("SCANCAST_TRUSTED_PROXY");
+    for (const auto& [flag, value] :
+         {std::pair("--allowed-host", "https://a.example"), std::pair("--trusted-proxy", "10.0.0.1/8")}) {
+        const auto refused = check(parsed({"a.las", flag, value}));
+        ASSERT_FALSE(refused) << flag;
+        EXPECT_THAT(refused.error().message, ::testing::StartsWith(std::string(flag) + ": "));
+    }
+}
+
+TEST(ServeOptions, ConnectionsAreAtLeastSessions) {
+    EXPECT_EQ(maxConnections(parsed({"a.las", "--max-sessions", "10", "--max-connections", "20"})).value(),
+              20U);
+    const auto refused = check(parsed({"a.las", "--max-connections", "20"}));
+    ASSERT_FALSE(refused);
+    EXPECT_THAT(refused.error().message, ::testing::HasSubstr("--max-sessions 64"));
+}
+
+TEST(ServeOptions, ProbesForOtherMachinesNeedATokenOrInsecure) {
+    EXPECT_FALSE(adminListen(parsed({"a.las"})).value());
+    EXPECT_EQ(adminListen(parsed({"a.las", "--admin-listen", "[::1]:9090"})).value()->port, 9090);
+    EXPECT_TRUE(check(parsed({"a.las", "--admin-listen", "127.0.0.1:9090"})));
+    EXPECT_FALSE(check(parsed({"a.las", "--admin-listen", "9090"})));
+    const auto refused = check(parsed({"a.las", "--admin-listen", "0.0.0.0:9090"}));
+    ASSERT_FALSE(refused);
+    EXPECT_THAT(refused.error().message, ::testing::HasSubstr("--auth-token-file"));
+    EXPECT_TRUE(check(parsed({"a.las", "--admin-listen", "0.0.0.0:9090", "--insecure"})));
+    EXPECT_TRUE(check(parsed({"a.las", "--admin-listen", "0.0.0.0:9090", "--auth-token-file", "t"})));
+}
+
 TEST(ServeOptions, AnOriginMustBeOne) {
     EXPECT_FALSE(check(parsed({"a.las", "--allowed-origin", "viewer.example"})));
 }

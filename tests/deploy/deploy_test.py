@@ -53,7 +53,8 @@ class Nginx(unittest.TestCase):
         scan, log = os.path.join(self.folder, "ball.las"), open(os.path.join(self.folder, "log"), "w")
         self.addCleanup(log.close)
         run(os.path.join(PROGRAMS, "scancast"), "generate", "sphere", "--points", "20000", "-o", scan, "--quiet")
-        self.server = serving.Server(os.path.join(PROGRAMS, "scancast"), scan, 8, log)
+        self.server = serving.Server(os.path.join(PROGRAMS, "scancast"), scan, 8, log, "--trusted-proxy", "127.0.0.1",
+                                     "--max-connections-per-address", "2")
         self.addCleanup(self.server.stop)
 
     def configuration(self, port):
@@ -105,16 +106,31 @@ class Nginx(unittest.TestCase):
         self.assertEqual(len(found), 4, "frames came through the WebSocket")
         self.assertIn(b"Scancast-Kind: final", self.stream(url + f"/api/v1/clouds/{self.server.cloud}/stream.mjpg?width=160"))
 
-    def stream(self, url):
+        # Clients are told apart by what nginx says of them: who has his share of streams has no more, others have theirs.
+        streaming = url + f"/api/v1/clouds/{self.server.cloud}/stream.mjpg?width=160"
+        for _ in range(2):
+            self.assertIn(b"Scancast-Kind: ", self.stream(streaming, b"Scancast-Kind: ", "203.0.113.9", keep=True))
+        for client, expected in (("203.0.113.9", "429"), ("203.0.113.10", "200"), ("203.0.113.10, 203.0.113.9", "429")):
+            status = run("curl", "-sS", "-o", os.devnull, "-w", "%{http_code}", "--cacert", self.certificate, "-H",
+                         f"X-Forwarded-For: {client}", "-H", "Forwarded: for=203.0.113.11", url + "/healthz")
+            self.assertEqual(status, expected, client)
+
+    def stream(self, url, until=b"Scancast-Kind: final", client="203.0.113.1", keep=False):
         """An MJPEG stream up to its final still: nothing may be held back, since nothing comes behind it."""
-        process = subprocess.Popen(["curl", "-sSN", "--fail", "--cacert", self.certificate, "--max-time", str(PATIENCE), url],
-                                   stdout=subprocess.PIPE)
+        process = subprocess.Popen(["curl", "-sSN", "--fail", "--cacert", self.certificate, "--max-time", str(PATIENCE), "-H",
+                                    f"X-Forwarded-For: {client}", url], stdout=subprocess.PIPE)
+
+        def end():  # again does no harm
+            process.kill()
+            process.wait()
+            process.stdout.close()
+
+        self.addCleanup(end)
         seen = b""
-        while b"Scancast-Kind: final" not in seen and (some := process.stdout.read1(65536)):
+        while until not in seen and (some := process.stdout.read1(65536)):
             seen += some
-        process.kill()
-        process.wait()
-        process.stdout.close()
+        if not keep:
+            end()
         return seen
 
 

@@ -1,6 +1,7 @@
 #include "renderer/draw.hpp"
 
 #include <algorithm>
+#include <vector>
 
 #include "renderer/device/host/drawing.hpp"
 #include "renderer/image/clock.hpp"
@@ -11,12 +12,25 @@
 namespace scancast {
 namespace {
 
+/// Blocks that some cut of a picture lacks because they cannot be read. A node that several want is one.
+std::uint32_t countDamaged(std::span<const CutView> cuts, const std::optional<CutView>& sun) {
+    std::vector<std::uint32_t> all;
+    const auto add = [&](const CutView& view) {
+        all.insert(all.end(), view.cut.damaged.begin(), view.cut.damaged.end());
+    };
+    for (const CutView& view : cuts) add(view);
+    if (sun) add(*sun);
+    std::ranges::sort(all);
+    return static_cast<std::uint32_t>(std::ranges::unique(all).begin() - all.begin());
+}
+
 /// All that a frame's statistics say but the device's stages.
 FrameStats statsOf(const PreparedView& prepared, double provideMs, std::span<const CutView> cuts,
                    std::string device) {
     FrameStats stats;
     stats.stages = {{"select", prepared.selectMs}, {"provide", provideMs}};
     tellCuts(cuts, stats);
+    stats.nodesDamaged = countDamaged(cuts, prepared.sun);
     stats.mirrorsLeftOut = static_cast<std::uint32_t>(prepared.cuts.size() - cuts.size());
     stats.method = prepared.planned->method;
     stats.methodReason = prepared.planned->reason;

@@ -312,10 +312,6 @@ void Cache::load(std::shared_ptr<CachedCloud> cloud, std::uint32_t node, std::sh
     lock.unlock();
     Loaded result = guarded("Reading a block", [&] { return read(*cloud, node, std::move(room)); });
     room.reset();
-    if (!result && options_.onDamaged) {
-        std::ignore =
-            guarded("Telling of a block", [&] { options_.onDamaged(cloud->file->path(), result.error()); });
-    }
     lock.lock();
     if (result) {
         auto kept = guarded("Keeping a block", [&] { table_.finishLoad(*cloud, node, *result, now()); });
@@ -325,8 +321,15 @@ void Cache::load(std::shared_ptr<CachedCloud> cloud, std::uint32_t node, std::sh
         ++loaded_;
     } else {
         ++damaged_;
-        std::ignore =
-            guarded("Remembering a block", [&] { table_.failLoad(*cloud, node, result.error(), now()); });
+        bool tell = false;
+        std::ignore = guarded("Remembering a block",
+                              [&] { tell = table_.failLoad(*cloud, node, result.error(), now()); });
+        if (tell && options_.onDamaged) {
+            lock.unlock();
+            std::ignore =
+                guarded("Telling of a block", [&] { options_.onDamaged(cloud->file, result.error()); });
+            lock.lock();
+        }
     }
     answer(*cloud, node, result);
 }

@@ -7,7 +7,6 @@
 
 #include <chrono>
 #include <cstdint>
-#include <filesystem>
 #include <functional>
 #include <memory>
 
@@ -22,8 +21,8 @@ struct BlockCacheOptions {
     /// A block that a picture used so recently makes room only for what somebody waits for: two views that do
     /// not fit together then stay coarse instead of driving each other out.
     std::chrono::milliseconds grace{250};
-    /// Called once for each block that cannot be read.
-    std::function<void(const std::filesystem::path& file, const Error&)> onDamaged;
+    /// Called for each block that cannot be read, once: where it is tried again and again, once an hour.
+    std::function<void(const std::shared_ptr<const CloudFile>&, const Error&)> onDamaged;
 };
 
 struct BlockCacheStats {

@@ -115,11 +115,15 @@ void BlockTable::finishLoad(CloudBlocks& cloud, std::uint32_t node, std::shared_
     slot.usedAt = now;
 }
 
-void BlockTable::failLoad(CloudBlocks& cloud, std::uint32_t node, Error error, Time now) {
-    if (cloud.removed) return;
+bool BlockTable::failLoad(CloudBlocks& cloud, std::uint32_t node, Error error, Time now) {
+    if (cloud.removed) return false;
     cloud.slots[node].state = BlockState::Absent;  // and stays so where its damage cannot be remembered
-    cloud.damage.insert_or_assign(node, Damage{std::move(error), now});
+    const auto [at, isNews] = cloud.damage.try_emplace(node, Damage{{}, now, now});
+    Damage& damage = at->second;
+    const bool tell = isNews || now >= damage.toldAt + toldAgain;
+    damage = {std::move(error), now, tell ? now : damage.toldAt};
     cloud.slots[node].state = BlockState::Damaged;
+    return tell;
 }
 
 }  // namespace scancast

@@ -61,6 +61,7 @@ class BlockTable {
     struct Damage {
         Error error;
         Time at;
+        Time toldAt;
     };
     struct CloudBlocks {
         std::uint64_t id = 0;
@@ -90,7 +91,8 @@ class BlockTable {
     /// used within the grace time; with `must` there always is.
     std::shared_ptr<Block> beginLoad(CloudBlocks& cloud, std::uint32_t node, bool must, Time now);
     void finishLoad(CloudBlocks& cloud, std::uint32_t node, std::shared_ptr<const Block> block, Time now);
-    void failLoad(CloudBlocks& cloud, std::uint32_t node, Error error, Time now);
+    /// Whether somebody should be told: the first time, and where it is tried again, once an hour.
+    bool failLoad(CloudBlocks& cloud, std::uint32_t node, Error error, Time now);
     // An exception in these three leaves everything as it was; in failLoad() the node is Absent.
 
     /// Its own, and what stands beside it.
@@ -111,6 +113,7 @@ class BlockTable {
   private:
     static constexpr std::uint64_t blockOverhead = 128;
     static constexpr Time retryAfter = 5000;  // what the operating system refused may work later
+    static constexpr Time toldAgain = 60 * 60 * 1000;
 
     bool evictOne(bool must, Time now);
     void touch(CloudBlocks& cloud, std::uint32_t node, Time now);

@@ -73,13 +73,18 @@ class Provision {
         octree_.store().request(options_.requester, std::move(sorted));
     }
 
-    void count(Cut& cut, const CutRun& run) const {
-        if (runs_.damaged(run.nodeIndex)) {
-            ++cut.nodesDamaged;
-        } else {
-            ++cut.nodesMissing;
-            cut.samplesMissing += run.node->sampleCount;
+    /// Nothing will ever come in a damaged block's place; what stands in for it may still be to come.
+    void count(Cut& cut, const CutRun& run) {
+        std::uint32_t lacking = run.nodeIndex;
+        if (runs_.damaged(lacking)) {
+            cut.damaged.push_back(lacking);
+            if (run.share < 1) return;  // another run covers it
+            while (lacking != noNode && !runs_.has(lacking) && runs_.damaged(lacking))
+                lacking = parent(lacking);
+            if (lacking == noNode || runs_.has(lacking)) return;
         }
+        ++cut.nodesMissing;
+        cut.samplesMissing += octree_.node(lacking).sampleCount;
     }
 
     void fill() {

@@ -57,10 +57,15 @@ struct ScanInput::Lookup {
     }
 };
 
+ScanInput::ScanInput(const Lookup& lookup, InputFile file)
+    : place_{lookup.root ? lookup.root->name() : fs::path(), lookup.name},
+      path_(lookup.path()),
+      file_(std::move(file)) {}
+
 Expected<ScanInput> ScanInput::find(const Lookup& lookup) {
     const auto inFolder = [&](Expected<InputFile> file, InputFolder folder) -> Expected<ScanInput> {
         if (!file) return passOn(std::move(file));
-        ScanInput input(lookup.path(), std::move(*file));
+        ScanInput input(lookup, std::move(*file));
         input.octree_ = std::move(folder);
         input.mirrors_ = lookup.mirrors();
         return input;
@@ -77,7 +82,7 @@ Expected<ScanInput> ScanInput::find(const Lookup& lookup) {
         auto file = descriptionIn(*folder);
         return inFolder(std::move(file), std::move(*folder));
     }
-    ScanInput input(lookup.path(), std::move(std::get<InputFile>(*opened)));
+    ScanInput input(lookup, std::move(std::get<InputFile>(*opened)));
     input.mirrors_ = lookup.mirrors();
     return input;
 }
@@ -88,6 +93,13 @@ Expected<ScanInput> ScanInput::open(const fs::path& path) {
 
 Expected<ScanInput> ScanInput::openBeneath(const InputFolder& root, const fs::path& name) {
     return find({&root, name});
+}
+
+Expected<ScanInput> ScanInput::open(const ScanPlace& place) {
+    if (place.root.empty()) return open(place.name);
+    const auto root = InputFolder::open(place.root);
+    if (!root) return passOn(root);
+    return openBeneath(*root, place.name);
 }
 
 Expected<std::vector<Mirror>> ScanInput::mirrors() const {

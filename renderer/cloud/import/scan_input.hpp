@@ -13,6 +13,12 @@
 
 namespace scancast {
 
+/// Where a scan is looked for, whenever it is: by a path, or by a name beneath a folder.
+struct ScanPlace {
+    std::filesystem::path root{};  ///< empty = `name` is a path
+    std::filesystem::path name;
+};
+
 class ScanInput {
   public:
     /// A file, or the folder of an octree, or its description in there (metadata.json, cloud.js). Links are
@@ -22,6 +28,10 @@ class ScanInput {
     /// leads out.
     static Expected<ScanInput> openBeneath(const InputFolder& root, const std::filesystem::path& name);
 
+    /// By one or the other; what has the root's name now is the root.
+    static Expected<ScanInput> open(const ScanPlace& place);
+
+    const ScanPlace& place() const { return place_; }
     /// As it was asked for; what messages call it.
     const std::filesystem::path& path() const { return path_; }
     /// A scan, a cloud file, or the description of an octree.
@@ -40,8 +50,9 @@ class ScanInput {
     struct Lookup;
     static Expected<ScanInput> find(const Lookup& lookup);
 
-    ScanInput(std::filesystem::path path, InputFile file) : path_(std::move(path)), file_(std::move(file)) {}
+    ScanInput(const Lookup& lookup, InputFile file);
 
+    ScanPlace place_;
     std::filesystem::path path_;
     InputFile file_;
     std::optional<InputFolder> octree_;

@@ -149,7 +149,6 @@ void tellCuts(std::span<const CutView> cuts, FrameStats& stats) {
         stats.nodesCulled += view.cut.nodesCulled;
         stats.nodesMissing += view.cut.nodesMissing;
         stats.samplesMissing += view.cut.samplesMissing;
-        stats.nodesDamaged += view.cut.nodesDamaged;
     }
 }
 

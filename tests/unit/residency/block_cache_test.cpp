@@ -164,9 +164,9 @@ TEST(BlockCache, ADamagedBlockIsToldOnceAndTheRestIsThere) {
     std::mutex mutex;
     std::vector<std::string> told;
     BlockCacheOptions options = roomFor(1000, *scan);
-    options.onDamaged = [&](const std::filesystem::path& path, const Error& error) {
+    options.onDamaged = [&](const std::shared_ptr<const CloudFile>& from, const Error& error) {
         const std::lock_guard lock(mutex);
-        told.push_back(path.string() + ": " + error.message);
+        told.push_back(from->path().string() + ": " + error.message);
     };
     const auto cache = BlockCache::create(options);
     const auto store = cache->add(scan);
@@ -182,7 +182,7 @@ TEST(BlockCache, ADamagedBlockIsToldOnceAndTheRestIsThere) {
     const Octree octree = test::octreeOf(*scan, store);
     const auto cut = provide(octree, cutOf(octree, 5, 10));
     ASSERT_TRUE(cut);
-    EXPECT_EQ(cut->nodesDamaged, 1u);
+    EXPECT_EQ(cut->damaged.size(), 1u);
     EXPECT_EQ(cache->stats().blocksDamaged, 1u);
     const std::lock_guard lock(mutex);
     ASSERT_EQ(told.size(), 1u);
@@ -395,7 +395,7 @@ TEST(BlockCache, EveryAllocationMayFail) {
     std::uint64_t nth = 0;
     while (happened) {
         BlockCacheOptions options = roomFor(1000, *scan, 1);
-        options.onDamaged = [](const std::filesystem::path&, const Error& error) {
+        options.onDamaged = [](const std::shared_ptr<const CloudFile>&, const Error& error) {
             throw std::runtime_error("who would listen to this: " + error.message);
         };
         const auto cache = BlockCache::create(options);

@@ -107,6 +107,20 @@ TEST_F(Table, DamageStaysUnlessItMayPass) {
     EXPECT_EQ(table_.bytes(), 0u);
 }
 
+TEST_F(Table, DamageIsToldOnceAnHour) {
+    constexpr BlockTable::Time minute = 60'000;
+    int told = 0;
+    for (BlockTable::Time now = 0; now < 150 * minute; now += minute) {
+        ASSERT_EQ(table_.state(*cloud_, 2, now), BlockState::Absent) << "it is tried again";
+        ASSERT_TRUE(table_.beginLoad(*cloud_, 2, false, now));
+        told += table_.failLoad(*cloud_, 2, Error{ErrorCode::Io, "the disk was away", {}}, now);
+    }
+    EXPECT_EQ(told, 3);
+    ASSERT_TRUE(table_.beginLoad(*cloud_, 3, false, 0));
+    EXPECT_TRUE(table_.failLoad(*cloud_, 3, Error{ErrorCode::Io, "the disk was away", {}}, 0))
+        << "another block";
+}
+
 // Right because it keeps its own book of what is alive; the table is told nothing of it.
 TEST_F(Table, TheBooksBalanceWhateverHappens) {
     std::vector<std::shared_ptr<const Block>> held;

@@ -39,7 +39,7 @@ class CloudFilePictures : public testing::Test {
         BlockCacheOptions options;
         options.memoryLimit = memoryLimit;
         options.grace = std::chrono::milliseconds(0);
-        options.onDamaged = [this](const fs::path&, const Error& error) {
+        options.onDamaged = [this](const std::shared_ptr<const CloudFile>&, const Error& error) {
             const std::lock_guard lock(mutex_);
             damage_.push_back(error.message);
         };
@@ -154,6 +154,11 @@ TEST_F(CloudFilePictures, ADamagedBlockHidesNothingElse) {
         EXPECT_EQ(drawn->stats.nodesDamaged, 1u);
         EXPECT_GT(drawn->stats.samplesDrawn, cloud_->points * 9 / 10);
     }
+    v.style.light.sun = {30, 40};
+    v.style.light.shadow = 0.5;
+    const auto shaded = render(*device_, *opened, v);
+    ASSERT_TRUE(shaded) << shaded.error().message;
+    EXPECT_EQ(shaded->stats.nodesDamaged, 1u) << "the viewer and the sun lack the same block";
     const std::lock_guard lock(mutex_);
     ASSERT_EQ(damage_.size(), 1u) << "told once";
     EXPECT_THAT(damage_[0], testing::HasSubstr("node"));

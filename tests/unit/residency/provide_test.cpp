@@ -190,7 +190,7 @@ TEST_F(Provide, ADamagedBlockIsReplacedByItsParent) {
         store_->resident.erase(broken);
         const auto given = provide(octree_, wanted, {.wait = wait});
         ASSERT_TRUE(given);
-        EXPECT_EQ(given->nodesDamaged, 1u);
+        EXPECT_EQ(given->damaged.size(), 1u);
         EXPECT_EQ(given->nodesMissing, 0u);
         std::set<std::uint32_t> drawn;
         for (const CutRun& run : given->runs) drawn.insert(run.nodeIndex);
@@ -198,6 +198,29 @@ TEST_F(Provide, ADamagedBlockIsReplacedByItsParent) {
         for (const CutRun& run : wanted.runs)
             EXPECT_EQ(drawn.contains(run.nodeIndex), octree_.node(run.nodeIndex).parent != parent);
     }
+}
+
+// Else the picture would be drawn as if nothing more were to come, and be another one a moment later.
+TEST_F(Provide, WhatStandsInForADamagedBlockIsMissingUntilItIsHere) {
+    makeResident(9, 1.1);
+    const Cut wanted = randomCut(9);
+    const std::uint32_t broken = wanted.runs.back().nodeIndex, parent = octree_.node(broken).parent;
+    store_->broken = {broken};
+    store_->resident.erase(broken);
+    store_->resident.erase(parent);
+    const auto early = provide(octree_, wanted, {.wait = false});
+    ASSERT_TRUE(early);
+    EXPECT_EQ(early->damaged, std::vector<std::uint32_t>{broken});
+    EXPECT_EQ(early->samplesMissing, octree_.node(parent).sampleCount);
+    EXPECT_TRUE(std::ranges::any_of(store_->requests, [&](const auto& r) { return r.node == parent; }));
+    store_->resident.insert(parent);
+    const auto now = provide(octree_, wanted, {.wait = false}), waited = provide(octree_, wanted);
+    ASSERT_TRUE(now && waited);
+    EXPECT_EQ(now->samplesMissing, 0u);
+    EXPECT_EQ(now->damaged, waited->damaged);
+    ASSERT_EQ(now->runs.size(), waited->runs.size());
+    for (std::size_t r = 0; r < now->runs.size(); ++r)
+        EXPECT_EQ(now->runs[r].nodeIndex, waited->runs[r].nodeIndex);
 }
 
 TEST_F(Provide, ADamagedRootIsNotTheEnd) {
@@ -210,7 +233,7 @@ TEST_F(Provide, ADamagedRootIsNotTheEnd) {
     const auto given = provide(octree_, wanted);
     ASSERT_TRUE(given);
     EXPECT_TRUE(given->runs.empty());
-    EXPECT_EQ(given->nodesDamaged, 1u);
+    EXPECT_EQ(given->damaged.size(), 1u);
 }
 
 TEST_F(Provide, ACancelledWaitIsAnError) {

@@ -102,6 +102,7 @@ bool Catalog::remove(std::string_view id) {
     if (at == entries_.end()) return false;
     last = std::move(*at);
     entries_.erase(at);
+    settleLocked();
     return true;
 }
 
@@ -121,8 +122,25 @@ void Catalog::setReady(std::string_view id, std::shared_ptr<const Cloud> cloud) 
         entry->state = CloudState::Ready;
         entry->stage.clear();
         entry->progress.reset();
-        entry->cloud = std::move(cloud);
+        entry->error.clear();
+        entry->cloud.swap(cloud);  // a large one takes its time to go
+        settleLocked();
     }
+}
+
+bool Catalog::replace(std::string_view id, const std::shared_ptr<const Cloud>& now,
+                      Expected<std::shared_ptr<const Cloud>> then) {
+    const std::lock_guard lock(mutex_);
+    CatalogEntry* entry = findLocked(id);
+    if (entry == nullptr || entry->cloud != now) return false;
+    if (entry->state != (now ? CloudState::Ready : CloudState::Failed)) return false;
+    entry->state = then ? CloudState::Ready : CloudState::Failed;
+    entry->error = then ? std::string() : std::move(then.error().message);
+    if (then)
+        entry->cloud.swap(*then);  // a large one takes its time to go
+    else
+        entry->cloud.reset();
+    return true;
 }
 
 void Catalog::setPreview(std::string_view id, std::shared_ptr<const Cloud> cloud) {
@@ -139,6 +157,7 @@ void Catalog::setFailed(std::string_view id, std::string reason) {
         entry->progress.reset();
         entry->cloud.reset();
         entry->error = std::move(reason);
+        settleLocked();
     }
 }
 
@@ -152,6 +171,7 @@ void Catalog::setLive(std::string_view id, LiveStatus status, std::shared_ptr<co
     entry->stage.clear();
     entry->error.clear();
     entry->cloud.swap(cloud);  // a large one takes its time to go
+    settleLocked();
 }
 
 std::vector<CatalogEntry> Catalog::list() const {
@@ -177,7 +197,7 @@ tl::expected<std::shared_ptr<const Cloud>, Problem> Catalog::cloud(std::string_v
             404, "There is no cloud named " + quoteText(id) + " here; /api/v1/clouds lists those there are.");
     }
     if (entry->state == CloudState::Failed) {
-        return refuse(404, "The cloud \"" + entry->id + "\" could not be loaded: " + entry->error);
+        return refuse(404, "The cloud \"" + entry->id + "\" cannot be shown: " + entry->error);
     }
     if (!entry->cloud) {
         return refuse(503, "The cloud \"" + entry->id + "\" is still being loaded; ask again in a moment.");
@@ -204,11 +224,16 @@ std::string Catalog::defaultId() const {
 
 bool Catalog::settled() const {
     const std::lock_guard lock(mutex_);
+    return settled_;
+}
+
+// Whoever sends clients here by /readyz would send them away whenever somebody adds a cloud.
+void Catalog::settleLocked() {
     const auto is = [](CloudState state) {
         return [state](const auto& entry) { return entry.state == state; };
     };
-    return std::none_of(entries_.begin(), entries_.end(), is(CloudState::Loading)) &&
-           std::any_of(entries_.begin(), entries_.end(), is(CloudState::Ready));
+    settled_ = settled_ || (std::none_of(entries_.begin(), entries_.end(), is(CloudState::Loading)) &&
+                            std::any_of(entries_.begin(), entries_.end(), is(CloudState::Ready)));
 }
 
 std::uint64_t Catalog::pointsResident() const {

@@ -12,6 +12,7 @@
 #include <string_view>
 #include <vector>
 
+#include "protocol/error.hpp"
 #include "protocol/problem.hpp"
 
 namespace scancast {
@@ -72,28 +73,36 @@ class Catalog {
     /// How its source is doing, and the newest cloud; without one, that of before stays.
     void setLive(std::string_view id, LiveStatus status, std::shared_ptr<const Cloud> cloud = nullptr);
 
+    /// Another cloud - or a reason why there is none, after which it has Failed - where the entry still shows
+    /// `now` (empty: it has Failed). False, and nothing has changed, where it does not.
+    bool replace(std::string_view id, const std::shared_ptr<const Cloud>& now,
+                 Expected<std::shared_ptr<const Cloud>> then);
+
     /// In the order in which they were added.
     std::vector<CatalogEntry> list() const;
     std::optional<CatalogEntry> find(std::string_view id) const;
     /// The cloud, if it is Ready or can be looked at coarsely. 404 when there is none of that name or it
-    /// could not be loaded, 503 while there is nothing to look at yet.
+    /// cannot be shown, 503 while there is nothing to look at yet.
     tl::expected<std::shared_ptr<const Cloud>, Problem> cloud(std::string_view id) const;
     /// Whether it is there and changes by itself.
     bool isLive(std::string_view id) const;
     /// The first cloud that is Ready, else the first that can be looked at, else the first one at all; empty
     /// when there is none.
     std::string defaultId() const;
-    /// Nothing is Loading and at least one cloud is Ready.
+    /// The first clouds are there: nothing was Loading and at least one cloud was Ready, once. What comes and
+    /// goes later changes nothing.
     bool settled() const;
     std::uint64_t pointsResident() const;
 
   private:
     void addLocked(std::string id, std::string_view title);
+    void settleLocked();
     CatalogEntry* findLocked(std::string_view id);
     const CatalogEntry* findLocked(std::string_view id) const;
 
     mutable std::mutex mutex_;
     std::vector<CatalogEntry> entries_;  // a handful; searched in line
+    bool settled_ = false;
 };
 
 }  // namespace scancast

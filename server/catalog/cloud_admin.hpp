@@ -2,7 +2,7 @@
 //
 // Owned by the server. *Thread safety*: every function may be called from any thread. Only names of files
 // under the data root are taken from outside; what they lead to is opened beneath it at once, is only ever
-// read, and what is put in its place later is never looked at. Place: api → **cloud admin** → catalog,
+// read, and what is put in its place later is found beneath it, too, or not at all. Place: api → **cloud admin** → catalog,
 // loader.
 #pragma once
 

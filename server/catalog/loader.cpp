@@ -71,14 +71,18 @@ std::uint64_t memoryToBuild(const PointSource& source, const ScanInput& input) {
 }  // namespace
 
 Loader::Loader(std::vector<fs::path> files, Catalog& catalog, LoaderOptions options)
-    : catalog_(catalog), options_(std::move(options)) {
+    : catalog_(catalog), options_(std::move(options)), watch_(catalog, watchOptions()) {
+    std::deque<Job> jobs;
     for (auto& file : files) {
         std::string id = catalog_.add(file.stem().string());
-        waiting_.push_back({std::move(file), std::move(id)});
+        jobs.push_back({{.name = std::move(file)}, std::move(id)});
     }
     // What opens in milliseconds does not wait for what takes minutes.
-    std::stable_partition(waiting_.begin(), waiting_.end(),
-                          [](const Job& job) { return isCloudFileAt(job.file); });
+    std::stable_partition(jobs.begin(), jobs.end(), [](const Job& job) { return isCloudFileAt(job.file()); });
+    {
+        const Monitor::Lock lock(monitor_);
+        waiting_ = std::move(jobs);
+    }
     thread_ = std::thread([this] { run(); });
 }
 
@@ -90,12 +94,22 @@ Loader::~Loader() {
 bool Loader::load(ScanInput input, std::string id) {
     const Monitor::Lock lock(monitor_);
     if (stop_.stop_requested() || waiting_.size() >= mostAdded) return false;
-    fs::path file = input.path();
-    waiting_.push_back({std::move(file), std::move(id), std::move(input)});
+    ScanPlace place = input.place();
+    waiting_.push_back({std::move(place), std::move(id), std::move(input)});
+    return true;
+}
+
+bool Loader::rebuild(const WatchedFile& file, const std::shared_ptr<const Cloud>& instead) {
+    const Monitor::Lock lock(monitor_);
+    if (stop_.stop_requested() || waiting_.size() >= mostAdded) return false;
+    Job job{file.place, file.id};
+    job.instead = instead;
+    waiting_.push_back(std::move(job));
     return true;
 }
 
 void Loader::requestStop() {
+    watch_.requestStop();
     const Monitor::Lock lock(monitor_);
     stop_.request_stop();
 }
@@ -120,7 +134,7 @@ bool Loader::step() {
         waiting_.pop_front();
         busy_ = true;
     }
-    if (!contained("The loader", [&] { loadOne(job); }))
+    if (!contained("The loader", [&] { loadOne(job); }) && !job.instead)
         std::ignore = contained("The loader", [&] { catalog_.setFailed(job.id, {}); });
     const Monitor::Lock lock(monitor_);
     busy_ = false;
@@ -130,9 +144,10 @@ bool Loader::step() {
 void Loader::loadOne(Job& job) {
     const auto start = std::chrono::steady_clock::now();
     auto cloud = contained("Loading", [&] {
-        auto opened = job.opened ? Expected<ScanInput>(std::move(*job.opened)) : ScanInput::open(job.file);
-        return opened ? shownCloudOf(*opened, job.id) : tl::unexpected(std::move(opened.error()));
+        auto opened = job.opened ? Expected<ScanInput>(std::move(*job.opened)) : ScanInput::open(job.place);
+        return opened ? shownCloudOf(*opened, job) : tl::unexpected(std::move(opened.error()));
     });
+    if (job.instead) return settleRebuilt(job, std::move(cloud));
     settle(job, std::move(cloud),
            std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
 }
@@ -141,19 +156,37 @@ void Loader::settle(const Job& job, Result cloud, double seconds) {
     if (!cloud) return settleFailed(job, std::move(cloud.error()));
     if (options_.onLoaded)
         std::ignore = contained("Telling of a cloud", [&] { options_.onLoaded({job.id, **cloud, seconds}); });
-    auto ready = contained("The catalog", [&] { catalog_.setReady(job.id, std::move(*cloud)); });
-    if (!ready) settleFailed(job, std::move(ready.error()));
+    auto ready = contained("The catalog", [&] { catalog_.setReady(job.id, *cloud); });
+    if (!ready) return settleFailed(job, std::move(ready.error()));
+    if (job.watched) watch_.shown(job.id, std::move(*cloud));
+}
+
+// Who has something to look at keeps it.
+void Loader::settleRebuilt(const Job& job, Result cloud) {
+    const std::string title = job.place.name.filename().string();
+    if (!cloud) {
+        if (cloud.error().code != ErrorCode::Cancelled)
+            note(fmt::format("{}: {} could not be built anew, and is served as it was: {}", job.id, title,
+                             cloud.error().message));
+        return watch_.shown(job.id, job.instead->lock());
+    }
+    const bool isShown =
+        catalog_.replace(job.id, job.instead->lock(), *cloud);  // else it was removed meanwhile
+    watch_.shown(job.id, job.watched ? std::move(*cloud) : nullptr);
+    if (!isShown) return;
+    note(fmt::format("{}: {} has been built anew.", job.id, title));
+    if (options_.onChanged) options_.onChanged();
 }
 
 void Loader::settleFailed(const Job& job, Error error) {
-    const auto& [file, id, opened] = job;
+    const fs::path file = job.file();
     ++failed_;
     // Everybody may read the catalog: it names files, not where they are.
     std::string reason = error.message;
     for (auto at = reason.find(file.string()); file.has_parent_path() && at != std::string::npos;
          at = reason.find(file.string()))
         reason.replace(at, file.string().size(), file.filename().string());
-    catalog_.setFailed(id, std::move(reason));
+    catalog_.setFailed(job.id, std::move(reason));
     if (error.message.find(file.filename().string()) == std::string::npos) {
         error.message = file.string() + ": " + error.message;
     }
@@ -161,18 +194,28 @@ void Loader::settleFailed(const Job& job, Error error) {
         std::ignore = contained("Telling of a failure", [&] { options_.onFailed(error); });
 }
 
-Loader::Result Loader::shownCloudOf(const ScanInput& input, const std::string& id) {
-    auto cloud = cloudOf(input, id);
+Loader::Result Loader::shownCloudOf(const ScanInput& input, Job& job) {
+    auto cloud = cloudOf(input, job);
     if (!cloud) return cloud;
     return withLook(std::move(*cloud));
 }
 
-Loader::Result Loader::cloudOf(const ScanInput& input, const std::string& id) {
-    if (isCloudFile(input.file())) {
-        auto file = input.file().share();
-        if (!file) return passOn(std::move(file));
-        return openCloud(std::move(*file), options_.cache);
-    }
+Loader::Result Loader::openIn(Expected<InputFile> file, Job& job, bool kept) {
+    if (!file) return passOn(std::move(file));
+    WatchedFile watched{.id = job.id, .place = job.place, .identity = file->identity()};
+    if (kept) watched.kept = file->name();
+    watched.rebuilt = job.instead.has_value();
+    auto opened = CloudFile::open(std::move(*file));
+    if (!opened) return passOn(std::move(opened));
+    watched.file = *opened;
+    job.watched = watched;
+    watch_.opened(std::move(watched));  // first: its blocks are read, and may be damaged, from now on
+    return openCloud(std::move(*opened), options_.cache);
+}
+
+Loader::Result Loader::cloudOf(const ScanInput& input, Job& job) {
+    if (isCloudFile(input.file())) return openIn(input.file().share(), job, false);
+    const std::string& id = job.id;
     auto source = openScan(input, options_.import);
     if (!source) return passOn(std::move(source));
     const BlockCacheStats memory = options_.cache->stats();
@@ -185,13 +228,16 @@ Loader::Result Loader::cloudOf(const ScanInput& input, const std::string& id) {
     fs::path output = folder / keptName(input, options_);
     if (options_.cacheDir.empty()) output += fmt::format(".{}", ::getpid());
     const std::string title = input.path().filename().string();
-    if (!options_.cacheDir.empty()) {
-        auto kept = openCloud(output, options_.cache);
+    if (!options_.cacheDir.empty() && !job.instead) {
+        auto kept = openIn(InputFile::open(output), job, true);
         if (kept) return kept;
         if (kept.error().code != ErrorCode::NotFound)
             note(fmt::format("{} is built anew: {}", title, kept.error().message));
     }
-    auto cloud = ingestTo(output, input, id);
+    auto cloud = ingestTo(output, input, id).and_then([&]() -> Result {
+        if (options_.cacheDir.empty()) return openCloud(output, options_.cache);
+        return openIn(InputFile::open(output), job, true);
+    });
     // An open file without a name goes away with the process, whatever ends it.
     if (options_.cacheDir.empty()) fs::remove(output, none);
     if (cloud || cloud.error().code == ErrorCode::Cancelled || !fits) return cloud;
@@ -200,6 +246,7 @@ Loader::Result Loader::cloudOf(const ScanInput& input, const std::string& id) {
                                  cloud.error().code == ErrorCode::InvalidArgument;
     if (!worthAnotherTry) return cloud;
     note(fmt::format("{} is kept in memory only: {}", title, cloud.error().message));
+    job.watched.reset();
     return build(input, id);
 }
 
@@ -220,7 +267,7 @@ Loader::Result Loader::build(const ScanInput& input, const std::string& id) {
     return counted(withLook(std::move(*cloud)), *options_.cache);
 }
 
-Loader::Result Loader::ingestTo(const fs::path& output, const ScanInput& input, const std::string& id) {
+Expected<void> Loader::ingestTo(const fs::path& output, const ScanInput& input, const std::string& id) {
     auto source = open(input, id);
     if (!source) return passOn(std::move(source));
     IngestOptions options;
@@ -243,7 +290,7 @@ Loader::Result Loader::ingestTo(const fs::path& output, const ScanInput& input, 
     // Kept with the cloud, so that the next start need not look again; if not, it is decided now.
     if (auto kept = decideAndKeepLook(output, {}); !kept)
         note(fmt::format("{} has no look of its own: {}", title, kept.error().message));
-    return openCloud(output, options_.cache);
+    return {};
 }
 
 Expected<std::unique_ptr<PointSource>> Loader::open(const ScanInput& input, const std::string& id) const {
@@ -264,6 +311,21 @@ ProgressSink Loader::progressOf(const std::string& id) const {
         catalog_.setProgress(id, progress.stage, progress.done, progress.total);
         if (options_.onProgress) options_.onProgress(id, progress);
     };
+}
+
+CloudWatchOptions Loader::watchOptions() {
+    CloudWatchOptions watching;
+    watching.interval = options_.watchInterval;
+    watching.cache = options_.cache;
+    watching.damage = options_.damage;
+    watching.onNote = [this](const std::string& text) { note(text); };
+    watching.onRefused = options_.onFailed;
+    watching.onDamaged = options_.onDamaged;
+    watching.onChanged = options_.onChanged;
+    watching.rebuild = [this](const WatchedFile& file, const std::shared_ptr<const Cloud>& instead) {
+        return rebuild(file, instead);
+    };
+    return watching;
 }
 
 void Loader::note(const std::string& text) const {

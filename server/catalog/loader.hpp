@@ -1,7 +1,8 @@
 // Brings clouds into the catalog, one after the other, while the server already answers: cloud files are
 // opened, scans are read and built, in memory or, when they would not fit or are to be kept, as a cloud file.
 //
-// A cloud whose loading throws has failed, and the next one is loaded.
+// A cloud whose loading throws has failed, and the next one is loaded. What comes from a cloud file is watched
+// from then on (cloud_watch.hpp); the kept file of a scan that turns out to be damaged is built anew, once.
 //
 // Owned by `serve`. Its thread reads; the octree builder uses all cores by itself. *Thread safety*: its
 // functions may be called from any thread.
@@ -24,6 +25,8 @@
 #include "renderer/cloud/import/open_scan.hpp"
 #include "renderer/residency/block_cache.hpp"
 #include "server/catalog/catalog.hpp"
+#include "server/catalog/cloud_watch.hpp"
+#include "server/catalog/damage_reports.hpp"
 #include "threads/monitor.hpp"
 
 namespace scancast {
@@ -42,12 +45,16 @@ struct LoaderOptions {
     /// Keeps scans as cloud files, named by a digest of what they are made of; empty = nothing is kept, and
     /// what does not fit into memory goes through a file in the system's temporary folder.
     std::filesystem::path cacheDir;
-    std::string version;  ///< of the program: another one builds anew
+    std::string version;                            ///< of the program: another one builds anew
+    std::shared_ptr<DamageReports> damage;          ///< of the cache's files; may be empty
+    std::chrono::milliseconds watchInterval{2000};  ///< between looks whether files have changed
     /// Called on the loader's threads.
     std::function<void(const std::string& note)> onNote;
     std::function<void(const std::string& id, const Progress&)> onProgress;
     std::function<void(const LoadedCloud&)> onLoaded;
     std::function<void(const Error&)> onFailed;
+    std::function<void(const CloudFile&, const Error&)> onDamaged;  ///< a block of it
+    std::function<void()> onChanged;  ///< an entry that was Ready shows another cloud, or none
 };
 
 class Loader {
@@ -76,18 +83,31 @@ class Loader {
     bool step();
     using Result = Expected<std::shared_ptr<const Cloud>>;
     struct Job {
-        std::filesystem::path file;
+        ScanPlace place;
         std::string id;
         std::optional<ScanInput> opened{};  ///< empty: when it is its turn
+        /// Of a cloud whose kept file is damaged: that cloud, which the new one is to take the place of.
+        std::optional<std::weak_ptr<const Cloud>> instead{};
+        std::optional<WatchedFile> watched{};  ///< the cloud file that it is in, once that is open
+
+        std::filesystem::path file() const {
+            return place.root.empty() ? place.name : place.root / place.name;
+        }
     };
     void loadOne(Job& job);
     void settle(const Job& job, Result cloud, double seconds);
     void settleFailed(const Job& job, Error error);
+    void settleRebuilt(const Job& job, Result cloud);
     /// With a look, so that nobody sees it without.
-    Result shownCloudOf(const ScanInput& input, const std::string& id);
-    Result cloudOf(const ScanInput& input, const std::string& id);
+    Result shownCloudOf(const ScanInput& input, Job& job);
+    Result cloudOf(const ScanInput& input, Job& job);
+    /// `kept`: it is a file that a scan is kept in.
+    Result openIn(Expected<InputFile> file, Job& job, bool kept);
     Result build(const ScanInput& input, const std::string& id);
-    Result ingestTo(const std::filesystem::path& output, const ScanInput& input, const std::string& id);
+    Expected<void> ingestTo(const std::filesystem::path& output, const ScanInput& input,
+                            const std::string& id);
+    bool rebuild(const WatchedFile& file, const std::shared_ptr<const Cloud>& instead);
+    CloudWatchOptions watchOptions();
     Expected<std::unique_ptr<PointSource>> open(const ScanInput& input, const std::string& id) const;
     ProgressSink progressOf(const std::string& id) const;
     void note(const std::string& text) const;
@@ -99,6 +119,7 @@ class Loader {
     mutable Monitor monitor_;  // guards what follows, and requests of a stop
     std::deque<Job> waiting_;
     bool busy_ = false;
+    CloudWatch watch_;  // calls back, and is called by the thread
     std::thread thread_;
 };
 

@@ -24,8 +24,8 @@ Expected<std::shared_ptr<const Cloud>> openFile(const ScanInput& input, const Op
         if (!limit) return passOn(limit);
         cache.memoryLimit = *limit;
     }
-    cache.onDamaged = [](const fs::path& file, const Error& error) {
-        tell("{}: {} Coarser points are shown in its place.\n", file.string(), error.message);
+    cache.onDamaged = [](const std::shared_ptr<const CloudFile>& file, const Error& error) {
+        tell("{}: {} Coarser points are shown in its place.\n", file->path().string(), error.message);
     };
     auto file = input.file().share();
     if (!file) return passOn(file);

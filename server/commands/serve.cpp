@@ -33,21 +33,27 @@ int failure(const Error& error) {
     return 1;
 }
 
-std::shared_ptr<BlockCache> blockCache(std::uint64_t memoryLimit) {
+std::shared_ptr<BlockCache> blockCache(std::uint64_t memoryLimit, std::shared_ptr<DamageReports> damage) {
     BlockCacheOptions options;
     options.memoryLimit = memoryLimit;
-    options.onDamaged = [](const std::filesystem::path& file, const Error& error) {
-        // Nothing is wrong with the file, and every block may have a part in it.
-        if (error.code == ErrorCode::ResourceLimit) return reportFault(error);
-        spdlog::error("{}: {} Coarser points are shown in its place.", file.filename().string(),
-                      error.message);
-    };
+    options.onDamaged = [damage = std::move(damage)](const std::shared_ptr<const CloudFile>& file,
+                                                     const Error& error) { damage->add(file, error); };
     return BlockCache::create(options);
 }
 
-LoaderOptions loaderOptions(const ServeOptions& options, ProgressBar& bar) {
+LoaderOptions loaderOptions(const ServeOptions& options, std::shared_ptr<DamageReports> damage,
+                            ScancastServer& server, ProgressBar& bar) {
     LoaderOptions loading;
     loading.cache = options.server.cache;
+    loading.damage = std::move(damage);
+    loading.onDamaged = [&bar](const CloudFile& file, const Error& error) {
+        // Nothing is wrong with the file, and every block may have a part in it.
+        if (error.code == ErrorCode::ResourceLimit) return reportFault(error);
+        bar.clear();
+        spdlog::error("{}: {} Coarser points are shown in its place.", file.path().filename().string(),
+                      error.message);
+    };
+    loading.onChanged = [&server] { server.cloudsChanged(); };
     loading.cacheDir = options.cacheDir;
     loading.shape.surfels = !options.noSurfels;
     loading.version = std::string(scancastVersion());
@@ -93,8 +99,9 @@ struct CloudSources {
     Loader loader;
     std::vector<std::unique_ptr<LiveSource>> live;
 
-    CloudSources(const ServeOptions& options, ScancastServer& server, ProgressBar& bar)
-        : loader(options.files, server.catalog(), loaderOptions(options, bar)) {
+    CloudSources(const ServeOptions& options, std::shared_ptr<DamageReports> damage, ScancastServer& server,
+                 ProgressBar& bar)
+        : loader(options.files, server.catalog(), loaderOptions(options, std::move(damage), server, bar)) {
         const auto inputs = liveInputs(options);  // sound: check() has said so
         for (const LiveInput& input : *inputs)
             live.push_back(
@@ -229,7 +236,8 @@ int serve(ServeOptions options) {
     options.server.proxies = *TrustedProxies::parse(options.trustedProxies);
     options.server.limits.maxConnections = *maxConnections(options);
     const MemoryShares shares = *memoryShares(options);
-    options.server.cache = blockCache(shares.clouds);
+    const auto damage = std::make_shared<DamageReports>();
+    options.server.cache = blockCache(shares.clouds, damage);
     options.server.scheduler.memory = TransientMemory(shares.transient);
     options.server.scheduler.maxFrameBytes = options.server.scheduler.memory.forFrames();
     options.device.programFolder = programFolder(options.cacheDir);
@@ -243,7 +251,7 @@ int serve(ServeOptions options) {
     warnOfExposure(options);
     ProgressBar bar(stderr,
                     options.logFormat == "json" ? ProgressBar::Style::Quiet : ProgressBar::Style::Automatic);
-    CloudSources sources(options, **server, bar);
+    CloudSources sources(options, damage, **server, bar);
     (*server)->admin().loadWith([&sources](ScanInput input, const std::string& id) {
         return sources.loader.load(std::move(input), id);
     });

@@ -98,6 +98,23 @@ TEST(Catalog, APreviewCanBeLookedAtWhileTheRestIsLoaded) {
     EXPECT_EQ((*catalog.cloud(id))->points, 100U) << "a late preview never takes the place of the cloud";
 }
 
+TEST(Catalog, ACloudIsReplacedWhereItIsStillShown) {
+    Catalog catalog;
+    const std::string id = catalog.add("town");
+    const std::shared_ptr<const Cloud> first = test::tinyCloud(1), second = test::tinyCloud(2);
+    EXPECT_FALSE(catalog.replace(id, nullptr, first)) << "it is Loading";
+    catalog.setReady(id, first);
+    EXPECT_FALSE(catalog.replace(id, second, first));
+    EXPECT_FALSE(catalog.replace("nobody", first, second));
+    EXPECT_TRUE(catalog.replace(id, first, fail(ErrorCode::Truncated, "it was cut short")));
+    EXPECT_EQ(catalog.find(id)->state, CloudState::Failed);
+    EXPECT_EQ(catalog.cloud(id).error().status, 404);
+    EXPECT_NE(catalog.cloud(id).error().detail.find("it was cut short"), std::string::npos);
+    EXPECT_TRUE(catalog.replace(id, nullptr, second));
+    EXPECT_EQ(*catalog.cloud(id), second);
+    EXPECT_TRUE(catalog.settled()) << "what comes and goes later changes nothing";
+}
+
 TEST(Catalog, NothingButFailuresIsNeverReady) {
     Catalog catalog;
     catalog.setFailed(catalog.add("bad"), "broken");

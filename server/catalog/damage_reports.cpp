@@ -1,0 +1,28 @@
+#include "server/catalog/damage_reports.hpp"
+
+#include <utility>
+
+namespace scancast {
+
+void DamageReports::add(std::shared_ptr<const CloudFile> file, Error error) {
+    const std::lock_guard lock(mutex_);
+    if (listener_) return listener_({std::move(file), std::move(error)});
+    if (kept_.size() < mostKept)
+        kept_.push_back({std::move(file), std::move(error)});
+    else
+        ++leftOut_;
+}
+
+void DamageReports::listenWith(Listener listener) {
+    const std::lock_guard lock(mutex_);
+    listener_ = std::move(listener);
+    if (!listener_) return;
+    for (DamageReport& report : std::exchange(kept_, {})) listener_(std::move(report));
+}
+
+std::uint64_t DamageReports::leftOut() const {
+    const std::lock_guard lock(mutex_);
+    return leftOut_;
+}
+
+}  // namespace scancast

@@ -9,7 +9,7 @@ namespace scancast {
 namespace {
 
 constexpr std::array<std::uint8_t, 4> magic{'S', 'C', 'F', 'R'};
-constexpr unsigned movingBit = 1, stillBit = 2, finalBit = 4;
+constexpr unsigned movingBit = 1, stillBit = 2, finalBit = 4, damagedBit = 8;
 
 /// The table in the header is what readers of other languages copy, so the code follows it too.
 constexpr FrameHeaderField field(std::string_view name) {
@@ -95,7 +95,8 @@ std::array<std::uint8_t, frameHeaderLength> printFrameHeader(const FrameHeader& 
     put(bytes, "headerLength", frameHeaderLength);
     put(bytes, "codec", static_cast<std::uint64_t>(header.codec));
     put(bytes, "flags",
-        (header.moving ? movingBit : 0) | (header.still ? stillBit : 0) | (header.final ? finalBit : 0));
+        (header.moving ? movingBit : 0) | (header.still ? stillBit : 0) | (header.final ? finalBit : 0) |
+            (header.damaged ? damagedBit : 0));
     put(bytes, "pictureLength", header.pictureLength);
     put(bytes, "frameId", header.frameId);
     put(bytes, "seq", header.seq);
@@ -114,6 +115,7 @@ Expected<ParsedFrame> parseFrame(std::span<const std::uint8_t> message) {
     header.moving = (flags & movingBit) != 0;
     header.still = (flags & stillBit) != 0;
     header.final = (flags & finalBit) != 0;
+    header.damaged = (flags & damagedBit) != 0;
     header.pictureLength = get<std::uint32_t>(message, "pictureLength");
     header.frameId = get<std::uint64_t>(message, "frameId");
     header.seq = get<std::uint64_t>(message, "seq");

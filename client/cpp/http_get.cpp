@@ -30,8 +30,12 @@ http::request<http::empty_body> requestOf(const ServerUrl& url, const std::strin
 
 Expected<HttpAnswer> answerOf(http::response<Body> response, const ServerUrl& url) {
     const auto field = [&](auto name) { return std::string(response[name]); };
-    HttpAnswer answer{static_cast<int>(response.result_int()), field(http::field::content_type),
-                      field(http::field::etag), field("Server-Timing"), std::move(response.body())};
+    HttpAnswer answer{static_cast<int>(response.result_int()),
+                      field(http::field::content_type),
+                      field(http::field::etag),
+                      field("Server-Timing"),
+                      field("Scancast-Damaged"),
+                      std::move(response.body())};
     if (answer.status < 400) return answer;
     const std::string_view text(reinterpret_cast<const char*>(answer.body.data()), answer.body.size());
     return tl::unexpected(refusal(url, answer.status, answer.contentType, text));

@@ -15,7 +15,7 @@ namespace scancast::client {
 
 struct HttpAnswer {
     int status = 0;
-    std::string contentType, etag, serverTiming;
+    std::string contentType, etag, serverTiming, damaged;
     std::vector<std::uint8_t> body;
 };
 

@@ -1,6 +1,7 @@
 #include "client/cpp/server.hpp"
 
 #include <algorithm>
+#include <charconv>
 #include <nlohmann/json.hpp>
 
 #include "client/cpp/http_get.hpp"
@@ -69,7 +70,13 @@ Expected<Snapshot> Server::snapshot(const std::string& cloud, const WordValues& 
     if (answer->status != 200 || !picture)
         return fail(ErrorCode::Malformed, url_.authority() + " answered " + std::to_string(answer->status) +
                                               " without a picture; is it a Scancast server?");
-    return Snapshot{std::move(answer->body), answer->etag, answer->serverTiming, false};
+    std::uint64_t damaged = 0;
+    const std::string& said = answer->damaged;
+    if (const auto read = std::from_chars(said.data(), said.data() + said.size(), damaged);
+        !said.empty() && (read.ec != std::errc() || read.ptr != said.data() + said.size()))
+        return fail(ErrorCode::Malformed,
+                    url_.authority() + " answered with a Scancast-Damaged that is no number");
+    return Snapshot{std::move(answer->body), answer->etag, answer->serverTiming, false, damaged};
 }
 
 }  // namespace scancast::client

@@ -57,6 +57,8 @@ export class FrameClock {
 
 const stateWords = { connecting: 'Connecting…', moving: 'Moving', refining: 'Refining', sharp: 'Sharp', waiting: 'Waiting', lost: 'Connection lost' };
 
+const damageWords = 'Parts of this cloud cannot be read; coarser points are shown in their place.';
+
 export class Hud {
   clock = new FrameClock();
   #frame;
@@ -77,6 +79,16 @@ export class Hud {
     this.#frame = frame;
     this.clock.drawn(frame.seq, performance.now());
     this.setState(frame.final ? 'sharp' : frame.still ? 'refining' : 'moving');
+    // Frames on the way to the next final still do not know yet whether it lacks something.
+    if (frame.final) this.setDamaged(frame.damaged);
+  }
+
+  /** Whether the sentence is shown that tells of damage. */
+  setDamaged(damaged) {
+    const note = find('damage');
+    const words = damaged ? damageWords : '';
+    note.hidden = !damaged;
+    if (note.textContent !== words) note.textContent = words;
   }
 
   stats(stats) {

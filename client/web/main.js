@@ -120,6 +120,7 @@ function welcome(message) {
   picture.newStream();
   picture.setLimit(message.limits?.maxPixels ?? 0);
   hud.clock.reset();
+  hud.setDamaged(false);
   const restored = link && (!link.cloud || link.cloud === cloud.id) ? link : undefined;
   if (link?.cloud && !restored) overlays.toast('Another cloud', `This server has no cloud named ${link.cloud}.`);
   link = undefined;

@@ -34,11 +34,12 @@ std::string headText(const HttpResponse& response) {
 std::string partHead(const FrameHeader& header) {
     return fmt::format(
         "Content-Type: image/jpeg\r\nContent-Length: {}\r\nScancast-Frame: {}\r\nScancast-Seq: {}\r\n"
-        "Scancast-Kind: {}\r\n\r\n",
+        "Scancast-Kind: {}\r\n{}\r\n",
         header.pictureLength, header.frameId, header.seq,
         header.final   ? "final"
         : header.still ? "still"
-                       : "moving");
+                       : "moving",
+        header.damaged ? "Scancast-Damaged: yes\r\n" : "");
 }
 
 class MjpegConnection final : public SessionHost {

@@ -213,7 +213,7 @@ void StreamSession::lookAround(Time now) {
     const auto cloud = world_.cloud(scene_.cloudId);
     if (!cloud && cloud.error().status == 404) {
         refuse(cloud.error(), std::nullopt);
-        return close(CloseCode::GoingAway, "The cloud that this session showed has been removed.");
+        return close(CloseCode::GoingAway, "The cloud that this session showed is not there any more.");
     }
     followLeader(now);
     if (state_ != State::Open || !cloud || *cloud == scene_.cloud) return;
@@ -253,8 +253,13 @@ void StreamSession::lookForNewerCloud(Time now) {
     Scene scene = scene_;
     scene.cloud = std::move(*cloud);
     scene.planned.reset();
-    if (!scenes_.plan(scene)) return;
-    if (world_.live(scene.cloudId)) return show(std::move(scene), now);
+    const bool isLive = world_.live(scene.cloudId);
+    if (auto sound = scenes_.plan(scene); !sound) {
+        // The file of a cloud was replaced, and this view cannot be shown of the new one; else one that can is to come.
+        if (!more && !isLive) refuse(problemOf(sound.error()), std::nullopt);
+        return;
+    }
+    if (isLive) return show(std::move(scene), now);
     scene_ = std::move(scene);
     before_.reset();
     viewChanged(now);
@@ -398,6 +403,7 @@ void StreamSession::deliver(const Order& order, EncodedPicture picture, Time now
     header.moving = !order.still;
     header.still = order.still.has_value();
     header.final = order.still && order.still != StillSchedule::Still::Sharper;
+    header.damaged = header.final && picture.stats.nodesDamaged > 0;  // nothing better will come
     if (order.still) stills_.drawn(*order.still, picture.stats.samplesMissing, now);
     header.pictureLength = std::uint32_t(picture.bytes->size());
     header.frameId = ++lastFrame_;

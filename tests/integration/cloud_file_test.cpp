@@ -68,6 +68,52 @@ TEST_F(CloudFileProgram, WhatServeKeepsIsThereTheNextTime) {
     }
 }
 
+// Bytes are turned all over the file: most of it are leaves' samples, which this view draws all of.
+TEST_F(CloudFileProgram, SaysWhatItLacksAndShowsTheWholeFileThatTakesItsPlace) {
+    fs::copy_file(file("town.scan"), file("whole.scan"));
+    {
+        std::fstream bytes(file("town.scan"), std::ios::binary | std::ios::in | std::ios::out);
+        for (int i = 1; i < 12; ++i) {
+            const auto at = std::streamoff(fs::file_size(file("town.scan")) * i / 16);
+            bytes.seekg(at);
+            const char turned = char(~bytes.get());
+            bytes.seekp(at);
+            bytes.put(turned);
+        }
+    }
+    const auto server = serve({file("town.scan")});
+    const std::string target = "/api/v1/clouds/town/snapshot.jpg?width=240&height=160&detail=0";
+    const HttpReply damaged = request(port, target);
+    ASSERT_EQ(damaged.status, 200);
+    ASSERT_FALSE(damaged.header("scancast-damaged").empty());
+    EXPECT_GE(std::stoi(damaged.header("scancast-damaged")), 1);
+    EXPECT_LE(std::stoi(damaged.header("scancast-damaged")), 11);
+    EXPECT_EQ(damaged.header("cache-control"), "no-store");
+    EXPECT_EQ(damaged.header("etag"), "");
+    EXPECT_TRUE(request(port, target).body == damaged.body);
+    EXPECT_THAT(server->err(), HasSubstr("Coarser points are shown in its place."));
+    EXPECT_EQ(run({"scancast-client", "snapshot", url, "--detail", "0", "-o", file("a.jpg")}), 0);
+    EXPECT_THAT(lastError, HasSubstr("of this cloud cannot be read"));
+
+    RawWebSocket stream(port);
+    stream.text(R"({"type":"hello","width":240,"height":160})");
+    stream.text(R"({"type":"view","seq":1,"detail":0})");
+    std::string picture;
+    FrameHeader header;
+    ASSERT_NO_FATAL_FAILURE(receiveFinal(stream, 1, picture, &header));
+    EXPECT_TRUE(header.still && header.damaged);
+    EXPECT_TRUE(picture == damaged.body);
+
+    fs::rename(file("whole.scan"), file("town.scan"));
+    ASSERT_NO_FATAL_FAILURE(receiveFinal(stream, 1, picture, &header));
+    EXPECT_FALSE(header.damaged);
+    const HttpReply whole = request(port, target);
+    EXPECT_FALSE(whole.header("etag").empty());
+    EXPECT_EQ(whole.header("scancast-damaged"), "");
+    EXPECT_TRUE(picture == whole.body);
+    EXPECT_THAT(server->err(), HasSubstr("town.scan has been replaced"));
+}
+
 TEST_F(CloudFileProgram, DamagedAndImpossibleRequestsSayWhy) {
     fs::resize_file(folder / "town.scan", fs::file_size(folder / "town.scan") / 2);
     EXPECT_EQ(run({"scancast", "render", file("town.scan"), "-o", file("a.png")}), 1);

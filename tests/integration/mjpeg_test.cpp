@@ -14,6 +14,7 @@ class MjpegClient {
         std::string kind;
         std::uint64_t seq = 0;
         std::string picture;
+        bool damaged = false;
     };
 
     MjpegClient(std::uint16_t port, const std::string& query, const std::string& cloud = "one",
@@ -35,6 +36,8 @@ class MjpegClient {
         while (buffer_.size() < headEnd + 4 + length)
             if (!more(patience)) return {};
         Part part{"", field("Scancast-Seq: ", start), buffer_.substr(headEnd + 4, length)};
+        part.damaged =
+            buffer_.substr(start, headEnd + 2 - start).find("Scancast-Damaged: yes\r\n") != std::string::npos;
         const auto kind = buffer_.find("Scancast-Kind: ", start) + 15;
         part.kind = buffer_.substr(kind, buffer_.find("\r\n", kind) - kind);
         buffer_.erase(0, headEnd + 4 + length);
@@ -95,6 +98,15 @@ TEST_F(MjpegTest, PlainHttpGetsTheFinalStillAndThenSilence) {
                   .body);
     EXPECT_EQ(client.part(std::chrono::milliseconds(300)).kind, "");
     EXPECT_EQ(metric("scancast_sessions"), "scancast_sessions 1");
+}
+
+TEST_F(MjpegTest, APartSaysThatItLacksSomething) {
+    start();
+    MjpegClient client(port(), "?width=48&height=32");
+    EXPECT_FALSE(client.finalPart(0).damaged);
+    painter.damage(2);
+    ASSERT_EQ(drive(client.session(), {{"seq", 3}, {"camera", {{"eye", {9, -50, 30}}}}}).status, 200);
+    EXPECT_TRUE(client.finalPart(3).damaged);
 }
 
 TEST_F(MjpegTest, AViewMayStandStillForLongerThanAWriteMayTake) {

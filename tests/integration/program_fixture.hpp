@@ -82,7 +82,8 @@ class Process {
 };
 
 /// Acknowledges frames until the final still of view `seq` (0 = the first view, or any) comes.
-inline void receiveFinal(RawWebSocket& stream, std::uint64_t seq, std::string& picture) {
+inline void receiveFinal(RawWebSocket& stream, std::uint64_t seq, std::string& picture,
+                         FrameHeader* last = nullptr) {
     FrameHeader header;
     while (!(header.final && (seq == 0 || header.seq == seq))) {
         const WsMessage message = stream.receiveKind(WsMessage::Kind::Binary);
@@ -91,6 +92,7 @@ inline void receiveFinal(RawWebSocket& stream, std::uint64_t seq, std::string& p
             {reinterpret_cast<const std::uint8_t*>(message.payload.data()), message.payload.size()});
         ASSERT_TRUE(parsed) << parsed.error().message;
         header = parsed->header;
+        if (last != nullptr) *last = header;
         picture.assign(parsed->picture.begin(), parsed->picture.end());
         stream.text(R"({"type":"ack","frame":)" + std::to_string(header.frameId) + "}");
     }

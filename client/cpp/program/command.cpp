@@ -1,6 +1,7 @@
 #include "client/cpp/program/command.hpp"
 
 #include <cstdio>
+#include <utility>
 
 #include "files/output_file.hpp"
 #include "transport/secret_file.hpp"
@@ -53,6 +54,13 @@ Expected<std::string> chooseCloud(const Server& server, const std::string& given
     if (!clouds) return passOn(clouds);
     if (clouds->empty()) return fail(ErrorCode::NotFound, server.url().authority() + " has no clouds");
     return clouds->front().id;
+}
+
+void DamageWarning::look(const FrameHeader& header) {
+    if (!header.damaged || std::exchange(said_, true)) return;
+    std::fputs(
+        "scancast-client: parts of this cloud cannot be read; coarser points are shown in their place\n",
+        stderr);
 }
 
 Expected<void> writeFile(const std::string& path, const std::vector<std::uint8_t>& bytes) {

@@ -5,6 +5,7 @@
 #include <memory>
 
 #include "client/cpp/server.hpp"
+#include "protocol/frame_header.hpp"
 
 namespace scancast::client {
 
@@ -32,6 +33,15 @@ int report(const Expected<void>& result);
 
 /// The cloud's id as given, or the server's first cloud.
 Expected<std::string> chooseCloud(const Server& server, const std::string& given);
+
+/// Says on standard error, the first time that it is called with a frame that lacks blocks, what such pictures are.
+class DamageWarning {
+  public:
+    void look(const FrameHeader& header);
+
+  private:
+    bool said_ = false;
+};
 
 /// The whole file or an Io error that names it.
 Expected<void> writeFile(const std::string& path, const std::vector<std::uint8_t>& bytes);

@@ -33,12 +33,14 @@ class Progress {
 };
 
 /// Acknowledges everything; returns the frame that shows view `seq` and is good enough.
-Expected<ReceivedFrame> frameOf(Stream& stream, std::uint64_t seq, bool anyQuality) {
+Expected<ReceivedFrame> frameOf(Stream& stream, std::uint64_t seq, bool anyQuality, DamageWarning& warning) {
     for (;;) {
         auto frame = stream.receiveFrame();
         if (!frame) return frame;
         if (auto ok = stream.ack(frame->header); !ok) return passOn(ok);
-        if (frame->header.seq == seq && (anyQuality || frame->header.final)) return frame;
+        if (frame->header.seq != seq || !(anyQuality || frame->header.final)) continue;
+        warning.look(frame->header);
+        return frame;
     }
 }
 
@@ -46,12 +48,13 @@ Expected<ReceivedFrame> frameOf(Stream& stream, std::uint64_t seq, bool anyQuali
 Expected<std::vector<double>> takePictures(Stream& stream, FilmWriter& writer, const FilmFlags& flags,
                                            int count, const std::function<View(int)>& at) {
     Progress progress(count, flags.quiet);
+    DamageWarning warning;
     std::vector<double> milliseconds;
     for (int i = 0; i < count; ++i) {
         const auto asked = Clock::now();
         const auto seq = static_cast<std::uint64_t>(i) + 1;
         if (auto ok = stream.sendView(seq, at(i)); !ok) return passOn(ok);
-        const auto frame = frameOf(stream, seq, flags.moving);
+        const auto frame = frameOf(stream, seq, flags.moving, warning);
         if (!frame) return passOn(frame);
         milliseconds.push_back(std::chrono::duration<double, std::milli>(Clock::now() - asked).count());
         if (auto ok = writer.add(frame->jpeg); !ok) return passOn(ok);

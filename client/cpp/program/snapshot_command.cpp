@@ -37,6 +37,16 @@ Expected<void> run(const SnapshotFlags& flags) {
         return {};
     }
     if (auto ok = writeFile(flags.output, picture->bytes); !ok) return ok;
+    if (picture->damaged > 0) {
+        std::fprintf(
+            stderr,
+            "scancast-client: %llu %s of this cloud cannot be read; coarser points are shown in the picture "
+            "in their place\n",
+            static_cast<unsigned long long>(picture->damaged), picture->damaged == 1 ? "block" : "blocks");
+        std::printf("%s: %zu bytes of %s, damaged\n", flags.output.c_str(), picture->bytes.size(),
+                    cloud->c_str());
+        return {};
+    }
     std::printf("%s: %zu bytes of %s, ETag %s\n", flags.output.c_str(), picture->bytes.size(), cloud->c_str(),
                 picture->etag.c_str());
     return {};

@@ -11,6 +11,7 @@
 
 #include "client/cpp/decode.hpp"
 #include "client/cpp/live_stream.hpp"
+#include "client/cpp/program/command.hpp"
 #include "client/cpp/program/view_control.hpp"
 
 namespace scancast::client {
@@ -162,6 +163,7 @@ class Window {
         if (texture_) SDL_UpdateTexture(texture_.get(), nullptr, pixels.rgb.data(), pixels.width * 3);
         draw();
         if (frame.header.final && frame.header.seq == seq_) ++finals_;
+        damage_.look(frame.header);
         trace("frame %llu %s %dx%d", static_cast<unsigned long long>(frame.header.seq),
               frame.header.final   ? "final"
               : frame.header.still ? "still"
@@ -348,6 +350,7 @@ class Window {
     Uint64 lastTicks_ = 0;
     std::uint64_t seq_ = 0;
     int finals_ = 0;
+    DamageWarning damage_;
     bool changed_ = false, titleChanged_ = false, helpShown_ = false;
     std::string status_;
     std::optional<Error> error_;

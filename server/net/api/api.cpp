@@ -47,6 +47,15 @@ HttpResponse pictureResponse(PictureFormat format, const PlannedView& planned, c
     return response;
 }
 
+/// A picture that lacks blocks is no picture of its view: nobody shall keep it as one, or ask by a tag whether it is
+/// still the same.
+void sayDamaged(HttpResponse& response, std::uint32_t blocks) {
+    std::erase_if(response.headers, [](const auto& header) { return header.first == "ETag"; });
+    for (auto& [name, value] : response.headers)
+        if (name == "Cache-Control") value = "no-store";
+    response.set("Scancast-Damaged", std::to_string(blocks));
+}
+
 HttpResponse refusal(Problem problem, const Routed& routed) {
     problem.instance = routed.path;
     return problemResponse(problem);
@@ -169,7 +178,7 @@ struct Api::Answers {
         }
         if (!api.catalog_.settled())
             return problemResponse(
-                problemOf(503, "Clouds are still being loaded, or there is none.", "/readyz"));
+                problemOf(503, "The first clouds are still being loaded, or there is none.", "/readyz"));
         if (!device.lost) return textResponse(200, "ready\n");
         return textResponse(200, "ready\nThe device " + title(device.lost->info) + " was lost, and " +
                                      title(device.info) +
@@ -254,6 +263,7 @@ struct Api::Answers {
             if (!picture) return respond(problemResponse(problemOf(picture.error(), path)));
             // Not by the device that was there when it was asked for: that one may have been lost since.
             HttpResponse response = headBy(picture->device);
+            if (picture->stats.nodesDamaged > 0) sayDamaged(response, picture->stats.nodesDamaged);
             response.set("Server-Timing", serverTiming(*picture));
             response.set("Scancast-Price", fmt::format("{:.0f}", price));
             response.bytes = picture->bytes;

@@ -94,9 +94,10 @@ void Api::complete(const HttpRequest& request, std::string_view routePattern, Ht
     const std::string origin = request.header("origin");
     if (isAllowedOrigin(origin, options_.origins)) {
         response.set("Access-Control-Allow-Origin", origin).set("Vary", "Origin");
-        response.set("Access-Control-Expose-Headers",
-                     "ETag, Location, Retry-After, Server-Timing, Scancast-Session, Scancast-Width, "
-                     "Scancast-Height, Scancast-Method, Scancast-Method-Reason, Scancast-Price");
+        response.set(
+            "Access-Control-Expose-Headers",
+            "ETag, Location, Retry-After, Server-Timing, Scancast-Session, Scancast-Width, "
+            "Scancast-Height, Scancast-Method, Scancast-Method-Reason, Scancast-Price, Scancast-Damaged");
     }
     if (access_.isPrivate(request)) {
         for (auto& [name, value] : response.headers)

@@ -108,6 +108,12 @@ class FakePainter {
         error_ = std::move(error);
     }
 
+    /// So many blocks cannot be read of what the next pictures show.
+    void damage(std::uint32_t blocks) {
+        const std::lock_guard lock(mutex_);
+        damaged_ = blocks;
+    }
+
   private:
     Expected<PreparedPicture> prepare(const PictureOrder&, bool wait, const std::stop_token& stop) {
         std::unique_lock lock(mutex_);
@@ -179,7 +185,7 @@ class FakePainter {
     }
 
     // A colour that depends on cloud, camera and samples: pictures that get mixed up differ in their bytes.
-    static Frame frameOf(const Cloud& cloud, const View& view) {
+    Frame frameOf(const Cloud& cloud, const View& view) const {
         Frame frame;
         frame.width = view.width;
         frame.height = view.height;
@@ -194,6 +200,7 @@ class FakePainter {
         }
         frame.stats.add("select", 0.1);
         frame.stats.samplesDrawn = 7;
+        frame.stats.nodesDamaged = damaged_;
         return frame;
     }
 
@@ -206,6 +213,7 @@ class FakePainter {
     bool late_ = false;
     int atOnce_ = 0, mostAtOnce_ = 0;
     bool loaded_ = true;
+    std::uint32_t damaged_ = 0;
     int loading_ = 0;
     int tickets_ = 0;
     int cancelled_ = 0;

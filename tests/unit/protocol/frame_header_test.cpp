@@ -50,6 +50,16 @@ TEST(FrameHeader, RoundTrip) {
     }
 }
 
+TEST(FrameHeader, DamageIsABitOfItsOwn) {
+    auto header = sample();
+    header.damaged = true;
+    const auto bytes = message(header);
+    EXPECT_EQ(bytes[9], 14) << "still, final, damaged";
+    const auto frame = parseFrame(bytes);
+    ASSERT_TRUE(frame) << frame.error().message;
+    EXPECT_EQ(frame->header, header);
+}
+
 TEST(FrameHeader, BytesAreWhereTheTableSays) {
     // Written out by hand from PROTOCOL.md: little-endian, 48 bytes.
     const Bytes expected{'S',  'C',  'F',  'R',  1,    0,    48,   0,    1,    6,    0,    0,

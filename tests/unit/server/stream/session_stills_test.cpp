@@ -18,11 +18,12 @@ class ColdCloud : public SessionTest {
     void refuse(std::size_t n) {
         session->pictureDone(port.orders.at(n).number, fail(ErrorCode::Cancelled, "still to be read"), now);
     }
-    void finishMissing(std::size_t n, std::uint64_t missing) {
+    void finishMissing(std::size_t n, std::uint64_t missing, std::uint32_t damaged = 0) {
         EncodedPicture picture;
         picture.bytes = std::make_shared<const Bytes>(Bytes{1, 2, 3});
         picture.width = picture.height = 8;
         picture.stats.samplesMissing = missing;
+        picture.stats.nodesDamaged = damaged;
         session->pictureDone(port.orders.at(n).number, std::move(picture), now);
         ack(port.frames.back().frameId);
     }
@@ -47,6 +48,25 @@ TEST_F(ColdCloud, WhatIsInMemoryAfterAllIsTheFinalStill) {
     pass(10'000);
     EXPECT_EQ(port.orders.size(), 2U) << "after the final still nothing is sent";
     EXPECT_FALSE(session->wakeAt());
+}
+
+TEST_F(ColdCloud, WhatLacksOnlyDamagedBlocksIsTheEndAndSaysSo) {
+    hello();
+    tryTwice();
+    finishMissing(2, 500, 3);
+    ASSERT_EQ(port.frames.size(), 1U);
+    EXPECT_FALSE(port.frames[0].final || port.frames[0].damaged) << "something is still to come";
+    pass(100);
+    finishMissing(3, 0, 3);
+    ASSERT_EQ(port.frames.size(), 2U);
+    EXPECT_TRUE(port.frames[1].still && port.frames[1].final && port.frames[1].damaged);
+    pass(10'000);
+    EXPECT_EQ(port.orders.size(), 4U);
+    EXPECT_FALSE(session->wakeAt());
+    view(1, 10);
+    finishMissing(4, 0, 3);
+    EXPECT_TRUE(port.frames[2].moving);
+    EXPECT_FALSE(port.frames[2].damaged) << "nobody ends with a moving frame";
 }
 
 TEST_F(ColdCloud, StillsGetSharperUntilNothingIsMissingThenComesTheFinalOne) {

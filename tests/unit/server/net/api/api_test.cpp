@@ -184,10 +184,25 @@ TEST_F(ApiTest, ThePageHasAPolicyAndATag) {
     EXPECT_EQ(ask("/", {{"if-none-match", *page.find("ETag")}}).status, 304);
 }
 
-TEST_F(ApiTest, ReadyOnlyWhenEverythingIs) {
+TEST_F(ApiTest, ADamagedPictureSaysSoAndIsKeptByNobody) {
+    const std::string tag = *ask(picture).find("ETag");
+    painter.damage(3);
+    const HttpResponse damaged = ask(picture);
+    EXPECT_EQ(damaged.status, 200);
+    EXPECT_EQ(*damaged.find("Scancast-Damaged"), "3");
+    EXPECT_EQ(*damaged.find("Cache-Control"), "no-store");
+    EXPECT_EQ(damaged.find("ETag"), nullptr);
+    EXPECT_EQ(ask(picture, {{"if-none-match", tag}}).status, 304) << "who has the whole picture keeps it";
+    painter.damage(0);
+    const HttpResponse whole = ask(picture);
+    EXPECT_EQ(whole.find("Scancast-Damaged"), nullptr);
+    EXPECT_EQ(*whole.find("ETag"), tag);
+}
+
+TEST_F(ApiTest, ReadyOnceTheFirstCloudsAreWhateverComesLater) {
     EXPECT_EQ(ask("/readyz").status, 200);
     const auto loading = catalog.add("later");
-    EXPECT_EQ(ask("/readyz").status, 503);
+    EXPECT_EQ(ask("/readyz").status, 200);
     const HttpResponse early = ask("/api/v1/clouds/later/snapshot.jpg");
     EXPECT_EQ(early.status, 503);
     EXPECT_NE(early.find("Retry-After"), nullptr);
@@ -227,6 +242,7 @@ TEST_F(ApiTest, AllowedOriginsAreToldSoAndEveryAnswerIsCounted) {
     HttpResponse response = textResponse(200, "ok");
     api.complete(request, pattern(Route::Health), response);
     EXPECT_EQ(*response.find("Access-Control-Allow-Origin"), "https://viewer.example");
+    EXPECT_NE(response.find("Access-Control-Expose-Headers")->find("Scancast-Damaged"), std::string::npos);
     EXPECT_EQ(*response.find("X-Content-Type-Options"), "nosniff");
     EXPECT_NE(metrics.text().find("scancast_http_requests_total{code=\"200\",route=\"/healthz\"} 1"),
               std::string::npos);

@@ -47,6 +47,19 @@ describe('the page, when things go wrong', { timeout: 120_000 }, () => {
     assert.ok(!(await page.isVisible('#cover')));
   });
 
+  it('says that parts cannot be read, as long as that is so', async () => {
+    server.damaged = true;
+    await open();
+    await waitUntilSharp(page);
+    assert.equal(await page.textContent('#damage'), 'Parts of this cloud cannot be read; coarser points are shown in their place.');
+    assert.ok(await page.isVisible('#damage'));
+    server.damaged = false;
+    await drag(page, [300, 300], [420, 380]);
+    await page.waitForFunction(() => document.getElementById('damage').hidden, undefined, { timeout: 8000 });
+    await waitUntilSharp(page);
+    assert.ok(!(await page.isVisible('#damage')));
+  });
+
   it('asks for a token, says when it is wrong, and takes it along everywhere but in addresses', async () => {
     server.token = 'a+token/with=signs?';
     await open();

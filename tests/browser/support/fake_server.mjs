@@ -193,7 +193,7 @@ class FakeSession {
   }
 
   sendFrame(final, picture, width, height, id = ++this.frameId) {
-    const flags = final ? 6 : 1;
+    const flags = final ? (this.server.damaged ? 14 : 6) : 1;
     this.socket.sendBinary(headerOf({ frameId: id, seq: this.seq, width, height, flags, length: picture.length }), picture);
   }
 }
@@ -202,6 +202,7 @@ export class FakeServer {
   clouds = clouds;
   pending = [];
   frameDelay = 12;
+  damaged = false; // blocks of its clouds cannot be read
   token = ''; // asked for, when there is one
   received = []; // every message of every client
   sessions = new Set();

@@ -4,8 +4,11 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <atomic>
 #include <boost/asio/executor_work_guard.hpp>
 #include <boost/asio/io_context.hpp>
+#include <boost/asio/post.hpp>
 #include <thread>
 #include <tuple>
 
@@ -94,6 +97,19 @@ class RunningServer final : public ScancastServer {
         return fmt::format("{}://{}:{}/", context_.tls ? "https" : "http", shown, port());
     }
 
+    std::chrono::milliseconds silence() override {
+        using Clock = std::chrono::steady_clock;
+        const Clock::duration now = Clock::now().time_since_epoch();
+        const Clock::duration asked = networkAsked_;
+        if (asked == Clock::duration{}) {
+            networkAsked_ = now;
+            asio::post(io_, [this] { networkAsked_ = Clock::duration{}; });
+            return scheduler_.silence();
+        }
+        return std::max(scheduler_.silence(),
+                        std::chrono::duration_cast<std::chrono::milliseconds>(now - asked));
+    }
+
     void drain() override {
         scheduler_.drain();
         context_.connections.sayGoodbye();
@@ -135,6 +151,8 @@ class RunningServer final : public ScancastServer {
     SessionRegister sessions_;
     Api api_;
     NetContext context_;
+    std::atomic<std::chrono::steady_clock::duration> networkAsked_{
+        {}};  // for a sign, and since; 0 = answered
     asio::io_context io_;
     asio::executor_work_guard<asio::io_context::executor_type> work_;
     std::shared_ptr<Listener> listener_, probeListener_;

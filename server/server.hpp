@@ -5,6 +5,7 @@
 // destruction.
 #pragma once
 
+#include <chrono>
 #include <cstdint>
 #include <memory>
 #include <optional>
@@ -61,6 +62,10 @@ class ScancastServer {
     /// To open in a browser: "http://127.0.0.1:8080/".
     virtual std::string url() const = 0;
     virtual std::size_t connections() const = 0;
+    /// For how long the render thread, or all network threads, have not come back from what they are at; 0 when they
+    /// wait for work. Asks the network threads for a sign, so the answer is of use when this is called again and
+    /// again. Never waits; from one thread.
+    virtual std::chrono::milliseconds silence() = 0;
     /// First step of the end: every stream is told, nobody gets a new one, /readyz says 503; snapshots that
     /// wait are still drawn and answered. Returns at once.
     virtual void drain() = 0;

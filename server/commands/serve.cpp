@@ -17,6 +17,7 @@
 #include "server/commands/open_files.hpp"
 #include "server/commands/program_folder.hpp"
 #include "server/commands/serve_options.hpp"
+#include "server/commands/service_reports.hpp"
 #include "server/server.hpp"
 #include "server/terminal/progress_bar.hpp"
 #include "server/terminal/shutdown_signals.hpp"
@@ -148,12 +149,13 @@ void reportReloads(const ShutdownSignals& signals, int& reported) {
 
 // Until a signal comes (0), or there is nothing to serve with or from (1).
 int waitForTheEnd(ScancastServer& server, const CloudSources& sources, const ServeOptions& options,
-                  ShutdownSignals& signals) {
+                  ShutdownSignals& signals, Service& service) {
     const bool mayGrow = !options.server.dataRoot.empty();
     bool deviceReported = false;
     int reloadsReported = 0;
     while (signals.wait(std::chrono::milliseconds(100)) == 0) {
         reportReloads(signals, reloadsReported);
+        service.report(server, false);
         if (!reportDevice(server, deviceReported)) return 1;
         if (!mayGrow && sources.failed(options)) {
             spdlog::error("None of the files could be loaded; there is nothing to serve.");
@@ -224,6 +226,8 @@ void reportEntrances(const ServeOptions& options, const ScancastServer& server) 
 }
 
 int serve(ServeOptions options) {
+    auto manager = ServiceManager::fromEnvironment();
+    if (!manager) return failure(manager.error());
     if (auto log = setUpLog(options.logLevel, options.logFormat); !log) return failure(log.error());
     if (auto sound = check(options); !sound) return failure(sound.error());
     auto tokens = accessTokens(options);
@@ -255,7 +259,9 @@ int serve(ServeOptions options) {
     (*server)->admin().loadWith([&sources](ScanInput input, const std::string& id) {
         return sources.loader.load(std::move(input), id);
     });
-    const int exitCode = waitForTheEnd(**server, sources, options, signals);
+    Service service(std::move(*manager));
+    const int exitCode = waitForTheEnd(**server, sources, options, signals, service);
+    service.report(**server, true);
     (*server)->admin().loadWith({});
     bar.clear();
     leave(**server, sources, *options.server.cache, signals, exitCode);

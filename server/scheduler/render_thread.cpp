@@ -71,6 +71,12 @@ void Scheduler::replacePainter(const Error& lost) {
     usePainter(std::move(opened), std::move(device));
 }
 
+std::chrono::milliseconds Scheduler::silence() const {
+    const Clock::duration since = awaySince_;
+    if (since == Clock::duration{}) return {};
+    return std::chrono::duration_cast<std::chrono::milliseconds>(Clock::now().time_since_epoch() - since);
+}
+
 // ---- one picture after the other
 
 void Scheduler::renderLoop() {
@@ -79,6 +85,7 @@ void Scheduler::renderLoop() {
     }
     if (begun_) completeOne(*std::exchange(begun_, std::nullopt));
     painter_.reset();
+    awaySince_ = Clock::duration{};
     const Monitor::Lock lock(monitor_);
     rendering_ = false;
 }
@@ -86,7 +93,9 @@ void Scheduler::renderLoop() {
 bool Scheduler::renderStep() {
     {
         Monitor::Lock lock(monitor_);
+        awaySince_ = Clock::duration{};
         monitor_.wait(lock, [this] { return renderIsDue(); });
+        comeBack();
         if (turns_.stopping()) return false;
     }
     // What is finished waits for nobody else's picture to be begun.
@@ -121,6 +130,7 @@ void Scheduler::beginNext() {
 
 /// In a pause of the picture that is being drawn: others, each to its end, as long as it is their turn.
 void Scheduler::drawWithin() {
+    comeBack();
     const auto start = Clock::now();
     while (!lost_) {
         std::optional<Taken> request;

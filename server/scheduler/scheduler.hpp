@@ -15,6 +15,7 @@
 // Place in the pipeline: stream, net → **scheduler** → render, encode → stream, net.
 #pragma once
 
+#include <atomic>
 #include <chrono>
 #include <cstdint>
 #include <functional>
@@ -67,6 +68,10 @@ class Scheduler {
     DeviceStatus device() const;
     /// Waits until the device is open or has failed, or the time is up.
     DeviceStatus waitForDevice(std::chrono::milliseconds patience) const;
+
+    /// How long the render thread has been away: at a picture, since it began or last paused, or at opening a
+    /// device. 0 while it waits for work: a thread that is stuck is away for ever. Never waits.
+    std::chrono::milliseconds silence() const;
 
     MailboxId openMailbox();
     /// Forgets the waiting request and stops the running one: the client is gone.
@@ -137,6 +142,7 @@ class Scheduler {
     void openDevice();
     void replacePainter(const Error& lost);
     void usePainter(Expected<Painter> opened, std::optional<LostDevice> lost);
+    void comeBack() { awaySince_ = Clock::now().time_since_epoch(); }
 
     void beginNext();
     void drawWithin();
@@ -168,6 +174,8 @@ class Scheduler {
     Turns turns_;
     PreparePicture prepare_;
     bool rendering_ = true;  // the render thread may still have something encoded
+    // Beside the lock, so that whoever asks whether threads are stuck does not wait for one; 0 = not away.
+    std::atomic<Clock::duration> awaySince_{Clock::now().time_since_epoch()};
 
     // The render thread's own.
     std::optional<Painter> painter_;

@@ -10,6 +10,7 @@
 #include "protocol/frame_header.hpp"
 #include "renderer/image/encode.hpp"
 #include "tests/integration/program_fixture.hpp"
+#include "tests/support/serving/notify_socket.hpp"
 #include "tests/support/sized.hpp"
 #include "tests/support/test_data.hpp"
 
@@ -167,6 +168,21 @@ TEST_F(ProgramTest, SignalsEndItGracefully) {
         stream.socket().abort();
         EXPECT_EQ(server->wait(std::chrono::seconds(20)), 0);
     }
+}
+
+TEST_F(ProgramTest, ItsServiceManagerHearsHowItIsDoing) {
+    generate("ball.las");
+    const NotifySocket manager(file("notify"));
+    const auto server = serve({file("ball.las")}, [&manager] {
+        ::setenv("NOTIFY_SOCKET", manager.name().c_str(), 1);
+        ::setenv("WATCHDOG_USEC", "400000", 1);
+    });
+    EXPECT_TRUE(manager.until("READY=1\n"));
+    EXPECT_TRUE(manager.until("1 of 1 clouds ready"));
+    for (int i = 0; i < 3; ++i) EXPECT_TRUE(manager.until("WATCHDOG=1\n")) << i;
+    server->signal(SIGTERM);
+    EXPECT_TRUE(manager.until("STOPPING=1\n"));
+    EXPECT_EQ(server->wait(std::chrono::seconds(20)), 0);
 }
 
 TEST_F(ProgramTest, AClientThatNeverLeavesDoesNotHoldTheServer) {

@@ -2,28 +2,12 @@
 
 #include <gtest/gtest.h>
 
-#include <cstdlib>
-#include <optional>
-#include <string>
+#include "tests/support/environment_variable.hpp"
 
 namespace scancast {
 namespace {
 
-/// An environment variable, as it was when this goes.
-class Variable {
-  public:
-    Variable(const char* name, const char* value) : name_(name) {
-        if (const char* before = std::getenv(name)) before_ = before;
-        value ? ::setenv(name, value, 1) : ::unsetenv(name);
-    }
-    ~Variable() { before_ ? ::setenv(name_, before_->c_str(), 1) : ::unsetenv(name_); }
-    Variable(const Variable&) = delete;
-    Variable& operator=(const Variable&) = delete;
-
-  private:
-    const char* name_;
-    std::optional<std::string> before_;
-};
+using Variable = test::EnvironmentVariable;
 
 TEST(ProgramFolder, FollowsTheFlagThenXdgThenHome) {
     const Variable home("HOME", "/home/anna");

@@ -71,6 +71,24 @@ class Pauses : public test::SchedulerTest {
     PausingPainter pausing;
 };
 
+// What a watchdog asks for: a picture that takes long is no thread that is stuck.
+TEST_F(Pauses, EndTheRenderThreadsSilence) {
+    using namespace std::chrono_literals;
+    Scheduler scheduler(pausing.open("cpu"), {}, metrics);
+    ASSERT_TRUE(soon([&] { return scheduler.silence() == 0ms; })) << "it waits for work";
+    ASSERT_TRUE(scheduler.snapshot(order(large), results.collect(0)));
+    ASSERT_TRUE(soon([&] { return pausing.drawing == 1; }));
+    const auto begun = std::chrono::steady_clock::now();
+    // It has drawn for longer than it has been away: it came back in between.
+    ASSERT_TRUE(soon([&] {
+        const auto drawing = std::chrono::steady_clock::now() - begun;
+        return drawing > 100ms && scheduler.silence() < drawing / 2;
+    }));
+    pausing.letGo = true;
+    ASSERT_TRUE(results.waitFor(1));
+    EXPECT_TRUE(soon([&] { return scheduler.silence() == 0ms; }));
+}
+
 TEST_F(Pauses, FramesComeWhileASnapshotIsDrawn) {
     Scheduler scheduler(pausing.open("cpu"), {}, metrics);
     const auto mover = scheduler.openMailbox();

@@ -15,6 +15,9 @@ import unittest
 
 ROOT = os.path.realpath(os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", ".."))
 sys.path.insert(0, os.path.join(ROOT, "tests", "load"))
+sys.path.insert(0, os.path.join(ROOT, "deploy", "manual"))
+import help_text
+import make_manual
 import serving
 
 PROGRAMS = os.path.abspath(sys.argv.pop())
@@ -159,6 +162,96 @@ class Systemd(unittest.TestCase):
         self.assertGreater(len(named), 8)
         for name in set(named) - {"SCANCAST_CLOUDS", "SCANCAST_TESTS"}:
             self.assertIn(name, flags)
+
+
+class Manual(unittest.TestCase):
+    """Against the programs' own words, read here in another way than by deploy/manual."""
+
+    @classmethod
+    def setUpClass(cls):
+        folder = tempfile.TemporaryDirectory()
+        cls.addClassCleanup(folder.cleanup)
+        cls.folder = folder.name
+        cls.said = {}  # ("scancast", "serve"): what its --help says
+        for program in ("scancast", "scancast-client"):
+            path = os.path.join(PROGRAMS, program)
+            make_manual.main("1.2.3", cls.folder, path)
+            cls.said[program, ""] = run(path, "--help")
+            listed = cls.said[program, ""].split("Subcommands:\n")[1].split("\n\n")[0]
+            for word in re.findall(r"^  ([a-z]+) ", listed, re.M):
+                cls.said[program, word] = run(path, word, "--help")
+
+    def read(self, *path):
+        with open(os.path.join(self.folder, *path), encoding="utf-8") as file:
+            return file.read()
+
+    @staticmethod
+    def flags(said):
+        lines = re.findall(r"^  (-\S+)", said, re.M)
+        return [flag for line in lines for flag in line.split(",")]
+
+    def test_every_subcommand_has_a_page_with_every_flag(self):
+        self.assertGreater(len(self.said), 12)
+        for (program, word), said in self.said.items():
+            name = f"{program}-{word}" if word else program
+            page = self.read("man1", name + ".1")
+            self.assertIn("1.2.3", page)
+            self.assertGreater(len(self.flags(said)), 0, name)
+            for flag in self.flags(said):
+                self.assertIn(f"\\fB{flag}\\fR".replace("-", "\\-"), page, name)
+            for variable in re.findall(r"\(Env:(\w+)\)", said):
+                self.assertIn(variable, page, name)
+            for word in re.findall(r"[A-Za-z]{4,}", said.split("\n\n", 1)[1]):
+                if word not in ("Positionals", "REQUIRED", "Excludes", "Needs", "UINT", "FLOAT", "Options", "TEXT"):
+                    self.assertIn(word.lower(), page.lower(), f"{name} has every word of the help")
+
+    def test_man_takes_the_pages(self):
+        if not shutil.which("groff"):
+            self.skipTest("groff is not installed")
+        for name in sorted(os.listdir(os.path.join(self.folder, "man1"))):
+            path = os.path.join(self.folder, "man1", name)
+            done = subprocess.run(["groff", "-man", "-Tutf8", "-ww", "-z", "-k", path], capture_output=True, text=True)
+            self.assertEqual((done.returncode, done.stderr), (0, ""), name)
+
+    def test_completions_know_every_flag_and_bash_completes(self):
+        for (program, word), said in self.said.items():
+            for flag in self.flags(said):
+                for file in (("bash", program), ("zsh", "_" + program)):
+                    self.assertRegex(self.read(*file), rf"{flag}\b", file)
+                short = f"-l {flag[2:]} " if flag.startswith("--") else f"-s {flag[1:]} "
+                self.assertIn(short, self.read("fish", program + ".fish"))
+            script = os.path.join(self.folder, "bash", program)
+            for typed in {flag for flag in self.flags(said) if flag.startswith("--")}:
+                self.assertIn(typed, self.complete(script, program, word, typed) if word == "serve" else typed)
+        script = os.path.join(self.folder, "bash", "scancast")
+        self.assertEqual(self.complete(script, "scancast", "serve", "--backend", ""), ["auto", "cpu", "egl", "osmesa"])
+        self.assertEqual(self.complete(script, "scancast", "in"), ["ingest", "info"])
+        self.assertEqual(self.complete(script, "scancast", "info", "--points"), [], "another command's")
+
+    def complete(self, script, *words):
+        """What bash offers for the last of the words."""
+        typed = [word for word in words if word or word is words[-1]]
+        return subprocess.run(["bash", "-c", '. "$1"; shift; compopt() { :; }; COMP_WORDS=("$@"); COMP_CWORD=$(($# - 1)); '
+                               '"_${1//-/_}"; printf "%s\n" "${COMPREPLY[@]}"', "bash", script, *typed],
+                              capture_output=True, text=True, check=True).stdout.split()
+
+    def test_what_is_read_of_a_help_is_what_it_says(self):
+        read = help_text.parse("scan draw", "Draws.\nUsage: /x/scan draw [OPTIONS] file\n\nPositionals:\n"
+                               "  file TEXT REQUIRED          The scan\n\nOptions:\n"
+                               "  -o,--output FILE            Where\n                              to\n"
+                               "  --port PORT:INT in [0 - 9]=8 (Env:SCAN_PORT)\n                              The port\n"
+                               "  --behind-mirrors true|false Just fits\n"
+                               "  --live NAME=PATH ...        Pairs\n\nExamples:\n  scan draw a\n")
+        output, port, mirrors, live = read.options
+        self.assertEqual((output.names, output.value, output.lines), (["-o", "--output"], "FILE", ["Where", "to"]))
+        self.assertEqual((port.value, port.allowed, port.default, port.environment, port.lines),
+                         ("PORT", "in [0 - 9]", "8", "SCAN_PORT", ["The port"]))
+        self.assertEqual((mirrors.choices(), mirrors.lines), (["true", "false"], ["Just fits"]))
+        self.assertEqual((live.value, live.default), ("NAME=PATH", ""))
+        self.assertEqual((read.usage, read.arguments[0].notes, read.footer),
+                         ("[OPTIONS] file", ["required"], ["Examples:", "  scan draw a"]))
+        with self.assertRaisesRegex(ValueError, "Usage"):
+            help_text.parse("scan", "nothing of the kind")
 
 
 class Container(unittest.TestCase):

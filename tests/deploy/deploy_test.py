@@ -151,6 +151,15 @@ class Systemd(unittest.TestCase):
         said = run("systemd-analyze", "verify", "--man=no", self.unit)
         self.assertNotIn("scancast.service", said, "not even a warning")
 
+    def test_the_user_is_the_one_that_is_made(self):
+        made = re.search(r"^u (\S+) - ", text_of("deploy", "systemd", "sysusers.conf"), re.M)
+        self.assertIn(f"\nUser={made.group(1)}\n", text_of("deploy", "systemd", "scancast.service"))
+        with tempfile.TemporaryDirectory() as root:
+            os.mkdir(os.path.join(root, "etc"))
+            run("systemd-sysusers", f"--root={root}", os.path.join(ROOT, "deploy", "systemd", "sysusers.conf"))
+            with open(os.path.join(root, "etc", "passwd")) as users:
+                self.assertIn(f"{made.group(1)}:", users.read())
+
     def test_the_unit_is_hardened(self):
         run("systemd-analyze", "security", "--offline=true", "--threshold=20", self.unit)
 
@@ -160,7 +169,7 @@ class Systemd(unittest.TestCase):
         named += re.findall(r"(SCANCAST_[A-Z_]+)=", text_of("deploy", "systemd", "scancast.service"))
         named += re.findall(r"(SCANCAST_[A-Z_]+)=", text_of("deploy", "container", "Containerfile"))
         self.assertGreater(len(named), 8)
-        for name in set(named) - {"SCANCAST_CLOUDS", "SCANCAST_TESTS"}:
+        for name in set(named) - {"SCANCAST_CLOUDS", "SCANCAST_TESTS", "SCANCAST_UNITY", "SCANCAST_IMPORT_PCL"}:
             self.assertIn(name, flags)
 
 

@@ -3,6 +3,7 @@ unit, the container installs all that the programs need.
 
     deploy_test.py FOLDER_OF_THE_PROGRAMS
 """
+import http.server
 import os
 import re
 import shutil
@@ -10,6 +11,7 @@ import socket
 import subprocess
 import sys
 import tempfile
+import threading
 import time
 import unittest
 
@@ -48,11 +50,27 @@ def packages(name):
     return {line[0]: line[1] if len(line) > 1 else None for line in lines if line and not line[0].startswith("#")}
 
 
+class Echo(http.server.BaseHTTPRequestHandler):
+    """In Scancast's place: answers with the head that reached it."""
+
+    def do_GET(self):
+        body = str(self.headers).encode()
+        self.send_response(200)
+        self.send_header("Content-Length", str(len(body)))
+        self.end_headers()
+        self.wfile.write(body)
+
+    def log_message(self, *arguments):
+        pass
+
+
 class Nginx(unittest.TestCase):
     def setUp(self):
         folder = tempfile.TemporaryDirectory()
         self.addCleanup(folder.cleanup)
         self.folder = folder.name
+
+    def serve(self):
         scan, log = os.path.join(self.folder, "ball.las"), open(os.path.join(self.folder, "log"), "w")
         self.addCleanup(log.close)
         run(os.path.join(PROGRAMS, "scancast"), "generate", "sphere", "--points", "20000", "-o", scan, "--quiet")
@@ -60,19 +78,20 @@ class Nginx(unittest.TestCase):
                                      "--max-connections-per-address", "2")
         self.addCleanup(self.server.stop)
 
-    def configuration(self, port):
+    def configuration(self, upstream, port, plain):
         """The file with the lines changed that it says are to be changed, in a nginx that needs nothing of the system."""
         key, certificate = os.path.join(self.folder, "key.pem"), os.path.join(self.folder, "certificate.pem")
         run("openssl", "req", "-x509", "-newkey", "ec", "-pkeyopt", "ec_paramgen_curve:P-256", "-nodes", "-days", "2", "-subj",
             "/CN=localhost", "-addext", "subjectAltName=DNS:localhost,IP:127.0.0.1", "-keyout", key, "-out", certificate)
         text = text_of("deploy", "nginx", "scancast.conf")
-        for pattern, value in (("127.0.0.1:8080", "%s:%d" % self.server.address),
+        for pattern, value in ((" 127.0.0.1:8080", " %s:%d" % upstream),
                                ("listen 443 ssl", f"listen 127.0.0.1:{port} ssl"),
-                               ("server_name scans.example.org", "server_name localhost"),
+                               ("listen 80;", f"listen 127.0.0.1:{plain};"),
                                ("/etc/ssl/scans.example.org.pem", certificate),
                                ("/etc/ssl/private/scans.example.org.key", key)):
             self.assertEqual(text.count(pattern), 1, f"{pattern} stands in the file once")
             text = text.replace(pattern, value)
+        text = text.replace("server_name scans.example.org", "server_name localhost")
         site, main = os.path.join(self.folder, "site.conf"), os.path.join(self.folder, "nginx.conf")
         with open(site, "w") as file:
             file.write(text)
@@ -84,10 +103,11 @@ class Nginx(unittest.TestCase):
         self.certificate = certificate
         return main
 
-    def test_the_file_is_taken_and_passes_pages_pictures_and_streams_on(self):
+    def start(self, upstream):
+        """nginx before that address; returns the URLs of both its servers, https first."""
         nginx = shutil.which("nginx") or "/usr/sbin/nginx"
-        port = free_port()
-        main = self.configuration(port)
+        port, plain = free_port(), free_port()
+        main = self.configuration(upstream, port, plain)
         run(nginx, "-t", "-c", main, "-p", self.folder)
         process = subprocess.Popen([nginx, "-c", main, "-p", self.folder])
         self.addCleanup(process.wait, 30)
@@ -99,6 +119,39 @@ class Nginx(unittest.TestCase):
             self.assertLess(time.monotonic(), patient_until, "nginx answers")
             self.assertIsNone(process.poll(), "nginx runs")
             time.sleep(0.1)
+        return url, f"http://localhost:{plain}"
+
+    def test_what_scancast_hears_of_a_client_is_what_nginx_saw(self):
+        upstream = http.server.ThreadingHTTPServer(("127.0.0.1", 0), Echo)
+        threading.Thread(target=upstream.serve_forever, daemon=True).start()
+        self.addCleanup(upstream.server_close)
+        self.addCleanup(upstream.shutdown)
+        url, plain = self.start(upstream.server_address)
+        get = ("curl", "-sS", "--cacert", self.certificate)
+        head = run(*get, "-H", "X-Forwarded-For: 6.6.6.6", "-H", "Forwarded: for=6.6.6.6", "-H", "X-Forwarded-Proto: http",
+                   url + "/")
+        self.assertNotIn("6.6.6.6", head, "a client says what it likes of itself")
+        told = dict(re.findall(r"^(\S+): (.*?)\r?$", head, re.M))
+        self.assertEqual(told.get("X-Forwarded-For"), "127.0.0.1")
+        self.assertEqual(told.get("X-Forwarded-Proto"), "https")
+        self.assertEqual(told.get("Host"), url.removeprefix("https://"))
+        self.assertIn("strict-transport-security: max-age=", run(*get, "-D", "-", "-o", os.devnull, url + "/").lower())
+        redirect = run("curl", "-sS", "-D", "-", "-o", os.devnull, plain + "/clouds?a=b")
+        self.assertIn("308 ", redirect)
+        self.assertIn("Location: https://localhost/clouds?a=b", redirect)
+        # A flood is answered by nginx; who asks as pages do is not refused.
+        patient_until = time.monotonic() + PATIENCE
+        codes = ("curl", "-s", "--cacert", self.certificate, "-o", os.devnull, "-w", "%{http_code}\n")
+        statuses = run(*codes, url + "/[1-40]").split()
+        self.assertEqual(set(statuses), {"200"})
+        while "429" not in statuses:
+            self.assertLess(time.monotonic(), patient_until, "floods are refused")
+            statuses = run(*codes, url + "/[1-300]").split()
+        self.assertLessEqual(set(statuses), {"200", "429"})
+
+    def test_pages_pictures_and_streams_are_passed_on(self):
+        self.serve()
+        url, _ = self.start(self.server.address)
         get = ("curl", "-sS", "--fail", "--cacert", self.certificate)
         self.assertIn("<html", run(*get, url + "/"))
         self.assertIn('"ball"', run(*get, url + "/api/v1/clouds"))

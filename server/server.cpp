@@ -103,7 +103,10 @@ class RunningServer final : public ScancastServer {
         const Clock::duration asked = networkAsked_;
         if (asked == Clock::duration{}) {
             networkAsked_ = now;
-            asio::post(io_, [this] { networkAsked_ = Clock::duration{}; });
+            const auto posted = contained("Asking the network threads", [this] {
+                asio::post(io_, [this] { networkAsked_ = Clock::duration{}; });
+            });
+            if (!posted) networkAsked_ = Clock::duration{};  // nobody was asked
             return scheduler_.silence();
         }
         return std::max(scheduler_.silence(),

@@ -4,8 +4,10 @@
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
+#include <tuple>
 #include <utility>
 
+#include "server/base/faults.hpp"
 #include "server/server.hpp"
 
 namespace scancast {
@@ -54,6 +56,11 @@ Service::Service(ServiceManager manager) : manager_(std::move(manager)), reports
 
 void Service::report(ScancastServer& server, bool stopping) {
     if (!manager_.listens()) return;
+    // Without memory for it nothing is told, and all of it the next time.
+    std::ignore = contained("Telling the service manager", [&] { tellNews(server, stopping); });
+}
+
+void Service::tellNews(ScancastServer& server, bool stopping) {
     const ServiceState state = stateOf(server, stopping);
     const auto now = ServiceReports::Clock::now();
     const bool holdsBack = reports_.holdsBack(state);

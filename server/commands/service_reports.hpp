@@ -56,6 +56,8 @@ class Service {
     void report(ScancastServer& server, bool stopping);
 
   private:
+    void tellNews(ScancastServer& server, bool stopping);
+
     ServiceManager manager_;
     ServiceReports reports_;
     bool heldBack_ = false, failed_ = false;

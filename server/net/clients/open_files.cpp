@@ -1,4 +1,4 @@
-#include "server/commands/open_files.hpp"
+#include "server/net/clients/open_files.hpp"
 
 #include <fmt/format.h>
 #include <sys/resource.h>

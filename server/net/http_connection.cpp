@@ -147,7 +147,7 @@ class HttpConnection final : public Connection, public std::enable_shared_from_t
             return false;
         }
         if (!peer_) return true;
-        const Counted client = context_.proxies.clientOf(request_, *peer_);
+        const CountedClient client = context_.proxies.clientOf(request_, *peer_);
         request_.client = client.client;
         proxied_ = entrance_ == Entrance::Public && context_.proxies.trusts(*peer_);
         if (!proxied_) return true;

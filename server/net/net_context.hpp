@@ -87,7 +87,7 @@ struct NetContext {
     }
     /// Whom a connection of this peer is counted for before it has asked for anything. Not limited are proxies, and,
     /// unless a limit was given, this machine: all who forward a port come from there.
-    Counted peerOf(const std::optional<IpAddress>& address) const {
+    CountedClient peerOf(const std::optional<IpAddress>& address) const {
         if (!address) return {};
         const bool exempt =
             proxies.trusts(*address) || (limits.maxConnectionsPerAddress == 0 && address->isLoopback());

@@ -63,12 +63,12 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     const IpAddress peer = *IpAddress::parse("10.0.0.1"), other = *IpAddress::parse("192.0.2.7");
     for (const char* header : {"forwarded", "x-forwarded-for"}) {
         const HttpRequest request{"GET", "/", {{header, text}}};
-        const Counted found = proxies.clientOf(request, peer);
+        const CountedClient found = proxies.clientOf(request, peer);
         require(found.client == peer.client() || AddressRange::parse(found.client).has_value());
-        require(proxies.clientOf(request, other) == Counted{other.client(), true});
+        require(proxies.clientOf(request, other) == CountedClient{other.client(), true});
         // A proxy that appends what it knows is believed, whatever its client had written before.
         const HttpRequest appended{"GET", "/", {{"x-forwarded-for", text + ", 203.0.113.9"}}};
-        require(proxies.clientOf(appended, peer) == Counted{"203.0.113.9", true});
+        require(proxies.clientOf(appended, peer) == CountedClient{"203.0.113.9", true});
     }
     if (const auto range = AddressRange::parse(text))
         require(range->contains(*IpAddress::parse(text.substr(0, text.find('/')))));

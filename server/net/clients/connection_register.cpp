@@ -22,7 +22,8 @@ tl::unexpected<ConnectionRefusal> ConnectionRegister::refused(ConnectionRefusal 
     return tl::unexpected(why);
 }
 
-ConnectionRegister::Admitted<ConnectionRegister::Place> ConnectionRegister::enter(const Counted& counted) {
+ConnectionRegister::Admitted<ConnectionRegister::Place> ConnectionRegister::enter(
+    const CountedClient& counted) {
     auto entry = std::make_unique<Entry>();
     std::shared_ptr<Connection> victim;
     {
@@ -78,7 +79,7 @@ void ConnectionRegister::makeRoom() {
     askToLeave(victim);
 }
 
-ConnectionRegister::Client* ConnectionRegister::clientLocked(const Counted& counted) {
+ConnectionRegister::Client* ConnectionRegister::clientLocked(const CountedClient& counted) {
     if (!counted.limited) return nullptr;
     const auto at = clients_.try_emplace(counted.client).first;
     at->second.name = &at->first;
@@ -201,7 +202,7 @@ bool ConnectionRegister::Place::busy() noexcept {
     return !entry_->leaving;
 }
 
-ConnectionRegister::Admitted<void> ConnectionRegister::Place::countFor(const Counted& counted) {
+ConnectionRegister::Admitted<void> ConnectionRegister::Place::countFor(const CountedClient& counted) {
     if (!entry_) return {};
     std::shared_ptr<Connection> victim;
     {

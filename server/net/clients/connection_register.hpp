@@ -49,7 +49,7 @@ class ConnectionRegister {
     explicit ConnectionRegister(const ConnectionLimits& limits, Metrics* metrics = nullptr);
 
     /// A place, which is busy until its connection says otherwise. Whoever had it is asked to leave.
-    Admitted<Place> enter(const Counted& client);
+    Admitted<Place> enter(const CountedClient& client);
     /// Asks who has been idle longest to leave, if anybody is: what connections are made of runs out.
     void makeRoom();
     void shutDownAll();
@@ -89,7 +89,7 @@ class ConnectionRegister {
     void partLocked(Entry& entry);
     void restLocked(Entry& entry);
     void wakeLocked(Entry& entry);
-    Client* clientLocked(const Counted& counted);
+    Client* clientLocked(const CountedClient& counted);
     void forgetLocked(Client* client);
     std::vector<std::weak_ptr<Connection>> allLocked() const;
     tl::unexpected<ConnectionRefusal> refused(ConnectionRefusal why) const;
@@ -121,7 +121,7 @@ class ConnectionRegister::Place {
     bool busy() noexcept;
     /// For another client than before: behind a proxy requests of many come on one connection. Where that one has no
     /// place left, his idle ones go; a refusal leaves the place as it is.
-    Admitted<void> countFor(const Counted& client);
+    Admitted<void> countFor(const CountedClient& client);
 
   private:
     friend class ConnectionRegister;

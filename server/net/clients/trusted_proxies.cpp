@@ -186,7 +186,7 @@ bool TrustedProxies::trusts(const IpAddress& address) const {
     return std::ranges::any_of(ranges_, [&](const AddressRange& range) { return range.contains(address); });
 }
 
-Counted TrustedProxies::clientOf(const HttpRequest& request, const IpAddress& peer) const {
+CountedClient TrustedProxies::clientOf(const HttpRequest& request, const IpAddress& peer) const {
     if (!trusts(peer)) return {peer.client(), true};
     const auto standard = originOf(request, "forwarded", *this,
                                    [](std::string_view line) { return ForwardedReader(line).hops(); });

@@ -16,10 +16,10 @@
 namespace scancast {
 
 /// Whom a connection, or a request, is counted for.
-struct Counted {
+struct CountedClient {
     std::string client;   ///< an address, or a network of version 6; empty = not known
     bool limited = true;  ///< its connections are counted against what one address may have
-    bool operator==(const Counted&) const = default;
+    bool operator==(const CountedClient&) const = default;
 };
 
 class TrustedProxies {
@@ -33,7 +33,7 @@ class TrustedProxies {
     /// for itself); and where what it says is malformed, or Forwarded and X-Forwarded-For disagree, one of which is the
     /// client's own then (limited: a client may have brought that about). Never an error. Of any other peer its
     /// address, whatever the headers say.
-    Counted clientOf(const HttpRequest& request, const IpAddress& peer) const;
+    CountedClient clientOf(const HttpRequest& request, const IpAddress& peer) const;
 
   private:
     std::vector<AddressRange> ranges_;

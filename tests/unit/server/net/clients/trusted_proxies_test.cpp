@@ -10,29 +10,30 @@ using Headers = std::vector<std::pair<std::string, std::string>>;
 
 constexpr const char* proxyAddress = "10.0.0.1";
 
-Counted counted(Headers headers, const char* peer = proxyAddress) {
+CountedClient counted(Headers headers, const char* peer = proxyAddress) {
     const std::vector<std::string> ranges{"10.0.0.0/8", "2001:db8:ffff::/48"};
     return TrustedProxies::parse(ranges).value().clientOf({"GET", "/", std::move(headers)},
                                                           IpAddress::parse(peer).value());
 }
-Counted standard(std::string value) {
+CountedClient standard(std::string value) {
     return counted({{"forwarded", std::move(value)}});
 }
-Counted usual(std::string value) {
+CountedClient usual(std::string value) {
     return counted({{"x-forwarded-for", std::move(value)}});
 }
 
-const Counted someone{"203.0.113.9", true};
-const Counted theProxy{proxyAddress, false};
-const Counted unclear{proxyAddress, true};
+const CountedClient someone{"203.0.113.9", true};
+const CountedClient theProxy{proxyAddress, false};
+const CountedClient unclear{proxyAddress, true};
 
 TEST(TrustedProxies, NobodyElseIsBelieved) {
     for (const char* peer : {"198.51.100.1", "11.0.0.1", "127.0.0.1"}) {
-        const Counted found =
+        const CountedClient found =
             counted({{"x-forwarded-for", "203.0.113.9"}, {"forwarded", "for=203.0.113.9"}}, peer);
-        EXPECT_EQ(found, (Counted{peer, true}));
+        EXPECT_EQ(found, (CountedClient{peer, true}));
     }
-    EXPECT_EQ(counted({{"x-forwarded-for", "203.0.113.9"}}, "2001:db8::7"), (Counted{"2001:db8::/64", true}));
+    EXPECT_EQ(counted({{"x-forwarded-for", "203.0.113.9"}}, "2001:db8::7"),
+              (CountedClient{"2001:db8::/64", true}));
 }
 
 TEST(TrustedProxies, ItsOwnRequestsAreItsOwn) {
@@ -60,7 +61,7 @@ TEST(TrustedProxies, LinesGoOnFromEachOther) {
 }
 
 TEST(TrustedProxies, Version6) {
-    const Counted network{"2001:db8:cafe::/64", true};
+    const CountedClient network{"2001:db8:cafe::/64", true};
     for (const char* value : {"for=\"[2001:db8:cafe::17]\"", "for=\"[2001:db8:cafe::17]:4711\"",
                               "For=\"[2001:db8:cafe::17]\", for=\"[2001:db8:ffff::1]\""})
         EXPECT_EQ(standard(value), network) << value;
@@ -70,7 +71,7 @@ TEST(TrustedProxies, Version6) {
 }
 
 TEST(TrustedProxies, OfProxiesAloneTheFirstIsTheClient) {
-    EXPECT_EQ(usual("10.0.0.3, 10.0.0.2"), (Counted{"10.0.0.3", true}));
+    EXPECT_EQ(usual("10.0.0.3, 10.0.0.2"), (CountedClient{"10.0.0.3", true}));
 }
 
 TEST(TrustedProxies, WhoIsHiddenByHisProxyIsCountedForIt) {

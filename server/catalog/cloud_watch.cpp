@@ -185,7 +185,10 @@ void CloudWatch::lookAt(Watched& one) {
     }();
     if (file) {
         one.unfound = false;
-        if (file->identity() != one.served.identity) changed(one, std::move(*file));
+        if (file->identity() != one.served.identity)
+            changed(one, std::move(*file));
+        else
+            one.pending = {};
     } else if (!std::exchange(one.unfound, true) && !one.refused) {
         note(fmt::format("{}: {}; what was opened of it is served on.", one.served.id, file.error().message));
     }
@@ -288,7 +291,7 @@ void CloudWatch::damaged(Watched& one, const Error& error) {
         lookAt(one);
         // Then it is no damage: the file has changed, or is about to.
         if (one.isOver || one.served.file != file) return;
-        if (one.pending != FileIdentity{} && one.pending != one.served.identity) return;
+        if (one.pending != FileIdentity{} && one.pending != one.told) return;
     }
     if (options_.onDamaged) options_.onDamaged(*one.served.file, error);
     if (ofTheFile && one.served.kept) buildAnew(one);

@@ -82,7 +82,7 @@ TEST(FrameHeader, LongerHeadersOfLaterServersAreSkipped) {
     auto bytes = message(sample());
     bytes[6] = 56;
     bytes.insert(bytes.begin() + 48, {9, 9, 9, 9, 9, 9, 9, 9});
-    bytes[9] |= 0xF8;  // flags that nobody knows yet
+    bytes[9] |= 0xF0;  // flags that nobody knows yet
     bytes[10] = bytes[11] = 0xFF;
     const auto frame = parseFrame(bytes);
     ASSERT_TRUE(frame) << frame.error().message;

@@ -267,9 +267,10 @@ void CloudWatch::serveAgain(Watched& one, const FileIdentity& identity,
     }
     one.served.identity = identity;
     one.described = std::move(file);
-    note(fmt::format("{}: {} has {}, and {} served from now on: {} points in {} nodes.", one.served.id,
-                     one.name(), sameBlocks ? "another description now" : "been replaced",
-                     sameBlocks ? "is so" : "the new one is", cloud->points, cloud->octree.nodes().size()));
+    note(fmt::format("{}: {} {} from now on: {} points in {} nodes.", one.served.id, one.name(),
+                     sameBlocks ? "has another description, which is shown"
+                                : "has been replaced, and the new one is served",
+                     cloud->points, cloud->octree.nodes().size()));
     if (options_.onChanged) options_.onChanged();
 }
 

@@ -213,7 +213,8 @@ void StreamSession::lookAround(Time now) {
     const auto cloud = world_.cloud(scene_.cloudId);
     if (!cloud && cloud.error().status == 404) {
         refuse(cloud.error(), std::nullopt);
-        return close(CloseCode::GoingAway, "The cloud that this session showed is not there any more.");
+        return close(CloseCode::GoingAway,
+                     "The cloud that this session showed has been removed, or cannot be read any more.");
     }
     followLeader(now);
     if (state_ != State::Open || !cloud || *cloud == scene_.cloud) return;

@@ -9,7 +9,7 @@
 namespace scancast {
 namespace {
 
-constexpr std::uint64_t longestFile = 1 << 20;
+constexpr std::uint64_t longestLook = 1 << 20;
 
 /// One that any change fits which fits some look.
 Look mostTolerant() {
@@ -24,7 +24,7 @@ Look mostTolerant() {
 Expected<nlohmann::json> readLookFile(const std::string& file) {
     const auto input = InputFile::open(file);
     if (!input) return passOn(input);
-    if (input->bytes() > longestFile)
+    if (input->bytes() > longestLook)
         return fail(ErrorCode::ResourceLimit, file + " is too long for a look.");
     std::string text(input->bytes(), '\0');
     const auto got = input->readAt(0, std::as_writable_bytes(std::span(text)));

@@ -22,21 +22,17 @@ PerPixel perPixel(const View& view, PictureFormat format) {
     return {1.5, 0.5};
 }
 
-double pixelsOf(const View& view) {
-    return double(view.width) * view.height;
-}
-
 }  // namespace
 
 std::uint64_t bytesToDraw(const View& view, PictureFormat format) {
     const bool isDepth = format == PictureFormat::Depth;
     // What libraries encode into is copied once; depth goes out as it is.
     const double encoded = perPixel(view, format).encodedAtMost * (isDepth ? 1 : 2);
-    return std::uint64_t(pixelsOf(view) * (double(rgba + (isDepth ? depth : 0)) + encoded));
+    return std::uint64_t(double(view.width) * view.height * (double(rgba + (isDepth ? depth : 0)) + encoded));
 }
 
 std::uint64_t bytesToKeep(const View& view, PictureFormat format) {
-    return std::uint64_t(pixelsOf(view) * perPixel(view, format).encoded);
+    return std::uint64_t(double(view.width) * view.height * perPixel(view, format).encoded);
 }
 
 }  // namespace scancast

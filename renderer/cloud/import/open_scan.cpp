@@ -1,6 +1,8 @@
 #include "renderer/cloud/import/open_scan.hpp"
 
 #include <array>
+#include <string_view>
+#include <utility>
 
 #include "renderer/cloud/import/byte_source.hpp"
 #include "renderer/cloud/import/las/las_source.hpp"
@@ -33,25 +35,38 @@ Expected<std::unique_ptr<PointSource>> opened(Expected<std::unique_ptr<Source>> 
     return std::unique_ptr<PointSource>(std::move(*source));
 }
 
+struct Looked {
+    std::unique_ptr<FileByteSource> bytes;
+    std::string extension;
+    Identified identified;
+};
+
+Expected<Looked> lookAt(const ScanInput& input) {
+    const auto name = input.path().string();
+    auto file = input.file().share();
+    if (!file) return passOn(file);
+    auto bytes = FileByteSource::create(std::move(*file).release(), name);
+    if (!bytes) return passOn(bytes);
+    std::array<std::byte, identifyBytes> start{};
+    const auto got = (*bytes)->readAt(0, start);
+    if (!got) return passOn(got);
+    if (*got == 0) return fail(ErrorCode::Empty, name + " is an empty file (0 bytes)");
+    auto extension = extensionOf(input.path());
+    auto identified = identifyScan(std::span(start).first(*got), extension);
+    return Looked{std::move(*bytes), std::move(extension), std::move(identified)};
+}
+
 }  // namespace
 
 Expected<std::unique_ptr<PointSource>> openScan(const ScanInput& input, const ImportOptions& options) {
     const auto name = input.path().string();
     if (input.octree()) return opened(ImporterSource::create(potreeImporter, input, options));
-    auto file = input.file().share();
-    if (!file) return passOn(file);
-    auto bytes = FileByteSource::create(std::move(*file).release(), name);
-    if (!bytes) return passOn(bytes);
-
-    std::array<std::byte, identifyBytes> start{};
-    const auto got = (*bytes)->readAt(0, start);
-    if (!got) return passOn(got);
-    if (*got == 0) return fail(ErrorCode::Empty, name + " is an empty file (0 bytes)");
-    const auto extension = extensionOf(input.path());
-    const auto identified = identifyScan(std::span(start).first(*got), extension);
+    auto looked = lookAt(input);
+    if (!looked) return passOn(looked);
+    auto& [bytes, extension, identified] = *looked;
     switch (identified.format) {
         case ScanFormat::Las:
-            return opened(LasSource::create(std::move(*bytes), name, options.keepAttributes));
+            return opened(LasSource::create(std::move(bytes), name, options.keepAttributes));
         case ScanFormat::Laz:
             return opened(ImporterSource::create(lazImporter, input, options));
         case ScanFormat::Ply:
@@ -59,15 +74,35 @@ Expected<std::unique_ptr<PointSource>> openScan(const ScanInput& input, const Im
             return opened(ImporterSource::create(pclImporter, input, options));
         case ScanFormat::Text:
             return opened(
-                TextSource::create(std::move(*bytes), name,
+                TextSource::create(std::move(bytes), name,
                                    {.pts = extension == ".pts", .keepAttributes = options.keepAttributes}));
         case ScanFormat::Ptx:
-            return opened(PtxSource::create(std::move(*bytes), name));
+            return opened(PtxSource::create(std::move(bytes), name));
         case ScanFormat::Unknown:
             break;
     }
     return fail(ErrorCode::Unsupported,
                 name + ", byte 0: " + identified.reason + ". " + std::string(readableFormats()) + ".");
+}
+
+bool needsImporter(const ScanInput& input) {
+    if (input.octree()) return true;
+    const auto looked = lookAt(input);
+    if (!looked) return false;
+    const ScanFormat format = looked->identified.format;
+    return format == ScanFormat::Laz || format == ScanFormat::Ply || format == ScanFormat::Pcd;
+}
+
+std::string_view name(ImporterSandbox sandbox) {
+    switch (sandbox) {
+        case ImporterSandbox::Require:
+            return "require";
+        case ImporterSandbox::Off:
+            return "off";
+        case ImporterSandbox::Auto:
+            break;
+    }
+    return "auto";
 }
 
 Expected<std::unique_ptr<PointSource>> openScan(const std::filesystem::path& path,

@@ -3,19 +3,33 @@
 // → octree.
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <memory>
+#include <stop_token>
+#include <string_view>
 
 #include "renderer/cloud/import/scan_input.hpp"
 #include "renderer/cloud/point_batch.hpp"
 
 namespace scancast {
 
+/// How importer programs are shut in (decision 18).
+enum class ImporterSandbox : std::uint8_t {
+    Auto,     ///< by what the machine has
+    Require,  ///< completely, or no importer is started
+    Off,      ///< not at all; limits hold all the same
+};
+std::string_view name(ImporterSandbox sandbox);
+
 struct ImportOptions {
     /// Where scancast-import-* programs are; empty = beside the running program, then on PATH.
     std::filesystem::path importerDirectory;
-    std::uint64_t importerMemoryLimit = std::uint64_t(16) << 30;  ///< bytes of address space
-    int importerTimeoutSeconds = 600;                             ///< without any new byte
+    std::uint64_t importerMemoryLimit = std::uint64_t(16) << 30;  ///< bytes of address space; 0 = none
+    std::uint64_t importerProcessorSeconds = 7200;                ///< 0 = none
+    int importerSilenceSeconds = 60;  ///< without a byte sent, or read of the file
+    ImporterSandbox importerSandbox = ImporterSandbox::Auto;
+    std::stop_token stop{};  ///< ends an importer that is waited for
     /// Keep what does not fit the sample (GPS time, returns, extra bytes, spare text columns) as
     /// ScanHeader::columns.
     bool keepAttributes = false;
@@ -24,6 +38,8 @@ struct ImportOptions {
 /// Reads from what is open there, also when somebody else does. Errors name the file, the byte offset where there is one,
 /// and the reason: Io, Unsupported (with the formats that are), Malformed, Truncated, Empty, Importer.
 Expected<std::unique_ptr<PointSource>> openScan(const ScanInput& input, const ImportOptions& options = {});
+/// Whether openScan() would start an importer for it. False for what cannot be read: openScan() says why.
+bool needsImporter(const ScanInput& input);
 /// The same, and the errors of ScanInput::open().
 Expected<std::unique_ptr<PointSource>> openScan(const std::filesystem::path& path,
                                                 const ImportOptions& options = {});

@@ -81,7 +81,18 @@ void bigAllocation() {
     finish();
 }
 
-/// The same, never to be written to.
+/// For 1.6 s it sends nothing, and reads.
+void readLong() {
+    for (int i = 0; i < 16; ++i) {
+        std::ifstream scan("/proc/self/fd/3");
+        std::string word;
+        scan >> word;
+        ::usleep(100'000);
+    }
+    good();
+}
+
+/// As bigAllocation(), never to be written to.
 void reserve() {
     if (::mmap(nullptr, std::size_t(3) << 30, PROT_NONE, MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1,
                0) == MAP_FAILED)
@@ -170,6 +181,11 @@ const std::map<std::string, std::function<void()>> behaviours{
      }},
     {"allocate", bigAllocation},
     {"reserve", reserve},
+    {"read-long", readLong},
+    {"spin",
+     [] {
+         while (::getppid() != 0) continue;
+     }},
 };
 
 }  // namespace

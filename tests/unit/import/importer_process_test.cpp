@@ -6,6 +6,7 @@
 
 #include <chrono>
 #include <cstdlib>
+#include <thread>
 
 #include "renderer/cloud/import/stream/importer_source.hpp"
 #include "tests/support/sized.hpp"
@@ -43,7 +44,7 @@ class FakeImporter : public ::testing::Test {
     TemporaryFolder folder_;
     std::filesystem::path file_;
     ImporterProgram program_{.name = "fake-importer"};
-    ImportOptions options_{.importerDirectory = SCANCAST_FAKE_IMPORTERS, .importerTimeoutSeconds = 1};
+    ImportOptions options_{.importerDirectory = SCANCAST_FAKE_IMPORTERS, .importerSilenceSeconds = 1};
 };
 
 }  // namespace
@@ -77,7 +78,7 @@ TEST_F(FakeImporter, Fails) {
 }
 
 TEST_F(FakeImporter, Hangs) {
-    expectError("hang", ErrorCode::Importer, "sent nothing for 1 seconds and was stopped");
+    expectError("hang", ErrorCode::Importer, "hangs: it sent nothing for 1 seconds");
     expectError("hang-midway", ErrorCode::Importer, "sent nothing for 1 seconds");
     expectError("hang-with-noise", ErrorCode::Importer, "sent nothing for 1 seconds");
 }
@@ -85,6 +86,7 @@ TEST_F(FakeImporter, Hangs) {
 // The group is ended, not only the program: a child that keeps the pipe open must not outlive it.
 TEST_F(FakeImporter, ChildrenOfTheImporterEndWithIt) {
     pid_t group = 0;
+    options_.importerSandbox = ImporterSandbox::Off;  // which would let it have no child
     {
         const auto file = folder_.write("a", "child-hangs");
         auto process = ImporterProcess::start(program_, *ScanInput::open(file), options_);
@@ -105,6 +107,51 @@ TEST_F(FakeImporter, ChildrenOfTheImporterEndWithIt) {
     if (!gone) GTEST_SKIP() << "orphans are not collected on this machine";
 }
 
+// Nobody is left to end it when a server is killed: the kernel does.
+TEST_F(FakeImporter, EndsWithTheThreadThatStartedIt) {
+    for (const auto sandbox : {ImporterSandbox::Auto, ImporterSandbox::Off}) {
+        options_.importerSandbox = sandbox;
+        options_.importerSilenceSeconds = 600;
+        const auto file = folder_.write("a", "hang-midway");
+        std::unique_ptr<ImporterProcess> process;
+        std::thread([&] {
+            process = ImporterProcess::start(program_, *ScanInput::open(file), options_).value();
+            std::array<std::byte, 136> header{};
+            EXPECT_EQ(readFully(*process, header).value_or(0), header.size());
+        }).join();
+        std::array<std::byte, 4096> rest{};
+        EXPECT_TRUE(readFully(*process, rest)) << "its output ends";
+        EXPECT_THAT(process->badEnd().value_or(""), HasSubstr("was killed"));
+    }
+}
+
+TEST_F(FakeImporter, IsWaitedForNoLongerWhenAskedToStop) {
+    std::stop_source stop;
+    options_.stop = stop.get_token();
+    options_.importerSilenceSeconds = 600;
+    auto source = open("hang-midway");
+    ASSERT_TRUE(source) << source.error().message;
+    stop.request_stop();
+    PointBatch batch;
+    auto more = (*source)->read(batch);
+    while (more && *more) more = (*source)->read(batch);
+    ASSERT_FALSE(more);
+    EXPECT_EQ(name(more.error().code), name(ErrorCode::Cancelled));
+}
+
+// Silent, but not hanging: it takes in more and more of its file.
+TEST_F(FakeImporter, ReadingOnIsNoSilence) {
+    const auto scan = summarizeOpened(open("read-long"));
+    ASSERT_TRUE(scan) << scan.error().message;
+    EXPECT_EQ(scan->points, 10u);
+}
+
+TEST_F(FakeImporter, ProcessorTimeIsLimited) {
+    options_.importerProcessorSeconds = 1;
+    options_.importerSilenceSeconds = 600;
+    expectError("spin", ErrorCode::Importer, "more processor time than it is allowed (--importer-time)");
+}
+
 TEST_F(FakeImporter, LeftAloneMidwayIsEnded) {
     {
         auto source = open("flood");
@@ -115,7 +162,7 @@ TEST_F(FakeImporter, LeftAloneMidwayIsEnded) {
 }
 
 TEST_F(FakeImporter, HangingAfterItsEndDelaysNobody) {
-    options_.importerTimeoutSeconds = 600;
+    options_.importerSilenceSeconds = 600;
     const auto scan = summarizeOpened(open("hang-after-end"));
     ASSERT_TRUE(scan) << scan.error().message;
     expectNoChildren();
@@ -137,7 +184,7 @@ TEST_F(FakeImporter, Floods) {
 TEST_F(FakeImporter, MemoryIsLimited) {
     if (test::sanitized) GTEST_SKIP() << "sanitizers need more address space than any limit";
     options_.importerMemoryLimit = std::uint64_t(1) << 30;
-    options_.importerTimeoutSeconds = 30;
+    options_.importerSilenceSeconds = 30;
     expectError("allocate", ErrorCode::Importer, "crashed (signal 6");
     program_.memory = ImporterProgram::Memory::Data;
     expectError("allocate", ErrorCode::Importer, "crashed (signal 6");
@@ -164,7 +211,7 @@ TEST_F(FakeImporter, ProgramThatCannotBeStarted) {
     expectError("good", ErrorCode::Importer, "cannot be started");
 }
 
-// A shell starts the program: nothing in a path may mean anything to it.
+// Nothing in a path may mean anything to whatever starts the program.
 TEST_F(FakeImporter, PathsAreNeverCommands) {
     const std::string hostile = "$(touch broken) `touch broken`; touch broken & 'a' \"b\" * \\ \n-c";
     const auto folder = folder_.path() / hostile;

@@ -1,23 +1,21 @@
 #include "renderer/cloud/import/stream/importer_process.hpp"
 
-#include <fcntl.h>
 #include <fmt/format.h>
 #include <poll.h>
 #include <signal.h>
-#include <spawn.h>
-#include <sys/resource.h>
 #include <sys/wait.h>
 
 #include <algorithm>
 #include <array>
 #include <cerrno>
-#include <cstdlib>
 #include <cstring>
+#include <fstream>
 #include <thread>
-#include <vector>
+#include <utility>
 
 #include "files/system_error.hpp"
 #include "renderer/cloud/import/printable_text.hpp"
+#include "renderer/cloud/import/stream/importer_launch.hpp"
 
 namespace scancast {
 
@@ -26,121 +24,10 @@ namespace {
 using namespace std::chrono_literals;
 
 constexpr std::size_t errorTextBytes = 4096;
-constexpr int pipeBytes = 1 << 20;
-constexpr int scanDescriptor = STDERR_FILENO + 1;  // in the importer
-constexpr auto endGrace = 2s;                      // between the end of its output and the end of the process
-
-// The sanitizers reserve terabytes at once: a limit would stop the importer at its start.
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-constexpr bool limitsMemory = false;
-#else
-constexpr bool limitsMemory = true;
-#endif
-
-struct Pipe {
-    UniqueFd read, write;
-};
-
-Expected<Pipe> makePipe() {
-    std::array<int, 2> ends{};
-    if (::pipe2(ends.data(), O_CLOEXEC) != 0) return fail(ErrorCode::Io, "no pipe: " + systemReason(errno));
-    return Pipe{UniqueFd(ends[0]), UniqueFd(ends[1])};
-}
-
-/// What a parser of strangers' files may know of the server's environment.
-std::vector<std::string> smallEnvironment() {
-    std::vector<std::string> result{"LC_ALL=C"};
-    for (const char* name :
-         {"PATH", "HOME", "TMPDIR", "LD_LIBRARY_PATH", "ASAN_OPTIONS", "UBSAN_OPTIONS", "TSAN_OPTIONS"})
-        if (const char* value = std::getenv(name)) result.push_back(std::string(name) + "=" + value);
-    return result;
-}
-
-std::vector<char*> pointers(std::vector<std::string>& strings) {
-    std::vector<char*> result;
-    for (auto& s : strings) result.push_back(s.data());
-    result.push_back(nullptr);
-    return result;
-}
-
-/// posix_spawn's two argument objects, released whatever happens.
-struct SpawnArguments {
-    posix_spawn_file_actions_t actions{};
-    posix_spawnattr_t attributes{};
-
-    SpawnArguments() {
-        ::posix_spawn_file_actions_init(&actions);
-        ::posix_spawnattr_init(&attributes);
-    }
-    ~SpawnArguments() {
-        ::posix_spawn_file_actions_destroy(&actions);
-        ::posix_spawnattr_destroy(&attributes);
-    }
-    SpawnArguments(const SpawnArguments&) = delete;
-    SpawnArguments& operator=(const SpawnArguments&) = delete;
-};
-
-/// Spawning shares the parent's memory until exec: forking a server that holds gigabytes would copy its page
-/// tables and stall rendering.
-Expected<pid_t> spawn(std::vector<std::string> arguments, int scan, int output, int errors) {
-    SpawnArguments spawn;
-    ::posix_spawn_file_actions_addopen(&spawn.actions, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
-    ::posix_spawn_file_actions_adddup2(&spawn.actions, output, STDOUT_FILENO);
-    ::posix_spawn_file_actions_adddup2(&spawn.actions, errors, STDERR_FILENO);
-    // After the others: until here, one of the pipes may have this number.
-    ::posix_spawn_file_actions_adddup2(&spawn.actions, scan, scanDescriptor);
-    // Not every library opens its sockets with O_CLOEXEC; an importer that kept one would keep a port busy.
-    ::posix_spawn_file_actions_addclosefrom_np(&spawn.actions, scanDescriptor + 1);
-    sigset_t all, none;
-    ::sigfillset(&all);
-    ::sigdelset(&all, SIGKILL);
-    ::sigdelset(&all, SIGSTOP);
-    ::sigemptyset(&none);
-    ::posix_spawnattr_setsigdefault(&spawn.attributes, &all);
-    ::posix_spawnattr_setsigmask(&spawn.attributes, &none);
-    ::posix_spawnattr_setpgroup(&spawn.attributes, 0);
-    ::posix_spawnattr_setflags(&spawn.attributes,
-                               POSIX_SPAWN_SETPGROUP | POSIX_SPAWN_SETSIGDEF | POSIX_SPAWN_SETSIGMASK);
-    auto environment = smallEnvironment();
-    pid_t pid = -1;
-    const int error = ::posix_spawn(&pid, arguments.front().c_str(), &spawn.actions, &spawn.attributes,
-                                    pointers(arguments).data(), pointers(environment).data());
-    if (error != 0)
-        return fail(ErrorCode::Importer, arguments.front() + " cannot be started: " + systemReason(error));
-    return pid;
-}
-
-/// The processor time allowed: far more than reading takes, so that only a program that runs in circles meets
-/// it.
-std::uint64_t processorSeconds(const ImportOptions& options) {
-    return 60 + 12 * static_cast<std::uint64_t>(std::max(1, options.importerTimeoutSeconds));
-}
-
-/// The limits have to hold before the program's first instruction, and posix_spawn cannot set them: the shell
-/// does, and becomes the program. Its script is always the same text; numbers, program and file are its
-/// arguments, never part of it. A limit that cannot be set is one that is tighter already.
-constexpr const char* limitsThenProgram =
-    "{ ulimit -c 0; ulimit -t \"$1\"; [ -z \"$3\" ] || ulimit \"$2\" \"$3\"; } 2>/dev/null; "
-    "program=$4; shift 4; exec \"$program\" \"$@\"";
-constexpr int shellFoundNoProgram = 127;
-constexpr int shellCannotRunProgram = 126;
-
-std::vector<std::string> limitedCommand(const ImporterProgram& importer, const std::string& program,
-                                        const std::string& file, const ImportOptions& options) {
-    const bool limited = limitsMemory && options.importerMemoryLimit > 0;
-    std::vector<std::string> command{
-        "/bin/sh",
-        "-c",
-        limitsThenProgram,
-        "scancast",
-        std::to_string(processorSeconds(options)),
-        importer.memory == ImporterProgram::Memory::Data ? "-d" : "-v",
-        limited ? std::to_string(std::max<std::uint64_t>(1, options.importerMemoryLimit / 1024)) : "",
-        program};
-    if (options.keepAttributes && importer.knowsKeepAttributes) command.emplace_back("--keep-attributes");
-    command.push_back(file);
-    return command;
-}
+constexpr auto endGrace = 2s;         // between the end of its output and the end of the process
+constexpr auto lookInterval = 250ms;  // at what it reads, and whether somebody wants it to stop
+// What scancast-sandbox, like a shell, says of a program that it cannot become.
+constexpr int foundNoProgram = 127, cannotRunProgram = 126;
 
 /// Opening it anew gives the importer a place of its own in the file, and, unlike a name, always the same
 /// file.
@@ -160,27 +47,22 @@ std::string lastLine(const std::string& text) {
 Expected<std::unique_ptr<ImporterProcess>> ImporterProcess::start(const ImporterProgram& importer,
                                                                   const ScanInput& input,
                                                                   const ImportOptions& options) {
-    const auto program = findImporter(importer.name, options);
-    if (!program) return passOn(program);
-    auto output = makePipe();
-    if (!output) return passOn(output);
-    auto errors = makePipe();
-    if (!errors) return passOn(errors);
-    ::fcntl(output->read.get(), F_SETPIPE_SZ, pipeBytes);  // fewer wake-ups; refused beyond the user's limit
-    for (const auto& end : {output->read.get(), errors->read.get()})
-        ::fcntl(end, F_SETFL, ::fcntl(end, F_GETFL) | O_NONBLOCK);
-
-    // Beyond the standard streams, which are set up before it.
-    const int opened = input.octree() ? input.octree()->descriptor() : input.file().descriptor();
-    const UniqueFd scan(::fcntl(opened, F_DUPFD_CLOEXEC, scanDescriptor));
-    if (!scan) return fail(ErrorCode::Io, "it cannot be handed on: " + systemReason(errno));
-    const auto pid = spawn(limitedCommand(importer, program->string(), pathInImporter(input), options),
-                           scan.get(), output->write.get(), errors->write.get());
-    if (!pid) return passOn(pid);
-    return std::unique_ptr<ImporterProcess>(
-        new ImporterProcess(*pid, std::move(output->read), std::move(errors->read),
-                            std::chrono::seconds(std::max(1, options.importerTimeoutSeconds))));
+    auto command = importerCommand(importer, pathInImporter(input), options);
+    if (!command) return passOn(command);
+    auto launched = launch(std::move(*command),
+                           input.octree() ? input.octree()->descriptor() : input.file().descriptor());
+    if (!launched) return passOn(launched);
+    return std::make_unique<ImporterProcess>(
+        std::move(*launched), std::chrono::seconds(std::max(1, options.importerSilenceSeconds)),
+        options.stop);
 }
+
+ImporterProcess::ImporterProcess(LaunchedProgram program, std::chrono::seconds silence, std::stop_token stop)
+    : pid_(program.pid),
+      output_(std::move(program.output)),
+      errors_(std::move(program.errors)),
+      silence_(silence),
+      stop_(std::move(stop)) {}
 
 ImporterProcess::~ImporterProcess() {
     kill();
@@ -222,8 +104,19 @@ bool ImporterProcess::waitForBytes(Clock::time_point deadline, bool& outputReady
     return true;
 }
 
+/// Whether it gets on with its file, though it says nothing yet: what the kernel counts as read, from anywhere or from the
+/// disk (which is how memory that maps a file is filled).
+bool ImporterProcess::hasReadMore() {
+    std::ifstream counts(fmt::format("/proc/{}/io", pid_));
+    std::uint64_t sum = 0, value = 0;
+    for (std::string name; counts >> name >> value;)
+        if (name == "rchar:" || name == "read_bytes:") sum += value;
+    return sum > std::exchange(taken_, sum);
+}
+
 Expected<std::size_t> ImporterProcess::read(std::span<std::byte> into) {
     if (ended_) return std::size_t(0);
+    auto deadline = Clock::now() + silence_;
     for (;;) {
         const auto got = ::read(output_.get(), into.data(), into.size());
         if (got > 0) return static_cast<std::size_t>(got);
@@ -234,12 +127,20 @@ Expected<std::size_t> ImporterProcess::read(std::span<std::byte> into) {
         if (errno == EINTR) continue;
         if (errno != EAGAIN)
             return fail(ErrorCode::Importer, "its output cannot be read: " + systemReason(errno));
-        bool ready = false;
-        if (!waitForBytes(Clock::now() + silence_, ready)) {
+        if (stop_.stop_requested()) {
             kill();
-            return fail(ErrorCode::Importer,
-                        fmt::format("it sent nothing for {} seconds and was stopped", silence_.count()));
+            return fail(ErrorCode::Cancelled, "reading it was given up");
         }
+        bool ready = false;
+        if (waitForBytes(std::min(deadline, Clock::now() + lookInterval), ready)) continue;
+        if (hasReadMore()) deadline = Clock::now() + silence_;
+        if (Clock::now() < deadline) continue;
+        kill();
+        return fail(
+            ErrorCode::Importer,
+            fmt::format("it hangs: it sent nothing for {} seconds, read nothing of its file, and was stopped "
+                        "(--importer-silence says how long it may)",
+                        silence_.count()));
     }
 }
 
@@ -263,44 +164,20 @@ std::optional<std::string> ImporterProcess::badEnd() {
     if (!ended_ || !reap(deadline)) return std::nullopt;
     if (WIFSIGNALED(status_)) {
         const int signal = WTERMSIG(status_);
-        if (signal == SIGXCPU) return "used more processor time than it is allowed";
+        if (signal == SIGXCPU) return "used more processor time than it is allowed (--importer-time)";
+        if (signal == SIGSYS) return "made a system call that importers may not make, and was ended";
         if (signal == SIGKILL) return "was killed by the system, which probably ran out of memory";
         const char* words = ::sigdescr_np(signal);
         return fmt::format("crashed (signal {}{}{})", signal, words ? ", " : "", words ? words : "");
     }
     if (WIFEXITED(status_) && WEXITSTATUS(status_) != 0) {
         const auto words = lastLine(errorText_);
-        if (WEXITSTATUS(status_) == shellFoundNoProgram || WEXITSTATUS(status_) == shellCannotRunProgram)
+        if (WEXITSTATUS(status_) == foundNoProgram || WEXITSTATUS(status_) == cannotRunProgram)
             return "cannot be started" + (words.empty() ? "" : ": " + words);
         return fmt::format("ended with exit status {}{}", WEXITSTATUS(status_),
                            words.empty() ? "" : ": " + words);
     }
     return std::nullopt;
-}
-
-Expected<std::filesystem::path> findImporter(const std::string& program, const ImportOptions& options) {
-    namespace fs = std::filesystem;
-    std::vector<fs::path> folders;
-    std::error_code error;
-    if (!options.importerDirectory.empty()) {
-        folders.push_back(options.importerDirectory);
-    } else {
-        if (const auto self = fs::read_symlink("/proc/self/exe", error); !error)
-            folders.push_back(self.parent_path());
-        std::string path = std::getenv("PATH") ? std::getenv("PATH") : "";
-        for (std::size_t at = 0; at <= path.size();) {
-            const auto end = std::min(path.find(':', at), path.size());
-            // Only absolute entries: what is run must not depend on the current directory.
-            if (path[at] == '/') folders.emplace_back(path.substr(at, end - at));
-            at = end + 1;
-        }
-    }
-    for (const auto& folder : folders)
-        if (::access((folder / program).c_str(), X_OK) == 0) return fs::absolute(folder / program, error);
-    return fail(ErrorCode::Importer,
-                fmt::format("the program {} that reads this format is not there (looked in {}{})", program,
-                            folders.empty() ? "no folder" : folders.front().string(),
-                            folders.size() > 1 ? " and on PATH" : ""));
 }
 
 }  // namespace scancast

@@ -2,9 +2,9 @@
 // Pipeline: file → **importer process** → point stream → points. Owned and used by one thread.
 //
 // The process has its own group, limits on memory and processor time that hold before it starts, no core
-// dumps, no descriptors but its three and that of the scan, and a small environment. A fixed shell script
-// sets the limits and becomes the program; nothing from outside is ever part of that script. The process is
-// killed and waited for when this object goes.
+// dumps, no descriptors but its three and that of the scan, a small environment, and it is shut in: what starts it
+// (importer_launch.hpp) sees to that. It is killed and waited for when this object goes, and when the thread that
+// started it ends.
 #pragma once
 
 #include <sys/types.h>
@@ -14,6 +14,7 @@
 #include <filesystem>
 #include <memory>
 #include <optional>
+#include <stop_token>
 #include <string>
 
 #include "renderer/cloud/import/byte_source.hpp"
@@ -32,6 +33,8 @@ struct ImporterProgram {
     bool knowsKeepAttributes = false;  ///< takes --keep-attributes before the file
 };
 
+struct LaunchedProgram;
+
 class ImporterProcess final : public ByteSource {
   public:
     /// Starts `PROGRAM [--keep-attributes] FILE`. FILE leads to what is open, not to what has its name by
@@ -40,11 +43,14 @@ class ImporterProcess final : public ByteSource {
     static Expected<std::unique_ptr<ImporterProcess>> start(const ImporterProgram& importer,
                                                             const ScanInput& input,
                                                             const ImportOptions& options);
+    /// Of a program that runs already.
+    ImporterProcess(LaunchedProgram program, std::chrono::seconds silence, std::stop_token stop = {});
     ~ImporterProcess() override;
     ImporterProcess(const ImporterProcess&) = delete;
     ImporterProcess& operator=(const ImporterProcess&) = delete;
 
-    /// Errors: Importer when it has been silent for too long.
+    /// Errors: Importer when it hangs: it has sent nothing for too long, and read nothing of its file; Cancelled when it
+    /// was asked to stop.
     Expected<std::size_t> read(std::span<std::byte> into) override;
 
     /// After read() came to the end: how the program ended when that was not well - "crashed (signal 11,
@@ -56,9 +62,8 @@ class ImporterProcess final : public ByteSource {
 
   private:
     using Clock = std::chrono::steady_clock;
-    ImporterProcess(pid_t pid, UniqueFd output, UniqueFd errors, std::chrono::seconds silence)
-        : pid_(pid), output_(std::move(output)), errors_(std::move(errors)), silence_(silence) {}
 
+    bool hasReadMore();
     bool waitForBytes(Clock::time_point deadline, bool& outputReady);
     void readErrors();
     bool reap(Clock::time_point deadline);
@@ -67,7 +72,9 @@ class ImporterProcess final : public ByteSource {
     pid_t pid_;
     UniqueFd output_, errors_;
     std::chrono::seconds silence_;
-    bool ended_ = false;  ///< standard output is closed
+    std::stop_token stop_;
+    std::uint64_t taken_ = 0;  ///< bytes that it had read when it was last looked at
+    bool ended_ = false;       ///< standard output is closed
     bool reaped_ = false;
     int status_ = 0;         ///< as waitpid gives it, once reaped
     std::string errorText_;  ///< the end of what it said on standard error; bounded

@@ -8,9 +8,14 @@
 #include <algorithm>
 #include <array>
 #include <cerrno>
+#include <condition_variable>
 #include <cstdlib>
+#include <functional>
+#include <mutex>
+#include <thread>
 
 #include "files/system_error.hpp"
+#include "threads/guarded.hpp"
 
 namespace scancast {
 
@@ -101,6 +106,44 @@ Expected<pid_t> spawn(std::vector<std::string> arguments, int scan, int output, 
     return pid;
 }
 
+/// A thread that starts processes, and lasts as long as this one does: the kernel ends an importer with the thread that started
+/// it, and those that read come and go. Never deleted; it is detached.
+class Starter {
+  public:
+    static Starter& instance() {
+        static Starter* const starter = new Starter;
+        return *starter;
+    }
+    Expected<pid_t> start(const std::function<Expected<pid_t>()>& work) {
+        const std::lock_guard turn(turn_);
+        std::unique_lock lock(mutex_);
+        work_ = &work;
+        changed_.notify_all();
+        changed_.wait(lock, [this] { return work_ == nullptr; });
+        return std::move(result_);
+    }
+
+  private:
+    Starter() {
+        std::thread([this] { run(); }).detach();
+    }
+    [[noreturn]] void run() {
+        std::unique_lock lock(mutex_);
+        for (;;) {
+            changed_.wait(lock, [this] { return work_ != nullptr; });
+            result_ = guarded("Starting an importer", *work_);
+            work_ = nullptr;
+            changed_.notify_all();
+        }
+    }
+
+    std::mutex turn_;   // of those who ask
+    std::mutex mutex_;  // guards what follows
+    std::condition_variable changed_;
+    const std::function<Expected<pid_t>()>* work_ = nullptr;
+    Expected<pid_t> result_ = fail(ErrorCode::Internal, {});
+};
+
 std::vector<fs::path> besideAndOnPath() {
     std::vector<fs::path> folders;
     std::error_code error;
@@ -143,7 +186,8 @@ Expected<LaunchedProgram> launch(std::vector<std::string> arguments, int scan) {
         aside.reset(::fcntl(scan, F_DUPFD_CLOEXEC, scanDescriptor));
         if (!aside) return fail(ErrorCode::Io, "it cannot be handed on: " + systemReason(errno));
     }
-    const auto pid = spawn(std::move(arguments), aside.get(), output->write.get(), errors->write.get());
+    const auto pid = Starter::instance().start(
+        [&] { return spawn(std::move(arguments), aside.get(), output->write.get(), errors->write.get()); });
     if (!pid) return passOn(pid);
     return LaunchedProgram{*pid, std::move(output->read), std::move(errors->read)};
 }

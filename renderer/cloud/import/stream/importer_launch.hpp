@@ -1,5 +1,5 @@
-// How an importer is started: through scancast-sandbox, which sets its limits, shuts it in and becomes it (decision 18). Functions without state, for any
-// thread; but the program ends with the thread that started it. Pipeline: file → **importer process** → point stream → points.
+// How an importer is started: through scancast-sandbox, which sets its limits, shuts it in and becomes it (decision 18). Functions for any thread; a thread of
+// its own does the starting, so that a program ends with this process and not with whoever asked for it. Pipeline: file → **importer process** → point stream → points.
 #pragma once
 
 #include <sys/types.h>

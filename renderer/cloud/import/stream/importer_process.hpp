@@ -3,8 +3,7 @@
 //
 // The process has its own group, limits on memory and processor time that hold before it starts, no core
 // dumps, no descriptors but its three and that of the scan, a small environment, and it is shut in: what starts it
-// (importer_launch.hpp) sees to that. It is killed and waited for when this object goes, and when the thread that
-// started it ends.
+// (importer_launch.hpp) sees to that. It is killed and waited for when this object goes, and killed when this process ends.
 #pragma once
 
 #include <sys/types.h>

@@ -5,6 +5,7 @@
 #include "renderer/device/device.hpp"
 #include "server/commands/backends.hpp"
 #include "server/commands/command.hpp"
+#include "server/commands/importer_flags.hpp"
 #include "server/server.hpp"
 #include "server/terminal/terminal.hpp"
 
@@ -14,7 +15,8 @@ int main(int argc, char** argv) {
     app.set_version_flag("--version", "scancast " + std::string(scancast::scancastVersion()));
     app.footer("Example: scancast serve town.las   (then open http://127.0.0.1:8080/)");
     bool backends = false;
-    app.add_flag("--list-backends", backends, "Say what could draw on this machine, best first");
+    app.add_flag("--list-backends", backends,
+                 "Say what could draw on this machine, best first, and what shuts importers in");
     app.require_subcommand(0, 1);
     int exitCode = 0;
     scancast::addServe(app, exitCode);
@@ -30,7 +32,10 @@ int main(int argc, char** argv) {
         return app.exit(error) == 0 ? 0 : usage;
     }
     if (backends) {
-        exitCode = scancast::print(scancast::backendsText(scancast::listDevices())) ? 0 : 1;
+        exitCode = scancast::print(scancast::backendsText(scancast::listDevices()) +
+                                   scancast::sandboxLine({}).text + "\n")
+                       ? 0
+                       : 1;
     } else if (app.get_subcommands().empty()) {
         scancast::tellText(app.help());
         exitCode = 1;

@@ -49,6 +49,11 @@ class StoppableSource final : public PointSource {
     const std::stop_token stop_;
 };
 
+LoaderOptions stoppedBy(std::stop_token stop, LoaderOptions options) {
+    options.import.stop = std::move(stop);
+    return options;
+}
+
 /// Another path, size, time, program or way to build gives another name.
 std::string keptName(const ScanInput& input, const LoaderOptions& options) {
     std::error_code error;
@@ -70,41 +75,74 @@ std::uint64_t memoryToBuild(const PointSource& source, const ScanInput& input) {
 
 }  // namespace
 
+/// What an ingest may take: half of the limit, which those that are at work at once share. The file is the same with
+/// any.
+class Loader::IngestMemory {
+  public:
+    explicit IngestMemory(Loader& loader) : loader_(loader) {
+        const Monitor::Lock lock(loader_.monitor_);
+        const std::uint64_t half = loader_.options_.cache->stats().limit / 2;
+        const std::size_t atOnce =
+            std::min(loader_.loading_.size() + loader_.waiting(), loader_.threads_.size());
+        const std::uint64_t left = half - std::min(half, loader_.ingestMemory_);
+        bytes_ = std::max(std::min(half / std::max<std::size_t>(1, atOnce), left), leastIngestMemory);
+        loader_.ingestMemory_ += bytes_;
+    }
+    ~IngestMemory() {
+        const Monitor::Lock lock(loader_.monitor_);
+        loader_.ingestMemory_ -= bytes_;
+    }
+    IngestMemory(const IngestMemory&) = delete;
+    IngestMemory& operator=(const IngestMemory&) = delete;
+    std::uint64_t bytes() const { return bytes_; }
+
+  private:
+    Loader& loader_;
+    std::uint64_t bytes_ = 0;
+};
+
 Loader::Loader(std::vector<fs::path> files, Catalog& catalog, LoaderOptions options)
-    : catalog_(catalog), options_(std::move(options)), watch_(catalog, watchOptions()) {
-    std::deque<Job> jobs;
+    : catalog_(catalog),
+      options_(stoppedBy(stop_.get_token(), std::move(options))),
+      watch_(catalog, watchOptions()) {
+    Jobs jobs;
     for (auto& file : files) {
         std::string id = catalog_.add(file.stem().string());
         jobs.push_back({{.name = std::move(file)}, std::move(id)});
     }
     // What opens in milliseconds does not wait for what takes minutes.
     std::stable_partition(jobs.begin(), jobs.end(), [](const Job& job) { return isCloudFileAt(job.file()); });
-    {
-        const Monitor::Lock lock(monitor_);
-        waiting_ = std::move(jobs);
-    }
-    thread_ = std::thread([this] { run(); });
+    for (Job& job : jobs) job.number = numbers_++;
+    const Monitor::Lock lock(monitor_);
+    unsorted_ = std::move(jobs);
+    loading_.reserve(std::size_t(1 + std::max(1, options_.importers)));
+    threads_.emplace_back([this] { run(Lane::Own); });
+    for (int i = 0; i < std::max(1, options_.importers); ++i)
+        threads_.emplace_back([this] { run(Lane::Importers); });
 }
 
 Loader::~Loader() {
     requestStop();
-    thread_.join();
+    for (auto& thread : threads_) thread.join();
 }
 
 bool Loader::load(ScanInput input, std::string id) {
     const Monitor::Lock lock(monitor_);
-    if (stop_.stop_requested() || waiting_.size() >= mostAdded) return false;
+    if (stop_.stop_requested() || waiting() >= mostAdded) return false;
     ScanPlace place = input.place();
-    waiting_.push_back({std::move(place), std::move(id), std::move(input)});
+    unsorted_.push_back({std::move(place), std::move(id), std::move(input), numbers_});
+    ++numbers_;
     return true;
 }
 
 bool Loader::rebuild(const WatchedFile& file, const std::shared_ptr<const Cloud>& instead) {
     const Monitor::Lock lock(monitor_);
-    if (stop_.stop_requested() || waiting_.size() >= mostAdded) return false;
+    if (stop_.stop_requested() || waiting() >= mostAdded) return false;
     Job job{file.place, file.id};
     job.instead = instead;
-    waiting_.push_back(std::move(job));
+    job.number = numbers_;
+    unsorted_.push_back(std::move(job));
+    ++numbers_;
     return true;
 }
 
@@ -116,29 +154,73 @@ void Loader::requestStop() {
 
 bool Loader::finished() const {
     const Monitor::Look look(monitor_);
-    return !busy_ && (waiting_.empty() || stop_.stop_requested());
+    return loading_.empty() && sorting_ == 0 && (waiting() == 0 || stop_.stop_requested());
 }
 
-void Loader::run() {
-    while (step()) {
+void Loader::run(Lane lane) {
+    while (step(lane)) {
     }
 }
 
-bool Loader::step() {
+/// The same file twice is loaded once after the other: the second time it may be kept already.
+Loader::Jobs::iterator Loader::nextOf(Lane lane) {
+    Jobs& jobs = jobsOf(lane);
+    return std::find_if(jobs.begin(), jobs.end(), [this](const Job& job) {
+        return std::none_of(loading_.begin(), loading_.end(),
+                            [&](const Job* other) { return other->file() == job.file(); });
+    });
+}
+
+bool Loader::step(Lane lane) {
     Job job;
+    bool sorted = false;
     {
         Monitor::Lock lock(monitor_);
-        monitor_.wait(lock, [this] { return isDue(); });
+        monitor_.wait(lock, [&] {
+            return stop_.stop_requested() || !unsorted_.empty() || nextOf(lane) != jobsOf(lane).end();
+        });
         if (stop_.stop_requested()) return false;
-        job = std::move(waiting_.front());
-        waiting_.pop_front();
-        busy_ = true;
+        sorted = unsorted_.empty();
+        Jobs& from = sorted ? jobsOf(lane) : unsorted_;
+        const auto next = sorted ? nextOf(lane) : from.begin();
+        job = std::move(*next);
+        from.erase(next);
+        if (sorted)
+            loading_.push_back(&job);
+        else
+            ++sorting_;
+    }
+    if (!sorted) {
+        sort(job);
+        return true;
     }
     if (!contained("The loader", [&] { loadOne(job); }) && !job.instead)
         std::ignore = contained("The loader", [&] { catalog_.setFailed(job.id, {}); });
     const Monitor::Lock lock(monitor_);
-    busy_ = false;
+    loading_.erase(std::find(loading_.begin(), loading_.end(), &job));
     return true;
+}
+
+/// Whoever is free looks at what has come before anything long begins. What was not opened is not kept open.
+void Loader::sort(Job& job) {
+    std::string id;
+    const bool again = job.instead.has_value();
+    const auto byImporter = contained("Looking at a file", [&]() -> Expected<bool> {
+        id = job.id;
+        if (job.opened) return needsImporter(*job.opened);
+        const auto input = ScanInput::open(job.place);
+        return input && needsImporter(*input);
+    });
+    Jobs& jobs = jobsOf(byImporter.value_or(false) ? Lane::Importers : Lane::Own);
+    const auto placed = contained("The loader", [&] {
+        const Monitor::Lock lock(monitor_);
+        const auto place = std::find_if(jobs.begin(), jobs.end(),
+                                        [&](const Job& other) { return other.number > job.number; });
+        jobs.insert(place, std::move(job));
+    });
+    if (!placed && !again) std::ignore = contained("The loader", [&] { catalog_.setFailed(id, {}); });
+    const Monitor::Lock lock(monitor_);
+    --sorting_;
 }
 
 void Loader::loadOne(Job& job) {
@@ -218,10 +300,18 @@ Loader::Result Loader::cloudOf(const ScanInput& input, Job& job) {
     const std::string& id = job.id;
     auto source = openScan(input, options_.import);
     if (!source) return passOn(std::move(source));
-    const BlockCacheStats memory = options_.cache->stats();
-    const bool fits = memory.bytes + memoryToBuild(**source, input) <= memory.limit;
+    bool fits = false;
+    std::shared_ptr<const void> room;
+    {
+        // Asked and taken at once: another thread may ask the same.
+        const std::lock_guard lock(room_);
+        const BlockCacheStats memory = options_.cache->stats();
+        const std::uint64_t needed = memoryToBuild(**source, input);
+        fits = memory.bytes + needed <= memory.limit;
+        if (options_.cacheDir.empty() && fits) room = options_.cache->reserve(needed);
+    }
     source->reset();
-    if (options_.cacheDir.empty() && fits) return build(input, id);
+    if (room) return build(input, id, std::move(room));
 
     std::error_code none;
     const fs::path folder = options_.cacheDir.empty() ? fs::temp_directory_path(none) : options_.cacheDir;
@@ -250,10 +340,11 @@ Loader::Result Loader::cloudOf(const ScanInput& input, Job& job) {
     return build(input, id);
 }
 
-Loader::Result Loader::build(const ScanInput& input, const std::string& id) {
+Loader::Result Loader::build(const ScanInput& input, const std::string& id,
+                             std::shared_ptr<const void> room) {
     auto source = open(input, id);
     if (!source) return passOn(std::move(source));
-    const auto building = options_.cache->reserve(memoryToBuild(**source, input));
+    if (!room) room = options_.cache->reserve(memoryToBuild(**source, input));
     BuildOptions options;
     options.shape = options_.shape;
     options.title = input.path().filename().string();
@@ -276,7 +367,8 @@ Expected<void> Loader::ingestTo(const fs::path& output, const ScanInput& input, 
     const std::string title = input.path().filename().string();
     options.title = title;
     options.threads = options_.threads;
-    options.memoryLimit = std::max(options_.cache->stats().limit / 2, leastIngestMemory);
+    const IngestMemory memory(*this);
+    options.memoryLimit = memory.bytes();
     auto mirrors = input.mirrors();
     if (!mirrors) return passOn(std::move(mirrors));
     options.mirrors = std::move(*mirrors);

@@ -1,11 +1,12 @@
-// Brings clouds into the catalog, one after the other, while the server already answers: cloud files are
-// opened, scans are read and built, in memory or, when they would not fit or are to be kept, as a cloud file.
+// Brings clouds into the catalog while the server already answers: cloud files are opened, scans are read and built, in
+// memory or, when they would not fit or are to be kept, as a cloud file. Those that this program reads itself come one after the
+// other; beside them some at once that importers read, so that nothing waits for a program of others.
 //
 // A cloud whose loading throws has failed, and the next one is loaded. What comes from a cloud file is watched
 // from then on (cloud_watch.hpp); the kept file of a scan that turns out to be damaged is built anew, once.
 //
-// Owned by `serve`. Its thread reads; the octree builder uses all cores by itself. *Thread safety*: its
-// functions may be called from any thread.
+// Owned by `serve`. Its threads read, one for its own and one for each importer; the octree builder uses all cores by itself.
+// *Thread safety*: its functions may be called from any thread.
 #pragma once
 
 #include <atomic>
@@ -14,6 +15,7 @@
 #include <filesystem>
 #include <functional>
 #include <memory>
+#include <mutex>
 #include <optional>
 #include <stop_token>
 #include <string>
@@ -38,7 +40,8 @@ struct LoadedCloud {
 };
 
 struct LoaderOptions {
-    int threads = 0;  ///< 0 = all cores
+    int threads = 0;    ///< 0 = all cores
+    int importers = 2;  ///< scans at once that importers read
     ImportOptions import;
     OctreeShape shape{};
     std::shared_ptr<BlockCache> cache;  ///< that cloud files live in; its limit is the memory limit
@@ -78,14 +81,12 @@ class Loader {
     std::size_t failed() const { return failed_; }
 
   private:
-    bool isDue() const { return !waiting_.empty() || stop_.stop_requested(); }
-    void run();
-    bool step();
     using Result = Expected<std::shared_ptr<const Cloud>>;
     struct Job {
         ScanPlace place;
         std::string id;
         std::optional<ScanInput> opened{};  ///< empty: when it is its turn
+        std::uint64_t number = 0;           ///< in the order in which they came
         /// Of a cloud whose kept file is damaged: that cloud, which the new one is to take the place of.
         std::optional<std::weak_ptr<const Cloud>> instead{};
         std::optional<WatchedFile> watched{};  ///< the cloud file that it is in, once that is open
@@ -94,7 +95,17 @@ class Loader {
             return place.root.empty() ? place.name : place.root / place.name;
         }
     };
+    using Jobs = std::deque<Job>;
+    /// Those that this program reads, or those that importers do: each has threads of its own.
+    enum class Lane : std::uint8_t { Own, Importers };
+    Jobs& jobsOf(Lane lane) { return lane == Lane::Own ? own_ : forImporters_; }
+    Jobs::iterator nextOf(Lane lane);
+    std::size_t waiting() const { return unsorted_.size() + own_.size() + forImporters_.size(); }
+    void run(Lane lane);
+    bool step(Lane lane);
+    void sort(Job& job);
     void loadOne(Job& job);
+    class IngestMemory;
     void settle(const Job& job, Result cloud, double seconds);
     void settleFailed(const Job& job, Error error);
     void settleRebuilt(const Job& job, Result cloud);
@@ -103,7 +114,8 @@ class Loader {
     Result cloudOf(const ScanInput& input, Job& job);
     /// `kept`: it is a file that a scan is kept in.
     Result openIn(Expected<InputFile> file, Job& job, bool kept);
-    Result build(const ScanInput& input, const std::string& id);
+    /// `room`: what is reserved for it already.
+    Result build(const ScanInput& input, const std::string& id, std::shared_ptr<const void> room = nullptr);
     Expected<void> ingestTo(const std::filesystem::path& output, const ScanInput& input,
                             const std::string& id);
     bool rebuild(const WatchedFile& file, const std::shared_ptr<const Cloud>& instead);
@@ -113,14 +125,17 @@ class Loader {
     void note(const std::string& text) const;
 
     Catalog& catalog_;
-    const LoaderOptions options_;
     std::stop_source stop_;
+    const LoaderOptions options_;
     std::atomic<std::size_t> failed_{0};
+    std::mutex room_;          // held while it is decided whether a scan fits into memory
     mutable Monitor monitor_;  // guards what follows, and requests of a stop
-    std::deque<Job> waiting_;
-    bool busy_ = false;
-    CloudWatch watch_;  // calls back, and is called by the thread
-    std::thread thread_;
+    Jobs unsorted_, own_, forImporters_;
+    std::vector<const Job*> loading_;  // room for one of each thread
+    std::size_t sorting_ = 0;
+    std::uint64_t numbers_ = 0, ingestMemory_ = 0;
+    CloudWatch watch_;  // calls back, and is called by the threads
+    std::vector<std::thread> threads_;
 };
 
 }  // namespace scancast

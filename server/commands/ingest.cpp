@@ -16,6 +16,7 @@
 #include "renderer/look/keep_look.hpp"
 #include "server/commands/byte_size.hpp"
 #include "server/commands/command.hpp"
+#include "server/commands/importer_flags.hpp"
 #include "server/commands/look_file.hpp"
 #include "server/terminal/progress_bar.hpp"
 #include "server/terminal/shutdown_signals.hpp"
@@ -29,6 +30,7 @@ namespace fs = std::filesystem;
 struct IngestArguments {
     std::vector<std::string> inputs;
     std::string output, memoryLimit, scratch, title, look, orient = "auto";
+    ImporterFlags importer;
     int threads = 0, neighbours = 10;
     bool noSurfels = false, noCurvature = false, keepAttributes = false, force = false, quiet = false;
 };
@@ -105,8 +107,7 @@ Expected<std::unique_ptr<PointSource>> openInTurn(const ScanInput& input, const 
 
 /// Their mirrors go into the options.
 Expected<std::vector<std::unique_ptr<PointSource>>> openAll(const IngestArguments& arguments,
-                                                            IngestOptions& options) {
-    ImportOptions import;
+                                                            IngestOptions& options, ImportOptions import) {
     import.keepAttributes = arguments.keepAttributes;
     std::vector<std::unique_ptr<PointSource>> sources;
     const auto add = [&](Expected<std::unique_ptr<PointSource>> source) -> Expected<void> {
@@ -166,8 +167,11 @@ Expected<void> runIngest(const IngestArguments& arguments) {
     const auto look =
         arguments.look.empty() ? Expected<nlohmann::json>(nlohmann::json()) : readLookFile(arguments.look);
     if (!look) return passOn(look);
+    auto import = importOptions(arguments.importer);
+    if (!import) return passOn(import);
     const Interruption interruption;
-    auto sources = openAll(arguments, *options);
+    import->stop = interruption.token();
+    auto sources = openAll(arguments, *options, *import);
     if (!sources) return passOn(sources);
     if (!arguments.quiet) tellNeeds(*sources, *options);
     ProgressBar bar(stderr, arguments.quiet ? ProgressBar::Style::Quiet : ProgressBar::Style::Automatic);
@@ -247,6 +251,7 @@ void addIngest(CLI::App& app, int& exitCode) {
             "How to show it at first: JSON with what is to differ from what would be decided (scancast "
             "look prints one)")
         ->type_name("FILE");
+    addImporterFlags(*command, arguments->importer, false);
     command->add_flag("-f,--force", arguments->force, "Replace the cloud file if it is there");
     command
         ->add_option("--threads", arguments->threads, "0 = all cores; the file is the same with any number")

@@ -45,6 +45,8 @@ std::shared_ptr<BlockCache> blockCache(std::uint64_t memoryLimit, std::shared_pt
 LoaderOptions loaderOptions(const ServeOptions& options, std::shared_ptr<DamageReports> damage,
                             ScancastServer& server, ProgressBar& bar) {
     LoaderOptions loading;
+    loading.import = *importOptions(options.importer);  // sound: check() has said so
+    loading.importers = options.importers;
     loading.cache = options.server.cache;
     loading.damage = std::move(damage);
     loading.onDamaged = [&bar](const CloudFile& file, const Error& error) {
@@ -225,6 +227,11 @@ void reportEntrances(const ServeOptions& options, const ScancastServer& server) 
             probes.host);
 }
 
+void tellOfImporters(const ServeOptions& options) {
+    const SandboxLine line = sandboxLine(*importOptions(options.importer));
+    spdlog::log(line.sound ? spdlog::level::info : spdlog::level::warn, "{}", line.text);
+}
+
 int serve(ServeOptions options) {
     auto manager = ServiceManager::fromEnvironment();
     if (!manager) return failure(manager.error());
@@ -253,6 +260,7 @@ int serve(ServeOptions options) {
     std::fflush(stdout);
     reportEntrances(options, **server);
     warnOfExposure(options);
+    tellOfImporters(options);
     ProgressBar bar(stderr,
                     options.logFormat == "json" ? ProgressBar::Style::Quiet : ProgressBar::Style::Automatic);
     CloudSources sources(options, damage, **server, bar);

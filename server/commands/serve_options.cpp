@@ -124,6 +124,11 @@ void addServeFlags(CLI::App& app, ServeOptions& options) {
     flag("--data-root", options.server.dataRoot, "SCANCAST_DATA_ROOT",
          "Folder whose scans the administrator may add while the server runs (POST /api/v1/clouds)")
         ->type_name("FOLDER");
+    flag("--importers", options.importers, "SCANCAST_IMPORTERS",
+         "How many files are read by importers at the same time; others never wait for these")
+        ->type_name("N")
+        ->check(CLI::Range(1, 64));
+    addImporterFlags(app, options.importer, true);
     app.add_option("--allowed-origin", options.server.allowedOrigins,
                    "Another website whose pages may use this server; may be repeated")
         ->type_name("ORIGIN")
@@ -289,6 +294,7 @@ Expected<void> check(const ServeOptions& options) {
     if (auto ok = TrustedProxies::parse(options.trustedProxies); !ok) return passOn(ok);
     if (auto ok = maxConnections(options); !ok) return passOn(ok);
     if (auto ok = memoryShares(options); !ok) return passOn(ok);
+    if (auto ok = importOptions(options.importer); !ok) return passOn(ok);
     if (auto ok = rates(options); !ok) return passOn(ok);
     if (options.server.costs.picture <= 0)
         return fail(ErrorCode::InvalidArgument,

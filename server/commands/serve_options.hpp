@@ -10,6 +10,7 @@
 
 #include "renderer/device/device.hpp"
 #include "server/catalog/live_source.hpp"
+#include "server/commands/importer_flags.hpp"
 #include "server/server.hpp"
 
 namespace scancast {
@@ -29,9 +30,11 @@ struct ServeOptions {
     std::string gpuMemoryLimit;      ///< as written; empty = most of what the GPU has free
     std::filesystem::path rates;     ///< a file in place of the shipped ones; empty = none
     std::filesystem::path cacheDir;  ///< empty = built anew with every start
-    bool noSurfels = false;          ///< scans are built without normals and radii
-    std::filesystem::path config;    ///< empty = none
-    bool checkConfig = false;        ///< say what holds, and serve nothing
+    ImporterFlags importer;
+    int importers = 2;             ///< at once
+    bool noSurfels = false;        ///< scans are built without normals and radii
+    std::filesystem::path config;  ///< empty = none
+    bool checkConfig = false;      ///< say what holds, and serve nothing
     std::string logLevel = "info";
     std::string logFormat = "text";
 };

@@ -5,6 +5,7 @@
 #include <sys/stat.h>
 
 #include <algorithm>
+#include <fstream>
 
 #include "tests/integration/program_fixture.hpp"
 
@@ -140,6 +141,94 @@ TEST_F(OutsideProgram, NamesThatLeadToNoFileKeepNobodyWaiting) {
     const auto server = serve({file("pipe.las"), "/dev/zero", file("link.scan"), file("ball.las")});
     EXPECT_TRUE(answers());
     EXPECT_THAT(server->err(), HasSubstr("pipe.las is a pipe, not a file"));
+}
+
+/// Programs that lie together as they do when they are installed, but for an importer that hangs as soon as it runs.
+class HangingImporter : public OutsideProgram {
+  protected:
+    void SetUp() override {
+        generate("ball.las");
+        std::ofstream(folder / "hangs.pcd") << "# .PCD v0.7\nVERSION 0.7\n";
+        const fs::path programs = SCANCAST_BIN_DIR, mine = folder / "programs";
+        fs::create_directories(mine);
+        std::error_code error;
+        fs::create_hard_link(programs / "scancast", mine / "scancast", error);
+        if (error) fs::copy_file(programs / "scancast", mine / "scancast");
+        fs::create_symlink(programs / "scancast-sandbox", mine / "scancast-sandbox");
+        importer = (mine / "scancast-import-pcl").string();
+        std::ofstream(importer) << "#!/bin/sh\nkill -STOP $$\n";
+        fs::permissions(importer, fs::perms::owner_all);
+        serverProgram = fs::relative(mine / "scancast", programs).string();
+    }
+    /// The number of its process when it hangs; 0 when it never does.
+    pid_t hanging() const {
+        const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(60);
+        while (std::chrono::steady_clock::now() < end) {
+            for (const auto& entry : fs::directory_iterator("/proc")) {
+                const std::string words = contentOf(entry.path() / "cmdline");
+                // Before, it is the program that starts it.
+                if (words.starts_with("/bin/sh") && words.find(importer) != std::string::npos &&
+                    stateOf(entry.path()) == 'T')
+                    return pid_t(std::stol(entry.path().filename().string()));
+            }
+            std::this_thread::sleep_for(std::chrono::milliseconds(10));
+        }
+        return 0;
+    }
+    static char stateOf(const fs::path& process) {
+        const std::string facts = contentOf(process / "stat");
+        const auto at = facts.rfind(')');
+        return at == std::string::npos || at + 2 >= facts.size() ? '\0' : facts[at + 2];
+    }
+    /// Nobody may be there to collect it.
+    static bool ends(pid_t pid) {
+        const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(60);
+        while (std::chrono::steady_clock::now() < end) {
+            const char state = stateOf("/proc/" + std::to_string(pid));
+            if (state == '\0' || state == 'Z' || state == 'X') return true;
+            std::this_thread::sleep_for(std::chrono::milliseconds(5));
+        }
+        return false;
+    }
+    std::unique_ptr<Process> serveBoth(std::vector<std::string> flags = {}) {
+        flags.insert(flags.end(), {"--backend", "cpu", file("hangs.pcd"), file("ball.las")});
+        return serve(
+            flags, [] {}, "/api/v1/clouds/ball/snapshot.jpg?width=32&height=16");
+    }
+
+    std::string importer;
+};
+
+TEST_F(HangingImporter, HoldsUpNothingAndDiesWithTheServer) {
+    const auto process = serveBoth();
+    EXPECT_THAT(process->err(), HasSubstr("importers are "));
+    const pid_t pid = hanging();
+    ASSERT_NE(pid, 0) << process->err();
+    process->signal(SIGKILL);
+    EXPECT_EQ(process->wait(), -1);
+    EXPECT_TRUE(ends(pid)) << "an importer outlived its server";
+}
+
+TEST_F(HangingImporter, IsStoppedWhenItIsSilentForTooLong) {
+    const auto process = serveBoth({"--importer-silence", "1"});
+    EXPECT_TRUE(says(*process, "hangs: it sent nothing for 1 seconds")) << process->err();
+    process->signal(SIGTERM);
+    EXPECT_EQ(process->wait(), 0);
+}
+
+TEST_F(OutsideProgram, ImportersAreShutInAsTheFlagSays) {
+    std::string said;
+    ASSERT_EQ(run({"scancast", "--list-backends"}, &said), 0) << lastError;
+    EXPECT_THAT(said, HasSubstr("importers are "));
+    generate("ball.las");
+    EXPECT_THAT(serve({"--importer-sandbox", "off", file("ball.las")})->err(),
+                HasSubstr("importers are not shut in"));
+    EXPECT_EQ(run({"scancast", "serve", "--importer-memory", "1M", file("ball.las")}), 1);
+    EXPECT_THAT(lastError, HasSubstr("--importer-memory: 64M is the least"));
+    EXPECT_NE(run({"scancast", "ingest", "--importer-sandbox", "perhaps", file("ball.las"), "-o",
+                   file("ball.scan")}),
+              0);
+    EXPECT_THAT(lastError, HasSubstr("--importer-sandbox"));
 }
 
 }  // namespace

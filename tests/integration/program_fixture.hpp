@@ -115,11 +115,12 @@ class ProgramTest : public ::testing::Test {
         ASSERT_EQ(run({"scancast", "generate", scene, "--points", "20000", "-o", file(name)}), 0)
             << lastError;
     }
-    /// Starts a server and waits until it is ready; its files are in a folder of their own.
+    /// Starts a server and waits until it is ready, or answers `until`; its files are in a folder of their own.
     std::unique_ptr<Process> serve(
-        std::vector<std::string> arguments, const std::function<void()>& before = [] {}) {
+        std::vector<std::string> arguments, const std::function<void()>& before = [] {},
+        const std::string& until = "/readyz") {
         fs::create_directories(folder / "server");
-        arguments.insert(arguments.begin(), {"scancast", "serve", "--port", "0"});
+        arguments.insert(arguments.begin(), {serverProgram, "serve", "--port", "0"});
         auto process = std::make_unique<Process>(folder / "server", arguments, "/dev/null", before);
         const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(60);
         while (std::chrono::steady_clock::now() < end) {
@@ -128,7 +129,7 @@ class ProgramTest : public ::testing::Test {
             if (at != std::string::npos && out.find('\n', at) != std::string::npos) {
                 url = out.substr(at, out.find('\n', at) - at);
                 port = std::uint16_t(std::stoi(url.substr(17)));
-                if (request(port, "/readyz").status == 200) return process;
+                if (request(port, until).status == 200) return process;
             }
             std::this_thread::sleep_for(std::chrono::milliseconds(20));
         }
@@ -137,6 +138,7 @@ class ProgramTest : public ::testing::Test {
     }
 
     const TemporaryFolder folder;
+    std::string serverProgram = "scancast";  ///< beside the other programs
     std::string url, lastError;
     std::uint16_t port = 0;
 };

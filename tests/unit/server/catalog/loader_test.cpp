@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 #include <sys/stat.h>
 
+#include <algorithm>
 #include <atomic>
 #include <fstream>
 
@@ -267,6 +268,75 @@ TEST_F(LoaderTest, AFailureSaysWhyWithoutSayingWhere) {
     EXPECT_EQ(entry.state, CloudState::Failed);
     EXPECT_THAT(entry.error, testing::HasSubstr("broken.las"));
     EXPECT_THAT(entry.error, testing::Not(testing::HasSubstr(folder_.path().string())));
+}
+
+/// With importers that do as a script of ours says; `started` counts those that have begun.
+class LoaderOfImporters : public LoaderTest {
+  protected:
+    void SetUp() override {
+        LoaderTest::SetUp();
+        fs::create_directories(folder_ / "importers");
+        // They hang without taking time. What they tell us of their start is a file, which the sandbox would not let them write.
+        const fs::path program = folder_ / "importers" / "scancast-import-pcl";
+        std::ofstream(program) << "#!/bin/sh\n: > \"$0.$$\"\nkill -STOP $$\n";
+        fs::permissions(program, fs::perms::owner_all);
+        for (const char* name : {"a", "b", "c"})
+            std::ofstream(folder_ / (std::string(name) + ".pcd")) << "# .PCD v0.7\nVERSION 0.7\n";
+    }
+    LoaderOptions hanging(int silence) {
+        LoaderOptions options = LoaderTest::options();
+        options.import.importerDirectory = folder_ / "importers";
+        options.import.importerSilenceSeconds = silence;
+        options.import.importerSandbox = ImporterSandbox::Off;
+        return options;
+    }
+    std::size_t started() const {
+        return std::size_t(std::ranges::count_if(
+            fs::directory_iterator(folder_ / "importers"),
+            [](const auto& file) { return file.path().filename() != "scancast-import-pcl"; }));
+    }
+    template <class Condition>
+    static bool comesTrue(const Condition& condition) {
+        const auto end = std::chrono::steady_clock::now() + 60s;
+        while (!condition() && std::chrono::steady_clock::now() < end) std::this_thread::sleep_for(1ms);
+        return condition();
+    }
+    CloudState state(std::string_view id) const { return catalog_.find(id)->state; }
+};
+
+TEST_F(LoaderOfImporters, NothingElseWaitsForOnesThatHangAndSomeRunAtOnce) {
+    Loader loader({folder_ / "a.pcd", folder_ / "b.pcd", folder_ / "c.pcd", folder_ / "ground.xyz"}, catalog_,
+                  hanging(600));
+    EXPECT_TRUE(comesTrue([&] { return state("ground") == CloudState::Ready; }));
+    EXPECT_TRUE(comesTrue([&] { return started() == 2; })) << "as many as there may be at once";
+    for (const char* id : {"a", "b", "c"}) EXPECT_EQ(state(id), CloudState::Loading) << id;
+    EXPECT_FALSE(loader.finished());
+    // What comes later does not wait, either.
+    ASSERT_TRUE(catalog_.addAs("later", "later"));
+    ASSERT_TRUE(loader.load(*ScanInput::open(folder_ / "ground.xyz"), "later"));
+    EXPECT_TRUE(comesTrue([&] { return state("later") == CloudState::Ready; }));
+    EXPECT_EQ(started(), 2u);
+    // And its end is not held up: those that hang are given up.
+    loader.requestStop();
+    EXPECT_TRUE(comesTrue([&] { return loader.finished(); }));
+}
+
+TEST_F(LoaderOfImporters, OnesThatHangAreStoppedAndTheNextOnesTurnComes) {
+    std::mutex mutex;
+    std::vector<std::string> failures;
+    LoaderOptions options = hanging(1);
+    options.importers = 1;
+    options.onFailed = [&](const Error& error) {
+        const std::lock_guard lock(mutex);
+        failures.push_back(error.message);
+    };
+    Loader loader({folder_ / "a.pcd", folder_ / "b.pcd"}, catalog_, std::move(options));
+    awaitEnd(loader);
+    ASSERT_EQ(failures.size(), 2u);
+    EXPECT_THAT(failures[0], testing::HasSubstr("scancast-import-pcl failed while reading"));
+    EXPECT_THAT(failures[0], testing::HasSubstr("a.pcd: it hangs: it sent nothing for 1 seconds"));
+    EXPECT_THAT(failures[1], testing::HasSubstr("b.pcd"));
+    EXPECT_EQ(state("a"), CloudState::Failed);
 }
 
 }  // namespace

@@ -1,0 +1,63 @@
+#include "server/commands/importer_flags.hpp"
+
+#include "renderer/cloud/import/stream/sandbox_report.hpp"
+#include "server/commands/byte_size.hpp"
+
+namespace scancast {
+
+void addImporterFlags(CLI::App& app, ImporterFlags& flags, bool environment) {
+    const auto flag = [&](const char* name, auto& value, const char* variable, const char* meaning) {
+        auto* const option = app.add_option(name, value, meaning)->capture_default_str();
+        return environment ? option->envname(variable) : option;
+    };
+    flag("--importer-sandbox", flags.sandbox, "SCANCAST_IMPORTER_SANDBOX",
+         "LAZ, Potree, PLY and PCD are read by programs of their own, importers, which are kept from other "
+         "files, the "
+         "network and other processes: auto, by what this machine has for it; require, completely or such "
+         "files are not read; off, not at all")
+        ->type_name("MODE")
+        ->check(CLI::IsMember({"auto", "require", "off"}));
+    flag("--importer-memory", flags.memory, "SCANCAST_IMPORTER_MEMORY",
+         "Memory that each importer may take, like 4G")
+        ->type_name("SIZE");
+    flag("--importer-time", flags.time, "SCANCAST_IMPORTER_TIME",
+         "Seconds of processor time that each importer may take")
+        ->type_name("SECONDS")
+        ->check(CLI::Range(std::uint64_t(1), std::uint64_t(10'000'000)));
+    flag("--importer-silence", flags.silence, "SCANCAST_IMPORTER_SILENCE",
+         "After so many seconds without a byte sent, or read of its file, an importer hangs, and is stopped")
+        ->type_name("SECONDS")
+        ->check(CLI::Range(1, 86400));
+}
+
+Expected<ImportOptions> importOptions(const ImporterFlags& flags) {
+    constexpr std::uint64_t least = 64 << 20;
+    const auto memory = parseByteSize(flags.memory, "importer-memory");
+    if (!memory) return passOn(memory);
+    if (*memory < least)
+        return fail(ErrorCode::InvalidArgument,
+                    "--importer-memory: 64M is the least that an importer starts with.", "importer-memory");
+    ImportOptions options;
+    options.importerMemoryLimit = *memory;
+    options.importerProcessorSeconds = flags.time;
+    options.importerSilenceSeconds = flags.silence;
+    options.importerSandbox = flags.sandbox == "require" ? ImporterSandbox::Require
+                              : flags.sandbox == "off"   ? ImporterSandbox::Off
+                                                         : ImporterSandbox::Auto;
+    return options;
+}
+
+SandboxLine sandboxLine(const ImportOptions& options) {
+    if (options.importerSandbox == ImporterSandbox::Off)
+        return {false,
+                "importers are not shut in (--importer-sandbox=off): they can do what this program can"};
+    const auto report = askSandbox(options);
+    if (!report) return {false, "importers cannot be started: " + report.error().message};
+    if (report->complete) return {true, "importers are shut in: " + report->text};
+    const char* const end = options.importerSandbox == ImporterSandbox::Require
+                                ? "; with --importer-sandbox=require, what needs one is not read"
+                                : "";
+    return {false, "importers are not shut in completely: " + report->text + end};
+}
+
+}  // namespace scancast

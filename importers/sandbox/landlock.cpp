@@ -49,17 +49,17 @@ std::size_t sizeOf(int version) {
     return version >= 6 ? sizeof(Ruleset) : version >= 4 ? 16 : 8;
 }
 
-Expected<void> refused(const std::string& what) {
+Expected<void> notGranted(const std::string& what) {
     return fail(ErrorCode::Io, "Landlock refuses " + what + ": " + systemReason(errno));
 }
 
 /// What is not there cannot be opened either.
 Expected<void> allow(int rules, int opened, std::uint64_t rights) {
     struct stat info {};
-    if (::fstat(opened, &info) != 0) return refused("a file");
+    if (::fstat(opened, &info) != 0) return notGranted("a file");
     if (!S_ISDIR(info.st_mode)) rights &= ~readFolder;
     Rule rule{rights, opened};
-    if (::syscall(addRule, rules, pathBeneath, &rule, 0) != 0) return refused("a rule");
+    if (::syscall(addRule, rules, pathBeneath, &rule, 0) != 0) return notGranted("a rule");
     return {};
 }
 
@@ -81,7 +81,7 @@ Expected<void> shutByLandlock(const AllowedFiles& files, int scan) {
     if (version == 0) return fail(ErrorCode::Unsupported, "this kernel has no Landlock");
     const Ruleset all = everythingOf(version);
     const UniqueFd rules(int(::syscall(createRuleset, &all, sizeOf(version), 0)));
-    if (!rules) return refused("its rules");
+    if (!rules) return notGranted("its rules");
     for (const std::string& path : files.readable)
         if (auto ok = allow(rules.get(), path, readFile | readFolder); !ok) return ok;
     for (const std::string& path : files.executable)
@@ -89,7 +89,7 @@ Expected<void> shutByLandlock(const AllowedFiles& files, int scan) {
     if (auto ok = allow(rules.get(), "/dev/null", readFile | writeFile); !ok) return ok;
     if (scan >= 0)
         if (auto ok = allow(rules.get(), scan, readFile | readFolder); !ok) return ok;
-    if (::syscall(restrictSelf, rules.get(), 0) != 0) return refused("to shut");
+    if (::syscall(restrictSelf, rules.get(), 0) != 0) return notGranted("to shut");
     return {};
 }
 

@@ -53,6 +53,39 @@ TEST(ServeOptions, LiveSourcesAreNamed) {
     EXPECT_FALSE(check(parsed({"--live", "a=-", "--live", "b=-"}))) << "one input, two readers";
 }
 
+TEST(ServeOptions, ImportersAreLimitedAndShutInAsFlagsSay) {
+    const ServeOptions usual = parsed({"a.laz"});
+    const auto import = importOptions(usual.importer);
+    ASSERT_TRUE(import);
+    EXPECT_EQ(import->importerMemoryLimit, std::uint64_t(16) << 30);
+    EXPECT_EQ(import->importerProcessorSeconds, 7200u);
+    EXPECT_EQ(import->importerSilenceSeconds, 60);
+    EXPECT_EQ(import->importerSandbox, ImporterSandbox::Auto);
+    EXPECT_EQ(usual.importers, 2);
+    const ServeOptions other =
+        parsed({"a.laz", "--importer-memory", "2G", "--importer-time", "90", "--importer-silence", "5",
+                "--importer-sandbox", "require", "--importers", "7"});
+    const auto said = importOptions(other.importer);
+    ASSERT_TRUE(said);
+    EXPECT_EQ(said->importerMemoryLimit, std::uint64_t(2) << 30);
+    EXPECT_EQ(said->importerProcessorSeconds, 90u);
+    EXPECT_EQ(said->importerSilenceSeconds, 5);
+    EXPECT_EQ(said->importerSandbox, ImporterSandbox::Require);
+    EXPECT_EQ(other.importers, 7);
+    setenv("SCANCAST_IMPORTER_SANDBOX", "off", 1);
+    EXPECT_EQ(importOptions(parsed({"a.laz"}).importer)->importerSandbox, ImporterSandbox::Off);
+    unsetenv("SCANCAST_IMPORTER_SANDBOX");
+    for (const char* wrong : {"plenty", "1M"}) {
+        const auto refused = check(parsed({"a.laz", "--importer-memory", wrong}));
+        ASSERT_FALSE(refused) << wrong;
+        EXPECT_THAT(refused.error().message, testing::HasSubstr("--importer-memory"));
+    }
+    for (const auto& [flag, wrong] :
+         {std::pair("--importer-sandbox", "perhaps"), std::pair("--importers", "0"),
+          std::pair("--importer-silence", "0"), std::pair("--importer-time", "0")})
+        EXPECT_THROW(parsed({"a.laz", flag, wrong}), CLI::ValidationError) << flag;
+}
+
 TEST(ServeOptions, MemoryIsMeasuredAsPeopleWriteIt) {
     constexpr std::uint64_t MiB = 1 << 20;
     const auto shares = [](std::vector<std::string> flags) {

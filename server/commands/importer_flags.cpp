@@ -1,7 +1,7 @@
 #include "server/commands/importer_flags.hpp"
 
 #include "renderer/cloud/import/stream/sandbox_report.hpp"
-#include "server/commands/byte_size.hpp"
+#include "server/base/byte_size.hpp"
 
 namespace scancast {
 

@@ -8,7 +8,7 @@
 
 #include "protocol/classification.hpp"
 #include "renderer/cloud/import/crs_text.hpp"
-#include "server/commands/byte_size.hpp"
+#include "server/base/byte_size.hpp"
 
 namespace scancast {
 

@@ -14,7 +14,7 @@
 #include "renderer/cloud/import/open_scan.hpp"
 #include "renderer/cloud/import/standard_input.hpp"
 #include "renderer/look/keep_look.hpp"
-#include "server/commands/byte_size.hpp"
+#include "server/base/byte_size.hpp"
 #include "server/commands/command.hpp"
 #include "server/commands/importer_flags.hpp"
 #include "server/commands/look_file.hpp"

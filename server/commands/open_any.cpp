@@ -7,7 +7,7 @@
 #include "renderer/cloud/file/cloud_file.hpp"
 #include "renderer/cloud/import/open_scan.hpp"
 #include "renderer/residency/open_cloud.hpp"
-#include "server/commands/byte_size.hpp"
+#include "server/base/byte_size.hpp"
 #include "server/terminal/progress_bar.hpp"
 #include "server/terminal/terminal.hpp"
 

@@ -13,7 +13,7 @@
 #include "renderer/image/encode.hpp"
 #include "renderer/look/decide_look.hpp"
 #include "renderer/render.hpp"
-#include "server/commands/byte_size.hpp"
+#include "server/base/byte_size.hpp"
 #include "server/commands/command.hpp"
 #include "server/commands/look_file.hpp"
 #include "server/commands/open_any.hpp"

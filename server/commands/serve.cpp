@@ -7,11 +7,11 @@
 #include <cstdio>
 #include <cstdlib>
 
+#include "server/base/byte_size.hpp"
 #include "server/base/faults.hpp"
 #include "server/base/log.hpp"
 #include "server/base/memory_reserve.hpp"
 #include "server/catalog/loader.hpp"
-#include "server/commands/byte_size.hpp"
 #include "server/commands/command.hpp"
 #include "server/commands/config_file.hpp"
 #include "server/commands/program_folder.hpp"

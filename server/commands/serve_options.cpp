@@ -8,7 +8,7 @@
 
 #include "files/input_file.hpp"
 #include "files/machine.hpp"
-#include "server/commands/byte_size.hpp"
+#include "server/base/byte_size.hpp"
 #include "server/net/clients/open_files.hpp"
 #include "server/net/origin_check.hpp"
 #include "transport/secret_file.hpp"

@@ -1,4 +1,4 @@
-#include "server/commands/byte_size.hpp"
+#include "server/base/byte_size.hpp"
 
 #include <fmt/format.h>
 

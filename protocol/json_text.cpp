@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "protocol/nearest_name.hpp"
+#include "protocol/text/plain_text.hpp"
 
 namespace scancast {
 namespace {
@@ -55,7 +56,7 @@ std::string reason(const std::exception& error) {
     if (const auto end = what.find("] "); what.starts_with('[') && end != std::string_view::npos)
         what.remove_prefix(end + 2);
     constexpr std::size_t longest = 200;  // the library quotes what it read last, however long that is
-    return what.size() > longest ? std::string(what.substr(0, longest)) + "…" : std::string(what);
+    return what.size() > longest ? plainText(what.substr(0, longest)) + "…" : plainText(what);
 }
 
 }  // namespace
@@ -81,7 +82,7 @@ Expected<nlohmann::json> parseJson(std::string_view text) {
 }
 
 std::string printJson(const nlohmann::json& value) {
-    return value.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+    return plainJson(value.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace));
 }
 
 }  // namespace scancast

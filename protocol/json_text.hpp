@@ -20,7 +20,7 @@ inline constexpr int maxJsonDepth = 32;
 Expected<nlohmann::json> parseJson(std::string_view text);
 
 /// Compact text, keys in alphabetical order, numbers as short as reads back exactly. Never throws: bytes that
-/// are no UTF-8 are replaced.
+/// are no UTF-8 are replaced. Whoever shows it on a terminal is safe: what a terminal obeys is escaped.
 std::string printJson(const nlohmann::json& value);
 
 }  // namespace scancast

@@ -5,6 +5,8 @@
 #include <numeric>
 #include <vector>
 
+#include "protocol/text/plain_text.hpp"
+
 namespace scancast {
 namespace {
 
@@ -81,12 +83,10 @@ std::string quoteText(std::string_view text) {
         while (end > 0 && (static_cast<unsigned char>(text[end]) & 0xC0u) == 0x80u) --end;
         text = text.substr(0, end);
     }
-    std::string result = "\"";
-    for (const char c : text) {
-        const auto byte = static_cast<unsigned char>(c);
-        result += byte < 0x20 || byte == 0x7F ? '?' : c;
-    }
-    return result + (cut ? "…\"" : "\"");
+    std::string quoted = plainText(text);
+    std::ranges::replace_if(
+        quoted, [](char c) { return c == '\n' || c == '\t'; }, '?');
+    return '"' + quoted + (cut ? "…\"" : "\"");
 }
 
 }  // namespace scancast

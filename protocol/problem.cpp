@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "protocol/json_fields.hpp"
+#include "protocol/text/plain_text.hpp"
 
 namespace scancast {
 namespace {
@@ -152,7 +153,7 @@ Problem problemOf(int status, std::string detail, std::string instance) {
 }
 
 Error errorOf(const Problem& problem) {
-    Error error{ErrorCode::Internal, problem.detail.empty() ? problem.title : problem.detail, {}};
+    Error error{ErrorCode::Internal, plainText(problem.detail.empty() ? problem.title : problem.detail), {}};
     if (!problem.errors.empty()) error.field = problem.errors.front().parameter;
     for (int code = 0; code <= static_cast<int>(ErrorCode::Internal); ++code) {
         error.code = static_cast<ErrorCode>(code);

@@ -1,5 +1,6 @@
 // `scancast`: one program, one subcommand for each thing that it does.
 #include <CLI/CLI.hpp>
+#include <sstream>
 
 #include "files/program_start.hpp"
 #include "renderer/device/device.hpp"
@@ -29,7 +30,11 @@ int main(int argc, char** argv) {
     try {
         app.parse(argc, argv);
     } catch (const CLI::ParseError& error) {
-        return app.exit(error) == 0 ? 0 : usage;
+        // What it complains of may be the name of a file that looked like a flag.
+        std::ostringstream asked, complaint;
+        const bool wasAsked = app.exit(error, asked, complaint) == 0;
+        scancast::tellText(complaint.str());
+        return !scancast::print(asked.str()) ? 1 : wasAsked ? 0 : usage;
     }
     if (backends) {
         exitCode = scancast::print(scancast::backendsText(scancast::listDevices()) +

@@ -1,6 +1,7 @@
 #include "server/base/log.hpp"
 
 #include <spdlog/formatter.h>
+#include <spdlog/pattern_formatter.h>
 #include <spdlog/sinks/stdout_sinks.h>
 #include <spdlog/spdlog.h>
 
@@ -10,6 +11,7 @@
 #include <utility>
 
 #include "protocol/json_text.hpp"
+#include "protocol/text/plain_text.hpp"
 
 namespace scancast {
 namespace {
@@ -38,6 +40,21 @@ class JsonFormatter final : public spdlog::formatter {
     std::unique_ptr<spdlog::formatter> clone() const override { return std::make_unique<JsonFormatter>(); }
 };
 
+// A file's name, or what an importer says, must not write a line of its own.
+class LineFormatter final : public spdlog::formatter {
+  public:
+    void format(const spdlog::details::log_msg& message, spdlog::memory_buf_t& out) override {
+        const std::string line = plainLine({message.payload.data(), message.payload.size()});
+        spdlog::details::log_msg plain = message;
+        plain.payload = line;
+        pattern_.format(plain, out);
+    }
+    std::unique_ptr<spdlog::formatter> clone() const override { return std::make_unique<LineFormatter>(); }
+
+  private:
+    spdlog::pattern_formatter pattern_{"%H:%M:%S %l: %v"};
+};
+
 }  // namespace
 
 Expected<void> setUpLog(const std::string& level, const std::string& format) {
@@ -51,7 +68,7 @@ Expected<void> setUpLog(const std::string& level, const std::string& format) {
     if (format == "json") {
         logger->set_formatter(std::make_unique<JsonFormatter>());
     } else if (format == "text") {
-        logger->set_pattern("%H:%M:%S %l: %v");
+        logger->set_formatter(std::make_unique<LineFormatter>());
     } else {
         return fail(ErrorCode::InvalidArgument, "--log-format " + format + ": it is text or json.",
                     "log-format");

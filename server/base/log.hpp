@@ -9,7 +9,7 @@
 namespace scancast {
 
 /// `level`: debug, info, warn, error or off. `format`: text, or json for one object a line. InvalidArgument
-/// otherwise.
+/// otherwise. Each message is one line of which a terminal obeys nothing, whatever is in it.
 Expected<void> setUpLog(const std::string& level, const std::string& format);
 
 }  // namespace scancast

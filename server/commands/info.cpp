@@ -2,6 +2,7 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
+#include "protocol/text/plain_text.hpp"
 #include "server/commands/command.hpp"
 #include "server/commands/file_info.hpp"
 #include "server/commands/info_print.hpp"
@@ -38,7 +39,8 @@ bool runInfo(const InfoArguments& arguments) {
             sound = bool(print(infoText(*info))) && sound;
     }
     if (arguments.json)
-        sound = bool(print(all.dump(2, ' ', false, Json::error_handler_t::replace) + "\n")) && sound;
+        sound =
+            bool(print(plainJson(all.dump(2, ' ', false, Json::error_handler_t::replace)) + "\n")) && sound;
     return sound;
 }
 

@@ -3,6 +3,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "protocol/text/plain_text.hpp"
 #include "renderer/look/decide_look.hpp"
 #include "renderer/look/keep_look.hpp"
 #include "server/commands/command.hpp"
@@ -25,7 +26,7 @@ Expected<void> runLook(const LookArguments& arguments) {
     auto look = known ? Expected<Look>(*(*cloud)->look) : decideLook(**cloud);
     if (look && !arguments.set.empty()) look = changedLook(*look, arguments.set);
     if (!look) return passOn(look);
-    if (arguments.set.empty() && !arguments.decide) return print(toJson(*look).dump(2) + "\n");
+    if (arguments.set.empty() && !arguments.decide) return print(plainJson(toJson(*look).dump(2)) + "\n");
     if (auto kept = keepLook(arguments.file, *look); !kept) return kept;
     tell("{} is shown like this from now on: {}, first seen {}.\n", arguments.file, name(look->kind),
          look->views.front().name);

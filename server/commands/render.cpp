@@ -9,6 +9,7 @@
 
 #include "files/output_file.hpp"
 #include "protocol/flags/view_flags.hpp"
+#include "protocol/text/plain_text.hpp"
 #include "protocol/view/view_words.hpp"
 #include "renderer/image/encode.hpp"
 #include "renderer/look/decide_look.hpp"
@@ -80,7 +81,7 @@ std::string statsJson(const Timings& timings, const Frame& frame, const Cloud& c
     for (const auto& name : timings.order) {
         json["stages"].push_back({{"name", name}, {"medianMs", median(timings.stages.at(name))}});
     }
-    return json.dump();
+    return plainJson(json.dump());
 }
 
 /// The eye turned about the axis through the target that points up.

@@ -7,6 +7,7 @@
 #include <cstdio>
 #include <cstdlib>
 
+#include "protocol/text/plain_text.hpp"
 #include "server/base/byte_size.hpp"
 #include "server/base/faults.hpp"
 #include "server/base/log.hpp"
@@ -30,7 +31,7 @@ constexpr std::chrono::milliseconds drainPatience{30000};  // a snapshot may tak
 constexpr std::chrono::milliseconds shutdownPatience{5000};
 
 int failure(const Error& error) {
-    std::fprintf(stderr, "scancast serve: %s\n", error.message.c_str());
+    tell("scancast serve: {}\n", error.message);
     return 1;
 }
 
@@ -283,7 +284,7 @@ int checkConfig(const CLI::App& command, const ServeOptions& options) {
     if (options.server.tls.given()) {
         if (auto tls = openTls(options.server.tls); !tls) return failure(tls.error());
     }
-    const auto printed = print(effectiveConfig(command).dump(4) + "\n");
+    const auto printed = print(plainJson(effectiveConfig(command).dump(4)) + "\n");
     return printed ? 0 : failure(printed.error());
 }
 

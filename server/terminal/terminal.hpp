@@ -1,6 +1,8 @@
 // What commands say to whoever started them: words on standard error, results on standard output. Who read
 // them may be gone
-// (`scancast info town.scan | head`), or the disk that they went to full: nothing here throws. Any thread.
+// (`scancast info town.scan | head`), or the disk that they went to full: that is nobody's fault. What is said may come from a file that
+// somebody made, so what a terminal would obey becomes '?' (protocol/text/plain_text.hpp; JSON has gone through plainJson()
+// before). Any thread.
 #pragma once
 
 #include <fmt/format.h>

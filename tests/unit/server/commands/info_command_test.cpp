@@ -69,6 +69,24 @@ class Info : public testing::Test {
     CloudFacts facts_;
 };
 
+TEST_F(Info, NothingOfAFileIsACommandToTheTerminal) {
+    // A name and a title that clear the screen and name the window.
+    const std::string hostile = "\x1b[2J\x1b]0;owned\x07\xC2\x9B" + std::string("2J");
+    facts_.title = hostile;
+    const std::string name = (folder_.path() / (hostile + ".scan")).string(), missing = name + ".no";
+    ASSERT_TRUE(test::writeCloudFile(name, cloud_->octree, facts_));
+    const auto told = info({name, missing});
+    EXPECT_EQ(told.exitCode, 1);
+    EXPECT_THAT(told.output, HasSubstr("title       ?[2J?]0;owned??2J\n"));
+    EXPECT_THAT(told.errors, HasSubstr("?[2J?]0;owned??2J.scan.no"));
+    const auto asJson = info({"--json", name, missing});
+    EXPECT_EQ(json::parse(asJson.output).at("files").at(0).at("title"), hostile) << "escaped, not lost";
+    for (const auto& text : {told.output, told.errors, asJson.output, asJson.errors}) {
+        EXPECT_THAT(text, Not(HasSubstr("\x1b")));
+        EXPECT_THAT(text, Not(HasSubstr("\xC2\x9B")));
+    }
+}
+
 TEST_F(Info, TellsPeopleWhatIsInACloudFile) {
     const auto told = info({file()});
     EXPECT_EQ(told.exitCode, 0) << told.errors;

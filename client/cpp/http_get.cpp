@@ -2,6 +2,7 @@
 
 #include "client/cpp/timed_io.hpp"
 
+#include <algorithm>
 #include <boost/beast/core/flat_buffer.hpp>
 #include <boost/beast/http.hpp>
 
@@ -13,7 +14,7 @@ namespace {
 namespace beast = boost::beast;
 namespace http = beast::http;
 
-constexpr std::uint64_t longestAnswer = std::uint64_t{1} << 30u;
+constexpr std::uint32_t longestHead = 8192;
 
 using Body = http::vector_body<std::uint8_t>;
 
@@ -43,8 +44,9 @@ Expected<HttpAnswer> answerOf(http::response<Body> response, const ServerUrl& ur
 
 }  // namespace
 
-Expected<HttpAnswer> httpGet(const ServerUrl& url, const std::string& target, const std::string& ifNoneMatch,
-                             const Credentials& credentials, const Timeouts& timeouts) {
+Expected<HttpAnswer> httpGet(const ServerUrl& url, const std::string& target, std::uint64_t longest,
+                             const std::string& ifNoneMatch, const Credentials& credentials,
+                             const Timeouts& timeouts) {
     boost::asio::io_context io;
     auto open = connectUntil(io, url, credentials, Clock::now() + timeouts.connect);
     if (!open) return passOn(open);
@@ -60,7 +62,18 @@ Expected<HttpAnswer> httpGet(const ServerUrl& url, const std::string& target, co
         return tl::unexpected(networkError(error, url, "sending a request"));
     beast::flat_buffer buffer;
     http::response_parser<Body> parser;
-    parser.body_limit(longestAnswer);
+    parser.header_limit(longestHead);
+    parser.body_limit(longest);
+    if (const auto error = runUntil(
+            io, deadline, [&](auto handler) { http::async_read_header(stream, buffer, parser, handler); },
+            close))
+        return tl::unexpected(networkError(error, url, "reading the answer"));
+    if (parser.get().result_int() >= 400) {
+        const auto allowed = std::min(longest, longestRefusal);
+        parser.body_limit(allowed);
+        if (const auto length = parser.content_length(); length && *length > allowed)
+            return tl::unexpected(networkError(http::error::body_limit, url, "reading why it refuses"));
+    }
     if (const auto error = runUntil(
             io, deadline, [&](auto handler) { http::async_read(stream, buffer, parser, handler); }, close))
         return tl::unexpected(networkError(error, url, "reading the answer"));

@@ -22,8 +22,12 @@ struct HttpAnswer {
 /// `target` is the path with its query; `accept` may be empty, and so may `ifNoneMatch` (an ETag with its
 /// quotes). Answers with a status of 400 or above become errors: the problem that their body describes, else
 /// the status. Errors besides: Io (refused, closed), NotFound (host), DeadlineExceeded, Malformed (no HTTP),
-/// Unsupported (TLS that is not trusted), ResourceLimit (more than 1 GiB).
-Expected<HttpAnswer> httpGet(const ServerUrl& url, const std::string& target, const std::string& ifNoneMatch,
-                             const Credentials& credentials, const Timeouts& timeouts);
+/// Unsupported (TLS that is not trusted), ResourceLimit (a body of more than `longest` bytes, or of more than
+/// longestRefusal with a status of 400 or above; a head of more than 8 KiB).
+Expected<HttpAnswer> httpGet(const ServerUrl& url, const std::string& target, std::uint64_t longest,
+                             const std::string& ifNoneMatch, const Credentials& credentials,
+                             const Timeouts& timeouts);
+
+inline constexpr std::uint64_t longestRefusal = std::uint64_t{256} << 10u;
 
 }  // namespace scancast::client

@@ -12,7 +12,8 @@
 //
 // Server and Stream are synchronous: every call blocks until it is done, fails, or its deadline has passed.
 // LiveStream has a thread of its own, tells by callbacks, and connects again when the connection is lost.
-// Every failure is an Expected error with a sentence for people. Depends on protocol/ only; neither Boost nor
+// Every failure is an Expected error with a sentence for people, which a terminal obeys nothing of; titles, ids and the like are as
+// the server said them, and go through plainText() before they are printed. Depends on protocol/ only; neither Boost nor
 // the JPEG decoder shows in the headers. Installed, it is `find_package(scancast)`, `scancast::client`,
 // `#include <scancast/client.hpp>`: example/ is a whole project.
 #pragma once
@@ -26,3 +27,4 @@
 #include "client/cpp/server_url.hpp"
 #include "client/cpp/stream.hpp"
 #include "client/cpp/timeouts.hpp"
+#include "protocol/text/plain_text.hpp"

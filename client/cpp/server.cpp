@@ -6,14 +6,35 @@
 
 #include "client/cpp/http_get.hpp"
 #include "protocol/json_text.hpp"
+#include "protocol/view/view.hpp"
 
 namespace scancast::client {
 namespace {
 
 constexpr std::string_view cloudsPath = "/api/v1/clouds";
 
+/// Of lists and facts: thousands of clouds.
+constexpr std::uint64_t longestJson = std::uint64_t{16} << 20u;
+
+/// Of a picture: what its pixels may take in either format, noise included, and the file's head; never more than 1 GiB, which
+/// holds also where the request names no size.
+std::uint64_t longestPicture(const WordValues& words) {
+    constexpr std::uint64_t head = std::uint64_t{1} << 20u, perPixel = 8, most = std::uint64_t{1} << 30u;
+    std::uint64_t width = 0, height = 0;
+    for (const auto& [word, value] : words) {
+        std::uint64_t* const side = word == "width" ? &width : word == "height" ? &height : nullptr;
+        if (side) std::from_chars(value.data(), value.data() + value.size(), *side);
+    }
+    const auto bounded = [](std::uint64_t side) {
+        const auto largest = static_cast<std::uint64_t>(maxPictureSide);
+        return side == 0 ? largest : std::min(side, largest);
+    };
+    return std::min(most, head + perPixel * bounded(width) * bounded(height));
+}
+
 Expected<nlohmann::json> getJson(const Server& server, const std::string& target) {
-    const auto answer = httpGet(server.url(), target, {}, server.credentials(), server.timeouts());
+    const auto answer =
+        httpGet(server.url(), target, longestJson, {}, server.credentials(), server.timeouts());
     if (!answer) return passOn(answer);
     auto value = parseJson({reinterpret_cast<const char*>(answer->body.data()), answer->body.size()});
     if (!value)
@@ -62,7 +83,7 @@ Expected<Snapshot> Server::snapshot(const std::string& cloud, const WordValues& 
     const bool jpeg = format == PictureFormat::Jpeg;
     auto target = cloudPath(cloud) + (jpeg ? "/snapshot.jpg" : "/snapshot.png");
     if (!words.empty()) target.append("?").append(printQuery(words));
-    auto answer = httpGet(url_, target, etag, credentials_, timeouts_);
+    auto answer = httpGet(url_, target, longestPicture(words), etag, credentials_, timeouts_);
     if (!answer) return passOn(answer);
     if (answer->status == 304) return Snapshot{{}, etag, {}, true};
     const bool picture = jpeg ? startsWith(answer->body, {0xFF, 0xD8, 0xFF})

@@ -11,6 +11,7 @@
 #include "client/cpp/paced_stream.hpp"
 #include "client/cpp/refusal.hpp"
 #include "protocol/nearest_name.hpp"
+#include "protocol/text/plain_text.hpp"
 #include "protocol/view/view_json.hpp"
 
 namespace scancast::client {
@@ -21,13 +22,15 @@ namespace http = beast::http;
 namespace websocket = beast::websocket;
 
 constexpr std::size_t longestMessage = std::size_t{512} << 20u;  // a picture of 16384 × 16384 px at its worst
+// Taken apart, JSON takes many times its length; and before the welcome nobody has shown to be a server.
+constexpr std::size_t longestText = std::size_t{1} << 20u;
 
 Error goodbye(std::uint16_t code, std::string_view reason) {
     const auto kind = code == static_cast<std::uint16_t>(CloseCode::TryAgainLater) ? ErrorCode::ResourceLimit
                       : code == static_cast<std::uint16_t>(CloseCode::GoingAway)   ? ErrorCode::Cancelled
                                                                                    : ErrorCode::Io;
     std::string message = "the server closed the session";
-    if (!reason.empty()) message += ": " + std::string(reason);
+    if (!reason.empty()) message += ": " + plainText(reason);
     return {kind, message + " (close code " + std::to_string(code) + ")", {}};
 }
 
@@ -38,6 +41,9 @@ Expected<std::optional<StreamEvent>> eventOf(std::span<const std::uint8_t> bytes
         if (!frame) return passOn(frame);
         return ReceivedFrame{frame->header, {frame->picture.begin(), frame->picture.end()}};
     }
+    if (bytes.size() > longestText)
+        return fail(ErrorCode::ResourceLimit, "the server sent a text of " + std::to_string(bytes.size()) +
+                                                  " bytes, more than this client accepts");
     auto message = parseServerMessage({reinterpret_cast<const char*>(bytes.data()), bytes.size()});
     if (!message) {
         if (message.error().code == ErrorCode::Unsupported) return std::nullopt;
@@ -71,7 +77,7 @@ class Stream::Connection {
         tls_ = std::move(connected->tls);
         socket_ = std::make_unique<websocket::stream<PacedStream>>(std::move(connected->stream),
                                                                    readBytesPerSecond);
-        socket_->read_message_max(longestMessage);
+        socket_->read_message_max(longestText);
         socket_->auto_fragment(false);
         return handshake(credentials.token);
     }
@@ -118,6 +124,9 @@ class Stream::Connection {
             return tl::unexpected(lost(boost::asio::error::timed_out, "waiting for the next message"));
         }
     }
+
+    /// From the welcome on, messages may be as long as pictures are.
+    void acceptPictures() { socket_->read_message_max(longestMessage); }
 
     void interrupt() {
         interrupted_ = true;
@@ -216,6 +225,7 @@ Expected<Stream> Stream::open(const ServerUrl& url, const messages::Hello& hello
     const auto* welcome = std::get_if<messages::Welcome>(&*message);
     if (!welcome) return fail(ErrorCode::Malformed, url.authority() + " did not answer hello with a welcome");
     connection->welcome = *welcome;
+    connection->acceptPictures();
     return Stream(std::move(connection));
 }
 

@@ -53,6 +53,6 @@ int main(int argc, char** argv) {
     file << "P6\n" << pixels->width << ' ' << pixels->height << "\n255\n";
     file.write(reinterpret_cast<const char*>(pixels->rgb.data()), std::streamsize(pixels->rgb.size()));
     file.close();
-    std::printf("%s, %dx%d\n", hello.cloud.c_str(), pixels->width, pixels->height);
+    std::printf("%s, %dx%d\n", plainText(hello.cloud).c_str(), pixels->width, pixels->height);
     return file ? 0 : complain({ErrorCode::Io, "cannot write the picture", {}});
 }

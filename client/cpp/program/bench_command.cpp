@@ -5,6 +5,7 @@
 
 #include "client/cpp/program/bench_report.hpp"
 #include "client/cpp/program/command.hpp"
+#include "client/cpp/program/say.hpp"
 #include "protocol/json_text.hpp"
 #include "protocol/view/view_json.hpp"
 
@@ -22,7 +23,7 @@ struct BenchFlags {
 
 /// For scripts that look at the server meanwhile.
 void tell(const char* phase) {
-    std::fprintf(stderr, "bench: %s\n", phase);
+    sayOn(stderr, "bench: %s\n", phase);
     std::fflush(stderr);
 }
 
@@ -86,7 +87,7 @@ Expected<void> run(BenchFlags& flags) {
 
     const auto results = runSessions(*server, flags);
     const auto report = benchReport(flags.options, results);
-    std::printf("%s", flags.json ? (printJson(report) + "\n").c_str() : benchText(report).c_str());
+    sayOn(stdout, "%s", flags.json ? (printJson(report) + "\n").c_str() : benchText(report).c_str());
     if (!flags.final.empty())
         if (auto ok = writeFinal(flags.final, results); !ok) return ok;
     for (const auto& group : report.at("groups"))

@@ -1,4 +1,5 @@
 #include "client/cpp/program/command.hpp"
+#include "client/cpp/program/say.hpp"
 
 #include <cstdio>
 #include <utility>
@@ -44,7 +45,7 @@ Expected<Server> ServerFlags::server() const {
 
 int report(const Expected<void>& result) {
     if (result) return 0;
-    std::fprintf(stderr, "scancast-client: %s\n", result.error().message.c_str());
+    sayOn(stderr, "scancast-client: %s\n", result.error().message.c_str());
     return 1;
 }
 
@@ -58,9 +59,8 @@ Expected<std::string> chooseCloud(const Server& server, const std::string& given
 
 void DamageWarning::look(const FrameHeader& header) {
     if (!header.damaged || std::exchange(said_, true)) return;
-    std::fputs(
-        "scancast-client: parts of this cloud cannot be read; coarser points are shown in their place\n",
-        stderr);
+    sayOn(stderr,
+          "scancast-client: parts of this cloud cannot be read; coarser points are shown in their place\n");
 }
 
 Expected<void> writeFile(const std::string& path, const std::vector<std::uint8_t>& bytes) {

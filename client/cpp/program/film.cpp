@@ -8,6 +8,7 @@
 
 #include "client/cpp/program/bench_report.hpp"
 #include "client/cpp/program/film_writer.hpp"
+#include "client/cpp/program/say.hpp"
 #include "client/cpp/stream.hpp"
 
 namespace scancast::client {
@@ -104,9 +105,9 @@ Expected<void> film(const Server& server, const std::string& cloud, const FilmFl
     const std::chrono::duration<double> seconds = Clock::now() - begin;
     if (auto ok = stream->close(); !ok) return ok;
     if (auto ok = writer->finish(); !ok) return ok;
-    std::printf("%d frames of %s in %.2f s: %.1f frames/s, median %.1f ms, slowest %.1f ms, %dx%d, in %s\n",
-                count, cloud.c_str(), seconds.count(), count / seconds.count(), percentile(*milliseconds, 50),
-                percentile(*milliseconds, 100), first.width, first.height, flags.output.c_str());
+    sayOn(stdout, "%d frames of %s in %.2f s: %.1f frames/s, median %.1f ms, slowest %.1f ms, %dx%d, in %s\n",
+          count, cloud.c_str(), seconds.count(), count / seconds.count(), percentile(*milliseconds, 50),
+          percentile(*milliseconds, 100), first.width, first.height, flags.output.c_str());
     return {};
 }
 

@@ -3,6 +3,7 @@
 #include <nlohmann/json.hpp>
 
 #include "client/cpp/program/command.hpp"
+#include "client/cpp/program/say.hpp"
 #include "protocol/json_text.hpp"
 
 namespace scancast::client {
@@ -21,29 +22,29 @@ std::string text(const ParameterValue& value) {
 
 void print(const CloudInfo& cloud) {
     const auto size = cloud.bounds[1] - cloud.bounds[0];
-    std::printf("cloud %s: %s\n", cloud.id.c_str(), cloud.title.c_str());
-    std::printf("  %llu points (%s), %.1f MiB in memory, spacing %g\n",
-                static_cast<unsigned long long>(cloud.points), cloud.format.c_str(),
-                static_cast<double>(cloud.bytesResident) / (1 << 20), cloud.spacing);
-    std::printf("  from %.3f %.3f %.3f to %.3f %.3f %.3f, %g x %g x %g\n", cloud.bounds[0].x,
-                cloud.bounds[0].y, cloud.bounds[0].z, cloud.bounds[1].x, cloud.bounds[1].y, cloud.bounds[1].z,
-                size.x, size.y, size.z);
+    sayOn(stdout, "cloud %s: %s\n", cloud.id.c_str(), cloud.title.c_str());
+    sayOn(stdout, "  %llu points (%s), %.1f MiB in memory, spacing %g\n",
+          static_cast<unsigned long long>(cloud.points), cloud.format.c_str(),
+          static_cast<double>(cloud.bytesResident) / (1 << 20), cloud.spacing);
+    sayOn(stdout, "  from %.3f %.3f %.3f to %.3f %.3f %.3f, %g x %g x %g\n", cloud.bounds[0].x,
+          cloud.bounds[0].y, cloud.bounds[0].z, cloud.bounds[1].x, cloud.bounds[1].y, cloud.bounds[1].z,
+          size.x, size.y, size.z);
     std::string attributes;
     for (const auto& attribute : cloud.attributes) attributes += " " + attribute.name;
-    std::printf("  attributes:%s\n", attributes.empty() ? " none but position" : attributes.c_str());
-    if (cloud.crsEpsg) std::printf("  coordinate system: EPSG:%d\n", *cloud.crsEpsg);
+    sayOn(stdout, "  attributes:%s\n", attributes.empty() ? " none but position" : attributes.c_str());
+    if (cloud.crsEpsg) sayOn(stdout, "  coordinate system: EPSG:%d\n", *cloud.crsEpsg);
 }
 
 void print(const MethodInfo& method) {
-    std::printf("method %s: %s\n  %s\n", method.name.c_str(), method.title.c_str(), method.summary.c_str());
+    sayOn(stdout, "method %s: %s\n  %s\n", method.name.c_str(), method.title.c_str(), method.summary.c_str());
     for (const auto& parameter : method.parameters) {
         std::string range;
         if (parameter.type == "number") range = printJson(parameter.min) + " to " + printJson(parameter.max);
         for (const auto& choice : parameter.choices) range += (range.empty() ? "" : "|") + choice;
         if (!parameter.unit.empty()) range += " " + parameter.unit;
-        std::printf("  --param %s=%s  %s (%s)\n", parameter.name.c_str(),
-                    text(parameter.defaultValue).c_str(), parameter.meaning.c_str(),
-                    range.empty() ? parameter.type.c_str() : range.c_str());
+        sayOn(stdout, "  --param %s=%s  %s (%s)\n", parameter.name.c_str(),
+              text(parameter.defaultValue).c_str(), parameter.meaning.c_str(),
+              range.empty() ? parameter.type.c_str() : range.c_str());
     }
 }
 
@@ -57,10 +58,10 @@ Expected<void> run(const InfoFlags& flags) {
     if (flags.json) {
         auto object = toJson(*clouds);
         object.update(toJson(*methods));
-        std::printf("%s\n", printJson(object).c_str());
+        sayOn(stdout, "%s\n", printJson(object).c_str());
         return {};
     }
-    if (clouds->empty()) std::printf("no clouds\n");
+    if (clouds->empty()) sayOn(stdout, "no clouds\n");
     for (const auto& cloud : *clouds) print(cloud);
     for (const auto& method : *methods) print(method);
     return {};

@@ -1,5 +1,8 @@
 // `scancast-client`: pictures and facts from a Scancast server, without a browser.
+#include <sstream>
+
 #include "client/cpp/program/command.hpp"
+#include "client/cpp/program/say.hpp"
 #include "files/program_start.hpp"
 
 int main(int argc, char** argv) {
@@ -20,6 +23,13 @@ int main(int argc, char** argv) {
     scancast::client::addPath(app, exitCode);
     scancast::client::addView(app, exitCode);
     scancast::client::addBench(app, exitCode);
-    CLI11_PARSE(app, argc, argv);
+    try {
+        app.parse(argc, argv);
+    } catch (const CLI::ParseError& error) {
+        std::ostringstream asked, complaint;
+        exitCode = app.exit(error, asked, complaint);
+        scancast::client::sayOn(stdout, "%s", asked.str().c_str());
+        scancast::client::sayOn(stderr, "%s", complaint.str().c_str());
+    }
     return exitCode;
 }

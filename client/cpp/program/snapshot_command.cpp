@@ -2,6 +2,7 @@
 #include <cstdio>
 
 #include "client/cpp/program/command.hpp"
+#include "client/cpp/program/say.hpp"
 #include "protocol/flags/view_flags.hpp"
 
 namespace scancast::client {
@@ -33,22 +34,22 @@ Expected<void> run(const SnapshotFlags& flags) {
     const auto picture = server->snapshot(*cloud, *words, *format, flags.etag);
     if (!picture) return passOn(picture);
     if (picture->notModified) {
-        std::printf("%s is still the same: nothing written\n", cloud->c_str());
+        sayOn(stdout, "%s is still the same: nothing written\n", cloud->c_str());
         return {};
     }
     if (auto ok = writeFile(flags.output, picture->bytes); !ok) return ok;
     if (picture->damaged > 0) {
-        std::fprintf(
+        sayOn(
             stderr,
             "scancast-client: %llu %s of this cloud cannot be read; coarser points are shown in the picture "
             "in their place\n",
             static_cast<unsigned long long>(picture->damaged), picture->damaged == 1 ? "block" : "blocks");
-        std::printf("%s: %zu bytes of %s, damaged\n", flags.output.c_str(), picture->bytes.size(),
-                    cloud->c_str());
+        sayOn(stdout, "%s: %zu bytes of %s, damaged\n", flags.output.c_str(), picture->bytes.size(),
+              cloud->c_str());
         return {};
     }
-    std::printf("%s: %zu bytes of %s, ETag %s\n", flags.output.c_str(), picture->bytes.size(), cloud->c_str(),
-                picture->etag.c_str());
+    sayOn(stdout, "%s: %zu bytes of %s, ETag %s\n", flags.output.c_str(), picture->bytes.size(),
+          cloud->c_str(), picture->etag.c_str());
     return {};
 }
 

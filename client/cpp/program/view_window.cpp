@@ -12,10 +12,14 @@
 #include "client/cpp/decode.hpp"
 #include "client/cpp/live_stream.hpp"
 #include "client/cpp/program/command.hpp"
+#include "client/cpp/program/say.hpp"
 #include "client/cpp/program/view_control.hpp"
 
 namespace scancast::client {
 namespace {
+
+/// More than any window shows; a JPEG of a few bytes can promise four times as many.
+constexpr std::size_t mostPixels = std::size_t{64} << 20u;
 
 template <auto Destroy>
 struct Destroyer {
@@ -118,7 +122,7 @@ class Window {
     // ---- on the stream's thread
 
     void arrived(const ReceivedFrame& frame) {
-        auto pixels = decodeJpeg(frame.jpeg);
+        auto pixels = decodeJpeg(frame.jpeg, mostPixels);
         if (!pixels) return say(pixels.error().message);
         const std::lock_guard lock(mailbox_.mutex);
         mailbox_.frame = Shown{frame.header, std::move(*pixels)};
@@ -333,8 +337,8 @@ class Window {
     template <class... Arguments>
     void trace(const char* format, Arguments... arguments) {
         if (!options_.trace) return;
-        std::printf(format, arguments...);
-        std::printf("\n");
+        sayOn(stdout, format, arguments...);
+        sayOn(stdout, "\n");
         std::fflush(stdout);
     }
 

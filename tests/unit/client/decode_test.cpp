@@ -28,6 +28,21 @@ TEST(Decode, PixelsAreThoseOfTheServersDecoder) {
             ASSERT_EQ(pixels->rgb[i * 3 + channel], truth->rgba[i * 4 + channel]) << i;
 }
 
+TEST(Decode, MorePixelsThanAreAcceptedAreRefusedByTheHead) {
+    Frame frame;
+    frame.width = 64;
+    frame.height = 32;
+    frame.rgba.own().assign(64 * 32 * 4, 200);
+    auto jpeg = encodeJpeg(frame, 90, Subsampling::S444);
+    ASSERT_TRUE(jpeg);
+    EXPECT_TRUE(client::decodeJpeg(*jpeg, 64 * 32));
+    const auto refused = client::decodeJpeg(*jpeg, 64 * 32 - 1);
+    ASSERT_FALSE(refused);
+    EXPECT_EQ(refused.error().code, ErrorCode::ResourceLimit);
+    EXPECT_EQ(refused.error().message,
+              "the JPEG picture has 64 x 32 pixels, and no more than 2047 are accepted");
+}
+
 TEST(Decode, WhatIsNoPictureIsAnError) {
     const std::vector<std::uint8_t> nothing, text{'n', 'o'};
     EXPECT_EQ(client::decodeJpeg(nothing).error().code, ErrorCode::Malformed);

@@ -9,6 +9,7 @@
 #include <set>
 
 #include "protocol/json_text.hpp"
+#include "protocol/problem.hpp"
 #include "tests/support/temporary_folder.hpp"
 #include "tests/unit/client/fake_session.hpp"
 
@@ -90,6 +91,43 @@ TEST_F(Program, UnwritableOutputIsNamed) {
     EXPECT_EQ(outcome.exitCode, 1);
     EXPECT_NE(outcome.output.find("Cannot create " + folder_.path().string()), std::string::npos)
         << outcome.output;
+}
+
+TEST_F(Program, NothingThatAServerSaysIsACommandToTheTerminal) {
+    const std::string hostile = "\x1b[2J\x1b]0;owned\x07\r\xC2\x9B" + std::string("2J");
+    const auto harmless = [&](const Outcome& outcome) {
+        EXPECT_EQ(outcome.output.find_first_of("\x1b\x07\r"), std::string::npos) << outcome.output;
+        EXPECT_EQ(outcome.output.find("\xC2\x9B"), std::string::npos);
+        return outcome.output;
+    };
+    auto cloud = test::fakeCloud();
+    cloud.title = cloud.format = cloud.attributes[0].name = hostile;
+    auto method = test::fakeMethod();
+    method.title = method.summary = method.parameters[0].meaning = method.parameters[0].unit = hostile;
+    auto script = test::fakeLists();
+    script.answers["/api/v1/clouds"].body = printJson(toJson(std::vector{cloud}));
+    script.answers["/api/v1/methods"].body = printJson(toJson(std::vector{method}));
+    script.answers["/api/v1/clouds/town/snapshot.jpg"] = {
+        422, "application/problem+json",
+        printJson(toJson(problemOf({ErrorCode::ImpossibleView, "because" + hostile, {}}))), ""};
+    script.answers["/api/v1/clouds/town/snapshot.png"] = {200, "image/png", "\x89PNG\r\n\x1A\n!",
+                                                          "\"e\xC2\x9B\""};
+    const test::FakeServer fake(script);
+    const auto text = harmless(run("info " + fake.text()));
+    EXPECT_NE(text.find("cloud town: ?[2J?]0;owned???2J\n"), std::string::npos) << text;
+    const auto json = parseJson(harmless(run("info --json " + fake.text())));
+    ASSERT_TRUE(json) << json.error().message;
+    EXPECT_EQ(cloudListFromJson(*json)->front().title, hostile) << "escaped, not lost";
+    EXPECT_EQ(harmless(run("snapshot " + fake.text() + " -o " + folder_.file("a.jpg"))),
+              "scancast-client: because?[2J?]0;owned???2J\n");
+    EXPECT_NE(harmless(run("snapshot " + fake.text() + " -o " + folder_.file("a.png"))).find("ETag \"e?\""),
+              std::string::npos);
+}
+
+TEST_F(Program, NorIsAnArgumentThatIsComplainedOf) {
+    const auto outcome = run("info $(printf '%s' '--\x1b[2J') http://localhost/");
+    EXPECT_NE(outcome.exitCode, 0);
+    EXPECT_NE(outcome.output.find("--?[2J"), std::string::npos) << outcome.output;
 }
 
 TEST_F(Program, InfoListsAndPrintsJson) {

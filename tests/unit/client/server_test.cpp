@@ -130,6 +130,36 @@ TEST(Server, AnswersThatAreNone) {
     }
 }
 
+TEST(Server, MoreThanAnAnswerMayHaveIsNotRead) {
+    // Lists, errors, pictures of a size that was asked for, and heads have bounds of their own.
+    const auto head = [](const std::string& status, std::uint64_t length) {
+        return "HTTP/1.1 " + status + "\r\nContent-Length: " + std::to_string(length) + "\r\n\r\n";
+    };
+    const std::string chunk = "10000\r\n" + std::string(0x10000, 'x') + "\r\n";
+    std::string endless = "HTTP/1.1 404 Not Found\r\nTransfer-Encoding: chunked\r\n\r\n";
+    for (int i = 0; i < 5; ++i) endless += chunk;
+    for (const auto& raw : {head("200 OK", (16u << 20u) + 1), head("503 No", (256u << 10u) + 1), endless,
+                            "HTTP/1.1 200 OK\r\nX: " + std::string(9000, 'x') + "\r\n\r\n"}) {
+        FakeServer::Script script;
+        script.raw = raw;
+        const FakeServer fake(script);
+        const auto clouds = serverAt(fake).clouds();
+        ASSERT_FALSE(clouds) << raw.substr(0, 80);
+        EXPECT_EQ(clouds.error().code, ErrorCode::ResourceLimit) << clouds.error().message;
+        EXPECT_NE(clouds.error().message.find("sent more than this client accepts"), std::string::npos);
+    }
+    const WordValues small{{"width", "64"}, {"height", "32"}};
+    const auto refused = [&](std::uint64_t length, const WordValues& words) {
+        FakeServer::Script script;
+        script.raw = head("200 OK", length) + jpeg;
+        const FakeServer fake(script);
+        return serverAt(fake).snapshot("town", words).error().code;
+    };
+    EXPECT_EQ(refused((1u << 20u) + 8 * 64 * 32 + 1, small), ErrorCode::ResourceLimit);
+    EXPECT_EQ(refused((1u << 20u) + 8 * 64 * 32, small), ErrorCode::Io) << "accepted, and cut short";
+    EXPECT_EQ(refused((1u << 20u) + 8 * 64 * 32 + 1, {}), ErrorCode::Io) << "the cloud's size is not known";
+}
+
 TEST(Server, APageInsteadOfAPictureIsMalformed) {
     FakeServer::Script script;
     script.answers["/api/v1/clouds/town/snapshot.png"] = {200, "image/png", jpeg, ""};

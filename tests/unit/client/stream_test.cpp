@@ -248,5 +248,37 @@ TEST(Stream, GoodbyesAndLostConnections) {
     EXPECT_NE(lost.message.find("closed the connection"), std::string::npos) << lost.message;
 }
 
+TEST(Stream, TextsHaveABoundAndBeforeTheWelcomeSoHasEverything) {
+    const std::string tooLong((1u << 20u) + 1, ' ');
+    const auto errorOf = [&](bool welcomed, bool binary) {
+        const FakeServer fake(scriptOf([&](FakePeer& peer) {
+            std::string text;
+            if (welcomed && !test::welcome(peer)) return;
+            if (!welcomed && !peer.readText(text)) return;
+            if (binary ? peer.sendBinary({tooLong.begin(), tooLong.end()}) : peer.sendText(tooLong))
+                peer.readText(text);
+        }));
+        auto stream = Stream::open(fake.url(), messages::Hello{}, patient);
+        if (!stream) return stream.error();
+        const auto frame = stream->receiveFrame();
+        return frame ? Error{ErrorCode::Internal, "accepted", {}} : frame.error();
+    };
+    EXPECT_EQ(errorOf(false, false).code, ErrorCode::ResourceLimit) << errorOf(false, false).message;
+    EXPECT_EQ(errorOf(false, true).code, ErrorCode::ResourceLimit);
+    EXPECT_EQ(errorOf(true, false).code, ErrorCode::ResourceLimit);
+    EXPECT_EQ(errorOf(true, true).code, ErrorCode::Malformed) << "long enough for a picture, and none";
+}
+
+TEST(Stream, AGoodbyeIsNoCommandToATerminal) {
+    const FakeServer fake(scriptOf([](FakePeer& peer) {
+        if (test::welcome(peer)) peer.close(1008, "go\x1b[2J\xC2\x9B away");
+    }));
+    auto stream = Stream::open(fake.url(), messages::Hello{}, patient);
+    ASSERT_TRUE(stream) << stream.error().message;
+    const auto frame = stream->receiveFrame();
+    ASSERT_FALSE(frame);
+    EXPECT_EQ(frame.error().message, "the server closed the session: go?[2J? away (close code 1008)");
+}
+
 }  // namespace
 }  // namespace scancast::client

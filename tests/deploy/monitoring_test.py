@@ -33,7 +33,7 @@ def metrics():
 def promtool(*arguments):
     tool = shutil.which("promtool")
     if not tool:
-        print("SKIPPED: rules and expressions are not read by promtool, which is not installed (Debian: prometheus)", flush=True)
+        print("\nSKIPPED: rules and expressions are not read by promtool, which is not installed (Debian: prometheus)", flush=True)
         raise unittest.SkipTest("promtool is not installed")
     done = subprocess.run([tool, *arguments], stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, timeout=120)
     if done.returncode:

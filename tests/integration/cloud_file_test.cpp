@@ -47,7 +47,8 @@ TEST_F(CloudFileProgram, IsServedWithinALimitAndItsFinalStillIsTheSnapshot) {
     ASSERT_NO_FATAL_FAILURE(receiveFinal(stream, 0, picture));
     EXPECT_TRUE(picture == request(port, "/api/v1/clouds/town/snapshot.jpg?width=240&height=160").body);
     const std::string metrics = request(port, "/metrics").body;
-    EXPECT_THAT(metrics, HasSubstr("scancast_residency_limit_bytes 67108864"));
+    EXPECT_THAT(metrics, HasSubstr("scancast_residency_limit_bytes 41943040"));
+    EXPECT_THAT(metrics, HasSubstr("scancast_transient_limit_bytes 25165824")) << "64M together";
     EXPECT_THAT(metrics, HasSubstr("scancast_block_load_errors_total 0"));
     EXPECT_THAT(metrics, ::testing::Not(HasSubstr("scancast_blocks_loaded_total 0\n")));
 }

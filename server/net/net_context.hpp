@@ -50,7 +50,8 @@ struct NetLimits {
     std::chrono::milliseconds closeTimeout{5000};  ///< for a closing handshake
 };
 
-/// What a connection takes with its buffers and, where it has one, its session: as measured with a thousand of them.
+/// What a connection takes at the most with its buffers or, where it has one, its session. Measured: 5 kB of each of a
+/// thousand HTTP connections that have asked for something small, 27 kB of each of five hundred sessions.
 inline constexpr std::uint64_t bytesOfConnection = 32 * 1024;
 
 /// How NetLimits are meant for the public address and for the one of probes.

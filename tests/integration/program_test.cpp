@@ -247,7 +247,7 @@ TEST_F(ProgramTest, AServerWithLittleMemoryRefusesWhatDoesNotFitAndLivesOn) {
     const auto server = serve({file("ball.las"), "--backend", "cpu", "--threads", "2", "--max-pixels",
                                "268435456", "--memory-limit", "8G", "--transient-limit", "6G"},
                               [] {
-                                  const rlimit limit{rlim_t(3) << 30, rlim_t(3) << 30};
+                                  const rlimit limit{rlim_t(5) << 29, rlim_t(5) << 29};
                                   setrlimit(RLIMIT_AS, &limit);
                               });
     const auto ask = [&](const std::string& name, int width, int height) {
@@ -266,7 +266,9 @@ TEST_F(ProgramTest, AServerWithLittleMemoryRefusesWhatDoesNotFitAndLivesOn) {
                 }
             });
     for (std::thread& one : crowd) one.join();
-    EXPECT_THAT(ask("snapshot.png", 16384, 16384).body, HasSubstr("RLIMIT_AS")) << "the limit is named";
+    const HttpReply refused = ask("snapshot.png", 16384, 16384);  // 2.7 GB
+    ASSERT_EQ(refused.status, 413);
+    EXPECT_THAT(refused.body, HasSubstr("RLIMIT_AS")) << "the limit is named";
     EXPECT_EQ(ask("snapshot.jpg", 64, 48).status, 200) << server->err();
 }
 

@@ -57,6 +57,13 @@ elseif(SCANCAST_SANITIZE)
   message(FATAL_ERROR "SCANCAST_SANITIZE is '${SCANCAST_SANITIZE}': expected address, thread or nothing")
 endif()
 
+option(SCANCAST_FUZZ "Build libFuzzer programs (needs clang): tests/fuzz/run.sh" OFF)
+if(SCANCAST_FUZZ)
+  # Everything, so that inputs are judged by what they reach in the parsers, not in the targets alone.
+  add_compile_options(-fsanitize=fuzzer-no-link,address -fno-omit-frame-pointer)
+  add_link_options(-fsanitize=address)
+endif()
+
 option(SCANCAST_COVERAGE "Count the lines that run (tests/support/coverage.py)" OFF)
 if(SCANCAST_COVERAGE)
   add_compile_options(--coverage -fprofile-update=atomic)
@@ -73,7 +80,8 @@ function(scancast_library name)
 endfunction()
 
 function(scancast_warnings name)
-  target_compile_options(${name} PRIVATE -Wall -Wextra -Wnon-virtual-dtor -Werror
+  target_compile_options(${name} PRIVATE -Wall -Wextra -Wnon-virtual-dtor
+                         $<$<NOT:$<BOOL:${SCANCAST_FUZZ}>>:-Werror>  # of another compiler's warnings
                          # Compiled together, another file's names shadow nothing, and every file but the first is "included".
                          $<IF:$<BOOL:${SCANCAST_UNITY}>,-Wshadow=local;-Wno-subobject-linkage,-Wshadow>)
 endfunction()

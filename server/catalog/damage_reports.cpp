@@ -4,6 +4,12 @@
 
 namespace scancast {
 
+std::string damageText(const CloudFile& file, const Error& error) {
+    const std::string name = file.path().filename().string();
+    const std::string text = error.message.substr(0, error.message.find_last_not_of('.') + 1);
+    return text.find(name) == std::string::npos ? name + ": " + text : text;
+}
+
 void DamageReports::add(std::shared_ptr<const CloudFile> file, Error error) {
     const std::lock_guard lock(mutex_);
     if (listener_) return listener_({std::move(file), std::move(error)});

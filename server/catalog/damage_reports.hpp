@@ -10,6 +10,7 @@
 #include <functional>
 #include <memory>
 #include <mutex>
+#include <string>
 #include <vector>
 
 #include "protocol/error.hpp"
@@ -21,6 +22,9 @@ struct DamageReport {
     std::shared_ptr<const CloudFile> file;
     Error error;
 };
+
+/// What cannot be read, as half a sentence that names the file.
+std::string damageText(const CloudFile& file, const Error& error);
 
 class DamageReports {
   public:

@@ -8,6 +8,7 @@
 #include "renderer/cloud/import/open_scan.hpp"
 #include "renderer/residency/open_cloud.hpp"
 #include "server/base/byte_size.hpp"
+#include "server/catalog/damage_reports.hpp"
 #include "server/terminal/progress_bar.hpp"
 #include "server/terminal/terminal.hpp"
 
@@ -25,7 +26,7 @@ Expected<std::shared_ptr<const Cloud>> openFile(const ScanInput& input, const Op
         cache.memoryLimit = *limit;
     }
     cache.onDamaged = [](const std::shared_ptr<const CloudFile>& file, const Error& error) {
-        tell("{}: {} Coarser points are shown in its place.\n", file->path().string(), error.message);
+        tell("{}; coarser points are shown in its place\n", damageText(*file, error));
     };
     auto file = input.file().share();
     if (!file) return passOn(file);

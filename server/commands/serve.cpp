@@ -12,6 +12,7 @@
 #include "server/base/faults.hpp"
 #include "server/base/log.hpp"
 #include "server/base/memory_reserve.hpp"
+#include "server/catalog/damage_reports.hpp"
 #include "server/catalog/loader.hpp"
 #include "server/commands/command.hpp"
 #include "server/commands/config_file.hpp"
@@ -54,8 +55,7 @@ LoaderOptions loaderOptions(const ServeOptions& options, std::shared_ptr<DamageR
         // Nothing is wrong with the file, and every block may have a part in it.
         if (error.code == ErrorCode::ResourceLimit) return reportFault(error);
         bar.clear();
-        spdlog::error("{}: {} Coarser points are shown in its place.", file.path().filename().string(),
-                      error.message);
+        spdlog::error("{}; coarser points are shown in its place", damageText(file, error));
     };
     loading.onChanged = [&server] { server.cloudsChanged(); };
     loading.cacheDir = options.cacheDir;

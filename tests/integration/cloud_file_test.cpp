@@ -92,7 +92,7 @@ TEST_F(CloudFileProgram, SaysWhatItLacksAndShowsTheWholeFileThatTakesItsPlace) {
     EXPECT_EQ(damaged.header("cache-control"), "no-store");
     EXPECT_EQ(damaged.header("etag"), "");
     EXPECT_TRUE(request(port, target).body == damaged.body);
-    EXPECT_THAT(server->err(), HasSubstr("Coarser points are shown in its place."));
+    EXPECT_THAT(server->err(), HasSubstr("; coarser points are shown in its place"));
     EXPECT_EQ(run({"scancast-client", "snapshot", url, "--detail", "0", "-o", file("a.jpg")}), 0);
     EXPECT_THAT(lastError, HasSubstr("of this cloud cannot be read"));
 

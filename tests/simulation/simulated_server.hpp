@@ -94,6 +94,9 @@ class SimulatedServer {
     VirtualTime& time_;
     Chance& chance_;
     const Machine machine_;
+    // What is left in `turns_` at the end is answered then.
+    std::optional<std::string> violation_;
+    std::uint64_t ordered_ = 0, answered_ = 0;
     Turns turns_;
     std::vector<Active> drawing_;  ///< the last one within a pause of the one before it
     std::optional<Active> underWay_;
@@ -107,10 +110,9 @@ class SimulatedServer {
 
     std::map<Turns::ParticipantId, double> newest_;  ///< of each mailbox, the view that was asked for last
     std::map<Turns::ParticipantId, Time> waitsSince_;
-    std::uint64_t ordered_ = 0, answered_ = 0, drawn_ = 0, within_ = 0, lost_ = 0;
+    std::uint64_t drawn_ = 0, within_ = 0, lost_ = 0;
     double longestWait_ = 0, longestMoving_ = 0, longestOther_ = 0, longestEncoding_ = 0;
     std::size_t mostParticipants_ = 1;
-    std::optional<std::string> violation_;
 };
 
 }  // namespace scancast::simulation

@@ -57,7 +57,11 @@ SharedPictures::Added SharedPictures::add(const std::string& tag, const PictureD
     Waiter* const waiter = &one.front();
     waiter->done = done;
     const auto leave = [waiting = waiting_, &scheduler = scheduler_, tag, waiter] {
-        if (const auto snapshot = waiting->leave(tag, waiter)) scheduler.abandonSnapshot(*snapshot);
+        // Called by what the waiter has, which ends with him: copies, for this function is gone before it returns.
+        const auto all = waiting;
+        Scheduler& maker = scheduler;
+        const std::string its = tag;
+        if (const auto snapshot = all->leave(its, waiter)) maker.abandonSnapshot(*snapshot);
     };
     if (gone.stop_possible())
         waiter->leaves = std::make_unique<std::stop_callback<std::function<void()>>>(gone, leave);

@@ -178,6 +178,7 @@ Expected<void> PointStreamReader::readFailure() {
     if (auto ok = readExactly(code); !ok) return ok;
     std::string text;
     if (auto ok = readText(head_.n, stream::longestFailure, text); !ok) return ok;
+    if (text.empty()) text = "it failed, and did not say why";  // blanks, or what is no text
     return fail(stream::failureCode(loadLe<std::uint32_t>(code.data())), text);
 }
 

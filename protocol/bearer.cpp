@@ -1,12 +1,12 @@
 #include "protocol/bearer.hpp"
 
 #include <algorithm>
-#include <cstdint>
+
+#include "protocol/text/base64url.hpp"
 
 namespace scancast {
 namespace {
 
-constexpr std::string_view alphabet = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789-_";
 constexpr std::string_view white = " \t\r\n";
 
 bool isVisible(char c) {
@@ -59,31 +59,13 @@ std::optional<std::string> tokenOfAuthorization(std::string_view header) {
 }
 
 std::string bearerSubprotocol(std::string_view token) {
-    std::string text(bearerSubprotocolPrefix);
-    std::uint32_t bits = 0;
-    int count = 0;
-    for (const char c : token) {
-        bits = bits << 8 | static_cast<unsigned char>(c);
-        for (count += 8; count >= 6; count -= 6) text.push_back(alphabet[bits >> (count - 6) & 63]);
-    }
-    if (count > 0) text.push_back(alphabet[bits << (6 - count) & 63]);
-    return text;
+    return std::string(bearerSubprotocolPrefix) + base64url(token);
 }
 
 std::optional<std::string> tokenOfSubprotocol(std::string_view subprotocol) {
     if (!subprotocol.starts_with(bearerSubprotocolPrefix)) return std::nullopt;
-    std::string token;
-    std::uint32_t bits = 0;
-    int count = 0;
-    for (const char c : subprotocol.substr(bearerSubprotocolPrefix.size())) {
-        const auto digit = alphabet.find(c);
-        if (digit == std::string_view::npos) return std::nullopt;
-        bits = bits << 6 | std::uint32_t(digit);
-        if ((count += 6) < 8) continue;
-        count -= 8;
-        token.push_back(char(bits >> count & 255));
-    }
-    if (!isToken(token)) return std::nullopt;
+    auto token = fromBase64url(subprotocol.substr(bearerSubprotocolPrefix.size()));
+    if (!token || !isToken(*token)) return std::nullopt;
     return token;
 }
 

@@ -4,6 +4,7 @@
 
 #include "files/program_start.hpp"
 #include "renderer/device/device.hpp"
+#include "server/commands/access/access_commands.hpp"
 #include "server/commands/backends.hpp"
 #include "server/commands/command.hpp"
 #include "server/commands/importer_flags.hpp"
@@ -26,6 +27,7 @@ int main(int argc, char** argv) {
     scancast::addInfo(app, exitCode);
     scancast::addLook(app, exitCode);
     scancast::addGenerate(app, exitCode);
+    scancast::addToken(app, exitCode);
     constexpr int usage = 2;
     try {
         app.parse(argc, argv);

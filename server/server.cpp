@@ -85,6 +85,10 @@ class RunningServer final : public ScancastServer {
     Scheduler& scheduler() override { return scheduler_; }
     Metrics& metrics() override { return metrics_; }
     void cloudsChanged() override { sessions_.wakeAll(); }
+    void replaceTokens(const AccessTokens& tokens) override {
+        api_.access().replace(tokens);
+        sessions_.wakeAll();
+    }
     std::uint16_t port() const override { return listener_->port(); }
     std::uint16_t adminPort() const override { return probeListener_ ? probeListener_->port() : 0; }
     std::size_t connections() const override { return context_.connections.size() + context_.probes.size(); }

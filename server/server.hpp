@@ -59,6 +59,9 @@ class ScancastServer {
     virtual std::uint16_t port() const = 0;
     /// Of --admin-listen; 0 = nowhere.
     virtual std::uint16_t adminPort() const = 0;
+    /// Other tokens, from now on: requests with those that are not among them are refused, and streams that began with
+    /// one end. Returns at once.
+    virtual void replaceTokens(const AccessTokens& tokens) = 0;
     /// To open in a browser: "http://127.0.0.1:8080/".
     virtual std::string url() const = 0;
     virtual std::size_t connections() const = 0;

@@ -202,7 +202,7 @@ void returnMemoryOfBlocks() {
 
 void warnOfExposure(const ServeOptions& options) {
     if (isLoopbackHost(options.server.host)) return;
-    if (!options.server.tokens.user)
+    if (options.server.tokens.users.empty())
         spdlog::warn("--insecure: everybody who can reach {} may see the clouds", options.server.host);
     else if (!options.server.tls.given())
         spdlog::warn(
@@ -222,7 +222,7 @@ void reportEntrances(const ServeOptions& options, const ScancastServer& server) 
     if (!options.server.adminListen) return;
     const ListenAddress probes{options.server.adminListen->host, server.adminPort()};
     spdlog::info("probes at http://{}/healthz, /readyz and /metrics", probes.text());
-    if (!isLoopbackHost(probes.host) && options.server.tokens.user)
+    if (!isLoopbackHost(probes.host) && !options.server.tokens.users.empty())
         spdlog::warn(
             "--admin-listen is in the clear: the token that asks for /metrics can be read on the way to {}",
             probes.host);

@@ -11,7 +11,6 @@
 #include "server/base/byte_size.hpp"
 #include "server/net/clients/open_files.hpp"
 #include "server/net/origin_check.hpp"
-#include "transport/secret_file.hpp"
 
 namespace scancast {
 
@@ -23,22 +22,28 @@ bool isLoopbackHost(const std::string& host) {
 
 Expected<AccessTokens> accessTokens(const ServeOptions& options) {
     AccessTokens tokens;
-    const auto read = [](const std::filesystem::path& file, const char* flag,
-                         std::optional<std::string>& token) -> Expected<void> {
+    const auto read = [](const std::filesystem::path& file, const char* flag, const char* usual,
+                         std::vector<NamedToken>& list) -> Expected<void> {
         if (file.empty()) return {};
-        auto text = readTokenFile(file);
-        if (!text)
-            return fail(text.error().code, std::string("--") + flag + ": " + text.error().message, flag);
-        token = std::move(*text);
+        auto named = readTokens(file, usual);
+        if (!named)
+            return fail(named.error().code, std::string("--") + flag + ": " + named.error().message, flag);
+        list = std::move(*named);
         return {};
     };
-    if (auto ok = read(options.authTokenFile, "auth-token-file", tokens.user); !ok) return passOn(ok);
-    if (auto ok = read(options.adminTokenFile, "admin-token-file", tokens.admin); !ok) return passOn(ok);
-    if (tokens.user && tokens.user == tokens.admin) {
+    if (auto ok = read(options.authTokenFile, "auth-token-file", "user", tokens.users); !ok)
+        return passOn(ok);
+    if (auto ok = read(options.adminTokenFile, "admin-token-file", "admin", tokens.admins); !ok)
+        return passOn(ok);
+    for (const NamedToken& admin : tokens.admins) {
+        const auto same = std::ranges::find(tokens.users, admin.token, &NamedToken::token);
+        if (same == tokens.users.end()) continue;
         return fail(
             ErrorCode::InvalidArgument,
-            "--admin-token-file: this is the same token as in --auth-token-file, so that everybody would "
-            "administer; make another one.",
+            fmt::format(
+                "--admin-token-file: \"{}\" is the same token as \"{}\" in --auth-token-file, so that "
+                "who has that one would administer; make another one.",
+                admin.name, same->name),
             "admin-token-file");
     }
     return tokens;
@@ -166,10 +171,12 @@ void addServeFlags(CLI::App& app, ServeOptions& options) {
                  "Let everybody who can reach the address in, without a token")
         ->envname("SCANCAST_INSECURE");
     flag("--auth-token-file", options.authTokenFile, "SCANCAST_AUTH_TOKEN_FILE",
-         "File with the token that clients must bring; only its owner may read it (chmod 600)")
+         "File with the tokens that clients must bring: a line NAME TOKEN for each, as scancast token prints "
+         "it. "
+         "Only its owner may read it (chmod 600)")
         ->type_name("FILE");
     flag("--admin-token-file", options.adminTokenFile, "SCANCAST_ADMIN_TOKEN_FILE",
-         "File with another token, which may do everything that clients may, and administer")
+         "File with other tokens, which may do everything that clients may, and administer")
         ->type_name("FILE");
     flag("--tls-cert", options.server.tls.certificate, "SCANCAST_TLS_CERT",
          "Certificate chain in PEM format, to serve https and wss")
@@ -274,7 +281,7 @@ Expected<void> check(const ServeOptions& options) {
             ErrorCode::InvalidArgument,
             "--host " + host +
                 " can be reached from other machines. Give --auth-token-file FILE, so that clients need "
-                "the token in it: (umask 077; head -c 32 /dev/urandom | base64 > FILE). If everybody who "
+                "the token in it: (umask 077; scancast token NAME > FILE). If everybody who "
                 "can reach that address may see the clouds, add --insecure instead; or keep 127.0.0.1 and "
                 "forward the port: ssh -L 8080:127.0.0.1:8080 THIS-MACHINE",
             "host");

@@ -3,6 +3,9 @@
 #include <openssl/crypto.h>
 #include <openssl/sha.h>
 
+#include <algorithm>
+#include <utility>
+
 #include "protocol/bearer.hpp"
 
 namespace scancast {
@@ -50,9 +53,45 @@ HttpResponse unauthorized(bool given) {
 
 }  // namespace
 
-Access::Access(const AccessTokens& tokens) {
-    if (tokens.user) user_ = digestOf(*tokens.user);
-    if (tokens.admin) admin_ = digestOf(*tokens.admin);
+Access::Access(const AccessTokens& tokens) : state_(stateOf(tokens, nullptr)) {}
+
+void Access::replace(const AccessTokens& tokens) {
+    const std::lock_guard lock(mutex_);
+    const auto before = std::exchange(state_, stateOf(tokens, state_.get()));
+    const auto& after = state_;
+    // After the exchange: who finds his grant withdrawn and comes again is judged by the new tokens.
+    for (const Known& old : before->tokens) {
+        const bool kept = std::ranges::any_of(
+            after->tokens, [&](const Known& known) { return known.standing == old.standing; });
+        if (!kept) old.standing->withdrawn = true;
+    }
+    if (after->users && !before->users) before->anyone->withdrawn = true;
+}
+
+std::shared_ptr<Access::State> Access::stateOf(const AccessTokens& tokens, const State* before) {
+    auto state = std::make_shared<State>();
+    state->users = !tokens.users.empty();
+    state->admins = !tokens.admins.empty();
+    const bool stillOpen = before != nullptr && (before->users || !state->users);
+    state->anyone = stillOpen && !before->anyone->withdrawn ? before->anyone : std::make_shared<Standing>();
+    const auto add = [&](const std::vector<NamedToken>& list, IdentityKind kind) {
+        for (const NamedToken& one : list) {
+            Known known{one.name, kind, digestOf(one.token), std::make_shared<Standing>()};
+            if (before != nullptr)
+                for (const Known& old : before->tokens)
+                    if (old.name == known.name && old.kind == kind && old.digest == known.digest)
+                        known.standing = old.standing;
+            state->tokens.push_back(std::move(known));
+        }
+    };
+    add(tokens.admins, IdentityKind::Admin);
+    add(tokens.users, IdentityKind::User);
+    return state;
+}
+
+std::shared_ptr<const Access::State> Access::now() const {
+    const std::lock_guard lock(mutex_);
+    return state_;
 }
 
 // Hashes have one length, so that not even a token's length shows in the time that comparing takes.
@@ -62,28 +101,32 @@ Access::Digest Access::digestOf(std::string_view token) {
     return digest;
 }
 
-bool Access::same(const std::optional<Digest>& known, const Digest& given) {
-    return known && CRYPTO_memcmp(known->data(), given.data(), given.size()) == 0;
+const Access::Known* Access::State::find(std::string_view token) const {
+    const Digest given = digestOf(token);
+    const Known* found = nullptr;
+    for (const Known& known : tokens)
+        if (CRYPTO_memcmp(known.digest.data(), given.data(), given.size()) == 0 && found == nullptr)
+            found = &known;
+    return found;
 }
 
-tl::expected<void, HttpResponse> Access::check(const HttpRequest& request, Route route) const {
+tl::expected<Grant, HttpResponse> Access::check(const HttpRequest& request, Route route) const {
     const Need need = needOf(route, request.method);
     const bool administers = need == Need::Admin;
-    if (need == Need::Nothing || (!administers && !user_)) return {};
-    if (administers && !admin_ && !user_) return tl::unexpected(notAdmin(false));
+    const auto state = now();
     const Credentials credentials = credentialsOf(request, route);
-    if (!credentials.token) return tl::unexpected(unauthorized(credentials.given));
-    const Digest given = digestOf(*credentials.token);
-    if (same(admin_, given)) return {};
-    if (same(user_, given)) {
-        if (!administers) return {};
-        return tl::unexpected(notAdmin(admin_.has_value()));
-    }
-    return tl::unexpected(unauthorized(true));
+    const Known* known = credentials.token ? state->find(*credentials.token) : nullptr;
+    const bool admitted = known != nullptr && (!administers || known->kind == IdentityKind::Admin);
+    if (admitted) return Grant{{known->name, known->kind}, std::nullopt, known->standing};
+    if (need == Need::Nothing) return Grant{};
+    if (!administers && !state->users) return Grant{{}, std::nullopt, state->anyone};
+    if (administers && !state->admins && !state->users) return tl::unexpected(notAdmin(false));
+    if (known != nullptr) return tl::unexpected(notAdmin(state->admins));
+    return tl::unexpected(unauthorized(credentials.given));
 }
 
 bool Access::isPrivate(const HttpRequest& request) const {
-    return (user_ || admin_) && request.count("authorization") > 0;
+    return request.count("authorization") > 0 && !now()->tokens.empty();
 }
 
 }  // namespace scancast

@@ -197,7 +197,7 @@ class HttpConnection final : public Connection, public std::enable_shared_from_t
             handedOver_ = true;
             return startStream(std::move(stream_),
                                http::request<http::empty_body>(std::move(parser_->get().base())), context_,
-                               std::move(place_));
+                               std::move(place_), std::move(routed->grant));
         }
         if (routed->route == Route::StreamMjpeg && request_.method == "GET") {
             handedOver_ = true;

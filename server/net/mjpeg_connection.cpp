@@ -45,7 +45,7 @@ std::string partHead(const FrameHeader& header) {
 class MjpegConnection final : public SessionHost {
   public:
     MjpegConnection(NetStream stream, HttpRequest request, Routed routed, NetContext& context)
-        : SessionHost(stream.get_executor(), context),
+        : SessionHost(stream.get_executor(), context, routed.grant),
           stream_(std::move(stream)),
           request_(std::move(request)),
           routed_(std::move(routed)),

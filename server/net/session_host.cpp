@@ -1,5 +1,6 @@
 #include "server/net/session_host.hpp"
 
+#include <algorithm>
 #include <boost/asio/post.hpp>
 #include <nlohmann/json.hpp>
 #include <tuple>
@@ -12,8 +13,13 @@ namespace scancast {
 
 namespace asio = boost::asio;
 
-SessionHost::SessionHost(const Executor& strand, NetContext& context)
-    : context_(context), strand_(strand), world_(context.catalog, context.api.admission()), timer_(strand) {}
+SessionHost::SessionHost(const Executor& strand, NetContext& context, Grant grant)
+    : context_(context),
+      strand_(strand),
+      grant_(std::move(grant)),
+      world_(context.catalog, context.api.admission()),
+      timer_(strand),
+      grantTimer_(strand) {}
 
 SessionHost::~SessionHost() {
     if (session_)
@@ -32,6 +38,7 @@ void SessionHost::take(ConnectionRegister::Place place) {
 
 void SessionHost::leave() {
     timer_.cancel();
+    grantTimer_.cancel();
     if (mailbox_ != 0) context_.scheduler.closeMailbox(std::exchange(mailbox_, 0));
 }
 
@@ -59,8 +66,25 @@ bool SessionHost::openSession(ClientKind client, SessionOptions options) {
     options.stills.quiet = context_.limits.quiet;
     options.helloPatience = context_.limits.helloTimeout;
     session_.emplace(std::move(options), world_, *this, context_.metrics, Clock::now());
+    // In the register now, so a grant that is withdrawn from here on is heard of; it may have been before.
+    lookAtGrant();
     keepTime();
     return true;
+}
+
+void SessionHost::lookAtGrant() {
+    using SystemClock = std::chrono::system_clock;
+    if (!session_ || session_->closed()) return;
+    const SystemClock::time_point now = SystemClock::now();
+    if (const char* why = grant_.ended(now)) return session_->dismiss(why);
+    if (!grant_.until) return;
+    // The time of day may be set: it is looked at again and again.
+    constexpr std::chrono::seconds longest{30};
+    grantTimer_.expires_after(std::min<SystemClock::duration>(*grant_.until - now, longest));
+    grantTimer_.async_wait([weak = weak_from_this()](boost::system::error_code ec) {
+        const auto self = weak.lock();
+        if (self && !ec && self->listening()) onBehalfOf(*self, [&] { self->lookAtGrant(); });
+    });
 }
 
 template <class Work>
@@ -107,6 +131,7 @@ void SessionHost::lookAround() {
             self->willLook_ = false;
             if (!self->session_ || !self->listening()) return;
             onBehalfOf(*self, [&] {
+                self->lookAtGrant();
                 self->session_->lookAround(Clock::now());
                 self->keepTime();
             });

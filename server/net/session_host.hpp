@@ -46,8 +46,9 @@ class SessionHost : public Connection,
     void fault() noexcept;
 
   protected:
-    /// The context outlives the host; the executor is a strand.
-    SessionHost(const Executor& strand, NetContext& context);
+    /// The context outlives the host; the executor is a strand. The grant is what let the client in: when it ends, so does
+    /// the session.
+    SessionHost(const Executor& strand, NetContext& context, Grant grant);
 
     /// Takes one of --max-sessions; false, and there is no session, when all are taken. What the options say
     /// of identity, limits and patience is filled in here.
@@ -76,9 +77,13 @@ class SessionHost : public Connection,
     static void later(const Executor& strand, const Weak& weak, Work work);
     PictureDone doneFor(std::uint64_t number);
 
+    /// Ends the session, if the grant has; else looks again when it will.
+    void lookAtGrant();
+
     Executor strand_;
+    const Grant grant_;
     const CatalogWorld world_;
-    boost::asio::steady_timer timer_;
+    boost::asio::steady_timer timer_, grantTimer_;
     std::optional<Clock::time_point> armed_;
     bool counted_ = false;                               // it is one of --max-sessions
     Scheduler::MailboxId mailbox_ = 0;                   // 0 = none

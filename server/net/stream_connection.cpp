@@ -44,8 +44,9 @@ std::string shortReason(std::string reason) {
 
 class StreamConnection final : public SessionHost {
   public:
-    StreamConnection(NetStream stream, http::request<http::empty_body> request, NetContext& context)
-        : SessionHost(stream.get_executor(), context),
+    StreamConnection(NetStream stream, http::request<http::empty_body> request, NetContext& context,
+                     Grant grant)
+        : SessionHost(stream.get_executor(), context, std::move(grant)),
           ws_(std::move(stream)),
           request_(std::move(request)),
           closeTimer_(ws_.get_executor()),
@@ -247,9 +248,9 @@ class StreamConnection final : public SessionHost {
 }  // namespace
 
 void startStream(NetStream stream, http::request<http::empty_body> request, NetContext& context,
-                 ConnectionRegister::Place place) {
+                 ConnectionRegister::Place place, Grant grant) {
     const auto connection =
-        std::make_shared<StreamConnection>(std::move(stream), std::move(request), context);
+        std::make_shared<StreamConnection>(std::move(stream), std::move(request), context, std::move(grant));
     connection->take(std::move(place));
     connection->run();
 }

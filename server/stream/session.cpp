@@ -77,6 +77,10 @@ void StreamSession::goAway() {
     close(CloseCode::GoingAway, "The server is shutting down.");
 }
 
+void StreamSession::dismiss(std::string reason) {
+    close(CloseCode::PolicyViolation, std::move(reason));
+}
+
 void StreamSession::taken() {
     close(CloseCode::PolicyViolation, "Another connection continues this session.");
 }

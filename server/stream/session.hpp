@@ -93,6 +93,8 @@ class StreamSession {
     std::optional<Time> wakeAt() const;
     /// The server shuts down.
     void goAway();
+    /// Who opened it may look no longer; the reason is a sentence.
+    void dismiss(std::string reason);
     /// Another connection goes on with this session.
     void taken();
     /// Its connection is no more. `done`: the client said so itself, and will not come back for it.

@@ -15,7 +15,7 @@ const std::string bearer = "Authorization: Bearer " + token;
 
 class AccessTest : public ServerTest {
   protected:
-    void SetUp() override { options.tokens.user = token; }
+    void SetUp() override { options.tokens.users = {{"user", token}}; }
 };
 
 TEST_F(AccessTest, OnlyThePageAndHealthAreThereForEverybody) {
@@ -50,6 +50,46 @@ TEST_F(AccessTest, StreamsTakeTheTokenAsHeaderOrSubprotocol) {
     EXPECT_EQ(offered.status(), 101);
     EXPECT_EQ(offered.reply().header("sec-websocket-protocol"), "scancast.v1")
         << "the other one stays unsaid";
+}
+
+TEST_F(AccessTest, WithAWithdrawnTokenNothingIsAnsweredAndItsStreamsEnd) {
+    const std::string kept = "another-0123456789";
+    options.tokens.users.push_back({"bob", kept});
+    start();
+    const std::string bearerOfBob = "Authorization: Bearer " + kept;
+    const auto thereAre = [&](const char* sessions) {
+        return request(port(), "/metrics", {bearerOfBob}).body.find(sessions) != std::string::npos;
+    };
+    const auto hello = [](RawWebSocket& socket) {
+        socket.text(R"({"type":"hello","width":32,"height":16})");
+        return socket.receiveKind(WsMessage::Kind::Text).payload;
+    };
+    RawWebSocket gone(port(), "scancast.v1", {bearer});
+    RawWebSocket greeting(port(), "scancast.v1", {bearer});  // has not said hello
+    RawWebSocket stays(port(), "scancast.v1", {bearerOfBob});
+    RawSocket mjpeg(port());
+    mjpeg.send("GET /api/v1/clouds/one/stream.mjpg?width=32&height=16 HTTP/1.1\r\nHost: localhost\r\n" +
+               bearer + "\r\n\r\n");
+    EXPECT_NE(hello(gone).find("welcome"), std::string::npos);
+    EXPECT_NE(hello(stays).find("welcome"), std::string::npos);
+    ASSERT_TRUE(eventually([&] { return thereAre("\nscancast_sessions 4\n"); }));
+
+    server->replaceTokens({{{"bob", kept}}, {}});
+    EXPECT_EQ(request(port(), "/api/v1/clouds", {bearer}).status, 401);
+    for (RawWebSocket* socket : {&gone, &greeting}) {
+        const WsMessage end = socket->receiveKind(WsMessage::Kind::Close);
+        EXPECT_EQ(end.closeCode(), 1008);
+        EXPECT_NE(end.payload.find("no longer one of this server's"), std::string::npos) << end.payload;
+    }
+    EXPECT_TRUE(eventually([&] { return thereAre("\nscancast_sessions 1\n"); })) << "the MJPEG stream, too";
+    stays.text(R"({"type":"ping","id":7})");
+    std::string answer;
+    while (answer.find("pong") == std::string::npos) {
+        const WsMessage message = stays.receiveKind(WsMessage::Kind::Text);
+        ASSERT_EQ(message.kind, WsMessage::Kind::Text);
+        answer = message.payload;
+    }
+    EXPECT_EQ(request(port(), "/api/v1/clouds", {bearerOfBob}).status, 200);
 }
 
 TEST_F(AccessTest, AllowedOriginsAreToldWhichHeadersTheyMaySend) {
@@ -90,7 +130,7 @@ class TlsTest : public ServerTest {
     void SetUp() override {
         files = makeCertificate(folder, "server");
         options.tls = {files.certificate, files.key};
-        options.tokens.user = token;
+        options.tokens.users = {{"user", token}};
         credentials = {token, files.certificate};
     }
     client::ServerUrl url(const char* host = "localhost") const { return {host, port(), true}; }

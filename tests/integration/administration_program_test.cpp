@@ -17,7 +17,7 @@ class AdministrationProgramTest : public ProgramTest {
   protected:
     void SetUp() override {
         ProgramTest::SetUp();
-        std::ofstream(folder / "admin") << "admin-0123456789abcdef\n";
+        std::ofstream(folder / "admin") << "# who administers\nalice " << token << "\n";
         fs::permissions(folder / "admin", fs::perms::owner_read | fs::perms::owner_write);
         fs::create_directories(folder / "scans");
         generate("scans/ball.las");
@@ -32,7 +32,8 @@ class AdministrationProgramTest : public ProgramTest {
         }
         return true;
     }
-    const std::string bearer = "Authorization: Bearer admin-0123456789abcdef";
+    const std::string token = "q7Rf-2mVbX9_sKd4TzJw81LcNhYpGuEo";
+    const std::string bearer = "Authorization: Bearer " + token;
 };
 
 TEST_F(AdministrationProgramTest, AScanComesAndGoesWhileTheServerRuns) {
@@ -82,7 +83,7 @@ TEST_F(AdministrationProgramTest, AConfigurationFileIsCheckedAndServed) {
     const json holds = json::parse(out);
     EXPECT_EQ(holds["max-sessions"], 3);
     EXPECT_EQ(holds["admin-token-file"], file("admin"));
-    EXPECT_EQ(out.find("0123456789abcdef"), std::string::npos) << "no secret is printed";
+    EXPECT_EQ(out.find(token), std::string::npos) << "no secret is printed";
     {
         const auto server = serve({"--config", file("serve.json")});
         EXPECT_EQ(statusOf("/api/v1/clouds/first"), 200);

@@ -22,8 +22,8 @@ class AdministrationTest : public ServerTest {
     void SetUp() override {
         std::ofstream(folder / "church.las") << "points";
         options.dataRoot = folder;
-        options.tokens.user = user;
-        options.tokens.admin = admin;
+        options.tokens.users = {{"user", user}};
+        options.tokens.admins = {{"admin", admin}};
     }
     HttpReply add(const std::string& body, const std::string& token = admin) {
         return post(port(), "/api/v1/clouds", body, {withToken(token), sendsJson});

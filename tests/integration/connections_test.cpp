@@ -169,7 +169,7 @@ TEST_F(ConnectionsTest, NobodyElseNamesClients) {
 }
 
 TEST_F(ConnectionsTest, TheAddressOfProbesHasNothingElse) {
-    options.tokens.user = "user-0123456789abcdef";
+    options.tokens.users = {{"user", "user-0123456789abcdef"}};
     options.allowedHosts = {"probes.example"};
     startWithProbes();
     EXPECT_EQ(probe("/healthz").status, 200);

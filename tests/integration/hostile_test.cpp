@@ -81,7 +81,7 @@ TEST_F(HostileTest, TransferEncodingsOtherThanChunkedAreRefusedAndClosed) {
 }
 
 TEST_F(HostileTest, ChunkedBodiesAreRead) {
-    options.tokens.admin = "admin-0123456789abcdef";
+    options.tokens.admins = {{"admin", "admin-0123456789abcdef"}};
     start();
     for (const char* name : {"chunked", "Chunked", " chunked "}) {
         RawSocket socket(port());

@@ -43,7 +43,7 @@ class OpenApiTest : public ServerTest {
         std::filesystem::create_directories(folder / "scans");
         std::ofstream(folder / "scans" / "church.las") << "a scan";
         options.dataRoot = folder;
-        options.tokens.admin = admin;
+        options.tokens.admins = {{"admin", admin}};
         start();
         for (const char* id : {"town", "old-town"})
             server->catalog().setReady(server->catalog().add(id), one);

@@ -149,7 +149,7 @@ TEST_F(SnapshotTest, ABodyThatNeverComesRunsIntoTheDeadline) {
 }
 
 TEST_F(SnapshotTest, NobodyReadsABodyWithoutAToken) {
-    options.tokens.user = "letmein-0123456789";
+    options.tokens.users = {{"user", "letmein-0123456789"}};
     start();
     RawSocket socket(port());
     socket.send(std::string("POST ") + snapshotTarget + " HTTP/1.1\r\nHost: localhost\r\n" + sendsJson +

@@ -48,7 +48,7 @@ class Api {
         Scheduler& scheduler, Metrics& metrics);
 
     /// Everything that can be refused before anything is done: Host, Origin, path, token, method; and, at an entrance
-    /// for probes, what is none.
+    /// for probes, what is none. What is admitted says by whose token.
     tl::expected<Routed, HttpResponse> admit(const HttpRequest& request,
                                              Entrance entrance = Entrance::Public) const;
     /// Answers an admitted request, at once or when its picture is done. Not for a WebSocket's upgrade or a
@@ -61,6 +61,8 @@ class Api {
     void complete(const HttpRequest& request, std::string_view routePattern, HttpResponse& response) const;
     /// What lies under a pixel; for streams, too.
     const Picker& picker() const { return picker_; }
+    /// Who may do what; its tokens may be replaced.
+    Access& access() { return access_; }
     /// What pictures may cost; for streams, too.
     const Admission& admission() const { return admission_; }
     /// After the scheduler has ended: nothing is answered any more.
@@ -71,7 +73,7 @@ class Api {
 
     const ApiOptions options_;
     const OriginRules probeRules_;
-    const Access access_;
+    Access access_;
     const Catalog& catalog_;
     CloudAdmin& admin_;
     const SessionRegister& sessions_;

@@ -75,7 +75,9 @@ tl::expected<Routed, HttpResponse> Api::admit(const HttpRequest& request, Entran
     // none.
     if (isPublic && isPreflight(request) && isAllowedOrigin(request.header("origin"), rules))
         return tl::unexpected(preflightResponse(routed->route));
-    if (auto ok = access_.check(request, routed->route); !ok) return passOn(ok);
+    auto grant = access_.check(request, routed->route);
+    if (!grant) return passOn(std::move(grant));
+    routed->grant = std::move(*grant);
     const std::string allowed(infoOf(routed->route).methods);
     if ((", " + allowed + ",").find(" " + request.method + ",") == std::string::npos) {
         HttpResponse response =

@@ -9,6 +9,7 @@
 
 #include "protocol/error.hpp"
 #include "protocol/problem.hpp"
+#include "server/access/identity.hpp"
 
 namespace scancast {
 
@@ -82,6 +83,7 @@ struct Routed {
     std::string path;   ///< decoded
     std::string query;  ///< as sent, without the question mark
     std::string id;     ///< decoded, of a cloud or a session; it is only ever looked up
+    Grant grant{};      ///< of whoever asks; Api::admit() says it
 };
 
 inline constexpr std::size_t maxTargetLength = 8192;

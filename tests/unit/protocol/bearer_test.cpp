@@ -1,4 +1,5 @@
 #include "protocol/bearer.hpp"
+#include "protocol/text/base64url.hpp"
 
 #include <gtest/gtest.h>
 
@@ -43,6 +44,17 @@ TEST(Token, AsASubprotocol) {
                               "base64url.bearer.authorization.CgoK"}) {
         EXPECT_FALSE(tokenOfSubprotocol(wrong)) << wrong;
     }
+}
+
+TEST(Base64url, EachTextStandsForItsOwnBytes) {
+    std::string bytes;
+    for (int i = 0; i < 256; ++i) {
+        bytes.push_back(char(i));
+        EXPECT_EQ(fromBase64url(base64url(bytes)), bytes) << i;
+    }
+    EXPECT_EQ(base64url(""), "");
+    for (const char* wrong : {"A", "AB=", "AAAAA", "Zh", "Zm9vYh", "Zm 9", "Zm9+", "Zm9/"})
+        EXPECT_FALSE(fromBase64url(wrong)) << wrong;
 }
 
 }  // namespace

@@ -162,20 +162,28 @@ TEST(ServeOptions, TokensComeFromFilesAndDiffer) {
         std::filesystem::permissions(path, std::filesystem::perms::owner_read);
         return path.string();
     };
-    const std::string user = write("scancast_user_token", "user-0123456789abcdef\n");
-    const std::string admin = write("scancast_admin_token", "admin-0123456789abcdef\n");
+    const std::string user = write("scancast_user_token", "q7Rf-2mVbX9_sKd4TzJw81LcNhYpGuEo\n");
+    const std::string admin =
+        write("scancast_admin_token",
+              "# two\nalice Zk3_tP8wQd-1HvNx5yMjR2bFsLg7cUaE\nbob 8f3a1c9e5b7d204f6a8e0c2b4d9f1735\n");
     const auto tokens =
         accessTokens(parsed({"a.las", "--auth-token-file", user, "--admin-token-file", admin}));
     ASSERT_TRUE(tokens) << tokens.error().message;
-    EXPECT_EQ(tokens->user, "user-0123456789abcdef");
-    EXPECT_EQ(tokens->admin, "admin-0123456789abcdef");
-    EXPECT_FALSE(accessTokens(parsed({"a.las"})).value().user);
+    EXPECT_EQ(tokens->users, (std::vector<NamedToken>{{"user", "q7Rf-2mVbX9_sKd4TzJw81LcNhYpGuEo"}}));
+    EXPECT_EQ(tokens->admins, (std::vector<NamedToken>{{"alice", "Zk3_tP8wQd-1HvNx5yMjR2bFsLg7cUaE"},
+                                                       {"bob", "8f3a1c9e5b7d204f6a8e0c2b4d9f1735"}}));
+    EXPECT_TRUE(accessTokens(parsed({"a.las"}))->users.empty());
     const auto same = accessTokens(parsed({"a.las", "--auth-token-file", user, "--admin-token-file", user}));
     ASSERT_FALSE(same);
-    EXPECT_THAT(same.error().message, ::testing::Not(::testing::HasSubstr("0123456789abcdef")));
+    EXPECT_THAT(same.error().message, ::testing::Not(::testing::HasSubstr("q7Rf")));
     const auto missing = accessTokens(parsed({"a.las", "--auth-token-file", "/no/such/file"}));
     ASSERT_FALSE(missing);
     EXPECT_THAT(missing.error().message, ::testing::StartsWith("--auth-token-file: /no/such/file"));
+    const std::string weak = write("weak_token", "letmein-0123456789\n");
+    EXPECT_THAT(
+        accessTokens(parsed({"a.las", "--auth-token-file", weak})).error().message,
+        ::testing::AllOf(::testing::HasSubstr(weak + ":1: "), ::testing::HasSubstr("scancast token NAME"),
+                         ::testing::Not(::testing::HasSubstr("letmein"))));
     std::filesystem::remove(user);
     std::filesystem::remove(admin);
 }

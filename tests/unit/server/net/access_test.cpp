@@ -10,6 +10,13 @@ namespace {
 const std::string user = "user-0123456789abcdef";
 const std::string admin = "admin-0123456789abcdef";
 
+AccessTokens tokens(const std::string& ofUser, const std::string& ofAdmin = {}) {
+    AccessTokens result;
+    if (!ofUser.empty()) result.users = {{"user", ofUser}};
+    if (!ofAdmin.empty()) result.admins = {{"admin", ofAdmin}};
+    return result;
+}
+
 HttpRequest with(const std::string& header, const std::string& value) {
     return {"GET", "/", {{header, value}}};
 }
@@ -23,11 +30,11 @@ TEST(Access, WithoutATokenNobodyIsAsked) {
     const Access open({});
     EXPECT_EQ(status(open, {}), 200);
     EXPECT_EQ(status(open, with("authorization", "Bearer whatever")), 200);
-    EXPECT_EQ(status(Access({std::nullopt, admin}), {}), 200);
+    EXPECT_EQ(status(Access(tokens({}, admin)), {}), 200);
 }
 
 TEST(Access, ATokenIsAskedForAndCompared) {
-    const Access access({user, admin});
+    const Access access(tokens(user, admin));
     EXPECT_EQ(status(access, with("authorization", "Bearer " + user)), 200);
     EXPECT_EQ(status(access, with("authorization", "Bearer " + admin)), 200);
     for (const std::string& wrong : {user + "x", user.substr(1), std::string("x"), std::string()})
@@ -43,8 +50,8 @@ TEST(Access, OnlyTheAdministratorAdministers) {
     const auto asking = [](const std::string& token, const char* method) {
         return HttpRequest{method, "/", {{"authorization", "Bearer " + token}}};
     };
-    const Access both({user, admin});
-    const Access adminOnly({std::nullopt, admin});
+    const Access both(tokens(user, admin));
+    const Access adminOnly(tokens({}, admin));
     for (const auto& [method, route] :
          {std::pair("GET", Route::Sessions), {"POST", Route::Clouds}, {"DELETE", Route::Cloud}}) {
         for (const Access* access : {&both, &adminOnly}) {
@@ -53,7 +60,7 @@ TEST(Access, OnlyTheAdministratorAdministers) {
             EXPECT_EQ(status(*access, asking("another-0123456789", method), route), 401);
         }
         EXPECT_EQ(status(both, asking(user, method), route), 403);
-        EXPECT_EQ(status(Access({user, std::nullopt}), asking(user, method), route), 403);
+        EXPECT_EQ(status(Access(tokens(user)), asking(user, method), route), 403);
         EXPECT_EQ(status(Access({}), {method, "/", {}}, route), 403) << "nobody can";
     }
     EXPECT_EQ(status(adminOnly, {"GET", "/", {}}, Route::Clouds), 200);
@@ -61,7 +68,7 @@ TEST(Access, OnlyTheAdministratorAdministers) {
 }
 
 TEST(Access, ThePageAndItsHealthNeedNone) {
-    const Access access({user, std::nullopt});
+    const Access access(tokens(user));
     for (const Route route : {Route::Asset, Route::Health, Route::Ready})
         EXPECT_EQ(status(access, {}, route), 200);
     for (const Route route : {Route::Clouds, Route::Cloud, Route::Methods, Route::Metrics,
@@ -70,7 +77,7 @@ TEST(Access, ThePageAndItsHealthNeedNone) {
 }
 
 TEST(Access, RefusalsSayHowAndNothingOfTheToken) {
-    const Access access({user, std::nullopt});
+    const Access access(tokens(user));
     const HttpResponse missing = access.check({}, Route::Clouds).error();
     EXPECT_EQ(*missing.find("WWW-Authenticate"), R"(Bearer realm="scancast")");
     EXPECT_EQ(*missing.find("Content-Type"), "application/problem+json");
@@ -81,7 +88,7 @@ TEST(Access, RefusalsSayHowAndNothingOfTheToken) {
 }
 
 TEST(Access, AWebSocketBringsItAsASubprotocol) {
-    const Access access({user, std::nullopt});
+    const Access access(tokens(user));
     const auto offering = [&](const std::string& token) {
         return with("sec-websocket-protocol", "scancast.v1, " + bearerSubprotocol(token));
     };
@@ -90,10 +97,66 @@ TEST(Access, AWebSocketBringsItAsASubprotocol) {
     EXPECT_EQ(status(access, offering(user), Route::Clouds), 401) << "for streams only";
 }
 
+std::string nameOf(const tl::expected<Grant, HttpResponse>& checked) {
+    return checked ? checked->identity.name : "refused";
+}
+
+TEST(Access, SaysWhoseTokenItWas) {
+    const Access access(AccessTokens{{{"alice", user}, {"bob", user + "-of-bob"}}, {{"carol", admin}}});
+    const auto alice = access.check(with("authorization", "Bearer " + user), Route::Clouds);
+    EXPECT_EQ(alice->identity, (Identity{"alice", IdentityKind::User}));
+    EXPECT_EQ(nameOf(access.check(with("authorization", "Bearer " + user + "-of-bob"), Route::Clouds)),
+              "bob");
+    const auto carol = access.check(with("authorization", "Bearer " + admin), Route::Sessions);
+    EXPECT_EQ(carol->identity, (Identity{"carol", IdentityKind::Admin}));
+    EXPECT_EQ(access.check({}, Route::Health)->identity, Identity{});
+    const Access open(tokens({}, admin));
+    EXPECT_EQ(nameOf(open.check(with("authorization", "Bearer " + admin), Route::Clouds)), "admin");
+    EXPECT_EQ(open.check({}, Route::Clouds)->identity, Identity{});
+}
+
+TEST(Access, ReplacedTokensAreWithdrawnAndTheOthersHoldOn) {
+    const auto now = std::chrono::system_clock::now();
+    const auto bearer = [](const std::string& token) { return with("authorization", "Bearer " + token); };
+    const std::string other = user + "-another";
+    Access access(AccessTokens{{{"alice", user}, {"bob", other}}, {{"carol", admin}}});
+    const auto alice = access.check(bearer(user), Route::Clouds),
+               bob = access.check(bearer(other), Route::Clouds),
+               carol = access.check(bearer(admin), Route::Clouds);
+    access.replace(AccessTokens{{{"dora", user + "-of-dora"}, {"bob", other}}, {{"carol", admin}}});
+    EXPECT_EQ(status(access, bearer(user)), 401);
+    EXPECT_EQ(status(access, bearer(user + "-of-dora")), 200);
+    EXPECT_NE(alice->ended(now), nullptr);
+    EXPECT_EQ(bob->ended(now), nullptr);
+    EXPECT_EQ(carol->ended(now), nullptr);
+    // The same token under another name, or good for something else, is another one.
+    access.replace(AccessTokens{{{"rob", other}, {"carol", admin}}, {}});
+    EXPECT_EQ(status(access, bearer(other)), 200);
+    EXPECT_NE(bob->ended(now), nullptr);
+    EXPECT_NE(carol->ended(now), nullptr);
+    EXPECT_EQ(status(access, bearer(admin), Route::Sessions), 403);
+}
+
+TEST(Access, WhoNeededNoTokenIsWithdrawnWhenOneIsNeeded) {
+    const auto now = std::chrono::system_clock::now();
+    Access access({});
+    const auto before = access.check({}, Route::Stream);
+    access.replace(tokens({}, admin));
+    EXPECT_EQ(before->ended(now), nullptr) << "still open to all";
+    access.replace(tokens(user));
+    EXPECT_NE(before->ended(now), nullptr);
+    EXPECT_EQ(status(access, {}, Route::Stream), 401);
+    access.replace({});
+    const auto again = access.check({}, Route::Stream);
+    EXPECT_EQ(again->ended(now), nullptr);
+    access.replace(tokens(user));
+    EXPECT_NE(again->ended(now), nullptr);
+}
+
 TEST(Access, AnswersToWhoShowsATokenAreTheirs) {
-    EXPECT_TRUE(Access({user, std::nullopt}).isPrivate(with("authorization", "Bearer " + user)));
+    EXPECT_TRUE(Access(tokens(user)).isPrivate(with("authorization", "Bearer " + user)));
     EXPECT_FALSE(Access({}).isPrivate(with("authorization", "Bearer " + user)));
-    EXPECT_FALSE(Access({user, std::nullopt}).isPrivate({}));
+    EXPECT_FALSE(Access(tokens(user)).isPrivate({}));
 }
 
 }  // namespace

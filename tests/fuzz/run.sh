@@ -16,7 +16,7 @@ a time (as many as there are cores). Prints executions, coverage and inputs of e
   TARGET…         fuzz_las, fuzz_message …; all without it
 
 Example: tests/fuzz/run.sh --minutes 60
-Needs clang and its runtime: apt-get install clang libclang-rt-dev
+Needs clang 16 or later (earlier ones lack parts of C++20) and its runtime: apt-get install clang-19 libclang-rt-19-dev
 EOF
 }
 
@@ -39,10 +39,13 @@ done
 if [ ${#targets[@]} = 0 ]; then
     while read -r source; do targets+=("$(basename "$source" .cpp)"); done < <(ls "$root"/tests/fuzz/fuzz_*.cpp)
 fi
-command -v clang++ >/dev/null || { echo "$0: clang++ is missing: apt-get install clang libclang-rt-dev" >&2; exit 2; }
+for suffix in "" -22 -21 -20 -19 -18 -17 -16 none; do
+    version=$(clang++$suffix -dumpversion 2>/dev/null) && [ "${version%%.*}" -ge 16 ] && break
+done
+[ "$suffix" != none ] || { echo "$0: clang 16 or later is missing: apt-get install clang-19 libclang-rt-19-dev" >&2; exit 2; }
 
 echo "== building ${#targets[@]} targets in $build" >&2
-CC=clang CXX=clang++ cmake -S "$root" -B "$build" -G Ninja -DCMAKE_BUILD_TYPE=RelWithDebInfo -DSCANCAST_FUZZ=ON >"$build.log" 2>&1 ||
+CC=clang$suffix CXX=clang++$suffix cmake -S "$root" -B "$build" -G Ninja -DCMAKE_BUILD_TYPE=RelWithDebInfo -DSCANCAST_FUZZ=ON >"$build.log" 2>&1 ||
     { cat "$build.log" >&2; exit 2; }
 cmake --build "$build" --target "${targets[@]}" >"$build.log" 2>&1 || { tail -40 "$build.log" >&2; exit 2; }
 
@@ -64,12 +67,14 @@ seeds_of() {
 seconds=$((minutes * 60 * jobs / ${#targets[@]}))
 [ "$seconds" -gt 0 ] || seconds=1
 fuzz() {
-    local name=$1 corpus=$build/corpus/$1 seeds
+    local name=$1 corpus=$build/corpus/$1 words=$root/tests/fuzz/$1.dict seeds
     mkdir -p "$corpus" "$build/found"
     mapfile -t seeds < <(seeds_of "$name")
+    local words_given=()
+    [ ! -f "$words" ] || words_given=(-dict="$words")
     # What is larger than a message or the head of a file is reached by smaller inputs, too, and a thousand times as fast.
     "$build/tests/$name" -max_total_time="$seconds" -max_len=16384 -rss_limit_mb=4096 -timeout=20 -print_final_stats=1 \
-        -artifact_prefix="$build/found/$name-" "$corpus" "${seeds[@]}" >"$build/$name.log" 2>&1 || echo failed >>"$build/$name.log"
+        -artifact_prefix="$build/found/$name-" ${words_given[@]+"${words_given[@]}"} "$corpus" "${seeds[@]}" >"$build/$name.log" 2>&1 || echo failed >>"$build/$name.log"
 }
 export -f fuzz seeds_of
 export build root data seconds

@@ -43,6 +43,24 @@ TurnsOptions options(const Machine& machine) {
 
 }  // namespace
 
+Machine someMachine(Chance& chance) {
+    Machine machine;
+    machine.pauses = chance.happens(0.7);
+    machine.pixelsComeLate = !machine.pauses && chance.happens(0.7);
+    machine.perMegapixel = machine.pauses ? chance.scale(5, 80) : chance.scale(0.5, 10);
+    machine.encodeShare = chance.between(0.1, 0.5);
+    machine.coldViews = chance.happens(0.5) ? chance.unit() : 0;
+    machine.loadMs = chance.scale(2, 300);
+    if (chance.happens(0.3)) {
+        machine.stallsPerMinute = chance.between(2, 20);
+        machine.stallMs = chance.scale(100, 8000);
+    }
+    if (chance.happens(0.3)) machine.lossesPerMinute = chance.between(1, 12);
+    machine.badGuess = chance.between(1, 4);
+    if (chance.happens(0.3)) machine.frameMemoryMB = chance.scale(1, 200);
+    return machine;
+}
+
 SimulatedServer::SimulatedServer(VirtualTime& time, Chance& chance, const Machine& machine)
     : time_(time), chance_(chance), machine_(machine), turns_(options(machine)) {
     turns_.setPauses(machine.pauses);
@@ -271,27 +289,31 @@ void SimulatedServer::completeUnderWay() {
     answer(ended);
 }
 
-// What is drawn within another picture waits for another turn; the other one is drawn again.
 void SimulatedServer::mayLoseDevice() {
     if (machine_.lossesPerMinute <= 0 || calm_) return;
     time_.after(60e3 / machine_.lossesPerMinute * chance_.between(0.2, 1.8), [this] {
         mayLoseDevice();
-        if (calm_ || reopening_ || underWay_) return;
-        ++lost_;
-        reopening_ = true;
-        slicing_ = false;
-        ++slice_;
-        change([&](Requests& ended) {
-            while (drawing_.size() > 1) {
-                turns_.putBack(drawing_.back().request, time_.now(), ended);
-                drawing_.pop_back();
-            }
-        });
-        if (!drawing_.empty()) drawing_.back().leftMs = drawing_.back().allMs;
-        time_.after(reopenMs, [this] {
-            reopening_ = false;
-            settle();
-        });
+        if (!calm_) loseDevice();
+    });
+}
+
+// What is drawn within another picture waits for another turn; the other one is drawn again.
+void SimulatedServer::loseDevice() {
+    if (reopening_ || underWay_) return;
+    ++lost_;
+    reopening_ = true;
+    slicing_ = false;
+    ++slice_;
+    change([&](Requests& ended) {
+        while (drawing_.size() > 1) {
+            turns_.putBack(drawing_.back().request, time_.now(), ended);
+            drawing_.pop_back();
+        }
+    });
+    if (!drawing_.empty()) drawing_.back().leftMs = drawing_.back().allMs;
+    time_.after(reopenMs, [this] {
+        reopening_ = false;
+        settle();
     });
 }
 
@@ -300,9 +322,13 @@ void SimulatedServer::mayLoseDevice() {
 void SimulatedServer::mayStall() {
     if (machine_.stallsPerMinute <= 0 || calm_) return;
     time_.after(60e3 / machine_.stallsPerMinute * chance_.between(0.2, 1.8), [this] {
-        if (!calm_) stalledUntil_ = time_.now() + milliseconds(machine_.stallMs * chance_.between(0.1, 1));
+        if (!calm_) stall(machine_.stallMs * chance_.between(0.1, 1));
         mayStall();
     });
+}
+
+void SimulatedServer::stall(double ms) {
+    stalledUntil_ = time_.now() + milliseconds(ms);
 }
 
 bool SimulatedServer::isMissing(const PictureOrder& order) {

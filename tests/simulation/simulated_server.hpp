@@ -30,6 +30,8 @@ struct Machine {
     double badGuess = 1.5;       ///< prices are wrong by up to this factor
 };
 
+Machine someMachine(Chance& chance);
+
 class SimulatedServer {
   public:
     SimulatedServer(VirtualTime& time, Chance& chance, const Machine& machine);
@@ -48,6 +50,9 @@ class SimulatedServer {
 
     /// Whether a machine is at it; what is paused costs nothing.
     bool worksOn(Turns::SnapshotId snapshot);
+    /// What also comes by chance: the device is lost, which another takes the place of; the disk answers nothing for a while.
+    void loseDevice();
+    void stall(double ms);
     /// From now on no disk stalls and no device is lost.
     void calmDown() { calm_ = true; }
     bool idle() const { return turns_.idle() && ordered_ == answered_; }

@@ -5,32 +5,11 @@
 #include <memory>
 #include <vector>
 
-#include "renderer/cloud/cloud.hpp"
 #include "tests/simulation/simulated_clients.hpp"
-#include "tests/support/serving/fake_painter.hpp"
+#include "tests/simulation/simulated_clouds.hpp"
 
 namespace scancast::simulation {
 namespace {
-
-/// Its blocks come and go, so that sessions try their stills (server/stream/still_schedule.hpp); which are there,
-/// the simulated server decides.
-class OneCloud final : public StreamWorld {
-  public:
-    std::string defaultCloud() const override { return "cloud"; }
-    tl::expected<std::shared_ptr<const Cloud>, Problem> cloud(std::string_view) const override {
-        return cloud_;
-    }
-    bool loading(std::string_view) const override { return false; }
-    bool live(std::string_view) const override { return false; }
-    Expected<std::shared_ptr<const PlannedView>> plan(const Cloud&, const View&) const override {
-        return nullptr;
-    }
-    double ownDetail(const View&) const override { return 1; }
-    std::vector<std::string> methodNames() const override { return {"paraboloid"}; }
-
-  private:
-    const std::shared_ptr<const Cloud> cloud_ = test::coldCloud();
-};
 
 class World {
   public:
@@ -69,31 +48,13 @@ class World {
     VirtualTime time_;
     Chance chance_;
     Metrics metrics_{"simulation"};
-    const OneCloud clouds_;
+    const SimulatedClouds clouds_;
     // Who asks is told what became of it, at the latest when the server ends.
     std::vector<std::unique_ptr<SimulatedViewer>> viewers_;
     std::vector<std::unique_ptr<SimulatedFetcher>> fetchers_;
     SimulatedServer server_;
     int clients_ = 0;
 };
-
-Machine someMachine(Chance& chance) {
-    Machine machine;
-    machine.pauses = chance.happens(0.7);
-    machine.pixelsComeLate = !machine.pauses && chance.happens(0.7);
-    machine.perMegapixel = machine.pauses ? chance.scale(5, 80) : chance.scale(0.5, 10);
-    machine.encodeShare = chance.between(0.1, 0.5);
-    machine.coldViews = chance.happens(0.5) ? chance.unit() : 0;
-    machine.loadMs = chance.scale(2, 300);
-    if (chance.happens(0.3)) {
-        machine.stallsPerMinute = chance.between(2, 20);
-        machine.stallMs = chance.scale(100, 8000);
-    }
-    if (chance.happens(0.3)) machine.lossesPerMinute = chance.between(1, 12);
-    machine.badGuess = chance.between(1, 4);
-    if (chance.happens(0.3)) machine.frameMemoryMB = chance.scale(1, 200);
-    return machine;
-}
 
 Link someLink(Chance& chance) {
     Link link;

@@ -154,6 +154,7 @@ Problem problemOf(int status, std::string detail, std::string instance) {
 
 Error errorOf(const Problem& problem) {
     Error error{ErrorCode::Internal, plainText(problem.detail.empty() ? problem.title : problem.detail), {}};
+    if (!problem.requestId.empty()) error.message += " (request " + plainLine(problem.requestId) + ")";
     if (!problem.errors.empty()) error.field = problem.errors.front().parameter;
     for (int code = 0; code <= static_cast<int>(ErrorCode::Internal); ++code) {
         error.code = static_cast<ErrorCode>(code);
@@ -197,6 +198,7 @@ nlohmann::json toJson(const Problem& problem) {
         object["limit"] = std::round(problem.cost->limit);
         if (!problem.cost->nearest.empty()) object["nearest"] = problem.cost->nearest;
     }
+    if (!problem.requestId.empty()) object["requestId"] = problem.requestId;
     return object;
 }
 
@@ -209,6 +211,7 @@ Expected<Problem> problemFromJson(const nlohmann::json& value) {
     fields.integer("status", problem.status, 100, 599);
     fields.text("detail", problem.detail, longestText);
     fields.text("instance", problem.instance, longestText);
+    fields.text("requestId", problem.requestId, longestText);
     if (const auto* errors = fields.findValue("errors")) {
         if (!errors->is_array() || errors->size() > mostCauses)
             fields.error("errors", "expected a short array");

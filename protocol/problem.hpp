@@ -36,6 +36,8 @@ struct Problem {
         bool operator==(const Cost&) const = default;
     };
     std::optional<Cost> cost{};
+    /// By which the server's log knows the request (X-Request-Id); may be empty.
+    std::string requestId{};
     bool operator==(const Problem&) const = default;
 };
 
@@ -48,8 +50,8 @@ Problem problemOf(const Error& error, std::string instance = {});
 /// For what HTTP itself refuses (401, 403, 405, 406, 415 …): type about:blank, title the reason phrase.
 Problem problemOf(int status, std::string detail, std::string instance = {});
 
-/// For clients: the error that a server meant, by the problem's type, else by its status. Servers are not trusted: its message
-/// is plain text (text/plain_text.hpp).
+/// For clients: the error that a server meant, by the problem's type, else by its status; its message ends with the request's id, if there is one.
+/// Servers are not trusted: it is plain text (text/plain_text.hpp).
 Error errorOf(const Problem& problem);
 
 nlohmann::json toJson(const Problem& problem);

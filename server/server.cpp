@@ -9,6 +9,7 @@
 #include <boost/asio/executor_work_guard.hpp>
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/post.hpp>
+#include <boost/asio/steady_timer.hpp>
 #include <thread>
 #include <tuple>
 
@@ -41,9 +42,12 @@ class RunningServer final : public ScancastServer {
           scheduler_(std::move(openPainter), options.scheduler, metrics_),
           admin_(catalog_, options.dataRoot),
           api_(apiOptions(options), catalog_, admin_, sessions_, scheduler_, metrics_),
-          context_{options.limits, api_, catalog_, scheduler_, metrics_, sessions_, options.scheduler.memory},
+          requestLog_(options.requestLog, metrics_),
+          context_{options.limits, api_,      catalog_,    scheduler_,
+                   metrics_,       sessions_, requestLog_, options.scheduler.memory},
           io_(std::max(1, options.netThreads)),
-          work_(asio::make_work_guard(io_)) {}
+          work_(asio::make_work_guard(io_)),
+          logTimer_(io_) {}
 
     ~RunningServer() override {
         shutDown();
@@ -74,6 +78,7 @@ class RunningServer final : public ScancastServer {
             probeListener_->run();
         }
         listener_->run();
+        keepLog();
         for (int i = 0; i < std::max(1, options_.netThreads); ++i) {
             threads_.emplace_back([this] { runNetwork(); });
         }
@@ -144,6 +149,17 @@ class RunningServer final : public ScancastServer {
     }
 
   private:
+    // What repeats is told of when its time is over, also when nobody asks for anything any more.
+    void keepLog() {
+        constexpr std::chrono::seconds interval{1};
+        logTimer_.expires_after(interval);
+        logTimer_.async_wait([this](boost::system::error_code ec) {
+            if (ec) return;
+            requestLog_.passTime(std::chrono::steady_clock::now());
+            keepLog();
+        });
+    }
+
     // What a handler throws ends with that handler, and run() may be entered again.
     void runNetwork() {
         while (!contained("A network thread", [this] { io_.run(); })) {
@@ -157,11 +173,13 @@ class RunningServer final : public ScancastServer {
     CloudAdmin admin_;
     SessionRegister sessions_;
     Api api_;
+    RequestLog requestLog_;
     NetContext context_;
     std::atomic<std::chrono::steady_clock::duration> networkAsked_{
         {}};  // for a sign, and since; 0 = answered
     asio::io_context io_;
     asio::executor_work_guard<asio::io_context::executor_type> work_;
+    asio::steady_timer logTimer_;  ///< one wait at a time, each begun by the handler of the one before
     std::shared_ptr<Listener> listener_, probeListener_;
     std::vector<std::thread> threads_;
 };

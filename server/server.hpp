@@ -35,8 +35,9 @@ struct ServerOptions {
     int netThreads = 2;
     NetLimits limits;
     SchedulerOptions scheduler;
-    Rates rates = shippedRates();       ///< what pictures cost
-    CostLimits costs;                   ///< and may
+    Rates rates = shippedRates();  ///< what pictures cost
+    CostLimits costs;              ///< and may
+    RequestLogOptions requestLog{};
     std::shared_ptr<BlockCache> cache;  ///< that the clouds' blocks live in, if any do
     std::filesystem::path dataRoot;     ///< whose files administrators may add; empty = none
 };

@@ -73,6 +73,18 @@ const char* name(LiveOutcome outcome) {
     return "unknown";
 }
 
+const char* name(LogLine outcome) {
+    switch (outcome) {
+        case LogLine::Written:
+            return "written";
+        case LogLine::Repeated:
+            return "repeated";
+        case LogLine::Lost:
+            return "lost";
+    }
+    return "unknown";
+}
+
 }  // namespace
 
 struct Metrics::Families {
@@ -232,6 +244,17 @@ struct Metrics::Families {
                                                             .Name("scancast_http_requests_total")
                                                             .Help("HTTP requests answered")
                                                             .Register(registry);
+    prometheus::Gauge& requestsNow =
+        prometheus::BuildGauge()
+            .Name("scancast_http_requests_in_flight")
+            .Help("HTTP requests that have been read and not been answered to the end; no streams")
+            .Register(registry)
+            .Add({});
+    prometheus::Family<prometheus::Counter>& logLines =
+        prometheus::BuildCounter()
+            .Name("scancast_request_log_lines_total")
+            .Help("Lines of the request log, by what became of them")
+            .Register(registry);
 };
 
 Metrics::Metrics(std::string_view version) : families_(std::make_unique<Families>()) {
@@ -251,6 +274,8 @@ Metrics::Metrics(std::string_view version) : families_(std::make_unique<Families
         families_->turnedAway.Add({{"reason", name(why)}});
     for (LiveOutcome outcome : {LiveOutcome::Shown, LiveOutcome::Skipped, LiveOutcome::Failed})
         families_->liveFrames.Add({{"outcome", name(outcome)}});
+    for (LogLine outcome : {LogLine::Written, LogLine::Repeated, LogLine::Lost})
+        families_->logLines.Add({{"outcome", name(outcome)}});
 }
 
 Metrics::~Metrics() = default;
@@ -362,6 +387,18 @@ void Metrics::liveFrameShown(double seconds) {
 
 void Metrics::httpRequest(std::string_view route, int code) {
     families_->requests.Add({{"route", std::string(route)}, {"code", std::to_string(code)}}).Increment();
+}
+
+void Metrics::requestBegan() noexcept {
+    families_->requestsNow.Increment();
+}
+
+void Metrics::requestEnded() noexcept {
+    families_->requestsNow.Decrement();
+}
+
+void Metrics::logLine(LogLine outcome) {
+    families_->logLines.Add({{"outcome", name(outcome)}}).Increment();
 }
 
 std::string Metrics::text() const {

@@ -40,6 +40,13 @@ enum class LiveOutcome : std::uint8_t {
     Failed,   ///< it could not be read or built
 };
 
+/// What became of a line of the request log.
+enum class LogLine : std::uint8_t {
+    Written,
+    Repeated,  ///< left out, and counted in a line that tells of many
+    Lost,      ///< nobody read the log
+};
+
 class Metrics {
   public:
     /// `version` and the names of what was built become labels of scancast_build_info.
@@ -83,6 +90,11 @@ class Metrics {
     void liveFrameShown(double seconds);
     /// `route` is a pattern ("/api/v1/clouds/{id}"), never what a client sent.
     void httpRequest(std::string_view route, int code);
+
+    /// From its head to the last byte of its answer; not while it is a stream.
+    void requestBegan() noexcept;
+    void requestEnded() noexcept;
+    void logLine(LogLine outcome);
 
     /// Prometheus text exposition format 0.0.4.
     std::string text() const;

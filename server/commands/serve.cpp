@@ -245,6 +245,7 @@ int serve(ServeOptions options) {
     keepMemoryReserve();
     options.server.rates = *rates(options);
     options.server.adminListen = *adminListen(options);
+    options.server.requestLog = *requestLog(options);  // sound: check() has said so
     options.server.proxies = *TrustedProxies::parse(options.trustedProxies);
     options.server.limits.maxConnections = *maxConnections(options);
     const MemoryShares shares = *memoryShares(options);

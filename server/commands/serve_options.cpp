@@ -191,6 +191,9 @@ void addServeFlags(CLI::App& app, ServeOptions& options) {
                  "Check everything that was given, print what holds, and exit");
     flag("--log-level", options.logLevel, "SCANCAST_LOG_LEVEL", "debug, info, warn, error or off")
         ->type_name("LEVEL");
+    flag("--request-log", options.requestLog, "SCANCAST_REQUEST_LOG",
+         "A line in the log for each request: on, off, or all, which leaves out nothing that repeats")
+        ->type_name("WHICH");
     flag("--log-format", options.logFormat, "SCANCAST_LOG_FORMAT", "text, or json for one object a line")
         ->type_name("FORMAT");
 }
@@ -205,6 +208,19 @@ Expected<Rates> rates(const ServeOptions& options) {
         return fail(rates.error().code, "--rates: " + options.rates.string() + ": " + rates.error().message,
                     "rates");
     return rates;
+}
+
+Expected<RequestLogOptions> requestLog(const ServeOptions& options) {
+    RequestLogOptions log;
+    if (options.requestLog != "on" && options.requestLog != "off" && options.requestLog != "all") {
+        return fail(ErrorCode::InvalidArgument,
+                    "--request-log " + options.requestLog + ": it is on, all or off.", "request-log");
+    }
+    auto writer = EventWriter::create(options.logLevel, options.logFormat);
+    if (!writer) return passOn(writer);
+    if (options.requestLog != "off") log.writer = std::move(*writer);
+    if (options.requestLog == "all") log.repeats = std::nullopt;
+    return log;
 }
 
 Expected<std::size_t> maxConnections(const ServeOptions& options) {
@@ -299,6 +315,7 @@ Expected<void> check(const ServeOptions& options) {
             "admin-listen");
     }
     if (auto ok = TrustedProxies::parse(options.trustedProxies); !ok) return passOn(ok);
+    if (auto ok = requestLog(options); !ok) return passOn(ok);
     if (auto ok = maxConnections(options); !ok) return passOn(ok);
     if (auto ok = memoryShares(options); !ok) return passOn(ok);
     if (auto ok = importOptions(options.importer); !ok) return passOn(ok);

@@ -37,6 +37,7 @@ struct ServeOptions {
     bool checkConfig = false;      ///< say what holds, and serve nothing
     std::string logLevel = "info";
     std::string logFormat = "text";
+    std::string requestLog = "on";
 };
 
 /// `options` must outlive the parse.
@@ -59,6 +60,9 @@ struct MemoryShares {
 };
 /// InvalidArgument when a limit is none, or leaves too little to draw anything.
 Expected<MemoryShares> memoryShares(const ServeOptions& options);
+
+/// What --request-log, --log-level and --log-format say together.
+Expected<RequestLogOptions> requestLog(const ServeOptions& options);
 
 /// How many connections there may be: --max-connections, or what goes with --max-sessions. Raises the limit of open
 /// files where it must. InvalidArgument when they do not fit.

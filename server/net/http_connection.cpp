@@ -24,6 +24,7 @@
 #include <stop_token>
 
 #include "server/net/api/handler.hpp"
+#include "server/net/log/shown_target.hpp"
 #include "server/net/mjpeg_connection.hpp"
 #include "server/net/refused_connection.hpp"
 #include "server/net/stream_connection.hpp"
@@ -46,6 +47,7 @@ HttpRequest plain(const http::request_header<>& request) {
         result.headers.emplace_back(lowerCase({field.name_string().data(), field.name_string().size()}),
                                     std::string(field.value()));
     }
+    result.ids = RequestIds::of(result.header("x-request-id"), result.header("traceparent"));
     return result;
 }
 
@@ -149,6 +151,7 @@ class HttpConnection final : public Connection, public std::enable_shared_from_t
         if (!peer_) return true;
         const CountedClient client = context_.proxies.clientOf(request_, *peer_);
         request_.client = client.client;
+        inHand_.record().client = client.client;
         proxied_ = entrance_ == Entrance::Public && context_.proxies.trusts(*peer_);
         if (!proxied_) return true;
         if (const auto counted = place_.countFor(client); !counted) {
@@ -160,12 +163,14 @@ class HttpConnection final : public Connection, public std::enable_shared_from_t
 
     void onHead(error_code ec) {
         if (ec == http::error::end_of_stream) return closeGently();
+        request_ = {};
         if (ec == http::error::header_limit || ec == http::error::buffer_overflow) {
             return refuse(431, "The head of the request is longer than this server reads.");
         }
         if (ec) return dropOrRefuse(ec);
         const auto& head = parser_->get();
         request_ = plain(head);
+        beginRecord();
         // What is not read of a request would be taken for the next one.
         keepAlive_ = head.keep_alive() && parser_->is_done();
         version_ = head.version();
@@ -178,6 +183,16 @@ class HttpConnection final : public Connection, public std::enable_shared_from_t
         if (!answered && !handedOver_) refuse(problemOf(answered.error()));
     }
 
+    // Of what cannot be read as a request, the log has the client alone.
+    void beginRecord() {
+        RequestRecord record;
+        record.method = request_.method;
+        if (!record.method.empty()) record.target = shownTarget(request_.target);
+        record.ids = request_.ids;
+        if (peer_) record.client = peer_->client();
+        inHand_ = context_.requestLog.begin(std::move(record));
+    }
+
     // Errors of the parser are about what was sent; all others are about the connection, which is gone.
     void dropOrRefuse(error_code ec) {
         const bool ofParser = ec.category() == http::make_error_code(http::error::bad_method).category();
@@ -188,21 +203,24 @@ class HttpConnection final : public Connection, public std::enable_shared_from_t
     void answer() {
         auto routed = context_.api.admit(request_, entrance_);
         if (!routed) return write(std::move(routed.error()), "refused");
+        inHand_.record().token = routed->grant.identity.name;
         const bool upgrade = beast::websocket::is_upgrade(parser_->get());
         if (routed->route == Route::Stream && upgrade && context_.scheduler.draining())
             return write(problemResponse(problemOf(503, "The server is shutting down.", routed->path)),
                          pattern(Route::Stream));
         if (routed->route == Route::Stream && upgrade) {
             context_.metrics.httpRequest(pattern(Route::Stream), 101);
+            inHand_.record().route = pattern(Route::Stream);
             handedOver_ = true;
             return startStream(std::move(stream_),
                                http::request<http::empty_body>(std::move(parser_->get().base())), context_,
-                               std::move(place_), std::move(routed->grant));
+                               std::move(place_), std::move(routed->grant), inHand_.handOver());
         }
         if (routed->route == Route::StreamMjpeg && request_.method == "GET") {
+            inHand_.record().route = pattern(Route::StreamMjpeg);
             handedOver_ = true;
             return startMjpeg(std::move(stream_), std::move(request_), std::move(*routed), context_,
-                              std::move(place_));
+                              std::move(place_), inHand_.handOver());
         }
         if (request_.method == "POST") return readBody(std::move(*routed));
         ask(*routed);
@@ -280,6 +298,7 @@ class HttpConnection final : public Connection, public std::enable_shared_from_t
         pollfd peer{stream_.tcp().socket().native_handle(), POLLRDHUP, 0};
         if (::poll(&peer, 1, 0) <= 0) return watchClient(request);
         unanswered_ = 0;
+        inHand_.left(0, "left");
         gone_.request_stop();
         close();
     }
@@ -293,7 +312,10 @@ class HttpConnection final : public Connection, public std::enable_shared_from_t
     void refuse(const Problem& problem) { refuse(problemResponse(problem)); }
 
     void refuse(HttpResponse response) {
+        RequestIds ids = std::move(request_.ids);
         request_ = {};
+        request_.ids = ids.request.empty() ? RequestIds::of({}, {}) : std::move(ids);
+        if (!inHand_) beginRecord();
         keepAlive_ = false;
         version_ = 11;
         write(std::move(response), "refused");
@@ -304,6 +326,9 @@ class HttpConnection final : public Connection, public std::enable_shared_from_t
         watch_.cancel();
         response_ = std::move(response);
         context_.api.complete(request_, route, response_);
+        inHand_.record().status = response_.status;
+        inHand_.record().route = route;
+        inHand_.record().price = response_.price;
         if (entrance_ == Entrance::Probes) {  // who does not read may go for the next probe
             answering_ = false;
             place_.idle();
@@ -318,7 +343,7 @@ class HttpConnection final : public Connection, public std::enable_shared_from_t
             stream_.tcp().expires_after(context_.limits.writeTimeout +
                                         std::chrono::seconds(body.size() / 65536));
         auto onWritten =
-            handler([](HttpConnection& self, error_code ec, std::size_t) { self.onWritten(ec); });
+            handler([](HttpConnection& self, error_code ec, std::size_t n) { self.onWritten(ec, n); });
         const bool neverHasBody = response_.status == 304 || response_.status == 204;
         if (request_.method == "HEAD" || neverHasBody) {
             bodyless_.emplace(http::int_to_status(unsigned(response_.status)), version_);
@@ -345,16 +370,18 @@ class HttpConnection final : public Connection, public std::enable_shared_from_t
 
     void endSlowReader() {
         context_.metrics.slowReaderEnded();
+        std::ignore = contained("The request log", [this] { inHand_.record().note = "read too slowly"; });
         close();
     }
 
-    void onWritten(error_code ec) {
+    void onWritten(error_code ec, std::size_t bytes) {
         writing_.end();
         message_.reset();
         bodyless_.reset();
         response_ = {};
         texts_.resize(0);
-        if (ec) return;
+        if (ec) return inHand_.left(bytes, "left");
+        inHand_.answered(bytes);
         if (keepAlive_) return readHead();
         closeGently();
     }
@@ -386,6 +413,7 @@ class HttpConnection final : public Connection, public std::enable_shared_from_t
     beast::flat_buffer buffer_;
     std::optional<http::request_parser<http::string_body>> parser_;
     HttpRequest request_;
+    RequestLog::Request inHand_;
     unsigned version_ = 11;
     bool keepAlive_ = false;
     bool answering_ = false;
@@ -409,7 +437,10 @@ class HttpConnection final : public Connection, public std::enable_shared_from_t
 void startHttp(asio::ip::tcp::socket socket, NetContext& context, Entrance entrance) {
     const auto peer = peerOf(socket);
     auto place = context.registerOf(entrance).enter(context.peerOf(peer));
-    if (!place) return refuseConnection(std::move(socket), place.error(), context, entrance);
+    if (!place) {
+        return refuseConnection(std::move(socket), peer ? peer->client() : std::string(), place.error(),
+                                context, entrance);
+    }
     std::make_shared<HttpConnection>(std::move(socket), peer, context, entrance)->run(std::move(*place));
 }
 

@@ -44,8 +44,9 @@ std::string partHead(const FrameHeader& header) {
 
 class MjpegConnection final : public SessionHost {
   public:
-    MjpegConnection(NetStream stream, HttpRequest request, Routed routed, NetContext& context)
-        : SessionHost(stream.get_executor(), context, routed.grant),
+    MjpegConnection(NetStream stream, HttpRequest request, Routed routed, NetContext& context,
+                    RequestRecord record)
+        : SessionHost(stream.get_executor(), context, routed.grant, std::move(record)),
           stream_(std::move(stream)),
           request_(std::move(request)),
           routed_(std::move(routed)),
@@ -73,8 +74,9 @@ class MjpegConnection final : public SessionHost {
         if (!writing_) writeNext();
     }
 
-    void close(CloseCode, std::string) override {
+    void close(CloseCode code, std::string reason) override {
         if (closing_) return;
+        endsBecause(fmt::format("closed {}: {}", int(code), reason));
         closing_ = true;
         next_.reset();
         if (!writing_) finish();
@@ -100,6 +102,7 @@ class MjpegConnection final : public SessionHost {
 
     void endSlowReader() {
         context_.metrics.slowReaderEnded();
+        endsBecause("read too slowly");
         gone_ = true;
         leave();
         cut();
@@ -173,7 +176,8 @@ class MjpegConnection final : public SessionHost {
             stream_.tcp().expires_after(context_.limits.writeTimeout +
                                         std::chrono::seconds(asio::buffer_size(buffers) / 65536));
         asio::async_write(stream_, buffers,
-                          handler([frame](MjpegConnection& self, error_code ec, std::size_t) {
+                          handler([frame](MjpegConnection& self, error_code ec, std::size_t bytes) {
+                              self.count(bytes, !ec && frame);
                               self.onWritten(ec, frame);
                           }));
     }
@@ -183,6 +187,7 @@ class MjpegConnection final : public SessionHost {
         watch_.end();
         part_ = {};
         if (ec) {
+            endsBecause("left");
             gone_ = true;
             leave();
             return cut();
@@ -207,6 +212,7 @@ class MjpegConnection final : public SessionHost {
     void onRead(error_code ec, std::size_t bytes) {
         ignoredBytes_ += bytes;
         if (!ec && ignoredBytes_ <= mostIgnored) return read();
+        endsBecause(ec ? "left" : "sent more than a request");
         gone_ = true;
         leave();
         cut();
@@ -219,6 +225,7 @@ class MjpegConnection final : public SessionHost {
 
     void refuse(Problem problem) {
         closing_ = true;
+        refused(problem.status);
         problem.instance = routed_.path;
         HttpResponse response = problemResponse(problem);
         context_.api.complete(request_, pattern(routed_.route), response);
@@ -226,7 +233,8 @@ class MjpegConnection final : public SessionHost {
                 response.text;
         stream_.tcp().expires_after(context_.limits.writeTimeout);
         asio::async_write(stream_, asio::buffer(text_),
-                          handler([](MjpegConnection& self, error_code ec, std::size_t) {
+                          handler([](MjpegConnection& self, error_code ec, std::size_t bytes) {
+                              self.count(bytes, false);
                               if (!ec) self.finish();
                           }));
     }
@@ -248,9 +256,11 @@ class MjpegConnection final : public SessionHost {
 }  // namespace
 
 void startMjpeg(NetStream stream, HttpRequest request, Routed routed, NetContext& context,
-                ConnectionRegister::Place place) {
-    const auto connection =
-        std::make_shared<MjpegConnection>(std::move(stream), std::move(request), std::move(routed), context);
+                ConnectionRegister::Place place, RequestRecord record) {
+    constexpr int ok = 200;
+    record.status = ok;
+    const auto connection = std::make_shared<MjpegConnection>(std::move(stream), std::move(request),
+                                                              std::move(routed), context, std::move(record));
     connection->take(std::move(place));
     connection->run();
 }

@@ -13,6 +13,6 @@ namespace scancast {
 
 /// Answers an admitted GET, with a stream or a problem; the connection ends with the answer.
 void startMjpeg(NetStream stream, HttpRequest request, Routed routed, NetContext& context,
-                ConnectionRegister::Place place);
+                ConnectionRegister::Place place, RequestRecord record);
 
 }  // namespace scancast

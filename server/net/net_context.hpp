@@ -17,6 +17,7 @@
 #include "server/net/api/api.hpp"
 #include "server/net/clients/connection_register.hpp"
 #include "server/net/clients/trusted_proxies.hpp"
+#include "server/net/log/request_log.hpp"
 #include "server/net/write_watch.hpp"
 #include "server/scheduler/scheduler.hpp"
 #include "server/stream/resume_store.hpp"
@@ -70,6 +71,7 @@ struct NetContext {
     Scheduler& scheduler;
     Metrics& metrics;
     SessionRegister& sessionRegister;
+    RequestLog& requestLog;
     TransientMemory memory{};
     std::shared_ptr<boost::asio::ssl::context> tls{};  ///< empty = in the clear
     TrustedProxies proxies{};

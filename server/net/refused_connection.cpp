@@ -87,11 +87,19 @@ HttpResponse refusalResponse(ConnectionRefusal why, const ConnectionLimits& limi
     return response;
 }
 
-void refuseConnection(asio::ip::tcp::socket socket, ConnectionRefusal why, NetContext& context,
-                      Entrance entrance) {
-    if (context.tlsOf(entrance) || context.refusedLingering >= mostLingering) return;
+void refuseConnection(asio::ip::tcp::socket socket, std::string client, ConnectionRefusal why,
+                      NetContext& context, Entrance entrance) {
+    HttpResponse response = refusalResponse(why, context.registerOf(entrance).limits());
+    RequestRecord record;
+    record.ids = RequestIds::of({}, {});
+    record.client = std::move(client);
+    record.status = response.status;
+    const bool silently = context.tlsOf(entrance) != nullptr || context.refusedLingering >= mostLingering;
+    if (silently) record.note = "closed without a word";
+    context.requestLog.add(record);
+    if (silently) return;
     std::make_shared<RefusedConnection>(std::move(socket), context)
-        ->run(refusalText(refusalResponse(why, context.registerOf(entrance).limits())));
+        ->run(refusalText(response.identify(record.ids)));
 }
 
 }  // namespace scancast

@@ -11,9 +11,9 @@
 
 namespace scancast {
 
-/// Takes over the socket, whose executor must be a strand. The context outlives it.
-void refuseConnection(boost::asio::ip::tcp::socket socket, ConnectionRefusal why, NetContext& context,
-                      Entrance entrance);
+/// Takes over the socket, whose executor must be a strand, and tells the log who came. The context outlives it.
+void refuseConnection(boost::asio::ip::tcp::socket socket, std::string client, ConnectionRefusal why,
+                      NetContext& context, Entrance entrance);
 
 /// The same in words, for somebody who has a connection already: 429 or 503, with Retry-After.
 HttpResponse refusalResponse(ConnectionRefusal why, const ConnectionLimits& limits);

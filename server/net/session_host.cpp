@@ -8,18 +8,20 @@
 
 #include "server/catalog/describe.hpp"
 #include "server/net/api/handler.hpp"
+#include "server/net/log/shown_target.hpp"
 
 namespace scancast {
 
 namespace asio = boost::asio;
 
-SessionHost::SessionHost(const Executor& strand, NetContext& context, Grant grant)
+SessionHost::SessionHost(const Executor& strand, NetContext& context, Grant grant, RequestRecord record)
     : context_(context),
       strand_(strand),
       grant_(std::move(grant)),
       world_(context.catalog, context.api.admission()),
       timer_(strand),
-      grantTimer_(strand) {}
+      grantTimer_(strand),
+      record_(std::move(record)) {}
 
 SessionHost::~SessionHost() {
     if (session_)
@@ -40,10 +42,22 @@ void SessionHost::leave() {
     timer_.cancel();
     grantTimer_.cancel();
     if (mailbox_ != 0) context_.scheduler.closeMailbox(std::exchange(mailbox_, 0));
+    if (std::exchange(ended_, true)) return;
+    tell(session_ ? RequestRecord::Event::StreamEnded : RequestRecord::Event::Request);
+}
+
+void SessionHost::endsBecause(std::string_view why) noexcept {
+    if (record_.note.empty()) std::ignore = contained("The request log", [&] { record_.note = why; });
+}
+
+void SessionHost::tell(RequestRecord::Event event) noexcept {
+    record_.event = event;
+    context_.requestLog.add(record_);
 }
 
 void SessionHost::fault() noexcept {
     if (context_.connections.shuttingDown()) return;
+    endsBecause("a fault of the server");
     giveUp();
     std::ignore = contained("Closing a connection", [this] {
         leave();
@@ -66,6 +80,8 @@ bool SessionHost::openSession(ClientKind client, SessionOptions options) {
     options.stills.quiet = context_.limits.quiet;
     options.helloPatience = context_.limits.helloTimeout;
     session_.emplace(std::move(options), world_, *this, context_.metrics, Clock::now());
+    record_.session = shownSession(registration_->id());
+    tell(RequestRecord::Event::StreamOpened);
     // In the register now, so a grant that is withdrawn from here on is heard of; it may have been before.
     lookAtGrant();
     keepTime();

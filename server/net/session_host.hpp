@@ -47,14 +47,25 @@ class SessionHost : public Connection,
 
   protected:
     /// The context outlives the host; the executor is a strand. The grant is what let the client in: when it ends, so does
-    /// the session.
-    SessionHost(const Executor& strand, NetContext& context, Grant grant);
+    /// the session. `record` is of the request that asks for the stream.
+    SessionHost(const Executor& strand, NetContext& context, Grant grant, RequestRecord record);
 
     /// Takes one of --max-sessions; false, and there is no session, when all are taken. What the options say
     /// of identity, limits and patience is filled in here.
     bool openSession(ClientKind client, SessionOptions options = {});
     StreamSession* session() { return session_ ? &*session_ : nullptr; }
     std::string sessionId() const { return registration_->id(); }
+    /// What was written for the session: for its last line in the log.
+    void count(std::uint64_t bytes, bool isFrame) {
+        record_.bytes += bytes;
+        record_.frames += isFrame ? 1 : 0;
+    }
+    /// Why it ends, for the log; the first reason is the one.
+    void endsBecause(std::string_view why) noexcept;
+    /// By what its request is known.
+    const RequestIds& ids() const { return record_.ids; }
+    /// There will be no session, and this was answered: the log's line is that of any request.
+    void refused(int status) { record_.status = status; }
     /// After every call into the session: sets the timer for its next tick.
     void keepTime();
     /// The client has gone: nothing is made for it any more, however long its connection takes to end.
@@ -71,6 +82,7 @@ class SessionHost : public Connection,
 
   private:
     ConnectionRegister::Place place_;
+    void tell(RequestRecord::Event event) noexcept;
     using Weak = std::weak_ptr<SessionHost>;
     /// Posts `work(session)`, which is not done when the session is over by then.
     template <class Work>
@@ -85,6 +97,8 @@ class SessionHost : public Connection,
     const CatalogWorld world_;
     boost::asio::steady_timer timer_, grantTimer_;
     std::optional<Clock::time_point> armed_;
+    RequestRecord record_;
+    bool ended_ = false;                                 // and the log knows
     bool counted_ = false;                               // it is one of --max-sessions
     Scheduler::MailboxId mailbox_ = 0;                   // 0 = none
     std::unique_ptr<SessionRegistration> registration_;  // outlives the session

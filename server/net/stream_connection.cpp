@@ -1,5 +1,7 @@
 #include "server/net/stream_connection.hpp"
 
+#include <fmt/format.h>
+
 #include <boost/asio/steady_timer.hpp>
 #include <boost/beast/core/flat_buffer.hpp>
 #include <boost/beast/http/rfc7230.hpp>
@@ -45,8 +47,8 @@ std::string shortReason(std::string reason) {
 class StreamConnection final : public SessionHost {
   public:
     StreamConnection(NetStream stream, http::request<http::empty_body> request, NetContext& context,
-                     Grant grant)
-        : SessionHost(stream.get_executor(), context, std::move(grant)),
+                     Grant grant, RequestRecord record)
+        : SessionHost(stream.get_executor(), context, std::move(grant), std::move(record)),
           ws_(std::move(stream)),
           request_(std::move(request)),
           closeTimer_(ws_.get_executor()),
@@ -65,10 +67,12 @@ class StreamConnection final : public SessionHost {
         ws_.read_message_max(context_.limits.maxHelloBytes);
         ws_.auto_fragment(false);
         const bool known = offersProtocol(request_);
-        ws_.set_option(websocket::stream_base::decorator([known](websocket::response_type& response) {
-            if (known) response.set(http::field::sec_websocket_protocol, std::string(webSocketProtocol));
-            response.set(http::field::server, "scancast");
-        }));
+        ws_.set_option(websocket::stream_base::decorator(
+            [known, id = ids().request](websocket::response_type& response) {
+                if (known) response.set(http::field::sec_websocket_protocol, std::string(webSocketProtocol));
+                response.set(http::field::server, "scancast");
+                response.set("X-Request-Id", id);
+            }));
         ws_.async_accept(
             request_, handler([known](StreamConnection& self, error_code ec) { self.onAccept(ec, known); }));
     }
@@ -100,6 +104,7 @@ class StreamConnection final : public SessionHost {
 
     void close(CloseCode code, std::string reason) override {
         if (closing_) return;
+        endsBecause(fmt::format("closed {}: {}", int(code), reason));
         closing_ = websocket::close_reason(websocket::close_code(code), shortReason(std::move(reason)));
         closeTimer_.expires_after(context_.limits.closeTimeout);
         closeTimer_.async_wait([weak = weak_from_this()](error_code ec) {
@@ -136,7 +141,11 @@ class StreamConnection final : public SessionHost {
     };
 
     void onAccept(error_code ec, bool known) {
-        if (ec) return;
+        if (ec) {
+            constexpr int badRequest = 400;  // which Beast has answered
+            refused(badRequest);
+            return endsBecause(ec.message());
+        }
         if (!known) {
             close(CloseCode::ProtocolError, "Offer the subprotocol scancast.v1.");
         } else if (!begin()) {
@@ -163,6 +172,9 @@ class StreamConnection final : public SessionHost {
             // Closed, gone, or sent what WebSocket forbids: Beast has answered with 1002, 1007 or 1009
             // itself.
             gone_ = true;
+            endsBecause(ec == websocket::error::closed ? "closed by the client"
+                        : ec == beast::error::timeout  ? "silent for too long"
+                                                       : "left");
             if (session()) session()->connectionLost(saidGoodbye(ec), Clock::now());
             leave();
             closeTimer_.cancel();
@@ -196,6 +208,7 @@ class StreamConnection final : public SessionHost {
         writing_ = true;
         watch_.begin(ws_.next_layer().tcp().socket().native_handle(), weak_from_this(), [this] {
             context_.metrics.slowReaderEnded();
+            endsBecause("read too slowly");
             cut();
         });
         const Outgoing& message = queue_.front();
@@ -215,7 +228,12 @@ class StreamConnection final : public SessionHost {
     void onWritten(error_code ec) {
         writing_ = false;
         watch_.end();
-        unread_ -= queue_.front().text.size();
+        const Outgoing& message = queue_.front();
+        if (!ec) {
+            const bool isFrame = message.picture != nullptr;
+            count(isFrame ? message.header.size() + message.picture->size() : message.text.size(), isFrame);
+        }
+        unread_ -= message.text.size();
         queue_.pop_front();
         texts_.resize(unread_);
         if (ec) {
@@ -248,9 +266,11 @@ class StreamConnection final : public SessionHost {
 }  // namespace
 
 void startStream(NetStream stream, http::request<http::empty_body> request, NetContext& context,
-                 ConnectionRegister::Place place, Grant grant) {
-    const auto connection =
-        std::make_shared<StreamConnection>(std::move(stream), std::move(request), context, std::move(grant));
+                 ConnectionRegister::Place place, Grant grant, RequestRecord record) {
+    constexpr int switchingProtocols = 101;
+    record.status = switchingProtocols;
+    const auto connection = std::make_shared<StreamConnection>(std::move(stream), std::move(request), context,
+                                                               std::move(grant), std::move(record));
     connection->take(std::move(place));
     connection->run();
 }

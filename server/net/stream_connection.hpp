@@ -17,6 +17,6 @@ namespace scancast {
 
 /// Accepts the upgrade that `request` asks for (Host, Origin and token are checked already).
 void startStream(NetStream stream, boost::beast::http::request<boost::beast::http::empty_body> request,
-                 NetContext& context, ConnectionRegister::Place place, Grant grant);
+                 NetContext& context, ConnectionRegister::Place place, Grant grant, RequestRecord record);
 
 }  // namespace scancast

@@ -8,6 +8,8 @@
 #include "server/net/api/router.hpp"
 #include "server/net/clients/trusted_proxies.hpp"
 #include "server/net/listen_address.hpp"
+#include "server/net/log/request_ids.hpp"
+#include "server/net/log/shown_target.hpp"
 #include "server/net/origin_check.hpp"
 
 namespace {
@@ -82,6 +84,19 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     require(!matchesAny(text, "\"0123456789abcdef\"") || text.find("0123456789abcdef") != std::string::npos ||
             text.find('*') != std::string::npos);
     accepts(text, "image/jpeg");
+    // Ids and what is shown of a target go into a line of the log, and ids into a header, too: none begins another
+    // line, and no session's key and no word that nobody knows gets there.
+    const RequestIds ids = RequestIds::of(text, text);
+    require(isRequestId(ids.request) && (!isRequestId(text) || ids.request == text));
+    if (ids.trace) {
+        require(text.substr(0, 2) != "ff" && text.substr(3, 32) == ids.trace->trace &&
+                text.substr(36, 16) == ids.trace->parent);
+        require(ids.trace->trace.find_first_not_of("0123456789abcdef") == std::string::npos);
+    }
+    const std::string shown = shownTarget(text), hidden = shownTarget("/a?token=" + text);
+    require(shown.size() <= 720 && std::none_of(shown.begin(), shown.end(), isControl));
+    require(hidden.starts_with("/a?token=*") &&
+            (text.find('&') != std::string::npos || hidden == "/a?token=*"));
     // One spelling of one coding frames a body; whatever else it is, it is refused.
     const HttpRequest coded{"POST", "/", {{"transfer-encoding", text}}};
     require(framingFault(coded, 11).empty() == (lower(text) == "chunked"));

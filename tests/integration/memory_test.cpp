@@ -121,7 +121,8 @@ TEST_F(MemoryTest, ConnectionsAndTextsAreCountedAndGiveBack) {
     }
     // The one that asks is connected, too.
     EXPECT_TRUE(eventually([&] { return held("connections") <= bytesOfConnection && held("streams") == 0; }));
-    EXPECT_EQ(held("texts"), 0U);
+    // What was answered before is given back when it has been written, perhaps after it has been read.
+    EXPECT_TRUE(eventually([&] { return held("texts") == 0; }));
     EXPECT_NE(metric("scancast_transient_limit_bytes"), "");
     EXPECT_NE(metric("scancast_process_resident_bytes"), "");
 }

@@ -266,6 +266,7 @@ struct Api::Answers {
             if (picture->stats.nodesDamaged > 0) sayDamaged(response, picture->stats.nodesDamaged);
             response.set("Server-Timing", serverTiming(*picture));
             response.set("Scancast-Price", fmt::format("{:.0f}", price));
+            response.price = price / 1000;
             response.bytes = picture->bytes;
             respond(std::move(response));
         };
@@ -317,12 +318,14 @@ struct Api::Answers {
         if (!price) return refuseCostly(respond, price.error());
         auto ticket = api.admission_.take(request.client, *price);
         if (!ticket) return refuseCostly(respond, ticket.error());
-        auto done = [respond, cloud = *cloud, path = routed.path,
+        auto done = [respond, cloud = *cloud, path = routed.path, seconds = *price / 1000,
                      held = std::make_shared<WorkBudget::Ticket>(std::move(*ticket))](
                         Expected<std::optional<Picked>> picked) {
             held->reset();
             if (!picked) return respond(problemResponse(problemOf(picked.error(), path)));
-            respond(jsonResponse(*picked ? pickedJson(*cloud, **picked) : nlohmann::json()));
+            HttpResponse response = jsonResponse(*picked ? pickedJson(*cloud, **picked) : nlohmann::json());
+            response.price = seconds;
+            respond(std::move(response));
         };
         if (auto queued = api.picker_.pick(*cloud, *planned, asked->x, asked->y, std::move(done),
                                            {request.client, *price, gone});

@@ -38,7 +38,8 @@ HttpResponse preflightResponse(Route route) {
     HttpResponse response;
     response.status = 204;
     response.set("Access-Control-Allow-Methods", std::string(infoOf(route).methods))
-        .set("Access-Control-Allow-Headers", "Authorization, Content-Type, If-None-Match")
+        .set("Access-Control-Allow-Headers",
+             "Authorization, Content-Type, If-None-Match, X-Request-Id, traceparent")
         .set("Access-Control-Max-Age", "600");
     return response;
 }
@@ -92,14 +93,16 @@ tl::expected<Routed, HttpResponse> Api::admit(const HttpRequest& request, Entran
 }
 
 void Api::complete(const HttpRequest& request, std::string_view routePattern, HttpResponse& response) const {
-    response.set("X-Content-Type-Options", "nosniff").set("Server", "scancast/" + options_.version);
+    response.identify(request.ids)
+        .set("X-Content-Type-Options", "nosniff")
+        .set("Server", "scancast/" + options_.version);
     const std::string origin = request.header("origin");
     if (isAllowedOrigin(origin, options_.origins)) {
         response.set("Access-Control-Allow-Origin", origin).set("Vary", "Origin");
-        response.set(
-            "Access-Control-Expose-Headers",
-            "ETag, Location, Retry-After, Server-Timing, Scancast-Session, Scancast-Width, "
-            "Scancast-Height, Scancast-Method, Scancast-Method-Reason, Scancast-Price, Scancast-Damaged");
+        response.set("Access-Control-Expose-Headers",
+                     "ETag, Location, Retry-After, Server-Timing, Scancast-Session, Scancast-Width, "
+                     "Scancast-Height, Scancast-Method, Scancast-Method-Reason, Scancast-Price, "
+                     "Scancast-Damaged, X-Request-Id");
     }
     if (access_.isPrivate(request)) {
         for (auto& [name, value] : response.headers)

@@ -53,6 +53,15 @@ HttpResponse& HttpResponse::set(std::string name, std::string value) {
     return *this;
 }
 
+HttpResponse& HttpResponse::identify(const RequestIds& ids) {
+    if (ids.request.empty()) return *this;
+    if (problem) {
+        problem->requestId = ids.request;
+        text = printJson(toJson(*problem));
+    }
+    return set("X-Request-Id", ids.request);
+}
+
 const std::string* HttpResponse::find(std::string_view name) const {
     for (const auto& [key, value] : headers) {
         if (key == name) return &value;
@@ -64,6 +73,7 @@ HttpResponse problemResponse(const Problem& problem) {
     HttpResponse response;
     response.status = problem.status;
     response.text = printJson(toJson(problem));
+    response.problem = problem;
     response.set("Content-Type", std::string(problemMediaType)).set("Cache-Control", "no-store");
     if (problem.status == 503 || problem.status == 429) response.set("Retry-After", "1");
     return response;

@@ -5,12 +5,14 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <utility>
 #include <vector>
 
 #include "protocol/problem.hpp"
+#include "server/net/log/request_ids.hpp"
 
 namespace scancast {
 
@@ -21,6 +23,7 @@ struct HttpRequest {
         headers;  ///< names in lower case, in the order of arrival
     std::string body{};
     std::string client{};  ///< whom its work is counted for: the address that it came from
+    RequestIds ids{};
 
     /// All values of that name (lower case), joined by ", "; empty when there is none.
     std::string header(std::string_view name) const;
@@ -40,10 +43,14 @@ struct HttpResponse {
     std::vector<std::pair<std::string, std::string>> headers;
     std::string text;                                        ///< the body, unless `bytes` is set
     std::shared_ptr<const std::vector<std::uint8_t>> bytes;  ///< a picture, shared
-    bool bodyUnknown = false;  ///< answer to HEAD whose length nobody has worked out: no Content-Length
+    std::optional<Problem> problem{};                        ///< that `text` is
+    std::optional<double> price{};  ///< of the picture that was drawn for it, in seconds of a core
+    bool bodyUnknown = false;       ///< answer to HEAD whose length nobody has worked out: no Content-Length
 
     std::string_view body() const;
     HttpResponse& set(std::string name, std::string value);
+    /// Says by which id the log knows the request: X-Request-Id and, of a problem, in it.
+    HttpResponse& identify(const RequestIds& ids);
     /// nullptr when there is none of that name (as written).
     const std::string* find(std::string_view name) const;
 };

@@ -31,7 +31,8 @@ ApiOptions apiOptions(const ServerOptions& options) {
             options.rates,
             options.costs,
             options.scheduler.memory,
-            options.adminListen ? options.adminListen->host : std::string()};
+            options.adminListen ? options.adminListen->host : std::string(),
+            options.tls.given() ? strictTransport(options.hstsSeconds) : std::string()};
 }
 
 class RunningServer final : public ScancastServer {
@@ -65,7 +66,7 @@ class RunningServer final : public ScancastServer {
         if (options_.tls.given()) {
             auto tls = openTls(options_.tls);
             if (!tls) return passOn(std::move(tls));
-            context_.tls = std::move(*tls);
+            replaceTls(std::move(*tls));
         }
         context_.proxies = options_.proxies;
         auto listener = Listener::create(io_, {options_.host, options_.port}, context_, Entrance::Public);
@@ -103,7 +104,14 @@ class RunningServer final : public ScancastServer {
         const bool everywhere = host == "0.0.0.0" || host == "::";
         const bool v6 = host.find(':') != std::string::npos;
         const std::string shown = everywhere ? "localhost" : v6 ? "[" + host + "]" : host;
-        return fmt::format("{}://{}:{}/", context_.tls ? "https" : "http", shown, port());
+        return fmt::format("{}://{}:{}/", context_.tls.get() ? "https" : "http", shown, port());
+    }
+
+    std::shared_ptr<const ServerTls> tls() const override { return context_.tls.get(); }
+
+    void replaceTls(ServerTls tls) override {
+        metrics_.setCertificateExpiry(tls.expires);
+        context_.tls.replace(std::move(tls));
     }
 
     std::chrono::milliseconds silence() override {

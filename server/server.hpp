@@ -18,7 +18,7 @@
 #include "server/catalog/cloud_admin.hpp"
 #include "server/net/listen_address.hpp"
 #include "server/net/net_context.hpp"
-#include "server/net/tls.hpp"
+#include "server/net/tls/tls.hpp"
 #include "server/price/admission.hpp"
 #include "server/scheduler/scheduler.hpp"
 
@@ -32,6 +32,7 @@ struct ServerOptions {
     TrustedProxies proxies;
     AccessTokens tokens;
     TlsFiles tls;
+    std::uint64_t hstsSeconds = 31'536'000;  ///< of Strict-Transport-Security, where there is TLS; 0 = none
     int netThreads = 2;
     NetLimits limits;
     SchedulerOptions scheduler;
@@ -66,6 +67,10 @@ class ScancastServer {
     /// To open in a browser: "http://127.0.0.1:8080/".
     virtual std::string url() const = 0;
     virtual std::size_t connections() const = 0;
+    /// What new connections are shown; empty = they come in the clear.
+    virtual std::shared_ptr<const ServerTls> tls() const = 0;
+    /// Connections that come from now on are shown this; those that are there go on. Only of a server that speaks TLS.
+    virtual void replaceTls(ServerTls tls) = 0;
     /// For how long the render thread, or all network threads, have not come back from what they are at; 0 when they
     /// wait for work. Asks the network threads for a sign, so the answer is of use when this is called again and
     /// again. Never waits; from one thread.

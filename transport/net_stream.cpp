@@ -14,16 +14,17 @@ namespace beast = boost::beast;
 struct NetStream::Below {
     using Tls = beast::ssl_stream<beast::tcp_stream>;
     explicit Below(beast::tcp_stream tcp) : stream(std::move(tcp)) {}
-    Below(beast::tcp_stream tcp, asio::ssl::context& context)
-        : stream(std::in_place_type<Tls>, std::move(tcp), context) {}
+    Below(beast::tcp_stream tcp, std::shared_ptr<asio::ssl::context> by)
+        : context(std::move(by)), stream(std::in_place_type<Tls>, std::move(tcp), *context) {}
     Tls* tls() { return std::get_if<Tls>(&stream); }
 
+    std::shared_ptr<asio::ssl::context> context;  // before the stream, which refers to it
     std::variant<beast::tcp_stream, Tls> stream;
 };
 
 NetStream::NetStream(beast::tcp_stream stream) : below_(std::make_unique<Below>(std::move(stream))) {}
-NetStream::NetStream(beast::tcp_stream stream, asio::ssl::context& context)
-    : below_(std::make_unique<Below>(std::move(stream), context)) {}
+NetStream::NetStream(beast::tcp_stream stream, std::shared_ptr<asio::ssl::context> context)
+    : below_(std::make_unique<Below>(std::move(stream), std::move(context))) {}
 NetStream::NetStream(NetStream&&) noexcept = default;
 NetStream& NetStream::operator=(NetStream&&) noexcept = default;
 NetStream::~NetStream() = default;

@@ -49,8 +49,8 @@ class NetStream {
     enum class Side : std::uint8_t { Client, Server };
 
     explicit NetStream(boost::beast::tcp_stream stream);
-    /// Speaks TLS as the context says, which outlives the stream; nothing else may happen before handshake().
-    NetStream(boost::beast::tcp_stream stream, boost::asio::ssl::context& context);
+    /// Speaks TLS as the context says, which it keeps; nothing else may happen before handshake().
+    NetStream(boost::beast::tcp_stream stream, std::shared_ptr<boost::asio::ssl::context> context);
     NetStream(NetStream&&) noexcept;
     NetStream& operator=(NetStream&&) noexcept;
     ~NetStream();

@@ -50,7 +50,7 @@ Expected<HttpAnswer> httpGet(const ServerUrl& url, const std::string& target, st
     boost::asio::io_context io;
     auto open = connectUntil(io, url, credentials, Clock::now() + timeouts.connect);
     if (!open) return passOn(open);
-    NetStream& stream = open->stream;
+    NetStream& stream = *open;
     const auto deadline = Clock::now() + timeouts.answer;
     const auto close = [&] {
         ErrorCodeOfBoost ignored;  // nothing is sent after this

@@ -74,9 +74,7 @@ class Stream::Connection {
     Expected<void> open(const Credentials& credentials, double readBytesPerSecond) {
         auto connected = connectUntil(io_, url_, credentials, Clock::now() + timeouts_.connect);
         if (!connected) return passOn(std::move(connected));
-        tls_ = std::move(connected->tls);
-        socket_ = std::make_unique<websocket::stream<PacedStream>>(std::move(connected->stream),
-                                                                   readBytesPerSecond);
+        socket_ = std::make_unique<websocket::stream<PacedStream>>(std::move(*connected), readBytesPerSecond);
         socket_->read_message_max(longestText);
         socket_->auto_fragment(false);
         return handshake(credentials.token);
@@ -194,7 +192,6 @@ class Stream::Connection {
     ServerUrl url_;
     Timeouts timeouts_;
     boost::asio::io_context io_;
-    std::shared_ptr<boost::asio::ssl::context> tls_;  // outlives the socket
     std::unique_ptr<websocket::stream<PacedStream>> socket_;
     beast::flat_buffer buffer_;
     bool reading_ = false;                     // from the first wait for a message until it is handed over

@@ -97,17 +97,17 @@ Expected<void> agreeOnTls(boost::asio::io_context& io, NetStream& stream, const 
 
 }  // namespace
 
-Expected<Connected> connectUntil(boost::asio::io_context& io, const ServerUrl& url,
+Expected<NetStream> connectUntil(boost::asio::io_context& io, const ServerUrl& url,
                                  const Credentials& credentials, Clock::time_point deadline) {
     boost::beast::tcp_stream connection(io);
     Expected<std::shared_ptr<ssl::context>> context = nullptr;
     if (url.tls) context = clientContext(credentials);
     if (!context) return passOn(std::move(context));
     if (auto ok = connectTcp(io, connection, url, deadline); !ok) return passOn(ok);
-    if (!url.tls) return Connected{nullptr, NetStream(std::move(connection))};
-    NetStream stream(std::move(connection), **context);
+    if (!url.tls) return NetStream(std::move(connection));
+    NetStream stream(std::move(connection), std::move(*context));
     if (auto ok = agreeOnTls(io, stream, url, deadline); !ok) return passOn(ok);
-    return Connected{std::move(*context), std::move(stream)};
+    return stream;
 }
 
 Error networkError(const ErrorCodeOfBoost& error, const ServerUrl& url, std::string_view doing) {

@@ -39,14 +39,9 @@ ErrorCodeOfBoost runUntil(boost::asio::io_context& io, Clock::time_point deadlin
     return boost::asio::error::timed_out;
 }
 
-struct Connected {
-    std::shared_ptr<boost::asio::ssl::context> tls;  ///< empty in the clear; must outlive the stream
-    NetStream stream;
-};
-
 /// Resolves, connects, and, for https, agrees on TLS with a server whose certificate is for this host and
 /// signed by whom the credentials trust. Unsupported when it is not.
-Expected<Connected> connectUntil(boost::asio::io_context& io, const ServerUrl& url,
+Expected<NetStream> connectUntil(boost::asio::io_context& io, const ServerUrl& url,
                                  const Credentials& credentials, Clock::time_point deadline);
 
 /// What an error of the network means, in words. `doing` continues "… while": "sending a view".

@@ -85,6 +85,10 @@ const char* name(LogLine outcome) {
     return "unknown";
 }
 
+double secondsOf(std::chrono::system_clock::time_point time) {
+    return double(std::chrono::duration_cast<std::chrono::seconds>(time.time_since_epoch()).count());
+}
+
 }  // namespace
 
 struct Metrics::Families {
@@ -255,6 +259,11 @@ struct Metrics::Families {
             .Name("scancast_request_log_lines_total")
             .Help("Lines of the request log, by what became of them")
             .Register(registry);
+    prometheus::Family<prometheus::Gauge>& certificateExpiry =
+        prometheus::BuildGauge()
+            .Name("scancast_tls_certificate_expiry_timestamp_seconds")
+            .Help("When the first certificate of the chain that is shown expires; none without TLS")
+            .Register(registry);
 };
 
 Metrics::Metrics(std::string_view version) : families_(std::make_unique<Families>()) {
@@ -399,6 +408,10 @@ void Metrics::requestEnded() noexcept {
 
 void Metrics::logLine(LogLine outcome) {
     families_->logLines.Add({{"outcome", name(outcome)}}).Increment();
+}
+
+void Metrics::setCertificateExpiry(std::chrono::system_clock::time_point expires) {
+    families_->certificateExpiry.Add({}).Set(secondsOf(expires));
 }
 
 std::string Metrics::text() const {

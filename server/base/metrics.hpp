@@ -3,6 +3,7 @@
 // Owned by the server; one per process. *Thread safety*: every function may be called from any thread.
 #pragma once
 
+#include <chrono>
 #include <cstdint>
 #include <memory>
 #include <string>
@@ -90,6 +91,8 @@ class Metrics {
     void liveFrameShown(double seconds);
     /// `route` is a pattern ("/api/v1/clouds/{id}"), never what a client sent.
     void httpRequest(std::string_view route, int code);
+    /// Of the certificate that is shown, with those above it the first to expire.
+    void setCertificateExpiry(std::chrono::system_clock::time_point expires);
 
     /// From its head to the last byte of its answer; not while it is a stream.
     void requestBegan() noexcept;

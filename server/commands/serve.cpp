@@ -210,6 +210,14 @@ void warnOfExposure(const ServeOptions& options) {
             options.server.host);
 }
 
+void warnOfExpiry(const ServeOptions& options, const ScancastServer& server) {
+    const auto tls = server.tls();
+    if (!tls) return;
+    const std::string warning =
+        expiryWarning(*tls, options.server.tls.certificate, std::chrono::system_clock::now());
+    if (!warning.empty()) spdlog::warn("{}", warning);
+}
+
 void reportEntrances(const ServeOptions& options, const ScancastServer& server) {
     const NetLimits& limits = options.server.limits;
     if (options.maxConnections == 0 &&
@@ -262,6 +270,7 @@ int serve(ServeOptions options) {
     std::fflush(stdout);
     reportEntrances(options, **server);
     warnOfExposure(options);
+    warnOfExpiry(options, **server);
     tellOfImporters(options);
     ProgressBar bar(stderr,
                     options.logFormat == "json" ? ProgressBar::Style::Quiet : ProgressBar::Style::Automatic);

@@ -184,6 +184,11 @@ void addServeFlags(CLI::App& app, ServeOptions& options) {
     flag("--tls-key", options.server.tls.key, "SCANCAST_TLS_KEY",
          "The certificate's private key in PEM format")
         ->type_name("FILE");
+    flag("--hsts-seconds", options.server.hstsSeconds, "SCANCAST_HSTS_SECONDS",
+         "With --tls-cert: for how long browsers that were here come back by https alone "
+         "(Strict-Transport-Security); 0 = say nothing of that")
+        ->type_name("S")
+        ->check(CLI::Range(0, 10 * 31'536'000));
     flag("--config", options.config, "SCANCAST_CONFIG",
          "JSON file with names of flags as keys; flags and the environment go before it")
         ->type_name("FILE");

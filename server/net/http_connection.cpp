@@ -106,9 +106,9 @@ class HttpConnection final : public Connection, public std::enable_shared_from_t
         std::ignore = contained("Closing a connection", [this] { stream_.tcp().close(); });
     }
 
-    static NetStream streamOf(asio::ip::tcp::socket socket, asio::ssl::context* tls) {
+    static NetStream streamOf(asio::ip::tcp::socket socket, std::shared_ptr<asio::ssl::context> tls) {
         beast::tcp_stream tcp(std::move(socket));
-        return tls != nullptr ? NetStream(std::move(tcp), *tls) : NetStream(std::move(tcp));
+        return tls ? NetStream(std::move(tcp), std::move(tls)) : NetStream(std::move(tcp));
     }
 
     void greet() {
@@ -325,7 +325,7 @@ class HttpConnection final : public Connection, public std::enable_shared_from_t
         unanswered_ = 0;
         watch_.cancel();
         response_ = std::move(response);
-        context_.api.complete(request_, route, response_);
+        context_.api.complete(request_, route, response_, entrance_);
         inHand_.record().status = response_.status;
         inHand_.record().route = route;
         inHand_.record().price = response_.price;

@@ -18,14 +18,11 @@
 #include "server/net/clients/connection_register.hpp"
 #include "server/net/clients/trusted_proxies.hpp"
 #include "server/net/log/request_log.hpp"
+#include "server/net/tls/current_tls.hpp"
 #include "server/net/write_watch.hpp"
 #include "server/scheduler/scheduler.hpp"
 #include "server/stream/resume_store.hpp"
 #include "server/stream/session_register.hpp"
-
-namespace boost::asio::ssl {
-class context;
-}
 
 namespace scancast {
 
@@ -73,7 +70,7 @@ struct NetContext {
     SessionRegister& sessionRegister;
     RequestLog& requestLog;
     TransientMemory memory{};
-    std::shared_ptr<boost::asio::ssl::context> tls{};  ///< empty = in the clear
+    CurrentTls tls{};
     TrustedProxies proxies{};
     ConnectionRegister connections{publicLimits(limits), &metrics};
     ConnectionRegister probes{probeLimits};
@@ -85,8 +82,9 @@ struct NetContext {
         return entrance == Entrance::Public ? connections : probes;
     }
     /// Probes come in the clear: who sends them rarely knows certificates.
-    boost::asio::ssl::context* tlsOf(Entrance entrance) const {
-        return entrance == Entrance::Public ? tls.get() : nullptr;
+    std::shared_ptr<boost::asio::ssl::context> tlsOf(Entrance entrance) const {
+        const auto now = entrance == Entrance::Public ? tls.get() : nullptr;
+        return now ? now->context : nullptr;
     }
     /// Whom a connection of this peer is counted for before it has asked for anything. Not limited are proxies, and,
     /// unless a limit was given, this machine: all who forward a port come from there.

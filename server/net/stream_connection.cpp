@@ -68,10 +68,13 @@ class StreamConnection final : public SessionHost {
         ws_.auto_fragment(false);
         const bool known = offersProtocol(request_);
         ws_.set_option(websocket::stream_base::decorator(
-            [known, id = ids().request](websocket::response_type& response) {
+            [known, id = ids().request,
+             strictTransport = context_.api.strictTransport()](websocket::response_type& response) {
                 if (known) response.set(http::field::sec_websocket_protocol, std::string(webSocketProtocol));
                 response.set(http::field::server, "scancast");
                 response.set("X-Request-Id", id);
+                if (!strictTransport.empty())
+                    response.set(http::field::strict_transport_security, strictTransport);
             }));
         ws_.async_accept(
             request_, handler([known](StreamConnection& self, error_code ec) { self.onAccept(ec, known); }));

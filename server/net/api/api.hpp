@@ -38,7 +38,8 @@ struct ApiOptions {
     Rates rates = shippedRates();
     CostLimits costs{};
     TransientMemory memory{};
-    std::string probesHost{};  ///< of --admin-listen; a Host there may name it
+    std::string probesHost{};       ///< of --admin-listen; a Host there may name it
+    std::string strictTransport{};  ///< of answers that go through TLS; empty = none
 };
 
 class Api {
@@ -58,7 +59,10 @@ class Api {
                 const std::stop_token& gone = {}) const;
     /// Counts a response and puts the headers on it that all of them carry. Goes over every response,
     /// refusals too.
-    void complete(const HttpRequest& request, std::string_view routePattern, HttpResponse& response) const;
+    void complete(const HttpRequest& request, std::string_view routePattern, HttpResponse& response,
+                  Entrance entrance = Entrance::Public) const;
+    /// For answers that have no HttpResponse.
+    const std::string& strictTransport() const { return options_.strictTransport; }
     /// What lies under a pixel; for streams, too.
     const Picker& picker() const { return picker_; }
     /// Who may do what; its tokens may be replaced.

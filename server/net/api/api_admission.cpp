@@ -92,10 +92,13 @@ tl::expected<Routed, HttpResponse> Api::admit(const HttpRequest& request, Entran
     return std::move(*routed);
 }
 
-void Api::complete(const HttpRequest& request, std::string_view routePattern, HttpResponse& response) const {
+void Api::complete(const HttpRequest& request, std::string_view routePattern, HttpResponse& response,
+                    Entrance entrance) const {
     response.identify(request.ids)
         .set("X-Content-Type-Options", "nosniff")
         .set("Server", "scancast/" + options_.version);
+    if (entrance == Entrance::Public && !options_.strictTransport.empty())
+        response.set("Strict-Transport-Security", options_.strictTransport);
     const std::string origin = request.header("origin");
     if (isAllowedOrigin(origin, options_.origins)) {
         response.set("Access-Control-Allow-Origin", origin).set("Vary", "Origin");

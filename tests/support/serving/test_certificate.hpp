@@ -3,6 +3,7 @@
 
 #include <openssl/evp.h>
 #include <openssl/pem.h>
+#include <openssl/rsa.h>
 #include <openssl/x509v3.h>
 #include <sys/stat.h>
 
@@ -16,10 +17,13 @@ struct CertificateFiles {
     std::filesystem::path certificate, key;
 };
 
+enum class KeyKind : std::uint8_t { Curve, Rsa };
+
 /// Writes NAME.crt and NAME.key into the folder. Valid from `from` to `until`, seconds from now.
 inline CertificateFiles makeCertificate(const std::filesystem::path& folder, const std::string& name,
-                                        long from = -60, long until = 3600) {
-    const std::unique_ptr<EVP_PKEY, void (*)(EVP_PKEY*)> key(EVP_EC_gen("P-256"), EVP_PKEY_free);
+                                        long from = -60, long until = 3600, KeyKind kind = KeyKind::Curve) {
+    const std::unique_ptr<EVP_PKEY, void (*)(EVP_PKEY*)> key(
+        kind == KeyKind::Rsa ? EVP_RSA_gen(2048) : EVP_EC_gen("P-256"), EVP_PKEY_free);
     const std::unique_ptr<X509, void (*)(X509*)> certificate(X509_new(), X509_free);
     X509* x = certificate.get();
     X509_set_version(x, 2);

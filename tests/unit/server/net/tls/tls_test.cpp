@@ -1,4 +1,4 @@
-#include "server/net/tls.hpp"
+#include "server/net/tls/tls.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -27,7 +27,7 @@ TEST_F(Tls, ACertificateAndItsKey) {
     const auto files = test::makeCertificate(folder, "good");
     const auto opened = openTls({files.certificate, files.key});
     ASSERT_TRUE(opened) << opened.error().message;
-    EXPECT_NE(*opened, nullptr);
+    EXPECT_NE(opened->context, nullptr);
 }
 
 TEST_F(Tls, EveryErrorNamesFlagFileAndReason) {
@@ -56,6 +56,32 @@ TEST_F(Tls, EveryErrorNamesFlagFileAndReason) {
     EXPECT_THAT(refusal(good.certificate, pipe), HasSubstr(pipe.string() + " is a pipe, not a file"));
     fs::permissions(good.key, fs::perms::others_read, fs::perm_options::add);
     EXPECT_THAT(refusal(good.certificate, good.key), HasSubstr("chmod 600"));
+}
+
+TEST_F(Tls, WhoExpiresSoonIsSaidInTime) {
+    using ::testing::HasSubstr;
+    const auto now = std::chrono::system_clock::now();
+    const auto files = test::makeCertificate(folder, "soon", -60, 15 * 86400);
+    const auto tls = openTls({files.certificate, files.key});
+    ASSERT_TRUE(tls) << tls.error().message;
+    EXPECT_LT(std::chrono::abs(tls->expires - now - std::chrono::hours(15 * 24)), std::chrono::minutes(1));
+    EXPECT_EQ(expiryWarning(*tls, files.certificate, now), "");
+    EXPECT_THAT(expiryWarning(*tls, files.certificate, now + std::chrono::hours(25)),
+                HasSubstr("expires at " + dateText(tls->expires)));
+    EXPECT_THAT(expiryWarning(*tls, files.certificate, now + std::chrono::hours(16 * 24)),
+                HasSubstr("expired at"));
+}
+
+TEST_F(Tls, TheFirstOfTheChainToExpireCounts) {
+    const auto own = test::makeCertificate(folder, "own", -60, 90 * 86400);
+    const auto above = test::makeCertificate(folder, "above", -60, 20 * 86400);
+    const auto digest = openTls({own.certificate, own.key}).value().digest;
+    std::ofstream(own.certificate, std::ios::app) << std::ifstream(above.certificate).rdbuf();
+    const auto tls = openTls({own.certificate, own.key});
+    ASSERT_TRUE(tls) << tls.error().message;
+    EXPECT_LT(std::chrono::abs(tls->expires - std::chrono::system_clock::now() - std::chrono::hours(20 * 24)),
+              std::chrono::minutes(1));
+    EXPECT_NE(tls->digest, digest);
 }
 
 }  // namespace

@@ -85,6 +85,11 @@ const char* name(LogLine outcome) {
     return "unknown";
 }
 
+const char* outcomeOfReload(bool sound) {
+    if (sound) return "applied";
+    return "refused";
+}
+
 double secondsOf(std::chrono::system_clock::time_point time) {
     return double(std::chrono::duration_cast<std::chrono::seconds>(time.time_since_epoch()).count());
 }
@@ -264,6 +269,16 @@ struct Metrics::Families {
             .Name("scancast_tls_certificate_expiry_timestamp_seconds")
             .Help("When the first certificate of the chain that is shown expires; none without TLS")
             .Register(registry);
+    prometheus::Family<prometheus::Counter>& reloads =
+        prometheus::BuildCounter()
+            .Name("scancast_reloads_total")
+            .Help("SIGHUPs, by whether all that was read anew was sound (applied) or not (refused)")
+            .Register(registry);
+    prometheus::Gauge& lastReload = prometheus::BuildGauge()
+                                        .Name("scancast_last_good_reload_timestamp_seconds")
+                                        .Help("When all was read last and was sound; at first, the start")
+                                        .Register(registry)
+                                        .Add({});
 };
 
 Metrics::Metrics(std::string_view version) : families_(std::make_unique<Families>()) {
@@ -281,6 +296,8 @@ Metrics::Metrics(std::string_view version) : families_(std::make_unique<Families
     for (ConnectionRefusal why :
          {ConnectionRefusal::Full, ConnectionRefusal::Address, ConnectionRefusal::ShuttingDown})
         families_->turnedAway.Add({{"reason", name(why)}});
+    for (const bool sound : {true, false}) families_->reloads.Add({{"outcome", outcomeOfReload(sound)}});
+    families_->lastReload.Set(secondsOf(std::chrono::system_clock::now()));
     for (LiveOutcome outcome : {LiveOutcome::Shown, LiveOutcome::Skipped, LiveOutcome::Failed})
         families_->liveFrames.Add({{"outcome", name(outcome)}});
     for (LogLine outcome : {LogLine::Written, LogLine::Repeated, LogLine::Lost})
@@ -412,6 +429,11 @@ void Metrics::logLine(LogLine outcome) {
 
 void Metrics::setCertificateExpiry(std::chrono::system_clock::time_point expires) {
     families_->certificateExpiry.Add({}).Set(secondsOf(expires));
+}
+
+void Metrics::reloaded(bool sound, std::chrono::system_clock::time_point now) {
+    families_->reloads.Add({{"outcome", outcomeOfReload(sound)}}).Increment();
+    if (sound) families_->lastReload.Set(secondsOf(now));
 }
 
 std::string Metrics::text() const {

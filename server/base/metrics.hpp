@@ -93,6 +93,8 @@ class Metrics {
     void httpRequest(std::string_view route, int code);
     /// Of the certificate that is shown, with those above it the first to expire.
     void setCertificateExpiry(std::chrono::system_clock::time_point expires);
+    /// Files were read anew, and all, or not all, were sound.
+    void reloaded(bool sound, std::chrono::system_clock::time_point now);
 
     /// From its head to the last byte of its answer; not while it is a stream.
     void requestBegan() noexcept;

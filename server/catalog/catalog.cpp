@@ -128,6 +128,15 @@ void Catalog::setReady(std::string_view id, std::shared_ptr<const Cloud> cloud) 
     }
 }
 
+bool Catalog::tryAgain(std::string_view id) {
+    const std::lock_guard lock(mutex_);
+    CatalogEntry* entry = findLocked(id);
+    if (entry == nullptr || entry->state != CloudState::Failed) return false;
+    entry->state = CloudState::Loading;
+    entry->error.clear();
+    return true;
+}
+
 bool Catalog::replace(std::string_view id, const std::shared_ptr<const Cloud>& now,
                       Expected<std::shared_ptr<const Cloud>> then) {
     const std::lock_guard lock(mutex_);

@@ -70,6 +70,8 @@ class Catalog {
     void setPreview(std::string_view id, std::shared_ptr<const Cloud> cloud);
     void setReady(std::string_view id, std::shared_ptr<const Cloud> cloud);
     void setFailed(std::string_view id, std::string reason);
+    /// What has Failed is Loading again; false, and nothing has changed, where it has not.
+    bool tryAgain(std::string_view id);
     /// How its source is doing, and the newest cloud; without one, that of before stays.
     void setLive(std::string_view id, LiveStatus status, std::shared_ptr<const Cloud> cloud = nullptr);
 

@@ -99,6 +99,11 @@ void CloudWatch::shown(const std::string& id, std::shared_ptr<const Cloud> cloud
     news_.shown.emplace_back(id, std::move(cloud));
 }
 
+void CloudWatch::hurry() {
+    const Monitor::Lock lock(monitor_);
+    hurrying_ = true;
+}
+
 void CloudWatch::requestStop() {
     const Monitor::Lock lock(monitor_);
     stopping_ = true;
@@ -113,9 +118,10 @@ bool CloudWatch::step() {
     News news;
     {
         Monitor::Lock lock(monitor_);
-        monitor_.waitUntil(lock, next_, [this] { return stopping_ || !news_.empty(); });
+        monitor_.waitUntil(lock, next_, [this] { return stopping_ || hurrying_ || !news_.empty(); });
         if (stopping_) return false;
         news = std::exchange(news_, {});
+        if (std::exchange(hurrying_, false)) next_ = Clock::now();
     }
     take(std::move(news));
     if (Clock::now() >= next_) {

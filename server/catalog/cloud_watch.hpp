@@ -9,8 +9,8 @@
 // No picture is ever mixed of two files: the index in memory has the checksum of every block, and a block of
 // another file is one that cannot be read.
 //
-// Owned by the loader; has a thread of its own, on which it opens files and calls back. *Thread safety*: opened()
-// and shown() may be called from any thread. Place: loader, damage reports → **cloud watch** → catalog, loader.
+// Owned by the loader; has a thread of its own, on which it opens files and calls back. *Thread safety*: opened(),
+// shown() and hurry() may be called from any thread. Place: loader, damage reports → **cloud watch** → catalog, loader.
 #pragma once
 
 #include <chrono>
@@ -69,6 +69,8 @@ class CloudWatch {
     void opened(WatchedFile file);
     /// Now it does; or it still shows that one, because building it anew came to nothing.
     void shown(const std::string& id, std::shared_ptr<const Cloud> cloud);
+    /// Looks at every name at once instead of within the interval.
+    void hurry();
     void requestStop();
 
   private:
@@ -102,7 +104,7 @@ class CloudWatch {
     Clock::time_point next_;
     Monitor monitor_;  // guards what follows
     News news_;
-    bool stopping_ = false;
+    bool stopping_ = false, hurrying_ = false;
     std::thread thread_;
 };
 

@@ -105,16 +105,8 @@ Loader::Loader(std::vector<fs::path> files, Catalog& catalog, LoaderOptions opti
     : catalog_(catalog),
       options_(stoppedBy(stop_.get_token(), std::move(options))),
       watch_(catalog, watchOptions()) {
-    Jobs jobs;
-    for (auto& file : files) {
-        std::string id = catalog_.add(file.stem().string());
-        jobs.push_back({{.name = std::move(file)}, std::move(id)});
-    }
-    // What opens in milliseconds does not wait for what takes minutes.
-    std::stable_partition(jobs.begin(), jobs.end(), [](const Job& job) { return isCloudFileAt(job.file()); });
-    for (Job& job : jobs) job.number = numbers_++;
     const Monitor::Lock lock(monitor_);
-    unsorted_ = std::move(jobs);
+    addLocked(std::move(files));
     loading_.reserve(std::size_t(1 + std::max(1, options_.importers)));
     threads_.emplace_back([this] { run(Lane::Own); });
     for (int i = 0; i < std::max(1, options_.importers); ++i)
@@ -133,6 +125,87 @@ bool Loader::load(ScanInput input, std::string id) {
     unsorted_.push_back({std::move(place), std::move(id), std::move(input), numbers_});
     ++numbers_;
     return true;
+}
+
+void Loader::addLocked(std::vector<fs::path> files) {
+    Jobs jobs;
+    for (auto& file : files) {
+        named_.push_back({file, catalog_.add(file.stem().string())});
+        jobs.push_back({{.name = std::move(file)}, named_.back().id});
+    }
+    // What opens in milliseconds does not wait for what takes minutes.
+    std::stable_partition(jobs.begin(), jobs.end(), [](const Job& job) { return isCloudFileAt(job.file()); });
+    for (Job& job : jobs) {
+        job.number = numbers_++;
+        unsorted_.push_back(std::move(job));
+    }
+}
+
+/// Whether it waited to be loaded; it does not any more.
+bool Loader::dismissLocked(const std::string& id) {
+    std::size_t dismissed = 0;
+    for (Jobs* jobs : {&unsorted_, &own_, &forImporters_})
+        dismissed += std::erase_if(*jobs, [&](const Job& job) { return job.id == id; });
+    return dismissed > 0;
+}
+
+/// False: later, by leaveLocked(). Its id is nobody else's until then, so that what a thread is at is never shown as another.
+bool Loader::removeLocked(Named& named) {
+    const auto entry = catalog_.find(named.id);
+    const bool isBusy = !dismissLocked(named.id) && entry && entry->state == CloudState::Loading;
+    if (isBusy) return named.leaves = true, false;
+    catalog_.remove(named.id);
+    return true;
+}
+
+bool Loader::tryAgainLocked(Named& named) {
+    const bool isGone = !catalog_.find(named.id);
+    if (!isGone && !catalog_.tryAgain(named.id)) return false;
+    if (isGone) named.id = catalog_.add(named.file.stem().string());
+    unsorted_.push_back({{.name = named.file}, named.id, {}, numbers_++});
+    return true;
+}
+
+bool Loader::leaveLocked(const std::string& id) {
+    const auto left =
+        std::erase_if(named_, [&](const Named& named) { return named.leaves && named.id == id; });
+    if (left > 0) catalog_.remove(id);
+    return left > 0;
+}
+
+Loader::Changes Loader::serve(std::vector<fs::path> files) {
+    watch_.hurry();
+    Changes changes;
+    {
+        const Monitor::Lock lock(monitor_);
+        if (stop_.stop_requested()) return {};
+        std::vector<Named> stay;
+        for (Named& named : named_) {
+            const auto at = std::ranges::find(files, named.file);  // named twice: served twice
+            if (at == files.end()) {
+                changes.removed += named.leaves ? 0 : 1;
+                if (!removeLocked(named)) stay.push_back(std::move(named));
+                continue;
+            }
+            files.erase(at);
+            named.leaves = false;
+            changes.tried += tryAgainLocked(named) ? 1 : 0;
+            stay.push_back(std::move(named));
+        }
+        named_ = std::move(stay);
+        changes.added = files.size();
+        addLocked(std::move(files));
+    }
+    if (changes.removed > 0 && options_.onChanged) options_.onChanged();
+    return changes;
+}
+
+bool Loader::allFailed() const {
+    const Monitor::Look look(monitor_);
+    return std::ranges::all_of(named_, [&](const Named& named) {
+        const auto entry = catalog_.find(named.id);
+        return !entry || entry->state == CloudState::Failed;
+    });
 }
 
 bool Loader::rebuild(const WatchedFile& file, const std::shared_ptr<const Cloud>& instead) {
@@ -196,8 +269,13 @@ bool Loader::step(Lane lane) {
     }
     if (!contained("The loader", [&] { loadOne(job); }) && !job.instead)
         std::ignore = contained("The loader", [&] { catalog_.setFailed(job.id, {}); });
-    const Monitor::Lock lock(monitor_);
-    loading_.erase(std::find(loading_.begin(), loading_.end(), &job));
+    bool left = false;
+    {
+        const Monitor::Lock lock(monitor_);
+        loading_.erase(std::find(loading_.begin(), loading_.end(), &job));
+        left = leaveLocked(job.id);
+    }
+    if (left && options_.onChanged) options_.onChanged();
     return true;
 }
 
@@ -262,7 +340,6 @@ void Loader::settleRebuilt(const Job& job, Result cloud) {
 
 void Loader::settleFailed(const Job& job, Error error) {
     const fs::path file = job.file();
-    ++failed_;
     // Everybody may read the catalog: it names files, not where they are.
     std::string reason = error.message;
     for (auto at = reason.find(file.string()); file.has_parent_path() && at != std::string::npos;

@@ -9,7 +9,6 @@
 // *Thread safety*: its functions may be called from any thread.
 #pragma once
 
-#include <atomic>
 #include <chrono>
 #include <deque>
 #include <filesystem>
@@ -75,10 +74,18 @@ class Loader {
     /// Loads one more, opened already, into an entry that is in the catalog, after those that wait; false
     /// when too many do, or after requestStop().
     bool load(ScanInput input, std::string id);
+    struct Changes {
+        std::size_t added = 0, removed = 0, tried = 0;  ///< tried: again, because they had failed
+    };
+    /// From now on these files are served in place of those of the constructor, or of the last call: new ones are added,
+    /// those that are not named any more are removed (what is being read first when it has been), what has failed, or was
+    /// removed by others, is tried again; and whether a file has changed is looked at at once. What load() brought stays.
+    Changes serve(std::vector<std::filesystem::path> files);
     void requestStop();
     /// Nothing is being loaded, and nothing waits; after requestStop(): nothing is being loaded.
     bool finished() const;
-    std::size_t failed() const { return failed_; }
+    /// There are files that were to be served, and not one of them could be loaded.
+    bool allFailed() const;
 
   private:
     using Result = Expected<std::shared_ptr<const Cloud>>;
@@ -96,10 +103,21 @@ class Loader {
         }
     };
     using Jobs = std::deque<Job>;
+    /// A file that is to be served.
+    struct Named {
+        std::filesystem::path file;
+        std::string id;
+        bool leaves = false;  ///< when it has been read: a thread is at it
+    };
     /// Those that this program reads, or those that importers do: each has threads of its own.
     enum class Lane : std::uint8_t { Own, Importers };
     Jobs& jobsOf(Lane lane) { return lane == Lane::Own ? own_ : forImporters_; }
     Jobs::iterator nextOf(Lane lane);
+    void addLocked(std::vector<std::filesystem::path> files);
+    bool removeLocked(Named& named);
+    bool tryAgainLocked(Named& named);
+    bool dismissLocked(const std::string& id);
+    bool leaveLocked(const std::string& id);
     std::size_t waiting() const { return unsorted_.size() + own_.size() + forImporters_.size(); }
     void run(Lane lane);
     bool step(Lane lane);
@@ -127,10 +145,10 @@ class Loader {
     Catalog& catalog_;
     std::stop_source stop_;
     const LoaderOptions options_;
-    std::atomic<std::size_t> failed_{0};
     std::mutex room_;          // held while it is decided whether a scan fits into memory
     mutable Monitor monitor_;  // guards what follows, and requests of a stop
     Jobs unsorted_, own_, forImporters_;
+    std::vector<Named> named_;
     std::vector<const Job*> loading_;  // room for one of each thread
     std::size_t sorting_ = 0;
     std::uint64_t numbers_ = 0, ingestMemory_ = 0;

@@ -54,17 +54,21 @@ Expected<std::vector<std::string>> textsOf(const CLI::Option& option, const json
     return texts;
 }
 
-Expected<void> set(CLI::Option& option, const json& value) {
-    const auto texts = textsOf(option, value);
-    if (!texts) return passOn(texts);
-    if (option.count() > 0 || texts->empty()) return {};
+Expected<void> setTexts(CLI::Option& option, const std::vector<std::string>& texts) {
     try {
-        option.add_result(*texts);
+        option.add_result(texts);
         option.run_callback();
     } catch (const CLI::Error& error) {
         return fail(ErrorCode::InvalidArgument, error.what());
     }
     return {};
+}
+
+Expected<void> set(CLI::Option& option, const json& value) {
+    const auto texts = textsOf(option, value);
+    if (!texts) return passOn(texts);
+    if (option.count() > 0 || texts->empty()) return {};
+    return setTexts(option, *texts);
 }
 
 Expected<json> parseConfig(const std::string& text) {
@@ -104,6 +108,25 @@ Expected<void> applyConfigFile(CLI::App& app, const std::filesystem::path& file)
             return refuse({ErrorCode::InvalidArgument, unknownName(quoteText(key), key, known), {}}, "");
         if (auto done = set(*options[std::size_t(at - keys.begin())], value); !done)
             return refuse(done.error(), key);
+    }
+    return {};
+}
+
+GivenFlags givenFlags(const CLI::App& app) {
+    GivenFlags given;
+    for (const CLI::Option* option : app.get_options()) {
+        const std::string key = keyOf(*option);
+        if (!key.empty() && option->count() > 0) given[key] = option->results();
+    }
+    return given;
+}
+
+Expected<void> applyGivenFlags(CLI::App& app, const GivenFlags& given) {
+    for (CLI::Option* option : app.get_options()) {
+        const auto at = given.find(keyOf(*option));
+        if (at == given.end()) continue;
+        if (auto done = setTexts(*option, at->second); !done)
+            return fail(done.error().code, at->first + ": " + done.error().message, at->first);
     }
     return {};
 }

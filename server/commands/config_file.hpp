@@ -4,7 +4,10 @@
 
 #include <CLI/CLI.hpp>
 #include <filesystem>
+#include <map>
 #include <nlohmann/json_fwd.hpp>
+#include <string>
+#include <vector>
 
 #include "protocol/error.hpp"
 
@@ -17,6 +20,14 @@ inline constexpr const char* filesKey = "files";
 /// the key: Io, Malformed, InvalidArgument for unknown keys (with the nearest known one) and values that the
 /// flag would not take.
 Expected<void> applyConfigFile(CLI::App& app, const std::filesystem::path& file);
+
+/// What the command line and the environment have set, by keys as in such a file.
+using GivenFlags = std::map<std::string, std::vector<std::string>>;
+/// Of an app that was parsed, before applyConfigFile().
+GivenFlags givenFlags(const CLI::App& app);
+/// Sets the same on another app of the same flags, which has parsed nothing: a file that is applied then comes behind it, as
+/// it did at the start.
+Expected<void> applyGivenFlags(CLI::App& app, const GivenFlags& given);
 
 /// What holds, in the form of such a file; what is empty is left out. Secrets are never in it, because flags
 /// only name the files that hold them.

@@ -23,8 +23,16 @@ std::string statusOf(ScancastServer& server, const DeviceStatus& device) {
 
 ServiceState stateOf(ScancastServer& server, bool stopping) {
     const DeviceStatus device = server.scheduler().device();
-    return {device.state == DeviceStatus::State::Ready, stopping,
-            stopping ? "Finishing what was promised" : statusOf(server, device), server.silence()};
+    return {.ready = device.state == DeviceStatus::State::Ready,
+            .stopping = stopping,
+            .status = stopping ? "Finishing what was promised" : statusOf(server, device),
+            .silence = server.silence()};
+}
+
+/// With RELOADING=1 (sd_notify(3)): by it systemd tells the READY=1 that follows from one of before.
+std::string monotonicTime(ServiceReports::Clock::time_point now) {
+    const auto since = std::chrono::duration_cast<std::chrono::microseconds>(now.time_since_epoch());
+    return fmt::format("MONOTONIC_USEC={}\n", since.count());
 }
 
 }  // namespace
@@ -40,7 +48,9 @@ bool ServiceReports::signIsDue(const ServiceState& state, Clock::time_point now)
 
 std::string ServiceReports::due(const ServiceState& state, Clock::time_point now) const {
     std::string lines;
-    if (state.ready && !told_.ready) lines += "READY=1\n";
+    if (state.reloading && !told_.reloading && told_.ready) lines += "RELOADING=1\n" + monotonicTime(now);
+    const bool isBack = told_.reloading && !state.reloading;
+    if (state.ready && (!told_.ready || isBack)) lines += "READY=1\n";
     if (state.stopping && !told_.stopping) lines += "STOPPING=1\n";
     if (state.status != told_.status) lines += "STATUS=" + state.status + "\n";
     if (signIsDue(state, now)) lines += "WATCHDOG=1\n";
@@ -55,13 +65,25 @@ void ServiceReports::told(const ServiceState& state, Clock::time_point now) {
 Service::Service(ServiceManager manager) : manager_(std::move(manager)), reports_(manager_.watchdog()) {}
 
 void Service::report(ScancastServer& server, bool stopping) {
-    if (!manager_.listens()) return;
-    // Without memory for it nothing is told, and all of it the next time.
-    std::ignore = contained("Telling the service manager", [&] { tellNews(server, stopping); });
+    tell([&] { return stateOf(server, stopping); });
 }
 
-void Service::tellNews(ScancastServer& server, bool stopping) {
-    const ServiceState state = stateOf(server, stopping);
+void Service::reportReload(ScancastServer& server) {
+    tell([&] {
+        ServiceState state = stateOf(server, false);
+        state.reloading = true;
+        state.status = "Reading tokens, certificate and the list of clouds anew";
+        return state;
+    });
+}
+
+void Service::tell(const std::function<ServiceState()>& state) {
+    if (!manager_.listens()) return;
+    // Without memory for it nothing is told, and all of it the next time.
+    std::ignore = contained("Telling the service manager", [&] { tellNews(state()); });
+}
+
+void Service::tellNews(const ServiceState& state) {
     const auto now = ServiceReports::Clock::now();
     const bool holdsBack = reports_.holdsBack(state);
     if (holdsBack && !heldBack_) {

@@ -1,5 +1,5 @@
 // What `serve` tells the service manager that started it, and when: a pure function of what holds, what has been
-// told, and the time. Ready, once, when the server listens and its device is open; a line for people when that has
+// told, and the time. Ready, when the server listens and its device is open, and again after each reload; a line for people when that has
 // changed; a sign of life several times in each period of the watchdog - but only while the threads that matter
 // come back from their work, since a process that merely runs proves nothing.
 //
@@ -7,6 +7,7 @@
 #pragma once
 
 #include <chrono>
+#include <functional>
 #include <optional>
 #include <string>
 
@@ -18,9 +19,10 @@ class ScancastServer;
 
 /// A server, as its service manager sees it.
 struct ServiceState {
-    bool ready = false;     ///< it listens, and its device is open
-    bool stopping = false;  ///< it was told to end
-    std::string status;     ///< one line for people
+    bool ready = false;      ///< it listens, and its device is open
+    bool stopping = false;   ///< it was told to end
+    bool reloading = false;  ///< it reads its files anew
+    std::string status;      ///< one line for people
     std::chrono::milliseconds
         silence{};  ///< for which a thread has not come back (ScancastServer::silence())
 };
@@ -54,9 +56,12 @@ class Service {
     explicit Service(ServiceManager manager);
     /// To be called again and again, several times in each period of the watchdog.
     void report(ScancastServer& server, bool stopping);
+    /// Files are read anew from now on, until the next report().
+    void reportReload(ScancastServer& server);
 
   private:
-    void tellNews(ScancastServer& server, bool stopping);
+    void tell(const std::function<ServiceState()>& state);
+    void tellNews(const ServiceState& state);
 
     ServiceManager manager_;
     ServiceReports reports_;

@@ -12,7 +12,7 @@
 namespace scancast {
 namespace {
 
-std::atomic<int> ends{0}, reloadsSoFar{0};
+std::atomic<int> ends{0}, reloadsSoFar{0}, othersSoFar{0};
 static_assert(std::atomic<int>::is_always_lock_free);
 int pipeEnds[2] = {-1, -1};
 
@@ -30,6 +30,10 @@ void onEnd(int) {
 
 void onReload(int) {
     count(reloadsSoFar);
+}
+
+void onOther(int) {
+    count(othersSoFar);
 }
 
 constexpr std::array handled{SIGINT, SIGTERM, SIGHUP, SIGUSR1, SIGUSR2};
@@ -56,10 +60,12 @@ ShutdownSignals::ShutdownSignals(Hangup hangup) {
     if (pipe2(pipeEnds, O_CLOEXEC | O_NONBLOCK) != 0) pipeEnds[0] = pipeEnds[1] = -1;
     for (std::size_t i = 0; i < handled.size(); ++i) sigaction(handled[i], nullptr, &before[i]);
     for (const int signal : {SIGINT, SIGTERM}) handle(signal, onEnd);
-    if (hangup == Hangup::Reloads)
-        for (const int signal : {SIGHUP, SIGUSR1, SIGUSR2}) handle(signal, onReload);
-    else if (!isIgnored(SIGHUP))
+    if (hangup == Hangup::Reloads) {
+        handle(SIGHUP, onReload);
+        for (const int signal : {SIGUSR1, SIGUSR2}) handle(signal, onOther);
+    } else if (!isIgnored(SIGHUP)) {
         handle(SIGHUP, onEnd);
+    }
 }
 
 ShutdownSignals::~ShutdownSignals() {
@@ -79,6 +85,10 @@ int ShutdownSignals::wait(std::chrono::milliseconds patience) {
 
 int ShutdownSignals::reloads() const {
     return reloadsSoFar.load();
+}
+
+int ShutdownSignals::others() const {
+    return othersSoFar.load();
 }
 
 }  // namespace scancast

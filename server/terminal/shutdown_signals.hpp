@@ -10,10 +10,10 @@ namespace scancast {
 class ShutdownSignals {
   public:
     enum class Hangup {
-        Ends,    ///< SIGHUP is one of wait()'s: the terminal is gone. Where it is ignored already (nohup), it
-                 ///< stays so
-        Reloads  ///< SIGHUP, SIGUSR1 and SIGUSR2, as administrators and log rotation send them, are
-                 ///< reloads()'s
+        Ends,  ///< SIGHUP is one of wait()'s: the terminal is gone. Where it is ignored already (nohup), it
+               ///< stays so
+        Reloads  ///< SIGHUP is counted by reloads(); SIGUSR1 and SIGUSR2, which would end the process otherwise, by
+                 ///< others(): they are sent by who takes it for another program
     };
 
     explicit ShutdownSignals(Hangup hangup);
@@ -25,6 +25,8 @@ class ShutdownSignals {
     int wait(std::chrono::milliseconds patience);
     /// Signals to begin anew so far.
     int reloads() const;
+    /// Signals so far that mean nothing here.
+    int others() const;
 };
 
 }  // namespace scancast

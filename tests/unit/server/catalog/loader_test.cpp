@@ -7,6 +7,8 @@
 #include <algorithm>
 #include <atomic>
 #include <fstream>
+#include <future>
+#include <mutex>
 
 #include "server/catalog/preview.hpp"
 #include "tests/support/clouds/octree_checks.hpp"
@@ -170,6 +172,66 @@ TEST_F(LoaderTest, MoreIsLoadedWhileItRunsAndNothingAfterItsStop) {
     EXPECT_LT(cache_->stats().bytes, resident) << "its memory is given back";
     loader.requestStop();
     EXPECT_FALSE(loader.load(*ScanInput::open(folder_ / "ground.xyz"), "later"));
+}
+
+TEST_F(LoaderTest, OtherFilesAreServedFromNowOn) {
+    const fs::path ground = folder_ / "ground.xyz", late = folder_ / "late.xyz", more = folder_ / "more.xyz";
+    fs::copy_file(ground, more);
+    std::atomic<int> changes{0};
+    LoaderOptions told = options();
+    told.onChanged = [&] { ++changes; };
+    Loader loader({ground, late}, catalog_, told);
+    awaitEnd(loader);
+    EXPECT_FALSE(loader.allFailed());
+    EXPECT_EQ(catalog_.find("late")->state, CloudState::Failed);
+    const std::shared_ptr<const Cloud> shown = catalog_.find("ground")->cloud;
+
+    fs::copy_file(ground, late);
+    Loader::Changes done = loader.serve({ground, late, more});
+    awaitEnd(loader);
+    EXPECT_EQ(done.added, 1U);
+    EXPECT_EQ(done.removed, 0U);
+    EXPECT_EQ(done.tried, 1U);
+    EXPECT_EQ(catalog_.find("late")->state, CloudState::Ready);
+    EXPECT_EQ(catalog_.find("more")->state, CloudState::Ready);
+    EXPECT_EQ(catalog_.find("ground")->cloud, shown) << "it was sound, and is what it was";
+
+    ASSERT_TRUE(catalog_.remove("more")) << "by an administrator";
+    done = loader.serve({late, more});
+    awaitEnd(loader);
+    EXPECT_EQ(done.removed, 1U);
+    EXPECT_EQ(done.tried, 1U);
+    EXPECT_EQ(changes, 1);
+    EXPECT_FALSE(catalog_.find("ground"));
+    EXPECT_EQ(catalog_.find("more")->state, CloudState::Ready);
+    done = loader.serve({late, more});
+    EXPECT_EQ(done.added + done.removed + done.tried, 0U);
+}
+
+// Its name is nobody else's before the thread that reads it is done: what that brings would be shown as another's.
+TEST_F(LoaderTest, WhatIsBeingReadGoesWhenItHasBeen) {
+    std::promise<void> begun, release;
+    std::shared_future<void> mayGoOn = release.get_future().share();
+    std::once_flag once;
+    LoaderOptions told = options();
+    told.onProgress = [&](const std::string&, const Progress&) {
+        std::call_once(once, [&] { begun.set_value(); });
+        mayGoOn.wait();
+    };
+    fs::create_directory(folder_ / "other");
+    fs::copy_file(folder_ / "ground.xyz", folder_ / "other" / "ground.xyz");
+    Loader loader({folder_ / "ground.xyz"}, catalog_, told);
+    begun.get_future().wait();
+    EXPECT_EQ(loader.serve({folder_ / "other" / "ground.xyz"}).removed, 1U);
+    EXPECT_TRUE(catalog_.find("ground"));
+    EXPECT_TRUE(catalog_.find("ground-2"));
+    EXPECT_EQ(loader.serve({folder_ / "ground.xyz", folder_ / "other" / "ground.xyz"}).added, 0U)
+        << "it may stay after all";
+    EXPECT_EQ(loader.serve({folder_ / "other" / "ground.xyz"}).removed, 1U);
+    release.set_value();
+    awaitEnd(loader);
+    EXPECT_FALSE(catalog_.find("ground"));
+    EXPECT_EQ(catalog_.find("ground-2")->state, CloudState::Ready);
 }
 
 TEST_F(LoaderTest, WhoeverIsToldAndThrowsHarmsNoCloud) {

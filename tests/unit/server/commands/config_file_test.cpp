@@ -131,5 +131,27 @@ TEST_F(ConfigFileTest, WhatHoldsIsAConfigurationFileItself) {
     EXPECT_EQ(effectiveConfig(again->app), config);
 }
 
+TEST_F(ConfigFileTest, WhatWasGivenGoesBeforeTheFileOnAnotherAppToo) {
+    std::vector<std::string> arguments{"--max-sessions",      "7",      "--no-surfels", "--allowed-host",
+                                       "a.example,b.example", "one.las"};
+    std::reverse(arguments.begin(), arguments.end());
+    ServeOptions first, second;
+    CLI::App app, again;
+    addServeFlags(app, first);
+    app.parse(arguments);
+    const GivenFlags given = givenFlags(app);
+    addServeFlags(again, second);
+    ASSERT_TRUE(applyGivenFlags(again, given));
+    std::ofstream(file) << R"({"max-sessions": 9, "port": 9001, "no-surfels": false, "files": ["two.las"]})";
+    ASSERT_TRUE(applyConfigFile(again, file));
+    EXPECT_EQ(second.server.limits.maxSessions, 7U);
+    EXPECT_TRUE(second.noSurfels);
+    EXPECT_EQ(second.server.allowedHosts, first.server.allowedHosts);
+    EXPECT_EQ(second.files, std::vector<std::filesystem::path>{"one.las"});
+    EXPECT_EQ(second.server.port, 9001);
+    ASSERT_TRUE(applyConfigFile(app, file));
+    EXPECT_EQ(effectiveConfig(again), effectiveConfig(app));
+}
+
 }  // namespace
 }  // namespace scancast

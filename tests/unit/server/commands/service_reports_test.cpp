@@ -34,6 +34,26 @@ TEST_F(ServiceReportsTest, EverythingIsSaidOnce) {
     EXPECT_EQ(tell(), "");
 }
 
+TEST_F(ServiceReportsTest, AReloadIsBetweenItsBeginningAndTheNextReady) {
+    state.ready = true;
+    EXPECT_EQ(tell(), "READY=1\nWATCHDOG=1\n");
+    state.reloading = true;
+    EXPECT_EQ(tell(), "RELOADING=1\nMONOTONIC_USEC=3600000000\n");
+    EXPECT_EQ(tell(), "");
+    state.reloading = false;
+    EXPECT_EQ(tell(), "READY=1\n");
+    EXPECT_EQ(tell(), "");
+}
+
+TEST_F(ServiceReportsTest, WhoIsNotReadyDoesNotReload) {
+    state.reloading = true;
+    EXPECT_EQ(tell(), "WATCHDOG=1\n");
+    state.reloading = false;
+    EXPECT_EQ(tell(), "");
+    state.ready = true;
+    EXPECT_EQ(tell(), "READY=1\n");
+}
+
 TEST_F(ServiceReportsTest, WhatDidNotArriveIsSaidAgain) {
     state.ready = true;
     state.status = "drawing";

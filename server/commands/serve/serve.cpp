@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <cstdio>
 #include <cstdlib>
+#include <nlohmann/json.hpp>
+#include <utility>
 
 #include "protocol/text/plain_text.hpp"
 #include "server/base/byte_size.hpp"
@@ -13,10 +15,11 @@
 #include "server/base/log.hpp"
 #include "server/base/memory_reserve.hpp"
 #include "server/catalog/damage_reports.hpp"
-#include "server/catalog/loader.hpp"
 #include "server/commands/command.hpp"
 #include "server/commands/config_file.hpp"
 #include "server/commands/program_folder.hpp"
+#include "server/commands/serve/clouds.hpp"
+#include "server/commands/serve/reload.hpp"
 #include "server/commands/serve_options.hpp"
 #include "server/commands/service_reports.hpp"
 #include "server/net/clients/open_files.hpp"
@@ -44,88 +47,6 @@ std::shared_ptr<BlockCache> blockCache(std::uint64_t memoryLimit, std::shared_pt
     return BlockCache::create(options);
 }
 
-LoaderOptions loaderOptions(const ServeOptions& options, std::shared_ptr<DamageReports> damage,
-                            ScancastServer& server, ProgressBar& bar) {
-    LoaderOptions loading;
-    loading.import = *importOptions(options.importer);  // sound: check() has said so
-    loading.importers = options.importers;
-    loading.cache = options.server.cache;
-    loading.damage = std::move(damage);
-    loading.onDamaged = [&bar](const CloudFile& file, const Error& error) {
-        // Nothing is wrong with the file, and every block may have a part in it.
-        if (error.code == ErrorCode::ResourceLimit) return reportFault(error);
-        bar.clear();
-        spdlog::error("{}; coarser points are shown in its place", damageText(file, error));
-    };
-    loading.onChanged = [&server] { server.cloudsChanged(); };
-    loading.cacheDir = options.cacheDir;
-    loading.shape.surfels = !options.noSurfels;
-    loading.version = std::string(scancastVersion());
-    loading.onNote = [&bar](const std::string& note) {
-        bar.clear();
-        spdlog::warn("{}", note);
-    };
-    loading.threads = options.device.threads;
-    loading.onProgress = [&bar](const std::string&, const Progress& progress) { bar.report(progress); };
-    loading.onLoaded = [&bar](const LoadedCloud& loaded) {
-        bar.clear();
-        spdlog::info("{}: {} points in {} nodes, ready after {:.1f} s", loaded.id, loaded.cloud.points,
-                     loaded.cloud.octree.nodes().size(), loaded.seconds);
-        for (const std::string& remark : remarksOn(loaded.cloud)) spdlog::info("{}: {}", loaded.id, remark);
-    };
-    loading.onFailed = [&bar](const Error& error) {
-        bar.clear();
-        spdlog::error("{}", error.message);
-    };
-    return loading;
-}
-
-LiveOptions liveOptions(const ServeOptions& options, ScancastServer& server, ProgressBar& bar) {
-    LiveOptions live;
-    live.threads = options.device.threads;
-    live.surfels = !options.noSurfels;
-    live.cache = options.server.cache;
-    live.metrics = &server.metrics();
-    live.onChanged = [&server] { server.cloudsChanged(); };
-    live.onNote = [&bar](const std::string& line) {
-        bar.clear();
-        spdlog::info("{}", line);
-    };
-    live.onFailure = [&bar](const std::string& line) {
-        bar.clear();
-        spdlog::error("{}", line);
-    };
-    return live;
-}
-
-/// Everything that clouds come from.
-struct CloudSources {
-    Loader loader;
-    std::vector<std::unique_ptr<LiveSource>> live;
-
-    CloudSources(const ServeOptions& options, std::shared_ptr<DamageReports> damage, ScancastServer& server,
-                 ProgressBar& bar)
-        : loader(options.files, server.catalog(), loaderOptions(options, std::move(damage), server, bar)) {
-        const auto inputs = liveInputs(options);  // sound: check() has said so
-        for (const LiveInput& input : *inputs)
-            live.push_back(
-                std::make_unique<LiveSource>(input, server.catalog(), liveOptions(options, server, bar)));
-    }
-    /// None of them has anything to show, and none will.
-    bool failed(const ServeOptions& options) const {
-        return loader.finished() && loader.failed() == options.files.size() &&
-               std::ranges::all_of(live, [](const auto& source) { return source->failed(); });
-    }
-    void requestStop() {
-        loader.requestStop();
-        for (const auto& source : live) source->requestStop();
-    }
-    bool finished() const {
-        return loader.finished() &&
-               std::ranges::all_of(live, [](const auto& source) { return source->finished(); });
-    }
-};
-
 // Tells of the device once, when it is open. False when there is none: then nothing can be served.
 bool reportDevice(ScancastServer& server, bool& reported) {
     if (reported) return true;
@@ -140,27 +61,34 @@ bool reportDevice(ScancastServer& server, bool& reported) {
     return true;
 }
 
-// Until a later version reads certificates, tokens and clouds anew.
-void reportReloads(const ShutdownSignals& signals, int& reported) {
-    if (signals.reloads() == reported) return;
-    reported = signals.reloads();
-    spdlog::warn(
-        "A signal to reload (SIGHUP, SIGUSR1 or SIGUSR2) came and was ignored: this server reads its files "
-        "when "
-        "it starts; restart it for others.");
-}
+/// What came since it was looked at last.
+class SignalsToServe {
+  public:
+    explicit SignalsToServe(const ShutdownSignals& signals) : signals_(signals) {}
+    bool reload() { return std::exchange(reloads_, signals_.reloads()) != signals_.reloads(); }
+    bool other() { return std::exchange(others_, signals_.others()) != signals_.others(); }
+
+  private:
+    const ShutdownSignals& signals_;
+    int reloads_ = 0, others_ = 0;
+};
 
 // Until a signal comes (0), or there is nothing to serve with or from (1).
 int waitForTheEnd(ScancastServer& server, const CloudSources& sources, const ServeOptions& options,
-                  ShutdownSignals& signals, Service& service) {
+                  ShutdownSignals& signals, Service& service, Reload& reload) {
     const bool mayGrow = !options.server.dataRoot.empty();
     bool deviceReported = false;
-    int reloadsReported = 0;
+    SignalsToServe news(signals);
     while (signals.wait(std::chrono::milliseconds(100)) == 0) {
-        reportReloads(signals, reloadsReported);
+        if (news.other()) spdlog::warn("SIGUSR1 and SIGUSR2 mean nothing here; SIGHUP has files read anew.");
+        if (news.reload()) {
+            service.reportReload(server);
+            reload.run();
+        }
         service.report(server, false);
         if (!reportDevice(server, deviceReported)) return 1;
-        if (!mayGrow && sources.failed(options)) {
+        // Later there is somebody to tell, and another reload.
+        if (!mayGrow && !server.catalog().settled() && sources.failed()) {
             spdlog::error("None of the files could be loaded; there is nothing to serve.");
             return 1;
         }
@@ -241,7 +169,7 @@ void tellOfImporters(const ServeOptions& options) {
     spdlog::log(line.sound ? spdlog::level::info : spdlog::level::warn, "{}", line.text);
 }
 
-int serve(ServeOptions options) {
+int serve(ServeOptions options, GivenFlags given, nlohmann::json effective) {
     auto manager = ServiceManager::fromEnvironment();
     if (!manager) return failure(manager.error());
     if (auto log = setUpLog(options.logLevel, options.logFormat); !log) return failure(log.error());
@@ -279,7 +207,8 @@ int serve(ServeOptions options) {
         return sources.loader.load(std::move(input), id);
     });
     Service service(std::move(*manager));
-    const int exitCode = waitForTheEnd(**server, sources, options, signals, service);
+    Reload reload(std::move(given), options, std::move(effective), **server, sources);
+    const int exitCode = waitForTheEnd(**server, sources, options, signals, service, reload);
     service.report(**server, true);
     (*server)->admin().loadWith({});
     bar.clear();
@@ -299,11 +228,13 @@ int checkConfig(const CLI::App& command, const ServeOptions& options) {
 }
 
 int run(CLI::App& command, ServeOptions& options) {
+    GivenFlags given = givenFlags(command);
     if (!options.config.empty()) {
         if (auto applied = applyConfigFile(command, options.config); !applied)
             return failure(applied.error());
     }
-    return options.checkConfig ? checkConfig(command, options) : serve(options);
+    return options.checkConfig ? checkConfig(command, options)
+                               : serve(options, std::move(given), effectiveConfig(command));
 }
 
 }  // namespace

@@ -2,8 +2,8 @@
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 
+#include "tests/integration/operation/tls_client.hpp"
 #include "tests/integration/server_fixture.hpp"
-#include "tests/integration/tls_client.hpp"
 #include "tests/support/serving/test_certificate.hpp"
 #include "tests/support/temporary_folder.hpp"
 

@@ -1,0 +1,32 @@
+// Everything that the clouds of `serve` come from: files, and sources of clouds that change; what they say goes to the log,
+// past the progress bar.
+//
+// Owned by the command, on the main thread; the server and the bar outlive it. Place: serve options → **cloud sources** →
+// loader, live sources → catalog.
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "server/catalog/damage_reports.hpp"
+#include "server/catalog/live_source.hpp"
+#include "server/catalog/loader.hpp"
+#include "server/commands/serve_options.hpp"
+#include "server/terminal/progress_bar.hpp"
+
+namespace scancast {
+
+struct CloudSources {
+    Loader loader;
+    std::vector<std::unique_ptr<LiveSource>> live;
+
+    /// Options that check() has found sound.
+    CloudSources(const ServeOptions& options, std::shared_ptr<DamageReports> damage, ScancastServer& server,
+                 ProgressBar& bar);
+    /// None of them has anything to show, and none will.
+    bool failed() const;
+    void requestStop();
+    bool finished() const;
+};
+
+}  // namespace scancast

@@ -7,6 +7,7 @@
 #include "server/commands/access/access_commands.hpp"
 #include "server/commands/backends.hpp"
 #include "server/commands/command.hpp"
+#include "server/commands/doctor/doctor_command.hpp"
 #include "server/commands/importer_flags.hpp"
 #include "server/server.hpp"
 #include "server/terminal/terminal.hpp"
@@ -28,6 +29,7 @@ int main(int argc, char** argv) {
     scancast::addLook(app, exitCode);
     scancast::addGenerate(app, exitCode);
     scancast::addToken(app, exitCode);
+    scancast::addDoctor(app, exitCode);
     constexpr int usage = 2;
     try {
         app.parse(argc, argv);

@@ -290,12 +290,16 @@ Expected<std::vector<LiveInput>> liveInputs(const ServeOptions& options) {
 }
 
 Expected<void> check(const ServeOptions& options) {
-    if (auto ok = liveInputs(options); !ok) return passOn(ok);
     if (options.files.empty() && options.live.empty() && options.server.dataRoot.empty()) {
         return fail(ErrorCode::InvalidArgument,
                     "Nothing to serve: name at least one scan. Without one at hand, make a town: "
                     "scancast generate town --points 2000000 -o town.las && scancast serve town.las");
     }
+    return checkFlags(options);
+}
+
+Expected<void> checkFlags(const ServeOptions& options) {
+    if (auto ok = liveInputs(options); !ok) return passOn(ok);
     const std::string& host = options.server.host;
     if (!isLoopbackHost(host) && !options.insecure && options.authTokenFile.empty()) {
         return fail(

@@ -43,8 +43,10 @@ struct ServeOptions {
 /// `options` must outlive the parse.
 void addServeFlags(CLI::App& app, ServeOptions& options);
 
-/// What no single flag can know. InvalidArgument: no file and no data root, an address that needs a token or
-/// --insecure, an origin that is none, connections that do not fit.
+/// What no single flag can know. InvalidArgument: an address that needs a token or --insecure, an origin that is none,
+/// connections that do not fit.
+Expected<void> checkFlags(const ServeOptions& options);
+/// The same, and that there is something to serve: a file, a live source or a data root.
 Expected<void> check(const ServeOptions& options);
 
 /// What --live names. InvalidArgument for what is not NAME=PATH, and for a path that is named twice.

@@ -23,18 +23,11 @@ constexpr std::chrono::milliseconds pauseTime{100};
 
 }  // namespace
 
-Listener::Listener(asio::io_context& io, NetContext& context, Entrance entrance)
-    : io_(io),
-      context_(context),
-      entrance_(entrance),
-      acceptor_(asio::make_strand(io)),
-      pause_(acceptor_.get_executor()) {}
-
-Expected<std::shared_ptr<Listener>> Listener::create(asio::io_context& io, const ListenAddress& address,
-                                                     NetContext& context, Entrance entrance) {
+Expected<asio::ip::tcp::acceptor> listenAt(const asio::any_io_executor& executor,
+                                           const ListenAddress& address, Entrance entrance) {
     const bool isPublic = entrance == Entrance::Public;
     error_code ec;
-    asio::ip::tcp::resolver resolver(io);
+    asio::ip::tcp::resolver resolver(executor);
     const auto found =
         resolver.resolve(address.host, std::to_string(address.port), asio::ip::tcp::resolver::passive, ec);
     if (ec || found.empty()) {
@@ -45,19 +38,34 @@ Expected<std::shared_ptr<Listener>> Listener::create(asio::io_context& io, const
                     flag);
     }
     const asio::ip::tcp::endpoint endpoint = *found.begin();
-    const std::shared_ptr<Listener> listener(new Listener(io, context, entrance));
-    auto& acceptor = listener->acceptor_;
+    asio::ip::tcp::acceptor acceptor(executor);
     acceptor.open(endpoint.protocol(), ec);
     if (!ec) acceptor.set_option(asio::socket_base::reuse_address(true), ec);
     if (!ec) acceptor.bind(endpoint, ec);
     if (!ec) acceptor.listen(asio::socket_base::max_listen_connections, ec);
-    if (!ec) listener->port_ = acceptor.local_endpoint(ec).port();
-    if (ec) {
-        return fail(ErrorCode::Io,
-                    fmt::format("{} {} port {}: {}. Another port may be free: {} 0 takes any that is.",
-                                isPublic ? "Cannot listen on" : "--admin-listen: cannot listen on",
-                                address.host, address.port, ec.message(), isPublic ? "--port" : "port"));
-    }
+    if (!ec) return acceptor;
+    return fail(ErrorCode::Io,
+                fmt::format("{} {} port {}: {}. Another port may be free: {} 0 takes any that is.",
+                            isPublic ? "Cannot listen on" : "--admin-listen: cannot listen on", address.host,
+                            address.port, ec.message(), isPublic ? "--port" : "port"));
+}
+
+Listener::Listener(asio::io_context& io, NetContext& context, Entrance entrance,
+                   asio::ip::tcp::acceptor acceptor)
+    : io_(io),
+      context_(context),
+      entrance_(entrance),
+      acceptor_(std::move(acceptor)),
+      pause_(acceptor_.get_executor()) {}
+
+Expected<std::shared_ptr<Listener>> Listener::create(asio::io_context& io, const ListenAddress& address,
+                                                     NetContext& context, Entrance entrance) {
+    auto acceptor = listenAt(asio::make_strand(io), address, entrance);
+    if (!acceptor) return passOn(std::move(acceptor));
+    const std::shared_ptr<Listener> listener(new Listener(io, context, entrance, std::move(*acceptor)));
+    error_code ec;
+    listener->port_ = listener->acceptor_.local_endpoint(ec).port();
+    if (ec) return fail(ErrorCode::Io, "The system does not say which port this server has: " + ec.message());
     return listener;
 }
 

@@ -4,6 +4,7 @@
 // listener's own strand.
 #pragma once
 
+#include <boost/asio/any_io_executor.hpp>
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/ip/tcp.hpp>
 #include <boost/asio/steady_timer.hpp>
@@ -15,10 +16,14 @@
 
 namespace scancast {
 
+/// Bound and listening, and accepting nothing yet. Errors: InvalidArgument, Io; both name the entrance's flag and say what
+/// to do.
+Expected<boost::asio::ip::tcp::acceptor> listenAt(const boost::asio::any_io_executor& executor,
+                                                  const ListenAddress& address, Entrance entrance);
+
 class Listener : public std::enable_shared_from_this<Listener> {
   public:
-    /// Binds and listens, but accepts nothing before run(). Errors: InvalidArgument, Io; both name the entrance's
-    /// flag and say what to do.
+    /// Listens, but accepts nothing before run(). Errors: those of listenAt().
     static Expected<std::shared_ptr<Listener>> create(boost::asio::io_context& io,
                                                       const ListenAddress& address, NetContext& context,
                                                       Entrance entrance);
@@ -29,7 +34,8 @@ class Listener : public std::enable_shared_from_this<Listener> {
     void fault() noexcept;
 
   private:
-    Listener(boost::asio::io_context& io, NetContext& context, Entrance entrance);
+    Listener(boost::asio::io_context& io, NetContext& context, Entrance entrance,
+             boost::asio::ip::tcp::acceptor acceptor);
     void accept() noexcept;
     void acceptNext();
     void pause();

@@ -30,6 +30,7 @@ int main(int argc, char** argv) {
     scancast::addGenerate(app, exitCode);
     scancast::addToken(app, exitCode);
     scancast::addDoctor(app, exitCode);
+    scancast::addGuestLink(app, exitCode);
     constexpr int usage = 2;
     try {
         app.parse(argc, argv);

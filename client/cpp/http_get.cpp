@@ -18,14 +18,15 @@ constexpr std::uint32_t longestHead = 8192;
 
 using Body = http::vector_body<std::uint8_t>;
 
-http::request<http::empty_body> requestOf(const ServerUrl& url, const std::string& target,
-                                          const std::string& ifNoneMatch, const std::string& token) {
-    http::request<http::empty_body> request(http::verb::get, target, 11);
+using Request = http::request<http::string_body>;
+
+Request requestOf(http::verb verb, const ServerUrl& url, const std::string& target,
+                  const std::string& token) {
+    Request request(verb, target, 11);
     request.set(http::field::host, url.authority());
     request.set(http::field::user_agent, "scancast-client");
     request.set(http::field::connection, "close");
     if (!token.empty()) request.set(http::field::authorization, "Bearer " + token);
-    if (!ifNoneMatch.empty()) request.set(http::field::if_none_match, ifNoneMatch);
     return request;
 }
 
@@ -42,11 +43,8 @@ Expected<HttpAnswer> answerOf(http::response<Body> response, const ServerUrl& ur
     return tl::unexpected(refusal(url, answer.status, answer.contentType, text));
 }
 
-}  // namespace
-
-Expected<HttpAnswer> httpGet(const ServerUrl& url, const std::string& target, std::uint64_t longest,
-                             const std::string& ifNoneMatch, const Credentials& credentials,
-                             const Timeouts& timeouts) {
+Expected<HttpAnswer> ask(const ServerUrl& url, const Request& request, std::uint64_t longest,
+                         const Credentials& credentials, const Timeouts& timeouts) {
     boost::asio::io_context io;
     auto open = connectUntil(io, url, credentials, Clock::now() + timeouts.connect);
     if (!open) return passOn(open);
@@ -56,7 +54,6 @@ Expected<HttpAnswer> httpGet(const ServerUrl& url, const std::string& target, st
         ErrorCodeOfBoost ignored;  // nothing is sent after this
         stream.tcp().socket().close(ignored);
     };
-    const auto request = requestOf(url, target, ifNoneMatch, credentials.token);
     if (const auto error = runUntil(
             io, deadline, [&](auto handler) { http::async_write(stream, request, handler); }, close))
         return tl::unexpected(networkError(error, url, "sending a request"));
@@ -79,6 +76,26 @@ Expected<HttpAnswer> httpGet(const ServerUrl& url, const std::string& target, st
         return tl::unexpected(networkError(error, url, "reading the answer"));
     close();
     return answerOf(parser.release(), url);
+}
+
+}  // namespace
+
+Expected<HttpAnswer> httpGet(const ServerUrl& url, const std::string& target, std::uint64_t longest,
+                             const std::string& ifNoneMatch, const Credentials& credentials,
+                             const Timeouts& timeouts) {
+    Request request = requestOf(http::verb::get, url, target, credentials.token);
+    if (!ifNoneMatch.empty()) request.set(http::field::if_none_match, ifNoneMatch);
+    return ask(url, request, longest, credentials, timeouts);
+}
+
+Expected<HttpAnswer> httpPostJson(const ServerUrl& url, const std::string& target, std::uint64_t longest,
+                                  std::string json, const Credentials& credentials,
+                                  const Timeouts& timeouts) {
+    Request request = requestOf(http::verb::post, url, target, credentials.token);
+    request.set(http::field::content_type, "application/json");
+    request.body() = std::move(json);
+    request.prepare_payload();
+    return ask(url, request, longest, credentials, timeouts);
 }
 
 }  // namespace scancast::client

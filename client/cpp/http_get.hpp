@@ -1,6 +1,6 @@
-// One HTTP GET: connect, ask, read the answer, close. Boost.Beast stays in the .cpp.
+// One HTTP request: connect, ask, read the answer, close. Boost.Beast stays in the .cpp.
 //
-// A free function that blocks its thread until the answer, an error, or the deadline.
+// Free functions that block their thread until the answer, an error, or the deadline.
 #pragma once
 
 #include <cstdint>
@@ -27,6 +27,10 @@ struct HttpAnswer {
 Expected<HttpAnswer> httpGet(const ServerUrl& url, const std::string& target, std::uint64_t longest,
                              const std::string& ifNoneMatch, const Credentials& credentials,
                              const Timeouts& timeouts);
+
+/// The same, with a body.
+Expected<HttpAnswer> httpPostJson(const ServerUrl& url, const std::string& target, std::uint64_t longest,
+                                  std::string json, const Credentials& credentials, const Timeouts& timeouts);
 
 inline constexpr std::uint64_t longestRefusal = std::uint64_t{256} << 10u;
 

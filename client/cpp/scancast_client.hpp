@@ -21,6 +21,7 @@
 #include "client/cpp/camera_path.hpp"
 #include "client/cpp/credentials.hpp"
 #include "client/cpp/decode.hpp"
+#include "client/cpp/guest.hpp"
 #include "client/cpp/live_stream.hpp"
 #include "client/cpp/orbit_path.hpp"
 #include "client/cpp/server.hpp"

@@ -12,6 +12,7 @@ set(SCANCAST_WEB_FILES
     connection.js
     controls.js
     frame_header.js
+    guest.js
     hud.js
     overlays.js
     parameter_fields.js

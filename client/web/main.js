@@ -4,6 +4,7 @@
 import { between, fit, fittedInto, fromProtocol, radiusOf, standardView, toProtocol } from './camera.js';
 import { CameraInput } from './camera_input.js';
 import { Controls } from './controls.js';
+import { takeGuestToken } from './guest.js';
 import { amount, Hud } from './hud.js';
 import { Overlays } from './overlays.js';
 import { Picture } from './picture.js';
@@ -17,6 +18,8 @@ const styleKeys = ['method', 'param', 'color', 'colormap', 'range', 'shading', '
 const flightMs = 260;
 const calm = matchMedia('(prefers-reduced-motion: reduce)');
 const narrow = matchMedia('(max-width: 700px)');
+
+takeGuestToken(); // before anything reads the address
 
 const canvas = find('picture');
 const state = new ViewState();
@@ -354,6 +357,10 @@ find('save-picture').addEventListener('click', async ({ currentTarget: button })
   button.disabled = false;
 });
 addEventListener('hashchange', () => {
+  if (takeGuestToken()) {
+    location.reload(); // another guest's link, put into the address of this page
+    return;
+  }
   const next = parseHash(location.hash);
   if (!next || !cloud) return;
   if (next.cloud && next.cloud !== cloud.id) openCloud(next.cloud);

@@ -10,6 +10,10 @@ const toastMs = 9000;
 function coverWords(state) {
   if (state.kind === 'connecting') return { title: 'Connecting…' };
   if (state.kind === 'locked') {
+    if (state.guest) {
+      const detail = 'Ask whoever sent it for another one. Whoever has an access token can look with that.';
+      return { title: 'This link is not good any more', detail, token: true };
+    }
     const who = 'Whoever runs this server has it. It is kept for this tab only.';
     return { title: 'Access token', detail: state.refused ? `That was not it. ${who}` : who, token: true };
   }

@@ -4,6 +4,7 @@
 import { forgetToken, hasToken, keepToken } from './access.js';
 import { fetchClouds, fetchMethods, ServerProblem } from './catalog.js';
 import { Connection } from './connection.js';
+import { enterAsGuest, forgetGuest, isGuest } from './guest.js';
 
 const pollMs = 700;
 const idlePollMs = 3000;
@@ -76,6 +77,7 @@ export class Session {
     this.#round += 1;
     const round = this.#round;
     try {
+      if (isGuest()) await enterAsGuest();
       const { clouds, pending } = await fetchClouds();
       if (round !== this.#round) return;
       if (clouds.length === 0) {
@@ -139,9 +141,10 @@ export class Session {
   /** Nothing is asked again before a token is given: trying wrong ones would help nobody. */
   #locked() {
     this.#attempt = 0;
-    const refused = hasToken();
+    const [refused, guest] = [hasToken(), isGuest()];
     forgetToken();
-    this.#handlers.state({ kind: 'locked', refused });
+    forgetGuest();
+    this.#handlers.state({ kind: 'locked', refused, guest });
   }
 
   #lost(error) {

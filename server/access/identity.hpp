@@ -13,6 +13,7 @@
 
 namespace scancast {
 
+/// Each may do what those before it may.
 enum class IdentityKind : std::uint8_t {
     Anyone,  ///< no token was needed, and none of this server's was shown
     Guest,   ///< of one cloud, to look at

@@ -49,6 +49,18 @@ const char* name(CostRefusal why) {
     return "unknown";
 }
 
+const char* name(LoginFailure why) {
+    switch (why) {
+        case LoginFailure::Malformed:
+            return "malformed";
+        case LoginFailure::Unknown:
+            return "unknown";
+        case LoginFailure::Expired:
+            return "expired";
+    }
+    return "unknown";
+}
+
 const char* name(ConnectionRefusal why) {
     switch (why) {
         case ConnectionRefusal::Full:
@@ -156,6 +168,11 @@ struct Metrics::Families {
         prometheus::BuildCounter()
             .Name("scancast_connections_refused_total")
             .Help("Connections, and requests through proxies, that there was no place for, by reason")
+            .Register(registry);
+    prometheus::Family<prometheus::Counter>& failedLogins =
+        prometheus::BuildCounter()
+            .Name("scancast_failed_logins_total")
+            .Help("Requests with a token that let nobody in, by reason")
             .Register(registry);
     prometheus::Counter& displaced = prometheus::BuildCounter()
                                          .Name("scancast_connections_displaced_total")
@@ -298,6 +315,8 @@ Metrics::Metrics(std::string_view version) : families_(std::make_unique<Families
         families_->turnedAway.Add({{"reason", name(why)}});
     for (const bool sound : {true, false}) families_->reloads.Add({{"outcome", outcomeOfReload(sound)}});
     families_->lastReload.Set(secondsOf(std::chrono::system_clock::now()));
+    for (LoginFailure why : {LoginFailure::Malformed, LoginFailure::Unknown, LoginFailure::Expired})
+        families_->failedLogins.Add({{"reason", name(why)}});
     for (LiveOutcome outcome : {LiveOutcome::Shown, LiveOutcome::Skipped, LiveOutcome::Failed})
         families_->liveFrames.Add({{"outcome", name(outcome)}});
     for (LogLine outcome : {LogLine::Written, LogLine::Repeated, LogLine::Lost})
@@ -359,6 +378,10 @@ void Metrics::setConnections(std::size_t now) {
 
 void Metrics::connectionRefused(ConnectionRefusal why) {
     families_->turnedAway.Add({{"reason", name(why)}}).Increment();
+}
+
+void Metrics::loginFailed(LoginFailure why) {
+    families_->failedLogins.Add({{"reason", name(why)}}).Increment();
 }
 
 void Metrics::connectionDisplaced() {

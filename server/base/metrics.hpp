@@ -34,6 +34,13 @@ enum class ConnectionRefusal : std::uint8_t {
     ShuttingDown,  ///< the server is
 };
 
+/// Why a token let nobody in (server/net/access.hpp). That none came is no failure: browsers ask before they know that they need one.
+enum class LoginFailure : std::uint8_t {
+    Malformed,  ///< what was sent is no token
+    Unknown,    ///< it is not one of this server's, or no longer
+    Expired,    ///< a guest's, whose time is over
+};
+
 /// What became of a frame of a live source.
 enum class LiveOutcome : std::uint8_t {
     Shown,
@@ -74,6 +81,7 @@ class Metrics {
     void connectionRefused(ConnectionRefusal why);
     /// An idle one was closed to make room.
     void connectionDisplaced();
+    void loginFailed(LoginFailure why);
     void setPointsResident(std::uint64_t points);
     /// Requests that wait for a picture now; those that share one count each.
     void setPicturesAwaited(std::size_t requests);

@@ -194,6 +194,13 @@ std::optional<CatalogEntry> Catalog::find(std::string_view id) const {
     return entry == nullptr ? std::nullopt : std::optional(*entry);
 }
 
+Problem noSuchCloud(std::string_view id) {
+    Problem problem = problemOf(
+        404, "There is no cloud named " + quoteText(id) + " here; /api/v1/clouds lists those there are.");
+    problem.errors.push_back({"cloud", problem.detail});
+    return problem;
+}
+
 tl::expected<std::shared_ptr<const Cloud>, Problem> Catalog::cloud(std::string_view id) const {
     const auto refuse = [](int status, std::string detail) {
         Problem problem = problemOf(status, std::move(detail));
@@ -201,10 +208,7 @@ tl::expected<std::shared_ptr<const Cloud>, Problem> Catalog::cloud(std::string_v
         return tl::unexpected(std::move(problem));
     };
     const auto entry = find(id);
-    if (!entry) {
-        return refuse(
-            404, "There is no cloud named " + quoteText(id) + " here; /api/v1/clouds lists those there are.");
-    }
+    if (!entry) return tl::unexpected(noSuchCloud(id));
     if (entry->state == CloudState::Failed) {
         return refuse(404, "The cloud \"" + entry->id + "\" cannot be shown: " + entry->error);
     }

@@ -54,6 +54,9 @@ struct CatalogEntry {
 /// Never empty, never starting with a dot, at most 64 characters.
 std::string cloudIdFor(std::string_view stem);
 
+/// The answer to who asks for a cloud that is not there.
+Problem noSuchCloud(std::string_view id);
+
 class Catalog {
   public:
     /// A new entry, Loading. Its id is cloudIdFor(title), with "-2", "-3" … behind it where that is taken.

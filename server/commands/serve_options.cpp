@@ -35,6 +35,8 @@ Expected<AccessTokens> accessTokens(const ServeOptions& options) {
         return passOn(ok);
     if (auto ok = read(options.adminTokenFile, "admin-token-file", "admin", tokens.admins); !ok)
         return passOn(ok);
+    if (auto ok = read(options.guestKeyFile, "guest-key-file", "guests", tokens.guestKeys); !ok)
+        return passOn(ok);
     for (const NamedToken& admin : tokens.admins) {
         const auto same = std::ranges::find(tokens.users, admin.token, &NamedToken::token);
         if (same == tokens.users.end()) continue;
@@ -177,6 +179,11 @@ void addServeFlags(CLI::App& app, ServeOptions& options) {
         ->type_name("FILE");
     flag("--admin-token-file", options.adminTokenFile, "SCANCAST_ADMIN_TOKEN_FILE",
          "File with other tokens, which may do everything that clients may, and administer")
+        ->type_name("FILE");
+    flag("--guest-key-file", options.guestKeyFile, "SCANCAST_GUEST_KEY_FILE",
+         "File with the keys that sign links for guests (scancast guest-link), as scancast token prints "
+         "them: the first "
+         "signs, all are known. Needs --auth-token-file")
         ->type_name("FILE");
     flag("--tls-cert", options.server.tls.certificate, "SCANCAST_TLS_CERT",
          "Certificate chain in PEM format, to serve https and wss")
@@ -341,6 +348,13 @@ Expected<void> checkFlags(const ServeOptions& options) {
             ErrorCode::InvalidArgument,
             "--" + std::string(flag) + ": there is no folder " + folder->string() + "; create it first.",
             flag);
+    }
+    if (!options.guestKeyFile.empty() && options.authTokenFile.empty()) {
+        return fail(
+            ErrorCode::InvalidArgument,
+            "--guest-key-file: without --auth-token-file everybody sees all clouds, so that a guest's link "
+            "would restrict nobody; give that, too.",
+            "guest-key-file");
     }
     if (!options.server.dataRoot.empty() && options.adminTokenFile.empty()) {
         return fail(ErrorCode::InvalidArgument,

@@ -21,9 +21,9 @@ struct ServeOptions {
     ServerOptions server;
     DeviceOptions device;
     bool insecure = false;
-    std::filesystem::path authTokenFile, adminTokenFile;  ///< empty = none
-    std::size_t maxConnections = 0;                       ///< 0 = what sessions need, and short requests
-    std::string adminListen;                              ///< as written: "127.0.0.1:9090"; empty = nowhere
+    std::filesystem::path authTokenFile, adminTokenFile, guestKeyFile;  ///< empty = none
+    std::size_t maxConnections = 0;  ///< 0 = what sessions need, and short requests
+    std::string adminListen;         ///< as written: "127.0.0.1:9090"; empty = nowhere
     std::vector<std::string> trustedProxies;
     std::string memoryLimit;         ///< as written: "2G"; empty = half of the machine's memory
     std::string transientLimit;      ///< as written; empty = a fixed share of memoryLimit
@@ -73,7 +73,7 @@ Expected<std::size_t> maxConnections(const ServeOptions& options);
 /// --admin-listen; empty when it was not given. InvalidArgument when it is none.
 Expected<std::optional<ListenAddress>> adminListen(const ServeOptions& options);
 
-/// What --auth-token-file and --admin-token-file hold; an error names the flag, and never a token.
+/// What --auth-token-file, --admin-token-file and --guest-key-file hold; an error names the flag, and never a token.
 Expected<AccessTokens> accessTokens(const ServeOptions& options);
 
 /// "localhost", 127.x.x.x, "::1".

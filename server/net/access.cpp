@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "protocol/bearer.hpp"
+#include "server/access/guest_token.hpp"
 
 namespace scancast {
 namespace {
@@ -35,21 +36,40 @@ Credentials credentialsOf(const HttpRequest& request, Route route) {
     return {};
 }
 
-HttpResponse notAdmin(bool possible) {
-    return problemResponse(problemOf(403, possible ? "This needs the administrator's token."
-                                                   : "Nobody administers this server: it was started without "
-                                                     "--admin-token-file."));
+/// Where a kind of token is needed that this one is not.
+HttpResponse notEnough(Need need, IdentityKind kind, bool adminsExist) {
+    const char* why = "This needs the administrator's token.";
+    if (kind == IdentityKind::Guest)
+        why = "A guest may look at one cloud, and nothing else.";
+    else if (need == Need::Admin && !adminsExist)
+        why = "Nobody administers this server: it was started without --admin-token-file.";
+    return problemResponse(problemOf(403, why));
 }
 
-HttpResponse unauthorized(bool given) {
-    HttpResponse response =
-        problemResponse(problemOf(401, given ? "The access token is not one of this server's."
-                                             : "This server asks for an access token: send it as "
-                                               "\"Authorization: Bearer TOKEN\"."));
-    response.set("WWW-Authenticate",
-                 given ? R"(Bearer realm="scancast", error="invalid_token")" : R"(Bearer realm="scancast")");
+const char* detailOf(std::optional<LoginFailure> failure) {
+    if (!failure) return "This server asks for an access token: send it as \"Authorization: Bearer TOKEN\".";
+    if (*failure == LoginFailure::Expired)
+        return "The guest's time is over: that of the link, or that of the pass, which the link renews.";
+    return "The access token is not one of this server's.";
+}
+
+HttpResponse unauthorized(std::optional<LoginFailure> failure) {
+    HttpResponse response = problemResponse(problemOf(401, detailOf(failure)));
+    response.set("WWW-Authenticate", failure ? R"(Bearer realm="scancast", error="invalid_token")"
+                                             : R"(Bearer realm="scancast")");
     return response;
 }
+
+tl::unexpected<LoginRefusal> refuse(std::optional<LoginFailure> failure) {
+    return tl::unexpected(LoginRefusal{unauthorized(failure), failure});
+}
+
+constexpr bool isEnough(IdentityKind kind, Need need) {
+    return int(kind) >= int(need);
+}
+static_assert(isEnough(IdentityKind::Guest, Need::Guest) && !isEnough(IdentityKind::Guest, Need::Token) &&
+              isEnough(IdentityKind::User, Need::Token) && !isEnough(IdentityKind::User, Need::Admin) &&
+              isEnough(IdentityKind::Admin, Need::Admin) && isEnough(IdentityKind::Anyone, Need::Nothing));
 
 }  // namespace
 
@@ -65,6 +85,7 @@ void Access::replace(const AccessTokens& tokens) {
             after->tokens, [&](const Known& known) { return known.standing == old.standing; });
         if (!kept) old.standing->withdrawn = true;
     }
+    before->guests.withdrawMissing(after->guests);
     if (after->users && !before->users) before->anyone->withdrawn = true;
 }
 
@@ -86,6 +107,7 @@ std::shared_ptr<Access::State> Access::stateOf(const AccessTokens& tokens, const
     };
     add(tokens.admins, IdentityKind::Admin);
     add(tokens.users, IdentityKind::User);
+    state->guests = GuestKeys(tokens.guestKeys, before != nullptr ? before->guests : GuestKeys());
     return state;
 }
 
@@ -110,19 +132,48 @@ const Access::Known* Access::State::find(std::string_view token) const {
     return found;
 }
 
-tl::expected<Grant, HttpResponse> Access::check(const HttpRequest& request, Route route) const {
+tl::expected<Grant, LoginFailure> Access::State::admit(std::string_view token) const {
+    if (const Known* known = find(token))
+        return Grant{{known->name, known->kind}, std::nullopt, known->standing};
+    if (!isGuestToken(token)) return tl::unexpected(LoginFailure::Unknown);
+    return guests.admit(token, std::chrono::system_clock::now());
+}
+
+tl::expected<Grant, LoginRefusal> Access::check(const HttpRequest& request, Route route) const {
     const Need need = needOf(route, request.method);
-    const bool administers = need == Need::Admin;
     const auto state = now();
     const Credentials credentials = credentialsOf(request, route);
-    const Known* known = credentials.token ? state->find(*credentials.token) : nullptr;
-    const bool admitted = known != nullptr && (!administers || known->kind == IdentityKind::Admin);
-    if (admitted) return Grant{{known->name, known->kind}, std::nullopt, known->standing};
+    std::optional<LoginFailure> failure;
+    if (credentials.given) failure = LoginFailure::Malformed;
+    if (credentials.token) {
+        auto grant = state->admit(*credentials.token);
+        if (grant && isEnough(grant->identity.kind, need)) return std::move(*grant);
+        if (grant) return tl::unexpected(LoginRefusal{notEnough(need, grant->identity.kind, state->admins)});
+        failure = grant.error();
+    }
     if (need == Need::Nothing) return Grant{};
-    if (!administers && !state->users) return Grant{{}, std::nullopt, state->anyone};
-    if (administers && !state->admins && !state->users) return tl::unexpected(notAdmin(false));
-    if (known != nullptr) return tl::unexpected(notAdmin(state->admins));
-    return tl::unexpected(unauthorized(credentials.given));
+    if (need != Need::Admin && !state->users) return Grant{{}, std::nullopt, state->anyone};
+    if (!state->admins && !state->users)
+        return tl::unexpected(LoginRefusal{notEnough(need, IdentityKind::Anyone, false)});
+    return refuse(failure);
+}
+
+Expected<GuestLink> Access::guestLink(const std::string& cloud, std::chrono::seconds life) const {
+    const auto state = now();
+    if (state->guests.empty())
+        return fail(ErrorCode::Unsupported,
+                    "This server has no guests: it was started without --guest-key-file.");
+    return state->guests.link(cloud, life, std::chrono::system_clock::now());
+}
+
+tl::expected<GuestPass, LoginRefusal> Access::guestPass(const std::string& linkToken) const {
+    auto pass = now()->guests.passFor(linkToken, std::chrono::system_clock::now());
+    if (!pass) return refuse(pass.error());
+    return std::move(*pass);
+}
+
+VisibleClouds visibleTo(const Identity& identity, const Catalog& catalog) {
+    return VisibleClouds(catalog, identity.cloud);
 }
 
 bool Access::isPrivate(const HttpRequest& request) const {

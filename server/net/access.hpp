@@ -8,21 +8,38 @@
 #include <cstdint>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
+#include "server/access/guest_keys.hpp"
 #include "server/access/identity.hpp"
 #include "server/access/token_file.hpp"
+#include "server/base/metrics.hpp"
+#include "server/catalog/visible_clouds.hpp"
 #include "server/net/api/http_message.hpp"
 #include "server/net/api/router.hpp"
 
 namespace scancast {
 
 struct AccessTokens {
-    std::vector<NamedToken> users{};  ///< of --auth-token-file; without any nobody is asked for a token
-    std::vector<NamedToken>
-        admins{};  ///< of --admin-token-file; good for everything. Without any nobody administers
+    /// Of --auth-token-file; without any nobody is asked for a token.
+    std::vector<NamedToken> users{};
+    /// Of --admin-token-file; good for everything. Without any nobody administers.
+    std::vector<NamedToken> admins{};
+    /// Of --guest-key-file; without any there are no guests.
+    std::vector<NamedToken> guestKeys{};
+};
+
+/// The clouds that there are for somebody: of a guest, one.
+VisibleClouds visibleTo(const Identity& identity, const Catalog& catalog);
+
+/// The answer to who is not let in.
+struct LoginRefusal {
+    HttpResponse response;
+    std::optional<LoginFailure>
+        failure{};  ///< of the token that was sent; empty where there was none, or a sound one
 };
 
 class Access {
@@ -36,7 +53,12 @@ class Access {
     /// Lets a request through, and says whose it is; or answers it: 401 with WWW-Authenticate when a token is missing or
     /// wrong, 403 when it is not enough. The page, liveness and readiness need none. A WebSocket may bring its token as a
     /// subprotocol.
-    tl::expected<Grant, HttpResponse> check(const HttpRequest& request, Route route) const;
+    tl::expected<Grant, LoginRefusal> check(const HttpRequest& request, Route route) const;
+    /// A link to that cloud for a guest. Unsupported where there is no key to sign it.
+    Expected<GuestLink> guestLink(const std::string& cloud, std::chrono::seconds life) const;
+    /// What a guest's page uses as its token from now on, for the token of a link; 401 for what is none, and for one whose
+    /// time is over.
+    tl::expected<GuestPass, LoginRefusal> guestPass(const std::string& linkToken) const;
     /// Whether an answer to this request may be kept for this client only (Cache-Control: private).
     bool isPrivate(const HttpRequest& request) const;
 
@@ -53,9 +75,12 @@ class Access {
         std::vector<Known> tokens;
         bool users = false, admins = false;  ///< there are any
         std::shared_ptr<Standing> anyone;    ///< who needed no token
+        GuestKeys guests;
 
         /// The one of this token; nullptr where there is none. Takes as long for each token.
         const Known* find(std::string_view token) const;
+        /// Whoever comes with it.
+        tl::expected<Grant, LoginFailure> admit(std::string_view token) const;
     };
 
     static Digest digestOf(std::string_view token);

@@ -109,7 +109,7 @@ class MjpegConnection final : public SessionHost {
     }
 
     void begin() {
-        auto asked = mjpegRequest(request_, routed_, context_.catalog, context_.limits.maxPixels);
+        auto asked = mjpegRequest(request_, routed_, clouds(), context_.limits.maxPixels);
         if (!asked) return refuse(std::move(asked.error()));
         SessionOptions options;
         options.window = 1;
@@ -118,6 +118,7 @@ class MjpegConnection final : public SessionHost {
             return refuse(problemOf(503, "The server is shutting down; try another one, or later."));
         if (!openSession(ClientKind::Mjpeg, std::move(options)))
             return refuse(problemOf(503, "All sessions are taken; try again later."));
+        if (session()->closed()) return;  // its token was withdrawn at this very moment
         session()->text(printMessage(ClientMessage(asked->hello)), Clock::now());
         if (!session()->greeted()) return refuse(std::move(refused_));
         if (asked->view) {

@@ -18,7 +18,7 @@ SessionHost::SessionHost(const Executor& strand, NetContext& context, Grant gran
     : context_(context),
       strand_(strand),
       grant_(std::move(grant)),
-      world_(context.catalog, context.api.admission()),
+      world_(clouds(), context.api.admission()),
       timer_(strand),
       grantTimer_(strand),
       record_(std::move(record)) {}
@@ -77,6 +77,7 @@ bool SessionHost::openSession(ClientKind client, SessionOptions options) {
     options.registration = registration_.get();
     options.id = registration_->id();
     options.maxPixels = context_.limits.maxPixels;
+    options.mayFollow = grant_.identity.kind != IdentityKind::Guest;
     options.stills.quiet = context_.limits.quiet;
     options.helloPatience = context_.limits.helloTimeout;
     session_.emplace(std::move(options), world_, *this, context_.metrics, Clock::now());

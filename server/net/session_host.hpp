@@ -53,6 +53,8 @@ class SessionHost : public Connection,
     /// Takes one of --max-sessions; false, and there is no session, when all are taken. What the options say
     /// of identity, limits and patience is filled in here.
     bool openSession(ClientKind client, SessionOptions options = {});
+    /// That this client may know of.
+    VisibleClouds clouds() const { return visibleTo(grant_.identity, context_.catalog); }
     StreamSession* session() { return session_ ? &*session_ : nullptr; }
     std::string sessionId() const { return registration_->id(); }
     /// What was written for the session: for its last line in the log.

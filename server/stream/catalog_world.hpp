@@ -1,7 +1,7 @@
-// The server as a stream session sees it: its catalog and its methods. Stateless; any thread.
+// The server as a stream session sees it: the clouds that its client may know of, and the methods. Stateless; any thread.
 #pragma once
 
-#include "server/catalog/catalog.hpp"
+#include "server/catalog/visible_clouds.hpp"
 #include "server/price/admission.hpp"
 #include "server/stream/session.hpp"
 
@@ -9,18 +9,18 @@ namespace scancast {
 
 class CatalogWorld final : public StreamWorld {
   public:
-    /// Both outlive this.
-    CatalogWorld(const Catalog& catalog, const Admission& admission)
-        : catalog_(catalog), admission_(admission) {}
-    std::string defaultCloud() const override { return catalog_.defaultId(); }
+    /// The catalog that the clouds are of, and the other one, outlive this.
+    CatalogWorld(VisibleClouds clouds, const Admission& admission)
+        : clouds_(std::move(clouds)), admission_(admission) {}
+    std::string defaultCloud() const override { return clouds_.defaultId(); }
     tl::expected<std::shared_ptr<const Cloud>, Problem> cloud(std::string_view id) const override {
-        return catalog_.cloud(id);
+        return clouds_.cloud(id);
     }
     bool loading(std::string_view id) const override {
-        const auto entry = catalog_.find(id);
+        const auto entry = clouds_.find(id);
         return entry && entry->state == CloudState::Loading;
     }
-    bool live(std::string_view id) const override { return catalog_.isLive(id); }
+    bool live(std::string_view id) const override { return clouds_.isLive(id); }
     Expected<std::shared_ptr<const PlannedView>> plan(const Cloud& cloud, const View& view) const override;
     Expected<void> mayBeDrawn(const Cloud& cloud, const PlannedView& planned) const override {
         return admission_.mayBeDrawn(cloud, planned);
@@ -29,7 +29,7 @@ class CatalogWorld final : public StreamWorld {
     std::vector<std::string> methodNames() const override;
 
   private:
-    const Catalog& catalog_;
+    const VisibleClouds clouds_;
     const Admission& admission_;
 };
 

@@ -39,7 +39,7 @@ StreamSession::StreamSession(SessionOptions options, const StreamWorld& world, S
       port_(port),
       metrics_(metrics),
       opened_(now),
-      scenes_(world, options_.registration, options_.maxPixels),
+      scenes_(world, options_.mayFollow ? options_.registration : nullptr, options_.maxPixels),
       id_(options_.id),
       stills_(options_.stills),
       nextStats_(now) {}

@@ -60,6 +60,7 @@ struct SessionOptions {
     std::string id;  ///< of a new session; one that is resumed keeps its own
     SessionRegistration* registration =
         nullptr;                  ///< its entry in the register; empty = it has none, and follows nobody
+    bool mayFollow = true;        ///< others; what they show may be more than its client may see
     bool endsWithLeader = false;  ///< ends when the session that it follows does
     std::size_t window = maxUnacknowledgedFrames;  ///< frames that are drawn before one is acknowledged
     ResumeStore* resumable = nullptr;              ///< null = sessions cannot be resumed

@@ -60,6 +60,46 @@ describe('the page, when things go wrong', { timeout: 120_000 }, () => {
     assert.ok(!(await page.isVisible('#damage')));
   });
 
+  it("takes a guest's link out of the address, looks by it, and says when it is over", async () => {
+    server.token = 'the.pass';
+    server.guestLink = 'scg1.the.link';
+    await open('#guest=scg1.the.link&method=ewa');
+    await waitUntilSharp(page);
+    assert.equal(new URL(page.url()).hash, '#method=ewa');
+    assert.ok(!(await page.evaluate(() => JSON.stringify(history.state) + document.documentElement.outerHTML)).includes('scg1'));
+    assert.ok(server.received.some((message) => message.type === 'view' && message.method === 'ewa'), 'the rest is a view');
+    await page.reload();
+    await waitUntilSharp(page);
+    const exchanges = () => server.received.filter((message) => message.type === 'guest-session').length;
+    assert.equal(exchanges(), 2, 'the tab still has it');
+    // A tab that was asleep: its pass is over, and so is its line.
+    server.token = 'another.pass';
+    session().socket.destroy();
+    await page.waitForFunction((before) => document.getElementById('picture').dataset.frame !== before, await page.getAttribute('#picture', 'data-frame'));
+    await waitUntilSharp(page);
+    assert.equal(exchanges(), 3);
+    server.guestLink = 'none';
+    session().socket.destroy();
+    await coverSays('This link is not good any more');
+    await page.fill('#token', server.token);
+    await page.keyboard.press('Enter');
+    await waitUntilSharp(page);
+    assert.equal(exchanges(), 4, 'no guest any more');
+  });
+
+  it('renews a pass before it ends', async () => {
+    server.token = 'the.pass';
+    server.guestLink = 'scg1.the.link';
+    server.passSeconds = 1;
+    await open('#guest=scg1.the.link');
+    await waitUntilSharp(page);
+    const exchanges = () => server.received.filter((message) => message.type === 'guest-session').length;
+    assert.equal(exchanges(), 1);
+    const end = Date.now() + 20_000;
+    while (exchanges() < 2 && Date.now() < end) await new Promise((done) => setTimeout(done, 50));
+    assert.equal(exchanges(), 2);
+  });
+
   it('asks for a token, says when it is wrong, and takes it along everywhere but in addresses', async () => {
     server.token = 'a+token/with=signs?';
     await open();

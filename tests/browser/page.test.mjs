@@ -3,7 +3,10 @@
 // Oracle of most of these: pictures are deterministic, so the same view is the same pixels, and another view is not.
 
 import assert from 'node:assert/strict';
-import { readFileSync } from 'node:fs';
+import { execFileSync } from 'node:child_process';
+import { mkdtempSync, readFileSync, rmSync, writeFileSync } from 'node:fs';
+import { tmpdir } from 'node:os';
+import { basename, join } from 'node:path';
 import { after, before, describe, it } from 'node:test';
 
 import { differing, drag, openPage, pixels, seriousComplaints, startBrowser, waitUntilSharp } from './support/browser.mjs';
@@ -219,4 +222,29 @@ describe('the page', { timeout: 240_000 }, () => {
     await waitUntilSharp(page);
     assert.ok(differing(seen, await pixels(page)) <= sameAtMost, 'another view came back');
   }));
+
+  it("shows a guest the cloud of his link, and no other", async () => {
+    const folder = mkdtempSync(join(tmpdir(), 'scancast-guest-'));
+    const run = (...words) => execFileSync(program, words, { encoding: 'utf8', stdio: ['ignore', 'pipe', 'ignore'] }).trim();
+    const file = (name, text) => {
+      writeFileSync(join(folder, name), text, { mode: 0o600 });
+      return join(folder, name);
+    };
+    const keys = file('keys', run('token', 'guests'));
+    const closed = new RealServer(program, scans.files, ['--auth-token-file', file('tokens', run('token', 'alice')), '--guest-key-file', keys]);
+    try {
+      const address = await closed.start();
+      const id = scans.files.map((path) => basename(path).replace(/\.[^.]*$/, '')).at(-1);
+      const link = run('guest-link', '--key-file', keys, '--cloud', id, '--expires', '60m', '--url', address);
+      await withPage(async (page) => {
+        assert.equal(new URL(page.url()).hash, '');
+        assert.deepEqual(await page.$$eval('#cloud option', (options) => options.map((option) => option.value)), [id]);
+        await page.reload();
+        await waitUntilSharp(page);
+      }, undefined, link);
+    } finally {
+      await closed.stop();
+      rmSync(folder, { recursive: true });
+    }
+  });
 });

@@ -92,6 +92,35 @@ TEST_F(AccessTest, WithAWithdrawnTokenNothingIsAnsweredAndItsStreamsEnd) {
     EXPECT_EQ(request(port(), "/api/v1/clouds", {bearerOfBob}).status, 200);
 }
 
+TEST_F(AccessTest, WhoTriesTokensIsSlowedDownAndARightOneIsAlwaysLetIn) {
+    start();
+    const std::string wrong = "Authorization: Bearer wrong-0123456789";
+    for (int i = 0; i < 10; ++i) EXPECT_EQ(request(port(), "/api/v1/clouds", {wrong}).status, 401) << i;
+    const HttpReply slowed = request(port(), "/api/v1/methods", {wrong});
+    EXPECT_EQ(slowed.status, 429);
+    EXPECT_GT(std::stoi("0" + slowed.header("retry-after")), 0);
+    EXPECT_EQ(RawWebSocket(port(), "scancast.v1", {wrong}).status(), 429);
+    EXPECT_EQ(request(port(), "/api/v1/clouds").status, 401) << "no token is no try";
+    const HttpReply metrics = request(port(), "/metrics", {bearer});
+    EXPECT_EQ(metrics.status, 200) << "from the same address";
+    EXPECT_NE(metrics.body.find("\nscancast_failed_logins_total{reason=\"unknown\"} 12\n"),
+              std::string::npos);
+}
+
+TEST_F(AccessTest, OfAProxysClientsEachHasHisOwnTries) {
+    const std::vector<std::string> loopback{"127.0.0.1"};
+    options.proxies = *TrustedProxies::parse(loopback);
+    start();
+    const auto triedBy = [&](const std::string& client) {
+        return request(port(), "/api/v1/clouds",
+                       {"Authorization: Bearer wrong-0123456789", "X-Forwarded-For: " + client})
+            .status;
+    };
+    for (int i = 0; i < 10; ++i) EXPECT_EQ(triedBy("2001:db8::" + std::to_string(i)), 401) << i;
+    EXPECT_EQ(triedBy("2001:db8::ffff"), 429) << "a network of 64 bits is one client";
+    EXPECT_EQ(triedBy("192.0.2.7"), 401);
+}
+
 TEST_F(AccessTest, AllowedOriginsAreToldWhichHeadersTheyMaySend) {
     options.allowedOrigins = {"https://viewer.example"};
     start();

@@ -97,5 +97,35 @@ TEST_F(AdministrationProgramTest, AConfigurationFileIsCheckedAndServed) {
     EXPECT_THAT(lastError, HasSubstr("--auth-token-file"));
 }
 
+TEST_F(AdministrationProgramTest, AGuestLooksByALinkThatAnotherProgramMade) {
+    std::string keys, link, shown;
+    ASSERT_EQ(run({"scancast", "token", "guests-2026"}, &keys), 0) << lastError;
+    std::ofstream(folder / "keys") << keys;
+    fs::permissions(folder / "keys", fs::perms::owner_read | fs::perms::owner_write);
+    const auto server =
+        serve({file("first.las"), "--auth-token-file", file("admin"), "--guest-key-file", file("keys")});
+    ASSERT_TRUE(becomes("/readyz", 200)) << server->err();
+    const std::string address = "http://127.0.0.1:" + std::to_string(port) + "/";
+    const std::vector<std::string> make{"scancast", "guest-link", "--key-file", file("keys"),
+                                        "--url",    address,      "--expires",  "90m"};
+    const auto withCloud = [&](const std::string& cloud) {
+        auto command = make;
+        command.insert(command.end(), {"--cloud", cloud});
+        return command;
+    };
+    ASSERT_EQ(run(withCloud("first"), &link), 0) << lastError;
+    EXPECT_THAT(link, ::testing::StartsWith(address + "#guest=scg1."));
+    EXPECT_THAT(lastError, HasSubstr("good until"));
+    link.pop_back();
+    ASSERT_EQ(run({"scancast-client", "info", link}, &shown), 0) << lastError;
+    EXPECT_THAT(shown, HasSubstr("first"));
+    ASSERT_EQ(run(withCloud("second"), &link), 0) << lastError;
+    link.pop_back();
+    EXPECT_NE(run({"scancast-client", "snapshot", link, "--cloud", "first", "-o", file("x.jpg")}), 0);
+    EXPECT_NE(run({"scancast-client", "info", address}), 0) << "and nobody else";
+    EXPECT_EQ(run(withCloud("a/b")), 1);
+    EXPECT_THAT(lastError, HasSubstr("--cloud"));
+}
+
 }  // namespace
 }  // namespace scancast::test

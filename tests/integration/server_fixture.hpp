@@ -21,7 +21,8 @@ inline constexpr const char* onePicture = "/api/v1/clouds/one/snapshot.jpg?width
 /// A stream session as a client sees it.
 class StreamClient {
   public:
-    explicit StreamClient(std::uint16_t port) : socket(port) {}
+    explicit StreamClient(std::uint16_t port, const std::string& protocols = "scancast.v1")
+        : socket(port, protocols) {}
 
     bool say(const nlohmann::json& message) { return socket.text(message.dump()); }
     /// Says hello and takes the welcome.

@@ -1,4 +1,5 @@
 #include "client/cpp/program/command.hpp"
+#include "client/cpp/guest.hpp"
 #include "client/cpp/program/say.hpp"
 
 #include <cstdio>
@@ -10,7 +11,9 @@
 namespace scancast::client {
 
 void ServerFlags::addTo(CLI::App& app) {
-    app.add_option("URL", url, "The server, such as http://127.0.0.1:8080/")->required();
+    app.add_option("URL", url,
+                   "The server, such as http://127.0.0.1:8080/, or a guest's link to it: https://…/#guest=…")
+        ->required();
     app.add_option("--token-file", tokenFile, "File with the access token that the server asks for")
         ->type_name("FILE")
         ->envname("SCANCAST_TOKEN_FILE");
@@ -28,19 +31,27 @@ void ServerFlags::addTo(CLI::App& app) {
 }
 
 Expected<Server> ServerFlags::server() const {
-    const auto parsed = parseServerUrl(url);
-    if (!parsed) return passOn(parsed);
     const auto milliseconds = [](double seconds) {
         return std::chrono::milliseconds(static_cast<std::int64_t>(seconds * 1000) + 1);
     };
+    const Timeouts timeouts{milliseconds(connectSeconds), milliseconds(answerSeconds)};
+    if (isGuestLink(url)) {
+        if (!tokenFile.empty())
+            return fail(ErrorCode::InvalidArgument,
+                        "--token-file: a guest's link needs no token; give the one or the other.");
+        auto guest = enterAsGuest(url, timeouts, caFile);
+        if (!guest) return passOn(std::move(guest));
+        return Server(std::move(guest->url), timeouts, std::move(guest->credentials));
+    }
+    const auto parsed = parseServerUrl(url);
+    if (!parsed) return passOn(parsed);
     Credentials credentials{{}, caFile};
     if (!tokenFile.empty()) {
         auto token = readTokenFile(tokenFile);
         if (!token) return passOn(std::move(token));
         credentials.token = std::move(*token);
     }
-    return Server(*parsed, Timeouts{milliseconds(connectSeconds), milliseconds(answerSeconds)},
-                  std::move(credentials));
+    return Server(*parsed, timeouts, std::move(credentials));
 }
 
 int report(const Expected<void>& result) {

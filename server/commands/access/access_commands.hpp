@@ -6,5 +6,6 @@
 namespace scancast {
 
 void addToken(CLI::App& app, int& exitCode);
+void addGuestLink(CLI::App& app, int& exitCode);
 
 }  // namespace scancast

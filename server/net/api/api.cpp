@@ -2,10 +2,14 @@
 
 #include <fmt/format.h>
 
+#include <spdlog/spdlog.h>
+#include <algorithm>
 #include <cstdio>
+
 #include <nlohmann/json.hpp>
 #include <utility>
 
+#include "protocol/guests/guest.hpp"
 #include "protocol/json_text.hpp"
 #include "protocol/pick_request.hpp"
 #include "server/catalog/describe.hpp"
@@ -56,6 +60,19 @@ void sayDamaged(HttpResponse& response, std::uint32_t blocks) {
     response.set("Scancast-Damaged", std::to_string(blocks));
 }
 
+/// Nobody keeps what holds a token.
+HttpResponse asSecret(HttpResponse response) {
+    std::erase_if(response.headers, [](const auto& header) { return header.first == "Cache-Control"; });
+    response.set("Cache-Control", "no-store");
+    return response;
+}
+
+/// For clients whose clock goes wrong.
+std::int64_t secondsUntil(Grant::Time time) {
+    const auto left = time - std::chrono::system_clock::now();
+    return std::max<std::int64_t>(0, std::chrono::floor<std::chrono::seconds>(left).count());
+}
+
 HttpResponse refusal(Problem problem, const Routed& routed) {
     problem.instance = routed.path;
     return problemResponse(problem);
@@ -95,6 +112,7 @@ Api::Api(ApiOptions options, const Catalog& catalog, CloudAdmin& admin, const Se
     : options_(std::move(options)),
       probeRules_{options_.probesHost, {}, options_.origins.allowedHosts},
       access_(options_.tokens),
+      failedLogins_([](const std::string& line) { spdlog::warn("{}", line); }),
       catalog_(catalog),
       admin_(admin),
       sessions_(sessions),
@@ -111,6 +129,7 @@ struct Api::Answers {
     const HttpRequest& request;
     const Routed& routed;
     const std::stop_token& gone;
+    const VisibleClouds clouds_ = visibleTo(routed.grant.identity, api.catalog_);
 
     HttpResponse asset() const {
         HttpResponse response = fileResponse(request, *findAsset(routed.path));
@@ -123,7 +142,7 @@ struct Api::Answers {
 
     // What a GET would begin; its words are looked at, but no session is opened.
     HttpResponse mjpegHead() const {
-        if (const auto asked = mjpegRequest(request, routed, api.catalog_, api.options_.maxPixels); !asked)
+        if (const auto asked = mjpegRequest(request, routed, clouds_, api.options_.maxPixels); !asked)
             return refusal(asked.error(), routed);
         HttpResponse response;
         response.set("Content-Type", std::string(mjpegMediaType)).set("Cache-Control", "no-store");
@@ -133,7 +152,7 @@ struct Api::Answers {
 
     HttpResponse clouds() const {
         if (request.method == "POST") return addCloud();
-        return jsonResponse(cloudListJson(api.catalog_.list()));
+        return jsonResponse(cloudListJson(clouds_.list()));
     }
 
     HttpResponse addCloud() const {
@@ -141,7 +160,7 @@ struct Api::Answers {
         if (!asked) return refusal(problemOf(asked.error()), routed);
         const auto id = api.admin_.add(*asked);
         if (!id) return refusal(id.error(), routed);
-        const auto entry = api.catalog_.find(*id);
+        const auto entry = clouds_.find(*id);
         HttpResponse response = jsonResponse(entry ? cloudJson(*entry) : nlohmann::json{{"id", *id}});
         response.status = 202;
         response.set("Location", "/api/v1/clouds/" + *id);
@@ -150,7 +169,7 @@ struct Api::Answers {
 
     // The query's words are those of a snapshot; its camera has no part in it.
     HttpResponse cloudViews() const {
-        const auto cloud = api.catalog_.cloud(routed.id);
+        const auto cloud = clouds_.cloud(routed.id);
         if (!cloud) return refusal(cloud.error(), routed);
         const auto planned = viewOfQuery(**cloud, routed.query, api.options_.maxPixels);
         if (!planned) return refusal(problemOf(planned.error()), routed);
@@ -164,6 +183,38 @@ struct Api::Answers {
         HttpResponse response;
         response.status = 204;
         return response;
+    }
+
+    HttpResponse guestLink() const {
+        const auto asked = parseGuestLinkRequest(request.body);
+        if (!asked) return refusal(problemOf(asked.error()), routed);
+        if (!clouds_.find(asked->cloud)) return refusal(noSuchCloud(asked->cloud), routed);
+        const auto link = api.access_.guestLink(asked->cloud, std::chrono::seconds(asked->seconds));
+        if (!link) {
+            const bool hasNoKey = link.error().code == ErrorCode::Unsupported;
+            return refusal(problemOf(hasNoKey ? 409 : 503, link.error().message), routed);
+        }
+        HttpResponse response = jsonResponse({{"token", link->token},
+                                              {"cloud", asked->cloud},
+                                              {"expires", utcText(link->until)},
+                                              {"path", guestPath(link->token)}});
+        return asSecret(std::move(response));
+    }
+
+    HttpResponse guestSession() const {
+        const auto token = parseGuestSessionRequest(request.body);
+        if (!token) return refusal(problemOf(token.error()), routed);
+        auto pass = api.access_.guestPass(*token);
+        if (!pass) {
+            LoginRefusal& refused = pass.error();
+            return api.loginFailed(request, *refused.failure, std::move(refused.response));
+        }
+        HttpResponse response = jsonResponse({{"token", pass->token},
+                                              {"cloud", pass->cloud},
+                                              {"expires", utcText(pass->expires)},
+                                              {"linkExpires", utcText(pass->until)},
+                                              {"expiresInSeconds", secondsUntil(pass->expires)}});
+        return asSecret(std::move(response));
     }
 
     HttpResponse ready() const {
@@ -187,9 +238,9 @@ struct Api::Answers {
 
     HttpResponse cloud() const {
         if (request.method == "DELETE") return removeCloud();
-        const auto entry = api.catalog_.find(routed.id);
+        const auto entry = clouds_.find(routed.id);
         if (entry && entry->state != CloudState::Failed) return jsonResponse(cloudJson(*entry));
-        return refusal(api.catalog_.cloud(routed.id).error(), routed);
+        return refusal(clouds_.cloud(routed.id).error(), routed);
     }
 
     void sessionView(Respond respond) const {
@@ -224,7 +275,7 @@ struct Api::Answers {
 
     void snapshot(Respond respond) const {
         const auto refuse = [&](Problem problem) { respond(refusal(std::move(problem), routed)); };
-        auto cloud = api.catalog_.cloud(routed.id);
+        auto cloud = clouds_.cloud(routed.id);
         if (!cloud) return refuse(std::move(cloud.error()));
         const auto format = requestedFormat(request, routed.route);
         if (!format) return refuse(format.error());
@@ -237,7 +288,7 @@ struct Api::Answers {
             return refuse(problemOf(503, "The rendering device is not available."));
         }
         const auto headBy = [cloud = *cloud, view, planned = *planned, format = *format,
-                             live = api.catalog_.isLive(routed.id),
+                             live = clouds_.isLive(routed.id),
                              version = api.options_.version](const DeviceInfo& drawnBy) {
             return pictureResponse(format, *planned, pictureTag(*cloud, view, format, drawnBy, version),
                                    live);
@@ -304,7 +355,7 @@ struct Api::Answers {
 
     void pick(Respond respond) const {
         const auto refuse = [&](Problem problem) { respond(refusal(std::move(problem), routed)); };
-        auto cloud = api.catalog_.cloud(routed.id);
+        auto cloud = clouds_.cloud(routed.id);
         if (!cloud) return refuse(std::move(cloud.error()));
         const auto asked = parsePickRequest(request.body);
         if (!asked) return refuse(problemOf(asked.error()));
@@ -372,6 +423,10 @@ void Api::answer(const HttpRequest& request, const Routed& routed, Respond respo
             return answers.snapshot(std::move(respond));
         case Route::Pick:
             return answers.pick(std::move(respond));
+        case Route::GuestLinks:
+            return respond(answers.guestLink());
+        case Route::GuestSession:
+            return respond(answers.guestSession());
         case Route::Stream:
             break;
     }

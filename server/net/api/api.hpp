@@ -8,6 +8,7 @@
 #include <stop_token>
 #include <string>
 
+#include "server/access/failed_logins.hpp"
 #include "server/base/metrics.hpp"
 #include "server/catalog/catalog.hpp"
 #include "server/catalog/cloud_admin.hpp"
@@ -75,9 +76,13 @@ class Api {
   private:
     struct Answers;  ///< what each route answers, in api.cpp
 
+    /// Counts a token that let nobody in, and says so in the log. The answer to it: that one, or 429 to who tries too often.
+    HttpResponse loginFailed(const HttpRequest& request, LoginFailure why, HttpResponse answer) const;
+
     const ApiOptions options_;
     const OriginRules probeRules_;
     Access access_;
+    mutable FailedLogins failedLogins_;
     const Catalog& catalog_;
     CloudAdmin& admin_;
     const SessionRegister& sessions_;

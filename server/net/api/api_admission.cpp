@@ -77,7 +77,11 @@ tl::expected<Routed, HttpResponse> Api::admit(const HttpRequest& request, Entran
     if (isPublic && isPreflight(request) && isAllowedOrigin(request.header("origin"), rules))
         return tl::unexpected(preflightResponse(routed->route));
     auto grant = access_.check(request, routed->route);
-    if (!grant) return passOn(std::move(grant));
+    if (!grant) {
+        LoginRefusal& refused = grant.error();
+        if (!refused.failure) return tl::unexpected(std::move(refused.response));
+        return tl::unexpected(loginFailed(request, *refused.failure, std::move(refused.response)));
+    }
     routed->grant = std::move(*grant);
     const std::string allowed(infoOf(routed->route).methods);
     if ((", " + allowed + ",").find(" " + request.method + ",") == std::string::npos) {
@@ -90,6 +94,16 @@ tl::expected<Routed, HttpResponse> Api::admit(const HttpRequest& request, Entran
         if (auto json = checkJsonBody(request); !json) return refuse(json.error());
     }
     return std::move(*routed);
+}
+
+HttpResponse Api::loginFailed(const HttpRequest& request, LoginFailure why, HttpResponse answer) const {
+    metrics_.loginFailed(why);
+    const auto wait = failedLogins_.failed(request.client, why, std::chrono::steady_clock::now());
+    if (!wait) return answer;
+    HttpResponse response = problemResponse(problemOf(
+        429, "Too many wrong tokens have come from this address; a right one is let in all the same."));
+    response.set("Retry-After", std::to_string(wait->count()));
+    return response;
 }
 
 void Api::complete(const HttpRequest& request, std::string_view routePattern, HttpResponse& response,

@@ -51,14 +51,14 @@ Expected<WordValues> takeStreamWords(std::string_view query, messages::Hello& he
 }  // namespace
 
 tl::expected<MjpegRequest, Problem> mjpegRequest(const HttpRequest& request, const Routed& routed,
-                                                 const Catalog& catalog, std::uint64_t maxPixels) {
+                                                 const VisibleClouds& clouds, std::uint64_t maxPixels) {
     const auto refuse = [](const Error& error) { return tl::unexpected(problemOf(error)); };
     const std::string accept = request.header("accept");
     if (!accepts(accept, "multipart/x-mixed-replace") && !accepts(accept, "image/jpeg")) {
         return tl::unexpected(problemOf(
             406, "This address answers with multipart/x-mixed-replace, which the Accept header rules out."));
     }
-    const auto cloud = catalog.cloud(routed.id);
+    const auto cloud = clouds.cloud(routed.id);
     if (!cloud) return passOn(cloud);
     MjpegRequest asked;
     const auto words = takeStreamWords(routed.query, asked.hello);

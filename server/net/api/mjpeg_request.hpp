@@ -5,7 +5,7 @@
 #include <optional>
 
 #include "protocol/messages.hpp"
-#include "server/catalog/catalog.hpp"
+#include "server/catalog/visible_clouds.hpp"
 #include "server/net/api/http_message.hpp"
 #include "server/net/api/router.hpp"
 
@@ -22,6 +22,6 @@ struct MjpegRequest {
 /// Problems: 406; 404 and 503 of the catalog; those of viewOfWords(); 400 for words beside `session` but
 /// width, height and fps.
 tl::expected<MjpegRequest, Problem> mjpegRequest(const HttpRequest& request, const Routed& routed,
-                                                 const Catalog& catalog, std::uint64_t maxPixels);
+                                                 const VisibleClouds& clouds, std::uint64_t maxPixels);
 
 }  // namespace scancast

@@ -31,10 +31,17 @@ enum class Route : std::uint8_t {
     Stream,
     Sessions,
     SessionView,
+    GuestLinks,
+    GuestSession,
 };
 
 /// Whose token a request needs, where the server was started with tokens.
-enum class Need : std::uint8_t { Nothing, Token, Admin };
+enum class Need : std::uint8_t {
+    Nothing,
+    Guest,  ///< a guest's, or a user's
+    Token,  ///< a user's
+    Admin,
+};
 
 struct RouteInfo {
     Route route;
@@ -49,23 +56,26 @@ struct RouteInfo {
 inline constexpr std::array routes{
     // The page and what belongs to it; it has to be there to ask for the token.
     RouteInfo{Route::Asset, "/", "GET, HEAD", Need::Nothing, false},
-    RouteInfo{Route::OpenApi, "/openapi.json", "GET, HEAD", Need::Token, true},
+    RouteInfo{Route::OpenApi, "/openapi.json", "GET, HEAD", Need::Guest, true},
     RouteInfo{Route::Health, "/healthz", "GET, HEAD", Need::Nothing, false},
     RouteInfo{Route::Ready, "/readyz", "GET, HEAD", Need::Nothing, false},
     RouteInfo{Route::Metrics, "/metrics", "GET, HEAD", Need::Token, false},
-    RouteInfo{Route::Clouds, "/api/v1/clouds", "GET, HEAD, POST", Need::Token, true, "POST"},
-    RouteInfo{Route::Cloud, "/api/v1/clouds/{id}", "GET, HEAD, DELETE", Need::Token, true, "DELETE"},
-    RouteInfo{Route::CloudViews, "/api/v1/clouds/{id}/views", "GET, HEAD", Need::Token, true},
-    RouteInfo{Route::Methods, "/api/v1/methods", "GET, HEAD", Need::Token, true},
-    RouteInfo{Route::SnapshotJpeg, "/api/v1/clouds/{id}/snapshot.jpg", "GET, HEAD", Need::Token, false},
-    RouteInfo{Route::SnapshotPng, "/api/v1/clouds/{id}/snapshot.png", "GET, HEAD", Need::Token, false},
+    RouteInfo{Route::Clouds, "/api/v1/clouds", "GET, HEAD, POST", Need::Guest, true, "POST"},
+    RouteInfo{Route::Cloud, "/api/v1/clouds/{id}", "GET, HEAD, DELETE", Need::Guest, true, "DELETE"},
+    RouteInfo{Route::CloudViews, "/api/v1/clouds/{id}/views", "GET, HEAD", Need::Guest, true},
+    RouteInfo{Route::Methods, "/api/v1/methods", "GET, HEAD", Need::Guest, true},
+    RouteInfo{Route::SnapshotJpeg, "/api/v1/clouds/{id}/snapshot.jpg", "GET, HEAD", Need::Guest, false},
+    RouteInfo{Route::SnapshotPng, "/api/v1/clouds/{id}/snapshot.png", "GET, HEAD", Need::Guest, false},
     // Accept chooses the format.
-    RouteInfo{Route::Snapshot, "/api/v1/clouds/{id}/snapshot", "POST", Need::Token, false},
-    RouteInfo{Route::Pick, "/api/v1/clouds/{id}/pick", "POST", Need::Token, true},
-    RouteInfo{Route::StreamMjpeg, "/api/v1/clouds/{id}/stream.mjpg", "GET, HEAD", Need::Token, false},
-    RouteInfo{Route::Stream, "/api/v1/stream", "GET, HEAD", Need::Token, false},
+    RouteInfo{Route::Snapshot, "/api/v1/clouds/{id}/snapshot", "POST", Need::Guest, false},
+    RouteInfo{Route::Pick, "/api/v1/clouds/{id}/pick", "POST", Need::Guest, true},
+    RouteInfo{Route::StreamMjpeg, "/api/v1/clouds/{id}/stream.mjpg", "GET, HEAD", Need::Guest, false},
+    RouteInfo{Route::Stream, "/api/v1/stream", "GET, HEAD", Need::Guest, false},
     RouteInfo{Route::Sessions, "/api/v1/sessions", "GET, HEAD", Need::Admin, true},
     RouteInfo{Route::SessionView, "/api/v1/sessions/{id}/view", "POST", Need::Token, true},
+    RouteInfo{Route::GuestLinks, "/api/v1/guest-links", "POST", Need::Admin, true},
+    // The link's token is in the body.
+    RouteInfo{Route::GuestSession, "/api/v1/guest-session", "POST", Need::Nothing, true},
 };
 constexpr const RouteInfo& infoOf(Route route) {
     return routes[std::size_t(route)];

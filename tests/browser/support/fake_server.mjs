@@ -204,6 +204,8 @@ export class FakeServer {
   frameDelay = 12;
   damaged = false; // blocks of its clouds cannot be read
   token = ''; // asked for, when there is one
+  guestLink = ''; // what stands in the link of a guest, whose pass is the token
+  passSeconds = 3600;
   received = []; // every message of every client
   sessions = new Set();
   #http;
@@ -223,6 +225,15 @@ export class FakeServer {
     await new Promise((done) => this.#http.close(done));
   }
 
+  async #guestSession(request, reply, json) {
+    let body = '';
+    for await (const part of request) body += part;
+    this.received.push({ type: 'guest-session', token: JSON.parse(body).token });
+    if (JSON.parse(body).token === this.guestLink)
+      return json({ token: this.token, cloud: this.clouds[0].id, expiresInSeconds: this.passSeconds });
+    return reply(401, 'application/problem+json', JSON.stringify(problem(401, 'Unauthorized', "The guest's time is over.")));
+  }
+
   #upgrade(request, socket) {
     const offered = (request.headers['sec-websocket-protocol'] ?? '').split(', ');
     const bearer = `base64url.bearer.authorization.${Buffer.from(this.token).toString('base64url')}`;
@@ -240,6 +251,7 @@ export class FakeServer {
       response.end(body);
     };
     const json = (body) => reply(200, 'application/json', JSON.stringify(body));
+    if (pathname === '/api/v1/guest-session') return this.#guestSession(request, reply, json);
     if (this.token && pathname.startsWith('/api/') && request.headers.authorization !== `Bearer ${this.token}`) {
       return reply(401, 'application/problem+json', JSON.stringify(problem(401, 'Unauthorized', 'A token is needed.')));
     }

@@ -8,18 +8,20 @@ const stopMs = 10_000;
 export class RealServer {
   #program;
   #files;
+  #flags;
   #child;
   #log = '';
   port = 0;
 
-  constructor(program, files) {
+  constructor(program, files, flags = []) {
     this.#program = program;
     this.#files = files;
+    this.#flags = flags;
   }
 
   /** Returns the URL that it prints. */
   async start() {
-    this.#child = spawn(this.#program, ['serve', ...this.#files, '--port', String(this.port)], { stdio: ['ignore', 'pipe', 'pipe'] });
+    this.#child = spawn(this.#program, ['serve', ...this.#files, '--port', String(this.port), ...this.#flags], { stdio: ['ignore', 'pipe', 'pipe'] });
     this.#child.stderr.on('data', (data) => { this.#log = (this.#log + data).slice(-4000); });
     const url = await new Promise((done, failed) => {
       const timer = setTimeout(() => failed(this.#error('said no address in time')), startMs);

@@ -6,6 +6,7 @@ import { describe, it } from 'node:test';
 import { base64url } from '../../../client/web/access.js';
 import { wheelPixels } from '../../../client/web/camera_input.js';
 import { closeWords } from '../../../client/web/connection.js';
+import { guestOf, renewIn } from '../../../client/web/guest.js';
 import { amount, FrameClock } from '../../../client/web/hud.js';
 import { labelOf, sliderScale } from '../../../client/web/parameter_fields.js';
 import { pictureSize } from '../../../client/web/picture.js';
@@ -14,6 +15,19 @@ import { backOff } from '../../../client/web/session.js';
 describe('base64url', () => {
   it('is what Node makes of it, whatever the length', () => {
     for (const text of ['', 'a', 'ab', 'abc', '+/=?~', 'ÿ€']) assert.equal(base64url(text), Buffer.from(text).toString('base64url'));
+  });
+});
+
+describe("a guest's link", () => {
+  it('is told from the rest of the hash', () => {
+    assert.deepEqual(guestOf('#guest=abc'), { token: 'abc', rest: '' });
+    assert.deepEqual(guestOf('#cloud=a&guest=scg1.x_-.y&eye=1,2,3'), { token: 'scg1.x_-.y', rest: '#cloud=a&eye=1,2,3' });
+    for (const hash of ['', '#', '#guest=', '#cloud=guest', '#myguest=a', '#cloud=a&eye=1']) assert.equal(guestOf(hash), undefined);
+  });
+  it('is renewed well before its pass ends', () => {
+    assert.equal(renewIn(3600), 2_880_000);
+    assert.equal(renewIn(1), 5000);
+    assert.ok(renewIn(1e12) < 2 ** 31, 'what a timer can wait');
   });
 });
 

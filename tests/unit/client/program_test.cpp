@@ -73,6 +73,8 @@ TEST_F(Program, ErrorsAreSentencesAndExitCodeOne) {
              {"info nonsense", "write something like http://127.0.0.1:8080/"},
              {"info https://localhost/ --ca-file /no/such.pem", "/no/such.pem"},
              {"info http://localhost/ --token-file /no/such.token", "/no/such.token"},
+             {"info " + nobody + "/#guest=scg1.a --token-file /no/such.token", "give the one or the other"},
+             {"info " + nobody + "/#guest=scg1.a", "start one with `scancast serve FILE`"},
              {"snapshot " + nobody + " -o picture.bmp", "does not end in .jpg or .png"},
              {"snapshot " + nobody + " --param size -o a.jpg", "NAME=VALUE"}}) {
         const auto outcome = run(arguments);

@@ -18,6 +18,7 @@ TEST(Metrics, NamesAndUnitsOfTheProtocol) {
     metrics.setConnections(12);
     metrics.connectionRefused(ConnectionRefusal::Address);
     metrics.connectionDisplaced();
+    metrics.loginFailed(LoginFailure::Unknown);
     metrics.setPointsResident(1234);
     metrics.setPicturesAwaited(3);
     metrics.httpRequest("/api/v1/clouds/{id}", 404);
@@ -35,6 +36,8 @@ TEST(Metrics, NamesAndUnitsOfTheProtocol) {
              "scancast_connections_refused_total{reason=\"address\"} 1",
              "scancast_connections_refused_total{reason=\"full\"} 0",
              "scancast_connections_displaced_total 1",
+             "scancast_failed_logins_total{reason=\"unknown\"} 1",
+             "scancast_failed_logins_total{reason=\"expired\"} 0",
              "scancast_points_resident 1234",
              "scancast_pictures_awaited 3",
              "scancast_http_requests_total{code=\"404\",route=\"/api/v1/clouds/{id}\"} 1",

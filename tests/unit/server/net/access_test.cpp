@@ -23,7 +23,7 @@ HttpRequest with(const std::string& header, const std::string& value) {
 
 int status(const Access& access, const HttpRequest& request, Route route = Route::Clouds) {
     const auto checked = access.check(request, route);
-    return checked ? 200 : checked.error().status;
+    return checked ? 200 : checked.error().response.status;
 }
 
 TEST(Access, WithoutATokenNobodyIsAsked) {
@@ -78,11 +78,11 @@ TEST(Access, ThePageAndItsHealthNeedNone) {
 
 TEST(Access, RefusalsSayHowAndNothingOfTheToken) {
     const Access access(tokens(user));
-    const HttpResponse missing = access.check({}, Route::Clouds).error();
+    const HttpResponse missing = access.check({}, Route::Clouds).error().response;
     EXPECT_EQ(*missing.find("WWW-Authenticate"), R"(Bearer realm="scancast")");
     EXPECT_EQ(*missing.find("Content-Type"), "application/problem+json");
     const HttpResponse wrong =
-        access.check(with("authorization", "Bearer wrong-token"), Route::Clouds).error();
+        access.check(with("authorization", "Bearer wrong-token"), Route::Clouds).error().response;
     EXPECT_NE(wrong.find("WWW-Authenticate")->find("invalid_token"), std::string::npos);
     EXPECT_EQ(wrong.text.find("wrong-token"), std::string::npos);
 }
@@ -97,8 +97,20 @@ TEST(Access, AWebSocketBringsItAsASubprotocol) {
     EXPECT_EQ(status(access, offering(user), Route::Clouds), 401) << "for streams only";
 }
 
-std::string nameOf(const tl::expected<Grant, HttpResponse>& checked) {
+std::string nameOf(const tl::expected<Grant, LoginRefusal>& checked) {
     return checked ? checked->identity.name : "refused";
+}
+
+TEST(Access, AFailureIsAboutATokenThatCame) {
+    const Access access(tokens(user, admin));
+    const auto failure = [&](const HttpRequest& request, Route route = Route::Clouds) {
+        return access.check(request, route).error().failure;
+    };
+    EXPECT_EQ(failure({}), std::nullopt);
+    EXPECT_EQ(failure(with("authorization", "Bearer wrong-token")), LoginFailure::Unknown);
+    EXPECT_EQ(failure(with("authorization", "Basic abc")), LoginFailure::Malformed);
+    EXPECT_EQ(failure(with("authorization", "Bearer " + user), Route::Sessions), std::nullopt)
+        << "known, and not enough";
 }
 
 TEST(Access, SaysWhoseTokenItWas) {

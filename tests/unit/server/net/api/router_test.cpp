@@ -29,6 +29,8 @@ TEST(Router, EveryRoute) {
         {"/api/v1/stream", Route::Stream},
         {"/api/v1/sessions", Route::Sessions},
         {"/api/v1/sessions/s1/view", Route::SessionView},
+        {"/api/v1/guest-links", Route::GuestLinks},
+        {"/api/v1/guest-session", Route::GuestSession},
         {"/openapi.json", Route::OpenApi},
         {"/clouds", Route::Clouds},
         {"/clouds/town", Route::Cloud},
@@ -97,6 +99,7 @@ std::string fileText(const char* name) {
 nlohmann::json securityOf(Need need) {
     if (need == Need::Nothing) return nlohmann::json::array();
     if (need == Need::Admin) return {{{"adminToken", nlohmann::json::array()}}};
+    if (need == Need::Token) return {nlohmann::json::object(), {{"token", nlohmann::json::array()}}};
     return {};
 }
 

@@ -9,6 +9,7 @@ import os
 import re
 import shutil
 import socket
+import ssl
 import subprocess
 import sys
 import tempfile
@@ -65,11 +66,29 @@ class Echo(http.server.BaseHTTPRequestHandler):
         pass
 
 
+class SignedIn(http.server.BaseHTTPRequestHandler):
+    """In oauth2-proxy's place: who has the cookie is signed in. Keeps the heads of all that it was asked."""
+    heads = []
+
+    def do_GET(self):
+        SignedIn.heads.append((self.path, str(self.headers)))
+        known = "_oauth2_proxy=good" in self.headers.get("Cookie", "")
+        status = (202 if known else 401) if self.path == "/oauth2/auth" else 200
+        self.send_response(status)
+        self.send_header("Content-Length", "7")
+        self.end_headers()
+        self.wfile.write(b"sign in")
+
+    def log_message(self, *arguments):
+        pass
+
+
 class Nginx(unittest.TestCase):
     def setUp(self):
         folder = tempfile.TemporaryDirectory()
         self.addCleanup(folder.cleanup)
         self.folder = folder.name
+        self.include = None
 
     def serve(self):
         scan, log = os.path.join(self.folder, "ball.las"), open(os.path.join(self.folder, "log"), "w")
@@ -93,6 +112,10 @@ class Nginx(unittest.TestCase):
             self.assertEqual(text.count(pattern), 1, f"{pattern} stands in the file once")
             text = text.replace(pattern, value)
         text = text.replace("server_name scans.example.org", "server_name localhost")
+        line = "# include /etc/nginx/scancast-oauth2-proxy.conf;"
+        self.assertEqual(text.count(line), 1)
+        if self.include:
+            text = text.replace(line, f"include {self.include};")
         site, main = os.path.join(self.folder, "site.conf"), os.path.join(self.folder, "nginx.conf")
         with open(site, "w") as file:
             file.write(text)
@@ -103,6 +126,21 @@ class Nginx(unittest.TestCase):
                        f"events {{}}\nhttp {{\naccess_log off;\n{temporary}include {site};\n}}\n")
         self.certificate = certificate
         return main
+
+    def sign_in_by(self, proxy, token):
+        """Has the site's file include oauth2-proxy.conf, with the lines changed that it says are to be changed."""
+        text = text_of("deploy", "nginx", "oauth2-proxy.conf")
+        path, secret = os.path.join(self.folder, "oauth2-proxy.conf"), os.path.join(self.folder, "token.conf")
+        self.assertEqual(text.count("proxy_pass http://127.0.0.1:4180;"), 2)
+        text = text.replace("http://127.0.0.1:4180;", "http://%s:%d;" % proxy)
+        self.assertEqual(text.count("include /etc/nginx/scancast-token.conf;"), 1)
+        text = text.replace("/etc/nginx/scancast-token.conf", secret)
+        self.assertIn('#     proxy_set_header Authorization "Bearer THE-TOKEN";\n', text)
+        with open(path, "w") as file:
+            file.write(text)
+        with open(secret, "w") as file:
+            file.write(f'proxy_set_header Authorization "Bearer {token}";\n')
+        self.include = path
 
     def start(self, upstream):
         """nginx before that address; returns the URLs of both its servers, https first."""
@@ -172,6 +210,62 @@ class Nginx(unittest.TestCase):
             status = run("curl", "-sS", "-o", os.devnull, "-w", "%{http_code}", "--cacert", self.certificate, "--interface", client,
                          "-H", f"X-Forwarded-For: {says}", "-H", f"Forwarded: for={says}", url + "/healthz")
             self.assertEqual(status, expected, client)
+
+    def test_who_has_signed_in_needs_no_token(self):
+        tokens, scan = os.path.join(self.folder, "tokens"), os.path.join(self.folder, "ball.las")
+        program = os.path.join(PROGRAMS, "scancast")
+        run(program, "generate", "sphere", "--points", "20000", "-o", scan, "--quiet")
+        line, other = run(program, "token", "nginx"), run(program, "token", "somebody")
+        with open(os.open(tokens, os.O_WRONLY | os.O_CREAT, 0o600), "w") as file:
+            file.write(line + other)
+        with open(os.path.join(self.folder, "log"), "w") as log:
+            server = subprocess.Popen([program, "serve", scan, "--port", "0", "--auth-token-file", tokens, "--trusted-proxy",
+                                       "127.0.0.1"], stdout=subprocess.PIPE, stderr=log, text=True)
+        self.addCleanup(server.stdout.close)
+        self.addCleanup(server.wait, 30)
+        self.addCleanup(server.terminate)
+        address = "127.0.0.1", int(re.search(r"http://127.0.0.1:(\d+)", server.stdout.readline())[1])
+        proxy = http.server.ThreadingHTTPServer(("127.0.0.1", 0), SignedIn)
+        threading.Thread(target=proxy.serve_forever, daemon=True).start()
+        self.addCleanup(proxy.server_close)
+        self.addCleanup(proxy.shutdown)
+        self.sign_in_by(proxy.server_address, line.split()[1])
+        url, _ = self.start(address)
+
+        def ask(path, *more):
+            shown = run("curl", "-sS", "--cacert", self.certificate, "-D", "-", "--max-time", str(PATIENCE), *more, url + path)
+            return int(shown.split()[1]), shown
+
+        cookie = ("-H", "Cookie: _oauth2_proxy=good")
+        patient_until = time.monotonic() + PATIENCE
+        while ask("/readyz", *cookie)[0] != 200:
+            self.assertLess(time.monotonic(), patient_until, "the cloud is there")
+            time.sleep(0.1)
+        for path in ("/", "/main.js", "/openapi.json"):
+            status, shown = ask(path)
+            self.assertEqual(status, 302, path)
+            self.assertRegex(shown, r"(?i)location: \S*/oauth2/sign_in\?rd=" + path)
+            self.assertEqual(ask(path, *cookie)[0], 200, path)
+        self.assertIn("sign in", ask("/oauth2/sign_in?rd=/")[1])
+        self.assertEqual(ask("/healthz")[0], 200)
+        for path in ("/api/v1/clouds", "/api/v1/clouds/ball/snapshot.jpg?width=32&height=16", "/api/v1/stream"):
+            self.assertEqual(ask(path, "-o", os.devnull)[0], 401, path)
+            # Neither a cookie that is none nor somebody's own token gets past.
+            self.assertEqual(ask(path, "-o", os.devnull, "-H", "Cookie: _oauth2_proxy=bad", "-H",
+                                 "Authorization: Bearer " + other.split()[1])[0], 401, path)
+        self.assertIn('"ball"', ask("/api/v1/clouds", *cookie, "-H", "Authorization: Bearer what-a-client-says")[1])
+        self.assertEqual(ask("/api/v1/clouds/ball/snapshot.jpg?width=32&height=16", "-o", os.devnull, *cookie)[0], 200)
+        self.assertEqual(ask("/api/v1/sessions", "-o", os.devnull, *cookie)[0], 403, "who has signed in does not administer")
+        # A WebSocket, as a page without a token opens it.
+        port = int(url.rsplit(":", 1)[1])
+        trusting = ssl.create_default_context(cafile=self.certificate)
+        with socket.create_connection(("127.0.0.1", port), PATIENCE) as plain, \
+                trusting.wrap_socket(plain, server_hostname="localhost") as opening:
+            opening.sendall((f"GET /api/v1/stream HTTP/1.1\r\nHost: localhost:{port}\r\nUpgrade: websocket\r\nConnection: Upgrade\r\n"
+                             "Sec-WebSocket-Version: 13\r\nSec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\n"
+                             "Sec-WebSocket-Protocol: scancast.v1\r\nCookie: _oauth2_proxy=good\r\n\r\n").encode())
+            self.assertIn(b" 101 ", opening.makefile("rb").readline())
+        self.assertNotIn(line.split()[1], str(SignedIn.heads), "oauth2-proxy never sees Scancast's token")
 
     def stream(self, url, until=b"Scancast-Kind: final", client="127.0.0.3", keep=False):
         """An MJPEG stream up to its final still: nothing may be held back, since nothing comes behind it."""

@@ -44,7 +44,8 @@ class OpenApiTest : public ServerTest {
         std::ofstream(folder / "scans" / "church.las") << "a scan";
         options.dataRoot = folder;
         options.tokens.admins = {{"admin", admin}};
-        options.tokens.guestKeys = {{"guests", "vN4xT0qLr8Yk-5WcZsHd_2GmPfJ7uBaE"}};  // that signed the example
+        options.tokens.guestKeys = {
+            {"guests", "vN4xT0qLr8Yk-5WcZsHd_2GmPfJ7uBaE"}};  // that signed the example
         start();
         for (const char* id : {"town", "old-town"})
             server->catalog().setReady(server->catalog().add(id), one);

@@ -8,6 +8,7 @@
 #include <cerrno>
 
 #include "files/system_error.hpp"
+#include "files/uninterrupted.hpp"
 
 namespace scancast {
 
@@ -37,10 +38,7 @@ tl::unexpected<Error> failedToOpen(const std::filesystem::path& name, int error)
 }
 
 Expected<InputFile> InputFile::open(const std::filesystem::path& path) {
-    UniqueFd fd;
-    do {
-        fd.reset(::open(path.c_str(), inputFlags));
-    } while (!fd && errno == EINTR);
+    UniqueFd fd(uninterrupted([&] { return ::open(path.c_str(), inputFlags); }));
     if (!fd) return failedToOpen(path, errno);
     return adopt(std::move(fd), path);
 }

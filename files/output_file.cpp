@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "files/system_error.hpp"
+#include "files/uninterrupted.hpp"
 
 namespace scancast {
 namespace {
@@ -16,7 +17,7 @@ constexpr std::size_t bufferBytes = std::size_t(1) << 20;
 
 }  // namespace
 
-Expected<OutputFile> OutputFile::create(const std::string& path) {
+Expected<OutputFile> OutputFile::create(const std::string& path, Readers readers) {
     OutputFile out;
     out.path_ = path;
     out.buffer_.reserve(bufferBytes);
@@ -32,13 +33,17 @@ Expected<OutputFile> OutputFile::create(const std::string& path) {
         return out.failure("write");
     }
     const bool inPlace = exists && !S_ISREG(status.st_mode);
-    if (!inPlace) out.temporary_ = UnfinishedName(path + ".partial-" + std::to_string(getpid()));
-    // Nobody else's link decides where the temporary file is.
-    const int flags = O_WRONLY | O_CLOEXEC | (inPlace ? 0 : O_CREAT | O_TRUNC | O_NOFOLLOW);
-    out.owned_ = UniqueFd(open((inPlace ? path : out.temporary_.name()).c_str(), flags, 0666));
-    if (!out.owned_) {
-        out.temporary_.forget();
-        return out.failure("create");
+    if (inPlace) {
+        out.owned_.reset(uninterrupted([&] { return open(path.c_str(), O_WRONLY | O_CLOEXEC); }));
+        if (!out.owned_) return out.failure("create");
+    } else {
+        auto made = makeUnfinished(path, readers);
+        if (!made)
+            return fail(
+                made.error().code == ErrorCode::ResourceLimit ? ErrorCode::ResourceLimit : ErrorCode::Io,
+                "Cannot create " + made.error().message + ".");
+        out.owned_ = std::move(made->fd);
+        out.temporary_ = std::move(made->name);
     }
     out.file_ = out.owned_.get();
     out.seekable_ = !inPlace;
@@ -94,13 +99,19 @@ Expected<void> OutputFile::overwrite(std::uint64_t offset, std::span<const std::
 
 Expected<void> OutputFile::finish() {
     if (auto ok = flush(); !ok) return ok;
+    // While it is locked: nobody sweeps it on its way to its name.
+    if (temporary_) {
+        if (const int refused = temporary_.become(path_)) {
+            errno = refused;
+            return failure("create");
+        }
+    }
     if (owned_ && close(owned_.release()) != 0) return failure("write");
-    if (temporary_ && temporary_.become(path_) != 0) return failure("create");
     return {};
 }
 
-Expected<void> writeWholeFile(const std::string& path, std::span<const std::byte> bytes) {
-    auto file = OutputFile::create(path);
+Expected<void> writeWholeFile(const std::string& path, std::span<const std::byte> bytes, Readers readers) {
+    auto file = OutputFile::create(path, readers);
     if (!file) return passOn(std::move(file));
     if (auto ok = file->write(bytes); !ok) return ok;
     return file->finish();

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "files/unfinished_name.hpp"
+#include "files/unfinished_file.hpp"
 #include "files/unique_fd.hpp"
 #include "protocol/error.hpp"
 
@@ -19,7 +19,7 @@ class OutputFile {
     /// "-" is standard output. A regular file is written beside its final name and renamed by finish(); what
     /// is not finished is removed again. Devices and pipes are written in place. Errors: Io, with the
     /// system's reason; ResourceLimit where there is no more room.
-    static Expected<OutputFile> create(const std::string& path);
+    static Expected<OutputFile> create(const std::string& path, Readers readers = Readers::AsUsual);
     OutputFile(OutputFile&&) = default;
     OutputFile& operator=(OutputFile&&) = delete;
 
@@ -48,6 +48,7 @@ class OutputFile {
 };
 
 /// The same for what is in memory already.
-Expected<void> writeWholeFile(const std::string& path, std::span<const std::byte> bytes);
+Expected<void> writeWholeFile(const std::string& path, std::span<const std::byte> bytes,
+                              Readers readers = Readers::AsUsual);
 
 }  // namespace scancast

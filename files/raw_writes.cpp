@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <cerrno>
 
+#include "files/uninterrupted.hpp"
+
 namespace scancast {
 
 int writeFullyAt(int fd, std::uint64_t offset, std::span<const std::byte> bytes) {
@@ -22,9 +24,7 @@ int writeFullyAt(int fd, std::uint64_t offset, std::span<const std::byte> bytes)
 }
 
 int syncFile(int fd) {
-    while (::fsync(fd) != 0)
-        if (errno != EINTR) return errno;
-    return 0;
+    return uninterrupted([&] { return ::fsync(fd); }) != 0 ? errno : 0;
 }
 
 bool isStillNamed(int fd, const std::filesystem::path& name) {

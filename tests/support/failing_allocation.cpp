@@ -12,14 +12,26 @@ std::atomic<std::int64_t> left{0};  // until the one that fails; 0 or less = non
 std::atomic<bool> armed{false}, failed{false};
 std::atomic<std::size_t> least{0};
 std::atomic<pthread_t> spared{};
+std::atomic<bool> sparesNobody{false};
+std::atomic<std::int64_t> live{0};
+
+void* counted(void* memory) {
+    if (memory != nullptr) live.fetch_add(1, std::memory_order_relaxed);
+    return memory;
+}
+
+void release(void* memory) {
+    if (memory != nullptr) live.fetch_sub(1, std::memory_order_relaxed);
+    std::free(memory);
+}
 
 void* allocate(std::size_t size, std::size_t alignment) {
-    if (armed && size >= least && pthread_self() != spared && left.fetch_sub(1) == 1) {
+    if (armed && size >= least && (sparesNobody || pthread_self() != spared) && left.fetch_sub(1) == 1) {
         failed = true;
         return nullptr;
     }
-    if (alignment <= alignof(std::max_align_t)) return std::malloc(size == 0 ? 1 : size);
-    return std::aligned_alloc(alignment, (size + alignment - 1) / alignment * alignment);
+    if (alignment <= alignof(std::max_align_t)) return counted(std::malloc(size == 0 ? 1 : size));
+    return counted(std::aligned_alloc(alignment, (size + alignment - 1) / alignment * alignment));
 }
 
 void* allocateOrThrow(std::size_t size, std::size_t alignment = 1) {
@@ -53,37 +65,39 @@ void* operator new[](std::size_t size, const std::nothrow_t&) noexcept {
     return allocate(size, 1);
 }
 void operator delete(void* memory) noexcept {
-    std::free(memory);
+    release(memory);
 }
 void operator delete[](void* memory) noexcept {
-    std::free(memory);
+    release(memory);
 }
 void operator delete(void* memory, std::size_t) noexcept {
-    std::free(memory);
+    release(memory);
 }
 void operator delete[](void* memory, std::size_t) noexcept {
-    std::free(memory);
+    release(memory);
 }
 void operator delete(void* memory, std::align_val_t) noexcept {
-    std::free(memory);
+    release(memory);
 }
 void operator delete[](void* memory, std::align_val_t) noexcept {
-    std::free(memory);
+    release(memory);
 }
 void operator delete(void* memory, std::size_t, std::align_val_t) noexcept {
-    std::free(memory);
+    release(memory);
 }
 void operator delete[](void* memory, std::size_t, std::align_val_t) noexcept {
-    std::free(memory);
+    release(memory);
 }
 
 namespace scancast::test {
 
-FailingAllocation::FailingAllocation(std::uint64_t nth, std::size_t atLeast) {
+FailingAllocation::FailingAllocation(std::uint64_t nth, std::size_t atLeast, bool spareMaker)
+    : nth_(std::int64_t(nth)) {
+    sparesNobody = !spareMaker;
     spared = pthread_self();
     least = atLeast;
     failed = false;
-    left = std::int64_t(nth);
+    left = nth_;
     armed = true;
 }
 
@@ -93,6 +107,14 @@ FailingAllocation::~FailingAllocation() {
 
 bool FailingAllocation::happened() const {
     return failed;
+}
+
+std::uint64_t FailingAllocation::calls() const {
+    return std::uint64_t(nth_ - left);
+}
+
+std::int64_t liveAllocations() {
+    return live;
 }
 
 }  // namespace scancast::test

@@ -101,7 +101,7 @@ Expected<IngestReport> build(std::vector<std::unique_ptr<PointSource>> sources, 
     if (const auto needs = diskNeeds((*source)->header(), options))
         if (auto ok = checkDisk(*needs, outputFolder, scratch); !ok) return passOn(ok);
 
-    auto file = CloudFileWriter::create(options.output);
+    auto file = CloudFileWriter::create(options.output, options.readers);
     if (!file) return passOn(file);
     Workspace workspace(memory.workspace, scratch);
     auto built = buildFrom(

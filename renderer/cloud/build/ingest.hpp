@@ -16,6 +16,7 @@
 #include <string>
 #include <vector>
 
+#include "files/unfinished_file.hpp"
 #include "renderer/cloud/build/octree_shape.hpp"
 #include "renderer/cloud/cloud.hpp"
 
@@ -25,9 +26,10 @@ struct IngestOptions {
     std::filesystem::path output{};
     /// Folder for temporary files; empty = the output's.
     std::filesystem::path scratch{};
-    std::string title{};            ///< empty = the output's stem
-    int threads = 0;                ///< 0 = all cores
-    std::uint64_t memoryLimit = 0;  ///< bytes; 0 = half of the machine's memory
+    Readers readers = Readers::AsUsual;  ///< of the output
+    std::string title{};                 ///< empty = the output's stem
+    int threads = 0;                     ///< 0 = all cores
+    std::uint64_t memoryLimit = 0;       ///< bytes; 0 = half of the machine's memory
     OctreeShape shape{};
     std::vector<Mirror> mirrors{};
 };

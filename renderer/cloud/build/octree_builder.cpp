@@ -6,6 +6,7 @@
 #include <xxhash.h>
 
 #include <algorithm>
+#include <exception>
 #include <mutex>
 
 #include "renderer/cloud/build/chunks/kept_rows.hpp"
@@ -41,6 +42,7 @@ struct Work {
     std::vector<BuildPoint> loaded;
     std::vector<LeafBlocks> blocks;
     Expected<void> result;
+    std::exception_ptr thrown;
 };
 
 /// One run of the builder: chunk after chunk becomes a subtree, several at once; what is finished leaves in
@@ -72,11 +74,13 @@ class TreeBuilder {
     double sure() const { return points_ ? double(surePoints_) / double(points_) : 0; }
 
   private:
-    /// One chunk after the other through two stages: first several at once, then in the order of the tree.
+    /// One chunk after the other through two stages: first several at once, then in the order of the tree. What a stage
+    /// throws ends the run after the pipeline has: an exception within it would lose the chunks that are on their way.
     template <class First, class Then>
     Expected<void> forChunks(int lanes, First first, Then then) {
         std::size_t next = 0;
         Expected<void> result;
+        std::exception_ptr thrown;
         tbb::parallel_pipeline(
             std::size_t(std::max(lanes, 1)),
             tbb::make_filter<void, Work*>(tbb::filter_mode::serial_in_order,
@@ -93,16 +97,27 @@ class TreeBuilder {
                                           }) &
                 tbb::make_filter<Work*, Work*>(tbb::filter_mode::parallel,
                                                [&](Work* work) {
-                                                   work->result = first(*work);
-                                                   if (!work->result) failed_ = true;
+                                                   try {
+                                                       work->result = first(*work);
+                                                   } catch (...) {
+                                                       work->thrown = std::current_exception();
+                                                   }
+                                                   if (work->thrown || !work->result) failed_ = true;
                                                    return work;
                                                }) &
                 tbb::make_filter<Work*, void>(tbb::filter_mode::serial_in_order, [&](Work* done) {
                     const std::unique_ptr<Work> work(done);
-                    if (result) result = work->result;
-                    if (result) result = then(*work);
-                    if (!result) failed_ = true;
+                    if (!thrown) thrown = work->thrown;
+                    if (thrown) return;
+                    try {
+                        if (result) result = work->result;
+                        if (result) result = then(*work);
+                    } catch (...) {
+                        thrown = std::current_exception();
+                    }
+                    if (thrown || !result) failed_ = true;
                 }));
+        if (thrown) std::rethrow_exception(thrown);
         if (result && stop_.stop_requested())
             return fail(ErrorCode::Cancelled, "Building the cloud was abandoned.");
         return result;

@@ -8,10 +8,10 @@
 #include <algorithm>
 #include <cerrno>
 #include <cstring>
-#include <new>
 #include <utility>
 
 #include "files/system_error.hpp"
+#include "files/uninterrupted.hpp"
 #include "files/unique_fd.hpp"
 
 namespace scancast {
@@ -43,7 +43,11 @@ class Scratch {
   public:
     static Expected<std::unique_ptr<Scratch>> create(const std::filesystem::path& folder) {
         std::string name = (folder / ".scancast-XXXXXX").string();
-        UniqueFd fd(::mkostemp(name.data(), O_CLOEXEC));
+        const std::size_t stem = name.size() - 6;
+        UniqueFd fd(uninterrupted([&] {
+            name.replace(stem, 6, "XXXXXX");  // a call that failed may have put other letters there
+            return ::mkostemp(name.data(), O_CLOEXEC);
+        }));
         if (!fd) return tl::unexpected(diskError(errno, folder, "made"));
         ::unlink(name.c_str());
         return std::unique_ptr<Scratch>(new Scratch(std::move(fd), folder));
@@ -93,9 +97,10 @@ void UnmapPages::operator()(std::byte* pages) const {
 
 namespace {
 
+/// Empty where the system has no memory left.
 Pages mapPages(std::uint64_t bytes) {
     void* pages = ::mmap(nullptr, bytes, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
-    if (pages == MAP_FAILED) throw std::bad_alloc();
+    if (pages == MAP_FAILED) return {};
     return Pages(static_cast<std::byte*>(pages), UnmapPages{bytes});
 }
 
@@ -121,20 +126,19 @@ Expected<Scratch*> Workspace::scratch() {
 Expected<Workspace::Buffer> Workspace::allocate(std::uint64_t bytes) {
     Buffer buffer;
     if (bytes == 0) return buffer;
+    const auto size = static_cast<std::int64_t>(wholePages(bytes));
+    if (left_.fetch_sub(size) >= size) buffer.memory_ = mapPages(bytes);
+    // What the system has no memory for waits in the file, like what the limit has none for.
+    if (!buffer.memory_) {
+        left_ += size;
+        auto file = scratch();
+        if (!file) return passOn(file);
+    }
+    // From here on it is this workspace's, and gives its room back.
     buffer.home_ = this;
     buffer.bytes_ = bytes;
-    const auto size = static_cast<std::int64_t>(wholePages(bytes));
-    if (left_.fetch_sub(size) >= size) {
-        buffer.memory_ = mapPages(bytes);
-        return buffer;
-    }
-    left_ += size;
-    auto file = scratch();
-    if (!file) {
-        buffer.home_ = nullptr;
-        return passOn(file);
-    }
-    buffer.place_ = (*file)->reserve(bytes);
+    if (buffer.memory_) return buffer;
+    buffer.place_ = scratch_->reserve(bytes);
     const std::uint64_t now = onDisk_ += bytes;
     for (std::uint64_t most = mostOnDisk_; now > most && !mostOnDisk_.compare_exchange_weak(most, now);) {
     }

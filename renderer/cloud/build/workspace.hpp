@@ -63,8 +63,8 @@ class Workspace {
         Pages memory_;
     };
 
-    /// Errors: Io, ResourceLimit for a full disk (on writing) or no folder to write to. Throws std::bad_alloc
-    /// where the system has no memory left.
+    /// Errors: Io, ResourceLimit for a full disk (on writing) or no folder to write to. What the
+    /// system has no memory for goes to the file, too.
     Expected<Buffer> allocate(std::uint64_t bytes);
     /// For memory outside of buffers that stays until the end: as much less is left for those to come.
     void occupy(std::uint64_t bytes) { left_ -= static_cast<std::int64_t>(bytes); }

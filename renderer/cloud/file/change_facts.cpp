@@ -10,6 +10,7 @@
 #include "files/input_file.hpp"
 #include "files/raw_writes.hpp"
 #include "files/system_error.hpp"
+#include "files/uninterrupted.hpp"
 #include "renderer/cloud/file/cloud_file.hpp"
 #include "renderer/cloud/file/facts_json.hpp"
 #include "renderer/cloud/file/file_layout.hpp"
@@ -27,17 +28,14 @@ struct LockedFile {
 };
 
 Expected<UniqueFd> openToChange(const fs::path& path) {
-    UniqueFd fd;
-    do {
-        fd.reset(::open(path.c_str(), (inputFlags & ~O_ACCMODE) | O_RDWR));
-    } while (!fd && errno == EINTR);
+    UniqueFd fd(uninterrupted([&] { return ::open(path.c_str(), (inputFlags & ~O_ACCMODE) | O_RDWR); }));
     if (fd) return fd;
     if (errno == EISDIR) return fail(ErrorCode::Unsupported, path.string() + " is a folder, not a file");
     return failedToOpen(path, errno);
 }
 
 Expected<void> lock(int fd, const fs::path& path) {
-    if (::flock(fd, LOCK_EX | LOCK_NB) != 0) {
+    if (uninterrupted([&] { return ::flock(fd, LOCK_EX | LOCK_NB); }) != 0) {
         if (errno == EWOULDBLOCK)
             return fail(
                 ErrorCode::InvalidArgument,

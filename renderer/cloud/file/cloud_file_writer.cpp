@@ -2,7 +2,6 @@
 
 #include <fcntl.h>
 #include <spdlog/fmt/fmt.h>
-#include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -12,8 +11,7 @@
 #include "files/input_file.hpp"
 #include "files/raw_writes.hpp"
 #include "files/system_error.hpp"
-#include "files/unfinished_name.hpp"
-#include "files/unique_fd.hpp"
+#include "files/unfinished_file.hpp"
 #include "renderer/cloud/file/facts_json.hpp"
 #include "renderer/cloud/file/file_layout.hpp"
 #include "renderer/cloud/file/node_index.hpp"
@@ -27,8 +25,8 @@ namespace fs = std::filesystem;
 
 class Writer final : public CloudFileWriter {
   public:
-    Writer(UniqueFd fd, fs::path path, const fs::path& partial)
-        : fd_(std::move(fd)), path_(std::move(path)), partial_(partial.string()) {}
+    Writer(UnfinishedFile file, fs::path path)
+        : fd_(std::move(file.fd)), path_(std::move(path)), partial_(std::move(file.name)) {}
 
     Expected<void> begin() {
         // Zeros: what looks at the file before finish() sees no magic.
@@ -162,45 +160,13 @@ Expected<void> checkTarget(const fs::path& path) {
     return {};
 }
 
-Expected<UniqueFd> openLocked(const fs::path& partial) {
-    constexpr int attempts = 16;
-    for (int i = 0; i < attempts; ++i) {
-        UniqueFd fd(::open(partial.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK, 0666));
-        if (!fd && errno == ENOENT)
-            return fail(ErrorCode::NotFound,
-                        fmt::format("{}: the folder is not there; make it first", partial.string()));
-        if (!fd && isFull(errno))
-            return fail(ErrorCode::ResourceLimit, fmt::format("{}: there is no room for it: {}",
-                                                              partial.string(), systemReason(errno)));
-        if (!fd)
-            return fail(ErrorCode::Io,
-                        fmt::format("{}: cannot be created: {}", partial.string(), systemReason(errno)));
-        if (::flock(fd.get(), LOCK_EX | LOCK_NB) != 0) {
-            if (errno == EWOULDBLOCK)
-                return fail(ErrorCode::InvalidArgument,
-                            partial.string() +
-                                ": another run is writing this file; wait for it, or give another name");
-            return fail(ErrorCode::Io,
-                        fmt::format("{}: cannot be locked: {}", partial.string(), systemReason(errno)));
-        }
-        if (!isStillNamed(fd.get(), partial)) continue;
-        if (::ftruncate(fd.get(), 0) != 0)
-            return fail(ErrorCode::Io,
-                        fmt::format("{}: cannot be written: {}", partial.string(), systemReason(errno)));
-        return fd;
-    }
-    return fail(ErrorCode::Io, partial.string() + ": other runs keep taking this name away");
-}
-
 }  // namespace
 
-Expected<std::unique_ptr<CloudFileWriter>> CloudFileWriter::create(const fs::path& path) {
+Expected<std::unique_ptr<CloudFileWriter>> CloudFileWriter::create(const fs::path& path, Readers readers) {
     if (auto ok = checkTarget(path); !ok) return passOn(ok);
-    fs::path partial = path;
-    partial += ".partial";
-    auto fd = openLocked(partial);
-    if (!fd) return passOn(fd);
-    auto writer = std::make_unique<Writer>(std::move(*fd), path, std::move(partial));
+    auto file = takeUnfinished(path, readers);
+    if (!file) return passOn(file);
+    auto writer = std::make_unique<Writer>(std::move(*file), path);
     if (auto ok = writer->begin(); !ok) return passOn(ok);
     return writer;
 }

@@ -9,6 +9,7 @@
 #include <span>
 #include <vector>
 
+#include "files/unfinished_file.hpp"
 #include "renderer/cloud/cloud.hpp"
 #include "renderer/cloud/file/block_place.hpp"
 
@@ -18,7 +19,8 @@ class CloudFileWriter {
   public:
     /// Creates `<path>.partial`. What an earlier run left there is overwritten, unless that run still writes
     /// (it holds a lock): InvalidArgument. Errors: Io, NotFound (no such folder).
-    static Expected<std::unique_ptr<CloudFileWriter>> create(const std::filesystem::path& path);
+    static Expected<std::unique_ptr<CloudFileWriter>> create(const std::filesystem::path& path,
+                                                             Readers readers = Readers::AsUsual);
     /// Removes the partial file unless finish() succeeded.
     virtual ~CloudFileWriter() = default;
 

@@ -138,7 +138,7 @@ void ProgramFiles::write(const ProgramKey& key, const ProgramBinary& binary) con
     fs::create_directories(folder_, error);
     const auto bytes = printProgramFile(key, binary);
     if (bytes.size() > std::min(largestFile, mostBytes_)) return;
-    if (const auto done = writeWholeFile(path.string(), bytes); !done) {
+    if (const auto done = writeWholeFile(path.string(), bytes, Readers::OwnerAlone); !done) {
         spdlog::debug("The compiled program is not kept: {}", done.error().message);
         return;
     }
@@ -146,6 +146,8 @@ void ProgramFiles::write(const ProgramKey& key, const ProgramBinary& binary) con
 }
 
 void ProgramFiles::removeOldest() const {
+    sweepUnfinished(folder_,
+                    [](std::string_view name) { return name.find(extension) != std::string_view::npos; });
     struct Kept {
         fs::path path;
         fs::file_time_type written;
@@ -156,7 +158,7 @@ void ProgramFiles::removeOldest() const {
     std::error_code error;
     for (fs::directory_iterator i(folder_, error), end; !error && i != end; i.increment(error)) {
         std::error_code gone;  // another process may be at it, too
-        // Unfinished ones that a process left behind count, too: KEY.program.partial-PID.
+        // Those that others write at this moment count, too.
         if (i->path().filename().string().find(extension) == std::string::npos) continue;
         if (!i->is_regular_file(gone)) continue;
         Kept file{i->path(), i->last_write_time(gone), i->file_size(gone)};

@@ -16,6 +16,7 @@
 #include "server/base/metrics.hpp"
 #include "server/catalog/catalog.hpp"
 #include "server/catalog/cloud_admin.hpp"
+#include "server/catalog/kept_clouds.hpp"
 #include "server/net/listen_address.hpp"
 #include "server/net/net_context.hpp"
 #include "server/net/tls/tls.hpp"
@@ -40,7 +41,9 @@ struct ServerOptions {
     CostLimits costs;              ///< and may
     RequestLogOptions requestLog{};
     std::shared_ptr<BlockCache> cache;  ///< that the clouds' blocks live in, if any do
+    std::shared_ptr<KeptClouds> kept;   ///< in which scans are kept, if any are; for /metrics
     std::filesystem::path dataRoot;     ///< whose files administrators may add; empty = none
+    std::size_t maxClouds = 256;        ///< at most in the catalog, by administrators
 };
 
 class ScancastServer {

@@ -229,6 +229,21 @@ struct Metrics::Families {
                                            .Help("Connections ended because what was sent was not read")
                                            .Register(registry)
                                            .Add({});
+    prometheus::Gauge& keptBytes = prometheus::BuildGauge()
+                                       .Name("scancast_kept_clouds_bytes")
+                                       .Help("Cloud files and programs in --cache-dir")
+                                       .Register(registry)
+                                       .Add({});
+    prometheus::Gauge& keptLimit = prometheus::BuildGauge()
+                                       .Name("scancast_kept_clouds_limit_bytes")
+                                       .Help("What these may take (--cache-size)")
+                                       .Register(registry)
+                                       .Add({});
+    prometheus::Counter& keptEvicted = prometheus::BuildCounter()
+                                           .Name("scancast_kept_clouds_evicted_total")
+                                           .Help("Cloud files removed from --cache-dir to make room")
+                                           .Register(registry)
+                                           .Add({});
     prometheus::Counter& blocksLoaded = prometheus::BuildCounter()
                                             .Name("scancast_blocks_loaded_total")
                                             .Help("Blocks of cloud files read into memory")
@@ -411,6 +426,14 @@ void Metrics::setResidency(const BlockCacheStats& stats) {
     raise(families_->blocksLoaded, stats.blocksLoaded);
     raise(families_->blocksEvicted, stats.blocksEvicted);
     raise(families_->blocksDamaged, stats.blocksDamaged);
+}
+
+void Metrics::setKeptClouds(std::uint64_t bytes, std::uint64_t limit, std::uint64_t evicted) {
+    const std::lock_guard lock(families_->residency);
+    families_->keptBytes.Set(double(bytes));
+    families_->keptLimit.Set(double(limit));
+    const double more = double(evicted) - families_->keptEvicted.Value();
+    if (more > 0) families_->keptEvicted.Increment(more);
 }
 
 void Metrics::setMemory(const TransientMemory& memory) {

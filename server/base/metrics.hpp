@@ -89,6 +89,8 @@ class Metrics {
     void setDeviceMemory(std::uint64_t bytes);
     /// Of everything that counts against the memory limit, now and since the start.
     void setResidency(const BlockCacheStats& stats);
+    /// The folder in which scans are kept as cloud files: what is there, what may be, and files removed since the start.
+    void setKeptClouds(std::uint64_t bytes, std::uint64_t limit, std::uint64_t evicted);
     /// Of everything that is not residency, and of the process as the system sees it.
     void setMemory(const TransientMemory& memory);
     /// A connection was ended, because what it was sent was not read, or too slowly.

@@ -183,6 +183,11 @@ void Catalog::setLive(std::string_view id, LiveStatus status, std::shared_ptr<co
     settleLocked();
 }
 
+std::size_t Catalog::size() const {
+    const std::lock_guard lock(mutex_);
+    return entries_.size();
+}
+
 std::vector<CatalogEntry> Catalog::list() const {
     const std::lock_guard lock(mutex_);
     return entries_;

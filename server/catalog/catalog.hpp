@@ -83,6 +83,7 @@ class Catalog {
     bool replace(std::string_view id, const std::shared_ptr<const Cloud>& now,
                  Expected<std::shared_ptr<const Cloud>> then);
 
+    std::size_t size() const;
     /// In the order in which they were added.
     std::vector<CatalogEntry> list() const;
     std::optional<CatalogEntry> find(std::string_view id) const;

@@ -17,8 +17,8 @@ tl::unexpected<Problem> refuse(int status, std::string detail, const char* field
 
 }  // namespace
 
-CloudAdmin::CloudAdmin(Catalog& catalog, fs::path dataRoot)
-    : catalog_(catalog), dataRoot_(std::move(dataRoot)) {}
+CloudAdmin::CloudAdmin(Catalog& catalog, fs::path dataRoot, std::size_t mostClouds)
+    : catalog_(catalog), dataRoot_(std::move(dataRoot)), mostClouds_(mostClouds) {}
 
 void CloudAdmin::loadWith(Load load) {
     const std::lock_guard lock(mutex_);
@@ -60,6 +60,13 @@ tl::expected<std::string, Problem> CloudAdmin::add(const AddCloud& asked) {
     const std::string name = input->path().stem().string();
     const std::lock_guard lock(mutex_);
     if (!load_) return refuse(503, "This server does not load files now.", "file");
+    if (const std::size_t there = catalog_.size(); there >= mostClouds_)
+        return refuse(
+            409,
+            "This server has " + std::to_string(there) + " clouds, and may have " +
+                std::to_string(mostClouds_) +
+                " (--max-clouds, live ones and those that could not be loaded included); DELETE one first.",
+            "file");
     std::string id = asked.id;
     if (id.empty()) {
         id = catalog_.add(name);

@@ -24,12 +24,13 @@ class CloudAdmin {
     using Load = std::function<bool(ScanInput input, const std::string& id)>;
 
     /// The catalog outlives this. An empty root: nothing can be added.
-    CloudAdmin(Catalog& catalog, std::filesystem::path dataRoot);
+    /// `mostClouds`: nothing is added beyond, whoever added what is there.
+    CloudAdmin(Catalog& catalog, std::filesystem::path dataRoot, std::size_t mostClouds);
 
     /// Empty = nothing is loaded any more; when this returns, the old one is not called again.
     void loadWith(Load load);
     /// The id of the new entry, which is being loaded. Problems: 400 for an id that is none, 403 without a
-    /// data root or for a file outside of it, 404 when there is no such file, 409 when the id is taken, 422
+    /// data root or for a file outside of it, 404 when there is no such file, 409 when the id is taken or as many clouds are there as may be, 422
     /// for what is no file or cannot be opened, 503 when too much is waiting.
     tl::expected<std::string, Problem> add(const AddCloud& asked);
     /// 404 when there is no such cloud, 409 while it is being loaded, and for a live one.
@@ -40,6 +41,7 @@ class CloudAdmin {
 
     Catalog& catalog_;
     const std::filesystem::path dataRoot_;
+    const std::size_t mostClouds_;
     std::mutex mutex_;
     Load load_;
 };

@@ -1,7 +1,6 @@
 #include "server/catalog/loader.hpp"
 
 #include <fmt/format.h>
-#include <unistd.h>
 #include <xxhash.h>
 
 #include <algorithm>
@@ -10,6 +9,7 @@
 #include <tuple>
 #include <utility>
 
+#include "files/owned_folder.hpp"
 #include "renderer/cloud/build/build_cloud.hpp"
 #include "renderer/cloud/build/ingest.hpp"
 #include "renderer/look/decide_look.hpp"
@@ -27,7 +27,7 @@ namespace fs = std::filesystem;
 // While an octree is built in memory; about a quarter of it stays.
 constexpr std::uint64_t bytesPerPoint = 60;
 // A scan that does not say how many points it has: text has fewer to the byte, compressed files more.
-constexpr std::uint64_t bytesPerUnknownByte = 6;
+constexpr std::uint64_t bytesPerUnknownByte = 6, keptBytesPerUnknownByte = 2;
 
 // Ends a scan early when the server is shut down.
 class StoppableSource final : public PointSource {
@@ -55,7 +55,7 @@ LoaderOptions stoppedBy(std::stop_token stop, LoaderOptions options) {
 }
 
 /// Another path, size, time, program or way to build gives another name.
-std::string keptName(const ScanInput& input, const LoaderOptions& options) {
+fs::path keptPath(const ScanInput& input, const LoaderOptions& options) {
     std::error_code error;
     const fs::path whole = fs::weakly_canonical(input.path(), error);
     const FileIdentity& file = input.file().identity();
@@ -64,8 +64,13 @@ std::string keptName(const ScanInput& input, const LoaderOptions& options) {
         fmt::format("{}\n{}\n{} {}\n{}\n{} {} {} {} {}", whole.string(), file.bytes, file.changed,
                     input.mirrorsChanged(), options.version, shape.leafPoints, shape.chunkPoints,
                     shape.surfels, shape.neighbours, options.import.keepAttributes);
-    return fmt::format("{}-{:016x}.scan", cloudIdFor(input.path().stem().string()),
-                       XXH3_64bits(all.data(), all.size()));
+    return options.kept->pathOf(cloudIdFor(input.path().stem().string()),
+                                XXH3_64bits(all.data(), all.size()));
+}
+
+std::uint64_t bytesToKeep(const PointSource& source, const ScanInput& input, const OctreeShape& shape) {
+    const auto needs = diskNeeds(source.header(), {.memoryLimit = leastIngestMemory, .shape = shape});
+    return needs ? needs->file : input.bytes() * keptBytesPerUnknownByte;
 }
 
 std::uint64_t memoryToBuild(const PointSource& source, const ScanInput& input) {
@@ -105,6 +110,8 @@ Loader::Loader(std::vector<fs::path> files, Catalog& catalog, LoaderOptions opti
     : catalog_(catalog),
       options_(stoppedBy(stop_.get_token(), std::move(options))),
       watch_(catalog, watchOptions()) {
+    std::error_code none;
+    sweepOwnedFolders(fs::temp_directory_path(none));  // of servers that were killed
     const Monitor::Lock lock(monitor_);
     addLocked(std::move(files));
     loading_.reserve(std::size_t(1 + std::max(1, options_.importers)));
@@ -374,9 +381,24 @@ Loader::Result Loader::openIn(Expected<InputFile> file, Job& job, bool kept) {
 
 Loader::Result Loader::cloudOf(const ScanInput& input, Job& job) {
     if (isCloudFile(input.file())) return openIn(input.file().share(), job, false);
-    const std::string& id = job.id;
+    const std::string title = input.path().filename().string();
+    const fs::path path = options_.kept ? keptPath(input, options_) : fs::path();
+    if (options_.kept && !job.instead) {
+        auto kept = openIn(options_.kept->open(path), job, true);
+        if (kept) return kept;
+        if (kept.error().code != ErrorCode::NotFound)
+            note(fmt::format("{} is built anew: {}", title, kept.error().message));
+    }
     auto source = openScan(input, options_.import);
     if (!source) return passOn(std::move(source));
+    std::unique_ptr<KeptClouds::Room> place;
+    if (options_.kept) {
+        auto made = options_.kept->makeRoom(bytesToKeep(**source, input, options_.shape));
+        if (made)
+            place = std::move(*made);
+        else
+            note(fmt::format("{} is not kept: {}.", title, made.error().message));
+    }
     bool fits = false;
     std::shared_ptr<const void> room;
     {
@@ -385,36 +407,36 @@ Loader::Result Loader::cloudOf(const ScanInput& input, Job& job) {
         const BlockCacheStats memory = options_.cache->stats();
         const std::uint64_t needed = memoryToBuild(**source, input);
         fits = memory.bytes + needed <= memory.limit;
-        if (options_.cacheDir.empty() && fits) room = options_.cache->reserve(needed);
+        if (!place && fits) room = options_.cache->reserve(needed);
     }
     source->reset();
-    if (room) return build(input, id, std::move(room));
+    if (room) return build(input, job.id, std::move(room));
+    if (!place) return buildOnDisk(input, job.id);
 
-    std::error_code none;
-    const fs::path folder = options_.cacheDir.empty() ? fs::temp_directory_path(none) : options_.cacheDir;
-    fs::path output = folder / keptName(input, options_);
-    if (options_.cacheDir.empty()) output += fmt::format(".{}", ::getpid());
-    const std::string title = input.path().filename().string();
-    if (!options_.cacheDir.empty() && !job.instead) {
-        auto kept = openIn(InputFile::open(output), job, true);
-        if (kept) return kept;
-        if (kept.error().code != ErrorCode::NotFound)
-            note(fmt::format("{} is built anew: {}", title, kept.error().message));
-    }
-    auto cloud = ingestTo(output, input, id).and_then([&]() -> Result {
-        if (options_.cacheDir.empty()) return openCloud(output, options_.cache);
-        return openIn(InputFile::open(output), job, true);
-    });
-    // An open file without a name goes away with the process, whatever ends it.
-    if (options_.cacheDir.empty()) fs::remove(output, none);
+    auto cloud = keep(path, input, job);
     if (cloud || cloud.error().code == ErrorCode::Cancelled || !fits) return cloud;
-    const bool worthAnotherTry = cloud.error().code == ErrorCode::Io ||
-                                 cloud.error().code == ErrorCode::ResourceLimit ||
-                                 cloud.error().code == ErrorCode::InvalidArgument;
+    const bool worthAnotherTry =
+        cloud.error().code == ErrorCode::Io || cloud.error().code == ErrorCode::ResourceLimit ||
+        cloud.error().code == ErrorCode::InvalidArgument || cloud.error().code == ErrorCode::NotFound;
     if (!worthAnotherTry) return cloud;
     note(fmt::format("{} is kept in memory only: {}", title, cloud.error().message));
     job.watched.reset();
-    return build(input, id);
+    return build(input, job.id);
+}
+
+Loader::Result Loader::keep(const fs::path& path, const ScanInput& input, Job& job) {
+    if (auto ok = ingestTo(path, input, job.id); !ok) return passOn(std::move(ok));
+    return openIn(options_.kept->open(path), job, true);
+}
+
+// An open file without a name goes away with the process, whatever ends it.
+Loader::Result Loader::buildOnDisk(const ScanInput& input, const std::string& id) {
+    std::error_code none;
+    const auto folder = OwnedFolder::make(fs::temp_directory_path(none));
+    if (!folder) return passOn(folder);
+    const fs::path output = folder->path() / "cloud.scan";
+    if (auto ok = ingestTo(output, input, id); !ok) return passOn(std::move(ok));
+    return openCloud(output, options_.cache);
 }
 
 Loader::Result Loader::build(const ScanInput& input, const std::string& id,
@@ -440,6 +462,7 @@ Expected<void> Loader::ingestTo(const fs::path& output, const ScanInput& input, 
     if (!source) return passOn(std::move(source));
     IngestOptions options;
     options.output = output;
+    options.readers = Readers::OwnerAlone;
     options.shape = options_.shape;
     const std::string title = input.path().filename().string();
     options.title = title;

@@ -28,6 +28,7 @@
 #include "server/catalog/catalog.hpp"
 #include "server/catalog/cloud_watch.hpp"
 #include "server/catalog/damage_reports.hpp"
+#include "server/catalog/kept_clouds.hpp"
 #include "threads/monitor.hpp"
 
 namespace scancast {
@@ -44,9 +45,9 @@ struct LoaderOptions {
     ImportOptions import;
     OctreeShape shape{};
     std::shared_ptr<BlockCache> cache;  ///< that cloud files live in; its limit is the memory limit
-    /// Keeps scans as cloud files, named by a digest of what they are made of; empty = nothing is kept, and
-    /// what does not fit into memory goes through a file in the system's temporary folder.
-    std::filesystem::path cacheDir;
+    /// Keeps scans as cloud files, named by a digest of what they are made of. Empty = nothing is kept; that, and what there
+    /// is no room for, goes through a file in the system's temporary folder where it does not fit into memory.
+    std::shared_ptr<KeptClouds> kept;
     std::string version;                            ///< of the program: another one builds anew
     std::shared_ptr<DamageReports> damage;          ///< of the cache's files; may be empty
     std::chrono::milliseconds watchInterval{2000};  ///< between looks whether files have changed
@@ -130,6 +131,10 @@ class Loader {
     /// With a look, so that nobody sees it without.
     Result shownCloudOf(const ScanInput& input, Job& job);
     Result cloudOf(const ScanInput& input, Job& job);
+    /// As a cloud file that is kept, or why not.
+    Result keep(const std::filesystem::path& path, const ScanInput& input, Job& job);
+    /// Through a file without a name.
+    Result buildOnDisk(const ScanInput& input, const std::string& id);
     /// `kept`: it is a file that a scan is kept in.
     Result openIn(Expected<InputFile> file, Job& job, bool kept);
     /// `room`: what is reserved for it already.

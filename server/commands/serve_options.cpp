@@ -128,6 +128,15 @@ void addServeFlags(CLI::App& app, ServeOptions& options) {
          "Folder that keeps scans as cloud files, and compiled GPU programs, so that the next start has "
          "them at once")
         ->type_name("FOLDER");
+    flag("--cache-size", options.cacheSize, "SCANCAST_CACHE_SIZE",
+         "What --cache-dir may take, like 20G: cloud files that have not been used for longest make room for "
+         "others; without it a tenth of the disk")
+        ->type_name("SIZE");
+    flag("--max-clouds", options.server.maxClouds, "SCANCAST_MAX_CLOUDS",
+         "Clouds at the same time, live ones included: those of the command line, and those that the "
+         "administrator adds")
+        ->type_name("N")
+        ->check(CLI::Range(1, 100000));
     flag("--data-root", options.server.dataRoot, "SCANCAST_DATA_ROOT",
          "Folder whose scans the administrator may add while the server runs (POST /api/v1/clouds)")
         ->type_name("FOLDER");
@@ -208,6 +217,18 @@ void addServeFlags(CLI::App& app, ServeOptions& options) {
         ->type_name("WHICH");
     flag("--log-format", options.logFormat, "SCANCAST_LOG_FORMAT", "text, or json for one object a line")
         ->type_name("FORMAT");
+}
+
+Expected<std::uint64_t> cacheSize(const ServeOptions& options) {
+    if (options.cacheSize.empty()) return 0;
+    if (options.cacheDir.empty())
+        return fail(ErrorCode::InvalidArgument,
+                    "--cache-size: there is no --cache-dir FOLDER for it to limit.", "cache-size");
+    auto size = parseByteSize(options.cacheSize, "cache-size");
+    if (size && *size == 0)
+        return fail(ErrorCode::InvalidArgument,
+                    "--cache-size: nothing could be kept; leave out --cache-dir instead.", "cache-size");
+    return size;
 }
 
 Expected<Rates> rates(const ServeOptions& options) {
@@ -307,6 +328,14 @@ Expected<void> check(const ServeOptions& options) {
 
 Expected<void> checkFlags(const ServeOptions& options) {
     if (auto ok = liveInputs(options); !ok) return passOn(ok);
+    if (const std::size_t named = options.files.size() + options.live.size();
+        named > options.server.maxClouds)
+        return fail(ErrorCode::InvalidArgument,
+                    fmt::format("--max-clouds: {} clouds are named, and {} may be served; let it be {}, or "
+                                "name fewer.",
+                                named, options.server.maxClouds, named),
+                    "max-clouds");
+    if (auto ok = cacheSize(options); !ok) return passOn(ok);
     const std::string& host = options.server.host;
     if (!isLoopbackHost(host) && !options.insecure && options.authTokenFile.empty()) {
         return fail(

@@ -30,6 +30,7 @@ struct ServeOptions {
     std::string gpuMemoryLimit;      ///< as written; empty = most of what the GPU has free
     std::filesystem::path rates;     ///< a file in place of the shipped ones; empty = none
     std::filesystem::path cacheDir;  ///< empty = built anew with every start
+    std::string cacheSize;           ///< as written; empty = a tenth of the disk that cacheDir is on
     ImporterFlags importer;
     int importers = 2;             ///< at once
     bool noSurfels = false;        ///< scans are built without normals and radii
@@ -51,6 +52,9 @@ Expected<void> check(const ServeOptions& options);
 
 /// What --live names. InvalidArgument for what is not NAME=PATH, and for a path that is named twice.
 Expected<std::vector<LiveInput>> liveInputs(const ServeOptions& options);
+
+/// --cache-size, bytes; 0 when it was not given. InvalidArgument when it is no size, or there is no --cache-dir.
+Expected<std::uint64_t> cacheSize(const ServeOptions& options);
 
 /// What --rates holds, or the shipped ones; an error names the file.
 Expected<Rates> rates(const ServeOptions& options);

@@ -25,7 +25,7 @@ LoaderOptions loaderOptions(const ServeOptions& options, std::shared_ptr<DamageR
         spdlog::error("{}; coarser points are shown in its place", damageText(file, error));
     };
     loading.onChanged = [&server] { server.cloudsChanged(); };
-    loading.cacheDir = options.cacheDir;
+    loading.kept = options.server.kept;
     loading.shape.surfels = !options.noSurfels;
     loading.version = std::string(scancastVersion());
     loading.onNote = [&bar](const std::string& note) {

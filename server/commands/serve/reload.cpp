@@ -22,14 +22,15 @@ namespace {
 using nlohmann::json;
 
 // What is taken while the server runs.
-constexpr std::array<std::string_view, 5> reloadable{filesKey, "auth-token-file", "admin-token-file",
-                                                     "tls-cert", "tls-key"};
+constexpr std::array<std::string_view, 6> reloadable{filesKey,         "auth-token-file", "admin-token-file",
+                                                     "guest-key-file", "tls-cert",        "tls-key"};
 
 /// The same in options: those that hold, with what can change of those that are asked for.
 ServeOptions withReloadable(ServeOptions running, const ServeOptions& wanted) {
     running.files = wanted.files;
     running.authTokenFile = wanted.authTokenFile;
     running.adminTokenFile = wanted.adminTokenFile;
+    running.guestKeyFile = wanted.guestKeyFile;
     running.server.tls = wanted.server.tls;
     return running;
 }
@@ -101,13 +102,17 @@ void Reload::takeTokens(const ServeOptions& wanted, Reloaded& reloaded) {
     if (!tokens) return keep(reloaded, "the tokens", tokens.error());
     running_.authTokenFile = wanted.authTokenFile;
     running_.adminTokenFile = wanted.adminTokenFile;
+    running_.guestKeyFile = wanted.guestKeyFile;
     AccessTokens& now = running_.server.tokens;
-    const bool same = tokens->users == now.users && tokens->admins == now.admins;
+    const bool same =
+        tokens->users == now.users && tokens->admins == now.admins && tokens->guestKeys == now.guestKeys;
     now = std::move(*tokens);
     server_.replaceTokens(now);  // who came by one that is still there does not notice
     if (same) return;
-    reloaded.changed.push_back(
-        fmt::format("tokens ({} of users, {} of administrators)", now.users.size(), now.admins.size()));
+    std::string text =
+        fmt::format("tokens ({} of users, {} of administrators", now.users.size(), now.admins.size());
+    if (!now.guestKeys.empty()) text += fmt::format(", {} that sign guests' links", now.guestKeys.size());
+    reloaded.changed.push_back(text + ")");
 }
 
 void Reload::takeCertificate(const ServeOptions& wanted, Reloaded& reloaded) {

@@ -47,6 +47,15 @@ std::shared_ptr<BlockCache> blockCache(std::uint64_t memoryLimit, std::shared_pt
     return BlockCache::create(options);
 }
 
+std::shared_ptr<KeptClouds> keptClouds(const ServeOptions& options) {
+    if (options.cacheDir.empty()) return nullptr;
+    KeptCloudsOptions kept;
+    kept.folder = options.cacheDir;
+    kept.limit = *cacheSize(options);  // sound: check() has said so
+    kept.onNote = [](const std::string& note) { spdlog::info("{}", note); };
+    return std::make_shared<KeptClouds>(kept);
+}
+
 // Tells of the device once, when it is open. False when there is none: then nothing can be served.
 bool reportDevice(ScancastServer& server, bool& reported) {
     if (reported) return true;
@@ -189,6 +198,7 @@ int serve(ServeOptions options, GivenFlags given, nlohmann::json effective) {
     options.server.cache = blockCache(shares.clouds, damage);
     options.server.scheduler.memory = TransientMemory(shares.transient);
     options.server.scheduler.maxFrameBytes = options.server.scheduler.memory.forFrames();
+    options.server.kept = keptClouds(options);
     options.device.programFolder = programFolder(options.cacheDir);
     options.device.gpuMemoryLimit = *parseGpuMemoryLimit(options.gpuMemoryLimit);
     ShutdownSignals signals(ShutdownSignals::Hangup::Reloads);

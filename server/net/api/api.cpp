@@ -260,6 +260,10 @@ struct Api::Answers {
         api.metrics_.setPointsResident(api.catalog_.pointsResident());
         api.metrics_.setPicturesAwaited(api.pictures_.waiting());
         if (api.options_.cache) api.metrics_.setResidency(api.options_.cache->stats());
+        if (api.options_.kept) {
+            const KeptCloudsStats kept = api.options_.kept->stats();
+            api.metrics_.setKeptClouds(kept.bytes, kept.limit, kept.evicted);
+        }
         api.metrics_.setMemory(api.options_.memory);
         HttpResponse response = textResponse(200, api.metrics_.text());
         response.headers.front().second = "text/plain; version=0.0.4; charset=utf-8";

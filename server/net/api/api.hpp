@@ -12,6 +12,7 @@
 #include "server/base/metrics.hpp"
 #include "server/catalog/catalog.hpp"
 #include "server/catalog/cloud_admin.hpp"
+#include "server/catalog/kept_clouds.hpp"
 #include "server/net/access.hpp"
 #include "server/net/api/http_message.hpp"
 #include "server/net/api/picker.hpp"
@@ -35,6 +36,7 @@ struct ApiOptions {
     std::uint64_t maxPixels = 0;  ///< of a picture
     OriginRules origins;
     std::shared_ptr<BlockCache> cache{};  ///< for /metrics; may be empty
+    std::shared_ptr<KeptClouds> kept{};   ///< the same
     AccessTokens tokens{};
     Rates rates = shippedRates();
     CostLimits costs{};

@@ -83,6 +83,15 @@ TEST(Metrics, ResidencyIsToldAsItIsAndCountersOnlyRise) {
     }
 }
 
+TEST(Metrics, KeptCloudsAreToldAsTheyAre) {
+    Metrics metrics("1");
+    metrics.setKeptClouds(900, 1000, 3);
+    metrics.setKeptClouds(400, 1000, 5);
+    for (const char* line : {"scancast_kept_clouds_bytes 400\n", "scancast_kept_clouds_limit_bytes 1000\n",
+                             "scancast_kept_clouds_evicted_total 5\n"})
+        EXPECT_THAT(metrics.text(), HasSubstr(line));
+}
+
 TEST(Metrics, TheDevicesMemoryIsToldAsItIs) {
     Metrics metrics("1");
     EXPECT_THAT(metrics.text(), HasSubstr("scancast_device_memory_bytes 0\n"));

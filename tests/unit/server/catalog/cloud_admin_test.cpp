@@ -38,7 +38,7 @@ class CloudAdminTest : public ::testing::Test {
     const test::TemporaryFolder folder;
     const fs::path root = folder / "root";
     Catalog catalog;
-    CloudAdmin admin{catalog, root};
+    CloudAdmin admin{catalog, root, 256};
     std::vector<std::pair<ScanInput, std::string>> loaded;
     bool room = true;
 };
@@ -66,7 +66,7 @@ TEST_F(CloudAdminTest, NothingOutsideIsEverOpened) {
     EXPECT_EQ(refusal({"loop.las", "", ""}), 422);
     EXPECT_TRUE(loaded.empty());
     EXPECT_TRUE(catalog.list().empty());
-    CloudAdmin rootless(catalog, {});
+    CloudAdmin rootless(catalog, {}, 256);
     EXPECT_EQ(rootless.add({"scans/church.las", "", ""}).error().status, 403);
 }
 
@@ -85,6 +85,22 @@ TEST_F(CloudAdminTest, IdsAreNamesAndTakenOnce) {
     EXPECT_EQ(refusal({"scans/church.las", "a/b", ""}), 400);
     EXPECT_EQ(refusal({"scans/church.las", "nave", ""}), 0);
     EXPECT_EQ(refusal({"scans/church.las", "nave", ""}), 409);
+}
+
+TEST_F(CloudAdminTest, AsManyCloudsAsMayBe) {
+    CloudAdmin few(catalog, root, 2);
+    few.loadWith([](const ScanInput&, const std::string&) { return true; });
+    catalog.addLive("camera");
+    const std::string id = few.add({"scans/church.las", "", ""}).value();
+    const auto refused = few.add({"scans/church.las", "", ""});
+    ASSERT_FALSE(refused) << "live ones count";
+    EXPECT_EQ(refused.error().status, 409);
+    EXPECT_NE(refused.error().detail.find("2 clouds"), std::string::npos) << refused.error().detail;
+    EXPECT_NE(refused.error().detail.find("--max-clouds"), std::string::npos);
+    EXPECT_EQ(catalog.size(), 2U);
+    catalog.setFailed(id, "damaged");
+    ASSERT_TRUE(few.remove(id));
+    EXPECT_TRUE(few.add({"scans/church.las", "", ""}));
 }
 
 TEST_F(CloudAdminTest, WithoutRoomNothingIsLeftBehind) {

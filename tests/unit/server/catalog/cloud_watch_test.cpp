@@ -227,7 +227,7 @@ TEST_F(CloudWatchTest, ADamagedKeptFileIsBuiltAnewOnceAndNotInALoop) {
     }
     text.close();
     LoaderOptions keep = options();
-    keep.cacheDir = folder / "cache";
+    keep.kept = std::make_shared<KeptClouds>(KeptCloudsOptions{.folder = folder / "cache"});
     load("ground.xyz", keep);
     const std::string revision = pictureRevision(*entry().cloud);
     loader.reset();
@@ -237,7 +237,7 @@ TEST_F(CloudWatchTest, ADamagedKeptFileIsBuiltAnewOnceAndNotInALoop) {
     changes = 0;
 
     LoaderOptions again = options();
-    again.cacheDir = folder / "cache";
+    again.kept = std::make_shared<KeptClouds>(KeptCloudsOptions{.folder = folder / "cache"});
     load("ground.xyz", again);
     ASSERT_TRUE(soon([&] { return times("has been built anew") == 1 && changes == 1; }));
     EXPECT_EQ(times("damaged:"), 1u);

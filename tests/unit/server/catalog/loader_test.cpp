@@ -269,7 +269,7 @@ TEST_F(LoaderTest, ACloudFileIsOpened) {
 
 TEST_F(LoaderTest, WhatIsKeptIsOpenedTheNextTime) {
     LoaderOptions keep = options();
-    keep.cacheDir = folder_ / "cache";
+    keep.kept = std::make_shared<KeptClouds>(KeptCloudsOptions{.folder = folder_ / "cache"});
     ASSERT_TRUE(load(folder_ / "ground.xyz", keep).cloud);
     ASSERT_EQ(kept().size(), 1u);
     const fs::path file = kept()[0];
@@ -287,7 +287,7 @@ TEST_F(LoaderTest, WhatIsKeptIsOpenedTheNextTime) {
 
 TEST_F(LoaderTest, ADamagedKeptFileIsBuiltAnew) {
     LoaderOptions keep = options();
-    keep.cacheDir = folder_ / "cache";
+    keep.kept = std::make_shared<KeptClouds>(KeptCloudsOptions{.folder = folder_ / "cache"});
     std::string note;
     keep.onNote = [&](const std::string& text) { note = text; };
     ASSERT_TRUE(load(folder_ / "ground.xyz", keep).cloud);
@@ -298,6 +298,33 @@ TEST_F(LoaderTest, ADamagedKeptFileIsBuiltAnew) {
     EXPECT_THAT(note, testing::HasSubstr("built anew"));
 }
 
+TEST_F(LoaderTest, WhatThereIsNoRoomToKeepIsShownAndSaid) {
+    LoaderOptions keep = options();
+    keep.kept = std::make_shared<KeptClouds>(KeptCloudsOptions{.folder = folder_ / "cache", .limit = 50'000});
+    std::string note;
+    keep.onNote = [&](const std::string& text) { note = text; };
+    const auto entry = load(folder_ / "ground.xyz", keep);
+    ASSERT_TRUE(entry.cloud) << entry.error;
+    EXPECT_EQ(entry.cloud->points, 20'000u);
+    EXPECT_TRUE(kept().empty());
+    EXPECT_THAT(note, testing::AllOf(testing::HasSubstr("ground.xyz is not kept"),
+                                     testing::HasSubstr("--cache-size")));
+}
+
+TEST_F(LoaderTest, WhatIsKeptAndShownIsNotRemovedForAnother) {
+    LoaderOptions keep = options();
+    keep.kept =
+        std::make_shared<KeptClouds>(KeptCloudsOptions{.folder = folder_ / "cache", .limit = 4'000'000});
+    fs::copy_file(folder_ / "ground.xyz", folder_ / "other.xyz");
+    const auto shown = load(folder_ / "ground.xyz", keep);  // by the catalog, from now on
+    ASSERT_EQ(kept().size(), 1u);
+    const fs::path first = kept()[0];
+    keep.kept = std::make_shared<KeptClouds>(
+        KeptCloudsOptions{.folder = folder_ / "cache", .limit = fs::file_size(first) + 1000});
+    ASSERT_TRUE(load(folder_ / "other.xyz", keep).cloud);
+    EXPECT_EQ(kept(), std::vector<fs::path>{first});
+}
+
 TEST_F(LoaderTest, WhatDoesNotFitIntoMemoryGoesThroughAFile) {
     const auto entry = load(folder_ / "ground.xyz", options(std::uint64_t(2) << 20));
     ASSERT_TRUE(entry.cloud) << entry.error;
@@ -306,7 +333,7 @@ TEST_F(LoaderTest, WhatDoesNotFitIntoMemoryGoesThroughAFile) {
     for (std::uint32_t node = 0; node < entry.cloud->octree.nodes().size(); ++node)
         ASSERT_TRUE(entry.cloud->octree.run(node)) << "though its name is gone";
     for (const auto& left : fs::directory_iterator(fs::temp_directory_path()))
-        EXPECT_FALSE(left.path().filename().string().starts_with("ground-")) << left.path();
+        EXPECT_FALSE(fs::exists(left.path() / "cloud.scan")) << left.path();
 }
 
 // Nobody writes to the pipe, and nobody waits for that: neither who starts the loader, nor its thread.

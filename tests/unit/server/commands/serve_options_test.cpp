@@ -53,6 +53,24 @@ TEST(ServeOptions, LiveSourcesAreNamed) {
     EXPECT_FALSE(check(parsed({"--live", "a=-", "--live", "b=-"}))) << "one input, two readers";
 }
 
+TEST(ServeOptions, CloudsAndWhatIsKeptOfThemAreLimited) {
+    EXPECT_EQ(parsed({"a.las"}).server.maxClouds, 256U);
+    EXPECT_TRUE(check(parsed({"a.las", "b.las", "--max-clouds", "2"})));
+    const auto many = check(parsed({"a.las", "b.las", "--live", "c=-", "--max-clouds", "2"}));
+    ASSERT_FALSE(many);
+    EXPECT_THAT(many.error().message, testing::HasSubstr("3 clouds are named, and 2 may be served"));
+    EXPECT_EQ(cacheSize(parsed({"a.las"})).value(), 0U);
+    EXPECT_EQ(cacheSize(parsed({"a.las", "--cache-dir", "/tmp", "--cache-size", "20G"})).value(),
+              std::uint64_t(20) << 30);
+    for (const auto& wrong : {std::vector<std::string>{"a.las", "--cache-size", "1G"},
+                              {"a.las", "--cache-dir", "/tmp", "--cache-size", "much"},
+                              {"a.las", "--cache-dir", "/tmp", "--cache-size", "0"}}) {
+        const auto refused = check(parsed(wrong));
+        ASSERT_FALSE(refused);
+        EXPECT_EQ(refused.error().field, "cache-size");
+    }
+}
+
 TEST(ServeOptions, ImportersAreLimitedAndShutInAsFlagsSay) {
     const ServeOptions usual = parsed({"a.laz"});
     const auto import = importOptions(usual.importer);

@@ -43,7 +43,7 @@ class ApiTest : public ::testing::Test {
     test::FakePainter painter, spare{"spare"};
     std::shared_ptr<const Cloud> cloud = test::tinyCloud();
     Catalog catalog;
-    CloudAdmin admin{catalog, {}};
+    CloudAdmin admin{catalog, {}, 256};
     SessionRegister sessions;
     Metrics metrics{"test"};
     Scheduler scheduler{painter.open(spare.open()), {}, metrics};

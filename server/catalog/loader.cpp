@@ -4,6 +4,7 @@
 #include <xxhash.h>
 
 #include <algorithm>
+#include <iterator>
 #include <nlohmann/json.hpp>
 #include <system_error>
 #include <tuple>
@@ -129,6 +130,8 @@ bool Loader::load(ScanInput input, std::string id) {
     const Monitor::Lock lock(monitor_);
     if (stop_.stop_requested() || waiting() >= mostAdded) return false;
     ScanPlace place = input.place();
+    for (Named& named : named_)
+        if (named.id == id) named.id.clear();  // its cloud was removed, and this is another's name now
     unsorted_.push_back({std::move(place), std::move(id), std::move(input), numbers_});
     ++numbers_;
     return true;
@@ -166,10 +169,11 @@ bool Loader::removeLocked(Named& named) {
 }
 
 bool Loader::tryAgainLocked(Named& named) {
-    const bool isGone = !catalog_.find(named.id);
-    if (!isGone && !catalog_.tryAgain(named.id)) return false;
-    if (isGone) named.id = catalog_.add(named.file.stem().string());
+    const auto entry = catalog_.find(named.id);
+    if (entry && entry->state != CloudState::Failed) return false;
+    if (!entry) named.id = catalog_.add(named.file.stem().string());
     unsorted_.push_back({{.name = named.file}, named.id, {}, numbers_++});
+    std::ignore = catalog_.tryAgain(named.id);  // a new one is Loading already
     return true;
 }
 
@@ -186,20 +190,18 @@ Loader::Changes Loader::serve(std::vector<fs::path> files) {
     {
         const Monitor::Lock lock(monitor_);
         if (stop_.stop_requested()) return {};
-        std::vector<Named> stay;
-        for (Named& named : named_) {
-            const auto at = std::ranges::find(files, named.file);  // named twice: served twice
+        for (auto named = named_.begin(); named != named_.end();) {
+            const auto at = std::ranges::find(files, named->file);  // named twice: served twice
             if (at == files.end()) {
-                changes.removed += named.leaves ? 0 : 1;
-                if (!removeLocked(named)) stay.push_back(std::move(named));
+                changes.removed += named->leaves ? 0 : 1;
+                named = removeLocked(*named) ? named_.erase(named) : std::next(named);
                 continue;
             }
             files.erase(at);
-            named.leaves = false;
-            changes.tried += tryAgainLocked(named) ? 1 : 0;
-            stay.push_back(std::move(named));
+            named->leaves = false;
+            changes.tried += tryAgainLocked(*named) ? 1 : 0;
+            ++named;
         }
-        named_ = std::move(stay);
         changes.added = files.size();
         addLocked(std::move(files));
     }

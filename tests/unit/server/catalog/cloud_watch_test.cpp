@@ -116,6 +116,17 @@ TEST_F(CloudWatchTest, AFileThatTakesTheNameIsServedAndTheOneBeforeCanStillBeRea
     EXPECT_EQ(times("has been replaced"), 1u);
 }
 
+TEST_F(CloudWatchTest, WhoIsToldToServeFilesLooksAtOnceWhetherTheyHaveChanged) {
+    LoaderOptions seldom = options();
+    seldom.watchInterval = 1h;
+    load("town.scan", seldom);
+    write("new.scan", 7000);
+    fs::rename(folder / "new.scan", folder / "town.scan");
+    const auto done = loader->serve({folder / "town.scan"});
+    EXPECT_EQ(done.added + done.removed + done.tried, 0u);
+    EXPECT_TRUE(soon([&] { return points() == 7000; }));
+}
+
 TEST_F(CloudWatchTest, AFileThatIsOverwrittenIsServedAnewAndNothingOfBothIsMixed) {
     load("town.scan", options());
     const auto before = entry().cloud;

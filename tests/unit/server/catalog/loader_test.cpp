@@ -208,6 +208,20 @@ TEST_F(LoaderTest, OtherFilesAreServedFromNowOn) {
     EXPECT_EQ(done.added + done.removed + done.tried, 0U);
 }
 
+TEST_F(LoaderTest, WhatAnAdministratorAddedUnderTheNameOfOneThatHeRemovedIsHis) {
+    Loader loader({folder_ / "ground.xyz"}, catalog_, options());
+    awaitEnd(loader);
+    ASSERT_TRUE(catalog_.remove("ground"));
+    ASSERT_TRUE(catalog_.addAs("ground", "his"));
+    ASSERT_TRUE(loader.load(*ScanInput::open(folder_ / "ground.xyz"), "ground"));
+    awaitEnd(loader);
+    loader.serve({});
+    EXPECT_TRUE(catalog_.find("ground"));
+    loader.serve({folder_ / "ground.xyz"});
+    awaitEnd(loader);
+    EXPECT_EQ(catalog_.list().size(), 2U);
+}
+
 // Its name is nobody else's before the thread that reads it is done: what that brings would be shown as another's.
 TEST_F(LoaderTest, WhatIsBeingReadGoesWhenItHasBeen) {
     std::promise<void> begun, release;

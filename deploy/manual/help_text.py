@@ -118,7 +118,7 @@ def parse(name, text):
     if not found:
         raise ValueError(f"{name} --help has no line that begins with \"Usage: \":\n{text}")
     usage, _, rest = rest.partition("\n")
-    help = Help(name, head.strip(), re.sub(r"^\S+( [a-z]+)?(?= |$)", "", usage).strip(), {}, [])
+    help = Help(name, head.strip(), re.sub(r"^\S+( [a-z-]+)?(?= |$)", "", usage).strip(), {}, [])
     blocks = [block.split("\n") for block in re.split(r"\n{2,}", rest.strip("\n"))]
     while blocks and is_group(blocks[0]):
         title, *lines = blocks.pop(0)

@@ -1,5 +1,6 @@
 #include "files/machine.hpp"
 
+#include <malloc.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -20,6 +21,14 @@ constexpr std::uint64_t noLimit = std::uint64_t(1) << 60;
 std::string textOf(const fs::path& path) {
     std::ifstream file(path);
     return {std::istreambuf_iterator<char>(file), {}};
+}
+
+std::size_t entriesOf(const char* folder) {
+    std::error_code error;
+    std::size_t entries = 0;
+    for (fs::directory_iterator entry(folder, error), end; !error && entry != end; entry.increment(error))
+        ++entries;
+    return entries;
 }
 
 template <class T>
@@ -109,6 +118,20 @@ std::uint64_t residentMemory() {
     std::uint64_t all = 0, resident = 0;
     text >> all >> resident;
     return resident * std::uint64_t(::sysconf(_SC_PAGESIZE));
+}
+
+std::uint64_t heapMemory() {
+    const struct mallinfo2 info = ::mallinfo2();
+    return std::uint64_t(info.uordblks) + std::uint64_t(info.hblkhd);
+}
+
+std::size_t openFileCount() {
+    const std::size_t withItself = entriesOf("/proc/self/fd");
+    return withItself > 0 ? withItself - 1 : 0;
+}
+
+std::size_t threadCount() {
+    return entriesOf("/proc/self/task");
 }
 
 int machineCores() {

@@ -16,6 +16,12 @@ std::uint64_t machineMemory();
 int machineCores();
 /// Bytes that this process has in memory now.
 std::uint64_t residentMemory();
+/// Bytes that this process has asked its allocator for and not given back; 0 where that does not tell.
+std::uint64_t heapMemory();
+/// Descriptors that this process has open, that of looking not counted; 0 where the system does not tell.
+std::size_t openFileCount();
+/// Threads of this process; 0 where the system does not tell.
+std::size_t threadCount();
 
 /// What the control groups of a process grant, the tightest of those that it is in; nullopt = all that there is.
 struct GroupLimits {

@@ -142,6 +142,23 @@ struct Metrics::Families {
             .Help("What snapshots that were taken on are priced at, in seconds of a core")
             .Register(registry)
             .Add({});
+    prometheus::Family<prometheus::Counter>& priceEnded =
+        prometheus::BuildCounter()
+            .Name("scancast_price_ended_seconds_total")
+            .Help("The same of those that have been drawn, or have ended otherwise, by what became of them")
+            .Register(registry);
+    prometheus::Family<prometheus::Histogram>& waits =
+        prometheus::BuildHistogram()
+            .Name("scancast_wait_seconds")
+            .Help("Time from when a picture is asked for to its first turn on the device")
+            .Register(registry);
+    prometheus::Family<prometheus::Gauge>& queues =
+        prometheus::BuildGauge()
+            .Name("scancast_queue_length")
+            .Help(
+                "Pictures that wait: views and stills of streams, and snapshots, for the device; for "
+                "blocks; for encoders")
+            .Register(registry);
     prometheus::Family<prometheus::Counter>& refused =
         prometheus::BuildCounter()
             .Name("scancast_pictures_refused_total")
@@ -285,6 +302,27 @@ struct Metrics::Families {
                                                             .Name("scancast_http_requests_total")
                                                             .Help("HTTP requests answered")
                                                             .Register(registry);
+    prometheus::Family<prometheus::Gauge>& memoryParts =
+        prometheus::BuildGauge()
+            .Name("scancast_transient_part_bytes")
+            .Help("What each use that others could fill may take of scancast_transient_limit_bytes")
+            .Register(registry);
+    prometheus::Gauge& heap =
+        prometheus::BuildGauge()
+            .Name("scancast_process_heap_bytes")
+            .Help("Memory that the process has asked its allocator for and not given back")
+            .Register(registry)
+            .Add({});
+    prometheus::Gauge& files = prometheus::BuildGauge()
+                                   .Name("scancast_process_open_files")
+                                   .Help("Descriptors that the process has open")
+                                   .Register(registry)
+                                   .Add({});
+    prometheus::Gauge& threads = prometheus::BuildGauge()
+                                     .Name("scancast_process_threads")
+                                     .Help("Threads of the process")
+                                     .Register(registry)
+                                     .Add({});
     prometheus::Gauge& requestsNow =
         prometheus::BuildGauge()
             .Name("scancast_http_requests_in_flight")
@@ -325,6 +363,7 @@ Metrics::Metrics(std::string_view version) : families_(std::make_unique<Families
                               DropReason::Failed, DropReason::Gone, DropReason::Lacking}) {
         families_->dropped.Add({{"reason", name(reason)}});
     }
+    families_->priceEnded.Add({{"outcome", "drawn"}});
     for (ConnectionRefusal why :
          {ConnectionRefusal::Full, ConnectionRefusal::Address, ConnectionRefusal::ShuttingDown})
         families_->turnedAway.Add({{"reason", name(why)}});
@@ -375,6 +414,25 @@ void Metrics::frameDropped(DropReason reason) {
 
 void Metrics::pictureAdmitted(double coreSeconds) {
     families_->price.Increment(coreSeconds);
+}
+
+void Metrics::priceEnded(std::optional<DropReason> why, double coreSeconds) {
+    families_->priceEnded.Add({{"outcome", why ? name(*why) : "drawn"}}).Increment(coreSeconds);
+}
+
+void Metrics::pictureWaited(std::string_view kind, double seconds) {
+    families_->waits.Add({{"kind", std::string(kind)}}, renderBuckets).Observe(seconds);
+}
+
+void Metrics::setQueues(const QueueLengths& lengths) {
+    const auto set = [this](const char* queue, std::size_t length) {
+        families_->queues.Add({{"queue", queue}}).Set(double(length));
+    };
+    set("views", lengths.views);
+    set("stills", lengths.stills);
+    set("snapshots", lengths.snapshots);
+    set("blocks", lengths.blocks);
+    set("encodings", lengths.encodings);
 }
 
 void Metrics::pictureRefused(CostRefusal why) {
@@ -441,7 +499,16 @@ void Metrics::setMemory(const TransientMemory& memory) {
         families_->memory.Add({{"use", std::string(scancast::name(MemoryUse(use)))}})
             .Set(double(memory.bytes(MemoryUse(use))));
     families_->memoryLimit.Set(double(memory.limit()));
+    const auto part = [this](MemoryUse use, std::uint64_t bytes) {
+        families_->memoryParts.Add({{"use", std::string(scancast::name(use))}}).Set(double(bytes));
+    };
+    part(MemoryUse::Frames, memory.forFrames());
+    part(MemoryUse::Answers, memory.forAnswers());
+    part(MemoryUse::Streams, memory.forStreams());
     families_->resident.Set(double(residentMemory()));
+    families_->heap.Set(double(heapMemory()));
+    families_->files.Set(double(openFileCount()));
+    families_->threads.Set(double(threadCount()));
 }
 
 void Metrics::slowReaderEnded() {

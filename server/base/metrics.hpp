@@ -6,10 +6,12 @@
 #include <chrono>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
 
 #include "renderer/residency/block_cache.hpp"
+#include "server/base/queue_lengths.hpp"
 #include "server/base/transient_memory.hpp"
 
 namespace scancast {
@@ -72,6 +74,11 @@ class Metrics {
     /// A picture was taken on that is priced at so many seconds of a core.
     void pictureAdmitted(double coreSeconds);
     void pictureRefused(CostRefusal why);
+    /// One that was taken on has been drawn (nullopt), or has ended otherwise.
+    void priceEnded(std::optional<DropReason> why, double coreSeconds);
+    /// From when it was asked for to its first turn on the device; `kind` is of a static table: "moving".
+    void pictureWaited(std::string_view kind, double seconds);
+    void setQueues(const QueueLengths& lengths);
     /// What draws from now on; an empty name = nothing.
     void setDevice(std::string_view name, std::string_view renderer);
     void deviceLost();

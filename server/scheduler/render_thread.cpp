@@ -19,6 +19,18 @@ bool isLost(const Expected<T>& result) {
     return !result && result.error().code == ErrorCode::DeviceLost;
 }
 
+std::string_view name(Turns::Kind kind) {
+    switch (kind) {
+        case Turns::Kind::Moving:
+            return "moving";
+        case Turns::Kind::Still:
+            return "still";
+        case Turns::Kind::Snapshot:
+            return "snapshot";
+    }
+    return "unknown";
+}
+
 }  // namespace
 
 // ---- the device
@@ -107,13 +119,30 @@ bool Scheduler::renderStep() {
     return true;
 }
 
-/// Begins the next picture, if one is asked for, and only then waits for the pixels of the one before.
-void Scheduler::beginNext() {
+/// What `take` says, and how long it has waited for its first turn.
+template <class Take>
+std::optional<Scheduler::Taken> Scheduler::nextTurn(const Take& take) {
     std::optional<Taken> request;
+    std::optional<Clock::duration> waited;
+    Turns::Kind kind{};
     {
         const Monitor::Lock lock(monitor_);
-        request = turns_.take(Clock::now());
+        const auto now = Clock::now();
+        request = take(now);
+        if (request && (*request)->turns == 1) waited = now - (*request)->asked;
+        if (request) kind = (*request)->kind;
     }
+    if (waited) {
+        std::ignore = contained("Counting", [&] {
+            metrics_.pictureWaited(name(kind), std::chrono::duration<double>(*waited).count());
+        });
+    }
+    return request;
+}
+
+/// Begins the next picture, if one is asked for, and only then waits for the pixels of the one before.
+void Scheduler::beginNext() {
+    const std::optional<Taken> request = nextTurn([this](Clock::time_point now) { return turns_.take(now); });
     std::optional<Begun> next;
     if (request) {
         // A still or a snapshot may take long to begin, and a moving frame's pixels do not wait for that.
@@ -133,11 +162,8 @@ void Scheduler::drawWithin() {
     comeBack();
     const auto start = Clock::now();
     while (!lost_) {
-        std::optional<Taken> request;
-        {
-            const Monitor::Lock lock(monitor_);
-            request = turns_.takeWithin(Clock::now());
-        }
+        const std::optional<Taken> request =
+            nextTurn([this](Clock::time_point now) { return turns_.takeWithin(now); });
         if (!request) break;
         ++within_;
         if (auto begun = beginOne(*request)) completeOne(std::move(*begun));

@@ -116,9 +116,19 @@ void Scheduler::answer(Requests ended) noexcept {
         });
 }
 
+QueueLengths Scheduler::queues() const {
+    const Monitor::Look look(monitor_);
+    return turns_.lengths();
+}
+
 void Scheduler::answer(Turns::Request& request, Expected<EncodedPicture> result,
                        std::optional<DropReason> dropped) noexcept {
-    if (dropped) std::ignore = contained("Counting", [&] { metrics_.frameDropped(*dropped); });
+    std::ignore = contained("Counting", [&] {
+        if (dropped) metrics_.frameDropped(*dropped);
+        if (request.kind == Turns::Kind::Snapshot && request.order.price > 0)
+            metrics_.priceEnded(result ? std::nullopt : std::optional(dropped.value_or(DropReason::Gone)),
+                                request.order.price / 1000);
+    });
     request.promise.keep(std::move(result));
 }
 

@@ -94,6 +94,8 @@ class Scheduler {
     /// First step of the end: no more snapshots; what was promised is still drawn.
     void drain();
     bool draining() const;
+    /// What waits now.
+    QueueLengths queues() const;
     /// Nothing waits and nothing is being made.
     bool idle() const;
     /// Second step: cancels everything and refuses more. Returns at once.
@@ -146,6 +148,8 @@ class Scheduler {
 
     void beginNext();
     void drawWithin();
+    template <class Take>
+    std::optional<Taken> nextTurn(const Take& take);
     std::optional<Begun> beginOne(Taken request);
     std::optional<Begun> tryBegin(Taken request);
     void completeOne(Begun begun);

@@ -57,6 +57,7 @@ void Turns::place(ParticipantId mailbox, Requests& one, Time now, Requests& ende
     request.by = request.order.requester = mailbox;
     request.kind = request.order.interruptible ? Kind::Still : Kind::Moving;
     if (request.kind == Kind::Still) request.givesWayUntil = now + options_.stillPatience;
+    request.asked = now;
     request.number = ++lastNumber_;
     const auto ownStill = [&](const Request& other) {
         return other.by == mailbox && other.kind == Kind::Still;
@@ -112,6 +113,7 @@ Expected<Turns::SnapshotId> Turns::snapshot(Requests& one, Time now) {
     }
     request.kind = Kind::Snapshot;
     request.by = known->second;
+    request.asked = now;
     request.number = ++lastNumber_;
     request.deadline = now + options_.snapshotDeadline;
     enter(participants_.at(request.by), false, one, one.begin());
@@ -260,7 +262,21 @@ Turns::Taken Turns::begin(const Choice& choice, Time now) {
     request.stop = std::move(stop);
     request.gaveWay = false;
     request.rivals = sharers(request.by, now) - 1;
+    ++request.turns;
     return std::prev(drawing_.end());
+}
+
+QueueLengths Turns::lengths() const {
+    QueueLengths lengths;
+    for (const auto& [id, participant] : participants_)
+        for (const Requests* list : {&participant.prepared, &participant.waiting})
+            for (const Request& request : *list)
+                ++(request.kind == Kind::Moving  ? lengths.views
+                   : request.kind == Kind::Still ? lengths.stills
+                                                 : lengths.snapshots);
+    lengths.blocks = toPrepare_.size() + preparing_.size();
+    lengths.encodings = lines_[0].size() + lines_[1].size();
+    return lengths;
 }
 
 void Turns::charge(Time now) {

@@ -38,6 +38,7 @@
 #include <thread>
 
 #include "files/machine.hpp"
+#include "server/base/queue_lengths.hpp"
 #include "server/base/transient_memory.hpp"
 #include "server/scheduler/picture_order.hpp"
 #include "server/scheduler/picture_promise.hpp"
@@ -96,6 +97,8 @@ class Turns {
         // What follows is the policy's to change.
         Kind kind = Kind::Snapshot;
         ParticipantId by = 0;
+        Time asked{};              ///< when it came
+        std::uint64_t turns = 0;   ///< that it has had on the device: more than one where it gave way
         std::uint64_t number = 0;  ///< in the order in which they came; of a snapshot its id
         Time deadline = Time::max();
         Time givesWayUntil{};
@@ -192,6 +195,7 @@ class Turns {
     // ---- for who watches over it
 
     std::size_t snapshotsWaiting() const { return snapshotCount_; }
+    QueueLengths lengths() const;
     std::size_t mostInLine() const { return std::max(lines_[0].size(), lines_[1].size()); }
     std::size_t depth() const { return drawing_.size(); }
     /// Stills and snapshots that are drawn and encoded, and the memory that they take.

@@ -265,6 +265,7 @@ struct Api::Answers {
             api.metrics_.setKeptClouds(kept.bytes, kept.limit, kept.evicted);
         }
         api.metrics_.setMemory(api.options_.memory);
+        api.metrics_.setQueues(api.scheduler_.queues());
         HttpResponse response = textResponse(200, api.metrics_.text());
         response.headers.front().second = "text/plain; version=0.0.4; charset=utf-8";
         return response;

@@ -2,6 +2,11 @@
 #include "files/machine.hpp"
 
 #include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <array>
+#include <latch>
+#include <thread>
 
 #include <fstream>
 #include <thread>
@@ -59,6 +64,21 @@ TEST_F(GroupLimitsTest, NoneAreFoundWhereThereAreNone) {
         EXPECT_EQ(found.memory, std::nullopt) << membership;
         EXPECT_EQ(found.cores, std::nullopt) << membership;
     }
+}
+
+TEST(Machine, CountsTheFilesAndThreadsOfThisProcess) {
+    const std::size_t files = openFileCount(), threads = threadCount();
+    EXPECT_GE(threads, 1u);
+    std::array<int, 2> ends{};
+    ASSERT_EQ(::pipe(ends.data()), 0);
+    EXPECT_EQ(openFileCount(), files + 2);
+    ::close(ends[0]);
+    ::close(ends[1]);
+    EXPECT_EQ(openFileCount(), files);
+    std::latch counted(1);
+    std::jthread another([&] { counted.wait(); });
+    EXPECT_EQ(threadCount(), threads + 1);
+    counted.count_down();
 }
 
 TEST(Machine, HasSomethingAndNoMoreThanThereIs) {

@@ -22,6 +22,11 @@ TEST(Metrics, NamesAndUnitsOfTheProtocol) {
     metrics.setPointsResident(1234);
     metrics.setPicturesAwaited(3);
     metrics.httpRequest("/api/v1/clouds/{id}", 404);
+    metrics.priceEnded(std::nullopt, 1.5);
+    metrics.priceEnded(DropReason::Gone, 0.5);
+    metrics.pictureWaited("snapshot", 0.04);
+    metrics.setQueues({1, 2, 3, 4, 5});
+    metrics.setMemory(TransientMemory(4000));
     const std::string text = metrics.text();
     for (const char* line : {
              "scancast_frame_render_seconds_count{method=\"cone\"} 1",
@@ -40,6 +45,17 @@ TEST(Metrics, NamesAndUnitsOfTheProtocol) {
              "scancast_failed_logins_total{reason=\"expired\"} 0",
              "scancast_points_resident 1234",
              "scancast_pictures_awaited 3",
+             "scancast_price_ended_seconds_total{outcome=\"drawn\"} 1.5",
+             "scancast_price_ended_seconds_total{outcome=\"gone\"} 0.5",
+             "scancast_wait_seconds_bucket{kind=\"snapshot\",le=\"0.05\"} 1",
+             "scancast_wait_seconds_bucket{kind=\"snapshot\",le=\"0.033\"} 0",
+             "scancast_queue_length{queue=\"views\"} 1",
+             "scancast_queue_length{queue=\"stills\"} 2",
+             "scancast_queue_length{queue=\"snapshots\"} 3",
+             "scancast_queue_length{queue=\"blocks\"} 4",
+             "scancast_queue_length{queue=\"encodings\"} 5",
+             "scancast_transient_part_bytes{use=\"frames\"} 2000",
+             "scancast_transient_part_bytes{use=\"streams\"} 1000",
              "scancast_http_requests_total{code=\"404\",route=\"/api/v1/clouds/{id}\"} 1",
              "scancast_build_info{version=\"9.8.7\"} 1",
              "# TYPE scancast_frames_sent_total counter",

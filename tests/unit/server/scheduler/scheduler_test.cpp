@@ -45,6 +45,36 @@ TEST_F(SchedulerTest, TheLatestRequestWinsAndOverwrittenOnesAreCounted) {
               "scancast_frames_dropped_total{reason=\"overwritten\"} 8");
 }
 
+TEST_F(SchedulerTest, TellsWhatWaitsHowLongItDidAndWhatBecameOfItsPrice) {
+    painter.closeGate();
+    Scheduler scheduler(painter.open(), {}, metrics);
+    const auto priced = [&](int width, double ms) {
+        PictureOrder one = order(width);
+        one.price = ms;
+        return one;
+    };
+    ASSERT_TRUE(scheduler.snapshot(priced(1, 1000), results.collect(1)));
+    ASSERT_TRUE(painter.waitBegun(1));
+    ASSERT_TRUE(scheduler.snapshot(priced(2, 2000), results.collect(2)));
+    const auto left = scheduler.snapshot(priced(3, 4000), results.collect(3));
+    ASSERT_TRUE(left);
+    const auto mailbox = scheduler.openMailbox();
+    scheduler.request(mailbox, order(4), results.collect(4));
+    EXPECT_EQ(scheduler.queues(), (QueueLengths{1, 0, 2, 0, 0}));
+    scheduler.abandonSnapshot(*left);
+    EXPECT_EQ(scheduler.queues(), (QueueLengths{1, 0, 1, 0, 0}));
+    painter.openGate();
+    ASSERT_TRUE(results.waitFor(4));
+    EXPECT_EQ(metric("scancast_price_ended_seconds_total{outcome=\"drawn\"}"),
+              "scancast_price_ended_seconds_total{outcome=\"drawn\"} 3");
+    EXPECT_EQ(metric("scancast_price_ended_seconds_total{outcome=\"gone\"}"),
+              "scancast_price_ended_seconds_total{outcome=\"gone\"} 4");
+    EXPECT_EQ(metric("scancast_wait_seconds_count{kind=\"snapshot\"}"),
+              "scancast_wait_seconds_count{kind=\"snapshot\"} 2");
+    EXPECT_EQ(metric("scancast_wait_seconds_count{kind=\"moving\"}"),
+              "scancast_wait_seconds_count{kind=\"moving\"} 1");
+}
+
 TEST_F(SchedulerTest, DeadlinesEndWaitingAndRenderingSnapshots) {
     painter.closeGate();
     SchedulerOptions options;

@@ -242,6 +242,9 @@ class StreamConnection final : public SessionHost {
         if (ec) {
             queue_.clear();
             texts_.resize(unread_ = 0);
+            // Half a message may be on its way: nothing that came after it would be understood. The read that waits ends
+            // with the connection. What was given up because it is being closed is no failure.
+            if (ec != websocket::error::closed && ec != asio::error::operation_aborted) cut();
             return;
         }
         if (!queue_.empty()) return writeNext();

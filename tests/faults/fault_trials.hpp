@@ -29,12 +29,15 @@ struct Scene {
     /// Smaller allocations are let through, as by the reserve that `serve` keeps: where one's absence would end a thread
     /// of a library.
     std::size_t leastAllocation = 0;
+    /// It is a server that goes on between runs, and may remember them: its memory is looked at when it has ended.
+    bool livesOn = false;
 };
 
 struct TrialCount {
     std::uint64_t injected = 0, survived = 0;
 };
 
+/// Scenes are members of the fixture, or of a test: they are known by their address.
 class FaultTrials : public testing::Test {
   protected:
     /// With how many of each kind of call at most: all where there are no more, else the first half of that, and others by

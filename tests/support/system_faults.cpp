@@ -18,6 +18,7 @@
 #include <cstdarg>
 #include <ctime>
 #include <filesystem>
+#include <tuple>
 #include <utility>
 
 #include "tests/support/failing_allocation.hpp"
@@ -67,6 +68,7 @@ constexpr std::array<std::pair<std::string_view, int>, 14> errorNames{{{"EIO", E
 struct Fate {
     int error = 0;  // 0 = it is made
     bool half = false;
+    bool kills = false;  // while it is made
 };
 
 bool concerns() {
@@ -92,7 +94,8 @@ Fate fateOf(Call call) {
                 fate.half = true;
                 break;
             case Fault::Effect::Kills:
-                fate.half = true;
+                fate.kills = true;
+                fate.error = call == Call::Rename ? EIO : 0;
                 armed.dead = true;
                 break;
             case Fault::Effect::Jumps:
@@ -107,6 +110,13 @@ Fate fateOf(Call call) {
 Fate fateOfChange(Call call) {
     if (concerns() && armed.dead) return {.error = EIO};
     return fateOf(call);
+}
+
+/// As much of a write as gets to the disk before the power goes: half, and whole sectors, which disks write whole.
+std::size_t torn(std::size_t bytes, off_t at) {
+    constexpr off_t sector = 512;
+    const off_t end = (at + off_t(bytes) / 2) / sector * sector;
+    return end > at ? std::size_t(end - at) : 0;
 }
 
 std::size_t some(std::size_t bytes, const Fate& fate) {
@@ -241,6 +251,7 @@ using scancast::test::fateOf;
 using scancast::test::fateOfChange;
 using scancast::test::refused;
 using scancast::test::some;
+using scancast::test::torn;
 
 extern "C" {
 
@@ -291,13 +302,19 @@ ssize_t __wrap_pread(int fd, void* into, std::size_t bytes, off_t at) {
 ssize_t __real_write(int fd, const void* from, std::size_t bytes);
 ssize_t __wrap_write(int fd, const void* from, std::size_t bytes) {
     const Fate fate = fateOfChange(Call::Write);
-    return fate.error != 0 ? refused<ssize_t>(fate) : __real_write(fd, from, some(bytes, fate));
+    if (fate.error != 0) return refused<ssize_t>(fate);
+    if (!fate.kills) return __real_write(fd, from, some(bytes, fate));
+    std::ignore = __real_write(fd, from, torn(bytes, ::lseek(fd, 0, SEEK_CUR)));
+    return refused<ssize_t>({.error = EIO});
 }
 
 ssize_t __real_pwrite(int fd, const void* from, std::size_t bytes, off_t at);
 ssize_t __wrap_pwrite(int fd, const void* from, std::size_t bytes, off_t at) {
     const Fate fate = fateOfChange(Call::Write);
-    return fate.error != 0 ? refused<ssize_t>(fate) : __real_pwrite(fd, from, some(bytes, fate), at);
+    if (fate.error != 0) return refused<ssize_t>(fate);
+    if (!fate.kills) return __real_pwrite(fd, from, some(bytes, fate), at);
+    std::ignore = __real_pwrite(fd, from, torn(bytes, at), at);
+    return refused<ssize_t>({.error = EIO});
 }
 
 int __wrap_fsync(int) {
@@ -386,6 +403,12 @@ int __wrap_poll(pollfd* ends, nfds_t count, int milliseconds) {
 int __real_accept(int fd, sockaddr* address, socklen_t* length);
 int __wrap_accept(int fd, sockaddr* address, socklen_t* length) {
     const Fate fate = fateOf(Call::Accept);
+    // Whoever gave up before he was let in is gone; all other refusals leave him waiting.
+    if (fate.error == ECONNABORTED) {
+        const int gone = __real_accept(fd, address, length);
+        if (gone >= 0) ::close(gone);
+        return refused<int>({.error = gone >= 0 ? ECONNABORTED : EAGAIN});
+    }
     return fate.error != 0 ? refused<int>(fate) : __real_accept(fd, address, length);
 }
 

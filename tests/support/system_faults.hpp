@@ -43,7 +43,7 @@ struct Fault {
         Fails,  ///< once, with `error`
         Stays,  ///< from then on every call of the kind fails so: a full disk stays full
         Short,  ///< what transfers bytes moves half of them, one at least
-        Kills,  ///< a write moves half of its bytes, and nothing changes any file from then on: as if the process
+        Kills,  ///< a write moves half of its bytes, to a sector's border; a rename does nothing; and nothing changes any file from then on: as if the process
                 ///< had been killed, or the machine had lost its power
         Jumps,  ///< the clock that people read (CLOCK_REALTIME) is `error` days off from then on
     };

@@ -5,7 +5,7 @@
 namespace scancast {
 namespace {
 
-constexpr std::string_view digits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789-_";
+constexpr std::string_view base64Digits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789-_";
 
 }  // namespace
 
@@ -15,9 +15,9 @@ std::string base64url(std::string_view bytes) {
     int count = 0;
     for (const char c : bytes) {
         bits = bits << 8 | static_cast<unsigned char>(c);
-        for (count += 8; count >= 6; count -= 6) text.push_back(digits[bits >> (count - 6) & 63]);
+        for (count += 8; count >= 6; count -= 6) text.push_back(base64Digits[bits >> (count - 6) & 63]);
     }
-    if (count > 0) text.push_back(digits[bits << (6 - count) & 63]);
+    if (count > 0) text.push_back(base64Digits[bits << (6 - count) & 63]);
     return text;
 }
 
@@ -26,7 +26,7 @@ std::optional<std::string> fromBase64url(std::string_view text) {
     std::uint32_t bits = 0;
     int count = 0;
     for (const char c : text) {
-        const auto digit = digits.find(c);
+        const auto digit = base64Digits.find(c);
         if (digit == std::string_view::npos) return std::nullopt;
         bits = bits << 6 | std::uint32_t(digit);
         if ((count += 6) < 8) continue;

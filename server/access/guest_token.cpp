@@ -15,7 +15,7 @@
 namespace scancast {
 namespace {
 
-constexpr std::size_t longest = 1024, signatureBytes = 32;
+constexpr std::size_t longestGuestToken = 1024, signatureBytes = 32;
 /// Far off, and no further than the system's clock counts nanoseconds.
 constexpr std::int64_t endOfTime = 9'000'000'000;
 
@@ -70,7 +70,7 @@ bool ClaimedGuestToken::isSignedWith(std::string_view key) const {
 }
 
 std::optional<ClaimedGuestToken> parseGuestToken(std::string_view text) {
-    if (text.size() > longest) return std::nullopt;
+    if (text.size() > longestGuestToken) return std::nullopt;
     const bool pass = text.starts_with(guestPassPrefix);
     if (!isGuestToken(text)) return std::nullopt;
     const auto parts = partsOf(text);

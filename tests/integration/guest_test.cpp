@@ -14,8 +14,8 @@ using nlohmann::json;
 using ::testing::HasSubstr;
 using ::testing::Not;
 
-const std::string user = "user-0123456789abcdef", admin = "admin-0123456789abcdef";
-const NamedToken key{"guests", "q7Rf-2mVbX9_sKd4TzJw81LcNhYpGuEo"};
+const std::string userToken = "user-0123456789abcdef", adminToken = "admin-0123456789abcdef";
+const NamedToken guestKey{"guests", "q7Rf-2mVbX9_sKd4TzJw81LcNhYpGuEo"};
 
 std::string bearerOf(const std::string& token) {
     return "Authorization: Bearer " + token;
@@ -24,14 +24,14 @@ std::string bearerOf(const std::string& token) {
 class GuestTest : public ServerTest {
   protected:
     void SetUp() override {
-        options.tokens = {{{"user", user}}, {{"admin", admin}}, {key}};
+        options.tokens = {{{"user", userToken}}, {{"admin", adminToken}}, {guestKey}};
         start();
     }
     /// As an administrator gets it.
     json link(const std::string& cloud = "one") const {
         const HttpReply reply =
             post(port(), "/api/v1/guest-links", json{{"cloud", cloud}, {"expiresInSeconds", 3600}}.dump(),
-                 {bearerOf(admin), sendsJson});
+                 {bearerOf(adminToken), sendsJson});
         EXPECT_EQ(reply.status, 200) << reply.body;
         EXPECT_EQ(reply.header("cache-control"), "no-store");
         return json::parse(reply.body);
@@ -45,7 +45,8 @@ class GuestTest : public ServerTest {
     /// A link whose time is over in so many seconds.
     static std::string linkThatEndsIn(int seconds) {
         const auto now = std::chrono::system_clock::to_time_t(std::chrono::system_clock::now());
-        return signedToken({key.name, "one", now + seconds, std::string(12, 'i'), std::nullopt}, key.token);
+        return signedToken({guestKey.name, "one", now + seconds, std::string(12, 'i'), std::nullopt},
+                           guestKey.token);
     }
     /// The problem that a stream's message brings.
     static json problemOf(StreamClient& stream, const json& message) {
@@ -75,15 +76,15 @@ TEST_F(GuestTest, OnlyAnAdministratorMakesLinksAndOnlyToCloudsThatAreThere) {
         return post(port(), "/api/v1/guest-links", body.dump(), {bearerOf(token), sendsJson});
     };
     const json sound{{"cloud", "one"}, {"expiresInSeconds", 60}};
-    EXPECT_EQ(asked(sound, admin).status, 200);
-    EXPECT_EQ(asked(sound, user).status, 403);
+    EXPECT_EQ(asked(sound, adminToken).status, 200);
+    EXPECT_EQ(asked(sound, userToken).status, 403);
     EXPECT_EQ(asked(sound, pass()).status, 403);
-    EXPECT_EQ(asked({{"cloud", "three"}, {"expiresInSeconds", 60}}, admin).status, 404);
-    EXPECT_EQ(asked({{"cloud", "one"}}, admin).status, 400);
-    EXPECT_EQ(asked({{"cloud", "one"}, {"expiresInSeconds", 59}}, admin).status, 400);
-    EXPECT_EQ(asked({{"cloud", "one"}, {"expiresInSeconds", 31622401}}, admin).status, 400);
-    server->replaceTokens({{{"user", user}}, {{"admin", admin}}, {}});
-    const HttpReply none = asked(sound, admin);
+    EXPECT_EQ(asked({{"cloud", "three"}, {"expiresInSeconds", 60}}, adminToken).status, 404);
+    EXPECT_EQ(asked({{"cloud", "one"}}, adminToken).status, 400);
+    EXPECT_EQ(asked({{"cloud", "one"}, {"expiresInSeconds", 59}}, adminToken).status, 400);
+    EXPECT_EQ(asked({{"cloud", "one"}, {"expiresInSeconds", 31622401}}, adminToken).status, 400);
+    server->replaceTokens({{{"user", userToken}}, {{"admin", adminToken}}, {}});
+    const HttpReply none = asked(sound, adminToken);
     EXPECT_EQ(none.status, 409);
     EXPECT_THAT(none.body, HasSubstr("--guest-key-file"));
 }
@@ -92,7 +93,8 @@ TEST_F(GuestTest, WhatIsNoLinkGetsNoPass) {
     const std::string sound = link()["token"];
     std::string forged = sound;
     forged.back() = forged.back() == 'A' ? 'B' : 'A';
-    for (const std::string& wrong : {std::string("x"), std::string(), forged, pass(), user, admin}) {
+    for (const std::string& wrong :
+         {std::string("x"), std::string(), forged, pass(), userToken, adminToken}) {
         const HttpReply refused = exchange(wrong);
         EXPECT_EQ(refused.status, 401) << wrong;
         EXPECT_TRUE(wrong.empty() || refused.body.find("\"" + wrong) == std::string::npos)
@@ -152,7 +154,7 @@ TEST_F(GuestTest, WhatChangesSomethingOrTellsOfOthersIsNotForGuests) {
 }
 
 TEST_F(GuestTest, AStreamShowsThatCloudAndFollowsNobody) {
-    StreamClient leader(port(), "scancast.v1, " + bearerSubprotocol(user));
+    StreamClient leader(port(), "scancast.v1, " + bearerSubprotocol(userToken));
     const json theirs = leader.greet({{"cloud", "one"}});
     ASSERT_FALSE(theirs.is_null());
     StreamClient guest(port(), "scancast.v1, " + bearerSubprotocol(pass()));
@@ -165,9 +167,10 @@ TEST_F(GuestTest, AStreamShowsThatCloudAndFollowsNobody) {
     EXPECT_EQ(problemOf(guest, {{"type", "view"}, {"seq", 2}, {"follow", theirs["session"]}})["status"], 422);
     // Who drives his session shows him nothing else either.
     const std::string drive = "/api/v1/sessions/" + welcome["session"].get<std::string>() + "/view";
-    EXPECT_EQ(post(port(), drive, R"({"cloud": "two"})", {bearerOf(user), sendsJson}).status, 404);
-    EXPECT_EQ(post(port(), drive, R"({"camera": {"eye": [10, 0, 2]}})", {bearerOf(user), sendsJson}).status,
-              200);
+    EXPECT_EQ(post(port(), drive, R"({"cloud": "two"})", {bearerOf(userToken), sendsJson}).status, 404);
+    EXPECT_EQ(
+        post(port(), drive, R"({"camera": {"eye": [10, 0, 2]}})", {bearerOf(userToken), sendsJson}).status,
+        200);
     EXPECT_EQ(
         request(port(), "/api/v1/clouds/one/stream.mjpg?session=" + theirs["session"].get<std::string>(),
                 {bearerOf(pass())})
@@ -193,11 +196,11 @@ TEST_F(GuestTest, ALinkIsWithdrawnWithItsKey) {
     StreamClient stream(port(), "scancast.v1, " + bearerSubprotocol(guest));
     ASSERT_FALSE(stream.greet().is_null());
     const NamedToken next{"later", "Zk3_tP8wQd-1HvNx5yMjR2bFsLg7cUaE"};
-    server->replaceTokens({{{"user", user}}, {{"admin", admin}}, {next, key}});
+    server->replaceTokens({{{"user", userToken}}, {{"admin", adminToken}}, {next, guestKey}});
     EXPECT_EQ(request(port(), onePicture, {bearerOf(guest)}).status, 200) << "the old key is still known";
     EXPECT_EQ(exchange(token).status, 200);
     const std::string newer = link()["token"];
-    server->replaceTokens({{{"user", user}}, {{"admin", admin}}, {next}});
+    server->replaceTokens({{{"user", userToken}}, {{"admin", adminToken}}, {next}});
     EXPECT_EQ(stream.closeCode(), 1008);
     EXPECT_EQ(request(port(), onePicture, {bearerOf(guest)}).status, 401);
     EXPECT_EQ(exchange(token).status, 401);

@@ -12,9 +12,9 @@ namespace {
 
 using std::chrono::seconds;
 
-const NamedToken key{"guests", "q7Rf-2mVbX9_sKd4TzJw81LcNhYpGuEo"},
-    other{"more.guests", "Zk3_tP8wQd-1HvNx5yMjR2bFsLg7cUaE"};
-const Grant::Time now{seconds(1'800'000'000)};
+const NamedToken guestsKey{"guests", "q7Rf-2mVbX9_sKd4TzJw81LcNhYpGuEo"},
+    laterKey{"more.guests", "Zk3_tP8wQd-1HvNx5yMjR2bFsLg7cUaE"};
+const Grant::Time atNoon{seconds(1'800'000'000)};
 
 GuestToken aLink() {
     return {"guests", "town", 1'800'003'600, "0123456789ab", std::nullopt};
@@ -91,16 +91,16 @@ TEST(GuestToken, OthersAreNone) {
 }
 
 TEST(GuestKeys, ALinkIsExchangedForPassesWhileItLives) {
-    const GuestKeys keys({key, other}, {});
-    const auto link = keys.link("town", seconds(7200), now);
+    const GuestKeys keys({guestsKey, laterKey}, {});
+    const auto link = keys.link("town", seconds(7200), atNoon);
     ASSERT_TRUE(link);
-    EXPECT_EQ(link->until, now + seconds(7200));
-    const auto pass = keys.passFor(link->token, now + seconds(10));
+    EXPECT_EQ(link->until, atNoon + seconds(7200));
+    const auto pass = keys.passFor(link->token, atNoon + seconds(10));
     ASSERT_TRUE(pass);
     EXPECT_EQ(pass->cloud, "town");
-    EXPECT_EQ(pass->expires, now + seconds(10) + guestPassLife);
+    EXPECT_EQ(pass->expires, atNoon + seconds(10) + guestPassLife);
     EXPECT_EQ(pass->until, link->until);
-    const auto grant = keys.admit(pass->token, now + seconds(11));
+    const auto grant = keys.admit(pass->token, atNoon + seconds(11));
     ASSERT_TRUE(grant);
     EXPECT_EQ(grant->identity.kind, IdentityKind::Guest);
     EXPECT_EQ(grant->identity.cloud, "town");
@@ -118,38 +118,38 @@ TEST(GuestKeys, ALinkIsExchangedForPassesWhileItLives) {
 }
 
 TEST(GuestKeys, LinksAndPassesAreNotTakenForEachOther) {
-    const GuestKeys keys({key}, {});
-    const auto link = keys.link("town", seconds(7200), now);
-    const auto pass = keys.passFor(link->token, now);
-    EXPECT_EQ(keys.admit(link->token, now).error(), LoginFailure::Malformed);
-    EXPECT_EQ(keys.passFor(pass->token, now).error(), LoginFailure::Malformed);
+    const GuestKeys keys({guestsKey}, {});
+    const auto link = keys.link("town", seconds(7200), atNoon);
+    const auto pass = keys.passFor(link->token, atNoon);
+    EXPECT_EQ(keys.admit(link->token, atNoon).error(), LoginFailure::Malformed);
+    EXPECT_EQ(keys.passFor(pass->token, atNoon).error(), LoginFailure::Malformed);
     // A pass cut down to the shape of a link, signature and all.
     const auto claimed = parseGuestToken(pass->token);
     GuestToken cut = claimed->token;
     cut.expires.reset();
     const std::string text = signedToken(cut, "whatever");
     const std::string forged = text.substr(0, text.rfind('.') + 1) + base64url(claimed->signature);
-    EXPECT_EQ(keys.passFor(forged, now).error(), LoginFailure::Unknown);
+    EXPECT_EQ(keys.passFor(forged, atNoon).error(), LoginFailure::Unknown);
 }
 
 TEST(GuestKeys, AKeyThatIsTakenAwayWithdrawsWhatItSigned) {
-    const GuestKeys before({key, other}, {});
-    const auto link = before.link("town", seconds(7200), now);
-    const auto pass = before.passFor(link->token, now);
-    const auto grant = before.admit(pass->token, now);
+    const GuestKeys before({guestsKey, laterKey}, {});
+    const auto link = before.link("town", seconds(7200), atNoon);
+    const auto pass = before.passFor(link->token, atNoon);
+    const auto grant = before.admit(pass->token, atNoon);
     ASSERT_TRUE(grant);
 
-    const GuestKeys both({other, key}, before);
+    const GuestKeys both({laterKey, guestsKey}, before);
     before.withdrawMissing(both);
-    EXPECT_EQ(grant->ended(now), nullptr) << "the order says only which one signs";
-    EXPECT_TRUE(both.admit(pass->token, now));
+    EXPECT_EQ(grant->ended(atNoon), nullptr) << "the order says only which one signs";
+    EXPECT_TRUE(both.admit(pass->token, atNoon));
 
-    const GuestKeys after({other, {key.name, key.token + "x"}}, both);
+    const GuestKeys after({laterKey, {guestsKey.name, guestsKey.token + "x"}}, both);
     both.withdrawMissing(after);
-    EXPECT_NE(grant->ended(now), nullptr);
-    EXPECT_EQ(after.admit(pass->token, now).error(), LoginFailure::Unknown);
-    EXPECT_EQ(after.passFor(link->token, now).error(), LoginFailure::Unknown);
-    EXPECT_EQ(GuestKeys().passFor(link->token, now).error(), LoginFailure::Unknown);
+    EXPECT_NE(grant->ended(atNoon), nullptr);
+    EXPECT_EQ(after.admit(pass->token, atNoon).error(), LoginFailure::Unknown);
+    EXPECT_EQ(after.passFor(link->token, atNoon).error(), LoginFailure::Unknown);
+    EXPECT_EQ(GuestKeys().passFor(link->token, atNoon).error(), LoginFailure::Unknown);
 }
 
 }  // namespace

@@ -17,42 +17,43 @@ using ::testing::HasSubstr;
 using ::testing::Not;
 using ::testing::StartsWith;
 
-const std::string first = "q7Rf-2mVbX9_sKd4TzJw81LcNhYpGuEo";
-const std::string second = "8f3a1c9e5b7d204f6a8e0c2b4d9f1735";
+const std::string firstToken = "q7Rf-2mVbX9_sKd4TzJw81LcNhYpGuEo";
+const std::string secondToken = "8f3a1c9e5b7d204f6a8e0c2b4d9f1735";
 
-Expected<std::vector<NamedToken>> parse(const std::string& text) {
+Expected<std::vector<NamedToken>> tokensOf(const std::string& text) {
     return parseTokens(text, "user", "FILE");
 }
 
 TEST(TokenFile, HoldsNamedTokensAndOneWithoutAName) {
-    const auto tokens =
-        parse("# who may look\n\n  alice\t" + first + " \r\n   #bob " + first + "\n" + second);
+    const auto tokens = tokensOf("# who may look\n\n  alice\t" + firstToken + " \r\n   #bob " + firstToken +
+                                 "\n" + secondToken);
     ASSERT_TRUE(tokens) << tokens.error().message;
-    EXPECT_EQ(*tokens, (std::vector<NamedToken>{{"alice", first}, {"user", second}}));
-    EXPECT_EQ(parse(first + "\n")->front(), (NamedToken{"user", first})) << "as such files always were";
+    EXPECT_EQ(*tokens, (std::vector<NamedToken>{{"alice", firstToken}, {"user", secondToken}}));
+    EXPECT_EQ(tokensOf(firstToken + "\n")->front(), (NamedToken{"user", firstToken}))
+        << "as such files always were";
 }
 
 TEST(TokenFile, ErrorsNameTheLineAndNeverAToken) {
     const std::string longName(65, 'n');
     const std::pair<std::string, std::string> wrong[] = {
-        {"a " + first + "\na " + second, "FILE:2: a second token of the name \"a\""},
-        {first + "\n" + second, "FILE:2: a second token of the name \"user\""},
-        {"a " + first + "\n#\nb " + first, "FILE:3: the tokens of \"a\" and \"b\" are the same"},
-        {"a b " + first, "FILE:1: a line is NAME TOKEN"},
-        {"a/b " + first, "FILE:1: a name has 1 to 64"},
-        {longName + " " + first, "FILE:1: a name has 1 to 64"},
-        {first + " a", "FILE:1: a token needs at least"},
-        {"a t\xc3\xb6ken-" + first, "FILE:1: a token is one word of"},
+        {"a " + firstToken + "\na " + secondToken, "FILE:2: a second token of the name \"a\""},
+        {firstToken + "\n" + secondToken, "FILE:2: a second token of the name \"user\""},
+        {"a " + firstToken + "\n#\nb " + firstToken, "FILE:3: the tokens of \"a\" and \"b\" are the same"},
+        {"a b " + firstToken, "FILE:1: a line is NAME TOKEN"},
+        {"a/b " + firstToken, "FILE:1: a name has 1 to 64"},
+        {longName + " " + firstToken, "FILE:1: a name has 1 to 64"},
+        {firstToken + " a", "FILE:1: a token needs at least"},
+        {"a t\xc3\xb6ken-" + firstToken, "FILE:1: a token is one word of"},
         {"a letmein-0123456789", "FILE:1: the token \"a\" is too weak"},
         {"# nothing\n\n", "FILE: there is no token in it"},
         {"", "scancast token NAME"},
     };
     for (const auto& [text, part] : wrong) {
-        const auto refused = parse(text);
+        const auto refused = tokensOf(text);
         ASSERT_FALSE(refused) << text;
         EXPECT_EQ(refused.error().code, ErrorCode::InvalidArgument);
         EXPECT_THAT(refused.error().message, HasSubstr(part));
-        for (const std::string& secret : {first, second, std::string("letmein")})
+        for (const std::string& secret : {firstToken, secondToken, std::string("letmein")})
             EXPECT_THAT(refused.error().message, Not(HasSubstr(secret))) << text;
     }
 }
@@ -60,7 +61,7 @@ TEST(TokenFile, ErrorsNameTheLineAndNeverAToken) {
 TEST(TokenFile, IsASecretOfItsOwner) {
     const test::TemporaryFolder folder;
     const auto path = folder / "tokens";
-    std::ofstream(path) << "alice " << first << "\n";
+    std::ofstream(path) << "alice " << firstToken << "\n";
     ::chmod(path.c_str(), 0644);
     EXPECT_THAT(readTokens(path, "user").error().message, HasSubstr("chmod 600"));
     ::chmod(path.c_str(), 0600);
@@ -75,7 +76,7 @@ TEST(TokenFile, NewTokensAreStrongAndDiffer) {
     ASSERT_TRUE(one && other);
     EXPECT_NE(*one, *other);
     EXPECT_EQ(fromBase64url(*one)->size(), 32U);
-    EXPECT_TRUE(parse("made " + *one));
+    EXPECT_TRUE(tokensOf("made " + *one));
 }
 
 TEST(TokenStrength, WordsRunsAndRepetitionsAreWeak) {

@@ -9,7 +9,7 @@ of 960 x 540. Prints a table: his longest gap between two frames, his rate, that
 load everything must be as before: sessions and pictures that are waited for, the bytes of a picture, /readyz.
 
 Ends with 1 when a request was answered wrongly, when the longest gap is more than 500 ms, the rate less than half of that among as many, or
-memory more than the limit and a quarter. --short is for test runs: loads of a second, of which gap and rate are printed and not judged.
+memory more than the limit and a quarter, or the log longer than floods may make it. --short is for test runs: loads of a second, of which gap and rate are printed and not judged.
 """
 import argparse
 import os
@@ -28,6 +28,7 @@ import polite  # noqa: E402
 
 LONGEST_GAP = 500  # ms
 MEMORY_LIMIT = 512 << 20
+LINES_A_MINUTE = 6000 + 21  # and that so many more were left out: server/net/log/repeats.hpp
 
 
 def metric(server, name):
@@ -67,6 +68,14 @@ def send_malformed(server, print_all):
     for line in wrong if print_all else wrong[:20]:
         print("  " + line)
     return sent >= 600 and not wrong
+
+
+def log_is_short(server, seconds, flooded):
+    """Whether the lines that all of this has left in the log are as few as they shall be, however many asked."""
+    written, repeated = (int(metric(server, f'scancast_request_log_lines_total{{outcome="{outcome}"}}')) for outcome in ("written", "repeated"))
+    most = LINES_A_MINUTE * (int(seconds) // 60 + 2)
+    print(f"the log has {written} lines of requests and streams, and counts of {repeated} more; {most} lines were allowed")
+    return written <= most and (repeated > 0 or not flooded)
 
 
 class Battery:
@@ -127,13 +136,14 @@ def main():
         for command in (["generate", "town", "--points", options.points, "-o", scan], ["ingest", scan, "-o", cloud]):
             subprocess.run([scancast, *command], check=True, stderr=log, stdout=log)
         server = serving.Server(scancast, cloud, 64, log, "--memory-limit", str(MEMORY_LIMIT))
-        good = True
+        good, began = True, time.monotonic()
         if not options.load:
             good = send_malformed(server, not options.short)
         print("| load | clients | longest gap, ms | frames/s | among as many, /s | memory, MiB | | what they got |\n|---|---|---|---|---|---|---|---|")
         battery = Battery(server, 0.7 if options.short else options.seconds, not options.short)
         for name in options.load or loads.ALL:
             battery.run(name)
+        good = log_is_short(server, time.monotonic() - began, not options.load) and good
         ended = server.stop()
         if ended != 0:
             print(f"the server ended with {ended}")

@@ -65,6 +65,8 @@ TEST(PlainText, QuotesAndProblemsAreLines) {
     problem.detail.clear();
     problem.title = "\x1b[2J";
     EXPECT_EQ(errorOf(problem).message, "?[2J");
+    problem.requestId = "a\n\x1b[2Jb";
+    EXPECT_EQ(errorOf(problem).message, "?[2J (request a ?[2Jb)");
 }
 
 }  // namespace

@@ -67,6 +67,16 @@ TEST(Problem, ErrorsComeBackOnTheOtherSide) {
     EXPECT_EQ(errorOf(problemOf(502, "")).code, ErrorCode::Internal);
 }
 
+TEST(Problem, TellsByWhichIdTheServersLogKnowsTheRequest) {
+    Problem problem = problemOf(404, "There is no cloud of that id.");
+    EXPECT_FALSE(toJson(problem).contains("requestId"));
+    problem.requestId = "req-1";
+    const auto read = problemFromJson(toJson(problem));
+    ASSERT_TRUE(read);
+    EXPECT_EQ(*read, problem);
+    EXPECT_EQ(errorOf(*read).message, "There is no cloud of that id. (request req-1)");
+}
+
 TEST(Problem, ForeignOnesAreReadLeniently) {
     const auto problem =
         problemFromJson(nlohmann::json::parse(R"({"title": "Busy", "retry": 5, "errors": null})"));

@@ -51,14 +51,14 @@ class FaultTrials : public testing::Test {
     void failAllocations(const Scene& scene, std::uint64_t atMost = most);
     /// Two to four faults at once, chosen by seeds, among calls of these kinds.
     void failTogether(const Scene& scene, const std::vector<Call>& calls, std::uint64_t trials);
-    /// Once; false when the faults did not happen.
+    /// Once; false when the faults did not happen. None = the scene has its own, and must come out right with it.
     bool tryOne(const Scene& scene, const std::vector<Fault>& faults);
 
     static void TearDownTestSuite();
+    /// Runs it until it is the same each time; what follows does so by itself.
+    void prepare(const Scene& scene);
 
   private:
-    /// Runs it until it is the same each time.
-    void prepare(const Scene& scene);
     void expectNothingLeft(const Scene& scene, const std::vector<Fault>& faults);
     std::vector<std::uint64_t> chosen(std::uint64_t calls, std::uint64_t atMost) const;
     std::uint64_t callsOf(const Scene& scene, Call call);

@@ -1,8 +1,10 @@
 // Faults of the network, of memory and of a clock while a server answers: a real one, with a cloud file and the CPU device. A
 // client gets the right picture, a status that says why not, or the end of its connection; the next one gets the picture.
+#include <atomic>
 #include <cerrno>
 #include <memory>
 #include <thread>
+#include <utility>
 
 #include "renderer/cloud/build/ingest.hpp"
 #include "renderer/residency/open_cloud.hpp"
@@ -19,6 +21,22 @@ using test::Call;
 using test::Fault;
 using test::Scene;
 using test::Whose;
+
+/// That device, lost at the picture at which `left` comes to 0; another of its kind takes over.
+OpenPainter losing(const OpenPainter& open, std::atomic<int>& left) {
+    return [open, &left]() -> Expected<Painter> {
+        auto painter = open();
+        if (!painter) return painter;
+        painter->begin = [begin = painter->begin, &left](
+                             const PictureOrder& order, const PreparedPicture& prepared, std::stop_token stop,
+                             const Pause& pause) -> Expected<std::unique_ptr<PendingFrame>> {
+            if (--left == 0) return fail(ErrorCode::DeviceLost, "It was lost while testing.");
+            return begin(order, prepared, std::move(stop), pause);
+        };
+        painter->instead = losing(open, left);
+        return painter;
+    };
+}
 
 class ServerFaults : public test::FaultTrials {
   protected:
@@ -61,7 +79,7 @@ class ServerFaults : public test::FaultTrials {
         DeviceOptions device;
         device.backend = "cpu";
         device.threads = 1;
-        auto created = ScancastServer::create(options, devicePainter(device));
+        auto created = ScancastServer::create(options, losing(devicePainter(device), left_));
         ASSERT_TRUE(created) << created.error().message;
         server_ = std::move(*created);
         const auto cloud = openCloud(folder_ / "ground.scan", options.cache);
@@ -109,7 +127,11 @@ class ServerFaults : public test::FaultTrials {
     }
     Scene sceneOf(std::function<Expected<std::string>()> ask) {
         return {.run = std::move(ask),
-                .before = [this] { soon([this] { return server_->connections() == 0; }); },
+                .before =
+                    [this] {
+                        soon([this] { return server_->connections() == 0; });
+                        left_ = std::exchange(nextLoss_, 0);
+                    },
                 .after = [this](const auto&, const auto&) { expectQuiet(); },
                 .whose = Whose::OtherThreads,
                 .leastAllocation = 1100,
@@ -121,6 +143,8 @@ class ServerFaults : public test::FaultTrials {
     const Scene snapshot_ = sceneOf([this] { return snapshot(); });
     const Scene stream_ = sceneOf([this] { return stream(); });
     const test::TemporaryFolder folder_;
+    std::atomic<int> left_{0};  // pictures until the device is lost
+    int nextLoss_ = 0;          // that, for the next run
     std::unique_ptr<ScancastServer> server_;
     std::int64_t before_ = 0;
     std::size_t descriptors_ = 0;
@@ -141,6 +165,19 @@ TEST_F(ServerFaults, EveryAllocation) {
 }
 TEST_F(ServerFaults, SomeTogether) {
     failTogether(snapshot_, {Call::Receive, Call::Send, Call::Accept, Call::Allocate}, 30);
+}
+TEST_F(ServerFaults, TheDeviceIsLostAtEveryPicture) {
+    prepare(stream_);
+    for (int repeat = 0; repeat < 5; ++repeat)
+        for (const int nth : {1, 2}) {  // the still is one of those at least
+            nextLoss_ = nth;
+            EXPECT_TRUE(tryOne(stream_, {}));
+        }
+    prepare(snapshot_);
+    for (int repeat = 0; repeat < 5; ++repeat) {
+        nextLoss_ = 1;
+        EXPECT_TRUE(tryOne(snapshot_, {}));
+    }
 }
 TEST_F(ServerFaults, TheClockJumps) {
     for (const int days : {-20 * 365, -1, 1, 20 * 365})

@@ -2,7 +2,6 @@
 
 #include <fcntl.h>
 #include <stdlib.h>
-#include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -25,10 +24,6 @@ constexpr std::string_view prefix = "scancast-spill-";
 UniqueFd openFolder(const fs::path& path) {
     return UniqueFd(
         uninterrupted([&] { return ::open(path.c_str(), O_RDONLY | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC); }));
-}
-
-bool lockNow(int fd) {
-    return uninterrupted([&] { return ::flock(fd, LOCK_EX | LOCK_NB); }) == 0;
 }
 
 bool isOurs(int fd) {
@@ -67,7 +62,8 @@ std::size_t sweepOwnedFolders(const fs::path& parent) {
     for (fs::directory_iterator i(parent, error), end; !error && i != end; i.increment(error)) {
         if (!i->path().filename().string().starts_with(prefix)) continue;
         const UniqueFd fd = openFolder(i->path());
-        if (!fd || !isOurs(fd.get()) || !lockNow(fd.get()) || !isStillNamed(fd.get(), i->path())) continue;
+        if (!fd || !isOurs(fd.get()) || lockNow(fd.get()) != 0 || !isStillNamed(fd.get(), i->path()))
+            continue;
         std::error_code left;
         fs::remove_all(i->path(), left);
         if (!left) ++swept;

@@ -1,5 +1,6 @@
 #include "files/raw_writes.hpp"
 
+#include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -25,6 +26,10 @@ int writeFullyAt(int fd, std::uint64_t offset, std::span<const std::byte> bytes)
 
 int syncFile(int fd) {
     return uninterrupted([&] { return ::fsync(fd); }) != 0 ? errno : 0;
+}
+
+int lockNow(int fd) {
+    return uninterrupted([&] { return ::flock(fd, LOCK_EX | LOCK_NB); }) == 0 ? 0 : errno;
 }
 
 bool isStillNamed(int fd, const std::filesystem::path& name) {

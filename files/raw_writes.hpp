@@ -14,6 +14,8 @@ namespace scancast {
 int writeFullyAt(int fd, std::uint64_t offset, std::span<const std::byte> bytes);
 /// What was written is on disk.
 int syncFile(int fd);
+/// Takes the lock of who writes a file, or has a folder, for as long as it is open; EWOULDBLOCK where somebody else has it.
+int lockNow(int fd);
 /// Whether `fd` still is what the name leads to: it may have been renamed or removed before the lock was ours.
 bool isStillNamed(int fd, const std::filesystem::path& name);
 

@@ -1,7 +1,6 @@
 #include "files/unfinished_file.hpp"
 
 #include <fcntl.h>
-#include <sys/file.h>
 #include <unistd.h>
 
 #include <cerrno>
@@ -19,10 +18,6 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr int attempts = 16;
-
-int lockNow(int fd) {
-    return uninterrupted([&] { return ::flock(fd, LOCK_EX | LOCK_NB); }) == 0 ? 0 : errno;
-}
 
 tl::unexpected<Error> cannotBeCreated(const fs::path& name, int error) {
     if (error == ENOENT)

@@ -2,7 +2,6 @@
 
 #include <fcntl.h>
 #include <spdlog/fmt/fmt.h>
-#include <sys/file.h>
 
 #include <array>
 #include <cerrno>
@@ -35,13 +34,13 @@ Expected<UniqueFd> openToChange(const fs::path& path) {
 }
 
 Expected<void> lock(int fd, const fs::path& path) {
-    if (uninterrupted([&] { return ::flock(fd, LOCK_EX | LOCK_NB); }) != 0) {
-        if (errno == EWOULDBLOCK)
+    if (const int refused = lockNow(fd)) {
+        if (refused == EWOULDBLOCK)
             return fail(
                 ErrorCode::InvalidArgument,
                 path.string() + ": somebody else is changing this file; try again when they are done");
         return fail(ErrorCode::Io,
-                    fmt::format("{}: cannot be locked: {}", path.string(), systemReason(errno)));
+                    fmt::format("{}: cannot be locked: {}", path.string(), systemReason(refused)));
     }
     if (isStillNamed(fd, path)) return {};
     return fail(ErrorCode::InvalidArgument,

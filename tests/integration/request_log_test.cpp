@@ -5,7 +5,7 @@
 namespace scancast::test {
 namespace {
 
-const std::string trace = "0af7651916cd43dd8448eb211c80319c";
+const std::string traceOfRequest = "0af7651916cd43dd8448eb211c80319c";
 
 class RequestLogOfServer : public ServerTest {
   protected:
@@ -28,8 +28,9 @@ class RequestLogOfServer : public ServerTest {
 
 TEST_F(RequestLogOfServer, SaysWhatWasAskedAndHowItWasAnswered) {
     start();
-    const HttpReply reply = request(
-        port(), onePicture, {"X-Request-Id: pic-1", "traceparent: 00-" + trace + "-b7ad6b7169203331-01"});
+    const HttpReply reply =
+        request(port(), onePicture,
+                {"X-Request-Id: pic-1", "traceparent: 00-" + traceOfRequest + "-b7ad6b7169203331-01"});
     ASSERT_EQ(reply.status, 200);
     EXPECT_EQ(reply.header("x-request-id"), "pic-1");
     const auto said = line("request", "pic-1");
@@ -38,7 +39,7 @@ TEST_F(RequestLogOfServer, SaysWhatWasAskedAndHowItWasAnswered) {
     EXPECT_EQ(said["route"], "/api/v1/clouds/{id}/snapshot.jpg");
     EXPECT_EQ(said["status"], 200);
     EXPECT_EQ(said["client"], "127.0.0.1");
-    EXPECT_EQ(said["trace"], trace);
+    EXPECT_EQ(said["trace"], traceOfRequest);
     EXPECT_NE(said["span"], said["parent"]);
     EXPECT_TRUE(said.contains("price"));
     EXPECT_GT(said["bytes"], reply.body.size());

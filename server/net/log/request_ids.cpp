@@ -13,13 +13,13 @@ namespace {
 constexpr std::size_t longestId = 64;
 constexpr std::size_t traceDigits = 32, parentDigits = 16;
 
-bool isDigit(char c) {
+bool isDecimal(char c) {
     return c >= '0' && c <= '9';
 }
 
 /// Lower case alone, as the recommendation has it.
 bool isHex(std::string_view text) {
-    return std::ranges::all_of(text, [](char c) { return isDigit(c) || (c >= 'a' && c <= 'f'); });
+    return std::ranges::all_of(text, [](char c) { return isDecimal(c) || (c >= 'a' && c <= 'f'); });
 }
 
 bool isZero(std::string_view text) {
@@ -44,7 +44,7 @@ std::string randomHex() {
 
 bool isRequestId(std::string_view text) {
     return !text.empty() && text.size() <= longestId && std::ranges::all_of(text, [](char c) {
-        return isDigit(c) || (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '.' || c == '_' ||
+        return isDecimal(c) || (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '.' || c == '_' ||
                c == '-';
     });
 }
@@ -62,7 +62,7 @@ std::optional<TraceParent> parseTraceParent(std::string_view text) {
     if (version == "ff" || isZero(trace) || isZero(parent)) return std::nullopt;
     if (text.size() > length && (version == "00" || text[length] != '-')) return std::nullopt;
     const char last = flags[1];
-    const int bits = isDigit(last) ? last - '0' : last - 'a' + 10;
+    const int bits = isDecimal(last) ? last - '0' : last - 'a' + 10;
     return TraceParent{std::string(trace), std::string(parent), (bits & 1) != 0};
 }
 

@@ -23,7 +23,7 @@ bool isKnown(std::string_view word) {
 }
 
 /// Names that somebody may have given to a word; others may be secrets themselves.
-bool isName(std::string_view word) {
+bool isWordName(std::string_view word) {
     return !word.empty() && word.size() <= longestWord && std::ranges::all_of(word, [](char c) {
         return (c >= '0' && c <= '9') || (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '.' ||
                c == '_' || c == '-';
@@ -34,7 +34,7 @@ std::string shownWord(std::string_view text) {
     const auto equals = text.find('=');
     if (equals == std::string_view::npos) return "*";
     const std::string_view word = text.substr(0, equals), value = text.substr(equals + 1);
-    if (!isName(word)) return "*";
+    if (!isWordName(word)) return "*";
     const bool shown = isKnown(word) && value.size() <= longestValue;
     return std::string(word) + "=" + (shown ? std::string(value) : "*");
 }

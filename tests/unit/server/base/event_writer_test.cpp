@@ -9,23 +9,23 @@
 namespace scancast {
 namespace {
 
-const std::string hostile = "GET /\x1b[2J\xC2\x9B\n12:00:00 info: forged";
+const std::string forging = "GET /\x1b[2J\xC2\x9B\n12:00:00 info: forged";
 
 TEST(EventWriter, TextIsOneLineThatATerminalDoesNotObey) {
     test::LogFile log;
-    EXPECT_TRUE(log.writer("info", "text")->write(LogLevel::Info, hostile, {}));
+    EXPECT_TRUE(log.writer("info", "text")->write(LogLevel::Info, forging, {}));
     EXPECT_TRUE(log.text().ends_with(" info: GET /?[2J? 12:00:00 info: forged\n")) << log.text();
     EXPECT_EQ(std::ranges::count(log.text(), '\n'), 1);
 }
 
 TEST(EventWriter, JsonHasTheFieldsAndTheSentence) {
     test::LogFile log;
-    EXPECT_TRUE(log.writer()->write(LogLevel::Info, hostile, {{"status", 200}}));
+    EXPECT_TRUE(log.writer()->write(LogLevel::Info, forging, {{"status", 200}}));
     EXPECT_EQ(log.text().find('\x1b'), std::string::npos);
     ASSERT_EQ(log.events().size(), 1u);
     const auto line = log.events().front();
     EXPECT_EQ(line.at("status"), 200);
-    EXPECT_EQ(line.at("message"), hostile);
+    EXPECT_EQ(line.at("message"), forging);
     EXPECT_EQ(line.at("level"), "info");
     const std::string time = line.at("time");
     EXPECT_EQ(time.size(), std::string("2026-11-25T01:02:03.456Z").size()) << time;

@@ -5,8 +5,8 @@
 namespace scancast {
 namespace {
 
-const std::string trace = "0af7651916cd43dd8448eb211c80319c", parent = "b7ad6b7169203331";
-const std::string sound = "00-" + trace + "-" + parent + "-01";
+const std::string someTrace = "0af7651916cd43dd8448eb211c80319c", someParent = "b7ad6b7169203331";
+const std::string soundParent = "00-" + someTrace + "-" + someParent + "-01";
 
 TEST(RequestIds, AreTheClientsWhereTheyCanForgeNothing) {
     for (const std::string& id : {std::string("a"), std::string("A-z_0.9"), std::string(64, 'x')}) {
@@ -25,29 +25,30 @@ TEST(RequestIds, AreTheClientsWhereTheyCanForgeNothing) {
 }
 
 TEST(TraceParent, IsTakenApart) {
-    EXPECT_EQ(parseTraceParent(sound), (TraceParent{trace, parent, true}));
-    EXPECT_FALSE(parseTraceParent("00-" + trace + "-" + parent + "-00")->sampled);
-    EXPECT_FALSE(parseTraceParent("00-" + trace + "-" + parent + "-fe")->sampled);
-    EXPECT_TRUE(parseTraceParent("00-" + trace + "-" + parent + "-0b")->sampled);
+    EXPECT_EQ(parseTraceParent(soundParent), (TraceParent{someTrace, someParent, true}));
+    EXPECT_FALSE(parseTraceParent("00-" + someTrace + "-" + someParent + "-00")->sampled);
+    EXPECT_FALSE(parseTraceParent("00-" + someTrace + "-" + someParent + "-fe")->sampled);
+    EXPECT_TRUE(parseTraceParent("00-" + someTrace + "-" + someParent + "-0b")->sampled);
 }
 
 TEST(TraceParent, OfVersionsToComeSaysWhatThisOneDoes) {
-    const std::string later = "cc-" + trace + "-" + parent + "-01";
-    EXPECT_EQ(parseTraceParent(later), (TraceParent{trace, parent, true}));
-    EXPECT_EQ(parseTraceParent(later + "-what-comes"), (TraceParent{trace, parent, true}));
+    const std::string later = "cc-" + someTrace + "-" + someParent + "-01";
+    EXPECT_EQ(parseTraceParent(later), (TraceParent{someTrace, someParent, true}));
+    EXPECT_EQ(parseTraceParent(later + "-what-comes"), (TraceParent{someTrace, someParent, true}));
     EXPECT_FALSE(parseTraceParent(later + ".what-comes"));
     EXPECT_FALSE(parseTraceParent(later + "0"));
 }
 
 TEST(TraceParent, MalformedIsAsGoodAsMissing) {
     for (const std::string& wrong :
-         {std::string(), std::string("00"), "ff" + sound.substr(2), "0g" + sound.substr(2),
-          "0A" + sound.substr(2), "00-" + std::string(32, '0') + "-" + parent + "-01",
-          "00-" + trace + "-" + std::string(16, '0') + "-01",
-          "00-0AF7651916cd43dd8448eb211c80319c-" + parent + "-01", "00-" + trace + "-" + parent + "-1",
-          "00-" + trace + "-" + parent + "-zz", sound + "-00", sound + " ", " " + sound, sound + ", " + sound,
-          "00_" + trace + "-" + parent + "-01", "00-" + trace + "_" + parent + "-01",
-          "00-" + trace + "-" + parent + "_01"}) {
+         {std::string(), std::string("00"), "ff" + soundParent.substr(2), "0g" + soundParent.substr(2),
+          "0A" + soundParent.substr(2), "00-" + std::string(32, '0') + "-" + someParent + "-01",
+          "00-" + someTrace + "-" + std::string(16, '0') + "-01",
+          "00-0AF7651916cd43dd8448eb211c80319c-" + someParent + "-01",
+          "00-" + someTrace + "-" + someParent + "-1", "00-" + someTrace + "-" + someParent + "-zz",
+          soundParent + "-00", soundParent + " ", " " + soundParent, soundParent + ", " + soundParent,
+          "00_" + someTrace + "-" + someParent + "-01", "00-" + someTrace + "_" + someParent + "-01",
+          "00-" + someTrace + "-" + someParent + "_01"}) {
         EXPECT_FALSE(parseTraceParent(wrong)) << wrong;
         EXPECT_FALSE(RequestIds::of({}, wrong).trace) << wrong;
         EXPECT_TRUE(RequestIds::of({}, wrong).span.empty()) << wrong;
@@ -55,10 +56,10 @@ TEST(TraceParent, MalformedIsAsGoodAsMissing) {
 }
 
 TEST(TraceParent, GetsAStepOfItsOwn) {
-    const RequestIds one = RequestIds::of({}, sound), two = RequestIds::of({}, sound);
-    EXPECT_EQ(one.trace->trace, trace);
+    const RequestIds one = RequestIds::of({}, soundParent), two = RequestIds::of({}, soundParent);
+    EXPECT_EQ(one.trace->trace, someTrace);
     EXPECT_EQ(one.span.size(), 16u);
-    EXPECT_NE(one.span, parent);
+    EXPECT_NE(one.span, someParent);
     EXPECT_NE(one.span, two.span);
 }
 

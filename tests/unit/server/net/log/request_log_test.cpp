@@ -9,7 +9,7 @@ namespace {
 
 using namespace std::chrono_literals;
 
-RequestRecord asked(int status, std::string_view route = "/api/v1/clouds") {
+RequestRecord recordOf(int status, std::string_view route = "/api/v1/clouds") {
     RequestRecord record;
     record.client = "192.0.2.7";
     record.method = "GET";
@@ -32,7 +32,7 @@ class RequestLogTest : public ::testing::Test {
 
 TEST_F(RequestLogTest, ARequestIsALineWithAllThatIsKnown) {
     RequestLog log({file.writer()}, metrics);
-    RequestRecord record = asked(200);
+    RequestRecord record = recordOf(200);
     record.begun = RequestLog::Clock::now();
     record.bytes = 512;
     record.price = 0.25;
@@ -67,13 +67,13 @@ TEST_F(RequestLogTest, ARequestIsALineWithAllThatIsKnown) {
 
 TEST_F(RequestLogTest, ProbesAreSaidWhenTheyAreNotAnsweredWell) {
     RequestLog log({file.writer()}, metrics);
-    for (const char* probe : {"/healthz", "/readyz", "/metrics"}) log.add(asked(200, probe));
+    for (const char* probe : {"/healthz", "/readyz", "/metrics"}) log.add(recordOf(200, probe));
     EXPECT_EQ(file.text(), "");
-    log.add(asked(503, "/readyz"));
+    log.add(recordOf(503, "/readyz"));
     EXPECT_EQ(file.events().at(0).at("status"), 503);
     test::LogFile all;
     RequestLog loud({all.writer("debug")}, metrics);
-    loud.add(asked(200, "/healthz"));
+    loud.add(recordOf(200, "/healthz"));
     EXPECT_EQ(all.events().at(0).at("level"), "debug");
 }
 
@@ -81,7 +81,7 @@ TEST_F(RequestLogTest, AFloodIsAFewLinesAndACount) {
     const auto start = RequestLog::Clock::now();
     {
         RequestLog log({file.writer()}, metrics);
-        for (int i = 0; i < 10'000; ++i) log.add(asked(404), start);
+        for (int i = 0; i < 10'000; ++i) log.add(recordOf(404), start);
         EXPECT_EQ(file.events().size(), 5u);
         log.passTime(start + 59s);
         EXPECT_EQ(file.events().size(), 5u);
@@ -93,7 +93,7 @@ TEST_F(RequestLogTest, AFloodIsAFewLinesAndACount) {
         EXPECT_EQ(told.at("status"), 404);
         EXPECT_EQ(told.at("client"), "192.0.2.7");
         EXPECT_TRUE(counted("scancast_request_log_lines_total{outcome=\"repeated\"} 9995"));
-        for (int i = 0; i < 7; ++i) log.add(asked(404), start + 62s);
+        for (int i = 0; i < 7; ++i) log.add(recordOf(404), start + 62s);
     }
     EXPECT_EQ(file.events().back().at("times"), 2) << "the end says what was left out";
 }
@@ -101,8 +101,8 @@ TEST_F(RequestLogTest, AFloodIsAFewLinesAndACount) {
 TEST_F(RequestLogTest, RequestsAreInFlightUntilTheyAreAnsweredOrLeft) {
     RequestLog log({file.writer()}, metrics);
     {
-        RequestLog::Request one = log.begin(asked(200)), two = log.begin(asked(0)),
-                            three = log.begin(asked(101));
+        RequestLog::Request one = log.begin(recordOf(200)), two = log.begin(recordOf(0)),
+                            three = log.begin(recordOf(101));
         EXPECT_TRUE(counted("scancast_http_requests_in_flight 3"));
         one.answered(10);
         one.answered(20);
@@ -123,11 +123,11 @@ TEST_F(RequestLogTest, LinesThatNobodyReadAreCountedAndTold) {
     ASSERT_EQ(::pipe2(ends.data(), O_CLOEXEC), 0);
     {
         RequestLog log({*EventWriter::create("info", "text", ends[1]), std::nullopt}, metrics);
-        for (int i = 0; i < 3000; ++i) log.add(asked(200));
+        for (int i = 0; i < 3000; ++i) log.add(recordOf(200));
         EXPECT_FALSE(counted("scancast_request_log_lines_total{outcome=\"lost\"} 0"));
         std::string read(1 << 20, ' ');
         EXPECT_GT(::read(ends[0], read.data(), read.size()), 0);
-        log.add(asked(200));
+        log.add(recordOf(200));
         const ssize_t n = ::read(ends[0], read.data(), read.size());
         ASSERT_GT(n, 0);
         EXPECT_NE(read.substr(0, std::size_t(n)).find(" lines of the request log were lost"),
@@ -139,7 +139,7 @@ TEST_F(RequestLogTest, LinesThatNobodyReadAreCountedAndTold) {
 
 TEST_F(RequestLogTest, WithoutAWriterThereIsNone) {
     RequestLog log({}, metrics);
-    log.add(asked(200));
+    log.add(recordOf(200));
     log.passTime(RequestLog::Clock::now());
     EXPECT_TRUE(counted("scancast_request_log_lines_total{outcome=\"written\"} 0"));
 }

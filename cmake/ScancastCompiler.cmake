@@ -83,5 +83,5 @@ function(scancast_warnings name)
   target_compile_options(${name} PRIVATE -Wall -Wextra -Wnon-virtual-dtor
                          $<$<NOT:$<BOOL:${SCANCAST_FUZZ}>>:-Werror>  # of another compiler's warnings
                          # Compiled together, another file's names shadow nothing, and every file but the first is "included".
-                         $<IF:$<BOOL:${SCANCAST_UNITY}>,-Wshadow=local;-Wno-subobject-linkage,-Wshadow>)
+                         $<IF:$<BOOL:${SCANCAST_UNITY}>,-Wshadow=local;-Wno-subobject-linkage;-Wno-stringop-overflow,-Wshadow>)
 endfunction()

@@ -13,7 +13,7 @@
 namespace scancast {
 namespace {
 
-std::int64_t secondsOf(Grant::Time time) {
+std::int64_t unixSecondsOf(Grant::Time time) {
     return std::chrono::floor<std::chrono::seconds>(time.time_since_epoch()).count();
 }
 
@@ -38,7 +38,7 @@ Expected<GuestLink> GuestKeys::link(const std::string& cloud, std::chrono::secon
     if (RAND_bytes(reinterpret_cast<unsigned char*>(id.data()), int(id.size())) != 1)
         return fail(ErrorCode::Io, "The system has no random numbers to give; try again.");
     const NamedToken& key = keys_.front().secret;
-    const std::int64_t until = secondsOf(now + life);
+    const std::int64_t until = unixSecondsOf(now + life);
     return GuestLink{signedToken({key.name, cloud, until, {id.data(), id.size()}, std::nullopt}, key.token),
                      timeOf(until)};
 }
@@ -51,7 +51,7 @@ tl::expected<GuestPass, LoginFailure> GuestKeys::passFor(std::string_view linkTo
     if (key == keys_.end() || !claimed->isSignedWith(key->secret.token))
         return tl::unexpected(LoginFailure::Unknown);
     if (now >= timeOf(token.until)) return tl::unexpected(LoginFailure::Expired);
-    token.expires = std::min(token.until, secondsOf(now + guestPassLife));
+    token.expires = std::min(token.until, unixSecondsOf(now + guestPassLife));
     return GuestPass{signedToken(token, key->secret.token), token.cloud, timeOf(*token.expires),
                      timeOf(token.until)};
 }

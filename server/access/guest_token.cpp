@@ -1,5 +1,6 @@
 #include "server/access/guest_token.hpp"
 
+#include <fmt/format.h>
 #include <openssl/crypto.h>
 #include <openssl/evp.h>
 #include <openssl/hmac.h>
@@ -57,10 +58,11 @@ bool canBeCloudId(std::string_view id) {
 
 std::string signedToken(const GuestToken& token, std::string_view key) {
     std::string text(token.expires ? guestPassPrefix : guestLinkPrefix);
-    text += base64url(token.key) + "." + base64url(token.cloud) + "." + std::to_string(token.until) + "." +
-            base64url(token.id);
-    if (token.expires) text += "." + std::to_string(*token.expires);
-    return text + "." + base64url(signatureOf(text, key));
+    text += fmt::format("{}.{}.{}.{}", base64url(token.key), base64url(token.cloud), token.until,
+                        base64url(token.id));
+    if (token.expires) text += fmt::format(".{}", *token.expires);
+    const std::string signature = base64url(signatureOf(text, key));
+    return fmt::format("{}.{}", text, signature);
 }
 
 bool ClaimedGuestToken::isSignedWith(std::string_view key) const {

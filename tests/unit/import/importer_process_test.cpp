@@ -204,6 +204,15 @@ TEST_F(FakeImporter, ProgramThatCannotBeStarted) {
     expectError("good", ErrorCode::Importer, "cannot be started");
 }
 
+TEST_F(FakeImporter, ProgramWhoseInterpreterIsMissing) {
+    options_.importerDirectory = folder_.path();
+    const auto program =
+        folder_.write("fake-importer",
+                      "#!/bin/sh\necho \"/usr/bin/env: 'node': No such file or directory\" >&2\nexit 127\n");
+    std::filesystem::permissions(program, std::filesystem::perms::owner_all);
+    expectError("good", ErrorCode::Importer, "cannot be started: Node.js is missing");
+}
+
 // Nothing in a path may mean anything to whatever starts the program.
 TEST_F(FakeImporter, PathsAreNeverCommands) {
     const std::string hostile = "$(touch broken) `touch broken`; touch broken & 'a' \"b\" * \\ \n-c";

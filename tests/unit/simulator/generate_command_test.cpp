@@ -97,7 +97,7 @@ TEST(Generate, RefusesNonsenseInPlainWords) {
     expectRefusal({"town", "--origin", "1,2", "-o", name}, "X,Y,Z");
     expectRefusal({"town", "--origin", "1,2,nan", "-o", name}, "origin");
     expectRefusal({"town", "--noise", "-1", "-o", name}, "noise");
-    expectRefusal({"town", "-n", "10", "-o", folder.file("no/x.ply")}, "No such file");
+    expectRefusal({"town", "-n", "10", "-o", folder.file("no/x.ply")}, "the folder is not there");
     expectRefusal({"town", "-n", "200k", "-o", "/dev/full"}, "No space left");
     EXPECT_EQ(folder.entries(), 0u);
 }

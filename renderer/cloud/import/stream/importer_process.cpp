@@ -172,6 +172,9 @@ std::optional<std::string> ImporterProcess::badEnd() {
     }
     if (WIFEXITED(status_) && WEXITSTATUS(status_) != 0) {
         const auto words = lastLine(errorText_);
+        if (WEXITSTATUS(status_) == foundNoProgram && words.starts_with("/usr/bin/env: ") &&
+            words.find("node") != std::string::npos)
+            return "cannot be started: Node.js is missing; apt-get install nodejs";
         if (WEXITSTATUS(status_) == foundNoProgram || WEXITSTATUS(status_) == cannotRunProgram)
             return "cannot be started" + (words.empty() ? "" : ": " + words);
         return fmt::format("ended with exit status {}{}", WEXITSTATUS(status_),

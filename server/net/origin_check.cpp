@@ -1,11 +1,10 @@
 #include "server/net/origin_check.hpp"
 
-#include <arpa/inet.h>
-
 #include <algorithm>
 #include <optional>
 
 #include "protocol/nearest_name.hpp"
+#include "server/net/clients/ip_address.hpp"
 
 namespace scancast {
 namespace {
@@ -28,8 +27,7 @@ bool isPort(std::string_view text) {
 }
 
 bool isAddress(const std::string& host) {
-    unsigned char buffer[16];
-    return inet_pton(AF_INET, host.c_str(), buffer) == 1 || inet_pton(AF_INET6, host.c_str(), buffer) == 1;
+    return IpAddress::parse(host).has_value();
 }
 
 bool isName(std::string_view host) {

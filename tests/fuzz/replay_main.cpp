@@ -4,10 +4,12 @@
 #include <cstddef>
 #include <cstdint>
 #include <cstdio>
+#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
 #include <random>
+#include <string_view>
 #include <vector>
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size);
@@ -16,8 +18,9 @@ namespace {
 
 using Bytes = std::vector<std::uint8_t>;
 
-constexpr std::size_t seedBytes = 16 * 1024;  // longer seeds are cut: mutations matter at the front, where lengths are
-constexpr int mutationsPerSeed = 400;
+constexpr std::size_t seedBytes =
+    16 * 1024;                       // longer seeds are cut: mutations matter at the front, where lengths are
+constexpr int usualMutations = 400;  ///< of each seed; --mutations N for a target that takes long
 
 void collect(const std::filesystem::path& path, std::vector<Bytes>& seeds) {
     if (std::filesystem::is_directory(path)) {
@@ -52,9 +55,15 @@ Bytes mutate(Bytes bytes, std::mt19937& random) {
     const int edits = 1 + static_cast<int>(pick(4));
     for (int i = 0; i < edits && !bytes.empty(); ++i) {
         switch (pick(5)) {
-            case 0: bytes[place()] ^= static_cast<std::uint8_t>(1u << pick(8)); break;
-            case 1: bytes[place()] = static_cast<std::uint8_t>(random()); break;
-            case 2: bytes.resize(place()); break;
+            case 0:
+                bytes[place()] ^= static_cast<std::uint8_t>(1u << pick(8));
+                break;
+            case 1:
+                bytes[place()] = static_cast<std::uint8_t>(random());
+                break;
+            case 2:
+                bytes.resize(place());
+                break;
             case 3: {  // an extreme value where a length might stand
                 static constexpr std::uint8_t extremes[] = {0x00, 0xff, 0x7f, 0x80};
                 const auto at = place();
@@ -64,7 +73,8 @@ Bytes mutate(Bytes bytes, std::mt19937& random) {
             }
             default: {
                 const auto at = place();
-                bytes.insert(bytes.begin() + static_cast<std::ptrdiff_t>(at), static_cast<std::uint8_t>(random()));
+                bytes.insert(bytes.begin() + static_cast<std::ptrdiff_t>(at),
+                             static_cast<std::uint8_t>(random()));
             }
         }
     }
@@ -75,13 +85,18 @@ Bytes mutate(Bytes bytes, std::mt19937& random) {
 
 int main(int argc, char** argv) {
     std::vector<Bytes> seeds{{}};
-    for (int i = 1; i < argc; ++i) collect(argv[i], seeds);
+    int first = 1, mutations = usualMutations;
+    if (argc > 2 && std::string_view(argv[1]) == "--mutations") {
+        mutations = std::atoi(argv[2]);
+        first = 3;
+    }
+    for (int i = first; i < argc; ++i) collect(argv[i], seeds);
     std::mt19937 random(1);
     std::size_t runs = 0;
     for (const auto& seed : seeds) {
         run(seed);
-        for (int i = 0; i < mutationsPerSeed; ++i) run(mutate(seed, random));
-        runs += 1 + mutationsPerSeed;
+        for (int i = 0; i < mutations; ++i) run(mutate(seed, random));
+        runs += std::size_t(1 + mutations);
     }
     std::printf("%zu inputs from %zu seeds\n", runs, seeds.size());
 }

@@ -97,8 +97,8 @@ echo "$all executions in all"
 
 if [ "$keep" = yes ]; then
     for name in "${targets[@]}"; do
-        # -merge adds to the first folder only what the others reach and it does not.
-        "$build/tests/$name" -merge=1 -max_len=4096 "$root/tests/fuzz/seeds/$name" "$build/corpus/$name" >"$build/$name.merge.log" 2>&1 ||
+        # Adds to the first folder only what the others reach and it does not: lines of code, not how often (-use_counters).
+        "$build/tests/$name" -set_cover_merge=1 -use_counters=0 -max_len=4096 "$root/tests/fuzz/seeds/$name" "$build/corpus/$name" >"$build/$name.merge.log" 2>&1 ||
             { echo "$name: what it learned could not be merged, see $build/$name.merge.log" >&2; status=1; }
         echo "$name: $(ls "$root/tests/fuzz/seeds/$name" | wc -l) seeds" >&2
     done

@@ -241,6 +241,12 @@ std::size_t openDescriptors() {
     return std::size_t(std::distance(std::filesystem::directory_iterator("/proc/self/fd"), {})) - 1;
 }
 
+/// Only who may make a file gives a mode (open(2)). O_TMPFILE has the bit of O_DIRECTORY, so all of its bits are asked for.
+mode_t modeOf(int flags, va_list arguments) {
+    const bool given = (flags & O_CREAT) != 0 || (flags & O_TMPFILE) == O_TMPFILE;
+    return given ? mode_t(va_arg(arguments, int)) : 0;
+}
+
 }  // namespace scancast::test
 
 // What the linker calls instead: `__wrap_NAME`, with the real one as `__real_NAME`.
@@ -249,6 +255,7 @@ using scancast::test::Call;
 using scancast::test::Fate;
 using scancast::test::fateOf;
 using scancast::test::fateOfChange;
+using scancast::test::modeOf;
 using scancast::test::refused;
 using scancast::test::some;
 using scancast::test::torn;
@@ -257,26 +264,20 @@ extern "C" {
 
 int __real_open(const char* path, int flags, ...);
 int __wrap_open(const char* path, int flags, ...) {
-    mode_t mode = 0;
-    if ((flags & (O_CREAT | O_TMPFILE)) != 0) {
-        va_list arguments;
-        va_start(arguments, flags);
-        mode = mode_t(va_arg(arguments, int));
-        va_end(arguments);
-    }
+    va_list arguments;
+    va_start(arguments, flags);
+    const mode_t mode = modeOf(flags, arguments);
+    va_end(arguments);
     const Fate fate = (flags & (O_CREAT | O_TRUNC)) != 0 ? fateOfChange(Call::Open) : fateOf(Call::Open);
     return fate.error != 0 ? refused<int>(fate) : __real_open(path, flags, mode);
 }
 
 int __real_openat(int folder, const char* path, int flags, ...);
 int __wrap_openat(int folder, const char* path, int flags, ...) {
-    mode_t mode = 0;
-    if ((flags & (O_CREAT | O_TMPFILE)) != 0) {
-        va_list arguments;
-        va_start(arguments, flags);
-        mode = mode_t(va_arg(arguments, int));
-        va_end(arguments);
-    }
+    va_list arguments;
+    va_start(arguments, flags);
+    const mode_t mode = modeOf(flags, arguments);
+    va_end(arguments);
     const Fate fate = (flags & O_CREAT) != 0 ? fateOfChange(Call::Open) : fateOf(Call::Open);
     return fate.error != 0 ? refused<int>(fate) : __real_openat(folder, path, flags, mode);
 }

@@ -6,9 +6,11 @@
 #include <cstdint>
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <stop_token>
 #include <string_view>
 
+#include "renderer/cloud/import/assumed_crs.hpp"
 #include "renderer/cloud/import/scan_input.hpp"
 #include "renderer/cloud/point_batch.hpp"
 
@@ -33,6 +35,10 @@ struct ImportOptions {
     /// Keep what does not fit the sample (GPS time, returns, extra bytes, spare text columns) as
     /// ScanHeader::columns.
     bool keepAttributes = false;
+    /// Of a scan that ends too early, read what is whole; a note says how much is lost. Not of every format.
+    bool recover = false;
+    /// Taken for the scan's coordinate reference system, whatever it says.
+    std::optional<AssumedCrs> assumeCrs{};
 };
 
 /// Reads from what is open there, also when somebody else does. Errors name the file, the byte offset where there is one,

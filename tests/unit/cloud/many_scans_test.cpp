@@ -46,8 +46,7 @@ class Described final : public PointSource {
 std::unique_ptr<PointSource> scan(double first, Attributes attributes,
                                   std::function<void(ScanHeader&)> change = {}) {
     auto source = std::make_unique<SyntheticSource>(1000, strip(first), attributes, 0.001);
-    return std::make_unique<Described>(
-        std::move(source), change ? std::move(change) : [](ScanHeader&) {});
+    return std::make_unique<Described>(std::move(source), change ? std::move(change) : [](ScanHeader&) {});
 }
 
 template <class... Scans>
@@ -88,14 +87,35 @@ TEST(ManyScans, ContradictingCoordinateSystemsAreRefused) {
     EXPECT_NE(all.error().message.find("EPSG:25833"), std::string::npos) << all.error().message;
 }
 
+// Where a scan lies that has no bounds in its header is known once it is read: before anything is built of it.
+TEST(ManyScans, WhatLiesFarAwayIsFoundWhileItIsRead) {
+    const auto withCrs = [](ScanHeader& h) { h.crsEpsg = 25832, h.bounds.reset(); };
+    const auto without = [](ScanHeader& h) { h.bounds.reset(); };
+    auto far = together(scan(500'000, {}, withCrs), scan(1'200'000, {}, without));
+    ASSERT_TRUE(far) << "nobody knows yet";
+    const auto refused = test::build(**far);
+    ASSERT_FALSE(refused);
+    EXPECT_EQ(refused.error().code, ErrorCode::InvalidArgument);
+    EXPECT_NE(refused.error().message.find("scan 2 does not say"), std::string::npos)
+        << refused.error().message;
+    EXPECT_NE(refused.error().message.find("700 km"), std::string::npos) << refused.error().message;
+
+    auto near = together(scan(500'000, {}, withCrs), scan(500'200, {}, without));
+    ASSERT_TRUE(near);
+    const auto cloud = test::build(**near);
+    ASSERT_TRUE(cloud) << cloud.error().message;
+    EXPECT_EQ(cloud->crsEpsg, 25832);
+    ASSERT_EQ(cloud->notes.size(), 3u);
+    EXPECT_NE(cloud->notes[0].find("that of scan 1, ETRS89 / UTM zone 32N (EPSG:25832), is taken for it"),
+              std::string::npos)
+        << cloud->notes[0];
+}
+
 TEST(ManyScans, RowsAreThoseOfTheFirst) {
     const Column time{.name = "time", .type = ColumnType::Uint16, .scale = 1, .offset = 0, .description = ""};
     const Column angle{
         .name = "angle", .type = ColumnType::Uint8, .scale = 1, .offset = 0, .description = ""};
-    auto all = together(scan(0, {},
-                             [&](ScanHeader& h) {
-                                 h.columns = {time, angle};
-                             }),
+    auto all = together(scan(0, {}, [&](ScanHeader& h) { h.columns = {time, angle}; }),
                         scan(0, {}, [&](ScanHeader& h) { h.columns = {angle}; }), scan(0, {}));
     ASSERT_TRUE(all);
     PointBatch batch;

@@ -6,6 +6,7 @@
 
 #include "files/bytes.hpp"
 #include "renderer/cloud/import/crs_text.hpp"
+#include "renderer/cloud/import/lost_points.hpp"
 #include "renderer/cloud/import/printable_text.hpp"
 
 namespace scancast {
@@ -35,7 +36,7 @@ LasSource::LasSource(std::unique_ptr<ByteSource> bytes, std::string name, LasHea
 }
 
 Expected<std::unique_ptr<LasSource>> LasSource::create(std::unique_ptr<ByteSource> bytes, std::string name,
-                                                       bool keepAttributes) {
+                                                       bool keepAttributes, bool recover) {
     std::array<std::byte, lasHeaderBytes> start{};
     const auto got = readFully(*bytes, start);
     if (!got) return passOn(got);
@@ -44,6 +45,7 @@ Expected<std::unique_ptr<LasSource>> LasSource::create(std::unique_ptr<ByteSourc
 
     std::unique_ptr<LasSource> source(new LasSource(std::move(bytes), std::move(name), *header));
     source->keepAttributes_ = keepAttributes;
+    source->recover_ = recover;
     if (auto ok = source->checkExtent(); !ok) return passOn(ok);
     // A header of LAS 1.0-1.3 is shorter than what was read: the rest belongs to the variable length records.
     if (source->bytes_->size()) {
@@ -100,8 +102,12 @@ Expected<void> LasSource::checkExtent() {
                                               grouped(las_.pointOffset) + ", beyond the end of the file (" +
                                               grouped(*size) + " bytes)");
     if (size) {
-        const auto there = (*size - las_.pointOffset) / las_.recordBytes;
-        if (las_.points > there) return tl::unexpected(truncated(*size, there));
+        auto there = (*size - las_.pointOffset) / las_.recordBytes;
+        // A count that is wrong must not make points of the records behind them.
+        if (recover_ && las_.evlrs > 0 && las_.evlrOffset >= las_.pointOffset)
+            there = std::min(there, (las_.evlrOffset - las_.pointOffset) / las_.recordBytes);
+        if (las_.points > there && (!recover_ || there == 0)) return tl::unexpected(truncated(*size, there));
+        if (las_.points > there) loseAllBut(there);
     } else if (las_.points > room / las_.recordBytes) {
         return fail(ErrorCode::Malformed,
                     name_ + ": " + grouped(las_.points) + " points are more than any file holds");
@@ -199,6 +205,23 @@ Error LasSource::truncated(std::uint64_t at, std::uint64_t complete) const {
             {}};
 }
 
+void LasSource::loseAllBut(std::uint64_t complete) {
+    lost_ = las_.points - complete;
+    las_.points = complete;
+    scan_.points = complete;
+}
+
+std::vector<std::string> LasSource::notes() const {
+    if (lost_ == 0) return {};
+    std::vector<std::string> notes{noteOf(name_, lostPoints("it", las_.points + lost_, las_.points))};
+    if (las_.evlrs > 0 && bytes_->size() && las_.evlrOffset >= *bytes_->size())
+        notes.push_back(
+            noteOf(name_,
+                   "the records behind its points are lost, too; they may have held its coordinate "
+                   "reference system"));
+    return notes;
+}
+
 Expected<PointBatch> LasSource::glance() {
     PointBatch all, part;
     if (!bytes_->size() || las_.points < fewestToGlanceAt) return all;
@@ -218,7 +241,7 @@ Expected<PointBatch> LasSource::glance() {
 Expected<bool> LasSource::read(PointBatch& batch) {
     while (done_ < las_.points) {
         const auto fits = std::max<std::uint64_t>(1, bufferBytes / las_.recordBytes);
-        const auto count = std::min({las_.points - done_, std::uint64_t(batchPoints), fits});
+        auto count = std::min({las_.points - done_, std::uint64_t(batchPoints), fits});
         const auto wanted = count * las_.recordBytes;
         // A pipe has left the first bytes of the points in the buffer when its header was read.
         const auto early = done_ == 0 ? std::min<std::uint64_t>(buffer_.size(), wanted) : 0;
@@ -228,7 +251,12 @@ Expected<bool> LasSource::read(PointBatch& batch) {
         const auto there = early + *got;
         if (there < wanted) {
             const auto at = las_.pointOffset + done_ * las_.recordBytes + there;
-            return tl::unexpected(truncated(at, done_ + there / las_.recordBytes));
+            const auto whole = there / las_.recordBytes;
+            if (!recover_ || done_ + whole == 0) return tl::unexpected(truncated(at, done_ + whole));
+            loseAllBut(done_ + whole);
+            if (whole == 0) break;
+            count = whole;
+            buffer_.resize(count * las_.recordBytes);
         }
         if (auto ok = judgeBatchColors(buffer_); !ok) return passOn(ok);
         decodeLasRecords(buffer_, las_, depth_, batch);

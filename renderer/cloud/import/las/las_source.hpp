@@ -21,14 +21,16 @@ namespace scancast {
 class LasSource final : public PointSource {
   public:
     /// `bytes` stands at the start of the file; `name` is what messages call it. `keepAttributes`: fill
-    /// ScanHeader::columns and PointBatch::rows.
+    /// ScanHeader::columns and PointBatch::rows. `recover`: of points that the bytes end before, those that are whole are
+    /// all, and a note tells of the rest.
     static Expected<std::unique_ptr<LasSource>> create(std::unique_ptr<ByteSource> bytes, std::string name,
-                                                       bool keepAttributes = false);
+                                                       bool keepAttributes = false, bool recover = false);
 
     const ScanHeader& header() const override { return scan_; }
     Expected<PointBatch> glance() override;
     Expected<bool> read(PointBatch& batch) override;
     std::uint64_t droppedPoints() const override { return dropped_; }
+    std::vector<std::string> notes() const override;
     std::array<std::uint64_t, 2> bytesRead() const override;
 
   private:
@@ -42,13 +44,15 @@ class LasSource final : public PointSource {
     Expected<void> judgeBatchColors(std::span<const std::byte> records);
     std::uint64_t pointsEnd() const { return las_.pointOffset + las_.points * las_.recordBytes; }
     Error truncated(std::uint64_t at, std::uint64_t complete) const;
+    void loseAllBut(std::uint64_t complete);
 
     std::unique_ptr<ByteSource> bytes_;
     std::string name_;
     LasHeader las_;
     ScanHeader scan_;
     LasVlrs vlrs_;
-    bool keepAttributes_ = false;
+    bool keepAttributes_ = false, recover_ = false;
+    std::uint64_t lost_ = 0;          ///< points that are promised and not there
     std::vector<LasColumn> columns_;  ///< that are kept
     LasColorDepth depth_ = LasColorDepth::Unknown;
     bool depthIsCertain_ = false;  ///< the whole file was looked at

@@ -178,14 +178,19 @@ std::vector<std::string> notesOn(std::span<const ScanCrs> scans, const Systems& 
             "{} {} not say {} coordinate reference system; that of {}, {}, is taken for {}", listed(silent),
             silent.size() == 1 ? "does" : "do", silent.size() == 1 ? "its" : "their", kept.name, crsOf(kept),
             silent.size() == 1 ? "it" : "them"));
+    std::size_t unclear = 0;
     for (std::size_t s = 1; s < systems.meaning.size(); ++s) {
         if (compare(systems.meaning.front(), systems.meaning[s]) == CrsRelation::Same) continue;
-        if (notes.size() > toldSystems) break;
+        if (++unclear > toldSystems) continue;
         const ScanCrs& other = scans[systems.first[s]];
         notes.push_back(fmt::format(
             "{} is in {}, {} in {}; nothing proves that these are the same, and they are taken for it",
             kept.name, crsOf(kept), other.name, crsOf(other)));
     }
+    if (unclear > toldSystems)
+        notes.push_back(
+            fmt::format("{} more coordinate reference systems are taken for that of {} on no proof",
+                        unclear - toldSystems, kept.name));
     return notes;
 }
 

@@ -28,6 +28,7 @@ std::optional<int> numberBehindEpsg(std::string_view text) {
 }
 
 bool isCrs(const WktNode& node) {
+    if (node.keyword.starts_with("VERT") || node.keyword == "CS") return false;  // heights, axes
     return node.keyword.ends_with("CRS") || node.keyword.ends_with("CS") || node.keyword == "COMPD_CS";
 }
 

@@ -26,7 +26,7 @@ std::string_view name(ImporterSandbox sandbox);
 
 struct ImportOptions {
     /// Where scancast-import-* programs are; empty = beside the running program, then on PATH.
-    std::filesystem::path importerDirectory;
+    std::filesystem::path importerDirectory{};
     std::uint64_t importerMemoryLimit = std::uint64_t(16) << 30;  ///< bytes of address space; 0 = none
     std::uint64_t importerProcessorSeconds = 7200;                ///< 0 = none
     int importerSilenceSeconds = 60;  ///< without a byte sent, or read of the file

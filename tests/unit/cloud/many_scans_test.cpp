@@ -46,7 +46,8 @@ class Described final : public PointSource {
 std::unique_ptr<PointSource> scan(double first, Attributes attributes,
                                   std::function<void(ScanHeader&)> change = {}) {
     auto source = std::make_unique<SyntheticSource>(1000, strip(first), attributes, 0.001);
-    return std::make_unique<Described>(std::move(source), change ? std::move(change) : [](ScanHeader&) {});
+    return std::make_unique<Described>(
+        std::move(source), change ? std::move(change) : [](ScanHeader&) {});
 }
 
 template <class... Scans>
@@ -93,7 +94,9 @@ TEST(ManyScans, WhatLiesFarAwayIsFoundWhileItIsRead) {
     const auto without = [](ScanHeader& h) { h.bounds.reset(); };
     auto far = together(scan(500'000, {}, withCrs), scan(1'200'000, {}, without));
     ASSERT_TRUE(far) << "nobody knows yet";
-    const auto refused = test::build(**far);
+    PointBatch batch;
+    auto refused = (*far)->read(batch);
+    while (refused && *refused) refused = (*far)->read(batch);
     ASSERT_FALSE(refused);
     EXPECT_EQ(refused.error().code, ErrorCode::InvalidArgument);
     EXPECT_NE(refused.error().message.find("scan 2 does not say"), std::string::npos)
@@ -103,7 +106,7 @@ TEST(ManyScans, WhatLiesFarAwayIsFoundWhileItIsRead) {
     auto near = together(scan(500'000, {}, withCrs), scan(500'200, {}, without));
     ASSERT_TRUE(near);
     const auto cloud = test::build(**near);
-    ASSERT_TRUE(cloud) << cloud.error().message;
+    ASSERT_TRUE(cloud);
     EXPECT_EQ(cloud->crsEpsg, 25832);
     ASSERT_EQ(cloud->notes.size(), 3u);
     EXPECT_NE(cloud->notes[0].find("that of scan 1, ETRS89 / UTM zone 32N (EPSG:25832), is taken for it"),
@@ -115,7 +118,10 @@ TEST(ManyScans, RowsAreThoseOfTheFirst) {
     const Column time{.name = "time", .type = ColumnType::Uint16, .scale = 1, .offset = 0, .description = ""};
     const Column angle{
         .name = "angle", .type = ColumnType::Uint8, .scale = 1, .offset = 0, .description = ""};
-    auto all = together(scan(0, {}, [&](ScanHeader& h) { h.columns = {time, angle}; }),
+    auto all = together(scan(0, {},
+                             [&](ScanHeader& h) {
+                                 h.columns = {time, angle};
+                             }),
                         scan(0, {}, [&](ScanHeader& h) { h.columns = {angle}; }), scan(0, {}));
     ASSERT_TRUE(all);
     PointBatch batch;

@@ -280,8 +280,8 @@ TEST_F(RecoverByImporter, TextPly) {
         "ply\nformat ascii 1.0\ncomment a b\nelement vertex 4\nproperty float x\nproperty float y\nproperty "
         "float z\nend_header\n";
     const std::string body = "1 2 3\n4 5 6.25\n7 8 9.5\n10 11 12.75\n";
-    // Within numbers, between them, before and behind ends of lines.
-    for (const std::size_t at : {3, 6, 9, 14, 15, 18, 22, 23, 31, 34})
+    // Within numbers, between them, before and behind ends of lines. Of the last line so much that it cannot be whole.
+    for (const std::size_t at : {3, 6, 9, 14, 15, 18, 22, 23, 29})
         expectCut(head + body, head.size() + at,
                   std::size_t(std::count(body.begin(), body.begin() + std::ptrdiff_t(at), '\n')), 4);
 }
@@ -294,7 +294,7 @@ TEST_F(RecoverByImporter, Pcd) {
     std::string text;
     for (int i = 0; i < 10; ++i) text += std::to_string(i) + " 2 3.5\n";
     const auto at = (head + "DATA ascii\n").size();
-    for (const std::size_t cut : {4, 8, 11, 16, 75, 79})
+    for (const std::size_t cut : {4, 8, 11, 16, 75})
         expectCut(head + "DATA ascii\n" + text, at + cut, cut / 8, 10);
 }
 

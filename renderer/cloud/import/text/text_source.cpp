@@ -21,7 +21,11 @@ Expected<std::unique_ptr<TextSource>> TextSource::create(std::unique_ptr<ByteSou
     if (!head) return passOn(head);
 
     std::vector<std::string_view> looked;
-    for (auto text = start.substr(head->bytes); !text.empty() && looked.size() < lookedAtLines;)
+    auto body = start.substr(head->bytes);
+    // Of a text that was cut, the last line says nothing certain.
+    if (options.recover && body.find(lines.lineEnd()) != body.npos)
+        body = body.substr(0, body.rfind(lines.lineEnd()) + 1);
+    for (auto text = body; !text.empty() && looked.size() < lookedAtLines;)
         looked.push_back(takeLine(text, lines.lineEnd()));
     const auto elsewhere = lines.samples(lookedAtPlaces, lookedAtBytes);
     if (!elsewhere) return passOn(elsewhere);

@@ -158,8 +158,8 @@ Expected<void> refuseFar(std::span<const ScanCrs> scans, const Systems& systems,
                              one.name, other.name, apart)
         : silent
             ? fmt::format(
-                  "{} does not say its coordinate reference system, and lies {} from {} (all others are in "
-                  "{})",
+                  "{} does not say its coordinate reference system, and lies {} from {}, which is taken to be "
+                  "in {}",
                   other.name, apart, one.name, crsOf(kept))
             : fmt::format("{} is in {}, {} in {}, which nothing proves to be the same, and they lie {} apart",
                           kept.name, crsOf(kept), other.name, crsOf(other), apart);

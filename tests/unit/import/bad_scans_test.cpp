@@ -191,7 +191,7 @@ TEST(NotAScan, OtherThings) {
     const TemporaryFolder folder;
     using namespace std::string_literals;
     for (const auto& [content, reason] :
-         {std::pair("\x89PNG\r\n\x1a\n"s, "a picture (JPEG, PNG),
+         {std::pair("\x89PNG\r\n\x1a\n"s, "a picture (JPEG, PNG"),
           {"\x1f\x8b\x08\x00"s, "gunzip"},
           {"PK\x03\x04 "s, "a ZIP archive"},
           {"<!DOCTYPE html>"s, "a web page"},

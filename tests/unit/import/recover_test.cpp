@@ -28,7 +28,7 @@ struct Recovered {
 };
 
 template <class Source>
-Expected<Recovered> all(Expected<std::unique_ptr<Source>> source) {
+Expected<Recovered> recovered(Expected<std::unique_ptr<Source>> source) {
     if (!source) return passOn(source);
     auto points = readAll(**source);
     if (!points) return passOn(points);
@@ -52,7 +52,7 @@ LasFile lasFile(int points) {
 
 Expected<Recovered> readCut(const std::vector<std::byte>& bytes, std::size_t at, bool seekable,
                             bool recover = true) {
-    return all(LasSource::create(std::make_unique<MemoryByteSource>(std::span(bytes).first(at), seekable),
+    return recovered(LasSource::create(std::make_unique<MemoryByteSource>(std::span(bytes).first(at), seekable),
                                  "/scans/cut.las", false, recover));
 }
 
@@ -151,19 +151,19 @@ TEST(Recover, TextAtEveryByte) {
         for (const bool seekable : {true, false}) {
             const std::string text = (counted ? "20\n" : "") + body;
             const TextOptions recover{.pts = counted, .recover = true};
-            const auto whole = all(TextSource::create(bytesOf(text, seekable), "/scans/cut.pts", recover));
+            const auto whole = recovered(TextSource::create(bytesOf(text, seekable), "/scans/cut.pts", recover));
             ASSERT_TRUE(whole) << whole.error().message;
             ASSERT_EQ(whole->points.size(), 20U);
             EXPECT_THAT(whole->notes, IsEmpty());
             for (std::size_t at = text.find('\n', 20) + 1; at < text.size(); ++at) {
                 const auto cut = text.substr(0, at);
                 const auto points = std::size_t(std::count(cut.begin(), cut.end(), '\n')) - counted;
-                const auto got = all(TextSource::create(bytesOf(cut, seekable), "/scans/cut.pts", recover));
+                const auto got = recovered(TextSource::create(bytesOf(cut, seekable), "/scans/cut.pts", recover));
                 ASSERT_TRUE(got) << cut << got.error().message;
                 expectFirst(*got, whole->points, points, cut);
                 if (counted) {
                     EXPECT_THAT(got->notes, ElementsAre("cut.pts: " + lostPoints("it", 20, points))) << cut;
-                    EXPECT_FALSE(all(TextSource::create(bytesOf(cut, seekable), "cut.pts", {.pts = true})))
+                    EXPECT_FALSE(recovered(TextSource::create(bytesOf(cut, seekable), "cut.pts", {.pts = true})))
                         << cut;
                 } else {
                     EXPECT_EQ(got->notes.size(), cut.ends_with('\n') ? 0U : 1U) << cut;
@@ -172,7 +172,7 @@ TEST(Recover, TextAtEveryByte) {
         }
     // Damage in the middle is no cut.
     EXPECT_FALSE(
-        all(TextSource::create(bytesOf(std::string("1 2 3\n1 2\n4 5 6\n")), "a.xyz", {.recover = true})));
+        recovered(TextSource::create(bytesOf(std::string("1 2 3\n1 2\n4 5 6\n")), "a.xyz", {.recover = true})));
 }
 
 TEST(Recover, PtxAtEveryByteOfTwoScans) {
@@ -183,7 +183,7 @@ TEST(Recover, PtxAtEveryByteOfTwoScans) {
     };
     const auto one = scan(10), text = one + scan(50);
     const auto headLength = one.find("10 2 3");
-    const auto whole = all(PtxSource::create(bytesOf(text), "/scans/cut.ptx", true));
+    const auto whole = recovered(PtxSource::create(bytesOf(text), "/scans/cut.ptx", true));
     ASSERT_TRUE(whole) << whole.error().message;
     ASSERT_EQ(whole->points.size(), 12U);
     EXPECT_THAT(whole->notes, IsEmpty());
@@ -196,14 +196,14 @@ TEST(Recover, PtxAtEveryByteOfTwoScans) {
             };
             std::size_t points = lines(cut.substr(headLength, inFirst - headLength));
             if (inSecond > headLength) points += lines(cut.substr(one.size() + headLength));
-            const auto got = all(PtxSource::create(bytesOf(cut, seekable), "/scans/cut.ptx", true));
+            const auto got = recovered(PtxSource::create(bytesOf(cut, seekable), "/scans/cut.ptx", true));
             ASSERT_TRUE(got) << at << got.error().message;
             expectFirst(*got, whole->points, points, std::to_string(at));
             EXPECT_EQ(got->notes.size(), at == one.size() ? 0U : 1U) << at;
         }
     // The first scan's head, or first line, is what everything else needs.
     for (std::size_t at = 0; at < headLength; ++at)
-        EXPECT_FALSE(all(PtxSource::create(bytesOf(text.substr(0, at)), "cut.ptx", true))) << at;
+        EXPECT_FALSE(recovered(PtxSource::create(bytesOf(text.substr(0, at)), "cut.ptx", true))) << at;
 }
 
 // Through the real program: PLY and PCD of both kinds.
@@ -212,7 +212,7 @@ class RecoverByImporter : public ::testing::Test {
     Expected<Recovered> read(const std::string& content, bool recover = true) {
         ImportOptions options{.importerDirectory = SCANCAST_BIN_DIR};
         options.recover = recover;
-        return all(openScan(folder_.write("cut", content), options));
+        return recovered(openScan(folder_.write("cut", content), options));
     }
     void expectCut(const std::string& whole, std::size_t at, std::size_t points, std::size_t promised) {
         const auto complete = read(whole);

@@ -187,6 +187,7 @@ Expected<bool> PtxSource::startScan() {
 
 /// The head of another scan may be what was cut: then those before it are all.
 Expected<bool> PtxSource::startNextScan() {
+    if (!notes_.empty()) return false;  // it has ended
     auto more = startScan();
     if (more || !recover_ || points_ == 0) return more;
     if (more.error().code != ErrorCode::Truncated && !lines_.lineIsOpen()) return more;

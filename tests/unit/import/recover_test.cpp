@@ -65,6 +65,7 @@ TEST(Recover, TheWords) {
               "(60.0 %) are lost");
     EXPECT_THAT(lostPoints("it", 1000000, 999999), HasSubstr("1 (less than 0.1 %) are lost"));
     EXPECT_THAT(lostPoints("it", 1000000, 1), HasSubstr("999,999 (more than 99.9 %) are lost"));
+    EXPECT_THAT(lostPoints("its scan 2", 6, 0), HasSubstr("6 (100 %) are lost"));
     EXPECT_EQ(noteOf("/scans/a.las", "b"), "a.las: b");
 }
 

@@ -187,12 +187,12 @@ Expected<bool> PtxSource::startScan() {
 
 /// The head of another scan may be what was cut: then those before it are all.
 Expected<bool> PtxSource::startNextScan() {
-    if (!notes_.empty()) return false;  // it has ended
     auto more = startScan();
     if (more || !recover_ || points_ == 0) return more;
     if (more.error().code != ErrorCode::Truncated && !lines_.lineIsOpen()) return more;
     notes_.push_back(noteOf(name_, "it ends too early, within the head of its scan " + grouped(scans_ + 1) +
                                        ", which is lost; how many points that has is not known"));
+    promised_ = inScan_ = 0;  // and that is the end
     return false;
 }
 

@@ -16,7 +16,8 @@
 namespace scancast::point_stream {
 
 inline constexpr std::array<std::uint8_t, 8> magic{'S', 'C', 'A', 'N', 'P', 'T', 'S', 0x1a};
-inline constexpr std::uint16_t version = 1;
+inline constexpr std::uint16_t version = 1;        ///< what every reader of point streams reads
+inline constexpr std::uint16_t newestVersion = 2;  ///< with positions as steps, or records of LAS
 inline constexpr std::size_t headerBytes = 136;
 inline constexpr std::size_t scannerBytes = 24;
 inline constexpr std::size_t longestFormat = 256;
@@ -27,12 +28,17 @@ inline constexpr std::size_t mostNotes = 16;
 inline constexpr std::size_t recordHeadBytes = 8;
 inline constexpr std::uint32_t chunkPoints = 65536;
 inline constexpr std::uint32_t glancePoints = 65536;
+inline constexpr std::size_t stepBytes = 12;                                ///< of a position
+inline constexpr std::size_t longestLasPart = std::size_t(16) << 20;        ///< head; extended records
+inline constexpr std::uint64_t longestLasRecords = std::uint64_t(16) << 20;  ///< bytes of one RECS or LOOK
 static_assert(chunkPoints == PointSource::batchPoints);
 
 inline constexpr std::array<char, 4> chunkTag{'C', 'H', 'N', 'K'};
 inline constexpr std::array<char, 4> glanceTag{'L', 'O', 'O', 'K'};
 inline constexpr std::array<char, 4> doneTag{'D', 'O', 'N', 'E'};
 inline constexpr std::array<char, 4> failTag{'F', 'A', 'I', 'L'};
+inline constexpr std::array<char, 4> recordsTag{'R', 'E', 'C', 'S'};
+inline constexpr std::array<char, 4> peakTag{'P', 'E', 'A', 'K'};
 inline constexpr std::array<char, 4> noteTag{'N', 'O', 'T', 'E'};
 
 /// Bytes of one point in a chunk.

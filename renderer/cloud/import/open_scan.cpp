@@ -16,8 +16,7 @@ namespace scancast {
 namespace {
 
 const ImporterProgram pclImporter{.name = "scancast-import-pcl"};
-const ImporterProgram lazImporter{
-    .name = "scancast-import-laz", .memory = ImporterProgram::Memory::Data, .knowsKeepAttributes = true};
+const ImporterProgram lazImporter{.name = "scancast-import-laz"};
 const ImporterProgram potreeImporter{.name = "scancast-import-potree",
                                      .memory = ImporterProgram::Memory::Data};
 

@@ -1,7 +1,7 @@
 # `cmake --install`: programs, importers, page, man pages and documents; the library is installed in client/cpp/install.
 # Importers lie beside the program that starts them. Components are the packages of ScancastPackage.cmake.
 include(GNUInstallDirs)
-install(TARGETS scancast scancast-sandbox COMPONENT server)
+install(TARGETS scancast scancast-sandbox scancast-import-octree COMPONENT server)
 install(TARGETS scancast-client COMPONENT client)
 if(TARGET scancast-import-pcl)
   install(TARGETS scancast-import-pcl COMPONENT import-pcl)
@@ -10,7 +10,7 @@ endif()
 # script tells how.
 install(DIRECTORY "${PROJECT_SOURCE_DIR}/importers/laz" DESTINATION "${CMAKE_INSTALL_LIBEXECDIR}/scancast"
   COMPONENT server USE_SOURCE_PERMISSIONS PATTERN CMakeLists.txt EXCLUDE)
-foreach(program scancast-import-laz scancast-import-potree)
+foreach(program scancast-import-laz)
   install(CODE "
     set(link \"\$ENV{DESTDIR}\${CMAKE_INSTALL_PREFIX}/${CMAKE_INSTALL_BINDIR}/${program}\")
     file(CREATE_LINK \"../${CMAKE_INSTALL_LIBEXECDIR}/scancast/laz/${program}\" \"\${link}\" SYMBOLIC)" COMPONENT server)

@@ -53,7 +53,7 @@ endmacro()
 
 scancast_package(server scancast "server for views of huge scanned point clouds
 Keeps scanned point clouds in memory, draws the view that somebody asks for, and
-streams the pictures to browsers and programs. LAZ and Potree are read with
+streams the pictures to browsers and programs. LAZ is read with
 Node.js; graphics cards are used where there are any."
   PACKAGE_SHLIBDEPS ON
   PACKAGE_DEPENDS "systemd-standalone-sysusers | systemd-sysusers"

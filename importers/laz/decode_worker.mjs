@@ -7,12 +7,11 @@ import { FileBytes } from './file_bytes.mjs';
 import { mayOverflow } from './las_header.mjs';
 import { colorDepth, depthOfColors, encodeRecords, keepFinite } from './las_columns.mjs';
 import { chunkPoints } from './point_stream.mjs';
-import { depthOfNode, encodeNode } from './potree/piece.mjs';
 
 // Pieces that may wait to be written; more would only fill memory while another worker is behind.
 const mostWaiting = 4;
 
-let decoder; // made for the first chunk: nodes and plain records need none
+let decoder; // made for the first chunk: plain records need none
 let waiting = 0;
 let wake = () => {};
 let opened = { path: '', file: null };
@@ -47,12 +46,8 @@ async function eachPlainPiece(file, las, chunk, consume, most = chunk.points) {
   }
 }
 
-/// { kind: 'decode', path, las, chunk, depth, further?, most? } or { …, node, depth }: the points as CHNK records.
+/// { kind: 'decode', path, las, chunk, depth, further?, most? }: the points as CHNK records.
 async function decode(job) {
-  if (job.node) {
-    await encodeNode(open(job.path), job.node, job.depth, (buffer, points) => give(buffer, points, 0));
-    return;
-  }
   const overflows = mayOverflow(job.las);
   await eachPiece(job, (heap, at, count) => {
     const kept = overflows ? keepFinite(heap, at, count, job.las) : count;
@@ -61,18 +56,16 @@ async function decode(job) {
   }, job.most);
 }
 
-/// { kind: 'look', most, … }: how the colours of the first `most` points are meant; of a node, of all.
+/// { kind: 'look', most, … }: how the colours of the first `most` points are meant.
 async function look(job) {
   let depth = colorDepth.unknown;
-  if (job.node) depth = depthOfNode(open(job.path), job.node);
-  else
-    await eachPiece(
-      job,
-      (heap, at, count) => {
-        depth = Math.max(depth, depthOfColors(heap, at, count, job.las));
-      },
-      Math.min(job.most, job.chunk.points),
-    );
+  await eachPiece(
+    job,
+    (heap, at, count) => {
+      depth = Math.max(depth, depthOfColors(heap, at, count, job.las));
+    },
+    Math.min(job.most, job.chunk.points),
+  );
   parentPort.postMessage({ kind: 'depth', depth });
 }
 

@@ -47,10 +47,9 @@ function plainChunks(file, las) {
   return [{ at: las.pointOffset, bytes, points: las.points, isPlain: true }];
 }
 
-const what = ({ chunk, node }) =>
-  node ? `the node ${node.name}` : `the chunk of ${grouped(chunk.points)} points at byte ${grouped(chunk.at)}`;
+const what = ({ chunk }) => `the chunk of ${grouped(chunk.points)} points at byte ${grouped(chunk.at)}`;
 
-/// `pieces`: [{ path, las, chunk }] of LAZ, [{ path, node }] of other octrees (potree/piece.mjs). The same rule as for LAS: 8 bits only if no number in the whole scan is above 255.
+/// `pieces`: [{ path, las, chunk }]. The same rule as for LAS: 8 bits only if no number in the whole scan is above 255.
 export async function judgeColors(pool, pieces, first = undefined) {
   const depth = first ?? (await firstColors(pool, pieces));
   if (depth === colorDepth.sixteenBits || !mayHaveColors(pieces)) return depth;

@@ -64,7 +64,7 @@ bool isPlain(const Field& field, ColumnType type) {
 constexpr Role colors[] = {Role::Red, Role::Green, Role::Blue};
 
 double signedByte(std::byte byte) {
-    return std::to_integer<double>(byte) / 255 * 2 - 1;
+    return static_cast<double>(std::to_integer<unsigned>(byte)) / 255 * 2 - 1;
 }
 
 glm::dvec3 fromSphere(const std::byte* at) {

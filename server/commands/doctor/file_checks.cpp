@@ -94,7 +94,7 @@ void lookAtImporters(const ServeOptions& options, Findings& findings) {
     };
     constexpr std::array programs{Program{"scancast-import-pcl", "PLY and PCD", false},
                                   Program{"scancast-import-laz", "LAZ and COPC", true},
-                                  Program{"scancast-import-potree", "Potree", true}};
+                                  Program{"scancast-import-octree", "EPT and Potree", false}};
     for (const auto& [name, reads, node] : programs) {
         const auto program = findImporter(name, *import);
         if (!program) {

@@ -80,7 +80,8 @@ Expected<std::unique_ptr<Octree>> openOctree(const TreeFiles& files, const std::
 Expected<void> writeOctree(const Octree& octree, PointStreamWriter& writer) {
     const auto depth = judgeColors(octree);
     if (!depth) return passOn(depth);
-    if (auto ok = writer.writeHeader(octree.header()); !ok) return ok;
+    if (auto ok = octree.areSteps() ? writer.writeHeaderOfSteps(octree.header()) : writer.writeHeader(octree.header()); !ok)
+        return ok;
     for (const auto& note : octree.notes())
         if (auto ok = writer.writeNote(note); !ok) return ok;
 

@@ -37,8 +37,9 @@ inline constexpr std::uint32_t variableChunks = 0xffffffff;
 
 struct LaszipRecord {
     Compressor compressor = Compressor::None;
-    std::uint32_t chunkPoints = 0;  ///< variableChunks, or a number; without meaning where there are no chunks
-    std::vector<Item> items;        ///< in their order within a record
+    std::uint32_t chunkPoints =
+        0;                    ///< variableChunks, or a number; without meaning where there are no chunks
+    std::vector<Item> items;  ///< in their order within a record
 };
 
 /// Bytes of a record of point formats 0-10 without extra bytes.

@@ -7,34 +7,10 @@
 #include <memory>
 #include <vector>
 
-#include "importers/laz/decoder/laszip_record.hpp"
+#include "importers/laz/decoder/chunk_table.hpp"
 #include "importers/laz/decoder/random_access.hpp"
 
 namespace scancast::laz {
-
-/// Points that are decoded from the first to the last, on their own.
-struct Chunk {
-    std::uint64_t at = 0, bytes = 0;     ///< of the file
-    std::uint64_t first = 0, points = 0; ///< of all points of the file
-    /// Where nobody wrote down where the chunks begin: after so many points the next one follows. 0 = it is one.
-    std::uint64_t restart = 0;
-    /// Whether its last point ends at its last byte.
-    bool exact = true;
-};
-
-/// What of the public header block this room goes by.
-struct LasShape {
-    int minorVersion = 0;
-    int pointFormat = 0;  ///< 0-10
-    std::uint32_t headerBytes = 0;
-    std::uint64_t pointOffset = 0;
-    std::uint32_t recordBytes = 0;  ///< of one record, extra bytes included
-    std::uint64_t points = 0;       ///< ≥ 1
-    std::uint32_t vlrs = 0;
-    std::uint64_t evlrOffset = 0;
-    std::uint32_t evlrs = 0;
-    bool compressed = true;  ///< false: LAS
-};
 
 class LazFile {
   public:
@@ -90,6 +66,10 @@ class LazDecoder {
 
   private:
     class Work;
+    class PlainWork;
+    class PointwiseWork;
+    class LayeredWork;
+
     std::unique_ptr<Work> work_;
 };
 

@@ -35,9 +35,11 @@ class EptOctree final : public Octree {
         if (ept_.data == EptData::Laszip) {
             las_.describe(header_);
             mayHaveWideColors_ = las_.haveColors();
+            areSteps_ = las_.haveOneGrid();
         } else {
             if (keep_) header_.columns = columnsOf(ept_.layout.kept());
             mayHaveWideColors_ = ept_.layout.hasWideColors();
+            areSteps_ = decoder_.grid().has_value();
         }
         return {};
     }

@@ -78,6 +78,7 @@ class LasPotree final : public Octree {
         describeScan(cloud, wordOf(valueAt(cloud, "pointAttributes")), header_);
         tiles_.describe(header_);
         mayHaveWideColors_ = tiles_.haveColors();
+        areSteps_ = tiles_.haveOneGrid();
         return nodes;
     }
     void finish(std::vector<std::string> notes, std::optional<std::uint64_t> said, std::uint64_t held) {

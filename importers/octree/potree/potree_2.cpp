@@ -33,6 +33,7 @@ class Potree2 final : public Octree {
         header_.attributes = layout_.points.attributes();
         if (keep) header_.columns = columnsOf(layout_.points.kept());
         mayHaveWideColors_ = layout_.points.hasWideColors();
+        areSteps_ = decoder_.grid().has_value();
     }
 
     /// Takes the nodes over, each checked before anything is allocated for it.

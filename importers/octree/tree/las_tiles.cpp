@@ -1,6 +1,7 @@
 #include "importers/octree/tree/las_tiles.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <memory>
 #include <utility>
@@ -78,6 +79,8 @@ Expected<std::uint64_t> LasTiles::add(const std::string& name) {
     } else if (auto ok = compare(scan, name); !ok) {
         return passOn(ok);
     }
+    // Of a grid whose numbers are not all coordinates, positions become float64, and some are dropped.
+    oneGrid_ = sameGrid_ && std::isfinite(tile->header.grid().reach());
     tiles_.push_back({name, tile->header.points, tile->header.recordBytes});
     return tile->header.points;
 }

@@ -22,6 +22,8 @@ class LasTiles {
 
     std::size_t size() const { return tiles_.size(); }
     bool haveColors() const { return color_; }
+    /// Whether the positions of all are steps of one grid.
+    bool haveOneGrid() const { return oneGrid_; }
     /// What the tiles say of the scan: attributes, columns, grid where it is the same for all; CRS where the header has none.
     void describe(ScanHeader& header) const;
 
@@ -42,7 +44,7 @@ class LasTiles {
     bool keep_;
     std::vector<Tile> tiles_;
     ScanHeader first_;  ///< of the first tile
-    bool color_ = false, sameGrid_ = true;
+    bool color_ = false, sameGrid_ = true, oneGrid_ = false;
 };
 
 }  // namespace scancast::import_octree

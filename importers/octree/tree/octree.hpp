@@ -38,6 +38,9 @@ class Octree {
     /// False when no number of a colour can be above 255.
     bool mayHaveWideColors() const { return mayHaveWideColors_; }
 
+    /// Whether all positions are steps of the header's grid.
+    bool areSteps() const { return areSteps_; }
+
     virtual std::size_t pieces() const = 0;
     /// Bytes that read() takes, at most, with what becomes of its records while they wait.
     virtual std::uint64_t memoryOf(std::size_t piece) const = 0;
@@ -47,7 +50,7 @@ class Octree {
   protected:
     ScanHeader header_;
     std::vector<std::string> notes_;
-    bool mayHaveWideColors_ = false;
+    bool mayHaveWideColors_ = false, areSteps_ = false;
 };
 
 /// Records that are decoded at once: as many as fit into some megabytes with all that becomes of them.

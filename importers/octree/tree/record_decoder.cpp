@@ -139,20 +139,42 @@ void FieldDecoder::decode(std::span<const std::byte> records, LasColorDepth dept
 }
 
 void FieldDecoder::decodePositions(const std::byte* records, std::size_t count, DecodedPoints& to) const {
-    auto& position = to.batch.position;
+    if (const auto steps = grid()) return decodeSteps(records, count, *steps, to.batch.position);
+    auto& position = to.batch.position.doubles();
     position.resize(count);
-    bool alwaysFinite = true;
     for (int axis = 0; axis < 3; ++axis) {
         const auto& field = *layout_.find(static_cast<Role>(axis));
         const double scale = grid_.scale[axis] * field.scale;
         const double offset = grid_.offset[axis] + field.offset;
-        alwaysFinite = alwaysFinite && bytesOf(field.type) <= 4 && field.type != ColumnType::Float32 &&
-                       std::isfinite(std::abs(offset) + 0x1p32 * scale);
         eachNumber(records, recordBytes(), count, field, [&](std::size_t i, auto number) {
             position[i][axis] = offset + static_cast<double>(number) * scale;
         });
     }
-    if (!alwaysFinite) to.dropped += dropNonFinite(to.batch);
+    to.dropped += dropNonFinite(to.batch);
+}
+
+void FieldDecoder::decodeSteps(const std::byte* records, std::size_t count, const StepGrid& grid,
+                               Positions& to) const {
+    auto& steps = to.steps(grid);
+    steps.resize(count);
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+        const auto* at = records + layout_.find(static_cast<Role>(axis))->at;
+        eachOf<std::int32_t>(at, recordBytes(), count,
+                             [&](std::size_t i, std::int32_t number) { steps[i][axis] = number; });
+    }
+}
+
+std::optional<StepGrid> FieldDecoder::grid() const {
+    StepGrid grid;
+    for (int axis = 0; axis < 3; ++axis) {
+        const auto& field = *layout_.find(static_cast<Role>(axis));
+        if (field.type != ColumnType::Int32) return std::nullopt;
+        grid.step[axis] = grid_.scale[axis] * field.scale;
+        grid.origin[axis] = grid_.offset[axis] + field.offset;
+        if (!(grid.step[axis] > 0)) return std::nullopt;
+    }
+    if (!std::isfinite(grid.reach())) return std::nullopt;
+    return grid;
 }
 
 /// 16-bit colours keep their high byte, as in LAS.

@@ -4,7 +4,7 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <memory>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -44,10 +44,14 @@ class FieldDecoder final : public RecordDecoder {
 
     std::uint32_t recordBytes() const override { return layout_.bytes(); }
     LasColorDepth colorDepth(std::span<const std::byte> records) const override;
+    /// Positions are steps where there is a grid().
     void decode(std::span<const std::byte> records, LasColorDepth depth, DecodedPoints& to) const override;
+    /// Of positions that are whole numbers of 32 bits, all of which are coordinates.
+    std::optional<StepGrid> grid() const;
 
   private:
     void decodePositions(const std::byte* records, std::size_t count, DecodedPoints& to) const;
+    void decodeSteps(const std::byte* records, std::size_t count, const StepGrid& grid, Positions& to) const;
     void decodeColors(const std::byte* records, std::size_t count, LasColorDepth depth, DecodedPoints& to) const;
     void decodeNormals(const std::byte* records, std::size_t count, std::vector<glm::vec3>& to) const;
     void decodeRows(const std::byte* records, std::size_t count, std::vector<std::byte>& to) const;

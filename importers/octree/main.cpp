@@ -15,7 +15,8 @@ int main(int argc, char** argv) {
     if (argc != first + 1 || argv[first][0] == '-' || isatty(STDOUT_FILENO) != 0) {
         std::fputs(
             "scancast-import-octree [--keep-attributes] FOLDER > POINTS\n"
-            "Reads an octree of EPT or Potree (its folder, or ept.json, metadata.json or cloud.js in it) and writes its "
+            "Reads an octree of EPT or Potree (its folder, or ept.json, metadata.json or cloud.js in it) and "
+            "writes its "
             "points as Scancast's point stream. Scancast starts it by itself:\n"
             "  scancast serve lion/metadata.json\n",
             stderr);

@@ -6,7 +6,6 @@
 
 #include "importers/octree/ept/ept_octree.hpp"
 #include "importers/octree/potree/potree_octree.hpp"
-#include "importers/octree/tree/piece_runner.hpp"
 #include "renderer/cloud/import/printable_text.hpp"
 
 namespace scancast::import_octree {
@@ -18,7 +17,8 @@ constexpr std::size_t firstLooks = 16;
 constexpr std::uint64_t firstLookPoints = 256;
 
 /// What the colours of some pieces say, until it is certain.
-Expected<LasColorDepth> lookAt(const Octree& octree, const std::vector<std::size_t>& pieces, std::uint64_t points) {
+Expected<LasColorDepth> lookAt(const Octree& octree, const std::vector<std::size_t>& pieces,
+                               std::uint64_t points, unsigned threads) {
     LasColorDepth depth = LasColorDepth::Unknown;
     using Runner = PieceRunner<LasColorDepth>;
     Runner::Work work;
@@ -26,11 +26,12 @@ Expected<LasColorDepth> lookAt(const Octree& octree, const std::vector<std::size
     work.memory = [&](std::size_t i) { return octree.memoryOf(pieces[i]); };
     work.decode = [&](std::size_t i, const Runner::Give& give) -> Expected<void> {
         LasColorDepth found = LasColorDepth::Unknown;
-        auto done = octree.read(pieces[i], {points, true},
-                                [&](const RecordDecoder& decoder, std::span<const std::byte> records) -> Expected<bool> {
-                                    found = std::max(found, decoder.colorDepth(records));
-                                    return found != LasColorDepth::SixteenBits;
-                                });
+        auto done = octree.read(
+            pieces[i], {points, true},
+            [&](const RecordDecoder& decoder, std::span<const std::byte> records) -> Expected<bool> {
+                found = std::max(found, decoder.colorDepth(records));
+                return found != LasColorDepth::SixteenBits;
+            });
         give(found);
         return done;
     };
@@ -38,12 +39,12 @@ Expected<LasColorDepth> lookAt(const Octree& octree, const std::vector<std::size
         depth = std::max(depth, found);
         return depth != LasColorDepth::SixteenBits;
     };
-    if (auto ok = Runner::run(work); !ok) return passOn(ok);
+    if (auto ok = Runner::run(work, threads); !ok) return passOn(ok);
     return depth;
 }
 
 /// The same rule as for LAS: 8 bits only if no number in the whole scan is above 255.
-Expected<LasColorDepth> judgeColors(const Octree& octree) {
+Expected<LasColorDepth> judgeColors(const Octree& octree, unsigned threads) {
     if (!octree.mayHaveWideColors()) return LasColorDepth::EightBits;
     std::vector<std::size_t> some, all;
     const auto step = std::max<std::size_t>(1, octree.pieces() / firstLooks);
@@ -51,9 +52,9 @@ Expected<LasColorDepth> judgeColors(const Octree& octree) {
         if (piece % step == 0) some.push_back(piece);
         all.push_back(piece);
     }
-    const auto first = lookAt(octree, some, firstLookPoints);
+    const auto first = lookAt(octree, some, firstLookPoints, threads);
     if (!first || *first == LasColorDepth::SixteenBits) return first;
-    return lookAt(octree, all, Wanted{}.points);
+    return lookAt(octree, all, Wanted{}.points, threads);
 }
 
 std::unique_ptr<TreeFiles> filesOf(InputFolder folder) {
@@ -64,8 +65,9 @@ std::unique_ptr<TreeFiles> filesOf(InputFolder folder) {
 Expected<std::string> descriptionIn(const TreeFiles& files) {
     for (const char* name : descriptions)
         if (files.has(name)) return std::string(name);
-    return fail(ErrorCode::Unsupported,
-                "it is a folder without ept.json, metadata.json or cloud.js, so it is no octree of EPT or Potree");
+    return fail(
+        ErrorCode::Unsupported,
+        "it is a folder without ept.json, metadata.json or cloud.js, so it is no octree of EPT or Potree");
 }
 
 }  // namespace
@@ -77,10 +79,12 @@ Expected<std::unique_ptr<Octree>> openOctree(const TreeFiles& files, const std::
     return openPotree1(files, keepAttributes);
 }
 
-Expected<void> writeOctree(const Octree& octree, PointStreamWriter& writer) {
-    const auto depth = judgeColors(octree);
+Expected<void> writeOctree(const Octree& octree, PointStreamWriter& writer, unsigned threads) {
+    const auto depth = judgeColors(octree, threads);
     if (!depth) return passOn(depth);
-    if (auto ok = octree.areSteps() ? writer.writeHeaderOfSteps(octree.header()) : writer.writeHeader(octree.header()); !ok)
+    if (auto ok = octree.areSteps() ? writer.writeHeaderOfSteps(octree.header())
+                                    : writer.writeHeader(octree.header());
+        !ok)
         return ok;
     for (const auto& note : octree.notes())
         if (auto ok = writer.writeNote(note); !ok) return ok;
@@ -103,21 +107,26 @@ Expected<void> writeOctree(const Octree& octree, PointStreamWriter& writer) {
         if (auto ok = writer.writeChunk(points.batch); !ok) return passOn(ok);
         return true;
     };
-    if (auto ok = Runner::run(work); !ok) return ok;
+    if (auto ok = Runner::run(work, threads); !ok) return ok;
     if (outside > 0)
-        if (auto ok = writer.writeNote(fmt::format("{} of its numbers are outside of what is kept of them (intensities and "
-                                                   "colours of 0 to 65,535, classes of 0 to 255)",
-                                                   grouped(outside)));
+        if (auto ok = writer.writeNote(
+                fmt::format("{} of its numbers are outside of what is kept of them (intensities and "
+                            "colours of 0 to 65,535, classes of 0 to 255)",
+                            grouped(outside)));
             !ok)
             return ok;
     if (writer.points() == 0) return fail(ErrorCode::Empty, "none of its points has finite coordinates");
     return writer.finish(dropped);
 }
 
-Expected<void> importOctree(const std::filesystem::path& path, bool keepAttributes, PointStreamWriter& writer) {
+Expected<void> importOctree(const std::filesystem::path& path, bool keepAttributes,
+                            PointStreamWriter& writer) {
     const auto name = path.filename().string();
-    const bool isDescription = std::find(descriptions.begin(), descriptions.end(), name) != descriptions.end();
-    auto folder = InputFolder::open(!isDescription ? path : path.has_parent_path() ? path.parent_path() : ".");
+    const bool isDescription =
+        std::find(descriptions.begin(), descriptions.end(), name) != descriptions.end();
+    auto folder = InputFolder::open(!isDescription           ? path
+                                    : path.has_parent_path() ? path.parent_path()
+                                                             : ".");
     if (!folder) return fail(ErrorCode::Io, "its folder cannot be opened");
     const auto files = filesOf(std::move(*folder));
     const auto description = isDescription ? Expected<std::string>(name) : descriptionIn(*files);

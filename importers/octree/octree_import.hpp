@@ -6,6 +6,7 @@
 #include <memory>
 
 #include "importers/octree/tree/octree.hpp"
+#include "importers/octree/tree/piece_runner.hpp"
 #include "renderer/cloud/import/stream/point_stream_writer.hpp"
 
 namespace scancast::import_octree {
@@ -19,9 +20,11 @@ Expected<std::unique_ptr<Octree>> openOctree(const TreeFiles& files, const std::
                                              bool keepAttributes);
 
 /// Sends it all, its end included. Errors as above, and Io when nobody reads any more.
-Expected<void> writeOctree(const Octree& octree, PointStreamWriter& writer);
+Expected<void> writeOctree(const Octree& octree, PointStreamWriter& writer,
+                           unsigned threads = decodingThreads());
 
 /// `path`: the folder, or the description in it.
-Expected<void> importOctree(const std::filesystem::path& path, bool keepAttributes, PointStreamWriter& writer);
+Expected<void> importOctree(const std::filesystem::path& path, bool keepAttributes,
+                            PointStreamWriter& writer);
 
 }  // namespace scancast::import_octree

@@ -21,8 +21,9 @@ struct DataName {
     std::string_view name, extension;
     EptData data;
 };
-constexpr DataName dataNames[] = {
-    {"laszip", "laz", EptData::Laszip}, {"binary", "bin", EptData::Binary}, {"zstandard", "zst", EptData::Zstandard}};
+constexpr DataName dataNames[] = {{"laszip", "laz", EptData::Laszip},
+                                  {"binary", "bin", EptData::Binary},
+                                  {"zstandard", "zst", EptData::Zstandard}};
 
 struct DimensionName {
     std::string_view name;  ///< in small letters
@@ -58,10 +59,12 @@ std::optional<ColumnType> typeOf(std::string_view kind, std::uint64_t size) {
         ColumnType type;
     };
     static constexpr Known known[] = {
-        {"signed", 1, ColumnType::Int8},    {"signed", 2, ColumnType::Int16},    {"signed", 4, ColumnType::Int32},
-        {"signed", 8, ColumnType::Int64},   {"unsigned", 1, ColumnType::Uint8},  {"unsigned", 2, ColumnType::Uint16},
-        {"unsigned", 4, ColumnType::Uint32}, {"unsigned", 8, ColumnType::Uint64}, {"float", 4, ColumnType::Float32},
-        {"float", 8, ColumnType::Float64},  {"floating", 4, ColumnType::Float32}, {"floating", 8, ColumnType::Float64},
+        {"signed", 1, ColumnType::Int8},      {"signed", 2, ColumnType::Int16},
+        {"signed", 4, ColumnType::Int32},     {"signed", 8, ColumnType::Int64},
+        {"unsigned", 1, ColumnType::Uint8},   {"unsigned", 2, ColumnType::Uint16},
+        {"unsigned", 4, ColumnType::Uint32},  {"unsigned", 8, ColumnType::Uint64},
+        {"float", 4, ColumnType::Float32},    {"float", 8, ColumnType::Float64},
+        {"floating", 4, ColumnType::Float32}, {"floating", 8, ColumnType::Float64},
     };
     for (const auto& [k, s, type] : known)
         if (k == kind && s == size) return type;
@@ -83,10 +86,12 @@ Expected<void> addDimension(const json& entry, std::size_t i, PointLayout& layou
     const auto kind = wordOf(valueAt(entry, "type"));
     const auto type = typeOf(kind, *size);
     if (!type)
-        return fail(ErrorCode::Malformed,
-                    fmt::format("{} is {} of {} bytes; signed and unsigned numbers of 1, 2, 4 or 8 bytes are read, and "
-                                "float of 4 or 8",
-                                what, quotedText(kind), *size));
+        return fail(
+            ErrorCode::Malformed,
+            fmt::format(
+                "{} is {} of {} bytes; signed and unsigned numbers of 1, 2, 4 or 8 bytes are read, and "
+                "float of 4 or 8",
+                what, quotedText(kind), *size));
     const auto scale = numberOr(valueAt(entry, "scale"), 1, what + ": its scale");
     if (!scale) return passOn(scale);
     if (!(*scale > 0))
@@ -158,13 +163,14 @@ Expected<EptDescription> parseEptDescription(const json& json) {
     const auto* known = std::find_if(std::begin(dataNames), std::end(dataNames),
                                      [&](const DataName& d) { return d.name == data; });
     if (known == std::end(dataNames))
-        return fail(ErrorCode::Unsupported,
-                    fmt::format("ept.json has tiles of {}; laszip, binary and zstandard are read", quotedText(data)));
+        return fail(
+            ErrorCode::Unsupported,
+            fmt::format("ept.json has tiles of {}; laszip, binary and zstandard are read", quotedText(data)));
     ept.data = known->data;
     const auto& hierarchy = valueAt(json, "hierarchyType");
     if (!hierarchy.is_null() && wordOf(hierarchy) != "json")
-        return fail(ErrorCode::Unsupported,
-                    fmt::format("ept.json has a hierarchy of {}; json is read", quotedText(wordOf(hierarchy))));
+        return fail(ErrorCode::Unsupported, fmt::format("ept.json has a hierarchy of {}; json is read",
+                                                        quotedText(wordOf(hierarchy))));
     if (auto ok = readSchema(valueAt(json, "schema"), ept.layout); !ok) return passOn(ok);
     if (const auto& points = valueAt(json, "points"); !points.is_null()) {
         const auto count = countOf(points, "ept.json: the number of points", mostEptPoints);

@@ -34,19 +34,23 @@ class Page : public nlohmann::json_sax<nlohmann::json> {
     const std::string& reason() const { return reason_; }
     bool hasRoot() const { return hasRoot_; }
 
-    bool start_object(std::size_t) override { return depth_++ == 0 || wrong("it holds an object within an object"); }
+    bool start_object(std::size_t) override {
+        return depth_++ == 0 || wrong("it holds an object within an object");
+    }
     bool end_object() override { return true; }
     bool key(string_t& name) override {
         const auto found = parseVoxelKey(name);
         if (!found) return wrong(quotedText(name) + " is no node such as \"2-0-3-1\"");
-        if (!isWithin(*found, root_)) return wrong("the node " + text(*found) + " does not lie in " + text(root_));
+        if (!isWithin(*found, root_))
+            return wrong("the node " + text(*found) + " does not lie in " + text(root_));
         key_ = *found;
         return true;
     }
     bool number_unsigned(number_unsigned_t points) override {
         if (depth_ != 1) return wrong("it is no object");
         if (points > mostTilePoints)
-            return wrong(fmt::format("the node {} has {} points: more than any real one", text(key_), points));
+            return wrong(
+                fmt::format("the node {} has {} points: more than any real one", text(key_), points));
         if (pages_.nodes.size() == mostEptNodes)
             return wrong(fmt::format("there are more than {} nodes", grouped(mostEptNodes)));
         hasRoot_ = hasRoot_ || key_ == root_;
@@ -57,7 +61,8 @@ class Page : public nlohmann::json_sax<nlohmann::json> {
         if (depth_ != 1) return wrong("it is no object");
         if (number != -1) return wrong(fmt::format("the node {} has {} points", text(key_), number));
         if (key_ == root_) return wrong("the node " + text(key_) + " refers to this page itself: a circle");
-        if (!pages_.known.insert(key_).second) return wrong("the page of " + text(key_) + " is referred to twice");
+        if (!pages_.known.insert(key_).second)
+            return wrong("the page of " + text(key_) + " is referred to twice");
         pages_.ahead.push_back(key_);
         return true;
     }
@@ -75,7 +80,9 @@ class Page : public nlohmann::json_sax<nlohmann::json> {
     }
 
   private:
-    bool noNumber() { return wrong(depth_ == 0 ? "it is no object" : "the node " + text(key_) + " has no number"); }
+    bool noNumber() {
+        return wrong(depth_ == 0 ? "it is no object" : "the node " + text(key_) + " has no number");
+    }
     bool wrong(std::string reason) {
         if (reason_.empty()) reason_ = std::move(reason);
         return false;
@@ -97,7 +104,8 @@ Expected<void> readPage(const TreeFiles& files, const VoxelKey& root, Page::Page
     const auto* begin = reinterpret_cast<const char*>(bytes->data());
     const bool sound = nlohmann::json::sax_parse(begin, begin + bytes->size(), &page);
     if (!sound || !page.reason().empty()) return fail(ErrorCode::Malformed, name + ": " + page.reason());
-    if (!page.hasRoot()) return fail(ErrorCode::Malformed, name + " has no number for the node " + text(root));
+    if (!page.hasRoot())
+        return fail(ErrorCode::Malformed, name + " has no number for the node " + text(root));
     return {};
 }
 

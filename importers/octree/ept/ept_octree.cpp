@@ -59,7 +59,8 @@ class EptOctree final : public Octree {
         const auto tile = tileOf(node);
         const auto file = files_.open(tile);
         if (!file) return passOn(file);
-        if (ept_.data == EptData::Binary) return readPlainRecords(**file, 0, node.points, wanted, decoder_, take);
+        if (ept_.data == EptData::Binary)
+            return readPlainRecords(**file, 0, node.points, wanted, decoder_, take);
         return readZstdRecords(**file, "its file " + tile, node.points, wanted, decoder_, take);
     }
 
@@ -74,16 +75,17 @@ class EptOctree final : public Octree {
             const auto points = las_.add(tile);
             if (!points) return passOn(points);
             if (*points == node.points) return {};
-            return fail(ErrorCode::Malformed, fmt::format("its file {} holds {} points; its hierarchy says {}", tile,
-                                                          grouped(*points), grouped(node.points)));
+            return fail(ErrorCode::Malformed,
+                        fmt::format("its file {} holds {} points; its hierarchy says {}", tile,
+                                    grouped(*points), grouped(node.points)));
         }
         const auto file = files_.open(tile);
         if (!file) return passOn(file);
         const std::uint64_t wanted = node.points * ept_.layout.bytes(), found = (*file)->bytes();
         if (ept_.data != EptData::Binary || found == wanted) return {};
         return fail(found < wanted ? ErrorCode::Truncated : ErrorCode::Malformed,
-                    fmt::format("its file {} has {} bytes; its {} points of {} bytes need {}", tile, grouped(found),
-                                grouped(node.points), ept_.layout.bytes(), grouped(wanted)));
+                    fmt::format("its file {} has {} bytes; its {} points of {} bytes need {}", tile,
+                                grouped(found), grouped(node.points), ept_.layout.bytes(), grouped(wanted)));
     }
 
     const TreeFiles& files_;

@@ -23,7 +23,8 @@ struct FreeContext {
 /// The bytes of one tile, front to back.
 class ZstdBytes {
   public:
-    ZstdBytes(const TreeFile& file, const std::string& tile) : file_(file), tile_(tile), context_(ZSTD_createDCtx()) {
+    ZstdBytes(const TreeFile& file, const std::string& tile)
+        : file_(file), tile_(tile), context_(ZSTD_createDCtx()) {
         if (!context_) throw std::bad_alloc();
         ZSTD_DCtx_setParameter(context_.get(), ZSTD_d_windowLogMax, largestWindow);
     }
@@ -68,8 +69,9 @@ class ZstdBytes {
 
 }  // namespace
 
-Expected<void> readZstdRecords(const TreeFile& file, const std::string& tile, std::uint64_t points, const Wanted& wanted,
-                               const RecordDecoder& decoder, const Octree::TakeRecords& take) {
+Expected<void> readZstdRecords(const TreeFile& file, const std::string& tile, std::uint64_t points,
+                               const Wanted& wanted, const RecordDecoder& decoder,
+                               const Octree::TakeRecords& take) {
     const std::uint64_t bytes = decoder.recordBytes();
     ZstdBytes unpacked(file, tile);
     std::vector<std::byte> records;
@@ -81,9 +83,10 @@ Expected<void> readZstdRecords(const TreeFile& file, const std::string& tile, st
         if (!got) return passOn(got);
         if (*got < records.size()) {
             const auto code = unpacked.isComplete() ? ErrorCode::Malformed : ErrorCode::Truncated;
-            return fail(code, fmt::format("{} {} {} bytes; its {} points need {}", tile,
-                                          unpacked.isComplete() ? "holds only" : "ends early, after",
-                                          grouped(done * bytes + *got), grouped(points), grouped(points * bytes)));
+            return fail(code,
+                        fmt::format("{} {} {} bytes; its {} points need {}", tile,
+                                    unpacked.isComplete() ? "holds only" : "ends early, after",
+                                    grouped(done * bytes + *got), grouped(points), grouped(points * bytes)));
         }
         const auto more = take(decoder, records);
         if (!more) return passOn(more);
@@ -95,8 +98,8 @@ Expected<void> readZstdRecords(const TreeFile& file, const std::string& tile, st
     const auto got = unpacked.read({&further, 1});
     if (!got) return passOn(got);
     if (*got > 0)
-        return fail(ErrorCode::Malformed, fmt::format("{} holds more bytes than its {} points need ({})", tile,
-                                                      grouped(points), grouped(points * bytes)));
+        return fail(ErrorCode::Malformed, fmt::format("{} holds more bytes than its {} points need ({})",
+                                                      tile, grouped(points), grouped(points * bytes)));
     return {};
 }
 

@@ -8,8 +8,9 @@ namespace scancast::import_octree {
 
 /// Hands over `points` records; see Octree::read(). `tile` is what messages call the file. Errors: Malformed where it does
 /// not hold exactly them, Truncated, Io.
-Expected<void> readZstdRecords(const TreeFile& file, const std::string& tile, std::uint64_t points, const Wanted& wanted,
-                               const RecordDecoder& decoder, const Octree::TakeRecords& take);
+Expected<void> readZstdRecords(const TreeFile& file, const std::string& tile, std::uint64_t points,
+                               const Wanted& wanted, const RecordDecoder& decoder,
+                               const Octree::TakeRecords& take);
 
 /// Bytes that it takes at most, for records of so many bytes in all.
 std::uint64_t zstdMemory(std::uint64_t recordsBytes);

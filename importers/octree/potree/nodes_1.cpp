@@ -23,8 +23,8 @@ tl::unexpected<Error> tooLargeTree(std::size_t nodes) {
 
 /// A file holds, level after level, a node and what is below it, `step` levels deep; the deepest of them go on in files of
 /// their own: if they have children, or got some after this file was written.
-Expected<void> readHrc(const TreeFiles& files, const PotreePlace& place, const std::string& root, ListedNodes& listed,
-                       std::vector<std::string>& roots) {
+Expected<void> readHrc(const TreeFiles& files, const PotreePlace& place, const std::string& root,
+                       ListedNodes& listed, std::vector<std::string>& roots) {
     const auto file = place.hierarchyOf(root);
     const auto bytes = files.readAll(file, longestHrc);
     if (!bytes) return passOn(bytes);
@@ -37,7 +37,8 @@ Expected<void> readHrc(const TreeFiles& files, const PotreePlace& place, const s
     for (std::size_t i = 0; i < names.size(); ++i) {
         const auto at = i * hrcEntryBytes;
         const std::string name = names[i];
-        if (at >= bytes->size()) return wrong(fmt::format(" ends at byte {}, before the node {}", grouped(at), name));
+        if (at >= bytes->size())
+            return wrong(fmt::format(" ends at byte {}, before the node {}", grouped(at), name));
         const unsigned children = loadLe<std::uint8_t>(bytes->data() + at);
         listed[name] = loadLe<std::uint32_t>(bytes->data() + at + 1);
         if (listed.size() + names.size() > mostPotreeNodes || name.size() > longestNodeName)
@@ -50,8 +51,8 @@ Expected<void> readHrc(const TreeFiles& files, const PotreePlace& place, const s
         }
     }
     if (names.size() * hrcEntryBytes != bytes->size())
-        return wrong(
-            fmt::format(" has {} bytes; its {} nodes need less", grouped(bytes->size()), grouped(names.size())));
+        return wrong(fmt::format(" has {} bytes; its {} nodes need less", grouped(bytes->size()),
+                                 grouped(names.size())));
     return {};
 }
 
@@ -64,7 +65,8 @@ std::string_view nodeOfFile(std::string_view file, const std::string& extension)
 }
 
 bool areDigits(std::string_view text, std::size_t count) {
-    return text.size() == count && std::all_of(text.begin(), text.end(), [](char c) { return c >= '0' && c <= '7'; });
+    return text.size() == count &&
+           std::all_of(text.begin(), text.end(), [](char c) { return c >= '0' && c <= '7'; });
 }
 
 }  // namespace
@@ -128,7 +130,8 @@ Expected<std::vector<std::string>> nodesWithFiles(const TreeFiles& files, const 
             // Where it is looked for, and not a copy elsewhere.
             if (!name.empty() && place.fileOf(name) == path + "/" + entry.name) names.push_back(name);
         }
-        if (names.size() > mostPotreeNodes || folders.size() > mostPotreeNodes) return tooLargeTree(names.size());
+        if (names.size() > mostPotreeNodes || folders.size() > mostPotreeNodes)
+            return tooLargeTree(names.size());
     }
     std::sort(names.begin(), names.end(), [](const std::string& a, const std::string& b) {
         return a.size() != b.size() ? a.size() < b.size() : a < b;
@@ -174,13 +177,15 @@ Expected<std::vector<std::string>> checkNodes(const std::vector<HeldNode>& nodes
     }
     std::vector<std::string> notes;
     if (unlisted)
-        notes.push_back(fmt::format("{} of its files ({} points; one is {}) are not in its hierarchy; they were read, too",
-                                    grouped(manyUnlisted), grouped(pointsUnlisted), place.fileOf(unlisted->name)));
-    if (shorter)
         notes.push_back(fmt::format(
-            "{} of its files hold fewer points than its hierarchy says ({} {} of {}); what they hold was read",
-            grouped(manyShorter), place.fileOf(shorter->name), grouped(shorter->points),
-            grouped(listed.find(shorter->name)->second)));
+            "{} of its files ({} points; one is {}) are not in its hierarchy; they were read, too",
+            grouped(manyUnlisted), grouped(pointsUnlisted), place.fileOf(unlisted->name)));
+    if (shorter)
+        notes.push_back(
+            fmt::format("{} of its files hold fewer points than its hierarchy says ({} {} of {}); what they "
+                        "hold was read",
+                        grouped(manyShorter), place.fileOf(shorter->name), grouped(shorter->points),
+                        grouped(listed.find(shorter->name)->second)));
     return notes;
 }
 

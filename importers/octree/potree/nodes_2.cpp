@@ -25,11 +25,14 @@ Expected<void> readChunk(const TreeFile& file, const HierarchyChunk& chunk, std:
                          std::vector<HierarchyChunk>& chunks) {
     const auto [root, at, bytes] = chunk;
     const auto most = std::uint64_t(mostPotreeNodes) * entryBytes;
-    if (bytes == 0 || bytes % entryBytes != 0 || at > file.bytes() || bytes > file.bytes() - at || bytes > most)
-        return fail(ErrorCode::Malformed,
-                    fmt::format("{}: the chunk of the node {} is said to have {} bytes at byte {}; the file has {}, a node "
-                                "has {}",
-                                hierarchyFile, root, grouped(bytes), grouped(at), grouped(file.bytes()), entryBytes));
+    if (bytes == 0 || bytes % entryBytes != 0 || at > file.bytes() || bytes > file.bytes() - at ||
+        bytes > most)
+        return fail(
+            ErrorCode::Malformed,
+            fmt::format(
+                "{}: the chunk of the node {} is said to have {} bytes at byte {}; the file has {}, a node "
+                "has {}",
+                hierarchyFile, root, grouped(bytes), grouped(at), grouped(file.bytes()), entryBytes));
     std::vector<std::byte> content(bytes);
     if (auto ok = file.read(at, content); !ok) return ok;
     std::vector<std::string> names{root};
@@ -48,9 +51,11 @@ Expected<void> readChunk(const TreeFile& file, const HierarchyChunk& chunk, std:
         const unsigned children = loadLe<std::uint8_t>(data + 1);
         const auto place = loadLe<std::uint64_t>(data + 6);
         const auto size = loadLe<std::uint64_t>(data + 14);
-        if (kind > proxy) return wrong(fmt::format("the node {} is of kind {}; 0, 1 and 2 are known", name, kind));
+        if (kind > proxy)
+            return wrong(fmt::format("the node {} is of kind {}; 0, 1 and 2 are known", name, kind));
         if (kind == proxy) {
-            if (i == 0) return wrong(fmt::format("the chunk of {} starts with another reference: a circle", root));
+            if (i == 0)
+                return wrong(fmt::format("the chunk of {} starts with another reference: a circle", root));
             chunks.push_back({name, place, size});
             continue;
         }
@@ -79,8 +84,8 @@ Expected<std::vector<PotreeNode>> readHierarchy2(const TreeFiles& files, std::ui
         const HierarchyChunk chunk = chunks[i];
         if (!seen.insert(chunk.at).second)
             return fail(ErrorCode::Malformed,
-                        fmt::format("{}, byte {}: two nodes (one is {}) share the chunk there: a circle", hierarchyFile,
-                                    grouped(chunk.at), chunk.name));
+                        fmt::format("{}, byte {}: two nodes (one is {}) share the chunk there: a circle",
+                                    hierarchyFile, grouped(chunk.at), chunk.name));
         if (auto ok = readChunk(**file, chunk, nodes, chunks); !ok) return passOn(ok);
     }
     return nodes;

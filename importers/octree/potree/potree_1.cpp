@@ -24,7 +24,8 @@ constexpr int lastWithFloats = 3;  // up to 1.3, positions are numbers of type f
 
 /// 7 of "1.7".
 std::optional<int> minorVersion(const std::string& version) {
-    if (!version.starts_with("1.") || version.size() < 3 || !std::isdigit(static_cast<unsigned char>(version[2])))
+    if (!version.starts_with("1.") || version.size() < 3 ||
+        !std::isdigit(static_cast<unsigned char>(version[2])))
         return std::nullopt;
     return std::atoi(version.substr(2, 3).c_str());
 }
@@ -102,7 +103,8 @@ class BinPotree final : public Octree {
     BinPotree(const TreeFiles& files, PotreePlace place, PotreeLayout layout, bool keep)
         : files_(files), place_(std::move(place)), layout_(std::move(layout)), keep_(keep) {}
 
-    Expected<std::vector<HeldNode>> open(const json& cloud, const std::vector<std::string>& names, bool floats) {
+    Expected<std::vector<HeldNode>> open(const json& cloud, const std::vector<std::string>& names,
+                                         bool floats) {
         const auto& box = valueAt(cloud, "boundingBox");
         const auto low = vectorOf(lowCorner(box), "\"boundingBox\"");
         if (!low) return passOn(low);
@@ -152,8 +154,9 @@ class BinPotree final : public Octree {
         const auto bytes = (*file)->bytes();
         const std::uint64_t each = layout_.points.bytes();
         if (bytes % each == 0) return bytes / each;
-        return fail(ErrorCode::Malformed, fmt::format("its file {} has {} bytes, no whole number of points of {} bytes",
-                                                      path, grouped(bytes), each));
+        return fail(ErrorCode::Malformed,
+                    fmt::format("its file {} has {} bytes, no whole number of points of {} bytes", path,
+                                grouped(bytes), each));
     }
 
     const TreeFiles& files_;
@@ -167,7 +170,8 @@ class BinPotree final : public Octree {
 /// Holds the nodes against the hierarchy.
 template <class Potree>
 Expected<std::unique_ptr<Octree>> checked(std::unique_ptr<Potree> octree, const std::vector<HeldNode>& nodes,
-                                          const ListedNodes& listed, const PotreePlace& place, const json& cloud) {
+                                          const ListedNodes& listed, const PotreePlace& place,
+                                          const json& cloud) {
     auto notes = checkNodes(nodes, listed, place);
     if (!notes) return passOn(notes);
     std::uint64_t held = 0;

@@ -75,22 +75,26 @@ class Potree2 final : public Octree {
     }
 
   private:
-    std::uint64_t unpackedBytes(const PotreeNode& node) const { return node.points * brotliPointBytes(layout_); }
+    std::uint64_t unpackedBytes(const PotreeNode& node) const {
+        return node.points * brotliPointBytes(layout_);
+    }
 
     Expected<void> check(const PotreeNode& node, std::uint64_t fileBytes) const {
         if (node.at > fileBytes || node.bytes > fileBytes - node.at)
             return fail(ErrorCode::Truncated,
-                        fmt::format("the node {} is said to end {} bytes behind byte {} of {}, which has {}", node.name,
-                                    grouped(node.bytes), grouped(node.at), octreeFile, grouped(fileBytes)));
+                        fmt::format("the node {} is said to end {} bytes behind byte {} of {}, which has {}",
+                                    node.name, grouped(node.bytes), grouped(node.at), octreeFile,
+                                    grouped(fileBytes)));
         const std::uint64_t plain = std::uint64_t(node.points) * layout_.points.bytes();
         if (!isBrotli_ && node.bytes != plain)
-            return fail(ErrorCode::Malformed, fmt::format("the node {} has {} bytes; its {} points need {}", node.name,
-                                                          grouped(node.bytes), grouped(node.points), grouped(plain)));
+            return fail(ErrorCode::Malformed,
+                        fmt::format("the node {} has {} bytes; its {} points need {}", node.name,
+                                    grouped(node.bytes), grouped(node.points), grouped(plain)));
         const auto whole = unpackedBytes(node) + node.bytes;
         if (isBrotli_ && whole > longestNode)
             return fail(ErrorCode::ResourceLimit,
-                        fmt::format("the node {} has {} bytes; compressed nodes of up to {} are read", node.name,
-                                    grouped(whole), grouped(longestNode)));
+                        fmt::format("the node {} has {} bytes; compressed nodes of up to {} are read",
+                                    node.name, grouped(whole), grouped(longestNode)));
         return {};
     }
 
@@ -134,8 +138,9 @@ Expected<std::unique_ptr<Octree>> openPotree2(const TreeFiles& files, bool keepA
     const auto encoding = told.is_null() ? std::string("DEFAULT") : wordOf(told);
     // What stands in "encoding" of files that are not compressed depends on the converter's release.
     if (encoding != "DEFAULT" && encoding != "UNCOMPRESSED" && encoding != "BROTLI")
-        return fail(ErrorCode::Unsupported,
-                    fmt::format("the encoding {} is not known here; DEFAULT and BROTLI are", quotedText(encoding)));
+        return fail(
+            ErrorCode::Unsupported,
+            fmt::format("the encoding {} is not known here; DEFAULT and BROTLI are", quotedText(encoding)));
     const auto scale = vectorOf(valueAt(*metadata, "scale"), "\"scale\"");
     if (!scale) return passOn(scale);
     const auto offset = vectorOf(valueAt(*metadata, "offset"), "\"offset\"");
@@ -148,8 +153,8 @@ Expected<std::unique_ptr<Octree>> openPotree2(const TreeFiles& files, bool keepA
     if (!firstChunk) return passOn(firstChunk);
     auto nodes = readHierarchy2(files, *firstChunk);
     if (!nodes) return passOn(nodes);
-    auto octree = std::make_unique<Potree2>(files, std::move(*layout), Grid{*scale, *offset}, encoding == "BROTLI",
-                                            keepAttributes);
+    auto octree = std::make_unique<Potree2>(files, std::move(*layout), Grid{*scale, *offset},
+                                            encoding == "BROTLI", keepAttributes);
     if (auto ok = octree->take(std::move(*nodes)); !ok) return passOn(ok);
     octree->describe(*metadata, version, encoding);
     if (octree->pieces() == 0) return fail(ErrorCode::Empty, "it is a Potree octree without points");

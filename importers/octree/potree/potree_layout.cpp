@@ -94,9 +94,9 @@ struct TypeName {
     ColumnType type;
 };
 constexpr TypeName typeNames[] = {
-    {"int8", ColumnType::Int8},     {"uint8", ColumnType::Uint8},     {"int16", ColumnType::Int16},
-    {"uint16", ColumnType::Uint16}, {"int32", ColumnType::Int32},     {"uint32", ColumnType::Uint32},
-    {"int64", ColumnType::Int64},   {"uint64", ColumnType::Uint64},   {"float", ColumnType::Float32},
+    {"int8", ColumnType::Int8},      {"uint8", ColumnType::Uint8},     {"int16", ColumnType::Int16},
+    {"uint16", ColumnType::Uint16},  {"int32", ColumnType::Int32},     {"uint32", ColumnType::Uint32},
+    {"int64", ColumnType::Int64},    {"uint64", ColumnType::Uint64},   {"float", ColumnType::Float32},
     {"double", ColumnType::Float64}, {"float32", ColumnType::Float32}, {"float64", ColumnType::Float64},
 };
 

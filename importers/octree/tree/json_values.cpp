@@ -50,7 +50,8 @@ Expected<nlohmann::json> readJsonObject(const TreeFiles& files, const std::strin
         if (static_cast<unsigned char>(c) > 0x7e) c = '?';
     auto value = parseJson(text);
     if (!value) return fail(ErrorCode::Malformed, name + " is not valid JSON: " + value.error().message);
-    if (!value->is_object()) return fail(ErrorCode::Malformed, name + " is not valid JSON: it is not an object");
+    if (!value->is_object())
+        return fail(ErrorCode::Malformed, name + " is not valid JSON: it is not an object");
     return value;
 }
 
@@ -92,7 +93,8 @@ Expected<std::uint64_t> countOf(const nlohmann::json& value, const std::string& 
     // Some programs write all numbers as floating point.
     if (value.is_number_float()) {
         const auto number = value.get<double>();
-        if (number >= 0 && number == std::floor(number) && number <= 0x1p53 && number <= static_cast<double>(most))
+        if (number >= 0 && number == std::floor(number) && number <= 0x1p53 &&
+            number <= static_cast<double>(most))
             return static_cast<std::uint64_t>(number);
     }
     return fail(ErrorCode::Malformed,

@@ -62,7 +62,8 @@ ScanHeader scanOf(const OpenTile& tile, bool keep) {
     scan.crsWkt = tile.vlrs.crs.wkt;
     scan.crsEpsg = tile.vlrs.crs.epsg ? tile.vlrs.crs.epsg : epsgOfWkt(scan.crsWkt);
     if (keep)
-        for (const auto& column : lasColumns(tile.header, tile.vlrs.extraBytes)) scan.columns.push_back(column.column);
+        for (const auto& column : lasColumns(tile.header, tile.vlrs.extraBytes))
+            scan.columns.push_back(column.column);
     return scan;
 }
 
@@ -87,9 +88,11 @@ Expected<std::uint64_t> LasTiles::add(const std::string& name) {
 
 Expected<void> LasTiles::compare(const ScanHeader& scan, const std::string& name) {
     if (scan.attributes != first_.attributes)
-        return fail(ErrorCode::Unsupported, "some of its files have colours and some have none (" + name + ")");
+        return fail(ErrorCode::Unsupported,
+                    "some of its files have colours and some have none (" + name + ")");
     if (scan.columns != first_.columns)
-        return fail(ErrorCode::Unsupported, "its files differ in what is to be kept of their points (" + name + ")");
+        return fail(ErrorCode::Unsupported,
+                    "its files differ in what is to be kept of their points (" + name + ")");
     sameGrid_ = sameGrid_ && scan.gridStep == first_.gridStep && scan.gridOrigin == first_.gridOrigin;
     return {};
 }
@@ -108,14 +111,15 @@ std::uint64_t LasTiles::memoryOf(std::size_t tile) const {
     return decoderBytes + slicesMemory(tiles_[tile].recordBytes, tiles_[tile].points);
 }
 
-Expected<void> LasTiles::read(std::size_t index, const Wanted& wanted, const Octree::TakeRecords& take) const {
+Expected<void> LasTiles::read(std::size_t index, const Wanted& wanted,
+                              const Octree::TakeRecords& take) const {
     const auto& [name, points, recordBytes] = tiles_[index];
     const auto tile = openTile(files_, name);
     if (!tile) return passOn(tile);
     if (tile->header.points != points || tile->header.recordBytes != recordBytes)
         return fail(ErrorCode::Malformed, "its file " + name + " is another than it was a moment ago");
-    const LasDecoder decoder(tile->header, keep_ ? lasColumns(tile->header, tile->vlrs.extraBytes)
-                                                 : std::vector<LasColumn>());
+    const LasDecoder decoder(
+        tile->header, keep_ ? lasColumns(tile->header, tile->vlrs.extraBytes) : std::vector<LasColumn>());
     laz::LazDecoder unpacker(tile->file, wanted.onlyColors ? laz::Wanted::Colors : laz::Wanted::Everything);
     std::vector<std::byte> records;
     std::uint64_t done = 0;
@@ -123,7 +127,8 @@ Expected<void> LasTiles::read(std::size_t index, const Wanted& wanted, const Oct
         if (done >= wanted.points) return {};
         if (auto ok = unpacker.start(chunk); !ok) return inTile(name, ok.error());
         while (unpacker.left() > 0 && done < wanted.points) {
-            const auto count = std::min({unpacker.left(), std::uint64_t(sliceRecords(recordBytes)), wanted.points - done});
+            const auto count =
+                std::min({unpacker.left(), std::uint64_t(sliceRecords(recordBytes)), wanted.points - done});
             records.resize(count * recordBytes);
             if (auto ok = unpacker.read(records); !ok) return inTile(name, ok.error());
             const auto more = take(decoder, records);

@@ -27,8 +27,9 @@ std::uint64_t slicesMemory(std::uint32_t recordBytes, std::uint64_t points) {
     return there * (2 * std::uint64_t(recordBytes) + sampleBytes);
 }
 
-Expected<void> readPlainRecords(const TreeFile& file, std::uint64_t at, std::uint64_t points, const Wanted& wanted,
-                                const RecordDecoder& decoder, const Octree::TakeRecords& take) {
+Expected<void> readPlainRecords(const TreeFile& file, std::uint64_t at, std::uint64_t points,
+                                const Wanted& wanted, const RecordDecoder& decoder,
+                                const Octree::TakeRecords& take) {
     const std::uint64_t bytes = decoder.recordBytes();
     const auto end = std::min(points, wanted.points);
     std::vector<std::byte> records;

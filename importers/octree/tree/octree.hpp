@@ -21,8 +21,9 @@ namespace scancast::import_octree {
 
 /// What is wanted of a piece.
 struct Wanted {
-    std::uint64_t points = std::numeric_limits<std::uint64_t>::max();  ///< of the first; perhaps some more come
-    bool onlyColors = false;  ///< records may be wrong in everything else
+    std::uint64_t points =
+        std::numeric_limits<std::uint64_t>::max();  ///< of the first; perhaps some more come
+    bool onlyColors = false;                        ///< records may be wrong in everything else
 };
 
 class Octree {
@@ -59,8 +60,9 @@ std::size_t sliceRecords(std::uint32_t recordBytes);
 std::uint64_t slicesMemory(std::uint32_t recordBytes, std::uint64_t points);
 
 /// Hands over `points` records that stand in a file one behind the other, from `at` on; see Octree::read().
-Expected<void> readPlainRecords(const TreeFile& file, std::uint64_t at, std::uint64_t points, const Wanted& wanted,
-                                const RecordDecoder& decoder, const Octree::TakeRecords& take);
+Expected<void> readPlainRecords(const TreeFile& file, std::uint64_t at, std::uint64_t points,
+                                const Wanted& wanted, const RecordDecoder& decoder,
+                                const Octree::TakeRecords& take);
 
 /// What a JSON file says of the number of points, and what its octree holds: `entry` "ept.json" says `said`. The header
 /// declares it where both agree; else a note tells.

@@ -69,7 +69,8 @@ class PieceRunner {
             try {
                 threads_.emplace_back([this] { decodeOrFail(); });
             } catch (const std::system_error&) {
-                if (threads_.empty()) throw;  // without one of them there is nobody; with fewer it only takes longer
+                if (threads_.empty())
+                    throw;  // without one of them there is nobody; with fewer it only takes longer
                 break;
             }
         }
@@ -113,7 +114,8 @@ class PieceRunner {
                 learnNext();
             }
             const auto done = guarded("The decoder", [&] {
-                return work_.decode(piece->piece, [&](Output output) { return give(*piece, std::move(output)); });
+                return work_.decode(piece->piece,
+                                    [&](Output output) { return give(*piece, std::move(output)); });
             });
             const Monitor::Lock lock(monitor_);
             if (!done) piece->error = done.error();

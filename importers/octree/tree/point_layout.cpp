@@ -14,8 +14,9 @@ struct Alias {
     std::string_view name, other;
 };
 constexpr Alias aliases[] = {
-    {"scan_angle_rank", "scan_angle"}, {"scan_channel", "scanner_channel"}, {"source_id", "point_source_id"},
-    {"infrared", "nir"},               {"class_flag", "class_flags"},       {"classification_flags", "class_flags"},
+    {"scan_angle_rank", "scan_angle"}, {"scan_channel", "scanner_channel"},
+    {"source_id", "point_source_id"},  {"infrared", "nir"},
+    {"class_flag", "class_flags"},     {"classification_flags", "class_flags"},
 };
 
 bool isUpper(char c) {
@@ -27,7 +28,8 @@ bool isLower(char c) {
 
 bool isWhole(const Field& field) {
     if (field.scale != 1 || field.offset != 0) return false;
-    if (field.role == Role::Intensity) return field.type == ColumnType::Uint8 || field.type == ColumnType::Uint16;
+    if (field.role == Role::Intensity)
+        return field.type == ColumnType::Uint8 || field.type == ColumnType::Uint16;
     return field.role != Role::Classification || field.type == ColumnType::Uint8;
 }
 
@@ -81,7 +83,8 @@ std::vector<const Field*> PointLayout::kept() const {
     std::vector<const Field*> result;
     for (const auto& field : fields_) {
         const bool further = field.role == Role::Further;
-        const bool inPart = (field.role == Role::Intensity || field.role == Role::Classification) && !isWhole(field);
+        const bool inPart =
+            (field.role == Role::Intensity || field.role == Role::Classification) && !isWhole(field);
         if ((further || inPart) && result.size() < mostColumns) result.push_back(&field);
     }
     return result;
@@ -106,7 +109,8 @@ std::vector<Column> columnsOf(const std::vector<const Field*>& fields) {
     for (const auto* field : fields) {
         Column column{field->name, field->type, field->scale, field->offset, {}};
         const auto taken = [&] {
-            return std::any_of(columns.begin(), columns.end(), [&](const Column& c) { return c.name == column.name; });
+            return std::any_of(columns.begin(), columns.end(),
+                               [&](const Column& c) { return c.name == column.name; });
         };
         for (int copy = 2; taken(); ++copy) column.name = field->name + "_" + std::to_string(copy);
         columns.push_back(std::move(column));

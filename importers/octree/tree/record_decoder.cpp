@@ -19,7 +19,8 @@ void eachOf(const std::byte* at, std::size_t stride, std::size_t count, const Us
 }
 
 template <class Use>
-void eachNumber(const std::byte* records, std::size_t stride, std::size_t count, const Field& field, const Use& use) {
+void eachNumber(const std::byte* records, std::size_t stride, std::size_t count, const Field& field,
+                const Use& use) {
     const auto* at = records + field.at;
     switch (field.type) {
         case ColumnType::Int8:
@@ -47,8 +48,8 @@ void eachNumber(const std::byte* records, std::size_t stride, std::size_t count,
 
 /// Whole numbers from 0 to `greatest`; `put(i, number, fits)`.
 template <class Put>
-void eachWhole(const std::byte* records, std::size_t stride, std::size_t count, const Field& field, double greatest,
-               const Put& put) {
+void eachWhole(const std::byte* records, std::size_t stride, std::size_t count, const Field& field,
+               double greatest, const Put& put) {
     const double scale = field.scale, offset = field.offset;
     eachNumber(records, stride, count, field, [&](std::size_t i, auto number) {
         const double value = std::floor(offset + static_cast<double>(number) * scale + 0.5);
@@ -120,18 +121,20 @@ void FieldDecoder::decode(std::span<const std::byte> records, LasColorDepth dept
             eachOf<std::uint16_t>(data + field->at, recordBytes(), count,
                                   [&](std::size_t i, std::uint16_t value) { batch.intensity[i] = value; });
         } else {
-            eachWhole(data, recordBytes(), count, *field, 65535, [&](std::size_t i, std::uint32_t value, bool fits) {
-                batch.intensity[i] = static_cast<std::uint16_t>(value);
-                to.outside += !fits;
-            });
+            eachWhole(data, recordBytes(), count, *field, 65535,
+                      [&](std::size_t i, std::uint32_t value, bool fits) {
+                          batch.intensity[i] = static_cast<std::uint16_t>(value);
+                          to.outside += !fits;
+                      });
         }
     }
     if (const auto* field = layout_.find(Role::Classification)) {
         batch.classification.resize(count);
-        eachWhole(data, recordBytes(), count, *field, 255, [&](std::size_t i, std::uint32_t value, bool fits) {
-            batch.classification[i] = fits ? static_cast<std::uint8_t>(value) : std::uint8_t(0);
-            to.outside += !fits;
-        });
+        eachWhole(data, recordBytes(), count, *field, 255,
+                  [&](std::size_t i, std::uint32_t value, bool fits) {
+                      batch.classification[i] = fits ? static_cast<std::uint8_t>(value) : std::uint8_t(0);
+                      to.outside += !fits;
+                  });
     }
     if (layout_.attributes().normal) decodeNormals(data, count, batch.normal);
     if (keep_) decodeRows(data, count, batch.rows);
@@ -190,14 +193,16 @@ void FieldDecoder::decodeColors(const std::byte* records, std::size_t count, Las
             continue;
         }
         const int shift = field.type != ColumnType::Uint8 && depth == LasColorDepth::SixteenBits ? 8 : 0;
-        eachWhole(records, recordBytes(), count, field, 65535, [&](std::size_t i, std::uint32_t value, bool fits) {
-            color[i][k] = static_cast<std::uint8_t>(value >> shift);
-            to.outside += !fits;
-        });
+        eachWhole(records, recordBytes(), count, field, 65535,
+                  [&](std::size_t i, std::uint32_t value, bool fits) {
+                      color[i][k] = static_cast<std::uint8_t>(value >> shift);
+                      to.outside += !fits;
+                  });
     }
 }
 
-void FieldDecoder::decodeNormals(const std::byte* records, std::size_t count, std::vector<glm::vec3>& to) const {
+void FieldDecoder::decodeNormals(const std::byte* records, std::size_t count,
+                                 std::vector<glm::vec3>& to) const {
     to.resize(count);
     const auto* octahedron = layout_.find(Role::NormalOctahedron);
     const auto* sphere = layout_.find(Role::NormalSphere);
@@ -219,16 +224,17 @@ void FieldDecoder::decodeNormals(const std::byte* records, std::size_t count, st
 
 void FieldDecoder::decodeRows(const std::byte* records, std::size_t count, std::vector<std::byte>& to) const {
     const auto kept = layout_.kept();
-    const auto rowBytes = std::accumulate(kept.begin(), kept.end(), std::size_t(0), [](std::size_t sum, const Field* f) {
-        return sum + bytesOf(f->type);
-    });
+    const auto rowBytes =
+        std::accumulate(kept.begin(), kept.end(), std::size_t(0),
+                        [](std::size_t sum, const Field* f) { return sum + bytesOf(f->type); });
     to.resize(count * rowBytes);
     std::size_t place = 0;
     for (const auto* field : kept) {
         const auto bytes = bytesOf(field->type);
         const auto* from = records + field->at;
         auto* row = to.data() + place;
-        for (std::size_t i = 0; i < count; ++i, from += recordBytes(), row += rowBytes) std::memcpy(row, from, bytes);
+        for (std::size_t i = 0; i < count; ++i, from += recordBytes(), row += rowBytes)
+            std::memcpy(row, from, bytes);
         place += bytes;
     }
 }

@@ -40,7 +40,8 @@ struct Grid {
 class FieldDecoder final : public RecordDecoder {
   public:
     /// `layout` outlives it. `keep`: fill rows with layout.kept().
-    FieldDecoder(const PointLayout& layout, const Grid& grid, bool keep) : layout_(layout), grid_(grid), keep_(keep) {}
+    FieldDecoder(const PointLayout& layout, const Grid& grid, bool keep)
+        : layout_(layout), grid_(grid), keep_(keep) {}
 
     std::uint32_t recordBytes() const override { return layout_.bytes(); }
     LasColorDepth colorDepth(std::span<const std::byte> records) const override;
@@ -52,7 +53,8 @@ class FieldDecoder final : public RecordDecoder {
   private:
     void decodePositions(const std::byte* records, std::size_t count, DecodedPoints& to) const;
     void decodeSteps(const std::byte* records, std::size_t count, const StepGrid& grid, Positions& to) const;
-    void decodeColors(const std::byte* records, std::size_t count, LasColorDepth depth, DecodedPoints& to) const;
+    void decodeColors(const std::byte* records, std::size_t count, LasColorDepth depth,
+                      DecodedPoints& to) const;
     void decodeNormals(const std::byte* records, std::size_t count, std::vector<glm::vec3>& to) const;
     void decodeRows(const std::byte* records, std::size_t count, std::vector<std::byte>& to) const;
 

@@ -38,8 +38,8 @@ class DiskFile final : public TreeFile {
         const auto got = file_.readAt(offset, into);
         if (!got) return fail(ErrorCode::Io, called(name_) + " cannot be read");
         if (*got == into.size()) return {};
-        return fail(ErrorCode::Truncated,
-                    fmt::format("{} ends at byte {}, within its points", called(name_), grouped(offset + *got)));
+        return fail(ErrorCode::Truncated, fmt::format("{} ends at byte {}, within its points", called(name_),
+                                                      grouped(offset + *got)));
     }
 
   private:
@@ -59,8 +59,8 @@ Expected<std::vector<std::byte>> TreeFiles::readAll(const std::string& name, std
     if (!file) return passOn(file);
     const auto bytes = (*file)->bytes();
     if (bytes > longest)
-        return fail(ErrorCode::ResourceLimit, fmt::format("{} has {} bytes; {} at most are read", called(name),
-                                                          grouped(bytes), grouped(longest)));
+        return fail(ErrorCode::ResourceLimit, fmt::format("{} has {} bytes; {} at most are read",
+                                                          called(name), grouped(bytes), grouped(longest)));
     std::vector<std::byte> content(bytes);
     if (auto ok = (*file)->read(0, content); !ok) return passOn(ok);
     return content;

@@ -29,8 +29,8 @@ inline EptPoint eptPoint(int node, int i, int mostColor = 65535) {
             static_cast<std::uint16_t>(k * 31),
             static_cast<std::uint8_t>(k % 19),
             1e9 + k / 8.0,
-            {static_cast<std::uint16_t>(k * 13 % (mostColor + 1)), static_cast<std::uint16_t>(k * 17 % (mostColor + 1)),
-             static_cast<std::uint16_t>(mostColor)}};
+            {static_cast<std::uint16_t>(k * 13 % (mostColor + 1)),
+             static_cast<std::uint16_t>(k * 17 % (mostColor + 1)), static_cast<std::uint16_t>(mostColor)}};
 }
 inline int eptPoints(int node) {
     return 3 + 2 * node;
@@ -78,7 +78,8 @@ inline MemoryFiles eptFolder(const std::string& dataType = "binary", int mostCol
         {"bounds", {0, 0, 0, 8, 8, 8}},
         {"boundsConforming", {1, 2, 3, 4, 5, 6}},
         {"schema", eptSchema()},
-        {"srs", {{"authority", "EPSG"}, {"horizontal", "26912"}, {"wkt", R"(PROJCS["here",UNIT["metre",1]])"}}}};
+        {"srs",
+         {{"authority", "EPSG"}, {"horizontal", "26912"}, {"wkt", R"(PROJCS["here",UNIT["metre",1]])"}}}};
     files.write("ept.json", ept.dump());
     for (int node = 0; node < 5; ++node) {
         const auto records = eptRecords(node, mostColor);

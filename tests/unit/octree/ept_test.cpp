@@ -24,7 +24,8 @@ void expectEptPoints(const ReadScan& scan, int mostColor) {
     for (int node = 0; node < 5; ++node)
         for (int i = 0; i < eptPoints(node); ++i, ++at) {
             const auto p = eptPoint(node, i, mostColor);
-            EXPECT_EQ(scan.points.position[at], glm::dvec3(1000 + p.x * 0.01, -2000 + p.y * 0.02, p.z * 0.25));
+            EXPECT_EQ(scan.points.position[at],
+                      glm::dvec3(1000 + p.x * 0.01, -2000 + p.y * 0.02, p.z * 0.25));
             EXPECT_EQ(scan.points.intensity[at], p.intensity);
             EXPECT_EQ(scan.points.classification[at], p.classification);
             for (std::size_t k = 0; k < 3; ++k) EXPECT_EQ(scan.points.color[at][k], p.rgb[k] >> shift);
@@ -49,10 +50,12 @@ auto inSchema(const char* key, nlohmann::json value) {
 }
 
 const Damage damages[] = {
-    {"TileMissing", [](MemoryFiles& f) { f.files.erase("ept-data/2-3-1-2.bin"); }, "its file ept-data/2-3-1-2.bin is missing"},
+    {"TileMissing", [](MemoryFiles& f) { f.files.erase("ept-data/2-3-1-2.bin"); },
+     "its file ept-data/2-3-1-2.bin is missing"},
     {"TileShort", [](MemoryFiles& f) { f.files["ept-data/1-0-0-0.bin"].pop_back(); },
      "its file ept-data/1-0-0-0.bin has 144 bytes; its 5 points of 29 bytes need 145"},
-    {"TileLong", [](MemoryFiles& f) { f.files["ept-data/1-0-0-0.bin"].push_back({}); }, "has 146 bytes; its 5 points of 29"},
+    {"TileLong", [](MemoryFiles& f) { f.files["ept-data/1-0-0-0.bin"].push_back({}); },
+     "has 146 bytes; its 5 points of 29"},
     {"PageMissing", [](MemoryFiles& f) { f.files.erase("ept-hierarchy/1-1-0-1.json"); },
      "its file ept-hierarchy/1-1-0-1.json is missing"},
     {"PageNoJson", page("{\"0-0-0-0\": 3"), "ept-hierarchy/0-0-0-0.json: it is not valid JSON at byte"},
@@ -65,14 +68,17 @@ const Damage damages[] = {
     {"PageHuge", page(R"({"0-0-0-0": 18446744073709551615})"), "more than any real one"},
     {"PageCircle", page(R"({"0-0-0-0": -1})"), "refers to this page itself: a circle"},
     {"PageEmpty", page("{}"), "has no number for the node 0-0-0-0"},
-    {"PageOfAnother", [](MemoryFiles& f) { f.write("ept-hierarchy/1-1-0-1.json", R"({"1-1-0-1": 7, "2-0-0-0": 9})"); },
+    {"PageOfAnother",
+     [](MemoryFiles& f) { f.write("ept-hierarchy/1-1-0-1.json", R"({"1-1-0-1": 7, "2-0-0-0": 9})"); },
      "the node 2-0-0-0 does not lie in 1-1-0-1"},
-    {"PageTwice", page(R"({"0-0-0-0": 3, "1-1-0-1": -1, "1-1-0-1": -1})"), "the page of 1-1-0-1 is referred to twice"},
+    {"PageTwice", page(R"({"0-0-0-0": 3, "1-1-0-1": -1, "1-1-0-1": -1})"),
+     "the page of 1-1-0-1 is referred to twice"},
     {"NodeTwice", page(R"({"0-0-0-0": 3, "0-0-0-0": 3})"), "its hierarchy has the node 0-0-0-0 twice"},
     {"KeyIsAPath", page(R"({"0-0-0-0": 3, "../../1-0-0-0": -1})"), "is no node such as"},
     {"KeyOutOfRange", page(R"({"0-0-0-0": 3, "1-2-0-0": 1})"), "is no node such as"},
     {"KeyDeep", page(R"({"0-0-0-0": 3, "32-0-0-0": 1})"), "is no node such as"},
-    {"NoEptJson", [](MemoryFiles& f) { f.write("ept.json", "{\"version\": "); }, "ept.json is not valid JSON"},
+    {"NoEptJson", [](MemoryFiles& f) { f.write("ept.json", "{\"version\": "); },
+     "ept.json is not valid JSON"},
     {"Version", inEpt([](auto& e) { e["version"] = "2.0"; }), "ept.json has version \"2.0\""},
     {"DataType", inEpt([](auto& e) { e["dataType"] = "gzip"; }), "tiles of \"gzip\""},
     {"Hierarchy", inEpt([](auto& e) { e["hierarchyType"] = "xml"; }), "a hierarchy of \"xml\""},
@@ -175,7 +181,8 @@ TEST(Ept, NumbersOfPointsThatDifferAreTold) {
     changeJson(files, "ept.json", [](auto& ept) { ept["points"] = 36; });
     const auto scan = readOctree(files, "ept.json").value();
     EXPECT_EQ(scan.header.points, std::nullopt);
-    EXPECT_THAT(scan.notes, ElementsAre("ept.json says 36 points, the octree's files hold 35; these were read"));
+    EXPECT_THAT(scan.notes,
+                ElementsAre("ept.json says 36 points, the octree's files hold 35; these were read"));
     expectEptPoints(scan, 65535);
 }
 
@@ -202,10 +209,12 @@ TEST(Ept, ZstandardTilesHoldWhatTheirPointsNeedAndNothingElse) {
     EXPECT_THAT(told(records), HasSubstr("1-0-0-0.zst cannot be decompressed"));
     EXPECT_THAT(told(zstdOf(cut(records, 1))), HasSubstr("holds only 144 bytes; its 5 points need 145"));
     // A bomb: what a few bytes hold is not asked for beyond what its points need.
-    EXPECT_THAT(told(zstdOf(Bytes(test::sized(200, 20) << 20))), HasSubstr("holds more bytes than its 5 points need"));
+    EXPECT_THAT(told(zstdOf(Bytes(test::sized(200, 20) << 20))),
+                HasSubstr("holds more bytes than its 5 points need"));
     // Frames may follow each other.
     BytesWriter two;
-    two.add(zstdOf(Bytes(records.begin(), records.begin() + 50))).add(zstdOf(Bytes(records.begin() + 50, records.end())));
+    two.add(zstdOf(Bytes(records.begin(), records.begin() + 50)))
+        .add(zstdOf(Bytes(records.begin() + 50, records.end())));
     EXPECT_EQ(told(two.bytes), "");
 }
 
@@ -213,8 +222,9 @@ TEST(Ept, KeysOfVoxels) {
     EXPECT_EQ(parseVoxelKey("0-0-0-0"), VoxelKey());
     EXPECT_EQ(parseVoxelKey("3-7-2-5"), (VoxelKey{3, 7, 2, 5}));
     EXPECT_EQ(parseVoxelKey("31-2147483647-0-1"), (VoxelKey{31, 2147483647, 0, 1}));
-    for (const char* text : {"", "0", "0-0-0", "0-0-0-0-0", "0-0-0-0 ", " 0-0-0-0", "1-2-0-0", "01-0-0-0", "1-00-0-0", "1--1-0-0",
-                             "1-+1-0-0", "32-0-0-0", "1-0-0-a", "99999999999-0-0-0", "0-0-0-", "-0-0-0"})
+    for (const char* text :
+         {"", "0", "0-0-0", "0-0-0-0-0", "0-0-0-0 ", " 0-0-0-0", "1-2-0-0", "01-0-0-0", "1-00-0-0",
+          "1--1-0-0", "1-+1-0-0", "32-0-0-0", "1-0-0-a", "99999999999-0-0-0", "0-0-0-", "-0-0-0"})
         EXPECT_FALSE(parseVoxelKey(text)) << text;
 }
 

@@ -29,7 +29,8 @@ void writeAll(const MemoryFiles& files, const std::filesystem::path& folder) {
 
 std::string told(const FolderFiles& files, const std::string& name) {
     const auto bytes = files.readAll(name, 100);
-    return bytes ? std::string(reinterpret_cast<const char*>(bytes->data()), bytes->size()) : bytes.error().message;
+    return bytes ? std::string(reinterpret_cast<const char*>(bytes->data()), bytes->size())
+                 : bytes.error().message;
 }
 
 }  // namespace
@@ -53,7 +54,8 @@ TEST(OctreeFolder, NothingOutsideIsRead) {
     std::ofstream(octree / "long") << std::string(101, 'x');
     EXPECT_THAT(told(files, "long"), HasSubstr("has 101 bytes; 100 at most are read"));
     std::vector<std::string> names;
-    for (const auto& entry : files.list(".").value()) names.push_back(entry.name + (entry.isFolder ? "/" : ""));
+    for (const auto& entry : files.list(".").value())
+        names.push_back(entry.name + (entry.isFolder ? "/" : ""));
     EXPECT_THAT(names, UnorderedElementsAre("data/", "link", "up", "within", "long"));
     EXPECT_THAT(files.list("up").error().message, HasSubstr("is outside its folder"));
     // What was opened counts, not what has its name by now.

@@ -86,8 +86,9 @@ inline void addAttribute(BytesWriter& to, std::size_t attribute, const PotreePoi
 inline Bytes brotliOf(const Bytes& bytes) {
     std::size_t size = BrotliEncoderMaxCompressedSize(bytes.size());
     Bytes packed(size);
-    BrotliEncoderCompress(4, 22, BROTLI_MODE_GENERIC, bytes.size(), reinterpret_cast<const std::uint8_t*>(bytes.data()),
-                          &size, reinterpret_cast<std::uint8_t*>(packed.data()));
+    BrotliEncoderCompress(4, 22, BROTLI_MODE_GENERIC, bytes.size(),
+                          reinterpret_cast<const std::uint8_t*>(bytes.data()), &size,
+                          reinterpret_cast<std::uint8_t*>(packed.data()));
     packed.resize(size);
     return packed;
 }
@@ -164,19 +165,23 @@ inline MemoryFiles potree2Folder(const std::string& encoding = "DEFAULT", int mo
         for (std::size_t i = 0; i < order.size(); ++i) {
             const bool proxy = i > 0 && own.contains(order[i]);
             const auto& place = proxy ? chunks[order[i]] : places[order[i]];
-            hierarchy.add(std::uint8_t(proxy ? 2 : childMask(order[i]) != 0 ? 0 : 1)).add(childMask(order[i]));
+            hierarchy.add(std::uint8_t(proxy                      ? 2
+                                       : childMask(order[i]) != 0 ? 0
+                                                                  : 1))
+                .add(childMask(order[i]));
             hierarchy.add(std::uint32_t(place[2])).add(place[0]).add(place[1]);
         }
     files.files["hierarchy.bin"] = hierarchy.bytes;
-    const nlohmann::json metadata{{"version", "2.0"},
-                                  {"points", potreePointsInAll},
-                                  {"projection", "EPSG:25832"},
-                                  {"hierarchy", {{"firstChunkSize", chunks["r"][1]}, {"stepSize", 4}, {"depth", 3}}},
-                                  {"offset", {1000, -2000, 0.5}},
-                                  {"scale", {0.001, 0.002, 0.25}},
-                                  {"boundingBox", {{"min", {0, 0, 0}}, {"max", {1, 1, 1}}}},
-                                  {"encoding", encoding},
-                                  {"attributes", potreeAttributes()}};
+    const nlohmann::json metadata{
+        {"version", "2.0"},
+        {"points", potreePointsInAll},
+        {"projection", "EPSG:25832"},
+        {"hierarchy", {{"firstChunkSize", chunks["r"][1]}, {"stepSize", 4}, {"depth", 3}}},
+        {"offset", {1000, -2000, 0.5}},
+        {"scale", {0.001, 0.002, 0.25}},
+        {"boundingBox", {{"min", {0, 0, 0}}, {"max", {1, 1, 1}}}},
+        {"encoding", encoding},
+        {"attributes", potreeAttributes()}};
     files.write("metadata.json", metadata.dump());
     return files;
 }
@@ -185,11 +190,12 @@ inline MemoryFiles potree2Folder(const std::string& encoding = "DEFAULT", int mo
 struct Potree1 {
     std::string normal = "NORMAL_OCT16";
     std::size_t step = 2;
-    std::function<std::uint32_t(const std::string&, std::uint32_t)> counted = [](const std::string&, std::uint32_t n) {
-        return n;
-    };
+    std::function<std::uint32_t(const std::string&, std::uint32_t)> counted =
+        [](const std::string&, std::uint32_t n) { return n; };
     /// Whether the .hrc file of `root` knows that `name` has children.
-    std::function<bool(const std::string& root, const std::string& name)> masked = [](auto&, auto&) { return true; };
+    std::function<bool(const std::string& root, const std::string& name)> masked = [](auto&, auto&) {
+        return true;
+    };
 };
 
 inline std::string potreePath(const std::string& name, std::size_t step) {
@@ -227,10 +233,10 @@ inline MemoryFiles potree1Folder(const Potree1& how = {}) {
     for (const auto& root : potreeNames) {
         if ((root.size() - 1) % how.step != 0 || (root != "r" && childMask(root) == 0)) continue;
         BytesWriter hrc;
-        for (const auto& name :
-             levelsBelow(root, [&](const std::string& below) { return below.size() - root.size() < how.step; })) {
-            const auto node = static_cast<std::size_t>(std::find(potreeNames.begin(), potreeNames.end(), name) -
-                                                       potreeNames.begin());
+        for (const auto& name : levelsBelow(
+                 root, [&](const std::string& below) { return below.size() - root.size() < how.step; })) {
+            const auto node = static_cast<std::size_t>(
+                std::find(potreeNames.begin(), potreeNames.end(), name) - potreeNames.begin());
             hrc.add(how.masked(root, name) ? childMask(name) : std::uint8_t(0));
             hrc.add(how.counted(name, static_cast<std::uint32_t>(potreePoints(node))));
         }

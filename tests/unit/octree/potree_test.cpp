@@ -47,23 +47,30 @@ const PotreeDamage damages2[] = {
     {"NoPoints", without("octree.bin"), "its file octree.bin is missing"},
     {"NoHierarchy", without("hierarchy.bin"), "its file hierarchy.bin is missing"},
     {"ShortPoints", shortened("octree.bin", 100), "of octree.bin, which has 100"},
-    {"ShortHierarchy", shortened("hierarchy.bin", 100), "the chunk of the node r is said to have 110 bytes at byte 0; the file has 100"},
+    {"ShortHierarchy", shortened("hierarchy.bin", 100),
+     "the chunk of the node r is said to have 110 bytes at byte 0; the file has 100"},
     {"Kind", patched("hierarchy.bin", 0, std::uint8_t(9)), "the node r is of kind 9"},
-    {"Count", patched("hierarchy.bin", 2, std::uint32_t(12345)), "the node r has 41 bytes; its 12,345 points need"},
+    {"Count", patched("hierarchy.bin", 2, std::uint32_t(12345)),
+     "the node r has 41 bytes; its 12,345 points need"},
     {"Circle", patched("hierarchy.bin", 3 * 22 + 6, std::uint64_t(0)), "share the chunk there: a circle"},
     {"ProxyOfProxy", patched("hierarchy.bin", 0, std::uint8_t(2)), "starts with another reference: a circle"},
     {"FarAway", patched("hierarchy.bin", 6, ~std::uint64_t(0) - 3), "of octree.bin, which has"},
-    {"ChunkFarAway", patched("hierarchy.bin", 3 * 22 + 6, ~std::uint64_t(0) - 3), "the chunk of the node r03"},
+    {"ChunkFarAway", patched("hierarchy.bin", 3 * 22 + 6, ~std::uint64_t(0) - 3),
+     "the chunk of the node r03"},
     {"Encoding", inMetadata([](auto& m) { m["encoding"] = "ZIP"; }), "the encoding \"ZIP\" is not known"},
     {"Version", inMetadata([](auto& m) { m["version"] = "3.0"; }), "metadata.json has version \"3.0\""},
     {"ScaleTwo", inMetadata([](auto& m) { m["scale"] = {1, 2}; }), "\"scale\" must be three numbers"},
     {"ScaleNegative", inMetadata([](auto& m) { m["scale"] = {1, -2, 1}; }), "the scale must be positive"},
-    {"ScaleNaN", inMetadata([](auto& m) { m["scale"] = {1, nullptr, 1}; }), "\"scale\"[1] is undefined; it must be a number"},
+    {"ScaleNaN", inMetadata([](auto& m) { m["scale"] = {1, nullptr, 1}; }),
+     "\"scale\"[1] is undefined; it must be a number"},
     {"ScaleFar", inMetadata([](auto& m) { m["scale"] = {1, 1e300, 1}; }), "near enough to be numbers"},
-    {"Size", inMetadata([](auto& m) { m["attributes"][1]["size"] = 1000000000; }), "the size of the attribute \"intensity\" is 1000000000"},
+    {"Size", inMetadata([](auto& m) { m["attributes"][1]["size"] = 1000000000; }),
+     "the size of the attribute \"intensity\" is 1000000000"},
     {"NoPosition", inMetadata([](auto& m) { m["attributes"].erase(0); }), "have no position"},
-    {"NoChunkSize", inMetadata([](auto& m) { m["hierarchy"] = nullptr; }), "\"hierarchy.firstChunkSize\" is undefined"},
-    {"NoJson", [](MemoryFiles& f) { f.write("metadata.json", "{\"version\": "); }, "metadata.json is not valid JSON"},
+    {"NoChunkSize", inMetadata([](auto& m) { m["hierarchy"] = nullptr; }),
+     "\"hierarchy.firstChunkSize\" is undefined"},
+    {"NoJson", [](MemoryFiles& f) { f.write("metadata.json", "{\"version\": "); },
+     "metadata.json is not valid JSON"},
 };
 
 const PotreeDamage damages1[] = {
@@ -75,15 +82,18 @@ const PotreeDamage damages1[] = {
          f.files.erase("data/r/r7.bin");
      },
      "its file data/r/r.bin is missing and so are 1 more"},
-    {"NodeShort", shortened("data/r/r7.bin", 4), "data/r/r7.bin has 4 bytes, no whole number of points of 22 bytes"},
+    {"NodeShort", shortened("data/r/r7.bin", 4),
+     "data/r/r7.bin has 4 bytes, no whole number of points of 22 bytes"},
     {"HierarchyShort", shortened("data/r/r.hrc", 10), "r.hrc ends at byte 10, before the node"},
     {"HierarchyOdd", shortened("data/r/r.hrc", 7), "no multiple of 5"},
     {"HierarchyLong", patched("data/r/r.hrc", 0, std::uint8_t(0)), "its 1 nodes need less"},
     {"FolderNumber", inCloud([](auto& c) { c["octreeDir"] = 7; }), "\"octreeDir\" must be a folder"},
     {"StepZero", inCloud([](auto& c) { c["hierarchyStepSize"] = 0; }), "\"hierarchyStepSize\" is 0"},
     {"NodeTwice", inCloud([](auto& c) { c["hierarchy"] = {{"r", 1}, {"r", 1}}; }), "the node r twice"},
-    {"NodeIsAPath", inCloud([](auto& c) { c["hierarchy"] = {{"../../r", 1}, {"r", 1}}; }), "has no name like \"r042\""},
-    {"Attribute", inCloud([](auto& c) { c["pointAttributes"] = {"POSITION_CARTESIAN", "TASTE"}; }), "attribute \"TASTE\" is not known"},
+    {"NodeIsAPath", inCloud([](auto& c) { c["hierarchy"] = {{"../../r", 1}, {"r", 1}}; }),
+     "has no name like \"r042\""},
+    {"Attribute", inCloud([](auto& c) { c["pointAttributes"] = {"POSITION_CARTESIAN", "TASTE"}; }),
+     "attribute \"TASTE\" is not known"},
     {"ScaleText", inCloud([](auto& c) { c["scale"] = "big"; }), "\"scale\" is \"big\""},
     {"Version", inCloud([](auto& c) { c["version"] = "0.9"; }), "cloud.js has version \"0.9\""},
 };
@@ -99,7 +109,8 @@ void expectTold(MemoryFiles files, const char* description, const PotreeDamage& 
 }
 
 std::size_t nodeOf(const std::string& name) {
-    return static_cast<std::size_t>(std::find(potreeNames.begin(), potreeNames.end(), name) - potreeNames.begin());
+    return static_cast<std::size_t>(std::find(potreeNames.begin(), potreeNames.end(), name) -
+                                    potreeNames.begin());
 }
 
 bool isLeaf(const std::string& name) {
@@ -138,8 +149,9 @@ TEST(Potree2, EncodingsGiveWhatWasWritten) {
             for (const std::string name : {"r", "r0", "r7", "r75", "r03", "r031", "r0312"})
                 for (int i = 0; i < potreePoints(nodeOf(name)); ++i, ++at) {
                     const auto p = potreePoint(nodeOf(name), i, mostColor);
-                    EXPECT_EQ(scan->points.position[at],
-                              glm::dvec3(1000 + p.xyz[0] * 0.001, -2000 + p.xyz[1] * 0.002, 0.5 + p.xyz[2] * 0.25));
+                    EXPECT_EQ(
+                        scan->points.position[at],
+                        glm::dvec3(1000 + p.xyz[0] * 0.001, -2000 + p.xyz[1] * 0.002, 0.5 + p.xyz[2] * 0.25));
                     for (std::size_t k = 0; k < 3; ++k)
                         EXPECT_EQ(scan->points.color[at][k], mostColor > 255 ? p.rgb[k] >> 8 : p.rgb[k]);
                     EXPECT_EQ(scan->points.intensity[at], p.intensity);
@@ -159,7 +171,8 @@ TEST(Potree2, DamagedBrotliIsTold) {
         const auto scan = readOctree(files, "metadata.json");
         return scan ? std::string() : scan.error().message;
     };
-    EXPECT_THAT(told([](Bytes& b) { std::fill(b.begin(), b.begin() + 16, std::byte(0xff)); }), HasSubstr("the node r"));
+    EXPECT_THAT(told([](Bytes& b) { std::fill(b.begin(), b.begin() + 16, std::byte(0xff)); }),
+                HasSubstr("the node r"));
     // A bomb in the place of the first node: no more comes out of it than its point needs.
     const auto bomb = brotliOf(Bytes(1 << 20));
     ASSERT_LT(bomb.size(), 40U);
@@ -172,14 +185,15 @@ TEST(Potree2, PointsThatItDoesNotHoldAreTold) {
     changeJson(files, "metadata.json", [](auto& m) { m["points"] = 29; });
     const auto scan = readOctree(files, "metadata.json").value();
     EXPECT_EQ(scan.header.points, std::nullopt);
-    EXPECT_THAT(scan.notes, ElementsAre("metadata.json says 29 points, the octree's files hold 28; these were read"));
+    EXPECT_THAT(scan.notes,
+                ElementsAre("metadata.json says 29 points, the octree's files hold 28; these were read"));
 }
 
 TEST(Potree1, BinGivesWhatWasWritten) {
     // The cube of "r75" is the half, then the quarter, that its digits say: x is bit 2, y bit 1, z bit 0.
-    const std::map<std::string, glm::dvec3> corners{{"r", {10, 20, 30}},    {"r0", {10, 20, 30}},   {"r7", {14, 24, 34}},
-                                                    {"r03", {10, 22, 32}},  {"r031", {10, 22, 33}}, {"r0312", {10, 22.5, 33}},
-                                                    {"r75", {16, 24, 36}}};
+    const std::map<std::string, glm::dvec3> corners{
+        {"r", {10, 20, 30}},    {"r0", {10, 20, 30}},      {"r7", {14, 24, 34}}, {"r03", {10, 22, 32}},
+        {"r031", {10, 22, 33}}, {"r0312", {10, 22.5, 33}}, {"r75", {16, 24, 36}}};
     for (const char* normal : {"NORMAL_OCT16", "NORMAL_SPHEREMAPPED", "NORMAL"}) {
         const auto scan = readOctree(potree1Folder({.normal = normal}), "cloud.js", true);
         ASSERT_TRUE(scan) << scan.error().message;
@@ -193,24 +207,28 @@ TEST(Potree1, BinGivesWhatWasWritten) {
         for (const std::string name : {"r", "r0", "r7", "r03", "r75", "r031", "r0312"})
             for (int i = 0; i < potreePoints(nodeOf(name)); ++i, ++at) {
                 const auto corner = corners.at(name);
-                EXPECT_EQ(scan->points.position[at], glm::dvec3(corner.x + (100 * i - 20) * 0.01, corner.y + i * 0.01,
-                                                                corner.z + -3 * i * 0.01));
+                EXPECT_EQ(scan->points.position[at],
+                          glm::dvec3(corner.x + (100 * i - 20) * 0.01, corner.y + i * 0.01,
+                                     corner.z + -3 * i * 0.01));
                 EXPECT_EQ(scan->points.color[at][0], nodeOf(name));
                 EXPECT_EQ(scan->points.color[at][2], 200);
                 EXPECT_EQ(scan->points.intensity[at], 60000 + i);
                 EXPECT_EQ(scan->points.classification[at], i + 1);
                 // The finest step of two bytes on a sphere.
                 const glm::dvec3 direction = name == "r" ? glm::dvec3(0, 0, 1) : glm::dvec3(1, 0, 0);
-                for (int k = 0; k < 3; ++k) EXPECT_NEAR(scan->points.normal[at][k], direction[k], 0.02) << normal;
+                for (int k = 0; k < 3; ++k)
+                    EXPECT_NEAR(scan->points.normal[at][k], direction[k], 0.02) << normal;
             }
     }
 }
 
 TEST(Potree1, PositionsOfOldVersionsAreFloats) {
     MemoryFiles files;
-    files.write("cloud.js", R"({"version": "1.3", "octreeDir": "data", "pointAttributes": ["POSITION_CARTESIAN"],
+    files.write("cloud.js",
+                R"({"version": "1.3", "octreeDir": "data", "pointAttributes": ["POSITION_CARTESIAN"],
         "boundingBox": {"lx": 1, "ly": 2, "lz": 3, "ux": 9, "uy": 10, "uz": 11}, "hierarchy": [["r", 2], ["r4", 1]]})");
-    files.files["data/r.bin"] = BytesWriter().add(0.5F).add(1.5F).add(2.5F).add(1.0F).add(std::nanf("")).add(1.0F).bytes;
+    files.files["data/r.bin"] =
+        BytesWriter().add(0.5F).add(1.5F).add(2.5F).add(1.0F).add(std::nanf("")).add(1.0F).bytes;
     files.files["data/r4.bin"] = BytesWriter().add(0.25F).add(0.0F).add(-1.0F).bytes;
     const auto scan = readOctree(files, "cloud.js").value();
     EXPECT_EQ(scan.dropped, 1U);
@@ -237,25 +255,32 @@ TEST(Potree1, WhatItsConverterLeavesBehindIsReadWhole) {
 TEST(Potree1, WhatHierarchyAndFilesSayDifferentlyIsTold) {
     Potree1 more;
     more.counted = [](const std::string& name, std::uint32_t n) { return name == "r03" ? 9 : n; };
-    EXPECT_THAT(readOctree(potree1Folder(more), "cloud.js").value().notes,
-                ElementsAre("1 of its files hold fewer points than its hierarchy says (data/r/03/r03.bin 4 of 9); what they "
-                            "hold was read"));
+    EXPECT_THAT(
+        readOctree(potree1Folder(more), "cloud.js").value().notes,
+        ElementsAre(
+            "1 of its files hold fewer points than its hierarchy says (data/r/03/r03.bin 4 of 9); what they "
+            "hold was read"));
     auto files = potree1Folder();
     files.files["data/r/r5.bin"] = files.files["data/r/r7.bin"];
     const auto scan = readOctree(files, "cloud.js").value();
     EXPECT_EQ(scan.points.size(), std::size_t(potreePointsInAll + 3));
-    EXPECT_THAT(scan.notes, ElementsAre("1 of its files (3 points; one is data/r/r5.bin) are not in its hierarchy; they were "
-                                        "read, too"));
+    EXPECT_THAT(
+        scan.notes,
+        ElementsAre("1 of its files (3 points; one is data/r/r5.bin) are not in its hierarchy; they were "
+                    "read, too"));
     auto said = potree1Folder();
     changeJson(said, "cloud.js", [](auto& c) { c["points"] = 1000000000; });
-    EXPECT_THAT(readOctree(said, "cloud.js").value().notes,
-                ElementsAre("cloud.js says 1,000,000,000 points, the octree's files hold 28; these were read"));
+    EXPECT_THAT(
+        readOctree(said, "cloud.js").value().notes,
+        ElementsAre("cloud.js says 1,000,000,000 points, the octree's files hold 28; these were read"));
 }
 
 TEST(Potree1, ANodeOfNoPointsMayLackItsFile) {
     const auto pointsOf = [](Potree1 how) -> Expected<std::size_t> {
         const auto counted = how.counted;
-        how.counted = [=](const std::string& name, std::uint32_t n) { return counted(name, name == "r75" ? 0 : n); };
+        how.counted = [=](const std::string& name, std::uint32_t n) {
+            return counted(name, name == "r75" ? 0 : n);
+        };
         auto files = potree1Folder(how);
         files.files.erase("data/r/75/r75.bin");
         const auto scan = readOctree(files, "cloud.js");

@@ -80,7 +80,7 @@ std::vector<std::string> firstNotes(std::vector<std::string> notes) {
 /// Surveyors' z is up; of other files nobody knows.
 bool saysWhatIsUp(const ScanHeader& header) {
     if (header.crsEpsg || !header.crsWkt.empty()) return true;
-    constexpr std::array<std::string_view, 4> formats{"LAS", "LAZ", "COPC", "Potree"};
+    constexpr std::array<std::string_view, 5> formats{"LAS", "LAZ", "COPC", "EPT", "Potree"};
     return std::ranges::any_of(formats, [&](std::string_view f) { return header.format.starts_with(f); });
 }
 

@@ -17,8 +17,7 @@ namespace {
 
 const ImporterProgram pclImporter{.name = "scancast-import-pcl"};
 const ImporterProgram lazImporter{.name = "scancast-import-laz"};
-const ImporterProgram potreeImporter{.name = "scancast-import-potree",
-                                     .memory = ImporterProgram::Memory::Data};
+const ImporterProgram octreeImporter{.name = "scancast-import-octree", .knowsKeepAttributes = true};
 
 /// ".PTS" and ".pts" say the same.
 std::string extensionOf(const std::filesystem::path& file) {
@@ -59,7 +58,7 @@ Expected<Looked> lookAt(const ScanInput& input) {
 
 Expected<std::unique_ptr<PointSource>> openScan(const ScanInput& input, const ImportOptions& options) {
     const auto name = input.path().string();
-    if (input.octree()) return opened(ImporterSource::create(potreeImporter, input, options));
+    if (input.octree()) return opened(ImporterSource::create(octreeImporter, input, options));
     auto looked = lookAt(input);
     if (!looked) return passOn(looked);
     auto& [bytes, extension, identified] = *looked;

@@ -112,7 +112,7 @@ std::string firstBytes(std::string_view start) {
 
 std::string_view readableFormats() {
     return "Scancast reads LAS and LAZ 1.0-1.4 (COPC included), PLY (ascii and binary), PCD (ascii, binary "
-           "and binary_compressed), text (XYZ, TXT, CSV, PTS, PTX) and Potree octrees (folders)";
+           "and binary_compressed), text (XYZ, TXT, CSV, PTS, PTX) and octrees of EPT and Potree (folders)";
 }
 
 Identified identifyScan(std::span<const std::byte> bytes, std::string_view extension) {

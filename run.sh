@@ -42,7 +42,7 @@ done
 ensure_packages build
 [ "$install" = no ] || npm_modules importers/laz ||
     say "NOTE: npm could not install laz-perf: LAZ and Potree cannot be read until (cd importers/laz && npm ci --ignore-scripts) works."
-build release --target scancast scancast-client scancast-import-pcl scancast-import-laz scancast-import-potree
+build release --target scancast scancast-client scancast-import-pcl scancast-import-e57 scancast-import-laz scancast-import-potree
 [ "$build_only" = no ] || exit 0
 
 bin=$root/build/release/bin

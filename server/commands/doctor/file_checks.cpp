@@ -93,6 +93,7 @@ void lookAtImporters(const ServeOptions& options, Findings& findings) {
         bool node;
     };
     constexpr std::array programs{Program{"scancast-import-pcl", "PLY and PCD", false},
+                                  Program{"scancast-import-e57", "E57", false},
                                   Program{"scancast-import-laz", "LAZ and COPC", true},
                                   Program{"scancast-import-potree", "Potree", true}};
     for (const auto& [name, reads, node] : programs) {

@@ -34,13 +34,15 @@ Expected<void> sendScans(PagedFile& file, const FileDescription& description, co
 
 Expected<void> noteCounts(const Counts& counts, PointStreamWriter& writer) {
     const std::pair<std::uint64_t, const char*> lines[] = {
-        {counts.marked, "points left out, which the file marks as invalid"},
-        {counts.colorless, "points whose colour the file marks as invalid; they are black"},
-        {counts.intensityless, "points whose intensity the file marks as invalid; it is 0"},
+        {counts.marked, "left out, marked as no points in the file"},
+        {counts.colorless, "with a colour that is marked as invalid in the file, black here"},
+        {counts.intensityless, "with an intensity that is marked as invalid in the file, 0 here"},
     };
-    for (const auto& [count, text] : lines)
-        if (count > 0)
-            if (auto ok = writer.writeNote(fmt::format("{} {}", grouped(count), text)); !ok) return ok;
+    for (const auto& [count, text] : lines) {
+        if (count == 0) continue;
+        const auto note = fmt::format("{} {} {}", grouped(count), count == 1 ? "point" : "points", text);
+        if (auto ok = writer.writeNote(note); !ok) return ok;
+    }
     return {};
 }
 

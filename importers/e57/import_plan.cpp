@@ -54,13 +54,14 @@ bool isFurther(const Field& field) {
 }
 
 void addKeptColumns(const FileDescription& file, ImportPlan& plan) {
-    plan.kept.push_back({.column = {.name = "scan_number",
-                                    .type = ColumnType::Int32,
-                                    .scale = 1,
-                                    .offset = 0,
-                                    .description = "number of the scan in the file, from 1"},
-                         .from = KeptColumn::From::ScanNumber,
-                         .field = {}});
+    if (file.scans.size() > 1)
+        plan.kept.push_back({.column = {.name = "scan_number",
+                                        .type = ColumnType::Int32,
+                                        .scale = 1,
+                                        .offset = 0,
+                                        .description = "number of the scan in the file, from 1"},
+                             .from = KeptColumn::From::ScanNumber,
+                             .field = {}});
     std::size_t leftOut = 0;
     for (const auto& scan : file.scans)
         for (const auto& field : scan.fields) {
@@ -171,10 +172,8 @@ void noteWhatIsInIt(const PagedFile& file, const FileDescription& description, I
         std::string kinds;
         for (const auto& [kind, count] : description.pictures)
             kinds += fmt::format("{}{} {}", kinds.empty() ? "" : ", ", count, kind);
-        notes.push_back(fmt::format("{} in it ({}) not read",
-                                    pictures == 1 ? "a picture is" : grouped(pictures) + " pictures are",
-                                    kinds));
-        notes.back() += pictures == 1 ? "; points alone are" : "; points alone are";
+        notes.push_back(fmt::format("{} in it ({}), not read yet",
+                                    pictures == 1 ? "1 picture" : grouped(pictures) + " pictures", kinds));
     }
     if (without > 0) notes.push_back(countedScans(without) + " without points");
     if (blind > 0) notes.push_back(countedScans(blind) + " left out, whose points have no coordinates");

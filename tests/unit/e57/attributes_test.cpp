@@ -127,7 +127,8 @@ TEST(E57Intensity, ThatIsNotValidIsZeroAndCounted) {
                                {{10, 0}, {20, 1}, {30, 0}});
     const auto result = imported(e57File({scan})).value();
     EXPECT_THAT(result.points.intensity, ElementsAre(2570, 0, 7710));
-    EXPECT_THAT(result.notes, ElementsAre("1 points whose intensity the file marks as invalid; it is 0"));
+    EXPECT_THAT(result.notes,
+                ElementsAre("1 point with an intensity that is marked as invalid in the file, 0 here"));
 }
 
 TEST(E57Colors, AreStretchedFromTheirLimits) {
@@ -166,7 +167,7 @@ TEST(E57Colors, ThatAreNotValidOrMissingAreBlackAndTold) {
     EXPECT_THAT(result.points.color, ElementsAre(Color{1, 2, 3}, Color{0, 0, 0}, Color{0, 0, 0}));
     EXPECT_THAT(result.notes,
                 ElementsAre(HasSubstr("2 scans"), "1 scan without colours, shown black beside the others",
-                            "1 points whose colour the file marks as invalid; they are black"));
+                            "1 point with a colour that is marked as invalid in the file, black here"));
 }
 
 TEST(E57Normals, AreTurnedWithTheirScan) {
@@ -196,10 +197,14 @@ TEST(E57Columns, AreKeptOnRequest) {
     EXPECT_THAT(imported(file)->header.columns, IsEmpty());
     const auto result = imported(file, true).value();
     std::vector<std::string> names;
-    for (const auto& column : result.header.columns)
-        names.push_back(column.name + " " + std::string(name(column.type)));
-    EXPECT_THAT(names, ElementsAre("scan_number int32", "row_index int32", "column_index int32",
-                                   "time_stamp float64", "x:wide float64"));
+    std::vector<ColumnType> types;
+    for (const auto& column : result.header.columns) {
+        names.push_back(column.name);
+        types.push_back(column.type);
+    }
+    EXPECT_THAT(names, ElementsAre("scan_number", "row_index", "column_index", "time_stamp", "x:wide"));
+    EXPECT_THAT(types, ElementsAre(ColumnType::Int32, ColumnType::Int32, ColumnType::Int32,
+                                   ColumnType::Float64, ColumnType::Float64));
     constexpr std::size_t rowBytes = 28;
     ASSERT_EQ(result.points.rows.size(), 3 * rowBytes);
     const auto& points = result.points;
@@ -232,7 +237,8 @@ TEST(E57Pictures, AreCountedByTheirKind) {
                 "<images2D><vectorChild><sphericalRepresentation/></"
                 "vectorChild><vectorChild><sphericalRepresentation/>"
                 "</vectorChild><vectorChild><visualReferenceRepresentation/></vectorChild></images2D>"));
-    EXPECT_THAT(result->notes, ElementsAre(HasSubstr("3 pictures are in it (2 spherical, 1 visual)")));
+    EXPECT_THAT(result->notes,
+                ElementsAre(HasSubstr("3 pictures in it (2 spherical, 1 visual), not read yet")));
 }
 
 }  // namespace scancast::test

@@ -157,7 +157,7 @@ TEST(States, LeaveOutWhatIsNoPoint) {
         ASSERT_EQ(result.points.size(), 2U);
         EXPECT_EQ(result.points.position[1].x, 4);
         EXPECT_EQ(result.dropped, 2U);
-        EXPECT_THAT(result.notes, ElementsAre("2 points left out, which the file marks as invalid"));
+        EXPECT_THAT(result.notes, ElementsAre("2 points left out, marked as no points in the file"));
     }
 }
 

@@ -36,11 +36,12 @@ const RealFile realFiles[] = {
     {"e57/float_intensity_without_min_max.e57", 1, 0, "i", {0, 0, 0}, {1, 1, 1}, 0},
     {"e57/las2e57_no_images_tag.e57", 153, 0, "c", {1, 1, 1}, {-0.5, -0.5, -0.5}, 1e-12},
     {"e57/pump-laser-scan.e57", 155201, 0, "ci", {4.625, 4.508, 3.743}, {-2.904, -5.301, -1.900}, 5.1e-4},
-    {"e57/scaled_integer_intensity.e57", 2, 0, "i", {0, 0, 0}, {0, 0, 0}, 1},
+    {"e57/scaled_integer_intensity.e57", 2, 0, "i", {3.3, 3.3, 3.3}, {1.1, 2.2, 3.3}, 1e-12},
     {"e57/tinyCartesianFloatRgb.e57", 2090, 0, "c", {3.005, 3.002, 3.007}, {-9.780, 4.514, 295.52}, 6e-3},
-    {"e57/tiny_pc_and_images.e57", 2, 0, "", {0, 0, 0}, {0, 0, 0}, 1},
-    {"e57/tiny_pc_with_extension.e57", 1, 0, "n", {0, 0, 0}, {0, 0, 0}, 1},
-    {"e57/tiny_spherical.e57", 360, 0, "", {0, 0, 0}, {0, 0, 0}, 1},
+    {"e57/tiny_pc_and_images.e57", 2, 0, "", {1, 1, 1}, {0, 0, 0}, 0},
+    {"e57/tiny_pc_with_extension.e57", 1, 0, "n", {0, 0, 0}, {1, 2, 3}, 0},
+    // Every other one is marked as no point.
+    {"e57/tiny_spherical.e57", 180, 180, "", {1, 1, 1}, {0, -0.5, 0}, 1e-4},
 };
 
 std::string nameOf(const ::testing::TestParamInfo<RealFile>& test) {
@@ -104,7 +105,7 @@ TEST(RealE57Files, OfAScannerKnowWhereItStood) {
     EXPECT_NEAR(pump.header.gridStep.x, 1e-6, 1e-18);
     REQUIRE_TEST_DATA("e57/tiny_pc_and_images.e57");
     EXPECT_THAT(imported(contentOf(testData("e57/tiny_pc_and_images.e57")))->notes,
-                ::testing::ElementsAre(HasSubstr("4 pictures are in it")));
+                ::testing::ElementsAre(HasSubstr("4 pictures in it")));
 }
 
 TEST(RealE57Files, ThatAreBadAreRefused) {

@@ -16,6 +16,7 @@ namespace scancast {
 namespace {
 
 const ImporterProgram pclImporter{.name = "scancast-import-pcl"};
+const ImporterProgram e57Importer{.name = "scancast-import-e57", .knowsKeepAttributes = true};
 const ImporterProgram lazImporter{.name = "scancast-import-laz"};
 const ImporterProgram octreeImporter{.name = "scancast-import-octree", .knowsKeepAttributes = true};
 
@@ -67,6 +68,8 @@ Expected<std::unique_ptr<PointSource>> openScan(const ScanInput& input, const Im
             return opened(LasSource::create(std::move(bytes), name, options.keepAttributes));
         case ScanFormat::Laz:
             return opened(ImporterSource::create(lazImporter, input, options));
+        case ScanFormat::E57:
+            return opened(ImporterSource::create(e57Importer, input, options));
         case ScanFormat::Ply:
         case ScanFormat::Pcd:
             return opened(ImporterSource::create(pclImporter, input, options));
@@ -88,7 +91,8 @@ bool needsImporter(const ScanInput& input) {
     const auto looked = lookAt(input);
     if (!looked) return false;
     const ScanFormat format = looked->identified.format;
-    return format == ScanFormat::Laz || format == ScanFormat::Ply || format == ScanFormat::Pcd;
+    return format == ScanFormat::Laz || format == ScanFormat::E57 || format == ScanFormat::Ply ||
+           format == ScanFormat::Pcd;
 }
 
 std::string_view name(ImporterSandbox sandbox) {

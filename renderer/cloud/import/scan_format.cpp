@@ -21,7 +21,6 @@ struct Signature {
 constexpr Signature known[] = {
     {"version https://git-lfs"sv,
      "a Git LFS pointer, not the scan itself: fetch the scan with \"git lfs pull\""sv},
-    {"ASTM-E57"sv, "an E57 file: E57 comes with a later release; convert it to LAS or PLY first"sv},
     {"PK\x03\x04"sv, "a ZIP archive: unpack it first"sv},
     {"\x1f\x8b"sv, "compressed with gzip: unpack it first, for example with \"gunzip\""sv},
     {"BZh"sv, "compressed with bzip2: unpack it first, for example with \"bunzip2\""sv},
@@ -111,7 +110,7 @@ std::string firstBytes(std::string_view start) {
 }  // namespace
 
 std::string_view readableFormats() {
-    return "Scancast reads LAS and LAZ 1.0-1.4 (COPC included), PLY (ascii and binary), PCD (ascii, binary "
+    return "Scancast reads LAS and LAZ 1.0-1.4 (COPC included), E57, PLY (ascii and binary), PCD (ascii, binary "
            "and binary_compressed), text (XYZ, TXT, CSV, PTS, PTX) and octrees of EPT and Potree (folders)";
 }
 
@@ -119,6 +118,7 @@ Identified identifyScan(std::span<const std::byte> bytes, std::string_view exten
     const std::string_view start(reinterpret_cast<const char*>(bytes.data()), bytes.size());
     if (start.starts_with("LASF")) return {isLaz(start) ? ScanFormat::Laz : ScanFormat::Las, {}};
     if (isPly(start)) return {ScanFormat::Ply, {}};
+    if (start.starts_with("ASTM-E57")) return {ScanFormat::E57, {}};
     for (const auto& signature : known)
         if (start.starts_with(signature.bytes))
             return {ScanFormat::Unknown, "it is " + std::string(signature.reason)};

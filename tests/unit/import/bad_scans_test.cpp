@@ -48,8 +48,9 @@ const BadScan badScans[] = {
     {"bad/badheader.txt", ErrorCode::Malformed, "line 1: two columns are called \"X\""},
     {"bad/missingheader.pcd", ErrorCode::Unsupported, "text without a PCD header"},
     {"bad/no_vertex.ply", ErrorCode::Malformed, "declares no vertices"},
-    {"bad/corrupt_crc.e57", ErrorCode::Unsupported, "E57 comes with a later release"},
-    {"e57/bunnyFloat.e57", ErrorCode::Unsupported, "E57 comes with a later release"},
+    {"bad/corrupt_crc.e57", ErrorCode::Malformed, "the page at byte 33,792 is damaged: its checksum is another"},
+    {"bad/InvalidCVHeader.e57", ErrorCode::Malformed, "byte 48: its scan: its points should begin here"},
+    {"bad/empty.e57", ErrorCode::Empty, "an E57 file without scans"},
     {"ply/pdal-sized_dims.ply", ErrorCode::Malformed, "no property \"z\""},
     {"ply/pdal-unsized_dims.ply", ErrorCode::Malformed, "no property \"z\""},
 };

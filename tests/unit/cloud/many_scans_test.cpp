@@ -88,6 +88,32 @@ TEST(ManyScans, ContradictingCoordinateSystemsAreRefused) {
     EXPECT_NE(all.error().message.find("EPSG:25833"), std::string::npos) << all.error().message;
 }
 
+// Where a scan lies that has no bounds in its header is known once it is read: before anything is built of it.
+TEST(ManyScans, WhatLiesFarAwayIsFoundWhileItIsRead) {
+    const auto withCrs = [](ScanHeader& h) { h.crsEpsg = 25832, h.bounds.reset(); };
+    const auto without = [](ScanHeader& h) { h.bounds.reset(); };
+    auto far = together(scan(500'000, {}, withCrs), scan(1'200'000, {}, without));
+    ASSERT_TRUE(far) << "nobody knows yet";
+    PointBatch batch;
+    auto refused = (*far)->read(batch);
+    while (refused && *refused) refused = (*far)->read(batch);
+    ASSERT_FALSE(refused);
+    EXPECT_EQ(refused.error().code, ErrorCode::InvalidArgument);
+    EXPECT_NE(refused.error().message.find("scan 2 does not say"), std::string::npos)
+        << refused.error().message;
+    EXPECT_NE(refused.error().message.find("700 km"), std::string::npos) << refused.error().message;
+
+    auto near = together(scan(500'000, {}, withCrs), scan(500'200, {}, without));
+    ASSERT_TRUE(near);
+    const auto cloud = test::build(**near);
+    ASSERT_TRUE(cloud);
+    EXPECT_EQ(cloud->crsEpsg, 25832);
+    ASSERT_EQ(cloud->notes.size(), 3u);
+    EXPECT_NE(cloud->notes[0].find("that of scan 1, ETRS89 / UTM zone 32N (EPSG:25832), is taken for it"),
+              std::string::npos)
+        << cloud->notes[0];
+}
+
 TEST(ManyScans, RowsAreThoseOfTheFirst) {
     const Column time{.name = "time", .type = ColumnType::Uint16, .scale = 1, .offset = 0, .description = ""};
     const Column angle{

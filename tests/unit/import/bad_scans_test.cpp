@@ -185,13 +185,13 @@ TEST(NotAScan, OtherThings) {
     const TemporaryFolder folder;
     using namespace std::string_literals;
     for (const auto& [content, reason] :
-         {std::pair("\x89PNG\r\n\x1a\n"s, "a PNG picture"),
+         {std::pair("\x89PNG\r\n\x1a\n"s, "a picture (JPEG, PNG"),
           {"\x1f\x8b\x08\x00"s, "gunzip"},
           {"PK\x03\x04 "s, "a ZIP archive"},
           {"<!DOCTYPE html>"s, "a web page"},
           {"\x01\x02\x03"s, "starts with the bytes 01 02 03"},
           {"ply"s, "Scancast reads"},
-          {"{\n  \"points\": [1, 2, 3]\n}\n"s, "it is text, but not of points"},
+          {"{\n  \"points\": [1, 2, 3]\n}\n"s, "it is JSON text"},
           {"Dear all,\n\nthe 3 scans of 2024 are 12 GB.\n"s, "Scancast reads"},
           {std::string(5000, '\0'), "starts with the bytes 00 00 00 00"}})
         expectBadScan(folder.write("scan.las", content), ErrorCode::Unsupported, reason);

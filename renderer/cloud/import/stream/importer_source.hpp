@@ -32,6 +32,7 @@ class ImporterSource final : public PointSource {
     Error explain(const Error& error, ImporterProcess& process) const;
 
     std::string program_, name_;
+    bool cannotRecover_ = false;  ///< it was asked for, and this importer does not know how
     std::shared_ptr<ImporterProcess> process_;
     std::unique_ptr<PointStreamReader> reader_;
 };

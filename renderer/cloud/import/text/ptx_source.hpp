@@ -22,7 +22,9 @@ class PtxSource final : public PointSource {
   public:
     /// `bytes` stands at the start of the file; `name` is what messages call it. Errors: Malformed,
     /// Truncated, Unsupported (UTF-16), Io.
-    static Expected<std::unique_ptr<PtxSource>> create(std::unique_ptr<ByteSource> bytes, std::string name);
+    /// `recover`: of a text that ends too early, the lines that are whole are all, and a note tells of the rest.
+    static Expected<std::unique_ptr<PtxSource>> create(std::unique_ptr<ByteSource> bytes, std::string name,
+                                                       bool recover = false);
 
     /// The scanner's place is told where the file seems to hold one scan (judged by its length), and
     /// forgotten when a second one is met all the same: then no one place explains all points.
@@ -30,6 +32,7 @@ class PtxSource final : public PointSource {
     Expected<bool> read(PointBatch& batch) override;
     /// Directions without an echo among them.
     std::uint64_t droppedPoints() const override { return dropped_; }
+    std::vector<std::string> notes() const override { return notes_; }
     std::array<std::uint64_t, 2> bytesRead() const override {
         return {lines_.bytesTaken(), lines_.bytesTotal()};
     }
@@ -39,6 +42,8 @@ class PtxSource final : public PointSource {
         : lines_(std::move(lines)), name_(std::move(name)), row_(std::move(row)) {}
 
     Expected<bool> startScan();
+    Expected<bool> startNextScan();
+    Expected<bool> nextLine(std::string_view& line);
     Expected<std::string_view> headLine(const char* what);
     Expected<std::uint64_t> headCount(const char* what);
     Expected<void> headNumbers(const char* what, std::span<double> numbers);
@@ -53,6 +58,8 @@ class PtxSource final : public PointSource {
     std::uint64_t scans_ = 0;
     std::uint64_t points_ = 0;
     std::uint64_t dropped_ = 0;
+    bool recover_ = false;
+    std::vector<std::string> notes_;  ///< on what is lost
 };
 
 }  // namespace scancast

@@ -57,6 +57,7 @@ class ManyScans final : public PointSource {
             if (sources_.size() == 1) header_.scannerOrigin = sources_.front()->header().scannerOrigin;
             if (!*more) continue;
             arrangeRows(batch);
+            if (!batch.scanner) batch.scanner = sources_[at_]->header().scannerOrigin;
             return true;
         }
         batch.clear();
@@ -73,6 +74,13 @@ class ManyScans final : public PointSource {
         std::vector<std::string> all;
         for (const auto& source : sources_)
             for (std::string& note : source->notes()) all.push_back(std::move(note));
+        return all;
+    }
+
+    std::vector<Station> stations() const override {
+        std::vector<Station> all;
+        for (const auto& source : sources_)
+            for (Station& station : source->stations()) all.push_back(std::move(station));
         return all;
     }
 

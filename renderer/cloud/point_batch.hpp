@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "protocol/error.hpp"
+#include "renderer/cloud/positions.hpp"
 #include "renderer/cloud/station.hpp"
 
 namespace scancast {
@@ -73,7 +74,7 @@ struct ScanHeader {
 };
 
 struct PointBatch {
-    std::vector<glm::dvec3> position;  ///< file coordinates; finite (readers drop and count others)
+    Positions position;  ///< file coordinates; finite (readers drop and count others)
     std::vector<std::array<std::uint8_t, 3>> color;  ///< sRGB
     std::vector<std::uint16_t> intensity;            ///< full range of the file, 0–65535
     std::vector<std::uint8_t> classification;        ///< ASPRS class
@@ -94,10 +95,11 @@ struct PointBatch {
     }
 };
 
-/// Calls `f` with every column of `to` that has one value a point - all but rows - and its like in `from`.
+/// Calls `f` with every column of `to` that has one value a point - all but rows - and its like in `from`. Positions of
+/// `to` become float64: what is put together need not have one grid.
 template <class F>
 void forColumns(PointBatch& to, const PointBatch& from, F f) {
-    f(to.position, from.position);
+    f(to.position.doubles(), from.position);
     f(to.color, from.color);
     f(to.intensity, from.intensity);
     f(to.classification, from.classification);

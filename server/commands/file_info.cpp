@@ -72,7 +72,8 @@ Expected<FileInfo> cloudInfo(const ScanInput& input, bool check, const ProgressS
 class Counted {
   public:
     void add(const PointBatch& batch) {
-        for (const glm::dvec3& p : batch.position) low_ = glm::min(low_, p), high_ = glm::max(high_, p);
+        const auto [low, high] = boundsOf(batch.position);
+        low_ = glm::min(low_, low), high_ = glm::max(high_, high);
         values_.add(batch);
         for (const std::uint8_t c : batch.classification) ++classes_[c];
         points_ += batch.size();

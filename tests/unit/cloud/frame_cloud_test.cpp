@@ -178,7 +178,7 @@ TEST(FrameOrder, KeysAndCells) {
     EXPECT_EQ(commonLevel(0, 7), 1);
     EXPECT_EQ(commonLevel(0, 8), 2);
     PointBatch points;
-    points.position = {{0, 0, 0}, {1, 0, 0}, {0.9, 0, 0}, {0, 0, 0}};
+    points.position.doubles() = {{0, 0, 0}, {1, 0, 0}, {0.9, 0, 0}, {0, 0, 0}};
     const FrameOrder order = orderFrame(points, {glm::dvec3(0), glm::dvec3(1, 0, 0)}, glm::dvec3(0));
     const auto counts = order.cellCounts(0, 4);
     EXPECT_EQ(counts[0], 3U);

@@ -31,7 +31,7 @@ void header(std::uint64_t points) {
 
 void points(std::size_t count, double x = 1) {
     PointBatch batch;
-    batch.position.assign(count, {x, 2, 3});
+    batch.position.doubles().assign(count, {x, 2, 3});
     if (!writer.writeChunk(batch)) _exit(3);
 }
 

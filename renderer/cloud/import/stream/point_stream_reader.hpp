@@ -7,10 +7,12 @@
 #include <cstdint>
 #include <limits>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "renderer/cloud/import/byte_source.hpp"
+#include "renderer/cloud/import/las/las_reader.hpp"
 #include "renderer/cloud/import/stream/point_stream.hpp"
 #include "renderer/cloud/point_batch.hpp"
 
@@ -19,10 +21,11 @@ namespace scancast {
 class PointStreamReader final : public PointSource {
   public:
     /// Reads the header and looks at the first record, so that a scan that cannot be read fails here.
-    /// `mostPoints`: more than that is an error, whatever the stream declares.
+    /// `mostPoints`: more than that is an error, whatever the stream declares. `keepAttributes`: of records of LAS, fill
+    /// ScanHeader::columns and PointBatch::rows; whether other streams have any, their importer was told.
     static Expected<std::unique_ptr<PointStreamReader>> create(
         std::unique_ptr<ByteSource> bytes,
-        std::uint64_t mostPoints = std::numeric_limits<std::uint64_t>::max());
+        std::uint64_t mostPoints = std::numeric_limits<std::uint64_t>::max(), bool keepAttributes = false);
 
     const ScanHeader& header() const override { return header_; }
     Expected<PointBatch> glance() override;
@@ -30,13 +33,13 @@ class PointStreamReader final : public PointSource {
     /// early.
     Expected<bool> read(PointBatch& batch) override;
     /// Known at the end of the stream only.
-    std::uint64_t droppedPoints() const override { return dropped_; }
-    std::vector<std::string> notes() const override { return notes_; }
+    std::uint64_t droppedPoints() const override { return las_ ? las_->droppedPoints() : dropped_; }
+    std::vector<std::string> notes() const override;
     std::array<std::uint64_t, 2> bytesRead() const override;
 
   private:
-    PointStreamReader(std::unique_ptr<ByteSource> bytes, std::uint64_t mostPoints)
-        : bytes_(std::move(bytes)), mostPoints_(mostPoints) {}
+    PointStreamReader(std::unique_ptr<ByteSource> bytes, std::uint64_t mostPoints, bool keepAttributes)
+        : bytes_(std::move(bytes)), mostPoints_(mostPoints), keepAttributes_(keepAttributes) {}
 
     struct RecordHead {
         std::array<char, 4> tag{};
@@ -49,10 +52,16 @@ class PointStreamReader final : public PointSource {
     Expected<void> readScanner();
     Expected<void> readHead();
     Expected<void> readNote();
+    Expected<void> readLas();
+    Expected<std::vector<std::byte>> readLasPart(std::uint32_t bytes, const char* what);
+    Expected<void> readPeak();
+    Expected<void> readRecordsOfLas();
+    Expected<void> readPositions(Positions& position, std::size_t count);
+    Expected<void> readColumns(PointBatch& batch);
     Expected<void> readExactly(std::span<std::byte> into);
     template <class T>
     Expected<void> readColumn(std::vector<T>& column, bool present, std::size_t count);
-    Expected<void> readPoints(PointBatch& batch);
+    Expected<void> readGlance(PointBatch& batch);
     Expected<void> readChunk(PointBatch& batch);
     Expected<void> readRecord(PointBatch& batch);
     Expected<void> checkChunk(const PointBatch& batch) const;
@@ -62,7 +71,12 @@ class PointStreamReader final : public PointSource {
 
     std::unique_ptr<ByteSource> bytes_;
     std::uint64_t mostPoints_;
+    bool keepAttributes_ = false;
     ScanHeader header_;
+    bool areSteps_ = false;          ///< positions, of the header's grid
+    std::optional<LasReader> las_;   ///< of a stream with records of LAS
+    std::vector<std::byte> records_;  ///< of LAS, the last ones read
+    bool wasToldPeak_ = false;
     std::size_t rowBytes_ = 0;  ///< of the further columns; 0 = none
     RecordHead head_;           ///< of the next record; all 0: not read yet
     std::uint64_t at_ = 0;      ///< bytes read

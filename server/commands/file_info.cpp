@@ -83,6 +83,7 @@ class Counted {
         info.points = info.facts.points = points_;
         info.facts.droppedPoints = source.droppedPoints();
         info.facts.notes = source.notes();
+        info.facts.stations = source.stations();
         info.facts.bounds = {low_, high_};
         info.boundsKnown = points_ > 0;
         values_.settle(info.facts);
@@ -131,6 +132,7 @@ Expected<FileInfo> scanInfo(const ScanInput& input, bool check, const ProgressSi
     info.facts.crsWkt = header.crsWkt;
     info.facts.crsEpsg = header.crsEpsg;
     info.facts.notes = (*source)->notes();
+    info.facts.stations = (*source)->stations();
     for (const Column& column : header.columns) info.facts.columns.push_back({column, {0, 0}});
     info.boundsKnown = header.bounds.has_value();
     if (header.bounds) info.facts.bounds = *header.bounds;

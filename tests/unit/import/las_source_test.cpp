@@ -282,7 +282,8 @@ TEST(LasSource, RefusesWhatMakesPointsDoubtful) {
     expectLasError(changed(94, std::uint16_t(200)), ErrorCode::Malformed,
                    "the header says that it has 200 bytes");
     expectLasError(changed(96, std::uint32_t(100)), ErrorCode::Malformed, "within the header");
-    expectLasError(changed(25, std::uint8_t(6)), ErrorCode::Unsupported, "LAS version 1.6 is not known here; LAS 1.0 to 1.5");
+    expectLasError(changed(25, std::uint8_t(6)), ErrorCode::Unsupported,
+                   "LAS version 1.6 is not known here; LAS 1.0 to 1.5");
     expectLasError(changed(25, std::uint8_t(5)), ErrorCode::Malformed, "LAS 1.5 needs 393");
     expectLasError(changed(24, std::uint8_t(2)), ErrorCode::Unsupported, "LAS version 2.2");
     expectLasError(changed(104, std::uint8_t(11)), ErrorCode::Unsupported, "point format 11");

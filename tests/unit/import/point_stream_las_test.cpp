@@ -130,7 +130,8 @@ TEST(PointStreamLas, RecordsSayWhatTheFileSays) {
     for (int format = 0; format <= 10; ++format)
         for (int minor = format >= 6 ? 4 : 2; minor <= 5; ++minor)
             for (const bool keep : {false, true}) {
-                SCOPED_TRACE(testing::Message() << "1." << minor << ", point format " << format << ", " << keep);
+                SCOPED_TRACE(testing::Message()
+                             << "1." << minor << ", point format " << format << ", " << keep);
                 LasFile file = scanOf(minor, format, 100, format % 2 == 0 ? 1 : 257);
                 file.extraBytes = 5;
                 std::string extra(192, '\0');
@@ -342,7 +343,8 @@ TEST(PointStreamSteps, ArriveAsTheyWereSent) {
     ASSERT_TRUE((*reader)->read(batch).value());
     ASSERT_TRUE(batch.position.areSteps());
     EXPECT_TRUE(std::ranges::equal(batch.position.asSteps(), batchOfSteps().position.asSteps()));
-    EXPECT_EQ(batch.position[2], glm::dvec3(4.5e6 + 0.001 * -77, -3 + 0.01 * 123456789, 0.1 + 0.5 * -123456789));
+    EXPECT_EQ(batch.position[2],
+              glm::dvec3(4.5e6 + 0.001 * -77, -3 + 0.01 * 123456789, 0.1 + 0.5 * -123456789));
     EXPECT_EQ(batch.intensity[2], 3);
     EXPECT_FALSE((*reader)->read(batch).value());
 }

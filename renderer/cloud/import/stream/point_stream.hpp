@@ -28,9 +28,9 @@ inline constexpr std::size_t mostNotes = 16;
 inline constexpr std::size_t recordHeadBytes = 8;
 inline constexpr std::uint32_t chunkPoints = 65536;
 inline constexpr std::uint32_t glancePoints = 65536;
-inline constexpr std::size_t stepBytes = 12;                                ///< of a position
-inline constexpr std::size_t lasLengthsBytes = 8;                           ///< of head and extended records
-inline constexpr std::size_t longestLasPart = std::size_t(16) << 20;        ///< head; extended records
+inline constexpr std::size_t stepBytes = 12;                                 ///< of a position
+inline constexpr std::size_t lasLengthsBytes = 8;                            ///< of head and extended records
+inline constexpr std::size_t longestLasPart = std::size_t(16) << 20;         ///< head; extended records
 inline constexpr std::uint64_t longestLasRecords = std::uint64_t(16) << 20;  ///< bytes of one RECS or LOOK
 static_assert(chunkPoints == PointSource::batchPoints);
 
@@ -52,8 +52,8 @@ std::vector<std::byte> encodeHeader(const ScanHeader& header, bool areSteps = fa
 struct LasPreamble {
     std::string format;                   ///< for people: "LAZ 1.4, point format 7"
     std::optional<std::uint64_t> points;  ///< as the head has it; nullopt = as many as there are
-    std::span<const std::byte> head;      ///< public header block and variable length records, without LAZ's bits
-    std::span<const std::byte> evlrs;     ///< one behind the other
+    std::span<const std::byte> head;  ///< public header block and variable length records, without LAZ's bits
+    std::span<const std::byte> evlrs;  ///< one behind the other
 };
 /// Header, format text, head and extended records, each at most longestLasPart.
 std::vector<std::byte> encodeLasHeader(const LasPreamble& las);

@@ -73,8 +73,8 @@ class PointStreamReader final : public PointSource {
     std::uint64_t mostPoints_;
     bool keepAttributes_ = false;
     ScanHeader header_;
-    bool areSteps_ = false;          ///< positions, of the header's grid
-    std::optional<LasReader> las_;   ///< of a stream with records of LAS
+    bool areSteps_ = false;           ///< positions, of the header's grid
+    std::optional<LasReader> las_;    ///< of a stream with records of LAS
     std::vector<std::byte> records_;  ///< of LAS, the last ones read
     bool wasToldPeak_ = false;
     std::size_t rowBytes_ = 0;  ///< of the further columns; 0 = none

@@ -96,8 +96,8 @@ Expected<void> PointStreamWriter::writeGlanceOfRecords(std::span<const std::byte
 Expected<void> PointStreamWriter::writeSomeRecords(const std::array<char, 4>& tag,
                                                    std::span<const std::byte> records) {
     assert(lasRecordBytes_ > 0 && records.size() % lasRecordBytes_ == 0);
-    const auto most = lasRecordBytes_ * std::min<std::size_t>(stream::chunkPoints,
-                                                              stream::longestLasRecords / lasRecordBytes_);
+    const auto most = lasRecordBytes_ *
+                      std::min<std::size_t>(stream::chunkPoints, stream::longestLasRecords / lasRecordBytes_);
     for (; !records.empty(); records = records.subspan(std::min(most, records.size()))) {
         const auto piece = records.first(std::min(most, records.size()));
         startRecord(tag, piece.size() / lasRecordBytes_);

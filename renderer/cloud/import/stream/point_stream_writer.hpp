@@ -64,7 +64,7 @@ class PointStreamWriter {
 
     Sink sink_;
     Attributes attributes_;
-    std::optional<StepGrid> grid_;   ///< of positions as steps
+    std::optional<StepGrid> grid_;    ///< of positions as steps
     std::size_t lasRecordBytes_ = 0;  ///< 0 = no records of LAS
     bool headerSent_ = false;
     std::uint64_t points_ = 0;

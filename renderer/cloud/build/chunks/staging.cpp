@@ -313,8 +313,7 @@ void placeOnGrid(const StagedBatch& batch, std::span<const std::byte> bytes, con
             const glm::dvec3 q(own[i][0], own[i][1], own[i][2]);
             p.setPosition(onGrid(header.gridOrigin + header.gridStep * q, grid));
         } else {
-            p.setPosition(
-                onGrid(batch.positions == Kind::Single ? glm::dvec3(single[i]) : full[i], grid));
+            p.setPosition(onGrid(batch.positions == Kind::Single ? glm::dvec3(single[i]) : full[i], grid));
         }
     }
 }

@@ -144,18 +144,15 @@ Expected<void> LasSource::lookAtColors() {
         const auto piece = std::span(buffer_).first(count * las().recordBytes);
         const auto got = bytes_->readAt(placeOf(first), piece);
         if (!got) return passOn(got);
-        if (*got < piece.size())
-            return tl::unexpected(truncated(placeOf(first) + *got, first));
+        if (*got < piece.size()) return tl::unexpected(truncated(placeOf(first) + *got, first));
         reader_.see(piece);
         return {};
     };
     const auto stride = std::max<std::uint64_t>(1, las().points / firstLooks);
-    for (std::uint64_t first = 0; first < las().points && reader_.wantsToSeeMore();
-         first += stride)
+    for (std::uint64_t first = 0; first < las().points && reader_.wantsToSeeMore(); first += stride)
         if (auto ok = look(first, firstLookRecords); !ok) return ok;
     const auto atOnce = buffer_.size() / las().recordBytes;
-    for (std::uint64_t first = 0; first < las().points && reader_.wantsToSeeMore();
-         first += atOnce)
+    for (std::uint64_t first = 0; first < las().points && reader_.wantsToSeeMore(); first += atOnce)
         if (auto ok = look(first, atOnce); !ok) return ok;
     buffer_.clear();
     return {};

@@ -4,6 +4,7 @@
 #include <malloc.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cstdio>
 #include <string_view>
 
@@ -23,6 +24,8 @@ Expected<void> importFile(const char* path, PointStreamWriter& writer) {
     if (!file) return passOn(file);
     import_laz::ImportLimits limits;
     limits.threads = importerThreads(SIZE_MAX, static_cast<std::size_t>(machineCores()));
+    // Each thread has its decoders and pieces; together it is to stay below 256 MiB.
+    limits.kept = std::max<std::size_t>(64, 208 - 9 * limits.threads) << 20;
     return guarded("reading it", [&] {
         return import_laz::importLaz(std::make_shared<laz::FileAccess>(std::move(*file)), limits, writer);
     });

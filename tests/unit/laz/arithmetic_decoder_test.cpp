@@ -64,8 +64,10 @@ TEST(ArithmeticDecoder, GivesBitsAndIntegersBack) {
         seen = static_cast<std::uint32_t>(random());
         encoder.bits(count, number);
         encoder.bit(bitModel, number % 8 == 0);
-        encoded.encode(encoder, static_cast<std::int32_t>(seen), static_cast<std::int32_t>(seen + (number >> shift)), shift % 3);
-        encoded.encode(encoder, static_cast<std::int32_t>(seen), static_cast<std::int32_t>(seen - (number >> shift)), shift % 3);
+        encoded.encode(encoder, static_cast<std::int32_t>(seen),
+                       static_cast<std::int32_t>(seen + (number >> shift)), shift % 3);
+        encoded.encode(encoder, static_cast<std::int32_t>(seen),
+                       static_cast<std::int32_t>(seen - (number >> shift)), shift % 3);
     }
     const auto bytes = encoder.finish();
     auto decoder = decoderOf(bytes);
@@ -74,8 +76,12 @@ TEST(ArithmeticDecoder, GivesBitsAndIntegersBack) {
     for (const auto& [count, number, shift, seen] : all) {
         ASSERT_EQ(decoder.bits(count), number);
         ASSERT_EQ(decoder.bit(bitModel), number % 8 == 0);
-        ASSERT_EQ(static_cast<std::uint32_t>(integers.decode(decoder, static_cast<std::int32_t>(seen), shift % 3)), seen + (number >> shift));
-        ASSERT_EQ(static_cast<std::uint32_t>(integers.decode(decoder, static_cast<std::int32_t>(seen), shift % 3)), seen - (number >> shift));
+        ASSERT_EQ(
+            static_cast<std::uint32_t>(integers.decode(decoder, static_cast<std::int32_t>(seen), shift % 3)),
+            seen + (number >> shift));
+        ASSERT_EQ(
+            static_cast<std::uint32_t>(integers.decode(decoder, static_cast<std::int32_t>(seen), shift % 3)),
+            seen - (number >> shift));
     }
     EXPECT_EQ(decoder.feed.position(), bytes.size());
     EXPECT_EQ(decoder.damage(), nullptr);

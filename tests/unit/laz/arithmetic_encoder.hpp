@@ -76,24 +76,36 @@ class IntegerEncoder {
   public:
     explicit IntegerEncoder(std::size_t contexts) : sizes_(contexts) {}
 
-    void encode(ArithmeticEncoder& encoder, std::int32_t prediction, std::int32_t number, std::size_t context = 0) {
-        const auto difference = static_cast<std::int32_t>(static_cast<std::uint32_t>(number) - static_cast<std::uint32_t>(prediction));
+    void encode(ArithmeticEncoder& encoder, std::int32_t prediction, std::int32_t number,
+                std::size_t context = 0) {
+        const auto difference = static_cast<std::int32_t>(static_cast<std::uint32_t>(number) -
+                                                          static_cast<std::uint32_t>(prediction));
         // The least k with -(2^k - 1) <= difference <= 2^k.
-        const std::uint32_t size = difference > 0 ? static_cast<std::uint32_t>(difference) - 1 : 0U - static_cast<std::uint32_t>(difference);
+        const std::uint32_t size = difference > 0 ? static_cast<std::uint32_t>(difference) - 1
+                                                  : 0U - static_cast<std::uint32_t>(difference);
         size_ = static_cast<std::uint32_t>(std::bit_width(size));
         encoder.symbol(sizes_[context], size_);
         if (size_ == 0) return encoder.bit(one_, difference == 1);
         if (size_ == 32) return;
-        const std::uint32_t place = static_cast<std::uint32_t>(difference) + (difference > 0 ? 0xffffffffU : (1U << size_) - 1);
+        const std::uint32_t place =
+            static_cast<std::uint32_t>(difference) + (difference > 0 ? 0xffffffffU : (1U << size_) - 1);
         switch (size_) {
-            case 1: return encoder.symbol(two_, place);
-            case 2: return encoder.symbol(four_, place);
-            case 3: return encoder.symbol(eight_, place);
-            case 4: return encoder.symbol(sixteen_, place);
-            case 5: return encoder.symbol(thirtyTwo_, place);
-            case 6: return encoder.symbol(sixtyFour_, place);
-            case 7: return encoder.symbol(oneHundredAndTwentyEight_, place);
-            case 8: return encoder.symbol(high_[0], place);
+            case 1:
+                return encoder.symbol(two_, place);
+            case 2:
+                return encoder.symbol(four_, place);
+            case 3:
+                return encoder.symbol(eight_, place);
+            case 4:
+                return encoder.symbol(sixteen_, place);
+            case 5:
+                return encoder.symbol(thirtyTwo_, place);
+            case 6:
+                return encoder.symbol(sixtyFour_, place);
+            case 7:
+                return encoder.symbol(oneHundredAndTwentyEight_, place);
+            case 8:
+                return encoder.symbol(high_[0], place);
             default:
                 encoder.symbol(high_[size_ - 8], place >> (size_ - 8));
                 encoder.bits(size_ - 8, place & ((1U << (size_ - 8)) - 1));

@@ -11,7 +11,9 @@ namespace scancast {
 
 namespace {
 
-Piece pieceOf(std::size_t number) { return Piece(1, static_cast<std::byte>(number)); }
+Piece pieceOf(std::size_t number) {
+    return Piece(1, static_cast<std::byte>(number));
+}
 
 /// Gives `pieces` pieces for each job, the early jobs late.
 std::function<JobWorker()> slowFirst(std::size_t pieces) {
@@ -31,21 +33,24 @@ std::function<JobWorker()> slowFirst(std::size_t pieces) {
 TEST(InOrder, GivesWhatOneThreadWouldGive) {
     for (const std::size_t threads : {1, 2, 5}) {
         std::size_t next = 6;
-        const auto done = runInOrder(2, 40, {.threads = threads}, slowFirst(3), [&](std::size_t job, const Piece& piece) -> Expected<bool> {
-            EXPECT_EQ(job, next / 3);
-            EXPECT_EQ(piece, pieceOf(next));
-            ++next;
-            return true;
-        });
+        const auto done = runInOrder(2, 40, {.threads = threads}, slowFirst(3),
+                                     [&](std::size_t job, const Piece& piece) -> Expected<bool> {
+                                         EXPECT_EQ(job, next / 3);
+                                         EXPECT_EQ(piece, pieceOf(next));
+                                         ++next;
+                                         return true;
+                                     });
         ASSERT_TRUE(done);
         EXPECT_EQ(next, 120U);
     }
-    EXPECT_TRUE(runInOrder(5, 5, {.threads = 2}, slowFirst(1), [](std::size_t, const Piece&) -> Expected<bool> { return true; }));
+    EXPECT_TRUE(runInOrder(5, 5, {.threads = 2}, slowFirst(1),
+                           [](std::size_t, const Piece&) -> Expected<bool> { return true; }));
 }
 
 TEST(InOrder, EndsWhenItIsEnough) {
     std::size_t taken = 0;
-    const auto done = runInOrder(0, 1'000'000, {.threads = 3}, slowFirst(2), [&](std::size_t, const Piece&) -> Expected<bool> { return ++taken < 7; });
+    const auto done = runInOrder(0, 1'000'000, {.threads = 3}, slowFirst(2),
+                                 [&](std::size_t, const Piece&) -> Expected<bool> { return ++taken < 7; });
     EXPECT_TRUE(done);
     EXPECT_EQ(taken, 7U);
 }
@@ -60,12 +65,14 @@ TEST(InOrder, IsBounded) {
             return {};
         };
     };
-    const auto done = runInOrder(0, 30, {.threads = 3, .waiting = 2}, worker, [&](std::size_t, const Piece&) -> Expected<bool> {
-        std::this_thread::sleep_for(std::chrono::microseconds(100));
-        ++taken;
-        EXPECT_LE(given, taken + 6 * 3);  // two jobs for each thread with two pieces each, and one in each hand
-        return true;
-    });
+    const auto done = runInOrder(
+        0, 30, {.threads = 3, .waiting = 2}, worker, [&](std::size_t, const Piece&) -> Expected<bool> {
+            std::this_thread::sleep_for(std::chrono::microseconds(100));
+            ++taken;
+            EXPECT_LE(given,
+                      taken + 6 * 3);  // two jobs for each thread with two pieces each, and one in each hand
+            return true;
+        });
     EXPECT_TRUE(done);
     EXPECT_EQ(taken, 600U);
 }
@@ -90,7 +97,9 @@ TEST(InOrder, TellsTheFirstFailureInOrder) {
     EXPECT_EQ(done.error().message, "job 4");
     EXPECT_EQ(taken, 4U);
     EXPECT_FALSE(runInOrder(7, 20, {.threads = 2}, worker, take));  // what is thrown is an error, too
-    const auto refusing = [](std::size_t, const Piece&) -> Expected<bool> { return fail(ErrorCode::Io, "gone"); };
+    const auto refusing = [](std::size_t, const Piece&) -> Expected<bool> {
+        return fail(ErrorCode::Io, "gone");
+    };
     EXPECT_EQ(runInOrder(0, 3, {.threads = 2}, worker, refusing).error().message, "gone");
 }
 

@@ -27,14 +27,18 @@ struct LazBytes {
     Bytes records;
 };
 
-inline void append(Bytes& bytes, const Bytes& more) { bytes.insert(bytes.end(), more.begin(), more.end()); }
+inline void append(Bytes& bytes, const Bytes& more) {
+    bytes.insert(bytes.end(), more.begin(), more.end());
+}
 
 template <class T>
 void put(Bytes& bytes, std::size_t at, T value) {
     storeLe(bytes.data() + at, value);
 }
 
-inline std::size_t recordBytesOf(int pointFormat) { return pointFormat == 6 ? 30 : 20; }
+inline std::size_t recordBytesOf(int pointFormat) {
+    return pointFormat == 6 ? 30 : 20;
+}
 
 /// x of point i: steps of all sizes, both ways.
 inline std::int32_t xOf(std::uint32_t i) {
@@ -122,7 +126,9 @@ inline Bytes chunkTable(const LazPlan& plan, const std::vector<std::uint32_t>& s
     ArithmeticEncoder encoder;
     IntegerEncoder numbers(2);
     for (std::size_t i = 0; i < sizes.size(); ++i) {
-        const auto before = [&](const std::vector<std::uint32_t>& of) { return static_cast<std::int32_t>(i > 0 ? of[i - 1] : 0); };
+        const auto before = [&](const std::vector<std::uint32_t>& of) {
+            return static_cast<std::int32_t>(i > 0 ? of[i - 1] : 0);
+        };
         if (plan.chunkPoints == 0xffffffff || plan.chunkPoints == 0)
             numbers.encode(encoder, before(plan.chunks), static_cast<std::int32_t>(plan.chunks[i]), 0);
         numbers.encode(encoder, before(sizes), static_cast<std::int32_t>(sizes[i]), 1);

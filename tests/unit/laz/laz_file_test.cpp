@@ -16,7 +16,9 @@ namespace {
 using test::Bytes;
 using test::LazPlan;
 
-Expected<LazFile> openBytes(const Bytes& bytes) { return LazFile::open(std::make_shared<MemoryAccess>(bytes)); }
+Expected<LazFile> openBytes(const Bytes& bytes) {
+    return LazFile::open(std::make_shared<MemoryAccess>(bytes));
+}
 
 /// All records, `points` at a time.
 Expected<Bytes> decodeAll(const LazFile& file, std::size_t points) {
@@ -65,7 +67,8 @@ TEST(LazFile, GivesThePointsOfEveryWayToCutThem) {
         for (const std::size_t points : {1, 3, 64, 1000}) {
             const auto records = decodeAll(*file, points);
             ASSERT_TRUE(records) << records.error().message;
-            EXPECT_TRUE(*records == made.records) << plan.pointFormat << ' ' << plan.compressor << ' ' << points;
+            EXPECT_TRUE(*records == made.records)
+                << plan.pointFormat << ' ' << plan.compressor << ' ' << points;
         }
         EXPECT_EQ(file->head().size(), file->shape().pointOffset);
         EXPECT_EQ(file->head()[104], static_cast<std::byte>(plan.pointFormat));
@@ -95,7 +98,8 @@ TEST(LazFile, EveryTruncationIsTold) {
         for (std::size_t bytes = 0; bytes < made.file.size(); bytes += test::sized(1, 7)) {
             const Bytes cut(made.file.begin(), made.file.begin() + static_cast<std::ptrdiff_t>(bytes));
             const auto file = openBytes(cut);
-            const auto records = file ? decodeAll(*file, 1000) : Expected<Bytes>(tl::unexpected(file.error()));
+            const auto records =
+                file ? decodeAll(*file, 1000) : Expected<Bytes>(tl::unexpected(file.error()));
             if (records) {
                 // A decoder reads ahead what an encoder ends with.
                 ASSERT_GE(bytes + 8, made.file.size());
@@ -115,7 +119,9 @@ TEST(LazFile, LiesEndInASentence) {
         for (int i = 0; i < test::sized(300, 40); ++i, ++tries) {
             Bytes lying = made.file;
             for (auto count = 1 + random() % 3; count > 0; --count) {
-                const std::size_t at = random() % 2 == 0 ? random() % lying.size() : 94 + random() % std::min<std::size_t>(lying.size() - 94, 400);
+                const std::size_t at = random() % 2 == 0
+                                           ? random() % lying.size()
+                                           : 94 + random() % std::min<std::size_t>(lying.size() - 94, 400);
                 lying[at] = static_cast<std::byte>(random() % 3 == 0 ? 0xff : random());
             }
             const auto file = openBytes(lying);
@@ -147,26 +153,38 @@ TEST(LazFile, SaysWhatIsWrong) {
     };
     using test::put;
     expectReason([](Bytes& b) { b[0] = std::byte{'X'}; }, "does not start with \"LASF\"");
-    expectReason([](Bytes& b) { put<std::uint64_t>(b, 247, 999); }, "has 3 chunks of 50 points; the header promises 999 points");
-    expectReason([](Bytes& b) { put<std::uint64_t>(b, 247, 0), put<std::uint32_t>(b, 107, 0); }, "without points");
-    expectReason([&](Bytes& b) { put<std::uint32_t>(b, table + 4, 0xffffffff); }, "the chunk table promises 4,294,967,295 chunks");
+    expectReason([](Bytes& b) { put<std::uint64_t>(b, 247, 999); },
+                 "has 3 chunks of 50 points; the header promises 999 points");
+    expectReason([](Bytes& b) { put<std::uint64_t>(b, 247, 0), put<std::uint32_t>(b, 107, 0); },
+                 "without points");
+    expectReason([&](Bytes& b) { put<std::uint32_t>(b, table + 4, 0xffffffff); },
+                 "the chunk table promises 4,294,967,295 chunks");
     expectReason([&](Bytes& b) { put<std::uint32_t>(b, table, 7); }, "the chunk table has version 7");
-    expectReason([&](Bytes& b) { put<std::int64_t>(b, offset, -5); }, "place of the chunk table is wrong (-5)");
-    expectReason([&](Bytes& b) { put<std::int64_t>(b, offset, std::int64_t(1) << 40); }, "is said to start at byte 1,099,511,627,776");
+    expectReason([&](Bytes& b) { put<std::int64_t>(b, offset, -5); },
+                 "place of the chunk table is wrong (-5)");
+    expectReason([&](Bytes& b) { put<std::int64_t>(b, offset, std::int64_t(1) << 40); },
+                 "is said to start at byte 1,099,511,627,776");
     expectReason([&](Bytes& b) { put<std::uint32_t>(b, offset + 8 + 30, 51); }, "says that it has 51 points");
-    expectReason([&](Bytes& b) { put<std::uint32_t>(b, offset + 8 + 38, 1 << 30); }, "its layers would end after");
-    expectReason([](Bytes& b) { b[104] = std::byte{0x89}; }, "a point record has 30 bytes; point format 9 needs 59");
+    expectReason([&](Bytes& b) { put<std::uint32_t>(b, offset + 8 + 38, 1 << 30); },
+                 "its layers would end after");
+    expectReason([](Bytes& b) { b[104] = std::byte{0x89}; },
+                 "a point record has 30 bytes; point format 9 needs 59");
     expectReason([](Bytes& b) { put<std::uint16_t>(b, 375 + 54, 4); }, "LAZ compressor 4 is not known");
     expectReason([](Bytes& b) { put<std::uint16_t>(b, 375 + 56, 1); }, "LAZ coder 1 is not known");
-    expectReason([](Bytes& b) { put<std::uint16_t>(b, 375 + 92, 5); }, "POINT14 version 5; versions 3 and 4 can");
-    expectReason([](Bytes& b) { put<std::uint16_t>(b, 375 + 88, 6); }, "(POINT10 version 3) does not describe the records of 30 bytes");
+    expectReason([](Bytes& b) { put<std::uint16_t>(b, 375 + 92, 5); },
+                 "POINT14 version 5; versions 3 and 4 can");
+    expectReason([](Bytes& b) { put<std::uint16_t>(b, 375 + 88, 6); },
+                 "(POINT10 version 3) does not describe the records of 30 bytes");
 }
 
 TEST(LazFile, IsItsUncompressedTwin) {
     int compared = 0;
-    for (const auto& [laz, las] : {std::pair("laz/autzen_trim.laz", "las/autzen_trim.las"), {"laz/pdrf2-color.laz", "las/las12-pdrf2-color.las"},
-                                   {"laz/pdrf0-compressor1-pointwise.laz", "las/las10-pdrf0.las"}, {"laz/pdrf5-1.3.laz", "las/pdrf5-1.3.las"},
-                                   {"laz/pdrf8-1.4.laz", "las/pdrf8-1.4.las"}, {"laz/pdrf9-1.4.laz", "las/pdrf9-1.4.las"}}) {
+    for (const auto& [laz, las] : {std::pair("laz/autzen_trim.laz", "las/autzen_trim.las"),
+                                   {"laz/pdrf2-color.laz", "las/las12-pdrf2-color.las"},
+                                   {"laz/pdrf0-compressor1-pointwise.laz", "las/las10-pdrf0.las"},
+                                   {"laz/pdrf5-1.3.laz", "las/pdrf5-1.3.las"},
+                                   {"laz/pdrf8-1.4.laz", "las/pdrf8-1.4.las"},
+                                   {"laz/pdrf9-1.4.laz", "las/pdrf9-1.4.las"}}) {
         if (!std::filesystem::exists(test::testData(laz))) continue;
         const Bytes compressed = fileBytes(laz), plain = fileBytes(las);
         const auto file = openBytes(compressed);
@@ -184,7 +202,8 @@ TEST(LazFile, IsItsUncompressedTwin) {
 TEST(LazFile, WaveformsAreThoseOfTheFileWithColors) {
     REQUIRE_TEST_DATA("laz/pdrf4-1.3.laz");
     const Bytes without = fileBytes("laz/pdrf4-1.3.laz"), with = fileBytes("laz/pdrf5-1.3.laz");
-    const Bytes a = decodeAll(openBytes(without).value(), 100).value(), b = decodeAll(openBytes(with).value(), 100).value();
+    const Bytes a = decodeAll(openBytes(without).value(), 100).value(),
+                b = decodeAll(openBytes(with).value(), 100).value();
     ASSERT_EQ(a.size(), 1024U * 61);
     ASSERT_EQ(b.size(), 1024U * 67);
     for (std::size_t i = 0; i < 1024; ++i) {
@@ -195,7 +214,8 @@ TEST(LazFile, WaveformsAreThoseOfTheFileWithColors) {
 
 /// What only colours are wanted of has the same colours.
 TEST(LazFile, ColorsAloneAreTheSame) {
-    for (const auto* const name : {"laz/pdrf8-1.4.laz", "laz/pdrf7-v4-1.4.laz", "copc/lion_takanawa.copc.laz"}) {
+    for (const auto* const name :
+         {"laz/pdrf8-1.4.laz", "laz/pdrf7-v4-1.4.laz", "copc/lion_takanawa.copc.laz"}) {
         REQUIRE_TEST_DATA(name);
         const Bytes bytes = fileBytes(name);
         const auto file = openBytes(bytes).value();
@@ -204,7 +224,8 @@ TEST(LazFile, ColorsAloneAreTheSame) {
         for (const Chunk& chunk : file.chunks()) {
             Bytes a(chunk.points * record), b(a.size());
             ASSERT_TRUE(all.start(chunk) && all.read(a) && colors.start(chunk) && colors.read(b)) << name;
-            for (std::size_t at = 30; at < a.size(); at += record) ASSERT_EQ(std::memcmp(a.data() + at, b.data() + at, 6), 0) << name;
+            for (std::size_t at = 30; at < a.size(); at += record)
+                ASSERT_EQ(std::memcmp(a.data() + at, b.data() + at, 6), 0) << name;
         }
     }
 }

@@ -55,7 +55,8 @@ TEST(LazImport, IsTheSameHoweverItIsDone) {
 TEST(LazImport, ReadsAsTheUncompressedFileDoes) {
     const auto made = test::makeLaz({.pointFormat = 6, .compressor = 3});
     const Bytes stream = streamOf(made.file, {.threads = 2, .piece = 700});
-    auto reader = PointStreamReader::create(std::make_unique<MemoryByteSource>(stream, false), 1'000'000, true);
+    auto reader =
+        PointStreamReader::create(std::make_unique<MemoryByteSource>(stream, false), 1'000'000, true);
     ASSERT_TRUE(reader) << reader.error().message;
     Bytes plain(made.file.begin(), made.file.begin() + 375 + 94);
     plain[104] = std::byte{6};

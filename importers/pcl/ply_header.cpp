@@ -190,11 +190,11 @@ Expected<PlyHeader> checkPlyHeader(std::string_view start, std::uint64_t fileByt
     std::size_t at = 0;
     while (!reader.ended()) {
         const auto end = start.find('\n', at);
+        // Behind such a header, bytes of points may look like a line's end.
+        if (const auto line = start.substr(0, end); at == 0 && line.find('\r') < line.size() - 1)
+            return fail(ErrorCode::Unsupported,
+                        "the lines of its header end in carriage returns only; save it with a newer program");
         if (end == std::string_view::npos) {
-            if (start.find('\r') != std::string_view::npos && start.find('\n') == std::string_view::npos)
-                return fail(
-                    ErrorCode::Unsupported,
-                    "the lines of its header end in carriage returns only; save it with a newer program");
             if (start.size() >= longestPlyHeader)
                 return fail(ErrorCode::Malformed, "its header has no end within 1 MiB");
             if (start.substr(at).starts_with("end_header") && words(start.substr(at)).size() == 1) {

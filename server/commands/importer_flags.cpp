@@ -28,7 +28,7 @@ void addImporterFlags(CLI::App& app, ImporterFlags& flags, bool environment) {
         return environment ? option->envname(variable) : option;
     };
     flag("--importer-sandbox", flags.sandbox, "SCANCAST_IMPORTER_SANDBOX",
-         "LAZ, Potree, PLY and PCD are read by programs of their own, importers, which are kept from other "
+         "LAZ, E57, EPT, Potree, PLY and PCD are read by programs of their own, importers, which are kept from other "
          "files, the "
          "network and other processes: auto, by what this machine has for it; require, completely or such "
          "files are not read; off, not at all")

@@ -263,7 +263,7 @@ void addIngest(CLI::App& app, int& exitCode) {
         ->add_option(
             "--orient", arguments->orient,
             "Which side estimated normals point to. auto: towards the scanner where the scan says where it "
-            "stood, else the side that neighbours agree on, where they do; scan: the same, else undecided; "
+            "stood - each point to the one that saw it -, else the side that neighbours agree on, where they do; scan: the same, else undecided; "
             "up: upwards, for scans from the air")
         ->check(CLI::IsMember({"auto", "scan", "up"}))
         ->capture_default_str()

@@ -62,6 +62,7 @@ class ManyScans final : public PointSource {
             if (!*more) continue;
             arrangeRows(batch);
             if (!seen_.empty()) see(batch);
+            if (!batch.scanner) batch.scanner = sources_[at_]->header().scannerOrigin;
             return true;
         }
         batch.clear();
@@ -79,6 +80,13 @@ class ManyScans final : public PointSource {
         std::vector<std::string> all = merged_.notes;
         for (const auto& source : sources_)
             for (std::string& note : source->notes()) all.push_back(std::move(note));
+        return all;
+    }
+
+    std::vector<Station> stations() const override {
+        std::vector<Station> all;
+        for (const auto& source : sources_)
+            for (Station& station : source->stations()) all.push_back(std::move(station));
         return all;
     }
 

@@ -16,10 +16,9 @@ namespace scancast {
 namespace {
 
 const ImporterProgram pclImporter{.name = "scancast-import-pcl", .knowsRecover = true};
-const ImporterProgram lazImporter{
-    .name = "scancast-import-laz", .memory = ImporterProgram::Memory::Data, .knowsKeepAttributes = true};
-const ImporterProgram potreeImporter{.name = "scancast-import-potree",
-                                     .memory = ImporterProgram::Memory::Data};
+const ImporterProgram e57Importer{.name = "scancast-import-e57", .knowsKeepAttributes = true};
+const ImporterProgram lazImporter{.name = "scancast-import-laz"};
+const ImporterProgram octreeImporter{.name = "scancast-import-octree", .knowsKeepAttributes = true};
 
 /// ".PTS" and ".pts" say the same.
 std::string extensionOf(const std::filesystem::path& file) {
@@ -58,7 +57,7 @@ Expected<Looked> lookAt(const ScanInput& input) {
 
 Expected<std::unique_ptr<PointSource>> openAsItIs(const ScanInput& input, const ImportOptions& options) {
     const auto name = input.path().string();
-    if (input.octree()) return opened(ImporterSource::create(potreeImporter, input, options));
+    if (input.octree()) return opened(ImporterSource::create(octreeImporter, input, options));
     auto looked = lookAt(input);
     if (!looked) return passOn(looked);
     auto& [bytes, extension, identified] = *looked;
@@ -67,6 +66,8 @@ Expected<std::unique_ptr<PointSource>> openAsItIs(const ScanInput& input, const 
             return opened(LasSource::create(std::move(bytes), name, options.keepAttributes, options.recover));
         case ScanFormat::Laz:
             return opened(ImporterSource::create(lazImporter, input, options));
+        case ScanFormat::E57:
+            return opened(ImporterSource::create(e57Importer, input, options));
         case ScanFormat::Ply:
         case ScanFormat::Pcd:
             return opened(ImporterSource::create(pclImporter, input, options));
@@ -97,7 +98,8 @@ bool needsImporter(const ScanInput& input) {
     const auto looked = lookAt(input);
     if (!looked) return false;
     const ScanFormat format = looked->identified.format;
-    return format == ScanFormat::Laz || format == ScanFormat::Ply || format == ScanFormat::Pcd;
+    return format == ScanFormat::Laz || format == ScanFormat::E57 || format == ScanFormat::Ply ||
+           format == ScanFormat::Pcd;
 }
 
 std::string_view name(ImporterSandbox sandbox) {

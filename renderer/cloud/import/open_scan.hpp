@@ -1,4 +1,4 @@
-// Opens any scan file by what it is: LAS and text in process, LAZ, Potree octrees, PLY and PCD through an
+// Opens any scan file by what it is: LAS and text in process, LAZ, E57, octrees of EPT and Potree, PLY and PCD through an
 // importer process (decision 3: third-party parsers never run inside the server). Pipeline: file → **import**
 // → octree.
 #pragma once

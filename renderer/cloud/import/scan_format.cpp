@@ -79,17 +79,15 @@ std::string firstBytes(std::string_view start) {
 }  // namespace
 
 std::string_view readableFormats() {
-    return "Scancast reads LAS and LAZ 1.0-1.4 (COPC included), PLY (ascii and binary), PCD (ascii, binary "
-           "and binary_compressed), text (XYZ, TXT, CSV, PTS, PTX) and Potree octrees (folders)";
+    return "Scancast reads LAS and LAZ 1.0-1.4 (COPC included), E57, PLY (ascii and binary), PCD (ascii, binary "
+           "and binary_compressed), text (XYZ, TXT, CSV, PTS, PTX) and octrees of EPT and Potree (folders)";
 }
 
 Identified identifyScan(std::span<const std::byte> bytes, std::string_view extension) {
     const std::string_view start(reinterpret_cast<const char*>(bytes.data()), bytes.size());
     if (start.starts_with("LASF")) return {isLaz(start) ? ScanFormat::Laz : ScanFormat::Las, {}};
     if (isPly(start)) return {ScanFormat::Ply, {}};
-    if (start.starts_with("ASTM-E57"))
-        return {ScanFormat::Unknown,
-                "it is an E57 file: E57 comes with a later release; convert it to LAS or PLY first"};
+    if (start.starts_with("ASTM-E57")) return {ScanFormat::E57, {}};
     if (const auto* foreign = foreignByContent(start, extension))
         return {ScanFormat::Unknown, sentence(*foreign)};
     if (isPcd(start)) return {ScanFormat::Pcd, {}};

@@ -72,6 +72,20 @@ TEST(ManyScans, AreOneCloud) {
     test::checkStructure(*cloud, 512);
 }
 
+TEST(ManyScans, EachStoodWhereItStood) {
+    const auto stoodAt = [](double x) {
+        return [x](ScanHeader& h) { h.scannerOrigin = glm::dvec3(x, 2, 3); };
+    };
+    auto all = together(scan(0, {}, stoodAt(1)), scan(500, {}), scan(900, {}, stoodAt(7)));
+    ASSERT_TRUE(all);
+    EXPECT_EQ((*all)->header().scannerOrigin, std::nullopt) << "no one place explains all points";
+    PointBatch batch;
+    std::vector<std::optional<glm::dvec3>> scanners;
+    while ((*all)->read(batch).value()) scanners.push_back(batch.scanner);
+    EXPECT_EQ(scanners, (std::vector<std::optional<glm::dvec3>>{glm::dvec3(1, 2, 3), std::nullopt,
+                                                                glm::dvec3(7, 2, 3)}));
+}
+
 TEST(ManyScans, GridsThatDifferAreNoGrid) {
     auto all = together(scan(0, {}), scan(100, {}, [](ScanHeader& h) { h.gridStep = glm::dvec3(0.01); }));
     ASSERT_TRUE(all);

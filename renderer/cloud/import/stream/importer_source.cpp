@@ -37,7 +37,8 @@ Expected<std::unique_ptr<ImporterSource>> ImporterSource::create(const ImporterP
     constexpr auto unbounded = std::numeric_limits<std::uint64_t>::max();
     const auto mostPoints =
         fileBytes > unbounded / mostPointsPerByte ? unbounded : fileBytes * mostPointsPerByte;
-    auto reader = PointStreamReader::create(std::make_unique<SharedBytes>(source->process_), mostPoints);
+    auto reader = PointStreamReader::create(std::make_unique<SharedBytes>(source->process_), mostPoints,
+                                            options.keepAttributes);
     if (!reader) return tl::unexpected(source->explain(reader.error(), *source->process_));
     source->reader_ = std::move(*reader);
     return source;

@@ -182,6 +182,7 @@ Expected<bool> PtxSource::startScan() {
     if (glm::determinant(glm::dmat3(transform_)) == 0)
         return fail(ErrorCode::Malformed, lines_.place() + "the scan's matrix flattens all points");
     if (++scans_ > 1) scan_.scannerOrigin.reset();
+    stations_.push_back({.position = transform_[3], .forwards = unitVector(transform_[0])});
     return true;
 }
 
@@ -205,17 +206,24 @@ Expected<bool> PtxSource::nextLine(std::string_view& line) {
 
 Expected<bool> PtxSource::read(PointBatch& batch) {
     batch.clear();
+    batch.scanner = transform_[3];
     std::string_view line;
     while (batch.size() < batchPoints) {
         if (inScan_ == promised_) {
+            if (batch.size() > 0) return true;
             const auto more = startNextScan();
             if (!more) return passOn(more);
-            if (*more) continue;
-            if (batch.size() == 0 && points_ == dropped_)
+            if (*more) {
+                batch.scanner = transform_[3];
+                continue;
+            }
+            if (points_ == dropped_)
                 return fail(ErrorCode::Empty,
                             fmt::format("{}: none of the {} directions of its scans has a point", name_,
                                         grouped(points_)));
-            return batch.size() > 0;
+            batch.scanner.reset();
+            ended_ = true;
+            return false;
         }
         const auto more = nextLine(line);
         if (!more) return passOn(more);
@@ -236,6 +244,7 @@ Expected<bool> PtxSource::read(PointBatch& batch) {
             const bool point = position != glm::dvec3(0) && std::isfinite(there.x) &&
                                std::isfinite(there.y) && std::isfinite(there.z);
             if (point) why = row_.appendTo(batch, there);
+            stations_.back().points += point && why == nullptr;
             dropped_ += !point;
         }
         if (why != nullptr) return fail(ErrorCode::Malformed, lines_.place() + *why);

@@ -3,7 +3,8 @@
 //
 // A scan is: number of columns, number of rows, the scanner's position, its three axes, a 4 × 4 matrix of row
 // vectors (translation last), then columns × rows points: x y z [intensity] [red green blue]. Points come out
-// transformed, in double precision; a direction without an echo is the point 0 0 0 and is dropped.
+// transformed, in double precision; a direction without an echo is the point 0 0 0 and is dropped. No batch holds points of two scans: each
+// says where its scanner stood.
 #pragma once
 
 #include <array>
@@ -30,6 +31,7 @@ class PtxSource final : public PointSource {
     /// forgotten when a second one is met all the same: then no one place explains all points.
     const ScanHeader& header() const override { return scan_; }
     Expected<bool> read(PointBatch& batch) override;
+    std::vector<Station> stations() const override { return ended_ ? stations_ : std::vector<Station>(); }
     /// Directions without an echo among them.
     std::uint64_t droppedPoints() const override { return dropped_; }
     std::vector<std::string> notes() const override { return notes_; }
@@ -52,7 +54,9 @@ class PtxSource final : public PointSource {
     std::string name_;
     TextRow row_;
     ScanHeader scan_;
-    glm::dmat4x3 transform_{1};   ///< of column vectors, as glm has them
+    std::vector<Station> stations_;  ///< of the scans begun
+    glm::dmat4x3 transform_{1};      ///< of column vectors, as glm has them
+    bool ended_ = false;
     std::uint64_t promised_ = 0;  ///< points of this scan
     std::uint64_t inScan_ = 0;    ///< of them, read
     std::uint64_t scans_ = 0;

@@ -209,7 +209,7 @@ TEST(Ept, ZstandardTilesHoldWhatTheirPointsNeedAndNothingElse) {
     EXPECT_THAT(told(records), HasSubstr("1-0-0-0.zst cannot be decompressed"));
     EXPECT_THAT(told(zstdOf(cut(records, 1))), HasSubstr("holds only 144 bytes; its 5 points need 145"));
     // A bomb: what a few bytes hold is not asked for beyond what its points need.
-    EXPECT_THAT(told(zstdOf(Bytes(test::sized(200, 20) << 20))),
+    EXPECT_THAT(told(zstdOf(Bytes(std::size_t(test::sized(64, 8)) << 20))),
                 HasSubstr("holds more bytes than its 5 points need"));
     // Frames may follow each other.
     BytesWriter two;

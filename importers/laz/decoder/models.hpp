@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
+#include <type_traits>
 
 namespace scancast::laz {
 
@@ -55,12 +56,12 @@ class SymbolModel {
     std::uint32_t from(std::uint32_t symbol) const { return from_[symbol]; }
     /// The symbol in whose part `place` lies; places from 2^shift on (by less than 64) are the last one's.
     std::uint32_t find(std::uint32_t place) const {
-        std::uint32_t low = 0, high = symbols;
         if constexpr (tableSize > 0) {
-            const std::uint32_t slot = place >> tableShift;
-            low = table_[slot];
-            high = table_[slot + 1] + 1U;
+            std::uint32_t symbol = table_[place >> tableShift];
+            while (from_[symbol + 1] <= place) ++symbol;
+            return symbol;
         }
+        std::uint32_t low = 0, high = symbols;
         while (high > low + 1) {
             const std::uint32_t middle = (low + high) >> 1;
             if (from_[middle] > place)
@@ -77,13 +78,14 @@ class SymbolModel {
     }
 
   private:
+    // Slots of at least 2^7 places: what lies behind 2^shift is less than one more.
     static constexpr std::uint32_t tableBits() {
         std::uint32_t bits = 3;
-        while (symbols > (1U << (bits + 2))) ++bits;
+        while (bits < 8 && symbols > (1U << bits)) ++bits;
         return bits;
     }
-    static_assert(symbols >= 2 &&
-                  symbols <= 1024);  // more would need a table of more than 256 slots: see find()
+    static_assert(symbols >= 2 && symbols <= 1024);
+    using Symbol = std::conditional_t<symbols <= 256, std::uint8_t, std::uint16_t>;
     static constexpr std::uint32_t tableSize = symbols > 16 ? 1U << tableBits() : 0;
     static constexpr std::uint32_t tableShift = shift - tableBits();
 
@@ -109,11 +111,12 @@ class SymbolModel {
             sum += counts_[symbol];
             if constexpr (tableSize > 0)
                 for (const std::uint32_t end = from_[symbol] >> tableShift; slot < end;)
-                    table_[++slot] = static_cast<std::uint16_t>(symbol - 1);
+                    table_[++slot] = static_cast<Symbol>(symbol - 1);
         }
+        from_[symbols] = 0xffff;
         if constexpr (tableSize > 0) {
             table_[0] = 0;
-            while (slot <= tableSize) table_[++slot] = static_cast<std::uint16_t>(last);
+            while (slot <= tableSize) table_[++slot] = static_cast<Symbol>(last);
         }
         cycle_ = std::min((5 * cycle_) >> 2, (symbols + 6) << 3);
         untilUpdate_ = cycle_;
@@ -121,9 +124,10 @@ class SymbolModel {
 
     bool ready_ = false;
     std::uint32_t total_ = 0, cycle_ = 0, untilUpdate_ = 0;
-    std::array<std::uint16_t, symbols> from_;
+    std::array<std::uint16_t, symbols + 1> from_;  // and an end that no place reaches
     std::array<std::uint16_t, symbols> counts_;
-    std::array<std::uint16_t, tableSize + 2> table_;  // without a table: unused
+    // The symbol that the slot begins with, or the one before. Without a table: unused.
+    std::array<Symbol, tableSize + 2> table_;
 };
 
 template <std::uint32_t symbols, std::size_t count>

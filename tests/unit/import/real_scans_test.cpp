@@ -153,7 +153,10 @@ TEST(RealScansAgree, AutzenAsLasAndAsPcd) {
 // Compression loses nothing: every column of every point, and what the header says of the grid.
 TEST(RealScansAgree, LasAndLaz) {
     for (const auto& [laz, las] : {std::pair("laz/autzen_trim.laz", "las/autzen_trim.las"),
+                                   {"laz/pdrf0-compressor1-pointwise.laz", "las/las10-pdrf0.las"},
                                    {"laz/pdrf2-color.laz", "las/las12-pdrf2-color.las"},
+                                   {"laz/pdrf5-1.3.laz", "las/pdrf5-1.3.las"},
+                                   {"laz/pdrf9-1.4.laz", "las/pdrf9-1.4.las"},
                                    {"laz/pdrf8-1.4.laz", "las/pdrf8-1.4.las"}}) {
         REQUIRE_TEST_DATA(laz);
         REQUIRE_TEST_DATA(las);

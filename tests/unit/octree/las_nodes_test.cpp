@@ -69,7 +69,7 @@ TEST(LasNodes, KeepWhatLasKnows) {
     ASSERT_FALSE(scan.header.columns.empty());
     EXPECT_EQ(scan.header.columns.front().name, "return_number");
     EXPECT_EQ(scan.header.columns.back().name, "gps_time");
-    EXPECT_EQ(scan.points.rows.size(), eptPointsInAll * 20);
+    EXPECT_EQ(scan.points.rows.size(), eptPointsInAll * 17);
 }
 
 TEST(LasNodes, OfPotreeWithGridsOfTheirOwn) {

@@ -21,8 +21,8 @@ struct PotreeDamage {
     std::function<void(MemoryFiles&)> act;
     const char* words;
 };
-std::string nameOfDamage(const ::testing::TestParamInfo<PotreeDamage>& info) {
-    return info.param.name;
+std::string nameOfDamage(const ::testing::TestParamInfo<PotreeDamage>& one) {
+    return one.param.name;
 }
 
 auto inMetadata(std::function<void(nlohmann::json&)> change) {

@@ -68,7 +68,7 @@ std::size_t pointBytes(const Attributes& attributes, bool areSteps) {
            (attributes.normal ? 12u : 0u);
 }
 
-std::vector<std::byte> encodeHeader(const ScanHeader& header, bool areSteps) {
+std::vector<std::byte> encodeHeader(const ScanHeader& header, bool areSteps, bool newest) {
     const auto format = printableText(header.format, longestFormat);
     const auto wkt = printableText(header.crsWkt, longestWkt);
     const auto further = encodeColumns(header.columns);
@@ -76,7 +76,7 @@ std::vector<std::byte> encodeHeader(const ScanHeader& header, bool areSteps) {
     std::vector<std::byte> bytes(headerBytes + scanner + format.size() + wkt.size() + further.size());
     auto* data = bytes.data();
     std::memcpy(data, magic.data(), magic.size());
-    storeLe(data + atVersion, areSteps ? newestVersion : version);
+    storeLe(data + atVersion, areSteps || newest ? newestVersion : version);
     const auto& has = header.attributes;
     const unsigned columns = (has.color ? color : 0u) | (has.intensity ? intensity : 0u) |
                              (has.classification ? classification : 0u) | (has.normal ? normal : 0u);
@@ -150,6 +150,7 @@ Expected<DecodedHeader> decodeHeader(std::span<const std::byte> bytes) {
         return wrongHeader(atVersion,
                            fmt::format("version {} is not known here, versions 1 and 2 are", found));
     DecodedHeader decoded;
+    decoded.version = found;
     auto& header = decoded.header;
     const unsigned columns = loadLe<std::uint16_t>(data + atColumns);
     decoded.isLas = found >= newestVersion && (columns & lasRecords) != 0;

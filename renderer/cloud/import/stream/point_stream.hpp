@@ -41,12 +41,15 @@ inline constexpr std::array<char, 4> failTag{'F', 'A', 'I', 'L'};
 inline constexpr std::array<char, 4> recordsTag{'R', 'E', 'C', 'S'};
 inline constexpr std::array<char, 4> peakTag{'P', 'E', 'A', 'K'};
 inline constexpr std::array<char, 4> noteTag{'N', 'O', 'T', 'E'};
+inline constexpr std::array<char, 4> stationTag{'S', 'T', 'N', 'D'};
+inline constexpr std::array<char, 4> fromTag{'F', 'R', 'O', 'M'};
 
 /// Bytes of one point in a chunk.
 std::size_t pointBytes(const Attributes& attributes, bool areSteps = false);
 
-/// Header and its three texts; texts that are too long are cut. Version 1, or 2 where positions are steps of the header's grid.
-std::vector<std::byte> encodeHeader(const ScanHeader& header, bool areSteps = false);
+/// Header and its three texts; texts that are too long are cut. `newest`: as version 2; so are headers where positions are steps of
+/// their grid.
+std::vector<std::byte> encodeHeader(const ScanHeader& header, bool areSteps = false, bool newest = false);
 
 /// What comes before records of LAS.
 struct LasPreamble {
@@ -61,6 +64,7 @@ std::vector<std::byte> encodeLasHeader(const LasPreamble& las);
 /// How the rest of the header is to be read.
 struct DecodedHeader {
     ScanHeader header;
+    std::uint16_t version = 0;
     bool areSteps = false;    ///< positions are steps of the header's grid
     bool isLas = false;       ///< behind the texts follow the parts of LAS
     bool hasScanner = false;  ///< scannerBytes follow, then the texts

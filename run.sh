@@ -40,7 +40,7 @@ while [ $# -gt 0 ]; do
 done
 
 ensure_packages build
-build release --target scancast scancast-client scancast-import-pcl scancast-import-laz scancast-import-octree
+build release --target scancast scancast-client scancast-import-pcl scancast-import-e57 scancast-import-laz scancast-import-octree
 [ "$build_only" = no ] || exit 0
 
 bin=$root/build/release/bin

@@ -1,7 +1,7 @@
 # `cmake --install`: programs, importers, page, man pages and documents; the library is installed in client/cpp/install.
 # Importers lie beside the program that starts them. Components are the packages of ScancastPackage.cmake.
 include(GNUInstallDirs)
-install(TARGETS scancast scancast-sandbox scancast-import-laz scancast-import-octree COMPONENT server)
+install(TARGETS scancast scancast-sandbox scancast-import-e57 scancast-import-laz scancast-import-octree COMPONENT server)
 install(TARGETS scancast-client COMPONENT client)
 if(TARGET scancast-import-pcl)
   install(TARGETS scancast-import-pcl COMPONENT import-pcl)

@@ -7,7 +7,7 @@ if(NOT SCANCAST_PYTHON OR SCANCAST_SANITIZE OR SCANCAST_COVERAGE OR CMAKE_CROSSC
   return()
 endif()
 set(SCANCAST_MANUAL "${PROJECT_BINARY_DIR}/manual")
-set(manual_programs scancast scancast-client scancast-import-laz scancast-import-octree)
+set(manual_programs scancast scancast-client scancast-import-e57 scancast-import-laz scancast-import-octree)
 if(TARGET scancast-import-pcl)
   list(APPEND manual_programs scancast-import-pcl)
 endif()

@@ -15,6 +15,7 @@
 
 #include "protocol/error.hpp"
 #include "renderer/cloud/positions.hpp"
+#include "renderer/cloud/station.hpp"
 
 namespace scancast {
 
@@ -67,8 +68,9 @@ struct ScanHeader {
     std::optional<std::array<glm::dvec3, 2>> bounds;  ///< declared min, max; a hint, not to be trusted
     std::string crsWkt;                               ///< empty = unknown
     std::optional<int> crsEpsg;
-    std::vector<Column> columns;              ///< what `rows` holds; empty unless asked for (ImportOptions)
-    std::optional<glm::dvec3> scannerOrigin;  ///< file coordinates, where the file says it; orients normals
+    std::vector<Column> columns;  ///< what `rows` holds; empty unless asked for (ImportOptions)
+    /// File coordinates, where the file says that all points were recorded from there; orients normals.
+    std::optional<glm::dvec3> scannerOrigin;
 };
 
 struct PointBatch {
@@ -78,6 +80,8 @@ struct PointBatch {
     std::vector<std::uint8_t> classification;        ///< ASPRS class
     std::vector<glm::vec3> normal;                   ///< unit length, or 0 where the scan has none
     std::vector<std::byte> rows;                     ///< size() rows of rowBytes(header.columns)
+    /// Where all of these were recorded from, file coordinates; nullopt: not known.
+    std::optional<glm::dvec3> scanner;
 
     std::size_t size() const { return position.size(); }
     void clear() {
@@ -87,6 +91,7 @@ struct PointBatch {
         classification.clear();
         normal.clear();
         rows.clear();
+        scanner.reset();
     }
 };
 
@@ -135,6 +140,8 @@ class PointSource {
     /// What else its user should hear about the scan, one sentence each without an end; all of them at the
     /// end of it.
     virtual std::vector<std::string> notes() const { return {}; }
+    /// Where the scanner stood, in the order of the scan; all of them at the end of it. None where nobody knows.
+    virtual std::vector<Station> stations() const { return {}; }
     /// How far the source is, for progress: bytes read of the total (0 = unknown).
     virtual std::array<std::uint64_t, 2> bytesRead() const { return {0, 0}; }
 };

@@ -35,7 +35,8 @@ std::array<glm::dvec3, 2> boundsOf(const Positions& positions) {
     // A larger number is never a smaller coordinate: rounding keeps the order.
     GridSteps low = positions.asSteps().front(), high = low;
     for (const GridSteps& s : positions.asSteps())
-        for (std::size_t a = 0; a < 3; ++a) low[a] = std::min(low[a], s[a]), high[a] = std::max(high[a], s[a]);
+        for (std::size_t a = 0; a < 3; ++a)
+            low[a] = std::min(low[a], s[a]), high[a] = std::max(high[a], s[a]);
     return {positions.grid().at(low), positions.grid().at(high)};
 }
 

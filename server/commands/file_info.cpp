@@ -83,6 +83,7 @@ class Counted {
         info.points = info.facts.points = points_;
         info.facts.droppedPoints = source.droppedPoints();
         info.facts.notes = source.notes();
+        info.facts.stations = source.stations();
         info.facts.bounds = {low_, high_};
         info.boundsKnown = points_ > 0;
         values_.settle(info.facts);
@@ -123,6 +124,7 @@ Expected<FileInfo> scanInfo(const ScanInput& input, bool check, const ProgressSi
     info.file = input.path();
     info.bytes = input.bytes();
     info.points = header.points;
+    info.pointsSummed = input.octree() != nullptr;
     info.facts.title = input.path().filename().string();
     info.facts.format = header.format;
     info.facts.points = header.points.value_or(0);
@@ -130,6 +132,7 @@ Expected<FileInfo> scanInfo(const ScanInput& input, bool check, const ProgressSi
     info.facts.crsWkt = header.crsWkt;
     info.facts.crsEpsg = header.crsEpsg;
     info.facts.notes = (*source)->notes();
+    info.facts.stations = (*source)->stations();
     for (const Column& column : header.columns) info.facts.columns.push_back({column, {0, 0}});
     info.boundsKnown = header.bounds.has_value();
     if (header.bounds) info.facts.bounds = *header.bounds;

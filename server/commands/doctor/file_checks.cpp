@@ -92,6 +92,7 @@ void lookAtImporters(const ServeOptions& options, Findings& findings) {
         const char* reads;
     };
     constexpr std::array programs{Program{"scancast-import-pcl", "PLY and PCD"},
+                                  Program{"scancast-import-e57", "E57"},
                                   Program{"scancast-import-laz", "LAZ and COPC"},
                                   Program{"scancast-import-octree", "EPT and Potree"}};
     for (const auto& [name, reads] : programs) {

@@ -48,8 +48,9 @@ const BadScan badScans[] = {
     {"bad/badheader.txt", ErrorCode::Malformed, "line 1: two columns are called \"X\""},
     {"bad/missingheader.pcd", ErrorCode::Unsupported, "text without a PCD header"},
     {"bad/no_vertex.ply", ErrorCode::Malformed, "declares no vertices"},
-    {"bad/corrupt_crc.e57", ErrorCode::Unsupported, "E57 comes with a later release"},
-    {"e57/bunnyFloat.e57", ErrorCode::Unsupported, "E57 comes with a later release"},
+    {"bad/corrupt_crc.e57", ErrorCode::Malformed, "the page at byte 33,792 is damaged: its checksum is another"},
+    {"bad/InvalidCVHeader.e57", ErrorCode::Malformed, "byte 48: its scan: its points should begin here"},
+    {"bad/empty.e57", ErrorCode::Empty, "an E57 file without scans"},
     {"ply/pdal-sized_dims.ply", ErrorCode::Malformed, "no property \"z\""},
     {"ply/pdal-unsized_dims.ply", ErrorCode::Malformed, "no property \"z\""},
 };
@@ -184,13 +185,13 @@ TEST(NotAScan, OtherThings) {
     const TemporaryFolder folder;
     using namespace std::string_literals;
     for (const auto& [content, reason] :
-         {std::pair("\x89PNG\r\n\x1a\n"s, "a PNG picture"),
+         {std::pair("\x89PNG\r\n\x1a\n"s, "a picture (JPEG, PNG"),
           {"\x1f\x8b\x08\x00"s, "gunzip"},
           {"PK\x03\x04 "s, "a ZIP archive"},
           {"<!DOCTYPE html>"s, "a web page"},
           {"\x01\x02\x03"s, "starts with the bytes 01 02 03"},
           {"ply"s, "Scancast reads"},
-          {"{\n  \"points\": [1, 2, 3]\n}\n"s, "it is text, but not of points"},
+          {"{\n  \"points\": [1, 2, 3]\n}\n"s, "it is JSON text"},
           {"Dear all,\n\nthe 3 scans of 2024 are 12 GB.\n"s, "Scancast reads"},
           {std::string(5000, '\0'), "starts with the bytes 00 00 00 00"}})
         expectBadScan(folder.write("scan.las", content), ErrorCode::Unsupported, reason);

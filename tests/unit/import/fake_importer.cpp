@@ -176,9 +176,7 @@ const std::map<std::string, std::function<void()>> behaviours{
          good();
      }},
     {"failure",
-     [] {
-         (void)!writer.writeFailure({scancast::ErrorCode::Truncated, "it ends at byte 7", {}});
-     }},
+     [] { (void)!writer.writeFailure({scancast::ErrorCode::Truncated, "it ends at byte 7", {}}); }},
     {"allocate", bigAllocation},
     {"reserve", reserve},
     {"read-long", readLong},

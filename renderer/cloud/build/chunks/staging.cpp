@@ -7,6 +7,7 @@
 #include <cstring>
 #include <future>
 #include <glm/common.hpp>
+#include <glm/geometric.hpp>
 #include <limits>
 
 #include "renderer/cloud/sample.hpp"
@@ -126,7 +127,13 @@ void packPositions(const PointBatch& batch, const ScanHeader& header, bool grid,
     }
 }
 
-void packRest(const PointBatch& batch, PackedBatch& out) {
+/// The direction of a vector of any length but 0, which has none.
+std::uint16_t sightCode(const glm::dvec3& sight) {
+    const double length = glm::length(sight);
+    return length > 0 && std::isfinite(length) ? encodeNormal(glm::vec3(sight / length)) : noNormal;
+}
+
+void packRest(const PointBatch& batch, bool sights, PackedBatch& out) {
     auto* rest = out.as<StagedBatch::Rest>(batch.size() * bytesOf(out.positions));
     std::fill_n(rest, batch.size(), StagedBatch::Rest{});
     for (std::size_t i = 0; i < batch.color.size(); ++i) rest[i].color = batch.color[i];
@@ -134,6 +141,9 @@ void packRest(const PointBatch& batch, PackedBatch& out) {
     for (std::size_t i = 0; i < batch.classification.size(); ++i)
         rest[i].classification = batch.classification[i];
     for (std::size_t i = 0; i < batch.normal.size(); ++i) rest[i].normal = encodeNormal(batch.normal[i]);
+    if (sights && batch.scanner)
+        for (std::size_t i = 0; i < batch.size(); ++i)
+            rest[i].normal = sightCode(*batch.scanner - batch.position[i]);
     std::copy(batch.rows.begin(), batch.rows.end(), reinterpret_cast<std::byte*>(rest + batch.size()));
 }
 
@@ -206,14 +216,15 @@ void learn(const PointBatch& batch, PackedBatch& packed, StagedScan& scan) {
         }
     }
     scan.points += batch.size();
+    if (batch.scanner) scan.sighted += batch.size();
 }
 
-Expected<void> stageBatch(const PointBatch& batch, const ScanHeader& header, Workspace& workspace,
-                          StagedScan& scan) {
+Expected<void> stageBatch(const PointBatch& batch, const ScanHeader& header, bool sights,
+                          Workspace& workspace, StagedScan& scan) {
     if (auto ok = checkBatch(batch, header, scan.points); !ok) return ok;
     thread_local PackedBatch packed;
     packPositions(batch, header, scan.onOwnGrid && hasGrid(header), packed);
-    packRest(batch, packed);
+    packRest(batch, sights, packed);
     learn(batch, packed, scan);
     learnColumns(batch, header.columns, scan);
     auto buffer = workspace.allocate(packed.bytes.size());
@@ -226,7 +237,7 @@ Expected<void> stageBatch(const PointBatch& batch, const ScanHeader& header, Wor
 }  // namespace
 
 Expected<StagedScan> stage(PointSource& source, Workspace& workspace, ProgressMeter& progress,
-                           const std::stop_token& stop) {
+                           const std::stop_token& stop, bool sights) {
     StagedScan scan;
     const ScanHeader header = source.header();
     scan.columnRanges.assign(header.columns.size(), {std::numeric_limits<double>::infinity(),
@@ -239,7 +250,7 @@ Expected<StagedScan> stage(PointSource& source, Workspace& workspace, ProgressMe
         std::swap(current, next);
         auto reading = std::async(std::launch::async, readNext);
         if (current.size() > 0) {
-            if (auto staged = stageBatch(current, header, workspace, scan); !staged) {
+            if (auto staged = stageBatch(current, header, sights, workspace, scan); !staged) {
                 reading.wait();
                 return passOn(staged);
             }
@@ -251,6 +262,7 @@ Expected<StagedScan> stage(PointSource& source, Workspace& workspace, ProgressMe
     if (!more) return passOn(more);
     scan.droppedPoints = source.droppedPoints();
     scan.notes = source.notes();
+    scan.stations = source.stations();
     if (scan.points == 0)
         return fail(ErrorCode::Empty,
                     fmt::format("The scan has no point to show ({} left out because a coordinate "
@@ -301,8 +313,7 @@ void placeOnGrid(const StagedBatch& batch, std::span<const std::byte> bytes, con
             const glm::dvec3 q(own[i][0], own[i][1], own[i][2]);
             p.setPosition(onGrid(header.gridOrigin + header.gridStep * q, grid));
         } else {
-            p.setPosition(
-                onGrid(batch.positions == Kind::Single ? glm::dvec3(single[i]) : full[i], grid));
+            p.setPosition(onGrid(batch.positions == Kind::Single ? glm::dvec3(single[i]) : full[i], grid));
         }
     }
 }

@@ -160,7 +160,8 @@ Expected<LasHeader> parseLasHeader(std::span<const std::byte> bytes, const std::
         header.evlrs = loadLe<std::uint32_t>(data + atEvlrCount);
     }
     if (header.points == 0)
-        return fail(ErrorCode::Empty, lasSubject(name) + " is a LAS file without points (byte 107: 0 points)");
+        return fail(ErrorCode::Empty,
+                    lasSubject(name) + " is a LAS file without points (byte 107: 0 points)");
     return header;
 }
 

@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <limits>
 
+#include "renderer/cloud/import/lost_points.hpp"
 #include "renderer/cloud/import/printable_text.hpp"
 
 namespace scancast {
@@ -24,7 +25,7 @@ constexpr std::uint64_t glances = 8192, glanceRecords = 6, fewestToGlanceAt = 1'
 }  // namespace
 
 Expected<std::unique_ptr<LasSource>> LasSource::create(std::unique_ptr<ByteSource> bytes, std::string name,
-                                                       bool keepAttributes) {
+                                                       bool keepAttributes, bool recover) {
     std::array<std::byte, lasHeaderBytes> start{};
     const auto got = readFully(*bytes, start);
     if (!got) return passOn(got);
@@ -32,6 +33,7 @@ Expected<std::unique_ptr<LasSource>> LasSource::create(std::unique_ptr<ByteSourc
     if (!reader) return passOn(std::move(reader));
 
     std::unique_ptr<LasSource> source(new LasSource(std::move(bytes), std::move(*reader)));
+    source->recover_ = recover;
     const LasHeader& header = source->las();
     if (auto ok = source->checkExtent(); !ok) return passOn(ok);
     // A header of LAS 1.0-1.3 is shorter than what was read: the rest belongs to the variable length records.
@@ -89,8 +91,12 @@ Expected<void> LasSource::checkExtent() {
                                               grouped(las().pointOffset) + ", beyond the end of the file (" +
                                               grouped(*size) + " bytes)");
     if (size) {
-        const auto there = (*size - las().pointOffset) / las().recordBytes;
-        if (las().points > there) return tl::unexpected(truncated(*size, there));
+        auto there = (*size - las().pointOffset) / las().recordBytes;
+        // A count that is wrong must not make points of the records behind them.
+        if (recover_ && las().evlrs > 0 && las().evlrOffset >= las().pointOffset)
+            there = std::min(there, (las().evlrOffset - las().pointOffset) / las().recordBytes);
+        if (las().points > there && (!recover_ || there == 0)) return tl::unexpected(truncated(*size, there));
+        if (las().points > there) loseAllBut(there);
     } else if (las().points > room / las().recordBytes) {
         return fail(ErrorCode::Malformed,
                     name() + ": " + grouped(las().points) + " points are more than any file holds");
@@ -138,18 +144,15 @@ Expected<void> LasSource::lookAtColors() {
         const auto piece = std::span(buffer_).first(count * las().recordBytes);
         const auto got = bytes_->readAt(placeOf(first), piece);
         if (!got) return passOn(got);
-        if (*got < piece.size())
-            return tl::unexpected(truncated(placeOf(first) + *got, first));
+        if (*got < piece.size()) return tl::unexpected(truncated(placeOf(first) + *got, first));
         reader_.see(piece);
         return {};
     };
     const auto stride = std::max<std::uint64_t>(1, las().points / firstLooks);
-    for (std::uint64_t first = 0; first < las().points && reader_.wantsToSeeMore();
-         first += stride)
+    for (std::uint64_t first = 0; first < las().points && reader_.wantsToSeeMore(); first += stride)
         if (auto ok = look(first, firstLookRecords); !ok) return ok;
     const auto atOnce = buffer_.size() / las().recordBytes;
-    for (std::uint64_t first = 0; first < las().points && reader_.wantsToSeeMore();
-         first += atOnce)
+    for (std::uint64_t first = 0; first < las().points && reader_.wantsToSeeMore(); first += atOnce)
         if (auto ok = look(first, atOnce); !ok) return ok;
     buffer_.clear();
     return {};
@@ -160,6 +163,11 @@ Error LasSource::truncated(std::uint64_t at, std::uint64_t complete) const {
             name() + " ends at byte " + grouped(at) + ": its header promises " + grouped(las().points) +
                 " points, there are " + grouped(complete),
             {}};
+}
+
+void LasSource::loseAllBut(std::uint64_t complete) {
+    lost_ += las().points - complete;
+    reader_.setPoints(complete);
 }
 
 Expected<PointBatch> LasSource::glance() {
@@ -180,7 +188,7 @@ Expected<PointBatch> LasSource::glance() {
 Expected<bool> LasSource::read(PointBatch& batch) {
     for (std::uint64_t done = 0; (done = reader_.recordsRead()) < las().points;) {
         const auto fits = std::max<std::uint64_t>(1, bufferBytes / las().recordBytes);
-        const auto count = std::min({las().points - done, std::uint64_t(batchPoints), fits});
+        auto count = std::min({las().points - done, std::uint64_t(batchPoints), fits});
         const auto wanted = count * las().recordBytes;
         // A pipe has left the first bytes of the points in the buffer when its header was read.
         const auto early = done == 0 ? std::min<std::uint64_t>(buffer_.size(), wanted) : 0;
@@ -188,8 +196,15 @@ Expected<bool> LasSource::read(PointBatch& batch) {
         const auto got = readFully(*bytes_, std::span(buffer_).subspan(early));
         if (!got) return passOn(got);
         const auto there = early + *got;
-        if (there < wanted)
-            return tl::unexpected(truncated(placeOf(done) + there, done + there / las().recordBytes));
+        if (there < wanted) {
+            const auto whole = there / las().recordBytes;
+            if (!recover_ || done + whole == 0)
+                return tl::unexpected(truncated(placeOf(done) + there, done + whole));
+            loseAllBut(done + whole);
+            if (whole == 0) break;
+            count = whole;
+            buffer_.resize(count * las().recordBytes);
+        }
         if (auto ok = reader_.decode(buffer_, batch); !ok) return passOn(ok);
         if (batch.size() > 0) return true;
     }
@@ -201,6 +216,12 @@ Expected<bool> LasSource::read(PointBatch& batch) {
 std::vector<std::string> LasSource::notes() const {
     auto notes = reader_.notes();
     for (auto& note : notes) note = std::filesystem::path(name()).filename().string() + ": " + note;
+    if (lost_ == 0) return notes;
+    notes.push_back(noteOf(name(), lostPoints("it", las().points + lost_, las().points)));
+    if (las().evlrs > 0 && bytes_->size() && las().evlrOffset >= *bytes_->size())
+        notes.push_back(noteOf(name(),
+                               "the records behind its points are lost, too; they may have held its coordinate "
+                               "reference system"));
     return notes;
 }
 

@@ -18,9 +18,10 @@ namespace scancast {
 class LasSource final : public PointSource {
   public:
     /// `bytes` stands at the start of the file; `name` is what messages call it. `keepAttributes`: fill
-    /// ScanHeader::columns and PointBatch::rows.
+    /// ScanHeader::columns and PointBatch::rows. `recover`: of points that the bytes end before, those that are whole are
+    /// all, and a note tells of the rest.
     static Expected<std::unique_ptr<LasSource>> create(std::unique_ptr<ByteSource> bytes, std::string name,
-                                                       bool keepAttributes = false);
+                                                       bool keepAttributes = false, bool recover = false);
 
     const ScanHeader& header() const override { return reader_.header(); }
     Expected<PointBatch> glance() override;
@@ -44,9 +45,12 @@ class LasSource final : public PointSource {
     }
     std::uint64_t pointsEnd() const { return placeOf(las().points); }
     Error truncated(std::uint64_t at, std::uint64_t complete) const;
+    void loseAllBut(std::uint64_t complete);
 
     std::unique_ptr<ByteSource> bytes_;
     LasReader reader_;
+    bool recover_ = false;
+    std::uint64_t lost_ = 0;  ///< points that are promised and not there
     std::vector<std::byte> buffer_;
 };
 

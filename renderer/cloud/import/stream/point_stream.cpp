@@ -28,7 +28,13 @@ enum At : std::size_t {
     atColumnsBytes = 132,
 };
 enum HeaderColumn : unsigned { color = 1, intensity = 2, classification = 4, normal = 8, lasRecords = 16 };
-enum Known : unsigned { knownPoints = 1, knownBounds = 2, knownEpsg = 4, knownScanner = 8, stepsForPositions = 16 };
+enum Known : unsigned {
+    knownPoints = 1,
+    knownBounds = 2,
+    knownEpsg = 4,
+    knownScanner = 8,
+    stepsForPositions = 16
+};
 
 void storeVector(std::byte* to, const glm::dvec3& v) {
     for (int i = 0; i < 3; ++i) storeLe(to + 8 * i, v[i]);
@@ -57,11 +63,12 @@ constexpr CodePair codes[] = {{1, ErrorCode::Malformed}, {2, ErrorCode::Truncate
 }  // namespace
 
 std::size_t pointBytes(const Attributes& attributes, bool areSteps) {
-    return (areSteps ? stepBytes : sizeof(glm::dvec3)) + (attributes.color ? 3u : 0u) + (attributes.intensity ? 2u : 0u) +
-           (attributes.classification ? 1u : 0u) + (attributes.normal ? 12u : 0u);
+    return (areSteps ? stepBytes : sizeof(glm::dvec3)) + (attributes.color ? 3u : 0u) +
+           (attributes.intensity ? 2u : 0u) + (attributes.classification ? 1u : 0u) +
+           (attributes.normal ? 12u : 0u);
 }
 
-std::vector<std::byte> encodeHeader(const ScanHeader& header, bool areSteps) {
+std::vector<std::byte> encodeHeader(const ScanHeader& header, bool areSteps, bool newest) {
     const auto format = printableText(header.format, longestFormat);
     const auto wkt = printableText(header.crsWkt, longestWkt);
     const auto further = encodeColumns(header.columns);
@@ -69,7 +76,7 @@ std::vector<std::byte> encodeHeader(const ScanHeader& header, bool areSteps) {
     std::vector<std::byte> bytes(headerBytes + scanner + format.size() + wkt.size() + further.size());
     auto* data = bytes.data();
     std::memcpy(data, magic.data(), magic.size());
-    storeLe(data + atVersion, areSteps ? newestVersion : version);
+    storeLe(data + atVersion, areSteps || newest ? newestVersion : version);
     const auto& has = header.attributes;
     const unsigned columns = (has.color ? color : 0u) | (has.intensity ? intensity : 0u) |
                              (has.classification ? classification : 0u) | (has.normal ? normal : 0u);
@@ -140,12 +147,15 @@ Expected<DecodedHeader> decodeHeader(std::span<const std::byte> bytes) {
         return wrongHeader(0, "it does not start as a point stream does");
     const auto found = loadLe<std::uint16_t>(data + atVersion);
     if (found != version && found != newestVersion)
-        return wrongHeader(atVersion, fmt::format("version {} is not known here, versions 1 and 2 are", found));
+        return wrongHeader(atVersion,
+                           fmt::format("version {} is not known here, versions 1 and 2 are", found));
     DecodedHeader decoded;
+    decoded.version = found;
     auto& header = decoded.header;
     const unsigned columns = loadLe<std::uint16_t>(data + atColumns);
     decoded.isLas = found >= newestVersion && (columns & lasRecords) != 0;
-    if ((columns & ~(decoded.isLas ? unsigned(lasRecords) : 0u)) > (color | intensity | classification | normal))
+    if ((columns & ~(decoded.isLas ? unsigned(lasRecords) : 0u)) >
+        (color | intensity | classification | normal))
         return wrongHeader(atColumns, "unknown columns");
     header.attributes = {(columns & color) != 0, (columns & intensity) != 0, (columns & classification) != 0,
                          (columns & normal) != 0};
@@ -162,7 +172,8 @@ Expected<DecodedHeader> decodeHeader(std::span<const std::byte> bytes) {
     if (!finite(header.gridOrigin)) return wrongHeader(atGridOrigin, "the grid's origin is not a number");
     if (decoded.areSteps && (header.gridStep.x <= 0 || header.gridStep.y <= 0 || header.gridStep.z <= 0 ||
                              !std::isfinite(StepGrid{header.gridOrigin, header.gridStep}.reach())))
-        return wrongHeader(atGridStep, "positions are steps of a grid, and there is none that they could be of");
+        return wrongHeader(atGridStep,
+                           "positions are steps of a grid, and there is none that they could be of");
     if ((known & knownBounds) != 0) {
         const std::array<glm::dvec3, 2> bounds{loadVector(data + atBounds), loadVector(data + atBounds + 24)};
         if (finite(bounds[0]) && finite(bounds[1])) header.bounds = bounds;

@@ -38,7 +38,8 @@ Expected<void> PointStreamReader::readLas() {
                                  keepAttributes_);
     if (!las) return passOn(std::move(las));
     if (head->size() < las->las().headerBytes || head->size() > las->las().pointOffset)
-        return wrong("a head of LAS of " + grouped(head->size()) + " bytes, which is not what it says of itself");
+        return wrong("a head of LAS of " + grouped(head->size()) +
+                     " bytes, which is not what it says of itself");
     if (header_.points && *header_.points != las->points())
         return wrong("it declares " + grouped(*header_.points) + " points, the head of LAS " +
                      grouped(las->points()));
@@ -65,8 +66,7 @@ Expected<void> PointStreamReader::readPeak() {
 /// As many as the record's head says, into records_.
 Expected<void> PointStreamReader::readRecordsOfLas() {
     const std::uint64_t bytes = std::uint64_t(head_.n) * las_->las().recordBytes;
-    if (bytes > stream::longestLasRecords)
-        return wrong(grouped(bytes) + " bytes of records of LAS at once");
+    if (bytes > stream::longestLasRecords) return wrong(grouped(bytes) + " bytes of records of LAS at once");
     records_.resize(bytes);
     return readExactly(records_);
 }

@@ -52,6 +52,7 @@ Expected<void> PointStreamReader::readHeader() {
     if (!decoded) return passOn(decoded);
     header_ = std::move(decoded->header);
     areSteps_ = decoded->areSteps;
+    version_ = decoded->version;
     if (decoded->hasScanner)
         if (auto ok = readScanner(); !ok) return ok;
     if (auto ok = readText(decoded->formatBytes, stream::longestFormat, header_.format); !ok) return ok;
@@ -82,9 +83,19 @@ Expected<void> PointStreamReader::readHead() {
         if (auto ok = readExactly(bytes); !ok) return ok;
         std::memcpy(head_.tag.data(), bytes.data(), head_.tag.size());
         head_.n = loadLe<std::uint32_t>(bytes.data() + 4);
-        const bool isNote = head_.tag == stream::noteTag;
-        if (!isNote && !(las_ && head_.tag == stream::peakTag)) return {};
-        if (auto ok = isNote ? readNote() : readPeak(); !ok) return ok;
+        const bool newest = version_ >= stream::newestVersion;
+        Expected<void> ok;
+        if (head_.tag == stream::noteTag)
+            ok = readNote();
+        else if (las_ && head_.tag == stream::peakTag)
+            ok = readPeak();
+        else if (newest && head_.tag == stream::stationTag)
+            ok = readStation();
+        else if (newest && head_.tag == stream::fromTag)
+            ok = readFrom();
+        else
+            return {};
+        if (!ok) return ok;
     }
 }
 
@@ -94,6 +105,26 @@ Expected<void> PointStreamReader::readNote() {
     if (notes_.size() == stream::mostNotes)
         return wrong("more than " + grouped(stream::mostNotes) + " notes");
     return readText(head_.n, stream::longestNote, notes_.emplace_back());
+}
+
+Expected<void> PointStreamReader::readStation() {
+    if (head_.n == 0 || head_.n > stream::longestStation)
+        return wrong("a station of " + grouped(head_.n) + " bytes");
+    if (stations_.size() == stream::mostStreamStations)
+        return wrong("more than " + grouped(stream::mostStreamStations) + " stations");
+    std::string text(head_.n, '\0');
+    if (auto ok = readExactly(std::as_writable_bytes(std::span(text))); !ok) return ok;
+    auto station = stream::decodeStation(text);
+    if (!station) return passOn(station);
+    stations_.push_back(std::move(*station));
+    return {};
+}
+
+Expected<void> PointStreamReader::readFrom() {
+    if (head_.n != stream::fromNowhere && head_.n >= stations_.size())
+        return wrong("points from station " + grouped(head_.n) + ", of " + grouped(stations_.size()));
+    from_ = head_.n;
+    return {};
 }
 
 template <class T>
@@ -135,6 +166,11 @@ Expected<void> PointStreamReader::readChunk(PointBatch& batch) {
         return ok;
     }
     points_ += n;
+    batch.scanner.reset();
+    if (from_ != stream::fromNowhere) {
+        batch.scanner = stations_[from_].position;
+        stations_[from_].points += batch.size();
+    }
     return {};
 }
 

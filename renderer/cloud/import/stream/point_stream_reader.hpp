@@ -14,6 +14,7 @@
 #include "renderer/cloud/import/byte_source.hpp"
 #include "renderer/cloud/import/las/las_reader.hpp"
 #include "renderer/cloud/import/stream/point_stream.hpp"
+#include "renderer/cloud/import/stream/stream_stations.hpp"
 #include "renderer/cloud/point_batch.hpp"
 
 namespace scancast {
@@ -35,6 +36,7 @@ class PointStreamReader final : public PointSource {
     /// Known at the end of the stream only.
     std::uint64_t droppedPoints() const override { return las_ ? las_->droppedPoints() : dropped_; }
     std::vector<std::string> notes() const override;
+    std::vector<Station> stations() const override { return stations_; }
     std::array<std::uint64_t, 2> bytesRead() const override;
 
   private:
@@ -48,10 +50,12 @@ class PointStreamReader final : public PointSource {
 
     Expected<void> readHeader();
     Expected<void> readText(std::size_t length, std::size_t longest, std::string& text);
-    /// Of the next record that is no note.
     Expected<void> readScanner();
+    /// Of the next record that has points or ends the stream; those before it are taken.
     Expected<void> readHead();
     Expected<void> readNote();
+    Expected<void> readStation();
+    Expected<void> readFrom();
     Expected<void> readLas();
     Expected<std::vector<std::byte>> readLasPart(std::uint32_t bytes, const char* what);
     Expected<void> readPeak();
@@ -73,8 +77,8 @@ class PointStreamReader final : public PointSource {
     std::uint64_t mostPoints_;
     bool keepAttributes_ = false;
     ScanHeader header_;
-    bool areSteps_ = false;          ///< positions, of the header's grid
-    std::optional<LasReader> las_;   ///< of a stream with records of LAS
+    bool areSteps_ = false;           ///< positions, of the header's grid
+    std::optional<LasReader> las_;    ///< of a stream with records of LAS
     std::vector<std::byte> records_;  ///< of LAS, the last ones read
     bool wasToldPeak_ = false;
     std::size_t rowBytes_ = 0;  ///< of the further columns; 0 = none
@@ -83,6 +87,10 @@ class PointStreamReader final : public PointSource {
     std::uint64_t points_ = 0;
     std::uint64_t dropped_ = 0;
     std::vector<std::string> notes_;
+    std::vector<Station> stations_;
+    std::uint32_t from_ =
+        point_stream::fromNowhere;  ///< index of the station that chunks come from, or fromNowhere
+    std::uint16_t version_ = 0;
     bool done_ = false;
 };
 

@@ -9,6 +9,7 @@
 
 #include "files/bytes.hpp"
 #include "renderer/cloud/import/printable_text.hpp"
+#include "renderer/cloud/import/stream/stream_stations.hpp"
 
 namespace scancast {
 
@@ -36,11 +37,11 @@ void PointStreamWriter::append(const void* bytes, std::size_t count) {
     buffer_.insert(buffer_.end(), from, from + count);
 }
 
-Expected<void> PointStreamWriter::writeHeader(const ScanHeader& header) {
+Expected<void> PointStreamWriter::writeHeader(const ScanHeader& header, bool newest) {
     assert(!headerSent_);
     headerSent_ = true;
     attributes_ = header.attributes;
-    return send(stream::encodeHeader(header));
+    return send(stream::encodeHeader(header, false, newest));
 }
 
 Expected<void> PointStreamWriter::writeHeaderOfSteps(const ScanHeader& header) {
@@ -96,8 +97,8 @@ Expected<void> PointStreamWriter::writeGlanceOfRecords(std::span<const std::byte
 Expected<void> PointStreamWriter::writeSomeRecords(const std::array<char, 4>& tag,
                                                    std::span<const std::byte> records) {
     assert(lasRecordBytes_ > 0 && records.size() % lasRecordBytes_ == 0);
-    const auto most = lasRecordBytes_ * std::min<std::size_t>(stream::chunkPoints,
-                                                              stream::longestLasRecords / lasRecordBytes_);
+    const auto most = lasRecordBytes_ *
+                      std::min<std::size_t>(stream::chunkPoints, stream::longestLasRecords / lasRecordBytes_);
     for (; !records.empty(); records = records.subspan(std::min(most, records.size()))) {
         const auto piece = records.first(std::min(most, records.size()));
         startRecord(tag, piece.size() / lasRecordBytes_);
@@ -138,6 +139,18 @@ Expected<void> PointStreamWriter::writeNote(std::string_view sentence) {
     if (text.empty()) return {};
     startRecord(stream::noteTag, text.size());
     append(text.data(), text.size());
+    return send(buffer_);
+}
+
+Expected<void> PointStreamWriter::writeStation(const Station& station) {
+    const auto text = stream::encodeStation(station);
+    startRecord(stream::stationTag, text.size());
+    append(text.data(), text.size());
+    return send(buffer_);
+}
+
+Expected<void> PointStreamWriter::writeFrom(std::optional<std::uint32_t> station) {
+    startRecord(stream::fromTag, station.value_or(stream::fromNowhere));
     return send(buffer_);
 }
 

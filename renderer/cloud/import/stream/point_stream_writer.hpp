@@ -26,8 +26,8 @@ class PointStreamWriter {
     /// A sink that writes to a file descriptor that somebody else owns.
     static Sink toDescriptor(int fd);
 
-    /// Once, before anything else.
-    Expected<void> writeHeader(const ScanHeader& header);
+    /// Once, before anything else. `newest`: as version 2, which stations need.
+    Expected<void> writeHeader(const ScanHeader& header, bool newest = false);
     /// In its place: positions of chunks will be steps of the header's grid.
     Expected<void> writeHeaderOfSteps(const ScanHeader& header);
     /// In its place: records of LAS instead of chunks.
@@ -48,6 +48,11 @@ class PointStreamWriter {
     /// Something about the scan that whoever reads it should hear: one sentence, without the file's name or
     /// an end.
     Expected<void> writeNote(std::string_view sentence);
+    /// A place that the scanner stood at, known by its number from 0. All of them best directly behind the header. Its name is cut to what a
+    /// station's may have; its points are counted by who reads them.
+    Expected<void> writeStation(const Station& station);
+    /// The chunks that follow were recorded from there, one that was sent; nullopt: nobody knows.
+    Expected<void> writeFrom(std::optional<std::uint32_t> station);
     /// The scan was sound to its end.
     Expected<void> finish(std::uint64_t droppedPoints);
     /// It was not; sends an empty header first if none was sent. `error.message` without the file's name.
@@ -64,7 +69,7 @@ class PointStreamWriter {
 
     Sink sink_;
     Attributes attributes_;
-    std::optional<StepGrid> grid_;   ///< of positions as steps
+    std::optional<StepGrid> grid_;    ///< of positions as steps
     std::size_t lasRecordBytes_ = 0;  ///< 0 = no records of LAS
     bool headerSent_ = false;
     std::uint64_t points_ = 0;

@@ -7,6 +7,7 @@
 #include "files/bytes.hpp"
 #include "importers/in_order.hpp"
 #include "renderer/cloud/import/las/las_header.hpp"
+#include "renderer/cloud/import/lost_points.hpp"
 
 namespace scancast::import_laz {
 
@@ -61,9 +62,7 @@ class Import {
         las.head = file_.head();
         las.evlrs = file_.extendedRecords();
         if (auto ok = writer_.writeLasHeader(las); !ok || !whole_) return ok;
-        return writer_.writeNote("it ends too early: of the " + laz::grouped(shape.points) +
-                                 " points that it promises, " + laz::grouped(*whole_) +
-                                 " are whole and were read");
+        return writer_.writeNote(lostPoints("it", shape.points, *whole_));
     }
 
     InOrderLimits threadsFor(std::size_t jobs) const {

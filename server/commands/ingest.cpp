@@ -179,7 +179,7 @@ Expected<void> keepLookOf(const IngestArguments& arguments, const nlohmann::json
 tl::unexpected<Error> withRecovery(Error error, bool recover) {
     if (error.code == ErrorCode::Truncated && !recover)
         error.message +=
-            ". With --recover, what is whole of LAS, PLY, PCD and text is read, and how much is lost is told";
+            ". With --recover, what is whole of LAS, LAZ, PLY, PCD and text is read, and how much is lost is told";
     return tl::unexpected(std::move(error));
 }
 

@@ -273,7 +273,7 @@ void addIngest(CLI::App& app, int& exitCode) {
     command->add_flag("--recover", arguments->recover,
                       "Of scans that end too early - a copy was cut, a disk was full - read what is whole, "
                       "and tell how much is "
-                      "lost; without, they are refused. LAS, PLY, PCD (not compressed) and text");
+                      "lost; without, they are refused. LAS, LAZ (not COPC), PLY, PCD (not compressed) and text");
     command
         ->add_option(
             "--look", arguments->look,

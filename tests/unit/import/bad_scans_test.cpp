@@ -86,7 +86,8 @@ TEST(NotAScan, MissingFile) {
 
 TEST(NotAScan, Directory) {
     const TemporaryFolder folder;
-    expectBadScan(folder.path(), ErrorCode::Unsupported, "is a directory without cloud.js or metadata.json");
+    expectBadScan(folder.path(), ErrorCode::Unsupported,
+                  "is a directory without ept.json, metadata.json or cloud.js");
 }
 
 TEST(NotAScan, EmptyFile) {

@@ -124,7 +124,6 @@ Expected<FileInfo> scanInfo(const ScanInput& input, bool check, const ProgressSi
     info.file = input.path();
     info.bytes = input.bytes();
     info.points = header.points;
-    info.pointsSummed = input.octree() != nullptr;
     info.facts.title = input.path().filename().string();
     info.facts.format = header.format;
     info.facts.points = header.points.value_or(0);

@@ -45,8 +45,7 @@ class Lines {
 
 void tellSize(const FileInfo& info, Lines& lines) {
     std::string points = info.points ? grouped(*info.points) : "not known until they are read (--check)";
-    if (!info.octree && !info.checked && info.points)
-        points += info.pointsSummed ? ", the sum of its nodes" : ", as the file declares";
+    if (!info.octree && !info.checked && info.points) points += ", as the file declares";
     if (info.facts.droppedPoints > 0)
         points += fmt::format("; {} left out, without coordinates or marked as none", grouped(info.facts.droppedPoints));
     lines.add("points", points);

@@ -1,13 +1,9 @@
 // `scancast ingest`: any number of scans become one cloud file, out of core.
 #include <fmt/format.h>
 #include <malloc.h>
-#include <unistd.h>
 
-#include <csignal>
 #include <memory>
 #include <nlohmann/json.hpp>
-#include <stop_token>
-#include <thread>
 
 #include "renderer/cloud/build/ingest.hpp"
 #include "renderer/cloud/build/lazy_scan.hpp"
@@ -18,8 +14,8 @@
 #include "server/commands/command.hpp"
 #include "server/commands/importer_flags.hpp"
 #include "server/commands/look_file.hpp"
+#include "server/terminal/interruption.hpp"
 #include "server/terminal/progress_bar.hpp"
-#include "server/terminal/shutdown_signals.hpp"
 #include "server/terminal/terminal.hpp"
 
 namespace scancast {
@@ -32,7 +28,8 @@ struct IngestArguments {
     std::string output, memoryLimit, scratch, title, look, orient = "auto";
     ImporterFlags importer;
     int threads = 0, neighbours = 10;
-    bool noSurfels = false, noCurvature = false, keepAttributes = false, force = false, quiet = false;
+    bool noSurfels = false, noCurvature = false, keepAttributes = false, exact = false, force = false,
+         quiet = false;
 };
 
 /// Large blocks go back to the system when they are freed, or the limit would be kept in name only; small
@@ -43,28 +40,6 @@ void returnMemoryOfChunks() {
     ::mallopt(M_TRIM_THRESHOLD, 64 << 20);
 }
 
-/// While it lives, Ctrl-C, or the end of its terminal, asks the work to stop; a second one ends the process
-/// as it is (temporary files are unnamed and the unfinished file is marked as such, so nothing misleading is
-/// left even then).
-class Interruption {
-  public:
-    Interruption() : watcher_([this](const std::stop_token& done) { watch(done); }) {}
-    std::stop_token token() const { return stop_.get_token(); }
-
-  private:
-    void watch(const std::stop_token& done) {
-        while (!done.stop_requested()) {
-            const int signals = signals_.wait(std::chrono::milliseconds(100));
-            if (signals > 0) stop_.request_stop();
-            if (signals > 1) ::_exit(130);
-        }
-    }
-
-    ShutdownSignals signals_{ShutdownSignals::Hangup::Ends};
-    std::stop_source stop_;
-    std::jthread watcher_;
-};
-
 Expected<IngestOptions> ingestOptions(const IngestArguments& arguments) {
     IngestOptions options;
     options.output = arguments.output;
@@ -73,6 +48,7 @@ Expected<IngestOptions> ingestOptions(const IngestArguments& arguments) {
     options.threads = arguments.threads;
     options.shape.surfels = !arguments.noSurfels;
     options.shape.curvature = !arguments.noCurvature;
+    options.shape.exact = arguments.exact;
     options.shape.neighbours = arguments.neighbours;
     options.shape.orientation = arguments.orient == "up"     ? Orientation::Up
                                 : arguments.orient == "scan" ? Orientation::Scan
@@ -108,7 +84,8 @@ Expected<std::unique_ptr<PointSource>> openInTurn(const ScanInput& input, const 
 /// Their mirrors go into the options.
 Expected<std::vector<std::unique_ptr<PointSource>>> openAll(const IngestArguments& arguments,
                                                             IngestOptions& options, ImportOptions import) {
-    import.keepAttributes = arguments.keepAttributes;
+    import.keepAttributes = arguments.keepAttributes || arguments.exact;
+    import.exact = arguments.exact;
     std::vector<std::unique_ptr<PointSource>> sources;
     const auto add = [&](Expected<std::unique_ptr<PointSource>> source) -> Expected<void> {
         if (!source) return passOn(source);
@@ -245,6 +222,10 @@ void addIngest(CLI::App& app, int& exitCode) {
         ->type_name("SIDE");
     command->add_flag("--keep-attributes", arguments->keepAttributes,
                       "Also keep what is not drawn: GPS time, returns, extra bytes");
+    command->add_flag(
+        "--exact", arguments->exact,
+        "Keep all of it as it was, in a larger file: every attribute, positions to the last step of their "
+        "grid, colours of 16 bits. scancast export then gives LAS with the same records");
     command
         ->add_option(
             "--look", arguments->look,

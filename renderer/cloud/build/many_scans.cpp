@@ -15,15 +15,20 @@ struct ColumnCopy {
     std::size_t from = 0, to = 0, bytes = 0;
 };
 
+/// More would be no table, and the facts of a cloud file have an end.
+constexpr std::size_t mostMergedColumns = 512;
+
+bool sameValues(const Column& a, const Column& b) {
+    return a.name == b.name && a.type == b.type && a.scale == b.scale && a.offset == b.offset;
+}
+
 std::vector<ColumnCopy> matchColumns(std::span<const Column> from, std::span<const Column> to) {
     std::vector<ColumnCopy> copies;
     std::size_t toAt = 0;
     for (const Column& wanted : to) {
         std::size_t fromAt = 0;
         for (const Column& column : from) {
-            if (column.name == wanted.name && column.type == wanted.type && column.scale == wanted.scale &&
-                column.offset == wanted.offset)
-                copies.push_back({fromAt, toAt, bytesOf(column.type)});
+            if (sameValues(column, wanted)) copies.push_back({fromAt, toAt, bytesOf(column.type)});
             fromAt += bytesOf(column.type);
         }
         toAt += bytesOf(wanted.type);
@@ -44,8 +49,8 @@ class ManyScans final : public PointSource {
   public:
     explicit ManyScans(std::vector<std::unique_ptr<PointSource>> sources) : sources_(std::move(sources)) {
         mergeHeaders();
-        for (const auto& source : sources_)
-            copies_.push_back(matchColumns(source->header().columns, header_.columns));
+        const auto wanted = mergeColumns();
+        for (const auto& source : sources_) copies_.push_back(matchColumns(source->header().columns, wanted));
     }
 
     const ScanHeader& header() const override { return header_; }
@@ -73,6 +78,9 @@ class ManyScans final : public PointSource {
         std::vector<std::string> all;
         for (const auto& source : sources_)
             for (std::string& note : source->notes()) all.push_back(std::move(note));
+        if (columnsLeftOut_ > 0)
+            all.push_back(fmt::format("the scans have {} columns more than the {} that are kept",
+                                      columnsLeftOut_, mostMergedColumns));
         return all;
     }
 
@@ -111,6 +119,35 @@ class ManyScans final : public PointSource {
         header_.format = fmt::format("{} scans: {}", sources_.size(), names);
     }
 
+    /// Those of the first scan, then what others have beside them: 0 for points of scans without. What is called alike
+    /// and is not gets another name; returned is what each is called where it comes from.
+    std::vector<Column> mergeColumns() {
+        std::vector<Column> wanted = header_.columns;
+        for (const auto& source : sources_)
+            for (const Column& column : source->header().columns) {
+                if (std::ranges::any_of(wanted, [&](const Column& c) { return sameValues(c, column); }))
+                    continue;
+                if (wanted.size() >= mostMergedColumns) {
+                    ++columnsLeftOut_;
+                    continue;
+                }
+                wanted.push_back(column);
+                header_.columns.push_back(column);
+                header_.columns.back().name = freeName(column.name);
+            }
+        return wanted;
+    }
+
+    std::string freeName(const std::string& wanted) const {
+        std::string name = wanted;
+        const auto taken = [&] {
+            return std::any_of(header_.columns.begin(), header_.columns.end() - 1,
+                               [&](const Column& c) { return c.name == name; });
+        };
+        for (int copy = 2; taken(); ++copy) name = fmt::format("{}_{}", wanted, copy);
+        return name;
+    }
+
     void arrangeRows(PointBatch& batch) {
         const auto& theirs = sources_[at_]->header().columns;
         if (theirs == header_.columns) return;
@@ -126,6 +163,7 @@ class ManyScans final : public PointSource {
     std::vector<std::unique_ptr<PointSource>> sources_;
     std::vector<std::vector<ColumnCopy>> copies_;
     ScanHeader header_;
+    std::size_t columnsLeftOut_ = 0;
     std::size_t at_ = 0;
 };
 

@@ -66,7 +66,7 @@ Expected<std::unique_ptr<PointSource>> openScan(const ScanInput& input, const Im
     auto& [bytes, extension, identified] = *looked;
     switch (identified.format) {
         case ScanFormat::Las:
-            return opened(LasSource::create(std::move(bytes), name, options.keepAttributes));
+            return opened(LasSource::create(std::move(bytes), name, options.keepAttributes, options.exact));
         case ScanFormat::Laz:
             return opened(ImporterSource::create(lazImporter, input, options));
         case ScanFormat::Ply:

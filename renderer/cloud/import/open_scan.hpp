@@ -33,6 +33,8 @@ struct ImportOptions {
     /// Keep what does not fit the sample (GPS time, returns, extra bytes, spare text columns) as
     /// ScanHeader::columns.
     bool keepAttributes = false;
+    /// With keepAttributes: and colours of 16 bits, as columns (exact_columns.hpp). LAS only.
+    bool exact = false;
 };
 
 /// Reads from what is open there, also when somebody else does. Errors name the file, the byte offset where there is one,

@@ -35,7 +35,7 @@ LasSource::LasSource(std::unique_ptr<ByteSource> bytes, std::string name, LasHea
 }
 
 Expected<std::unique_ptr<LasSource>> LasSource::create(std::unique_ptr<ByteSource> bytes, std::string name,
-                                                       bool keepAttributes) {
+                                                       bool keepAttributes, bool fullColors) {
     std::array<std::byte, lasHeaderBytes> start{};
     const auto got = readFully(*bytes, start);
     if (!got) return passOn(got);
@@ -44,6 +44,7 @@ Expected<std::unique_ptr<LasSource>> LasSource::create(std::unique_ptr<ByteSourc
 
     std::unique_ptr<LasSource> source(new LasSource(std::move(bytes), std::move(name), *header));
     source->keepAttributes_ = keepAttributes;
+    source->fullColors_ = fullColors;
     if (auto ok = source->checkExtent(); !ok) return passOn(ok);
     // A header of LAS 1.0-1.3 is shorter than what was read: the rest belongs to the variable length records.
     if (source->bytes_->size()) {
@@ -146,7 +147,7 @@ void LasSource::understandRecords() {
     scan_.crsWkt = std::move(vlrs_.crs.wkt);
     scan_.crsEpsg = vlrs_.crs.epsg ? vlrs_.crs.epsg : epsgOfWkt(scan_.crsWkt);
     if (!keepAttributes_) return;
-    columns_ = lasColumns(las_, vlrs_.extraBytes);
+    columns_ = lasColumns(las_, vlrs_.extraBytes, fullColors_);
     for (const auto& column : columns_) scan_.columns.push_back(column.column);
 }
 

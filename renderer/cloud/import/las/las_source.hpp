@@ -21,9 +21,9 @@ namespace scancast {
 class LasSource final : public PointSource {
   public:
     /// `bytes` stands at the start of the file; `name` is what messages call it. `keepAttributes`: fill
-    /// ScanHeader::columns and PointBatch::rows.
+    /// ScanHeader::columns and PointBatch::rows. `fullColors`: with colours of 16 bits among them.
     static Expected<std::unique_ptr<LasSource>> create(std::unique_ptr<ByteSource> bytes, std::string name,
-                                                       bool keepAttributes = false);
+                                                       bool keepAttributes = false, bool fullColors = false);
 
     const ScanHeader& header() const override { return scan_; }
     Expected<PointBatch> glance() override;
@@ -48,7 +48,7 @@ class LasSource final : public PointSource {
     LasHeader las_;
     ScanHeader scan_;
     LasVlrs vlrs_;
-    bool keepAttributes_ = false;
+    bool keepAttributes_ = false, fullColors_ = false;
     std::vector<LasColumn> columns_;  ///< that are kept
     LasColorDepth depth_ = LasColorDepth::Unknown;
     bool depthIsCertain_ = false;  ///< the whole file was looked at

@@ -103,8 +103,9 @@ class CloudPoints final : public PointSource {
     void chooseColumns() {
         std::vector<Column> all;
         for (const KeptColumn& kept : file_->facts().columns) all.push_back(kept.column);
-        positions_ = findColumns(all, exactPositionNames, ColumnType::Float64);
-        normals_ = findColumns(all, exactNormalNames, ColumnType::Float32);
+        const bool exact = file_->facts().exact;
+        if (exact) positions_ = findColumns(all, exactPositionNames, ColumnType::Float64);
+        if (exact) normals_ = findColumns(all, exactNormalNames, ColumnType::Float32);
         const auto taken = [](const auto& three, std::size_t c) {
             return three && std::ranges::find(*three, c) != three->end();
         };

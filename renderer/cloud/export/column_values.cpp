@@ -11,6 +11,7 @@ namespace scancast {
 namespace {
 
 constexpr int mostDigits = 12;
+constexpr std::int64_t mostColumnStep = 1'000'000'000;
 
 std::optional<std::int64_t> nearlyWhole(double value) {
     const double whole = std::nearbyint(value);
@@ -91,6 +92,9 @@ std::vector<OutColumn> outColumns(const ScanHeader& header, std::span<const std:
         columns.push_back({name, column, at});
         if (isWhole(column.type) && columns.back().scaled() && bytesOf(column.type) <= 4)
             columns.back().decimals = decimalGrid(column.offset, column.scale);
+        // 32 bits of them are to fit into 64.
+        if (auto& decimals = columns.back().decimals; decimals && std::abs(decimals->step) > mostColumnStep)
+            decimals.reset();
         at += bytesOf(column.type);
     }
     return columns;

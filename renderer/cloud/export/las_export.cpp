@@ -108,10 +108,12 @@ class LasExport final : public ExportWriter {
         bool off = false;
         for (int a = 0; a < 3; ++a) {
             const double exact = (p[a] - layout_.offset[a]) / layout_.scale[a];
-            const double q = std::clamp(std::nearbyint(exact), -2147483648.0, 2147483647.0);
+            // A damaged grid makes numbers that are none.
+            const double q =
+                std::isfinite(exact) ? std::clamp(std::nearbyint(exact), -2147483648.0, 2147483647.0) : 0;
             const double tolerance =
                 1e-3 * layout_.scale[a] + 1e-15 * (std::abs(p[a]) + std::abs(layout_.offset[a]));
-            off = off || std::abs(layout_.offset[a] + q * layout_.scale[a] - p[a]) > tolerance;
+            off = off || !(std::abs(layout_.offset[a] + q * layout_.scale[a] - p[a]) <= tolerance);
             storeLe(to + 4 * a, std::int32_t(q));
         }
         misfits.positions += off;

@@ -6,6 +6,7 @@
 #include <charconv>
 #include <filesystem>
 #include <fstream>
+#include <glm/common.hpp>
 #include <map>
 #include <set>
 #include <sstream>

@@ -41,6 +41,8 @@ inline CloudFacts fullFacts(const CloudFacts& from, bool columns) {
                .intensity = {7, 60000.5},
                .brightness = {0.1, 1.0 / 3, 1}};
     f.scanner = {1.0 / 7, -389500.1, 1e-300};
+    f.grid = ScanGrid{{389500.1, -0.0, 1e300}, {0.01, 1.0 / 3, 5e-324}};
+    f.exact = true;
     f.look = test::plainLook();
     if (!columns) return f;
     f.companions = {{"density", ColumnType::Uint8, ValuePlane::Of::Samples},
@@ -72,6 +74,8 @@ inline void expectSameFacts(const CloudFacts& a, const CloudFacts& b) {
     EXPECT_EQ(a.companions, b.companions);
     EXPECT_EQ(a.usual, b.usual);
     EXPECT_EQ(a.scanner, b.scanner);
+    EXPECT_EQ(a.grid, b.grid);
+    EXPECT_EQ(a.exact, b.exact);
     EXPECT_EQ(a.look, b.look);
     EXPECT_EQ(a.revision, b.revision);
     ASSERT_EQ(a.mirrors.size(), b.mirrors.size());

@@ -50,7 +50,9 @@ class ExactScan final : public PointSource {
                 if (!batch.normal.empty()) std::memcpy(to, &batch.normal[i], 3 * sizeof(float));
                 to += 3 * sizeof(float);
             }
-            if (positions_) std::memcpy(to, &batch.position[i], 3 * sizeof(double));
+            if (!positions_) continue;
+            const glm::dvec3 p = batch.position[i];
+            std::memcpy(to, &p, 3 * sizeof(double));
         }
         std::swap(batch.rows, rows_);
     }

@@ -137,7 +137,7 @@ class CloudPoints final : public PointSource {
             first.push_back(first.back() + more);
         }
         const std::size_t count = first.back();
-        held_.position.resize(count);
+        places_.resize(count);
         held_.color.resize(header_.attributes.color ? count : 0);
         held_.intensity.resize(header_.attributes.intensity ? count : 0);
         held_.classification.resize(header_.attributes.classification ? count : 0);
@@ -149,6 +149,8 @@ class CloudPoints final : public PointSource {
                           [&](std::size_t i) { done[i] = decodeLeaf(some[i], first[i]); });
         for (auto& one : done)
             if (!one) return one;
+        held_.position = std::move(places_);
+        places_ = {};
         return {};
     }
 
@@ -180,12 +182,12 @@ class CloudPoints final : public PointSource {
             for (std::size_t i = 0; i < samples.size(); ++i) {
                 const Sample& s = samples[i];
                 const glm::dvec3 q = glm::round(start + step * glm::dvec3(s.x, s.y, s.z));
-                held_.position[first + i] = facts.grid->origin + q * facts.grid->step;
+                places_[first + i] = facts.grid->origin + q * facts.grid->step;
             }
             return {};
         }
         for (std::size_t i = 0; i < samples.size(); ++i)
-            held_.position[first + i] = facts.origin + position(node, samples[i]);
+            places_[first + i] = facts.origin + position(node, samples[i]);
         return {};
     }
 
@@ -199,7 +201,7 @@ class CloudPoints final : public PointSource {
                                                       " has no positions beside the samples "
                                                       "of a node that rounds them; the file is damaged");
             for (std::size_t i = 0; i < count; ++i)
-                held_.position[first + i][a] =
+                places_[first + i][a] =
                     grid.origin[a] +
                     double(loadLe<std::int32_t>(values->data() + i * sizeof(std::int32_t))) * grid.step[a];
         }
@@ -226,7 +228,7 @@ class CloudPoints final : public PointSource {
             }
             for (int a = 0; a < 3; ++a) {
                 if (positions_)
-                    held_.position[first + i][a] =
+                    places_[first + i][a] =
                         loadLe<double>(row + places[(*positions_)[std::size_t(a)]].offset);
                 if (normals_ && !held_.normal.empty())
                     held_.normal[first + i][a] =
@@ -236,12 +238,18 @@ class CloudPoints final : public PointSource {
     }
 
     void slice(std::size_t first, std::size_t count, PointBatch& batch) const {
-        forColumns(batch, held_, [&](auto& to, const auto& from) {
-            to.clear();
-            if (from.empty()) return;
+        const auto part = [&](const auto& from) {
+            using Values = std::remove_cvref_t<decltype(from)>;
+            if (from.empty()) return Values();
             const auto begin = from.begin() + std::ptrdiff_t(first);
-            to.assign(begin, begin + std::ptrdiff_t(count));
-        });
+            return Values(begin, begin + std::ptrdiff_t(count));
+        };
+        const auto place = held_.position.begin() + std::ptrdiff_t(first);
+        batch.position = std::vector<glm::dvec3>(place, place + std::ptrdiff_t(count));
+        batch.color = part(held_.color);
+        batch.intensity = part(held_.intensity);
+        batch.classification = part(held_.classification);
+        batch.normal = part(held_.normal);
         const auto rows = held_.rows.begin() + std::ptrdiff_t(first * stride_);
         batch.rows.assign(rows, rows + std::ptrdiff_t(count * stride_));
     }
@@ -254,7 +262,8 @@ class CloudPoints final : public PointSource {
     std::optional<std::array<std::size_t, 3>> gridPlanes_;           ///< among the file's planes
     std::vector<std::size_t> kept_;                                  ///< the other columns
     std::size_t stride_ = 0;
-    PointBatch held_;  ///< decoded, and given away as far as given_
+    std::vector<glm::dvec3> places_;  ///< of what is being decoded
+    PointBatch held_;                 ///< decoded, and given away as far as given_
     std::size_t given_ = 0;
 };
 

@@ -11,6 +11,13 @@ bool inside(const glm::dvec3& p, const ClipBox& box) {
            p.z <= box.max.z;
 }
 
+template <class Values>
+void keepOf(Values& values, const std::vector<std::uint32_t>& kept) {
+    if (values.empty()) return;
+    for (std::size_t to = 0; to < kept.size(); ++to) values[to] = values[kept[to]];
+    values.resize(kept.size());
+}
+
 class RegionSource final : public PointSource {
   public:
     RegionSource(const ExportRegion& region, std::unique_ptr<PointSource> source)
@@ -50,11 +57,14 @@ void keepWithin(const ExportRegion& region, std::size_t rowBytes, PointBatch& ba
         kept.push_back(std::uint32_t(i));
     }
     if (kept.size() == batch.size()) return;
-    forColumns(batch, batch, [&](auto& column, const auto&) {
-        if (column.empty()) return;
-        for (std::size_t to = 0; to < kept.size(); ++to) column[to] = column[kept[to]];
-        column.resize(kept.size());
-    });
+    std::vector<glm::dvec3> positions;
+    positions.reserve(kept.size());
+    for (const std::uint32_t i : kept) positions.push_back(batch.position[i]);
+    batch.position = std::move(positions);
+    keepOf(batch.color, kept);
+    keepOf(batch.intensity, kept);
+    keepOf(batch.classification, kept);
+    keepOf(batch.normal, kept);
     if (rowBytes == 0) return;
     for (std::size_t to = 0; to < kept.size(); ++to)
         std::memmove(batch.rows.data() + to * rowBytes, batch.rows.data() + kept[to] * rowBytes, rowBytes);

@@ -7,6 +7,7 @@
 #include "renderer/look/decide_look.hpp"
 #include "renderer/look/keep_look.hpp"
 #include "server/commands/command.hpp"
+#include "server/commands/importer_flags.hpp"
 #include "server/commands/look_file.hpp"
 #include "server/commands/open_any.hpp"
 #include "server/terminal/terminal.hpp"
@@ -15,12 +16,12 @@ namespace scancast {
 namespace {
 
 struct LookArguments {
-    std::string file, set;
+    std::string file, set, assumeCrs;
     bool decide = false;
 };
 
 Expected<void> runLook(const LookArguments& arguments) {
-    const auto cloud = openAny(arguments.file, {});
+    const auto cloud = openAny(arguments.file, {.assumeCrs = arguments.assumeCrs});
     if (!cloud) return passOn(cloud);
     const bool known = (*cloud)->look && !arguments.decide;
     auto look = known ? Expected<Look>(*(*cloud)->look) : decideLook(**cloud);
@@ -52,6 +53,7 @@ void addLook(CLI::App& app, int& exitCode) {
                             "Keep this look in the cloud file: JSON, with what is to change or all of it");
     command->add_flag("--decide", arguments->decide, "Decide the look anew, and keep it in the cloud file")
         ->excludes(set);
+    addAssumeCrs(*command, arguments->assumeCrs);
     command->callback([arguments, &exitCode] {
         if (auto done = runLook(*arguments); !done) {
             tell("scancast look: {}\n", done.error().message);

@@ -9,6 +9,7 @@
 #include "renderer/residency/open_cloud.hpp"
 #include "server/base/byte_size.hpp"
 #include "server/catalog/damage_reports.hpp"
+#include "server/commands/importer_flags.hpp"
 #include "server/terminal/progress_bar.hpp"
 #include "server/terminal/terminal.hpp"
 
@@ -38,8 +39,17 @@ Expected<std::shared_ptr<const Cloud>> openFile(const ScanInput& input, const Op
 Expected<std::shared_ptr<const Cloud>> openAny(const std::string& file, const OpenOptions& options) {
     auto input = ScanInput::open(file);
     if (!input) return passOn(input);
-    if (isCloudFile(input->file())) return openFile(*input, options);
-    auto source = openScan(*input);
+    auto crs = assumedCrs(options.assumeCrs);
+    if (!crs) return passOn(crs);
+    if (isCloudFile(input->file())) {
+        if (*crs)
+            tell(
+                "{} is a cloud file, which keeps its coordinate reference system; --assume-crs is for "
+                "scans\n",
+                file);
+        return openFile(*input, options);
+    }
+    auto source = openScan(*input, {.assumeCrs = std::move(*crs)});
     if (!source) return passOn(source);
     BuildOptions build;
     build.title = fs::path(file).filename().string();

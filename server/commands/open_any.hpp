@@ -9,9 +9,10 @@
 namespace scancast {
 
 struct OpenOptions {
-    int threads = 0;          ///< 0 = all cores
-    bool surfels = true;      ///< of scans
-    std::string memoryLimit;  ///< of cloud files, like "2G"; empty = half of the machine's
+    int threads = 0;            ///< 0 = all cores
+    bool surfels = true;        ///< of scans
+    std::string assumeCrs{};    ///< of scans, as written; empty = they are believed
+    std::string memoryLimit{};  ///< of cloud files, like "2G"; empty = half of the machine's
 };
 
 /// Shows progress and tells what is remarkable on standard error. Errors: those of opening and reading.

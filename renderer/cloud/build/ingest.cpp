@@ -11,9 +11,9 @@
 
 #include "files/machine.hpp"
 #include "renderer/cloud/build/cloud_builder.hpp"
-#include "renderer/cloud/build/exact_scan.hpp"
 #include "renderer/cloud/build/many_scans.hpp"
 #include "renderer/cloud/build/revision.hpp"
+#include "renderer/cloud/exact_scan.hpp"
 
 namespace scancast {
 
@@ -92,7 +92,7 @@ Expected<IngestReport> build(std::vector<std::unique_ptr<PointSource>> sources, 
     const auto limit = memoryLimit(options);
     if (!limit) return passOn(limit);
     const bool onOneGrid = shareOneGrid(sources);
-    auto source = manyScans(std::move(sources));
+    auto source = manyScans(std::move(sources), options.names);
     if (!source) return passOn(source);
     if (options.shape.exact) *source = exactScan(std::move(*source), onOneGrid);
 

@@ -36,6 +36,9 @@ class LasExport final : public ExportWriter {
 
     Expected<void> write(const PointBatch& batch) override {
         bytes_.assign(batch.size() * layout_.recordBytes, std::byte(0));
+        // What a reader has as steps of this very grid goes out as it came.
+        asSteps_ =
+            batch.position.areSteps() && batch.position.grid() == StepGrid{layout_.offset, layout_.scale};
         blocks_.assign((batch.size() + exportBlockPoints - 1) / exportBlockPoints, {});
         inBlocks(batch.size(), [&](std::size_t block, std::size_t first, std::size_t end) {
             for (std::size_t i = first; i < end; ++i)
@@ -86,7 +89,10 @@ class LasExport final : public ExportWriter {
 
     void record(const PointBatch& batch, std::size_t i, std::byte* to, LasMisfits& misfits) const {
         const std::byte* row = batch.rows.data() + i * stride_;
-        putPosition(batch.position[i], to, misfits);
+        if (asSteps_)
+            for (std::size_t a = 0; a < 3; ++a) storeLe(to + 4 * a, batch.position.asSteps()[i][a]);
+        else
+            putPosition(batch.position[i], to, misfits);
         storeLe(to + 12, batch.intensity.empty() ? std::uint16_t(0) : batch.intensity[i]);
         const unsigned itsClass = batch.classification.empty() ? 0 : batch.classification[i];
         if (layout_.isNew())
@@ -170,6 +176,7 @@ class LasExport final : public ExportWriter {
     std::size_t stride_;
     std::vector<std::byte> bytes_;
     std::vector<LasMisfits> blocks_;
+    bool asSteps_ = false;  ///< of the batch being written
     LasMisfits misfits_;
 };
 

@@ -123,8 +123,10 @@ Expected<LasLayout> lasLayout(const ScanHeader& header, const PointSurvey& ahead
         const Column& column = header.columns[c];
         if (fields[c] && takes(fields[c]->field) && !layout.field(fields[c]->field)) {
             layout.fields[std::size_t(fields[c]->field)] = at;
-            if (fields[c]->field == LasField::GpsTime)
+            if (fields[c]->field == LasField::GpsTime) {
                 layout.adjustedTime = column.description == adjustedTimeText;
+                layout.offsetTime = column.description.starts_with("offset GPS time");
+            }
         } else {
             layout.extras.push_back({column, at});
             bytes += bytesOf(column.type);

@@ -49,6 +49,7 @@ struct LasLayout {
     std::vector<LasExtra> extras;
     bool normals = false;  ///< behind the extras, three floats: the scan's own
     bool adjustedTime = false;
+    bool offsetTime = false;  ///< GPS times count from somewhere that only LAS 1.5 has words for
     glm::dvec3 scale{1}, offset{0};
 
     bool isNew() const { return pointFormat >= 6; }

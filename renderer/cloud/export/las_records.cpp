@@ -150,6 +150,8 @@ LasRecords lasRecords(const ScanHeader& header, const LasLayout& layout) {
         records.losses.push_back(
             "the coordinate reference system is too long, or has too high a number, for LAS");
     addExtraBytes(records, layout);
+    if (layout.offsetTime)
+        records.losses.emplace_back("GPS times count from an epoch that LAS 1.4 cannot name");
     return records;
 }
 

@@ -72,6 +72,10 @@ std::vector<std::string> lossesOf(const CloudFile& file, const ExportOptions& op
             "returns, GPS time, scan angles, flags and extra bytes were not kept; ingest --keep-attributes "
             "keeps them");
     addNormals(facts, columns, options, losses);
+    if (!facts.stations.empty())
+        losses.push_back(fmt::format(
+            "the places of the {} stations of the scanner are not in the file, which has none for them",
+            facts.stations.size()));
     for (std::string& loss : lossesOfFormat(facts.format)) losses.push_back(std::move(loss));
     return losses;
 }

@@ -1,15 +1,12 @@
 // `scancast ingest`: any number of scans become one cloud file, out of core.
 #include <fmt/format.h>
 #include <malloc.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <chrono>
 #include <csignal>
 #include <memory>
 #include <nlohmann/json.hpp>
-#include <stop_token>
-#include <thread>
 
 #include "renderer/cloud/build/ingest.hpp"
 #include "renderer/cloud/build/lazy_scan.hpp"
@@ -20,8 +17,8 @@
 #include "server/commands/command.hpp"
 #include "server/commands/importer_flags.hpp"
 #include "server/commands/look_file.hpp"
+#include "server/terminal/interruption.hpp"
 #include "server/terminal/progress_bar.hpp"
-#include "server/terminal/shutdown_signals.hpp"
 #include "server/terminal/terminal.hpp"
 
 namespace scancast {
@@ -41,7 +38,8 @@ struct IngestArguments {
     ImporterFlags importer;
     int threads = 0, neighbours = 10;
     bool recover = false;
-    bool noSurfels = false, noCurvature = false, keepAttributes = false, force = false, quiet = false;
+    bool noSurfels = false, noCurvature = false, keepAttributes = false, exact = false, force = false,
+         quiet = false;
 };
 
 /// Large blocks go back to the system when they are freed, or the limit would be kept in name only; small
@@ -52,28 +50,6 @@ void returnMemoryOfChunks() {
     ::mallopt(M_TRIM_THRESHOLD, 64 << 20);
 }
 
-/// While it lives, Ctrl-C, or the end of its terminal, asks the work to stop; a second one ends the process
-/// as it is (temporary files are unnamed and the unfinished file is marked as such, so nothing misleading is
-/// left even then).
-class Interruption {
-  public:
-    Interruption() : watcher_([this](const std::stop_token& done) { watch(done); }) {}
-    std::stop_token token() const { return stop_.get_token(); }
-
-  private:
-    void watch(const std::stop_token& done) {
-        while (!done.stop_requested()) {
-            const int signals = signals_.wait(std::chrono::milliseconds(100));
-            if (signals > 0) stop_.request_stop();
-            if (signals > 1) ::_exit(130);
-        }
-    }
-
-    ShutdownSignals signals_{ShutdownSignals::Hangup::Ends};
-    std::stop_source stop_;
-    std::jthread watcher_;
-};
-
 Expected<IngestOptions> ingestOptions(const IngestArguments& arguments) {
     IngestOptions options;
     options.output = arguments.output;
@@ -82,6 +58,7 @@ Expected<IngestOptions> ingestOptions(const IngestArguments& arguments) {
     options.threads = arguments.threads;
     options.shape.surfels = !arguments.noSurfels;
     options.shape.curvature = !arguments.noCurvature;
+    options.shape.exact = arguments.exact;
     options.shape.neighbours = arguments.neighbours;
     options.shape.orientation = arguments.orient == "up"     ? Orientation::Up
                                 : arguments.orient == "scan" ? Orientation::Scan
@@ -117,7 +94,8 @@ Expected<std::unique_ptr<PointSource>> openInTurn(const ScanInput& input, const 
 /// Their mirrors go into the options.
 Expected<std::vector<std::unique_ptr<PointSource>>> openAll(const IngestArguments& arguments,
                                                             IngestOptions& options, ImportOptions import) {
-    import.keepAttributes = arguments.keepAttributes;
+    import.keepAttributes = arguments.keepAttributes || arguments.exact;
+    import.exact = arguments.exact;
     import.recover = arguments.recover;
     std::vector<std::unique_ptr<PointSource>> sources;
     const auto add = [&](Expected<std::unique_ptr<PointSource>> source) -> Expected<void> {
@@ -263,13 +241,18 @@ void addIngest(CLI::App& app, int& exitCode) {
         ->add_option(
             "--orient", arguments->orient,
             "Which side estimated normals point to. auto: towards the scanner where the scan says where it "
-            "stood - each point to the one that saw it -, else the side that neighbours agree on, where they do; scan: the same, else undecided; "
+            "stood - each point to the one that saw it -, else the side that neighbours agree on, where they "
+            "do; scan: the same, else undecided; "
             "up: upwards, for scans from the air")
         ->check(CLI::IsMember({"auto", "scan", "up"}))
         ->capture_default_str()
         ->type_name("SIDE");
     command->add_flag("--keep-attributes", arguments->keepAttributes,
                       "Also keep what is not drawn: GPS time, returns, extra bytes");
+    command->add_flag(
+        "--exact", arguments->exact,
+        "Keep all of it as it was, in a larger file: every attribute, positions to the last step of their "
+        "grid, colours of 16 bits. scancast export then gives LAS with the same records");
     command->add_flag("--recover", arguments->recover,
                       "Of scans that end too early - a copy was cut, a disk was full - read what is whole, "
                       "and tell how much is "

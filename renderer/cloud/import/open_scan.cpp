@@ -63,7 +63,8 @@ Expected<std::unique_ptr<PointSource>> openAsItIs(const ScanInput& input, const 
     auto& [bytes, extension, identified] = *looked;
     switch (identified.format) {
         case ScanFormat::Las:
-            return opened(LasSource::create(std::move(bytes), name, options.keepAttributes, options.recover));
+            return opened(LasSource::create(std::move(bytes), name, options.keepAttributes, options.recover,
+                                            options.exact));
         case ScanFormat::Laz:
             return opened(ImporterSource::create(lazImporter, input, options));
         case ScanFormat::E57:

@@ -25,12 +25,13 @@ constexpr std::uint64_t glances = 8192, glanceRecords = 6, fewestToGlanceAt = 1'
 }  // namespace
 
 Expected<std::unique_ptr<LasSource>> LasSource::create(std::unique_ptr<ByteSource> bytes, std::string name,
-                                                       bool keepAttributes, bool recover) {
+                                                       bool keepAttributes, bool recover, bool fullColors) {
     std::array<std::byte, lasHeaderBytes> start{};
     const auto got = readFully(*bytes, start);
     if (!got) return passOn(got);
     auto reader = LasReader::create(std::span(start).first(*got), std::move(name), keepAttributes);
     if (!reader) return passOn(std::move(reader));
+    if (fullColors) reader->keepFullColors();
 
     std::unique_ptr<LasSource> source(new LasSource(std::move(bytes), std::move(*reader)));
     source->recover_ = recover;
@@ -219,9 +220,10 @@ std::vector<std::string> LasSource::notes() const {
     if (lost_ == 0) return notes;
     notes.push_back(noteOf(name(), lostPoints("it", las().points + lost_, las().points)));
     if (las().evlrs > 0 && bytes_->size() && las().evlrOffset >= *bytes_->size())
-        notes.push_back(noteOf(name(),
-                               "the records behind its points are lost, too; they may have held its coordinate "
-                               "reference system"));
+        notes.push_back(
+            noteOf(name(),
+                   "the records behind its points are lost, too; they may have held its coordinate "
+                   "reference system"));
     return notes;
 }
 

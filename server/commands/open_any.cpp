@@ -4,11 +4,14 @@
 
 #include "files/machine.hpp"
 #include "renderer/cloud/build/build_cloud.hpp"
+#include "renderer/cloud/build/many_scans.hpp"
 #include "renderer/cloud/file/cloud_file.hpp"
 #include "renderer/cloud/import/open_scan.hpp"
 #include "renderer/residency/open_cloud.hpp"
 #include "server/base/byte_size.hpp"
 #include "server/catalog/damage_reports.hpp"
+#include "server/commands/scans/found_scans.hpp"
+#include "server/commands/scans/open_in_turn.hpp"
 #include "server/terminal/progress_bar.hpp"
 #include "server/terminal/terminal.hpp"
 
@@ -33,21 +36,53 @@ Expected<std::shared_ptr<const Cloud>> openFile(const ScanInput& input, const Op
     return openCloud(std::move(*file), BlockCache::create(cache));
 }
 
+/// What a cloud of these arguments is called: the first one's name, whether that is a file or a folder.
+std::string titleOf(const std::vector<std::string>& arguments) {
+    const fs::path first = fs::path(arguments.front()).lexically_normal();
+    return (first.has_filename() ? first : first.parent_path()).filename().string();
+}
+
+/// Several are opened when their turn comes. Their mirrors are all added.
+Expected<std::unique_ptr<PointSource>> openScans(const std::vector<std::string>& files,
+                                                 std::vector<Mirror>& mirrors) {
+    std::vector<std::unique_ptr<PointSource>> sources;
+    for (const std::string& file : files) {
+        const auto input = ScanInput::open(file);
+        if (!input) return passOn(input);
+        if (files.size() > 1 && isCloudFile(input->file()))
+            return fail(
+                ErrorCode::InvalidArgument,
+                file + " is a cloud file, and one of several: only scans are put together; name it alone");
+        auto source = files.size() == 1 ? openScan(*input) : openInTurn(*input, {});
+        if (!source) return source;
+        sources.push_back(std::move(*source));
+        const auto theirs = input->mirrors();
+        if (!theirs) return passOn(theirs);
+        mirrors.insert(mirrors.end(), theirs->begin(), theirs->end());
+    }
+    return sources.size() == 1 ? Expected<std::unique_ptr<PointSource>>(std::move(sources.front()))
+                               : manyScans(std::move(sources));
+}
+
 }  // namespace
 
-Expected<std::shared_ptr<const Cloud>> openAny(const std::string& file, const OpenOptions& options) {
-    auto input = ScanInput::open(file);
-    if (!input) return passOn(input);
-    if (isCloudFile(input->file())) return openFile(*input, options);
-    auto source = openScan(*input);
-    if (!source) return passOn(source);
+Expected<std::shared_ptr<const Cloud>> openAny(const std::vector<std::string>& arguments,
+                                               const OpenOptions& options) {
+    const auto found = findScans(arguments);
+    if (!found) return passOn(found);
+    tellLeftOut(*found, options.verbose);
+    const std::vector<std::string>& files = found->files();
+    if (files.size() == 1) {
+        const auto input = ScanInput::open(files.front());
+        if (!input) return passOn(input);
+        if (isCloudFile(input->file())) return openFile(*input, options);
+    }
     BuildOptions build;
-    build.title = fs::path(file).filename().string();
+    build.title = titleOf(arguments);
     build.threads = options.threads;
     build.shape.surfels = options.surfels;
-    auto mirrors = input->mirrors();
-    if (!mirrors) return passOn(mirrors);
-    build.mirrors = std::move(*mirrors);
+    auto source = openScans(files, build.mirrors);
+    if (!source) return passOn(source);
     ProgressBar bar;
     auto cloud = buildCloud(**source, build, bar.sink());
     bar.clear();

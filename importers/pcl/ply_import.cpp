@@ -8,6 +8,7 @@
 
 #include "importers/pcl/ply_header.hpp"
 #include "importers/pcl/point_converter.hpp"
+#include "importers/pcl/raw_rows.hpp"
 #include "renderer/cloud/import/printable_text.hpp"
 
 namespace scancast::import_pcl {
@@ -16,15 +17,18 @@ namespace {
 
 namespace ply = pcl::io::ply;
 
+Expected<void> breaksOff(const PlyHeader& header, std::uint64_t vertices, const std::string& where) {
+    return fail(ErrorCode::Truncated, "it breaks off within vertex " + grouped(vertices + 1) + " of " +
+                                          grouped(header.vertices) + where);
+}
+
 /// Leaves PCL's parser in the middle: it has no other way to be stopped.
 struct Stop {};
 
 /// One run of PCL's parser over the file, which calls `vertex` for every vertex.
 class VertexPass {
   public:
-    using Vertex = std::function<Expected<void>(const RawPoint&)>;
-
-    VertexPass(const PlyHeader& header, Vertex vertex) : header_(header), vertex_(std::move(vertex)) {}
+    VertexPass(const PlyHeader& header, RawPointSink vertex) : header_(header), vertex_(std::move(vertex)) {}
 
     Expected<void> run(const std::string& file);
 
@@ -34,7 +38,7 @@ class VertexPass {
     void endVertex();
 
     const PlyHeader& header_;
-    Vertex vertex_;
+    RawPointSink vertex_;
     RawPoint point_{};
     std::uint64_t vertices_ = 0;
     std::size_t errorLine_ = 0;
@@ -92,8 +96,20 @@ Expected<void> VertexPass::run(const std::string& file) {
     }
     std::string where =
         header_.format == PlyFormat::Ascii && errorLine_ > 0 ? " (line " + grouped(errorLine_) + ")" : "";
-    return fail(ErrorCode::Truncated, "it breaks off within vertex " + grouped(vertices_ + 1) + " of " +
-                                          grouped(header_.vertices) + where);
+    return breaksOff(header_, vertices_, where);
+}
+
+/// Calls `vertex` for every vertex.
+Expected<void> readVertices(const std::string& file, const PlyHeader& header, const RawPointSink& vertex) {
+    const auto rows = vertexRows(header);
+    if (!rows) return VertexPass(header, vertex).run(file);
+    std::ifstream stream(file, std::ios::binary);
+    if (!stream || !stream.seekg(static_cast<std::streamoff>(rows->at)))
+        return fail(ErrorCode::Io, "it cannot be opened");
+    const auto read = readRows(stream, rows->layout, header.vertices, vertex);
+    if (!read) return passOn(read);
+    if (*read < header.vertices) return breaksOff(header, *read, "");
+    return {};
 }
 
 std::string formatText(PlyFormat format) {
@@ -126,11 +142,11 @@ Expected<void> importPly(const std::string& file, PointStreamWriter& writer) {
 
     ValueRanges ranges;
     if (needsRanges(header->fields)) {
-        VertexPass measure(*header, [&](const RawPoint& point) -> Expected<void> {
+        const auto measured = readVertices(file, *header, [&](const RawPoint& point) -> Expected<void> {
             ranges.take(point, header->fields);
             return {};
         });
-        if (auto ok = measure.run(file); !ok) return ok;
+        if (!measured) return measured;
     }
     ScanHeader scan;
     scan.format = formatText(header->format);
@@ -138,8 +154,9 @@ Expected<void> importPly(const std::string& file, PointStreamWriter& writer) {
     scan.attributes = header->fields.attributes();
     if (auto ok = writer.writeHeader(scan); !ok) return ok;
     PointConverter converter(header->fields, ranges, writer);
-    VertexPass send(*header, [&](const RawPoint& point) { return converter.add(point); });
-    if (auto ok = send.run(file); !ok) return ok;
+    const auto sent =
+        readVertices(file, *header, [&](const RawPoint& point) { return converter.add(point); });
+    if (!sent) return sent;
     return converter.finish();
 }
 

@@ -8,7 +8,7 @@ usage() {
     cat <<'EOF'
 Usage: ./run.sh [--yes|--no-install] [FILE…] [-- OPTIONS OF scancast serve]
 
-Installs what is missing, builds Scancast, and serves your scans (LAS, LAZ, PLY, PCD, Potree) as a page that you open in a
+Installs what is missing, builds Scancast, and serves your scans (LAS, LAZ, PLY, PCD, EPT, Potree) as a page that you open in a
 browser. Without a FILE it generates a small town to look at.
 
   --yes          install missing Debian packages without asking
@@ -40,9 +40,7 @@ while [ $# -gt 0 ]; do
 done
 
 ensure_packages build
-[ "$install" = no ] || npm_modules importers/laz ||
-    say "NOTE: npm could not install laz-perf: LAZ and Potree cannot be read until (cd importers/laz && npm ci --ignore-scripts) works."
-build release --target scancast scancast-client scancast-import-pcl scancast-import-laz scancast-import-potree
+build release --target scancast scancast-client scancast-import-pcl scancast-import-e57 scancast-import-laz scancast-import-octree
 [ "$build_only" = no ] || exit 0
 
 bin=$root/build/release/bin

@@ -37,7 +37,6 @@ done
 
 install_all() {
     ensure_packages build test
-    npm_modules importers/laz || die "npm could not install what reads LAZ and Potree"
     npm_modules tests/foreign || die "npm could not install what the tests with another WebSocket library need"
     npm_modules tests/browser || die "npm could not install what the browser tests need"
 }

@@ -7,13 +7,12 @@ if(NOT SCANCAST_PYTHON OR SCANCAST_SANITIZE OR SCANCAST_COVERAGE OR CMAKE_CROSSC
   return()
 endif()
 set(SCANCAST_MANUAL "${PROJECT_BINARY_DIR}/manual")
-set(manual_programs scancast scancast-client scancast-import-laz scancast-import-potree)
+set(manual_programs scancast scancast-client scancast-import-e57 scancast-import-laz scancast-import-octree)
 if(TARGET scancast-import-pcl)
   list(APPEND manual_programs scancast-import-pcl)
 endif()
 list(TRANSFORM manual_programs PREPEND "${CMAKE_RUNTIME_OUTPUT_DIRECTORY}/" OUTPUT_VARIABLE manual_paths)
 set(manual_source "${PROJECT_SOURCE_DIR}/deploy/manual")
-# "made" is not there while an importer misses Node.js or its modules; then the next build tries again.
 add_custom_command(
   OUTPUT "${SCANCAST_MANUAL}/made"
   COMMAND "${CMAKE_COMMAND}" -E rm -rf "${SCANCAST_MANUAL}"

@@ -53,11 +53,11 @@ endmacro()
 
 scancast_package(server scancast "server for views of huge scanned point clouds
 Keeps scanned point clouds in memory, draws the view that somebody asks for, and
-streams the pictures to browsers and programs. LAZ and Potree are read with
-Node.js; graphics cards are used where there are any."
+streams the pictures to browsers and programs. Graphics cards are used where
+there are any."
   PACKAGE_SHLIBDEPS ON
   PACKAGE_DEPENDS "systemd-standalone-sysusers | systemd-sysusers"
-  PACKAGE_RECOMMENDS "nodejs, libegl1"
+  PACKAGE_RECOMMENDS "libegl1"
   PACKAGE_SUGGESTS "scancast-client, scancast-import-pcl, scancast-doc, libgl1-mesa-dri, libosmesa6, nginx")
 set(CPACK_DEBIAN_SERVER_PACKAGE_CONTROL_EXTRA
   "${debian}/postinst" "${debian}/prerm" "${debian}/postrm" "${debian}/conffiles")

@@ -164,13 +164,14 @@ class SimulatedScan final : public PointSource {
     void generate(const Unit& unit, PointBatch& batch) const {
         const std::size_t count = unit.last - unit.first;
         batch.clear();
-        batch.position.resize(count);
+        auto& positions = batch.position.doubles();
+        positions.resize(count);
         batch.color.resize(count);
         batch.intensity.resize(count);
         batch.classification.resize(count);
         batch.normal.resize(count);
         const auto put = [&](std::size_t slot, const ScanPoint& point) {
-            batch.position[slot] = point.position + origin_;
+            positions[slot] = point.position + origin_;
             batch.color[slot] = point.color;
             batch.intensity[slot] = point.intensity;
             batch.classification[slot] = point.classification;

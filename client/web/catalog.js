@@ -42,6 +42,12 @@ export async function fetchClouds() {
   return { clouds: listOf(body.clouds), pending: listOf(body.pending) };
 }
 
+/** Where the scanner stood, each with the view from there. */
+export async function fetchStations(cloud) {
+  const body = await getJson(`/api/v1/clouds/${encodeURIComponent(cloud)}/stations`);
+  return listOf(body.stations);
+}
+
 /** { methods, colors, colormaps, shadings }. */
 export async function fetchMethods() {
   const body = await getJson('/api/v1/methods');

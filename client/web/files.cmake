@@ -19,6 +19,7 @@ set(SCANCAST_WEB_FILES
     picture.js
     session.js
     share.js
+    stations.js
     vectors.js
     view_hash.js
     view_state.js

@@ -10,6 +10,7 @@ import { Overlays } from './overlays.js';
 import { Picture } from './picture.js';
 import { Session } from './session.js';
 import { copyLink, savePicture } from './share.js';
+import { Stations } from './stations.js';
 import { parseHash } from './view_hash.js';
 import { ViewState } from './view_state.js';
 
@@ -78,6 +79,10 @@ const controls = new Controls({
   },
   reset: () => changeStyle(usualStyle(cloud)),
 });
+const stations = new Stations((place) => {
+  const next = fromProtocol(place, camera?.upAxis ?? 'z');
+  if (next && camera) goTo(next);
+}, amount);
 const input = new CameraInput(canvas, {
   get camera() { return session.connection ? camera : undefined; },
   get size() { return picture.cssSize; },
@@ -145,6 +150,7 @@ function renew() {
     begin(usualStyle(cloud));
   } else {
     controls.show(state.wanted, cloud);
+    stations.show(cloud);
   }
 }
 
@@ -156,6 +162,7 @@ function begin(style) {
   showTitle();
   showCameraButtons();
   controls.show(state.wanted, cloud);
+  stations.show(cloud);
   wake();
 }
 

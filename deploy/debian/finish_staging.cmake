@@ -1,11 +1,10 @@
 # What CPack runs when all is installed in a folder for each component, before packages are made of them.
 
 # Nothing that a build may do without is missing in a package.
-set(laz usr/libexec/scancast/laz/node_modules/laz-perf/package.json)
-foreach(file usr/share/man/man1/scancast-serve.1 usr/share/man/man1/scancast-import-laz.1 ${laz})
+foreach(file usr/share/man/man1/scancast-serve.1 usr/share/man/man1/scancast-import-laz.1)
   if(NOT EXISTS "${CPACK_TEMPORARY_DIRECTORY}/server/${file}")
-    message(FATAL_ERROR "The package would lack ${file}. Man pages need Python 3 and the target scancast_manual; "
-      "LAZ needs (cd importers/laz && npm ci --ignore-scripts); then build all targets again.")
+    message(FATAL_ERROR "The package would lack ${file}. Man pages need Python 3 and the target scancast_manual: "
+      "build all targets again.")
   endif()
 endforeach()
 

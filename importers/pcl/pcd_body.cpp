@@ -4,6 +4,7 @@
 #include <pcl/console/print.h>
 #include <pcl/io/pcd_io.h>
 
+#include <array>
 #include <cstring>
 #include <fstream>
 #include <limits>
@@ -131,6 +132,9 @@ class TextLines {
         for (const auto& field : header.fields) values_ += field.count;
     }
 
+    /// The line that was taken last has no end: it is the file's last, and may be part of a line.
+    bool unended() const { return stream_.eof(); }
+
     /// Appends the next line that holds a point.
     Expected<void> next(std::string& to, std::uint64_t point, std::uint64_t points) {
         for (;;) {
@@ -210,7 +214,36 @@ Expected<void> readText(std::ifstream& stream, const PcdHeader& declared, const 
     return {};
 }
 
+/// Lines of points that have an end, up to one that is none.
+std::uint64_t wholeTextPoints(std::ifstream& stream, const PcdHeader& header) {
+    TextLines lines(stream, header);
+    std::string text;
+    for (std::uint64_t point = 0; point < header.points; ++point) {
+        text.clear();
+        if (!lines.next(text, point, header.points) || lines.unended()) return point;
+    }
+    return header.points;
+}
+
 }  // namespace
+
+Expected<std::uint64_t> wholePcdPoints(const std::string& file, std::uint64_t fileBytes,
+                                       const PcdHeader& header) {
+    const auto room = fileBytes > header.bytes ? fileBytes - header.bytes : 0;
+    if (header.data == PcdData::Binary) return std::min(header.points, room / header.pointBytes);
+    std::ifstream stream(file, std::ios::binary);
+    if (!stream || !stream.seekg(static_cast<std::streamoff>(header.bytes)))
+        return fail(ErrorCode::Io, "it cannot be opened");
+    if (header.data == PcdData::Ascii) return wholeTextPoints(stream, header);
+    std::array<std::byte, 4> length{};
+    stream.read(reinterpret_cast<char*>(length.data()), 4);
+    if (stream.gcount() == 4 && room >= 8 && loadLe<std::uint32_t>(length.data()) <= room - 8)
+        return header.points;
+    return fail(ErrorCode::Truncated,
+                "it ends at byte " + grouped(fileBytes) +
+                    ", within its compressed points, which come value by value of all points: "
+                    "not one of them is whole");
+}
 
 Expected<void> readPcdPoints(const std::string& file, std::uint64_t fileBytes, const PcdHeader& header,
                              const RawPointSink& sink) {

@@ -14,4 +14,9 @@ namespace scancast::import_pcl {
 Expected<void> readPcdPoints(const std::string& file, std::uint64_t fileBytes, const PcdHeader& header,
                              const RawPointSink& sink);
 
+/// How many points are whole before the file ends, at most as many as promised. Compressed ones come value by value of all
+/// points: there it is all of them or, as Truncated, none.
+Expected<std::uint64_t> wholePcdPoints(const std::string& file, std::uint64_t fileBytes,
+                                       const PcdHeader& header);
+
 }  // namespace scancast::import_pcl

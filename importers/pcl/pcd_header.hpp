@@ -43,8 +43,9 @@ struct PcdHeader {
 inline constexpr std::size_t longestPcdHeader = 1 << 16;
 
 /// `start`: the first bytes of the file, up to longestPcdHeader; `fileBytes`: its size, against which the
-/// promised points are checked. Errors: Malformed, Truncated, Unsupported, Empty; without the file's name.
-Expected<PcdHeader> checkPcdHeader(std::string_view start, std::uint64_t fileBytes);
+/// promised points are checked; not with `recover`, which is content with those that are there. Errors: Malformed, Truncated,
+/// Unsupported, Empty; without the file's name.
+Expected<PcdHeader> checkPcdHeader(std::string_view start, std::uint64_t fileBytes, bool recover = false);
 
 /// For compressed bodies: the two lengths in front of it against header and file.
 Expected<void> checkPcdCompression(const PcdHeader& header, std::uint32_t compressed,

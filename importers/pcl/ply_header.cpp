@@ -160,13 +160,14 @@ Expected<void> checkVertices(PlyHeader& header, const PlyElement& vertex) {
     return {};
 }
 
-Expected<void> checkExtent(const PlyHeader& header, std::uint64_t fileBytes) {
+Expected<void> checkExtent(const PlyHeader& header, std::uint64_t fileBytes, bool recover) {
     const bool text = header.format == PlyFormat::Ascii;
     std::uint64_t at = header.bytes;
     for (const auto& element : header.elements) {
         const auto each = leastBytes(element, header.format);
         // The last line of text may lack its end.
         const auto room = (fileBytes > at ? fileBytes - at : 0) + (text ? 1 : 0);
+        if (recover && element.name == "vertex") return {};
         if (each > 0 && element.count > room / each)
             return fail(ErrorCode::Truncated,
                         fmt::format("it ends at byte {}: its header promises {} items of {} of at least {} "
@@ -184,16 +185,16 @@ Expected<void> checkExtent(const PlyHeader& header, std::uint64_t fileBytes) {
 
 }  // namespace
 
-Expected<PlyHeader> checkPlyHeader(std::string_view start, std::uint64_t fileBytes) {
+Expected<PlyHeader> checkPlyHeader(std::string_view start, std::uint64_t fileBytes, bool recover) {
     HeaderReader reader;
     std::size_t at = 0;
     while (!reader.ended()) {
         const auto end = start.find('\n', at);
+        // Behind such a header, bytes of points may look like a line's end.
+        if (const auto line = start.substr(0, end); at == 0 && line.find('\r') < line.size() - 1)
+            return fail(ErrorCode::Unsupported,
+                        "the lines of its header end in carriage returns only; save it with a newer program");
         if (end == std::string_view::npos) {
-            if (start.find('\r') != std::string_view::npos && start.find('\n') == std::string_view::npos)
-                return fail(
-                    ErrorCode::Unsupported,
-                    "the lines of its header end in carriage returns only; save it with a newer program");
             if (start.size() >= longestPlyHeader)
                 return fail(ErrorCode::Malformed, "its header has no end within 1 MiB");
             if (start.substr(at).starts_with("end_header") && words(start.substr(at)).size() == 1) {
@@ -216,7 +217,7 @@ Expected<PlyHeader> checkPlyHeader(std::string_view start, std::uint64_t fileByt
         return fail(ErrorCode::Malformed,
                     "its PLY header declares no vertices (no line \"element vertex …\")");
     if (auto ok = checkVertices(header, *vertex); !ok) return passOn(ok);
-    if (auto ok = checkExtent(header, fileBytes); !ok) return passOn(ok);
+    if (auto ok = checkExtent(header, fileBytes, recover); !ok) return passOn(ok);
     return header;
 }
 

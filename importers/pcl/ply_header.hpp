@@ -42,9 +42,9 @@ struct PlyHeader {
 inline constexpr std::size_t longestPlyHeader = 1 << 20;
 
 /// `start`: the first bytes of the file, up to longestPlyHeader. `fileBytes`: the file's size, against which
-/// the promised vertices are checked. Errors: Malformed, Truncated, Unsupported, Empty; without the file's
-/// name.
-Expected<PlyHeader> checkPlyHeader(std::string_view start, std::uint64_t fileBytes);
+/// the promised vertices are checked; not with `recover`, which is content with those that are there. Errors: Malformed,
+/// Truncated, Unsupported, Empty; without the file's name.
+Expected<PlyHeader> checkPlyHeader(std::string_view start, std::uint64_t fileBytes, bool recover = false);
 
 /// Where binary vertices of one length stand.
 struct VertexRows {

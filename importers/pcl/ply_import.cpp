@@ -2,6 +2,7 @@
 
 #include <pcl/io/ply/ply_parser.h>
 
+#include <algorithm>
 #include <fstream>
 #include <functional>
 #include <system_error>
@@ -9,6 +10,7 @@
 #include "importers/pcl/ply_header.hpp"
 #include "importers/pcl/point_converter.hpp"
 #include "importers/pcl/raw_rows.hpp"
+#include "renderer/cloud/import/lost_points.hpp"
 #include "renderer/cloud/import/printable_text.hpp"
 
 namespace scancast::import_pcl {
@@ -123,7 +125,38 @@ std::string formatText(PlyFormat format) {
     }
 }
 
-Expected<PlyHeader> readHeader(const std::string& file) {
+/// Lines with an end, from there on. A last line without one may be part of a line.
+Expected<std::uint64_t> wholeLines(const std::string& file, std::uint64_t from) {
+    std::ifstream stream(file, std::ios::binary);
+    if (!stream || !stream.seekg(static_cast<std::streamoff>(from)))
+        return fail(ErrorCode::Io, "it cannot be opened");
+    std::uint64_t lines = 0;
+    std::vector<char> piece(1 << 16);
+    while (stream.read(piece.data(), static_cast<std::streamsize>(piece.size())), stream.gcount() > 0)
+        lines += static_cast<std::uint64_t>(std::count(piece.begin(), piece.begin() + stream.gcount(), '\n'));
+    return lines;
+}
+
+/// How many vertices are there before the file ends, or says what cannot be: at most as many as promised.
+Expected<std::uint64_t> wholeVertices(const std::string& file, const PlyHeader& header) {
+    std::uint64_t vertices = 0;
+    const auto counted = readVertices(file, header, [&](const RawPoint&) -> Expected<void> {
+        ++vertices;
+        return {};
+    });
+    if (!counted && counted.error().code != ErrorCode::Truncated) return passOn(counted);
+    if (header.format != PlyFormat::Ascii) return vertices;
+    const auto lines = wholeLines(file, header.bytes);
+    if (!lines) return passOn(lines);
+    std::uint64_t before = 0;
+    for (const auto& element : header.elements) {
+        if (element.name == "vertex") break;
+        before += element.count;
+    }
+    return std::min(vertices, *lines - std::min(before, *lines));
+}
+
+Expected<PlyHeader> readHeader(const std::string& file, bool recover) {
     std::ifstream stream(file, std::ios::binary | std::ios::ate);
     if (!stream) return fail(ErrorCode::Io, "it cannot be opened: " + std::generic_category().message(errno));
     const auto size = static_cast<std::uint64_t>(stream.tellg());
@@ -131,14 +164,22 @@ Expected<PlyHeader> readHeader(const std::string& file) {
     stream.seekg(0);
     stream.read(start.data(), static_cast<std::streamsize>(start.size()));
     start.resize(static_cast<std::size_t>(stream.gcount()));
-    return checkPlyHeader(start, size);
+    return checkPlyHeader(start, size, recover);
 }
 
 }  // namespace
 
-Expected<void> importPly(const std::string& file, PointStreamWriter& writer) {
-    const auto header = readHeader(file);
+Expected<void> importPly(const std::string& file, PointStreamWriter& writer, bool recover) {
+    auto header = readHeader(file, recover);
     if (!header) return passOn(header);
+    std::string lost;
+    if (recover) {
+        const auto whole = wholeVertices(file, *header);
+        if (!whole) return passOn(whole);
+        if (*whole == 0) return fail(ErrorCode::Truncated, "it ends before its first vertex does");
+        if (*whole < header->vertices) lost = lostPoints("it", header->vertices, *whole);
+        header->vertices = *whole;
+    }
 
     ValueRanges ranges;
     if (needsRanges(header->fields)) {
@@ -153,6 +194,8 @@ Expected<void> importPly(const std::string& file, PointStreamWriter& writer) {
     scan.points = header->vertices;
     scan.attributes = header->fields.attributes();
     if (auto ok = writer.writeHeader(scan); !ok) return ok;
+    if (!lost.empty())
+        if (auto ok = writer.writeNote(lost); !ok) return ok;
     PointConverter converter(header->fields, ranges, writer);
     const auto sent =
         readVertices(file, *header, [&](const RawPoint& point) { return converter.add(point); });

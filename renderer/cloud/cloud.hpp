@@ -70,7 +70,7 @@ struct UsualRanges {
 struct KnownSides {
     enum class By : std::uint8_t {
         File,       ///< the scan's own normals
-        Scanner,    ///< towards the place where it stood
+        Scanner,    ///< towards the place that each point was recorded from
         Up,         ///< upwards, as was asked for
         Neighbours  ///< decided by all of them together (docs/spec/surfels.md §9)
     };
@@ -105,11 +105,13 @@ struct CloudFacts {
     std::vector<KeptColumn> columns;
     std::vector<ValuePlane> companions;  ///< what the cloud file has beside its samples and columns
     std::vector<Mirror> mirrors;
-    std::optional<UsualRanges> usual;   ///< nullopt: not known, of a cloud file of version 1
-    std::optional<glm::dvec3> scanner;  ///< where it stood, file coordinates, if the scan says so
-    std::optional<Look> look;           ///< nullopt: not decided yet (renderer/look)
-    std::vector<std::string> notes;     ///< what was strange about the scan, one sentence each without an end
-    std::string revision;               ///< hex digest of everything that pictures depend on but the look
+    std::optional<UsualRanges> usual;  ///< nullopt: not known, of a cloud file of version 1
+    /// Where the scanner stood, file coordinates, if the scan says so and it stood at one place.
+    std::optional<glm::dvec3> scanner;
+    std::vector<Station> stations;   ///< all places that it stood at, if the scan says so
+    std::optional<Look> look;        ///< nullopt: not decided yet (renderer/look)
+    std::vector<std::string> notes;  ///< what was strange about the scan, one sentence each without an end
+    std::string revision;            ///< hex digest of everything that pictures depend on but the look
 };
 
 /// The companion that keeps samples' curvatures (curvature.hpp).

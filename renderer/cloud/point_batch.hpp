@@ -14,6 +14,8 @@
 #include <vector>
 
 #include "protocol/error.hpp"
+#include "renderer/cloud/positions.hpp"
+#include "renderer/cloud/station.hpp"
 
 namespace scancast {
 
@@ -66,17 +68,20 @@ struct ScanHeader {
     std::optional<std::array<glm::dvec3, 2>> bounds;  ///< declared min, max; a hint, not to be trusted
     std::string crsWkt;                               ///< empty = unknown
     std::optional<int> crsEpsg;
-    std::vector<Column> columns;              ///< what `rows` holds; empty unless asked for (ImportOptions)
-    std::optional<glm::dvec3> scannerOrigin;  ///< file coordinates, where the file says it; orients normals
+    std::vector<Column> columns;  ///< what `rows` holds; empty unless asked for (ImportOptions)
+    /// File coordinates, where the file says that all points were recorded from there; orients normals.
+    std::optional<glm::dvec3> scannerOrigin;
 };
 
 struct PointBatch {
-    std::vector<glm::dvec3> position;  ///< file coordinates; finite (readers drop and count others)
+    Positions position;  ///< file coordinates; finite (readers drop and count others)
     std::vector<std::array<std::uint8_t, 3>> color;  ///< sRGB
     std::vector<std::uint16_t> intensity;            ///< full range of the file, 0–65535
     std::vector<std::uint8_t> classification;        ///< ASPRS class
     std::vector<glm::vec3> normal;                   ///< unit length, or 0 where the scan has none
     std::vector<std::byte> rows;                     ///< size() rows of rowBytes(header.columns)
+    /// Where all of these were recorded from, file coordinates; nullopt: not known.
+    std::optional<glm::dvec3> scanner;
 
     std::size_t size() const { return position.size(); }
     void clear() {
@@ -86,13 +91,15 @@ struct PointBatch {
         classification.clear();
         normal.clear();
         rows.clear();
+        scanner.reset();
     }
 };
 
-/// Calls `f` with every column of `to` that has one value a point - all but rows - and its like in `from`.
+/// Calls `f` with every column of `to` that has one value a point - all but rows - and its like in `from`. Positions of
+/// `to` become float64: what is put together need not have one grid.
 template <class F>
 void forColumns(PointBatch& to, const PointBatch& from, F f) {
-    f(to.position, from.position);
+    f(to.position.doubles(), from.position);
     f(to.color, from.color);
     f(to.intensity, from.intensity);
     f(to.classification, from.classification);
@@ -133,6 +140,8 @@ class PointSource {
     /// What else its user should hear about the scan, one sentence each without an end; all of them at the
     /// end of it.
     virtual std::vector<std::string> notes() const { return {}; }
+    /// Where the scanner stood, in the order of the scan; all of them at the end of it. None where nobody knows.
+    virtual std::vector<Station> stations() const { return {}; }
     /// How far the source is, for progress: bytes read of the total (0 = unknown).
     virtual std::array<std::uint64_t, 2> bytesRead() const { return {0, 0}; }
 };

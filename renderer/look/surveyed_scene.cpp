@@ -118,7 +118,7 @@ std::optional<SurveyedScene> asDepthFrame(const std::vector<SurveyPoint>& points
 
 /// Formats of surveying, in which z is up by definition; and far from the origin coordinates are a map's.
 bool isSurvey(const CloudFacts& facts) {
-    for (const std::string_view format : {"LAS", "LAZ", "COPC", "PTX", "PTS", "E57", "Potree"})
+    for (const std::string_view format : {"LAS", "LAZ", "COPC", "PTX", "PTS", "E57", "EPT", "Potree"})
         if (facts.format.starts_with(format)) return true;
     const glm::dvec3 size = facts.bounds[1] - facts.bounds[0];
     const double farthest = std::max(std::abs(facts.bounds[0].x), std::abs(facts.bounds[0].y));

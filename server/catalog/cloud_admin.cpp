@@ -43,7 +43,7 @@ tl::expected<ScanInput, Problem> CloudAdmin::open(const std::string& name) const
         case ErrorCode::NotFound:
             return refuse(404, "There is no file " + quoteText(name) + " below --data-root.", "file");
         case ErrorCode::Unsupported:
-            return refuse(422, quoteText(name) + " is no file, and no folder of a Potree octree.", "file");
+            return refuse(422, quoteText(name) + " is no file, and no folder of an octree of EPT or Potree.", "file");
         default:
             return refuse(422, quoteText(name) + " cannot be opened by this server.", "file");
     }

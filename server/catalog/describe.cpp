@@ -7,6 +7,7 @@
 #include "renderer/cloud/import/crs_text.hpp"
 #include "renderer/image/colormap.hpp"
 #include "renderer/render.hpp"
+#include "renderer/station_view.hpp"
 
 namespace scancast {
 namespace {
@@ -139,6 +140,7 @@ nlohmann::json cloudJson(const CatalogEntry& entry) {
     json["columns"] = columnsJson(*entry.cloud);
     json["constant"] = constantJson(entry.cloud->constant);
     json["notes"] = entry.cloud->notes;
+    json["stations"] = entry.cloud->stations.size();
     json["classNames"] = classNamesJson(*entry.cloud);
     json["crsName"] = crsName(entry.cloud->crsWkt, entry.cloud->crsEpsg);
     json["crsUnit"] = crsUnit(entry.cloud->crsWkt, entry.cloud->crsEpsg);
@@ -159,6 +161,21 @@ nlohmann::json viewsJson(const Cloud& cloud, View base) {
         list.push_back({{"name", named.name}, {"inside", named.inside}, {"view", toJson(base)}});
     }
     return {{"views", std::move(list)}};
+}
+
+nlohmann::json stationsJson(const Cloud& cloud, View base) {
+    const auto numbers = [](const glm::dvec3& v) { return nlohmann::json{v.x, v.y, v.z}; };
+    nlohmann::json list = nlohmann::json::array();
+    for (std::size_t i = 0; i < cloud.stations.size(); ++i) {
+        const Station& station = cloud.stations[i];
+        base.camera = stationCamera(cloud, station);
+        list.push_back({{"name", titleOf(station, i)},
+                        {"position", numbers(station.position)},
+                        {"points", station.points},
+                        {"view", toJson(base)}});
+        if (station.forwards) list.back()["forwards"] = numbers(*station.forwards);
+    }
+    return {{"stations", std::move(list)}};
 }
 
 nlohmann::json pickedJson(const Cloud& cloud, const Picked& picked) {

@@ -23,6 +23,8 @@ nlohmann::json cloudJson(const CatalogEntry& entry);
 nlohmann::json methodListJson();
 /// The body of `/clouds/{id}/views`: the best views, each as `base` but for its camera.
 nlohmann::json viewsJson(const Cloud& cloud, View base);
+/// The body of `/clouds/{id}/stations`: where the scanner stood, each with the view from there, as `base` but for its camera.
+nlohmann::json stationsJson(const Cloud& cloud, View base);
 /// A picked point: its coordinates, and of its attributes those that the cloud has.
 nlohmann::json pickedJson(const Cloud& cloud, const Picked& picked);
 

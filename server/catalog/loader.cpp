@@ -61,10 +61,12 @@ fs::path keptPath(const ScanInput& input, const LoaderOptions& options) {
     const fs::path whole = fs::weakly_canonical(input.path(), error);
     const FileIdentity& file = input.file().identity();
     const OctreeShape& shape = options.shape;
-    const std::string all =
+    std::string all =
         fmt::format("{}\n{}\n{} {}\n{}\n{} {} {} {} {}", whole.string(), file.bytes, file.changed,
                     input.mirrorsChanged(), options.version, shape.leafPoints, shape.chunkPoints,
                     shape.surfels, shape.neighbours, options.import.keepAttributes);
+    if (const auto& crs = options.import.assumeCrs)
+        all += fmt::format("\n{} {}", crs->epsg.value_or(0), crs->wkt);
     return options.kept->pathOf(cloudIdFor(input.path().stem().string()),
                                 XXH3_64bits(all.data(), all.size()));
 }

@@ -72,7 +72,8 @@ Expected<FileInfo> cloudInfo(const ScanInput& input, bool check, const ProgressS
 class Counted {
   public:
     void add(const PointBatch& batch) {
-        for (const glm::dvec3& p : batch.position) low_ = glm::min(low_, p), high_ = glm::max(high_, p);
+        const auto [low, high] = boundsOf(batch.position);
+        low_ = glm::min(low_, low), high_ = glm::max(high_, high);
         values_.add(batch);
         for (const std::uint8_t c : batch.classification) ++classes_[c];
         points_ += batch.size();
@@ -82,6 +83,7 @@ class Counted {
         info.points = info.facts.points = points_;
         info.facts.droppedPoints = source.droppedPoints();
         info.facts.notes = source.notes();
+        info.facts.stations = source.stations();
         info.facts.bounds = {low_, high_};
         info.boundsKnown = points_ > 0;
         values_.settle(info.facts);
@@ -122,6 +124,7 @@ Expected<FileInfo> scanInfo(const ScanInput& input, bool check, const ProgressSi
     info.file = input.path();
     info.bytes = input.bytes();
     info.points = header.points;
+    info.pointsSummed = input.octree() != nullptr;
     info.facts.title = input.path().filename().string();
     info.facts.format = header.format;
     info.facts.points = header.points.value_or(0);
@@ -129,6 +132,7 @@ Expected<FileInfo> scanInfo(const ScanInput& input, bool check, const ProgressSi
     info.facts.crsWkt = header.crsWkt;
     info.facts.crsEpsg = header.crsEpsg;
     info.facts.notes = (*source)->notes();
+    info.facts.stations = (*source)->stations();
     for (const Column& column : header.columns) info.facts.columns.push_back({column, {0, 0}});
     info.boundsKnown = header.bounds.has_value();
     if (header.bounds) info.facts.bounds = *header.bounds;

@@ -30,7 +30,9 @@ struct FileInfo {
     std::uint64_t bytes = 0;
     /// Of a scan: what its header tells, completed by what was read where it was read through.
     CloudFacts facts;
-    std::optional<std::uint64_t> points;  ///< of a scan as declared; nullopt = not known until it is read
+    std::optional<std::uint64_t>
+        points;                 ///< of a scan as declared or summed; nullopt = not known until it is read
+    bool pointsSummed = false;  ///< of the nodes of an octree, whatever its description declares
     bool boundsKnown = false;
 
     std::optional<OctreeInfo> octree;  ///< a cloud file has one, a scan does not

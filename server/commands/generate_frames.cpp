@@ -57,7 +57,7 @@ PointBatch turned(const PointBatch& points, const glm::dvec3& middle, double deg
     const double angle = std::fmod(degrees, 360.0) * std::numbers::pi / 180;
     const double c = std::cos(angle), s = std::sin(angle);
     PointBatch result = points;
-    for (glm::dvec3& p : result.position) {
+    for (glm::dvec3& p : result.position.doubles()) {
         const glm::dvec3 d = p - middle;
         p = middle + glm::dvec3(c * d.x - s * d.y, s * d.x + c * d.y, d.z);
     }

@@ -5,13 +5,30 @@
 
 namespace scancast {
 
+CLI::Option* addAssumeCrs(CLI::App& app, std::string& crs) {
+    return app
+        .add_option("--assume-crs", crs,
+                    "Take this as the coordinate reference system of every scan, whatever it says itself: "
+                    "EPSG:25832, or a "
+                    "whole WKT. No coordinate changes")
+        ->type_name("CRS");
+}
+
+Expected<std::optional<AssumedCrs>> assumedCrs(const std::string& crs) {
+    if (crs.empty()) return std::nullopt;
+    auto parsed = parseCrs(crs);
+    if (!parsed)
+        return fail(parsed.error().code, "--assume-crs: " + parsed.error().message + ".", "assume-crs");
+    return std::move(*parsed);
+}
+
 void addImporterFlags(CLI::App& app, ImporterFlags& flags, bool environment) {
     const auto flag = [&](const char* name, auto& value, const char* variable, const char* meaning) {
         auto* const option = app.add_option(name, value, meaning)->capture_default_str();
         return environment ? option->envname(variable) : option;
     };
     flag("--importer-sandbox", flags.sandbox, "SCANCAST_IMPORTER_SANDBOX",
-         "LAZ, Potree, PLY and PCD are read by programs of their own, importers, which are kept from other "
+         "LAZ, E57, EPT, Potree, PLY and PCD are read by programs of their own, importers, which are kept from other "
          "files, the "
          "network and other processes: auto, by what this machine has for it; require, completely or such "
          "files are not read; off, not at all")
@@ -28,6 +45,8 @@ void addImporterFlags(CLI::App& app, ImporterFlags& flags, bool environment) {
          "After so many seconds without a byte sent, or read of its file, an importer hangs, and is stopped")
         ->type_name("SECONDS")
         ->check(CLI::Range(1, 86400));
+    auto* const crs = addAssumeCrs(app, flags.assumeCrs);
+    if (environment) crs->envname("SCANCAST_ASSUME_CRS");
 }
 
 Expected<ImportOptions> importOptions(const ImporterFlags& flags) {
@@ -37,7 +56,10 @@ Expected<ImportOptions> importOptions(const ImporterFlags& flags) {
     if (*memory < least)
         return fail(ErrorCode::InvalidArgument,
                     "--importer-memory: 64M is the least that an importer starts with.", "importer-memory");
+    auto crs = assumedCrs(flags.assumeCrs);
+    if (!crs) return passOn(crs);
     ImportOptions options;
+    options.assumeCrs = std::move(*crs);
     options.importerMemoryLimit = *memory;
     options.importerProcessorSeconds = flags.time;
     options.importerSilenceSeconds = flags.silence;

@@ -45,9 +45,10 @@ class Lines {
 
 void tellSize(const FileInfo& info, Lines& lines) {
     std::string points = info.points ? grouped(*info.points) : "not known until they are read (--check)";
-    if (!info.octree && !info.checked && info.points) points += ", as the file declares";
+    if (!info.octree && !info.checked && info.points)
+        points += info.pointsSummed ? ", the sum of its nodes" : ", as the file declares";
     if (info.facts.droppedPoints > 0)
-        points += fmt::format("; {} without finite coordinates left out", grouped(info.facts.droppedPoints));
+        points += fmt::format("; {} left out, without coordinates or marked as none", grouped(info.facts.droppedPoints));
     lines.add("points", points);
     std::string size = byteSizeText(info.bytes);
     if (info.points && *info.points > 0 && info.bytes > 0)
@@ -68,7 +69,26 @@ void tellPlace(const FileInfo& info, Lines& lines) {
     lines.add("CRS", crs.empty() ? "not known" : crs);
     if (info.gridStep.x > 0)
         lines.add("grid", "coordinates are multiples of " + vector(info.gridStep, 9, ", "));
-    if (info.scannerOrigin) lines.add("scanner", "stood at " + vector(*info.scannerOrigin, 4, ", "));
+    if (info.scannerOrigin && info.facts.stations.empty())
+        lines.add("scanner", "stood at " + vector(*info.scannerOrigin, 4, ", "));
+}
+
+constexpr std::size_t stationsTold = 20;
+
+void tellStations(const FileInfo& info, Lines& lines) {
+    const auto& stations = info.facts.stations;
+    std::string_view label = "scanner";
+    for (std::size_t i = 0; i < std::min(stations.size(), stationsTold); ++i) {
+        const Station& station = stations[i];
+        const std::string points =
+            info.octree || info.checked ? fmt::format(", {} points", grouped(station.points)) : "";
+        lines.add(label, fmt::format("{}: stood at {}{}", titleOf(station, i),
+                                     vector(station.position, 4, ", "), points));
+        label = "";
+    }
+    if (stations.size() > stationsTold)
+        lines.add("",
+                  fmt::format("… and at {} places more; --json lists them", stations.size() - stationsTold));
 }
 
 std::string sidesOf(const CloudFacts& f) {
@@ -218,6 +238,18 @@ Json columnsJson(const FileInfo& info) {
     return columns;
 }
 
+Json stationsJson(const CloudFacts& f) {
+    Json list = Json::array();
+    for (std::size_t i = 0; i < f.stations.size(); ++i) {
+        const Station& station = f.stations[i];
+        list.push_back({{"name", titleOf(station, i)},
+                        {"position", vectorJson(station.position)},
+                        {"points", station.points},
+                        {"forwards", station.forwards ? vectorJson(*station.forwards) : Json()}});
+    }
+    return list;
+}
+
 Json mirrorsJson(const CloudFacts& f) {
     Json mirrors = Json::array();
     for (const Mirror& m : f.mirrors)
@@ -285,6 +317,7 @@ std::string infoText(const FileInfo& info) {
     }
     tellSize(info, lines);
     tellPlace(info, lines);
+    tellStations(info, lines);
     tellOctree(info, lines);
     tellAttributes(info, lines);
     tellColumns(info, lines);
@@ -316,6 +349,7 @@ Json infoJson(const FileInfo& info) {
     json["mirrors"] = mirrorsJson(f);
     json["gridStep"] = info.gridStep.x > 0 ? vectorJson(info.gridStep) : Json();
     json["scannerOrigin"] = info.scannerOrigin ? vectorJson(*info.scannerOrigin) : Json();
+    json["stations"] = stationsJson(f);
     json["octree"] = octreeJson(info);
     json["look"] = f.look ? Json(toJson(*f.look)) : Json();
     json["check"] = checkJson(info);

@@ -3,6 +3,8 @@
 #include <malloc.h>
 #include <unistd.h>
 
+#include <algorithm>
+#include <chrono>
 #include <csignal>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -28,11 +30,18 @@ namespace {
 
 namespace fs = std::filesystem;
 
+using Clock = std::chrono::steady_clock;
+
+double secondsSince(Clock::time_point start) {
+    return std::chrono::duration<double>(Clock::now() - start).count();
+}
+
 struct IngestArguments {
     std::vector<std::string> inputs;
     std::string output, memoryLimit, scratch, title, look, orient = "auto";
     ImporterFlags importer;
     int threads = 0, neighbours = 10;
+    bool recover = false;
     bool noSurfels = false, noCurvature = false, keepAttributes = false, force = false, quiet = false,
          verbose = false;
 };
@@ -106,6 +115,8 @@ Expected<std::vector<std::unique_ptr<PointSource>>> openAll(const std::vector<st
         sources.push_back(std::move(*source));
         return {};
     };
+    options.names = files;
+    std::ranges::replace(options.names, std::string("-"), std::string("standard input"));
     for (const std::string& name : files) {
         if (name == "-") {
             if (auto ok = add(openStandardInput(import)); !ok) return passOn(ok);
@@ -141,17 +152,29 @@ void tellNeeds(const std::vector<std::unique_ptr<PointSource>>& sources, const I
 /// How the cloud is shown at first is decided once it is whole. A cloud without is as good: it is decided whenever
 /// it is opened.
 Expected<void> keepLookOf(const IngestArguments& arguments, const nlohmann::json& changes) {
+    const auto start = Clock::now();
     const auto look = decideAndKeepLook(arguments.output, changes);
     if (!look && look.error().code == ErrorCode::InvalidArgument) return passOn(look);
     if (arguments.quiet) return {};
+    const double seconds = secondsSince(start);
     if (!look)
         tell("How to show it at first could not be decided: {}\n", look.error().message);
     else
-        tell("{}, first seen {}. {}\n", name(look->kind), look->views.front().name, look->reason);
+        tell("{}, first seen {}. {} (decided in {:.1f} s)\n", name(look->kind), look->views.front().name,
+             look->reason, seconds);
     return {};
 }
 
+/// What ends too early may be worth something all the same.
+tl::unexpected<Error> withRecovery(Error error, bool recover) {
+    if (error.code == ErrorCode::Truncated && !recover)
+        error.message +=
+            ". With --recover, what is whole of LAS, PLY, PCD and text is read, and how much is lost is told";
+    return tl::unexpected(std::move(error));
+}
+
 Expected<void> runIngest(const IngestArguments& arguments) {
+    const auto start = Clock::now();
     returnMemoryOfChunks();
     const auto found = findScans(arguments.inputs, {.cloudFiles = false});
     if (!found) return passOn(found);
@@ -166,21 +189,23 @@ Expected<void> runIngest(const IngestArguments& arguments) {
     const Interruption interruption;
     import->stop = interruption.token();
     import->keepAttributes = arguments.keepAttributes;
+    import->recover = arguments.recover;
     auto sources = openAll(found->files(), *options, *import);
-    if (!sources) return passOn(sources);
+    if (!sources) return withRecovery(sources.error(), arguments.recover);
     if (!arguments.quiet) tellNeeds(*sources, *options);
     ProgressBar bar(stderr, arguments.quiet ? ProgressBar::Style::Quiet : ProgressBar::Style::Automatic);
     const auto report = ingest(std::move(*sources), *options, bar.sink(), interruption.token());
     bar.clear();
+    const double seconds = secondsSince(start);
     if (!report && report.error().code == ErrorCode::Cancelled)
         return fail(ErrorCode::Cancelled, "Interrupted; no cloud file was left behind.");
-    if (!report) return passOn(report);
+    if (!report) return withRecovery(report.error(), arguments.recover);
     if (auto ok = keepLookOf(arguments, *look); !ok) return ok;
     if (arguments.quiet) return {};
     const double points = double(report->facts.points);
     tell("{}: {} points in {} nodes, {} ({:.1f} bytes a point), {:.1f} s ({:.2f} M points/s)\n",
          arguments.output, report->facts.points, report->nodes, byteSizeText(report->fileBytes),
-         double(report->fileBytes) / points, report->seconds, points / report->seconds / 1e6);
+         double(report->fileBytes) / points, seconds, points / seconds / 1e6);
     for (const std::string& remark : remarksOn(report->facts)) tell("{}\n", remark);
     return {};
 }
@@ -238,13 +263,18 @@ void addIngest(CLI::App& app, int& exitCode) {
         ->add_option(
             "--orient", arguments->orient,
             "Which side estimated normals point to. auto: towards the scanner where the scan says where it "
-            "stood, else the side that neighbours agree on, where they do; scan: the same, else undecided; "
+            "stood - each point to the one that saw it -, else the side that neighbours agree on, where they "
+            "do; scan: the same, else undecided; "
             "up: upwards, for scans from the air")
         ->check(CLI::IsMember({"auto", "scan", "up"}))
         ->capture_default_str()
         ->type_name("SIDE");
     command->add_flag("--keep-attributes", arguments->keepAttributes,
                       "Also keep what is not drawn: GPS time, returns, extra bytes");
+    command->add_flag("--recover", arguments->recover,
+                      "Of scans that end too early - a copy was cut, a disk was full - read what is whole, "
+                      "and tell how much is "
+                      "lost; without, they are refused. LAS, PLY, PCD (not compressed) and text");
     command
         ->add_option(
             "--look", arguments->look,

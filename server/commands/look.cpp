@@ -7,6 +7,7 @@
 #include "renderer/look/decide_look.hpp"
 #include "renderer/look/keep_look.hpp"
 #include "server/commands/command.hpp"
+#include "server/commands/importer_flags.hpp"
 #include "server/commands/look_file.hpp"
 #include "server/commands/open_any.hpp"
 #include "server/terminal/terminal.hpp"
@@ -16,7 +17,7 @@ namespace {
 
 struct LookArguments {
     std::vector<std::string> files;
-    std::string set;
+    std::string set, assumeCrs;
     bool decide = false, verbose = false;
 };
 
@@ -24,7 +25,8 @@ Expected<void> runLook(const LookArguments& arguments) {
     const bool keeps = arguments.decide || !arguments.set.empty();
     if (keeps && arguments.files.size() > 1)
         return fail(ErrorCode::InvalidArgument, "a look is kept in one cloud file; name one.");
-    const auto cloud = openAny(arguments.files, {.verbose = arguments.verbose});
+    const auto cloud =
+        openAny(arguments.files, {.assumeCrs = arguments.assumeCrs, .verbose = arguments.verbose});
     if (!cloud) return passOn(cloud);
     const bool known = (*cloud)->look && !arguments.decide;
     auto look = known ? Expected<Look>(*(*cloud)->look) : decideLook(**cloud);
@@ -62,6 +64,7 @@ void addLook(CLI::App& app, int& exitCode) {
                             "Keep this look in the cloud file: JSON, with what is to change or all of it");
     command->add_flag("--decide", arguments->decide, "Decide the look anew, and keep it in the cloud file")
         ->excludes(set);
+    addAssumeCrs(*command, arguments->assumeCrs);
     command->callback([arguments, &exitCode] {
         if (auto done = runLook(*arguments); !done) {
             tell("scancast look: {}\n", done.error().message);

@@ -10,6 +10,7 @@
 #include "renderer/residency/open_cloud.hpp"
 #include "server/base/byte_size.hpp"
 #include "server/catalog/damage_reports.hpp"
+#include "server/commands/importer_flags.hpp"
 #include "server/commands/scans/found_scans.hpp"
 #include "server/commands/scans/open_in_turn.hpp"
 #include "server/terminal/progress_bar.hpp"
@@ -44,7 +45,7 @@ std::string titleOf(const std::vector<std::string>& arguments) {
 
 /// Several are opened when their turn comes. Their mirrors are all added.
 Expected<std::unique_ptr<PointSource>> openScans(const std::vector<std::string>& files,
-                                                 std::vector<Mirror>& mirrors) {
+                                                 const ImportOptions& import, std::vector<Mirror>& mirrors) {
     std::vector<std::unique_ptr<PointSource>> sources;
     for (const std::string& file : files) {
         const auto input = ScanInput::open(file);
@@ -53,7 +54,7 @@ Expected<std::unique_ptr<PointSource>> openScans(const std::vector<std::string>&
             return fail(
                 ErrorCode::InvalidArgument,
                 file + " is a cloud file, and one of several: only scans are put together; name it alone");
-        auto source = files.size() == 1 ? openScan(*input) : openInTurn(*input, {});
+        auto source = files.size() == 1 ? openScan(*input, import) : openInTurn(*input, import);
         if (!source) return source;
         sources.push_back(std::move(*source));
         const auto theirs = input->mirrors();
@@ -61,7 +62,7 @@ Expected<std::unique_ptr<PointSource>> openScans(const std::vector<std::string>&
         mirrors.insert(mirrors.end(), theirs->begin(), theirs->end());
     }
     return sources.size() == 1 ? Expected<std::unique_ptr<PointSource>>(std::move(sources.front()))
-                               : manyScans(std::move(sources));
+                               : manyScans(std::move(sources), files);
 }
 
 }  // namespace
@@ -72,16 +73,25 @@ Expected<std::shared_ptr<const Cloud>> openAny(const std::vector<std::string>& a
     if (!found) return passOn(found);
     tellLeftOut(*found, options.verbose);
     const std::vector<std::string>& files = found->files();
+    auto crs = assumedCrs(options.assumeCrs);
+    if (!crs) return passOn(crs);
     if (files.size() == 1) {
         const auto input = ScanInput::open(files.front());
         if (!input) return passOn(input);
-        if (isCloudFile(input->file())) return openFile(*input, options);
+        if (isCloudFile(input->file())) {
+            if (*crs)
+                tell(
+                    "{} is a cloud file, which keeps its coordinate reference system; --assume-crs is for "
+                    "scans\n",
+                    files.front());
+            return openFile(*input, options);
+        }
     }
     BuildOptions build;
     build.title = titleOf(arguments);
     build.threads = options.threads;
     build.shape.surfels = options.surfels;
-    auto source = openScans(files, build.mirrors);
+    auto source = openScans(files, {.assumeCrs = std::move(*crs)}, build.mirrors);
     if (!source) return passOn(source);
     ProgressBar bar;
     auto cloud = buildCloud(**source, build, bar.sink());

@@ -12,6 +12,7 @@ namespace scancast {
 struct OpenOptions {
     int threads = 0;            ///< 0 = all cores
     bool surfels = true;        ///< of scans
+    std::string assumeCrs{};    ///< of scans, as written; empty = they are believed
     std::string memoryLimit{};  ///< of cloud files, like "2G"; empty = half of the machine's
     bool verbose = false;       ///< name each file of a folder that is no scan
 };

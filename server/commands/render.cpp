@@ -16,6 +16,7 @@
 #include "renderer/render.hpp"
 #include "server/base/byte_size.hpp"
 #include "server/commands/command.hpp"
+#include "server/commands/importer_flags.hpp"
 #include "server/commands/look_file.hpp"
 #include "server/commands/open_any.hpp"
 #include "server/commands/program_folder.hpp"
@@ -35,7 +36,7 @@ struct RenderArguments {
     RenderOptions render;
     ViewFlags view;
     int repeat = 1;
-    std::string memoryLimit, gpuMemoryLimit;
+    std::string memoryLimit, gpuMemoryLimit, assumeCrs;
     bool noSurfels = false, verbose = false;
     double orbit = 0;  ///< degrees around the target between repeated frames
 };
@@ -152,6 +153,7 @@ Expected<void> runRender(const RenderArguments& arguments) {
     if (!device) return passOn(device);
     auto cloud = openAny(arguments.files, {.threads = arguments.device.threads,
                                            .surfels = !arguments.noSurfels,
+                                           .assumeCrs = arguments.assumeCrs,
                                            .memoryLimit = arguments.memoryLimit,
                                            .verbose = arguments.verbose});
     if (!cloud) return passOn(cloud);
@@ -234,6 +236,7 @@ void addRender(CLI::App& app, int& exitCode) {
     command->add_flag("--no-surfels", arguments->noSurfels,
                       "Read a scan faster: do not estimate normals and radii, which disc, ewa, voronoi and "
                       "shading=phong need. Cloud files stay as they are");
+    addAssumeCrs(*command, arguments->assumeCrs);
     command->add_option("--stats", arguments->stats, "Print times, as json, on standard output")
         ->check(CLI::IsMember({"json"}));
     command

@@ -11,7 +11,7 @@ import { after, before, describe, it } from 'node:test';
 
 import { differing, drag, openPage, pixels, seriousComplaints, startBrowser, waitUntilSharp } from './support/browser.mjs';
 import { RealServer } from './support/real_server.mjs';
-import { writeScans } from './support/scans.mjs';
+import { ptxOfTwoScanners, writeScans } from './support/scans.mjs';
 
 const program = process.env.SCANCAST_PROGRAM;
 if (!program) throw new Error('Set SCANCAST_PROGRAM, such as SCANCAST_PROGRAM=build/release/bin/scancast');
@@ -82,6 +82,37 @@ describe('the page', { timeout: 240_000 }, () => {
     await waitUntilSharp(page);
     assert.ok(differing(whole, await pixels(page)) <= sameAtMost, 'F is not where it was');
   }));
+
+  it('goes to where the scanner stood, in clouds that know it', async () => {
+    const file = join(scans.folder, 'room.ptx');
+    writeFileSync(file, ptxOfTwoScanners(8000));
+    const other = new RealServer(program, [...scans.files, file]);
+    try {
+      const address = await other.start();
+      await withPage(async (page) => {
+        assert.ok(!(await page.isVisible('#station')), 'nobody knows it of the ring');
+        await page.selectOption('#cloud', 'room');
+        await page.waitForSelector('#station', { state: 'visible' });
+        await waitUntilSharp(page);
+        const names = await page.$$eval('#station option', (options) => options.map((option) => option.textContent));
+        assert.deepEqual(names, ['Go to a scan position…', 'Scan 1 (8,000 points)', 'Scan 2 (8,000 points)']);
+        assert.ok(await changeBy(page, () => page.selectOption('#station', { label: names[1] })) > changedAtLeast);
+        assert.equal(await page.inputValue('#station'), '', 'a menu of places, not a state');
+        await page.waitForTimeout(400); // the flight
+        await waitUntilSharp(page);
+        const first = await pixels(page);
+        assert.ok(await changeBy(page, () => page.selectOption('#station', { label: names[2] })) > changedAtLeast);
+        await changeBy(page, () => page.selectOption('#station', { label: names[1] }));
+        await page.waitForTimeout(400); // the flight
+        await waitUntilSharp(page);
+        assert.ok(differing(first, await pixels(page)) <= sameAtMost, 'the same place looks another way');
+        await page.selectOption('#cloud', 'corner');
+        await page.waitForSelector('#station', { state: 'hidden' });
+      }, {}, address);
+    } finally {
+      await other.stop();
+    }
+  });
 
   it('is used by keys alone: walking, turning, standard views, parallel projection', () => withPage(async (page) => {
     for (const key of ['ArrowLeft', 'w', '+', '1', '2', '3', 'o']) {

@@ -36,7 +36,7 @@ class ScanFaults : public test::FaultTrials {
             const auto more = (*source)->read(batch);
             if (!more) return passOn(more);
             if (!*more) return points;
-            points.append(reinterpret_cast<const char*>(batch.position.data()),
+            points.append(reinterpret_cast<const char*>(batch.position.doubles().data()),
                           batch.position.size() * sizeof(batch.position[0]));
         }
     }

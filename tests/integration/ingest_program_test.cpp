@@ -73,6 +73,38 @@ TEST_F(IngestProgram, AFileThatIsThereIsReplacedOnRequestOnly) {
     EXPECT_THAT(lastError, HasSubstr("both input and output"));
 }
 
+TEST_F(IngestProgram, WhatWasCutIsReadOnRequestOnlyAndTheCloudSaysSo) {
+    generate("a.las", "1000");
+    fs::resize_file(file("a.las"), fs::file_size(file("a.las")) / 2);
+    EXPECT_EQ(run({"scancast", "ingest", file("a.las"), "-o", file("c.scan")}), 1);
+    EXPECT_THAT(lastError, HasSubstr("its header promises 1,000 points"));
+    EXPECT_THAT(lastError, HasSubstr("With --recover"));
+    ASSERT_EQ(run({"scancast", "ingest", file("a.las"), "-o", file("c.scan"), "--recover"}), 0) << lastError;
+    EXPECT_THAT(lastError, HasSubstr("a.las: it ends too early: of the 1,000 points that it promises, "));
+    std::string info;
+    ASSERT_EQ(run({"scancast", "info", file("c.scan")}, &info), 0) << lastError;
+    EXPECT_THAT(info, HasSubstr("it ends too early"));
+}
+
+TEST_F(IngestProgram, ScansInDifferentSystemsAreNotPutTogetherUnasked) {
+    REQUIRE_TEST_DATA("las/permutation-1.0_0.las");
+    REQUIRE_TEST_DATA("las/lonlat-pdrf0.las");
+    const std::string utm = testData("las/permutation-1.0_0.las"), degrees = testData("las/lonlat-pdrf0.las");
+    EXPECT_EQ(run({"scancast", "ingest", utm, degrees, "-o", file("c.scan")}), 1);
+    for (const auto& word : {utm, degrees, std::string("EPSG:26915"), std::string("EPSG:4326"),
+                             std::string("--assume-crs EPSG:26915")})
+        EXPECT_THAT(lastError, HasSubstr(word));
+    EXPECT_EQ(files(), std::vector<std::string>()) << "nothing was begun";
+    ASSERT_EQ(run({"scancast", "ingest", utm, degrees, "-o", file("c.scan"), "--assume-crs", "EPSG:26915"}),
+              0)
+        << lastError;
+    EXPECT_THAT(lastError, HasSubstr("lonlat-pdrf0.las: it says that it is in "));
+    EXPECT_EQ(run({"scancast", "ingest", utm, "-o", file("d.scan"), "--assume-crs", "UTM"}), 1);
+    EXPECT_THAT(lastError, HasSubstr("--assume-crs: "));
+    std::string look;
+    EXPECT_EQ(run({"scancast", "look", utm, "--assume-crs", "EPSG:26915"}, &look), 0) << lastError;
+}
+
 TEST_F(IngestProgram, InterruptedItLeavesNothing) {
     generate("a.las", test::sized("1M", "200k"));
     for (const auto& [stage, signal] : {std::pair("reading", SIGINT), {"sorting", SIGHUP}}) {

@@ -64,7 +64,7 @@ class Install(unittest.TestCase):
 
     def test_programs_importers_page_and_documents_are_there(self):
         self.assertIn("cloud ball", run(self.installed("bin/scancast-client"), "info", self.server.url))
-        for name in ("bin/scancast-sandbox", "bin/scancast-import-laz", "bin/scancast-import-potree", "share/scancast/web/index.html"):
+        for name in ("bin/scancast-sandbox", "bin/scancast-import-e57", "bin/scancast-import-laz", "bin/scancast-import-octree", "share/scancast/web/index.html"):
             self.assertTrue(os.path.isfile(self.installed(name)), name)
         documents = [name for _, _, names in os.walk(self.installed("share/doc")) for name in names]
         for name in ("PROTOCOL.md", "README.md", "LICENSE", "look.cpp"):

@@ -1,6 +1,6 @@
 # Runs Node's test runner on FOLDER/FILE, after saying, command included, what is missing for it: Node, or MODULE of npm's,
 # which PACKAGE (a folder of the project's) asks for.
-# cmake -DNODE=… -DFOLDER=… -DFILE=damage.test.mjs -DMODULE=laz-perf -DPACKAGE=importers/laz -P run_node.cmake
+# cmake -DNODE=… -DFOLDER=… -DFILE=stream.test.mjs -DMODULE=ws -DPACKAGE=tests/foreign -P run_node.cmake
 if(NOT NODE OR NODE MATCHES "NOTFOUND")
   message(FATAL_ERROR "Node.js is missing. Run this, and configure the build again:\n  apt-get install nodejs npm\n")
 endif()

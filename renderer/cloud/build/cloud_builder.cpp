@@ -77,20 +77,41 @@ std::vector<std::string> firstNotes(std::vector<std::string> notes) {
     return notes;
 }
 
+std::vector<std::string> notesOf(const StagedScan& scan) {
+    auto notes = scan.notes;
+    if (scan.stations.size() > mostStations)
+        notes.insert(notes.begin(),
+                     fmt::format("the scanner stood at {} places, of which the first {} are listed",
+                                 scan.stations.size(), mostStations));
+    return notes;
+}
+
+std::vector<Station> firstStations(std::vector<Station> stations) {
+    if (stations.size() > mostStations) stations.resize(mostStations);
+    return stations;
+}
+
 /// Surveyors' z is up; of other files nobody knows.
 bool saysWhatIsUp(const ScanHeader& header) {
     if (header.crsEpsg || !header.crsWkt.empty()) return true;
-    constexpr std::array<std::string_view, 4> formats{"LAS", "LAZ", "COPC", "Potree"};
+    constexpr std::array<std::string_view, 5> formats{"LAS", "LAZ", "COPC", "EPT", "Potree"};
     return std::ranges::any_of(formats, [&](std::string_view f) { return header.format.starts_with(f); });
 }
 
 /// What is known before anybody looks at the points.
-std::optional<KnownSides> knownSides(const ScanHeader& header, const OctreeShape& shape) {
+std::optional<KnownSides> knownSides(const StagedScan& scan, const ScanHeader& header,
+                                     const OctreeShape& shape) {
     if (header.attributes.normal) return KnownSides{KnownSides::By::File, 1};
     if (!shape.surfels) return std::nullopt;
     if (shape.orientation == Orientation::Up) return KnownSides{KnownSides::By::Up, 1};
-    if (header.scannerOrigin) return KnownSides{KnownSides::By::Scanner, 1};
+    // One point more that nobody knows it of, and neighbours decide of all: they agree with each other.
+    if (header.scannerOrigin || scan.sighted == scan.points) return KnownSides{KnownSides::By::Scanner, 1};
     return std::nullopt;
+}
+
+/// Whether normals will be estimated that may have to be turned to where each point was recorded from.
+bool wantsSights(const ScanHeader& header, const OctreeShape& shape) {
+    return shape.surfels && !header.attributes.normal && shape.orientation != Orientation::Up;
 }
 
 CloudFacts factsOf(const StagedScan& scan, const ScanHeader& header, const OctreeShape& shape) {
@@ -103,14 +124,15 @@ CloudFacts factsOf(const StagedScan& scan, const ScanHeader& header, const Octre
     facts.attributes = header.attributes;
     facts.attributes.normal |= shape.surfels;
     scan.values.settle(facts);
-    facts.notes = firstNotes(scan.notes);
+    facts.notes = firstNotes(notesOf(scan));
     facts.classCounts = scan.classCounts;
     facts.crsWkt = header.crsWkt;
     facts.crsEpsg = header.crsEpsg;
     facts.surfels = shape.surfels;
-    facts.oriented = knownSides(header, shape).has_value();
-    facts.sides = knownSides(header, shape);
+    facts.sides = knownSides(scan, header, shape);
+    facts.oriented = facts.sides.has_value();
     facts.scanner = header.scannerOrigin;
+    facts.stations = firstStations(scan.stations);
     for (std::size_t c = 0; c < header.columns.size(); ++c)
         facts.columns.push_back({header.columns[c], scan.columnRanges[c], scan.columnSketches[c].usual()});
     if (shape.curvatures()) facts.companions.push_back(curvaturePlane());
@@ -128,6 +150,7 @@ OctreeInput inputOf(const CloudFacts& facts, const ScanHeader& header, const Oct
     input.upIsZ = saysWhatIsUp(header);
     input.findSides = shape.surfels && !facts.oriented && shape.orientation == Orientation::Auto;
     if (header.scannerOrigin) input.scanner = *header.scannerOrigin - facts.origin;
+    input.sights = wantsSights(header, shape) && !header.scannerOrigin && !input.findSides;
     input.shape = shape;
     std::vector<ColumnType> types;
     for (const Column& column : header.columns) types.push_back(column.type);
@@ -142,7 +165,7 @@ Expected<BuiltCloud> buildFrom(PointSource& source, const OctreeShape& shape, co
                                const ProgressSink& progress, const std::stop_token& stop) {
     ScanHeader header = source.header();
     ProgressMeter reading(progress, "reading", header.points.value_or(0));
-    auto scan = stage(source, room.workspace, reading, stop);
+    auto scan = stage(source, room.workspace, reading, stop, wantsSights(header, shape));
     if (!scan) return passOn(scan);
     header.scannerOrigin =
         source.header().scannerOrigin;  // known for certain only now: a second scan may have come

@@ -47,14 +47,13 @@ std::string gigabytes(std::uint64_t bytes) {
 }
 
 std::optional<std::uint64_t> freeBytes(const fs::path& folder) {
-    struct statvfs found {};
+    struct statvfs found{};
     if (::statvfs(folder.c_str(), &found) != 0) return std::nullopt;
     return std::uint64_t(found.f_bavail) * found.f_frsize;
 }
 
 bool sameDisk(const fs::path& a, const fs::path& b) {
-    struct statvfs first {
-    }, second{};
+    struct statvfs first{}, second{};
     return ::statvfs(a.c_str(), &first) == 0 && ::statvfs(b.c_str(), &second) == 0 &&
            first.f_fsid == second.f_fsid;
 }
@@ -90,7 +89,7 @@ Expected<IngestReport> build(std::vector<std::unique_ptr<PointSource>> sources, 
     const auto start = std::chrono::steady_clock::now();
     const auto limit = memoryLimit(options);
     if (!limit) return passOn(limit);
-    auto source = manyScans(std::move(sources));
+    auto source = manyScans(std::move(sources), options.names);
     if (!source) return passOn(source);
 
     const fs::path outputFolder =

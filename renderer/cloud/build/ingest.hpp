@@ -32,6 +32,7 @@ struct IngestOptions {
     std::uint64_t memoryLimit = 0;       ///< bytes; 0 = half of the machine's memory
     OctreeShape shape{};
     std::vector<Mirror> mirrors{};
+    std::vector<std::string> names{};  ///< of the sources, in their order, for messages
 };
 
 struct IngestReport {

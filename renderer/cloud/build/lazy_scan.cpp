@@ -22,6 +22,7 @@ class LazyScan final : public PointSource {
         dropped_ = source_->droppedPoints();
         bytes_ = source_->bytesRead();
         notes_ = source_->notes();
+        stations_ = source_->stations();
         if (!more || !*more) {
             ended_ = true;
             source_.reset();
@@ -31,6 +32,7 @@ class LazyScan final : public PointSource {
 
     std::uint64_t droppedPoints() const override { return dropped_; }
     std::vector<std::string> notes() const override { return notes_; }
+    std::vector<Station> stations() const override { return stations_; }
     std::array<std::uint64_t, 2> bytesRead() const override { return bytes_; }
 
   private:
@@ -39,6 +41,7 @@ class LazyScan final : public PointSource {
     std::unique_ptr<PointSource> source_;
     std::uint64_t dropped_ = 0;
     std::vector<std::string> notes_;
+    std::vector<Station> stations_;
     std::array<std::uint64_t, 2> bytes_{};
     bool ended_ = false;
 };

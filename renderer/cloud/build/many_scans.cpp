@@ -3,12 +3,19 @@
 #include <spdlog/fmt/fmt.h>
 
 #include <algorithm>
+#include <glm/common.hpp>
+#include <limits>
 #include <optional>
 #include <set>
+#include <utility>
+
+#include "renderer/cloud/build/merged_crs.hpp"
 
 namespace scancast {
 
 namespace {
+
+constexpr double inf = std::numeric_limits<double>::infinity();
 
 /// Where the columns of one scan stand in the rows of all.
 struct ColumnCopy {
@@ -31,19 +38,16 @@ std::vector<ColumnCopy> matchColumns(std::span<const Column> from, std::span<con
     return copies;
 }
 
-bool contradict(const ScanHeader& a, const ScanHeader& b) {
-    if (a.crsEpsg && b.crsEpsg) return *a.crsEpsg != *b.crsEpsg;
-    return !a.crsWkt.empty() && !b.crsWkt.empty() && a.crsWkt != b.crsWkt;
-}
-
-std::string describeCrs(const ScanHeader& h) {
-    return h.crsEpsg ? fmt::format("EPSG:{}", *h.crsEpsg) : "another one, given as WKT";
+ScanCrs scanCrs(const ScanHeader& header, std::string name) {
+    return {std::move(name), header.crsWkt, header.crsEpsg, header.bounds};
 }
 
 class ManyScans final : public PointSource {
   public:
-    explicit ManyScans(std::vector<std::unique_ptr<PointSource>> sources) : sources_(std::move(sources)) {
+    ManyScans(std::vector<std::unique_ptr<PointSource>> sources, std::vector<ScanCrs> crs, MergedCrs merged)
+        : sources_(std::move(sources)), crs_(std::move(crs)), merged_(std::move(merged)) {
         mergeHeaders();
+        if (merged_.boundsMatter) seen_.resize(sources_.size(), {glm::dvec3(inf), glm::dvec3(-inf)});
         for (const auto& source : sources_)
             copies_.push_back(matchColumns(source->header().columns, header_.columns));
     }
@@ -57,9 +61,12 @@ class ManyScans final : public PointSource {
             if (sources_.size() == 1) header_.scannerOrigin = sources_.front()->header().scannerOrigin;
             if (!*more) continue;
             arrangeRows(batch);
+            if (!seen_.empty()) see(batch);
+            if (!batch.scanner) batch.scanner = sources_[at_]->header().scannerOrigin;
             return true;
         }
         batch.clear();
+        if (auto ok = judgeWhatWasSeen(); !ok) return passOn(ok);
         return false;
     }
 
@@ -70,9 +77,16 @@ class ManyScans final : public PointSource {
     }
 
     std::vector<std::string> notes() const override {
-        std::vector<std::string> all;
+        std::vector<std::string> all = merged_.notes;
         for (const auto& source : sources_)
             for (std::string& note : source->notes()) all.push_back(std::move(note));
+        return all;
+    }
+
+    std::vector<Station> stations() const override {
+        std::vector<Station> all;
+        for (const auto& source : sources_)
+            for (Station& station : source->stations()) all.push_back(std::move(station));
         return all;
     }
 
@@ -100,15 +114,32 @@ class ManyScans final : public PointSource {
             header_.points = header_.points && other.points ? std::optional(*header_.points + *other.points)
                                                             : std::nullopt;
             if (header_.gridStep != other.gridStep) header_.gridStep = glm::dvec3(0);
-            if (header_.crsWkt.empty()) header_.crsWkt = other.crsWkt;
-            if (!header_.crsEpsg) header_.crsEpsg = other.crsEpsg;
             header_.scannerOrigin.reset();  // each stood elsewhere
             header_.bounds.reset();
         }
         if (sources_.size() == 1) return;
+        header_.crsWkt = merged_.wkt;
+        header_.crsEpsg = merged_.epsg;
         std::string names;
         for (const std::string& format : formats) names += (names.empty() ? "" : "; ") + format;
         header_.format = fmt::format("{} scans: {}", sources_.size(), names);
+    }
+
+    void see(const PointBatch& batch) {
+        auto& [low, high] = seen_[at_];
+        for (const glm::dvec3& p : batch.position) low = glm::min(low, p), high = glm::max(high, p);
+    }
+
+    /// Those that did not say where they lie may turn out to lie far from the others.
+    Expected<void> judgeWhatWasSeen() {
+        if (seen_.empty()) return {};
+        for (std::size_t i = 0; i < crs_.size(); ++i)
+            if (!hasPlace(crs_[i])) crs_[i].bounds = seen_[i];
+        seen_.clear();
+        auto merged = mergeCrs(crs_);
+        if (!merged) return passOn(merged);
+        merged_.notes = std::move(merged->notes);
+        return {};
     }
 
     void arrangeRows(PointBatch& batch) {
@@ -124,6 +155,10 @@ class ManyScans final : public PointSource {
     }
 
     std::vector<std::unique_ptr<PointSource>> sources_;
+    std::vector<ScanCrs> crs_;
+    MergedCrs merged_;
+    std::vector<std::array<glm::dvec3, 2>>
+        seen_;  ///< least and greatest of what was read of each; empty: of no matter
     std::vector<std::vector<ColumnCopy>> copies_;
     ScanHeader header_;
     std::size_t at_ = 0;
@@ -131,17 +166,15 @@ class ManyScans final : public PointSource {
 
 }  // namespace
 
-Expected<std::unique_ptr<PointSource>> manyScans(std::vector<std::unique_ptr<PointSource>> sources) {
-    for (std::size_t a = 0; a < sources.size(); ++a)
-        for (std::size_t b = 0; b < a; ++b)
-            if (contradict(sources[a]->header(), sources[b]->header()))
-                return fail(
-                    ErrorCode::InvalidArgument,
-                    fmt::format("The scans use different coordinate reference systems (number {}: {}; number "
-                                "{}: {}); bring them into one first.",
-                                b + 1, describeCrs(sources[b]->header()), a + 1,
-                                describeCrs(sources[a]->header())));
-    return std::make_unique<ManyScans>(std::move(sources));
+Expected<std::unique_ptr<PointSource>> manyScans(std::vector<std::unique_ptr<PointSource>> sources,
+                                                 std::span<const std::string> names) {
+    std::vector<ScanCrs> crs;
+    for (std::size_t i = 0; i < sources.size(); ++i)
+        crs.push_back(
+            scanCrs(sources[i]->header(), i < names.size() ? names[i] : fmt::format("scan {}", i + 1)));
+    auto merged = mergeCrs(crs);
+    if (!merged) return passOn(merged);
+    return std::make_unique<ManyScans>(std::move(sources), std::move(crs), std::move(*merged));
 }
 
 }  // namespace scancast

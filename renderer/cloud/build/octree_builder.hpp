@@ -32,6 +32,8 @@ struct OctreeInput {
     bool findSides = false;   ///< they are to be found, when all points have normals
     bool upIsZ = false;       ///< the scan says so: it has coordinates of the earth, or a format of surveyors
     std::optional<glm::dvec3> scanner;  ///< cloud-relative: estimated normals point to it
+    /// Points bring, in the place of a normal, the direction to the scanner that saw them: estimated normals point there.
+    bool sights = false;
     OctreeShape shape;
     std::vector<PlaceInRow> columns;  ///< that are kept
     std::size_t rowBytes = 0;

@@ -7,7 +7,7 @@ namespace scancast {
 
 /// How estimated normals are made to point to one side; a scan's own normals stay as they are.
 enum class Orientation : std::uint8_t {
-    Auto,  ///< towards the scanner where the scan says where it stood, else decided by all of them together
+    Auto,  ///< towards the scanner that saw each point where the scan says where it stood, else decided by all of them together
     Scan,  ///< towards the scanner where the scan says where it stood, else left as they are: unoriented
     Up,    ///< upwards: airborne scans
 };

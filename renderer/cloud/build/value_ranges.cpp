@@ -33,8 +33,9 @@ void ValueRanges::add(const PointBatch& batch) {
             colorHigh_[c] = std::max(colorHigh_[c], color[c]);
         }
     for (const auto& color : batch.color) ++brightness_[brightnessOf(color)];
-    for (const glm::dvec3& p : batch.position)
+    batch.position.forEach([&](const glm::dvec3& p) {
         for (int a = 0; a < 3; ++a) position_[std::size_t(a)].add(p[a]);
+    });
     for (const std::uint16_t i : batch.intensity) ++intensities_[i];
     for (const std::uint16_t i : batch.intensity) {
         intensity_[0] = std::min(intensity_[0], i);

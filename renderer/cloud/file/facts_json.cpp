@@ -56,6 +56,12 @@ Json mirrorJson(const Mirror& m) {
             {"tint", m.tint}};
 }
 
+Json stationJson(const Station& station) {
+    Json json{{"name", station.name}, {"position", vectorJson(station.position)}, {"points", station.points}};
+    if (station.forwards) json["forwards"] = vectorJson(*station.forwards);
+    return json;
+}
+
 /// Only what is there: most clouds have neither constant attributes nor notes nor values beside the samples.
 struct SidesName {
     KnownSides::By by;
@@ -80,6 +86,7 @@ void addRare(const CloudFacts& f, Json& json) {
                          {"brightness", f.usual->brightness}};
     if (f.usual && hasCurvature(f)) json["usual"]["curvature"] = f.usual->curvature;
     if (f.scanner) json["scanner"] = vectorJson(*f.scanner);
+    for (const Station& station : f.stations) json["stations"].push_back(stationJson(station));
     if (f.sides) json["sides"] = {{"by", std::string(nameOf(f.sides->by))}, {"sure", f.sides->sure}};
     if (f.look) json["look"] = toJson(*f.look);
     for (const ValuePlane& plane : planesOf(f)) json["planes"].push_back(planeJson(plane));
@@ -254,6 +261,13 @@ void takeMirror(Fields fields, Mirror& into) {
     if (!(into.width > 0 && into.height > 0)) fields.blame("width", "or \"height\" is not positive");
 }
 
+void takeStation(Fields fields, Station& into) {
+    fields.text("name", into.name, longestStationName);
+    fields.vector("position", into.position);
+    fields.whole("points", into.points);
+    if (fields.has("forwards")) fields.unitVector("forwards", into.forwards.emplace());
+}
+
 void takeClassCounts(Fields& fields, std::array<std::uint64_t, 256>& into) {
     const Json* classes = fields.find("classCounts");
     if (!classes) return;
@@ -327,6 +341,11 @@ void takeRare(Fields& fields, CloudFacts& facts) {
     if (fields.has("usual"))
         takeUsual({*fields.find("usual"), fields.member("usual"), fields.fault()}, facts.usual.emplace());
     if (fields.has("scanner")) fields.vector("scanner", facts.scanner.emplace());
+    if (fields.has("stations"))
+        if (const Json* stations = fields.list("stations", Fields::noSize, mostStations))
+            for (const Json& station : *stations)
+                takeStation({station, fields.member("stations"), fields.fault()},
+                            facts.stations.emplace_back());
     if (fields.has("sides"))
         takeSidesFact({*fields.find("sides"), fields.member("sides"), fields.fault()}, facts.sides.emplace());
     if (fields.has("look")) takeLook(fields, facts.look);

@@ -14,34 +14,6 @@ bool isCompound(const WktNode& node) {
     return node.keyword == "COMPD_CS" || node.keyword == "COMPOUNDCRS";
 }
 
-/// The part that says what x and y are.
-const WktNode* horizontal(const WktNode& root) {
-    if (isCompound(root))
-        return root.find({"PROJCS", "GEOGCS", "GEOCCS", "LOCAL_CS", "PROJCRS", "PROJECTEDCRS", "GEOGCRS",
-                          "GEOGRAPHICCRS", "GEODCRS", "GEODETICCRS", "ENGCRS", "BOUNDCRS"});
-    return &root;
-}
-
-/// A node's own number, AUTHORITY["EPSG","26910"] or ID["EPSG",26910].
-std::optional<int> ownEpsg(const WktNode& node) {
-    const auto* id = node.find({"AUTHORITY", "ID"});
-    if (id == nullptr || id->values.size() < 2 || id->values[0] != "EPSG") return std::nullopt;
-    const auto& text = id->values[1];
-    int number = 0;
-    const auto [end, problem] = std::from_chars(text.data(), text.data() + text.size(), number);
-    // As in GeoTIFF keys: 1 to 32766.
-    const bool good =
-        problem == std::errc() && end == text.data() + text.size() && number > 0 && number < 32767;
-    return good ? std::optional(number) : std::nullopt;
-}
-
-const WktNode* unitOf(const WktNode& crs) {
-    if (const auto* unit = crs.find({"UNIT", "LENGTHUNIT", "ANGLEUNIT"})) return unit;
-    // WKT 2 may give it axis by axis.
-    const auto* axis = crs.find({"AXIS"});
-    return axis == nullptr ? nullptr : axis->find({"UNIT", "LENGTHUNIT", "ANGLEUNIT"});
-}
-
 /// Files spell units in many ways; the factor is the same in all.
 std::string unitName(const WktNode& unit) {
     struct Known {
@@ -81,19 +53,49 @@ std::string zoneName(int epsg) {
     return {};
 }
 
+}  // namespace
+
+const WktNode* horizontalPart(const WktNode& root) {
+    const auto* part = &root;
+    if (isCompound(root))
+        part = root.find({"PROJCS", "GEOGCS", "GEOCCS", "LOCAL_CS", "PROJCRS", "PROJECTEDCRS", "GEOGCRS",
+                          "GEOGRAPHICCRS", "GEODCRS", "GEODETICCRS", "ENGCRS", "BOUNDCRS"});
+    if (part == nullptr || part->keyword != "BOUNDCRS") return part;
+    const auto* source = part->find({"SOURCECRS"});
+    return source == nullptr || source->nodes.empty() ? nullptr : &source->nodes.front();
+}
+
+/// AUTHORITY["EPSG","26910"] or ID["EPSG",26910].
+std::optional<int> ownEpsg(const WktNode& node) {
+    const auto* id = node.find({"AUTHORITY", "ID"});
+    if (id == nullptr || id->values.size() < 2 || id->values[0] != "EPSG") return std::nullopt;
+    const auto& text = id->values[1];
+    int number = 0;
+    const auto [end, problem] = std::from_chars(text.data(), text.data() + text.size(), number);
+    // As in GeoTIFF keys: 1 to 32766.
+    const bool good =
+        problem == std::errc() && end == text.data() + text.size() && number > 0 && number < 32767;
+    return good ? std::optional(number) : std::nullopt;
+}
+
+const WktNode* unitOf(const WktNode& crs) {
+    if (const auto* unit = crs.find({"UNIT", "LENGTHUNIT", "ANGLEUNIT"})) return unit;
+    // WKT 2 may give it axis by axis.
+    const auto* axis = crs.find({"AXIS"});
+    return axis == nullptr ? nullptr : axis->find({"UNIT", "LENGTHUNIT", "ANGLEUNIT"});
+}
+
 std::string nameOfEpsg(int epsg) {
     if (epsg == 4326) return "WGS 84";
     if (epsg == 3857) return "WGS 84 / Pseudo-Mercator";
     return zoneName(epsg);
 }
 
-}  // namespace
-
 std::optional<int> epsgOfWkt(std::string_view wkt) {
     const auto root = parseWkt(wkt);
     if (!root) return std::nullopt;
     if (const auto epsg = ownEpsg(*root)) return epsg;
-    const auto* part = horizontal(*root);
+    const auto* part = horizontalPart(*root);
     return part == nullptr ? std::nullopt : ownEpsg(*part);
 }
 
@@ -108,7 +110,7 @@ std::string crsName(std::string_view wkt, std::optional<int> epsg) {
 
 std::string crsUnit(std::string_view wkt, std::optional<int> epsg) {
     if (const auto root = parseWkt(wkt)) {
-        const auto* crs = horizontal(*root);
+        const auto* crs = horizontalPart(*root);
         const auto* unit = crs == nullptr ? nullptr : unitOf(*crs);
         if (unit != nullptr) return unitName(*unit);
     }

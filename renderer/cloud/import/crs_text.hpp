@@ -8,6 +8,8 @@
 
 namespace scancast {
 
+struct WktNode;
+
 /// The number that the whole CRS has in EPSG's register, by its own AUTHORITY or ID; of a compound CRS
 /// without one, that of its horizontal part. Not that of a part such as the spheroid.
 std::optional<int> epsgOfWkt(std::string_view wkt);
@@ -18,5 +20,14 @@ std::string crsName(std::string_view wkt, std::optional<int> epsg);
 
 /// The unit of x and y: "metre", "foot", "US survey foot", "degree", or the file's own word; empty = unknown.
 std::string crsUnit(std::string_view wkt, std::optional<int> epsg);
+
+/// The part of a CRS that says what x and y are: of a compound or bound one, a node within it; nullptr = it has none.
+const WktNode* horizontalPart(const WktNode& root);
+/// A node's own number in EPSG's register, 1 to 32766.
+std::optional<int> ownEpsg(const WktNode& node);
+/// The unit of a CRS's axes: its name, and the factor to metres or radians; nullptr = it gives none.
+const WktNode* unitOf(const WktNode& crs);
+/// What EPSG calls a few common ones; empty = not one of them.
+std::string nameOfEpsg(int epsg);
 
 }  // namespace scancast

@@ -16,11 +16,10 @@ namespace scancast {
 
 namespace {
 
-const ImporterProgram pclImporter{.name = "scancast-import-pcl"};
-const ImporterProgram lazImporter{
-    .name = "scancast-import-laz", .memory = ImporterProgram::Memory::Data, .knowsKeepAttributes = true};
-const ImporterProgram potreeImporter{.name = "scancast-import-potree",
-                                     .memory = ImporterProgram::Memory::Data};
+const ImporterProgram pclImporter{.name = "scancast-import-pcl", .knowsRecover = true};
+const ImporterProgram e57Importer{.name = "scancast-import-e57", .knowsKeepAttributes = true};
+const ImporterProgram lazImporter{.name = "scancast-import-laz"};
+const ImporterProgram octreeImporter{.name = "scancast-import-octree", .knowsKeepAttributes = true};
 
 /// ".PTS" and ".pts" say the same.
 std::string extensionOf(const std::filesystem::path& file) {
@@ -57,28 +56,29 @@ Expected<Looked> lookAt(const ScanInput& input) {
     return Looked{std::move(*bytes), std::move(extension), std::move(identified)};
 }
 
-}  // namespace
-
-Expected<std::unique_ptr<PointSource>> openScan(const ScanInput& input, const ImportOptions& options) {
+Expected<std::unique_ptr<PointSource>> openAsItIs(const ScanInput& input, const ImportOptions& options) {
     const auto name = input.path().string();
-    if (input.octree()) return opened(ImporterSource::create(potreeImporter, input, options));
+    if (input.octree()) return opened(ImporterSource::create(octreeImporter, input, options));
     auto looked = lookAt(input);
     if (!looked) return passOn(looked);
     auto& [bytes, extension, identified] = *looked;
     switch (identified.format) {
         case ScanFormat::Las:
-            return opened(LasSource::create(std::move(bytes), name, options.keepAttributes));
+            return opened(LasSource::create(std::move(bytes), name, options.keepAttributes, options.recover));
         case ScanFormat::Laz:
             return opened(ImporterSource::create(lazImporter, input, options));
+        case ScanFormat::E57:
+            return opened(ImporterSource::create(e57Importer, input, options));
         case ScanFormat::Ply:
         case ScanFormat::Pcd:
             return opened(ImporterSource::create(pclImporter, input, options));
         case ScanFormat::Text:
-            return opened(
-                TextSource::create(std::move(bytes), name,
-                                   {.pts = extension == ".pts", .keepAttributes = options.keepAttributes}));
+            return opened(TextSource::create(std::move(bytes), name,
+                                             {.pts = extension == ".pts",
+                                              .keepAttributes = options.keepAttributes,
+                                              .recover = options.recover}));
         case ScanFormat::Ptx:
-            return opened(PtxSource::create(std::move(bytes), name));
+            return opened(PtxSource::create(std::move(bytes), name, options.recover));
         case ScanFormat::Obj:
             return opened(ObjSource::create(std::move(bytes), name));
         case ScanFormat::Unknown:
@@ -88,12 +88,21 @@ Expected<std::unique_ptr<PointSource>> openScan(const ScanInput& input, const Im
                 name + ", byte 0: " + identified.reason + ". " + std::string(readableFormats()) + ".");
 }
 
+}  // namespace
+
+Expected<std::unique_ptr<PointSource>> openScan(const ScanInput& input, const ImportOptions& options) {
+    auto source = openAsItIs(input, options);
+    if (!source || !options.assumeCrs) return source;
+    return withCrs(std::move(*source), *options.assumeCrs, input.path().string());
+}
+
 bool needsImporter(const ScanInput& input) {
     if (input.octree()) return true;
     const auto looked = lookAt(input);
     if (!looked) return false;
     const ScanFormat format = looked->identified.format;
-    return format == ScanFormat::Laz || format == ScanFormat::Ply || format == ScanFormat::Pcd;
+    return format == ScanFormat::Laz || format == ScanFormat::E57 || format == ScanFormat::Ply ||
+           format == ScanFormat::Pcd;
 }
 
 std::string_view name(ImporterSandbox sandbox) {

@@ -1,4 +1,4 @@
-// Opens any scan file by what it is: LAS and text in process, LAZ, Potree octrees, PLY and PCD through an
+// Opens any scan file by what it is: LAS and text in process, LAZ, E57, octrees of EPT and Potree, PLY and PCD through an
 // importer process (decision 3: third-party parsers never run inside the server). Pipeline: file → **import**
 // → octree.
 #pragma once
@@ -6,9 +6,11 @@
 #include <cstdint>
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <stop_token>
 #include <string_view>
 
+#include "renderer/cloud/import/assumed_crs.hpp"
 #include "renderer/cloud/import/scan_input.hpp"
 #include "renderer/cloud/point_batch.hpp"
 
@@ -24,7 +26,7 @@ std::string_view name(ImporterSandbox sandbox);
 
 struct ImportOptions {
     /// Where scancast-import-* programs are; empty = beside the running program, then on PATH.
-    std::filesystem::path importerDirectory;
+    std::filesystem::path importerDirectory{};
     std::uint64_t importerMemoryLimit = std::uint64_t(16) << 30;  ///< bytes of address space; 0 = none
     std::uint64_t importerProcessorSeconds = 7200;                ///< 0 = none
     int importerSilenceSeconds = 60;  ///< without a byte sent, or read of the file
@@ -33,6 +35,10 @@ struct ImportOptions {
     /// Keep what does not fit the sample (GPS time, returns, extra bytes, spare text columns) as
     /// ScanHeader::columns.
     bool keepAttributes = false;
+    /// Of a scan that ends too early, read what is whole; a note says how much is lost. Not of every format.
+    bool recover = false;
+    /// Taken for the scan's coordinate reference system, whatever it says.
+    std::optional<AssumedCrs> assumeCrs{};
 };
 
 /// Reads from what is open there, also when somebody else does. Errors name the file, the byte offset where there is one,

@@ -4,46 +4,13 @@
 #include <array>
 #include <cstdio>
 
+#include "renderer/cloud/import/foreign/foreign_formats.hpp"
 #include "renderer/cloud/import/text/obj_source.hpp"
 #include "renderer/cloud/import/text/text_head.hpp"
 
 namespace scancast {
 
 namespace {
-
-using namespace std::string_view_literals;
-
-struct Signature {
-    std::string_view bytes;
-    std::string_view reason;
-};
-
-// Files that people do try to open, and what helps.
-constexpr Signature known[] = {
-    {"version https://git-lfs"sv,
-     "a Git LFS pointer, not the scan itself: fetch the scan with \"git lfs pull\""sv},
-    {"ASTM-E57"sv, "an E57 file: E57 comes with a later release; convert it to LAS or PLY first"sv},
-    {"PK\x03\x04"sv, "a ZIP archive: unpack it first"sv},
-    {"\x1f\x8b"sv, "compressed with gzip: unpack it first, for example with \"gunzip\""sv},
-    {"BZh"sv, "compressed with bzip2: unpack it first, for example with \"bunzip2\""sv},
-    {"\xfd"
-     "7zXZ"sv,
-     "compressed with xz: unpack it first, for example with \"unxz\""sv},
-    {"\x28\xb5\x2f\xfd"sv, "compressed with zstd: unpack it first, for example with \"unzstd\""sv},
-    {"7z\xbc\xaf"sv, "a 7-Zip archive: unpack it first"sv},
-    {"\xff\xd8\xff"sv, "a JPEG picture"sv},
-    {"\x89PNG"sv, "a PNG picture"sv},
-    {"%PDF"sv, "a PDF document"sv},
-    {"\x7f"
-     "ELF"sv,
-     "a program"sv},
-    {"glTF"sv, "a glTF model: convert it to PLY first"sv},
-    {"<!DOCTYPE"sv, "a web page: the download did not yield the scan"sv},
-    {"OFF\n"sv, "an OFF mesh: convert it to PLY first"sv},
-    {"COFF\n"sv, "an OFF mesh: convert it to PLY first"sv},
-    {"solid "sv, "an STL mesh: convert it to PLY first"sv},
-    {"<html"sv, "a web page: the download did not yield the scan"sv},
-};
 
 bool isText(std::string_view start) {
     return std::all_of(start.begin(), start.end(), [](char c) {
@@ -90,6 +57,7 @@ Identified identifyText(std::string_view start, std::string_view extension) {
     if (looksLikeObj(start, extension == ".obj")) return {ScanFormat::Obj, {}};
     if (looksLikePtx(start)) return {ScanFormat::Ptx, {}};
     if (looksLikePoints(start)) return {extension == ".ptx" ? ScanFormat::Ptx : ScanFormat::Text, {}};
+    if (const auto* foreign = foreignByName(extension)) return {ScanFormat::Unknown, sentence(*foreign)};
     return {ScanFormat::Unknown,
             "it is text, but not of points (most of its first lines have no three numbers)"};
 }
@@ -113,6 +81,9 @@ std::string firstBytes(std::string_view start) {
 }  // namespace
 
 std::string_view readableFormats() {
+    return "Scancast reads LAS and LAZ 1.0-1.4 (COPC included), E57, PLY (ascii and binary), PCD (ascii, "
+           "binary "
+           "and binary_compressed), text (XYZ, TXT, CSV, PTS, PTX) and octrees of EPT and Potree (folders)";
     return "Scancast reads LAS and LAZ 1.0-1.4 (COPC included), PLY (ascii and binary), PCD (ascii, binary "
            "and binary_compressed), text (XYZ, TXT, CSV, PTS, PTX), vertices of OBJ and Potree octrees "
            "(folders)";
@@ -122,11 +93,12 @@ Identified identifyScan(std::span<const std::byte> bytes, std::string_view exten
     const std::string_view start(reinterpret_cast<const char*>(bytes.data()), bytes.size());
     if (start.starts_with("LASF")) return {isLaz(start) ? ScanFormat::Laz : ScanFormat::Las, {}};
     if (isPly(start)) return {ScanFormat::Ply, {}};
-    for (const auto& signature : known)
-        if (start.starts_with(signature.bytes))
-            return {ScanFormat::Unknown, "it is " + std::string(signature.reason)};
+    if (start.starts_with("ASTM-E57")) return {ScanFormat::E57, {}};
+    if (const auto* foreign = foreignByContent(start, extension))
+        return {ScanFormat::Unknown, sentence(*foreign)};
     if (isPcd(start)) return {ScanFormat::Pcd, {}};
     if (isText(start)) return identifyText(start, extension);
+    if (const auto* foreign = foreignByName(extension)) return {ScanFormat::Unknown, sentence(*foreign)};
     return {ScanFormat::Unknown, firstBytes(start)};
 }
 

@@ -17,6 +17,7 @@ enum class ScanFormat : std::uint8_t {
     Unknown,
     Las,
     Laz,  ///< compressed LAS, COPC included
+    E57,
     Ply,
     Pcd,
     Text,  ///< lines of points: XYZ, TXT, CSV, PTS

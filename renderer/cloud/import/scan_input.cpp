@@ -11,8 +11,8 @@ namespace fs = std::filesystem;
 
 namespace {
 
-/// The files that describe an octree of Potree, newest version first.
-constexpr std::array descriptions{"metadata.json", "cloud.js"};
+/// The files that describe an octree, of EPT and of Potree, newest version first.
+constexpr std::array descriptions{"ept.json", "metadata.json", "cloud.js"};
 
 bool isDescription(const fs::path& name) {
     return std::find(descriptions.begin(), descriptions.end(), name) != descriptions.end();
@@ -26,7 +26,7 @@ Expected<InputFile> descriptionIn(const InputFolder& folder) {
     const std::string name = folder.name().string();
     return fail(ErrorCode::Unsupported,
                 name +
-                    " is a directory without cloud.js or metadata.json, so no Potree octree; "
+                    " is a directory without ept.json, metadata.json or cloud.js, so no octree of EPT or Potree; "
                     "give the scan files in it, for example " +
                     name + (name.ends_with('/') ? "" : "/") + "scan.las");
 }

@@ -1,4 +1,4 @@
-// A scan as it was opened, once: its file, for an octree of Potree the folder around it, and the mirrors
+// A scan as it was opened, once: its file, for an octree of EPT or Potree the folder around it, and the mirrors
 // beside it. Whatever reads it reads these, however often and however late; what has their names by then does
 // not matter. Owned by who loads it, used on one thread. Pipeline: outside → **scan input** → reader,
 // importer process.
@@ -21,7 +21,7 @@ struct ScanPlace {
 
 class ScanInput {
   public:
-    /// A file, or the folder of an octree, or its description in there (metadata.json, cloud.js). Links are
+    /// A file, or the folder of an octree, or its description in there (ept.json, metadata.json, cloud.js). Links are
     /// followed. Errors: NotFound, Io, Unsupported for what can be no scan; they name the path.
     static Expected<ScanInput> open(const std::filesystem::path& path);
     /// The same for what lies beneath `root`, and nothing else: InvalidArgument for a name or a link that
@@ -36,7 +36,7 @@ class ScanInput {
     const std::filesystem::path& path() const { return path_; }
     /// A scan, a cloud file, or the description of an octree.
     const InputFile& file() const { return file_; }
-    /// Around file() for an octree of Potree, else nullptr.
+    /// Around file() for an octree of EPT or Potree, else nullptr.
     const InputFolder* octree() const { return octree_ ? &*octree_ : nullptr; }
     /// Of file(), or of everything in octree().
     std::uint64_t bytes() const { return octree_ ? octree_->bytes() : file_.bytes(); }

@@ -16,9 +16,12 @@ Expected<std::unique_ptr<PointSource>> openStandardInput(const ImportOptions& op
     UniqueFd fd(::fcntl(STDIN_FILENO, F_DUPFD_CLOEXEC, 3));
     auto bytes = FileByteSource::create(std::move(fd), "standard input");
     if (!bytes) return passOn(bytes);
-    auto source = LasSource::create(std::move(*bytes), "standard input", options.keepAttributes);
+    auto source =
+        LasSource::create(std::move(*bytes), "standard input", options.keepAttributes, options.recover);
     if (!source) return passOn(source);
-    return std::unique_ptr<PointSource>(std::move(*source));
+    std::unique_ptr<PointSource> opened(std::move(*source));
+    if (!options.assumeCrs) return opened;
+    return withCrs(std::move(opened), *options.assumeCrs, "standard input");
 }
 
 }  // namespace scancast

@@ -91,12 +91,12 @@ void lookAtImporters(const ServeOptions& options, Findings& findings) {
     struct Program {
         const char* name;
         const char* reads;
-        bool node;
     };
-    constexpr std::array programs{Program{"scancast-import-pcl", "PLY and PCD", false},
-                                  Program{"scancast-import-laz", "LAZ and COPC", true},
-                                  Program{"scancast-import-potree", "Potree", true}};
-    for (const auto& [name, reads, node] : programs) {
+    constexpr std::array programs{Program{"scancast-import-pcl", "PLY and PCD"},
+                                  Program{"scancast-import-e57", "E57"},
+                                  Program{"scancast-import-laz", "LAZ and COPC"},
+                                  Program{"scancast-import-octree", "EPT and Potree"}};
+    for (const auto& [name, reads] : programs) {
         const auto program = findImporter(name, *import);
         if (!program) {
             findings.warning(
@@ -104,16 +104,7 @@ void lookAtImporters(const ServeOptions& options, Findings& findings) {
                 "install it beside this program (deploy/README.md); LAS, text and cloud files need none");
             continue;
         }
-        std::error_code error;
-        const fs::path folder = fs::canonical(*program, error).parent_path();
-        if (node && !findImporter("node", {}))
-            findings.warning("importers", fmt::format("{} needs Node.js, which is not there", name),
-                             "apt-get install nodejs");
-        else if (node && !fs::exists(folder / "node_modules/laz-perf/package.json", error))
-            findings.warning("importers", fmt::format("{} misses laz-perf", name),
-                             fmt::format("cd {} && npm ci --ignore-scripts", folder.string()));
-        else
-            findings.ok("importers", fmt::format("{} reads {}", program->string(), reads));
+        findings.ok("importers", fmt::format("{} reads {}", program->string(), reads));
     }
     const SandboxLine sandbox = sandboxLine(*import);
     if (sandbox.sound) return findings.ok("sandbox", sandbox.text);

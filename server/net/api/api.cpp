@@ -167,13 +167,13 @@ struct Api::Answers {
         return response;
     }
 
-    // The query's words are those of a snapshot; its camera has no part in it.
-    HttpResponse cloudViews() const {
+    /// What tells views of a cloud. The query's words are those of a snapshot; its camera has no part in it.
+    HttpResponse viewsBy(nlohmann::json (*tell)(const Cloud&, View)) const {
         const auto cloud = clouds_.cloud(routed.id);
         if (!cloud) return refusal(cloud.error(), routed);
         const auto planned = viewOfQuery(**cloud, routed.query, api.options_.maxPixels);
         if (!planned) return refusal(problemOf(planned.error()), routed);
-        return jsonResponse(viewsJson(**cloud, (*planned)->view));
+        return jsonResponse(tell(**cloud, (*planned)->view));
     }
 
     // Who looks at it is told at once; its memory is given back when the last picture of it is done.
@@ -419,7 +419,9 @@ void Api::answer(const HttpRequest& request, const Routed& routed, Respond respo
         case Route::Cloud:
             return respond(answers.cloud());
         case Route::CloudViews:
-            return respond(answers.cloudViews());
+            return respond(answers.viewsBy(viewsJson));
+        case Route::CloudStations:
+            return respond(answers.viewsBy(stationsJson));
         case Route::Methods:
             return respond(jsonResponse(methodListJson()));
         case Route::SnapshotJpeg:

@@ -62,10 +62,28 @@ function corner(count) {
   });
 }
 
+/** A room in PTX, seen by two scanners: red by the one in the west, who faces north, blue by the other. */
+export function ptxOfTwoScanners(count) {
+  const next = random(13);
+  return [[2, '200 30 30'], [6, '30 30 200']].map(([x, color]) => {
+    const points = Array.from({ length: count }, (_, i) => {
+      const point = [next() * 4 - 2, next() * 8 - 4, next() * 3 - 1.5];
+      point[i % 3] = i % 3 === 2 ? -1.5 : Math.sign(next() - 0.5) * (i % 3 === 0 ? 2 : 4);
+      return `${point.map((value) => value.toFixed(4)).join(' ')} 0.5 ${color}`;
+    });
+    // The scanner's x axis is the file's y: its points are turned back, so that they come out where they were meant.
+    const turned = points.map((line) => {
+      const [a, b, ...rest] = line.split(' ');
+      return [b, String(-Number(a)), ...rest].join(' ');
+    });
+    return [count, 1, '0 0 0', '1 0 0', '0 1 0', '0 0 1', '0 1 0 0', '-1 0 0 0', '0 0 1 0', `${x} 4 1.5 1`, ...turned, ''].join('\n');
+  }).join('');
+}
+
 export function writeScans() {
   const folder = mkdtempSync(join(tmpdir(), 'scancast-browser-'));
   const files = { ring: join(folder, 'ring.las'), corner: join(folder, 'corner.las') };
   writeFileSync(files.ring, lasBytes(ring(60_000)));
   writeFileSync(files.corner, lasBytes(corner(40_000)));
-  return { files: Object.values(files), remove: () => rmSync(folder, { recursive: true, force: true }) };
+  return { folder, files: Object.values(files), remove: () => rmSync(folder, { recursive: true, force: true }) };
 }

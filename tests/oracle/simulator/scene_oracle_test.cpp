@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <cstring>
 #include <glm/geometric.hpp>
@@ -36,7 +37,7 @@ std::vector<Key> asSet(const PointBatch& points) {
     std::vector<Key> keys(points.size());
     for (std::size_t i = 0; i < keys.size(); ++i) {
         for (std::size_t axis = 0; axis < 3; ++axis)
-            std::memcpy(&keys[i][axis], &points.position[i][int(axis)], 8);
+            keys[i][axis] = std::bit_cast<std::uint64_t>(points.position[i][int(axis)]);
         std::memcpy(&keys[i][3], &points.color[i], 3);
         keys[i][4] = points.intensity[i] * 256u + points.classification[i];
     }

@@ -37,7 +37,7 @@ inline PointBatch reflections(const PointBatch& points, const Mirror& mirror, do
     for (std::size_t i = 0; i < points.size(); ++i) {
         if (glm::dot(points.position[i] - mirror.center, mirror.normal) <= slack) continue;
         appendPoint(images, points, i);
-        glm::dvec3& at = images.position.back();
+        glm::dvec3& at = images.position.doubles().back();
         at = reflected(mirror, at);
         glm::vec3& normal = images.normal.back();
         const glm::vec3 glass(mirror.normal);

@@ -25,7 +25,7 @@ class FailingSource : public PointSource {
     Expected<bool> read(PointBatch& batch) override {
         batch.clear();
         if (left_-- == 0) return fail(ErrorCode::Truncated, "scan.las ends at byte 100.");
-        batch.position.assign(10, at_);
+        batch.position.doubles().assign(10, at_);
         batch.color = colors;
         return true;
     }

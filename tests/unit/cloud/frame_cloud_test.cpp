@@ -50,7 +50,7 @@ TEST(FrameCloud, EveryPointIsInALeafOnce) {
         ASSERT_TRUE(cloud);
         checkStructure(*cloud, 16384);
         checkBounds(cloud->octree);
-        checkEachPointOnce(*cloud, frame.points.position, 1e-4);
+        checkEachPointOnce(*cloud, {frame.points.position.begin(), frame.points.position.end()}, 1e-4);
     }
 }
 
@@ -59,7 +59,7 @@ TEST(FrameCloud, TheSameFrameGivesTheSameCloudOnAnyNumberOfThreads) {
     const auto one = cloudOf(frame, {.threads = 1}), many = cloudOf(frame, {.threads = 5});
     EXPECT_EQ(one->revision, many->revision);
     PointFrame other = frame;
-    other.points.position.back().z += 0.01;
+    other.points.position.doubles().back().z += 0.01;
     EXPECT_NE(cloudOf(other)->revision, one->revision);
 }
 
@@ -178,7 +178,7 @@ TEST(FrameOrder, KeysAndCells) {
     EXPECT_EQ(commonLevel(0, 7), 1);
     EXPECT_EQ(commonLevel(0, 8), 2);
     PointBatch points;
-    points.position = {{0, 0, 0}, {1, 0, 0}, {0.9, 0, 0}, {0, 0, 0}};
+    points.position.doubles() = {{0, 0, 0}, {1, 0, 0}, {0.9, 0, 0}, {0, 0, 0}};
     const FrameOrder order = orderFrame(points, {glm::dvec3(0), glm::dvec3(1, 0, 0)}, glm::dvec3(0));
     const auto counts = order.cellCounts(0, 4);
     EXPECT_EQ(counts[0], 3U);

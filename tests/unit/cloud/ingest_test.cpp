@@ -261,6 +261,87 @@ TEST_F(Ingest, NormalsAreCertainWhereNobodyGuessed) {
     }
 }
 
+/// A floor, of which scanners above and below saw every other stretch of 20: batches are as large as stretches.
+class SeenFromBothSides final : public PointSource {
+  public:
+    static glm::dvec3 scannerOf(double x) { return {100, 100, int(x / 20) % 2 == 0 ? 30 : -30}; }
+    explicit SeenFromBothSides(bool allKnown) : allKnown_(allKnown) {
+        header_.attributes.color = true;
+        header_.gridStep = glm::dvec3(0.001);
+    }
+    const ScanHeader& header() const override { return header_; }
+    Expected<bool> read(PointBatch& batch) override {
+        batch.clear();
+        if (stretch_ == 10) return false;
+        for (int i = 0; i < 3000; ++i) {
+            const auto number = std::uint64_t(stretch_ * 3000 + i);
+            const double x = 20 * stretch_ + 20 * test::uniform(number, 1),
+                         y = 200 * test::uniform(number, 2);
+            batch.position.emplace_back(std::floor(x * 1000) / 1000, std::floor(y * 1000) / 1000,
+                                        0.001 * int(5 * test::uniform(number, 3)));
+            batch.color.push_back({200, 200, 200});
+        }
+        if (allKnown_ || stretch_ != 4) batch.scanner = scannerOf(20 * stretch_ + 1);
+        ++stretch_;
+        return true;
+    }
+    std::uint64_t droppedPoints() const override { return 0; }
+    std::vector<Station> stations() const override {
+        return {{.name = "above", .position = scannerOf(0)}, {.name = "below", .position = scannerOf(20)}};
+    }
+
+  private:
+    ScanHeader header_;
+    const bool allKnown_;
+    int stretch_ = 0;
+};
+
+// Right because a point that was seen from above has a normal that points upwards.
+TEST_F(Ingest, NormalsPointToWhoeverSawEachPoint) {
+    SeenFromBothSides source(true);
+    const auto built = buildCloud(source, {.title = "floor", .shape = smallShape});
+    ASSERT_TRUE(built) << built.error().message;
+    const Cloud& cloud = **built;
+    EXPECT_TRUE(cloud.oriented);
+    ASSERT_TRUE(cloud.sides);
+    EXPECT_EQ(cloud.sides->by, KnownSides::By::Scanner);
+    EXPECT_EQ(cloud.scanner, std::nullopt) << "it stood at two places";
+    EXPECT_EQ(cloud.stations, source.stations());
+    std::size_t samples = 0;
+    const auto nodes = cloud.octree.nodes();
+    for (std::uint32_t n = 0; n < nodes.size(); ++n) {
+        if (!nodes[n].isLeaf()) continue;
+        const auto run = cloud.octree.run(n);
+        ASSERT_TRUE(run);
+        for (const Sample& sample : run->samples) {
+            const glm::dvec3 at = cloud.origin + position(nodes[n], sample);
+            const double off = std::abs(std::remainder(at.x, 20));
+            if (off < 0.01 || off > 9.99) continue;  // quantised across the seam
+            const double towards = SeenFromBothSides::scannerOf(at.x).z;
+            ASSERT_GT(decodeNormal(sample.normal).z * towards, 0) << at.x;
+            ++samples;
+        }
+    }
+    EXPECT_GT(samples, 29'000u);
+
+    SeenFromBothSides partly(false);
+    const auto guessed = buildCloud(partly, {.title = "floor", .shape = smallShape});
+    ASSERT_TRUE(guessed);
+    EXPECT_FALSE((*guessed)->oriented) << "of one stretch nobody knows it";
+    EXPECT_EQ((*guessed)->sides->by, KnownSides::By::Neighbours);
+}
+
+// What shows through where normals are the scan's own, or nobody estimates any.
+TEST_F(Ingest, WithoutEstimatedNormalsScannersLeaveNoTrace) {
+    OctreeShape plain = smallShape;
+    plain.surfels = false;
+    SeenFromBothSides source(true);
+    const auto built = buildCloud(source, {.title = "floor", .shape = plain});
+    ASSERT_TRUE(built);
+    for (std::uint32_t n = 0; n < (*built)->octree.nodes().size(); ++n)
+        for (const Sample& sample : (*built)->octree.run(n)->samples) ASSERT_EQ(sample.normal, noNormal);
+}
+
 TEST_F(Ingest, CarriesMirrors) {
     Mirror mirror;
     mirror.normal = {0, 1, 0};

@@ -72,6 +72,20 @@ TEST(ManyScans, AreOneCloud) {
     test::checkStructure(*cloud, 512);
 }
 
+TEST(ManyScans, EachStoodWhereItStood) {
+    const auto stoodAt = [](double x) {
+        return [x](ScanHeader& h) { h.scannerOrigin = glm::dvec3(x, 2, 3); };
+    };
+    auto all = together(scan(0, {}, stoodAt(1)), scan(500, {}), scan(900, {}, stoodAt(7)));
+    ASSERT_TRUE(all);
+    EXPECT_EQ((*all)->header().scannerOrigin, std::nullopt) << "no one place explains all points";
+    PointBatch batch;
+    std::vector<std::optional<glm::dvec3>> scanners;
+    while ((*all)->read(batch).value()) scanners.push_back(batch.scanner);
+    EXPECT_EQ(scanners, (std::vector<std::optional<glm::dvec3>>{glm::dvec3(1, 2, 3), std::nullopt,
+                                                                glm::dvec3(7, 2, 3)}));
+}
+
 TEST(ManyScans, GridsThatDifferAreNoGrid) {
     auto all = together(scan(0, {}), scan(100, {}, [](ScanHeader& h) { h.gridStep = glm::dvec3(0.01); }));
     ASSERT_TRUE(all);
@@ -86,6 +100,32 @@ TEST(ManyScans, ContradictingCoordinateSystemsAreRefused) {
     EXPECT_EQ(all.error().code, ErrorCode::InvalidArgument);
     EXPECT_NE(all.error().message.find("EPSG:25832"), std::string::npos) << all.error().message;
     EXPECT_NE(all.error().message.find("EPSG:25833"), std::string::npos) << all.error().message;
+}
+
+// Where a scan lies that has no bounds in its header is known once it is read: before anything is built of it.
+TEST(ManyScans, WhatLiesFarAwayIsFoundWhileItIsRead) {
+    const auto withCrs = [](ScanHeader& h) { h.crsEpsg = 25832, h.bounds.reset(); };
+    const auto without = [](ScanHeader& h) { h.bounds.reset(); };
+    auto far = together(scan(500'000, {}, withCrs), scan(1'200'000, {}, without));
+    ASSERT_TRUE(far) << "nobody knows yet";
+    PointBatch batch;
+    auto refused = (*far)->read(batch);
+    while (refused && *refused) refused = (*far)->read(batch);
+    ASSERT_FALSE(refused);
+    EXPECT_EQ(refused.error().code, ErrorCode::InvalidArgument);
+    EXPECT_NE(refused.error().message.find("scan 2 does not say"), std::string::npos)
+        << refused.error().message;
+    EXPECT_NE(refused.error().message.find("700 km"), std::string::npos) << refused.error().message;
+
+    auto near = together(scan(500'000, {}, withCrs), scan(500'200, {}, without));
+    ASSERT_TRUE(near);
+    const auto cloud = test::build(**near);
+    ASSERT_TRUE(cloud);
+    EXPECT_EQ(cloud->crsEpsg, 25832);
+    ASSERT_EQ(cloud->notes.size(), 3u);
+    EXPECT_NE(cloud->notes[0].find("that of scan 1, ETRS89 / UTM zone 32N (EPSG:25832), is taken for it"),
+              std::string::npos)
+        << cloud->notes[0];
 }
 
 TEST(ManyScans, RowsAreThoseOfTheFirst) {

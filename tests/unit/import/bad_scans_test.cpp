@@ -43,20 +43,14 @@ const BadScan badScans[] = {
     {"bad/garbage_nVariableLength.las", ErrorCode::Truncated, "promises 719 points, there are 718"},
     {"bad/no-points.las", ErrorCode::Empty, "without points"},
     {"bad/broken_coder.laz", ErrorCode::Unsupported, "LAZ coder 15 is not known"},
-    {"bad/broken_size.laz", ErrorCode::Unsupported, "POINT10 version 6, GPSTIME11 version 6; version 2 can"},
-    {"laz/fullwave-pdrf10.laz", ErrorCode::Unsupported, "LAZ with point format 10 (waveforms)"},
-    {"laz/pdrf4-1.3.laz", ErrorCode::Unsupported, "LAZ with point format 4 (waveforms)"},
-    {"laz/pdrf5-1.3.laz", ErrorCode::Unsupported, "LAZ with point format 5 (waveforms)"},
-    {"laz/pdrf9-1.4.laz", ErrorCode::Unsupported, "LAZ with point format 9 (waveforms)"},
-    {"laz/pdrf0-compressor1-pointwise.laz", ErrorCode::Unsupported, "POINT10 version 1; version 2 can"},
-    {"laz/simple-laszip-1.2r0.laz", ErrorCode::Unsupported,
-     "POINT10 version 1, GPSTIME11 version 1, RGB12 version 1"},
+    {"bad/broken_size.laz", ErrorCode::Unsupported, "POINT10 version 6, GPSTIME11 version 6; versions 1 and 2 can"},
     {"bad/lfs-pointer.laz", ErrorCode::Unsupported, "a Git LFS pointer, not the scan itself"},
     {"bad/badheader.txt", ErrorCode::Malformed, "line 1: two columns are called \"X\""},
     {"bad/missingheader.pcd", ErrorCode::Unsupported, "text without a PCD header"},
     {"bad/no_vertex.ply", ErrorCode::Malformed, "declares no vertices"},
-    {"bad/corrupt_crc.e57", ErrorCode::Unsupported, "E57 comes with a later release"},
-    {"e57/bunnyFloat.e57", ErrorCode::Unsupported, "E57 comes with a later release"},
+    {"bad/corrupt_crc.e57", ErrorCode::Malformed, "the page at byte 33,792 is damaged: its checksum is another"},
+    {"bad/InvalidCVHeader.e57", ErrorCode::Malformed, "byte 48: its scan: its points should begin here"},
+    {"bad/empty.e57", ErrorCode::Empty, "an E57 file without scans"},
     {"ply/pdal-sized_dims.ply", ErrorCode::Malformed, "no property \"z\""},
     {"ply/pdal-unsized_dims.ply", ErrorCode::Malformed, "no property \"z\""},
 };
@@ -191,13 +185,13 @@ TEST(NotAScan, OtherThings) {
     const TemporaryFolder folder;
     using namespace std::string_literals;
     for (const auto& [content, reason] :
-         {std::pair("\x89PNG\r\n\x1a\n"s, "a PNG picture"),
+         {std::pair("\x89PNG\r\n\x1a\n"s, "a picture (JPEG, PNG"),
           {"\x1f\x8b\x08\x00"s, "gunzip"},
           {"PK\x03\x04 "s, "a ZIP archive"},
           {"<!DOCTYPE html>"s, "a web page"},
           {"\x01\x02\x03"s, "starts with the bytes 01 02 03"},
           {"ply"s, "Scancast reads"},
-          {"{\n  \"points\": [1, 2, 3]\n}\n"s, "it is text, but not of points"},
+          {"{\n  \"points\": [1, 2, 3]\n}\n"s, "it is JSON text"},
           {"Dear all,\n\nthe 3 scans of 2024 are 12 GB.\n"s, "Scancast reads"},
           {std::string(5000, '\0'), "starts with the bytes 00 00 00 00"}})
         expectBadScan(folder.write("scan.las", content), ErrorCode::Unsupported, reason);

@@ -31,7 +31,7 @@ void header(std::uint64_t points) {
 
 void points(std::size_t count, double x = 1) {
     PointBatch batch;
-    batch.position.assign(count, {x, 2, 3});
+    batch.position.doubles().assign(count, {x, 2, 3});
     if (!writer.writeChunk(batch)) _exit(3);
 }
 
@@ -176,9 +176,7 @@ const std::map<std::string, std::function<void()>> behaviours{
          good();
      }},
     {"failure",
-     [] {
-         (void)!writer.writeFailure({scancast::ErrorCode::Truncated, "it ends at byte 7", {}});
-     }},
+     [] { (void)!writer.writeFailure({scancast::ErrorCode::Truncated, "it ends at byte 7", {}}); }},
     {"allocate", bigAllocation},
     {"reserve", reserve},
     {"read-long", readLong},

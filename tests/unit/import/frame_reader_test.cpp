@@ -64,7 +64,7 @@ void expectFrame(FrameReader& reader, double mark, std::size_t points) {
     ASSERT_TRUE(*frame);
     EXPECT_EQ((*frame)->points.size(), points);
     EXPECT_EQ((*frame)->points.color.size(), points);
-    EXPECT_EQ((*frame)->points.position.at(points - 1), glm::dvec3(mark, double(points - 1), 0));
+    EXPECT_EQ((*frame)->points.position[points - 1], glm::dvec3(mark, double(points - 1), 0));
 }
 
 void expectEnd(FrameReader& reader) {

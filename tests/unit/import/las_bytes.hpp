@@ -1,4 +1,4 @@
-// Writes LAS files into memory for tests, straight from the tables of ASPRS LAS 1.4 R15 and apart from the
+// Writes LAS files into memory for tests, straight from the tables of ASPRS LAS 1.4 R15 (and 1.5 R00) and apart from the
 // reader's own tables: a field in the wrong place shows.
 #pragma once
 
@@ -85,7 +85,7 @@ inline void putPoint(std::vector<std::byte>& out, const LasFile& file, const Las
 }
 
 inline std::vector<std::byte> LasFile::bytes() const {
-    const std::size_t headerBytes = minor >= 4 ? 375 : minor == 3 ? 235 : 227;
+    const std::size_t headerBytes = minor >= 5 ? 393 : minor == 4 ? 375 : minor == 3 ? 235 : 227;
     std::vector<std::byte> out(headerBytes);
     putText(out, 0, "LASF");
     put(out, 24, std::uint8_t(1));
@@ -109,7 +109,7 @@ inline std::vector<std::byte> LasFile::bytes() const {
     put(out, 100, plain);
     put(out, 104, static_cast<std::uint8_t>(format));
     put(out, 105, static_cast<std::uint16_t>(lasRecordLength(format) + extraBytes));
-    if (minor < 4 || format < 6) put(out, 107, static_cast<std::uint32_t>(points.size()));
+    if (minor < 4 || (minor == 4 && format < 6)) put(out, 107, static_cast<std::uint32_t>(points.size()));
     for (std::size_t i = 0; i < 3; ++i) {
         put(out, 131 + 8 * i, scale);
         put(out, 155 + 8 * i, offset);

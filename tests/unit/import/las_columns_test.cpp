@@ -222,6 +222,25 @@ TEST(LasColumns, NewPointFormats) {
     }
 }
 
+// LAS 1.5, Public Header Block: with the bits 1 and 64 of the global encoding, times are less 1e6 × what stands at byte 391.
+TEST(LasColumns, TimesSayWhatWasTakenFromThem) {
+    const auto meaning = [](int minor, std::uint16_t encoding) {
+        auto bytes = fileOf(minor, 6).bytes();
+        put(bytes, 6, encoding);
+        if (minor >= 5) put(bytes, 391, std::uint16_t(1500));
+        for (const auto& column : readKept(bytes).header.columns)
+            if (column.name == "gps_time") return column.description;
+        return std::string();
+    };
+    for (const int minor : {4, 5}) {
+        EXPECT_EQ(meaning(minor, 0), "seconds of the GPS week");
+        EXPECT_EQ(meaning(minor, 64), "seconds of the GPS week");
+        EXPECT_EQ(meaning(minor, 1), "adjusted standard GPS time: seconds since 1980-01-06, less 1e9");
+    }
+    EXPECT_EQ(meaning(4, 65), meaning(4, 1));
+    EXPECT_EQ(meaning(5, 65), "offset GPS time: seconds since 1980-01-06, less 1500e6");
+}
+
 TEST(LasColumns, ExtraBytesOfEveryType) {
     for (const bool extended : {false, true}) {
         auto file = fileOf(4, 6, 1 + 1 + 2 + 2 + 4 + 4 + 8 + 8 + 4 + 8 + 6 + 2 + 3);

@@ -81,7 +81,7 @@ class LasFormats : public ::testing::TestWithParam<int> {};
 // colour.
 TEST_P(LasFormats, RoundTrip) {
     const int format = GetParam();
-    for (int minor = 0; minor <= 4; ++minor)
+    for (int minor = 0; minor <= 5; ++minor)
         for (const std::uint16_t colorScale : {1, 256, 257})
             for (const bool seekable : {true, false}) {
                 SCOPED_TRACE(testing::Message()
@@ -243,6 +243,20 @@ TEST(LasSource, CountsBeyond32Bits) {
     EXPECT_FALSE(open(bytes, false));
 }
 
+// Waveforms lie elsewhere: their points are read, and that they are not is said.
+TEST(LasSource, WaveformsArePassedOver) {
+    for (int format = 0; format <= 10; ++format) {
+        const auto bytes = sample(format >= 6 ? 4 : 3, format, 1).bytes();
+        const auto source = open(bytes);
+        ASSERT_TRUE(source);
+        const bool has = format == 4 || format == 5 || format == 9 || format == 10;
+        ASSERT_EQ((*source)->notes().size(), has ? 1U : 0U) << format;
+        if (has) {
+            EXPECT_THAT((*source)->notes()[0], testing::StartsWith("test.las: its points are all read"));
+        }
+    }
+}
+
 TEST(LasSource, TheOldCountServesWhereTheNewOneIsZero) {
     auto bytes = sample(4, 3, 1, 3).bytes();
     put(bytes, 247, std::uint64_t(0));
@@ -268,7 +282,9 @@ TEST(LasSource, RefusesWhatMakesPointsDoubtful) {
     expectLasError(changed(94, std::uint16_t(200)), ErrorCode::Malformed,
                    "the header says that it has 200 bytes");
     expectLasError(changed(96, std::uint32_t(100)), ErrorCode::Malformed, "within the header");
-    expectLasError(changed(25, std::uint8_t(5)), ErrorCode::Unsupported, "LAS version 1.5");
+    expectLasError(changed(25, std::uint8_t(6)), ErrorCode::Unsupported,
+                   "LAS version 1.6 is not known here; LAS 1.0 to 1.5");
+    expectLasError(changed(25, std::uint8_t(5)), ErrorCode::Malformed, "LAS 1.5 needs 393");
     expectLasError(changed(24, std::uint8_t(2)), ErrorCode::Unsupported, "LAS version 2.2");
     expectLasError(changed(104, std::uint8_t(11)), ErrorCode::Unsupported, "point format 11");
     expectLasError(changed(104, std::uint8_t(0x83)), ErrorCode::Unsupported,

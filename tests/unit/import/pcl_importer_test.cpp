@@ -315,6 +315,9 @@ TEST_F(PclImporter, DamagedPly) {
                 "there is room for 0");
     expectError(plyHeader("binary_little_endian", 0, xyz), ErrorCode::Empty, "0 vertices");
     expectError(ply("element vertex 5\n" + xyz + "end_header\n"), ErrorCode::Malformed, "no format line");
+    expectError(
+        "ply\rformat binary_little_endian 1.0\relement vertex 1\r" + xyz + "end_header\r....\n.......",
+        ErrorCode::Unsupported, "end in carriage returns only");
     expectError(ply("format ascii 2.0\n"), ErrorCode::Unsupported, "PLY version 2.0");
     expectError(ply("format morse 1.0\n"), ErrorCode::Malformed, "the format \"morse\" is unknown");
     expectError(ply(ascii + "element vertex -5\n"), ErrorCode::Malformed, "the count \"-5\" is not a number");

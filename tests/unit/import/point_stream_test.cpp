@@ -208,7 +208,7 @@ TEST(PointStream, LiesAreErrors) {
     constexpr double nan = std::numeric_limits<double>::quiet_NaN();
     constexpr double infinity = std::numeric_limits<double>::infinity();
     expectImporterError(changed(0, 'X'), "does not start as a point stream does");
-    expectImporterError(changed(8, std::uint16_t(2)), "version 2");
+    expectImporterError(changed(8, std::uint16_t(3)), "version 3");
     expectImporterError(changed(10, std::uint16_t(16)), "unknown columns");
     expectImporterError(changed(12, std::uint32_t(16)), "unknown bits");
     expectImporterError(changed(24, -1.0), "a grid step");

@@ -63,6 +63,32 @@ TEST(PtxSource, SeveralScansAndDirectionsWithoutEcho) {
     EXPECT_EQ(points->color[0], (std::array<std::uint8_t, 3>{10, 20, 30}));
     EXPECT_EQ((*source)->droppedPoints(), 2U);
     EXPECT_EQ((*source)->header().scannerOrigin, std::nullopt) << "two scanners: no one place";
+    const auto stations = (*source)->stations();
+    ASSERT_EQ(stations.size(), 3U);
+    EXPECT_EQ(stations[0], (Station{.points = 1, .forwards = glm::dvec3(1, 0, 0)}));
+    EXPECT_EQ(stations[1], (Station{.forwards = glm::dvec3(1, 0, 0)})) << "stood there and saw nothing";
+    EXPECT_EQ(stations[2],
+              (Station{.position = {500000, 4000000, 100}, .points = 1, .forwards = glm::dvec3(0, 1, 0)}));
+}
+
+TEST(PtxSource, EveryBatchSaysWhereItsScannerStood) {
+    auto source = PtxSource::create(bytesOf(head(1, 2) + "1 2 3 1\n2 2 3 1\n" + head(1, 1) + "0 0 0 0\n" +
+                                            head(1, 1, turned) + "0 0 1 1\n"),
+                                    "a.ptx");
+    ASSERT_TRUE(source) << source.error().message;
+    EXPECT_TRUE((*source)->stations().empty()) << "who has not read to the end does not know them";
+    PointBatch batch;
+    std::vector<std::pair<std::size_t, glm::dvec3>> seen;
+    for (;;) {
+        const auto more = (*source)->read(batch);
+        ASSERT_TRUE(more) << more.error().message;
+        if (!*more) break;
+        ASSERT_TRUE(batch.scanner);
+        seen.emplace_back(batch.size(), *batch.scanner);
+    }
+    EXPECT_EQ(batch.size(), 0U);
+    EXPECT_EQ(seen,
+              (std::vector<std::pair<std::size_t, glm::dvec3>>{{2, {0, 0, 0}}, {1, {500000, 4000000, 100}}}));
 }
 
 // Normals are turned to the one place from which all was seen: with two, to none of them.

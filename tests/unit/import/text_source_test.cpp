@@ -131,6 +131,20 @@ TEST(TextSource, RangesOfColors) {
     EXPECT_THAT(units->points.color, ElementsAre(Rgb{0, 128, 255}, Rgb{255, 255, 1}));
 }
 
+// Programs that write all columns with the same number of decimals write colours so, too.
+TEST(TextSource, WholeColorsOf16BitsMayHaveDecimals) {
+    const auto named =
+        readText("x,y,z,red,green,blue\n1,2,3,9728.000,40960.000,55808.0\n1,2,3,0.000,255.000,1e3\n");
+    ASSERT_TRUE(named) << named.error().message;
+    EXPECT_THAT(named->points.color, ElementsAre(Rgb{38, 160, 218}, Rgb{0, 0, 3}));
+    const auto parts = readText("x,y,z,red,green,blue\n1,2,3,9728.5,40960.000,55808.000\n");
+    ASSERT_FALSE(parts);
+    EXPECT_THAT(parts.error().message, HasSubstr("hold numbers from 9728.5"));
+    const auto nameless = readText("1 2 3 9728.000 40960.000 55808.000\n");
+    ASSERT_TRUE(nameless) << nameless.error().message;
+    EXPECT_EQ(nameless->header.format, "text: x y z - - -");
+}
+
 TEST(TextSource, RangesOfIntensity) {
     const auto plain = readText("1 2 3 0\n1 2 3 255\n1 2 3 65535\n1 2 3 99.6\n1 2 3 1e9\n");
     const auto unit = readText("1 2 3 0.0\n1 2 3 0.5\n1 2 3 1\n");

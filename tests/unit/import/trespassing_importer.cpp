@@ -110,7 +110,7 @@ int main(int argc, char** argv) {
     using scancast::PointStreamWriter;
     PointStreamWriter writer(PointStreamWriter::toDescriptor(STDOUT_FILENO));
     scancast::PointBatch points;
-    points.position.assign(10, {1, 2, 3});
+    points.position.doubles().assign(10, {1, 2, 3});
     if (!writer.writeHeader({}) || !writer.writeChunk(points) || !writer.finish(0)) return 3;
     return 0;
 }

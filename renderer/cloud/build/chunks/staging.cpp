@@ -7,6 +7,7 @@
 #include <cstring>
 #include <future>
 #include <glm/common.hpp>
+#include <glm/geometric.hpp>
 #include <limits>
 
 #include "renderer/cloud/sample.hpp"
@@ -23,13 +24,11 @@ bool hasGrid(const ScanHeader& header) {
     return true;
 }
 
-Expected<void> checkBatch(const PointBatch& batch, const ScanHeader& header, std::uint64_t before) {
-    const auto fits = [&](std::size_t column) { return column == 0 || column == batch.size(); };
-    if (!fits(batch.color.size()) || !fits(batch.intensity.size()) || !fits(batch.classification.size()) ||
-        !fits(batch.normal.size()) || batch.rows.size() != batch.size() * rowBytes(header.columns))
-        return fail(ErrorCode::Internal, "A reader delivered columns of different lengths.");
-    for (std::size_t i = 0; i < batch.size(); ++i) {
-        const glm::dvec3& p = batch.position[i];
+/// `before`: points that came before these.
+Expected<void> checkPositions(const Positions& positions, std::uint64_t before) {
+    if (positions.areSteps() && positions.grid().reach() <= farthestCoordinate) return {};
+    for (std::size_t i = 0; i < positions.size(); ++i) {
+        const glm::dvec3 p = positions[i];
         for (int a = 0; a < 3; ++a)
             if (!(std::abs(p[a]) <= farthestCoordinate))
                 return fail(
@@ -41,15 +40,23 @@ Expected<void> checkBatch(const PointBatch& batch, const ScanHeader& header, std
     return {};
 }
 
-using Positions = StagedBatch::Positions;
+Expected<void> checkBatch(const PointBatch& batch, const ScanHeader& header, std::uint64_t before) {
+    const auto fits = [&](std::size_t column) { return column == 0 || column == batch.size(); };
+    if (!fits(batch.color.size()) || !fits(batch.intensity.size()) || !fits(batch.classification.size()) ||
+        !fits(batch.normal.size()) || batch.rows.size() != batch.size() * rowBytes(header.columns))
+        return fail(ErrorCode::Internal, "A reader delivered columns of different lengths.");
+    return checkPositions(batch.position, before);
+}
 
-std::size_t bytesOf(Positions positions) {
-    return positions == Positions::Full ? sizeof(glm::dvec3) : sizeof(glm::vec3);
+using Kind = StagedBatch::Positions;
+
+std::size_t bytesOf(Kind positions) {
+    return positions == Kind::Full ? sizeof(glm::dvec3) : sizeof(glm::vec3);
 }
 
 /// A batch while it is packed.
 struct PackedBatch {
-    Positions positions = Positions::Own;
+    Kind positions = Kind::Own;
     std::vector<std::byte> bytes;
 
     template <class T>
@@ -58,14 +65,34 @@ struct PackedBatch {
     }
 };
 
-using OwnPosition = std::array<std::int32_t, 3>;
+using OwnPosition = GridSteps;
+
+/// Steps of a grid that begins so many steps elsewhere; false if they do not fit it.
+bool shiftSteps(std::span<const GridSteps> steps, const std::array<std::int64_t, 3>& by, OwnPosition* out) {
+    if (by == std::array<std::int64_t, 3>{}) {
+        std::copy(steps.begin(), steps.end(), out);
+        return true;
+    }
+    bool fit = true;
+    for (std::size_t i = 0; i < steps.size(); ++i)
+        for (std::size_t a = 0; a < 3; ++a) {
+            const std::int64_t shifted = steps[i][a] + by[a];
+            out[i][a] = static_cast<std::int32_t>(shifted);
+            fit = fit && out[i][a] == shifted;
+        }
+    return fit;
+}
 
 /// The batch as integers of the scan's own grid; false if some point does not lie on it (header and points
 /// then contradict each other, and the points are right).
-bool toOwnGrid(const std::vector<glm::dvec3>& positions, const ScanHeader& header, OwnPosition* out) {
+bool toOwnGrid(const Positions& positions, const ScanHeader& header, OwnPosition* out) {
+    if (positions.areSteps())
+        if (const auto between = positions.grid().stepsIn({header.gridOrigin, header.gridStep}))
+            return shiftSteps(positions.asSteps(), *between, out);
     for (std::size_t i = 0; i < positions.size(); ++i) {
+        const glm::dvec3 position = positions[i];
         for (int a = 0; a < 3; ++a) {
-            const double p = positions[i][a];
+            const double p = position[a];
             const double q = std::nearbyint((p - header.gridOrigin[a]) / header.gridStep[a]);
             const double off = std::abs(header.gridOrigin[a] + q * header.gridStep[a] - p);
             const double tolerance =
@@ -77,30 +104,36 @@ bool toOwnGrid(const std::vector<glm::dvec3>& positions, const ScanHeader& heade
     return true;
 }
 
-bool isSinglePrecision(const std::vector<glm::dvec3>& positions) {
+bool isSinglePrecision(const Positions& positions) {
     return std::all_of(positions.begin(), positions.end(),
                        [](const glm::dvec3& p) { return glm::dvec3(glm::vec3(p)) == p; });
 }
 
-std::size_t packedBytes(const PointBatch& batch, Positions positions) {
+std::size_t packedBytes(const PointBatch& batch, Kind positions) {
     return batch.size() * (bytesOf(positions) + sizeof(StagedBatch::Rest)) + batch.rows.size();
 }
 
 void packPositions(const PointBatch& batch, const ScanHeader& header, bool grid, PackedBatch& out) {
-    out.bytes.resize(packedBytes(batch, Positions::Own));
+    out.bytes.resize(packedBytes(batch, Kind::Own));
     if (grid && toOwnGrid(batch.position, header, out.as<OwnPosition>())) {
-        out.positions = Positions::Own;
+        out.positions = Kind::Own;
     } else if (isSinglePrecision(batch.position)) {
-        out.positions = Positions::Single;
+        out.positions = Kind::Single;
         std::copy(batch.position.begin(), batch.position.end(), out.as<glm::vec3>());
     } else {
-        out.positions = Positions::Full;
-        out.bytes.resize(packedBytes(batch, Positions::Full));
+        out.positions = Kind::Full;
+        out.bytes.resize(packedBytes(batch, Kind::Full));
         std::copy(batch.position.begin(), batch.position.end(), out.as<glm::dvec3>());
     }
 }
 
-void packRest(const PointBatch& batch, PackedBatch& out) {
+/// The direction of a vector of any length but 0, which has none.
+std::uint16_t sightCode(const glm::dvec3& sight) {
+    const double length = glm::length(sight);
+    return length > 0 && std::isfinite(length) ? encodeNormal(glm::vec3(sight / length)) : noNormal;
+}
+
+void packRest(const PointBatch& batch, bool sights, PackedBatch& out) {
     auto* rest = out.as<StagedBatch::Rest>(batch.size() * bytesOf(out.positions));
     std::fill_n(rest, batch.size(), StagedBatch::Rest{});
     for (std::size_t i = 0; i < batch.color.size(); ++i) rest[i].color = batch.color[i];
@@ -108,6 +141,9 @@ void packRest(const PointBatch& batch, PackedBatch& out) {
     for (std::size_t i = 0; i < batch.classification.size(); ++i)
         rest[i].classification = batch.classification[i];
     for (std::size_t i = 0; i < batch.normal.size(); ++i) rest[i].normal = encodeNormal(batch.normal[i]);
+    if (sights && batch.scanner)
+        for (std::size_t i = 0; i < batch.size(); ++i)
+            rest[i].normal = sightCode(*batch.scanner - batch.position[i]);
     std::copy(batch.rows.begin(), batch.rows.end(), reinterpret_cast<std::byte*>(rest + batch.size()));
 }
 
@@ -162,32 +198,33 @@ void learnColumns(const PointBatch& batch, std::span<const Column> columns, Stag
 }
 
 void learn(const PointBatch& batch, PackedBatch& packed, StagedScan& scan) {
-    for (const glm::dvec3& p : batch.position) {
-        scan.bounds[0] = glm::min(scan.bounds[0], p);
-        scan.bounds[1] = glm::max(scan.bounds[1], p);
-    }
+    const auto bounds = boundsOf(batch.position);
+    scan.bounds = {glm::min(scan.bounds[0], bounds[0]), glm::max(scan.bounds[1], bounds[1])};
     scan.values.add(batch);
     for (const std::uint8_t c : batch.classification) ++scan.classCounts[c];
-    if (packed.positions != Positions::Own) scan.onOwnGrid = false;
+    if (packed.positions != Kind::Own) scan.onOwnGrid = false;
     if (scan.onOwnGrid) {
         const std::span own(packed.as<OwnPosition>(), batch.size());
-        for (int a = 0; a < 3; ++a) {
-            if (scan.points == 0) scan.ownLow[a] = scan.ownHigh[a] = own[0][a];
-            for (const OwnPosition& q : own) {
-                scan.ownLow[a] = std::min<std::int64_t>(scan.ownLow[a], q[a]);
-                scan.ownHigh[a] = std::max<std::int64_t>(scan.ownHigh[a], q[a]);
-            }
+        OwnPosition low = own.front(), high = low;
+        for (const OwnPosition& q : own)
+            for (std::size_t a = 0; a < 3; ++a)
+                low[a] = std::min(low[a], q[a]), high[a] = std::max(high[a], q[a]);
+        for (std::size_t a = 0; a < 3; ++a) {
+            const bool first = scan.points == 0;
+            scan.ownLow[a] = first ? low[a] : std::min<std::int64_t>(scan.ownLow[a], low[a]);
+            scan.ownHigh[a] = first ? high[a] : std::max<std::int64_t>(scan.ownHigh[a], high[a]);
         }
     }
     scan.points += batch.size();
+    if (batch.scanner) scan.sighted += batch.size();
 }
 
-Expected<void> stageBatch(const PointBatch& batch, const ScanHeader& header, Workspace& workspace,
-                          StagedScan& scan) {
+Expected<void> stageBatch(const PointBatch& batch, const ScanHeader& header, bool sights,
+                          Workspace& workspace, StagedScan& scan) {
     if (auto ok = checkBatch(batch, header, scan.points); !ok) return ok;
     thread_local PackedBatch packed;
     packPositions(batch, header, scan.onOwnGrid && hasGrid(header), packed);
-    packRest(batch, packed);
+    packRest(batch, sights, packed);
     learn(batch, packed, scan);
     learnColumns(batch, header.columns, scan);
     auto buffer = workspace.allocate(packed.bytes.size());
@@ -200,7 +237,7 @@ Expected<void> stageBatch(const PointBatch& batch, const ScanHeader& header, Wor
 }  // namespace
 
 Expected<StagedScan> stage(PointSource& source, Workspace& workspace, ProgressMeter& progress,
-                           const std::stop_token& stop) {
+                           const std::stop_token& stop, bool sights) {
     StagedScan scan;
     const ScanHeader header = source.header();
     scan.columnRanges.assign(header.columns.size(), {std::numeric_limits<double>::infinity(),
@@ -213,7 +250,7 @@ Expected<StagedScan> stage(PointSource& source, Workspace& workspace, ProgressMe
         std::swap(current, next);
         auto reading = std::async(std::launch::async, readNext);
         if (current.size() > 0) {
-            if (auto staged = stageBatch(current, header, workspace, scan); !staged) {
+            if (auto staged = stageBatch(current, header, sights, workspace, scan); !staged) {
                 reading.wait();
                 return passOn(staged);
             }
@@ -225,6 +262,7 @@ Expected<StagedScan> stage(PointSource& source, Workspace& workspace, ProgressMe
     if (!more) return passOn(more);
     scan.droppedPoints = source.droppedPoints();
     scan.notes = source.notes();
+    scan.stations = source.stations();
     if (scan.points == 0)
         return fail(ErrorCode::Empty,
                     fmt::format("The scan has no point to show ({} left out because a coordinate "
@@ -271,12 +309,11 @@ void placeOnGrid(const StagedBatch& batch, std::span<const std::byte> bytes, con
             for (int a = 0; a < 3; ++a)
                 q[a] = static_cast<std::uint64_t>(own[i][a] - scan.ownLow[a]) << grid.ownShift[a];
             p.setPosition(q);
-        } else if (batch.positions == Positions::Own) {
+        } else if (batch.positions == Kind::Own) {
             const glm::dvec3 q(own[i][0], own[i][1], own[i][2]);
             p.setPosition(onGrid(header.gridOrigin + header.gridStep * q, grid));
         } else {
-            p.setPosition(
-                onGrid(batch.positions == Positions::Single ? glm::dvec3(single[i]) : full[i], grid));
+            p.setPosition(onGrid(batch.positions == Kind::Single ? glm::dvec3(single[i]) : full[i], grid));
         }
     }
 }

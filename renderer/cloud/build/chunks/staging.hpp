@@ -27,7 +27,7 @@ struct StagedBatch {
         std::uint16_t intensity = 0;
         std::array<std::uint8_t, 3> color{255, 255, 255};
         std::uint8_t classification = 0;
-        std::uint16_t normal = 0;
+        std::uint16_t normal = 0;  ///< with `sights`, until it is estimated: the direction to the scanner
     };
     Positions positions = Positions::Own;
     std::uint32_t points = 0;
@@ -45,14 +45,18 @@ struct StagedScan {
     std::array<std::uint64_t, 256> classCounts{};
     std::vector<std::array<double, 2>> columnRanges;  ///< of header.columns, scaled
     std::vector<ValueSketch> columnSketches;          ///< of the same
+    std::vector<Station> stations;                    ///< the source's
+    std::uint64_t sighted = 0;  ///< points of which it is known where they were recorded from
     bool onOwnGrid = true;
     std::array<std::int64_t, 3> ownLow{}, ownHigh{};
 };
 
-/// Reads the source to its end; the next batch is read in a second thread while this one packs the last.
+/// Reads the source to its end; the next batch is read in a second thread while this one packs the last. `sights`: normals will be
+/// estimated, so in their place stands, as a normal is encoded, the direction from each point to where it was recorded from; noNormal
+/// where nobody knows.
 /// Errors: the source's own; Malformed for coordinates that no scan has; Empty; the workspace's; Cancelled.
 Expected<StagedScan> stage(PointSource& source, Workspace& workspace, ProgressMeter& progress,
-                           const std::stop_token& stop);
+                           const std::stop_token& stop, bool sights = false);
 
 /// The grid for these points.
 Grid chooseGrid(const StagedScan& scan, const ScanHeader& header);

@@ -20,12 +20,7 @@ namespace scancast {
 namespace {
 
 Expected<std::array<glm::dvec3, 2>> boundsOfFrame(const PointBatch& points) {
-    std::array<glm::dvec3, 2> bounds{glm::dvec3(std::numeric_limits<double>::max()),
-                                     glm::dvec3(std::numeric_limits<double>::lowest())};
-    for (const glm::dvec3& p : points.position) {
-        bounds[0] = glm::min(bounds[0], p);
-        bounds[1] = glm::max(bounds[1], p);
-    }
+    const std::array<glm::dvec3, 2> bounds = boundsOf(points.position);
     for (const glm::dvec3& corner : bounds)
         for (int a = 0; a < 3; ++a)
             if (!(std::abs(corner[a]) <= farthestCoordinate))

@@ -36,6 +36,9 @@ constexpr glm::vec3 obliqueSide(0.36f, 0.48f, 0.8f);
 glm::vec3 orient(const glm::vec3& normal, const BuildPoint& p, const OctreeInput& input) {
     if (input.findSides) return normal;
     if (input.shape.orientation == Orientation::Up) return normal.z < 0 ? -normal : normal;
+    if (input.sights)
+        if (const glm::vec3 sight = decodeNormal(p.normal); sight != glm::vec3(0))
+            return glm::dot(normal, sight) < 0 ? -normal : normal;
     if (!input.scanner) return glm::dot(normal, obliqueSide) < 0 ? -normal : normal;
     const glm::dvec3 toScanner = *input.scanner - (input.grid.toFile(p.position()) - input.origin);
     return glm::dot(glm::dvec3(normal), toScanner) < 0 ? -normal : normal;

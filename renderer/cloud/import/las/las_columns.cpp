@@ -38,7 +38,7 @@ constexpr Type types[] = {
 constexpr unsigned highestType = 30;
 
 LasColumn field(const char* name, std::uint32_t at, ColumnType type, std::uint8_t bytes,
-                const char* description = "") {
+                const std::string& description = "") {
     LasColumn result;
     result.column = {name, type, 1, 0, description};
     result.at = at;
@@ -55,6 +55,12 @@ LasColumn bitsOf(const char* name, std::uint32_t at, int shift, int bits, const 
 
 constexpr const char* flagMeaning = "1 synthetic, 2 key point, 4 withheld";
 constexpr const char* newFlagMeaning = "1 synthetic, 2 key point, 4 withheld, 8 overlap";
+
+std::string timeMeaning(const std::optional<std::uint64_t>& offset) {
+    if (!offset) return "seconds of the GPS week";
+    if (*offset == 1'000'000'000) return "adjusted standard GPS time: seconds since 1980-01-06, less 1e9";
+    return "offset GPS time: seconds since 1980-01-06, less " + std::to_string(*offset / 1'000'000) + "e6";
+}
 
 /// Point formats 0-5, table 7.
 void addOldFields(std::vector<LasColumn>& columns) {
@@ -186,8 +192,7 @@ std::vector<LasColumn> lasColumns(const LasHeader& header, std::span<const std::
     } else {
         addOldFields(columns);
     }
-    const char* time = header.adjustedTime ? "adjusted standard GPS time: seconds since 1980-01-06, less 1e9"
-                                           : "seconds of the GPS week";
+    const std::string time = timeMeaning(header.timeOffset);
     if (format == 1 || (format >= 3 && format <= 5))
         columns.push_back(field("gps_time", 20, ColumnType::Float64, 8, time));
     if (format >= 6) columns.push_back(field("gps_time", 22, ColumnType::Float64, 8, time));

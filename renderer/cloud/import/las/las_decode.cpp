@@ -14,15 +14,10 @@ namespace {
 constexpr std::size_t blockRecords = 256;
 constexpr std::size_t atIntensity = 12;
 
-void decodePositions(const std::byte* record, std::size_t stride, std::size_t count, const LasHeader& header,
-                     glm::dvec3* out) {
-    const glm::dvec3 scale = header.scale;
-    const glm::dvec3 offset = header.offset;
-    for (std::size_t i = 0; i < count; ++i, record += stride) {
-        const glm::dvec3 steps(loadLe<std::int32_t>(record), loadLe<std::int32_t>(record + 4),
-                               loadLe<std::int32_t>(record + 8));
-        out[i] = offset + steps * scale;
-    }
+void decodePositions(const std::byte* record, std::size_t stride, std::size_t count, GridSteps* out) {
+    for (std::size_t i = 0; i < count; ++i, record += stride)
+        out[i] = {loadLe<std::int32_t>(record), loadLe<std::int32_t>(record + 4),
+                  loadLe<std::int32_t>(record + 8)};
 }
 
 void decodeColors(const std::byte* record, std::size_t stride, std::size_t count, LasColorDepth depth,
@@ -62,7 +57,8 @@ void decodeLasRecords(std::span<const std::byte> records, const LasHeader& heade
     const std::size_t count = records.size() / stride;
     const auto& layout = lasRecordLayout(header.pointFormat);
     // Resizing to the size it already has costs nothing; clearing first would write every column twice.
-    batch.position.resize(count);
+    auto& steps = batch.position.steps(header.grid());
+    steps.resize(count);
     batch.intensity.resize(count);
     batch.classification.resize(count);
     batch.color.resize(layout.color >= 0 ? count : 0);
@@ -71,7 +67,7 @@ void decodeLasRecords(std::span<const std::byte> records, const LasHeader& heade
     for (std::size_t first = 0; first < count; first += blockRecords) {
         const auto n = std::min(blockRecords, count - first);
         const auto* record = records.data() + first * stride;
-        decodePositions(record, stride, n, header, batch.position.data() + first);
+        decodePositions(record, stride, n, steps.data() + first);
         for (std::size_t i = 0; i < n; ++i)
             batch.intensity[first + i] = loadLe<std::uint16_t>(record + i * stride + atIntensity);
         const auto* classes = record + layout.classification;
@@ -102,12 +98,15 @@ std::uint64_t dropNonFinite(PointBatch& batch) {
     std::vector<std::uint8_t> good(batch.size());
     std::size_t kept = 0;
     for (std::size_t i = 0; i < batch.size(); ++i) {
-        const auto& p = batch.position[i];
+        const glm::dvec3 p = batch.position[i];
         good[i] = std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z);
         kept += good[i];
     }
     if (kept == good.size()) return 0;
-    keep(batch.position, good);
+    if (batch.position.areSteps())
+        keep(batch.position.steps(batch.position.grid()), good);
+    else
+        keep(batch.position.doubles(), good);
     keep(batch.color, good);
     keep(batch.intensity, good);
     keep(batch.classification, good);

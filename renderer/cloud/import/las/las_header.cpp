@@ -12,7 +12,7 @@ namespace scancast {
 
 namespace {
 
-// Offsets in the public header block, ASPRS LAS 1.4 R15, table 3.
+// Offsets in the public header block, ASPRS LAS 1.4 R15, table 3; of LAS 1.5, the same and more.
 enum At : std::size_t {
     atEncoding = 6,
     atMajor = 24,
@@ -29,20 +29,24 @@ enum At : std::size_t {
     atEvlrOffset = 235,
     atEvlrCount = 243,
     atPoints = 247,
+    atTimeOffset = 391,
 };
-constexpr std::size_t shortestHeader = 227;
+constexpr std::size_t shortestHeader = 227, headerOf14 = 375;
+constexpr int newestMinor = 5;
+// Of the global encoding: GPS times are not of the week; what is taken from them stands in the header (LAS 1.5).
+constexpr unsigned standardTime = 1, timeOffsetIsGiven = 64;
 
 tl::unexpected<Error> malformed(const std::string& name, std::size_t at, const std::string& reason) {
-    return fail(ErrorCode::Malformed, fmt::format("{}, byte {}: {}", name, at, reason));
+    return fail(ErrorCode::Malformed, fmt::format("{}: {}", lasPlace(name, at), reason));
 }
 
 Expected<void> checkVersion(std::span<const std::byte> bytes, const std::string& name) {
     const int major = loadLe<std::uint8_t>(bytes.data() + atMajor);
     const int minor = loadLe<std::uint8_t>(bytes.data() + atMinor);
-    if (major == 1 && minor <= 4) return {};
+    if (major == 1 && minor <= newestMinor) return {};
     return fail(ErrorCode::Unsupported,
-                fmt::format("{}, byte 24: LAS version {}.{} is not known here; LAS 1.0 to 1.4 are", name,
-                            major, minor));
+                fmt::format("{}: LAS version {}.{} is not known here; LAS 1.0 to 1.{} are",
+                            lasPlace(name, atMajor), major, minor, newestMinor));
 }
 
 Expected<void> checkPointFormat(int format, const std::string& name) {
@@ -50,12 +54,23 @@ Expected<void> checkPointFormat(int format, const std::string& name) {
     if ((format & 0xc0) != 0)
         return fail(
             ErrorCode::Unsupported,
-            name +
+            lasSubject(name) +
                 " is LAZ (compressed LAS), which is read from files only: save it to a file and open that");
     if (format <= 10) return {};
     return fail(ErrorCode::Unsupported,
-                fmt::format("{}, byte 104: point format {} is not known here; point formats 0 to 10 are",
-                            name, format));
+                fmt::format("{}: point format {} is not known here; point formats 0 to 10 are",
+                            lasPlace(name, atPointFormat), format));
+}
+
+std::size_t headerBytesOf(int minorVersion) {
+    return minorVersion >= 5 ? lasHeaderBytes : minorVersion == 4 ? headerOf14 : shortestHeader;
+}
+
+std::optional<std::uint64_t> readTimeOffset(const std::byte* data, int minorVersion) {
+    const unsigned encoding = loadLe<std::uint16_t>(data + atEncoding);
+    if ((encoding & standardTime) == 0) return std::nullopt;
+    if (minorVersion < 5 || (encoding & timeOffsetIsGiven) == 0) return 1'000'000'000;
+    return std::uint64_t(1'000'000) * loadLe<std::uint16_t>(data + atTimeOffset);
 }
 
 Expected<void> readGrid(const std::byte* data, const std::string& name, LasHeader& header) {
@@ -80,12 +95,21 @@ Expected<void> readGrid(const std::byte* data, const std::string& name, LasHeade
 
 }  // namespace
 
+std::string lasSubject(const std::string& name) {
+    return name.empty() ? "it" : name;
+}
+
+std::string lasPlace(const std::string& name, std::size_t at) {
+    return fmt::format("{}byte {}", name.empty() ? "" : name + ", ", at);
+}
+
 const LasRecordLayout& lasRecordLayout(int pointFormat) {
-    // Bytes, classification, mask, colour: ASPRS LAS 1.4 R15, tables 7-17.
+    // Bytes, classification, mask, colour, waveform: ASPRS LAS 1.4 R15, tables 7-17.
     static constexpr LasRecordLayout layouts[] = {
-        {20, 15, 0x1f, -1}, {28, 15, 0x1f, -1}, {26, 15, 0x1f, 20}, {34, 15, 0x1f, 28},
-        {57, 15, 0x1f, -1}, {63, 15, 0x1f, 28}, {30, 16, 0xff, -1}, {36, 16, 0xff, 30},
-        {38, 16, 0xff, 30}, {59, 16, 0xff, -1}, {67, 16, 0xff, 30},
+        {20, 15, 0x1f, -1, false}, {28, 15, 0x1f, -1, false}, {26, 15, 0x1f, 20, false},
+        {34, 15, 0x1f, 28, false}, {57, 15, 0x1f, -1, true},  {63, 15, 0x1f, 28, true},
+        {30, 16, 0xff, -1, false}, {36, 16, 0xff, 30, false}, {38, 16, 0xff, 30, false},
+        {59, 16, 0xff, -1, true},  {67, 16, 0xff, 30, true},
     };
     return layouts[pointFormat];
 }
@@ -95,8 +119,8 @@ Expected<LasHeader> parseLasHeader(std::span<const std::byte> bytes, const std::
         return malformed(name, 0, "not a LAS file, it does not start with \"LASF\"");
     if (bytes.size() < shortestHeader)
         return fail(ErrorCode::Truncated,
-                    fmt::format("{} ends at byte {}, within its LAS header of at least 227 bytes", name,
-                                bytes.size()));
+                    fmt::format("{} ends at byte {}, within its LAS header of at least 227 bytes",
+                                lasSubject(name), bytes.size()));
     const auto* data = bytes.data();
     LasHeader header;
     if (auto ok = checkVersion(bytes, name); !ok) return passOn(ok);
@@ -105,14 +129,14 @@ Expected<LasHeader> parseLasHeader(std::span<const std::byte> bytes, const std::
     if (auto ok = checkPointFormat(header.pointFormat, name); !ok) return passOn(ok);
 
     header.headerBytes = loadLe<std::uint16_t>(data + atHeaderSize);
-    const std::size_t needed = header.minorVersion >= 4 ? lasHeaderBytes : shortestHeader;
+    const std::size_t needed = headerBytesOf(header.minorVersion);
     if (header.headerBytes < needed)
         return malformed(name, atHeaderSize,
                          fmt::format("the header says that it has {} bytes; LAS 1.{} needs {}",
                                      header.headerBytes, header.minorVersion, needed));
     if (bytes.size() < needed)
         return fail(ErrorCode::Truncated, fmt::format("{} ends at byte {}, within its LAS header of {} bytes",
-                                                      name, bytes.size(), needed));
+                                                      lasSubject(name), bytes.size(), needed));
     header.pointOffset = loadLe<std::uint32_t>(data + atPointOffset);
     if (header.pointOffset < header.headerBytes)
         return malformed(
@@ -126,7 +150,7 @@ Expected<LasHeader> parseLasHeader(std::span<const std::byte> bytes, const std::
                                      header.recordBytes, header.pointFormat, least));
     if (auto ok = readGrid(data, name, header); !ok) return passOn(ok);
 
-    header.adjustedTime = (loadLe<std::uint16_t>(data + atEncoding) & 1) != 0;
+    header.timeOffset = readTimeOffset(data, header.minorVersion);
     header.vlrs = loadLe<std::uint32_t>(data + atVlrCount);
     header.points = loadLe<std::uint32_t>(data + atLegacyPoints);
     if (header.minorVersion >= 4) {
@@ -136,7 +160,8 @@ Expected<LasHeader> parseLasHeader(std::span<const std::byte> bytes, const std::
         header.evlrs = loadLe<std::uint32_t>(data + atEvlrCount);
     }
     if (header.points == 0)
-        return fail(ErrorCode::Empty, name + " is a LAS file without points (byte 107: 0 points)");
+        return fail(ErrorCode::Empty,
+                    lasSubject(name) + " is a LAS file without points (byte 107: 0 points)");
     return header;
 }
 

@@ -1,5 +1,5 @@
-// Reads an uncompressed LAS file front to back through one bounded buffer: never slurped, never mapped.
-// Pipeline: bytes → header → records → **points** → octree. Owned and used by one thread.
+// Reads an uncompressed LAS file front to back through one bounded buffer: never slurped, never mapped. What its bytes
+// mean, LasReader knows. Pipeline: bytes → header → records → **points** → octree. Owned and used by one thread.
 //
 // Works on anything that yields bytes. A file (it has a size) is checked as a whole when it is opened: a
 // truncated one fails then. Standard input fails where it ends.
@@ -10,10 +10,7 @@
 #include <vector>
 
 #include "renderer/cloud/import/byte_source.hpp"
-#include "renderer/cloud/import/las/las_columns.hpp"
-#include "renderer/cloud/import/las/las_decode.hpp"
-#include "renderer/cloud/import/las/las_header.hpp"
-#include "renderer/cloud/import/las/las_vlrs.hpp"
+#include "renderer/cloud/import/las/las_reader.hpp"
 #include "renderer/cloud/point_batch.hpp"
 
 namespace scancast {
@@ -21,41 +18,40 @@ namespace scancast {
 class LasSource final : public PointSource {
   public:
     /// `bytes` stands at the start of the file; `name` is what messages call it. `keepAttributes`: fill
-    /// ScanHeader::columns and PointBatch::rows.
+    /// ScanHeader::columns and PointBatch::rows. `recover`: of points that the bytes end before, those that are whole are
+    /// all, and a note tells of the rest.
     static Expected<std::unique_ptr<LasSource>> create(std::unique_ptr<ByteSource> bytes, std::string name,
-                                                       bool keepAttributes = false);
+                                                       bool keepAttributes = false, bool recover = false);
 
-    const ScanHeader& header() const override { return scan_; }
+    const ScanHeader& header() const override { return reader_.header(); }
     Expected<PointBatch> glance() override;
     Expected<bool> read(PointBatch& batch) override;
-    std::uint64_t droppedPoints() const override { return dropped_; }
+    std::uint64_t droppedPoints() const override { return reader_.droppedPoints(); }
+    std::vector<std::string> notes() const override;
     std::array<std::uint64_t, 2> bytesRead() const override;
 
   private:
-    LasSource(std::unique_ptr<ByteSource> bytes, std::string name, LasHeader header);
+    LasSource(std::unique_ptr<ByteSource> bytes, LasReader reader)
+        : bytes_(std::move(bytes)), reader_(std::move(reader)) {}
 
     Expected<void> readToPoints(std::uint64_t at);
     Expected<void> checkExtent();
     Expected<void> readEvlrs();
-    void understandRecords();
-    Expected<void> judgeColors();
-    Expected<void> judgeBatchColors(std::span<const std::byte> records);
-    std::uint64_t pointsEnd() const { return las_.pointOffset + las_.points * las_.recordBytes; }
+    Expected<void> lookAtColors();
+    const LasHeader& las() const { return reader_.las(); }
+    const std::string& name() const { return reader_.name(); }
+    std::uint64_t placeOf(std::uint64_t record) const {
+        return las().pointOffset + record * las().recordBytes;
+    }
+    std::uint64_t pointsEnd() const { return placeOf(las().points); }
     Error truncated(std::uint64_t at, std::uint64_t complete) const;
+    void loseAllBut(std::uint64_t complete);
 
     std::unique_ptr<ByteSource> bytes_;
-    std::string name_;
-    LasHeader las_;
-    ScanHeader scan_;
-    LasVlrs vlrs_;
-    bool keepAttributes_ = false;
-    std::vector<LasColumn> columns_;  ///< that are kept
-    LasColorDepth depth_ = LasColorDepth::Unknown;
-    bool depthIsCertain_ = false;  ///< the whole file was looked at
-    bool alwaysFinite_ = false;    ///< no record can overflow to infinity
+    LasReader reader_;
+    bool recover_ = false;
+    std::uint64_t lost_ = 0;  ///< points that are promised and not there
     std::vector<std::byte> buffer_;
-    std::uint64_t done_ = 0;  ///< records read
-    std::uint64_t dropped_ = 0;
 };
 
 }  // namespace scancast

@@ -32,6 +32,25 @@ void readVlr(std::span<const std::byte> userId, int recordId, std::span<const st
         vlrs.extraBytes.assign(content.begin(), content.end());
 }
 
+EvlrHead parseEvlrHead(std::span<const std::byte, evlrHeadBytes> bytes) {
+    // reserved (2), user id (16), record id (2), length after this header (8), description (32)
+    EvlrHead head;
+    std::memcpy(head.userId.data(), bytes.data() + 2, head.userId.size());
+    head.recordId = loadLe<std::uint16_t>(bytes.data() + 18);
+    head.length = loadLe<std::uint64_t>(bytes.data() + 20);
+    return head;
+}
+
+void readEvlrs(std::span<const std::byte> bytes, LasVlrs& vlrs) {
+    for (std::uint32_t i = 0; i < mostEvlrs && bytes.size() >= evlrHeadBytes; ++i) {
+        const EvlrHead head = parseEvlrHead(bytes.first<evlrHeadBytes>());
+        bytes = bytes.subspan(evlrHeadBytes);
+        if (head.length > bytes.size()) return;
+        if (head.isWanted()) readVlr(head.userId, head.recordId, bytes.first(head.length), vlrs);
+        bytes = bytes.subspan(head.length);
+    }
+}
+
 void readVlrs(std::span<const std::byte> bytes, std::uint64_t count, LasVlrs& vlrs) {
     for (std::uint64_t i = 0; i < count && bytes.size() >= vlrHeaderBytes; ++i) {
         // reserved (2), user id (16), record id (2), length after this header (2), description (32)

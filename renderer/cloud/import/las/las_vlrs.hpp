@@ -5,6 +5,7 @@
 // looked at only as far as they really reach, whatever number the header gives.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -27,6 +28,22 @@ void readVlrs(std::span<const std::byte> bytes, std::uint64_t count, LasVlrs& vl
 
 /// Does the record with this 16-byte user id and number concern us?
 bool isWantedVlr(std::span<const std::byte> userId, int recordId);
+
+/// What stands before the content of an extended record.
+struct EvlrHead {
+    std::array<std::byte, 16> userId{};
+    int recordId = 0;
+    std::uint64_t length = 0;  ///< of the content
+
+    bool isWanted() const { return isWantedVlr(userId, recordId) && length <= longestVlr; }
+};
+inline constexpr std::size_t evlrHeadBytes = 60;
+EvlrHead parseEvlrHead(std::span<const std::byte, evlrHeadBytes> bytes);
+
+/// At most so many of them are looked at.
+inline constexpr std::uint32_t mostEvlrs = 1000;
+/// Reads extended records that stand one behind the other.
+void readEvlrs(std::span<const std::byte> bytes, LasVlrs& vlrs);
 
 /// Takes over one record's content. The first of a kind wins.
 void readVlr(std::span<const std::byte> userId, int recordId, std::span<const std::byte> content,

@@ -211,6 +211,7 @@ Expected<std::vector<std::string>> importerCommand(const ImporterProgram& import
               std::max<std::uint64_t>(1, options.importerMemoryLimit / 1024));
     command.push_back(program->string());
     if (options.keepAttributes && importer.knowsKeepAttributes) command.emplace_back("--keep-attributes");
+    if (options.recover && importer.knowsRecover) command.emplace_back("--recover");
     command.push_back(file);
     return command;
 }

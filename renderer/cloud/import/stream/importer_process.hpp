@@ -30,13 +30,14 @@ struct ImporterProgram {
     std::string name;  ///< such as "scancast-import-pcl"
     Memory memory = Memory::AddressSpace;
     bool knowsKeepAttributes = false;  ///< takes --keep-attributes before the file
+    bool knowsRecover = false;         ///< takes --recover before the file
 };
 
 struct LaunchedProgram;
 
 class ImporterProcess final : public ByteSource {
   public:
-    /// Starts `PROGRAM [--keep-attributes] FILE`. FILE leads to what is open, not to what has its name by
+    /// Starts `PROGRAM [--keep-attributes] [--recover] FILE`. FILE leads to what is open, not to what has its name by
     /// now: /proc/self/fd/3, or a description in there for the folder of an octree. Errors: Importer when
     /// there is no such program; one that the system refuses to run shows in badEnd().
     static Expected<std::unique_ptr<ImporterProcess>> start(const ImporterProgram& importer,

@@ -28,6 +28,7 @@ Expected<std::unique_ptr<ImporterSource>> ImporterSource::create(const ImporterP
                                                                  const ImportOptions& options) {
     const std::string name = input.path().string();
     std::unique_ptr<ImporterSource> source(new ImporterSource(program.name, name));
+    source->cannotRecover_ = options.recover && !program.knowsRecover;
     auto process = ImporterProcess::start(program, input, options);
     if (!process) return fail(process.error().code, name + ": " + process.error().message);
     source->process_ = std::move(*process);
@@ -36,7 +37,8 @@ Expected<std::unique_ptr<ImporterSource>> ImporterSource::create(const ImporterP
     constexpr auto unbounded = std::numeric_limits<std::uint64_t>::max();
     const auto mostPoints =
         fileBytes > unbounded / mostPointsPerByte ? unbounded : fileBytes * mostPointsPerByte;
-    auto reader = PointStreamReader::create(std::make_unique<SharedBytes>(source->process_), mostPoints);
+    auto reader = PointStreamReader::create(std::make_unique<SharedBytes>(source->process_), mostPoints,
+                                            options.keepAttributes);
     if (!reader) return tl::unexpected(source->explain(reader.error(), *source->process_));
     source->reader_ = std::move(*reader);
     return source;
@@ -64,7 +66,12 @@ std::vector<std::string> ImporterSource::notes() const {
 
 Error ImporterSource::explain(const Error& error, ImporterProcess& process) const {
     // What the importer itself reports is about the file; everything else is about the importer.
-    if (error.code != ErrorCode::Importer) return {error.code, name_ + ": " + error.message, {}};
+    const bool inVain = error.code == ErrorCode::Truncated && cannotRecover_;
+    if (error.code != ErrorCode::Importer)
+        return {error.code,
+                name_ + ": " + error.message +
+                    (inVain ? "; what is whole of such a file cannot be recovered" : ""),
+                {}};
     const auto where = " while reading " + name_;
     const auto sent = reader_ ? reader_->bytesRead()[0] : 0;
     if (const auto end = process.badEnd()) {

@@ -24,6 +24,7 @@ class ImporterSource final : public PointSource {
     Expected<bool> read(PointBatch& batch) override;
     std::uint64_t droppedPoints() const override { return reader_->droppedPoints(); }
     std::vector<std::string> notes() const override;
+    std::vector<Station> stations() const override { return reader_->stations(); }
     std::array<std::uint64_t, 2> bytesRead() const override { return reader_->bytesRead(); }
 
   private:
@@ -32,6 +33,7 @@ class ImporterSource final : public PointSource {
     Error explain(const Error& error, ImporterProcess& process) const;
 
     std::string program_, name_;
+    bool cannotRecover_ = false;  ///< it was asked for, and this importer does not know how
     std::shared_ptr<ImporterProcess> process_;
     std::unique_ptr<PointStreamReader> reader_;
 };

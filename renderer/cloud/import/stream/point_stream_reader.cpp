@@ -19,8 +19,10 @@ tl::unexpected<Error> PointStreamReader::wrong(const std::string& reason) const 
 }
 
 Expected<std::unique_ptr<PointStreamReader>> PointStreamReader::create(std::unique_ptr<ByteSource> bytes,
-                                                                       std::uint64_t mostPoints) {
-    std::unique_ptr<PointStreamReader> reader(new PointStreamReader(std::move(bytes), mostPoints));
+                                                                       std::uint64_t mostPoints,
+                                                                       bool keepAttributes) {
+    std::unique_ptr<PointStreamReader> reader(
+        new PointStreamReader(std::move(bytes), mostPoints, keepAttributes));
     if (auto ok = reader->readHeader(); !ok) return passOn(ok);
     if (auto ok = reader->readHead(); !ok) return passOn(ok);
     if (reader->head_.tag == stream::failTag) return tl::unexpected(reader->readFailure().error());
@@ -49,10 +51,13 @@ Expected<void> PointStreamReader::readHeader() {
     auto decoded = stream::decodeHeader(bytes);
     if (!decoded) return passOn(decoded);
     header_ = std::move(decoded->header);
+    areSteps_ = decoded->areSteps;
+    version_ = decoded->version;
     if (decoded->hasScanner)
         if (auto ok = readScanner(); !ok) return ok;
     if (auto ok = readText(decoded->formatBytes, stream::longestFormat, header_.format); !ok) return ok;
     if (auto ok = readText(decoded->wktBytes, stream::longestWkt, header_.crsWkt); !ok) return ok;
+    if (decoded->isLas) return readLas();
     if (decoded->columnsBytes == 0) return {};
     std::string list(decoded->columnsBytes, '\0');
     if (auto ok = readExactly(std::as_writable_bytes(std::span(list))); !ok) return ok;
@@ -78,8 +83,19 @@ Expected<void> PointStreamReader::readHead() {
         if (auto ok = readExactly(bytes); !ok) return ok;
         std::memcpy(head_.tag.data(), bytes.data(), head_.tag.size());
         head_.n = loadLe<std::uint32_t>(bytes.data() + 4);
-        if (head_.tag != stream::noteTag) return {};
-        if (auto ok = readNote(); !ok) return ok;
+        const bool newest = version_ >= stream::newestVersion;
+        Expected<void> ok;
+        if (head_.tag == stream::noteTag)
+            ok = readNote();
+        else if (las_ && head_.tag == stream::peakTag)
+            ok = readPeak();
+        else if (newest && head_.tag == stream::stationTag)
+            ok = readStation();
+        else if (newest && head_.tag == stream::fromTag)
+            ok = readFrom();
+        else
+            return {};
+        if (!ok) return ok;
     }
 }
 
@@ -91,17 +107,43 @@ Expected<void> PointStreamReader::readNote() {
     return readText(head_.n, stream::longestNote, notes_.emplace_back());
 }
 
+Expected<void> PointStreamReader::readStation() {
+    if (head_.n == 0 || head_.n > stream::longestStation)
+        return wrong("a station of " + grouped(head_.n) + " bytes");
+    if (stations_.size() == stream::mostStreamStations)
+        return wrong("more than " + grouped(stream::mostStreamStations) + " stations");
+    std::string text(head_.n, '\0');
+    if (auto ok = readExactly(std::as_writable_bytes(std::span(text))); !ok) return ok;
+    auto station = stream::decodeStation(text);
+    if (!station) return passOn(station);
+    stations_.push_back(std::move(*station));
+    return {};
+}
+
+Expected<void> PointStreamReader::readFrom() {
+    if (head_.n != stream::fromNowhere && head_.n >= stations_.size())
+        return wrong("points from station " + grouped(head_.n) + ", of " + grouped(stations_.size()));
+    from_ = head_.n;
+    return {};
+}
+
 template <class T>
 Expected<void> PointStreamReader::readColumn(std::vector<T>& column, bool present, std::size_t count) {
     column.resize(present ? count : 0);
     return readExactly(std::as_writable_bytes(std::span(column)));
 }
 
+Expected<void> PointStreamReader::readPositions(Positions& position, std::size_t count) {
+    if (areSteps_) return readColumn(position.steps({header_.gridOrigin, header_.gridStep}), true, count);
+    if (position.areSteps()) position.clear();  // somebody else's: nothing worth being converted
+    return readColumn(position.doubles(), true, count);
+}
+
 /// As many as the record's head says.
-Expected<void> PointStreamReader::readPoints(PointBatch& batch) {
+Expected<void> PointStreamReader::readColumns(PointBatch& batch) {
     const auto n = head_.n;
     const auto& has = header_.attributes;
-    if (auto ok = readColumn(batch.position, true, n); !ok) return ok;
+    if (auto ok = readPositions(batch.position, n); !ok) return ok;
     if (auto ok = readColumn(batch.color, has.color, n); !ok) return ok;
     if (auto ok = readColumn(batch.intensity, has.intensity, n); !ok) return ok;
     if (auto ok = readColumn(batch.classification, has.classification, n); !ok) return ok;
@@ -117,8 +159,18 @@ Expected<void> PointStreamReader::readChunk(PointBatch& batch) {
     if (header_.points && n > *header_.points - points_)
         return wrong("more points than the " + grouped(*header_.points) + " that it declared");
     if (n > mostPoints_ - points_) return wrong("more points than such a file can hold");
-    if (auto ok = readPoints(batch); !ok) return ok;
+    if (las_) {
+        if (auto ok = readRecordsOfLas(); !ok) return ok;
+        if (auto ok = las_->decode(records_, batch); !ok) return ok;
+    } else if (auto ok = readColumns(batch); !ok) {
+        return ok;
+    }
     points_ += n;
+    batch.scanner.reset();
+    if (from_ != stream::fromNowhere) {
+        batch.scanner = stations_[from_].position;
+        stations_[from_].points += batch.size();
+    }
     return {};
 }
 
@@ -131,7 +183,7 @@ Expected<PointBatch> PointStreamReader::glance() {
         if (head.n > stream::glancePoints - all.size())
             return wrong("more than " + grouped(stream::glancePoints) + " points to look at first");
         if (head.n > 0)
-            if (auto ok = readPoints(part); !ok) return passOn(ok);
+            if (auto ok = readGlance(part); !ok) return passOn(ok);
         head_ = {};
         if (head.n == 0) break;
         append(all, part);
@@ -141,9 +193,10 @@ Expected<PointBatch> PointStreamReader::glance() {
 }
 
 Expected<void> PointStreamReader::checkChunk(const PointBatch& batch) const {
-    bool finite = true;
-    for (const auto& p : batch.position)
-        finite = finite && std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z);
+    bool finite = true;  // steps are, with a grid that was checked
+    if (!areSteps_)
+        for (const auto& p : batch.position.asDoubles())
+            finite = finite && std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z);
     if (!finite) return wrong("a coordinate is NaN or infinite");
     bool unit = true;
     for (const auto& n : batch.normal) {
@@ -162,12 +215,14 @@ Expected<void> PointStreamReader::readDone() {
     if (head_.n != 0) return wrong("its end record has a length");
     if (total != points_)
         return wrong("it claims to have sent " + grouped(total) + " points, it has sent " + grouped(points_));
+    if (las_ && dropped_ > 0) return wrong("records of LAS are not dropped by who sends them");
     if (header_.points && *header_.points - points_ != dropped_)
         return wrong("it declared " + grouped(*header_.points) + " points, sent " + grouped(points_) +
                      " and dropped " + grouped(dropped_));
     if (points_ == 0 && dropped_ > 0)
         return fail(ErrorCode::Empty, "none of its " + grouped(dropped_) + " points has finite coordinates");
     if (points_ == 0) return fail(ErrorCode::Empty, "it has no points");
+    if (las_) return las_->checkEnd();
     return {};
 }
 
@@ -187,7 +242,10 @@ Expected<bool> PointStreamReader::read(PointBatch& batch) {
         batch.clear();
         return false;
     }
-    const auto ok = readRecord(batch);
+    Expected<void> ok;
+    do {
+        ok = readRecord(batch);
+    } while (ok && !done_ && batch.size() == 0);  // no record of LAS in it had finite coordinates
     if (ok && !done_) return true;
     batch.clear();
     if (!ok) return passOn(ok);
@@ -200,7 +258,7 @@ Expected<void> PointStreamReader::readRecord(PointBatch& batch) {
         if (auto ok = readHead(); !ok) return ok;
     const auto tag = head_.tag;
     Expected<void> ok;
-    if (tag == stream::chunkTag) {
+    if (tag == (las_ ? stream::recordsTag : stream::chunkTag)) {
         ok = readChunk(batch);
         if (ok) ok = readHead();
     } else if (tag == stream::doneTag) {
@@ -216,7 +274,8 @@ Expected<void> PointStreamReader::readRecord(PointBatch& batch) {
 
 std::array<std::uint64_t, 2> PointStreamReader::bytesRead() const {
     if (!header_.points) return {at_, 0};
-    const auto size = stream::pointBytes(header_.attributes) + rowBytes_;
+    const auto size =
+        las_ ? las_->las().recordBytes : stream::pointBytes(header_.attributes, areSteps_) + rowBytes_;
     if (*header_.points > std::numeric_limits<std::uint64_t>::max() / size) return {at_, 0};
     return {points_ * size, *header_.points * size};
 }

@@ -7,11 +7,14 @@
 #include <cstdint>
 #include <limits>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "renderer/cloud/import/byte_source.hpp"
+#include "renderer/cloud/import/las/las_reader.hpp"
 #include "renderer/cloud/import/stream/point_stream.hpp"
+#include "renderer/cloud/import/stream/stream_stations.hpp"
 #include "renderer/cloud/point_batch.hpp"
 
 namespace scancast {
@@ -19,10 +22,11 @@ namespace scancast {
 class PointStreamReader final : public PointSource {
   public:
     /// Reads the header and looks at the first record, so that a scan that cannot be read fails here.
-    /// `mostPoints`: more than that is an error, whatever the stream declares.
+    /// `mostPoints`: more than that is an error, whatever the stream declares. `keepAttributes`: of records of LAS, fill
+    /// ScanHeader::columns and PointBatch::rows; whether other streams have any, their importer was told.
     static Expected<std::unique_ptr<PointStreamReader>> create(
         std::unique_ptr<ByteSource> bytes,
-        std::uint64_t mostPoints = std::numeric_limits<std::uint64_t>::max());
+        std::uint64_t mostPoints = std::numeric_limits<std::uint64_t>::max(), bool keepAttributes = false);
 
     const ScanHeader& header() const override { return header_; }
     Expected<PointBatch> glance() override;
@@ -30,13 +34,14 @@ class PointStreamReader final : public PointSource {
     /// early.
     Expected<bool> read(PointBatch& batch) override;
     /// Known at the end of the stream only.
-    std::uint64_t droppedPoints() const override { return dropped_; }
-    std::vector<std::string> notes() const override { return notes_; }
+    std::uint64_t droppedPoints() const override { return las_ ? las_->droppedPoints() : dropped_; }
+    std::vector<std::string> notes() const override;
+    std::vector<Station> stations() const override { return stations_; }
     std::array<std::uint64_t, 2> bytesRead() const override;
 
   private:
-    PointStreamReader(std::unique_ptr<ByteSource> bytes, std::uint64_t mostPoints)
-        : bytes_(std::move(bytes)), mostPoints_(mostPoints) {}
+    PointStreamReader(std::unique_ptr<ByteSource> bytes, std::uint64_t mostPoints, bool keepAttributes)
+        : bytes_(std::move(bytes)), mostPoints_(mostPoints), keepAttributes_(keepAttributes) {}
 
     struct RecordHead {
         std::array<char, 4> tag{};
@@ -45,14 +50,22 @@ class PointStreamReader final : public PointSource {
 
     Expected<void> readHeader();
     Expected<void> readText(std::size_t length, std::size_t longest, std::string& text);
-    /// Of the next record that is no note.
     Expected<void> readScanner();
+    /// Of the next record that has points or ends the stream; those before it are taken.
     Expected<void> readHead();
     Expected<void> readNote();
+    Expected<void> readStation();
+    Expected<void> readFrom();
+    Expected<void> readLas();
+    Expected<std::vector<std::byte>> readLasPart(std::uint32_t bytes, const char* what);
+    Expected<void> readPeak();
+    Expected<void> readRecordsOfLas();
+    Expected<void> readPositions(Positions& position, std::size_t count);
+    Expected<void> readColumns(PointBatch& batch);
     Expected<void> readExactly(std::span<std::byte> into);
     template <class T>
     Expected<void> readColumn(std::vector<T>& column, bool present, std::size_t count);
-    Expected<void> readPoints(PointBatch& batch);
+    Expected<void> readGlance(PointBatch& batch);
     Expected<void> readChunk(PointBatch& batch);
     Expected<void> readRecord(PointBatch& batch);
     Expected<void> checkChunk(const PointBatch& batch) const;
@@ -62,13 +75,22 @@ class PointStreamReader final : public PointSource {
 
     std::unique_ptr<ByteSource> bytes_;
     std::uint64_t mostPoints_;
+    bool keepAttributes_ = false;
     ScanHeader header_;
+    bool areSteps_ = false;           ///< positions, of the header's grid
+    std::optional<LasReader> las_;    ///< of a stream with records of LAS
+    std::vector<std::byte> records_;  ///< of LAS, the last ones read
+    bool wasToldPeak_ = false;
     std::size_t rowBytes_ = 0;  ///< of the further columns; 0 = none
     RecordHead head_;           ///< of the next record; all 0: not read yet
     std::uint64_t at_ = 0;      ///< bytes read
     std::uint64_t points_ = 0;
     std::uint64_t dropped_ = 0;
     std::vector<std::string> notes_;
+    std::vector<Station> stations_;
+    std::uint32_t from_ =
+        point_stream::fromNowhere;  ///< index of the station that chunks come from, or fromNowhere
+    std::uint16_t version_ = 0;
     bool done_ = false;
 };
 

@@ -6,6 +6,7 @@
 #include <glm/matrix.hpp>
 #include <limits>
 
+#include "renderer/cloud/import/lost_points.hpp"
 #include "renderer/cloud/import/printable_text.hpp"
 #include "renderer/cloud/import/text/text_head.hpp"
 
@@ -82,7 +83,8 @@ bool seemsToGoOn(const TextLines& lines, std::span<const std::string> elsewhere,
 
 }  // namespace
 
-Expected<std::unique_ptr<PtxSource>> PtxSource::create(std::unique_ptr<ByteSource> bytes, std::string name) {
+Expected<std::unique_ptr<PtxSource>> PtxSource::create(std::unique_ptr<ByteSource> bytes, std::string name,
+                                                       bool recover) {
     TextLines lines(std::move(bytes), name);
     if (auto ok = lines.open(); !ok) return passOn(ok);
     auto text = lines.start();
@@ -104,6 +106,7 @@ Expected<std::unique_ptr<PtxSource>> PtxSource::create(std::unique_ptr<ByteSourc
     }
     std::unique_ptr<PtxSource> source(
         new PtxSource(std::move(lines), std::move(name), TextRow(*layout, false)));
+    source->recover_ = recover;
     if (auto ok = source->startScan(); !ok) return passOn(ok);
     if (source->promised_ > 0 && point.empty())
         return fail(ErrorCode::Truncated, fmt::format("{}the scan promises {} points, there are none",
@@ -179,25 +182,55 @@ Expected<bool> PtxSource::startScan() {
     if (glm::determinant(glm::dmat3(transform_)) == 0)
         return fail(ErrorCode::Malformed, lines_.place() + "the scan's matrix flattens all points");
     if (++scans_ > 1) scan_.scannerOrigin.reset();
+    stations_.push_back({.position = transform_[3], .forwards = unitVector(transform_[0])});
     return true;
+}
+
+/// The head of another scan may be what was cut: then those before it are all.
+Expected<bool> PtxSource::startNextScan() {
+    auto more = startScan();
+    if (more || !recover_ || points_ == 0) return more;
+    if (more.error().code != ErrorCode::Truncated && !lines_.lineIsOpen()) return more;
+    notes_.push_back(noteOf(name_, "it ends too early, within the head of its scan " + grouped(scans_ + 1) +
+                                       ", which is lost; how many points that has is not known"));
+    return false;
+}
+
+/// Without the one that was cut, where that is to be recovered from.
+Expected<bool> PtxSource::nextLine(std::string_view& line) {
+    auto more = lines_.next(line);
+    if (more && *more && recover_ && lines_.lineIsOpen()) return false;
+    return more;
 }
 
 Expected<bool> PtxSource::read(PointBatch& batch) {
     batch.clear();
+    batch.scanner = transform_[3];
     std::string_view line;
     while (batch.size() < batchPoints) {
         if (inScan_ == promised_) {
-            const auto more = startScan();
+            if (batch.size() > 0) return true;
+            const auto more = startNextScan();
             if (!more) return passOn(more);
-            if (*more) continue;
-            if (batch.size() == 0 && points_ == dropped_)
+            if (*more) {
+                batch.scanner = transform_[3];
+                continue;
+            }
+            if (points_ == dropped_)
                 return fail(ErrorCode::Empty,
                             fmt::format("{}: none of the {} directions of its scans has a point", name_,
                                         grouped(points_)));
-            return batch.size() > 0;
+            batch.scanner.reset();
+            ended_ = true;
+            return false;
         }
-        const auto more = lines_.next(line);
+        const auto more = nextLine(line);
         if (!more) return passOn(more);
+        if (!*more && recover_ && points_ > 0) {
+            notes_.push_back(noteOf(name_, lostPoints("its scan " + grouped(scans_), promised_, inScan_)));
+            promised_ = inScan_;  // and there is no next one
+            continue;
+        }
         if (!*more)
             return fail(ErrorCode::Truncated,
                         fmt::format("{}the file ends: its scan {} promises {} points, there are {}",
@@ -210,6 +243,7 @@ Expected<bool> PtxSource::read(PointBatch& batch) {
             const bool point = position != glm::dvec3(0) && std::isfinite(there.x) &&
                                std::isfinite(there.y) && std::isfinite(there.z);
             if (point) why = row_.appendTo(batch, there);
+            stations_.back().points += point && why == nullptr;
             dropped_ += !point;
         }
         if (why != nullptr) return fail(ErrorCode::Malformed, lines_.place() + *why);

@@ -22,11 +22,7 @@ struct Table {
     std::size_t rows() const { return columns == 0 ? 0 : values.size() / columns; }
     SeenValues seenIn(std::size_t first, std::size_t count) const {
         SeenValues all;
-        for (std::size_t c = first; c < first + count; ++c) {
-            all.least = std::min(all.least, seen[c].least);
-            all.most = std::max(all.most, seen[c].most);
-            all.fractions = all.fractions || seen[c].fractions;
-        }
+        for (std::size_t c = first; c < first + count; ++c) all.see(seen[c]);
         return all;
     }
 };
@@ -63,8 +59,11 @@ bool areNormals(const Table& table, std::size_t first) {
     return units * 100 >= table.rows() * 99;
 }
 
+/// Without names, 51200.000 may be anything.
 bool areColors(const Table& table, std::size_t first) {
-    return colorScale(table.seenIn(first, 3)).has_value();
+    const auto seen = table.seenIn(first, 3);
+    const auto scale = colorScale(seen);
+    return scale && (*scale != ColorScale::Word || !seen.fractions);
 }
 
 /// What may stand behind x, y and z in a text without names: i intensity, c three of colour, n three of
@@ -123,12 +122,7 @@ bool uses(const TextLayout& layout, int column) {
 
 SeenValues seenColors(const Table& table, const TextLayout& layout) {
     SeenValues all;
-    for (const int c : layout.color) {
-        const auto one = table.seenIn(static_cast<std::size_t>(c), 1);
-        all.least = std::min(all.least, one.least);
-        all.most = std::max(all.most, one.most);
-        all.fractions = all.fractions || one.fractions;
-    }
+    for (const int c : layout.color) all.see(table.seen[static_cast<std::size_t>(c)]);
     return all;
 }
 

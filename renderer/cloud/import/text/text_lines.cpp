@@ -8,8 +8,8 @@ namespace scancast {
 
 namespace {
 
-constexpr std::size_t bufferBytes = std::size_t(1) << 20;
-static_assert(bufferBytes > TextLines::peekBytes && TextLines::peekBytes > TextLines::longestLine);
+constexpr std::size_t lineBufferBytes = std::size_t(1) << 20;
+static_assert(lineBufferBytes > TextLines::peekBytes && TextLines::peekBytes > TextLines::longestLine);
 
 constexpr std::string_view utf8Mark("\xef\xbb\xbf");
 
@@ -20,7 +20,7 @@ bool isUtf16(std::string_view start) {
 }  // namespace
 
 TextLines::TextLines(std::unique_ptr<ByteSource> bytes, std::string name)
-    : bytes_(std::move(bytes)), name_(std::move(name)), buffer_(bufferBytes) {}
+    : bytes_(std::move(bytes)), name_(std::move(name)), buffer_(lineBufferBytes) {}
 
 Expected<void> TextLines::open() {
     while (filled_ < peekBytes && !ended_)

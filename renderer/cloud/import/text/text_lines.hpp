@@ -50,6 +50,8 @@ class TextLines {
         return true;
     }
 
+    /// The line taken last has no end: it is the text's last, and of a text that was cut it may be part of a line.
+    bool lineIsOpen() const { return open_; }
     std::uint64_t lineNumber() const { return lineNumber_; }  ///< of the line taken last; the first is 1
     std::uint64_t bytesTaken() const { return taken_; }
     std::uint64_t bytesTotal() const { return bytes_->size().value_or(0); }
@@ -62,6 +64,7 @@ class TextLines {
     void take(const char* from, std::size_t length, std::size_t endBytes, std::string_view& line) {
         at_ += length + endBytes;
         taken_ += length + endBytes;
+        open_ = endBytes == 0;
         ++lineNumber_;
         if (length > 0 && from[length - 1] == '\r') --length;
         line = {from, length};
@@ -73,6 +76,7 @@ class TextLines {
     std::size_t at_ = 0;      ///< first byte of the buffer that is not taken yet
     std::size_t filled_ = 0;  ///< bytes in the buffer
     bool ended_ = false;      ///< the source has no more
+    bool open_ = false;
     char lineEnd_ = '\n';
     std::uint64_t taken_ = 0;
     std::uint64_t lineNumber_ = 0;

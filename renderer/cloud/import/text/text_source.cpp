@@ -1,5 +1,6 @@
 #include "renderer/cloud/import/text/text_source.hpp"
 
+#include "renderer/cloud/import/lost_points.hpp"
 #include "renderer/cloud/import/printable_text.hpp"
 #include "renderer/cloud/import/text/text_head.hpp"
 
@@ -20,7 +21,11 @@ Expected<std::unique_ptr<TextSource>> TextSource::create(std::unique_ptr<ByteSou
     if (!head) return passOn(head);
 
     std::vector<std::string_view> looked;
-    for (auto text = start.substr(head->bytes); !text.empty() && looked.size() < lookedAtLines;)
+    auto body = start.substr(head->bytes);
+    // Of a text that was cut, the last line says nothing certain.
+    if (options.recover && body.find(lines.lineEnd()) != body.npos)
+        body = body.substr(0, body.rfind(lines.lineEnd()) + 1);
+    for (auto text = body; !text.empty() && looked.size() < lookedAtLines;)
         looked.push_back(takeLine(text, lines.lineEnd()));
     const auto elsewhere = lines.samples(lookedAtPlaces, lookedAtBytes);
     if (!elsewhere) return passOn(elsewhere);
@@ -39,6 +44,7 @@ Expected<std::unique_ptr<TextSource>> TextSource::create(std::unique_ptr<ByteSou
     std::string_view passed;
     for (std::uint64_t i = 0; i < head->lines; ++i)
         if (auto ok = source->lines_.next(passed); !ok) return passOn(ok);
+    source->recover_ = options.recover;
     source->counted_ = head->count.has_value();
     source->promised_ = head->count.value_or(0);
     return source;
@@ -58,6 +64,14 @@ Expected<bool> TextSource::read(PointBatch& batch) {
             return batch.size() > 0;
         }
         if (isComment(line)) continue;
+        if (recover_ && lines_.lineIsOpen() && (counted_ || points_ > 0)) {
+            if (!counted_)
+                notes_.push_back(
+                    noteOf(name_,
+                           "its last line has no end, so that nobody knows whether it is whole, and is "
+                           "left out; how many points are lost behind it is not known"));
+            continue;
+        }
         if (counted_) {
             if (const auto count = countIn(line)) {
                 if (auto ok = startScan(*count); !ok) return passOn(ok);
@@ -86,8 +100,14 @@ Expected<void> TextSource::startScan(std::uint64_t points) {
 
 /// Fewer points than promised: something is lost. More: the count is wrong and nothing is lost; real files
 /// have it.
-Expected<void> TextSource::finishScan() const {
+Expected<void> TextSource::finishScan() {
     if (!counted_ || inScan_ >= promised_) return {};
+    if (recover_ && points_ > 0) {
+        notes_.push_back(
+            noteOf(name_, lostPoints(inScan_ == points_ ? "it" : "one of its scans", promised_, inScan_)));
+        promised_ = inScan_;
+        return {};
+    }
     return fail(ErrorCode::Truncated, lines_.place() + "the count of points promises " + grouped(promised_) +
                                           ", there are " + grouped(inScan_));
 }

@@ -19,6 +19,7 @@ namespace scancast {
 struct TextOptions {
     bool pts = false;             ///< the name says PTS: intensities are −2048…2047
     bool keepAttributes = false;  ///< keep columns of numbers that do not fit the sample
+    bool recover = false;         ///< of a text that ends too early, read the lines that are whole
 };
 
 class TextSource final : public PointSource {
@@ -31,6 +32,7 @@ class TextSource final : public PointSource {
     const ScanHeader& header() const override { return scan_; }
     Expected<bool> read(PointBatch& batch) override;
     std::uint64_t droppedPoints() const override { return dropped_; }
+    std::vector<std::string> notes() const override { return notes_; }
     std::array<std::uint64_t, 2> bytesRead() const override {
         return {lines_.bytesTaken(), lines_.bytesTotal()};
     }
@@ -40,7 +42,7 @@ class TextSource final : public PointSource {
         : lines_(std::move(lines)), name_(std::move(name)), row_(std::move(row)) {}
 
     Expected<void> startScan(std::uint64_t points);
-    Expected<void> finishScan() const;
+    Expected<void> finishScan();
 
     TextLines lines_;
     std::string name_;
@@ -51,6 +53,8 @@ class TextSource final : public PointSource {
     std::uint64_t inScan_ = 0;    ///< points since the last count
     std::uint64_t points_ = 0;
     std::uint64_t dropped_ = 0;
+    bool recover_ = false;
+    std::vector<std::string> notes_;  ///< on what is lost
 };
 
 }  // namespace scancast

@@ -5,7 +5,7 @@ namespace scancast {
 std::optional<ColorScale> colorScale(const SeenValues& seen) {
     if (seen.fractions && seen.within(0, 1)) return ColorScale::Unit;
     if (seen.within(0, 255)) return ColorScale::Byte;
-    if (!seen.fractions && seen.within(0, 65535)) return ColorScale::Word;
+    if (!seen.parts && seen.within(0, 65535)) return ColorScale::Word;
     return std::nullopt;
 }
 

@@ -4,6 +4,7 @@
 // decides, once for all lines; a later line that contradicts is an error where it would give wrong colours.
 #pragma once
 
+#include <cmath>
 #include <cstdint>
 #include <limits>
 #include <optional>
@@ -15,11 +16,19 @@ struct SeenValues {
     double least = std::numeric_limits<double>::infinity();
     double most = -std::numeric_limits<double>::infinity();
     bool fractions = false;  ///< some are written with a point or an exponent
+    bool parts = false;      ///< some are no whole numbers: 0.5, not 128.000
 
     void see(double value, bool fraction) {
         if (value < least) least = value;
         if (value > most) most = value;
         fractions = fractions || fraction;
+        parts = parts || (fraction && value != std::floor(value));
+    }
+    void see(const SeenValues& other) {
+        if (other.least < least) least = other.least;
+        if (other.most > most) most = other.most;
+        fractions = fractions || other.fractions;
+        parts = parts || other.parts;
     }
     bool within(double low, double high) const { return least >= low && most <= high; }
 };

@@ -40,7 +40,7 @@ TEST(FactsJson, EveryFieldIsNeededAndOfItsType) {
         without.erase(key);
         const auto missing = parseFacts(printJson(without));
         if (key == "crsEpsg" || key == "constant" || key == "notes" || key == "usual" || key == "scanner" ||
-            key == "look") {
+            key == "stations" || key == "look") {
             EXPECT_TRUE(missing) << "not every scan has one, and older files have no " << key;
         } else {
             ASSERT_FALSE(missing) << key;
@@ -96,6 +96,19 @@ TEST(FactsJson, ImpossibleValuesAreNamed) {
          [](auto& j) {
              j["scanner"] = {1, 2, "3"};
          }},
+        {"stations.position",
+         [](auto& j) {
+             j["stations"][0]["position"] = {1, 2};
+         }},
+        {"stations.points", [](auto& j) { j["stations"][0]["points"] = -1; }},
+        {"stations.name",
+         [](auto& j) { j["stations"][1]["name"] = std::string(longestStationName + 1, 'x'); }},
+        {"stations.forwards",
+         [](auto& j) {
+             j["stations"][1]["forwards"] = {1, 1, 1};
+         }},
+        {"stations",
+         [](auto& j) { j["stations"] = std::vector<nlohmann::json>(mostStations + 1, j["stations"][0]); }},
         {"look", [](auto& j) { j["look"].erase("views"); }},
         {"look", [](auto& j) { j["look"]["outline"] = nlohmann::json::array(); }},
         {"look", [](auto& j) { j["look"]["views"][0]["camera"]["fov"] = 180; }},

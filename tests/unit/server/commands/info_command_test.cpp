@@ -90,12 +90,27 @@ TEST_F(Info, NothingOfAFileIsACommandToTheTerminal) {
 TEST_F(Info, TellsPeopleWhatIsInACloudFile) {
     const auto told = info({file()});
     EXPECT_EQ(told.exitCode, 0) << told.errors;
-    for (const char* words :
-         {"cloud file by scancast ", "Hill", "LAS 1.4, point format 7", "3,000", "bytes a point", "EPSG:2994",
-          "colour, intensity (3 to 65534), classification", "  2 ground", "66.7 %", "  6 building", "33.3 %",
-          "gps_time, float64", "seconds of the week", "return_number, uint8, 1 to 5", "2.7 x 0.1", "levels, ",
-          "yes, normals point to", "All points have the same colour, 0 255 7: that is taken for none.",
-          "town: cloud.js says 5 points."})
+    for (const char* words : {"cloud file by scancast ",
+                              "Hill",
+                              "LAS 1.4, point format 7",
+                              "3,000",
+                              "bytes a point",
+                              "EPSG:2994",
+                              "colour, intensity (3 to 65534), classification",
+                              "  2 ground",
+                              "66.7 %",
+                              "  6 building",
+                              "33.3 %",
+                              "gps_time, float64",
+                              "seconds of the week",
+                              "return_number, uint8, 1 to 5",
+                              "2.7 x 0.1",
+                              "levels, ",
+                              "yes, normals point to",
+                              "All points have the same colour, 0 255 7: that is taken for none.",
+                              "town: cloud.js says 5 points.",
+                              "Turm, Straße: stood at 0.1429, -389500.1000, 0.0000, ",
+                              "Scan 2: stood at 4.0000, 5.0000, 6.0000, 0 points"})
         EXPECT_THAT(told.output, HasSubstr(words));
     EXPECT_THAT(told.output, Not(HasSubstr("checked")));
 }
@@ -118,6 +133,10 @@ TEST_F(Info, TellsProgramsTheSame) {
     EXPECT_EQ(one.at("intensityRange"), (json{3, 65534}));
     EXPECT_EQ(one.at("constant"), json::parse(R"({"color":[0,255,7],"intensity":65535})"));
     EXPECT_EQ(one.at("notes"), json(facts_.notes));
+    ASSERT_EQ(one.at("stations").size(), facts_.stations.size());
+    EXPECT_EQ(one.at("stations")[0].at("points"), facts_.stations[0].points);
+    EXPECT_EQ(one.at("stations")[1].at("name"), "Scan 2") << "it has no name of its own";
+    EXPECT_EQ(one.at("stations")[1].at("position"), (json{4.0, 5.0, 6.0}));
     EXPECT_EQ(one.at("classes"), json::parse(R"([{"class":2,"name":"ground","points":2000},
                                                  {"class":6,"name":"building","points":1000}])"));
     EXPECT_EQ(one.at("columns").size(), 3u);

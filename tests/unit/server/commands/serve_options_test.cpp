@@ -104,6 +104,15 @@ TEST(ServeOptions, ImportersAreLimitedAndShutInAsFlagsSay) {
         EXPECT_THROW(parsed({"a.laz", flag, wrong}), CLI::ValidationError) << flag;
 }
 
+TEST(ServeOptions, ACrsIsANumberOrAText) {
+    EXPECT_EQ(importOptions(parsed({"a.las"}).importer)->assumeCrs, std::nullopt);
+    EXPECT_EQ(importOptions(parsed({"a.las", "--assume-crs", "EPSG:25832"}).importer)->assumeCrs,
+              (AssumedCrs{"", 25832}));
+    const auto refused = check(parsed({"a.las", "--assume-crs", "UTM 32"}));
+    ASSERT_FALSE(refused);
+    EXPECT_THAT(refused.error().message, testing::HasSubstr("--assume-crs"));
+}
+
 TEST(ServeOptions, MemoryIsMeasuredAsPeopleWriteIt) {
     constexpr std::uint64_t MiB = 1 << 20;
     const auto shares = [](std::vector<std::string> flags) {

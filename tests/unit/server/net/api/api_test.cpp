@@ -302,6 +302,46 @@ TEST_F(ApiTest, ViewsAreWhatACloudIsBestSeenFrom) {
         }
 }
 
+// Right because the protocol's own reader takes each view, and the renderer plans it.
+TEST_F(ApiTest, StationsAreWhereTheScannerStood) {
+    auto scanned = std::make_shared<Cloud>(*cloud);
+    const glm::dvec3 middle = (cloud->bounds[0] + cloud->bounds[1]) * 0.5;
+    scanned->stations = {{.name = "Tower",
+                          .position = middle + glm::dvec3(1, 0, 0),
+                          .points = 7,
+                          .forwards = glm::dvec3(0, 0.6, 0.8)},
+                         {.position = middle + glm::dvec3(0, 3, 1), .forwards = glm::dvec3(0, 0, 1)},
+                         {.position = middle}};
+    catalog.setReady(catalog.add("scanned"), scanned);
+    const HttpResponse response = ask("/api/v1/clouds/scanned/stations?width=300&height=200&color=intensity");
+    ASSERT_EQ(response.status, 200) << response.body();
+    const auto list = parseJson(response.body()).value()["stations"];
+    ASSERT_EQ(list.size(), 3U);
+    EXPECT_EQ(list[0]["name"], "Tower");
+    EXPECT_EQ(list[0]["points"], 7);
+    EXPECT_EQ(list[2]["name"], "Scan 3");
+    EXPECT_FALSE(list[2].contains("forwards"));
+    // Level: the scanner's own direction, the middle of the cloud where that points upwards, anything at the middle itself.
+    const std::array<std::optional<glm::dvec3>, 3> ahead{glm::dvec3(0, 1, 0), glm::dvec3(0, -1, 0),
+                                                         std::nullopt};
+    for (std::size_t i = 0; i < list.size(); ++i) {
+        const auto view = applyJson(View{}, list[i]["view"]);
+        ASSERT_TRUE(view) << view.error().message;
+        EXPECT_TRUE(checkView(*scanned, *view));
+        EXPECT_EQ(view->width, 300);
+        EXPECT_EQ(view->camera.eye, scanned->stations[i].position);
+        const glm::dvec3 way = view->camera.target - view->camera.eye;
+        EXPECT_LT(way.z, 0) << "a little downwards";
+        EXPECT_GT(glm::length(way), -10 * way.z);
+        if (ahead[i]) EXPECT_GT(glm::dot(glm::normalize(glm::dvec3(way.x, way.y, 0)), *ahead[i]), 0.999);
+    }
+    EXPECT_EQ(parseJson(ask("/api/v1/clouds/tiny/stations").body()).value()["stations"].size(), 0U);
+    EXPECT_EQ(parseJson(ask("/api/v1/clouds/scanned").body()).value()["stations"], 3);
+    EXPECT_EQ(ask("/api/v1/clouds/nobody/stations").status, 404);
+    EXPECT_EQ(ask("/api/v1/clouds/scanned/stations?colour=rgb").status, 400);
+    EXPECT_EQ(ask("/api/v1/clouds/scanned/stations", {}, "POST").status, 405);
+}
+
 TEST_F(ApiTest, ViewsOfNothingAndOfNonsenseAreRefused) {
     const auto none = ask("/api/v1/clouds/nobody/views");
     EXPECT_EQ(none.status, 404);

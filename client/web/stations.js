@@ -1,0 +1,52 @@
+// Where the scanner stood: a list in the panel, for clouds whose scan says it; choosing one goes there.
+
+import { fetchStations } from './catalog.js';
+
+const find = (id) => document.getElementById(id);
+const mostListed = 500; // a longer menu helps nobody; the API has them all
+
+/** "Tower, east (1.2 M points)". Pure. */
+export function labelOfStation({ name, points }, amount) {
+  return points > 0 ? `${name} (${amount(points)} points)` : name;
+}
+
+export class Stations {
+  #of; // id and revision of the cloud that the list is of, or is on its way for
+  #list = [];
+  #amount;
+
+  /** `go(camera)` gets a camera as the protocol has it; `amount(number)` says a number in short. */
+  constructor(go, amount) {
+    this.#amount = amount;
+    find('station').addEventListener('change', (event) => {
+      const station = this.#list[Number(event.target.value)];
+      // The menu names what one may go to, not where one is: one leaves the place with the next drag.
+      event.target.value = '';
+      if (station) go(station.view.camera);
+    });
+  }
+
+  /** The list of this cloud, `undefined`: of none. A cloud without stations, or a server that does not tell, has no list. */
+  async show(cloud) {
+    const of = cloud?.stations > 0 ? `${cloud.id} ${cloud.revision}` : undefined;
+    if (of === this.#of) return;
+    this.#of = of;
+    this.#fill([]);
+    if (!of) return;
+    try {
+      const list = await fetchStations(cloud.id);
+      if (this.#of === of) this.#fill(list);
+    } catch {
+      if (this.#of === of) this.#of = undefined; // asked for again with the next change
+    }
+  }
+
+  #fill(list) {
+    this.#list = list.slice(0, mostListed);
+    find('stations').hidden = this.#list.length === 0;
+    find('station').replaceChildren(
+      new Option('Go to a scan position…', ''),
+      ...this.#list.map((station, i) => new Option(labelOfStation(station, this.#amount), String(i))),
+    );
+  }
+}

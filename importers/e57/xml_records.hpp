@@ -1,0 +1,44 @@
+// The XML that describes an E57 file, record by record: the root's children one after the other, and of its long lists -
+// data3D (scans), images2D (pictures) - each entry, so that memory depends on the longest record and not on how many there
+// are. Parsed by expat; a document type, and with it every entity of its own, is refused. Pure but for its two callbacks.
+// Pipeline: pages → **XML records** → scan descriptions.
+#pragma once
+
+#include <cstddef>
+#include <functional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "protocol/error.hpp"
+
+namespace scancast::import_e57 {
+
+struct XmlElement {
+    std::string name;  ///< with its prefix: whether that was declared is nobody's business here
+    std::vector<std::pair<std::string, std::string>> attributes;
+    std::string text;
+    std::vector<XmlElement> children;
+
+    /// The first of that name, or nullptr.
+    const XmlElement* child(std::string_view childName) const;
+    /// Its value; empty for none.
+    std::string_view attribute(std::string_view attributeName) const;
+};
+
+/// Called with the list's name ("data3D", "images2D") or nothing, and the record.
+using XmlRecordVisitor = std::function<Expected<void>(std::string_view list, const XmlElement& record)>;
+/// The next bytes; 0 at the end.
+using XmlBytes = std::function<Expected<std::size_t>(std::span<std::byte> into)>;
+
+inline constexpr std::size_t deepestXml = 32;
+inline constexpr std::size_t mostRecordElements = 20'000;        ///< in one record
+inline constexpr std::size_t mostRecordBytes = 4 * 1024 * 1024;  ///< of names, values and texts in one record
+
+/// Elements of extensions (their name has a prefix) are left out, with all in them, except in a list of fields
+/// (`prototype`). Errors, without the file's name: Malformed, with the line; ResourceLimit; the callbacks'.
+Expected<void> readXmlRecords(const XmlBytes& bytes, const XmlRecordVisitor& visit);
+
+}  // namespace scancast::import_e57

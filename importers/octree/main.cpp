@@ -1,0 +1,31 @@
+// scancast-import-octree [--keep-attributes] FOLDER: reads all points of an octree that is kept as a folder, EPT or Potree,
+// and writes the point stream (renderer/cloud/import/stream/POINT_STREAM.md) to standard output. Started by Scancast, once
+// per octree.
+#include <unistd.h>
+
+#include <cstdio>
+#include <string_view>
+
+#include "importers/octree/octree_import.hpp"
+#include "threads/guarded.hpp"
+
+int main(int argc, char** argv) {
+    const bool keepAttributes = argc > 1 && std::string_view(argv[1]) == "--keep-attributes";
+    const int first = keepAttributes ? 2 : 1;
+    if (argc != first + 1 || argv[first][0] == '-' || isatty(STDOUT_FILENO) != 0) {
+        std::fputs(
+            "scancast-import-octree [--keep-attributes] FOLDER > POINTS\n"
+            "Reads an octree of EPT or Potree (its folder, or ept.json, metadata.json or cloud.js in it) and "
+            "writes its "
+            "points as Scancast's point stream. Scancast starts it by itself:\n"
+            "  scancast serve lion/metadata.json\n",
+            stderr);
+        return 2;
+    }
+    scancast::PointStreamWriter writer(scancast::PointStreamWriter::toDescriptor(STDOUT_FILENO));
+    const auto done = scancast::guarded("The importer", [&] {
+        return scancast::import_octree::importOctree(argv[first], keepAttributes, writer);
+    });
+    if (!done && !writer.writeFailure(done.error())) return 1;
+    return 0;
+}

@@ -1,0 +1,55 @@
+// What the importer makes of an E57 file in memory: its point stream, read as the server reads it.
+#pragma once
+
+#include <gmock/gmock.h>
+
+#include <string>
+#include <vector>
+
+#include "importers/e57/e57_import.hpp"
+#include "renderer/cloud/import/stream/point_stream_reader.hpp"
+#include "renderer/cloud/import/stream/point_stream_writer.hpp"
+#include "tests/support/clouds/read_all.hpp"
+#include "tests/support/e57/e57_writer.hpp"
+
+namespace scancast::test {
+
+struct Imported {
+    ScanHeader header;
+    PointBatch points;
+    std::uint64_t dropped = 0;
+    std::vector<std::string> notes;
+};
+
+/// The error is the importer's own, with the code that the stream hands on.
+inline Expected<Imported> imported(const std::string& file, bool keepAttributes = false) {
+    std::vector<std::byte> stream;
+    PointStreamWriter writer([&](std::span<const std::byte> more) {
+        stream.insert(stream.end(), more.begin(), more.end());
+        return true;
+    });
+    auto bytes =
+        std::make_unique<MemoryByteSource>(std::as_bytes(std::span<const char>(file.data(), file.size())));
+    if (const auto done = import_e57::importE57(std::move(bytes), keepAttributes, writer); !done) {
+        EXPECT_THAT(done.error().message, ::testing::Not(::testing::HasSubstr("\n")));
+        return passOn(done);
+    }
+    auto reader = PointStreamReader::create(std::make_unique<MemoryByteSource>(stream, false));
+    if (!reader) return passOn(reader);
+    Imported result{.header = (*reader)->header(), .points = {}, .dropped = 0, .notes = {}};
+    auto points = readAll(**reader);
+    if (!points) return passOn(points);
+    result.points = std::move(*points);
+    result.dropped = (*reader)->droppedPoints();
+    result.notes = (*reader)->notes();
+    return result;
+}
+
+inline void expectRefused(const std::string& file, ErrorCode code, const char* reason) {
+    const auto result = imported(file);
+    ASSERT_FALSE(result) << reason;
+    EXPECT_EQ(name(result.error().code), name(code)) << result.error().message;
+    EXPECT_THAT(result.error().message, ::testing::HasSubstr(reason));
+}
+
+}  // namespace scancast::test

@@ -2,10 +2,12 @@
 
 #include <algorithm>
 #include <atomic>
+#include <optional>
 
 #include "files/bytes.hpp"
 #include "importers/in_order.hpp"
 #include "renderer/cloud/import/las/las_header.hpp"
+#include "renderer/cloud/import/lost_points.hpp"
 
 namespace scancast::import_laz {
 
@@ -24,8 +26,11 @@ constexpr std::uint16_t highestOf8Bits = 255;
 
 class Import {
   public:
-    Import(const LazFile& file, const ImportLimits& limits, PointStreamWriter& writer)
+    /// `whole`: as many points are there, and not those that the header promises.
+    Import(const LazFile& file, std::optional<std::uint64_t> whole, const ImportLimits& limits,
+           PointStreamWriter& writer)
         : file_(file),
+          whole_(whole),
           limits_(limits),
           writer_(writer),
           recordBytes_(file.shape().recordBytes),
@@ -53,10 +58,11 @@ class Import {
         point_stream::LasPreamble las;
         las.format = "LAZ 1." + std::to_string(shape.minorVersion) + ", point format " +
                      std::to_string(shape.pointFormat);
-        las.points = shape.points;
+        if (!whole_) las.points = shape.points;
         las.head = file_.head();
         las.evlrs = file_.extendedRecords();
-        return writer_.writeLasHeader(las);
+        if (auto ok = writer_.writeLasHeader(las); !ok || !whole_) return ok;
+        return writer_.writeNote(lostPoints("it", shape.points, *whole_));
     }
 
     InOrderLimits threadsFor(std::size_t jobs) const {
@@ -179,6 +185,7 @@ class Import {
     }
 
     const LazFile& file_;
+    const std::optional<std::uint64_t> whole_;
     const ImportLimits& limits_;
     PointStreamWriter& writer_;
     const std::size_t recordBytes_, pieceBytes_;
@@ -191,12 +198,18 @@ class Import {
 
 Expected<void> importLaz(std::shared_ptr<const laz::RandomAccess> bytes, const ImportLimits& limits,
                          PointStreamWriter& writer) {
-    const auto file = LazFile::open(std::move(bytes));
+    auto file = LazFile::open(std::move(bytes), limits.recover);
     if (!file) return passOn(file);
     if (!file->shape().compressed)
         return fail(ErrorCode::Unsupported,
                     "byte 104: it is LAS, not LAZ; Scancast reads that without this program");
-    return Import(*file, limits, writer).run();
+    std::optional<std::uint64_t> whole;
+    if (limits.recover) {
+        const auto kept = file->keepWhole();
+        if (!kept) return passOn(kept);
+        if (*kept < file->shape().points) whole = *kept;
+    }
+    return Import(*file, whole, limits, writer).run();
 }
 
 }  // namespace scancast::import_laz

@@ -18,6 +18,8 @@ struct ImportLimits {
     std::size_t piece = std::size_t(1) << 20;
     /// Points from which on a scan has some to look at first; smaller ones are there at once.
     std::uint64_t fewestToGlanceAt = 1'000'000;
+    /// Of a file that ends too early, what is whole; a note says how much that is.
+    bool recover = false;
 };
 
 /// Everything but the end of a stream that fails, which is the caller's. Errors: LazFile's, LazDecoder's, the writer's; without the file's name.

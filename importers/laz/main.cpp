@@ -1,4 +1,4 @@
-// scancast-import-laz FILE: takes a LAZ file apart (COPC included) and writes its records as the point stream
+// scancast-import-laz [--keep-attributes] [--recover] FILE: takes a LAZ file apart (COPC included) and writes its records as the point stream
 // (renderer/cloud/import/stream/POINT_STREAM.md) to standard output. Started by Scancast, once per file.
 #include <fcntl.h>
 #include <malloc.h>
@@ -17,12 +17,13 @@ namespace {
 
 using namespace scancast;
 
-Expected<void> importFile(const char* path, PointStreamWriter& writer) {
+Expected<void> importFile(const char* path, bool recover, PointStreamWriter& writer) {
     UniqueFd fd(::open(path, inputFlags));
     if (!fd) return failedToOpen("it", errno);
     auto file = InputFile::adopt(std::move(fd), "it");
     if (!file) return passOn(file);
     import_laz::ImportLimits limits;
+    limits.recover = recover;
     limits.threads = importerThreads(SIZE_MAX, static_cast<std::size_t>(machineCores()));
     // Each thread has its decoders and pieces; together it is to stay below 256 MiB.
     limits.kept = std::max<std::size_t>(64, 208 - 9 * limits.threads) << 20;
@@ -36,20 +37,26 @@ Expected<void> importFile(const char* path, PointStreamWriter& writer) {
 int main(int argc, char** argv) {
     // Each thread's own heap would reserve addresses by the dozen of megabytes, and those are limited.
     mallopt(M_ARENA_MAX, 2);
-    // What it knows of points besides is in their records, whether it is wanted or not.
-    const int first = argc > 1 && std::string_view(argv[1]) == "--keep-attributes" ? 2 : 1;
+    int first = 1;
+    const auto given = [&](std::string_view option) {
+        return first < argc && argv[first] == option && ++first > 0;
+    };
+    given(
+        "--keep-attributes");  // what it knows of points besides is in their records, whether it is wanted or not
+    const bool recover = given("--recover");
     if (argc != first + 1 || argv[first][0] == '-' || isatty(STDOUT_FILENO) != 0) {
         std::fputs(
-            "scancast-import-laz [--keep-attributes] FILE > POINTS\n"
+            "scancast-import-laz [--keep-attributes] [--recover] FILE > POINTS\n"
             "Reads a LAZ file and writes its points as Scancast's point stream, with everything that it "
-            "knows of them. "
-            "Scancast starts it by itself:\n"
+            "knows of them; with "
+            "--recover also those of a file that ends too early, as far as they are whole. Scancast starts "
+            "it by itself:\n"
             "  scancast serve scan.laz\n",
             stderr);
         return 2;
     }
     PointStreamWriter writer(PointStreamWriter::toDescriptor(STDOUT_FILENO));
-    if (const auto done = importFile(argv[first], writer); !done)
+    if (const auto done = importFile(argv[first], recover, writer); !done)
         if (!writer.writeFailure(done.error())) return 1;
     return 0;
 }

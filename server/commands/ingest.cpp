@@ -169,7 +169,7 @@ Expected<void> keepLookOf(const IngestArguments& arguments, const nlohmann::json
 tl::unexpected<Error> withRecovery(Error error, bool recover) {
     if (error.code == ErrorCode::Truncated && !recover)
         error.message +=
-            ". With --recover, what is whole of LAS, PLY, PCD and text is read, and how much is lost is told";
+            ". With --recover, what is whole of LAS, LAZ, PLY, PCD and text is read, and how much is lost is told";
     return tl::unexpected(std::move(error));
 }
 
@@ -274,7 +274,7 @@ void addIngest(CLI::App& app, int& exitCode) {
     command->add_flag("--recover", arguments->recover,
                       "Of scans that end too early - a copy was cut, a disk was full - read what is whole, "
                       "and tell how much is "
-                      "lost; without, they are refused. LAS, PLY, PCD (not compressed) and text");
+                      "lost; without, they are refused. LAS, LAZ (not COPC), PLY, PCD (not compressed) and text");
     command
         ->add_option(
             "--look", arguments->look,

@@ -149,20 +149,28 @@ Expected<std::vector<Chunk>> readTable(const RandomAccess& file, const LasShape&
 }  // namespace
 
 Expected<std::vector<Chunk>> readChunks(const RandomAccess& file, const LasShape& shape,
-                                        const LaszipRecord& laszip) {
+                                        const LaszipRecord& laszip, bool mayBeCut) {
     if (laszip.compressor == Compressor::Pointwise) {
         if (file.size() <= shape.pointOffset) return endsBeforePoints(file, shape);
         return std::vector{wholeFile(file, shape, shape.pointOffset, 0)};
     }
+    const std::uint64_t start = shape.pointOffset + placeBytes;
+    const bool isVariable = laszip.chunkPoints == variableChunks;
     const auto place = placeOfTable(file, shape);
+    if (!place && mayBeCut && !isVariable && file.size() > start)
+        return std::vector{wholeFile(file, shape, start, laszip.chunkPoints)};
     if (!place) return passOn(place);
-    if (*place != shape.pointOffset) return readTable(file, shape, *place, laszip.chunkPoints);
-    if (laszip.chunkPoints == variableChunks)
+    if (*place != shape.pointOffset) {
+        auto chunks = readTable(file, shape, *place, laszip.chunkPoints);
+        if (chunks || !mayBeCut || isVariable) return chunks;
+        return std::vector{wholeFile(file, shape, start, laszip.chunkPoints)};
+    }
+    if (isVariable)
         return fail(ErrorCode::Truncated,
                     "byte " + grouped(*place) +
                         ": its chunk table was never written, and only that would say how many "
                         "points each chunk has: the file was never finished");
-    return std::vector{wholeFile(file, shape, *place + placeBytes, laszip.chunkPoints)};
+    return std::vector{wholeFile(file, shape, start, laszip.chunkPoints)};
 }
 
 }  // namespace scancast::laz

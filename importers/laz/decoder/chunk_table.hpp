@@ -20,8 +20,9 @@ struct Chunk {
     bool exact = true;
 };
 
-/// At least one, in the order of the file; together all points. Errors: Malformed, Truncated, ResourceLimit, Io.
+/// At least one, in the order of the file; together all points. `mayBeCut`: where the table is missing, the whole file is one that restarts.
+/// Errors: Malformed, Truncated, ResourceLimit, Io.
 Expected<std::vector<Chunk>> readChunks(const RandomAccess& file, const LasShape& shape,
-                                        const LaszipRecord& laszip);
+                                        const LaszipRecord& laszip, bool mayBeCut);
 
 }  // namespace scancast::laz

@@ -38,6 +38,7 @@ class LazDecoder::Work {
         return open();
     }
     std::uint64_t left() const { return chunk_.points - done_; }
+    virtual bool ranDry() const { return false; }
 
     Expected<void> read(std::span<std::byte> records) {
         for (std::uint64_t count = std::min(records.size() / recordBytes_, left()); count > 0;) {
@@ -122,6 +123,8 @@ class LazDecoder::PointwiseWork final : public LazDecoder::Work {
             bytes_ += item.bytes;
         }
     }
+
+    bool ranDry() const override { return stream_.feed.beyond() > 0; }
 
   private:
     struct Placed {
@@ -275,6 +278,9 @@ Expected<void> LazDecoder::start(const Chunk& chunk) {
 }
 std::uint64_t LazDecoder::left() const {
     return work_->left();
+}
+bool LazDecoder::ranDry() const {
+    return work_->ranDry();
 }
 Expected<void> LazDecoder::read(std::span<std::byte> records) {
     return work_->read(records);

@@ -84,7 +84,7 @@ Expected<std::vector<Chunk>> plainRecords(const RandomAccess& file, const LasSha
 
 }  // namespace
 
-Expected<LazFile> LazFile::open(std::shared_ptr<const RandomAccess> bytes) {
+Expected<LazFile> LazFile::open(std::shared_ptr<const RandomAccess> bytes, bool mayBeCut) {
     std::array<std::byte, longestLasHeader> start;
     const auto got = bytes->readAt(0, start);
     if (!got) return passOn(got);
@@ -106,7 +106,8 @@ Expected<LazFile> LazFile::open(std::shared_ptr<const RandomAccess> bytes) {
         if (!laszip) return passOn(laszip);
         file.laszip_ = std::move(*laszip);
     }
-    auto chunks = shape->compressed ? readChunks(*bytes, *shape, file.laszip_) : plainRecords(*bytes, *shape);
+    auto chunks =
+        shape->compressed ? readChunks(*bytes, *shape, file.laszip_, mayBeCut) : plainRecords(*bytes, *shape);
     if (!chunks) return passOn(chunks);
     file.chunks_ = std::move(*chunks);
     auto extended = readExtendedRecords(*bytes, *shape);
@@ -115,6 +116,40 @@ Expected<LazFile> LazFile::open(std::shared_ptr<const RandomAccess> bytes) {
     file.extended_ = std::move(*extended);
     file.bytes_ = std::move(bytes);
     return file;
+}
+
+namespace {
+
+/// Points from the chunk's start on that decode without looking behind the end: first by many, then one by one.
+Expected<std::uint64_t> countWhole(const LazFile& file, const Chunk& chunk) {
+    LazDecoder decoder(file);
+    std::vector<std::byte> records;
+    std::uint64_t whole = 0;
+    for (const std::uint64_t step : {1000, 1}) {
+        if (const auto ok = decoder.start(chunk); !ok) return passOn(ok);
+        for (std::uint64_t done = 0; decoder.left() > 0; whole = std::max(whole, done)) {
+            records.resize(static_cast<std::size_t>(std::min(done < whole ? 1000 : step, decoder.left())) *
+                           file.shape().recordBytes);
+            const auto ok = decoder.read(records);
+            if (!ok && ok.error().code == ErrorCode::Io) return passOn(ok);
+            if (!ok || decoder.ranDry()) break;
+            done += records.size() / file.shape().recordBytes;
+        }
+        if (whole == chunk.points) break;
+    }
+    return whole;
+}
+
+}  // namespace
+
+Expected<std::uint64_t> LazFile::keepWhole() {
+    Chunk& chunk = chunks_.front();
+    if (chunk.exact) return shape_.points;
+    const auto whole = countWhole(*this, chunk);
+    if (!whole) return whole;
+    if (*whole == 0) return fail(ErrorCode::Truncated, "it ends before its first point does");
+    chunk.points = *whole;
+    return whole;
 }
 
 }  // namespace scancast::laz

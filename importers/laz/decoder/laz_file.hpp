@@ -16,7 +16,12 @@ class LazFile {
   public:
     /// The messages of errors are sentences about "it", the file, without its name. Errors: Malformed, Truncated, Empty
     /// (no points), Unsupported, ResourceLimit, Io. LAS that is not compressed is fine, too: chunks are then runs of records.
-    static Expected<LazFile> open(std::shared_ptr<const RandomAccess> bytes);
+    /// `mayBeCut`: the end of the file may be missing, and with it the chunk table; then keepWhole() has to follow.
+    static Expected<LazFile> open(std::shared_ptr<const RandomAccess> bytes, bool mayBeCut = false);
+
+    /// Decodes points whose chunks nobody wrote down, and leaves away those whose bytes are not there. Returns how many of all points are left,
+    /// at least one. Errors: Truncated, Io.
+    Expected<std::uint64_t> keepWhole();
 
     const LasShape& shape() const { return shape_; }
     /// Header and variable length records, as they would stand before the records of an uncompressed file; whole records left
@@ -60,6 +65,8 @@ class LazDecoder {
     Expected<void> start(const Chunk& chunk);
     /// Points that the chunk still has.
     std::uint64_t left() const;
+    /// Whether it has looked for bytes behind the end of a stream: what it read last may be made up.
+    bool ranDry() const;
     /// The next records, one behind the other: `records` has room for a whole number of them, not more than are left.
     /// Errors: Malformed, Truncated, naming the byte and the point; Io.
     Expected<void> read(std::span<std::byte> records);

@@ -36,7 +36,7 @@ Expected<Bytes> decodeAll(const LazFile& file, std::size_t points) {
     return records;
 }
 
-Bytes fileBytes(const std::string& name) {
+Bytes fileBytes(const char* name) {
     const auto file = InputFile::open(test::testData(name)).value();
     Bytes bytes(file.bytes());
     EXPECT_EQ(file.readAt(0, bytes).value(), bytes.size());
@@ -111,6 +111,31 @@ TEST(LazFile, EveryTruncationIsTold) {
     }
 }
 
+/// Of a file that was cut, the points before the cut.
+TEST(LazFile, WhatIsWholeIsKept) {
+    for (const LazPlan& plan : plans) {
+        const auto made = test::makeLaz(plan);
+        std::uint64_t before = 0;
+        for (std::size_t bytes = 600; bytes < made.file.size(); bytes += test::sized(9, 60)) {
+            const Bytes cut(made.file.begin(), made.file.begin() + static_cast<std::ptrdiff_t>(bytes));
+            auto file = LazFile::open(std::make_shared<MemoryAccess>(cut), true);
+            if (!file) continue;
+            const auto whole = file->keepWhole();
+            if (!whole) continue;
+            ASSERT_GE(*whole, before);
+            before = *whole;
+            const auto records = decodeAll(*file, 1000);
+            ASSERT_TRUE(records) << records.error().message;
+            ASSERT_EQ(records->size(), *whole * file->shape().recordBytes);
+            ASSERT_TRUE(std::equal(records->begin(), records->end(), made.records.begin()));
+        }
+        // Only a table says how many points chunks of several sizes have.
+        const bool isVariable =
+            plan.compressor != 1 && (plan.chunkPoints == 0 || plan.chunkPoints == 0xffffffff);
+        EXPECT_EQ(before > 0, !isVariable);
+    }
+}
+
 TEST(LazFile, LiesEndInASentence) {
     std::mt19937 random(3);
     int refused = 0, tries = 0;
@@ -133,7 +158,9 @@ TEST(LazFile, LiesEndInASentence) {
             if (file->shape().points > 100'000) continue;
             const auto records = decodeAll(*file, 500);
             if (!records) ++refused;
-            if (records) EXPECT_EQ(records->size(), file->shape().points * file->shape().recordBytes);
+            if (records) {
+                EXPECT_EQ(records->size(), file->shape().points * file->shape().recordBytes);
+            }
         }
     }
     EXPECT_GT(refused, tries / 10);

@@ -83,9 +83,8 @@ std::string firstBytes(std::string_view start) {
 std::string_view readableFormats() {
     return "Scancast reads LAS and LAZ 1.0-1.4 (COPC included), E57, PLY (ascii and binary), PCD (ascii, "
            "binary "
-           "and binary_compressed), text (XYZ, TXT, CSV, PTS, PTX) and octrees of EPT and Potree (folders)";
-    return "Scancast reads LAS and LAZ 1.0-1.4 (COPC included), PLY (ascii and binary), PCD (ascii, binary "
-           "and binary_compressed), text (XYZ, TXT, CSV, PTS, PTX), vertices of OBJ and Potree octrees "
+           "and binary_compressed), text (XYZ, TXT, CSV, PTS, PTX), vertices of OBJ and octrees of EPT and "
+           "Potree "
            "(folders)";
 }
 

@@ -63,6 +63,7 @@ Expected<FileInfo> cloudInfo(const ScanInput& input, bool check, const ProgressS
     info.boundsKnown = true;
     info.octree = octreeInfo(file.nodes());
     info.writtenBy = file.writtenBy();
+    if (const auto& grid = file.facts().grid) info.gridStep = grid->step;
     if (check) info.damaged = checkBlocks(file, progress);
     info.checked = check;
     return info;

@@ -36,7 +36,7 @@ struct FileInfo {
     std::optional<OctreeInfo> octree;  ///< a cloud file has one, a scan does not
     std::string writtenBy;             ///< cloud file: by which program
 
-    glm::dvec3 gridStep{0};                   ///< scan: the steps of its coordinates; 0 = none
+    glm::dvec3 gridStep{0};                   ///< the steps of the scan's coordinates; 0 = none, or not known
     std::optional<glm::dvec3> scannerOrigin;  ///< scan: where the scanner stood
 
     bool checked = false;  ///< every block was read, or the scan to its end

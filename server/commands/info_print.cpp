@@ -121,6 +121,8 @@ void tellOctree(const FileInfo& info, Lines& lines) {
               fmt::format("{} levels, {} nodes, {} samples ({:.2f} a point)", o.levels, grouped(o.nodes),
                           grouped(o.samples), double(o.samples) / double(*info.points)));
     lines.add("spacing", fmt::format("{:.3g} between neighbouring points", info.facts.spacing));
+    if (info.facts.exact)
+        lines.add("exact", "what samples round is kept beside them; \"scancast export\" gives it back");
     lines.add("surfels", info.facts.surfels ? "yes, " + sidesOf(info.facts) : "no");
     lines.add("curvature", hasCurvature(info.facts) ? usualCurvature(info.facts) : "no");
 }
@@ -280,6 +282,7 @@ Json octreeJson(const FileInfo& info) {
             {"sureOfSides", info.facts.sides      ? info.facts.sides->sure
                             : info.facts.oriented ? 1.0
                                                   : 0.0},
+            {"exact", info.facts.exact},
             {"revision", info.facts.revision},
             {"writtenBy", info.writtenBy}};
 }

@@ -25,8 +25,6 @@ std::size_t ValueSketch::find(std::int64_t key) const {
 void ValueSketch::widen() {
     ++exponent_;
     scale_ = std::ldexp(1.0, -exponent_);
-    cellLow_ = std::numeric_limits<double>::infinity();  // none: places change
-    cellHigh_ = -cellLow_;
     if (used_ == 0) return;
     std::vector<Cell> old(places);
     old.swap(table_);
@@ -40,7 +38,7 @@ void ValueSketch::widen() {
     }
 }
 
-void ValueSketch::addAnywhere(double value) {
+void ValueSketch::add(double value) {
     if (!std::isfinite(value)) return;
     while (std::abs(value) * scale_ >= largestKey) widen();
     low_ = std::min(low_, value);
@@ -51,8 +49,6 @@ void ValueSketch::addAnywhere(double value) {
     Cell& cell = table_[last_];
     if (cell.count++ == 0) ++used_;
     cell.key = key;
-    cellLow_ = double(key) / scale_;  // exact: keys have 52 bits, and the scale is a power of two
-    cellHigh_ = double(key + 1) / scale_;
     while (used_ > mostCells) widen();
 }
 

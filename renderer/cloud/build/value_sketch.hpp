@@ -14,12 +14,7 @@ namespace scancast {
 class ValueSketch {
   public:
     /// Values that are not finite are passed over.
-    void add(double value) {
-        if (value >= cellLow_ && value < cellHigh_)
-            addToLast(value);
-        else
-            addAnywhere(value);
-    }
+    void add(double value);
     std::uint64_t count() const { return count_; }
     /// Value below which the share `q` (0-1) of all lies; at most a cell's width - about 1/2000 of where the
     /// values are - from the true one. 0 without values.
@@ -37,13 +32,6 @@ class ValueSketch {
     /// Place of the cell with this key, or of the free one that it would get.
     std::size_t find(std::int64_t key) const;
     void widen();
-    void addAnywhere(double value);
-    void addToLast(double value) {
-        low_ = value < low_ ? value : low_;
-        high_ = value > high_ ? value : high_;
-        ++count_;
-        ++table_[last_].count;
-    }
 
     std::vector<Cell> table_ = std::vector<Cell>(places);
     std::size_t used_ = 0;
@@ -52,7 +40,6 @@ class ValueSketch {
     double low_ = std::numeric_limits<double>::infinity(), high_ = -std::numeric_limits<double>::infinity();
     std::uint64_t count_ = 0;
     std::size_t last_ = 0;  ///< place of the value before: neighbours in a scan are alike
-    double cellLow_ = std::numeric_limits<double>::infinity(), cellHigh_ = -cellLow_;  ///< what belongs there
 };
 
 }  // namespace scancast

@@ -2,6 +2,9 @@
 
 #include <fmt/format.h>
 
+#include <optional>
+#include <vector>
+
 #include "importers/e57/import_plan.hpp"
 #include "importers/e57/scan_converter.hpp"
 #include "renderer/cloud/import/printable_text.hpp"
@@ -10,14 +13,48 @@ namespace scancast::import_e57 {
 
 namespace {
 
+/// Where scans were taken from, those of which it is known.
+class Stations {
+  public:
+    explicit Stations(const FileDescription& description) {
+        for (const auto& scan : description.scans) {
+            std::optional<std::uint32_t> number;
+            if (scan.records > 0 && scan.hasCoordinates() && scan.standsAtOrigin()) {
+                number = static_cast<std::uint32_t>(all_.size());
+                Station station{.name = scan.name, .position = scan.inFile(glm::dvec3(0))};
+                if (scan.pose) station.forwards = unitVector(scan.pose->rotation * glm::dvec3(1, 0, 0));
+                all_.push_back(std::move(station));
+            }
+            numbers_.push_back(number);
+        }
+    }
+
+    bool empty() const { return all_.empty(); }
+    Expected<void> send(PointStreamWriter& writer) const {
+        for (const auto& station : all_)
+            if (auto ok = writer.writeStation(station); !ok) return ok;
+        return {};
+    }
+    std::optional<std::uint32_t> of(std::size_t scan) const { return numbers_[scan]; }
+
+  private:
+    std::vector<Station> all_;
+    std::vector<std::optional<std::uint32_t>> numbers_;  ///< by scan
+};
+
 Expected<void> sendScans(PagedFile& file, const FileDescription& description, const ImportPlan& plan,
-                         PointStreamWriter& writer, Counts& counts) {
+                         const Stations& stations, PointStreamWriter& writer, Counts& counts) {
     PointBatch batch;
     for (std::size_t i = 0; i < description.scans.size(); ++i) {
-        const auto& scan = description.scans[i];
-        if (scan.records == 0 || !scan.hasCoordinates()) continue;
+        if (description.scans[i].records == 0 || !description.scans[i].hasCoordinates()) continue;
+        const auto scan = asRead(description.scans[i], plan);
         auto reader = RecordReader::open(file, scan, wantedFields(scan, plan), description.called(i));
         if (!reader) return passOn(reader);
+        if (!stations.empty()) {
+            if (auto ok = writer.writeChunk(batch); !ok) return ok;
+            batch.clear();
+            if (auto ok = writer.writeFrom(stations.of(i)); !ok) return ok;
+        }
         ScanConverter converter(scan, plan, i + 1, counts);
         for (;;) {
             const auto records = reader->next();
@@ -55,11 +92,15 @@ Expected<void> importE57(std::unique_ptr<ByteSource> bytes, bool keepAttributes,
     if (!description) return passOn(description);
     const auto plan = planImport(*file, *description, keepAttributes);
     if (!plan) return passOn(plan);
-    if (auto ok = writer.writeHeader(plan->header); !ok) return ok;
+    const Stations stations(*description);
+    const auto begun = plan->asSteps ? writer.writeHeaderOfSteps(plan->header)
+                                     : writer.writeHeader(plan->header, !stations.empty());
+    if (!begun) return begun;
+    if (auto ok = stations.send(writer); !ok) return ok;
     for (const auto& note : plan->notes)
         if (auto ok = writer.writeNote(note); !ok) return ok;
     Counts counts;
-    if (auto ok = sendScans(*file, *description, *plan, writer, counts); !ok) return ok;
+    if (auto ok = sendScans(*file, *description, *plan, stations, writer, counts); !ok) return ok;
     if (auto ok = noteCounts(counts, writer); !ok) return ok;
     return writer.finish(counts.marked + counts.notFinite);
 }

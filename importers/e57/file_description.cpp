@@ -3,9 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <glm/geometric.hpp>
-#include <set>
 
 #include "renderer/cloud/import/printable_text.hpp"
 
@@ -87,19 +85,10 @@ std::optional<glm::dvec3> onlyScannerPosition(const FileDescription& file) {
     return position;
 }
 
-ScannerPositions scannerPositions(const FileDescription& file) {
-    ScannerPositions result;
-    std::set<std::array<double, 3>> different;
-    for (const auto& scan : file.scans) {
-        if (!scan.hasCoordinates()) continue;
-        const auto own = scan.inFile(glm::dvec3(0));
-        if (scan.standsAtOrigin())
-            different.insert({own.x, own.y, own.z});
-        else
-            ++result.unknown;
-    }
-    result.different = different.size();
-    return result;
+std::uint64_t scansOfUnknownPosition(const FileDescription& file) {
+    std::uint64_t unknown = 0;
+    for (const auto& scan : file.scans) unknown += scan.hasCoordinates() && !scan.standsAtOrigin();
+    return unknown;
 }
 
 }  // namespace scancast::import_e57

@@ -33,10 +33,7 @@ Expected<FileDescription> describeFile(PagedFile& file);
 
 /// Where all scans were taken from: the position in file coordinates, if it is known of every scan with points and the same.
 std::optional<glm::dvec3> onlyScannerPosition(const FileDescription& file);
-/// How many different ones there are among the scans of which one is known, and of how many none is.
-struct ScannerPositions {
-    std::uint64_t different = 0, unknown = 0;
-};
-ScannerPositions scannerPositions(const FileDescription& file);
+/// Of how many scans it is not known.
+std::uint64_t scansOfUnknownPosition(const FileDescription& file);
 
 }  // namespace scancast::import_e57

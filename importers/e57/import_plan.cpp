@@ -4,7 +4,10 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
+#include <limits>
 
+#include "importers/e57/import_notes.hpp"
 #include "importers/e57/record_reader.hpp"
 #include "renderer/cloud/import/crs_text.hpp"
 #include "renderer/cloud/import/printable_text.hpp"
@@ -14,6 +17,7 @@ namespace scancast::import_e57 {
 namespace {
 
 constexpr std::size_t mostKeptColumns = 500;
+constexpr Role axes[] = {Role::X, Role::Y, Role::Z};
 constexpr std::array channels{Role::Red, Role::Green, Role::Blue};
 
 struct Renamed {
@@ -83,29 +87,36 @@ void addKeptColumns(const FileDescription& file, ImportPlan& plan) {
     for (const auto& kept : plan.kept) plan.header.columns.push_back(kept.column);
 }
 
+/// Whether every number that its bits can say is one of 32 bits.
+bool fitsSteps(const Field& field) {
+    using Steps = std::numeric_limits<std::int32_t>;
+    if (field.scale <= 0 || field.bits > 32 || field.minimum < Steps::min()) return false;
+    return field.minimum + (std::int64_t(1) << field.bits) - 1 <= Steps::max();
+}
+
 /// One grid for all points, where all are integers of one scale that nobody turned.
-void findGrid(const FileDescription& file, ScanHeader& header) {
-    glm::dvec3 step(0), origin(0);
-    bool first = true;
+void findGrid(const FileDescription& file, ImportPlan& plan) {
+    StepGrid grid;
+    bool first = true, fits = true;
     for (const auto& scan : file.scans) {
         if (scan.records == 0 || !scan.hasCoordinates()) continue;
         if (!scan.fieldOf.cartesian() || (scan.pose && scan.pose->rotates)) return;
-        glm::dvec3 ownStep(0), ownOrigin(0);
+        StepGrid own;
         for (int i = 0; i < 3; ++i) {
-            const auto role = std::array{Role::X, Role::Y, Role::Z}[static_cast<std::size_t>(i)];
-            const auto& field = scan.fields[static_cast<std::size_t>(scan.fieldOf[role])];
+            const auto& field = scan.fields[static_cast<std::size_t>(scan.fieldOf[axes[i]])];
             if (!field.isInteger()) return;
-            ownStep[i] = std::abs(field.scale);
-            ownOrigin[i] = field.offset + (scan.pose ? scan.pose->translation[i] : 0.0);
+            fits &= fitsSteps(field);
+            own.step[i] = std::abs(field.scale);
+            own.origin[i] = field.offset + (scan.pose ? scan.pose->translation[i] : 0.0);
         }
-        if (!first && (ownStep != step || ownOrigin != origin)) return;
-        step = ownStep;
-        origin = ownOrigin;
+        if (!first && own != grid) return;
+        grid = own;
         first = false;
     }
     if (first) return;
-    header.gridStep = step;
-    header.gridOrigin = origin;
+    plan.header.gridStep = grid.step;
+    plan.header.gridOrigin = grid.origin;
+    plan.asSteps = fits && std::isfinite(grid.reach());
 }
 
 /// A hint, from declared bounds turned into file coordinates; none unless every scan with points has them.
@@ -136,58 +147,6 @@ void findCrs(const std::string& coordinates, ScanHeader& header) {
     }
     header.crsWkt = text;
     header.crsEpsg = epsgOfWkt(text);
-}
-
-std::string countedScans(std::uint64_t count) {
-    return count == 1 ? "1 scan" : grouped(count) + " scans";
-}
-
-void noteWhatIsInIt(const PagedFile& file, const FileDescription& description, ImportPlan& plan) {
-    auto& notes = plan.notes;
-    std::uint64_t without = 0, blind = 0, zero = 0, longOnes = 0, grey = 0, dim = 0;
-    for (const auto& scan : description.scans) {
-        without += scan.records == 0;
-        if (scan.pose) {
-            zero += scan.pose->wasZero;
-            longOnes += scan.pose->wasLong;
-        }
-        if (scan.records == 0) continue;
-        blind += !scan.hasCoordinates();
-        if (!scan.hasCoordinates()) continue;
-        grey += plan.header.attributes.color && !scan.fieldOf.color();
-        dim += plan.header.attributes.intensity && !scan.fieldOf.has(Role::Intensity);
-    }
-    if (description.scans.size() > 1) {
-        const auto positions = scannerPositions(description);
-        std::string text = fmt::format("{} scans", grouped(description.scans.size()));
-        if (positions.different > 0)
-            text += fmt::format(", taken from {} positions", grouped(positions.different));
-        if (positions.unknown > 0)
-            text += fmt::format("{} it is not known from where {} taken",
-                                positions.different > 0 ? fmt::format("; of {}", positions.unknown) : ":",
-                                positions.unknown == 1 && positions.different > 0 ? "it was" : "they were");
-        notes.push_back(text);
-    }
-    if (const auto pictures = description.pictureCount(); pictures > 0) {
-        std::string kinds;
-        for (const auto& [kind, count] : description.pictures)
-            kinds += fmt::format("{}{} {}", kinds.empty() ? "" : ", ", count, kind);
-        notes.push_back(fmt::format("{} in it ({}), not read yet",
-                                    pictures == 1 ? "1 picture" : grouped(pictures) + " pictures", kinds));
-    }
-    if (without > 0) notes.push_back(countedScans(without) + " without points");
-    if (blind > 0) notes.push_back(countedScans(blind) + " left out, whose points have no coordinates");
-    if (zero > 0)
-        notes.push_back(countedScans(zero) +
-                        " with a rotation of zero, which turns nothing and was left out");
-    if (longOnes > 0)
-        notes.push_back(countedScans(longOnes) +
-                        " with a rotation that is not of length 1; it was brought to that");
-    if (grey > 0) notes.push_back(countedScans(grey) + " without colours, shown black beside the others");
-    if (dim > 0) notes.push_back(countedScans(dim) + " without intensities, which are 0 beside the others'");
-    if (file.trailingBytes() > 0)
-        notes.push_back(
-            fmt::format("{} bytes follow its end, as its header gives it", grouped(file.trailingBytes())));
 }
 
 /// All values whose scale no scan says.
@@ -225,6 +184,14 @@ Expected<void> measure(PagedFile& file, const FileDescription& description, Impo
 }
 
 }  // namespace
+
+ScanDescription asRead(const ScanDescription& scan, const ImportPlan& plan) {
+    auto stored = scan;
+    if (!plan.asSteps) return stored;
+    for (const auto axis : axes)
+        stored.fields[static_cast<std::size_t>(stored.fieldOf[axis])].encoding = Encoding::Integer;
+    return stored;
+}
 
 std::vector<int> wantedFields(const ScanDescription& scan, const ImportPlan& plan) {
     std::vector<int> wanted;
@@ -276,11 +243,11 @@ Expected<ImportPlan> planImport(PagedFile& file, const FileDescription& descript
     header.format = "E57 1.0";
     if (description.scans.size() > 1) header.format += ", " + countedScans(description.scans.size());
     header.points = description.points();
-    findGrid(description, header);
+    findGrid(description, plan);
     findBounds(description, header);
     findCrs(description.coordinates, header);
     header.scannerOrigin = onlyScannerPosition(description);
-    noteWhatIsInIt(file, description, plan);
+    noteWhatIsInIt(file, description, plan.header.attributes, plan.notes);
     if (keepAttributes) addKeptColumns(description, plan);
     if (auto ok = measure(file, description, plan); !ok) return passOn(ok);
     return plan;

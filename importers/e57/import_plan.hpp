@@ -21,10 +21,15 @@ struct KeptColumn {
 
 struct ImportPlan {
     ScanHeader header;
+    /// Positions are sent as steps of the header's grid: all scans are on it, with 32 bits at most.
+    bool asSteps = false;
     std::vector<KeptColumn> kept;  ///< in the order of header.columns
     Scale measuredIntensity, measuredColor;
     std::vector<std::string> notes;  ///< known before a point is read
 };
+
+/// The scan with coordinates as they are stored, where they are sent as steps.
+ScanDescription asRead(const ScanDescription& scan, const ImportPlan& plan);
 
 /// Fields of a scan that its points need.
 std::vector<int> wantedFields(const ScanDescription& scan, const ImportPlan& plan);

@@ -56,18 +56,18 @@ void ScanConverter::append(const RecordReader& reader, PointBatch& batch) {
     const auto stateRole = scan_.fieldOf.cartesian() ? Role::CartesianState : Role::SphericalState;
     const auto coordinate = of(reader, scan_.fieldOf.cartesian() ? Role::X : Role::Range);
     const auto state = of(reader, stateRole);
-    findPositions(reader, coordinate.size());
+    if (!plan_.asSteps) findPositions(reader, coordinate.size());
     kept_.clear();
     for (std::size_t i = 0; i < coordinate.size(); ++i) {
         const auto& p = positions_[i];
         if (!state.empty() && state[i] != 0)
             ++counts_.marked;
-        else if (!std::isfinite(p.x) || !std::isfinite(p.y) || !std::isfinite(p.z))
+        else if (!plan_.asSteps && !(std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z)))
             ++counts_.notFinite;
         else
             kept_.push_back(static_cast<std::uint32_t>(i));
     }
-    for (const auto i : kept_) batch.position.push_back(positions_[i]);
+    appendPositions(reader, batch);
     const auto& has = plan_.header.attributes;
     if (has.color) appendColors(reader, batch);
     if (has.intensity) {
@@ -88,6 +88,19 @@ void ScanConverter::append(const RecordReader& reader, PointBatch& batch) {
     }
     if (has.normal) appendNormals(reader, batch);
     if (rowBytes_ > 0) appendRows(reader, batch);
+}
+
+void ScanConverter::appendPositions(const RecordReader& reader, PointBatch& batch) const {
+    if (!plan_.asSteps) {
+        auto& positions = batch.position.doubles();
+        for (const auto i : kept_) positions.push_back(positions_[i]);
+        return;
+    }
+    auto& steps = batch.position.steps({plan_.header.gridOrigin, plan_.header.gridStep});
+    const auto x = of(reader, Role::X), y = of(reader, Role::Y), z = of(reader, Role::Z);
+    for (const auto i : kept_)
+        steps.push_back({static_cast<std::int32_t>(x[i]), static_cast<std::int32_t>(y[i]),
+                         static_cast<std::int32_t>(z[i])});
 }
 
 void ScanConverter::appendColors(const RecordReader& reader, PointBatch& batch) {

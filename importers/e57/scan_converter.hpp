@@ -29,6 +29,7 @@ class ScanConverter {
     std::span<const double> of(const RecordReader& reader, Role role) const {
         return reader.column(scan_.fieldOf[role]);
     }
+    void appendPositions(const RecordReader& reader, PointBatch& batch) const;
     void findPositions(const RecordReader& reader, std::size_t count);
     void appendColors(const RecordReader& reader, PointBatch& batch);
     void appendNormals(const RecordReader& reader, PointBatch& batch) const;

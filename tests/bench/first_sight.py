@@ -4,7 +4,7 @@
     tests/bench/first_sight.py [--scancast PROGRAM] [--data FOLDER] [--half even|odd|all] [--jobs N] [--out FOLDER]
                                [--json FILE] [--sheet FILE.png] [--unknown-as object|landscape] FILES... [-- FLAGS]
 
-FILES are what scancast reads; of a Potree octree its folder, cloud.js or metadata.json. --data adds all scans beneath a
+FILES are what scancast reads; of an octree of EPT or Potree its folder, or its ept.json, cloud.js or metadata.json. --data adds all scans beneath a
 folder. FLAGS go to every `scancast render`. Of each scan:
   fill     the box from the 1st to the 99th percentile of covered columns and rows takes 75 % of the width or height at least;
   middle   its middle is at most 8 % of width and height off the picture's;
@@ -19,7 +19,7 @@ sight/measure.py says how each is measured. Covered pixels are told by a second 
 noise by a third. Not scored: scans of less than 5,000 points ("small"), and what cannot be read.
 
 --half even scores, and opens, only scans whose base name has an even CRC-32: those to try things on. The odd ones are held
-back for the end. A Potree octree's base name is that of its index file.
+back for the end. An octree's base name is that of its index file.
 
 Prints a line a scan with what failed, then the rates. Ends with 0 whatever they are, with 2 when nothing could be drawn.
 --out keeps the pictures, --sheet draws a contact sheet of them, --json has all numbers.
@@ -41,7 +41,7 @@ import png_file
 from sight import measure, sheet
 
 ENDINGS = (".las", ".laz", ".ply", ".pcd", ".e57", ".pts", ".ptx", ".xyz", ".txt", ".csv")  # .copc.laz is a .laz
-INDEXES = ("cloud.js", "metadata.json")
+INDEXES = ("ept.json", "cloud.js", "metadata.json")
 LEFT_OUT = "bad"  # folders of files that are meant not to be read
 SMALL = 5000
 PATIENCE = 600    # seconds for one call of scancast
@@ -62,7 +62,7 @@ class Job(NamedTuple):
 
 
 def index_of(path):
-    """A Potree octree by its index, whichever way it is named."""
+    """An octree by its index, whichever way it is named."""
     return next((os.path.join(path, name) for name in INDEXES if os.path.isfile(os.path.join(path, name))), path)
 
 

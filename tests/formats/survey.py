@@ -86,7 +86,7 @@ def run(command, seconds, memory):
 
 def reason_in(message, path):
     """The message as it would be of any file: without its name, numbers and quotations."""
-    text = message.replace(path, "FILE").replace(os.path.basename(path), "FILE")
+    text = re.sub("^" + re.escape(os.path.basename(path)), "FILE", message.replace(path, "FILE"))
     text = re.sub(r"\s*Scancast reads .*", "", text)
     text = re.sub(r"^FILE(, (byte|line) \d+)?:\s*", "", re.sub(r"^scancast info:\s*", "", text.strip()))
     return text

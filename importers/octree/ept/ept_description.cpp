@@ -156,9 +156,10 @@ std::string_view extension(EptData data) {
 Expected<EptDescription> parseEptDescription(const json& json) {
     EptDescription ept;
     const auto version = wordOf(valueAt(json, "version"));
-    if (!version.starts_with("1."))
+    // What was written before 1.0 says 0.0.0, and is the same.
+    if (!version.starts_with("1.") && !version.starts_with("0."))
         return fail(ErrorCode::Unsupported,
-                    fmt::format("ept.json has version {}; 1.0 and 1.1 are read", quotedText(version)));
+                    fmt::format("ept.json has version {}; versions up to 1.1 are read", quotedText(version)));
     const auto data = wordOf(valueAt(json, "dataType"));
     const auto* known = std::find_if(std::begin(dataNames), std::end(dataNames),
                                      [&](const DataName& d) { return d.name == data; });

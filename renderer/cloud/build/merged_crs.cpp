@@ -158,12 +158,18 @@ Expected<void> refuseFar(std::span<const ScanCrs> scans, const Systems& systems,
                              one.name, other.name, apart)
         : silent
             ? fmt::format(
-                  "{} does not say its coordinate reference system, and lies {} from {}, which is taken to be "
+                  "{} does not say its coordinate reference system, and lies {} from {}, which is taken to "
+                  "be "
                   "in {}",
                   other.name, apart, one.name, crsOf(kept))
             : fmt::format("{} is in {}, {} in {}, which nothing proves to be the same, and they lie {} apart",
                           kept.name, crsOf(kept), other.name, crsOf(other), apart);
     return refuse(why + ": they are not put together on a guess", waysOut(kept, other, silent));
+}
+
+/// Notes stay with the cloud and are read by others: they need not know where the files were.
+std::string shortName(const ScanCrs& scan) {
+    return std::filesystem::path(scan.name).filename().string();
 }
 
 std::vector<std::string> notesOn(std::span<const ScanCrs> scans, const Systems& systems) {
@@ -172,12 +178,12 @@ std::vector<std::string> notesOn(std::span<const ScanCrs> scans, const Systems& 
     const ScanCrs& kept = scans[systems.first.front()];
     std::vector<std::string> silent;
     for (std::size_t i = 0; i < scans.size(); ++i)
-        if (systems.of[i] < 0) silent.push_back(scans[i].name);
+        if (systems.of[i] < 0) silent.push_back(shortName(scans[i]));
     if (!silent.empty())
         notes.push_back(fmt::format(
             "{} {} not say {} coordinate reference system; that of {}, {}, is taken for {}", listed(silent),
-            silent.size() == 1 ? "does" : "do", silent.size() == 1 ? "its" : "their", kept.name, crsOf(kept),
-            silent.size() == 1 ? "it" : "them"));
+            silent.size() == 1 ? "does" : "do", silent.size() == 1 ? "its" : "their", shortName(kept),
+            crsOf(kept), silent.size() == 1 ? "it" : "them"));
     std::size_t unclear = 0;
     for (std::size_t s = 1; s < systems.meaning.size(); ++s) {
         if (compare(systems.meaning.front(), systems.meaning[s]) == CrsRelation::Same) continue;
@@ -185,12 +191,12 @@ std::vector<std::string> notesOn(std::span<const ScanCrs> scans, const Systems& 
         const ScanCrs& other = scans[systems.first[s]];
         notes.push_back(fmt::format(
             "{} is in {}, {} in {}; nothing proves that these are the same, and they are taken for it",
-            kept.name, crsOf(kept), other.name, crsOf(other)));
+            shortName(kept), crsOf(kept), shortName(other), crsOf(other)));
     }
     if (unclear > toldSystems)
         notes.push_back(
             fmt::format("{} more coordinate reference systems are taken for that of {} on no proof",
-                        unclear - toldSystems, kept.name));
+                        unclear - toldSystems, shortName(kept)));
     return notes;
 }
 

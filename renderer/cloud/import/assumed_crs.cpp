@@ -58,6 +58,7 @@ class SourceWithCrs final : public PointSource {
         if (!note_.empty()) notes.insert(notes.begin(), note_);
         return notes;
     }
+    std::vector<Station> stations() const override { return source_->stations(); }
     std::array<std::uint64_t, 2> bytesRead() const override { return source_->bytesRead(); }
 
   private:

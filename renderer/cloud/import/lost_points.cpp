@@ -13,7 +13,8 @@ std::string lostPoints(const std::string& what, std::uint64_t promised, std::uin
     const auto lost = promised - std::min(there, promised);
     const double percent = promised > 0 ? 100 * double(lost) / double(promised) : 0;
     // What is lost is never 0 %, and what is there never nothing.
-    const std::string share = percent < 0.05    ? "less than 0.1 %"
+    const std::string share = lost == promised  ? "100 %"
+                              : percent < 0.05  ? "less than 0.1 %"
                               : percent > 99.95 ? "more than 99.9 %"
                                                 : fmt::format("{:.1f} %", percent);
     return fmt::format(

@@ -21,7 +21,7 @@ import sys
 import tempfile
 
 ENDINGS = (".las", ".laz", ".ply", ".pcd", ".e57", ".pts", ".ptx", ".xyz", ".txt", ".csv")
-OCTREES = ("cloud.js", "metadata.json")  # of Potree: what lies beside and beneath is theirs
+OCTREES = ("ept.json", "cloud.js", "metadata.json")  # of EPT and Potree: what lies beside and beneath is theirs
 GEOMETRY = ("nearest", "resolve")
 SCREEN = ("hidden points", "pull-push", "normals", "phong")
 PATIENCE = 600  # seconds for one scan

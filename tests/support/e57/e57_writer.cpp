@@ -203,17 +203,24 @@ void E57Writer::add(const E57Scan& scan) {
     head += bytesOfValue(physical(first));
     head += bytesOfValue(std::uint64_t(0));
     patch(begin, head);
-    scans_ += "<vectorChild type=\"Structure\">\n" + scan.xml +
-              "<points type=\"CompressedVector\" fileOffset=\"" + std::to_string(physical(begin)) +
-              "\" recordCount=\"" + std::to_string(scan.records) + "\">\n<prototype type=\"Structure\">\n" +
-              prototype + "</prototype>\n</points>\n</vectorChild>\n";
+    scans_ += "<vectorChild type=\"Structure\">\n<guid type=\"String\">" + std::to_string(begin) +
+              "</guid>\n" + scan.xml + "<points type=\"CompressedVector\" fileOffset=\"" +
+              std::to_string(physical(begin)) + "\" recordCount=\"" + std::to_string(scan.records) +
+              "\">\n<prototype type=\"Structure\">\n" + prototype +
+              "</prototype>\n</points>\n</vectorChild>\n";
 }
 
 void E57Writer::finish(const std::string& root) {
     finishWith(
-        "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<e57Root type=\"Structure\">\n<data3D "
-        "type=\"Vector\">\n" +
-        scans_ + "</data3D>\n" + root + "</e57Root>\n");
+        "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<e57Root type=\"Structure\" "
+        "xmlns=\"http://www.astm.org/COMMIT/E57/2010-e57-v1.0\">\n<formatName type=\"String\">ASTM E57 3D "
+        "Imaging Data "
+        "File</formatName>\n<guid type=\"String\">57</guid>\n<versionMajor "
+        "type=\"Integer\">1</versionMajor>\n"
+        "<versionMinor type=\"Integer\"/>\n<data3D type=\"Vector\">\n" +
+        scans_ + "</data3D>\n" + root +
+        (root.find("<images2D") == std::string::npos ? "<images2D type=\"Vector\"/>\n" : "") +
+        "</e57Root>\n");
 }
 
 void E57Writer::finishWith(const std::string& xml) {

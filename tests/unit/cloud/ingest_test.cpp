@@ -338,8 +338,11 @@ TEST_F(Ingest, WithoutEstimatedNormalsScannersLeaveNoTrace) {
     SeenFromBothSides source(true);
     const auto built = buildCloud(source, {.title = "floor", .shape = plain});
     ASSERT_TRUE(built);
-    for (std::uint32_t n = 0; n < (*built)->octree.nodes().size(); ++n)
-        for (const Sample& sample : (*built)->octree.run(n)->samples) ASSERT_EQ(sample.normal, noNormal);
+    for (std::uint32_t n = 0; n < (*built)->octree.nodes().size(); ++n) {
+        const auto run = (*built)->octree.run(n);
+        ASSERT_TRUE(run);
+        for (const Sample& sample : run->samples) ASSERT_EQ(sample.normal, noNormal);
+    }
 }
 
 TEST_F(Ingest, CarriesMirrors) {

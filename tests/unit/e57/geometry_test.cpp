@@ -119,7 +119,7 @@ TEST(Scans, FollowEachOtherEachInItsPlace) {
     }
     EXPECT_FALSE(result.header.scannerOrigin);
     EXPECT_THAT(result.notes,
-                ElementsAre(HasSubstr("4 scans, taken from 2 positions; of 2 it is not known from where"),
+                ElementsAre(HasSubstr("of 2 of 4 scans it is not known from where"),
                             HasSubstr("1 scan without points")));
 }
 
@@ -196,6 +196,61 @@ TEST(Grids, AreSentWhereAllPointsAreOnOne) {
     EXPECT_EQ(imported(e57File({scan, moved}))->header.gridStep, glm::dvec3(0));
     EXPECT_EQ(imported(e57File({rotated}))->header.gridStep, glm::dvec3(0));
     EXPECT_EQ(imported(e57File({cornerScan()}))->header.gridStep, glm::dvec3(0));
+}
+
+TEST(Grids, OfThirtyTwoBitsAreSentAsSteps) {
+    E57Scan scan;
+    for (const char* name : {"cartesianX", "cartesianY", "cartesianZ"})
+        scan.fields.push_back(E57Field::scaled(name, -2'147'483'648LL, 2'147'483'647, 0.001, 5));
+    scan.fields.push_back(E57Field::integer("cartesianInvalidState", 0, 2));
+    scan.records = 4;
+    scan.raw = [](std::uint64_t record, std::size_t field) -> std::int64_t {
+        if (field == 3) return record == 1 ? 2 : 0;
+        return std::array{-2'147'483'648LL, 0LL, 77LL, 2'147'483'647LL}[record];
+    };
+    scan.xml = e57Pose(1, 0, 0, 0, 1, 2, 3);
+    const auto result = imported(e57File({scan})).value();
+    EXPECT_TRUE(result.asSteps);
+    ASSERT_EQ(result.points.size(), 3U);
+    EXPECT_EQ(result.dropped, 1U);
+    const glm::dvec3 origin(6, 7, 8);
+    EXPECT_EQ(result.points.position[0], origin + 0.001 * glm::dvec3(-2'147'483'648.0));
+    EXPECT_EQ(result.points.position[1], origin + 0.001 * glm::dvec3(77));
+    EXPECT_EQ(result.points.position[2], origin + 0.001 * glm::dvec3(2'147'483'647.0));
+    auto wider = scan;
+    wider.fields[2].maximum += 1;
+    EXPECT_FALSE(imported(e57File({wider}))->asSteps);
+    expectNear(imported(e57File({wider}))->points.position[2], origin + 0.001 * glm::dvec3(2'147'483'647.0));
+    auto backwards = scan;
+    backwards.fields[0].scale = -0.001;
+    EXPECT_FALSE(imported(e57File({backwards}))->asSteps);
+    // A range that is no power of two has bits for more than its greatest number.
+    auto odd = scan;
+    odd.fields[1].minimum = 2'147'483'640;
+    odd.raw = [](std::uint64_t, std::size_t field) -> std::int64_t { return field == 3 ? 0 : 2'147'483'647; };
+    EXPECT_TRUE(imported(e57File({odd}))->asSteps);
+    odd.fields[1].minimum = 2'147'483'639;
+    EXPECT_FALSE(imported(e57File({odd}))->asSteps);
+}
+
+TEST(Stations, AreThoseOfScansThatKnowThem) {
+    const double half = std::sqrt(0.5);
+    const auto named =
+        "<name type=\"String\"><![CDATA[Tower, east]]></name>" + e57Pose(half, 0, 0, half, 7, 8, 9);
+    const auto result =
+        imported(e57File({cornerScan(), cornerScan(named), sphericalScan({{1, 0, 0}, {2, 0, 0}})})).value();
+    ASSERT_EQ(result.stations.size(), 2U);
+    EXPECT_EQ(result.stations[0].name, "Tower, east");
+    expectNear(result.stations[0].position, {7, 8, 9});
+    EXPECT_EQ(result.stations[0].points, 4U);
+    ASSERT_TRUE(result.stations[0].forwards);
+    expectNear(*result.stations[0].forwards, {0, 1, 0});
+    EXPECT_EQ(result.stations[1].name, "");
+    EXPECT_EQ(result.stations[1].position, glm::dvec3(0));
+    EXPECT_EQ(result.stations[1].points, 2U);
+    EXPECT_FALSE(result.stations[1].forwards);
+    EXPECT_EQ(result.points.size(), 10U);
+    EXPECT_THAT(imported(e57File({cornerScan()}))->stations, IsEmpty());
 }
 
 TEST(Bounds, AreTurnedToo) {

@@ -19,6 +19,8 @@ struct Imported {
     PointBatch points;
     std::uint64_t dropped = 0;
     std::vector<std::string> notes;
+    std::vector<Station> stations;
+    bool asSteps = false;  ///< by the stream's header
 };
 
 /// The error is the importer's own, with the code that the stream hands on.
@@ -34,14 +36,18 @@ inline Expected<Imported> imported(const std::string& file, bool keepAttributes 
         EXPECT_THAT(done.error().message, ::testing::Not(::testing::HasSubstr("\n")));
         return passOn(done);
     }
+    constexpr std::size_t atKnown = 12;  // of the header: what is known, 16 for steps
+    const bool asSteps = (std::to_integer<unsigned>(stream[atKnown]) & 16U) != 0;
     auto reader = PointStreamReader::create(std::make_unique<MemoryByteSource>(stream, false));
     if (!reader) return passOn(reader);
-    Imported result{.header = (*reader)->header(), .points = {}, .dropped = 0, .notes = {}};
+    Imported result{.header = (*reader)->header(), .points = {}, .dropped = 0, .notes = {}, .stations = {}};
     auto points = readAll(**reader);
     if (!points) return passOn(points);
     result.points = std::move(*points);
+    result.asSteps = asSteps;
     result.dropped = (*reader)->droppedPoints();
     result.notes = (*reader)->notes();
+    result.stations = (*reader)->stations();
     return result;
 }
 

@@ -171,6 +171,13 @@ inline const RealScan realScans[] = {
      "4.200 x 5.680 x 4.570; min -4.990 1.040 -3.450", {5397, 65535}, "", 65280},
     {"copc/simple_with_page.copc.laz", "LAZ 1.4, point format 7", 1065, 0, "cik",
      "3362.70 x 4635.73 x 179.79; min 635619.85 848899.70 406.59", {0, 254}, "1,2", 249},
+    {"e57/bunnyInt19.e57", "E57 1.0", 30571, 0, "",
+     "0.156 x 0.147 x 0.121; min -0.095 0.040 -0.062", {-1, -1}, "", -1},
+    {"e57/pump-laser-scan.e57", "E57 1.0", 155201, 0, "ci",
+     "4.625 x 4.508 x 3.743; min -2.904 -5.301 -1.900", {-1, -1}, "", 255},
+    // Every other point is marked as none; SOURCES.md has no box.
+    {"e57/tiny_spherical.e57", "E57 1.0", 360, 180, "",
+     "1.000 x 1.000 x 1.000; min 0.000 -0.500 0.000", {-1, -1}, "", -1},
     {"potree/lion_takanawa", "Potree 1.7, BIN", 272768, 0, "cn",
      "3.198 x 4.269 x 4.644; min -0.748 -2.780 2.551", {-1, -1}, "", -1},
     // SOURCES.md has the box in cloud.js, which is that of the points before they were rounded.

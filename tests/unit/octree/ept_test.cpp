@@ -67,7 +67,8 @@ const Damage damages[] = {
     {"PageNegative", page(R"({"0-0-0-0": -2})"), "the node 0-0-0-0 has -2 points"},
     {"PageHuge", page(R"({"0-0-0-0": 18446744073709551615})"), "more than any real one"},
     {"PageCircle", page(R"({"0-0-0-0": -1})"), "refers to this page itself: a circle"},
-    {"PageEmpty", page("{}"), "has no number for the node 0-0-0-0"},
+    {"PageEmpty", [](MemoryFiles& f) { f.write("ept-hierarchy/1-1-0-1.json", "{}"); },
+     "ept-hierarchy/1-1-0-1.json has no number for the node 1-1-0-1"},
     {"PageOfAnother",
      [](MemoryFiles& f) { f.write("ept-hierarchy/1-1-0-1.json", R"({"1-1-0-1": 7, "2-0-0-0": 9})"); },
      "the node 2-0-0-0 does not lie in 1-1-0-1"},
@@ -111,7 +112,7 @@ TEST_P(EptDamage, IsTold) {
     EXPECT_THAT(scan.error().message, HasSubstr(GetParam().words));
 }
 INSTANTIATE_TEST_SUITE_P(All, EptDamage, ::testing::ValuesIn(damages),
-                         [](const auto& info) { return std::string(info.param.name); });
+                         [](const auto& one) { return std::string(one.param.name); });
 
 TEST(Ept, BinaryAndZstandardGiveWhatWasWritten) {
     for (const char* type : {"binary", "zstandard"})
@@ -186,6 +187,15 @@ TEST(Ept, NumbersOfPointsThatDifferAreTold) {
     expectEptPoints(scan, 65535);
 }
 
+TEST(Ept, OldVersionsAndRootsWithoutPointsAreRead) {
+    auto files = eptFolder();
+    changeJson(files, "ept.json", [](auto& ept) { ept["version"] = "0.0.0"; });
+    files.write("ept-hierarchy/0-0-0-0.json", R"({"1-0-0-0": 5})");
+    const auto scan = readOctree(files, "ept.json").value();
+    EXPECT_EQ(scan.header.format, "EPT 0.0.0, binary");
+    EXPECT_EQ(scan.points.size(), 5U);
+}
+
 TEST(Ept, WithoutPointsIsEmpty) {
     auto files = eptFolder();
     files.write("ept-hierarchy/0-0-0-0.json", R"({"0-0-0-0": 0})");
@@ -209,7 +219,7 @@ TEST(Ept, ZstandardTilesHoldWhatTheirPointsNeedAndNothingElse) {
     EXPECT_THAT(told(records), HasSubstr("1-0-0-0.zst cannot be decompressed"));
     EXPECT_THAT(told(zstdOf(cut(records, 1))), HasSubstr("holds only 144 bytes; its 5 points need 145"));
     // A bomb: what a few bytes hold is not asked for beyond what its points need.
-    EXPECT_THAT(told(zstdOf(Bytes(test::sized(200, 20) << 20))),
+    EXPECT_THAT(told(zstdOf(Bytes(std::size_t(test::sized(64, 8)) << 20))),
                 HasSubstr("holds more bytes than its 5 points need"));
     // Frames may follow each other.
     BytesWriter two;

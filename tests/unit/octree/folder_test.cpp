@@ -54,8 +54,8 @@ TEST(OctreeFolder, NothingOutsideIsRead) {
     std::ofstream(octree / "long") << std::string(101, 'x');
     EXPECT_THAT(told(files, "long"), HasSubstr("has 101 bytes; 100 at most are read"));
     std::vector<std::string> names;
-    for (const auto& entry : files.list(".").value())
-        names.push_back(entry.name + (entry.isFolder ? "/" : ""));
+    const auto entries = files.list(".").value();
+    for (const auto& entry : entries) names.push_back(entry.name + (entry.isFolder ? "/" : ""));
     EXPECT_THAT(names, UnorderedElementsAre("data/", "link", "up", "within", "long"));
     EXPECT_THAT(files.list("up").error().message, HasSubstr("is outside its folder"));
     // What was opened counts, not what has its name by now.

@@ -30,12 +30,12 @@ inline constexpr int potreePointsInAll = 28;
 /// The i-th point of the n-th node, all over the range of 32 bits.
 inline PotreePoint potreePoint(std::size_t node, int i, int mostColor = 65535) {
     const auto k = static_cast<std::int32_t>(node) * 100 + i;
-    return {{k * 19'000'001, -k * 7, k % 2 == 0 ? 2'147'483'647 - k : -2'147'483'647 + k},
+    return {{k * 3'000'001, -k * 7, k % 2 == 0 ? 2'147'483'647 - k : -2'147'483'647 + k},
             static_cast<std::uint16_t>(k * 131),
             static_cast<std::uint8_t>(k % 23),
             k / 7.0,
             {static_cast<std::uint16_t>(k * 11 % (mostColor + 1)), static_cast<std::uint16_t>(mostColor),
-             static_cast<std::uint16_t>(k)},
+             static_cast<std::uint16_t>(k % (mostColor + 1))},
             {0.6F, k % 2 == 0 ? 0.8F : -0.8F, 0}};
 }
 

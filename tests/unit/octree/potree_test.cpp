@@ -21,8 +21,8 @@ struct PotreeDamage {
     std::function<void(MemoryFiles&)> act;
     const char* words;
 };
-std::string nameOfDamage(const ::testing::TestParamInfo<PotreeDamage>& info) {
-    return info.param.name;
+std::string nameOfDamage(const ::testing::TestParamInfo<PotreeDamage>& one) {
+    return one.param.name;
 }
 
 auto inMetadata(std::function<void(nlohmann::json&)> change) {
@@ -89,8 +89,10 @@ const PotreeDamage damages1[] = {
     {"HierarchyLong", patched("data/r/r.hrc", 0, std::uint8_t(0)), "its 1 nodes need less"},
     {"FolderNumber", inCloud([](auto& c) { c["octreeDir"] = 7; }), "\"octreeDir\" must be a folder"},
     {"StepZero", inCloud([](auto& c) { c["hierarchyStepSize"] = 0; }), "\"hierarchyStepSize\" is 0"},
-    {"NodeTwice", inCloud([](auto& c) { c["hierarchy"] = {{"r", 1}, {"r", 1}}; }), "the node r twice"},
-    {"NodeIsAPath", inCloud([](auto& c) { c["hierarchy"] = {{"../../r", 1}, {"r", 1}}; }),
+    {"NodeTwice", inCloud([](auto& c) { c["hierarchy"] = nlohmann::json::parse(R"([["r", 1], ["r", 1]])"); }),
+     "the node r twice"},
+    {"NodeIsAPath",
+     inCloud([](auto& c) { c["hierarchy"] = nlohmann::json::parse(R"([["../../r", 1], ["r", 1]])"); }),
      "has no name like \"r042\""},
     {"Attribute", inCloud([](auto& c) { c["pointAttributes"] = {"POSITION_CARTESIAN", "TASTE"}; }),
      "attribute \"TASTE\" is not known"},

@@ -200,7 +200,6 @@ void learnColumns(const PointBatch& batch, std::span<const Column> columns, Stag
 void learn(const PointBatch& batch, PackedBatch& packed, StagedScan& scan) {
     const auto bounds = boundsOf(batch.position);
     scan.bounds = {glm::min(scan.bounds[0], bounds[0]), glm::max(scan.bounds[1], bounds[1])};
-    scan.values.add(batch);
     for (const std::uint8_t c : batch.classification) ++scan.classCounts[c];
     if (packed.positions != Kind::Own) scan.onOwnGrid = false;
     if (scan.onOwnGrid) {
@@ -244,7 +243,13 @@ Expected<StagedScan> stage(PointSource& source, Workspace& workspace, ProgressMe
                                                      -std::numeric_limits<double>::infinity()});
     scan.columnSketches.resize(header.columns.size());
     PointBatch current, next;
-    const auto readNext = [&] { return source.read(next); };
+    // Ranges of values are learnt where the next batch is read, which is less work than packing one.
+    ValueRanges values;
+    const auto readNext = [&] {
+        auto batch = source.read(next);
+        if (batch && *batch) values.add(next);
+        return batch;
+    };
     Expected<bool> more = readNext();
     while (more && *more) {
         std::swap(current, next);
@@ -260,6 +265,7 @@ Expected<StagedScan> stage(PointSource& source, Workspace& workspace, ProgressMe
         if (stop.stop_requested()) return fail(ErrorCode::Cancelled, "Building the cloud was abandoned.");
     }
     if (!more) return passOn(more);
+    scan.values = std::move(values);
     scan.droppedPoints = source.droppedPoints();
     scan.notes = source.notes();
     scan.stations = source.stations();

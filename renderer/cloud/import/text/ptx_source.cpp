@@ -193,6 +193,7 @@ Expected<bool> PtxSource::startNextScan() {
     if (more.error().code != ErrorCode::Truncated && !lines_.lineIsOpen()) return more;
     notes_.push_back(noteOf(name_, "it ends too early, within the head of its scan " + grouped(scans_ + 1) +
                                        ", which is lost; how many points that has is not known"));
+    promised_ = inScan_ = 0;  // and that is the end
     return false;
 }
 

@@ -2,12 +2,12 @@
 
 namespace scancast::laz {
 
-namespace {
-
-// What an encoder may leave away at the end of its stream, because it is zeros.
-constexpr std::uint64_t slack = 8;
-
-}  // namespace
+void ArithmeticDecoder::close() {
+    feed.close();
+    value_ = 0;
+    length_ = 0xffffffff;
+    spoilt_ = false;
+}
 
 void ArithmeticDecoder::start() {
     length_ = 0xffffffff;
@@ -20,7 +20,7 @@ void ArithmeticDecoder::start() {
     }
 }
 
-const char* ArithmeticDecoder::damage() const {
+const char* ArithmeticDecoder::damage(std::uint64_t slack) const {
     if (spoilt_) return "its bytes make no sense";
     return feed.beyond() > slack ? "its points go on beyond its end" : nullptr;
 }

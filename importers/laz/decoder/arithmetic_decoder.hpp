@@ -15,6 +15,8 @@ class ArithmeticDecoder {
 
     /// Begins to decode with the feed's next byte.
     void start();
+    /// Has no bytes.
+    void close();
 
     bool bit(BitModel& model) {
         const std::uint32_t split = model.probabilityOfZero() * (length_ >> BitModel::shift);
@@ -68,8 +70,9 @@ class ArithmeticDecoder {
 
     /// Remembers that the stream says what no encoder does.
     void spoil() { spoilt_ = true; }
-    /// Why the stream is none that an encoder wrote, as a clause; nullptr: nothing is known against it.
-    const char* damage() const;
+    /// Why the stream is none that an encoder wrote, as a clause; nullptr: nothing is known against it. An encoder ends with
+    /// what the decoder reads ahead; `slack`: so many bytes may be missing all the same.
+    const char* damage(std::uint64_t slack = 0) const;
 
   private:
     static constexpr std::uint32_t leastLength = 1U << 24;

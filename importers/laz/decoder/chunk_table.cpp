@@ -15,6 +15,8 @@ constexpr std::uint64_t mostChunks = 2'000'000;
 constexpr std::uint64_t tableHeadBytes = 8, placeBytes = 8;
 // What an entry of the table takes at most, generously, and what its decoder reads ahead.
 constexpr std::uint64_t entryBytes = 16, readAhead = 64;
+// It stands at the end of the file, and what its decoder reads ahead may be left away there.
+constexpr std::uint64_t readAheadOfTable = 8;
 
 tl::unexpected<Error> wrongTable(std::uint64_t place, const std::string& reason) {
     return fail(ErrorCode::Malformed, "byte " + grouped(place) + ": the chunk table " + reason);
@@ -74,7 +76,7 @@ class TableReader {
     }
     std::uint32_t points() { return points_ = next(points_, 0); }
     std::uint32_t bytes() { return bytes_ = next(bytes_, 1); }
-    bool isDamaged() const { return decoder_.damage() != nullptr; }
+    bool isDamaged() const { return decoder_.damage(readAheadOfTable) != nullptr; }
     const std::optional<Error>& failure() const { return decoder_.feed.failure(); }
 
   private:

@@ -221,8 +221,7 @@ class LazDecoder::LayeredWork final : public LazDecoder::Work {
             ArithmeticDecoder& layer = layers_[i];
             const std::uint64_t bytes = bytesOf(i);
             if (bytes == 0 || !wanted_[i]) {
-                layer.feed.close();
-                layer.start();
+                layer.close();
                 continue;
             }
             const std::uint64_t place = at - pieceAt_ - head_.size();

@@ -92,7 +92,8 @@ TEST(ArithmeticDecoder, KnowsTheEndOfItsStream) {
     auto decoder = decoderOf(bytes);
     SymbolModel<256> model;
     int symbols = 0;
-    for (; !decoder.damage(); ++symbols) ASSERT_LT(symbols, 1000) << decoder.symbol(model);
+    for (; !decoder.damage() && symbols < 1000; ++symbols) decoder.symbol(model);
+    EXPECT_LT(symbols, 10);
     EXPECT_STREQ(decoder.damage(), "its points go on beyond its end");
     const std::vector<std::byte> nonsense(4, std::byte{0xff});
     EXPECT_STREQ(decoderOf(nonsense).damage(), "its bytes make no sense");

@@ -101,7 +101,7 @@ TEST(LazFile, EveryTruncationIsTold) {
             const auto records =
                 file ? decodeAll(*file, 1000) : Expected<Bytes>(tl::unexpected(file.error()));
             if (records) {
-                // A decoder reads ahead what an encoder ends with.
+                // Only a chunk table may lack its last bytes, which its decoder reads ahead.
                 ASSERT_GE(bytes + 8, made.file.size());
                 ASSERT_TRUE(*records == made.records);
             } else {
@@ -132,7 +132,9 @@ TEST(LazFile, WhatIsWholeIsKept) {
         // Only a table says how many points chunks of several sizes have.
         const bool isVariable =
             plan.compressor != 1 && (plan.chunkPoints == 0 || plan.chunkPoints == 0xffffffff);
-        EXPECT_EQ(before > 0, !isVariable);
+        if (!isVariable) {
+            EXPECT_GT(before, 0U);
+        }
     }
 }
 

@@ -64,6 +64,9 @@ Expected<FileDescription> describeFile(PagedFile& file) {
         return {};
     };
     if (auto ok = readXmlRecords(bytes, visit); !ok) return passOn(ok);
+    const bool turned = std::any_of(result.scans.begin(), result.scans.end(),
+                                    [](const auto& scan) { return scan.pose && scan.pose->rotates; });
+    for (auto& scan : result.scans) scan.besideTurned = turned;
     std::uint64_t room = std::uint64_t(1) << 62;  // each scan's own is checked where its points are
     for (const auto& scan : result.scans) {
         if (scan.records > room)

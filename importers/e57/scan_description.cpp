@@ -196,7 +196,7 @@ void describeLimits(const XmlElement& element, ScanDescription& scan) {
 bool ScanDescription::standsAtOrigin() const {
     if (fieldOf.spherical()) return true;
     const bool grid = fieldOf.has(Role::Row) && fieldOf.has(Role::Column);
-    return (grid && (pose || hasSphericalBounds)) || (pose && pose->rotates);
+    return (grid && (pose || hasSphericalBounds)) || (pose && (pose->rotates || besideTurned));
 }
 
 Expected<ScanDescription> describeScan(const XmlElement& scan, const std::string& called) {

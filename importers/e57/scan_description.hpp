@@ -35,12 +35,13 @@ struct ScanDescription {
     std::optional<Limits> intensity;             ///< of the whole scale, where declared: finite, with a width
     std::array<std::optional<Limits>, 3> color;  ///< the same
     std::optional<std::array<glm::dvec3, 2>> bounds;  ///< declared ones, in the scan's coordinates; finite
-    bool hasSphericalBounds = false;                  ///< with a least range above 0
+    bool besideTurned = false;        ///< other scans of the file have poses that turn, as scanners' do
+    bool hasSphericalBounds = false;  ///< with a least range above 0
 
     bool hasCoordinates() const { return fieldOf.cartesian() || fieldOf.spherical(); }
     glm::dvec3 inFile(const glm::dvec3& p) const { return pose ? pose->rotation * p + pose->translation : p; }
     /// Whether its coordinates' origin is surely where the scanner was: it is spherical or a grid of rows and columns seen
-    /// from there, or somebody turned it into place. Clouds that are merged or merely moved have poses, too.
+    /// from there, or somebody turned it, or others of its file, into place. Clouds that are merged or merely moved have poses, too.
     bool standsAtOrigin() const;
 };
 

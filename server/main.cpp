@@ -8,6 +8,7 @@
 #include "server/commands/backends.hpp"
 #include "server/commands/command.hpp"
 #include "server/commands/doctor/doctor_command.hpp"
+#include "server/commands/export/export.hpp"
 #include "server/commands/importer_flags.hpp"
 #include "server/server.hpp"
 #include "server/terminal/terminal.hpp"
@@ -25,6 +26,7 @@ int main(int argc, char** argv) {
     scancast::addServe(app, exitCode);
     scancast::addRender(app, exitCode);
     scancast::addIngest(app, exitCode);
+    scancast::addExport(app, exitCode);
     scancast::addInfo(app, exitCode);
     scancast::addLook(app, exitCode);
     scancast::addGenerate(app, exitCode);

@@ -66,29 +66,15 @@ void describe(const PcdHeader& header, std::uint64_t points, pcl::PCLPointCloud2
     cloud.data.resize(points * header.pointBytes);
 }
 
-double load(const std::byte* from, ScalarType type) {
-    switch (type) {
-        case ScalarType::Int8:
-            return loadLe<std::int8_t>(from);
-        case ScalarType::UInt8:
-            return loadLe<std::uint8_t>(from);
-        case ScalarType::Int16:
-            return loadLe<std::int16_t>(from);
-        case ScalarType::UInt16:
-            return loadLe<std::uint16_t>(from);
-        case ScalarType::Int32:
-            return loadLe<std::int32_t>(from);
-        case ScalarType::UInt32:
-            return loadLe<std::uint32_t>(from);
-        case ScalarType::Int64:
-            return static_cast<double>(loadLe<std::int64_t>(from));
-        case ScalarType::UInt64:
-            return static_cast<double>(loadLe<std::uint64_t>(from));
-        case ScalarType::Float32:
-            return loadLe<float>(from);
-        default:
-            return loadLe<double>(from);
+RowLayout rowsOf(const PcdHeader& header) {
+    RowLayout rows;
+    rows.bytes = header.pointBytes;
+    for (std::size_t m = 0; m < meanings; ++m) {
+        if (!header.meanings.type[m]) continue;
+        const auto& field = header.fields[header.fieldOf[m]];
+        rows.fields.push_back({field.offset, field.type, static_cast<Meaning>(m)});
     }
+    return rows;
 }
 
 Expected<void> hand(const PcdHeader& header, const pcl::PCLPointCloud2& cloud, std::uint64_t points,
@@ -96,36 +82,19 @@ Expected<void> hand(const PcdHeader& header, const pcl::PCLPointCloud2& cloud, s
     if (cloud.data.size() < points * header.pointBytes)
         return fail(ErrorCode::Malformed, "PCL's reader made fewer bytes of it than its header promises");
     const auto* data = reinterpret_cast<const std::byte*>(cloud.data.data());
+    const RowLayout rows = rowsOf(header);
     RawPoint point{};
     for (std::uint64_t i = 0; i < points; ++i, data += header.pointBytes) {
-        for (std::size_t m = 0; m < meanings; ++m) {
-            if (!header.meanings.type[m]) continue;
-            const auto& field = header.fields[header.fieldOf[m]];
-            const bool packed = static_cast<Meaning>(m) == Meaning::PackedColor;
-            point[m] = load(data + field.offset, packed ? ScalarType::UInt32 : field.type);
-        }
+        readRow(data, rows, point);
         if (auto ok = sink(point); !ok) return ok;
     }
     return {};
 }
 
 Expected<void> readBinary(std::ifstream& stream, const PcdHeader& header, const RawPointSink& sink) {
-    const auto slice = std::max<std::uint64_t>(1, sliceBytes / header.pointBytes);
-    pcl::PCDReader reader;
-    pcl::PCLPointCloud2 cloud;
-    std::vector<unsigned char> bytes;
-    for (std::uint64_t done = 0; done < header.points;) {
-        const auto count = std::min(slice, header.points - done);
-        bytes.resize(count * header.pointBytes);
-        stream.read(reinterpret_cast<char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
-        if (static_cast<std::size_t>(stream.gcount()) != bytes.size())
-            return fail(ErrorCode::Truncated, "it became shorter while it was read");
-        describe(header, count, cloud);
-        if (reader.readBodyBinary(bytes.data(), cloud, pcdVersion, false, 0) != 0)
-            return fail(ErrorCode::Malformed, "PCL cannot read its points after the first " + grouped(done));
-        if (auto ok = hand(header, cloud, count, sink); !ok) return ok;
-        done += count;
-    }
+    const auto read = readRows(stream, rowsOf(header), header.points, sink);
+    if (!read) return passOn(read);
+    if (*read < header.points) return fail(ErrorCode::Truncated, "it became shorter while it was read");
     return {};
 }
 

@@ -1,16 +1,14 @@
-// The points behind a PCD header, decoded by PCL's reader slice by slice: only compressed files are in memory
-// as a whole. Used on one thread.
+// The points behind a PCD header, slice by slice: only compressed files are in memory as a whole. Text and what is compressed
+// is decoded by PCL's reader; binary bodies are rows of numbers (raw_rows.hpp). Used on one thread.
 #pragma once
 
-#include <functional>
 #include <string>
 
 #include "importers/pcl/pcd_header.hpp"
+#include "importers/pcl/raw_rows.hpp"
 #include "protocol/error.hpp"
 
 namespace scancast::import_pcl {
-
-using RawPointSink = std::function<Expected<void>(const RawPoint&)>;
 
 /// Calls `sink` for every point of the file, in order. Errors without the file's name; the sink's own.
 Expected<void> readPcdPoints(const std::string& file, std::uint64_t fileBytes, const PcdHeader& header,

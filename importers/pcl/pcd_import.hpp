@@ -1,4 +1,4 @@
-// PCD to point stream: header checked here, points decoded by PCL.
+// PCD to point stream: header checked here, points decoded by pcd_body.
 #pragma once
 
 #include <string>

@@ -221,4 +221,27 @@ Expected<PlyHeader> checkPlyHeader(std::string_view start, std::uint64_t fileByt
     return header;
 }
 
+std::optional<VertexRows> vertexRows(const PlyHeader& header) {
+    if (header.format == PlyFormat::Ascii) return std::nullopt;
+    VertexRows rows{.at = header.bytes};
+    rows.layout.bigEndian = header.format == PlyFormat::BinaryBigEndian;
+    for (const auto& element : header.elements) {
+        const bool lists =
+            std::ranges::any_of(element.properties, [](auto& p) { return p.listSize.has_value(); });
+        if (lists) return std::nullopt;
+        if (element.name == "vertex") {
+            for (const auto& property : element.properties) {
+                const auto meaning = meaningOf(property.name);
+                if (meaning && header.propertyOf[static_cast<std::size_t>(*meaning)] == property.name)
+                    rows.layout.fields.push_back({rows.layout.bytes, property.type, *meaning});
+                rows.layout.bytes += static_cast<std::uint32_t>(bytesOf(property.type));
+            }
+            return rows;
+        }
+        rows.at +=
+            element.count * leastBytes(element, header.format);  // exact, without lists; within the file
+    }
+    return std::nullopt;
+}
+
 }  // namespace scancast::import_pcl

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "importers/pcl/point_fields.hpp"
+#include "importers/pcl/raw_rows.hpp"
 #include "protocol/error.hpp"
 
 namespace scancast::import_pcl {
@@ -44,5 +45,14 @@ inline constexpr std::size_t longestPlyHeader = 1 << 20;
 /// the promised vertices are checked; not with `recover`, which is content with those that are there. Errors: Malformed,
 /// Truncated, Unsupported, Empty; without the file's name.
 Expected<PlyHeader> checkPlyHeader(std::string_view start, std::uint64_t fileBytes, bool recover = false);
+
+/// Where binary vertices of one length stand.
+struct VertexRows {
+    std::uint64_t at = 0;  ///< byte of the first one
+    RowLayout layout{};
+};
+/// Nothing for text, for vertices with lists, and where elements with lists come first: only who has read these knows where
+/// the vertices are.
+std::optional<VertexRows> vertexRows(const PlyHeader& header);
 
 }  // namespace scancast::import_pcl

@@ -9,6 +9,7 @@
 
 #include "importers/pcl/ply_header.hpp"
 #include "importers/pcl/point_converter.hpp"
+#include "importers/pcl/raw_rows.hpp"
 #include "renderer/cloud/import/lost_points.hpp"
 #include "renderer/cloud/import/printable_text.hpp"
 
@@ -18,15 +19,18 @@ namespace {
 
 namespace ply = pcl::io::ply;
 
+Expected<void> breaksOff(const PlyHeader& header, std::uint64_t vertices, const std::string& where) {
+    return fail(ErrorCode::Truncated, "it breaks off within vertex " + grouped(vertices + 1) + " of " +
+                                          grouped(header.vertices) + where);
+}
+
 /// Leaves PCL's parser in the middle: it has no other way to be stopped.
 struct Stop {};
 
 /// One run of PCL's parser over the file, which calls `vertex` for every vertex.
 class VertexPass {
   public:
-    using Vertex = std::function<Expected<void>(const RawPoint&)>;
-
-    VertexPass(const PlyHeader& header, Vertex vertex) : header_(header), vertex_(std::move(vertex)) {}
+    VertexPass(const PlyHeader& header, RawPointSink vertex) : header_(header), vertex_(std::move(vertex)) {}
 
     Expected<void> run(const std::string& file);
 
@@ -36,7 +40,7 @@ class VertexPass {
     void endVertex();
 
     const PlyHeader& header_;
-    Vertex vertex_;
+    RawPointSink vertex_;
     RawPoint point_{};
     std::uint64_t vertices_ = 0;
     std::size_t errorLine_ = 0;
@@ -94,8 +98,20 @@ Expected<void> VertexPass::run(const std::string& file) {
     }
     std::string where =
         header_.format == PlyFormat::Ascii && errorLine_ > 0 ? " (line " + grouped(errorLine_) + ")" : "";
-    return fail(ErrorCode::Truncated, "it breaks off within vertex " + grouped(vertices_ + 1) + " of " +
-                                          grouped(header_.vertices) + where);
+    return breaksOff(header_, vertices_, where);
+}
+
+/// Calls `vertex` for every vertex.
+Expected<void> readVertices(const std::string& file, const PlyHeader& header, const RawPointSink& vertex) {
+    const auto rows = vertexRows(header);
+    if (!rows) return VertexPass(header, vertex).run(file);
+    std::ifstream stream(file, std::ios::binary);
+    if (!stream || !stream.seekg(static_cast<std::streamoff>(rows->at)))
+        return fail(ErrorCode::Io, "it cannot be opened");
+    const auto read = readRows(stream, rows->layout, header.vertices, vertex);
+    if (!read) return passOn(read);
+    if (*read < header.vertices) return breaksOff(header, *read, "");
+    return {};
 }
 
 std::string formatText(PlyFormat format) {
@@ -124,11 +140,11 @@ Expected<std::uint64_t> wholeLines(const std::string& file, std::uint64_t from) 
 /// How many vertices are there before the file ends, or says what cannot be: at most as many as promised.
 Expected<std::uint64_t> wholeVertices(const std::string& file, const PlyHeader& header) {
     std::uint64_t vertices = 0;
-    VertexPass count(header, [&](const RawPoint&) -> Expected<void> {
+    const auto counted = readVertices(file, header, [&](const RawPoint&) -> Expected<void> {
         ++vertices;
         return {};
     });
-    if (auto ok = count.run(file); !ok && ok.error().code != ErrorCode::Truncated) return passOn(ok);
+    if (!counted && counted.error().code != ErrorCode::Truncated) return passOn(counted);
     if (header.format != PlyFormat::Ascii) return vertices;
     const auto lines = wholeLines(file, header.bytes);
     if (!lines) return passOn(lines);
@@ -167,11 +183,11 @@ Expected<void> importPly(const std::string& file, PointStreamWriter& writer, boo
 
     ValueRanges ranges;
     if (needsRanges(header->fields)) {
-        VertexPass measure(*header, [&](const RawPoint& point) -> Expected<void> {
+        const auto measured = readVertices(file, *header, [&](const RawPoint& point) -> Expected<void> {
             ranges.take(point, header->fields);
             return {};
         });
-        if (auto ok = measure.run(file); !ok) return ok;
+        if (!measured) return measured;
     }
     ScanHeader scan;
     scan.format = formatText(header->format);
@@ -181,8 +197,9 @@ Expected<void> importPly(const std::string& file, PointStreamWriter& writer, boo
     if (!lost.empty())
         if (auto ok = writer.writeNote(lost); !ok) return ok;
     PointConverter converter(header->fields, ranges, writer);
-    VertexPass send(*header, [&](const RawPoint& point) { return converter.add(point); });
-    if (auto ok = send.run(file); !ok) return ok;
+    const auto sent =
+        readVertices(file, *header, [&](const RawPoint& point) { return converter.add(point); });
+    if (!sent) return sent;
     return converter.finish();
 }
 

@@ -1,4 +1,5 @@
-// PLY to point stream, by PCL's PLY parser, vertex by vertex: the file is never in memory as a whole.
+// PLY to point stream, vertex by vertex: the file is never in memory as a whole. Binary vertices without lists are rows of
+// numbers (raw_rows.hpp); everything else is read by PCL's PLY parser.
 #pragma once
 
 #include <string>

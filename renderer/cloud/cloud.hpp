@@ -48,6 +48,12 @@ struct ValuePlane {
     bool operator==(const ValuePlane&) const = default;
 };
 
+/// The scan's own grid: file coordinate = origin + step * whole number, on each axis.
+struct ScanGrid {
+    glm::dvec3 origin{0}, step{1};
+    bool operator==(const ScanGrid&) const = default;
+};
+
 /// What a scan's points have, but all of them the same: no information, so that the cloud does not count it
 /// among its attributes. Still there, and drawn when asked for by name.
 struct ConstantValues {
@@ -97,6 +103,9 @@ struct CloudFacts {
     std::array<std::uint64_t, 256> classCounts{};
     std::string crsWkt;
     std::optional<int> crsEpsg;
+    std::optional<ScanGrid>
+        grid;              ///< that all points lie on, in 32 bits; nullopt: there is none, or none is known
+    bool exact = false;    ///< everything that samples round is kept beside them (exact_columns.hpp)
     double spacing = 0;    ///< s0, typical distance of neighbouring points, cloud units
     bool surfels = false;  ///< samples carry radius, ellipse and a normal
     bool oriented =

@@ -63,6 +63,7 @@ Expected<FileInfo> cloudInfo(const ScanInput& input, bool check, const ProgressS
     info.boundsKnown = true;
     info.octree = octreeInfo(file.nodes());
     info.writtenBy = file.writtenBy();
+    if (const auto& grid = file.facts().grid) info.gridStep = grid->step;
     if (check) info.damaged = checkBlocks(file, progress);
     info.checked = check;
     return info;
@@ -124,7 +125,6 @@ Expected<FileInfo> scanInfo(const ScanInput& input, bool check, const ProgressSi
     info.file = input.path();
     info.bytes = input.bytes();
     info.points = header.points;
-    info.pointsSummed = input.octree() != nullptr;
     info.facts.title = input.path().filename().string();
     info.facts.format = header.format;
     info.facts.points = header.points.value_or(0);

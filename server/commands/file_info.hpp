@@ -30,15 +30,13 @@ struct FileInfo {
     std::uint64_t bytes = 0;
     /// Of a scan: what its header tells, completed by what was read where it was read through.
     CloudFacts facts;
-    std::optional<std::uint64_t>
-        points;                 ///< of a scan as declared or summed; nullopt = not known until it is read
-    bool pointsSummed = false;  ///< of the nodes of an octree, whatever its description declares
+    std::optional<std::uint64_t> points;  ///< of a scan as declared; nullopt = not known until it is read
     bool boundsKnown = false;
 
     std::optional<OctreeInfo> octree;  ///< a cloud file has one, a scan does not
     std::string writtenBy;             ///< cloud file: by which program
 
-    glm::dvec3 gridStep{0};                   ///< scan: the steps of its coordinates; 0 = none
+    glm::dvec3 gridStep{0};                   ///< the steps of the scan's coordinates; 0 = none, or not known
     std::optional<glm::dvec3> scannerOrigin;  ///< scan: where the scanner stood
 
     bool checked = false;  ///< every block was read, or the scan to its end

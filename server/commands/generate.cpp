@@ -54,11 +54,11 @@ Expected<glm::dvec3> parseOrigin(const std::string& text) {
     return origin;
 }
 
-Expected<ScanFormat> chooseFormat(const GenerateArguments& arguments, std::uint64_t points) {
-    ScanFormat format = ScanFormat::Ply;
-    if (arguments.format == "las14") return ScanFormat::Las14;
+Expected<WrittenFormat> chooseFormat(const GenerateArguments& arguments, std::uint64_t points) {
+    WrittenFormat format = WrittenFormat::Ply;
+    if (arguments.format == "las14") return WrittenFormat::Las14;
     if (arguments.format == "las") {
-        format = ScanFormat::Las12;
+        format = WrittenFormat::Las12;
     } else if (arguments.format.empty() && arguments.output != "-") {
         const auto named = formatOfName(arguments.output);
         if (!named && arguments.output.rfind("/dev/", 0) != 0)
@@ -66,9 +66,9 @@ Expected<ScanFormat> chooseFormat(const GenerateArguments& arguments, std::uint6
                         "The name '" + arguments.output +
                             "' does not tell the format; end it in .ply or .las, or give --format.",
                         "format");
-        format = named.value_or(ScanFormat::Ply);
+        format = named.value_or(WrittenFormat::Ply);
     }
-    if (format == ScanFormat::Las12 && points > UINT32_MAX) format = ScanFormat::Las14;
+    if (format == WrittenFormat::Las12 && points > UINT32_MAX) format = WrittenFormat::Las14;
     return format;
 }
 

@@ -6,6 +6,7 @@
 #include "server/commands/command.hpp"
 #include "server/commands/file_info.hpp"
 #include "server/commands/info_print.hpp"
+#include "server/commands/scans/found_scans.hpp"
 #include "server/terminal/progress_bar.hpp"
 #include "server/terminal/terminal.hpp"
 
@@ -16,7 +17,7 @@ using Json = nlohmann::ordered_json;
 
 struct InfoArguments {
     std::vector<std::string> files;
-    bool json = false, check = false, quiet = false;
+    bool json = false, check = false, quiet = false, verbose = false;
 };
 
 /// Every file is told of, whatever the others are like. False when one of them cannot be read or is damaged.
@@ -24,20 +25,30 @@ bool runInfo(const InfoArguments& arguments) {
     bool sound = true;
     Json all{{"files", Json::array()}};
     ProgressBar bar(stderr, arguments.quiet ? ProgressBar::Style::Quiet : ProgressBar::Style::Automatic);
-    for (const std::string& file : arguments.files) {
-        const auto info = fileInfo(file, arguments.check, bar.sink());
-        bar.clear();
-        sound = sound && info && info->damaged.empty();
-        if (!info) tell("scancast info: {}\n", info.error().message);
+    const auto failed = [&](const std::string& file, const Error& error) {
+        sound = false;
+        tell("scancast info: {}\n", error.message);
         if (arguments.json)
             all["files"].push_back(
-                info ? infoJson(*info)
-                     : Json{{"file", file},
-                            {"error",
-                             {{"code", name(info.error().code)}, {"message", info.error().message}}}});
-        else if (info)
+                Json{{"file", file}, {"error", {{"code", name(error.code)}, {"message", error.message}}}});
+    };
+    const auto describe = [&](const std::string& file) {
+        const auto info = fileInfo(file, arguments.check, bar.sink());
+        bar.clear();
+        if (!info) return failed(file, info.error());
+        sound = sound && info->damaged.empty();
+        if (arguments.json)
+            all["files"].push_back(infoJson(*info));
+        else
             sound = bool(print(infoText(*info))) && sound;
+    };
+    FoundScans found;
+    for (const std::string& argument : arguments.files) {
+        const std::size_t before = found.files().size();
+        if (auto ok = found.add(argument); !ok) failed(argument, ok.error());
+        for (std::size_t i = before; i < found.files().size(); ++i) describe(found.files()[i]);
     }
+    if (!arguments.quiet) tellLeftOut(found, arguments.verbose);
     if (arguments.json)
         sound =
             bool(print(plainJson(all.dump(2, ' ', false, Json::error_handler_t::replace)) + "\n")) && sound;
@@ -54,12 +65,16 @@ void addInfo(CLI::App& app, int& exitCode) {
         "Examples:\n"
         "  scancast info town.scan\n"
         "  scancast info --check *.scan          # read every block and verify its checksum\n"
+        "  scancast info flight/                 # every scan in the folder, and beneath it\n"
         "  scancast info --json flight.laz       # docs/info.md describes the object");
-    command->add_option("files", arguments->files, "Cloud files or scans")->type_name("FILE")->required();
+    command->add_option("files", arguments->files, "Cloud files and scans, folders of them, patterns")
+        ->type_name("FILE")
+        ->required();
     command->add_flag("--json", arguments->json, "One JSON object on standard output instead of text");
     command->add_flag("--check", arguments->check,
                       "Verify every block of a cloud file; read a scan through to its end");
     command->add_flag("-q,--quiet", arguments->quiet, "No progress on standard error");
+    command->add_flag("--verbose", arguments->verbose, "Name each file of a folder that is no scan");
     command->callback([arguments, &exitCode] { exitCode = runInfo(*arguments) ? 0 : 1; });
 }
 

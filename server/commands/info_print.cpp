@@ -45,8 +45,7 @@ class Lines {
 
 void tellSize(const FileInfo& info, Lines& lines) {
     std::string points = info.points ? grouped(*info.points) : "not known until they are read (--check)";
-    if (!info.octree && !info.checked && info.points)
-        points += info.pointsSummed ? ", the sum of its nodes" : ", as the file declares";
+    if (!info.octree && !info.checked && info.points) points += ", as the file declares";
     if (info.facts.droppedPoints > 0)
         points += fmt::format("; {} left out, without coordinates or marked as none", grouped(info.facts.droppedPoints));
     lines.add("points", points);
@@ -122,6 +121,8 @@ void tellOctree(const FileInfo& info, Lines& lines) {
               fmt::format("{} levels, {} nodes, {} samples ({:.2f} a point)", o.levels, grouped(o.nodes),
                           grouped(o.samples), double(o.samples) / double(*info.points)));
     lines.add("spacing", fmt::format("{:.3g} between neighbouring points", info.facts.spacing));
+    if (info.facts.exact)
+        lines.add("exact", "what samples round is kept beside them; \"scancast export\" gives it back");
     lines.add("surfels", info.facts.surfels ? "yes, " + sidesOf(info.facts) : "no");
     lines.add("curvature", hasCurvature(info.facts) ? usualCurvature(info.facts) : "no");
 }
@@ -281,6 +282,7 @@ Json octreeJson(const FileInfo& info) {
             {"sureOfSides", info.facts.sides      ? info.facts.sides->sure
                             : info.facts.oriented ? 1.0
                                                   : 0.0},
+            {"exact", info.facts.exact},
             {"revision", info.facts.revision},
             {"writtenBy", info.writtenBy}};
 }

@@ -1,18 +1,14 @@
 // `scancast ingest`: any number of scans become one cloud file, out of core.
 #include <fmt/format.h>
 #include <malloc.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <chrono>
 #include <csignal>
 #include <memory>
 #include <nlohmann/json.hpp>
-#include <stop_token>
-#include <thread>
 
 #include "renderer/cloud/build/ingest.hpp"
-#include "renderer/cloud/build/lazy_scan.hpp"
 #include "renderer/cloud/import/open_scan.hpp"
 #include "renderer/cloud/import/standard_input.hpp"
 #include "renderer/look/keep_look.hpp"
@@ -20,8 +16,10 @@
 #include "server/commands/command.hpp"
 #include "server/commands/importer_flags.hpp"
 #include "server/commands/look_file.hpp"
+#include "server/commands/scans/found_scans.hpp"
+#include "server/commands/scans/open_in_turn.hpp"
+#include "server/terminal/interruption.hpp"
 #include "server/terminal/progress_bar.hpp"
-#include "server/terminal/shutdown_signals.hpp"
 #include "server/terminal/terminal.hpp"
 
 namespace scancast {
@@ -41,7 +39,8 @@ struct IngestArguments {
     ImporterFlags importer;
     int threads = 0, neighbours = 10;
     bool recover = false;
-    bool noSurfels = false, noCurvature = false, keepAttributes = false, force = false, quiet = false;
+    bool noSurfels = false, noCurvature = false, keepAttributes = false, exact = false, force = false,
+         quiet = false, verbose = false;
 };
 
 /// Large blocks go back to the system when they are freed, or the limit would be kept in name only; small
@@ -52,29 +51,8 @@ void returnMemoryOfChunks() {
     ::mallopt(M_TRIM_THRESHOLD, 64 << 20);
 }
 
-/// While it lives, Ctrl-C, or the end of its terminal, asks the work to stop; a second one ends the process
-/// as it is (temporary files are unnamed and the unfinished file is marked as such, so nothing misleading is
-/// left even then).
-class Interruption {
-  public:
-    Interruption() : watcher_([this](const std::stop_token& done) { watch(done); }) {}
-    std::stop_token token() const { return stop_.get_token(); }
-
-  private:
-    void watch(const std::stop_token& done) {
-        while (!done.stop_requested()) {
-            const int signals = signals_.wait(std::chrono::milliseconds(100));
-            if (signals > 0) stop_.request_stop();
-            if (signals > 1) ::_exit(130);
-        }
-    }
-
-    ShutdownSignals signals_{ShutdownSignals::Hangup::Ends};
-    std::stop_source stop_;
-    std::jthread watcher_;
-};
-
-Expected<IngestOptions> ingestOptions(const IngestArguments& arguments) {
+Expected<IngestOptions> ingestOptions(const IngestArguments& arguments,
+                                      const std::vector<std::string>& files) {
     IngestOptions options;
     options.output = arguments.output;
     options.scratch = arguments.scratch;
@@ -82,6 +60,7 @@ Expected<IngestOptions> ingestOptions(const IngestArguments& arguments) {
     options.threads = arguments.threads;
     options.shape.surfels = !arguments.noSurfels;
     options.shape.curvature = !arguments.noCurvature;
+    options.shape.exact = arguments.exact;
     options.shape.neighbours = arguments.neighbours;
     options.shape.orientation = arguments.orient == "up"     ? Orientation::Up
                                 : arguments.orient == "scan" ? Orientation::Scan
@@ -95,39 +74,26 @@ Expected<IngestOptions> ingestOptions(const IngestArguments& arguments) {
     if (!arguments.force && fs::exists(options.output, error))
         return fail(ErrorCode::InvalidArgument,
                     fmt::format("{} is there already; --force replaces it.", arguments.output), "output");
-    for (const std::string& input : arguments.inputs)
+    for (const std::string& input : files)
         if (fs::equivalent(input, options.output, error))
             return fail(ErrorCode::InvalidArgument, fmt::format("{} is both input and output.", input),
                         "output");
     return options;
 }
 
-/// One of many, opened again when its turn comes: thousands do not wait open. It has to be the file then that
-/// it is now.
-Expected<std::unique_ptr<PointSource>> openInTurn(const ScanInput& input, const ImportOptions& import) {
-    return lazyScan(
-        [=, path = input.path(), seen = input.file().identity()]() -> Expected<std::unique_ptr<PointSource>> {
-            const auto again = ScanInput::open(path);
-            if (!again) return passOn(again);
-            if (again->file().identity() == seen) return openScan(*again, import);
-            return fail(ErrorCode::Io, path.string() + " has changed since this began; begin again");
-        });
-}
-
 /// Their mirrors go into the options.
-Expected<std::vector<std::unique_ptr<PointSource>>> openAll(const IngestArguments& arguments,
-                                                            IngestOptions& options, ImportOptions import) {
-    import.keepAttributes = arguments.keepAttributes;
-    import.recover = arguments.recover;
+Expected<std::vector<std::unique_ptr<PointSource>>> openAll(const std::vector<std::string>& files,
+                                                            IngestOptions& options,
+                                                            const ImportOptions& import) {
     std::vector<std::unique_ptr<PointSource>> sources;
     const auto add = [&](Expected<std::unique_ptr<PointSource>> source) -> Expected<void> {
         if (!source) return passOn(source);
         sources.push_back(std::move(*source));
         return {};
     };
-    options.names = arguments.inputs;
+    options.names = files;
     std::ranges::replace(options.names, std::string("-"), std::string("standard input"));
-    for (const std::string& name : arguments.inputs) {
+    for (const std::string& name : files) {
         if (name == "-") {
             if (auto ok = add(openStandardInput(import)); !ok) return passOn(ok);
             continue;
@@ -137,7 +103,7 @@ Expected<std::vector<std::unique_ptr<PointSource>>> openAll(const IngestArgument
         const auto mirrors = input->mirrors();
         if (!mirrors) return passOn(mirrors);
         options.mirrors.insert(options.mirrors.end(), mirrors->begin(), mirrors->end());
-        const bool alone = arguments.inputs.size() == 1;
+        const bool alone = files.size() == 1;
         if (auto ok = add(alone ? openScan(*input, import) : openInTurn(*input, import)); !ok)
             return passOn(ok);
     }
@@ -186,8 +152,11 @@ tl::unexpected<Error> withRecovery(Error error, bool recover) {
 Expected<void> runIngest(const IngestArguments& arguments) {
     const auto start = Clock::now();
     returnMemoryOfChunks();
-    auto options = ingestOptions(arguments);
+    const auto found = findScans(arguments.inputs, {.cloudFiles = false});
+    if (!found) return passOn(found);
+    auto options = ingestOptions(arguments, found->files());
     if (!options) return passOn(options);
+    if (!arguments.quiet) tellLeftOut(*found, arguments.verbose);
     const auto look =
         arguments.look.empty() ? Expected<nlohmann::json>(nlohmann::json()) : readLookFile(arguments.look);
     if (!look) return passOn(look);
@@ -195,7 +164,10 @@ Expected<void> runIngest(const IngestArguments& arguments) {
     if (!import) return passOn(import);
     const Interruption interruption;
     import->stop = interruption.token();
-    auto sources = openAll(arguments, *options, *import);
+    import->keepAttributes = arguments.keepAttributes || arguments.exact;
+    import->exact = arguments.exact;
+    import->recover = arguments.recover;
+    auto sources = openAll(found->files(), *options, *import);
     if (!sources) return withRecovery(sources.error(), arguments.recover);
     if (!arguments.quiet) tellNeeds(*sources, *options);
     ProgressBar bar(stderr, arguments.quiet ? ProgressBar::Style::Quiet : ProgressBar::Style::Automatic);
@@ -218,7 +190,8 @@ Expected<void> runIngest(const IngestArguments& arguments) {
 constexpr const char* ingestExamples =
     "Examples:\n"
     "  scancast ingest town.las -o town.scan\n"
-    "  scancast ingest flight/*.laz -o flight.scan --memory-limit 4G --orient up\n"
+    "  scancast ingest flight/ -o flight.scan --memory-limit 4G --orient up\n"
+    "  scancast ingest 'flights/2024-*/**/*.laz' -o all.scan\n"
     "  scancast generate town --points 1G --format las14 -o - | scancast ingest - -o big.scan\n"
     "  scancast serve town.scan          # opens at once, whatever its size\n";
 
@@ -228,7 +201,11 @@ void addIngest(CLI::App& app, int& exitCode) {
     const auto arguments = std::make_shared<IngestArguments>();
     CLI::App* command =
         app.add_subcommand("ingest", "Turn scans into a cloud file, which opens at once at any size");
-    command->add_option("inputs", arguments->inputs, "Scans, all into one cloud; - for LAS on standard input")
+    command
+        ->add_option("inputs", arguments->inputs,
+                     "Scans, folders of them and patterns such as 'flight/*.laz', all into one cloud; - for "
+                     "LAS on standard "
+                     "input")
         ->required()
         ->type_name("INPUT");
     command->add_option("-o,--output", arguments->output, "The cloud file to write")
@@ -263,13 +240,18 @@ void addIngest(CLI::App& app, int& exitCode) {
         ->add_option(
             "--orient", arguments->orient,
             "Which side estimated normals point to. auto: towards the scanner where the scan says where it "
-            "stood - each point to the one that saw it -, else the side that neighbours agree on, where they do; scan: the same, else undecided; "
+            "stood - each point to the one that saw it -, else the side that neighbours agree on, where they "
+            "do; scan: the same, else undecided; "
             "up: upwards, for scans from the air")
         ->check(CLI::IsMember({"auto", "scan", "up"}))
         ->capture_default_str()
         ->type_name("SIDE");
     command->add_flag("--keep-attributes", arguments->keepAttributes,
                       "Also keep what is not drawn: GPS time, returns, extra bytes");
+    command->add_flag(
+        "--exact", arguments->exact,
+        "Keep all of it as it was, in a larger file: every attribute, positions to the last step of their "
+        "grid, colours of 16 bits. scancast export then gives LAS with the same records");
     command->add_flag("--recover", arguments->recover,
                       "Of scans that end too early - a copy was cut, a disk was full - read what is whole, "
                       "and tell how much is "
@@ -288,6 +270,7 @@ void addIngest(CLI::App& app, int& exitCode) {
         ->capture_default_str()
         ->type_name("N");
     command->add_flag("-q,--quiet", arguments->quiet, "No progress on standard error");
+    command->add_flag("--verbose", arguments->verbose, "Name each file of a folder that is no scan");
     command->footer(ingestExamples);
     command->callback([arguments, &exitCode] {
         const auto done = runIngest(*arguments);

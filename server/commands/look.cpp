@@ -16,20 +16,26 @@ namespace scancast {
 namespace {
 
 struct LookArguments {
-    std::string file, set, assumeCrs;
-    bool decide = false;
+    std::vector<std::string> files;
+    std::string set, assumeCrs;
+    bool decide = false, verbose = false;
 };
 
 Expected<void> runLook(const LookArguments& arguments) {
-    const auto cloud = openAny(arguments.file, {.assumeCrs = arguments.assumeCrs});
+    const bool keeps = arguments.decide || !arguments.set.empty();
+    if (keeps && arguments.files.size() > 1)
+        return fail(ErrorCode::InvalidArgument, "a look is kept in one cloud file; name one.");
+    const auto cloud =
+        openAny(arguments.files, {.assumeCrs = arguments.assumeCrs, .verbose = arguments.verbose});
     if (!cloud) return passOn(cloud);
     const bool known = (*cloud)->look && !arguments.decide;
     auto look = known ? Expected<Look>(*(*cloud)->look) : decideLook(**cloud);
     if (look && !arguments.set.empty()) look = changedLook(*look, arguments.set);
     if (!look) return passOn(look);
-    if (arguments.set.empty() && !arguments.decide) return print(plainJson(toJson(*look).dump(2)) + "\n");
-    if (auto kept = keepLook(arguments.file, *look); !kept) return kept;
-    tell("{} is shown like this from now on: {}, first seen {}.\n", arguments.file, name(look->kind),
+    if (!keeps) return print(plainJson(toJson(*look).dump(2)) + "\n");
+    const std::string& file = arguments.files.front();
+    if (auto kept = keepLook(file, *look); !kept) return kept;
+    tell("{} is shown like this from now on: {}, first seen {}.\n", file, name(look->kind),
          look->views.front().name);
     return {};
 }
@@ -47,7 +53,12 @@ void addLook(CLI::App& app, int& exitCode) {
         "  scancast look town.scan > town.json       # then change town.json: a camera, a colour, a method\n"
         "  scancast look town.scan --set town.json   # the file is changed in place, no block is rewritten\n"
         "  scancast look town.scan --decide          # forget that, and look at it again");
-    command->add_option("file", arguments->file, "The cloud file or the scan")->required();
+    command
+        ->add_option("file", arguments->files,
+                     "The cloud file or the scan; a folder of scans, or several, as one")
+        ->required()
+        ->type_name("FILE");
+    command->add_flag("--verbose", arguments->verbose, "Name each file of a folder that is no scan");
     auto* set =
         command->add_option("--set", arguments->set,
                             "Keep this look in the cloud file: JSON, with what is to change or all of it");

@@ -4,12 +4,15 @@
 
 #include "files/machine.hpp"
 #include "renderer/cloud/build/build_cloud.hpp"
+#include "renderer/cloud/build/many_scans.hpp"
 #include "renderer/cloud/file/cloud_file.hpp"
 #include "renderer/cloud/import/open_scan.hpp"
 #include "renderer/residency/open_cloud.hpp"
 #include "server/base/byte_size.hpp"
 #include "server/catalog/damage_reports.hpp"
 #include "server/commands/importer_flags.hpp"
+#include "server/commands/scans/found_scans.hpp"
+#include "server/commands/scans/open_in_turn.hpp"
 #include "server/terminal/progress_bar.hpp"
 #include "server/terminal/terminal.hpp"
 
@@ -34,30 +37,62 @@ Expected<std::shared_ptr<const Cloud>> openFile(const ScanInput& input, const Op
     return openCloud(std::move(*file), BlockCache::create(cache));
 }
 
+/// What a cloud of these arguments is called: the first one's name, whether that is a file or a folder.
+std::string titleOf(const std::vector<std::string>& arguments) {
+    const fs::path first = fs::path(arguments.front()).lexically_normal();
+    return (first.has_filename() ? first : first.parent_path()).filename().string();
+}
+
+/// Several are opened when their turn comes. Their mirrors are all added.
+Expected<std::unique_ptr<PointSource>> openScans(const std::vector<std::string>& files,
+                                                 const ImportOptions& import, std::vector<Mirror>& mirrors) {
+    std::vector<std::unique_ptr<PointSource>> sources;
+    for (const std::string& file : files) {
+        const auto input = ScanInput::open(file);
+        if (!input) return passOn(input);
+        if (files.size() > 1 && isCloudFile(input->file()))
+            return fail(
+                ErrorCode::InvalidArgument,
+                file + " is a cloud file, and one of several: only scans are put together; name it alone");
+        auto source = files.size() == 1 ? openScan(*input, import) : openInTurn(*input, import);
+        if (!source) return source;
+        sources.push_back(std::move(*source));
+        const auto theirs = input->mirrors();
+        if (!theirs) return passOn(theirs);
+        mirrors.insert(mirrors.end(), theirs->begin(), theirs->end());
+    }
+    return sources.size() == 1 ? Expected<std::unique_ptr<PointSource>>(std::move(sources.front()))
+                               : manyScans(std::move(sources), files);
+}
+
 }  // namespace
 
-Expected<std::shared_ptr<const Cloud>> openAny(const std::string& file, const OpenOptions& options) {
-    auto input = ScanInput::open(file);
-    if (!input) return passOn(input);
+Expected<std::shared_ptr<const Cloud>> openAny(const std::vector<std::string>& arguments,
+                                               const OpenOptions& options) {
+    const auto found = findScans(arguments);
+    if (!found) return passOn(found);
+    tellLeftOut(*found, options.verbose);
+    const std::vector<std::string>& files = found->files();
     auto crs = assumedCrs(options.assumeCrs);
     if (!crs) return passOn(crs);
-    if (isCloudFile(input->file())) {
-        if (*crs)
-            tell(
-                "{} is a cloud file, which keeps its coordinate reference system; --assume-crs is for "
-                "scans\n",
-                file);
-        return openFile(*input, options);
+    if (files.size() == 1) {
+        const auto input = ScanInput::open(files.front());
+        if (!input) return passOn(input);
+        if (isCloudFile(input->file())) {
+            if (*crs)
+                tell(
+                    "{} is a cloud file, which keeps its coordinate reference system; --assume-crs is for "
+                    "scans\n",
+                    files.front());
+            return openFile(*input, options);
+        }
     }
-    auto source = openScan(*input, {.assumeCrs = std::move(*crs)});
-    if (!source) return passOn(source);
     BuildOptions build;
-    build.title = fs::path(file).filename().string();
+    build.title = titleOf(arguments);
     build.threads = options.threads;
     build.shape.surfels = options.surfels;
-    auto mirrors = input->mirrors();
-    if (!mirrors) return passOn(mirrors);
-    build.mirrors = std::move(*mirrors);
+    auto source = openScans(files, {.assumeCrs = std::move(*crs)}, build.mirrors);
+    if (!source) return passOn(source);
     ProgressBar bar;
     auto cloud = buildCloud(**source, build, bar.sink());
     bar.clear();

@@ -1,8 +1,9 @@
-// A cloud from whatever file the user names: a cloud file, or a scan that is read into memory.
+// A cloud from whatever the user names: a cloud file, or scans - files, folders, patterns - that are read into memory as one.
 #pragma once
 
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "renderer/cloud/cloud.hpp"
 
@@ -13,9 +14,12 @@ struct OpenOptions {
     bool surfels = true;        ///< of scans
     std::string assumeCrs{};    ///< of scans, as written; empty = they are believed
     std::string memoryLimit{};  ///< of cloud files, like "2G"; empty = half of the machine's
+    bool verbose = false;       ///< name each file of a folder that is no scan
 };
 
-/// Shows progress and tells what is remarkable on standard error. Errors: those of opening and reading.
-Expected<std::shared_ptr<const Cloud>> openAny(const std::string& file, const OpenOptions& options);
+/// Shows progress and tells what is remarkable on standard error. Errors: those of findScans(), of opening and reading;
+/// InvalidArgument for a cloud file among others.
+Expected<std::shared_ptr<const Cloud>> openAny(const std::vector<std::string>& arguments,
+                                               const OpenOptions& options);
 
 }  // namespace scancast

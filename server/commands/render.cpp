@@ -30,13 +30,14 @@ namespace fs = std::filesystem;
 using Clock = std::chrono::steady_clock;
 
 struct RenderArguments {
-    std::string file, output, stats, look;
+    std::vector<std::string> files;
+    std::string output, stats, look;
     DeviceOptions device;
     RenderOptions render;
     ViewFlags view;
     int repeat = 1;
     std::string memoryLimit, gpuMemoryLimit, assumeCrs;
-    bool noSurfels = false;
+    bool noSurfels = false, verbose = false;
     double orbit = 0;  ///< degrees around the target between repeated frames
 };
 
@@ -150,10 +151,11 @@ Expected<void> runRender(const RenderArguments& arguments) {
     options.gpuMemoryLimit = *gpuMemoryLimit;
     auto device = createDevice(options);
     if (!device) return passOn(device);
-    auto cloud = openAny(arguments.file, {.threads = arguments.device.threads,
-                                          .surfels = !arguments.noSurfels,
-                                          .assumeCrs = arguments.assumeCrs,
-                                          .memoryLimit = arguments.memoryLimit});
+    auto cloud = openAny(arguments.files, {.threads = arguments.device.threads,
+                                           .surfels = !arguments.noSurfels,
+                                           .assumeCrs = arguments.assumeCrs,
+                                           .memoryLimit = arguments.memoryLimit,
+                                           .verbose = arguments.verbose});
     if (!cloud) return passOn(cloud);
     cloud = withLook(std::move(*cloud));
     if (!arguments.look.empty()) {
@@ -200,10 +202,16 @@ void addRender(CLI::App& app, int& exitCode) {
         "  scancast render church.las -o evening.png --shading phong --light sun=250,20 --light shadow=0.8 "
         "--light "
         "occlusion=0.5\n"
+        "  scancast render 'flight/*.laz' -o flight.jpg\n"
         "  scancast render church.las --repeat 50 --stats json --samples 1 --method point");
     auto arguments = std::make_shared<RenderArguments>();
     arguments->render.depth = false;  // of what it writes, no format shows it
-    command->add_option("file", arguments->file, "The cloud file or the scan")->required();
+    command
+        ->add_option("file", arguments->files,
+                     "The cloud file or the scan; a folder of scans, or several, as one")
+        ->required()
+        ->type_name("FILE");
+    command->add_flag("--verbose", arguments->verbose, "Name each file of a folder that is no scan");
     command->add_option("-o,--output", arguments->output, "The picture to write: .png, .jpg or .jpeg");
     command->add_option("--backend", arguments->device.backend, "auto, cpu, egl or osmesa")
         ->capture_default_str();

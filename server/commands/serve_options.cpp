@@ -2,6 +2,7 @@
 
 #include <arpa/inet.h>
 #include <fmt/format.h>
+#include <spdlog/spdlog.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -9,6 +10,7 @@
 #include "files/input_file.hpp"
 #include "files/machine.hpp"
 #include "server/base/byte_size.hpp"
+#include "server/commands/scans/found_scans.hpp"
 #include "server/net/clients/open_files.hpp"
 #include "server/net/origin_check.hpp"
 
@@ -51,8 +53,25 @@ Expected<AccessTokens> accessTokens(const ServeOptions& options) {
     return tokens;
 }
 
+Expected<void> findFiles(ServeOptions& options) {
+    std::vector<std::string> named = options.named;
+    if (named.empty())
+        for (const std::filesystem::path& file : options.files) named.push_back(file.string());
+    const auto found = findScans(named);
+    if (!found) return passOn(found);
+    if (!found->leftOut().empty()) spdlog::info("{}", found->leftOutText());
+    for (const std::string& one : found->leftOut()) spdlog::debug("no scan: {}", one);
+    options.files.assign(found->files().begin(), found->files().end());
+    options.named = std::move(named);
+    return {};
+}
+
 void addServeFlags(CLI::App& app, ServeOptions& options) {
-    app.add_option("FILE", options.files, "Cloud files (scancast ingest) and scans to serve")->type_name("");
+    app.add_option("FILE", options.files,
+                   "Cloud files (scancast ingest) and scans to serve, folders of them, and patterns such as "
+                   "'flight/*.laz': "
+                   "a cloud for each file")
+        ->type_name("");
     app.add_option(
            "--live", options.live,
            "A cloud that changes: frames as point streams, one behind the other, from standard input (-), a "

@@ -16,8 +16,9 @@
 namespace scancast {
 
 struct ServeOptions {
-    std::vector<std::filesystem::path> files;
-    std::vector<std::string> live;  ///< NAME=PATH of sources of clouds that change
+    std::vector<std::filesystem::path> files;  ///< as they were named, until findFiles()
+    std::vector<std::string> named;            ///< what findFiles() found them by
+    std::vector<std::string> live;             ///< NAME=PATH of sources of clouds that change
     ServerOptions server;
     DeviceOptions device;
     bool insecure = false;
@@ -43,6 +44,10 @@ struct ServeOptions {
 
 /// `options` must outlive the parse.
 void addServeFlags(CLI::App& app, ServeOptions& options);
+
+/// Puts what `files` name - files, folders, patterns - in their place, as they are now; again, when it is called again. What
+/// in folders is no scan is logged. Errors: those of findScans(), and nothing has changed then.
+Expected<void> findFiles(ServeOptions& options);
 
 /// What no single flag can know. InvalidArgument: an address that needs a token or --insecure, an origin that is none,
 /// connections that do not fit.

@@ -10,7 +10,7 @@
 
 namespace scancast {
 
-enum class ScanFormat : std::uint8_t {
+enum class WrittenFormat : std::uint8_t {
     Ply,    ///< binary little-endian: positions, normals, colour, intensity, classification
     Las12,  ///< LAS 1.2, point format 2: at most 4 294 967 295 points
     Las14,  ///< LAS 1.4, point format 7
@@ -27,10 +27,10 @@ class PointWriter {
 
 /// The header must declare the number of points and bounds that hold; the batches must have all columns.
 /// Errors: Io; InvalidArgument when the format cannot hold the scan.
-Expected<std::unique_ptr<PointWriter>> createPointWriter(ScanFormat format, OutputFile output,
+Expected<std::unique_ptr<PointWriter>> createPointWriter(WrittenFormat format, OutputFile output,
                                                          const ScanHeader& header);
 
 /// By the ending of a file name; nullopt when it tells nothing.
-std::optional<ScanFormat> formatOfName(std::string_view fileName);
+std::optional<WrittenFormat> formatOfName(std::string_view fileName);
 
 }  // namespace scancast

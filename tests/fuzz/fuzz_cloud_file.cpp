@@ -6,6 +6,8 @@
 #include <cstdlib>
 #include <cstring>
 
+#include "renderer/cloud/export/cloud_points.hpp"
+#include "renderer/cloud/export/export_writer.hpp"
 #include "renderer/cloud/file/block_codec.hpp"
 #include "renderer/cloud/file/cloud_file.hpp"
 #include "renderer/cloud/file/facts_json.hpp"
@@ -41,6 +43,34 @@ void tryFile(std::span<const std::byte> bytes) {
                 values->size() != n.sampleCount * bytesOf((*file)->planes()[p].type))
                 std::abort();
         }
+    }
+}
+
+/// Out again, in every format: an error with words, or written; never a crash.
+void tryExport(std::span<const std::byte> bytes) {
+    const auto file = CloudFile::open(readerOf(bytes), "fuzz.scan");
+    if (!file) return;
+    using Create =
+        Expected<std::unique_ptr<ExportWriter>> (*)(OutputFile, const ScanHeader&, const PointSurvey&);
+    const Create text = [](OutputFile output, const ScanHeader& header, const PointSurvey&) {
+        return createTextExport(std::move(output), header, ',');
+    };
+    for (const Create create : {Create(&createLasExport), Create(&createPlyExport), text}) {
+        const auto source = cloudPoints(*file);
+        auto output = OutputFile::create("/dev/null");
+        if (!output) std::abort();
+        const auto writer = create(std::move(*output), source->header(), {});
+        if (!writer) continue;
+        PointSurvey survey;
+        PointBatch batch;
+        for (;;) {
+            const auto more = source->read(batch);
+            if (!more && more.error().message.empty()) std::abort();
+            if (!more || !*more) break;
+            survey.add(batch, source->header());
+            if (!(*writer)->write(batch)) std::abort();
+        }
+        (void)(*writer)->finish(survey);
     }
 }
 
@@ -191,6 +221,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
 
     const Parts mutant = changed(start, data, size);
     tryFile(versionTwo(mutant));
+    tryExport(versionTwo(mutant));
     tryFile(versionOne(mutant));
     // And the input itself as blocks, as nodes, as planes and as facts.
     const auto whole = [&](std::size_t record) {

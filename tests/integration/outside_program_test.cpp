@@ -126,11 +126,12 @@ TEST_F(OutsideProgram, NamesThatLeadToNoFileKeepNobodyWaiting) {
     ASSERT_EQ(mkfifo(file("pipe.las").c_str(), 0600), 0);
     fs::create_symlink("pipe.las", folder / "link.scan");
     fs::create_symlink("loop.las", folder / "loop.las");
+    fs::create_directory(folder / "empty");
     const std::pair<std::string, const char*> names[] = {{file("pipe.las"), "is a pipe, not a file"},
                                                          {file("link.scan"), "is a pipe, not a file"},
                                                          {"/dev/zero", "is a device, not a file"},
                                                          {file("loop.las"), "cannot be opened"},
-                                                         {folder.path().string(), "is a directory without"}};
+                                                         {file("empty"), "there is no scan in this folder"}};
     for (const auto& [name, reason] : names) {
         EXPECT_EQ(run({"scancast", "info", name}), 1) << name;
         EXPECT_THAT(lastError, HasSubstr(reason));

@@ -8,6 +8,7 @@
 #include <cmath>
 
 #include "renderer/cloud/build/chunks/staging.hpp"
+#include "renderer/cloud/exact_columns.hpp"
 
 namespace scancast {
 
@@ -98,6 +99,11 @@ bool saysWhatIsUp(const ScanHeader& header) {
     return std::ranges::any_of(formats, [&](std::string_view f) { return header.format.starts_with(f); });
 }
 
+/// Else they are among the columns.
+bool keepsGridPositions(const ScanHeader& header) {
+    return !findColumns(header.columns, exactPositionNames, ColumnType::Float64);
+}
+
 /// What is known before anybody looks at the points.
 std::optional<KnownSides> knownSides(const StagedScan& scan, const ScanHeader& header,
                                      const OctreeShape& shape) {
@@ -135,14 +141,20 @@ CloudFacts factsOf(const StagedScan& scan, const ScanHeader& header, const Octre
     facts.stations = firstStations(scan.stations);
     for (std::size_t c = 0; c < header.columns.size(); ++c)
         facts.columns.push_back({header.columns[c], scan.columnRanges[c], scan.columnSketches[c].usual()});
+    if (scan.onOwnGrid) facts.grid = ScanGrid{header.gridOrigin, header.gridStep};
+    facts.exact = shape.exact;
+    if (shape.exact && keepsGridPositions(header))
+        for (ValuePlane& plane : gridPlanes()) facts.companions.push_back(std::move(plane));
     if (shape.curvatures()) facts.companions.push_back(curvaturePlane());
     return facts;
 }
 
-OctreeInput inputOf(const CloudFacts& facts, const ScanHeader& header, const OctreeShape& shape,
-                    const Grid& grid) {
+OctreeInput inputOf(const CloudFacts& facts, const StagedScan& scan, const ScanHeader& header,
+                    const OctreeShape& shape, const Grid& grid) {
     OctreeInput input;
     input.grid = grid;
+    input.gridPlanes = hasGridPlanes(facts);
+    input.ownLow = scan.ownLow;
     input.origin = facts.origin;
     input.attributes = facts.attributes;
     input.ownNormals = header.attributes.normal;
@@ -170,9 +182,15 @@ Expected<BuiltCloud> buildFrom(PointSource& source, const OctreeShape& shape, co
     header.scannerOrigin =
         source.header().scannerOrigin;  // known for certain only now: a second scan may have come
 
+    if (shape.exact && !scan->onOwnGrid && keepsGridPositions(header))
+        return fail(
+            ErrorCode::Malformed,
+            "The scan has points that do not lie on the grid that it declares, so that they cannot be "
+            "kept exactly; ingest it without --exact.");
+
     BuiltCloud cloud{.facts = factsOf(*scan, header, shape), .octree = {}};
     const Grid grid = chooseGrid(*scan, header);
-    const OctreeInput input = inputOf(cloud.facts, header, shape, grid);
+    const OctreeInput input = inputOf(cloud.facts, *scan, header, shape, grid);
     BuildNode root;
     Expected<BuiltOctree> octree;
     tbb::task_arena arena(room.threads > 0 ? room.threads : tbb::task_arena::automatic);

@@ -21,7 +21,7 @@ constexpr std::size_t window = 64;
 
 /// A node never claims to be coarser than its parent: what is drawn below a node stays within the bounds that
 /// its own spacing grew. A node that knows no spacing (all its points at one place) takes its parent's.
-float settleSpacing(double own, const Node* parent, float Node::*spacing, const Grid& grid) {
+float settleSpacing(double own, const Node* parent, float Node::* spacing, const Grid& grid) {
     const float largest = parent ? parent->*spacing : std::numeric_limits<float>::max();
     if (own > 0) return std::clamp(float(own), std::numeric_limits<float>::min(), largest);
     if (parent) return largest;
@@ -83,6 +83,8 @@ std::vector<BlockPlace> planePlaces(std::span<BuildNode* const> order, const Oct
     for (std::size_t i = 0; i < order.size(); ++i) {
         std::copy(order[i]->columns.begin(), order[i]->columns.end(),
                   places.begin() + std::ptrdiff_t(i * planes));
+        std::copy(order[i]->positions.begin(), order[i]->positions.end(),
+                  places.begin() + std::ptrdiff_t(i * planes + input.columns.size()));
         if (input.shape.curvatures()) places[i * planes + planes - 1] = order[i]->curvature;
     }
     return places;

@@ -19,9 +19,9 @@ std::uint64_t hashOf(std::span<const Sample> samples, std::span<const CurvatureC
 std::vector<std::byte> encodeCurvatures(std::span<const CurvatureCode> curvatures);
 /// Of nothing where the block is empty. Errors: the file's.
 Expected<BlockPlace> appendBlock(CloudFileWriter& file, std::span<const std::byte> block);
-/// Kept columns, and the curvature.
+/// Kept columns, the positions that samples round, and the curvature.
 inline std::size_t planesOf(const OctreeInput& input) {
-    return input.columns.size() + (input.shape.curvatures() ? 1 : 0);
+    return input.columns.size() + (input.gridPlanes ? 3 : 0) + (input.shape.curvatures() ? 1 : 0);
 }
 
 /// Around the samples' own normals.

@@ -13,6 +13,7 @@
 #include "renderer/cloud/build/cloud_builder.hpp"
 #include "renderer/cloud/build/many_scans.hpp"
 #include "renderer/cloud/build/revision.hpp"
+#include "renderer/cloud/exact_scan.hpp"
 
 namespace scancast {
 
@@ -22,7 +23,8 @@ namespace fs = std::filesystem;
 
 /// Bytes a point that the pieces of the work take; measured, rounded up.
 constexpr std::uint64_t laneBytes = 160, laneBytesWithSurfels = 270;
-constexpr std::uint64_t stagedBytes = 20, chunkBytes = 24, fileBytes = 22, curvatureBytes = 5;
+constexpr std::uint64_t stagedBytes = 20, chunkBytes = 24, fileBytes = 22, curvatureBytes = 5,
+                        exactBytes = 13;
 /// Program, counting grid, readers.
 constexpr std::uint64_t fixedBytes = std::uint64_t(160) << 20;
 
@@ -89,8 +91,10 @@ Expected<IngestReport> build(std::vector<std::unique_ptr<PointSource>> sources, 
     const auto start = std::chrono::steady_clock::now();
     const auto limit = memoryLimit(options);
     if (!limit) return passOn(limit);
+    const bool onOneGrid = shareOneGrid(sources);
     auto source = manyScans(std::move(sources), options.names);
     if (!source) return passOn(source);
+    if (options.shape.exact) *source = exactScan(std::move(*source), onOneGrid);
 
     const fs::path outputFolder =
         options.output.has_parent_path() ? options.output.parent_path() : fs::path(".");
@@ -133,7 +137,8 @@ std::optional<DiskNeeds> diskNeeds(const ScanHeader& header, const IngestOptions
     const int threads = options.threads > 0 ? options.threads : machineCores();
     const std::uint64_t inMemory = shareMemory(limit, threads, options.shape).workspace;
     const std::uint64_t row = rowBytes(header.columns);
-    const std::uint64_t beside = options.shape.curvatures() ? curvatureBytes : 0;
+    const std::uint64_t beside =
+        (options.shape.curvatures() ? curvatureBytes : 0) + (options.shape.exact ? exactBytes : 0);
     const std::uint64_t waiting = *header.points * (std::max(stagedBytes, chunkBytes) + 8 + row);
     return DiskNeeds{.file = *header.points * (fileBytes + beside + row),
                      .scratch = waiting > inMemory ? waiting - inMemory : 0};

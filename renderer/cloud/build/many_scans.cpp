@@ -22,15 +22,20 @@ struct ColumnCopy {
     std::size_t from = 0, to = 0, bytes = 0;
 };
 
+/// More would be no table, and the facts of a cloud file have an end.
+constexpr std::size_t mostMergedColumns = 512;
+
+bool sameValues(const Column& a, const Column& b) {
+    return a.name == b.name && a.type == b.type && a.scale == b.scale && a.offset == b.offset;
+}
+
 std::vector<ColumnCopy> matchColumns(std::span<const Column> from, std::span<const Column> to) {
     std::vector<ColumnCopy> copies;
     std::size_t toAt = 0;
     for (const Column& wanted : to) {
         std::size_t fromAt = 0;
         for (const Column& column : from) {
-            if (column.name == wanted.name && column.type == wanted.type && column.scale == wanted.scale &&
-                column.offset == wanted.offset)
-                copies.push_back({fromAt, toAt, bytesOf(column.type)});
+            if (sameValues(column, wanted)) copies.push_back({fromAt, toAt, bytesOf(column.type)});
             fromAt += bytesOf(column.type);
         }
         toAt += bytesOf(wanted.type);
@@ -48,8 +53,8 @@ class ManyScans final : public PointSource {
         : sources_(std::move(sources)), crs_(std::move(crs)), merged_(std::move(merged)) {
         mergeHeaders();
         if (merged_.boundsMatter) seen_.resize(sources_.size(), {glm::dvec3(inf), glm::dvec3(-inf)});
-        for (const auto& source : sources_)
-            copies_.push_back(matchColumns(source->header().columns, header_.columns));
+        const auto wanted = mergeColumns();
+        for (const auto& source : sources_) copies_.push_back(matchColumns(source->header().columns, wanted));
     }
 
     const ScanHeader& header() const override { return header_; }
@@ -80,6 +85,9 @@ class ManyScans final : public PointSource {
         std::vector<std::string> all = merged_.notes;
         for (const auto& source : sources_)
             for (std::string& note : source->notes()) all.push_back(std::move(note));
+        if (columnsLeftOut_ > 0)
+            all.push_back(fmt::format("the scans have {} columns more than the {} that are kept",
+                                      columnsLeftOut_, mostMergedColumns));
         return all;
     }
 
@@ -125,6 +133,35 @@ class ManyScans final : public PointSource {
         header_.format = fmt::format("{} scans: {}", sources_.size(), names);
     }
 
+    /// Those of the first scan, then what others have beside them: 0 for points of scans without. What is called alike
+    /// and is not gets another name; returned is what each is called where it comes from.
+    std::vector<Column> mergeColumns() {
+        std::vector<Column> wanted = header_.columns;
+        for (const auto& source : sources_)
+            for (const Column& column : source->header().columns) {
+                if (std::ranges::any_of(wanted, [&](const Column& c) { return sameValues(c, column); }))
+                    continue;
+                if (wanted.size() >= mostMergedColumns) {
+                    ++columnsLeftOut_;
+                    continue;
+                }
+                wanted.push_back(column);
+                header_.columns.push_back(column);
+                header_.columns.back().name = freeName(column.name);
+            }
+        return wanted;
+    }
+
+    std::string freeName(const std::string& wanted) const {
+        std::string name = wanted;
+        const auto taken = [&] {
+            return std::any_of(header_.columns.begin(), header_.columns.end() - 1,
+                               [&](const Column& c) { return c.name == name; });
+        };
+        for (int copy = 2; taken(); ++copy) name = fmt::format("{}_{}", wanted, copy);
+        return name;
+    }
+
     void see(const PointBatch& batch) {
         auto& [low, high] = seen_[at_];
         for (const glm::dvec3& p : batch.position) low = glm::min(low, p), high = glm::max(high, p);
@@ -161,6 +198,7 @@ class ManyScans final : public PointSource {
         seen_;  ///< least and greatest of what was read of each; empty: of no matter
     std::vector<std::vector<ColumnCopy>> copies_;
     ScanHeader header_;
+    std::size_t columnsLeftOut_ = 0;
     std::size_t at_ = 0;
 };
 

@@ -31,6 +31,7 @@ struct LeafBlocks {
     BuildNode* leaf = nullptr;
     std::vector<std::byte> samples;
     std::vector<std::vector<std::byte>> columns;
+    std::vector<std::vector<std::byte>> positions;
     std::vector<std::byte> curvatures;
 };
 
@@ -188,6 +189,11 @@ class TreeBuilder {
                 work.blocks[i].columns = encodeColumns(kept->rowsOf(leaves[i]->points));
             });
         kept.reset();
+        if (input_.gridPlanes && file_)
+            tbb::parallel_for(std::size_t(0), leaves.size(), [&](std::size_t i) {
+                if (!isExact(leaves[i]->box, input_.grid))
+                    work.blocks[i].positions = encodePositions(leaves[i]->points);
+            });
         SidePatches patches;
         if (input_.shape.surfels) {
             std::vector<std::byte> haloSpace;
@@ -211,6 +217,19 @@ class TreeBuilder {
         std::vector<std::vector<std::byte>> blocks;
         for (const PlaceInRow& column : input_.columns)
             blocks.push_back(encodeRows(takeColumn(rows, column), column.bytes));
+        return blocks;
+    }
+
+    /// As whole numbers of the scan's own grid, an axis after the other.
+    std::vector<std::vector<std::byte>> encodePositions(std::span<const BuildPoint> points) const {
+        std::vector<std::vector<std::byte>> blocks;
+        std::vector<std::int32_t> values(points.size());
+        for (std::size_t a = 0; a < 3; ++a) {
+            for (std::size_t i = 0; i < points.size(); ++i)
+                values[i] = std::int32_t(std::int64_t(points[i].axis(int(a)) >> input_.grid.ownShift[a]) +
+                                         input_.ownLow[a]);
+            blocks.push_back(encodeRows(std::as_bytes(std::span(values)), sizeof(std::int32_t)));
+        }
         return blocks;
     }
 
@@ -316,6 +335,11 @@ class TreeBuilder {
             auto column = file_->append(block);
             if (!column) return passOn(column);
             leaf.columns.push_back(*column);
+        }
+        for (const auto& block : blocks.positions) {
+            auto axis = file_->append(block);
+            if (!axis) return passOn(axis);
+            leaf.positions.push_back(*axis);
         }
         return {};
     }

@@ -37,6 +37,8 @@ struct OctreeInput {
     OctreeShape shape;
     std::vector<PlaceInRow> columns;  ///< that are kept
     std::size_t rowBytes = 0;
+    bool gridPlanes = false;               ///< positions on the scan's grid are kept where samples round them
+    std::array<std::int64_t, 3> ownLow{};  ///< the scan's whole numbers at the grid's corner
 };
 
 /// A finished octree: in a file, or with its samples in memory.

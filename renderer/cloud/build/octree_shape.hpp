@@ -21,6 +21,8 @@ struct OctreeShape {
     bool curvature = true;  ///< with surfels: and their curvatures, in four bytes more
     int neighbours = 10;    ///< that surfels are estimated from
     Orientation orientation = Orientation::Auto;
+    /// In a cloud file: positions beside the samples that round them (exact_columns.hpp).
+    bool exact = false;
 
     bool curvatures() const { return surfels && curvature; }
 };

@@ -77,6 +77,8 @@ std::string_view nameOf(KnownSides::By by) {
 
 void addRare(const CloudFacts& f, Json& json) {
     if (f.crsEpsg) json["crsEpsg"] = *f.crsEpsg;
+    if (f.grid) json["grid"] = {{"origin", vectorJson(f.grid->origin)}, {"step", vectorJson(f.grid->step)}};
+    if (f.exact) json["exact"] = true;
     if (f.constant.color) json["constant"]["color"] = *f.constant.color;
     if (f.constant.intensity) json["constant"]["intensity"] = *f.constant.intensity;
     if (!f.notes.empty()) json["notes"] = f.notes;
@@ -288,6 +290,12 @@ void takeAttributes(Fields fields, Attributes& into) {
     fields.flag("normal", into.normal);
 }
 
+void takeGrid(Fields fields, ScanGrid& into) {
+    fields.vector("origin", into.origin);
+    fields.vector("step", into.step);
+    if (!(into.step.x > 0 && into.step.y > 0 && into.step.z > 0)) fields.blame("step", "is not positive");
+}
+
 void takeConstant(Fields fields, ConstantValues& into) {
     if (fields.has("color")) fields.wholes("color", into.color.emplace());
     if (fields.has("intensity")) fields.whole("intensity", into.intensity.emplace());
@@ -335,6 +343,9 @@ void takeLook(Fields& fields, std::optional<Look>& into) {
 void takeRare(Fields& fields, CloudFacts& facts) {
     if (fields.has("crsEpsg"))
         fields.whole("crsEpsg", facts.crsEpsg.emplace(), std::numeric_limits<int>::max());
+    if (fields.has("grid"))
+        takeGrid({*fields.find("grid"), fields.member("grid"), fields.fault()}, facts.grid.emplace());
+    if (fields.has("exact")) fields.flag("exact", facts.exact);
     if (fields.has("constant"))
         takeConstant({*fields.find("constant"), fields.member("constant"), fields.fault()}, facts.constant);
     if (fields.has("notes")) takeNotes(fields, facts.notes);

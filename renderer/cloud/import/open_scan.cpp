@@ -8,6 +8,7 @@
 #include "renderer/cloud/import/las/las_source.hpp"
 #include "renderer/cloud/import/scan_format.hpp"
 #include "renderer/cloud/import/stream/importer_source.hpp"
+#include "renderer/cloud/import/text/obj_source.hpp"
 #include "renderer/cloud/import/text/ptx_source.hpp"
 #include "renderer/cloud/import/text/text_source.hpp"
 
@@ -63,7 +64,8 @@ Expected<std::unique_ptr<PointSource>> openAsItIs(const ScanInput& input, const 
     auto& [bytes, extension, identified] = *looked;
     switch (identified.format) {
         case ScanFormat::Las:
-            return opened(LasSource::create(std::move(bytes), name, options.keepAttributes, options.recover));
+            return opened(LasSource::create(std::move(bytes), name, options.keepAttributes, options.recover,
+                                            options.exact));
         case ScanFormat::Laz:
             return opened(ImporterSource::create(lazImporter, input, options));
         case ScanFormat::E57:
@@ -78,6 +80,8 @@ Expected<std::unique_ptr<PointSource>> openAsItIs(const ScanInput& input, const 
                                               .recover = options.recover}));
         case ScanFormat::Ptx:
             return opened(PtxSource::create(std::move(bytes), name, options.recover));
+        case ScanFormat::Obj:
+            return opened(ObjSource::create(std::move(bytes), name));
         case ScanFormat::Unknown:
             break;
     }

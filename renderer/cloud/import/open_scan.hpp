@@ -35,6 +35,9 @@ struct ImportOptions {
     /// Keep what does not fit the sample (GPS time, returns, extra bytes, spare text columns) as
     /// ScanHeader::columns.
     bool keepAttributes = false;
+    /// With keepAttributes: and colours of 16 bits, as columns (exact_columns.hpp). LAS, and what importers take apart to
+    /// its records.
+    bool exact = false;
     /// Of a scan that ends too early, read what is whole; a note says how much is lost. Not of every format.
     bool recover = false;
     /// Taken for the scan's coordinate reference system, whatever it says.

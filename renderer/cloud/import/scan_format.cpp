@@ -5,6 +5,7 @@
 #include <cstdio>
 
 #include "renderer/cloud/import/foreign/foreign_formats.hpp"
+#include "renderer/cloud/import/text/obj_source.hpp"
 #include "renderer/cloud/import/text/text_head.hpp"
 
 namespace scancast {
@@ -53,6 +54,7 @@ Identified identifyText(std::string_view start, std::string_view extension) {
                 "it is text without a PCD header (lines such as \"FIELDS x y z\" are missing)"};
     if (extension == ".ply")
         return {ScanFormat::Unknown, "it is text without a PLY header (the first line is not \"ply\")"};
+    if (looksLikeObj(start, extension == ".obj")) return {ScanFormat::Obj, {}};
     if (looksLikePtx(start)) return {ScanFormat::Ptx, {}};
     if (looksLikePoints(start)) return {extension == ".ptx" ? ScanFormat::Ptx : ScanFormat::Text, {}};
     if (const auto* foreign = foreignByName(extension)) return {ScanFormat::Unknown, sentence(*foreign)};
@@ -79,8 +81,11 @@ std::string firstBytes(std::string_view start) {
 }  // namespace
 
 std::string_view readableFormats() {
-    return "Scancast reads LAS and LAZ 1.0-1.4 (COPC included), E57, PLY (ascii and binary), PCD (ascii, binary "
-           "and binary_compressed), text (XYZ, TXT, CSV, PTS, PTX) and octrees of EPT and Potree (folders)";
+    return "Scancast reads LAS and LAZ 1.0-1.4 (COPC included), E57, PLY (ascii and binary), PCD (ascii, "
+           "binary "
+           "and binary_compressed), text (XYZ, TXT, CSV, PTS, PTX), vertices of OBJ and octrees of EPT and "
+           "Potree "
+           "(folders)";
 }
 
 Identified identifyScan(std::span<const std::byte> bytes, std::string_view extension) {

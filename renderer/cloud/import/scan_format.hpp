@@ -21,7 +21,8 @@ enum class ScanFormat : std::uint8_t {
     Ply,
     Pcd,
     Text,  ///< lines of points: XYZ, TXT, CSV, PTS
-    Ptx
+    Ptx,
+    Obj  ///< Wavefront OBJ, of which vertices are read
 };
 
 struct Identified {

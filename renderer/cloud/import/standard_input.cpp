@@ -16,8 +16,8 @@ Expected<std::unique_ptr<PointSource>> openStandardInput(const ImportOptions& op
     UniqueFd fd(::fcntl(STDIN_FILENO, F_DUPFD_CLOEXEC, 3));
     auto bytes = FileByteSource::create(std::move(fd), "standard input");
     if (!bytes) return passOn(bytes);
-    auto source =
-        LasSource::create(std::move(*bytes), "standard input", options.keepAttributes, options.recover);
+    auto source = LasSource::create(std::move(*bytes), "standard input", options.keepAttributes,
+                                    options.recover, options.exact);
     if (!source) return passOn(source);
     std::unique_ptr<PointSource> opened(std::move(*source));
     if (!options.assumeCrs) return opened;

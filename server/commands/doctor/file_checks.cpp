@@ -14,6 +14,7 @@
 #include "renderer/cloud/import/stream/importer_process.hpp"
 #include "server/commands/doctor/checks.hpp"
 #include "server/commands/file_info.hpp"
+#include "server/commands/scans/found_scans.hpp"
 
 namespace scancast {
 namespace {
@@ -123,7 +124,12 @@ std::string describe(const FileInfo& info) {
 
 void lookAtClouds(const ServeOptions& options, Findings& findings) {
     if (options.files.empty()) findings.ok("clouds", "none was named; those that are will be looked at");
-    for (const fs::path& file : options.files) {
+    FoundScans found;
+    for (const fs::path& named : options.files)
+        if (auto ok = found.add(named.string()); !ok)
+            findings.fault("clouds", ok.error().message, "name a folder with scans in it, or leave it out");
+    if (!found.leftOut().empty()) findings.ok("clouds", found.leftOutText());
+    for (const fs::path file : found.files()) {
         const auto info = fileInfo(file, false);
         if (info) {
             findings.ok("clouds", fmt::format("{}: {}", file.string(), describe(*info)));

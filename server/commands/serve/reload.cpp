@@ -28,6 +28,7 @@ constexpr std::array<std::string_view, 6> reloadable{filesKey,         "auth-tok
 /// The same in options: those that hold, with what can change of those that are asked for.
 ServeOptions withReloadable(ServeOptions running, const ServeOptions& wanted) {
     running.files = wanted.files;
+    running.named = wanted.named;
     running.authTokenFile = wanted.authTokenFile;
     running.adminTokenFile = wanted.adminTokenFile;
     running.guestKeyFile = wanted.guestKeyFile;
@@ -88,6 +89,7 @@ Expected<Reload::Wanted> Reload::readConfiguration() const {
     if (auto ok = applyGivenFlags(app, given_); !ok) return passOn(ok);
     if (!running_.config.empty())
         if (auto ok = applyConfigFile(app, running_.config); !ok) return passOn(ok);
+    if (auto ok = findFiles(wanted.options); !ok) return passOn(ok);
     if (auto ok = check(wanted.options); !ok) return passOn(ok);
     wanted.effective = effectiveConfig(app);
     // Where it listens does not change before a restart: an address that needs no token must not take the token away now.
@@ -135,6 +137,7 @@ void Reload::takeCertificate(const ServeOptions& wanted, Reloaded& reloaded) {
 
 void Reload::takeClouds(const ServeOptions& wanted, Reloaded& reloaded) {
     running_.files = wanted.files;
+    running_.named = wanted.named;
     const Loader::Changes changes = clouds_.loader.serve(wanted.files);
     if (changes.added > 0) reloaded.changed.push_back(counted(changes.added, "added"));
     if (changes.removed > 0) reloaded.changed.push_back(counted(changes.removed, "removed"));
@@ -147,7 +150,8 @@ void Reload::run() {
         auto wanted = readConfiguration();
         if (!wanted) keep(reloaded, "the configuration", wanted.error());
         // Its files may have changed all the same.
-        const ServeOptions options = wanted ? wanted->options : running_;
+        ServeOptions options = wanted ? wanted->options : running_;
+        if (!wanted && !findFiles(options)) spdlog::debug("The list of clouds is as it was.");
         takeTokens(options, reloaded);
         takeCertificate(options, reloaded);
         takeClouds(options, reloaded);

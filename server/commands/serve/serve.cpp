@@ -182,6 +182,7 @@ int serve(ServeOptions options, GivenFlags given, nlohmann::json effective) {
     auto manager = ServiceManager::fromEnvironment();
     if (!manager) return failure(manager.error());
     if (auto log = setUpLog(options.logLevel, options.logFormat); !log) return failure(log.error());
+    if (auto found = findFiles(options); !found) return failure(found.error());
     if (auto sound = check(options); !sound) return failure(sound.error());
     auto tokens = accessTokens(options);
     if (!tokens) return failure(tokens.error());
@@ -227,7 +228,8 @@ int serve(ServeOptions options, GivenFlags given, nlohmann::json effective) {
 }
 
 // What only a look at the files can tell.
-int checkConfig(const CLI::App& command, const ServeOptions& options) {
+int checkConfig(const CLI::App& command, ServeOptions options) {
+    if (auto found = findFiles(options); !found) return failure(found.error());
     if (auto sound = check(options); !sound) return failure(sound.error());
     if (auto tokens = accessTokens(options); !tokens) return failure(tokens.error());
     if (options.server.tls.given()) {
@@ -255,6 +257,7 @@ void addServe(CLI::App& app, int& exitCode) {
     command->footer(
         "Every option can come from the environment too: --max-pixels is SCANCAST_MAX_PIXELS.\n"
         "Example: scancast serve town.las room.ply --port 9000\n"
+        "         scancast serve scans/                # every scan and cloud file in the folder\n"
         "         scancast serve city.scan --memory-limit 2G\n"
         "         scancast generate statue --points 100k --frames 0 -o - | scancast serve --live statue=-\n"
         "         scancast serve --config /etc/scancast.json --check-config");

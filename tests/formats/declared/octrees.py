@@ -36,7 +36,7 @@ def examine_ept(folder):
     if not nodes:
         raise Broken("no hierarchy")
     conforming = about.get("boundsConforming") or about["bounds"]
-    found.declared = (tuple(conforming[:3]), tuple(conforming[3:]))
+    found.declared, found.step = (tuple(conforming[:3]), tuple(conforming[3:])), 0.01  # often in whole metres
     missing = [node for node, points in nodes.items()
                if points and not os.path.exists(os.path.join(folder, "ept-data", f"{node}.{ending}"))]
     if missing:

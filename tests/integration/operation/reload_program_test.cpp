@@ -102,6 +102,22 @@ TEST_F(ReloadProgramTest, CloudsComeGoAndAreTriedAgain) {
     EXPECT_THAT(reload(*server), HasSubstr("Reloaded: nothing has changed."));
 }
 
+TEST_F(ReloadProgramTest, FoldersAreLookedThroughAgain) {
+    fs::create_directory(file("scans"));
+    fs::copy_file(file("first.las"), file("scans/a.las"));
+    configure({"scans"});
+    const auto server = serve({"--config", file("config.json")});
+    EXPECT_TRUE(becomes("/api/v1/clouds/a", 200, firstToken)) << server->err();
+    fs::copy_file(file("second.las"), file("scans/b.las"));
+    EXPECT_THAT(reload(*server), HasSubstr("1 cloud added"));
+    EXPECT_TRUE(becomes("/api/v1/clouds/b", 200, firstToken)) << server->err();
+    fs::remove(file("scans/a.las"));
+    EXPECT_THAT(reload(*server), HasSubstr("1 cloud removed"));
+    fs::remove(file("scans/b.las"));
+    EXPECT_THAT(reload(*server), HasSubstr("as before: the configuration"))
+        << "nothing to serve is a mistake";
+}
+
 TEST_F(ReloadProgramTest, AConfigurationThatIsUnsoundChangesNothingAndWhatNeedsARestartIsNamed) {
     configure({"first.las"});
     const auto server = serve({"--config", file("config.json"), "--max-sessions", "7"});

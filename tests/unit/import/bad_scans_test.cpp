@@ -43,12 +43,14 @@ const BadScan badScans[] = {
     {"bad/garbage_nVariableLength.las", ErrorCode::Truncated, "promises 719 points, there are 718"},
     {"bad/no-points.las", ErrorCode::Empty, "without points"},
     {"bad/broken_coder.laz", ErrorCode::Unsupported, "LAZ coder 15 is not known"},
-    {"bad/broken_size.laz", ErrorCode::Unsupported, "POINT10 version 6, GPSTIME11 version 6; versions 1 and 2 can"},
+    {"bad/broken_size.laz", ErrorCode::Unsupported,
+     "POINT10 version 6, GPSTIME11 version 6; versions 1 and 2 can"},
     {"bad/lfs-pointer.laz", ErrorCode::Unsupported, "a Git LFS pointer, not the scan itself"},
     {"bad/badheader.txt", ErrorCode::Malformed, "line 1: two columns are called \"X\""},
     {"bad/missingheader.pcd", ErrorCode::Unsupported, "text without a PCD header"},
     {"bad/no_vertex.ply", ErrorCode::Malformed, "declares no vertices"},
-    {"bad/corrupt_crc.e57", ErrorCode::Malformed, "the page at byte 33,792 is damaged: its checksum is another"},
+    {"bad/corrupt_crc.e57", ErrorCode::Malformed,
+     "the page at byte 33,792 is damaged: its checksum is another"},
     {"bad/InvalidCVHeader.e57", ErrorCode::Malformed, "byte 48: its scan: its points should begin here"},
     {"bad/empty.e57", ErrorCode::Empty, "an E57 file without scans"},
     {"ply/pdal-sized_dims.ply", ErrorCode::Malformed, "no property \"z\""},
@@ -86,7 +88,8 @@ TEST(NotAScan, MissingFile) {
 
 TEST(NotAScan, Directory) {
     const TemporaryFolder folder;
-    expectBadScan(folder.path(), ErrorCode::Unsupported, "is a directory without cloud.js or metadata.json");
+    expectBadScan(folder.path(), ErrorCode::Unsupported,
+                  "is a directory without ept.json, metadata.json or cloud.js");
 }
 
 TEST(NotAScan, EmptyFile) {

@@ -130,6 +130,45 @@ TEST_F(PclImporter, PlyElementsAroundTheVertices) {
     EXPECT_EQ(sound(text.substr(0, text.size() - 6)).points, 2U);
 }
 
+// An oracle: with an empty list before the vertices, they are PCL's to read; without, they are rows of numbers.
+TEST_F(PclImporter, RowsOfNumbersAreWhatPclReads) {
+    const std::string properties =
+        "property double x\nproperty float y\nproperty int z\nproperty uchar red\nproperty uchar green\n"
+        "property uchar blue\nproperty ushort intensity\nproperty short spare\nproperty char class\n"
+        "property float nx\nproperty double ny\nproperty float nz\n";
+    const std::string packed =
+        "property ushort spare\nproperty float z\nproperty double y\nproperty float x\n"
+        "property float rgb\nproperty uint intensity\n";
+    std::uint32_t state = 1;
+    for (const bool bigEndian : {false, true})
+        for (const std::string& vertex : {properties, packed}) {
+            const int vertices = 500;
+            std::string body;
+            for (int i = 0; i < vertices * 60; ++i) {
+                state = state * 1664525 + 1013904223;
+                body += static_cast<char>(state >> 24);
+            }
+            const std::string start =
+                std::string("ply\nformat binary_") + (bigEndian ? "big" : "little") + "_endian 1.0\n";
+            const std::string element =
+                "element vertex " + std::to_string(vertices) + "\n" + vertex + "end_header\n";
+            std::uint64_t dropped = 0, droppedByPcl = 0;
+            const auto ours = read(start + element + body, &dropped);
+            const auto pcls = read(start + "element other 1\nproperty list uchar int items\n" + element +
+                                       std::string(1, '\0') + body,
+                                   &droppedByPcl);
+            ASSERT_TRUE(ours) << ours.error().message;
+            ASSERT_TRUE(pcls) << pcls.error().message;
+            EXPECT_GT(ours->first.position.size(), 100U);
+            EXPECT_EQ(ours->first.position, pcls->first.position);
+            EXPECT_EQ(ours->first.color, pcls->first.color);
+            EXPECT_EQ(ours->first.intensity, pcls->first.intensity);
+            EXPECT_EQ(ours->first.classification, pcls->first.classification);
+            EXPECT_EQ(ours->first.normal, pcls->first.normal);
+            EXPECT_EQ(dropped, droppedByPcl);
+        }
+}
+
 TEST_F(PclImporter, NanPointsAreDroppedAndCounted) {
     std::uint64_t dropped = 0;
     const auto ply = read(plyHeader("ascii", 3, xyz) + "1 2 3\nnan 2 3\n4 inf 6\n", &dropped);

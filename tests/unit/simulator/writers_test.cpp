@@ -13,7 +13,7 @@
 namespace scancast {
 namespace {
 
-std::string write(const SceneOptions& options, ScanFormat format, const std::string& name) {
+std::string write(const SceneOptions& options, WrittenFormat format, const std::string& name) {
     auto source = simulate(options).value();
     auto writer = createPointWriter(format, OutputFile::create(name).value(), source->header()).value();
     PointBatch batch;
@@ -38,13 +38,13 @@ void expectSame(const PointBatch& read, const PointBatch& truth, double toleranc
 // numbers.
 TEST(LasWriter, RoundTrip) {
     const test::TemporaryFolder folder;
-    for (const ScanFormat format : {ScanFormat::Las12, ScanFormat::Las14}) {
+    for (const WrittenFormat format : {WrittenFormat::Las12, WrittenFormat::Las14}) {
         for (const std::uint64_t points : {1u, 7u, test::sized(100003u, 20011u)}) {
             SceneOptions options{.scene = "town", .points = points};
             const auto file = test::parseLas(write(options, format, folder.file("a.las")));
             ASSERT_EQ(file.problem, "");
-            EXPECT_EQ(file.minor, format == ScanFormat::Las14 ? 4 : 2);
-            EXPECT_EQ(file.format, format == ScanFormat::Las14 ? 7 : 2);
+            EXPECT_EQ(file.minor, format == WrittenFormat::Las14 ? 4 : 2);
+            EXPECT_EQ(file.format, format == WrittenFormat::Las14 ? 7 : 2);
             EXPECT_EQ(file.declared, points);
             const PointBatch truth = test::readAll(*simulate(options).value()).value();
             expectSame(file.points, truth, file.step.x / 2 + 1e-6);
@@ -63,7 +63,7 @@ TEST(PlyWriter, RoundTripWithFloatsAtHomeAndDoublesInUtm) {
     for (const bool utm : {false, true}) {
         SceneOptions options{.scene = "room", .points = 20011};
         if (utm) options.origin = glm::dvec3(389500.123, 5819800.456, 34);
-        const auto file = test::parsePly(write(options, ScanFormat::Ply, folder.file("a.ply")));
+        const auto file = test::parsePly(write(options, WrittenFormat::Ply, folder.file("a.ply")));
         ASSERT_EQ(file.problem, "");
         EXPECT_EQ(file.properties.front(), utm ? "double x" : "float x");
         const PointBatch truth = test::readAll(*simulate(options).value()).value();
@@ -78,15 +78,15 @@ TEST(LasWriter, RefusesMorePointsThanLas12Counts) {
     header.points = std::uint64_t(1) << 32;
     header.bounds = {{glm::dvec3(0), glm::dvec3(1)}};
     const auto writer =
-        createPointWriter(ScanFormat::Las12, OutputFile::create(folder.file("a.las")).value(), header);
+        createPointWriter(WrittenFormat::Las12, OutputFile::create(folder.file("a.las")).value(), header);
     ASSERT_FALSE(writer);
     EXPECT_EQ(writer.error().code, ErrorCode::InvalidArgument);
     EXPECT_EQ(folder.entries(), 0u);
 }
 
 TEST(ScanFormatName, IsToldByTheEnding) {
-    EXPECT_EQ(formatOfName("a/b.LAS"), ScanFormat::Las12);
-    EXPECT_EQ(formatOfName("x.ply"), ScanFormat::Ply);
+    EXPECT_EQ(formatOfName("a/b.LAS"), WrittenFormat::Las12);
+    EXPECT_EQ(formatOfName("x.ply"), WrittenFormat::Ply);
     EXPECT_EQ(formatOfName(".ply"), std::nullopt);
     EXPECT_EQ(formatOfName("ply"), std::nullopt);
     EXPECT_EQ(formatOfName("a.laz"), std::nullopt);

@@ -86,7 +86,10 @@ class Sorter {
     void add(const PointPortions::Portion& portion) {
         const ChunkLayout::Destination* to = nullptr;
         CellKey last = ~CellKey(0);
-        for (const BuildPoint& p : portion.points) {
+        for (std::size_t i = 0; i < portion.points.size(); ++i) {
+            const BuildPoint& p = portion.points[i];
+            if (i + cellsExpected < portion.points.size())
+                layout_.index.expect(layout_.frame.key(portion.points[i + cellsExpected].position()));
             const CellKey key = layout_.frame.key(p.position());
             if (key != last) to = &layout_.destination(key);
             last = key;

@@ -11,10 +11,7 @@ CellTable::CellTable(std::size_t expected) {
 }
 
 std::size_t CellTable::slotOf(CellKey key) const {
-    // Each size hashes in its own way: walking one table while filling a smaller one would else meet the keys
-    // in the order of their places, and crowd them.
-    const std::uint64_t factor = 0x9e3779b97f4a7c15ull ^ (shift_ * 0x5851f42d4c957f2cull);
-    std::size_t at = (key * factor) >> shift_;
+    std::size_t at = placeOf(key);
     while (slots_[at].key != key && slots_[at].key != empty) at = (at + 1) & (slots_.size() - 1);
     return at;
 }
@@ -56,6 +53,8 @@ void CountingGrid::add(std::span<const BuildPoint> points) {
         // Scanners write neighbours one after the other: runs in one cell are counted at once.
         const CellKey key = frame_.key(points[i].position());
         const std::size_t first = i;
+        if (i + cellsExpected < points.size())
+            table_.expect(frame_.key(points[i + cellsExpected].position()));
         while (++i < points.size() && frame_.key(points[i].position()) == key) {
         }
         table_[key] += i - first;

@@ -29,6 +29,9 @@ inline std::uint32_t cellAxis(CellKey key, int axis) {
     return std::uint32_t(key >> (21 * axis) & 0x1fffffu);
 }
 
+/// So many points ahead of the one whose cell is looked up, the next one's is expected.
+inline constexpr std::size_t cellsExpected = 16;
+
 struct CountedCell {
     CellKey key = 0;
     std::uint64_t points = 0;
@@ -40,6 +43,8 @@ class CellTable {
     explicit CellTable(std::size_t expected = 0);
     std::uint64_t& operator[](CellKey key);        ///< 0 when new
     const std::uint64_t* find(CellKey key) const;  ///< null when there is none
+    /// The key will be asked for soon: what its place in memory costs is waited for meanwhile.
+    void expect(CellKey key) const { __builtin_prefetch(slots_.data() + placeOf(key)); }
     std::size_t size() const { return size_; }
     template <class Use>
     void forEach(Use use) const {
@@ -49,6 +54,11 @@ class CellTable {
 
   private:
     static constexpr CellKey empty = ~CellKey(0);
+    /// Each size hashes in its own way: walking one table while filling a smaller one would else meet the keys
+    /// in the order of their places, and crowd them.
+    std::size_t placeOf(CellKey key) const {
+        return (key * (0x9e3779b97f4a7c15ull ^ (shift_ * 0x5851f42d4c957f2cull))) >> shift_;
+    }
     std::size_t slotOf(CellKey key) const;
     void grow();
 

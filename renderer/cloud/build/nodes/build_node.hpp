@@ -34,8 +34,9 @@ struct BuildNode {
     Workspace::Buffer
         setAside;       ///< an inner node's samples, reaches and densities, between averaging and finishing
     StoredNode stored;  ///< its place in the file, and sampleCount: samples may be away
-    std::vector<BlockPlace> columns;  ///< a leaf's kept columns in the file
-    BlockPlace curvature;             ///< of its samples, in the file; of nothing where all are flat
+    std::vector<BlockPlace> columns;    ///< a leaf's kept columns in the file
+    std::vector<BlockPlace> positions;  ///< a leaf's on the scan's grid, where its samples round them
+    BlockPlace curvature;               ///< of its samples, in the file; of nothing where all are flat
     std::uint64_t sampleHash = 0;
     std::uint8_t confidence = 0;   ///< as in Node
     std::uint64_t surePoints = 0;  ///< below, whose side is sure

@@ -118,6 +118,10 @@ std::vector<Sample> leafSamples(std::span<const BuildPoint> points, const LeafLa
     return samples;
 }
 
+bool isExact(const GridBox& box, const Grid& grid) {
+    return leafLattice(box, grid, glm::dvec3(0)).exact;
+}
+
 std::optional<NodeContent> makeLeaf(std::span<BuildPoint> points, const GridBox& box, const Grid& grid,
                                     const glm::dvec3& origin) {
     const LeafLattice lattice = leafLattice(box, grid, origin);

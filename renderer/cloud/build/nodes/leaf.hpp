@@ -43,6 +43,9 @@ std::optional<NodeContent> makeLeaf(std::span<BuildPoint> points, const GridBox&
 /// The samples of a leaf's sorted points; all but surfels.
 std::vector<Sample> leafSamples(std::span<const BuildPoint> points, const LeafLattice& lattice);
 
+/// Whether the samples of a leaf have its points' positions exactly.
+bool isExact(const GridBox& box, const Grid& grid);
+
 /// The largest leaf: 16 bits of the sorting key hold the point's number. Only equal points may be more.
 inline constexpr std::uint32_t mostLeafPoints = 65536;
 

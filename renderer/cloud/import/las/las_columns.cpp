@@ -6,6 +6,7 @@
 #include <numeric>
 
 #include "files/bytes.hpp"
+#include "renderer/cloud/exact_columns.hpp"
 #include "renderer/cloud/import/printable_text.hpp"
 
 namespace scancast {
@@ -58,7 +59,7 @@ constexpr const char* newFlagMeaning = "1 synthetic, 2 key point, 4 withheld, 8 
 
 std::string timeMeaning(const std::optional<std::uint64_t>& offset) {
     if (!offset) return "seconds of the GPS week";
-    if (*offset == 1'000'000'000) return "adjusted standard GPS time: seconds since 1980-01-06, less 1e9";
+    if (*offset == 1'000'000'000) return adjustedTimeText;
     return "offset GPS time: seconds since 1980-01-06, less " + std::to_string(*offset / 1'000'000) + "e6";
 }
 
@@ -184,7 +185,8 @@ void copyBits(const std::byte* from, std::size_t stride, std::size_t count, cons
 
 }  // namespace
 
-std::vector<LasColumn> lasColumns(const LasHeader& header, std::span<const std::byte> description) {
+std::vector<LasColumn> lasColumns(const LasHeader& header, std::span<const std::byte> description,
+                                  bool fullColors) {
     std::vector<LasColumn> columns;
     const int format = header.pointFormat;
     if (format >= 6) {
@@ -197,6 +199,11 @@ std::vector<LasColumn> lasColumns(const LasHeader& header, std::span<const std::
         columns.push_back(field("gps_time", 20, ColumnType::Float64, 8, time));
     if (format >= 6) columns.push_back(field("gps_time", 22, ColumnType::Float64, 8, time));
     if (format == 8 || format == 10) columns.push_back(field("nir", 36, ColumnType::Uint16, 2));
+
+    if (const int color = lasRecordLayout(format).color; fullColors && color >= 0)
+        for (std::uint32_t c = 0; c < 3; ++c)
+            columns.push_back(field(fullColorNames[c].data(), std::uint32_t(color) + 2 * c,
+                                    ColumnType::Uint16, 2, "as the file has it"));
 
     ExtraColumns extra(columns, lasRecordLayout(format).bytes, header.recordBytes);
     for (; description.size() >= descriptorBytes; description = description.subspan(descriptorBytes))

@@ -29,7 +29,13 @@ inline constexpr std::size_t mostExtraColumns = 256;
 /// The columns of the point format, then those of the extra bytes. `description` is the content of the Extra
 /// Bytes record (LASF_Spec 4), empty = none. What it says wrongly is ignored, and bytes that it does not
 /// describe become columns extra_0, extra_1 … of one byte each.
-std::vector<LasColumn> lasColumns(const LasHeader& header, std::span<const std::byte> description);
+/// `fullColors`: colours are columns, too, as they stand (exact_columns.hpp).
+std::vector<LasColumn> lasColumns(const LasHeader& header, std::span<const std::byte> description,
+                                  bool fullColors = false);
+
+/// What gps_time is described as where its epoch is known.
+inline constexpr const char* adjustedTimeText =
+    "adjusted standard GPS time: seconds since 1980-01-06, less 1e9";
 
 /// Fills `rows` with one row a record.
 void decodeLasColumns(std::span<const std::byte> records, std::size_t recordBytes,

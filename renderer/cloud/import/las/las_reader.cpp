@@ -33,7 +33,7 @@ void LasReader::understand() {
     scan_.crsWkt = std::move(vlrs_.crs.wkt);
     scan_.crsEpsg = vlrs_.crs.epsg ? vlrs_.crs.epsg : epsgOfWkt(scan_.crsWkt);
     if (!keepAttributes_) return;
-    columns_ = lasColumns(las_, vlrs_.extraBytes);
+    columns_ = lasColumns(las_, vlrs_.extraBytes, fullColors_);
     scan_.columns.clear();
     for (const auto& column : columns_) scan_.columns.push_back(column.column);
 }

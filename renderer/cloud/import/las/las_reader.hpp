@@ -25,6 +25,9 @@ class LasReader {
     static Expected<LasReader> create(std::span<const std::byte> start, std::string name,
                                       bool keepAttributes = false);
 
+    /// Before understand(): colours of 16 bits are columns, too (exact_columns.hpp).
+    void keepFullColors() { fullColors_ = true; }
+
     const LasHeader& las() const { return las_; }
     /// What messages call the file; may be empty.
     const std::string& name() const { return name_; }
@@ -73,7 +76,7 @@ class LasReader {
     LasHeader las_;
     ScanHeader scan_;
     LasVlrs vlrs_;
-    bool keepAttributes_ = false;
+    bool keepAttributes_ = false, fullColors_ = false;
     std::vector<LasColumn> columns_;  ///< that are kept
     LasColorDepth depth_ = LasColorDepth::Unknown;
     bool depthIsCertain_ = false;

@@ -25,12 +25,13 @@ constexpr std::uint64_t glances = 8192, glanceRecords = 6, fewestToGlanceAt = 1'
 }  // namespace
 
 Expected<std::unique_ptr<LasSource>> LasSource::create(std::unique_ptr<ByteSource> bytes, std::string name,
-                                                       bool keepAttributes, bool recover) {
+                                                       bool keepAttributes, bool recover, bool fullColors) {
     std::array<std::byte, lasHeaderBytes> start{};
     const auto got = readFully(*bytes, start);
     if (!got) return passOn(got);
     auto reader = LasReader::create(std::span(start).first(*got), std::move(name), keepAttributes);
     if (!reader) return passOn(std::move(reader));
+    if (fullColors) reader->keepFullColors();
 
     std::unique_ptr<LasSource> source(new LasSource(std::move(bytes), std::move(*reader)));
     source->recover_ = recover;
@@ -138,9 +139,12 @@ Expected<void> LasSource::readEvlrs() {
 Expected<void> LasSource::lookAtColors() {
     reader_.hasSeenAll();
     if (!reader_.wantsToSeeMore()) return {};
-    buffer_.resize(std::max<std::size_t>(bufferBytes, las().recordBytes));
+    // Of a small file no more than it has: thousands of them may be looked at.
+    const std::uint64_t atOnce =
+        std::max<std::uint64_t>(1, std::min<std::uint64_t>(bufferBytes / las().recordBytes, las().points));
+    buffer_.resize(atOnce * las().recordBytes);
     const auto look = [&](std::uint64_t first, std::uint64_t count) -> Expected<void> {
-        count = std::min({count, las().points - first, std::uint64_t(buffer_.size() / las().recordBytes)});
+        count = std::min({count, las().points - first, atOnce});
         const auto piece = std::span(buffer_).first(count * las().recordBytes);
         const auto got = bytes_->readAt(placeOf(first), piece);
         if (!got) return passOn(got);
@@ -151,7 +155,6 @@ Expected<void> LasSource::lookAtColors() {
     const auto stride = std::max<std::uint64_t>(1, las().points / firstLooks);
     for (std::uint64_t first = 0; first < las().points && reader_.wantsToSeeMore(); first += stride)
         if (auto ok = look(first, firstLookRecords); !ok) return ok;
-    const auto atOnce = buffer_.size() / las().recordBytes;
     for (std::uint64_t first = 0; first < las().points && reader_.wantsToSeeMore(); first += atOnce)
         if (auto ok = look(first, atOnce); !ok) return ok;
     buffer_.clear();
@@ -219,9 +222,10 @@ std::vector<std::string> LasSource::notes() const {
     if (lost_ == 0) return notes;
     notes.push_back(noteOf(name(), lostPoints("it", las().points + lost_, las().points)));
     if (las().evlrs > 0 && bytes_->size() && las().evlrOffset >= *bytes_->size())
-        notes.push_back(noteOf(name(),
-                               "the records behind its points are lost, too; they may have held its coordinate "
-                               "reference system"));
+        notes.push_back(
+            noteOf(name(),
+                   "the records behind its points are lost, too; they may have held its coordinate "
+                   "reference system"));
     return notes;
 }
 

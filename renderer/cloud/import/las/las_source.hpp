@@ -18,10 +18,11 @@ namespace scancast {
 class LasSource final : public PointSource {
   public:
     /// `bytes` stands at the start of the file; `name` is what messages call it. `keepAttributes`: fill
-    /// ScanHeader::columns and PointBatch::rows. `recover`: of points that the bytes end before, those that are whole are
-    /// all, and a note tells of the rest.
+    /// ScanHeader::columns and PointBatch::rows; `fullColors`: with colours of 16 bits among them. `recover`: of points
+    /// that the bytes end before, those that are whole are all, and a note tells of the rest.
     static Expected<std::unique_ptr<LasSource>> create(std::unique_ptr<ByteSource> bytes, std::string name,
-                                                       bool keepAttributes = false, bool recover = false);
+                                                       bool keepAttributes = false, bool recover = false,
+                                                       bool fullColors = false);
 
     const ScanHeader& header() const override { return reader_.header(); }
     Expected<PointBatch> glance() override;

@@ -38,7 +38,7 @@ Expected<std::unique_ptr<ImporterSource>> ImporterSource::create(const ImporterP
     const auto mostPoints =
         fileBytes > unbounded / mostPointsPerByte ? unbounded : fileBytes * mostPointsPerByte;
     auto reader = PointStreamReader::create(std::make_unique<SharedBytes>(source->process_), mostPoints,
-                                            options.keepAttributes);
+                                            options.keepAttributes, options.exact);
     if (!reader) return tl::unexpected(source->explain(reader.error(), *source->process_));
     source->reader_ = std::move(*reader);
     return source;

@@ -37,6 +37,7 @@ Expected<void> PointStreamReader::readLas() {
     auto las = LasReader::create(std::span(*head).first(std::min(head->size(), lasHeaderBytes)), {},
                                  keepAttributes_);
     if (!las) return passOn(std::move(las));
+    if (fullColors_) las->keepFullColors();
     if (head->size() < las->las().headerBytes || head->size() > las->las().pointOffset)
         return wrong("a head of LAS of " + grouped(head->size()) +
                      " bytes, which is not what it says of itself");

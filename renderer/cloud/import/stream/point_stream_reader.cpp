@@ -20,9 +20,9 @@ tl::unexpected<Error> PointStreamReader::wrong(const std::string& reason) const 
 
 Expected<std::unique_ptr<PointStreamReader>> PointStreamReader::create(std::unique_ptr<ByteSource> bytes,
                                                                        std::uint64_t mostPoints,
-                                                                       bool keepAttributes) {
+                                                                       bool keepAttributes, bool fullColors) {
     std::unique_ptr<PointStreamReader> reader(
-        new PointStreamReader(std::move(bytes), mostPoints, keepAttributes));
+        new PointStreamReader(std::move(bytes), mostPoints, keepAttributes, fullColors));
     if (auto ok = reader->readHeader(); !ok) return passOn(ok);
     if (auto ok = reader->readHead(); !ok) return passOn(ok);
     if (reader->head_.tag == stream::failTag) return tl::unexpected(reader->readFailure().error());

@@ -23,10 +23,11 @@ class PointStreamReader final : public PointSource {
   public:
     /// Reads the header and looks at the first record, so that a scan that cannot be read fails here.
     /// `mostPoints`: more than that is an error, whatever the stream declares. `keepAttributes`: of records of LAS, fill
-    /// ScanHeader::columns and PointBatch::rows; whether other streams have any, their importer was told.
+    /// ScanHeader::columns and PointBatch::rows, with `fullColors` colours of 16 bits among them; whether other streams have any, their importer was told.
     static Expected<std::unique_ptr<PointStreamReader>> create(
         std::unique_ptr<ByteSource> bytes,
-        std::uint64_t mostPoints = std::numeric_limits<std::uint64_t>::max(), bool keepAttributes = false);
+        std::uint64_t mostPoints = std::numeric_limits<std::uint64_t>::max(), bool keepAttributes = false,
+        bool fullColors = false);
 
     const ScanHeader& header() const override { return header_; }
     Expected<PointBatch> glance() override;
@@ -40,8 +41,12 @@ class PointStreamReader final : public PointSource {
     std::array<std::uint64_t, 2> bytesRead() const override;
 
   private:
-    PointStreamReader(std::unique_ptr<ByteSource> bytes, std::uint64_t mostPoints, bool keepAttributes)
-        : bytes_(std::move(bytes)), mostPoints_(mostPoints), keepAttributes_(keepAttributes) {}
+    PointStreamReader(std::unique_ptr<ByteSource> bytes, std::uint64_t mostPoints, bool keepAttributes,
+                      bool fullColors)
+        : bytes_(std::move(bytes)),
+          mostPoints_(mostPoints),
+          keepAttributes_(keepAttributes),
+          fullColors_(fullColors) {}
 
     struct RecordHead {
         std::array<char, 4> tag{};
@@ -75,7 +80,7 @@ class PointStreamReader final : public PointSource {
 
     std::unique_ptr<ByteSource> bytes_;
     std::uint64_t mostPoints_;
-    bool keepAttributes_ = false;
+    bool keepAttributes_ = false, fullColors_ = false;
     ScanHeader header_;
     bool areSteps_ = false;           ///< positions, of the header's grid
     std::optional<LasReader> las_;    ///< of a stream with records of LAS

@@ -41,6 +41,8 @@ inline CloudFacts fullFacts(const CloudFacts& from, bool columns) {
                .intensity = {7, 60000.5},
                .brightness = {0.1, 1.0 / 3, 1}};
     f.scanner = {1.0 / 7, -389500.1, 1e-300};
+    f.grid = ScanGrid{{389500.1, -0.0, 1e300}, {0.01, 1.0 / 3, 5e-324}};
+    f.exact = true;
     f.stations = {{.name = "Turm, Straße", .position = {1.0 / 7, -389500.1, 1e-300}, .points = 1ull << 60},
                   {.position = {4, 5, 6}, .forwards = glm::normalize(glm::dvec3(3, 2, 1))}};
     f.look = test::plainLook();
@@ -74,6 +76,8 @@ inline void expectSameFacts(const CloudFacts& a, const CloudFacts& b) {
     EXPECT_EQ(a.companions, b.companions);
     EXPECT_EQ(a.usual, b.usual);
     EXPECT_EQ(a.scanner, b.scanner);
+    EXPECT_EQ(a.grid, b.grid);
+    EXPECT_EQ(a.exact, b.exact);
     EXPECT_EQ(a.stations, b.stations);
     EXPECT_EQ(a.look, b.look);
     EXPECT_EQ(a.revision, b.revision);

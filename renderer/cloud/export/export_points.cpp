@@ -1,0 +1,225 @@
+#include "renderer/cloud/export/export_points.hpp"
+
+#include <fmt/format.h>
+
+#include <array>
+#include <chrono>
+#include <filesystem>
+#include <future>
+#include <new>
+
+#include "renderer/cloud/export/cloud_points.hpp"
+#include "renderer/cloud/export/losses.hpp"
+
+namespace scancast {
+
+namespace {
+
+tl::unexpected<Error> interrupted() {
+    return fail(ErrorCode::Cancelled, "The export was abandoned.");
+}
+
+/// Every batch of a source; the next one is read while this one is used.
+template <class Use>
+Expected<void> forBatches(PointSource& source, const std::stop_token& stop, Use use) {
+    PointBatch current, next;
+    const auto readNext = [&] { return source.read(next); };
+    Expected<bool> more = readNext();
+    while (more && *more) {
+        std::swap(current, next);
+        auto reading = std::async(std::launch::async, readNext);
+        Expected<void> used = use(current);
+        more = reading.get();
+        if (!used) return used;
+        if (stop.stop_requested()) return interrupted();
+    }
+    if (!more) return passOn(more);
+    return {};
+}
+
+class Exporter {
+  public:
+    Exporter(const OpenPoints& open, const ExportOptions& options, std::optional<PointSurvey> known,
+             const ProgressSink& progress, const std::stop_token& stop)
+        : open_(open), options_(options), known_(std::move(known)), progress_(progress), stop_(stop) {}
+
+    Expected<ExportReport> run() {
+        const auto start = std::chrono::steady_clock::now();
+        auto output = OutputFile::create(options_.output);
+        if (!output) return passOn(output);
+        auto source = openRegion();
+        if (!source) return passOn(source);
+        auto ahead = surveyAhead(*source, output->seekable());
+        if (!ahead) return passOn(ahead);
+        if (!*source) source = openRegion();
+        if (!source) return passOn(source);
+        const ScanHeader header = (*source)->header();
+        auto writer = createWriter(std::move(*output), header, *ahead);
+        if (!writer) return passOn(writer);
+
+        PointSurvey survey;
+        const std::uint64_t total = header.points.value_or(known_ ? known_->points : 0);
+        auto done = forBatches(**source, stop_, [&](const PointBatch& batch) -> Expected<void> {
+            if (auto ok = (*writer)->write(batch); !ok) return ok;
+            survey.add(batch, header);
+            if (progress_) progress_({"exporting", survey.points, total, "points"});
+            return {};
+        });
+        if (!done) return passOn(done);
+        if (survey.points == 0) return fail(ErrorCode::Empty, "No point lies there; nothing was written.");
+        if (auto ok = (*writer)->finish(survey); !ok) return passOn(ok);
+        ExportReport report;
+        report.points = survey.points;
+        report.bytes = (*writer)->bytesWritten();
+        report.losses = (*writer)->losses();
+        if (const std::uint64_t dropped = (*source)->droppedPoints(); dropped > 0)
+            report.losses.push_back(
+                fmt::format("{} points without finite coordinates were left out", dropped));
+        report.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+        return report;
+    }
+
+  private:
+    Expected<std::unique_ptr<PointSource>> openRegion() {
+        auto source = open_();
+        if (!source) return source;
+        return within(options_.region, std::move(*source));
+    }
+
+    /// What heads of files need to know before the points come. Counting uses the source up; it is null then.
+    Expected<PointSurvey> surveyAhead(std::unique_ptr<PointSource>& source, bool seekable) {
+        const ScanHeader& header = source->header();
+        PointSurvey ahead = known_.value_or(PointSurvey{});
+        if (header.points) ahead.points = *header.points;
+        const bool hasHead = options_.format == ExportFormat::Las || options_.format == ExportFormat::Ply;
+        const bool needsBounds = options_.format == ExportFormat::Las && !(header.gridStep.x > 0) && !known_;
+        if (!(hasHead && !seekable) && !needsBounds) return ahead;
+        PointSurvey counted;
+        counted.highestClass = ahead.highestClass;
+        auto done = forBatches(*source, stop_, [&](const PointBatch& batch) -> Expected<void> {
+            counted.add(batch, header);
+            if (progress_) progress_({"counting", counted.points, header.points.value_or(0), "points"});
+            return {};
+        });
+        source.reset();
+        if (!done) return passOn(done);
+        if (counted.points == 0) return fail(ErrorCode::Empty, "No point lies there; nothing was written.");
+        return counted;
+    }
+
+    Expected<std::unique_ptr<ExportWriter>> createWriter(OutputFile output, const ScanHeader& header,
+                                                         const PointSurvey& ahead) const {
+        switch (options_.format) {
+            case ExportFormat::Las:
+                return createLasExport(std::move(output), header, ahead);
+            case ExportFormat::Ply:
+                return createPlyExport(std::move(output), header, ahead);
+            case ExportFormat::Text:
+                return createTextExport(std::move(output), header, ' ');
+            case ExportFormat::Csv:
+                break;
+        }
+        return createTextExport(std::move(output), header, ',');
+    }
+
+    const OpenPoints& open_;
+    const ExportOptions& options_;
+    std::optional<PointSurvey> known_;
+    const ProgressSink& progress_;
+    const std::stop_token& stop_;
+};
+
+Expected<ExportReport> guardedExport(const OpenPoints& open, const ExportOptions& options,
+                                     std::optional<PointSurvey> known, const ProgressSink& progress,
+                                     const std::stop_token& stop) {
+    try {
+        return Exporter(open, options, std::move(known), progress, stop).run();
+    } catch (const std::bad_alloc&) {
+        return fail(ErrorCode::ResourceLimit, "The machine has not enough memory for the export.");
+    } catch (const std::exception& e) {
+        return fail(ErrorCode::Internal, fmt::format("The export failed: {}.", e.what()));
+    }
+}
+
+PointSurvey surveyOf(const CloudFacts& facts) {
+    PointSurvey survey;
+    survey.points = facts.points;
+    survey.low = facts.bounds[0];
+    survey.high = facts.bounds[1];
+    survey.highestClass = 0;
+    for (unsigned c = 0; c < facts.classCounts.size(); ++c)
+        if (facts.classCounts[c] > 0) survey.highestClass = std::uint8_t(c);
+    return survey;
+}
+
+struct NamedFormat {
+    std::string_view end;
+    ExportFormat format;
+};
+constexpr std::array formats{NamedFormat{".las", ExportFormat::Las}, NamedFormat{".ply", ExportFormat::Ply},
+                             NamedFormat{".csv", ExportFormat::Csv}, NamedFormat{".txt", ExportFormat::Text},
+                             NamedFormat{".xyz", ExportFormat::Text}};
+
+struct ForeignFormat {
+    std::string_view end, wayOut;
+};
+constexpr std::array foreignFormats{
+    ForeignFormat{
+        ".laz",
+        "LAZ is not written here: write LAS, and compress it with \"pdal translate out.las out.laz\" "
+        "or \"las2las -i out.las -o out.laz\""},
+    ForeignFormat{
+        ".e57",
+        "E57 is not written here: write PLY or LAS, which what writes E57 reads, CloudCompare for one"},
+    ForeignFormat{".pcd",
+                  "PCD is not written here: write PLY, and turn that with \"pcl_ply2pcd out.ply out.pcd\""},
+    ForeignFormat{
+        ".copc",
+        "COPC is not written here: write LAS, and \"untwine -i out.las -o out.copc.laz\" makes COPC of it"}};
+
+}  // namespace
+
+Expected<ExportFormat> exportFormatOf(const std::string& name) {
+    std::string end = std::filesystem::path(name).extension().string();
+    for (char& c : end)
+        if (c >= 'A' && c <= 'Z') c = char(c - 'A' + 'a');
+    for (const NamedFormat& known : formats)
+        if (known.end == end) return known.format;
+    for (const ForeignFormat& foreign : foreignFormats)
+        if (foreign.end == end)
+            return fail(ErrorCode::Unsupported, name + ": " + std::string(foreign.wayOut) + ".", "output");
+    return fail(ErrorCode::InvalidArgument,
+                "The name '" + name +
+                    "' does not tell the format; end it in .las, .ply, .csv, .txt or .xyz, or give --format.",
+                "format");
+}
+
+Expected<ExportReport> exportCloud(std::shared_ptr<const CloudFile> file, const ExportOptions& options,
+                                   const ProgressSink& progress, std::stop_token stop) {
+    const CloudPointsOptions what{.clip = options.region.clip, .estimatedNormals = options.estimatedNormals};
+    const OpenPoints open = [&]() -> Expected<std::unique_ptr<PointSource>> {
+        return cloudPoints(file, what);
+    };
+    auto report = guardedExport(open, options, surveyOf(file->facts()), progress, stop);
+    if (!report) return report;
+    auto losses = lossesOf(*file, options);
+    report->losses.insert(report->losses.begin(), losses.begin(), losses.end());
+    return report;
+}
+
+Expected<ExportReport> exportScan(const OpenPoints& open, const ExportOptions& options,
+                                  const ProgressSink& progress, std::stop_token stop) {
+    std::string format;
+    const OpenPoints remembered = [&]() -> Expected<std::unique_ptr<PointSource>> {
+        auto source = open();
+        if (source) format = (*source)->header().format;
+        return source;
+    };
+    auto report = guardedExport(remembered, options, std::nullopt, progress, stop);
+    if (!report) return report;
+    auto losses = lossesOfFormat(format);
+    report->losses.insert(report->losses.begin(), losses.begin(), losses.end());
+    return report;
+}
+
+}  // namespace scancast

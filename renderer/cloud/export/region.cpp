@@ -1,0 +1,79 @@
+#include "renderer/cloud/export/region.hpp"
+
+#include <cstring>
+
+namespace scancast {
+
+namespace {
+
+bool inside(const glm::dvec3& p, const ClipBox& box) {
+    return p.x >= box.min.x && p.x <= box.max.x && p.y >= box.min.y && p.y <= box.max.y && p.z >= box.min.z &&
+           p.z <= box.max.z;
+}
+
+template <class Values>
+void keepOf(Values& values, const std::vector<std::uint32_t>& kept) {
+    if (values.empty()) return;
+    for (std::size_t to = 0; to < kept.size(); ++to) values[to] = values[kept[to]];
+    values.resize(kept.size());
+}
+
+class RegionSource final : public PointSource {
+  public:
+    RegionSource(const ExportRegion& region, std::unique_ptr<PointSource> source)
+        : region_(region), source_(std::move(source)), header_(source_->header()) {
+        header_.points.reset();
+        header_.bounds.reset();
+    }
+
+    const ScanHeader& header() const override { return header_; }
+    Expected<bool> read(PointBatch& batch) override {
+        for (;;) {
+            auto more = source_->read(batch);
+            if (!more || !*more) return more;
+            keepWithin(region_, rowBytes(header_.columns), batch);
+            if (batch.size() > 0) return true;
+        }
+    }
+    std::uint64_t droppedPoints() const override { return source_->droppedPoints(); }
+    std::vector<std::string> notes() const override { return source_->notes(); }
+    std::array<std::uint64_t, 2> bytesRead() const override { return source_->bytesRead(); }
+
+  private:
+    ExportRegion region_;
+    std::unique_ptr<PointSource> source_;
+    ScanHeader header_;
+};
+
+}  // namespace
+
+void keepWithin(const ExportRegion& region, std::size_t rowBytes, PointBatch& batch) {
+    std::vector<std::uint32_t> kept;
+    kept.reserve(batch.size());
+    for (std::size_t i = 0; i < batch.size(); ++i) {
+        if (region.clip && !inside(batch.position[i], *region.clip)) continue;
+        const unsigned itsClass = batch.classification.empty() ? 0 : batch.classification[i];
+        if (region.classes && !region.classes->test(itsClass)) continue;
+        kept.push_back(std::uint32_t(i));
+    }
+    if (kept.size() == batch.size()) return;
+    std::vector<glm::dvec3> positions;
+    positions.reserve(kept.size());
+    for (const std::uint32_t i : kept) positions.push_back(batch.position[i]);
+    batch.position = std::move(positions);
+    keepOf(batch.color, kept);
+    keepOf(batch.intensity, kept);
+    keepOf(batch.classification, kept);
+    keepOf(batch.normal, kept);
+    if (rowBytes == 0) return;
+    for (std::size_t to = 0; to < kept.size(); ++to)
+        std::memmove(batch.rows.data() + to * rowBytes, batch.rows.data() + kept[to] * rowBytes, rowBytes);
+    batch.rows.resize(kept.size() * rowBytes);
+}
+
+std::unique_ptr<PointSource> within(const ExportRegion& region, std::unique_ptr<PointSource> source) {
+    if (region.isEverything()) return source;
+    return std::make_unique<RegionSource>(region, std::move(source));
+}
+
+}  // namespace scancast

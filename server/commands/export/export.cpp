@@ -1,0 +1,183 @@
+// `scancast export`: the points of a cloud file, or of a scan, as a file that other programs read.
+#include "server/commands/export/export.hpp"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <filesystem>
+#include <memory>
+
+#include "protocol/view/view_words.hpp"
+#include "renderer/cloud/export/export_points.hpp"
+#include "renderer/cloud/import/open_scan.hpp"
+#include "server/base/byte_size.hpp"
+#include "server/commands/importer_flags.hpp"
+#include "server/terminal/interruption.hpp"
+#include "server/terminal/progress_bar.hpp"
+#include "server/terminal/terminal.hpp"
+
+namespace scancast {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct ExportArguments {
+    std::string input, output, format, clip, classes;
+    ImporterFlags importer;
+    bool normals = false, force = false, quiet = false;
+};
+
+Expected<ExportFormat> formatOf(const ExportArguments& arguments) {
+    if (arguments.format == "las") return ExportFormat::Las;
+    if (arguments.format == "ply") return ExportFormat::Ply;
+    if (arguments.format == "csv") return ExportFormat::Csv;
+    if (arguments.format == "txt") return ExportFormat::Text;
+    if (arguments.output == "-")
+        return fail(ErrorCode::InvalidArgument,
+                    "Standard output has no name that tells the format; give --format las, ply, csv or txt.",
+                    "format");
+    return exportFormatOf(arguments.output);
+}
+
+/// In the grammar of views, which check them, too.
+Expected<ExportRegion> regionOf(const ExportArguments& arguments) {
+    View view;
+    if (!arguments.clip.empty())
+        if (auto ok = applyWord(view, "clip", arguments.clip); !ok) return passOn(ok);
+    if (!arguments.classes.empty())
+        if (auto ok = applyWord(view, "classes", arguments.classes); !ok) return passOn(ok);
+    ExportRegion region;
+    region.clip = view.style.clip;
+    if (view.style.classes) {
+        region.classes.emplace();
+        for (const std::uint8_t c : *view.style.classes) region.classes->set(c);
+    }
+    return region;
+}
+
+Expected<ExportOptions> exportOptions(const ExportArguments& arguments) {
+    ExportOptions options;
+    options.output = arguments.output;
+    options.estimatedNormals = arguments.normals;
+    const auto format = formatOf(arguments);
+    if (!format) return passOn(format);
+    options.format = *format;
+    auto region = regionOf(arguments);
+    if (!region) return passOn(region);
+    options.region = std::move(*region);
+    const bool text = options.format == ExportFormat::Csv || options.format == ExportFormat::Text;
+    if (arguments.output == "-") {
+        if (!text && isatty(STDOUT_FILENO))
+            return fail(
+                ErrorCode::InvalidArgument,
+                "LAS and PLY are binary data, not for a terminal; give a file with -o FILE or pipe it on.",
+                "output");
+        return options;
+    }
+    std::error_code error;
+    if (fs::equivalent(arguments.input, arguments.output, error))
+        return fail(ErrorCode::InvalidArgument, fmt::format("{} is both input and output.", arguments.input),
+                    "output");
+    if (!arguments.force && fs::is_regular_file(arguments.output, error))
+        return fail(ErrorCode::InvalidArgument,
+                    fmt::format("{} is there already; --force replaces it.", arguments.output), "output");
+    return options;
+}
+
+Expected<ExportReport> exportInput(const ExportArguments& arguments, const ExportOptions& options,
+                                   const ProgressSink& progress, const std::stop_token& stop) {
+    auto input = ScanInput::open(arguments.input);
+    if (!input) return passOn(input);
+    if (isCloudFile(input->file())) {
+        auto shared = input->file().share();
+        if (!shared) return passOn(shared);
+        auto file = CloudFile::open(std::move(*shared));
+        if (!file) return passOn(file);
+        return exportCloud(*file, options, progress, stop);
+    }
+    auto import = importOptions(arguments.importer);
+    if (!import) return passOn(import);
+    import->keepAttributes = import->exact = true;
+    import->stop = stop;
+    return exportScan([&] { return openScan(*input, *import); }, options, progress, stop);
+}
+
+Expected<void> runExport(const ExportArguments& arguments) {
+    const auto options = exportOptions(arguments);
+    if (!options) return passOn(options);
+    const Interruption interruption;
+    ProgressBar bar(stderr, arguments.quiet ? ProgressBar::Style::Quiet : ProgressBar::Style::Automatic);
+    const auto report = exportInput(arguments, *options, bar.sink(), interruption.token());
+    bar.clear();
+    if (!report && report.error().code == ErrorCode::Cancelled)
+        return fail(ErrorCode::Cancelled, "Interrupted; nothing was left behind.");
+    if (!report) return passOn(report);
+    if (arguments.quiet) return {};
+    tell("{}: {} points, {}, {:.1f} s ({:.2f} M points/s)\n",
+         arguments.output == "-" ? "standard output" : arguments.output, report->points,
+         byteSizeText(report->bytes), report->seconds,
+         double(report->points) / std::max(report->seconds, 1e-9) / 1e6);
+    for (const std::string& loss : report->losses) tell("Not as the scan was: {}.\n", loss);
+    return {};
+}
+
+constexpr const char* exportFooter =
+    "Every point of the scan is written once, with all that its cloud file keeps: position, colour, "
+    "intensity, class, "
+    "its own normals, and the columns of ingest --keep-attributes, in LAS as its fields and as extra bytes. "
+    "What a cloud "
+    "file has not kept is told at the end: 16 bits of a colour (8 are), positions in leaves that are wider "
+    "than 16 bits of "
+    "the scan's grid (rounded), columns. ingest --exact keeps all of it.\n"
+    "LAZ, COPC and E57 are not written: pdal translate out.las out.laz makes LAZ of LAS.\n"
+    "Examples:\n"
+    "  scancast export town.scan -o town.las\n"
+    "  scancast export town.scan -o roofs.ply --clip 389400,5819700,40,389500,5819800,90 --classes 6\n"
+    "  scancast export town.scan -o - --format csv | head\n"
+    "  scancast ingest town.las -o town.scan --exact && scancast export town.scan -o again.las  # the same "
+    "records\n";
+
+}  // namespace
+
+void addExport(CLI::App& app, int& exitCode) {
+    const auto arguments = std::make_shared<ExportArguments>();
+    CLI::App* command =
+        app.add_subcommand("export", "Write the points of a cloud file or a scan as LAS, PLY or text");
+    command->add_option("cloud", arguments->input, "The cloud file, or a scan")
+        ->required()
+        ->type_name("CLOUD");
+    command
+        ->add_option("-o,--output", arguments->output,
+                     "File to write, by its name LAS (.las), PLY (.ply), CSV (.csv) or text with blanks "
+                     "(.txt, .xyz); - for "
+                     "standard output")
+        ->required()
+        ->type_name("FILE");
+    command
+        ->add_option("--format", arguments->format,
+                     "las (1.4, the point format that what is known needs), ply (binary, doubles), csv, txt; "
+                     "by default "
+                     "what the name says")
+        ->check(CLI::IsMember({"las", "ply", "csv", "txt"}))
+        ->type_name("FORMAT");
+    command
+        ->add_option("--clip,--box", arguments->clip,
+                     "Only what lies inside this box, in the coordinates of the file, its faces included")
+        ->type_name("X0,Y0,Z0,X1,Y1,Z1");
+    command->add_option("--classes", arguments->classes, "Only these classifications: 2,6")
+        ->type_name("N,N,...");
+    command->add_flag("--normals", arguments->normals,
+                      "Also the normals that ingest estimated; a scan's own are always written");
+    addImporterFlags(*command, arguments->importer, false);
+    command->add_flag("-f,--force", arguments->force, "Replace the file if it is there");
+    command->add_flag("-q,--quiet", arguments->quiet,
+                      "No progress on standard error, and nothing of what is not as it was");
+    command->footer(exportFooter);
+    command->callback([arguments, &exitCode] {
+        const auto done = runExport(*arguments);
+        exitCode = done ? 0 : 1;
+        if (!done) tell("scancast export: {}\n", done.error().message);
+    });
+}
+
+}  // namespace scancast

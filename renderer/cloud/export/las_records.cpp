@@ -9,12 +9,12 @@
 #include "files/bytes.hpp"
 #include "renderer/cloud/export/las_layout.hpp"
 #include "renderer/cloud/import/crs_text.hpp"
-#include "renderer/cloud/import/las/las_header.hpp"
 
 namespace scancast {
 
 namespace {
 
+constexpr std::size_t headBytes = 375;  // of LAS 1.4; those of 1.5 are longer
 constexpr std::size_t longestRecord = 65535, descriptorBytes = 192, textBytes = 32;
 constexpr std::uint16_t wktRecord = 2112, geoKeyRecord = 34735, extraBytesRecord = 4;
 constexpr std::uint16_t adjustedTimeBit = 1, wktBit = 16;
@@ -171,8 +171,8 @@ std::vector<std::byte> lasHead(const LasLayout& layout, const LasRecords& record
     head.text("EXTRACTION", textBytes);
     head.text("scancast export", textBytes);
     head.zeros(4);  // day and year: left out, so that the same cloud is the same bytes tomorrow
-    head.put(std::uint16_t(lasHeaderBytes));
-    head.put(std::uint32_t(lasHeaderBytes + records.bytes.size()));
+    head.put(std::uint16_t(headBytes));
+    head.put(std::uint32_t(headBytes + records.bytes.size()));
     head.put(records.count);
     head.put(std::uint8_t(layout.pointFormat));
     head.put(std::uint16_t(layout.recordBytes));

@@ -109,8 +109,8 @@ TEST_F(Info, TellsPeopleWhatIsInACloudFile) {
                               "yes, normals point to",
                               "All points have the same colour, 0 255 7: that is taken for none.",
                               "town: cloud.js says 5 points.",
-                              "Turm, Straße: stood at 0.1429, -389500.1000, 0.0000, ",
-                              "Scan 2: stood at 4.0000, 5.0000, 6.0000, 0 points"})
+                              "Turm, Straße: stood at 0.1429, -389500.1, 0, ",
+                              "Scan 2: stood at 4, 5, 6, 0 points"})
         EXPECT_THAT(told.output, HasSubstr(words));
     EXPECT_THAT(told.output, Not(HasSubstr("checked")));
 }

@@ -54,6 +54,7 @@ class PreviewSource final : public PointSource {
     Expected<bool> read(PointBatch& batch) override;
     std::uint64_t droppedPoints() const override { return source_->droppedPoints(); }
     std::vector<std::string> notes() const override { return source_->notes(); }
+    std::vector<Station> stations() const override { return source_->stations(); }
     std::array<std::uint64_t, 2> bytesRead() const override { return source_->bytesRead(); }
 
   private:

@@ -209,7 +209,8 @@ std::unique_ptr<PointSource> survey(std::uint64_t points) {
 
 // Right because our own readers, which other tests hold against independent ones, read the same points.
 TEST_F(Export, EachFormatReadsBackAsTheSamePoints) {
-    const std::uint64_t points = test::sized(30'000, 4'000);
+    // So many that no leaf is wider than 16 bits of the grid: nothing is rounded.
+    const std::uint64_t points = 30'000;
     const auto cloud = cloudOf(survey(points), plainShape);
     ASSERT_TRUE(cloud);
     const glm::dvec3 origin = cloud->facts().grid->origin, step = cloud->facts().grid->step;

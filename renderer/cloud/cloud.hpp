@@ -18,6 +18,7 @@
 #include "renderer/cloud/octree.hpp"
 #include "renderer/cloud/point_batch.hpp"
 #include "renderer/cloud/progress.hpp"
+#include "renderer/cloud/stations/photo.hpp"
 
 namespace scancast {
 
@@ -118,6 +119,7 @@ struct CloudFacts {
     /// Where the scanner stood, file coordinates, if the scan says so and it stood at one place.
     std::optional<glm::dvec3> scanner;
     std::vector<Station> stations;   ///< all places that it stood at, if the scan says so
+    std::vector<Photo> photos;       ///< that the scan brought along
     std::optional<Look> look;        ///< nullopt: not decided yet (renderer/look)
     std::vector<std::string> notes;  ///< what was strange about the scan, one sentence each without an end
     std::string revision;            ///< hex digest of everything that pictures depend on but the look

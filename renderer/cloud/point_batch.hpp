@@ -15,7 +15,7 @@
 
 #include "protocol/error.hpp"
 #include "renderer/cloud/positions.hpp"
-#include "renderer/cloud/station.hpp"
+#include "renderer/cloud/stations/station.hpp"
 
 namespace scancast {
 

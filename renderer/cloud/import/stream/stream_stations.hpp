@@ -8,7 +8,7 @@
 #include <string_view>
 
 #include "protocol/error.hpp"
-#include "renderer/cloud/station.hpp"
+#include "renderer/cloud/stations/station.hpp"
 
 namespace scancast::point_stream {
 

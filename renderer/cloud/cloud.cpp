@@ -33,6 +33,14 @@ bool hasCurvature(const CloudFacts& facts) {
     return std::ranges::find(facts.companions, curvaturePlane()) != facts.companions.end();
 }
 
+ValuePlane nearInfraredPlane() {
+    return {std::string(nearInfraredPlaneName), ColumnType::Uint8, ValuePlane::Of::Samples};
+}
+
+bool hasNearInfrared(const CloudFacts& facts) {
+    return std::ranges::find(facts.companions, nearInfraredPlane()) != facts.companions.end();
+}
+
 std::vector<ValuePlane> planesOf(const CloudFacts& facts) {
     std::vector<ValuePlane> planes;
     for (const KeptColumn& kept : facts.columns)

@@ -414,6 +414,7 @@ void takeAll(Fields fields, StoredFacts& into, std::uint32_t version) {
     fields.flag("oriented", f.oriented);
     takeLists(fields, f);
     if (version != 1) takePlanes(fields, f);
+    f.attributes.nearInfrared = hasNearInfrared(f);
     fields.text("revision", f.revision);
 }
 

@@ -153,7 +153,7 @@ ReferencePicture referenceNearest(const Drawing& drawing) {
                                   : std::clamp(2.0 * run.node->spacing * size.scale * s.q, double(size.minPx),
                                                double(size.maxPx));
             s.ordinal = run.firstOrdinal + i;
-            const CurvatureCode curvature = run.curvatures.empty() ? 0 : run.curvatures[i];
+            const CurvatureCode curvature = run.beside.empty() ? 0 : run.beside[i];
             s.color = colorOf(drawing.color, *run.node, run.samples[i], curvature, place, s.depth);
             draw(s, pass, picture);
         }

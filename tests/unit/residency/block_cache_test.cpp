@@ -198,9 +198,9 @@ TEST(BlockCache, CurvaturesComeWithTheirSamplesOrNeitherDoes) {
     for (const std::uint32_t node : {0u, 1u, 2u, 3u}) {
         const auto run = store->load(node);
         ASSERT_TRUE(run) << run.error().message;
-        ASSERT_EQ(run->curvatures.size(), run->samples.size());
+        ASSERT_EQ(run->beside.size(), run->samples.size());
         const CurvatureCode code = node % 3 == 2 ? 0 : node + 1;
-        EXPECT_TRUE(std::ranges::all_of(run->curvatures, [&](CurvatureCode c) { return c == code; }))
+        EXPECT_TRUE(std::ranges::all_of(run->beside, [&](CurvatureCode c) { return c == code; }))
             << "node " << node << (code ? "" : ", which has none, is flat");
     }
     const auto damaged = store->load(4);

@@ -52,8 +52,8 @@ std::vector<ValuePlane> planesOf(const CloudFacts& facts) {
 std::vector<std::string> remarksOn(const CloudFacts& facts) {
     std::vector<std::string> remarks;
     if (facts.droppedPoints > 0)
-        remarks.push_back(
-            fmt::format("{} points without coordinates, or marked as none, were left out.", facts.droppedPoints));
+        remarks.push_back(fmt::format("{} points without coordinates, or marked as none, were left out.",
+                                      facts.droppedPoints));
     if (const auto& color = facts.constant.color)
         remarks.push_back(fmt::format("All points have the same colour, {} {} {}: that is taken for none.",
                                       (*color)[0], (*color)[1], (*color)[2]));

@@ -15,8 +15,7 @@ namespace {
 
 class MemoryStore final : public SampleStore {
   public:
-    MemoryStore(std::vector<Sample> samples, std::vector<std::uint64_t> first,
-                std::vector<BesideWord> beside)
+    MemoryStore(std::vector<Sample> samples, std::vector<std::uint64_t> first, std::vector<BesideWord> beside)
         : samples_(std::move(samples)), beside_(std::move(beside)), first_(std::move(first)) {
         firstLimits_.reserve(first_.size());
         for (std::size_t run = 0; run + 1 < first_.size(); ++run) {

@@ -22,8 +22,7 @@ class DeviceMemory {
     /// Bytes taken now.
     virtual std::uint64_t bytes() const = 0;
     /// Whether all samples of an octree's node are there, and if need be what stands beside them.
-    virtual bool has(std::uint64_t source, std::uint32_t node, std::uint32_t samples,
-                     bool beside) const = 0;
+    virtual bool has(std::uint64_t source, std::uint32_t node, std::uint32_t samples, bool beside) const = 0;
     /// Moves there what is not there of these nodes, in this order and as many as fit, and counts all of them
     /// as used: what has not been for longest goes. Errors: Cancelled; ResourceLimit, DeviceLost: the
     /// device's.

@@ -30,11 +30,7 @@ bool fits(const Octree& octree, std::span<Cut* const> cuts, const DeviceMemory& 
 class DeviceProvision {
   public:
     DeviceProvision(const Octree& octree, std::span<Cut* const> cuts, DeviceMemory& memory)
-        : octree_(octree),
-          cuts_(cuts),
-          beside_(cuts.front()->beside),
-          memory_(memory),
-          runs_(octree) {}
+        : octree_(octree), cuts_(cuts), beside_(cuts.front()->beside), memory_(memory), runs_(octree) {}
 
     Expected<void> provide(const std::stop_token& stop) {
         for (const Cut* cut : cuts_)

@@ -47,7 +47,8 @@ void tellSize(const FileInfo& info, Lines& lines) {
     std::string points = info.points ? grouped(*info.points) : "not known until they are read (--check)";
     if (!info.octree && !info.checked && info.points) points += ", as the file declares";
     if (info.facts.droppedPoints > 0)
-        points += fmt::format("; {} left out, without coordinates or marked as none", grouped(info.facts.droppedPoints));
+        points += fmt::format("; {} left out, without coordinates or marked as none",
+                              grouped(info.facts.droppedPoints));
     lines.add("points", points);
     std::string size = byteSizeText(info.bytes);
     if (info.points && *info.points > 0 && info.bytes > 0)

@@ -21,7 +21,7 @@ constexpr std::size_t window = 64;
 
 /// A node never claims to be coarser than its parent: what is drawn below a node stays within the bounds that
 /// its own spacing grew. A node that knows no spacing (all its points at one place) takes its parent's.
-float settleSpacing(double own, const Node* parent, float Node::* spacing, const Grid& grid) {
+float settleSpacing(double own, const Node* parent, float Node::*spacing, const Grid& grid) {
     const float largest = parent ? parent->*spacing : std::numeric_limits<float>::max();
     if (own > 0) return std::clamp(float(own), std::numeric_limits<float>::min(), largest);
     if (parent) return largest;
@@ -193,7 +193,8 @@ class Finisher {
     Expected<std::vector<BesideWord>> besideOf(const BuildNode& node) const {
         if (!input_.nearInfrared || !file_) return node.content.beside;
         const std::size_t count = node.stored.node.sampleCount;
-        const std::size_t before = sizeof(Sample) + (input_.shape.surfels ? sizeof(float) + sizeof(Density) : 0);
+        const std::size_t before =
+            sizeof(Sample) + (input_.shape.surfels ? sizeof(float) + sizeof(Density) : 0);
         std::vector<BesideWord> beside(count);
         if (auto ok = node.setAside.read(count * before, std::as_writable_bytes(std::span(beside))); !ok)
             return passOn(ok);
@@ -225,8 +226,7 @@ class Finisher {
 
     Expected<void> store(Inner& work, StoredNode& to) {
         if (!work.result) return work.result;
-        if (input_.shape.curvatures())
-            addMeans(work.beside, radiusUnit(work.node->content.spacing), means_);
+        if (input_.shape.curvatures()) addMeans(work.beside, radiusUnit(work.node->content.spacing), means_);
         if (!file_) {
             work.node->content.beside = std::move(work.beside);
             work.node->content.samples = std::move(work.samples);

@@ -50,13 +50,14 @@ std::string gigabytes(std::uint64_t bytes) {
 }
 
 std::optional<std::uint64_t> freeBytes(const fs::path& folder) {
-    struct statvfs found{};
+    struct statvfs found {};
     if (::statvfs(folder.c_str(), &found) != 0) return std::nullopt;
     return std::uint64_t(found.f_bavail) * found.f_frsize;
 }
 
 bool sameDisk(const fs::path& a, const fs::path& b) {
-    struct statvfs first{}, second{};
+    struct statvfs first {
+    }, second{};
     return ::statvfs(a.c_str(), &first) == 0 && ::statvfs(b.c_str(), &second) == 0 &&
            first.f_fsid == second.f_fsid;
 }

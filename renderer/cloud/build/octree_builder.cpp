@@ -177,8 +177,7 @@ class TreeBuilder {
         const auto rows = chunk.rowBytes.view(space);
         if (!rows) return passOn(rows);
         std::optional<KeptRows> kept;
-        if (!input_.columns.empty() || input_.nearInfrared)
-            kept.emplace(root.points, *rows, input_.rowBytes);
+        if (!input_.columns.empty() || input_.nearInfrared) kept.emplace(root.points, *rows, input_.rowBytes);
 
         scancast::grow(root, input_);
         std::vector<BuildNode*> leaves;

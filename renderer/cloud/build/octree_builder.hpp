@@ -43,7 +43,7 @@ struct OctreeInput {
     OctreeShape shape;
     std::vector<PlaceInRow> columns;  ///< that are kept
     std::optional<InfraredInRow> nearInfrared;
-    std::size_t rowBytes = 0;  ///< of all of these
+    std::size_t rowBytes = 0;              ///< of all of these
     bool gridPlanes = false;               ///< positions on the scan's grid are kept where samples round them
     std::array<std::int64_t, 3> ownLow{};  ///< the scan's whole numbers at the grid's corner
 
@@ -53,13 +53,14 @@ struct OctreeInput {
 
 /// A finished octree: in a file, or with its samples in memory.
 struct BuiltOctree {
-    std::vector<StoredNode> nodes;            ///< breadth first; places are set where there is a file
-    std::vector<BlockPlace> planes;           ///< of all planes in the file, node by node: columns, then companions
-    std::vector<std::uint64_t> sampleHashes;  ///< XXH3, 64 bits, of each node's samples and what stands beside them
-    std::vector<Sample> samples;              ///< of all nodes in turn; empty where there is a file
-    std::vector<BesideWord> beside;           ///< likewise; empty where nothing stands beside them
+    std::vector<StoredNode> nodes;   ///< breadth first; places are set where there is a file
+    std::vector<BlockPlace> planes;  ///< of all planes in the file, node by node: columns, then companions
+    std::vector<std::uint64_t>
+        sampleHashes;                ///< XXH3, 64 bits, of each node's samples and what stands beside them
+    std::vector<Sample> samples;     ///< of all nodes in turn; empty where there is a file
+    std::vector<BesideWord> beside;  ///< likewise; empty where nothing stands beside them
     std::array<double, 2> usualCurvature{};  ///< mean curvature: its 5th and 95th percentile, 1 / cloud units
-    double sure = 0;  ///< share of the points in leaves of at least sureSide
+    double sure = 0;                         ///< share of the points in leaves of at least sureSide
 };
 
 /// `root` is the tree's top as divide() grew it; chunks are used up. With a file, blocks are appended to it:

@@ -151,8 +151,8 @@ class SampleCacheTest : public WithContext {
                 break;
             }
         for (const CutRun& run : test.cut.runs)
-            if (std::memcmp(bent.data() + run.firstOrdinal, run.beside.data(),
-                            run.beside.size_bytes()) != 0) {
+            if (std::memcmp(bent.data() + run.firstOrdinal, run.beside.data(), run.beside.size_bytes()) !=
+                0) {
                 ADD_FAILURE() << "the curvatures of run " << (&run - test.cut.runs.data()) << " are others";
                 break;
             }

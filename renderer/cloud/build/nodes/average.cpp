@@ -158,8 +158,8 @@ const Average& at(const Average* a) {
 
 /// One run of things in one cell → one sample or two.
 template <class Things>
-void averageRun(Things run, const GridPosition& cell, const AverageRules& rules,
-                const Elsewhere& elsewhere, AverageList& out) {
+void averageRun(Things run, const GridPosition& cell, const AverageRules& rules, const Elsewhere& elsewhere,
+                AverageList& out) {
     thread_local std::array<Votes, 2> votes;
     std::array<Average, 2> sides;
     sides[0].cell = sides[1].cell = cell;
@@ -197,8 +197,8 @@ void averageRun(Things run, const GridPosition& cell, const AverageRules& rules,
 }
 
 template <class Things>
-void averageRuns(Things things, int ownCellLevel, const AverageRules& rules,
-                 const Elsewhere& elsewhere, AverageList& out) {
+void averageRuns(Things things, int ownCellLevel, const AverageRules& rules, const Elsewhere& elsewhere,
+                 AverageList& out) {
     for (std::size_t first = 0; first < things.size();) {
         const GridPosition cell = cellOf(at(things[first]), ownCellLevel, out.cellLevel);
         std::size_t last = first + 1;

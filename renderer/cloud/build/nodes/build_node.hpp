@@ -37,8 +37,8 @@ struct BuildNode {
     NodeContent content;
     AverageList averages;  ///< of an inner node, until its parent has used it
     Workspace::Buffer
-        setAside;       ///< an inner node's samples and all that goes with them, between averaging and finishing
-    StoredNode stored;  ///< its place in the file, and sampleCount: samples may be away
+        setAside;  ///< an inner node's samples and all that goes with them, between averaging and finishing
+    StoredNode stored;                  ///< its place in the file, and sampleCount: samples may be away
     std::vector<BlockPlace> columns;    ///< a leaf's kept columns in the file
     std::vector<BlockPlace> positions;  ///< a leaf's on the scan's grid, where its samples round them
     BesidePlaces beside;                ///< what stands beside its samples, in the file

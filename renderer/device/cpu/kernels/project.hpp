@@ -231,12 +231,14 @@ inline void colorize(const SplatPass& pass, const SplatRun& run, std::uint32_t f
         case Coloring::Curvature:
             for (int i = 0; i < b.count; ++i)
                 b.color[i] = tableEntry(
-                    pass.ramp, curvatureIndex(pass, run, besideAt(run, first + static_cast<std::uint32_t>(i))));
+                    pass.ramp,
+                    curvatureIndex(pass, run, besideAt(run, first + static_cast<std::uint32_t>(i))));
             return;
         case Coloring::Infrared:
             for (int i = 0; i < b.count; ++i)
-                b.color[i] = toned(
-                    pass.ramp, infraredRgb(words[2][i], besideAt(run, first + static_cast<std::uint32_t>(i))));
+                b.color[i] =
+                    toned(pass.ramp,
+                          infraredRgb(words[2][i], besideAt(run, first + static_cast<std::uint32_t>(i))));
             return;
     }
 }

@@ -35,8 +35,7 @@ std::uint32_t texelsOf(std::uint32_t samples, bool beside) {
 std::uint32_t samplesIn(const Place& place, bool beside) {
     if (!beside) return place.count;
     const std::uint32_t rest = place.count % PageTable::grain;
-    return place.count / PageTable::grain * withBesidePerGrain +
-           rest * besidePerTexel / (besidePerTexel + 1);
+    return place.count / PageTable::grain * withBesidePerGrain + rest * besidePerTexel / (besidePerTexel + 1);
 }
 
 /// Of a small memory, no node takes more than a part: pages are then never full of one node alone. With the
@@ -68,8 +67,7 @@ SampleCache::SampleCache(const GlFunctions& gl, const SampleCacheOptions& option
       pages_(table_.pages()),
       staging_(gl, std::clamp<std::uint64_t>(options.memoryLimit / 4, 64 << 10, stagingBytes)) {}
 
-bool SampleCache::has(std::uint64_t source, std::uint32_t node, std::uint32_t samples,
-                      bool beside) const {
+bool SampleCache::has(std::uint64_t source, std::uint32_t node, std::uint32_t samples, bool beside) const {
     for (std::uint32_t first = 0; first < samples; first += mostInPart_) {
         const std::uint32_t inPart = std::min(mostInPart_, samples - first);
         if (table_.texels({source, node, first}) < texelsOf(inPart, beside)) return false;

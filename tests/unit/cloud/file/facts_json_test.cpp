@@ -23,7 +23,10 @@ TEST(FactsJson, ReadsBackExactly) {
     CloudFacts bent;
     bent.companions = {curvaturePlane()};
     bent.usual.emplace().curvature = {-1.0 / 3, 1e9 + 0.1};
-    for (const CloudFacts& facts : {test::fullFacts(*cloud, true), richlyLookedAt, bent,
+    CloudFacts infrared;
+    infrared.companions = {curvaturePlane(), nearInfraredPlane()};
+    infrared.attributes.nearInfrared = true;
+    for (const CloudFacts& facts : {test::fullFacts(*cloud, true), richlyLookedAt, bent, infrared,
                                     static_cast<const CloudFacts&>(*cloud), CloudFacts{}}) {
         const auto back = parseFacts(printFacts(facts, "me 1.0").value());
         ASSERT_TRUE(back) << back.error().message;
@@ -59,32 +62,56 @@ TEST(FactsJson, ImpossibleValuesAreNamed) {
     const std::vector<std::pair<const char*, std::function<void(nlohmann::json&)>>> changes{
         {"bounds", [](auto& j) { j["bounds"][0][0] = 1e300; }},
         {"bounds", [](auto& j) { j["bounds"] = {1, 2, 3, 4, 5, 6}; }},
-        {"origin", [](auto& j) { j["origin"] = {1, 2}; }},
+        {"origin",
+         [](auto& j) {
+             j["origin"] = {1, 2};
+         }},
         {"points", [](auto& j) { j["points"] = -1; }},
         {"points", [](auto& j) { j["points"] = 1.5; }},
-        {"intensityRange", [](auto& j) { j["intensityRange"] = {0, 65536}; }},
+        {"intensityRange",
+         [](auto& j) {
+             j["intensityRange"] = {0, 65536};
+         }},
         {"classCounts", [](auto& j) { j["classCounts"]["256"] = 1; }},
         {"classCounts", [](auto& j) { j["classCounts"]["two"] = 1; }},
         {"crsEpsg", [](auto& j) { j["crsEpsg"] = 1ull << 31; }},
         {"spacing", [](auto& j) { j["spacing"] = -0.5; }},
         {"columns.type", [](auto& j) { j["columns"][0]["type"] = "float16"; }},
-        {"columns.range", [](auto& j) { j["columns"][0]["range"] = {2, 1}; }},
+        {"columns.range",
+         [](auto& j) {
+             j["columns"][0]["range"] = {2, 1};
+         }},
         {"columns",
          [](auto& j) {
              for (int i = 0; i < 2000; ++i) j["columns"].push_back(j["columns"][0]);
          }},
         {"usual.position", [](auto& j) { j["usual"]["position"][1][0] = -1; }},
-        {"usual.intensity", [](auto& j) { j["usual"]["intensity"] = {5, 4}; }},
-        {"usual.brightness", [](auto& j) { j["usual"]["brightness"] = {0, 1}; }},
+        {"usual.intensity",
+         [](auto& j) {
+             j["usual"]["intensity"] = {5, 4};
+         }},
+        {"usual.brightness",
+         [](auto& j) {
+             j["usual"]["brightness"] = {0, 1};
+         }},
         {"usual.brightness", [](auto& j) { j["usual"].erase("brightness"); }},
         {"grid.step", [](auto& j) { j["grid"]["step"][1] = 0; }},
         {"grid.origin", [](auto& j) { j["grid"].erase("origin"); }},
-        {"scanner", [](auto& j) { j["scanner"] = {1, 2, "3"}; }},
-        {"stations.position", [](auto& j) { j["stations"][0]["position"] = {1, 2}; }},
+        {"scanner",
+         [](auto& j) {
+             j["scanner"] = {1, 2, "3"};
+         }},
+        {"stations.position",
+         [](auto& j) {
+             j["stations"][0]["position"] = {1, 2};
+         }},
         {"stations.points", [](auto& j) { j["stations"][0]["points"] = -1; }},
         {"stations.name",
          [](auto& j) { j["stations"][1]["name"] = std::string(longestStationName + 1, 'x'); }},
-        {"stations.forwards", [](auto& j) { j["stations"][1]["forwards"] = {1, 1, 1}; }},
+        {"stations.forwards",
+         [](auto& j) {
+             j["stations"][1]["forwards"] = {1, 1, 1};
+         }},
         {"stations",
          [](auto& j) { j["stations"] = std::vector<nlohmann::json>(mostStations + 1, j["stations"][0]); }},
         {"look", [](auto& j) { j["look"].erase("views"); }},
@@ -107,10 +134,19 @@ TEST(FactsJson, ImpossibleValuesAreNamed) {
                  j["planes"].back()["name"] = std::to_string(i);
              }
          }},
-        {"mirrors.normal", [](auto& j) { j["mirrors"][0]["normal"] = {1, 1, 1}; }},
+        {"mirrors.normal",
+         [](auto& j) {
+             j["mirrors"][0]["normal"] = {1, 1, 1};
+         }},
         {"mirrors.width", [](auto& j) { j["mirrors"][0]["width"] = 0; }},
-        {"mirrors.tint", [](auto& j) { j["mirrors"][0]["tint"] = {1, 2, 256}; }},
-        {"constant.color", [](auto& j) { j["constant"]["color"] = {1, 2}; }},
+        {"mirrors.tint",
+         [](auto& j) {
+             j["mirrors"][0]["tint"] = {1, 2, 256};
+         }},
+        {"constant.color",
+         [](auto& j) {
+             j["constant"]["color"] = {1, 2};
+         }},
         {"constant.intensity", [](auto& j) { j["constant"]["intensity"] = 65536; }},
         {"notes", [](auto& j) { j["notes"] = {7}; }},
         {"notes", [](auto& j) { j["notes"] = {std::string(100000, 'x')}; }},

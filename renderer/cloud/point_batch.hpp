@@ -15,6 +15,7 @@
 
 #include "protocol/error.hpp"
 #include "renderer/cloud/positions.hpp"
+#include "renderer/cloud/stations/photo.hpp"
 #include "renderer/cloud/stations/station.hpp"
 
 namespace scancast {
@@ -142,6 +143,9 @@ class PointSource {
     virtual std::vector<std::string> notes() const { return {}; }
     /// Where the scanner stood, in the order of the scan; all of them at the end of it. None where nobody knows.
     virtual std::vector<Station> stations() const { return {}; }
+    /// Photos that the scan brought along, in its order; their bytes at the end of it, if they were asked for (ImportOptions). What stations
+    /// they were taken at counts in stations().
+    virtual std::vector<Photo> photos() const { return {}; }
     /// How far the source is, for progress: bytes read of the total (0 = unknown).
     virtual std::array<std::uint64_t, 2> bytesRead() const { return {0, 0}; }
 };

@@ -44,6 +44,7 @@ class StoppableSource final : public PointSource {
     std::uint64_t droppedPoints() const override { return source_->droppedPoints(); }
     std::vector<std::string> notes() const override { return source_->notes(); }
     std::vector<Station> stations() const override { return source_->stations(); }
+    std::vector<Photo> photos() const override { return source_->photos(); }
     std::array<std::uint64_t, 2> bytesRead() const override { return source_->bytesRead(); }
 
   private:
@@ -53,6 +54,8 @@ class StoppableSource final : public PointSource {
 
 LoaderOptions stoppedBy(std::stop_token stop, LoaderOptions options) {
     options.import.stop = std::move(stop);
+    std::error_code none;
+    options.import.photos = options.kept ? options.kept->folder() : fs::temp_directory_path(none);
     return options;
 }
 
@@ -74,7 +77,7 @@ fs::path keptPath(const ScanInput& input, const LoaderOptions& options) {
 
 std::uint64_t bytesToKeep(const PointSource& source, const ScanInput& input, const OctreeShape& shape) {
     const auto needs = diskNeeds(source.header(), {.memoryLimit = leastIngestMemory, .shape = shape});
-    return needs ? needs->file : input.bytes() * keptBytesPerUnknownByte;
+    return (needs ? needs->file : input.bytes() * keptBytesPerUnknownByte) + bytesOf(source.photos());
 }
 
 std::uint64_t memoryToBuild(const PointSource& source, const ScanInput& input) {

@@ -55,6 +55,7 @@ class PreviewSource final : public PointSource {
     std::uint64_t droppedPoints() const override { return source_->droppedPoints(); }
     std::vector<std::string> notes() const override { return source_->notes(); }
     std::vector<Station> stations() const override { return source_->stations(); }
+    std::vector<Photo> photos() const override { return source_->photos(); }
     std::array<std::uint64_t, 2> bytesRead() const override { return source_->bytesRead(); }
 
   private:

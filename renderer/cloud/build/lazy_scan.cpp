@@ -25,6 +25,7 @@ class LazyScan final : public PointSource {
         stations_ = source_->stations();
         if (!more || !*more) {
             ended_ = true;
+            photos_ = source_->photos();
             source_.reset();
         }
         return more;
@@ -33,6 +34,7 @@ class LazyScan final : public PointSource {
     std::uint64_t droppedPoints() const override { return dropped_; }
     std::vector<std::string> notes() const override { return notes_; }
     std::vector<Station> stations() const override { return stations_; }
+    std::vector<Photo> photos() const override { return photos_; }
     std::array<std::uint64_t, 2> bytesRead() const override { return bytes_; }
 
   private:
@@ -42,6 +44,7 @@ class LazyScan final : public PointSource {
     std::uint64_t dropped_ = 0;
     std::vector<std::string> notes_;
     std::vector<Station> stations_;
+    std::vector<Photo> photos_;
     std::array<std::uint64_t, 2> bytes_{};
     bool ended_ = false;
 };

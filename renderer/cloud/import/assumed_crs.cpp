@@ -59,6 +59,7 @@ class SourceWithCrs final : public PointSource {
         return notes;
     }
     std::vector<Station> stations() const override { return source_->stations(); }
+    std::vector<Photo> photos() const override { return source_->photos(); }
     std::array<std::uint64_t, 2> bytesRead() const override { return source_->bytesRead(); }
 
   private:

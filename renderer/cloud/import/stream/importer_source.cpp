@@ -37,8 +37,11 @@ Expected<std::unique_ptr<ImporterSource>> ImporterSource::create(const ImporterP
     constexpr auto unbounded = std::numeric_limits<std::uint64_t>::max();
     const auto mostPoints =
         fileBytes > unbounded / mostPointsPerByte ? unbounded : fileBytes * mostPointsPerByte;
-    auto reader = PointStreamReader::create(std::make_unique<SharedBytes>(source->process_), mostPoints,
-                                            options.keepAttributes, options.exact);
+    auto reader = PointStreamReader::create(std::make_unique<SharedBytes>(source->process_),
+                                            {.mostPoints = mostPoints,
+                                             .keepAttributes = options.keepAttributes,
+                                             .fullColors = options.exact,
+                                             .photos = options.photos});
     if (!reader) return tl::unexpected(source->explain(reader.error(), *source->process_));
     source->reader_ = std::move(*reader);
     return source;

@@ -25,6 +25,7 @@ class ImporterSource final : public PointSource {
     std::uint64_t droppedPoints() const override { return reader_->droppedPoints(); }
     std::vector<std::string> notes() const override;
     std::vector<Station> stations() const override { return reader_->stations(); }
+    std::vector<Photo> photos() const override { return reader_->photos(); }
     std::array<std::uint64_t, 2> bytesRead() const override { return reader_->bytesRead(); }
 
   private:

@@ -122,7 +122,8 @@ struct PointFrame {
     std::vector<std::string> notes;
 };
 
-/// A scan being read, front to back, once. Owned and used by one thread.
+/// A scan being read, front to back, once. Owned and used by one thread. Sources around another one: forwarding_source.hpp,
+/// which has a line for each of these questions.
 class PointSource {
   public:
     static constexpr std::size_t batchPoints = 65536;

@@ -9,13 +9,13 @@
 #include <iterator>
 
 #include "renderer/cloud/cloud.hpp"
-#include "renderer/cloud/file/block_codec.hpp"
+#include "renderer/cloud/file/blocks/block_codec.hpp"
+#include "renderer/cloud/file/blocks/row_columns.hpp"
 #include "renderer/cloud/file/cloud_file.hpp"
 #include "renderer/cloud/file/cloud_file_writer.hpp"
 #include "renderer/cloud/file/facts_json.hpp"
 #include "renderer/cloud/file/file_layout.hpp"
 #include "renderer/cloud/file/random_reader.hpp"
-#include "renderer/cloud/file/row_columns.hpp"
 #include "tests/support/clouds/octree_checks.hpp"
 #include "tests/support/clouds/synthetic_source.hpp"
 

@@ -10,7 +10,7 @@
 
 #include "files/bytes.hpp"
 #include "protocol/json_text.hpp"
-#include "renderer/cloud/file/block_codec.hpp"
+#include "renderer/cloud/file/blocks/block_codec.hpp"
 #include "renderer/cloud/file/cloud_file.hpp"
 #include "renderer/cloud/file/facts_json.hpp"
 #include "renderer/cloud/file/file_layout.hpp"

@@ -3,7 +3,7 @@
 
 #include <limits>
 
-#include "renderer/cloud/file/byte_planes.hpp"
+#include "renderer/cloud/file/blocks/byte_planes.hpp"
 #include "tests/unit/cloud/file/sample_cloud.hpp"
 
 namespace scancast {

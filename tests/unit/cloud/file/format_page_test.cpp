@@ -8,7 +8,7 @@
 
 #include "files/bytes.hpp"
 #include "protocol/json_text.hpp"
-#include "renderer/cloud/file/byte_planes.hpp"
+#include "renderer/cloud/file/blocks/byte_planes.hpp"
 #include "tests/unit/cloud/file/sample_cloud.hpp"
 
 namespace scancast {

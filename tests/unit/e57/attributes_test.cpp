@@ -195,7 +195,7 @@ TEST(E57Columns, AreKeptOnRequest) {
     const std::vector<std::vector<double>> rows{{7, -5, 0.25, 1e12}, {2047, 511, 1e9 + 0.5, 3}};
     const auto file = e57File({scanWith({}, {{}}), scanWith(fields, rows)});
     EXPECT_THAT(imported(file)->header.columns, IsEmpty());
-    const auto result = imported(file, true).value();
+    const auto result = imported(file, {.keepAttributes = true}).value();
     std::vector<std::string> names;
     std::vector<ColumnType> types;
     for (const auto& column : result.header.columns) {

@@ -15,12 +15,6 @@ std::uint64_t FileDescription::points() const {
     return sum;
 }
 
-std::uint64_t FileDescription::pictureCount() const {
-    std::uint64_t sum = 0;
-    for (const auto& [kind, count] : pictures) sum += count;
-    return sum;
-}
-
 std::string FileDescription::called(std::size_t scan) const {
     return scans.size() == 1 ? "its scan" : fmt::format("scan {}", scan + 1);
 }
@@ -50,7 +44,13 @@ Expected<FileDescription> describeFile(PagedFile& file) {
     FileDescription result;
     const auto visit = [&](std::string_view list, const XmlElement& record) -> Expected<void> {
         if (list == "images2D") {
-            ++result.pictures[pictureKind(record)];
+            if (auto photo = describePhoto(record); !photo)
+                ++result.emptyPhotos;
+            else if (result.photos.size() < mostScans)
+                result.photos.push_back(std::move(*photo));
+            else
+                return fail(ErrorCode::ResourceLimit,
+                            fmt::format("it has more than {} photos", grouped(mostScans)));
         } else if (list == "data3D") {
             if (result.scans.size() == mostScans)
                 return fail(ErrorCode::ResourceLimit,

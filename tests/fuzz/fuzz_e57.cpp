@@ -30,7 +30,8 @@ void import(const std::string& file, const import_e57::Choices& choices) {
         if (done.error().message.empty()) std::abort();
         return;
     }
-    auto reader = PointStreamReader::create(std::make_unique<MemoryByteSource>(stream));
+    auto reader = PointStreamReader::create(std::make_unique<MemoryByteSource>(stream),
+                                            {.photos = std::filesystem::temp_directory_path()});
     PointBatch batch;
     for (;;) {
         const auto more = reader ? (*reader)->read(batch) : Expected<bool>(passOn(reader));

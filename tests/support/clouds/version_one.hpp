@@ -36,9 +36,10 @@ inline void encodeVersionOneNode(const StoredNode& node, const BlockPlace& rows,
     storeLe(&record[200], rows.bytes);
 }
 
-/// Facts without planes.
+/// Facts without planes and photos.
 inline std::string versionOneFacts(CloudFacts facts, std::string_view writtenBy) {
     facts.companions.clear();
+    facts.photos.clear();
     auto json = parseJson(printFacts(facts, writtenBy).value()).value();
     json.erase("planes");
     return printJson(json);

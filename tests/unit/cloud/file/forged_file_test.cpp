@@ -90,6 +90,20 @@ TEST(ForgedFile, EveryLieIsFound) {
     }
 }
 
+TEST(ForgedFile, PhotosLieAmongTheBlocks) {
+    const auto honest = test::sampleFile();
+    const Change lies[] = {[](FileParts& f) { f.photos[1].offset = 127; },
+                           [](FileParts& f) { f.photos[1].offset = ~0ull; },
+                           [](FileParts& f) { f.photos[1].bytes = std::uint32_t(largestPhoto); }};
+    for (const Change& lie : lies) {
+        const auto file = test::openBytes(test::forged(honest, lie));
+        ASSERT_FALSE(file);
+        EXPECT_EQ(file.error().code, ErrorCode::Malformed);
+        EXPECT_TRUE(file.error().message.starts_with("memory.scan, photo 1 is said to be at byte "))
+            << file.error().message;
+    }
+}
+
 // A leaf of 16 million samples whose block has 40 bytes would make readers allocate what the file does not
 // hold.
 TEST(ForgedFile, ABlockMustBeLargeEnoughForItsSamples) {

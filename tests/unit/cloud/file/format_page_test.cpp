@@ -135,7 +135,10 @@ TEST(FormatPage, TheFileHasItsFieldsThere) {
 
 TEST(FormatPage, NamesEveryFact) {
     const auto text = page();
-    const auto json = parseJson(printFacts(test::fullFacts(CloudFacts{}, true), "me").value()).value();
+    const auto json = parseJson(printFacts(test::fullFacts(CloudFacts{}, true), "me",
+                                           std::vector<BlockPlace>(2, {128, 1, 0}))
+                                    .value())
+                          .value();
     for (const auto& [key, value] : json.items())
         EXPECT_NE(text.find("`" + key + "`"), std::string::npos) << key;
     EXPECT_NE(text.find(std::to_string(chunkRecords)), std::string::npos) << "the samples of a chunk";

@@ -48,6 +48,12 @@ export async function fetchStations(cloud) {
   return listOf(body.stations);
 }
 
+/** The photos that the scan brought along; those that say from where they were taken have a view, which fits a picture of this size. */
+export async function fetchPhotos(cloud, { width, height }) {
+  const body = await getJson(`/api/v1/clouds/${encodeURIComponent(cloud)}/photos?width=${width}&height=${height}`);
+  return listOf(body.photos);
+}
+
 /** { methods, colors, colormaps, shadings }. */
 export async function fetchMethods() {
   const body = await getJson('/api/v1/methods');

@@ -3,6 +3,7 @@ set(SCANCAST_WEB_FILES
     index.html
     style.css
     panel.css
+    photos.css
     favicon.svg
     main.js
     access.js
@@ -16,6 +17,7 @@ set(SCANCAST_WEB_FILES
     hud.js
     overlays.js
     parameter_fields.js
+    photos.js
     picture.js
     session.js
     share.js

@@ -7,6 +7,7 @@ import { Controls } from './controls.js';
 import { takeGuestToken } from './guest.js';
 import { amount, Hud } from './hud.js';
 import { Overlays } from './overlays.js';
+import { Photos } from './photos.js';
 import { Picture } from './picture.js';
 import { Session } from './session.js';
 import { copyLink, savePicture } from './share.js';
@@ -79,9 +80,10 @@ const controls = new Controls({
   },
   reset: () => changeStyle(usualStyle(cloud)),
 });
-const stations = new Stations((place) => {
-  const next = fromProtocol(place, camera?.upAxis ?? 'z');
-  if (next && camera) goTo(next);
+const photos = new Photos(goToPlace, () => picture.size);
+const stations = new Stations((station) => {
+  goToPlace(station.view.camera);
+  photos.at(station);
 }, amount);
 const input = new CameraInput(canvas, {
   get camera() { return session.connection ? camera : undefined; },
@@ -151,6 +153,7 @@ function renew() {
   } else {
     controls.show(state.wanted, cloud);
     stations.show(cloud);
+    photos.show(cloud);
   }
 }
 
@@ -163,6 +166,7 @@ function begin(style) {
   showCameraButtons();
   controls.show(state.wanted, cloud);
   stations.show(cloud);
+  photos.show(cloud);
   wake();
 }
 
@@ -206,6 +210,12 @@ function goTo(next) {
   }
   flight = { from: camera, to: next, start: performance.now() };
   wake();
+}
+
+/** As the protocol has it: where a scanner stood, where a photo was taken. */
+function goToPlace(place) {
+  const next = fromProtocol(place, camera?.upAxis ?? 'z');
+  if (next && camera) goTo(next);
 }
 
 // ---- one tick for each frame of the display

@@ -1,13 +1,17 @@
 // Where the scanner stood: a list in the panel, for clouds whose scan says it; choosing one goes there.
 
 import { fetchStations } from './catalog.js';
+import { photosText } from './photos.js';
 
 const find = (id) => document.getElementById(id);
 const mostListed = 500; // a longer menu helps nobody; the API has them all
 
-/** "Tower, east (1.2 M points)". Pure. */
-export function labelOfStation({ name, points }, amount) {
-  return points > 0 ? `${name} (${amount(points)} points)` : name;
+/** "Tower, east (1.2 million points, 2 photos)". Pure. */
+export function labelOfStation({ name, points, photos = [] }, amount) {
+  const has = [];
+  if (points > 0) has.push(`${amount(points)} points`);
+  if (photos.length > 0) has.push(photosText(photos.length));
+  return has.length > 0 ? `${name} (${has.join(', ')})` : name;
 }
 
 export class Stations {
@@ -15,14 +19,14 @@ export class Stations {
   #list = [];
   #amount;
 
-  /** `go(camera)` gets a camera as the protocol has it; `amount(number)` says a number in short. */
+  /** `go(station)` gets one of the list, as the API has it; `amount(number)` says a number in short. */
   constructor(go, amount) {
     this.#amount = amount;
     find('station').addEventListener('change', (event) => {
       const station = this.#list[Number(event.target.value)];
       // The menu names what one may go to, not where one is: one leaves the place with the next drag.
       event.target.value = '';
-      if (station) go(station.view.camera);
+      if (station) go(station);
     });
   }
 

@@ -3,9 +3,11 @@
 #include <fmt/format.h>
 
 #include <optional>
+#include <unordered_map>
 #include <vector>
 
 #include "importers/e57/import_plan.hpp"
+#include "importers/e57/photos.hpp"
 #include "importers/e57/scan_converter.hpp"
 #include "renderer/cloud/import/printable_text.hpp"
 
@@ -24,12 +26,18 @@ class Stations {
                 Station station{.name = scan.name, .position = scan.inFile(glm::dvec3(0))};
                 if (scan.pose) station.forwards = unitVector(scan.pose->rotation * glm::dvec3(1, 0, 0));
                 all_.push_back(std::move(station));
+                if (!scan.guid.empty()) byGuid_.emplace(scan.guid, *number);
             }
             numbers_.push_back(number);
         }
     }
 
     bool empty() const { return all_.empty(); }
+    /// Of the scan that a photo names.
+    std::optional<std::uint32_t> of(const std::string& guid) const {
+        const auto found = byGuid_.find(guid);
+        return found != byGuid_.end() ? std::optional(found->second) : std::nullopt;
+    }
     Expected<void> send(PointStreamWriter& writer) const {
         for (const auto& station : all_)
             if (auto ok = writer.writeStation(station); !ok) return ok;
@@ -40,6 +48,7 @@ class Stations {
   private:
     std::vector<Station> all_;
     std::vector<std::optional<std::uint32_t>> numbers_;  ///< by scan
+    std::unordered_map<std::string, std::uint32_t> byGuid_;
 };
 
 Expected<void> sendScans(PagedFile& file, const FileDescription& description, const ImportPlan& plan,
@@ -85,22 +94,26 @@ Expected<void> noteCounts(const Counts& counts, PointStreamWriter& writer) {
 
 }  // namespace
 
-Expected<void> importE57(std::unique_ptr<ByteSource> bytes, bool keepAttributes, PointStreamWriter& writer) {
-    auto file = PagedFile::open(std::move(bytes));
+Expected<void> importE57(std::unique_ptr<ByteSource> bytes, const Choices& choices,
+                         PointStreamWriter& writer) {
+    auto file = PagedFile::open(std::move(bytes), choices.recover);
     if (!file) return passOn(file);
     const auto description = describeFile(*file);
     if (!description) return passOn(description);
-    const auto plan = planImport(*file, *description, keepAttributes);
+    const auto plan = planImport(*file, *description, choices.keepAttributes);
     if (!plan) return passOn(plan);
     const Stations stations(*description);
+    Photos photos(*file, description->photos, [&](const std::string& guid) { return stations.of(guid); });
     const auto begun = plan->asSteps ? writer.writeHeaderOfSteps(plan->header)
-                                     : writer.writeHeader(plan->header, !stations.empty());
+                                     : writer.writeHeader(plan->header, !stations.empty() || !photos.empty());
     if (!begun) return begun;
     if (auto ok = stations.send(writer); !ok) return ok;
+    if (auto ok = photos.describe(writer); !ok) return ok;
     for (const auto& note : plan->notes)
         if (auto ok = writer.writeNote(note); !ok) return ok;
     Counts counts;
     if (auto ok = sendScans(*file, *description, *plan, stations, writer, counts); !ok) return ok;
+    if (auto ok = photos.send(writer); !ok) return ok;
     if (auto ok = noteCounts(counts, writer); !ok) return ok;
     return writer.finish(counts.marked + counts.notFinite);
 }

@@ -15,12 +15,6 @@ std::uint64_t FileDescription::points() const {
     return sum;
 }
 
-std::uint64_t FileDescription::pictureCount() const {
-    std::uint64_t sum = 0;
-    for (const auto& [kind, count] : pictures) sum += count;
-    return sum;
-}
-
 std::string FileDescription::called(std::size_t scan) const {
     return scans.size() == 1 ? "its scan" : fmt::format("scan {}", scan + 1);
 }
@@ -42,7 +36,13 @@ Expected<FileDescription> describeFile(PagedFile& file) {
     auto left = header.xmlBytes;
     const auto bytes = [&](std::span<std::byte> into) -> Expected<std::size_t> {
         const auto count = static_cast<std::size_t>(std::min<std::uint64_t>(into.size(), left));
-        if (auto ok = file.read(*at, into.first(count)); !ok) return passOn(ok);
+        if (auto ok = file.read(*at, into.first(count)); !ok) {
+            if (ok.error().code == ErrorCode::Malformed)
+                ok.error().message +=
+                    ". It has what describes its scans (XML), without which no point can be read, not by "
+                    "--recover either";
+            return passOn(ok);
+        }
         *at += count;
         left -= count;
         return count;
@@ -50,7 +50,13 @@ Expected<FileDescription> describeFile(PagedFile& file) {
     FileDescription result;
     const auto visit = [&](std::string_view list, const XmlElement& record) -> Expected<void> {
         if (list == "images2D") {
-            ++result.pictures[pictureKind(record)];
+            if (auto photo = describePhoto(record); !photo)
+                ++result.emptyPhotos;
+            else if (result.photos.size() < mostScans)
+                result.photos.push_back(std::move(*photo));
+            else
+                return fail(ErrorCode::ResourceLimit,
+                            fmt::format("it has more than {} photos", grouped(mostScans)));
         } else if (list == "data3D") {
             if (result.scans.size() == mostScans)
                 return fail(ErrorCode::ResourceLimit,

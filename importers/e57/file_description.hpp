@@ -1,25 +1,25 @@
-// What an E57 file says of itself: its scans, its pictures, its coordinates. Pipeline: pages → XML records → **description** →
+// What an E57 file says of itself: its scans, its photos, its coordinates. Pipeline: pages → XML records → **description** →
 // points.
 #pragma once
 
 #include <cstdint>
-#include <map>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "importers/e57/paged_file.hpp"
+#include "importers/e57/photos.hpp"
 #include "importers/e57/scan_description.hpp"
 
 namespace scancast::import_e57 {
 
 struct FileDescription {
     std::vector<ScanDescription> scans;
-    std::map<std::string, std::uint64_t> pictures;  ///< how many, by pictureKind()
-    std::string coordinates;                        ///< coordinateMetadata, WKT as a rule; may be empty
+    std::vector<PhotoDescription> photos;
+    std::uint64_t emptyPhotos = 0;  ///< entries for photos without one
+    std::string coordinates;        ///< coordinateMetadata, WKT as a rule; may be empty
 
     std::uint64_t points() const;
-    std::uint64_t pictureCount() const;
     /// "scan 3", or "its scan" of a file with one.
     std::string called(std::size_t scan) const;
 };

@@ -28,13 +28,10 @@ void noteWhatIsInIt(const PagedFile& file, const FileDescription& description, c
     if (const auto unknown = scansOfUnknownPosition(description); unknown > 0 && description.scans.size() > 1)
         notes.push_back(fmt::format("of {} of {} it is not known from where they were taken",
                                     grouped(unknown), countedScans(description.scans.size())));
-    if (const auto pictures = description.pictureCount(); pictures > 0) {
-        std::string kinds;
-        for (const auto& [kind, count] : description.pictures)
-            kinds += fmt::format("{}{} {}", kinds.empty() ? "" : ", ", count, kind);
-        notes.push_back(fmt::format("{} in it ({}), not read yet",
-                                    pictures == 1 ? "1 picture" : grouped(pictures) + " pictures", kinds));
-    }
+    if (description.emptyPhotos > 0)
+        notes.push_back(grouped(description.emptyPhotos) + (description.emptyPhotos == 1
+                                                                ? " entry for a photo that is not in it"
+                                                                : " entries for photos that are not in it"));
     if (without > 0) notes.push_back(countedScans(without) + " without points");
     if (blind > 0) notes.push_back(countedScans(blind) + " left out, whose points have no coordinates");
     if (zero > 0)

@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <bit>
-#include <charconv>
 #include <cmath>
 #include <limits>
 
@@ -18,36 +17,6 @@ constexpr std::size_t mostFields = 512;
 
 tl::unexpected<Error> malformed(const std::string& called, const std::string& reason) {
     return fail(ErrorCode::Malformed, called + ": " + reason);
-}
-
-std::string_view trimmed(std::string_view text) {
-    const auto first = text.find_first_not_of(" \t\r\n");
-    if (first == std::string_view::npos) return {};
-    return text.substr(first, text.find_last_not_of(" \t\r\n") - first + 1);
-}
-
-/// Nothing at all is `otherwise`, as the standard says; nullopt for what is no number.
-template <class T>
-std::optional<T> number(std::string_view text, T otherwise) {
-    text = trimmed(text);
-    if (text.empty()) return otherwise;
-    if (text.front() == '+') text.remove_prefix(1);
-    T value{};
-    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-    if (error != std::errc() || end != text.data() + text.size()) return std::nullopt;
-    return value;
-}
-
-/// Of an element that is a number by its type; nullopt if it is not there, or no number.
-std::optional<double> valueOf(const XmlElement& parent, std::string_view name) {
-    const auto* const element = parent.child(name);
-    if (element == nullptr) return std::nullopt;
-    const auto value = number<double>(element->text, 0.0);
-    if (!value || element->attribute("type") != "ScaledInteger") return value;
-    const auto scale = number<double>(element->attribute("scale"), 1.0);
-    const auto offset = number<double>(element->attribute("offset"), 0.0);
-    if (!scale || !offset) return std::nullopt;
-    return *value * *scale + *offset;
 }
 
 std::optional<Limits> limitsOf(std::optional<double> minimum, std::optional<double> maximum) {
@@ -74,8 +43,8 @@ Expected<Field> describeField(const XmlElement& element, const std::string& call
         field.encoding = element.attribute("precision") == "single" ? Encoding::Float32 : Encoding::Float64;
         field.bits = field.encoding == Encoding::Float32 ? 32 : 64;
         if (!element.attribute("minimum").empty() && !element.attribute("maximum").empty())
-            field.limits = limitsOf(number<double>(element.attribute("minimum"), 0.0),
-                                    number<double>(element.attribute("maximum"), 0.0));
+            field.limits = limitsOf(numberIn<double>(element.attribute("minimum"), 0.0),
+                                    numberIn<double>(element.attribute("maximum"), 0.0));
         return field;
     }
     if (type != "Integer" && type != "ScaledInteger") {
@@ -84,8 +53,8 @@ Expected<Field> describeField(const XmlElement& element, const std::string& call
     }
     field.encoding = type == "Integer" ? Encoding::Integer : Encoding::ScaledInteger;
     using Integers = std::numeric_limits<std::int64_t>;
-    const auto minimum = number(element.attribute("minimum"), Integers::min());
-    const auto maximum = number(element.attribute("maximum"), Integers::max());
+    const auto minimum = numberIn(element.attribute("minimum"), Integers::min());
+    const auto maximum = numberIn(element.attribute("maximum"), Integers::max());
     if (!minimum) return wrong("minimum");
     if (!maximum || *maximum < *minimum) return wrong("maximum");
     field.minimum = *minimum;
@@ -93,8 +62,8 @@ Expected<Field> describeField(const XmlElement& element, const std::string& call
     field.bits = static_cast<unsigned>(
         std::bit_width(static_cast<std::uint64_t>(*maximum) - static_cast<std::uint64_t>(*minimum)));
     if (field.encoding == Encoding::ScaledInteger) {
-        const auto scale = number(element.attribute("scale"), 1.0);
-        const auto offset = number(element.attribute("offset"), 0.0);
+        const auto scale = numberIn(element.attribute("scale"), 1.0);
+        const auto offset = numberIn(element.attribute("offset"), 0.0);
         if (!scale || !std::isfinite(*scale) || *scale == 0) return wrong("scale");
         if (!offset || !std::isfinite(*offset)) return wrong("offset");
         field.scale = *scale;
@@ -107,8 +76,8 @@ Expected<Field> describeField(const XmlElement& element, const std::string& call
 }
 
 Expected<void> describePoints(const XmlElement& points, const std::string& called, ScanDescription& scan) {
-    const auto records = number<std::uint64_t>(points.attribute("recordCount"), 0);
-    const auto section = number<std::uint64_t>(points.attribute("fileOffset"), 0);
+    const auto records = numberIn<std::uint64_t>(points.attribute("recordCount"), 0);
+    const auto section = numberIn<std::uint64_t>(points.attribute("fileOffset"), 0);
     if (!records)
         return malformed(called, "its number of points is " + quotedText(points.attribute("recordCount")));
     if (!section)
@@ -135,6 +104,30 @@ Expected<void> describePoints(const XmlElement& points, const std::string& calle
     }
     return {};
 }
+
+void describeLimits(const XmlElement& element, ScanDescription& scan) {
+    if (const auto* const limits = element.child("intensityLimits"))
+        scan.intensity = limitsOf(*limits, "intensity");
+    if (const auto* const limits = element.child("colorLimits"))
+        for (std::size_t i = 0; i < 3; ++i)
+            scan.color[i] = limitsOf(*limits, std::array{"colorRed", "colorGreen", "colorBlue"}[i]);
+    if (const auto* const bounds = element.child("cartesianBounds")) {
+        std::array<glm::dvec3, 2> box{};
+        bool whole = true;
+        for (int i = 0; i < 3; ++i) {
+            const std::string axis(1, "xyz"[i]);
+            const auto low = valueOf(*bounds, axis + "Minimum"), high = valueOf(*bounds, axis + "Maximum");
+            whole &= low && high && std::abs(*low) < 1e15 && std::abs(*high) < 1e15 && *low <= *high;
+            box[0][i] = low.value_or(0);
+            box[1][i] = high.value_or(0);
+        }
+        if (whole) scan.bounds = box;
+    }
+    if (const auto* const bounds = element.child("sphericalBounds"))
+        scan.hasSphericalBounds = valueOf(*bounds, "rangeMinimum").value_or(0) > 0;
+}
+
+}  // namespace
 
 Expected<Pose> describePose(const XmlElement& element, const std::string& called) {
     Pose pose;
@@ -169,30 +162,6 @@ Expected<Pose> describePose(const XmlElement& element, const std::string& called
     return pose;
 }
 
-void describeLimits(const XmlElement& element, ScanDescription& scan) {
-    if (const auto* const limits = element.child("intensityLimits"))
-        scan.intensity = limitsOf(*limits, "intensity");
-    if (const auto* const limits = element.child("colorLimits"))
-        for (std::size_t i = 0; i < 3; ++i)
-            scan.color[i] = limitsOf(*limits, std::array{"colorRed", "colorGreen", "colorBlue"}[i]);
-    if (const auto* const bounds = element.child("cartesianBounds")) {
-        std::array<glm::dvec3, 2> box{};
-        bool whole = true;
-        for (int i = 0; i < 3; ++i) {
-            const std::string axis(1, "xyz"[i]);
-            const auto low = valueOf(*bounds, axis + "Minimum"), high = valueOf(*bounds, axis + "Maximum");
-            whole &= low && high && std::abs(*low) < 1e15 && std::abs(*high) < 1e15 && *low <= *high;
-            box[0][i] = low.value_or(0);
-            box[1][i] = high.value_or(0);
-        }
-        if (whole) scan.bounds = box;
-    }
-    if (const auto* const bounds = element.child("sphericalBounds"))
-        scan.hasSphericalBounds = valueOf(*bounds, "rangeMinimum").value_or(0) > 0;
-}
-
-}  // namespace
-
 bool ScanDescription::standsAtOrigin() const {
     if (fieldOf.spherical()) return true;
     const bool grid = fieldOf.has(Role::Row) && fieldOf.has(Role::Column);
@@ -202,6 +171,7 @@ bool ScanDescription::standsAtOrigin() const {
 Expected<ScanDescription> describeScan(const XmlElement& scan, const std::string& called) {
     ScanDescription result;
     if (const auto* const name = scan.child("name")) result.name = printableText(name->text, 80);
+    if (const auto* const guid = scan.child("guid")) result.guid = guid->text;
     if (const auto* const points = scan.child("points"))
         if (auto ok = describePoints(*points, called, result); !ok) return passOn(ok);
     if (const auto* const element = scan.child("pose")) {
@@ -211,12 +181,6 @@ Expected<ScanDescription> describeScan(const XmlElement& scan, const std::string
     }
     describeLimits(scan, result);
     return result;
-}
-
-std::string pictureKind(const XmlElement& picture) {
-    for (const char* kind : {"spherical", "pinhole", "cylindrical"})
-        if (picture.child(std::string(kind) + "Representation") != nullptr) return kind;
-    return picture.child("visualReferenceRepresentation") != nullptr ? "visual" : "unknown";
 }
 
 }  // namespace scancast::import_e57

@@ -27,6 +27,7 @@ struct Pose {
 
 struct ScanDescription {
     std::string name;
+    std::string guid;  ///< what photos call it; may be empty
     std::uint64_t records = 0;
     std::uint64_t section = 0;  ///< physical offset of its points
     std::vector<Field> fields;  ///< in the order of their bytestreams
@@ -45,10 +46,10 @@ struct ScanDescription {
     bool standsAtOrigin() const;
 };
 
+/// Of a scan or a photo. `called`: as below. Errors: Malformed.
+Expected<Pose> describePose(const XmlElement& element, const std::string& called);
+
 /// `scan`: an entry of data3D. `called`: such as "scan 3", to begin sentences. Errors: Malformed.
 Expected<ScanDescription> describeScan(const XmlElement& scan, const std::string& called);
-
-/// "spherical", "pinhole", "cylindrical", "visual" (a picture to look at, from somewhere), or "unknown".
-std::string pictureKind(const XmlElement& picture);
 
 }  // namespace scancast::import_e57

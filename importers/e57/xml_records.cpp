@@ -163,6 +163,17 @@ std::string_view XmlElement::attribute(std::string_view attributeName) const {
     return {};
 }
 
+std::optional<double> valueOf(const XmlElement& parent, std::string_view name) {
+    const auto* const element = parent.child(name);
+    if (element == nullptr) return std::nullopt;
+    const auto value = numberIn<double>(element->text, 0.0);
+    if (!value || element->attribute("type") != "ScaledInteger") return value;
+    const auto scale = numberIn<double>(element->attribute("scale"), 1.0);
+    const auto offset = numberIn<double>(element->attribute("offset"), 0.0);
+    if (!scale || !offset) return std::nullopt;
+    return *value * *scale + *offset;
+}
+
 Expected<void> readXmlRecords(const XmlBytes& bytes, const XmlRecordVisitor& visit) {
     RecordParser parser(visit);
     std::array<std::byte, 16384> buffer{};

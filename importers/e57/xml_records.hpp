@@ -4,11 +4,14 @@
 // Pipeline: pages → **XML records** → scan descriptions.
 #pragma once
 
+#include <charconv>
 #include <cstddef>
 #include <functional>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
+#include <system_error>
 #include <utility>
 #include <vector>
 
@@ -27,6 +30,21 @@ struct XmlElement {
     /// Its value; empty for none.
     std::string_view attribute(std::string_view attributeName) const;
 };
+
+/// Nothing at all is `otherwise`, as the standard says; nullopt for what is no number.
+template <class T>
+std::optional<T> numberIn(std::string_view text, T otherwise) {
+    const auto first = text.find_first_not_of(" \t\r\n");
+    if (first == std::string_view::npos) return otherwise;
+    text = text.substr(first, text.find_last_not_of(" \t\r\n") - first + 1);
+    if (text.front() == '+') text.remove_prefix(1);
+    T value{};
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+    if (error != std::errc() || end != text.data() + text.size()) return std::nullopt;
+    return value;
+}
+/// Of a child that is a number by its type; nullopt if it is not there, or no number.
+std::optional<double> valueOf(const XmlElement& parent, std::string_view name);
 
 /// Called with the list's name ("data3D", "images2D") or nothing, and the record.
 using XmlRecordVisitor = std::function<Expected<void>(std::string_view list, const XmlElement& record)>;

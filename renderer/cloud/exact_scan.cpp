@@ -5,15 +5,18 @@
 #include <string>
 
 #include "renderer/cloud/exact_columns.hpp"
+#include "renderer/cloud/forwarding_source.hpp"
 
 namespace scancast {
 
 namespace {
 
-class ExactScan final : public PointSource {
+class ExactScan final : public ForwardingSource {
   public:
     ExactScan(std::unique_ptr<PointSource> source, bool onOneGrid)
-        : source_(std::move(source)), header_(source_->header()), stride_(rowBytes(header_.columns)) {
+        : ForwardingSource(std::move(source)),
+          header_(this->source().header()),
+          stride_(rowBytes(header_.columns)) {
         normals_ = header_.attributes.normal;
         positions_ = !onOneGrid;
         if (normals_) add(exactNormalNames, ColumnType::Float32, "normal, of unit length");
@@ -22,17 +25,18 @@ class ExactScan final : public PointSource {
 
     const ScanHeader& header() const override { return header_; }
 
+    Expected<PointBatch> glance() override {
+        auto points = source().glance();
+        if (points) points->rows.clear();  // these are for read() to give
+        return points;
+    }
+
     Expected<bool> read(PointBatch& batch) override {
-        auto more = source_->read(batch);
-        header_.scannerOrigin = source_->header().scannerOrigin;
+        auto more = source().read(batch);
+        header_.scannerOrigin = source().header().scannerOrigin;
         if (more && *more && (normals_ || positions_)) widenRows(batch);
         return more;
     }
-
-    std::uint64_t droppedPoints() const override { return source_->droppedPoints(); }
-    std::vector<std::string> notes() const override { return source_->notes(); }
-    std::vector<Station> stations() const override { return source_->stations(); }
-    std::array<std::uint64_t, 2> bytesRead() const override { return source_->bytesRead(); }
 
   private:
     void add(const ThreeNames& names, ColumnType type, const char* description) {
@@ -58,7 +62,6 @@ class ExactScan final : public PointSource {
         std::swap(batch.rows, rows_);
     }
 
-    std::unique_ptr<PointSource> source_;
     ScanHeader header_;
     std::size_t stride_;
     bool normals_ = false, positions_ = false;

@@ -15,6 +15,7 @@
 
 #include "protocol/error.hpp"
 #include "renderer/cloud/positions.hpp"
+#include "renderer/cloud/stations/photo.hpp"
 #include "renderer/cloud/stations/station.hpp"
 
 namespace scancast {
@@ -125,7 +126,8 @@ struct PointFrame {
     std::vector<std::string> notes;
 };
 
-/// A scan being read, front to back, once. Owned and used by one thread.
+/// A scan being read, front to back, once. Owned and used by one thread. Sources around another one: forwarding_source.hpp,
+/// which has a line for each of these questions.
 class PointSource {
   public:
     static constexpr std::size_t batchPoints = 65536;
@@ -146,6 +148,9 @@ class PointSource {
     virtual std::vector<std::string> notes() const { return {}; }
     /// Where the scanner stood, in the order of the scan; all of them at the end of it. None where nobody knows.
     virtual std::vector<Station> stations() const { return {}; }
+    /// Photos that the scan brought along, in its order; their bytes at the end of it, if they were asked for (ImportOptions). What stations
+    /// they were taken at counts in stations().
+    virtual std::vector<Photo> photos() const { return {}; }
     /// How far the source is, for progress: bytes read of the total (0 = unknown).
     virtual std::array<std::uint64_t, 2> bytesRead() const { return {0, 0}; }
 };

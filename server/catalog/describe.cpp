@@ -1,5 +1,6 @@
 #include "server/catalog/describe.hpp"
 
+#include <glm/trigonometric.hpp>
 #include <nlohmann/json.hpp>
 
 #include "protocol/classification.hpp"
@@ -84,6 +85,15 @@ nlohmann::json columnsJson(const Cloud& cloud) {
     return list;
 }
 
+nlohmann::json numbers(const glm::dvec3& v) {
+    return {v.x, v.y, v.z};
+}
+
+/// The index of the station that a photo was taken at, where there is that one in the list.
+std::optional<std::uint32_t> stationOf(const Cloud& cloud, const Photo& photo) {
+    return photo.station && *photo.station < cloud.stations.size() ? photo.station : std::nullopt;
+}
+
 }  // namespace
 
 CloudInfo describe(const std::string& id, const Cloud& cloud) {
@@ -142,6 +152,7 @@ nlohmann::json cloudJson(const CatalogEntry& entry) {
     json["constant"] = constantJson(entry.cloud->constant);
     json["notes"] = entry.cloud->notes;
     json["stations"] = entry.cloud->stations.size();
+    json["photos"] = entry.cloud->photos.size();
     json["classNames"] = classNamesJson(*entry.cloud);
     json["crsName"] = crsName(entry.cloud->crsWkt, entry.cloud->crsEpsg);
     json["crsUnit"] = crsUnit(entry.cloud->crsWkt, entry.cloud->crsEpsg);
@@ -165,7 +176,6 @@ nlohmann::json viewsJson(const Cloud& cloud, View base) {
 }
 
 nlohmann::json stationsJson(const Cloud& cloud, View base) {
-    const auto numbers = [](const glm::dvec3& v) { return nlohmann::json{v.x, v.y, v.z}; };
     nlohmann::json list = nlohmann::json::array();
     for (std::size_t i = 0; i < cloud.stations.size(); ++i) {
         const Station& station = cloud.stations[i];
@@ -173,10 +183,43 @@ nlohmann::json stationsJson(const Cloud& cloud, View base) {
         list.push_back({{"name", titleOf(station, i)},
                         {"position", numbers(station.position)},
                         {"points", station.points},
+                        {"photos", nlohmann::json::array()},
                         {"view", toJson(base)}});
         if (station.forwards) list.back()["forwards"] = numbers(*station.forwards);
     }
+    for (std::size_t i = 0; i < cloud.photos.size(); ++i)
+        if (const auto at = stationOf(cloud, cloud.photos[i])) list[*at]["photos"].push_back(i);
     return {{"stations", std::move(list)}};
+}
+
+nlohmann::json photosJson(const std::string& id, const Cloud& cloud, const View& base) {
+    nlohmann::json list = nlohmann::json::array();
+    for (std::size_t i = 0; i < cloud.photos.size(); ++i) {
+        const Photo& photo = cloud.photos[i];
+        nlohmann::json json{{"index", i},
+                            {"name", titleOf(photo, i)},
+                            {"mediaType", mediaType(photo.format)},
+                            {"projection", name(photo.projection)},
+                            {"bytes", photo.bytes},
+                            {"href", "/api/v1/clouds/" + id + "/photos/" + std::to_string(i)}};
+        if (photo.width > 0 && photo.height > 0)
+            json.update({{"width", photo.width}, {"height", photo.height}});
+        if (photo.angles[0] > 0) json["angles"]["across"] = glm::degrees(photo.angles[0]);
+        if (photo.angles[1] > 0) json["angles"]["down"] = glm::degrees(photo.angles[1]);
+        if (const auto at = stationOf(cloud, photo))
+            json["station"] = {{"index", *at}, {"name", titleOf(cloud.stations[*at], *at)}};
+        if (photo.pose)
+            json["pose"] = {{"position", numbers(photo.pose->position)},
+                            {"forwards", numbers(photo.pose->forwards)},
+                            {"up", numbers(photo.pose->up)}};
+        if (const auto camera = photoCamera(cloud, photo, double(base.width) / base.height)) {
+            View from = base;
+            from.camera = *camera;
+            json["view"] = toJson(from);
+        }
+        list.push_back(std::move(json));
+    }
+    return {{"photos", std::move(list)}};
 }
 
 nlohmann::json pickedJson(const Cloud& cloud, const Picked& picked) {

@@ -25,6 +25,9 @@ nlohmann::json methodListJson();
 nlohmann::json viewsJson(const Cloud& cloud, View base);
 /// The body of `/clouds/{id}/stations`: where the scanner stood, each with the view from there, as `base` but for its camera.
 nlohmann::json stationsJson(const Cloud& cloud, View base);
+/// The body of `/clouds/{id}/photos`: what the scan brought along, each with its address and, where it has a pose, the view from
+/// there, as `base` but for its camera. `id`: the cloud's, as cloudIdFor() makes it.
+nlohmann::json photosJson(const std::string& id, const Cloud& cloud, const View& base);
 /// A picked point: its coordinates, and of its attributes those that the cloud has.
 nlohmann::json pickedJson(const Cloud& cloud, const Picked& picked);
 

@@ -65,6 +65,7 @@ class KeptClouds {
     Expected<std::unique_ptr<Room>> makeRoom(std::uint64_t bytes);
 
     KeptCloudsStats stats() const;
+    const std::filesystem::path& folder() const { return options_.folder; }
 
   private:
     struct Kept;

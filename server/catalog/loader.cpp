@@ -13,6 +13,7 @@
 #include "files/owned_folder.hpp"
 #include "renderer/cloud/build/build_cloud.hpp"
 #include "renderer/cloud/build/ingest.hpp"
+#include "renderer/cloud/forwarding_source.hpp"
 #include "renderer/look/decide_look.hpp"
 #include "renderer/look/keep_look.hpp"
 #include "renderer/residency/open_cloud.hpp"
@@ -31,28 +32,23 @@ constexpr std::uint64_t bytesPerPoint = 60;
 constexpr std::uint64_t bytesPerUnknownByte = 6, keptBytesPerUnknownByte = 2;
 
 // Ends a scan early when the server is shut down.
-class StoppableSource final : public PointSource {
+class StoppableSource final : public ForwardingSource {
   public:
     StoppableSource(std::unique_ptr<PointSource> source, std::stop_token stop)
-        : source_(std::move(source)), stop_(std::move(stop)) {}
-    const ScanHeader& header() const override { return source_->header(); }
-    Expected<PointBatch> glance() override { return source_->glance(); }
+        : ForwardingSource(std::move(source)), stop_(std::move(stop)) {}
     Expected<bool> read(PointBatch& batch) override {
         if (stop_.stop_requested()) return fail(ErrorCode::Cancelled, "The server is shutting down.");
-        return source_->read(batch);
+        return source().read(batch);
     }
-    std::uint64_t droppedPoints() const override { return source_->droppedPoints(); }
-    std::vector<std::string> notes() const override { return source_->notes(); }
-    std::vector<Station> stations() const override { return source_->stations(); }
-    std::array<std::uint64_t, 2> bytesRead() const override { return source_->bytesRead(); }
 
   private:
-    const std::unique_ptr<PointSource> source_;
     const std::stop_token stop_;
 };
 
 LoaderOptions stoppedBy(std::stop_token stop, LoaderOptions options) {
     options.import.stop = std::move(stop);
+    std::error_code none;
+    options.import.photos = options.kept ? options.kept->folder() : fs::temp_directory_path(none);
     return options;
 }
 
@@ -74,7 +70,7 @@ fs::path keptPath(const ScanInput& input, const LoaderOptions& options) {
 
 std::uint64_t bytesToKeep(const PointSource& source, const ScanInput& input, const OctreeShape& shape) {
     const auto needs = diskNeeds(source.header(), {.memoryLimit = leastIngestMemory, .shape = shape});
-    return needs ? needs->file : input.bytes() * keptBytesPerUnknownByte;
+    return (needs ? needs->file : input.bytes() * keptBytesPerUnknownByte) + bytesOf(source.photos());
 }
 
 std::uint64_t memoryToBuild(const PointSource& source, const ScanInput& input) {

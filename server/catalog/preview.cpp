@@ -68,7 +68,7 @@ void StrideSample::add(const PointBatch& batch) {
 }
 
 PreviewSource::PreviewSource(std::unique_ptr<PointSource> source, PreviewOptions options)
-    : source_(std::move(source)),
+    : ForwardingSource(std::move(source)),
       options_(std::move(options)),
       sample_(options_.mostPoints),
       next_(options_.first) {}
@@ -82,7 +82,7 @@ Expected<bool> PreviewSource::read(PointBatch& batch) {
         began_ = Clock::now();
         showGlance();
     }
-    auto more = source_->read(batch);
+    auto more = source().read(batch);
     if (!more) return more;
     if (*more) sample_.add(batch);
     const auto elapsed = Clock::now() - *began_;
@@ -100,7 +100,7 @@ Expected<bool> PreviewSource::read(PointBatch& batch) {
 
 /// What goes wrong here is told of by read().
 void PreviewSource::showGlance() {
-    auto points = source_->glance();
+    auto points = source().glance();
     if (!points || points->size() == 0) return;
     next_ = options_.second;
     glance_ = std::move(*points);
@@ -113,7 +113,7 @@ void PreviewSource::build(PointBatch points) {
     isFirst_ = false;
     building_ = true;
     const auto begun = contained("Starting a preview", [&] {
-        builder_ = std::thread([this, header = source_->header(), points = std::move(points)]() mutable {
+        builder_ = std::thread([this, header = source().header(), points = std::move(points)]() mutable {
             std::ignore = contained("A preview", [&] { show(header, std::move(points)); });
             building_ = false;
         });

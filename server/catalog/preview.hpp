@@ -13,6 +13,7 @@
 #include <thread>
 
 #include "renderer/cloud/cloud.hpp"
+#include "renderer/cloud/forwarding_source.hpp"
 
 namespace scancast {
 
@@ -44,18 +45,13 @@ struct PreviewOptions {
     std::function<void(std::shared_ptr<const Cloud>)> show;  ///< called on the preview's thread
 };
 
-class PreviewSource final : public PointSource {
+class PreviewSource final : public ForwardingSource {
   public:
     PreviewSource(std::unique_ptr<PointSource> source, PreviewOptions options);
     /// Waits for the preview that is being built.
     ~PreviewSource() override;
 
-    const ScanHeader& header() const override { return source_->header(); }
     Expected<bool> read(PointBatch& batch) override;
-    std::uint64_t droppedPoints() const override { return source_->droppedPoints(); }
-    std::vector<std::string> notes() const override { return source_->notes(); }
-    std::vector<Station> stations() const override { return source_->stations(); }
-    std::array<std::uint64_t, 2> bytesRead() const override { return source_->bytesRead(); }
 
   private:
     using Clock = std::chrono::steady_clock;
@@ -63,7 +59,6 @@ class PreviewSource final : public PointSource {
     void build(PointBatch points);
     void show(const ScanHeader& header, PointBatch points) const;
 
-    const std::unique_ptr<PointSource> source_;
     const PreviewOptions options_;
     PointBatch glance_;
     StrideSample sample_;

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <glm/trigonometric.hpp>
 #include <nlohmann/json.hpp>
 
 #include "protocol/classification.hpp"
@@ -73,7 +74,7 @@ void tellPlace(const FileInfo& info, Lines& lines) {
         lines.add("scanner", "stood at " + vector(*info.scannerOrigin, 4, ", "));
 }
 
-constexpr std::size_t stationsTold = 20;
+constexpr std::size_t stationsTold = 20, photosTold = 20;
 
 void tellStations(const FileInfo& info, Lines& lines) {
     const auto& stations = info.facts.stations;
@@ -89,6 +90,28 @@ void tellStations(const FileInfo& info, Lines& lines) {
     if (stations.size() > stationsTold)
         lines.add("",
                   fmt::format("… and at {} places more; --json lists them", stations.size() - stationsTold));
+}
+
+/// Where a photo was taken, if that is one of the places that are listed.
+const Station* stationOf(const CloudFacts& f, const Photo& photo) {
+    return photo.station && *photo.station < f.stations.size() ? &f.stations[*photo.station] : nullptr;
+}
+
+void tellPhotos(const CloudFacts& f, Lines& lines) {
+    std::string_view label = "photos";
+    for (std::size_t i = 0; i < std::min(f.photos.size(), photosTold); ++i) {
+        const Photo& photo = f.photos[i];
+        std::string text =
+            fmt::format("{}: {} {}", titleOf(photo, i), name(photo.projection), name(photo.format));
+        if (photo.width > 0 && photo.height > 0)
+            text += fmt::format(", {} x {} pixels", photo.width, photo.height);
+        text += ", " + byteSizeText(photo.bytes);
+        if (const Station* station = stationOf(f, photo)) text += ", at " + titleOf(*station, *photo.station);
+        lines.add(label, text);
+        label = "";
+    }
+    if (f.photos.size() > photosTold)
+        lines.add("", fmt::format("… and {} photos more; --json lists them", f.photos.size() - photosTold));
 }
 
 std::string sidesOf(const CloudFacts& f) {
@@ -253,6 +276,32 @@ Json stationsJson(const CloudFacts& f) {
     return list;
 }
 
+Json photosJson(const CloudFacts& f) {
+    const auto orNull = [](auto number) { return number > 0 ? Json(number) : Json(); };
+    Json list = Json::array();
+    for (std::size_t i = 0; i < f.photos.size(); ++i) {
+        const Photo& photo = f.photos[i];
+        const Station* const station = stationOf(f, photo);
+        Json json{{"name", titleOf(photo, i)},
+                  {"format", name(photo.format)},
+                  {"projection", name(photo.projection)},
+                  {"width", orNull(photo.width)},
+                  {"height", orNull(photo.height)},
+                  {"bytes", photo.bytes},
+                  {"anglesAcrossAndDown", Json::array({orNull(glm::degrees(photo.angles[0])),
+                                                       orNull(glm::degrees(photo.angles[1]))})},
+                  {"station", station != nullptr ? Json(*photo.station) : Json()},
+                  {"stationName", station != nullptr ? Json(titleOf(*station, *photo.station)) : Json()},
+                  {"pose", Json()}};
+        if (photo.pose)
+            json["pose"] = {{"position", vectorJson(photo.pose->position)},
+                            {"forwards", vectorJson(photo.pose->forwards)},
+                            {"up", vectorJson(photo.pose->up)}};
+        list.push_back(std::move(json));
+    }
+    return list;
+}
+
 Json mirrorsJson(const CloudFacts& f) {
     Json mirrors = Json::array();
     for (const Mirror& m : f.mirrors)
@@ -322,6 +371,7 @@ std::string infoText(const FileInfo& info) {
     tellSize(info, lines);
     tellPlace(info, lines);
     tellStations(info, lines);
+    tellPhotos(info.facts, lines);
     tellOctree(info, lines);
     tellAttributes(info, lines);
     tellColumns(info, lines);
@@ -355,6 +405,7 @@ Json infoJson(const FileInfo& info) {
     json["gridStep"] = info.gridStep.x > 0 ? vectorJson(info.gridStep) : Json();
     json["scannerOrigin"] = info.scannerOrigin ? vectorJson(*info.scannerOrigin) : Json();
     json["stations"] = stationsJson(f);
+    json["photos"] = photosJson(f);
     json["octree"] = octreeJson(info);
     json["look"] = f.look ? Json(toJson(*f.look)) : Json();
     json["check"] = checkJson(info);

@@ -39,8 +39,8 @@ struct IngestArguments {
     ImporterFlags importer;
     int threads = 0, neighbours = 10;
     bool recover = false;
-    bool noSurfels = false, noCurvature = false, keepAttributes = false, exact = false, force = false,
-         quiet = false, verbose = false;
+    bool noSurfels = false, noCurvature = false, noPhotos = false, keepAttributes = false, exact = false,
+         force = false, quiet = false, verbose = false;
 };
 
 /// Large blocks go back to the system when they are freed, or the limit would be kept in name only; small
@@ -143,9 +143,12 @@ Expected<void> keepLookOf(const IngestArguments& arguments, const nlohmann::json
 
 /// What ends too early may be worth something all the same.
 tl::unexpected<Error> withRecovery(Error error, bool recover) {
-    if (error.code == ErrorCode::Truncated && !recover)
+    // Some readers know better themselves whether it is of use.
+    const bool said = error.message.find("--recover") != std::string::npos;
+    if (error.code == ErrorCode::Truncated && !recover && !said)
         error.message +=
-            ". With --recover, what is whole of LAS, LAZ, PLY, PCD and text is read, and how much is lost is told";
+            ". With --recover, what is whole of LAS, LAZ, E57, PLY, PCD and text is read, and how much is "
+            "lost is told";
     return tl::unexpected(std::move(error));
 }
 
@@ -167,6 +170,7 @@ Expected<void> runIngest(const IngestArguments& arguments) {
     import->keepAttributes = arguments.keepAttributes || arguments.exact;
     import->exact = arguments.exact;
     import->recover = arguments.recover;
+    if (!arguments.noPhotos) import->photos = scratchFolder(*options);
     auto sources = openAll(found->files(), *options, *import);
     if (!sources) return withRecovery(sources.error(), arguments.recover);
     if (!arguments.quiet) tellNeeds(*sources, *options);
@@ -230,6 +234,10 @@ void addIngest(CLI::App& app, int& exitCode) {
     command->add_flag(
         "--no-curvature", arguments->noCurvature,
         "Do not keep how the surface bends at each sample: a smaller file, without color=curvature");
+    command->add_flag(
+        "--no-photos", arguments->noPhotos,
+        "Do not keep the photos that scans bring along (E57): a smaller file, without photos to look at "
+        "beside the cloud");
     command
         ->add_option("--neighbours", arguments->neighbours,
                      "Neighbours that normals and radii are estimated from")
@@ -255,7 +263,9 @@ void addIngest(CLI::App& app, int& exitCode) {
     command->add_flag("--recover", arguments->recover,
                       "Of scans that end too early - a copy was cut, a disk was full - read what is whole, "
                       "and tell how much is "
-                      "lost; without, they are refused. LAS, LAZ (not COPC), PLY, PCD (not compressed) and text");
+                      "lost; without, they are refused. LAS, LAZ (not COPC), PLY, PCD (not compressed) and "
+                      "text. E57, whose "
+                      "pages have checksums, also where it is damaged");
     command
         ->add_option(
             "--look", arguments->look,

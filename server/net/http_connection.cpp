@@ -348,7 +348,8 @@ class HttpConnection final : public Connection, public std::enable_shared_from_t
         if (request_.method == "HEAD" || neverHasBody) {
             bodyless_.emplace(http::int_to_status(unsigned(response_.status)), version_);
             fill(*bodyless_);
-            if (!neverHasBody && !response_.bodyUnknown) bodyless_->content_length(body.size());
+            if (!neverHasBody && !response_.bodyUnknown)
+                bodyless_->content_length(response_.bodyBytes.value_or(body.size()));
             http::async_write(stream_, *bodyless_, std::move(onWritten));
         } else {
             message_.emplace(http::int_to_status(unsigned(response_.status)), version_);

@@ -9,8 +9,8 @@
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
     using namespace scancast;
     const auto bytes = std::as_bytes(std::span(data, size));
-    auto reader =
-        PointStreamReader::create(std::make_unique<MemoryByteSource>(bytes, false), 1000000, size % 4 < 2);
+    auto reader = PointStreamReader::create(std::make_unique<MemoryByteSource>(bytes, false),
+                                            {.mostPoints = 1000000, .keepAttributes = size % 4 < 2});
     if (!reader) {
         if (reader.error().message.empty()) std::abort();
         return 0;

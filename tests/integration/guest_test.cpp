@@ -6,6 +6,7 @@
 #include "protocol/guests/guest.hpp"
 #include "server/access/guest_token.hpp"
 #include "tests/integration/server_fixture.hpp"
+#include "tests/support/clouds/photos_in_memory.hpp"
 
 namespace scancast::test {
 namespace {
@@ -109,6 +110,25 @@ TEST_F(GuestTest, WhatIsNoLinkGetsNoPass) {
     for (int i = 0; i < 10; ++i) last = exchange("x");
     EXPECT_EQ(last.status, 429);
     EXPECT_EQ(exchange(sound).status, 200) << "a right one is let in";
+}
+
+TEST_F(GuestTest, PhotosAreOfHisCloudAlone) {
+    for (const char* id : {"shown", "hidden"})
+        server->catalog().setReady(server->catalog().add(id), withPhotos(*one));
+    const std::string guest = bearerOf(pass("shown"));
+    const std::string asked = "X-Request-Id: the-same";
+    for (const std::string rest : {"/photos", "/photos/0"}) {
+        const HttpReply his = request(port(), "/api/v1/clouds/shown" + rest, {guest});
+        EXPECT_EQ(his.status, 200) << rest;
+        EXPECT_EQ(his.header("cache-control"), "private, no-cache") << "nor for shared caches";
+        const HttpReply other = request(port(), "/api/v1/clouds/hidden" + rest, {guest, asked});
+        HttpReply none = request(port(), "/api/v1/clouds/nobody" + rest, {guest, asked});
+        EXPECT_EQ(other.status, 404) << rest;
+        for (auto at = none.body.find("nobody"); at != std::string::npos; at = none.body.find("nobody"))
+            none.body.replace(at, 6, "hidden");
+        EXPECT_EQ(other.body, none.body) << "as one that was never there";
+        EXPECT_EQ(request(port(), "/api/v1/clouds/shown" + rest).status, 401);
+    }
 }
 
 TEST_F(GuestTest, OneCloudIsAllThatThereIs) {

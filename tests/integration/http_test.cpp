@@ -1,8 +1,10 @@
 // Every route over a real socket, and what HTTP asks of a server beyond them.
+#include <cstring>
 #include <nlohmann/json.hpp>
 #include <thread>
 
 #include "tests/integration/server_fixture.hpp"
+#include "tests/support/clouds/photos_in_memory.hpp"
 
 namespace scancast::test {
 namespace {
@@ -71,6 +73,38 @@ TEST_F(HttpTest, HeadIsGetWithoutItsBody) {
     const HttpReply pictureHead = requestOn(socket, onePicture, {}, "HEAD");
     EXPECT_EQ(pictureHead.status, 200);
     EXPECT_EQ(pictureHead.header("etag"), requestOn(socket, onePicture).header("etag"));
+}
+
+TEST_F(HttpTest, APhotoIsItsFilesBytesAndAHeadSaysHowMany) {
+    start();
+    auto cloud = std::make_shared<Cloud>(*one);
+    const std::vector<std::byte> large = photoBytes(Photo::Format::Png, 3'000'001, 7);
+    cloud->photos = {photoOf(Photo::Format::Png, large)};
+    server->catalog().setReady(server->catalog().add("office"), cloud);
+    const std::string address = "/api/v1/clouds/office/photos/0";
+    RawSocket socket(port());
+    std::string tag;
+    for (int time = 0; time < 2; ++time) {  // its tag is not known yet, and it is
+        const HttpReply head = requestOn(socket, address, {}, "HEAD");
+        EXPECT_EQ(head.status, 200);
+        EXPECT_EQ(head.header("content-type"), "image/png");
+        EXPECT_EQ(head.header("content-length"), "3000001");
+        EXPECT_EQ(head.header("x-content-type-options"), "nosniff");
+        tag = head.header("etag");
+    }
+    const HttpReply photo = requestOn(socket, address);
+    EXPECT_EQ(photo.status, 200);
+    EXPECT_EQ(photo.header("etag"), tag);
+    ASSERT_EQ(photo.body.size(), large.size());
+    EXPECT_EQ(std::memcmp(photo.body.data(), large.data(), large.size()), 0);
+    const HttpReply same = requestOn(socket, address, {"If-None-Match: " + tag});
+    EXPECT_EQ(same.status, 304);
+    EXPECT_TRUE(same.header("content-length").empty());
+    EXPECT_EQ(requestOn(socket, address + "1").status, 404) << "the connection goes on";
+    EXPECT_TRUE(eventually([&] {
+        return metric("scancast_http_requests_total{code=\"200\",route=\"/api/v1/clouds/{id}/photos/{n}\"}")
+            .ends_with(" 3");
+    })) << "the number of a photo is no label";
 }
 
 TEST_F(HttpTest, RevalidationIsAnsweredWithoutRendering) {

@@ -8,6 +8,7 @@
 
 #include "protocol/view/query.hpp"
 #include "tests/integration/server_fixture.hpp"
+#include "tests/support/clouds/photos_in_memory.hpp"
 #include "tests/support/json_schema.hpp"
 #include "tests/support/temporary_folder.hpp"
 
@@ -48,22 +49,31 @@ class OpenApiTest : public ServerTest {
             {"guests", "vN4xT0qLr8Yk-5WcZsHd_2GmPfJ7uBaE"}};  // that signed the example
         start();
         for (const char* id : {"town", "old-town"})
-            server->catalog().setReady(server->catalog().add(id), one);
+            server->catalog().setReady(server->catalog().add(id), withPhotos(*one));
         server->admin().loadWith([](const auto&, const auto&) { return true; });
         document = parseJson(request(port(), "/openapi.json").body).value();
     }
 
-    /// `path` with the example of its {id}, or, of a session, one that lives.
-    std::string addressOf(const std::string& path, const json& operation) {
-        const auto at = path.find("{id}");
-        if (at == std::string::npos) return path;
-        std::string id;
-        for (const json& reference : operation["parameters"]) {
+    /// `path` with the examples of its placeholders, or, of a session, one that lives.
+    std::string addressOf(std::string path, const json& operation) {
+        const bool ofSession = path.find("/sessions/") != std::string::npos;
+        for (const json& reference : operation.value("parameters", json::array())) {
             const json& parameter = resolved(document, reference);
-            if (parameter["in"] == "path") id = parameter["example"];
+            if (parameter["in"] != "path") continue;
+            const std::string place = "{" + parameter["name"].get<std::string>() + "}";
+            const json& example = parameter["example"];
+            const auto at = path.find(place);
+            if (at == std::string::npos) {
+                ADD_FAILURE() << place << " is not in " << path;
+                continue;
+            }
+            path.replace(at, place.size(),
+                         ofSession             ? session
+                         : example.is_string() ? example.get<std::string>()
+                                               : example.dump());
         }
-        if (path.find("/sessions/") != std::string::npos) id = session;
-        return path.substr(0, at) + id + path.substr(at + 4);
+        EXPECT_EQ(path.find('{'), std::string::npos) << path;
+        return path;
     }
     void expectDescribed(const std::string& what, const json& operation, const HttpReply& reply) {
         SCOPED_TRACE(what + " → " + std::to_string(reply.status) + " " + reply.body.substr(0, 300));
@@ -156,6 +166,7 @@ TEST_F(OpenApiTest, EveryExampleRunsAndEveryAnswerIsDescribed) {
 TEST_F(OpenApiTest, ProblemsAreAsDescribed) {
     const std::tuple<std::string, std::string, std::string, int> wrong[] = {
         {"GET", "/api/v1/clouds/{id}", "/api/v1/clouds/nowhere", 404},
+        {"GET", "/api/v1/clouds/{id}/photos/{n}", "/api/v1/clouds/town/photos/9", 404},
         {"GET", "/api/v1/clouds/{id}/snapshot.jpg", "/api/v1/clouds/town/snapshot.jpg?fvo=3", 400},
         {"GET", "/api/v1/clouds/{id}/snapshot.jpg", "/api/v1/clouds/town/snapshot.jpg?eye=1,1,1&target=1,1,1",
          422},

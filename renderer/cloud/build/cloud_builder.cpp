@@ -88,12 +88,23 @@ std::vector<std::string> notesOf(const StagedScan& scan) {
         notes.insert(notes.begin(),
                      fmt::format("the scanner stood at {} places, of which the first {} are listed",
                                  scan.stations.size(), mostStations));
+    if (scan.photos.size() > mostPhotos)
+        notes.insert(notes.begin(), fmt::format("there are {} photos, of which the first {} are kept",
+                                                scan.photos.size(), mostPhotos));
     return notes;
 }
 
 std::vector<Station> firstStations(std::vector<Station> stations) {
     if (stations.size() > mostStations) stations.resize(mostStations);
     return stations;
+}
+
+/// Of the stations that are listed.
+std::vector<Photo> firstPhotos(std::vector<Photo> photos) {
+    if (photos.size() > mostPhotos) photos.resize(mostPhotos);
+    for (Photo& photo : photos)
+        if (photo.station && *photo.station >= mostStations) photo.station.reset();
+    return photos;
 }
 
 /// Surveyors' z is up; of other files nobody knows.
@@ -143,6 +154,7 @@ CloudFacts factsOf(const StagedScan& scan, const ScanHeader& header, const Octre
     facts.oriented = facts.sides.has_value();
     facts.scanner = header.scannerOrigin;
     facts.stations = firstStations(scan.stations);
+    facts.photos = firstPhotos(scan.photos);
     for (std::size_t c = 0; c < header.columns.size(); ++c)
         facts.columns.push_back({header.columns[c], scan.columnRanges[c], scan.columnSketches[c].usual()});
     if (scan.onOwnGrid) facts.grid = ScanGrid{header.gridOrigin, header.gridStep};

@@ -73,6 +73,10 @@ Expected<void> checkRoom(const fs::path& folder, std::uint64_t needed, std::stri
 
 /// Refuses before reading what could not be finished. Estimates from above: a point is 22 bytes in the file
 /// at most, and waits in at most 28 bytes (staged and divided, minus what has been given back meanwhile).
+fs::path folderOf(const fs::path& file) {
+    return file.has_parent_path() ? file.parent_path() : fs::path(".");
+}
+
 Expected<void> checkDisk(const DiskNeeds& needs, const fs::path& outputFolder, const fs::path& scratch) {
     if (sameDisk(outputFolder, scratch))
         return checkRoom(outputFolder, needs.file + needs.scratch, "The cloud file with its temporary files");
@@ -98,13 +102,16 @@ Expected<IngestReport> build(std::vector<std::unique_ptr<PointSource>> sources, 
     if (!source) return passOn(source);
     if (options.shape.exact) *source = exactScan(std::move(*source), onOneGrid);
 
-    const fs::path outputFolder =
-        options.output.has_parent_path() ? options.output.parent_path() : fs::path(".");
-    const fs::path scratch = options.scratch.empty() ? outputFolder : options.scratch;
+    const fs::path outputFolder = folderOf(options.output);
+    const fs::path scratch = scratchFolder(options);
     const int threads = options.threads > 0 ? options.threads : machineCores();
     const MemoryShares memory = shareMemory(*limit, threads, options.shape);
-    if (const auto needs = diskNeeds((*source)->header(), options))
+    if (auto needs = diskNeeds((*source)->header(), options)) {
+        const std::uint64_t photos = bytesOf((*source)->photos());  // they wait until the points are read
+        needs->file += photos;
+        needs->scratch += photos;
         if (auto ok = checkDisk(*needs, outputFolder, scratch); !ok) return passOn(ok);
+    }
 
     auto file = CloudFileWriter::create(options.output, options.readers);
     if (!file) return passOn(file);
@@ -132,6 +139,10 @@ Expected<IngestReport> build(std::vector<std::unique_ptr<PointSource>> sources, 
 }
 
 }  // namespace
+
+std::filesystem::path scratchFolder(const IngestOptions& options) {
+    return options.scratch.empty() ? folderOf(options.output) : options.scratch;
+}
 
 std::optional<DiskNeeds> diskNeeds(const ScanHeader& header, const IngestOptions& options) {
     if (!header.points) return std::nullopt;

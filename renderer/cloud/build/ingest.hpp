@@ -46,6 +46,9 @@ struct IngestReport {
 /// The least that memoryLimit may be.
 inline constexpr std::uint64_t leastIngestMemory = std::uint64_t(512) << 20;
 
+/// For temporary files.
+std::filesystem::path scratchFolder(const IngestOptions& options);
+
 struct DiskNeeds {
     std::uint64_t file = 0, scratch = 0;  ///< bytes, estimated from above
 };

@@ -1,49 +1,37 @@
 #include "renderer/cloud/build/lazy_scan.hpp"
 
+#include "renderer/cloud/forwarding_source.hpp"
+
 namespace scancast {
 
 namespace {
 
-class LazyScan final : public PointSource {
+class LazyScan final : public ForwardingSource {
   public:
-    LazyScan(OpenScan open, ScanHeader header) : open_(std::move(open)), header_(std::move(header)) {}
+    /// `seen`: what the scan told when it was opened for its header.
+    LazyScan(OpenScan open, std::unique_ptr<PointSource> seen)
+        : ForwardingSource(std::move(seen)), open_(std::move(open)), header_(source().header()) {}
 
+    /// One object all the time, whatever is open; a scanner's place may be forgotten while the scan is read.
     const ScanHeader& header() const override { return header_; }
 
     Expected<bool> read(PointBatch& batch) override {
-        batch.clear();
-        if (ended_) return false;
-        if (!source_) {
+        if (open_) {
+            batch.clear();
             auto opened = open_();
             if (!opened) return passOn(opened);
-            source_ = std::move(*opened);
+            open_ = nullptr;
+            wrap(std::move(*opened));
         }
-        const auto more = source_->read(batch);
-        dropped_ = source_->droppedPoints();
-        bytes_ = source_->bytesRead();
-        notes_ = source_->notes();
-        stations_ = source_->stations();
-        if (!more || !*more) {
-            ended_ = true;
-            source_.reset();
-        }
+        const auto more = source().read(batch);
+        header_.scannerOrigin = source().header().scannerOrigin;
+        if (!more || !*more) wrap(std::make_unique<ClosedSource>(source()));
         return more;
     }
 
-    std::uint64_t droppedPoints() const override { return dropped_; }
-    std::vector<std::string> notes() const override { return notes_; }
-    std::vector<Station> stations() const override { return stations_; }
-    std::array<std::uint64_t, 2> bytesRead() const override { return bytes_; }
-
   private:
-    OpenScan open_;
-    const ScanHeader header_;
-    std::unique_ptr<PointSource> source_;
-    std::uint64_t dropped_ = 0;
-    std::vector<std::string> notes_;
-    std::vector<Station> stations_;
-    std::array<std::uint64_t, 2> bytes_{};
-    bool ended_ = false;
+    OpenScan open_;  ///< until it is open
+    ScanHeader header_;
 };
 
 }  // namespace
@@ -51,9 +39,7 @@ class LazyScan final : public PointSource {
 Expected<std::unique_ptr<PointSource>> lazyScan(OpenScan open) {
     auto first = open();
     if (!first) return first;
-    ScanHeader header = (*first)->header();
-    first->reset();
-    return std::make_unique<LazyScan>(std::move(open), std::move(header));
+    return std::make_unique<LazyScan>(std::move(open), std::make_unique<ClosedSource>(**first));
 }
 
 }  // namespace scancast

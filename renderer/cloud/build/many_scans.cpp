@@ -98,6 +98,19 @@ class ManyScans final : public PointSource {
         return all;
     }
 
+    std::vector<Photo> photos() const override {
+        std::vector<Photo> all;
+        std::size_t before = 0;  // stations of the scans before this one
+        for (const auto& source : sources_) {
+            for (Photo& photo : source->photos()) {
+                if (photo.station) *photo.station += std::uint32_t(before);
+                all.push_back(std::move(photo));
+            }
+            before += source->stations().size();
+        }
+        return all;
+    }
+
     std::array<std::uint64_t, 2> bytesRead() const override {
         std::array<std::uint64_t, 2> sum{};
         for (const auto& source : sources_) {

@@ -15,11 +15,10 @@
 #include <span>
 #include <vector>
 
+#include "files/scratch_file.hpp"
 #include "protocol/error.hpp"
 
 namespace scancast {
-
-class Scratch;
 
 /// Memory straight from the system, and straight back: what an allocator kept of it would count twice.
 struct UnmapPages {
@@ -72,12 +71,12 @@ class Workspace {
     std::uint64_t mostOnDisk() const { return mostOnDisk_; }
 
   private:
-    Expected<Scratch*> scratch();
+    Expected<ScratchFile*> scratch();
 
     std::atomic<std::int64_t> left_;
     const std::filesystem::path folder_;
     std::mutex mutex_;
-    std::unique_ptr<Scratch> scratch_;
+    std::unique_ptr<ScratchFile> scratch_;
     std::atomic<std::uint64_t> onDisk_{0}, mostOnDisk_{0};
 };
 

@@ -2,6 +2,8 @@
 
 #include <cstring>
 
+#include "renderer/cloud/forwarding_source.hpp"
+
 namespace scancast {
 
 namespace {
@@ -18,31 +20,32 @@ void keepOf(Values& values, const std::vector<std::uint32_t>& kept) {
     values.resize(kept.size());
 }
 
-class RegionSource final : public PointSource {
+class RegionSource final : public ForwardingSource {
   public:
     RegionSource(const ExportRegion& region, std::unique_ptr<PointSource> source)
-        : region_(region), source_(std::move(source)), header_(source_->header()) {
+        : ForwardingSource(std::move(source)), region_(region), header_(this->source().header()) {
         header_.points.reset();
         header_.bounds.reset();
     }
 
     const ScanHeader& header() const override { return header_; }
+    Expected<PointBatch> glance() override {
+        auto points = source().glance();
+        if (!points) return points;
+        keepWithin(region_, points->rows.empty() ? 0 : rowBytes(header_.columns), *points);
+        return points;
+    }
     Expected<bool> read(PointBatch& batch) override {
         for (;;) {
-            auto more = source_->read(batch);
+            auto more = source().read(batch);
             if (!more || !*more) return more;
             keepWithin(region_, rowBytes(header_.columns), batch);
             if (batch.size() > 0) return true;
         }
     }
-    std::uint64_t droppedPoints() const override { return source_->droppedPoints(); }
-    std::vector<std::string> notes() const override { return source_->notes(); }
-    std::vector<Station> stations() const override { return source_->stations(); }
-    std::array<std::uint64_t, 2> bytesRead() const override { return source_->bytesRead(); }
 
   private:
     ExportRegion region_;
-    std::unique_ptr<PointSource> source_;
     ScanHeader header_;
 };
 

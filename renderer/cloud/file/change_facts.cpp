@@ -3,6 +3,7 @@
 #include <fcntl.h>
 #include <spdlog/fmt/fmt.h>
 
+#include <algorithm>
 #include <array>
 #include <cerrno>
 
@@ -78,10 +79,11 @@ Expected<std::string> newFacts(const CloudFile& old, const CloudFacts& facts) {
     const auto refuse = [&](ErrorCode code, const std::string& why) {
         return fail(code, fmt::format("{}: its description was not changed: {}", old.path().string(), why));
     };
-    if (facts.points != old.facts().points || planesOf(facts) != planesOf(old.facts()))
+    if (facts.points != old.facts().points || planesOf(facts) != planesOf(old.facts()) ||
+        !std::ranges::equal(facts.photos, old.facts().photos, sameDescription))
         return refuse(ErrorCode::InvalidArgument,
-                      "the new one is of another cloud, with other points, columns or companions");
-    auto json = printFacts(facts, old.writtenBy());
+                      "the new one is of another cloud, with other points, columns, companions or photos");
+    auto json = printFacts(facts, old.writtenBy(), old.photoPlaces());
     if (!json) return refuse(json.error().code, json.error().message);
     return json;
 }

@@ -6,10 +6,10 @@
 #include <new>
 #include <string>
 
-#include "renderer/cloud/file/block_codec.hpp"
+#include "renderer/cloud/file/blocks/block_codec.hpp"
+#include "renderer/cloud/file/blocks/row_columns.hpp"
 #include "renderer/cloud/file/file_contents.hpp"
 #include "renderer/cloud/file/random_reader.hpp"
-#include "renderer/cloud/file/row_columns.hpp"
 
 namespace scancast {
 
@@ -24,9 +24,33 @@ std::vector<PlaceInRow> columnsInRow(const CloudFacts& facts) {
     return placesInRow(types);
 }
 
+class StoredPhoto final : public PhotoBytes {
+  public:
+    StoredPhoto(std::shared_ptr<const RandomReader> reader, const fs::path& path, std::size_t index,
+                const BlockPlace& place)
+        : reader_(std::move(reader)),
+          called_(fmt::format("{}, photo {} at byte {}", path.string(), index, place.offset)),
+          place_(place) {}
+
+    Expected<Bytes> read() const override {
+        Bytes bytes(place_.bytes);
+        const auto got = reader_->readAt(place_.offset, bytes);
+        if (!got) return fail(got.error().code, called_ + ": " + got.error().message);
+        if (*got < bytes.size()) return fail(ErrorCode::Truncated, called_ + ": the file ends within it");
+        if (checksumOf(bytes) != place_.checksum)
+            return fail(ErrorCode::Malformed, called_ + ": its checksum is wrong; it is damaged");
+        return bytes;
+    }
+
+  private:
+    const std::shared_ptr<const RandomReader> reader_;
+    const std::string called_;
+    const BlockPlace place_;
+};
+
 class StoredCloudFile final : public CloudFile {
   public:
-    StoredCloudFile(std::unique_ptr<RandomReader> reader, fs::path path, FileContents contents)
+    StoredCloudFile(std::shared_ptr<const RandomReader> reader, fs::path path, FileContents contents)
         : reader_(std::move(reader)),
           path_(std::move(path)),
           contents_(std::move(contents)),
@@ -39,6 +63,7 @@ class StoredCloudFile final : public CloudFile {
     std::string_view writtenBy() const override { return contents_.facts.writtenBy; }
     std::span<const StoredNode> nodes() const override { return contents_.nodes; }
     std::span<const ValuePlane> planes() const override { return planes_; }
+    std::span<const BlockPlace> photoPlaces() const override { return contents_.facts.photos; }
 
     Expected<std::vector<Sample>> samples(std::uint32_t node) const override {
         return guarded<std::vector<Sample>>([&]() -> Expected<std::vector<Sample>> {
@@ -137,7 +162,7 @@ class StoredCloudFile final : public CloudFile {
         return block;
     }
 
-    const std::unique_ptr<RandomReader> reader_;
+    const std::shared_ptr<const RandomReader> reader_;
     const fs::path path_;
     const FileContents contents_;
     const std::vector<ValuePlane> planes_;
@@ -149,9 +174,13 @@ class StoredCloudFile final : public CloudFile {
 Expected<std::shared_ptr<const CloudFile>> CloudFile::open(std::unique_ptr<RandomReader> reader,
                                                            const fs::path& name) {
     try {
-        auto contents = readContents(*reader);
+        const std::shared_ptr<const RandomReader> shared = std::move(reader);
+        auto contents = readContents(*shared);
         if (!contents) return fail(contents.error().code, name.string() + ", " + contents.error().message);
-        return std::make_shared<StoredCloudFile>(std::move(reader), name, std::move(*contents));
+        StoredFacts& facts = contents->facts;
+        for (std::size_t i = 0; i < facts.photos.size(); ++i)
+            facts.facts.photos[i].data = std::make_shared<StoredPhoto>(shared, name, i, facts.photos[i]);
+        return std::make_shared<StoredCloudFile>(shared, name, std::move(*contents));
     } catch (const std::bad_alloc&) {
         return fail(ErrorCode::ResourceLimit, name.string() + ": there is not enough memory for its index");
     }

@@ -35,7 +35,10 @@ class CloudFile {
 
     virtual const std::filesystem::path& path() const = 0;
     virtual std::uint64_t bytes() const = 0;  ///< size on disk
+    /// Their photos' data may be read for as long as anybody has them, whatever becomes of this object.
     virtual const CloudFacts& facts() const = 0;
+    /// Where the bytes of facts().photos are.
+    virtual std::span<const BlockPlace> photoPlaces() const { return {}; }
     /// Program and version that wrote it: "scancast 0.1.0".
     virtual std::string_view writtenBy() const { return {}; }
     virtual std::span<const StoredNode> nodes() const = 0;

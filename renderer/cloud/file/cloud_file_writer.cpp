@@ -61,7 +61,9 @@ class Writer final : public CloudFileWriter {
     Expected<void> finish(const CloudFacts& facts, std::span<const StoredNode> nodes,
                           std::span<const BlockPlace> planes) override {
         if (auto sound = check(facts, nodes, planes); !sound) return sound;
-        const auto json = printFacts(facts, programName());
+        const auto photos = writePhotos(facts);
+        if (!photos) return passOn(photos);
+        const auto json = printFacts(facts, programName(), *photos);
         if (!json)
             return fail(json.error().code, path_.string() + " was not written: " + json.error().message);
 
@@ -91,6 +93,20 @@ class Writer final : public CloudFileWriter {
         if (sound) sound = checkPlaces(planes, listsBesideSamples(facts, cloudFileVersion), nodes, written_);
         if (sound) return {};
         return fail(ErrorCode::Internal, path_.string() + " was not written: " + sound.error().message);
+    }
+
+    /// From wherever they wait, one after the other.
+    Expected<std::vector<BlockPlace>> writePhotos(const CloudFacts& facts) {
+        std::vector<BlockPlace> places;
+        for (const Photo& photo : facts.photos) {
+            if (!photo.data) return fail(ErrorCode::Internal, path_.string() + ": a photo without its bytes");
+            const auto bytes = photo.data->read();
+            if (!bytes) return passOn(bytes);
+            const auto place = append(*bytes);
+            if (!place) return passOn(place);
+            places.push_back(*place);
+        }
+        return places;
     }
 
     Expected<void> writePart(std::span<const std::byte> bytes, FilePart& part) {

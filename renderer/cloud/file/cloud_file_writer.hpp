@@ -29,7 +29,7 @@ class CloudFileWriter {
     /// A block appended earlier, checked.
     virtual Expected<std::vector<std::byte>> readBack(const BlockPlace& place) const = 0;
     virtual std::uint64_t bytesWritten() const = 0;
-    /// Indices, facts, header; synced; renamed over `path`. Nodes in breadth-first order, root at 0. `planes`: where
+    /// The bytes of facts.photos, indices, facts, header; synced; renamed over `path`. Nodes in breadth-first order, root at 0. `planes`: where
     /// the values beside the samples are, for each node all of planesOf(facts), encoded by encodeRows(); a place
     /// of nothing where a node has none - inner nodes of columns, and of companions any node.
     virtual Expected<void> finish(const CloudFacts& facts, std::span<const StoredNode> nodes,

@@ -5,11 +5,12 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
-#include <glm/geometric.hpp>
 #include <nlohmann/json.hpp>
 #include <set>
 
 #include "protocol/json_text.hpp"
+#include "renderer/cloud/file/facts_fields.hpp"
+#include "renderer/cloud/file/facts_stations.hpp"
 
 namespace scancast {
 
@@ -17,15 +18,11 @@ namespace {
 
 using Json = nlohmann::json;
 
-constexpr std::size_t mostColumns = 1024, mostRowBytes = 65536, mostMirrors = 1024, longestText = 65536;
+constexpr std::size_t mostColumns = 1024, mostRowBytes = 65536, mostMirrors = 1024;
 constexpr std::size_t mostCompanions = 64;
 constexpr std::string_view ofPoints = "points", ofSamples = "samples";
 constexpr std::size_t longestNote = 2048;
 constexpr ColumnType lastColumnType = ColumnType::Float64;
-
-Json vectorJson(const glm::dvec3& v) {
-    return Json::array({v.x, v.y, v.z});
-}
 
 /// A column without a single number has no range; that must not make hours of work unreadable.
 Json rangeJson(const std::array<double, 2>& range) {
@@ -56,12 +53,6 @@ Json mirrorJson(const Mirror& m) {
             {"tint", m.tint}};
 }
 
-Json stationJson(const Station& station) {
-    Json json{{"name", station.name}, {"position", vectorJson(station.position)}, {"points", station.points}};
-    if (station.forwards) json["forwards"] = vectorJson(*station.forwards);
-    return json;
-}
-
 /// Only what is there: most clouds have neither constant attributes nor notes nor values beside the samples.
 struct SidesName {
     KnownSides::By by;
@@ -88,13 +79,12 @@ void addRare(const CloudFacts& f, Json& json) {
                          {"brightness", f.usual->brightness}};
     if (f.usual && hasCurvature(f)) json["usual"]["curvature"] = f.usual->curvature;
     if (f.scanner) json["scanner"] = vectorJson(*f.scanner);
-    for (const Station& station : f.stations) json["stations"].push_back(stationJson(station));
     if (f.sides) json["sides"] = {{"by", std::string(nameOf(f.sides->by))}, {"sure", f.sides->sure}};
     if (f.look) json["look"] = toJson(*f.look);
     for (const ValuePlane& plane : planesOf(f)) json["planes"].push_back(planeJson(plane));
 }
 
-Json factsJson(const CloudFacts& f, std::string_view writtenBy) {
+Json factsJson(const CloudFacts& f, std::string_view writtenBy, std::span<const BlockPlace> photos) {
     Json classes = Json::object();
     for (std::size_t c = 0; c < f.classCounts.size(); ++c)
         if (f.classCounts[c] > 0) classes[std::to_string(c)] = f.classCounts[c];
@@ -123,109 +113,11 @@ Json factsJson(const CloudFacts& f, std::string_view writtenBy) {
               {"mirrors", mirrors},
               {"revision", f.revision}};
     addRare(f, json);
+    addStations(f, photos, json);
     return json;
 }
 
-/// Takes fields out of an object and remembers the first that is not as it must be.
-class Fields {
-  public:
-    Fields(const Json& object, std::string where, std::string& fault)
-        : object_(object), where_(std::move(where)), fault_(fault) {
-        if (!object.is_object()) blame(where_, "is not an object");
-    }
-
-    void text(const char* key, std::string& into, std::size_t longest = longestText) {
-        const Json* value = find(key);
-        if (!value) return;
-        if (!value->is_string() || value->get_ref<const std::string&>().size() > longest)
-            return blame(key, "is not a text, or too long a one");
-        into = value->get<std::string>();
-    }
-    void flag(const char* key, bool& into) {
-        if (const Json* value = find(key))
-            value->is_boolean() ? void(into = value->get<bool>()) : blame(key, "is not true or false");
-    }
-    template <class T>
-    void whole(const char* key, T& into, std::uint64_t largest = std::numeric_limits<T>::max()) {
-        if (const Json* value = find(key)) whole(*value, key, into, largest);
-    }
-    template <class T>
-    void whole(const Json& value, const std::string& key, T& into, std::uint64_t largest) {
-        if (!value.is_number_unsigned() || value.get<std::uint64_t>() > largest)
-            return blame(key, "is not a whole number in its range");
-        into = T(value.get<std::uint64_t>());
-    }
-    void number(const char* key, double& into) {
-        if (const Json* value = find(key)) number(*value, key, into);
-    }
-    void vector(const char* key, glm::dvec3& into) {
-        if (const Json* value = list(key, 3))
-            for (int a = 0; a < 3; ++a) number((*value)[std::size_t(a)], key, into[a]);
-    }
-    void unitVector(const char* key, glm::dvec3& into) {
-        vector(key, into);
-        if (!(std::abs(glm::length(into) - 1) <= 1e-6)) blame(key, "is not of unit length");
-    }
-    void bounds(const char* key, std::array<glm::dvec3, 2>& into) {
-        const Json* value = list(key, 2);
-        if (!value) return;
-        for (std::size_t end = 0; end < 2; ++end) {
-            const Json& corner = (*value)[end];
-            if (!corner.is_array() || corner.size() != 3) return blame(key, "is not two corners");
-            for (int a = 0; a < 3; ++a) number(corner[std::size_t(a)], key, into[end][a]);
-        }
-        for (int a = 0; a < 3; ++a)
-            if (!(into[0][a] <= into[1][a])) blame(key, "is inside out");
-    }
-    void range(const char* key, std::array<double, 2>& into) {
-        const Json* value = list(key, 2);
-        if (!value) return;
-        for (std::size_t end = 0; end < 2; ++end) number((*value)[end], key, into[end]);
-        if (into[0] > into[1]) blame(key, "is upside down");
-    }
-    template <class T, std::size_t N>
-    void wholes(const char* key, std::array<T, N>& into) {
-        if (const Json* value = list(key, N))
-            for (std::size_t i = 0; i < N; ++i)
-                whole((*value)[i], key, into[i], std::numeric_limits<T>::max());
-    }
-    /// `size` = noSize: any number of members up to `most`.
-    const Json* list(const char* key, std::size_t size, std::size_t most = 0) {
-        const Json* value = find(key);
-        if (!value) return nullptr;
-        if (value->is_array() && (size != noSize ? value->size() == size : value->size() <= most))
-            return value;
-        blame(key, "is not a list of the right length");
-        return nullptr;
-    }
-    const Json* find(const char* key) {
-        if (!object_.is_object()) return nullptr;
-        const auto found = object_.find(key);
-        if (found != object_.end()) return &*found;
-        blame(key, "is missing");
-        return nullptr;
-    }
-    bool has(const char* key) const { return object_.is_object() && object_.contains(key); }
-    void blame(const std::string& key, const std::string& what) {
-        if (fault_.empty()) fault_ = fmt::format("\"{}{}\" {}", where_, key, what);
-    }
-    std::string& fault() { return fault_; }
-    std::string member(const char* key) const { return where_ + key + "."; }
-
-    void number(const Json& value, const std::string& key, double& into) {
-        if (!value.is_number() || !std::isfinite(value.get<double>())) return blame(key, "is not a number");
-        into = value.get<double>();
-    }
-
-    static constexpr std::size_t noSize = std::size_t(-1);
-
-  private:
-    const Json& object_;
-    std::string where_;
-    std::string& fault_;
-};
-
-void takeType(Fields& fields, ColumnType& into) {
+void takeType(FactsFields& fields, ColumnType& into) {
     std::string type;
     fields.text("type", type);
     for (int t = 0; t <= int(lastColumnType); ++t)
@@ -233,7 +125,7 @@ void takeType(Fields& fields, ColumnType& into) {
     fields.blame("type", "is none that there is");
 }
 
-void takeColumn(Fields fields, KeptColumn& into) {
+void takeColumn(FactsFields fields, KeptColumn& into) {
     fields.text("name", into.column.name);
     takeType(fields, into.column.type);
     fields.number("scale", into.column.scale);
@@ -243,7 +135,7 @@ void takeColumn(Fields fields, KeptColumn& into) {
     if (fields.has("usual")) fields.range("usual", into.usual.emplace());
 }
 
-void takePlane(Fields fields, ValuePlane& into) {
+void takePlane(FactsFields fields, ValuePlane& into) {
     std::string of;
     fields.text("name", into.name);
     takeType(fields, into.type);
@@ -253,7 +145,7 @@ void takePlane(Fields fields, ValuePlane& into) {
     if (into.name.empty()) fields.blame("name", "is empty");
 }
 
-void takeMirror(Fields fields, Mirror& into) {
+void takeMirror(FactsFields fields, Mirror& into) {
     fields.vector("center", into.center);
     fields.unitVector("normal", into.normal);
     fields.unitVector("up", into.up);
@@ -263,14 +155,7 @@ void takeMirror(Fields fields, Mirror& into) {
     if (!(into.width > 0 && into.height > 0)) fields.blame("width", "or \"height\" is not positive");
 }
 
-void takeStation(Fields fields, Station& into) {
-    fields.text("name", into.name, longestStationName);
-    fields.vector("position", into.position);
-    fields.whole("points", into.points);
-    if (fields.has("forwards")) fields.unitVector("forwards", into.forwards.emplace());
-}
-
-void takeClassCounts(Fields& fields, std::array<std::uint64_t, 256>& into) {
+void takeClassCounts(FactsFields& fields, std::array<std::uint64_t, 256>& into) {
     const Json* classes = fields.find("classCounts");
     if (!classes) return;
     if (!classes->is_object()) return fields.blame("classCounts", "is not an object");
@@ -283,26 +168,26 @@ void takeClassCounts(Fields& fields, std::array<std::uint64_t, 256>& into) {
     }
 }
 
-void takeAttributes(Fields fields, Attributes& into) {
+void takeAttributes(FactsFields fields, Attributes& into) {
     fields.flag("color", into.color);
     fields.flag("intensity", into.intensity);
     fields.flag("classification", into.classification);
     fields.flag("normal", into.normal);
 }
 
-void takeGrid(Fields fields, ScanGrid& into) {
+void takeGrid(FactsFields fields, ScanGrid& into) {
     fields.vector("origin", into.origin);
     fields.vector("step", into.step);
     if (!(into.step.x > 0 && into.step.y > 0 && into.step.z > 0)) fields.blame("step", "is not positive");
 }
 
-void takeConstant(Fields fields, ConstantValues& into) {
+void takeConstant(FactsFields fields, ConstantValues& into) {
     if (fields.has("color")) fields.wholes("color", into.color.emplace());
     if (fields.has("intensity")) fields.whole("intensity", into.intensity.emplace());
 }
 
-void takeNotes(Fields& fields, std::vector<std::string>& into) {
-    const Json* notes = fields.list("notes", Fields::noSize, mostCloudNotes);
+void takeNotes(FactsFields& fields, std::vector<std::string>& into) {
+    const Json* notes = fields.list("notes", FactsFields::noSize, mostCloudNotes);
     if (!notes) return;
     for (const Json& note : *notes) {
         if (!note.is_string() || note.get_ref<const std::string&>().size() > longestNote)
@@ -311,7 +196,7 @@ void takeNotes(Fields& fields, std::vector<std::string>& into) {
     }
 }
 
-void takeUsual(Fields fields, UsualRanges& into) {
+void takeUsual(FactsFields fields, UsualRanges& into) {
     fields.bounds("position", into.position);
     fields.range("intensity", into.intensity);
     if (const Json* brightness = fields.list("brightness", into.brightness.size()))
@@ -320,7 +205,7 @@ void takeUsual(Fields fields, UsualRanges& into) {
     if (fields.has("curvature")) fields.range("curvature", into.curvature);
 }
 
-void takeSidesFact(Fields fields, KnownSides& into) {
+void takeSidesFact(FactsFields fields, KnownSides& into) {
     std::string by;
     fields.text("by", by);
     const auto found =
@@ -331,7 +216,7 @@ void takeSidesFact(Fields fields, KnownSides& into) {
     if (!(into.sure >= 0 && into.sure <= 1)) fields.blame("sure", "is not in 0 to 1");
 }
 
-void takeLook(Fields& fields, std::optional<Look>& into) {
+void takeLook(FactsFields& fields, std::optional<Look>& into) {
     auto look = applyLook(Look{}, *fields.find("look"));
     if (look)
         if (auto ok = validate(*look); !ok) look = passOn(ok);
@@ -340,7 +225,7 @@ void takeLook(Fields& fields, std::optional<Look>& into) {
 }
 
 /// What few clouds have, and older files never.
-void takeRare(Fields& fields, CloudFacts& facts) {
+void takeRare(FactsFields& fields, CloudFacts& facts) {
     if (fields.has("crsEpsg"))
         fields.whole("crsEpsg", facts.crsEpsg.emplace(), std::numeric_limits<int>::max());
     if (fields.has("grid"))
@@ -352,18 +237,14 @@ void takeRare(Fields& fields, CloudFacts& facts) {
     if (fields.has("usual"))
         takeUsual({*fields.find("usual"), fields.member("usual"), fields.fault()}, facts.usual.emplace());
     if (fields.has("scanner")) fields.vector("scanner", facts.scanner.emplace());
-    if (fields.has("stations"))
-        if (const Json* stations = fields.list("stations", Fields::noSize, mostStations))
-            for (const Json& station : *stations)
-                takeStation({station, fields.member("stations"), fields.fault()},
-                            facts.stations.emplace_back());
+    takeStations(fields, facts);
     if (fields.has("sides"))
         takeSidesFact({*fields.find("sides"), fields.member("sides"), fields.fault()}, facts.sides.emplace());
     if (fields.has("look")) takeLook(fields, facts.look);
 }
 
-void takeLists(Fields& fields, CloudFacts& facts) {
-    if (const Json* columns = fields.list("columns", Fields::noSize, mostColumns)) {
+void takeLists(FactsFields& fields, CloudFacts& facts) {
+    if (const Json* columns = fields.list("columns", FactsFields::noSize, mostColumns)) {
         std::size_t bytes = 0;
         for (const Json& column : *columns) {
             takeColumn({column, fields.member("columns"), fields.fault()}, facts.columns.emplace_back());
@@ -371,15 +252,15 @@ void takeLists(Fields& fields, CloudFacts& facts) {
         }
         if (bytes > mostRowBytes) fields.blame("columns", "are too many");
     }
-    if (const Json* mirrors = fields.list("mirrors", Fields::noSize, mostMirrors))
+    if (const Json* mirrors = fields.list("mirrors", FactsFields::noSize, mostMirrors))
         for (const Json& mirror : *mirrors)
             takeMirror({mirror, fields.member("mirrors"), fields.fault()}, facts.mirrors.emplace_back());
 }
 
 /// Behind the columns, each of which must be there again. A companion is found by its name.
-void takePlanes(Fields& fields, CloudFacts& facts) {
+void takePlanes(FactsFields& fields, CloudFacts& facts) {
     if (facts.columns.empty() && !fields.has("planes")) return;
-    const Json* planes = fields.list("planes", Fields::noSize, facts.columns.size() + mostCompanions);
+    const Json* planes = fields.list("planes", FactsFields::noSize, facts.columns.size() + mostCompanions);
     if (!planes) return;
     std::vector<ValuePlane> all(planes->size());
     for (std::size_t i = 0; i < all.size(); ++i)
@@ -393,7 +274,7 @@ void takePlanes(Fields& fields, CloudFacts& facts) {
         if (!names.insert(plane.name).second) fields.blame("planes", "have a name twice");
 }
 
-void takeAll(Fields fields, StoredFacts& into, std::uint32_t version) {
+void takeAll(FactsFields fields, StoredFacts& into, std::uint32_t version) {
     CloudFacts& f = into.facts;
     fields.text("writtenBy", into.writtenBy);
     fields.text("title", f.title);
@@ -413,7 +294,10 @@ void takeAll(Fields fields, StoredFacts& into, std::uint32_t version) {
     fields.flag("surfels", f.surfels);
     fields.flag("oriented", f.oriented);
     takeLists(fields, f);
-    if (version != 1) takePlanes(fields, f);
+    if (version != 1) {
+        takePlanes(fields, f);
+        takePhotos(fields, f, into.photos);
+    }
     f.attributes.nearInfrared = hasNearInfrared(f);
     fields.text("revision", f.revision);
 }
@@ -424,8 +308,13 @@ std::string_view programName() {
     return "scancast " SCANCAST_VERSION;
 }
 
-Expected<std::string> printFacts(const CloudFacts& facts, std::string_view writtenBy) {
-    std::string json = printJson(factsJson(facts, writtenBy));
+Expected<std::string> printFacts(const CloudFacts& facts, std::string_view writtenBy,
+                                 std::span<const BlockPlace> photos) {
+    if (photos.size() != facts.photos.size())
+        return fail(ErrorCode::InvalidArgument,
+                    fmt::format("the cloud has {} photos, of which {} are somewhere", facts.photos.size(),
+                                photos.size()));
+    std::string json = printJson(factsJson(facts, writtenBy, photos));
     if (json.size() > longestFacts)
         return fail(ErrorCode::InvalidArgument, "the cloud's description is too long for a cloud file");
     if (const auto readable = parseFacts(json); !readable)

@@ -117,6 +117,16 @@ class Opening {
     const RandomReader& reader_;
 };
 
+Expected<void> checkPhotos(const std::vector<BlockPlace>& photos, std::uint64_t blocksEnd) {
+    for (std::size_t i = 0; i < photos.size(); ++i)
+        if (photos[i].offset < cloudHeaderBytes || photos[i].offset > blocksEnd ||
+            photos[i].bytes > blocksEnd - photos[i].offset)
+            return fail(
+                ErrorCode::Malformed,
+                fmt::format("photo {} is said to be at byte {}, outside of the blocks", i, photos[i].offset));
+    return {};
+}
+
 }  // namespace
 
 Expected<FileContents> readContents(const RandomReader& reader) {
@@ -133,6 +143,7 @@ Expected<FileContents> readContents(const RandomReader& reader) {
     if (header->version != 1)
         if (auto ok = opening.planes(*header, contents); !ok) return passOn(ok);
     const std::uint64_t blocksEnd = header->index.offset;
+    if (auto ok = checkPhotos(contents.facts.photos, blocksEnd); !ok) return passOn(ok);
     if (auto ok = checkNodes(contents.nodes, contents.facts.facts, blocksEnd); !ok) return passOn(ok);
     if (auto ok = checkPlaces(contents.places, contents.lists, contents.nodes, blocksEnd); !ok)
         return passOn(ok);

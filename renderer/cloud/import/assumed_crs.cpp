@@ -3,6 +3,7 @@
 #include <charconv>
 #include <utility>
 
+#include "renderer/cloud/forwarding_source.hpp"
 #include "renderer/cloud/import/crs_meaning.hpp"
 #include "renderer/cloud/import/crs_text.hpp"
 #include "renderer/cloud/import/lost_points.hpp"
@@ -32,10 +33,10 @@ bool isCrs(const WktNode& node) {
     return node.keyword.ends_with("CRS") || node.keyword.ends_with("CS") || node.keyword == "COMPD_CS";
 }
 
-class SourceWithCrs final : public PointSource {
+class SourceWithCrs final : public ForwardingSource {
   public:
     SourceWithCrs(std::unique_ptr<PointSource> source, const AssumedCrs& crs, const std::string& name)
-        : source_(std::move(source)), header_(source_->header()) {
+        : ForwardingSource(std::move(source)), header_(this->source().header()) {
         const auto own = crsMeaning(header_.crsWkt, header_.crsEpsg), taken = crsMeaning(crs.wkt, crs.epsg);
         if (own && taken && compare(*own, *taken) != CrsRelation::Same)
             note_ = noteOf(name, "it says that it is in " + nameOf(header_.crsWkt, header_.crsEpsg) + "; " +
@@ -46,20 +47,16 @@ class SourceWithCrs final : public PointSource {
 
     /// A scanner's place may be forgotten while the scan is read.
     const ScanHeader& header() const override { return header_; }
-    Expected<PointBatch> glance() override { return source_->glance(); }
     Expected<bool> read(PointBatch& batch) override {
-        auto more = source_->read(batch);
-        header_.scannerOrigin = source_->header().scannerOrigin;
+        auto more = source().read(batch);
+        header_.scannerOrigin = source().header().scannerOrigin;
         return more;
     }
-    std::uint64_t droppedPoints() const override { return source_->droppedPoints(); }
     std::vector<std::string> notes() const override {
-        auto notes = source_->notes();
+        auto notes = source().notes();
         if (!note_.empty()) notes.insert(notes.begin(), note_);
         return notes;
     }
-    std::vector<Station> stations() const override { return source_->stations(); }
-    std::array<std::uint64_t, 2> bytesRead() const override { return source_->bytesRead(); }
 
   private:
     static std::string nameOf(const std::string& wkt, std::optional<int> epsg) {
@@ -67,7 +64,6 @@ class SourceWithCrs final : public PointSource {
         return name.empty() ? "a CRS without a name" : name;
     }
 
-    std::unique_ptr<PointSource> source_;
     ScanHeader header_;
     std::string note_;
 };

@@ -40,6 +40,9 @@ struct ImportOptions {
     bool exact = false;
     /// Of a scan that ends too early, read what is whole; a note says how much is lost. Not of every format.
     bool recover = false;
+    /// Folder of the unnamed temporary files in which photos that scans bring along wait for the cloud; nullopt: they are described, and
+    /// their bytes passed over.
+    std::optional<std::filesystem::path> photos{};
     /// Taken for the scan's coordinate reference system, whatever it says.
     std::optional<AssumedCrs> assumeCrs{};
 };

@@ -58,6 +58,12 @@ std::optional<Photo::Format> photoFormat(std::span<const std::byte> start) {
     return std::nullopt;
 }
 
+std::uint64_t bytesOf(std::span<const Photo> photos) {
+    std::uint64_t sum = 0;
+    for (const Photo& photo : photos) sum += photo.bytes;
+    return sum;
+}
+
 bool sameDescription(const Photo& a, const Photo& b) {
     return a.name == b.name && a.format == b.format && a.projection == b.projection && a.width == b.width &&
            a.height == b.height && a.pose == b.pose && a.angles == b.angles && a.station == b.station &&

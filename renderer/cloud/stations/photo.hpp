@@ -75,6 +75,9 @@ std::optional<Photo::Projection> photoProjectionOf(std::string_view name);
 /// What the first bytes of a file (8 are enough) say that it is; nullopt: neither.
 std::optional<Photo::Format> photoFormat(std::span<const std::byte> start);
 
+/// Of all of them, encoded.
+std::uint64_t bytesOf(std::span<const Photo> photos);
+
 /// All but its bytes' content is the same.
 bool sameDescription(const Photo& a, const Photo& b);
 

@@ -120,7 +120,8 @@ Api::Api(ApiOptions options, const Catalog& catalog, CloudAdmin& admin, const Se
       metrics_(metrics),
       admission_(options_.rates, options_.costs, options_.memory),
       pictures_(scheduler),
-      picker_(pictures_, scheduler, options_.version) {}
+      picker_(pictures_, scheduler, options_.version),
+      photos_(admission_, options_.memory) {}
 
 /// What routes answer, where that is more than a line. Lives as long as Api::answer(): what is answered later keeps
 /// copies.
@@ -168,12 +169,24 @@ struct Api::Answers {
     }
 
     /// What tells views of a cloud. The query's words are those of a snapshot; its camera has no part in it.
-    HttpResponse viewsBy(nlohmann::json (*tell)(const Cloud&, View)) const {
+    template <class Tell>
+    HttpResponse viewsBy(Tell tell) const {
         const auto cloud = clouds_.cloud(routed.id);
         if (!cloud) return refusal(cloud.error(), routed);
         const auto planned = viewOfQuery(**cloud, routed.query, api.options_.maxPixels);
         if (!planned) return refusal(problemOf(planned.error()), routed);
         return jsonResponse(tell(**cloud, (*planned)->view));
+    }
+
+    HttpResponse photos() const {
+        return viewsBy(
+            [this](const Cloud& cloud, const View& base) { return photosJson(routed.id, cloud, base); });
+    }
+
+    void photo(Respond respond) const {
+        auto cloud = clouds_.cloud(routed.id);
+        if (!cloud) return respond(refusal(std::move(cloud.error()), routed));
+        api.photos_.answer(request, routed, *cloud, std::move(respond), gone);
     }
 
     // Who looks at it is told at once; its memory is given back when the last picture of it is done.
@@ -422,6 +435,10 @@ void Api::answer(const HttpRequest& request, const Routed& routed, Respond respo
             return respond(answers.viewsBy(viewsJson));
         case Route::CloudStations:
             return respond(answers.viewsBy(stationsJson));
+        case Route::CloudPhotos:
+            return respond(answers.photos());
+        case Route::CloudPhoto:
+            return answers.photo(std::move(respond));
         case Route::Methods:
             return respond(jsonResponse(methodListJson()));
         case Route::SnapshotJpeg:

@@ -15,6 +15,7 @@
 #include "server/catalog/kept_clouds.hpp"
 #include "server/net/access.hpp"
 #include "server/net/api/http_message.hpp"
+#include "server/net/api/photo_answers.hpp"
 #include "server/net/api/picker.hpp"
 #include "server/net/api/router.hpp"
 #include "server/net/api/shared_pictures.hpp"
@@ -73,7 +74,10 @@ class Api {
     /// What pictures may cost; for streams, too.
     const Admission& admission() const { return admission_; }
     /// After the scheduler has ended: nothing is answered any more.
-    void stop() { picker_.stop(); }
+    void stop() {
+        picker_.stop();
+        photos_.stop();
+    }
 
   private:
     struct Answers;  ///< what each route answers, in api.cpp
@@ -93,6 +97,7 @@ class Api {
     const Admission admission_;
     const SharedPictures pictures_;
     Picker picker_;
+    PhotoAnswers photos_;
 };
 
 }  // namespace scancast

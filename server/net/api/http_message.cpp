@@ -45,6 +45,7 @@ std::string framingFault(const HttpRequest& request, unsigned version) {
 
 std::string_view HttpResponse::body() const {
     if (bytes) return {reinterpret_cast<const char*>(bytes->data()), bytes->size()};
+    if (photo) return {reinterpret_cast<const char*>(photo->data()), photo->size()};
     return text;
 }
 

@@ -2,6 +2,7 @@
 // sockets and only http_session.cpp and the like include Beast.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <functional>
 #include <memory>
@@ -41,11 +42,13 @@ std::string framingFault(const HttpRequest& request, unsigned version);
 struct HttpResponse {
     int status = 200;
     std::vector<std::pair<std::string, std::string>> headers;
-    std::string text;                                        ///< the body, unless `bytes` is set
+    std::string text;                                        ///< the body, unless `bytes` or `photo` is set
     std::shared_ptr<const std::vector<std::uint8_t>> bytes;  ///< a picture, shared
+    std::shared_ptr<const std::vector<std::byte>> photo{};   ///< the same of what a scan brought along
     std::optional<Problem> problem{};                        ///< that `text` is
     std::optional<double> price{};  ///< of the picture that was drawn for it, in seconds of a core
     bool bodyUnknown = false;       ///< answer to HEAD whose length nobody has worked out: no Content-Length
+    std::optional<std::uint64_t> bodyBytes{};  ///< answer to HEAD: how long a body would be that is not here
 
     std::string_view body() const;
     HttpResponse& set(std::string name, std::string value);

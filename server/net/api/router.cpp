@@ -31,13 +31,22 @@ constexpr bool areInOrder() {
 }
 static_assert(areInOrder());
 
-// Whether the segments are those of the pattern; `id` is what stands for {id}.
-bool fits(const std::vector<std::string>& segments, std::string_view pattern, std::string& id) {
+/// What of a request stands for this part of a pattern; nullptr for parts that stand for themselves.
+std::string* placeOf(std::string_view part, Routed& routed) {
+    if (part == "{id}") return &routed.id;
+    if (part == "{n}") return &routed.n;
+    return nullptr;
+}
+
+// Whether the segments are those of the pattern; what stands for its placeholders is put into `routed`, of which nothing is
+// worth anything where they are not.
+bool fits(const std::vector<std::string>& segments, std::string_view pattern, Routed& routed) {
     const auto parts = split(pattern);
     if (parts.size() != segments.size()) return false;
     for (std::size_t i = 0; i < parts.size(); ++i) {
-        if (parts[i] == "{id}" ? segments[i].empty() : segments[i] != parts[i]) return false;
-        if (parts[i] == "{id}") id = segments[i];
+        std::string* const place = placeOf(parts[i], routed);
+        if (place != nullptr ? segments[i].empty() : segments[i] != parts[i]) return false;
+        if (place != nullptr) *place = segments[i];
     }
     return true;
 }
@@ -71,9 +80,10 @@ tl::expected<Routed, Problem> route(std::string_view target) {
         const bool ofApi = info.pattern.starts_with(apiPrefix);
         if (versioned && !ofApi) continue;
         const auto rest = ofApi ? info.pattern.substr(apiPrefix.size()) : info.pattern;
-        if (!fits(segments, rest, routed.id)) continue;
-        routed.route = info.route;
-        return routed;
+        Routed fitting = routed;
+        if (!fits(segments, rest, fitting)) continue;
+        fitting.route = info.route;
+        return fitting;
     }
     if (versioned || segments[0] == "api") {
         return tl::unexpected(problemOf(404, "Nothing is served at " + quoteText(routed.path) + "."));

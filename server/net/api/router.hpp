@@ -23,6 +23,8 @@ enum class Route : std::uint8_t {
     Cloud,
     CloudViews,
     CloudStations,
+    CloudPhotos,
+    CloudPhoto,
     Methods,
     SnapshotJpeg,
     SnapshotPng,
@@ -65,6 +67,8 @@ inline constexpr std::array routes{
     RouteInfo{Route::Cloud, "/api/v1/clouds/{id}", "GET, HEAD, DELETE", Need::Guest, true, "DELETE"},
     RouteInfo{Route::CloudViews, "/api/v1/clouds/{id}/views", "GET, HEAD", Need::Guest, true},
     RouteInfo{Route::CloudStations, "/api/v1/clouds/{id}/stations", "GET, HEAD", Need::Guest, true},
+    RouteInfo{Route::CloudPhotos, "/api/v1/clouds/{id}/photos", "GET, HEAD", Need::Guest, true},
+    RouteInfo{Route::CloudPhoto, "/api/v1/clouds/{id}/photos/{n}", "GET, HEAD", Need::Guest, false},
     RouteInfo{Route::Methods, "/api/v1/methods", "GET, HEAD", Need::Guest, true},
     RouteInfo{Route::SnapshotJpeg, "/api/v1/clouds/{id}/snapshot.jpg", "GET, HEAD", Need::Guest, false},
     RouteInfo{Route::SnapshotPng, "/api/v1/clouds/{id}/snapshot.png", "GET, HEAD", Need::Guest, false},
@@ -95,7 +99,9 @@ struct Routed {
     std::string path;   ///< decoded
     std::string query;  ///< as sent, without the question mark
     std::string id;     ///< decoded, of a cloud or a session; it is only ever looked up
-    Grant grant{};      ///< of whoever asks; Api::admit() says it
+    std::string
+        n;  ///< decoded, what stands for {n}: the number of one of the cloud's; nobody has looked whether it is one
+    Grant grant{};  ///< of whoever asks; Api::admit() says it
 };
 
 inline constexpr std::size_t maxTargetLength = 8192;

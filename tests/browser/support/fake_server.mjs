@@ -200,6 +200,8 @@ class FakeSession {
 
 export class FakeServer {
   clouds = clouds;
+  photos = []; // of every cloud that says that it has some: { name, file, … } as the API has them, and what is sent for each
+  stations = [];
   pending = [];
   frameDelay = 12;
   damaged = false; // blocks of its clouds cannot be read
@@ -264,6 +266,18 @@ export class FakeServer {
         ],
         colormaps: ['viridis', 'turbo', 'grey'], shadings: ['unlit', 'phong', 'eyedome'],
       });
+    }
+    if (pathname.endsWith('/stations')) return json({ stations: this.stations });
+    const photo = /^(.*\/photos)(?:\/(\d+))?$/.exec(pathname);
+    if (photo && photo[2] === undefined) {
+      this.received.push({ type: 'photos', words: Object.fromEntries(searchParams) });
+      return json({ photos: this.photos.map(({ file, ...known }, index) => ({ index, href: `${photo[1]}/${index}`, bytes: file.length, mediaType: 'image/jpeg', projection: 'visual', ...known })) });
+    }
+    if (photo) {
+      const { file } = this.photos[photo[2]] ?? {};
+      this.received.push({ type: 'photo', index: Number(photo[2]) });
+      if (!file) return reply(500, 'application/problem+json', JSON.stringify(problem(500, 'Internal Server Error', 'This photo cannot be read.')));
+      return reply(200, 'image/jpeg', file);
     }
     if (pathname.endsWith('/snapshot.png')) {
       this.received.push({ type: 'snapshot', words: Object.fromEntries(searchParams) });

@@ -9,8 +9,10 @@ import { closeWords } from '../../../client/web/connection.js';
 import { guestOf, renewIn } from '../../../client/web/guest.js';
 import { amount, FrameClock } from '../../../client/web/hud.js';
 import { labelOf, sliderScale } from '../../../client/web/parameter_fields.js';
+import { altOf, factsOf, fittedScale, mostZoom, photosText, sizeText } from '../../../client/web/photos.js';
 import { pictureSize } from '../../../client/web/picture.js';
 import { backOff } from '../../../client/web/session.js';
+import { labelOfStation } from '../../../client/web/stations.js';
 
 describe('base64url', () => {
   it('is what Node makes of it, whatever the length', () => {
@@ -121,5 +123,31 @@ describe('wheelPixels', () => {
     assert.equal(wheelPixels({ deltaMode: 1, deltaY: 3 }, 800), 99);
     assert.equal(wheelPixels({ deltaMode: 2, deltaY: -1 }, 800), -400);
     assert.equal(wheelPixels({ deltaMode: 0, deltaY: 1e6 }, 800), 400);
+  });
+});
+
+describe('what is said of photos', () => {
+  it('is as much as is known', () => {
+    const photo = { name: 'A', projection: 'spherical', width: 8192, height: 4096, bytes: 5_300_000, station: { index: 0, name: 'Tower' } };
+    assert.equal(factsOf(photo), 'Panorama, 8,192 × 4,096, 5.3 MB, taken at Tower');
+    assert.equal(altOf(photo), 'The panorama A, taken at Tower');
+    assert.equal(factsOf({ name: 'B', projection: 'visual', bytes: 17 }), 'Picture, 17 bytes');
+    assert.equal(altOf({ name: 'B', projection: 'fisheye', bytes: 17 }), 'The photo B');
+    assert.equal(sizeText(999), '999 bytes');
+    assert.equal(sizeText(1234), '1.2 kB');
+    assert.equal(sizeText(134_217_728), '134 MB');
+    assert.equal(photosText(1), '1 photo');
+    assert.equal(photosText(1200), '1,200 photos');
+    assert.equal(labelOfStation({ name: 'Tower', points: 0 }, amount), 'Tower');
+    assert.equal(labelOfStation({ name: 'Tower', points: 0, photos: [3] }, amount), 'Tower (1 photo)');
+    assert.equal(labelOfStation({ name: 'Tower', points: 2e6, photos: [0, 3] }, amount), 'Tower (2.0 million points, 2 photos)');
+  });
+  it('fits into the room, and small ones grow a little', () => {
+    assert.equal(fittedScale({ width: 2000, height: 1000 }, { width: 500, height: 500 }), 0.25);
+    assert.equal(fittedScale({ width: 1000, height: 2000 }, { width: 500, height: 500 }), 0.25);
+    assert.equal(fittedScale({ width: 10, height: 10 }, { width: 500, height: 500 }), 2);
+    assert.equal(fittedScale({ width: 5, height: 5 }, { width: 0, height: 0 }), 1, 'a viewer that is not to be seen yet');
+    assert.equal(mostZoom(0.25) * 0.25, 2, 'until its own pixels are two wide');
+    assert.equal(mostZoom(2), 4);
   });
 });

@@ -14,6 +14,7 @@
 #include "renderer/cloud/build/ingest.hpp"
 #include "renderer/cloud/build/revision.hpp"
 #include "renderer/cloud/file/cloud_file.hpp"
+#include "renderer/cloud/forwarding_source.hpp"
 #include "tests/support/clouds/octree_checks.hpp"
 #include "tests/support/clouds/synthetic_source.hpp"
 #include "tests/support/sized.hpp"
@@ -74,15 +75,15 @@ TEST_F(Ingest, TheFileHoldsWhatMemoryWould) {
 }
 
 /// A source with a row for each point, made of its position.
-class RowSource final : public PointSource {
+class RowSource final : public ForwardingSource {
   public:
     explicit RowSource(std::unique_ptr<PointSource> source)
-        : source_(std::move(source)), header_(source_->header()) {
+        : ForwardingSource(std::move(source)), header_(this->source().header()) {
         header_.columns = {{"x", ColumnType::Float64, 2, 1, ""}, {"n", ColumnType::Uint32, 1, 0, ""}};
     }
     const ScanHeader& header() const override { return header_; }
     Expected<bool> read(PointBatch& batch) override {
-        auto more = source_->read(batch);
+        auto more = source().read(batch);
         for (const glm::dvec3& p : batch.position) {
             const double x = p.x;
             const std::uint32_t n = count_++;
@@ -95,10 +96,8 @@ class RowSource final : public PointSource {
         }
         return more;
     }
-    std::uint64_t droppedPoints() const override { return 0; }
 
   private:
-    std::unique_ptr<PointSource> source_;
     ScanHeader header_;
     std::uint32_t count_ = 0;
 };
@@ -165,20 +164,17 @@ TEST_F(Ingest, RowsFollowTheirPoints) {
 }
 
 /// Fails, or asks for a stop, after some batches.
-class EndingSource final : public PointSource {
+class EndingSource final : public ForwardingSource {
   public:
     EndingSource(std::unique_ptr<PointSource> source, std::function<Expected<void>()> end)
-        : source_(std::move(source)), end_(std::move(end)) {}
-    const ScanHeader& header() const override { return source_->header(); }
+        : ForwardingSource(std::move(source)), end_(std::move(end)) {}
     Expected<bool> read(PointBatch& batch) override {
         if (++batches_ == 2)
             if (auto ok = end_(); !ok) return passOn(ok);
-        return source_->read(batch);
+        return source().read(batch);
     }
-    std::uint64_t droppedPoints() const override { return 0; }
 
   private:
-    std::unique_ptr<PointSource> source_;
     std::function<Expected<void>()> end_;
     int batches_ = 0;
 };

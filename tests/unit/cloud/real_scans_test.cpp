@@ -6,6 +6,7 @@
 
 #include "renderer/cloud/build/ingest.hpp"
 #include "renderer/cloud/file/cloud_file.hpp"
+#include "renderer/cloud/forwarding_source.hpp"
 #include "renderer/cloud/import/open_scan.hpp"
 #include "tests/support/clouds/octree_checks.hpp"
 #include "tests/support/sized.hpp"
@@ -74,13 +75,13 @@ struct Found {
 };
 
 /// A source, and the sums of what it delivers.
-class AddedUp final : public PointSource {
+class AddedUp final : public ForwardingSource {
   public:
     /// `found` outlives this.
-    AddedUp(std::unique_ptr<PointSource> source, Found& found) : source_(std::move(source)), found_(found) {}
-    const ScanHeader& header() const override { return source_->header(); }
+    AddedUp(std::unique_ptr<PointSource> source, Found& found)
+        : ForwardingSource(std::move(source)), found_(found) {}
     Expected<bool> read(PointBatch& batch) override {
-        auto more = source_->read(batch);
+        auto more = source().read(batch);
         found_.points += batch.size();
         for (const glm::dvec3& p : batch.position) {
             found_.low = glm::min(found_.low, p);
@@ -92,12 +93,8 @@ class AddedUp final : public PointSource {
             for (int a = 0; a < 3; ++a) found_.color[std::size_t(a)] += c[a];
         return more;
     }
-    std::uint64_t droppedPoints() const override { return source_->droppedPoints(); }
-    std::vector<std::string> notes() const override { return source_->notes(); }
-    std::array<std::uint64_t, 2> bytesRead() const override { return source_->bytesRead(); }
 
   private:
-    std::unique_ptr<PointSource> source_;
     Found& found_;
 };
 

@@ -20,11 +20,12 @@ struct Imported {
     std::uint64_t dropped = 0;
     std::vector<std::string> notes;
     std::vector<Station> stations;
+    std::vector<Photo> photos;
     bool asSteps = false;  ///< by the stream's header
 };
 
 /// The error is the importer's own, with the code that the stream hands on.
-inline Expected<Imported> imported(const std::string& file, bool keepAttributes = false) {
+inline Expected<Imported> imported(const std::string& file, const import_e57::Choices& choices = {}) {
     std::vector<std::byte> stream;
     PointStreamWriter writer([&](std::span<const std::byte> more) {
         stream.insert(stream.end(), more.begin(), more.end());
@@ -32,15 +33,17 @@ inline Expected<Imported> imported(const std::string& file, bool keepAttributes 
     });
     auto bytes =
         std::make_unique<MemoryByteSource>(std::as_bytes(std::span<const char>(file.data(), file.size())));
-    if (const auto done = import_e57::importE57(std::move(bytes), keepAttributes, writer); !done) {
+    if (const auto done = import_e57::importE57(std::move(bytes), choices, writer); !done) {
         EXPECT_THAT(done.error().message, ::testing::Not(::testing::HasSubstr("\n")));
         return passOn(done);
     }
     constexpr std::size_t atKnown = 12;  // of the header: what is known, 16 for steps
     const bool asSteps = (std::to_integer<unsigned>(stream[atKnown]) & 16U) != 0;
-    auto reader = PointStreamReader::create(std::make_unique<MemoryByteSource>(stream, false));
+    auto reader = PointStreamReader::create(std::make_unique<MemoryByteSource>(stream, false),
+                                            {.photos = std::filesystem::temp_directory_path()});
     if (!reader) return passOn(reader);
-    Imported result{.header = (*reader)->header(), .points = {}, .dropped = 0, .notes = {}, .stations = {}};
+    Imported result{
+        .header = (*reader)->header(), .points = {}, .dropped = 0, .notes = {}, .stations = {}, .photos = {}};
     auto points = readAll(**reader);
     if (!points) return passOn(points);
     result.points = std::move(*points);
@@ -48,6 +51,7 @@ inline Expected<Imported> imported(const std::string& file, bool keepAttributes 
     result.dropped = (*reader)->droppedPoints();
     result.notes = (*reader)->notes();
     result.stations = (*reader)->stations();
+    result.photos = (*reader)->photos();
     return result;
 }
 

@@ -100,7 +100,7 @@ Expected<Whole> readWhole(Expected<std::unique_ptr<Source>> source) {
 
 Expected<Whole> readTape(const RawBytes& bytes, bool keep = false) {
     return readWhole(PointStreamReader::create(std::make_unique<MemoryByteSource>(bytes, false),
-                                               std::numeric_limits<std::uint64_t>::max(), keep));
+                                               {.keepAttributes = keep}));
 }
 
 Expected<Whole> readFile(const RawBytes& bytes, bool keep = false) {

@@ -62,7 +62,8 @@ constexpr std::size_t doneAt = chunkAt + 8 + 2 * (24 + 3 + 2 + 1 + 12);
 
 Expected<ScanSummary> readStream(const Bytes& bytes,
                                  std::uint64_t most = std::numeric_limits<std::uint64_t>::max()) {
-    return summarizeOpened(PointStreamReader::create(std::make_unique<MemoryByteSource>(bytes, false), most));
+    return summarizeOpened(
+        PointStreamReader::create(std::make_unique<MemoryByteSource>(bytes, false), {.mostPoints = most}));
 }
 
 void expectImporterError(const Bytes& bytes, const char* reason) {

@@ -60,8 +60,8 @@ TEST(LazImport, IsTheSameHoweverItIsDone) {
 TEST(LazImport, ReadsAsTheUncompressedFileDoes) {
     const auto made = test::makeLaz({.pointFormat = 6, .compressor = 3});
     const Bytes stream = streamOf(made.file, {.threads = 2, .piece = 700});
-    auto reader =
-        PointStreamReader::create(std::make_unique<MemoryByteSource>(stream, false), 1'000'000, true);
+    auto reader = PointStreamReader::create(std::make_unique<MemoryByteSource>(stream, false),
+                                            {.mostPoints = 1'000'000, .keepAttributes = true});
     ASSERT_TRUE(reader) << reader.error().message;
     Bytes plain(made.file.begin(), made.file.begin() + 375 + 94);
     plain[104] = std::byte{6};
@@ -84,8 +84,8 @@ TEST(LazImport, RecoversWhatIsWhole) {
     const auto table = loadLe<std::uint64_t>(made.file.data() + 375 + 94);
     const Bytes cut(made.file.begin(), made.file.begin() + static_cast<std::ptrdiff_t>(table) - 5);
     const Bytes stream = streamOf(cut, {.recover = true});
-    auto reader =
-        PointStreamReader::create(std::make_unique<MemoryByteSource>(stream, false), 1'000'000, false);
+    auto reader = PointStreamReader::create(std::make_unique<MemoryByteSource>(stream, false),
+                                            {.mostPoints = 1'000'000});
     ASSERT_TRUE(reader) << reader.error().message;
     EXPECT_EQ((*reader)->header().points, std::nullopt);
     EXPECT_EQ(readWhole(**reader).positions.size(), 100U);

@@ -288,6 +288,8 @@ Expected<StagedScan> stage(PointSource& source, Workspace& workspace, ProgressMe
     scan.droppedPoints = source.droppedPoints();
     scan.notes = source.notes();
     scan.stations = source.stations();
+    scan.photos = source.photos();
+    std::erase_if(scan.photos, [](const Photo& photo) { return !photo.data; });
     if (scan.points == 0)
         return fail(ErrorCode::Empty,
                     fmt::format("The scan has no point to show ({} left out because a coordinate "

@@ -49,6 +49,7 @@ struct StagedScan {
     std::vector<std::array<double, 2>> columnRanges;  ///< of header.columns, scaled
     std::vector<ValueSketch> columnSketches;          ///< of the same
     std::vector<Station> stations;                    ///< the source's
+    std::vector<Photo> photos;                        ///< the source's, those whose bytes came
     std::uint64_t sighted = 0;  ///< points of which it is known where they were recorded from
     bool onOwnGrid = true;
     std::array<std::int64_t, 3> ownLow{}, ownHigh{};

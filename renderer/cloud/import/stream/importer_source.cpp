@@ -3,6 +3,7 @@
 #include <limits>
 
 #include "renderer/cloud/import/printable_text.hpp"
+#include "renderer/cloud/import/stream/point_stream_reader.hpp"
 
 namespace scancast {
 
@@ -37,34 +38,37 @@ Expected<std::unique_ptr<ImporterSource>> ImporterSource::create(const ImporterP
     constexpr auto unbounded = std::numeric_limits<std::uint64_t>::max();
     const auto mostPoints =
         fileBytes > unbounded / mostPointsPerByte ? unbounded : fileBytes * mostPointsPerByte;
-    auto reader = PointStreamReader::create(std::make_unique<SharedBytes>(source->process_), mostPoints,
-                                            options.keepAttributes, options.exact);
-    if (!reader) return tl::unexpected(source->explain(reader.error(), *source->process_));
-    source->reader_ = std::move(*reader);
+    auto reader = PointStreamReader::create(std::make_unique<SharedBytes>(source->process_),
+                                            {.mostPoints = mostPoints,
+                                             .keepAttributes = options.keepAttributes,
+                                             .fullColors = options.exact,
+                                             .photos = options.photos});
+    if (!reader) return tl::unexpected(source->explain(reader.error(), 0));
+    source->wrap(std::move(*reader));
     return source;
 }
 
 Expected<PointBatch> ImporterSource::glance() {
-    auto points = reader_->glance();
-    if (!points) return tl::unexpected(explain(points.error(), *process_));
+    auto points = source().glance();
+    if (!points) return tl::unexpected(explain(points.error(), bytesRead()[0]));
     return points;
 }
 
 Expected<bool> ImporterSource::read(PointBatch& batch) {
-    auto more = reader_->read(batch);
-    if (!more) return tl::unexpected(explain(more.error(), *process_));
+    auto more = source().read(batch);
+    if (!more) return tl::unexpected(explain(more.error(), bytesRead()[0]));
     return more;
 }
 
 std::vector<std::string> ImporterSource::notes() const {
     const std::filesystem::path file(name_);
     const auto short_ = (file.has_filename() ? file : file.parent_path()).filename().string();
-    auto notes = reader_->notes();
+    auto notes = source().notes();
     for (auto& note : notes) note = short_ + ": " + note;
     return notes;
 }
 
-Error ImporterSource::explain(const Error& error, ImporterProcess& process) const {
+Error ImporterSource::explain(const Error& error, std::uint64_t sent) const {
     // What the importer itself reports is about the file; everything else is about the importer.
     const bool inVain = error.code == ErrorCode::Truncated && cannotRecover_;
     if (error.code != ErrorCode::Importer)
@@ -73,8 +77,7 @@ Error ImporterSource::explain(const Error& error, ImporterProcess& process) cons
                     (inVain ? "; what is whole of such a file cannot be recovered" : ""),
                 {}};
     const auto where = " while reading " + name_;
-    const auto sent = reader_ ? reader_->bytesRead()[0] : 0;
-    if (const auto end = process.badEnd()) {
+    if (const auto end = process_->badEnd()) {
         // A program that could not even start says nothing about the file.
         if (sent == 0 && end->starts_with("cannot be started"))
             return {error.code, name_ + ": " + program_ + " " + *end, {}};

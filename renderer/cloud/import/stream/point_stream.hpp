@@ -43,6 +43,8 @@ inline constexpr std::array<char, 4> peakTag{'P', 'E', 'A', 'K'};
 inline constexpr std::array<char, 4> noteTag{'N', 'O', 'T', 'E'};
 inline constexpr std::array<char, 4> stationTag{'S', 'T', 'N', 'D'};
 inline constexpr std::array<char, 4> fromTag{'F', 'R', 'O', 'M'};
+inline constexpr std::array<char, 4> photoTag{'P', 'I', 'C', 'T'};
+inline constexpr std::array<char, 4> photoBytesTag{'P', 'I', 'X', 'L'};
 
 /// Bytes of one point in a chunk.
 std::size_t pointBytes(const Attributes& attributes, bool areSteps = false);

@@ -35,9 +35,9 @@ Expected<void> PointStreamReader::readLas() {
     if (head->size() > atPointFormat && ((*head)[atPointFormat] & lazBits) != std::byte(0))
         return wrong("its head is one of LAZ, and records of LAS come uncompressed");
     auto las = LasReader::create(std::span(*head).first(std::min(head->size(), lasHeaderBytes)), {},
-                                 keepAttributes_);
+                                 options_.keepAttributes);
     if (!las) return passOn(std::move(las));
-    if (fullColors_) las->keepFullColors();
+    if (options_.fullColors) las->keepFullColors();
     if (head->size() < las->las().headerBytes || head->size() > las->las().pointOffset)
         return wrong("a head of LAS of " + grouped(head->size()) +
                      " bytes, which is not what it says of itself");
@@ -81,9 +81,9 @@ Expected<void> PointStreamReader::readGlance(PointBatch& batch) {
 }
 
 std::vector<std::string> PointStreamReader::notes() const {
-    if (!las_) return notes_;
-    auto notes = las_->notes();
+    auto notes = las_ ? las_->notes() : std::vector<std::string>();
     notes.insert(notes.end(), notes_.begin(), notes_.end());
+    noteLostPhotos(notes);
     return notes;
 }
 

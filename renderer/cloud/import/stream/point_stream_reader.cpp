@@ -19,10 +19,8 @@ tl::unexpected<Error> PointStreamReader::wrong(const std::string& reason) const 
 }
 
 Expected<std::unique_ptr<PointStreamReader>> PointStreamReader::create(std::unique_ptr<ByteSource> bytes,
-                                                                       std::uint64_t mostPoints,
-                                                                       bool keepAttributes, bool fullColors) {
-    std::unique_ptr<PointStreamReader> reader(
-        new PointStreamReader(std::move(bytes), mostPoints, keepAttributes, fullColors));
+                                                                       const StreamOptions& options) {
+    std::unique_ptr<PointStreamReader> reader(new PointStreamReader(std::move(bytes), options));
     if (auto ok = reader->readHeader(); !ok) return passOn(ok);
     if (auto ok = reader->readHead(); !ok) return passOn(ok);
     if (reader->head_.tag == stream::failTag) return tl::unexpected(reader->readFailure().error());
@@ -93,6 +91,10 @@ Expected<void> PointStreamReader::readHead() {
             ok = readStation();
         else if (newest && head_.tag == stream::fromTag)
             ok = readFrom();
+        else if (newest && head_.tag == stream::photoTag)
+            ok = readPhoto();
+        else if (newest && head_.tag == stream::photoBytesTag)
+            ok = readPhotoBytes();
         else
             return {};
         if (!ok) return ok;
@@ -159,7 +161,7 @@ Expected<void> PointStreamReader::readChunk(PointBatch& batch) {
         return wrong("a chunk of " + grouped(n) + " points; 1 to 65,536 are allowed");
     if (header_.points && n > *header_.points - points_)
         return wrong("more points than the " + grouped(*header_.points) + " that it declared");
-    if (n > mostPoints_ - points_) return wrong("more points than such a file can hold");
+    if (n > options_.mostPoints - points_) return wrong("more points than such a file can hold");
     if (las_) {
         if (auto ok = readRecordsOfLas(); !ok) return ok;
         if (auto ok = las_->decode(records_, batch); !ok) return ok;

@@ -5,6 +5,7 @@
 #pragma once
 
 #include <cstdint>
+#include <filesystem>
 #include <limits>
 #include <memory>
 #include <optional>
@@ -14,20 +15,29 @@
 #include "renderer/cloud/import/byte_source.hpp"
 #include "renderer/cloud/import/las/las_reader.hpp"
 #include "renderer/cloud/import/stream/point_stream.hpp"
+#include "renderer/cloud/import/stream/stream_photos.hpp"
 #include "renderer/cloud/import/stream/stream_stations.hpp"
 #include "renderer/cloud/point_batch.hpp"
 
 namespace scancast {
 
+/// What is wanted of a point stream.
+struct StreamOptions {
+    /// More than that is an error, whatever the stream declares.
+    std::uint64_t mostPoints = std::numeric_limits<std::uint64_t>::max();
+    /// Of records of LAS, fill ScanHeader::columns and PointBatch::rows; whether other streams have any, their importer was told.
+    bool keepAttributes = false;
+    /// Colours of 16 bits among them.
+    bool fullColors = false;
+    /// Folder of the temporary file in which photos' bytes wait; nullopt: they are passed over.
+    std::optional<std::filesystem::path> photos{};
+};
+
 class PointStreamReader final : public PointSource {
   public:
     /// Reads the header and looks at the first record, so that a scan that cannot be read fails here.
-    /// `mostPoints`: more than that is an error, whatever the stream declares. `keepAttributes`: of records of LAS, fill
-    /// ScanHeader::columns and PointBatch::rows, with `fullColors` colours of 16 bits among them; whether other streams have any, their importer was told.
-    static Expected<std::unique_ptr<PointStreamReader>> create(
-        std::unique_ptr<ByteSource> bytes,
-        std::uint64_t mostPoints = std::numeric_limits<std::uint64_t>::max(), bool keepAttributes = false,
-        bool fullColors = false);
+    static Expected<std::unique_ptr<PointStreamReader>> create(std::unique_ptr<ByteSource> bytes,
+                                                               const StreamOptions& options = {});
 
     const ScanHeader& header() const override { return header_; }
     Expected<PointBatch> glance() override;
@@ -38,15 +48,13 @@ class PointStreamReader final : public PointSource {
     std::uint64_t droppedPoints() const override { return las_ ? las_->droppedPoints() : dropped_; }
     std::vector<std::string> notes() const override;
     std::vector<Station> stations() const override { return stations_; }
+    /// Their bytes are there at the end of the stream only, if they were wanted, and came.
+    std::vector<Photo> photos() const override { return photos_; }
     std::array<std::uint64_t, 2> bytesRead() const override;
 
   private:
-    PointStreamReader(std::unique_ptr<ByteSource> bytes, std::uint64_t mostPoints, bool keepAttributes,
-                      bool fullColors)
-        : bytes_(std::move(bytes)),
-          mostPoints_(mostPoints),
-          keepAttributes_(keepAttributes),
-          fullColors_(fullColors) {}
+    PointStreamReader(std::unique_ptr<ByteSource> bytes, const StreamOptions& options)
+        : bytes_(std::move(bytes)), options_(options), spool_(options.photos) {}
 
     struct RecordHead {
         std::array<char, 4> tag{};
@@ -61,6 +69,9 @@ class PointStreamReader final : public PointSource {
     Expected<void> readNote();
     Expected<void> readStation();
     Expected<void> readFrom();
+    Expected<void> readPhoto();
+    Expected<void> readPhotoBytes();
+    void noteLostPhotos(std::vector<std::string>& notes) const;
     Expected<void> readLas();
     Expected<std::vector<std::byte>> readLasPart(std::uint32_t bytes, const char* what);
     Expected<void> readPeak();
@@ -79,8 +90,7 @@ class PointStreamReader final : public PointSource {
     tl::unexpected<Error> wrong(const std::string& reason) const;
 
     std::unique_ptr<ByteSource> bytes_;
-    std::uint64_t mostPoints_;
-    bool keepAttributes_ = false, fullColors_ = false;
+    StreamOptions options_;
     ScanHeader header_;
     bool areSteps_ = false;           ///< positions, of the header's grid
     std::optional<LasReader> las_;    ///< of a stream with records of LAS
@@ -93,6 +103,9 @@ class PointStreamReader final : public PointSource {
     std::uint64_t dropped_ = 0;
     std::vector<std::string> notes_;
     std::vector<Station> stations_;
+    std::vector<Photo> photos_;
+    std::vector<bool> photosCame_;  ///< by photo: whether its bytes did
+    PhotoSpool spool_;
     std::uint32_t from_ =
         point_stream::fromNowhere;  ///< index of the station that chunks come from, or fromNowhere
     std::uint16_t version_ = 0;

@@ -9,6 +9,7 @@
 
 #include "files/bytes.hpp"
 #include "renderer/cloud/import/printable_text.hpp"
+#include "renderer/cloud/import/stream/stream_photos.hpp"
 #include "renderer/cloud/import/stream/stream_stations.hpp"
 
 namespace scancast {
@@ -151,6 +152,18 @@ Expected<void> PointStreamWriter::writeStation(const Station& station) {
 
 Expected<void> PointStreamWriter::writeFrom(std::optional<std::uint32_t> station) {
     startRecord(stream::fromTag, station.value_or(stream::fromNowhere));
+    return send(buffer_);
+}
+
+Expected<void> PointStreamWriter::writePhoto(const Photo& photo) {
+    const auto text = stream::encodePhoto(photo);
+    startRecord(stream::photoTag, text.size());
+    append(text.data(), text.size());
+    return send(buffer_);
+}
+
+Expected<void> PointStreamWriter::startPhotoBytes(std::uint32_t photo) {
+    startRecord(stream::photoBytesTag, photo);
     return send(buffer_);
 }
 

@@ -26,7 +26,7 @@ class PointStreamWriter {
     /// A sink that writes to a file descriptor that somebody else owns.
     static Sink toDescriptor(int fd);
 
-    /// Once, before anything else. `newest`: as version 2, which stations need.
+    /// Once, before anything else. `newest`: as version 2, which stations and photos need.
     Expected<void> writeHeader(const ScanHeader& header, bool newest = false);
     /// In its place: positions of chunks will be steps of the header's grid.
     Expected<void> writeHeaderOfSteps(const ScanHeader& header);
@@ -53,6 +53,11 @@ class PointStreamWriter {
     Expected<void> writeStation(const Station& station);
     /// The chunks that follow were recorded from there, one that was sent; nullopt: nobody knows.
     Expected<void> writeFrom(std::optional<std::uint32_t> station);
+    /// A photo, known by its number from 0; `photo.bytes` of it will follow. At most mostPhotos, best all of them directly behind the stations.
+    Expected<void> writePhoto(const Photo& photo);
+    /// All bytes of a photo that was sent come next, in pieces of any size: writePhotoPiece().
+    Expected<void> startPhotoBytes(std::uint32_t photo);
+    Expected<void> writePhotoPiece(std::span<const std::byte> bytes) { return send(bytes); }
     /// The scan was sound to its end.
     Expected<void> finish(std::uint64_t droppedPoints);
     /// It was not; sends an empty header first if none was sent. `error.message` without the file's name.

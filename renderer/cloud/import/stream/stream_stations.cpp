@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "renderer/cloud/import/printable_text.hpp"
+#include "renderer/cloud/import/stream/stream_json.hpp"
 
 namespace scancast::point_stream {
 
@@ -13,22 +14,6 @@ using nlohmann::json;
 
 tl::unexpected<Error> wrongStation(const std::string& reason) {
     return fail(ErrorCode::Importer, "a station of its point stream is wrong: " + reason);
-}
-
-json numbers(const glm::dvec3& v) {
-    return json::array({v.x, v.y, v.z});
-}
-
-/// False where it is not three finite numbers.
-bool takeVector(const json& list, glm::dvec3& into) {
-    if (!list.is_array() || list.size() != 3) return false;
-    for (int a = 0; a < 3; ++a) {
-        const json& value = list[std::size_t(a)];
-        if (!value.is_number()) return false;
-        into[a] = value.get<double>();
-        if (!std::isfinite(into[a])) return false;
-    }
-    return true;
 }
 
 }  // namespace

@@ -11,9 +11,12 @@
 namespace scancast {
 namespace {
 
+/// Of the photos of fullFacts().
+const std::vector<BlockPlace> photoPlaces{{std::uint64_t(1) << 50, 23, ~std::uint64_t(0)}, {128, 12, 0}};
+
 nlohmann::json sampleJson() {
     const auto cloud = test::sampleCloud(500);
-    return parseJson(printFacts(test::fullFacts(*cloud, true), "me 1.0").value()).value();
+    return parseJson(printFacts(test::fullFacts(*cloud, true), "me 1.0", photoPlaces).value()).value();
 }
 
 TEST(FactsJson, ReadsBackExactly) {
@@ -28,9 +31,11 @@ TEST(FactsJson, ReadsBackExactly) {
     infrared.attributes.nearInfrared = true;
     for (const CloudFacts& facts : {test::fullFacts(*cloud, true), richlyLookedAt, bent, infrared,
                                     static_cast<const CloudFacts&>(*cloud), CloudFacts{}}) {
-        const auto back = parseFacts(printFacts(facts, "me 1.0").value());
+        const auto places = std::span(photoPlaces).first(facts.photos.size());
+        const auto back = parseFacts(printFacts(facts, "me 1.0", places).value());
         ASSERT_TRUE(back) << back.error().message;
         test::expectSameFacts(back->facts, facts);
+        EXPECT_TRUE(std::ranges::equal(back->photos, places));
         EXPECT_EQ(back->writtenBy, "me 1.0");
     }
 }
@@ -43,7 +48,7 @@ TEST(FactsJson, EveryFieldIsNeededAndOfItsType) {
         without.erase(key);
         const auto missing = parseFacts(printJson(without));
         if (key == "crsEpsg" || key == "constant" || key == "notes" || key == "usual" || key == "scanner" ||
-            key == "stations" || key == "look" || key == "grid" || key == "exact") {
+            key == "stations" || key == "photos" || key == "look" || key == "grid" || key == "exact") {
             EXPECT_TRUE(missing) << "not every scan has one, and older files have no " << key;
         } else {
             ASSERT_FALSE(missing) << key;
@@ -114,6 +119,29 @@ TEST(FactsJson, ImpossibleValuesAreNamed) {
          }},
         {"stations",
          [](auto& j) { j["stations"] = std::vector<nlohmann::json>(mostStations + 1, j["stations"][0]); }},
+        {"photos.format", [](auto& j) { j["photos"][0]["format"] = "gif"; }},
+        {"photos.projection", [](auto& j) { j["photos"][0].erase("projection"); }},
+        {"photos.bytes", [](auto& j) { j["photos"][0]["bytes"] = 0; }},
+        {"photos.bytes", [](auto& j) { j["photos"][0]["bytes"] = largestPhoto + 1; }},
+        {"photos.width", [](auto& j) { j["photos"][1]["width"] = 1ull << 32; }},
+        {"photos.offset", [](auto& j) { j["photos"][1]["offset"] = -1; }},
+        {"photos.checksum", [](auto& j) { j["photos"][1].erase("checksum"); }},
+        {"photos.angles",
+         [](auto& j) {
+             j["photos"][0]["angles"] = {1, 7};
+         }},
+        {"photos.station", [](auto& j) { j["photos"][0]["station"] = 2; }},
+        {"photos.name", [](auto& j) { j["photos"][0]["name"] = std::string(longestPhotoName + 1, 'x'); }},
+        {"photos.pose.up",
+         [](auto& j) {
+             j["photos"][0]["pose"]["up"] = {0, 0.6, 0.8};
+         }},
+        {"photos.pose.forwards",
+         [](auto& j) {
+             j["photos"][0]["pose"]["forwards"] = {0, 1, 1};
+         }},
+        {"photos",
+         [](auto& j) { j["photos"] = std::vector<nlohmann::json>(mostPhotos + 1, j["photos"][1]); }},
         {"look", [](auto& j) { j["look"].erase("views"); }},
         {"look", [](auto& j) { j["look"]["outline"] = nlohmann::json::array(); }},
         {"look", [](auto& j) { j["look"]["views"][0]["camera"]["fov"] = 180; }},
@@ -163,11 +191,12 @@ TEST(FactsJson, ImpossibleValuesAreNamed) {
     }
 }
 
-TEST(FactsJson, VersionOneKnowsNoPlanes) {
+TEST(FactsJson, VersionOneKnowsNeitherPlanesNorPhotos) {
     auto json = sampleJson();
     const auto passedOver = parseFacts(printJson(json), 1);
     ASSERT_TRUE(passedOver) << passedOver.error().message;
     EXPECT_TRUE(passedOver->facts.companions.empty());
+    EXPECT_TRUE(passedOver->facts.photos.empty());
     json.erase("planes");
     EXPECT_TRUE(parseFacts(printJson(json), 1));
     EXPECT_FALSE(parseFacts(printJson(json)));
@@ -177,6 +206,9 @@ TEST(FactsJson, WhatCannotBeReadIsNotWritten) {
     CloudFacts facts;
     facts.spacing = std::numeric_limits<double>::quiet_NaN();
     EXPECT_FALSE(printFacts(facts, "me"));
+    facts = {};
+    facts.photos = {Photo{}};
+    EXPECT_FALSE(printFacts(facts, "me")) << "nobody says where it is";
 }
 
 TEST(FactsJson, AColumnWithoutNumbersHasNoRange) {

@@ -66,6 +66,7 @@ TEST(Describe, ACloudThatIsBeingReadCanBeLookedAtAndSaysHowFarItIs) {
     EXPECT_EQ(one["mirrors"][0]["tint"], "#ecf3f0");
     EXPECT_EQ(one["constant"], (nlohmann::json{{"rgb", {1, 2, 3}}}));
     EXPECT_EQ(one["stations"], 0);
+    EXPECT_EQ(one["photos"], 0);
     EXPECT_EQ(one["notes"], (nlohmann::json{"cloud.js says 5 points"}));
     EXPECT_EQ(one["attributes"][0]["name"], "intensity") << "the same everywhere is none";
     EXPECT_TRUE(cloudListFromJson(json));

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <nlohmann/json.hpp>
+#include <numbers>
 
 #include "server/commands/command.hpp"
 #include "server/commands/info_print.hpp"
@@ -148,6 +149,43 @@ TEST_F(Info, TellsProgramsTheSame) {
     EXPECT_EQ(one.at("octree").at("surfels"), true);
     EXPECT_EQ(one.at("octree").at("curvature"), false);
     EXPECT_TRUE(one.at("check").is_null());
+}
+
+TEST(InfoOfPhotos, TellsThemToPeopleAndToPrograms) {
+    FileInfo told;
+    told.file = "office.e57";
+    told.facts.stations = {{.name = "Tower", .position = {1, 2, 3}}, {.position = {4, 5, 6}}};
+    EXPECT_THAT(infoText(told), Not(HasSubstr("photos")));
+    EXPECT_EQ(json(infoJson(told)).at("photos"), json::array());
+    Photo panorama{
+        .name = "All round", .projection = Photo::Projection::Spherical, .width = 8192, .height = 4096};
+    panorama.angles = {2 * std::numbers::pi, std::numbers::pi};
+    panorama.station = 1;
+    panorama.bytes = 5'300'000;
+    panorama.pose = Photo::Pose{{4, 5, 6}, {0, 1, 0}, {0, 0, 1}};
+    Photo unknown{.format = Photo::Format::Png};
+    unknown.bytes = 950;
+    unknown.station = 2;  // of a list that was cut
+    told.facts.photos = {panorama, unknown};
+    const std::string text = infoText(told);
+    EXPECT_THAT(
+        text, HasSubstr("  photos      All round: spherical jpeg, 8192 x 4096 pixels, 5.30 MB, at Scan 2\n"));
+    EXPECT_THAT(text, HasSubstr("              Photo 2: visual png, 950 bytes\n"));
+    const json list = json(infoJson(told)).at("photos");
+    ASSERT_EQ(list.size(), 2U);
+    EXPECT_EQ(list[0],
+              json::parse(R"({"name": "All round", "format": "jpeg", "projection": "spherical", "width": 8192,
+        "height": 4096, "bytes": 5300000, "anglesAcrossAndDown": [360.0, 180.0], "station": 1, "stationName": "Scan 2",
+        "pose": {"position": [4.0, 5.0, 6.0], "forwards": [0.0, 1.0, 0.0], "up": [0.0, 0.0, 1.0]}})"));
+    EXPECT_EQ(list[1],
+              json::parse(R"({"name": "Photo 2", "format": "png", "projection": "visual", "width": null,
+        "height": null, "bytes": 950, "anglesAcrossAndDown": [null, null], "station": null, "stationName": null,
+        "pose": null})"));
+    told.facts.photos.assign(45, unknown);
+    EXPECT_THAT(infoText(told), HasSubstr("Photo 20: visual png"));
+    EXPECT_THAT(infoText(told), Not(HasSubstr("Photo 21")));
+    EXPECT_THAT(infoText(told), HasSubstr("… and 25 photos more; --json lists them"));
+    EXPECT_EQ(json(infoJson(told)).at("photos").size(), 45U);
 }
 
 TEST_F(Info, CheckFindsADamagedBlockAndNamesIt) {

@@ -20,6 +20,11 @@ TEST(Router, EveryRoute) {
         {"/metrics", Route::Metrics},
         {"/api/v1/clouds", Route::Clouds},
         {"/api/v1/clouds/town", Route::Cloud},
+        {"/api/v1/clouds/town/stations", Route::CloudStations},
+        {"/api/v1/clouds/town/photos", Route::CloudPhotos},
+        {"/api/v1/clouds/town/photos/17", Route::CloudPhoto},
+        {"/api/v1/clouds/town/photos/any", Route::CloudPhoto},
+        {"/clouds/town/photos/0", Route::CloudPhoto},
         {"/api/v1/methods", Route::Methods},
         {"/api/v1/clouds/town/snapshot.jpg", Route::SnapshotJpeg},
         {"/api/v1/clouds/town/snapshot.png?width=3", Route::SnapshotPng},
@@ -50,6 +55,12 @@ TEST(Router, PartsOfATarget) {
     EXPECT_EQ(routed->id, "old town");
     EXPECT_EQ(routed->query, "eye=1,2,3&color=%23ff0000");
     EXPECT_EQ(routed->path, "/api/v1/clouds/old town/snapshot.jpg");
+    const auto photo = route("/api/v1/clouds/old%20town/photos/1%37?x");
+    ASSERT_TRUE(photo);
+    EXPECT_EQ(photo->id, "old town");
+    EXPECT_EQ(photo->n, "17");
+    EXPECT_EQ(pattern(photo->route), "/api/v1/clouds/{id}/photos/{n}");
+    EXPECT_EQ(routed->n, "") << "nothing stands for it there";
 }
 
 TEST(Router, AnEscapedSlashStaysInItsSegment) {
@@ -78,6 +89,10 @@ TEST(Router, Refusals) {
         {"/api/v1/clouds/town/snapshot.gif", 404},
         {"/api/v1/clouds/town/snapshot.jpg/", 404},
         {"/api/v1/clouds//snapshot.jpg", 404},
+        {"/api/v1/clouds/town/photos/", 404},
+        {"/api/v1/clouds//photos/3", 404},
+        {"/api/v1/clouds/town/photos/3/4", 404},
+        {"/api/v1/photos/3", 404},
         {"/api/v1/healthz", 404},
         {"/api/v1/sessions//view", 404},
         {"/api/v1/sessions/s1", 404},

@@ -3,6 +3,7 @@
 
 #include "renderer/cloud/build/lazy_scan.hpp"
 #include "renderer/cloud/build/many_scans.hpp"
+#include "renderer/cloud/forwarding_source.hpp"
 #include "tests/support/clouds/octree_checks.hpp"
 #include "tests/support/clouds/synthetic_source.hpp"
 
@@ -21,15 +22,15 @@ SyntheticSource::Make strip(double first) {
 }
 
 /// A source whose header a test may change.
-class Described final : public PointSource {
+class Described final : public ForwardingSource {
   public:
     Described(std::unique_ptr<PointSource> source, std::function<void(ScanHeader&)> change)
-        : source_(std::move(source)), header_(source_->header()) {
+        : ForwardingSource(std::move(source)), header_(this->source().header()) {
         change(header_);
     }
     const ScanHeader& header() const override { return header_; }
     Expected<bool> read(PointBatch& batch) override {
-        auto more = source_->read(batch);
+        auto more = source().read(batch);
         const std::size_t stride = rowBytes(header_.columns);
         for (std::size_t i = 0; i < batch.size() * stride; ++i)
             batch.rows.push_back(std::byte(i % stride + 1));
@@ -39,7 +40,6 @@ class Described final : public PointSource {
     std::vector<std::string> notes() const override { return {"strange"}; }
 
   private:
-    std::unique_ptr<PointSource> source_;
     ScanHeader header_;
 };
 

@@ -1,0 +1,68 @@
+// A source around another one, and what stays of a source that is closed: whatever a source can be asked is asked of it here, once,
+// so that no wrapper forgets a question. A virtual more in PointSource is a line more in both, and in their test.
+// Pipeline: import → **wrappers** → octree. Owned and used by the thread that uses what is wrapped.
+#pragma once
+
+#include <memory>
+#include <utility>
+
+#include "renderer/cloud/point_batch.hpp"
+
+namespace scancast {
+
+/// Asks the source in it, unless its heirs answer themselves. Those that change points change the ones to glance at, too.
+class ForwardingSource : public PointSource {
+  public:
+    const ScanHeader& header() const override { return source_->header(); }
+    Expected<PointBatch> glance() override { return source_->glance(); }
+    Expected<bool> read(PointBatch& batch) override { return source_->read(batch); }
+    std::uint64_t droppedPoints() const override { return source_->droppedPoints(); }
+    std::vector<std::string> notes() const override { return source_->notes(); }
+    std::vector<Station> stations() const override { return source_->stations(); }
+    std::vector<Photo> photos() const override { return source_->photos(); }
+    std::array<std::uint64_t, 2> bytesRead() const override { return source_->bytesRead(); }
+
+  protected:
+    ForwardingSource() = default;  ///< wrap() something before anything is asked
+    explicit ForwardingSource(std::unique_ptr<PointSource> source) : source_(std::move(source)) {}
+
+    void wrap(std::unique_ptr<PointSource> source) { source_ = std::move(source); }
+    PointSource& source() { return *source_; }
+    const PointSource& source() const { return *source_; }
+
+  private:
+    std::unique_ptr<PointSource> source_;
+};
+
+/// All that `source` has told so far, without its points: it can be closed.
+class ClosedSource final : public PointSource {
+  public:
+    explicit ClosedSource(const PointSource& source)
+        : header_(source.header()),
+          dropped_(source.droppedPoints()),
+          notes_(source.notes()),
+          stations_(source.stations()),
+          photos_(source.photos()),
+          bytes_(source.bytesRead()) {}
+
+    const ScanHeader& header() const override { return header_; }
+    Expected<bool> read(PointBatch& batch) override {
+        batch.clear();
+        return false;
+    }
+    std::uint64_t droppedPoints() const override { return dropped_; }
+    std::vector<std::string> notes() const override { return notes_; }
+    std::vector<Station> stations() const override { return stations_; }
+    std::vector<Photo> photos() const override { return photos_; }
+    std::array<std::uint64_t, 2> bytesRead() const override { return bytes_; }
+
+  private:
+    ScanHeader header_;
+    std::uint64_t dropped_ = 0;
+    std::vector<std::string> notes_;
+    std::vector<Station> stations_;
+    std::vector<Photo> photos_;
+    std::array<std::uint64_t, 2> bytes_{};
+};
+
+}  // namespace scancast

@@ -1,5 +1,5 @@
 // The final sample: 16 bytes that the devices draw, and the codecs of its fields.
-// One layout for the CPU device, the GL device (one uvec4) and the cloud file.
+// One layout for the CPU device, the GL device (one uvec4) and the cloud file. And the word beside it.
 // Source: docs/spec/hierarchy.md §5.
 #pragma once
 
@@ -23,6 +23,26 @@ static_assert(sizeof(Sample) == 16 && alignof(Sample) == 2);
 static_assert(offsetof(Sample, intensity) == 6 && offsetof(Sample, r) == 8 && offsetof(Sample, normal) == 12);
 
 inline constexpr std::uint16_t noNormal = 0;
+
+/// What stands beside a sample in memory and on devices, where there is anything: how the surface bends there (the lower three
+/// bytes, curvature.hpp) and its near infrared, 0-255 (the highest). 0 each where there is none. In a cloud file these are
+/// planes of their own (file/CLOUD_FILE.md); the words come with the samples where somebody asks for them.
+using BesideWord = std::uint32_t;
+
+inline constexpr BesideWord besideCurvature = 0x00ffffff;
+
+constexpr std::uint32_t curvatureIn(BesideWord word) {
+    return word & besideCurvature;
+}
+constexpr std::uint8_t nearInfraredIn(BesideWord word) {
+    return std::uint8_t(word >> 24);
+}
+constexpr BesideWord withCurvature(BesideWord word, std::uint32_t code) {
+    return (word & ~besideCurvature) | curvatureIn(code);
+}
+constexpr BesideWord withNearInfrared(BesideWord word, std::uint8_t value) {
+    return curvatureIn(word) | BesideWord(value) << 24;
+}
 
 /// Octahedral encoding, 8 bits an axis, of a unit vector (error ≤ 0.95°). Never yields noNormal.
 std::uint16_t encodeNormal(glm::vec3 n);

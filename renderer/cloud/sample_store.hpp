@@ -12,7 +12,6 @@
 #include <vector>
 
 #include "protocol/error.hpp"
-#include "renderer/cloud/beside.hpp"
 #include "renderer/cloud/sample.hpp"
 #include "renderer/cloud/sample_limits.hpp"
 

@@ -14,7 +14,7 @@ namespace scancast {
 class DeviceMemory {
   public:
     virtual ~DeviceMemory() = default;
-    /// Samples that fit at once; four with what stands beside them (cloud/beside.hpp) take the room of five. From any thread; it never
+    /// Samples that fit at once; four with what stands beside them (cloud/sample.hpp) take the room of five. From any thread; it never
     /// changes.
     virtual std::uint64_t capacity() const = 0;
     /// Samples that a picture which need not be complete may move there; > 0.

@@ -80,10 +80,7 @@ std::vector<std::string> firstNotes(std::vector<std::string> notes) {
 
 std::vector<std::string> notesOf(const StagedScan& scan) {
     auto notes = scan.notes;
-    if (const auto infrared = scan.values.constantNearInfrared(); infrared && scan.points > 1)
-        notes.insert(
-            notes.begin(),
-            fmt::format("all points have the same near infrared, {}: that is taken for none", *infrared));
+    for (std::string& note : scan.values.notes()) notes.push_back(std::move(note));
     if (scan.stations.size() > mostStations)
         notes.insert(notes.begin(),
                      fmt::format("the scanner stood at {} places, of which the first {} are listed",

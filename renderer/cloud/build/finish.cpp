@@ -8,6 +8,7 @@
 
 #include "renderer/cloud/build/nodes/inner_surfels.hpp"
 #include "renderer/cloud/build/value_sketch.hpp"
+#include "renderer/cloud/curvature.hpp"
 #include "renderer/cloud/file/blocks/block_codec.hpp"
 #include "renderer/cloud/normal_cone.hpp"
 #include "renderer/cloud/surfel_bytes.hpp"

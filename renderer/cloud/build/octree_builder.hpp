@@ -47,7 +47,7 @@ struct OctreeInput {
     bool gridPlanes = false;               ///< positions on the scan's grid are kept where samples round them
     std::array<std::int64_t, 3> ownLow{};  ///< the scan's whole numbers at the grid's corner
 
-    /// Samples have words beside them (renderer/cloud/beside.hpp).
+    /// Samples have words beside them (renderer/cloud/sample.hpp).
     bool hasBeside() const { return shape.curvatures() || nearInfrared; }
 };
 

@@ -1,5 +1,7 @@
 #include "renderer/cloud/build/value_ranges.hpp"
 
+#include <spdlog/fmt/fmt.h>
+
 #include <algorithm>
 #include <numeric>
 #include <span>
@@ -45,6 +47,12 @@ void ValueRanges::add(const PointBatch& batch) {
         nearInfrared_[0] = std::min(nearInfrared_[0], i);
         nearInfrared_[1] = std::max(nearInfrared_[1], i);
     }
+}
+
+std::vector<std::string> ValueRanges::notes() const {
+    const auto infrared = constantNearInfrared();
+    if (!infrared) return {};
+    return {fmt::format("all points have the same near infrared, {}: that is taken for none", *infrared)};
 }
 
 std::optional<std::uint16_t> ValueRanges::constantNearInfrared() const {

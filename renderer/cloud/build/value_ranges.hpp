@@ -19,10 +19,13 @@ class ValueRanges {
     void settle(CloudFacts& facts) const;
     /// Near infrared of 16 bits keeps its high byte, as colours do; what is never above 255 is of 8.
     int nearInfraredShift() const { return nearInfrared_[1] > 255 ? 8 : 0; }
+    /// What was found to be constant and has no place in the facts, one sentence each without an end.
+    std::vector<std::string> notes() const;
+
+  private:
     /// The one value of all points that have any; nullopt: they differ, or there are none.
     std::optional<std::uint16_t> constantNearInfrared() const;
 
-  private:
     std::array<std::uint8_t, 3> colorLow_{255, 255, 255}, colorHigh_{0, 0, 0};
     std::array<std::uint16_t, 2> intensity_{65535, 0}, nearInfrared_{65535, 0};
     std::array<ValueSketch, 3> position_;

@@ -7,6 +7,7 @@
 #include <cstdlib>
 
 #include "protocol/view/view_words.hpp"
+#include "renderer/cloud/curvature.hpp"
 #include "renderer/device/cpu/cpu_device.hpp"
 #include "renderer/device/cpu/simd_level.hpp"
 #include "renderer/image/colormap.hpp"

@@ -12,6 +12,7 @@
 #include <thread>
 #include <vector>
 
+#include "renderer/cloud/curvature.hpp"
 #include "renderer/cloud/file/cloud_file.hpp"
 #include "tests/support/clouds/synthetic_source.hpp"
 

@@ -5,6 +5,7 @@
 
 #include <filesystem>
 
+#include "renderer/cloud/curvature.hpp"
 #include "renderer/cloud/file/blocks/block_codec.hpp"
 #include "renderer/cloud/file/cloud_file_writer.hpp"
 

@@ -8,6 +8,7 @@
 #include <span>
 #include <vector>
 
+#include "renderer/cloud/curvature.hpp"
 #include "renderer/cloud/octree.hpp"
 #include "renderer/cloud/surfels/surfels.hpp"
 #include "renderer/select/select.hpp"

@@ -1,4 +1,5 @@
 #include "tests/support/pictures/reference_renderer.hpp"
+#include "renderer/cloud/curvature.hpp"
 
 #include <algorithm>
 #include <cmath>

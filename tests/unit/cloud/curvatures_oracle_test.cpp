@@ -10,6 +10,7 @@
 
 #include "renderer/cloud/build/build_cloud.hpp"
 #include "renderer/cloud/build/ingest.hpp"
+#include "renderer/cloud/curvature.hpp"
 #include "renderer/cloud/file/cloud_file.hpp"
 #include "tests/support/clouds/synthetic_source.hpp"
 #include "tests/support/temporary_folder.hpp"

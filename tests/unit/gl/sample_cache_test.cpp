@@ -6,6 +6,7 @@
 #include <random>
 #include <utility>
 
+#include "renderer/cloud/curvature.hpp"
 #include "tests/support/pictures/gl_context_test.hpp"
 
 namespace scancast::gl {

@@ -6,6 +6,7 @@
 
 #include <mutex>
 
+#include "renderer/cloud/curvature.hpp"
 #include "renderer/residency/open_cloud.hpp"
 #include "renderer/residency/provide.hpp"
 #include "tests/support/clouds/fake_cloud_file.hpp"

@@ -9,7 +9,6 @@
 
 #include <span>
 
-#include "renderer/cloud/beside.hpp"
 #include "renderer/cloud/build/grid.hpp"
 #include "renderer/cloud/sample.hpp"
 

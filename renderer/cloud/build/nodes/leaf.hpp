@@ -6,10 +6,10 @@
 #include <optional>
 #include <vector>
 
-#include "renderer/cloud/beside.hpp"
 #include "renderer/cloud/build/morton.hpp"
 #include "renderer/cloud/build/nodes/lattice.hpp"
 #include "renderer/cloud/density.hpp"
+#include "renderer/cloud/sample.hpp"
 
 namespace scancast {
 

@@ -4,6 +4,7 @@
 #include <glm/geometric.hpp>
 
 #include "renderer/cloud/build/nodes/subtree.hpp"
+#include "renderer/cloud/curvature.hpp"
 #include "renderer/cloud/surfel_codec.hpp"
 #include "renderer/cloud/surfels/sizes.hpp"
 #include "renderer/cloud/surfels/surfels.hpp"

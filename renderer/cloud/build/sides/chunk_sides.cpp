@@ -4,6 +4,7 @@
 
 #include "renderer/cloud/build/nodes/subtree.hpp"
 #include "renderer/cloud/build/sides/leaf_facets.hpp"
+#include "renderer/cloud/curvature.hpp"
 #include "renderer/cloud/surfel_codec.hpp"
 
 namespace scancast {

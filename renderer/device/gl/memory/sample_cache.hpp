@@ -1,5 +1,5 @@
 // Samples on the GPU: nodes' runs in pages of buffers that are read as texels, within a memory limit, least
-// recently used out. Where somebody asks for what stands beside them (cloud/beside.hpp), these words stand behind the samples of each place, four
+// recently used out. Where somebody asks for what stands beside them (cloud/sample.hpp), these words stand behind the samples of each place, four
 // a texel; who does not ask is served by either kind. Layers ask for the runs of their cut and get them page by page; where a cut does not
 // fit, batch by batch, with uploads in between. Place: host blocks → provide() → **sample cache** → layer.
 //

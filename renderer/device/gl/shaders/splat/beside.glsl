@@ -1,4 +1,4 @@
-// What stands beside samples (renderer/cloud/beside.hpp), behind them in their page. Needs `samples` and RunParams.
+// What stands beside samples (renderer/cloud/sample.hpp), behind them in their page. Needs `samples` and RunParams.
 
 const uint curvatureBits = 0x00ffffffu;
 

@@ -38,7 +38,8 @@ bool haveSameBlocks(const CloudFile& a, const CloudFile& b) {
 }
 
 bool haveSameFacts(const CloudFile& a, const CloudFile& b) {
-    const auto first = printFacts(a.facts(), a.writtenBy()), second = printFacts(b.facts(), b.writtenBy());
+    const auto first = printFacts(a.facts(), a.writtenBy(), a.photoPlaces()),
+               second = printFacts(b.facts(), b.writtenBy(), b.photoPlaces());
     return first && second && *first == *second;
 }
 

@@ -8,7 +8,7 @@
 
 #include "renderer/cloud/export/cloud_points.hpp"
 #include "renderer/cloud/export/export_writer.hpp"
-#include "renderer/cloud/file/block_codec.hpp"
+#include "renderer/cloud/file/blocks/block_codec.hpp"
 #include "renderer/cloud/file/cloud_file.hpp"
 #include "renderer/cloud/file/facts_json.hpp"
 #include "renderer/cloud/file/file_layout.hpp"
@@ -26,6 +26,8 @@ void tryFile(std::span<const std::byte> bytes) {
         if (file.error().message.empty()) std::abort();
         return;
     }
+    for (const Photo& photo : (*file)->facts().photos)
+        if (const auto all = photo.data->read(); all && all->size() != photo.bytes) std::abort();
     const auto nodes = (*file)->nodes();
     std::uint64_t samplesBefore = 0;
     for (std::uint32_t i = 0; i < nodes.size(); ++i) {
@@ -170,7 +172,9 @@ Parts sound() {
     cloud.points = 40;
     cloud.columns = {{{"gps_time", ColumnType::Float64, 1, 0, ""}, {0, 1}}};
     cloud.companions = {curvaturePlane()};
-    s.facts = printFacts(cloud, "fuzzer").value();
+    cloud.stations = {{.name = "tower"}};
+    cloud.photos = {{.name = "nave", .station = 0, .bytes = 16}};
+    s.facts = printFacts(cloud, "fuzzer", std::vector<BlockPlace>{{cloudHeaderBytes, 16, 0}}).value();
     const auto put = [&](const Bytes& block) {
         const BlockPlace place{cloudHeaderBytes + s.blocks.size(), std::uint32_t(block.size()), 0};
         s.blocks.insert(s.blocks.end(), block.begin(), block.end());

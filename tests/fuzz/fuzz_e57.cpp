@@ -33,7 +33,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
         if (done.error().message.empty()) std::abort();
         return 0;
     }
-    auto reader = PointStreamReader::create(std::make_unique<MemoryByteSource>(stream));
+    auto reader = PointStreamReader::create(std::make_unique<MemoryByteSource>(stream),
+                                            {.photos = std::filesystem::temp_directory_path()});
     PointBatch batch;
     for (;;) {
         const auto more = reader ? (*reader)->read(batch) : Expected<bool>(passOn(reader));

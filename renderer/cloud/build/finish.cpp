@@ -8,7 +8,7 @@
 
 #include "renderer/cloud/build/nodes/inner_surfels.hpp"
 #include "renderer/cloud/build/value_sketch.hpp"
-#include "renderer/cloud/file/block_codec.hpp"
+#include "renderer/cloud/file/blocks/block_codec.hpp"
 #include "renderer/cloud/normal_cone.hpp"
 #include "renderer/cloud/surfel_bytes.hpp"
 
@@ -21,7 +21,7 @@ constexpr std::size_t window = 64;
 
 /// A node never claims to be coarser than its parent: what is drawn below a node stays within the bounds that
 /// its own spacing grew. A node that knows no spacing (all its points at one place) takes its parent's.
-float settleSpacing(double own, const Node* parent, float Node::* spacing, const Grid& grid) {
+float settleSpacing(double own, const Node* parent, float Node::*spacing, const Grid& grid) {
     const float largest = parent ? parent->*spacing : std::numeric_limits<float>::max();
     if (own > 0) return std::clamp(float(own), std::numeric_limits<float>::min(), largest);
     if (parent) return largest;

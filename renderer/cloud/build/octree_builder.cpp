@@ -13,7 +13,7 @@
 #include "renderer/cloud/build/finish.hpp"
 #include "renderer/cloud/build/nodes/subtree.hpp"
 #include "renderer/cloud/build/sides/chunk_sides.hpp"
-#include "renderer/cloud/file/block_codec.hpp"
+#include "renderer/cloud/file/blocks/block_codec.hpp"
 #include "renderer/cloud/normal_cone.hpp"
 
 namespace scancast {

@@ -18,8 +18,8 @@
 #include "renderer/cloud/build/octree_shape.hpp"
 #include "renderer/cloud/cloud.hpp"
 #include "renderer/cloud/file/block_place.hpp"
+#include "renderer/cloud/file/blocks/row_columns.hpp"
 #include "renderer/cloud/file/cloud_file_writer.hpp"
-#include "renderer/cloud/file/row_columns.hpp"
 
 namespace scancast {
 

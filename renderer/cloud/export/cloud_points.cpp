@@ -9,7 +9,7 @@
 
 #include "files/bytes.hpp"
 #include "renderer/cloud/exact_columns.hpp"
-#include "renderer/cloud/file/row_columns.hpp"
+#include "renderer/cloud/file/blocks/row_columns.hpp"
 
 namespace scancast {
 

@@ -6,10 +6,10 @@
 #include <new>
 #include <string>
 
-#include "renderer/cloud/file/block_codec.hpp"
+#include "renderer/cloud/file/blocks/block_codec.hpp"
+#include "renderer/cloud/file/blocks/row_columns.hpp"
 #include "renderer/cloud/file/file_contents.hpp"
 #include "renderer/cloud/file/random_reader.hpp"
-#include "renderer/cloud/file/row_columns.hpp"
 
 namespace scancast {
 

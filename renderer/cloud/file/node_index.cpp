@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "renderer/cloud/file/byte_planes.hpp"
+#include "renderer/cloud/file/blocks/byte_planes.hpp"
 #include "renderer/cloud/file/file_layout.hpp"
 
 namespace scancast {

@@ -8,6 +8,7 @@
 #include <filesystem>
 #include <fstream>
 #include <glm/vec3.hpp>
+#include <sstream>
 #include <string>
 
 #include "tests/support/e57/e57_writer.hpp"
@@ -66,6 +67,23 @@ void writeSeeds(const std::filesystem::path& folder) {
     };
     auto organised = terrain(40, "scaled", 0);
     write("organised", scancast::test::e57File({organised}));
+    std::stringstream photos(std::ios::in | std::ios::out | std::ios::binary);
+    scancast::test::E57Writer writer(photos);
+    const auto guid = writer.add(terrain(5, "single", 1));
+    const std::string jpeg = "\xff\xd8\xff not much of a picture";
+    const auto blob = scancast::test::e57Blob("jpegImage", writer.addBlob(jpeg), jpeg.size());
+    const std::string sized =
+        "<imageWidth type=\"Integer\">8</imageWidth><imageHeight type=\"Integer\">4</imageHeight>"
+        "<pixelWidth type=\"Float\">0.5</pixelWidth><pixelHeight type=\"Float\">0.5</pixelHeight>";
+    const auto pose = scancast::test::e57Pose(1, 0, 0, 0, 1, 2, 3);
+    writer.finish("<images2D type=\"Vector\">\n" +
+                  scancast::test::e57Photo(
+                      "sphericalRepresentation", blob, sized,
+                      "<associatedData3DGuid type=\"String\">" + guid + "</associatedData3DGuid>" + pose) +
+                  scancast::test::e57Photo("pinholeRepresentation", blob,
+                                           sized + "<focalLength type=\"Float\">2</focalLength>", pose) +
+                  "</images2D>\n");
+    write("photos", photos.str());
     auto odd = terrain(60, "single", 1);
     odd.oddPackets = true;
     write("odd_packets", scancast::test::e57File({odd}));

@@ -9,13 +9,13 @@
 #include <iterator>
 
 #include "renderer/cloud/cloud.hpp"
-#include "renderer/cloud/file/block_codec.hpp"
+#include "renderer/cloud/file/blocks/block_codec.hpp"
+#include "renderer/cloud/file/blocks/row_columns.hpp"
 #include "renderer/cloud/file/cloud_file.hpp"
 #include "renderer/cloud/file/cloud_file_writer.hpp"
 #include "renderer/cloud/file/facts_json.hpp"
 #include "renderer/cloud/file/file_layout.hpp"
 #include "renderer/cloud/file/random_reader.hpp"
-#include "renderer/cloud/file/row_columns.hpp"
 #include "tests/support/clouds/octree_checks.hpp"
 #include "tests/support/clouds/synthetic_source.hpp"
 
@@ -34,6 +34,7 @@ struct FileParts {
     std::vector<StoredNode> nodes;
     std::vector<BlockPlace> planes;
     CloudFacts facts;
+    std::vector<BlockPlace> photos;  ///< of facts.photos
 };
 
 /// Made up values of a companion, as madeUpRows() are of columns. Every third node has none.
@@ -70,7 +71,7 @@ inline Expected<void> appendPlanes(CloudFileWriter& writer, const CloudFacts& fa
 /// Appends every node's samples, and made up values where facts have planes. No assertion in it, so that a child
 /// process may use it.
 inline Expected<FileParts> appendAll(CloudFileWriter& writer, const Octree& octree, const CloudFacts& facts) {
-    FileParts parts{.nodes = {}, .planes = {}, .facts = facts};
+    FileParts parts{.nodes = {}, .planes = {}, .facts = facts, .photos = {}};
     for (std::uint32_t i = 0; i < octree.nodes().size(); ++i) {
         const auto run = octree.run(i);
         if (!run) return passOn(run);
@@ -157,9 +158,10 @@ inline std::vector<std::byte> forged(std::span<const std::byte> file,
     const auto original = openBytes(file).value();
     FileParts parts{.nodes = {original->nodes().begin(), original->nodes().end()},
                     .planes = planePlaces(*original),
-                    .facts = original->facts()};
+                    .facts = original->facts(),
+                    .photos = {original->photoPlaces().begin(), original->photoPlaces().end()}};
     change(parts);
-    const std::string json = printFacts(parts.facts, "forger").value();
+    const std::string json = printFacts(parts.facts, "forger", parts.photos).value();
     return assembled(file.first(header.index.offset), nodeRecords(parts.nodes), planeRecords(parts.planes),
                      std::as_bytes(std::span(json)));
 }

@@ -10,7 +10,7 @@
 
 #include "files/bytes.hpp"
 #include "protocol/json_text.hpp"
-#include "renderer/cloud/file/block_codec.hpp"
+#include "renderer/cloud/file/blocks/block_codec.hpp"
 #include "renderer/cloud/file/cloud_file.hpp"
 #include "renderer/cloud/file/facts_json.hpp"
 #include "renderer/cloud/file/file_layout.hpp"
@@ -36,9 +36,10 @@ inline void encodeVersionOneNode(const StoredNode& node, const BlockPlace& rows,
     storeLe(&record[200], rows.bytes);
 }
 
-/// Facts without planes.
+/// Facts without planes and photos.
 inline std::string versionOneFacts(CloudFacts facts, std::string_view writtenBy) {
     facts.companions.clear();
+    facts.photos.clear();
     auto json = parseJson(printFacts(facts, writtenBy).value()).value();
     json.erase("planes");
     return printJson(json);

@@ -5,7 +5,7 @@
 
 #include <filesystem>
 
-#include "renderer/cloud/file/block_codec.hpp"
+#include "renderer/cloud/file/blocks/block_codec.hpp"
 #include "renderer/cloud/file/cloud_file_writer.hpp"
 
 namespace scancast::test {

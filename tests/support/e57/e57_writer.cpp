@@ -162,7 +162,7 @@ void E57Writer::writePacket(std::vector<std::string>& pending, const E57Scan& sc
     if (random_() % 3 == 0) append(std::string("\x00\x00\x0f\x00", 4) + std::string(12, '\0'));
 }
 
-void E57Writer::add(const E57Scan& scan) {
+std::string E57Writer::add(const E57Scan& scan) {
     const auto begin = pages_ * pageContent + page_.size();
     append(std::string(32, '\0'));
     const auto first = pages_ * pageContent + page_.size();
@@ -208,6 +208,15 @@ void E57Writer::add(const E57Scan& scan) {
               std::to_string(physical(begin)) + "\" recordCount=\"" + std::to_string(scan.records) +
               "\">\n<prototype type=\"Structure\">\n" + prototype +
               "</prototype>\n</points>\n</vectorChild>\n";
+    return std::to_string(begin);
+}
+
+std::uint64_t E57Writer::addBlob(std::string_view bytes) {
+    const auto begin = pages_ * pageContent + page_.size();
+    append(std::string(8, '\0') + bytesOfValue(std::uint64_t((16 + bytes.size() + 3) / 4 * 4)));
+    append(bytes);
+    append(std::string((4 - bytes.size() % 4) % 4, '\0'));
+    return physical(begin);
 }
 
 void E57Writer::finish(const std::string& root) {
@@ -242,6 +251,17 @@ std::string e57Pose(double w, double x, double y, double z, double tx, double ty
     return "<pose type=\"Structure\"><rotation type=\"Structure\">" + number("w", w) + number("x", x) +
            number("y", y) + number("z", z) + "</rotation><translation type=\"Structure\">" + number("x", tx) +
            number("y", ty) + number("z", tz) + "</translation></pose>\n";
+}
+
+std::string e57Blob(const char* element, std::uint64_t offset, std::size_t bytes) {
+    return std::string("<") + element + " type=\"Blob\" fileOffset=\"" + std::to_string(offset) +
+           "\" length=\"" + std::to_string(bytes) + "\"/>";
+}
+
+std::string e57Photo(const std::string& element, const std::string& blob, const std::string& inside,
+                     const std::string& beside) {
+    return "<vectorChild type=\"Structure\">" + beside + "<" + element + " type=\"Structure\">" + blob +
+           inside + "</" + element + "></vectorChild>\n";
 }
 
 std::string e57File(const std::vector<E57Scan>& scans, const std::string& root) {

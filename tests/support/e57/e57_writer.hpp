@@ -7,6 +7,7 @@
 #include <iostream>
 #include <random>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace scancast::test {
@@ -44,7 +45,10 @@ class E57Writer {
     /// `out` is empty, and can be read and sought, too.
     explicit E57Writer(std::iostream& out);
 
-    void add(const E57Scan& scan);
+    /// Its guid.
+    std::string add(const E57Scan& scan);
+    /// The section's physical offset, for photos' XML.
+    std::uint64_t addBlob(std::string_view bytes);
     /// Ends the file. `root`: XML beside data3D.
     void finish(const std::string& root = {});
     /// The same, with any XML at all.
@@ -65,6 +69,12 @@ class E57Writer {
 
 /// "<pose>…" for E57Scan::xml.
 std::string e57Pose(double w, double x, double y, double z, double tx, double ty, double tz);
+
+/// A photo of images2D. `element`: "pinholeRepresentation"…; `inside`: XML beside its pixels; `beside`: beside the representation.
+std::string e57Photo(const std::string& element, const std::string& blob, const std::string& inside,
+                     const std::string& beside = {});
+/// "<jpegImage …/>".
+std::string e57Blob(const char* element, std::uint64_t offset, std::size_t bytes);
 
 /// Bytes of a whole file.
 std::string e57File(const std::vector<E57Scan>& scans, const std::string& root = {});

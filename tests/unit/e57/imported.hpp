@@ -20,6 +20,7 @@ struct Imported {
     std::uint64_t dropped = 0;
     std::vector<std::string> notes;
     std::vector<Station> stations;
+    std::vector<Photo> photos;
     bool asSteps = false;  ///< by the stream's header
 };
 
@@ -38,9 +39,11 @@ inline Expected<Imported> imported(const std::string& file, bool keepAttributes 
     }
     constexpr std::size_t atKnown = 12;  // of the header: what is known, 16 for steps
     const bool asSteps = (std::to_integer<unsigned>(stream[atKnown]) & 16U) != 0;
-    auto reader = PointStreamReader::create(std::make_unique<MemoryByteSource>(stream, false));
+    auto reader = PointStreamReader::create(std::make_unique<MemoryByteSource>(stream, false),
+                                            {.photos = std::filesystem::temp_directory_path()});
     if (!reader) return passOn(reader);
-    Imported result{.header = (*reader)->header(), .points = {}, .dropped = 0, .notes = {}, .stations = {}};
+    Imported result{
+        .header = (*reader)->header(), .points = {}, .dropped = 0, .notes = {}, .stations = {}, .photos = {}};
     auto points = readAll(**reader);
     if (!points) return passOn(points);
     result.points = std::move(*points);
@@ -48,6 +51,7 @@ inline Expected<Imported> imported(const std::string& file, bool keepAttributes 
     result.dropped = (*reader)->droppedPoints();
     result.notes = (*reader)->notes();
     result.stations = (*reader)->stations();
+    result.photos = (*reader)->photos();
     return result;
 }
 

@@ -1,12 +1,12 @@
 // Blocks come back as they were, whatever was in them; and bytes that are no blocks are errors.
-#include "renderer/cloud/file/block_codec.hpp"
+#include "renderer/cloud/file/blocks/block_codec.hpp"
 
 #include <gtest/gtest.h>
 
 #include <cstring>
 
-#include "renderer/cloud/file/byte_planes.hpp"
-#include "renderer/cloud/file/sample_planes.hpp"
+#include "renderer/cloud/file/blocks/byte_planes.hpp"
+#include "renderer/cloud/file/blocks/sample_planes.hpp"
 #include "tests/support/clouds/synthetic_source.hpp"
 
 namespace scancast {

@@ -76,8 +76,28 @@ TEST(CloudFile, WhatIsWrittenIsRead) {
         expectSameColumns(**file);
         expectSameCompanions(**file);
         test::expectSameFacts((*file)->facts(), facts);
+        for (std::size_t i = 0; i < facts.photos.size(); ++i)
+            EXPECT_EQ((*file)->facts().photos[i].data->read().value(), facts.photos[i].data->read().value());
         EXPECT_FALSE(std::filesystem::exists(path.string() + ".partial"));
     }
+}
+
+// What is served stays readable when its cloud has gone, and whatever happened to the file since is told.
+TEST(CloudFile, PhotosOutliveItAndDamageIsNamed) {
+    auto bytes = test::sampleFile();
+    auto file = test::openBytes(bytes).value();
+    const Photo photo = file->facts().photos.at(1);
+    const std::uint64_t at = file->photoPlaces()[1].offset;
+    file.reset();
+    const auto read = photo.data->read();
+    ASSERT_TRUE(read) << read.error().message;
+    EXPECT_EQ(std::string(reinterpret_cast<const char*>(read->data()), read->size()), "the second's");
+    bytes[at + 3] ^= std::byte(1);
+    const auto damaged = photo.data->read();
+    ASSERT_FALSE(damaged);
+    EXPECT_EQ(damaged.error().code, ErrorCode::Malformed);
+    EXPECT_EQ(damaged.error().message, "memory.scan, photo 1 at byte " + std::to_string(at) +
+                                           ": its checksum is wrong; it is damaged");
 }
 
 TEST(CloudFile, ConfidenceIsKept) {

@@ -11,9 +11,12 @@
 namespace scancast {
 namespace {
 
+/// Of the photos of fullFacts().
+const std::vector<BlockPlace> photoPlaces{{std::uint64_t(1) << 50, 23, ~std::uint64_t(0)}, {128, 12, 0}};
+
 nlohmann::json sampleJson() {
     const auto cloud = test::sampleCloud(500);
-    return parseJson(printFacts(test::fullFacts(*cloud, true), "me 1.0").value()).value();
+    return parseJson(printFacts(test::fullFacts(*cloud, true), "me 1.0", photoPlaces).value()).value();
 }
 
 TEST(FactsJson, ReadsBackExactly) {
@@ -25,9 +28,11 @@ TEST(FactsJson, ReadsBackExactly) {
     bent.usual.emplace().curvature = {-1.0 / 3, 1e9 + 0.1};
     for (const CloudFacts& facts : {test::fullFacts(*cloud, true), richlyLookedAt, bent,
                                     static_cast<const CloudFacts&>(*cloud), CloudFacts{}}) {
-        const auto back = parseFacts(printFacts(facts, "me 1.0").value());
+        const auto places = std::span(photoPlaces).first(facts.photos.size());
+        const auto back = parseFacts(printFacts(facts, "me 1.0", places).value());
         ASSERT_TRUE(back) << back.error().message;
         test::expectSameFacts(back->facts, facts);
+        EXPECT_TRUE(std::ranges::equal(back->photos, places));
         EXPECT_EQ(back->writtenBy, "me 1.0");
     }
 }
@@ -40,7 +45,7 @@ TEST(FactsJson, EveryFieldIsNeededAndOfItsType) {
         without.erase(key);
         const auto missing = parseFacts(printJson(without));
         if (key == "crsEpsg" || key == "constant" || key == "notes" || key == "usual" || key == "scanner" ||
-            key == "stations" || key == "look" || key == "grid" || key == "exact") {
+            key == "stations" || key == "photos" || key == "look" || key == "grid" || key == "exact") {
             EXPECT_TRUE(missing) << "not every scan has one, and older files have no " << key;
         } else {
             ASSERT_FALSE(missing) << key;
@@ -59,34 +64,81 @@ TEST(FactsJson, ImpossibleValuesAreNamed) {
     const std::vector<std::pair<const char*, std::function<void(nlohmann::json&)>>> changes{
         {"bounds", [](auto& j) { j["bounds"][0][0] = 1e300; }},
         {"bounds", [](auto& j) { j["bounds"] = {1, 2, 3, 4, 5, 6}; }},
-        {"origin", [](auto& j) { j["origin"] = {1, 2}; }},
+        {"origin",
+         [](auto& j) {
+             j["origin"] = {1, 2};
+         }},
         {"points", [](auto& j) { j["points"] = -1; }},
         {"points", [](auto& j) { j["points"] = 1.5; }},
-        {"intensityRange", [](auto& j) { j["intensityRange"] = {0, 65536}; }},
+        {"intensityRange",
+         [](auto& j) {
+             j["intensityRange"] = {0, 65536};
+         }},
         {"classCounts", [](auto& j) { j["classCounts"]["256"] = 1; }},
         {"classCounts", [](auto& j) { j["classCounts"]["two"] = 1; }},
         {"crsEpsg", [](auto& j) { j["crsEpsg"] = 1ull << 31; }},
         {"spacing", [](auto& j) { j["spacing"] = -0.5; }},
         {"columns.type", [](auto& j) { j["columns"][0]["type"] = "float16"; }},
-        {"columns.range", [](auto& j) { j["columns"][0]["range"] = {2, 1}; }},
+        {"columns.range",
+         [](auto& j) {
+             j["columns"][0]["range"] = {2, 1};
+         }},
         {"columns",
          [](auto& j) {
              for (int i = 0; i < 2000; ++i) j["columns"].push_back(j["columns"][0]);
          }},
         {"usual.position", [](auto& j) { j["usual"]["position"][1][0] = -1; }},
-        {"usual.intensity", [](auto& j) { j["usual"]["intensity"] = {5, 4}; }},
-        {"usual.brightness", [](auto& j) { j["usual"]["brightness"] = {0, 1}; }},
+        {"usual.intensity",
+         [](auto& j) {
+             j["usual"]["intensity"] = {5, 4};
+         }},
+        {"usual.brightness",
+         [](auto& j) {
+             j["usual"]["brightness"] = {0, 1};
+         }},
         {"usual.brightness", [](auto& j) { j["usual"].erase("brightness"); }},
         {"grid.step", [](auto& j) { j["grid"]["step"][1] = 0; }},
         {"grid.origin", [](auto& j) { j["grid"].erase("origin"); }},
-        {"scanner", [](auto& j) { j["scanner"] = {1, 2, "3"}; }},
-        {"stations.position", [](auto& j) { j["stations"][0]["position"] = {1, 2}; }},
+        {"scanner",
+         [](auto& j) {
+             j["scanner"] = {1, 2, "3"};
+         }},
+        {"stations.position",
+         [](auto& j) {
+             j["stations"][0]["position"] = {1, 2};
+         }},
         {"stations.points", [](auto& j) { j["stations"][0]["points"] = -1; }},
         {"stations.name",
          [](auto& j) { j["stations"][1]["name"] = std::string(longestStationName + 1, 'x'); }},
-        {"stations.forwards", [](auto& j) { j["stations"][1]["forwards"] = {1, 1, 1}; }},
+        {"stations.forwards",
+         [](auto& j) {
+             j["stations"][1]["forwards"] = {1, 1, 1};
+         }},
         {"stations",
          [](auto& j) { j["stations"] = std::vector<nlohmann::json>(mostStations + 1, j["stations"][0]); }},
+        {"photos.format", [](auto& j) { j["photos"][0]["format"] = "gif"; }},
+        {"photos.projection", [](auto& j) { j["photos"][0].erase("projection"); }},
+        {"photos.bytes", [](auto& j) { j["photos"][0]["bytes"] = 0; }},
+        {"photos.bytes", [](auto& j) { j["photos"][0]["bytes"] = largestPhoto + 1; }},
+        {"photos.width", [](auto& j) { j["photos"][1]["width"] = 1ull << 32; }},
+        {"photos.offset", [](auto& j) { j["photos"][1]["offset"] = -1; }},
+        {"photos.checksum", [](auto& j) { j["photos"][1].erase("checksum"); }},
+        {"photos.angles",
+         [](auto& j) {
+             j["photos"][0]["angles"] = {1, 7};
+         }},
+        {"photos.station", [](auto& j) { j["photos"][0]["station"] = 2; }},
+        {"photos.name", [](auto& j) { j["photos"][0]["name"] = std::string(longestPhotoName + 1, 'x'); }},
+        {"photos.pose.up",
+         [](auto& j) {
+             j["photos"][0]["pose"]["up"] = {0, 0.6, 0.8};
+         }},
+        {"photos.pose.forwards",
+         [](auto& j) {
+             j["photos"][0]["pose"]["forwards"] = {0, 1, 1};
+         }},
+        {"photos",
+         [](auto& j) { j["photos"] = std::vector<nlohmann::json>(mostPhotos + 1, j["photos"][1]); }},
         {"look", [](auto& j) { j["look"].erase("views"); }},
         {"look", [](auto& j) { j["look"]["outline"] = nlohmann::json::array(); }},
         {"look", [](auto& j) { j["look"]["views"][0]["camera"]["fov"] = 180; }},
@@ -107,10 +159,19 @@ TEST(FactsJson, ImpossibleValuesAreNamed) {
                  j["planes"].back()["name"] = std::to_string(i);
              }
          }},
-        {"mirrors.normal", [](auto& j) { j["mirrors"][0]["normal"] = {1, 1, 1}; }},
+        {"mirrors.normal",
+         [](auto& j) {
+             j["mirrors"][0]["normal"] = {1, 1, 1};
+         }},
         {"mirrors.width", [](auto& j) { j["mirrors"][0]["width"] = 0; }},
-        {"mirrors.tint", [](auto& j) { j["mirrors"][0]["tint"] = {1, 2, 256}; }},
-        {"constant.color", [](auto& j) { j["constant"]["color"] = {1, 2}; }},
+        {"mirrors.tint",
+         [](auto& j) {
+             j["mirrors"][0]["tint"] = {1, 2, 256};
+         }},
+        {"constant.color",
+         [](auto& j) {
+             j["constant"]["color"] = {1, 2};
+         }},
         {"constant.intensity", [](auto& j) { j["constant"]["intensity"] = 65536; }},
         {"notes", [](auto& j) { j["notes"] = {7}; }},
         {"notes", [](auto& j) { j["notes"] = {std::string(100000, 'x')}; }},
@@ -127,11 +188,12 @@ TEST(FactsJson, ImpossibleValuesAreNamed) {
     }
 }
 
-TEST(FactsJson, VersionOneKnowsNoPlanes) {
+TEST(FactsJson, VersionOneKnowsNeitherPlanesNorPhotos) {
     auto json = sampleJson();
     const auto passedOver = parseFacts(printJson(json), 1);
     ASSERT_TRUE(passedOver) << passedOver.error().message;
     EXPECT_TRUE(passedOver->facts.companions.empty());
+    EXPECT_TRUE(passedOver->facts.photos.empty());
     json.erase("planes");
     EXPECT_TRUE(parseFacts(printJson(json), 1));
     EXPECT_FALSE(parseFacts(printJson(json)));
@@ -141,6 +203,9 @@ TEST(FactsJson, WhatCannotBeReadIsNotWritten) {
     CloudFacts facts;
     facts.spacing = std::numeric_limits<double>::quiet_NaN();
     EXPECT_FALSE(printFacts(facts, "me"));
+    facts = {};
+    facts.photos = {Photo{}};
+    EXPECT_FALSE(printFacts(facts, "me")) << "nobody says where it is";
 }
 
 TEST(FactsJson, AColumnWithoutNumbersHasNoRange) {

@@ -3,7 +3,7 @@
 
 #include <limits>
 
-#include "renderer/cloud/file/byte_planes.hpp"
+#include "renderer/cloud/file/blocks/byte_planes.hpp"
 #include "tests/unit/cloud/file/sample_cloud.hpp"
 
 namespace scancast {
@@ -87,6 +87,20 @@ TEST(ForgedFile, EveryLieIsFound) {
         ASSERT_FALSE(file) << lie.what;
         EXPECT_EQ(file.error().code, ErrorCode::Malformed) << lie.what;
         EXPECT_TRUE(file.error().message.starts_with("memory.scan, node ")) << file.error().message;
+    }
+}
+
+TEST(ForgedFile, PhotosLieAmongTheBlocks) {
+    const auto honest = test::sampleFile();
+    const Change lies[] = {[](FileParts& f) { f.photos[1].offset = 127; },
+                           [](FileParts& f) { f.photos[1].offset = ~0ull; },
+                           [](FileParts& f) { f.photos[1].bytes = std::uint32_t(largestPhoto); }};
+    for (const Change& lie : lies) {
+        const auto file = test::openBytes(test::forged(honest, lie));
+        ASSERT_FALSE(file);
+        EXPECT_EQ(file.error().code, ErrorCode::Malformed);
+        EXPECT_TRUE(file.error().message.starts_with("memory.scan, photo 1 is said to be at byte "))
+            << file.error().message;
     }
 }
 

@@ -8,7 +8,7 @@
 
 #include "files/bytes.hpp"
 #include "protocol/json_text.hpp"
-#include "renderer/cloud/file/byte_planes.hpp"
+#include "renderer/cloud/file/blocks/byte_planes.hpp"
 #include "tests/unit/cloud/file/sample_cloud.hpp"
 
 namespace scancast {
@@ -135,7 +135,10 @@ TEST(FormatPage, TheFileHasItsFieldsThere) {
 
 TEST(FormatPage, NamesEveryFact) {
     const auto text = page();
-    const auto json = parseJson(printFacts(test::fullFacts(CloudFacts{}, true), "me").value()).value();
+    const auto json = parseJson(printFacts(test::fullFacts(CloudFacts{}, true), "me",
+                                           std::vector<BlockPlace>(2, {128, 1, 0}))
+                                    .value())
+                          .value();
     for (const auto& [key, value] : json.items())
         EXPECT_NE(text.find("`" + key + "`"), std::string::npos) << key;
     EXPECT_NE(text.find(std::to_string(chunkRecords)), std::string::npos) << "the samples of a chunk";

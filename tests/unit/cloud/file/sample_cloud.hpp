@@ -1,11 +1,32 @@
 // The cloud that tests of the cloud file write: a real octree, with facts that use every field.
 #pragma once
 
+#include <algorithm>
+#include <span>
+#include <string_view>
+
 #include "tests/support/clouds/cloud_file_bytes.hpp"
 #include "tests/support/temporary_folder.hpp"
 #include "tests/unit/protocol/sample_looks.hpp"
 
 namespace scancast::test {
+
+/// Photos' bytes in memory.
+class BytesOfPhoto final : public PhotoBytes {
+  public:
+    explicit BytesOfPhoto(std::string_view bytes)
+        : bytes_(std::as_bytes(std::span(bytes)).begin(), std::as_bytes(std::span(bytes)).end()) {}
+    Expected<std::vector<std::byte>> read() const override { return bytes_; }
+
+  private:
+    std::vector<std::byte> bytes_;
+};
+
+inline Photo withBytes(Photo photo, std::string_view bytes) {
+    photo.bytes = bytes.size();
+    photo.data = std::make_shared<BytesOfPhoto>(bytes);
+    return photo;
+}
 
 /// Small enough that tests can try something on every byte of its index.
 inline std::shared_ptr<const Cloud> sampleCloud(std::uint64_t points = 3000) {
@@ -45,6 +66,16 @@ inline CloudFacts fullFacts(const CloudFacts& from, bool columns) {
     f.exact = true;
     f.stations = {{.name = "Turm, Straße", .position = {1.0 / 7, -389500.1, 1e-300}, .points = 1ull << 60},
                   {.position = {4, 5, 6}, .forwards = glm::normalize(glm::dvec3(3, 2, 1))}};
+    f.photos = {withBytes({.name = "Chor, Straße",
+                           .format = Photo::Format::Png,
+                           .projection = Photo::Projection::Spherical,
+                           .width = 0xffffffffU,
+                           .height = 7,
+                           .pose = Photo::Pose{{1.0 / 7, -389500.1, 1e-300}, {0, 0.6, 0.8}, {1, 0, 0}},
+                           .angles = {6.25, 1.0 / 3},
+                           .station = 1},
+                          "the first photo's bytes"),
+                withBytes({}, "the second's")};
     f.look = test::plainLook();
     if (!columns) return f;
     f.companions = {{"density", ColumnType::Uint8, ValuePlane::Of::Samples},
@@ -79,6 +110,7 @@ inline void expectSameFacts(const CloudFacts& a, const CloudFacts& b) {
     EXPECT_EQ(a.grid, b.grid);
     EXPECT_EQ(a.exact, b.exact);
     EXPECT_EQ(a.stations, b.stations);
+    EXPECT_TRUE(std::ranges::equal(a.photos, b.photos, sameDescription));
     EXPECT_EQ(a.look, b.look);
     EXPECT_EQ(a.revision, b.revision);
     ASSERT_EQ(a.mirrors.size(), b.mirrors.size());

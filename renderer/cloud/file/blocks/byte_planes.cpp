@@ -1,4 +1,4 @@
-#include "renderer/cloud/file/byte_planes.hpp"
+#include "renderer/cloud/file/blocks/byte_planes.hpp"
 
 #include <zstd.h>
 

@@ -1,4 +1,4 @@
-#include "renderer/cloud/file/sample_planes.hpp"
+#include "renderer/cloud/file/blocks/sample_planes.hpp"
 
 #include <algorithm>
 #include <array>

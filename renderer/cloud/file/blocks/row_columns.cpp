@@ -1,4 +1,4 @@
-#include "renderer/cloud/file/row_columns.hpp"
+#include "renderer/cloud/file/blocks/row_columns.hpp"
 
 #include <cstring>
 

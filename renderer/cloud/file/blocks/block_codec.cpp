@@ -1,9 +1,9 @@
-#include "renderer/cloud/file/block_codec.hpp"
+#include "renderer/cloud/file/blocks/block_codec.hpp"
 
 #include <algorithm>
 
-#include "renderer/cloud/file/byte_planes.hpp"
-#include "renderer/cloud/file/sample_planes.hpp"
+#include "renderer/cloud/file/blocks/byte_planes.hpp"
+#include "renderer/cloud/file/blocks/sample_planes.hpp"
 
 namespace scancast {
 

@@ -94,12 +94,13 @@ Expected<void> noteCounts(const Counts& counts, PointStreamWriter& writer) {
 
 }  // namespace
 
-Expected<void> importE57(std::unique_ptr<ByteSource> bytes, bool keepAttributes, PointStreamWriter& writer) {
-    auto file = PagedFile::open(std::move(bytes));
+Expected<void> importE57(std::unique_ptr<ByteSource> bytes, const Choices& choices,
+                         PointStreamWriter& writer) {
+    auto file = PagedFile::open(std::move(bytes), choices.recover);
     if (!file) return passOn(file);
     const auto description = describeFile(*file);
     if (!description) return passOn(description);
-    const auto plan = planImport(*file, *description, keepAttributes);
+    const auto plan = planImport(*file, *description, choices.keepAttributes);
     if (!plan) return passOn(plan);
     const Stations stations(*description);
     Photos photos(*file, description->photos, [&](const std::string& guid) { return stations.of(guid); });

@@ -10,7 +10,13 @@
 
 namespace scancast::import_e57 {
 
+struct Choices {
+    bool keepAttributes = false;
+    /// Of a file that is damaged or cut, what is whole; notes say how much that is.
+    bool recover = false;
+};
+
 /// Writes the whole stream but a failure record. Errors without the file's name.
-Expected<void> importE57(std::unique_ptr<ByteSource> file, bool keepAttributes, PointStreamWriter& writer);
+Expected<void> importE57(std::unique_ptr<ByteSource> file, const Choices& choices, PointStreamWriter& writer);
 
 }  // namespace scancast::import_e57

@@ -36,7 +36,13 @@ Expected<FileDescription> describeFile(PagedFile& file) {
     auto left = header.xmlBytes;
     const auto bytes = [&](std::span<std::byte> into) -> Expected<std::size_t> {
         const auto count = static_cast<std::size_t>(std::min<std::uint64_t>(into.size(), left));
-        if (auto ok = file.read(*at, into.first(count)); !ok) return passOn(ok);
+        if (auto ok = file.read(*at, into.first(count)); !ok) {
+            if (ok.error().code == ErrorCode::Malformed)
+                ok.error().message +=
+                    ". It has what describes its scans (XML), without which no point can be read, not by "
+                    "--recover either";
+            return passOn(ok);
+        }
         *at += count;
         left -= count;
         return count;

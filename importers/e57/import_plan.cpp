@@ -10,6 +10,7 @@
 #include "importers/e57/import_notes.hpp"
 #include "importers/e57/record_reader.hpp"
 #include "renderer/cloud/import/crs_text.hpp"
+#include "renderer/cloud/import/lost_points.hpp"
 #include "renderer/cloud/import/printable_text.hpp"
 
 namespace scancast::import_e57 {
@@ -17,6 +18,7 @@ namespace scancast::import_e57 {
 namespace {
 
 constexpr std::size_t mostKeptColumns = 500;
+constexpr std::size_t mostLossesTold = 3;  ///< one by one; a stream has 16 notes at most
 constexpr Role axes[] = {Role::X, Role::Y, Role::Z};
 constexpr std::array channels{Role::Red, Role::Green, Role::Blue};
 
@@ -183,6 +185,43 @@ Expected<void> measure(PagedFile& file, const FileDescription& description, Impo
     return {};
 }
 
+/// What is whole of a file to be recovered: so many points the header has then, and notes say what is lost.
+Expected<void> countWhole(PagedFile& file, const FileDescription& description, ImportPlan& plan) {
+    std::uint64_t whole = 0, furtherPromised = 0, furtherWhole = 0;
+    std::size_t losses = 0;
+    std::vector<std::string> notes;
+    std::optional<Error> nothing;
+    for (std::size_t i = 0; i < description.scans.size(); ++i) {
+        const auto& scan = description.scans[i];
+        if (scan.records == 0 || !scan.hasCoordinates()) continue;
+        auto reader = RecordReader::open(file, scan, wantedFields(scan, plan), description.called(i));
+        if (!reader) return passOn(reader);
+        const auto own = reader->countWhole();
+        if (!own) return passOn(own);
+        whole += *own;
+        if (*own == scan.records) continue;
+        if (++losses <= mostLossesTold) {
+            notes.push_back(reader->loss() + ": " + lostShare(scan.records, *own));
+        } else {
+            furtherPromised += scan.records;
+            furtherWhole += *own;
+        }
+        if (!nothing)
+            nothing = Error{reader->isCut() ? ErrorCode::Truncated : ErrorCode::Malformed,
+                            fmt::format("{}: of the {} points that it promises, not one is whole",
+                                        reader->loss(), grouped(scan.records)),
+                            {}};
+    }
+    if (losses > mostLossesTold)
+        notes.push_back(fmt::format("{} more are damaged or end too early: {}",
+                                    countedScans(losses - mostLossesTold),
+                                    lostShare(furtherPromised, furtherWhole)));
+    if (whole == 0 && nothing) return tl::unexpected(std::move(*nothing));
+    plan.notes.insert(plan.notes.begin(), notes.begin(), notes.end());
+    plan.header.points = whole;
+    return {};
+}
+
 }  // namespace
 
 ScanDescription asRead(const ScanDescription& scan, const ImportPlan& plan) {
@@ -249,6 +288,8 @@ Expected<ImportPlan> planImport(PagedFile& file, const FileDescription& descript
     header.scannerOrigin = onlyScannerPosition(description);
     noteWhatIsInIt(file, description, plan.header.attributes, plan.notes);
     if (keepAttributes) addKeptColumns(description, plan);
+    if (file.recovers())
+        if (auto ok = countWhole(file, description, plan); !ok) return passOn(ok);
     if (auto ok = measure(file, description, plan); !ok) return passOn(ok);
     return plan;
 }

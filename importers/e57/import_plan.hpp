@@ -25,7 +25,8 @@ struct ImportPlan {
     bool asSteps = false;
     std::vector<KeptColumn> kept;  ///< in the order of header.columns
     Scale measuredIntensity, measuredColor;
-    std::vector<std::string> notes;  ///< known before a point is read
+    std::vector<std::string>
+        notes;  ///< known before a point is read; of a file to be recovered, what is lost
 };
 
 /// The scan with coordinates as they are stored, where they are sent as steps.
@@ -35,7 +36,7 @@ ScanDescription asRead(const ScanDescription& scan, const ImportPlan& plan);
 std::vector<int> wantedFields(const ScanDescription& scan, const ImportPlan& plan);
 
 /// `keepAttributes`: with columns for everything else that is a number. Errors: Empty, Unsupported for a file whose points
-/// have no coordinates; those of reading.
+/// have no coordinates; Malformed, Truncated where no point is whole; those of reading.
 Expected<ImportPlan> planImport(PagedFile& file, const FileDescription& description, bool keepAttributes);
 
 }  // namespace scancast::import_e57

@@ -22,6 +22,9 @@ class PackedColumn {
     std::size_t waiting() const { return end_ - static_cast<std::size_t>(bitAt_ / 8); }
     /// The next values, of which so many are available.
     void take(std::span<double> values);
+    /// Passes over as many.
+    void skip(std::size_t count) { bitAt_ += std::uint64_t(field_.bits) * count; }
+    unsigned bits() const { return field_.bits; }
 
   private:
     template <class Get>

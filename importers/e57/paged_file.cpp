@@ -24,8 +24,8 @@ std::uint32_t checksumOf(std::span<const std::byte> page) {
 
 }  // namespace
 
-Expected<PagedFile> PagedFile::open(std::unique_ptr<ByteSource> bytes) {
-    PagedFile paged(std::move(bytes));
+Expected<PagedFile> PagedFile::open(std::unique_ptr<ByteSource> bytes, bool recover) {
+    PagedFile paged(std::move(bytes), recover);
     if (auto ok = paged.readHeader(); !ok) return passOn(ok);
     return paged;
 }
@@ -56,13 +56,18 @@ Expected<void> PagedFile::readHeader() {
         return fail(ErrorCode::Malformed,
                     fmt::format("byte 16: its header gives it {} bytes, which are no whole pages of 1,024",
                                 grouped(header_.bytes)));
-    if (header_.bytes > size_)
+    if (header_.bytes <= size_) return {};
+    const auto cut = fmt::format("it ends at byte {}: its header gives it {} bytes", grouped(size_),
+                                 grouped(header_.bytes));
+    const auto descriptionEnd = header_.xmlOffset / pageBytes * contentBytes + header_.xmlOffset % pageBytes +
+                                std::min(header_.xmlBytes, logicalBytes());
+    if (descriptionEnd > logicalBytesThere())
         return fail(
             ErrorCode::Truncated,
-            fmt::format(
-                "it ends at byte {}: its header gives it {} bytes. What describes its scans begins at "
-                "byte {}",
-                grouped(size_), grouped(header_.bytes), grouped(header_.xmlOffset)));
+            fmt::format("{}. What describes its scans (XML) began at byte {} and is lost, and without "
+                        "it no point can be read, not by --recover either",
+                        cut, grouped(header_.xmlOffset)));
+    if (!recover_) return fail(ErrorCode::Truncated, cut);
     return {};
 }
 
@@ -75,7 +80,7 @@ Expected<std::uint64_t> PagedFile::logicalOffset(std::uint64_t physical, std::st
 
 Expected<void> PagedFile::loadPages(std::uint64_t page) {
     const bool goesOn = loaded_ > 0 && page == first_ + loaded_;
-    const auto count = std::min(goesOn ? pagesAtOnce : pagesAtFirst, header_.bytes / pageBytes - page);
+    const auto count = std::min(goesOn ? pagesAtOnce : pagesAtFirst, pagesThere() - page);
     loaded_ = 0;
     pages_.resize(count * pageBytes);
     const auto got = bytes_->readAt(page * pageBytes, pages_);
@@ -83,32 +88,42 @@ Expected<void> PagedFile::loadPages(std::uint64_t page) {
     if (*got < pages_.size())
         return fail(ErrorCode::Truncated, fmt::format("it ends at byte {}: somebody cut it while it was read",
                                                       grouped(page * pageBytes + *got)));
+    sound_.resize(count);
     for (std::uint64_t i = 0; i < count; ++i) {
         const auto bytes = std::span(pages_).subspan(i * pageBytes, pageBytes);
-        if (crc32c(bytes.first(contentBytes)) != checksumOf(bytes))
-            return fail(ErrorCode::Malformed,
-                        fmt::format("the page at byte {} is damaged: its checksum is another",
-                                    grouped((page + i) * pageBytes)));
+        sound_[i] = crc32c(bytes.first(contentBytes)) == checksumOf(bytes);
     }
     first_ = page;
     loaded_ = count;
     return {};
 }
 
-Expected<void> PagedFile::read(std::uint64_t logical, std::span<std::byte> into) {
-    if (into.size() > logicalBytes() || logical > logicalBytes() - into.size())
+Expected<void> PagedFile::readPages(std::uint64_t logical, std::span<std::byte> into,
+                                    std::vector<LostBytes>* lost) {
+    const auto end = lost != nullptr ? logicalBytes() : logicalBytesThere();
+    if (into.size() > end || logical > end - into.size())
         return fail(ErrorCode::Truncated,
-                    fmt::format("it ends at byte {}, within what begins at byte {}", grouped(header_.bytes),
-                                grouped(physicalOffset(logical))));
-    while (!into.empty()) {
-        const auto page = logical / contentBytes;
-        const auto within = static_cast<std::size_t>(logical % contentBytes);
-        if (page < first_ || page >= first_ + loaded_)
+                    fmt::format("it ends at byte {}, within what begins at byte {}",
+                                grouped(std::min(header_.bytes, size_)), grouped(physicalOffset(logical))));
+    for (std::size_t at = 0; at < into.size();) {
+        const auto page = (logical + at) / contentBytes;
+        const auto within = static_cast<std::size_t>((logical + at) % contentBytes);
+        const auto count = std::min(into.size() - at, contentBytes - within);
+        const bool there = page < pagesThere();
+        if (there && (page < first_ || page >= first_ + loaded_))
             if (auto ok = loadPages(page); !ok) return ok;
-        const auto count = std::min(into.size(), contentBytes - within);
-        std::memcpy(into.data(), pages_.data() + (page - first_) * pageBytes + within, count);
-        into = into.subspan(count);
-        logical += count;
+        if (there && isSound(page)) {
+            std::memcpy(into.data() + at, pages_.data() + (page - first_) * pageBytes + within, count);
+        } else if (lost != nullptr) {
+            std::memset(into.data() + at, 0, count);
+            if (lost->empty() || lost->back().end != at) lost->push_back({at, at});
+            lost->back().end = at + count;
+        } else {
+            return fail(ErrorCode::Malformed,
+                        fmt::format("the page at byte {} is damaged: its checksum is another",
+                                    grouped(page * pageBytes)));
+        }
+        at += count;
     }
     return {};
 }

@@ -143,10 +143,12 @@ Expected<void> keepLookOf(const IngestArguments& arguments, const nlohmann::json
 
 /// What ends too early may be worth something all the same.
 tl::unexpected<Error> withRecovery(Error error, bool recover) {
-    if (error.code == ErrorCode::Truncated && !recover)
+    // Some readers know better themselves whether it is of use.
+    const bool said = error.message.find("--recover") != std::string::npos;
+    if (error.code == ErrorCode::Truncated && !recover && !said)
         error.message +=
-            ". With --recover, what is whole of LAS, LAZ, PLY, PCD and text is read, and how much is lost is "
-            "told";
+            ". With --recover, what is whole of LAS, LAZ, E57, PLY, PCD and text is read, and how much is "
+            "lost is told";
     return tl::unexpected(std::move(error));
 }
 
@@ -258,11 +260,12 @@ void addIngest(CLI::App& app, int& exitCode) {
         "--exact", arguments->exact,
         "Keep all of it as it was, in a larger file: every attribute, positions to the last step of their "
         "grid, colours of 16 bits. scancast export then gives LAS with the same records");
-    command->add_flag(
-        "--recover", arguments->recover,
-        "Of scans that end too early - a copy was cut, a disk was full - read what is whole, "
-        "and tell how much is "
-        "lost; without, they are refused. LAS, LAZ (not COPC), PLY, PCD (not compressed) and text");
+    command->add_flag("--recover", arguments->recover,
+                      "Of scans that end too early - a copy was cut, a disk was full - read what is whole, "
+                      "and tell how much is "
+                      "lost; without, they are refused. LAS, LAZ (not COPC), PLY, PCD (not compressed) and "
+                      "text. E57, whose "
+                      "pages have checksums, also where it is damaged");
     command
         ->add_option(
             "--look", arguments->look,

@@ -9,7 +9,7 @@
 
 namespace scancast {
 
-std::string lostPoints(const std::string& what, std::uint64_t promised, std::uint64_t there) {
+std::string lostShare(std::uint64_t promised, std::uint64_t there) {
     const auto lost = promised - std::min(there, promised);
     const double percent = promised > 0 ? 100 * double(lost) / double(promised) : 0;
     // What is lost is never 0 %, and what is there never nothing.
@@ -17,9 +17,12 @@ std::string lostPoints(const std::string& what, std::uint64_t promised, std::uin
                               : percent < 0.05  ? "less than 0.1 %"
                               : percent > 99.95 ? "more than 99.9 %"
                                                 : fmt::format("{:.1f} %", percent);
-    return fmt::format(
-        "{} ends too early: of the {} points that it promises, {} are whole and were read; {} ({}) are lost",
-        what, grouped(promised), grouped(there), grouped(lost), share);
+    return fmt::format("of the {} points that it promises, {} are whole and were read; {} ({}) are lost",
+                       grouped(promised), grouped(there), grouped(lost), share);
+}
+
+std::string lostPoints(const std::string& what, std::uint64_t promised, std::uint64_t there) {
+    return what + " ends too early: " + lostShare(promised, there);
 }
 
 std::string noteOf(const std::string& file, const std::string& words) {

@@ -17,7 +17,8 @@ namespace scancast {
 namespace {
 
 const ImporterProgram pclImporter{.name = "scancast-import-pcl", .knowsRecover = true};
-const ImporterProgram e57Importer{.name = "scancast-import-e57", .knowsKeepAttributes = true};
+const ImporterProgram e57Importer{
+    .name = "scancast-import-e57", .knowsKeepAttributes = true, .knowsRecover = true};
 const ImporterProgram lazImporter{.name = "scancast-import-laz", .knowsRecover = true};
 const ImporterProgram octreeImporter{.name = "scancast-import-octree", .knowsKeepAttributes = true};
 

@@ -195,7 +195,7 @@ TEST(E57Columns, AreKeptOnRequest) {
     const std::vector<std::vector<double>> rows{{7, -5, 0.25, 1e12}, {2047, 511, 1e9 + 0.5, 3}};
     const auto file = e57File({scanWith({}, {{}}), scanWith(fields, rows)});
     EXPECT_THAT(imported(file)->header.columns, IsEmpty());
-    const auto result = imported(file, true).value();
+    const auto result = imported(file, {.keepAttributes = true}).value();
     std::vector<std::string> names;
     std::vector<ColumnType> types;
     for (const auto& column : result.header.columns) {
@@ -229,16 +229,6 @@ TEST(E57Coordinates, AreCalledByTheFilesWords) {
         imported(e57File({scan}, "<coordinateMetadata> EPSG:4978\n</coordinateMetadata>"))->header.crsEpsg,
         4978);
     EXPECT_EQ(imported(e57File({scan}, "<coordinateMetadata type=\"String\"/>"))->header.crsWkt, "");
-}
-
-TEST(E57Pictures, AreCountedByTheirKind) {
-    const auto result = imported(
-        e57File({scanWith({}, {{}})},
-                "<images2D><vectorChild><sphericalRepresentation/></"
-                "vectorChild><vectorChild><sphericalRepresentation/>"
-                "</vectorChild><vectorChild><visualReferenceRepresentation/></vectorChild></images2D>"));
-    EXPECT_THAT(result->notes,
-                ElementsAre(HasSubstr("3 pictures in it (2 spherical, 1 visual), not read yet")));
 }
 
 }  // namespace scancast::test

@@ -25,7 +25,7 @@ struct Imported {
 };
 
 /// The error is the importer's own, with the code that the stream hands on.
-inline Expected<Imported> imported(const std::string& file, bool keepAttributes = false) {
+inline Expected<Imported> imported(const std::string& file, const import_e57::Choices& choices = {}) {
     std::vector<std::byte> stream;
     PointStreamWriter writer([&](std::span<const std::byte> more) {
         stream.insert(stream.end(), more.begin(), more.end());
@@ -33,7 +33,7 @@ inline Expected<Imported> imported(const std::string& file, bool keepAttributes 
     });
     auto bytes =
         std::make_unique<MemoryByteSource>(std::as_bytes(std::span<const char>(file.data(), file.size())));
-    if (const auto done = import_e57::importE57(std::move(bytes), keepAttributes, writer); !done) {
+    if (const auto done = import_e57::importE57(std::move(bytes), choices, writer); !done) {
         EXPECT_THAT(done.error().message, ::testing::Not(::testing::HasSubstr("\n")));
         return passOn(done);
     }

@@ -72,6 +72,24 @@ TEST(ObjSource, ColoursStandBehindPositionsAndWeights) {
     EXPECT_THAT(mixed->notes, ElementsAre(HasSubstr("1 vertices have no colour")));
 }
 
+TEST(ObjSource, ColoursThatAreNoNumbersAreBlackAndCounted) {
+    // Whatever the range of the others is: 0 to 65535, in whole numbers.
+    const auto wide = readObj("v 1 2 3 nan 0 65535\nv 4 5 6 256 65535 0\nv 7 8 9 nan nan nan\nv 1 1 1\n");
+    ASSERT_TRUE(wide) << wide.error().message;
+    EXPECT_THAT(
+        wide->points.color,
+        ElementsAre(std::array<std::uint8_t, 3>{0, 0, 0}, std::array<std::uint8_t, 3>{1, 255, 0},
+                    std::array<std::uint8_t, 3>{0, 0, 0}, std::array<std::uint8_t, 3>{255, 255, 255}));
+    EXPECT_THAT(wide->notes,
+                ElementsAre(HasSubstr("1 vertices have no colour"),
+                            HasSubstr(": 2 points with a colour that is no number, black here")));
+    const auto none = readObj("v 1 2 3 nan nan nan\nv 4 5 6 nan nan nan\n");
+    ASSERT_TRUE(none) << none.error().message;
+    EXPECT_EQ(none->points.size(), 2U);
+    EXPECT_TRUE(none->points.color.empty());
+    expectObjError("v 1 2 3 0 0 1\nv 1 2 3 inf 0 0\n", ErrorCode::Malformed, "colours are 0 to 1");
+}
+
 TEST(ObjSource, LinesAreJoinedByABackslash) {
     const auto joined =
         readObj("# in C:\\scans\\\nv 1 \\\n2 \\\r\n 3\nf 1 \\\n 1 \\\n 1\nv 4 5 6 # the last\nv 7 8 9\\");

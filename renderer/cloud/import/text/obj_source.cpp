@@ -48,6 +48,11 @@ struct VertexNumbers {
     std::size_t count = 0;
 
     bool hasColor() const { return count >= 6; }
+    /// Some programs write "nan" where they know none.
+    bool isColorNumber() const {
+        const auto c = color();
+        return !std::isnan(c[0]) && !std::isnan(c[1]) && !std::isnan(c[2]);
+    }
     std::span<const double> color() const { return std::span(value).subspan(count - 3, 3); }
 };
 
@@ -113,7 +118,9 @@ Expected<void> ObjSource::findColors() {
     for (auto line : looked) {
         VertexNumbers vertex;
         // What is wrong with a line is said when it is its turn.
-        if (takeWord(line) != "v" || readVertex(line, vertex) != nullptr || !vertex.hasColor()) continue;
+        if (takeWord(line) != "v" || readVertex(line, vertex) != nullptr || !vertex.hasColor() ||
+            !vertex.isColorNumber())
+            continue;
         for (const double value : vertex.color()) seen.see(value, value != std::floor(value));
         scan_.attributes.color = true;
     }
@@ -198,6 +205,11 @@ Expected<void> ObjSource::addVertex(std::string_view numbers, PointBatch& batch)
     }
     std::array<std::uint8_t, 3> color{255, 255, 255};
     withoutColor_ += !vertex.hasColor();
+    if (vertex.hasColor() && !vertex.isColorNumber()) {
+        ++badColors_;
+        batch.color.push_back({});
+        return {};
+    }
     for (std::size_t i = 0; vertex.hasColor() && i < 3; ++i)
         if (!toColor(vertex.color()[i], colorScale_, color[i]))
             return fail(
@@ -233,6 +245,9 @@ std::vector<std::string> ObjSource::notes() const {
     if (!left.empty()) notes.push_back(name_ + ": vertices are read as points; left out are " + left);
     if (withoutColor_ > 0)
         notes.push_back(name_ + ": " + grouped(withoutColor_) + " vertices have no colour; they are white");
+    if (badColors_ > 0)
+        notes.push_back(name_ + ": " + grouped(badColors_) + (badColors_ == 1 ? " point" : " points") +
+                        " with a colour that is no number, black here");
     if (colorsLeftOut_ > 0)
         notes.push_back(name_ + ": the colours of " + grouped(colorsLeftOut_) +
                         " vertices are left out, for those that were looked at first have none");

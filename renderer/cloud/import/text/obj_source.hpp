@@ -52,7 +52,7 @@ class ObjSource final : public PointSource {
     ScanHeader scan_;
     ColorScale colorScale_ = ColorScale::Unit;
     std::string joined_;  ///< lines that are continued
-    std::uint64_t vertices_ = 0, dropped_ = 0, withoutColor_ = 0, colorsLeftOut_ = 0;
+    std::uint64_t vertices_ = 0, dropped_ = 0, withoutColor_ = 0, badColors_ = 0, colorsLeftOut_ = 0;
     std::uint64_t faces_ = 0, normals_ = 0, textures_ = 0, others_ = 0;
 };
 

@@ -341,7 +341,10 @@ Json checkJson(const FileInfo& info) {
     if (!info.checked) return {};
     Json damaged = Json::array();
     for (const DamagedBlock& block : info.damaged)
-        damaged.push_back({{"node", block.node}, {"offset", block.offset}, {"message", block.message}});
+        damaged.push_back({{"node", block.node ? Json(*block.node) : Json()},
+                           {"photo", block.photo ? Json(*block.photo) : Json()},
+                           {"offset", block.offset},
+                           {"message", block.message}});
     return {{"sound", info.damaged.empty()}, {"damaged", damaged}};
 }
 

@@ -2,6 +2,7 @@
 #include <gmock/gmock.h>
 
 #include <glm/geometric.hpp>
+#include <glm/vec3.hpp>
 #include <nlohmann/json.hpp>
 #include <sstream>
 

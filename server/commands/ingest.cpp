@@ -18,6 +18,7 @@
 #include "server/commands/look_file.hpp"
 #include "server/commands/scans/found_scans.hpp"
 #include "server/commands/scans/open_in_turn.hpp"
+#include "server/commands/scans/scan_arguments.hpp"
 #include "server/terminal/interruption.hpp"
 #include "server/terminal/progress_bar.hpp"
 #include "server/terminal/terminal.hpp"
@@ -280,7 +281,7 @@ void addIngest(CLI::App& app, int& exitCode) {
         ->capture_default_str()
         ->type_name("N");
     command->add_flag("-q,--quiet", arguments->quiet, "No progress on standard error");
-    command->add_flag("--verbose", arguments->verbose, "Name each file of a folder that is no scan");
+    addVerbose(*command, arguments->verbose);
     command->footer(ingestExamples);
     command->callback([arguments, &exitCode] {
         const auto done = runIngest(*arguments);

@@ -104,8 +104,8 @@ Expected<std::vector<std::unique_ptr<PointSource>>> openAll(const std::vector<st
         const auto mirrors = input->mirrors();
         if (!mirrors) return passOn(mirrors);
         options.mirrors.insert(options.mirrors.end(), mirrors->begin(), mirrors->end());
-        const bool alone = files.size() == 1;
-        if (auto ok = add(alone ? openScan(*input, import) : openInTurn(*input, import)); !ok)
+        const bool isNext = sources.empty();  // its turn is now
+        if (auto ok = add(isNext ? openScan(*input, import) : openInTurn(*input, import)); !ok)
             return passOn(ok);
     }
     return sources;

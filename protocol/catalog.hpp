@@ -17,7 +17,7 @@
 namespace scancast {
 
 struct AttributeInfo {
-    std::string name;  ///< "rgb", "intensity", "elevation", "classification", "normal"
+    std::string name;  ///< "rgb", "cir", "intensity", "elevation", "classification", "normal"
     std::optional<std::array<double, 2>> range;  ///< smallest and largest value, where that means something
     bool operator==(const AttributeInfo&) const = default;
 };

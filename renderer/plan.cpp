@@ -264,6 +264,7 @@ Expected<std::shared_ptr<const PlannedView>> plan(const Cloud& cloud, const View
                                       view.quality.samples.value_or(defaultSamples)});
     if (auto ok = checkPasses(cloud, planned->passes); !ok) return passOn(ok);
     planned->curvatures = hasCurvature(cloud) && looksAtCurvatures(planned->passes, planned->color);
+    planned->beside = planned->curvatures || planned->color.source == ColorSource::Infrared;
     planned->selection = selectionFor(cloud, view, detail, planned->passes);
     planShadows(cloud, *planned);
     planned->margin = screenMargin(planned->passes);

@@ -32,6 +32,7 @@ struct PlannedView {
     std::optional<Viewpoint> sun;  ///< what it sees is the map of shadows; none: nothing is in the shadow
     SelectOptions sunSelection;
     bool curvatures = false;  ///< samples need theirs: for light or for colour
+    bool beside = false;      ///< what stands beside samples is needed: curvatures or near infrared
     int margin = 0;           ///< px around a tile that its screen passes look at
     /// None of them looks farther, so a picture has the same bytes in tiles as in one piece.
     bool tilesAreExact = true;

@@ -20,11 +20,11 @@ Expected<void> checkBruteForce(const Cloud& cloud) {
                             cloud.points, *most));
 }
 
-SelectOptions selectionWith(const RenderOptions& options, bool curvatures, SelectOptions selection) {
+SelectOptions selectionWith(const RenderOptions& options, bool beside, SelectOptions selection) {
     selection.bruteForce = options.bruteForce;
     if (options.wait || !options.mostSamples) return selection;
-    // Four samples' curvatures take as much of a device's memory as a sample.
-    const std::uint64_t most = curvatures ? *options.mostSamples / 5 * 4 : *options.mostSamples;
+    // What stands beside four samples takes as much of a device's memory as a sample.
+    const std::uint64_t most = beside ? *options.mostSamples / 5 * 4 : *options.mostSamples;
     selection.budget = std::min(selection.budget.value_or(most), most);
     return selection;
 }
@@ -73,7 +73,7 @@ constexpr std::uint64_t sunsPart = 4;
 SelectOptions selectSun(const Octree& octree, const PlannedView& plan, const RenderOptions& options,
                         SelectOptions selection, PreparedView& prepared) {
     if (!plan.sun) return selection;
-    SelectOptions ofSun = selectionWith(options, plan.curvatures, plan.sunSelection);
+    SelectOptions ofSun = selectionWith(options, plan.beside, plan.sunSelection);
     if (ofSun.budget) ofSun.budget = std::max<std::uint64_t>(1, *ofSun.budget / sunsPart);
     prepared.sun = CutView{*plan.sun, select(octree, *plan.sun, ofSun), plan.filter};
     if (selection.budget) *selection.budget -= std::min(*selection.budget - 1, prepared.sun->cut.samples);
@@ -81,8 +81,8 @@ SelectOptions selectSun(const Octree& octree, const PlannedView& plan, const Ren
 }
 
 /// All of them or none, so that a node is the same thing in each.
-void askForCurvatures(std::span<CutView* const> cuts) {
-    for (CutView* const view : cuts) view->cut.curvatures = true;
+void askForBeside(std::span<CutView* const> cuts) {
+    for (CutView* const view : cuts) view->cut.beside = true;
 }
 
 /// The samples of all cuts; what is missing is requested once for all, by the main view.
@@ -135,7 +135,7 @@ Expected<std::shared_ptr<const PreparedView>> prepare(const Cloud& cloud,
     auto start = Clock::now();
     prepared->cuts = cutsOf(cloud, plan);
     const SelectOptions whole = selectSun(cloud.octree, plan, options,
-                                          selectionWith(options, plan.curvatures, plan.selection), *prepared);
+                                          selectionWith(options, plan.beside, plan.selection), *prepared);
     const SelectOptions selection = selectCuts(cloud.octree, whole, prepared->cuts);
     Cut soon;
     if (options.ahead && !options.wait && mostSamples(cloud))
@@ -144,7 +144,7 @@ Expected<std::shared_ptr<const PreparedView>> prepare(const Cloud& cloud,
     start = Clock::now();
     const ProvideOptions provision{.wait = options.wait, .requester = options.requester, .ahead = soon.runs};
     const std::vector<CutView*> all = cutsIn(*prepared);
-    if (plan.curvatures) askForCurvatures(all);
+    if (plan.beside) askForBeside(all);
     if (auto ok = provideCuts(cloud.octree, provision, all, stop); !ok) return passOn(ok);
     prepared->provideMs = millisecondsSince(start);
     return prepared;

@@ -27,6 +27,8 @@ bool has(const CloudFacts& cloud, ColorSource source) {
     switch (source) {
         case ColorSource::Rgb:
             return cloud.attributes.color || cloud.constant.color;
+        case ColorSource::Infrared:
+            return hasNearInfrared(cloud);
         case ColorSource::Intensity:
             return cloud.attributes.intensity || cloud.constant.intensity;
         case ColorSource::Classification:
@@ -48,8 +50,8 @@ bool has(const CloudFacts& cloud, ColorSource source) {
 
 std::string available(const CloudFacts& cloud) {
     std::string list;
-    for (const auto source : {ColorSource::Rgb, ColorSource::Intensity, ColorSource::Classification,
-                              ColorSource::Normal, ColorSource::Curvature}) {
+    for (const auto source : {ColorSource::Rgb, ColorSource::Infrared, ColorSource::Intensity,
+                              ColorSource::Classification, ColorSource::Normal, ColorSource::Curvature}) {
         if (has(cloud, source)) list += std::string(name(source)) + ", ";
     }
     return list + "elevation, depth, lod and #rrggbb";
@@ -106,10 +108,9 @@ std::array<double, 2> naturalRange(const Cloud& cloud, ColorSource source, const
 
 Expected<void> checkHas(const Cloud& cloud, ColorSource source) {
     if (has(cloud, source)) return {};
-    return fail(
-        ErrorCode::Unsupported,
-        "this cloud has no " + std::string(name(source)) + " to colour by; it has " + available(cloud),
-        "color");
+    const std::string what(source == ColorSource::Infrared ? "near infrared" : name(source));
+    return fail(ErrorCode::Unsupported,
+                "this cloud has no " + what + " to colour by; it has " + available(cloud), "color");
 }
 
 Expected<std::array<Rgb8, 256>> rampOf(const Style& style) {
@@ -137,10 +138,11 @@ void setRange(const Cloud& cloud, const Style& style, const Viewpoint& viewpoint
     }
 }
 
-/// Only rgb has an exposure: other colours are chosen ones.
+/// Only what was measured has an exposure: other colours are chosen ones.
 void setTone(const Style& style, ColorRule& rule) {
     const double stops = style.exposure.value_or(0);
-    if (style.color != ColorSource::Rgb || stops == 0) return;
+    const bool infrared = style.color == ColorSource::Infrared;
+    if (!infrared && (style.color != ColorSource::Rgb || stops == 0)) return;
     const auto curve = toneCurve(stops);
     rule.toned = true;
     for (std::size_t i = 0; i < 256; ++i) rule.ramp[i].fill(curve[i]);

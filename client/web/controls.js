@@ -6,7 +6,7 @@ import { parameterFields } from './parameter_fields.js';
 const find = (id) => document.getElementById(id);
 
 const colorNames = {
-  auto: 'Automatic', rgb: 'As scanned', intensity: 'Intensity', elevation: 'Height', classification: 'Classification', normal: 'Direction of the surface',
+  auto: 'Automatic', rgb: 'As scanned', cir: 'Infrared', intensity: 'Intensity', elevation: 'Height', classification: 'Classification', normal: 'Direction of the surface',
   curvature: 'Curvature',
   depth: 'Distance', lod: 'Level of detail', visibility: 'Hidden points (reconstructed surface only)',
 };
@@ -15,7 +15,7 @@ const colormapNames = { viridis: 'Viridis', turbo: 'Turbo', grey: 'Grey' };
 const withRamp = ['intensity', 'elevation', 'depth', 'lod'];
 /** Who removes hidden points, and so can show them. */
 const findsHidden = 'pyramid';
-const mayLack = ['rgb', 'intensity', 'classification', 'normal', 'curvature'];
+const mayLack = ['rgb', 'cir', 'intensity', 'classification', 'normal', 'curvature'];
 const dusk = JSON.stringify(['#3a424e', '#16191e']);
 
 const named = (names, key) => names[key] ?? key.charAt(0).toUpperCase() + key.slice(1);

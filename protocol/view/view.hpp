@@ -40,6 +40,7 @@ struct Camera {
 enum class ColorSource : std::uint8_t {
     Auto,  ///< the cloud's best (renderer/style.hpp)
     Rgb,
+    Infrared,  ///< `cir`, colour infrared: near infrared, red and green as red, green and blue
     Intensity,
     Elevation,
     Classification,
@@ -51,9 +52,9 @@ enum class ColorSource : std::uint8_t {
     Flat,
 };
 /// Of all but Flat, which is #rrggbb on the wire.
-inline constexpr std::array<std::string_view, 10> colorSourceNames{
-    "auto",   "rgb",       "intensity", "elevation", "classification",
-    "normal", "curvature", "depth",     "lod",       "visibility"};
+inline constexpr std::array<std::string_view, 11> colorSourceNames{
+    "auto",   "rgb",       "cir",   "intensity", "elevation", "classification",
+    "normal", "curvature", "depth", "lod",       "visibility"};
 /// Whether its brightness may follow intensity (`rgb*intensity`).
 constexpr bool takesIntensity(ColorSource source) {
     using enum ColorSource;

@@ -242,11 +242,12 @@ const std::vector<ViewWord>& table() {
         {"param.NAME", "param", "NAME=VALUE", "A parameter of the method; may be given once for each.",
          "sizePx=5", parameters()},
         {"color", "color",
-         "auto|rgb|intensity|elevation|classification|normal|curvature|depth|lod|visibility|#rrggbb|COLOR*"
-         "intensity",
+         "auto|rgb|cir|intensity|elevation|classification|normal|curvature|depth|lod|visibility|#rrggbb|"
+         "COLOR*intensity",
          "Where colours come from, or one colour for everything (the # may be left out); auto takes the "
          "cloud's best. rgb, elevation, classification and #rrggbb get brighter with intensity by "
-         "*intensity. visibility tells hidden points from visible ones, with method pyramid.",
+         "*intensity. cir is colour infrared: near infrared as red, red as green, green as blue. visibility "
+         "tells hidden points from visible ones, with method pyramid.",
          "elevation", color()},
         {"exposure", "exposure", "STOPS|auto",
          "How much brighter the points' own colours are drawn, by powers of two; auto leaves it to the "

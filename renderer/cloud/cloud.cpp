@@ -33,6 +33,14 @@ bool hasCurvature(const CloudFacts& facts) {
     return std::ranges::find(facts.companions, curvaturePlane()) != facts.companions.end();
 }
 
+ValuePlane nearInfraredPlane() {
+    return {std::string(nearInfraredPlaneName), ColumnType::Uint8, ValuePlane::Of::Samples};
+}
+
+bool hasNearInfrared(const CloudFacts& facts) {
+    return std::ranges::find(facts.companions, nearInfraredPlane()) != facts.companions.end();
+}
+
 std::vector<ValuePlane> planesOf(const CloudFacts& facts) {
     std::vector<ValuePlane> planes;
     for (const KeptColumn& kept : facts.columns)
@@ -44,8 +52,8 @@ std::vector<ValuePlane> planesOf(const CloudFacts& facts) {
 std::vector<std::string> remarksOn(const CloudFacts& facts) {
     std::vector<std::string> remarks;
     if (facts.droppedPoints > 0)
-        remarks.push_back(
-            fmt::format("{} points without coordinates, or marked as none, were left out.", facts.droppedPoints));
+        remarks.push_back(fmt::format("{} points without coordinates, or marked as none, were left out.",
+                                      facts.droppedPoints));
     if (const auto& color = facts.constant.color)
         remarks.push_back(fmt::format("All points have the same colour, {} {} {}: that is taken for none.",
                                       (*color)[0], (*color)[1], (*color)[2]));

@@ -131,6 +131,12 @@ ValuePlane curvaturePlane();
 /// Whether samples carry curvatures: there is that companion, as it has to be.
 bool hasCurvature(const CloudFacts& facts);
 
+/// The companion that keeps samples' near infrared, 0-255.
+inline constexpr std::string_view nearInfraredPlaneName = "near_infrared";
+ValuePlane nearInfraredPlane();
+/// Whether samples carry that; Attributes::nearInfrared says the same.
+bool hasNearInfrared(const CloudFacts& facts);
+
 /// All values beside the samples: each column's, in their order, then the companions.
 std::vector<ValuePlane> planesOf(const CloudFacts& facts);
 

@@ -17,7 +17,8 @@
 namespace scancast {
 
 /// Byte 0 and 1: k1 and k2, |k1| >= |k2|, in curvatureSteps() times 1 / the node's radiusUnit. Byte 2: the angle of k1's
-/// direction, 0 - 31 times 180° / 32, in the tangent frame of the *decoded* normal, as an ellipse's is. Byte 3: 0.
+/// direction, 0 - 31 times 180° / 32, in the tangent frame of the *decoded* normal, as an ellipse's is. Byte 3: 0; beside a
+/// sample in memory something else stands there (beside.hpp).
 /// All bytes 0: flat, or nobody knows.
 using CurvatureCode = std::uint32_t;
 

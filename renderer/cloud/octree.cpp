@@ -21,10 +21,10 @@ std::uint64_t newSource() {
     return ++last;
 }
 
-Octree::Octree(std::vector<Node> nodes, std::vector<Sample> samples, std::vector<CurvatureCode> curvatures)
+Octree::Octree(std::vector<Node> nodes, std::vector<Sample> samples, std::vector<BesideWord> beside)
     : nodes_(std::move(nodes)), sampleCount_(samples.size()), source_(newSource()) {
     auto first = firstOfRuns(nodes_, samples.size());
-    store_ = memoryStore(std::move(samples), std::move(first), std::move(curvatures));
+    store_ = memoryStore(std::move(samples), std::move(first), std::move(beside));
 }
 
 Octree::Octree(std::vector<Node> nodes, std::shared_ptr<SampleStore> store)

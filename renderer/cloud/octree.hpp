@@ -75,8 +75,8 @@ class Octree {
   public:
     Octree() = default;
     /// Everything in memory, in the order of firstSample.
-    /// `curvatures`: of all samples, or empty.
-    Octree(std::vector<Node> nodes, std::vector<Sample> samples, std::vector<CurvatureCode> curvatures = {});
+    /// `beside`: of all samples, or empty.
+    Octree(std::vector<Node> nodes, std::vector<Sample> samples, std::vector<BesideWord> beside = {});
     /// Samples come from a store that knows these nodes by their index.
     Octree(std::vector<Node> nodes, std::shared_ptr<SampleStore> store);
 

@@ -26,6 +26,7 @@ struct Attributes {
     bool intensity = false;
     bool classification = false;
     bool normal = false;
+    bool nearInfrared = false;
     bool operator==(const Attributes&) const = default;
 };
 
@@ -126,6 +127,7 @@ struct PointBatch {
     std::vector<std::uint16_t> intensity;            ///< full range of the file, 0–65535
     std::vector<std::uint8_t> classification;        ///< ASPRS class
     std::vector<glm::vec3> normal;                   ///< unit length, or 0 where the scan has none
+    std::vector<std::uint16_t> nearInfrared;         ///< as the file has it: 0–65535, or of 8 bits
     std::vector<std::byte> rows;                     ///< size() rows of rowBytes(header.columns)
     /// Where all of these were recorded from, file coordinates; nullopt: not known.
     std::optional<glm::dvec3> scanner;
@@ -137,6 +139,7 @@ struct PointBatch {
         intensity.clear();
         classification.clear();
         normal.clear();
+        nearInfrared.clear();
         rows.clear();
         scanner.reset();
     }
@@ -151,6 +154,7 @@ void forColumns(PointBatch& to, const PointBatch& from, F f) {
     f(to.intensity, from.intensity);
     f(to.classification, from.classification);
     f(to.normal, from.normal);
+    f(to.nearInfrared, from.nearInfrared);
 }
 
 /// Points of the same scan behind one another.

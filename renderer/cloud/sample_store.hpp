@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "protocol/error.hpp"
-#include "renderer/cloud/curvature.hpp"
+#include "renderer/cloud/beside.hpp"
 #include "renderer/cloud/sample.hpp"
 #include "renderer/cloud/sample_limits.hpp"
 
@@ -23,7 +23,7 @@ struct SampleRun {
     std::span<const Sample> samples;
     std::span<const SampleLimits> limits;  ///< of the samples
     std::shared_ptr<const void> keep;
-    std::span<const CurvatureCode> curvatures{};  ///< of the samples; empty: not known
+    std::span<const BesideWord> beside{};  ///< of the samples; empty: not known
 };
 
 /// A node whose samples somebody would like to have; larger = sooner.
@@ -59,8 +59,8 @@ class SampleStore {
 };
 
 /// Everything in memory: run i is samples[first[i]] … samples[first[i + 1] - 1].
-/// So are their curvatures, unless there are none.
+/// So is what stands beside them, unless there is nothing.
 std::shared_ptr<SampleStore> memoryStore(std::vector<Sample> samples, std::vector<std::uint64_t> first,
-                                         std::vector<CurvatureCode> curvatures = {});
+                                         std::vector<BesideWord> beside = {});
 
 }  // namespace scancast

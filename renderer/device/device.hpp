@@ -45,7 +45,7 @@ struct ColorRule {
     /// (cloud-relative z) and depth; classification and lod index it directly.
     std::array<Rgb8, 256> ramp{};
     double low = 0, high = 1;
-    bool toned = false;  ///< of rgb: each channel c becomes ramp[c] of that channel
+    bool toned = false;  ///< of rgb and, always, of infrared: each channel c becomes ramp[c] of that channel
     std::optional<IntensityFactors> byIntensity{};
 };
 

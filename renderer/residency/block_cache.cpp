@@ -33,8 +33,8 @@ Error cancelled() {
 SampleRun runOf(std::shared_ptr<const Block> block) {
     const std::span<const Sample> samples = block->samples;
     const std::span<const SampleLimits> limits = block->limits;
-    const std::span<const CurvatureCode> curvatures = block->curvatures;
-    return {samples, limits, std::move(block), curvatures};
+    const std::span<const BesideWord> beside = block->beside;
+    return {samples, limits, std::move(block), beside};
 }
 
 class Cache final : public BlockCache, public std::enable_shared_from_this<Cache> {
@@ -341,12 +341,19 @@ Cache::Loaded Cache::read(const CachedCloud& cloud, std::uint32_t node, std::sha
         return fail(ErrorCode::Malformed,
                     "Node " + std::to_string(node) + " has another number of samples than its index says.");
     }
+    // A node that has none of a plane has 0 everywhere.
+    if (cloud.hasBeside()) room->beside.assign(samples->size(), 0);
     if (cloud.curvaturePlane) {
-        auto values = cloud.file->plane(node, *cloud.curvaturePlane);
-        if (!values) return passOn(std::move(values));
-        // A node that has none is flat.
-        room->curvatures.assign(samples->size(), 0);
-        std::ranges::copy(*values, std::as_writable_bytes(std::span(room->curvatures)).begin());
+        const auto values = cloud.file->plane(node, *cloud.curvaturePlane);
+        if (!values) return passOn(values);
+        std::ranges::copy(*values, std::as_writable_bytes(std::span(room->beside)).begin());
+        for (BesideWord& word : room->beside) word = curvatureIn(word);
+    }
+    if (cloud.nearInfraredPlane) {
+        const auto values = cloud.file->plane(node, *cloud.nearInfraredPlane);
+        if (!values) return passOn(values);
+        for (std::size_t i = 0; i < values->size(); ++i)
+            room->beside[i] = withNearInfrared(room->beside[i], std::to_integer<std::uint8_t>((*values)[i]));
     }
     room->limits = limitsOf(*samples);
     room->samples = std::move(*samples);

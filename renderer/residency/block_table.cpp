@@ -10,8 +10,12 @@ std::shared_ptr<BlockTable::CloudBlocks> BlockTable::add(std::shared_ptr<const C
     cloud->id = ++lastId_;
     cloud->file = std::move(file);
     const auto planes = cloud->file->planes();
-    if (const auto at = std::ranges::find(planes, curvaturePlane()); at != planes.end())
-        cloud->curvaturePlane = std::size_t(at - planes.begin());
+    const auto find = [&](const ValuePlane& plane) -> std::optional<std::size_t> {
+        const auto at = std::ranges::find(planes, plane);
+        return at == planes.end() ? std::nullopt : std::optional(std::size_t(at - planes.begin()));
+    };
+    cloud->curvaturePlane = find(curvaturePlane());
+    cloud->nearInfraredPlane = find(nearInfraredPlane());
     cloud->slots.resize(cloud->file->nodes().size());
     std::uint64_t pinned = 0;
     for (std::uint32_t node = 0; node < cloud->slots.size(); ++node) {

@@ -33,7 +33,7 @@ class Block {
     std::uint64_t bytes() const { return bytes_; }
     std::vector<Sample> samples;
     std::vector<SampleLimits> limits;
-    std::vector<CurvatureCode> curvatures;  ///< empty: not known
+    std::vector<BesideWord> beside;  ///< empty: not known
 
   private:
     MemoryMeter meter_;
@@ -66,11 +66,13 @@ class BlockTable {
     struct CloudBlocks {
         std::uint64_t id = 0;
         std::shared_ptr<const CloudFile> file;
-        std::optional<std::size_t> curvaturePlane;  // of the file's planes
-        std::vector<Slot> slots;                    // by node
+        std::optional<std::size_t> curvaturePlane, nearInfraredPlane;  // of the file's planes
+        std::vector<Slot> slots;                                       // by node
         std::unordered_map<std::uint32_t, Damage> damage;
         std::atomic<std::uint64_t> bytes{0};  // resident blocks
         bool removed = false;
+
+        bool hasBeside() const { return curvaturePlane || nearInfraredPlane; }
     };
 
     /// Memory in use stays below `limit`, but for what is held and what must be loaded nevertheless.
@@ -97,7 +99,7 @@ class BlockTable {
 
     /// Its own, and what stands beside it.
     static std::uint64_t bytesPerSample(const CloudBlocks& cloud) {
-        return sizeof(Sample) + (cloud.curvaturePlane ? sizeof(CurvatureCode) : 0);
+        return sizeof(Sample) + (cloud.hasBeside() ? sizeof(BesideWord) : 0);
     }
     static std::uint64_t bytesOf(const CloudBlocks& cloud, std::uint32_t node) {
         const std::uint64_t samples = cloud.file->nodes()[node].node.sampleCount;

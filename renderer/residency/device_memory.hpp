@@ -14,16 +14,15 @@ namespace scancast {
 class DeviceMemory {
   public:
     virtual ~DeviceMemory() = default;
-    /// Samples that fit at once; four with their curvatures take the room of five. From any thread; it never
+    /// Samples that fit at once; four with what stands beside them (cloud/beside.hpp) take the room of five. From any thread; it never
     /// changes.
     virtual std::uint64_t capacity() const = 0;
     /// Samples that a picture which need not be complete may move there; > 0.
     virtual std::uint64_t frameBudget() const = 0;
     /// Bytes taken now.
     virtual std::uint64_t bytes() const = 0;
-    /// Whether all samples of an octree's node are there, and if need be their curvatures.
-    virtual bool has(std::uint64_t source, std::uint32_t node, std::uint32_t samples,
-                     bool curvatures) const = 0;
+    /// Whether all samples of an octree's node are there, and if need be what stands beside them.
+    virtual bool has(std::uint64_t source, std::uint32_t node, std::uint32_t samples, bool beside) const = 0;
     /// Moves there what is not there of these nodes, in this order and as many as fit, and counts all of them
     /// as used: what has not been for longest goes. Errors: Cancelled; ResourceLimit, DeviceLost: the
     /// device's.

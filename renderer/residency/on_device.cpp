@@ -21,7 +21,7 @@ bool fits(const Octree& octree, std::span<Cut* const> cuts, const DeviceMemory& 
             seen[run.nodeIndex] = true;
             const std::uint32_t samples = run.node->sampleCount;
             all += samples;
-            if (!memory.has(octree.source(), run.nodeIndex, samples, cut->curvatures)) missing += samples;
+            if (!memory.has(octree.source(), run.nodeIndex, samples, cut->beside)) missing += samples;
         }
     }
     return missing == 0 || (missing <= memory.frameBudget() && all <= memory.capacity());
@@ -30,16 +30,12 @@ bool fits(const Octree& octree, std::span<Cut* const> cuts, const DeviceMemory& 
 class DeviceProvision {
   public:
     DeviceProvision(const Octree& octree, std::span<Cut* const> cuts, DeviceMemory& memory)
-        : octree_(octree),
-          cuts_(cuts),
-          curvatures_(cuts.front()->curvatures),
-          memory_(memory),
-          runs_(octree) {}
+        : octree_(octree), cuts_(cuts), beside_(cuts.front()->beside), memory_(memory), runs_(octree) {}
 
     Expected<void> provide(const std::stop_token& stop) {
         for (const Cut* cut : cuts_)
             for (const CutRun& run : cut->runs)
-                runs_.give(run.nodeIndex, {run.samples, run.limits, {}, run.curvatures});
+                runs_.give(run.nodeIndex, {run.samples, run.limits, {}, run.beside});
         // In this order: what must be there, what is there and wanted, what is to come.
         add(0);
         for (const Cut* cut : cuts_)
@@ -55,13 +51,13 @@ class DeviceProvision {
 
   private:
     bool isThere(std::uint32_t node) const {
-        return memory_.has(octree_.source(), node, octree_.node(node).sampleCount, curvatures_);
+        return memory_.has(octree_.source(), node, octree_.node(node).sampleCount, beside_);
     }
 
     void add(std::uint32_t node) {
         if (!runs_.has(node) || !added_.insert(node).second) return;
         CutRun run{.node = &octree_.node(node), .nodeIndex = node, .samples = runs_.run(node).samples};
-        if (curvatures_) run.curvatures = runs_.run(node).curvatures;
+        if (beside_) run.beside = runs_.run(node).beside;
         toBring_.push_back(run);
     }
 
@@ -97,14 +93,14 @@ class DeviceProvision {
             const SampleRun& samples = runs_.run(run.nodeIndex);
             run.samples = samples.samples;
             run.limits = samples.limits;
-            if (curvatures_) run.curvatures = samples.curvatures;
+            if (beside_) run.beside = samples.beside;
             if (samples.keep) cut.keep.push_back(samples.keep);
         }
     }
 
     const Octree& octree_;
     const std::span<Cut* const> cuts_;
-    const bool curvatures_;
+    const bool beside_;
     DeviceMemory& memory_;
     NodeRuns runs_;
     std::vector<CutRun> toBring_;

@@ -19,7 +19,7 @@ Expected<void> checkBlocks(const CloudFile& file, std::uint64_t limit) {
     const auto nodes = file.nodes();
     for (std::size_t node = 0; node < nodes.size(); ++node) {
         const std::uint64_t samples = nodes[node].node.sampleCount;
-        const std::uint64_t bytes = samples * (sizeof(Sample) + sizeof(CurvatureCode));
+        const std::uint64_t bytes = samples * (sizeof(Sample) + sizeof(BesideWord));
         if (bytes <= most) continue;
         return fail(ErrorCode::ResourceLimit, file.path().filename().string() + ": block " +
                                                   std::to_string(node) + " holds " + std::to_string(samples) +

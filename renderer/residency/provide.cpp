@@ -94,7 +94,7 @@ class Provision {
             const SampleRun& samples = runs_.run(run.nodeIndex);
             run.samples = samples.samples;
             run.limits = samples.limits;
-            if (cut_.curvatures) run.curvatures = samples.curvatures;
+            if (cut_.beside) run.beside = samples.beside;
             if (samples.keep) cut_.keep.push_back(samples.keep);
         }
     }

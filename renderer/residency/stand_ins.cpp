@@ -51,7 +51,7 @@ class StandIns {
                 if (atHand_(run.nodeIndex)) drawn.push_back(run);
                 continue;
             }
-            if (run.nodeIndex != top) run.samples = {}, run.limits = {}, run.curvatures = {};
+            if (run.nodeIndex != top) run.samples = {}, run.limits = {}, run.beside = {};
             run.projected = standIns_.at(top);
             run.nodeIndex = top;
             run.node = &octree_.node(top);

@@ -42,10 +42,10 @@ struct SelectOptions {
 struct CutRun {
     const Node* node = nullptr;
     std::uint32_t nodeIndex = noNode;
-    std::span<const Sample> samples;              ///< empty until provide() (renderer/residency) fills it in
-    std::span<const SampleLimits> limits{};       ///< of the samples, likewise; empty: not known
-    std::span<const CurvatureCode> curvatures{};  ///< likewise; empty: not known
-    double projected = 0;                         ///< spacing as it appears in the picture, px, at most
+    std::span<const Sample> samples;         ///< empty until provide() (renderer/residency) fills it in
+    std::span<const SampleLimits> limits{};  ///< of the samples, likewise; empty: not known
+    std::span<const BesideWord> beside{};    ///< likewise; empty: not known
+    double projected = 0;                    ///< spacing as it appears in the picture, px, at most
     double share = 1;                ///< of the samples, drawn: those whose turn it is (fade.hpp); > 0
     bool covered = false;            ///< an ancestor is drawn, too
     std::uint32_t firstOrdinal = 0;  ///< ordinal in the cut of samples[0]; ordinals are dense
@@ -59,7 +59,7 @@ struct CutRun {
 struct Cut {
     std::vector<CutRun> runs;
     std::uint64_t source = 0;  ///< of its octree (Octree::source()); 0: not of one, nothing may be kept of it
-    bool curvatures = false;   ///< provide() is to give its samples theirs, too
+    bool beside = false;       ///< provide() is to give what stands beside its samples, too
     std::uint64_t samples = 0;  ///< of the nodes, whatever share of them is drawn
     std::uint64_t points = 0;   ///< scan points that the drawn nodes stand for, each counted once
     std::uint32_t nodesVisited = 0, nodesCulled = 0, nodesRefined = 0;

@@ -16,6 +16,7 @@ namespace {
 std::vector<AttributeInfo> attributesOf(const Cloud& cloud) {
     std::vector<AttributeInfo> list;
     if (cloud.attributes.color) list.push_back({"rgb", std::nullopt});
+    if (hasNearInfrared(cloud)) list.push_back({"cir", std::nullopt});
     if (cloud.attributes.intensity) {
         list.push_back({"intensity", std::array<double, 2>{double(cloud.intensityRange[0]),
                                                            double(cloud.intensityRange[1])}});

@@ -180,6 +180,7 @@ void tellAttributes(const FileInfo& info, Lines& lines) {
                           : "intensity");
     if (f.attributes.classification) has.emplace_back("classification");
     if (f.attributes.normal) has.emplace_back("normals");
+    if (f.attributes.nearInfrared) has.emplace_back("near infrared");
     std::string list;
     for (const std::string& attribute : has) list += (list.empty() ? "" : ", ") + attribute;
     lines.add("attributes", has.empty() ? "none" : list);
@@ -342,7 +343,10 @@ Json checkJson(const FileInfo& info) {
     if (!info.checked) return {};
     Json damaged = Json::array();
     for (const DamagedBlock& block : info.damaged)
-        damaged.push_back({{"node", block.node}, {"offset", block.offset}, {"message", block.message}});
+        damaged.push_back({{"node", block.node ? Json(*block.node) : Json()},
+                           {"photo", block.photo ? Json(*block.photo) : Json()},
+                           {"offset", block.offset},
+                           {"message", block.message}});
     return {{"sound", info.damaged.empty()}, {"damaged", damaged}};
 }
 
@@ -384,7 +388,8 @@ Json infoJson(const FileInfo& info) {
     json["attributes"] = {{"color", f.attributes.color},
                           {"intensity", f.attributes.intensity},
                           {"classification", f.attributes.classification},
-                          {"normal", f.attributes.normal}};
+                          {"normal", f.attributes.normal},
+                          {"nearInfrared", f.attributes.nearInfrared}};
     json["constant"] = infoOfConstants(f.constant);
     json["notes"] = f.notes;
     json["intensityRange"] = f.attributes.intensity && counted ? Json(f.intensityRange) : Json();

@@ -55,7 +55,7 @@ struct Mailbox {
 
 constexpr std::array colors{
     ColorSource::Auto,           ColorSource::Rgb,    ColorSource::Elevation, ColorSource::Intensity,
-    ColorSource::Classification, ColorSource::Normal, ColorSource::Curvature};
+    ColorSource::Classification, ColorSource::Normal, ColorSource::Curvature, ColorSource::Infrared};
 constexpr const char* help =
     "drag turn | right drag move | wheel zoom | WASD QE fly | M N method | 1 2 3 quality | C colour | R "
     "reset | "

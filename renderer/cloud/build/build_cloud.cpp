@@ -30,7 +30,7 @@ Expected<std::shared_ptr<const Cloud>> build(PointSource& source, const BuildOpt
     nodes.reserve(built->octree.nodes.size());
     for (const StoredNode& n : built->octree.nodes) nodes.push_back(n.node);
     cloud->octree =
-        Octree(std::move(nodes), std::move(built->octree.samples), std::move(built->octree.curvatures));
+        Octree(std::move(nodes), std::move(built->octree.samples), std::move(built->octree.beside));
     return cloud;
 }
 

@@ -80,6 +80,10 @@ std::vector<std::string> firstNotes(std::vector<std::string> notes) {
 
 std::vector<std::string> notesOf(const StagedScan& scan) {
     auto notes = scan.notes;
+    if (const auto infrared = scan.values.constantNearInfrared(); infrared && scan.points > 1)
+        notes.insert(
+            notes.begin(),
+            fmt::format("all points have the same near infrared, {}: that is taken for none", *infrared));
     if (scan.stations.size() > mostStations)
         notes.insert(notes.begin(),
                      fmt::format("the scanner stood at {} places, of which the first {} are listed",
@@ -158,6 +162,7 @@ CloudFacts factsOf(const StagedScan& scan, const ScanHeader& header, const Octre
     if (shape.exact && keepsGridPositions(header))
         for (ValuePlane& plane : gridPlanes()) facts.companions.push_back(std::move(plane));
     if (shape.curvatures()) facts.companions.push_back(curvaturePlane());
+    if (facts.attributes.nearInfrared) facts.companions.push_back(nearInfraredPlane());
     return facts;
 }
 
@@ -178,8 +183,13 @@ OctreeInput inputOf(const CloudFacts& facts, const StagedScan& scan, const ScanH
     input.shape = shape;
     std::vector<ColumnType> types;
     for (const Column& column : header.columns) types.push_back(column.type);
+    if (header.attributes.nearInfrared) types.push_back(ColumnType::Uint16);
     input.columns = placesInRow(types);
-    input.rowBytes = rowBytes(header.columns);
+    input.rowBytes = stagedRowBytes(header);
+    if (!header.attributes.nearInfrared) return input;
+    if (facts.attributes.nearInfrared)
+        input.nearInfrared = InfraredInRow{input.columns.back(), scan.values.nearInfraredShift()};
+    input.columns.pop_back();
     return input;
 }
 

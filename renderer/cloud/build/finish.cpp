@@ -85,16 +85,27 @@ std::vector<BlockPlace> planePlaces(std::span<BuildNode* const> order, const Oct
                   places.begin() + std::ptrdiff_t(i * planes));
         std::copy(order[i]->positions.begin(), order[i]->positions.end(),
                   places.begin() + std::ptrdiff_t(i * planes + input.columns.size()));
-        if (input.shape.curvatures()) places[i * planes + planes - 1] = order[i]->curvature;
+        auto last = places.begin() + std::ptrdiff_t((i + 1) * planes);
+        if (input.nearInfrared) *--last = order[i]->beside.nearInfrared;
+        if (input.shape.curvatures()) *--last = order[i]->beside.curvature;
     }
     return places;
 }
 
 /// Mean curvatures of a node's samples, as `radiusUnit` says what codes count from.
-void addMeans(std::span<const CurvatureCode> curvatures, float unit, ValueSketch& sketch) {
+void addMeans(std::span<const BesideWord> curvatures, float unit, ValueSketch& sketch) {
     const auto& steps = curvatureSteps();
-    for (const CurvatureCode code : curvatures)
+    for (const BesideWord code : curvatures)
         sketch.add(0.5 * (double(steps[code & 255]) + double(steps[code >> 8 & 255])) / unit);
+}
+
+/// One of the values in the words, as a plane's block.
+template <class Value, class Take>
+std::vector<std::byte> encodePart(std::span<const BesideWord> beside, Take take) {
+    std::vector<Value> values(beside.size());
+    std::ranges::transform(beside, values.begin(), take);
+    if (std::ranges::all_of(values, [](Value value) { return value == 0; })) return {};
+    return encodeRows(std::as_bytes(std::span(values)), sizeof(Value));
 }
 
 class Finisher {
@@ -105,8 +116,9 @@ class Finisher {
     struct Inner {
         BuildNode* node = nullptr;
         std::vector<Sample> samples;
-        std::vector<CurvatureCode> curvatures;
-        std::vector<std::byte> block, curvatureBlock;
+        std::vector<BesideWord> beside;
+        std::vector<std::byte> block;
+        BesideBlocks besideBlocks;
         Expected<void> result;
     };
 
@@ -134,12 +146,12 @@ class Finisher {
     Expected<void> addLeaf(const BuildNode& leaf) {
         if (!input_.shape.curvatures()) return {};
         if (!file_) {
-            addMeans(leaf.content.curvatures, radiusUnit(leaf.content.spacing), means_);
+            addMeans(leaf.content.beside, radiusUnit(leaf.content.spacing), means_);
             return {};
         }
         std::vector<CurvatureCode> codes(leaf.stored.node.sampleCount);
-        if (leaf.curvature.bytes > 0) {
-            const auto block = file_->readBack(leaf.curvature);
+        if (leaf.beside.curvature.bytes > 0) {
+            const auto block = file_->readBack(leaf.beside.curvature);
             if (!block) return passOn(block);
             const auto values = decodeRows(*block, sizeof(CurvatureCode), codes.size());
             if (!values) return passOn(values);
@@ -177,41 +189,55 @@ class Finisher {
         return facts;
     }
 
+    /// As averaged: near infrared alone, or nothing.
+    Expected<std::vector<BesideWord>> besideOf(const BuildNode& node) const {
+        if (!input_.nearInfrared || !file_) return node.content.beside;
+        const std::size_t count = node.stored.node.sampleCount;
+        const std::size_t before =
+            sizeof(Sample) + (input_.shape.surfels ? sizeof(float) + sizeof(Density) : 0);
+        std::vector<BesideWord> beside(count);
+        if (auto ok = node.setAside.read(count * before, std::as_writable_bytes(std::span(beside))); !ok)
+            return passOn(ok);
+        return beside;
+    }
+
     Expected<void> finish(Inner& work) const {
         BuildNode& node = *work.node;
         auto samples = samplesOf(node);
         if (!samples) return passOn(samples);
         work.samples = std::move(*samples);
+        auto beside = besideOf(node);
+        if (!beside) return passOn(beside);
+        work.beside = std::move(*beside);
+        if (input_.hasBeside()) work.beside.resize(work.samples.size());
         if (input_.shape.surfels) {
             const auto facts = factsOf(node);
             if (!facts) return passOn(facts);
             const auto find = [this](const BuildNode& n) { return samplesOf(n); };
-            if (input_.shape.curvature) work.curvatures.resize(work.samples.size());
-            if (auto ok = addInnerSurfels(node, *facts, root_, input_, find, work.samples, work.curvatures);
-                !ok)
+            if (auto ok = addInnerSurfels(node, *facts, root_, input_, find, work.samples, work.beside); !ok)
                 return ok;
         }
         node.content.cone = coneOfSamples(work.samples);
-        node.sampleHash = hashOf(work.samples, work.curvatures);
+        node.sampleHash = hashOf(work.samples, work.beside);
         if (file_) work.block = encodeSamples(work.samples);
-        if (file_) work.curvatureBlock = encodeCurvatures(work.curvatures);
+        if (file_) work.besideBlocks = encodeBeside(work.beside, input_);
         return {};
     }
 
     Expected<void> store(Inner& work, StoredNode& to) {
         if (!work.result) return work.result;
-        addMeans(work.curvatures, radiusUnit(work.node->content.spacing), means_);
+        if (input_.shape.curvatures()) addMeans(work.beside, radiusUnit(work.node->content.spacing), means_);
         if (!file_) {
-            work.node->content.curvatures = std::move(work.curvatures);
+            work.node->content.beside = std::move(work.beside);
             work.node->content.samples = std::move(work.samples);
             return {};
         }
         auto place = file_->append(work.block);
         if (!place) return passOn(place);
         to.samples = *place;
-        auto curvature = appendBlock(*file_, work.curvatureBlock);
-        if (!curvature) return passOn(curvature);
-        work.node->curvature = *curvature;
+        auto beside = appendBlocks(*file_, work.besideBlocks);
+        if (!beside) return passOn(beside);
+        work.node->beside = *beside;
         return {};
     }
 
@@ -235,20 +261,29 @@ void joinCones(Numbered& tree) {
 
 }  // namespace
 
-std::uint64_t hashOf(std::span<const Sample> samples, std::span<const CurvatureCode> curvatures) {
+std::uint64_t hashOf(std::span<const Sample> samples, std::span<const BesideWord> beside) {
     const std::uint64_t hash = XXH3_64bits(samples.data(), samples.size_bytes());
-    if (curvatures.empty()) return hash;
-    return XXH3_64bits_withSeed(curvatures.data(), curvatures.size_bytes(), hash);
+    if (beside.empty()) return hash;
+    return XXH3_64bits_withSeed(beside.data(), beside.size_bytes(), hash);
 }
 
-std::vector<std::byte> encodeCurvatures(std::span<const CurvatureCode> curvatures) {
-    if (std::ranges::all_of(curvatures, [](CurvatureCode code) { return code == 0; })) return {};
-    return encodeRows(std::as_bytes(curvatures), sizeof(CurvatureCode));
+BesideBlocks encodeBeside(std::span<const BesideWord> beside, const OctreeInput& input) {
+    BesideBlocks blocks;
+    if (input.shape.curvatures()) blocks.curvature = encodePart<CurvatureCode>(beside, curvatureIn);
+    if (input.nearInfrared) blocks.nearInfrared = encodePart<std::uint8_t>(beside, nearInfraredIn);
+    return blocks;
 }
 
-Expected<BlockPlace> appendBlock(CloudFileWriter& file, std::span<const std::byte> block) {
-    if (block.empty()) return BlockPlace{};
-    return file.append(block);
+Expected<BesidePlaces> appendBlocks(CloudFileWriter& file, const BesideBlocks& blocks) {
+    BesidePlaces places;
+    for (const auto& [block, place] : {std::pair(&blocks.curvature, &places.curvature),
+                                       std::pair(&blocks.nearInfrared, &places.nearInfrared)}) {
+        if (block->empty()) continue;
+        auto written = file.append(*block);
+        if (!written) return passOn(written);
+        *place = *written;
+    }
+    return places;
 }
 
 NormalCone coneOfSamples(std::span<const Sample> samples) {
@@ -280,16 +315,16 @@ Expected<BuiltOctree> finishTree(BuildNode& root, const OctreeInput& input, Clou
     }
     const Node& last = built.nodes.back().node;
     built.samples.resize(last.firstSample + last.sampleCount);
-    if (input.shape.curvatures()) built.curvatures.resize(built.samples.size());
+    if (input.hasBeside()) built.beside.resize(built.samples.size());
     tbb::parallel_for(std::size_t(0), tree.order.size(), [&](std::size_t i) {
         auto& own = tree.order[i]->content.samples;
         std::copy(own.begin(), own.end(),
                   built.samples.begin() + std::ptrdiff_t(built.nodes[i].node.firstSample));
         giveBack(own);
-        auto& curvatures = tree.order[i]->content.curvatures;
-        std::copy(curvatures.begin(), curvatures.end(),
-                  built.curvatures.begin() + std::ptrdiff_t(built.nodes[i].node.firstSample));
-        giveBack(curvatures);
+        auto& beside = tree.order[i]->content.beside;
+        std::copy(beside.begin(), beside.end(),
+                  built.beside.begin() + std::ptrdiff_t(built.nodes[i].node.firstSample));
+        giveBack(beside);
     });
     return built;
 }

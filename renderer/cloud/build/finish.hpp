@@ -12,16 +12,20 @@ namespace scancast {
 Expected<BuiltOctree> finishTree(BuildNode& root, const OctreeInput& input, CloudFileWriter* file,
                                  const ProgressSink& progress, const std::stop_token& stop);
 
-/// What revisions know a node's samples by, and the curvatures beside them, if any.
-std::uint64_t hashOf(std::span<const Sample> samples, std::span<const CurvatureCode> curvatures);
+/// What revisions know a node's samples by, and what stands beside them, if anything.
+std::uint64_t hashOf(std::span<const Sample> samples, std::span<const BesideWord> beside);
 
-/// A node's plane of curvatures as a block; empty where all of it is flat, or there is none.
-std::vector<std::byte> encodeCurvatures(std::span<const CurvatureCode> curvatures);
-/// Of nothing where the block is empty. Errors: the file's.
-Expected<BlockPlace> appendBlock(CloudFileWriter& file, std::span<const std::byte> block);
-/// Kept columns, the positions that samples round, and the curvature.
+/// What stands beside a node's samples, as blocks of planes; empty where all of it is 0, or there is none.
+struct BesideBlocks {
+    std::vector<std::byte> curvature, nearInfrared;
+};
+BesideBlocks encodeBeside(std::span<const BesideWord> beside, const OctreeInput& input);
+/// Of nothing where a block is empty. Errors: the file's.
+Expected<BesidePlaces> appendBlocks(CloudFileWriter& file, const BesideBlocks& blocks);
+/// Kept columns, the positions that samples round, the curvature and the near infrared.
 inline std::size_t planesOf(const OctreeInput& input) {
-    return input.columns.size() + (input.gridPlanes ? 3 : 0) + (input.shape.curvatures() ? 1 : 0);
+    return input.columns.size() + (input.gridPlanes ? 3 : 0) + (input.shape.curvatures() ? 1 : 0) +
+           (input.nearInfrared ? 1 : 0);
 }
 
 /// Around the samples' own normals.

@@ -10,6 +10,7 @@
 #include <thread>
 
 #include "files/machine.hpp"
+#include "renderer/cloud/build/chunks/staging.hpp"
 #include "renderer/cloud/build/cloud_builder.hpp"
 #include "renderer/cloud/build/many_scans.hpp"
 #include "renderer/cloud/build/revision.hpp"
@@ -148,7 +149,7 @@ std::optional<DiskNeeds> diskNeeds(const ScanHeader& header, const IngestOptions
     const std::uint64_t limit = options.memoryLimit > 0 ? options.memoryLimit : machineMemory() / 2;
     const int threads = options.threads > 0 ? options.threads : machineCores();
     const std::uint64_t inMemory = shareMemory(limit, threads, options.shape).workspace;
-    const std::uint64_t row = rowBytes(header.columns);
+    const std::uint64_t row = stagedRowBytes(header);
     const std::uint64_t beside =
         (options.shape.curvatures() ? curvatureBytes : 0) + (options.shape.exact ? exactBytes : 0);
     const std::uint64_t waiting = *header.points * (std::max(stagedBytes, chunkBytes) + 8 + row);

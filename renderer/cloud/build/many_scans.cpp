@@ -132,6 +132,7 @@ class ManyScans final : public PointSource {
             header_.attributes.intensity |= other.attributes.intensity;
             header_.attributes.classification |= other.attributes.classification;
             header_.attributes.normal |= other.attributes.normal;
+            header_.attributes.nearInfrared |= other.attributes.nearInfrared;
             header_.points = header_.points && other.points ? std::optional(*header_.points + *other.points)
                                                             : std::nullopt;
             if (header_.gridStep != other.gridStep) header_.gridStep = glm::dvec3(0);

@@ -6,6 +6,7 @@
 #include <xxhash.h>
 
 #include <algorithm>
+#include <cstring>
 #include <exception>
 #include <mutex>
 
@@ -32,7 +33,7 @@ struct LeafBlocks {
     std::vector<std::byte> samples;
     std::vector<std::vector<std::byte>> columns;
     std::vector<std::vector<std::byte>> positions;
-    std::vector<std::byte> curvatures;
+    BesideBlocks beside;
 };
 
 /// A chunk on its way through the stages.
@@ -176,7 +177,7 @@ class TreeBuilder {
         const auto rows = chunk.rowBytes.view(space);
         if (!rows) return passOn(rows);
         std::optional<KeptRows> kept;
-        if (input_.rowBytes > 0) kept.emplace(root.points, *rows, input_.rowBytes);
+        if (!input_.columns.empty() || input_.nearInfrared) kept.emplace(root.points, *rows, input_.rowBytes);
 
         scancast::grow(root, input_);
         std::vector<BuildNode*> leaves;
@@ -184,9 +185,11 @@ class TreeBuilder {
             if (n.isLeaf()) leaves.push_back(&n);
         });
         work.blocks.resize(leaves.size());
-        if (kept && file_)
+        if (kept && (file_ || input_.nearInfrared))
             tbb::parallel_for(std::size_t(0), leaves.size(), [&](std::size_t i) {
-                work.blocks[i].columns = encodeColumns(kept->rowsOf(leaves[i]->points));
+                const std::vector<std::byte> own = kept->rowsOf(leaves[i]->points);
+                if (file_) work.blocks[i].columns = encodeColumns(own);
+                if (input_.nearInfrared) leaves[i]->content.beside = takeNearInfrared(own);
             });
         kept.reset();
         if (input_.gridPlanes && file_)
@@ -218,6 +221,17 @@ class TreeBuilder {
         for (const PlaceInRow& column : input_.columns)
             blocks.push_back(encodeRows(takeColumn(rows, column), column.bytes));
         return blocks;
+    }
+
+    std::vector<BesideWord> takeNearInfrared(std::span<const std::byte> rows) const {
+        const std::vector<std::byte> bytes = takeColumn(rows, input_.nearInfrared->place);
+        std::vector<BesideWord> beside(bytes.size() / sizeof(std::uint16_t));
+        for (std::size_t i = 0; i < beside.size(); ++i) {
+            std::uint16_t value;
+            std::memcpy(&value, &bytes[i * sizeof value], sizeof value);
+            beside[i] = withNearInfrared(0, std::uint8_t(value >> input_.nearInfrared->shift));
+        }
+        return beside;
     }
 
     /// As whole numbers of the scan's own grid, an axis after the other.
@@ -281,20 +295,23 @@ class TreeBuilder {
     void finishLeaf(BuildNode& leaf, LeafBlocks& blocks) {
         const auto& samples = leaf.content.samples;
         leaf.content.cone = coneOfSamples(samples);
-        leaf.sampleHash = hashOf(samples, leaf.content.curvatures);
+        leaf.sampleHash = hashOf(samples, leaf.content.beside);
         blocks.leaf = &leaf;
         points_ += leaf.points.size();
         if (leaf.confidence >= sureSide) surePoints_ += leaf.surePoints;
         if (file_) blocks.samples = encodeSamples(samples);
-        if (file_) blocks.curvatures = encodeCurvatures(leaf.content.curvatures);
+        if (file_) blocks.beside = encodeBeside(leaf.content.beside, input_);
         progress_.add(input_.findSides ? leaf.points.size() / 3 : leaf.points.size());
     }
 
     /// A finished subtree takes its place; one after the other, in the order of the tree.
     Expected<void> settle(Work& work) {
+        BuildNode& root = *work.chunk.root;
+        std::vector<BesideWord> ofRoot;  // a chunk that is one leaf is averaged later
+        if (root.isLeaf() && input_.nearInfrared) ofRoot = root.content.beside;
         for (LeafBlocks& blocks : work.blocks)
             if (auto ok = store(blocks); !ok) return ok;
-        BuildNode& root = *work.chunk.root;
+        if (!ofRoot.empty()) root.content.beside = std::move(ofRoot);
         Expected<void> result;
         forEachNode(root, [&](BuildNode& n) {
             workspace_.occupy(nodeBytes + planesOf(input_) * columnBytes);
@@ -318,12 +335,12 @@ class TreeBuilder {
         auto place = file_->append(blocks.samples);
         if (!place) return passOn(place);
         leaf.stored.samples = *place;
-        auto curvature = appendBlock(*file_, blocks.curvatures);
-        if (!curvature) return passOn(curvature);
-        leaf.curvature = *curvature;
+        auto beside = appendBlocks(*file_, blocks.beside);
+        if (!beside) return passOn(beside);
+        leaf.beside = *beside;
         giveBack(leaf.content.samples);
         giveBack(leaf.content.densities);
-        giveBack(leaf.content.curvatures);
+        giveBack(leaf.content.beside);
         return storeColumns(blocks);
     }
 
@@ -349,19 +366,23 @@ class TreeBuilder {
         auto& samples = node.content.samples;
         auto& reaches = node.content.reaches;
         auto& densities = node.content.densities;
+        auto& beside = node.content.beside;
         if (!file_) return {};
         const std::uint64_t toReaches = samples.size() * sizeof(Sample),
-                            toDensities = toReaches + reaches.size() * sizeof(float);
-        auto room = workspace_.allocate(toDensities + densities.size() * sizeof(Density));
+                            toDensities = toReaches + reaches.size() * sizeof(float),
+                            toBeside = toDensities + densities.size() * sizeof(Density);
+        auto room = workspace_.allocate(toBeside + beside.size() * sizeof(BesideWord));
         if (!room) return passOn(room);
         auto done = room->write(0, std::as_bytes(std::span(samples)));
         if (done) done = room->write(toReaches, std::as_bytes(std::span(reaches)));
         if (done) done = room->write(toDensities, std::as_bytes(std::span(densities)));
+        if (done) done = room->write(toBeside, std::as_bytes(std::span(beside)));
         if (!done) return done;
         node.setAside = std::move(*room);
         giveBack(samples);
         giveBack(reaches);
         giveBack(densities);
+        giveBack(beside);
         return {};
     }
 
@@ -370,6 +391,8 @@ class TreeBuilder {
         for (BuildNode* node = from.parent; node && ++node->finishedChildren == node->children.size();
              node = node->parent) {
             fillInner(*node, input_);
+            if (file_)
+                for (auto& child : node->children) giveBack(child->content.beside);
             if (auto ok = setAside(*node); !ok) return ok;
         }
         return {};

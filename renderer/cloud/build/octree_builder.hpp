@@ -23,6 +23,12 @@
 
 namespace scancast {
 
+/// Where each point's near infrared stands in its row, a uint16 of which 8 bits are left after a shift.
+struct InfraredInRow {
+    PlaceInRow place;
+    int shift = 0;
+};
+
 struct OctreeInput {
     Grid grid;
     glm::dvec3 origin{0};     ///< the cloud's, file coordinates
@@ -36,18 +42,23 @@ struct OctreeInput {
     bool sights = false;
     OctreeShape shape;
     std::vector<PlaceInRow> columns;  ///< that are kept
-    std::size_t rowBytes = 0;
+    std::optional<InfraredInRow> nearInfrared;
+    std::size_t rowBytes = 0;              ///< of all of these
     bool gridPlanes = false;               ///< positions on the scan's grid are kept where samples round them
     std::array<std::int64_t, 3> ownLow{};  ///< the scan's whole numbers at the grid's corner
+
+    /// Samples have words beside them (renderer/cloud/beside.hpp).
+    bool hasBeside() const { return shape.curvatures() || nearInfrared; }
 };
 
 /// A finished octree: in a file, or with its samples in memory.
 struct BuiltOctree {
-    std::vector<StoredNode> nodes;            ///< breadth first; places are set where there is a file
-    std::vector<BlockPlace> planes;           ///< of all planes in the file, node by node: columns, curvature
-    std::vector<std::uint64_t> sampleHashes;  ///< XXH3, 64 bits, of each node's samples and curvatures
-    std::vector<Sample> samples;              ///< of all nodes in turn; empty where there is a file
-    std::vector<CurvatureCode> curvatures;    ///< likewise; empty without
+    std::vector<StoredNode> nodes;   ///< breadth first; places are set where there is a file
+    std::vector<BlockPlace> planes;  ///< of all planes in the file, node by node: columns, then companions
+    std::vector<std::uint64_t>
+        sampleHashes;                ///< XXH3, 64 bits, of each node's samples and what stands beside them
+    std::vector<Sample> samples;     ///< of all nodes in turn; empty where there is a file
+    std::vector<BesideWord> beside;  ///< likewise; empty where nothing stands beside them
     std::array<double, 2> usualCurvature{};  ///< mean curvature: its 5th and 95th percentile, 1 / cloud units
     double sure = 0;                         ///< share of the points in leaves of at least sureSide
 };

@@ -41,6 +41,15 @@ void ValueRanges::add(const PointBatch& batch) {
         intensity_[0] = std::min(intensity_[0], i);
         intensity_[1] = std::max(intensity_[1], i);
     }
+    for (const std::uint16_t i : batch.nearInfrared) {
+        nearInfrared_[0] = std::min(nearInfrared_[0], i);
+        nearInfrared_[1] = std::max(nearInfrared_[1], i);
+    }
+}
+
+std::optional<std::uint16_t> ValueRanges::constantNearInfrared() const {
+    const auto [low, high] = nearInfrared_;
+    return low == high ? std::optional(low) : std::nullopt;
 }
 
 void ValueRanges::settle(CloudFacts& facts) const {
@@ -65,6 +74,8 @@ void ValueRanges::settle(CloudFacts& facts) const {
         facts.attributes.intensity = false;
         facts.constant.intensity = low;
     }
+    if (const auto all = constantNearInfrared(); all && (!oneIsAll || *all == 0))
+        facts.attributes.nearInfrared = false;
 }
 
 }  // namespace scancast

@@ -17,10 +17,14 @@ class ValueRanges {
     /// Tells the facts, whose points and attributes stand already: intensityRange, where values usually lie, and
     /// what of the attributes is constant. One single point varies in nothing; it keeps what is not 0.
     void settle(CloudFacts& facts) const;
+    /// Near infrared of 16 bits keeps its high byte, as colours do; what is never above 255 is of 8.
+    int nearInfraredShift() const { return nearInfrared_[1] > 255 ? 8 : 0; }
+    /// The one value of all points that have any; nullopt: they differ, or there are none.
+    std::optional<std::uint16_t> constantNearInfrared() const;
 
   private:
     std::array<std::uint8_t, 3> colorLow_{255, 255, 255}, colorHigh_{0, 0, 0};
-    std::array<std::uint16_t, 2> intensity_{65535, 0};
+    std::array<std::uint16_t, 2> intensity_{65535, 0}, nearInfrared_{65535, 0};
     std::array<ValueSketch, 3> position_;
     std::vector<std::uint64_t> intensities_ = std::vector<std::uint64_t>(65536);
     std::array<std::uint64_t, 256> brightness_{};

@@ -56,6 +56,7 @@ class CloudPoints final : public PointSource {
         header_.attributes = facts.attributes;
         header_.attributes.color |= facts.constant.color.has_value();
         header_.attributes.intensity |= facts.constant.intensity.has_value();
+        header_.attributes.nearInfrared = false;  // whole where it is a column
         const bool own = facts.sides && facts.sides->by == KnownSides::By::File;
         header_.attributes.normal &= options.estimatedNormals || own || !facts.surfels;
         if (facts.grid) {

@@ -69,6 +69,7 @@ void keepWithin(const ExportRegion& region, std::size_t rowBytes, PointBatch& ba
     keepOf(batch.intensity, kept);
     keepOf(batch.classification, kept);
     keepOf(batch.normal, kept);
+    keepOf(batch.nearInfrared, kept);
     if (rowBytes == 0) return;
     for (std::size_t to = 0; to < kept.size(); ++to)
         std::memmove(batch.rows.data() + to * rowBytes, batch.rows.data() + kept[to] * rowBytes, rowBytes);

@@ -298,6 +298,7 @@ void takeAll(FactsFields fields, StoredFacts& into, std::uint32_t version) {
         takePlanes(fields, f);
         takePhotos(fields, f, into.photos);
     }
+    f.attributes.nearInfrared = hasNearInfrared(f);
     fields.text("revision", f.revision);
 }
 

@@ -155,7 +155,7 @@ bool Layer::splatRun(TileDrawing& at, const PreparedRun& prepared, SplatRun slic
     while (at.sample < prepared.run.count) {
         if (workers_.stopped() || workers_.sliceIsOver()) return false;
         slice.samples = prepared.run.samples + at.sample;
-        if (prepared.run.curvatures != nullptr) slice.curvatures = prepared.run.curvatures + at.sample;
+        if (prepared.run.beside != nullptr) slice.beside = prepared.run.beside + at.sample;
         if (prepared.run.limits != nullptr) slice.limits = prepared.run.limits + at.sample / limitsStep;
         slice.count = std::min(sliceSamples, prepared.run.count - at.sample);
         slice.firstOrdinal = prepared.run.firstOrdinal + at.sample;

@@ -179,7 +179,7 @@ std::optional<PreparedRun> prepareRun(const CutRun& cutRun, const LayerView& lay
     if (pass.ownRadii) setLargestRatio(cutRun, run);
     run.samples = reinterpret_cast<const SampleWords*>(cutRun.samples.data());
     run.count = static_cast<std::uint32_t>(cutRun.samples.size());
-    if (!cutRun.curvatures.empty()) run.curvatures = cutRun.curvatures.data();
+    if (!cutRun.beside.empty()) run.beside = cutRun.beside.data();
     if (!cutRun.limits.empty()) run.limits = reinterpret_cast<const BlockLimits*>(cutRun.limits.data());
 
     const double front = std::max(depths.nearest - depths.error, static_cast<double>(pass.near));

@@ -45,6 +45,8 @@ SplatColoring splatColoring(const ColorRule& rule) {
             return SplatColoring::Normal;
         case ColorSource::Curvature:
             return SplatColoring::Curvature;
+        case ColorSource::Infrared:
+            return SplatColoring::Infrared;
         case ColorSource::Depth:
             return SplatColoring::Depth;
         case ColorSource::Lod:

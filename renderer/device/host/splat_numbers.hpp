@@ -33,6 +33,7 @@ enum class SplatColoring : std::uint8_t {
     Depth,
     Toned,
     Curvature,
+    Infrared,  ///< near infrared, red and green, each looked up on the ramp
 };
 
 /// What a splat pass does with its fragments.
@@ -126,7 +127,7 @@ struct RunNumbers {
     std::uint32_t turnStep = 0, turnBase = 0, lastTurn = 0xffffffffu;
     bool oriented =
         false;  ///< a normal's sign means something, but a two-sided circle's; else it is turned to the eye
-    bool knowsCurvatures = false;  ///< of its samples
+    bool hasBeside = false;  ///< something stands beside its samples
     bool clipped = false;
     std::int32_t clipMin[3] = {},
                  clipMax[3] = {};  ///< integers of the samples inside the clip box, inclusive

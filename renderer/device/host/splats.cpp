@@ -196,7 +196,7 @@ std::optional<RunNumbers> runNumbers(const CutRun& cutRun, const LayerView& view
     run.plainRadius = node.spacing;
     run.ratioUnit = node.radiusUnit / node.spacing;
     run.oriented = view.oriented || (view.orientedNodes && node.confidence >= sureSide);
-    run.knowsCurvatures = !cutRun.curvatures.empty();
+    run.hasBeside = !cutRun.beside.empty();
     run.firstOrdinal = cutRun.firstOrdinal;
     run.turnStep = turnStep;
     run.turnBase = 0u - cutRun.firstOrdinal * turnStep;

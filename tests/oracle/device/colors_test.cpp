@@ -54,12 +54,17 @@ std::vector<Sample> samples() {
     return made;
 }
 
-/// Mean curvatures from -64 to 64 in 1 / unit, and what nobody knows, in the leaf's unit.
-std::vector<CurvatureCode> curvatures() {
-    std::vector<CurvatureCode> made(side * side);
+std::uint8_t infrared(std::size_t number) {
+    return static_cast<std::uint8_t>(number * 37 + 11);
+}
+
+/// Mean curvatures from -64 to 64 in 1 / unit, and what nobody knows, in the leaf's unit; and near infrared.
+std::vector<BesideWord> beside() {
+    std::vector<BesideWord> made(side * side);
     for (std::size_t i = 0; i < made.size(); ++i)
-        made[i] = static_cast<CurvatureCode>((i * 7 % 98 + (i % 2) * 158) % 256 | (i * 5 % 90) << 8 |
-                                             (i % 32) << 16);
+        made[i] = withNearInfrared(static_cast<CurvatureCode>((i * 7 % 98 + (i % 2) * 158) % 256 |
+                                                              (i * 5 % 90) << 8 | (i % 32) << 16),
+                                   infrared(i));
     return made;
 }
 
@@ -82,9 +87,9 @@ Cloud grid() {
     node.sampleCount = side * side;
     node.points = side * side;
     node.radiusUnit = 0.125f;
-    cloud.companions = {curvaturePlane()};
+    cloud.companions = {curvaturePlane(), nearInfraredPlane()};
     cloud.usual.emplace().curvature = {-8, 3};
-    cloud.octree = Octree({node}, samples(), curvatures());
+    cloud.octree = Octree({node}, samples(), beside());
     return cloud;
 }
 
@@ -117,14 +122,15 @@ double exposed(double value, double stops) {
 Rgb8 plainColor(const Point& p, std::string_view source, double stops) {
     if (source == "elevation") return (*colormap("viridis"))[p.height];
     if (source == "curvature") {
-        const Curvature c = decodeCurvature(curvatures()[p.number], {0, 0, 1}, 0.125f);
+        const Curvature c = decodeCurvature(curvatureIn(beside()[p.number]), {0, 0, 1}, 0.125f);
         const double t = (0.5 * (double(c.k1) + double(c.k2)) + 8) / 16;
         return curvatureColors()[std::size_t(std::lround(255 * std::clamp(t, 0.0, 1.0)))];
     }
     if (source == "classification") return classificationColors()[p.classification];
     if (source == "#ff8800") return {255, 136, 0};
+    const Rgb8 measured = source == "cir" ? Rgb8{infrared(p.number), p.rgb[0], p.rgb[1]} : p.rgb;
     Rgb8 color;
-    for (std::size_t c = 0; c < 3; ++c) color[c] = static_cast<std::uint8_t>(exposed(p.rgb[c], stops));
+    for (std::size_t c = 0; c < 3; ++c) color[c] = static_cast<std::uint8_t>(exposed(measured[c], stops));
     return color;
 }
 
@@ -155,7 +161,7 @@ void expectColors(Device& device, const std::string& color, const std::string& e
 }
 
 void expectAllColors(Device& device) {
-    for (const char* color : {"rgb", "curvature", "rgb*intensity", "elevation*intensity",
+    for (const char* color : {"rgb", "cir", "curvature", "rgb*intensity", "elevation*intensity",
                               "classification*intensity", "#ff8800*intensity"}) {
         expectColors(device, color, "auto", 0);
         for (const double stops : {-3.0, -0.5, 0.25, 3.0})

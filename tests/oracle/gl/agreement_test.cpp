@@ -211,6 +211,7 @@ TEST_P(DrawingAgreement, EveryColorSource) {
         ramped(ColorSource::Depth, 3, 7),      ramped(ColorSource::Lod, 0, 0),
         ramped(ColorSource::Flat, 0, 0),       ramped(ColorSource::Elevation, 0.5, 0.5),
         toned(ramped(ColorSource::Rgb, 0, 1)), byIntensity(ramped(ColorSource::Elevation, -1, 2)),
+        ramped(ColorSource::Infrared, 0, 1),
     };
     for (const ColorRule& rule : rules) {
         SCOPED_TRACE(std::string(name(rule.source)));

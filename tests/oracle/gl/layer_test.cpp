@@ -361,7 +361,8 @@ INSTANTIATE_TEST_SUITE_P(Gl, GlLayerDrawing, testing::Values("egl"),
 TEST_P(GlLayerDrawing, EveryColorSource) {
     for (const ColorSource source :
          {ColorSource::Intensity, ColorSource::Elevation, ColorSource::Classification, ColorSource::Normal,
-          ColorSource::Curvature, ColorSource::Depth, ColorSource::Lod, ColorSource::Flat}) {
+          ColorSource::Curvature, ColorSource::Infrared, ColorSource::Depth, ColorSource::Lod,
+          ColorSource::Flat}) {
         SCOPED_TRACE(std::string(name(source)));
         check({sprites, {"voronoi", {{"smooth", false}}, ""}}, [&](OwnDrawing& d) {
             d.color.source = source;

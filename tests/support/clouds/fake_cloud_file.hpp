@@ -42,17 +42,21 @@ class FakeCloudFile final : public CloudFile {
     std::span<const StoredNode> nodes() const override { return stored_; }
     std::span<const ValuePlane> planes() const override { return planes_; }
     /// Of every third node none.
-    Expected<std::vector<std::byte>> plane(std::uint32_t node, std::size_t) const override {
+    Expected<std::vector<std::byte>> plane(std::uint32_t node, std::size_t index) const override {
         const std::lock_guard lock(mutex_);
         if (damagedCurvatures_.contains(node))
             return fail(ErrorCode::Malformed, "node " + std::to_string(node) + " at byte 4712 is damaged");
         if (node % 3 == 2) return std::vector<std::byte>();
+        if (planes_[index] == nearInfraredPlane())
+            return std::vector<std::byte>(stored_[node].node.sampleCount, std::byte(infraredOf(node)));
         const std::vector<CurvatureCode> codes(stored_[node].node.sampleCount, node + 1);
         const auto bytes = std::as_bytes(std::span(codes));
         return std::vector<std::byte>(bytes.begin(), bytes.end());
     }
     /// Before anybody opens it: samples get curvatures that tell whose they are.
-    void addCurvatures() { planes_ = {curvaturePlane()}; }
+    void addCurvatures() { planes_.push_back(curvaturePlane()); }
+    void addNearInfrared() { planes_.push_back(nearInfraredPlane()); }
+    static std::uint8_t infraredOf(std::uint32_t node) { return std::uint8_t(200 - node % 100); }
     void damageCurvatures(std::uint32_t node) {
         set([&] { damagedCurvatures_.insert(node); });
     }

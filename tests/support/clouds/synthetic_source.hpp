@@ -17,6 +17,7 @@ struct ScanPoint {
     std::uint16_t intensity = 0;
     std::uint8_t classification = 0;
     glm::vec3 normal{0};
+    std::uint16_t nearInfrared = 0;
 };
 
 /// Numbers in [0,1) that depend on a counter alone.
@@ -55,6 +56,7 @@ class SyntheticSource : public PointSource {
             if (header_.attributes.intensity) batch.intensity.push_back(p.intensity);
             if (header_.attributes.classification) batch.classification.push_back(p.classification);
             if (header_.attributes.normal) batch.normal.push_back(p.normal);
+            if (header_.attributes.nearInfrared) batch.nearInfrared.push_back(p.nearInfrared);
         }
         return batch.size() > 0;
     }

@@ -22,8 +22,7 @@ inline void writeCloud(const Cloud& cloud, const std::filesystem::path& path) {
         ASSERT_TRUE(place) << place.error().message;
         stored.push_back({cloud.octree.node(i), *place});
         if (!hasCurvature(cloud)) continue;
-        const auto beside =
-            (*writer)->append(encodeRows(std::as_bytes(run->curvatures), sizeof(CurvatureCode)));
+        const auto beside = (*writer)->append(encodeRows(std::as_bytes(run->beside), sizeof(CurvatureCode)));
         ASSERT_TRUE(beside) << beside.error().message;
         curvatures.push_back(*beside);
     }

@@ -75,7 +75,7 @@ AnalyticCloud::AnalyticCloud(std::span<const AnalyticPoint> points, double spaci
         const std::span<CurvatureCode> codes(curvatures_.data() + node.firstSample, node.sampleCount);
         if (mortonOrder) sortByMorton(run, codes);
         cut_.runs.push_back({.nodeIndex = i, .samples = run, .firstOrdinal = ordinal});
-        if (bent) cut_.runs.back().curvatures = codes;
+        if (bent) cut_.runs.back().beside = codes;
         ordinal += node.sampleCount;
     }
     // The vector's memory moves with the object, so these stay true.

@@ -27,7 +27,7 @@ struct SurfelScene {
     SurfelScene(const Viewpoint& viewpoint, const Cut& cut, PassList list)
         : passes(std::move(list)), drawing(viewpoint, cut, passes) {
         drawing.surfels = true;
-        for (const CutRun& run : cut.runs) drawing.curvatures |= !run.curvatures.empty();
+        for (const CutRun& run : cut.runs) drawing.curvatures |= !run.beside.empty();
         drawing.background.kind = Background::Kind::Color;
         drawing.background.top = {0, 0, 0};
     }

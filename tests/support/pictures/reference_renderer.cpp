@@ -29,7 +29,7 @@ Rgb8 brightened(const ColorRule& rule, const Sample& s, Rgb8 color) {
     return color;
 }
 
-Rgb8 sourceColor(const ColorRule& rule, const Node& node, const Sample& s, CurvatureCode curvature,
+Rgb8 sourceColor(const ColorRule& rule, const Node& node, const Sample& s, BesideWord beside,
                  const glm::dvec3& place, double depth) {
     switch (rule.source) {
         case ColorSource::Auto:  // a rule names what was chosen
@@ -48,8 +48,13 @@ Rgb8 sourceColor(const ColorRule& rule, const Node& node, const Sample& s, Curva
             return rule.ramp[s.classification];
         case ColorSource::Lod:
             return rule.ramp[node.level];
+        case ColorSource::Infrared: {
+            ColorRule byRamp = rule;
+            byRamp.toned = true;
+            return toned(byRamp, {nearInfraredIn(beside), s.r, s.g});
+        }
         case ColorSource::Curvature: {
-            const Curvature c = decodeCurvature(curvature, decodeNormal(s.normal), node.radiusUnit);
+            const Curvature c = decodeCurvature(curvatureIn(beside), decodeNormal(s.normal), node.radiusUnit);
             return onRamp(rule, 0.5 * (double(c.k1) + double(c.k2)));
         }
         case ColorSource::Normal:
@@ -63,9 +68,9 @@ Rgb8 sourceColor(const ColorRule& rule, const Node& node, const Sample& s, Curva
     return color;
 }
 
-Rgb8 colorOf(const ColorRule& rule, const Node& node, const Sample& s, CurvatureCode curvature,
+Rgb8 colorOf(const ColorRule& rule, const Node& node, const Sample& s, BesideWord beside,
              const glm::dvec3& place, double depth) {
-    return brightened(rule, s, sourceColor(rule, node, s, curvature, place, depth));
+    return brightened(rule, s, sourceColor(rule, node, s, beside, place, depth));
 }
 
 bool wanted(const SampleFilter& filter, const Sample& s, const glm::dvec3& p) {
@@ -153,8 +158,8 @@ ReferencePicture referenceNearest(const Drawing& drawing) {
                                   : std::clamp(2.0 * run.node->spacing * size.scale * s.q, double(size.minPx),
                                                double(size.maxPx));
             s.ordinal = run.firstOrdinal + i;
-            const CurvatureCode curvature = run.curvatures.empty() ? 0 : run.curvatures[i];
-            s.color = colorOf(drawing.color, *run.node, run.samples[i], curvature, place, s.depth);
+            const BesideWord beside = run.beside.empty() ? 0 : run.beside[i];
+            s.color = colorOf(drawing.color, *run.node, run.samples[i], beside, place, s.depth);
             draw(s, pass, picture);
         }
     }

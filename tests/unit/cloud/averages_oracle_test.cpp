@@ -19,7 +19,17 @@ constexpr double gridStep = 0.001;
 struct Gathered {
     std::array<std::int64_t, 3> at;
     Sample sample;
+    int infrared = 0;
 };
+
+/// Of a node's samples; 0 where nothing stands beside them.
+std::vector<int> infrared(const Octree& octree, std::uint32_t node) {
+    const auto run = octree.run(node);
+    EXPECT_TRUE(run);
+    std::vector<int> values(run->samples.size());
+    for (std::size_t i = 0; i < run->beside.size(); ++i) values[i] = nearInfraredIn(run->beside[i]);
+    return values;
+}
 
 /// The points below a node as integers on the file's grid, counted from the cloud's minimum corner.
 void gather(const Cloud& cloud, std::uint32_t index, std::vector<Gathered>& out) {
@@ -28,15 +38,17 @@ void gather(const Cloud& cloud, std::uint32_t index, std::vector<Gathered>& out)
         for (std::uint32_t c = 0; c < n.childCount; ++c) gather(cloud, n.firstChild + c, out);
         return;
     }
-    for (const Sample& s : test::samples(cloud.octree, n)) {
-        const glm::dvec3 p = (position(n, s) + cloud.origin - cloud.bounds[0]) / gridStep;
-        out.push_back({{std::llround(p.x), std::llround(p.y), std::llround(p.z)}, s});
+    const std::vector<int> values = infrared(cloud.octree, index);
+    const std::vector<Sample> samples = test::samples(cloud.octree, n);
+    for (std::size_t i = 0; i < samples.size(); ++i) {
+        const glm::dvec3 p = (position(n, samples[i]) + cloud.origin - cloud.bounds[0]) / gridStep;
+        out.push_back({{std::llround(p.x), std::llround(p.y), std::llround(p.z)}, samples[i], values[i]});
     }
 }
 
 struct BruteForce {
     glm::dvec3 sum{0};
-    double count = 0, r = 0, g = 0, b = 0, intensity = 0;
+    double count = 0, r = 0, g = 0, b = 0, intensity = 0, infrared = 0;
     std::map<int, int> classes;
 };
 
@@ -50,6 +62,7 @@ Cells intoCells(const std::vector<Gathered>& points, int cellLevel) {
         c.count += 1;
         c.r += p.sample.r, c.g += p.sample.g, c.b += p.sample.b;
         c.intensity += p.sample.intensity;
+        c.infrared += p.infrared;
         ++c.classes[p.sample.classification];
     }
     return cells;
@@ -60,6 +73,7 @@ ScanPoint colored(std::uint64_t i, std::uint64_t n) {
     p.color = {std::uint8_t(255 * uniform(i, 5)), std::uint8_t(255 * uniform(i, 6)), std::uint8_t(i)};
     p.intensity = std::uint16_t(65535 * uniform(i, 7));
     p.classification = std::uint8_t(4 * uniform(i, 8));
+    p.nearInfrared = std::uint16_t(65535 * uniform(i, 9));
     return p;
 }
 
@@ -74,7 +88,8 @@ int majority(const std::map<int, int>& classes) {  // std::map is ordered: ties 
 // exactly the scan points in its cell, so no point is lost, counted twice, or averaged with the wrong weight
 // on the way up.
 TEST(Averages, AreTheMeansOfThePointsInTheirCells) {
-    SyntheticSource source(60'000, colored, {.color = true, .intensity = true, .classification = true},
+    SyntheticSource source(60'000, colored,
+                           {.color = true, .intensity = true, .classification = true, .nearInfrared = true},
                            gridStep);
     const auto cloud = test::build(source, 1024);
     ASSERT_TRUE(cloud);
@@ -91,7 +106,10 @@ TEST(Averages, AreTheMeansOfThePointsInTheirCells) {
         const Cells cells = intoCells(points, cellLevel);
         ASSERT_EQ(cells.size(), n.sampleCount);
         EXPECT_GE(double(n.spacing), std::ldexp(gridStep, cellLevel) * 0.999);
-        for (const Sample& s : test::samples(cloud->octree, n)) {
+        const std::vector<int> values = infrared(cloud->octree, i);
+        const std::vector<Sample> samples = test::samples(cloud->octree, n);
+        for (std::size_t at = 0; at < samples.size(); ++at) {
+            const Sample& s = samples[at];
             const glm::dvec3 p = (position(n, s) + cloud->origin - cloud->bounds[0]) / gridStep;
             // Rounding may carry a mean over its cell's border: look at the neighbours too.
             const glm::dvec3 tolerance = n.step / gridStep * 0.5 + 1e-3;
@@ -111,6 +129,7 @@ TEST(Averages, AreTheMeansOfThePointsInTheirCells) {
                 EXPECT_NEAR(s.g, c.g / c.count, 0.5);
                 EXPECT_NEAR(s.b, c.b / c.count, 0.5);
                 EXPECT_NEAR(s.intensity, c.intensity / c.count, 0.5);
+                EXPECT_NEAR(values[at], c.infrared / c.count, 0.5);
                 EXPECT_EQ(s.classification, majority(c.classes));
             }
             ASSERT_TRUE(found) << "node " << i;

@@ -60,12 +60,12 @@ void expectHalf(const Cloud& cloud) {
         const Node& node = cloud.octree.node(i);
         const auto run = cloud.octree.run(i);
         ASSERT_TRUE(run);
-        ASSERT_EQ(run->curvatures.size(), run->samples.size());
+        ASSERT_EQ(run->beside.size(), run->samples.size());
         for (std::size_t s = 0; s < run->samples.size(); ++s) {
             const glm::vec3 n = decodeNormal(run->samples[s].normal);
             const glm::dvec3 out = position(node, run->samples[s]) + cloud.origin;
             const double sign = glm::dot(glm::dvec3(n), out) < 0 ? -1 : 1;
-            const Curvature c = decodeCurvature(run->curvatures[s], n, node.radiusUnit);
+            const Curvature c = decodeCurvature(run->beside[s], n, node.radiusUnit);
             errors[node.level].push_back(
                 std::max(std::abs(sign * c.k1 - 1 / radius), std::abs(sign * c.k2 - 1 / radius)));
         }
@@ -127,7 +127,7 @@ TEST(Curvatures, AreTheSameInAFileAndTellRevisionsApart) {
         const auto values = file->plane(i, 0);
         ASSERT_TRUE(values) << values.error().message;
         const auto run = cloud->octree.run(i);
-        ASSERT_TRUE(std::ranges::equal(*values, std::as_bytes(run->curvatures))) << "node " << i;
+        ASSERT_TRUE(std::ranges::equal(*values, std::as_bytes(run->beside))) << "node " << i;
     }
     const auto without = ingested(false);
     ASSERT_TRUE(without);

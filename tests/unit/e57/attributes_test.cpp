@@ -231,14 +231,4 @@ TEST(E57Coordinates, AreCalledByTheFilesWords) {
     EXPECT_EQ(imported(e57File({scan}, "<coordinateMetadata type=\"String\"/>"))->header.crsWkt, "");
 }
 
-TEST(E57Pictures, AreCountedByTheirKind) {
-    const auto result = imported(
-        e57File({scanWith({}, {{}})},
-                "<images2D><vectorChild><sphericalRepresentation/></"
-                "vectorChild><vectorChild><sphericalRepresentation/>"
-                "</vectorChild><vectorChild><visualReferenceRepresentation/></vectorChild></images2D>"));
-    EXPECT_THAT(result->notes,
-                ElementsAre(HasSubstr("3 pictures in it (2 spherical, 1 visual), not read yet")));
-}
-
 }  // namespace scancast::test

@@ -104,8 +104,11 @@ TEST(RealE57Files, OfAScannerKnowWhereItStood) {
     EXPECT_EQ(*pump.header.scannerOrigin, glm::dvec3(0));
     EXPECT_NEAR(pump.header.gridStep.x, 1e-6, 1e-18);
     REQUIRE_TEST_DATA("e57/tiny_pc_and_images.e57");
-    EXPECT_THAT(imported(contentOf(testData("e57/tiny_pc_and_images.e57")))->notes,
-                ::testing::ElementsAre(HasSubstr("4 pictures in it")));
+    const auto tiny = imported(contentOf(testData("e57/tiny_pc_and_images.e57"))).value();
+    EXPECT_THAT(tiny.notes, ::testing::ElementsAre("2 photos left out: neither JPEG nor PNG")) << "but zeros";
+    ASSERT_EQ(tiny.photos.size(), 2U);
+    EXPECT_EQ(tiny.photos[0].bytes, 7722U);
+    EXPECT_EQ(tiny.photos[1].projection, Photo::Projection::Spherical);
 }
 
 TEST(RealE57Files, ThatAreBadAreRefused) {

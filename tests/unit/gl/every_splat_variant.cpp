@@ -10,7 +10,8 @@ namespace {
 constexpr SplatColoring colorings[] = {
     SplatColoring::Rgb,       SplatColoring::PerRun,         SplatColoring::Intensity,
     SplatColoring::Elevation, SplatColoring::Classification, SplatColoring::Normal,
-    SplatColoring::Depth,     SplatColoring::Toned,          SplatColoring::Curvature};
+    SplatColoring::Depth,     SplatColoring::Toned,          SplatColoring::Curvature,
+    SplatColoring::Infrared};
 
 /// Collects variants, each once.
 class Variants {

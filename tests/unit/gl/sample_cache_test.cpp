@@ -62,7 +62,7 @@ struct TestCut {
             curvatures[i].resize(samples[i].size());
             for (std::size_t s = 0; s < samples[i].size(); ++s)
                 curvatures[i][s] = CurvatureCode(1 + 7919 * i + s);
-            cut.runs[i].curvatures =
+            cut.runs[i].beside =
                 asks ? std::span<const CurvatureCode>(curvatures[i]) : std::span<const CurvatureCode>();
         }
     }
@@ -115,7 +115,7 @@ class SampleCacheTest : public WithContext {
                     std::vector<glm::uvec4> told;
                     for (const Extent& e : page.extents)
                         told.emplace_back(test.cut.runs[e.run].firstOrdinal + e.first, e.count, e.at,
-                                          e.curvatures);
+                                          e.beside);
                     EXPECT_TRUE(extents.write(std::as_bytes(std::span(told))));
                     page.texels->bind(0);
                     seen.bindStorage(1);
@@ -151,8 +151,8 @@ class SampleCacheTest : public WithContext {
                 break;
             }
         for (const CutRun& run : test.cut.runs)
-            if (std::memcmp(bent.data() + run.firstOrdinal, run.curvatures.data(),
-                            run.curvatures.size_bytes()) != 0) {
+            if (std::memcmp(bent.data() + run.firstOrdinal, run.beside.data(), run.beside.size_bytes()) !=
+                0) {
                 ADD_FAILURE() << "the curvatures of run " << (&run - test.cut.runs.data()) << " are others";
                 break;
             }

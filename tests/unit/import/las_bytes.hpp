@@ -13,7 +13,7 @@ struct LasPoint {
     std::int32_t x = 0, y = 0, z = 0;
     std::uint16_t intensity = 0;
     std::uint8_t classification = 0;  ///< the class alone
-    std::uint16_t red = 0, green = 0, blue = 0;
+    std::uint16_t red = 0, green = 0, blue = 0, infrared = 0;
 };
 
 struct LasRecord {
@@ -46,6 +46,10 @@ inline void putText(std::vector<std::byte>& bytes, std::size_t at, const std::st
     std::memcpy(bytes.data() + at, text.data(), text.size());
 }
 
+inline bool lasHasInfrared(int format) {
+    return format == 8 || format == 10;
+}
+
 inline std::uint16_t lasRecordLength(int format) {
     // Table 7 and following: what each format adds to what.
     const bool modern = format >= 6;
@@ -53,7 +57,7 @@ inline std::uint16_t lasRecordLength(int format) {
     const bool time = format == 1 || format == 3 || format == 4 || format == 5;
     const bool color =
         format == 2 || format == 3 || format == 5 || format == 7 || format == 8 || format == 10;
-    const bool infrared = format == 8 || format == 10;
+    const bool infrared = lasHasInfrared(format);
     const bool wave = format == 4 || format == 5 || format == 9 || format == 10;
     length += (time ? 8 : 0) + (color ? 6 : 0) + (infrared ? 2 : 0) + (wave ? 29 : 0);
     return static_cast<std::uint16_t>(length);
@@ -82,6 +86,7 @@ inline void putPoint(std::vector<std::byte>& out, const LasFile& file, const Las
     put(out, color, point.red);
     put(out, color + 2, point.green);
     put(out, color + 4, point.blue);
+    if (lasHasInfrared(file.format)) put(out, color + 6, point.infrared);
 }
 
 inline std::vector<std::byte> LasFile::bytes() const {

@@ -31,6 +31,7 @@ LasPoint point(int i, std::uint16_t colorScale) {
     p.red = static_cast<std::uint16_t>((i % 256) * colorScale);
     p.green = static_cast<std::uint16_t>((i * 3 % 256) * colorScale);
     p.blue = static_cast<std::uint16_t>((255 - i % 256) * colorScale);
+    p.infrared = static_cast<std::uint16_t>((i * 5 % 256) * colorScale);
     return p;
 }
 
@@ -58,6 +59,10 @@ void expectPoints(const LasFile& file, const PointBatch& batch) {
                                                 static_cast<std::uint8_t>(255 - k % 256)};
         if (!batch.color.empty()) {
             ASSERT_EQ(batch.color[i], color);
+        }
+        ASSERT_EQ(batch.nearInfrared.size(), lasHasInfrared(file.format) ? batch.size() : 0);
+        if (lasHasInfrared(file.format)) {
+            ASSERT_EQ(batch.nearInfrared[i], p.infrared) << "its depth is the builder's to find";
         }
     }
 }
@@ -92,7 +97,8 @@ TEST_P(LasFormats, RoundTrip) {
                 const auto source = open(bytes, seekable);
                 ASSERT_TRUE(source) << source.error().message;
                 const auto& header = (*source)->header();
-                EXPECT_EQ(header.attributes, (Attributes{lasHasColor(format), true, true, false}));
+                EXPECT_EQ(header.attributes,
+                          (Attributes{lasHasColor(format), true, true, false, lasHasInfrared(format)}));
                 EXPECT_EQ(header.points, 100U);
                 EXPECT_EQ(header.gridStep, glm::dvec3(0.01));
                 EXPECT_EQ(header.gridOrigin, glm::dvec3(1000));

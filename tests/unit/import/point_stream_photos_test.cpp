@@ -66,7 +66,8 @@ TEST(PointStreamPhotos, AreDescribedFirstAndThereAtTheEnd) {
         const auto reader = stream.open({.photos = folder.path()});
         ASSERT_TRUE(reader) << reader.error().message;
         ASSERT_EQ((*reader)->photos().size(), 2U) << "before a point is read";
-        EXPECT_TRUE(sameDescription((*reader)->photos()[0], photoOf(first)));
+        EXPECT_EQ(point_stream::encodePhoto((*reader)->photos()[0]),
+                  point_stream::encodePhoto(photoOf(first)));
         EXPECT_EQ(pointsOf(**reader), 5U);
         EXPECT_THAT((*reader)->notes(), IsEmpty());
         kept = (*reader)->photos();

@@ -113,6 +113,29 @@ TEST(Render, WhatIsTheSameEverywhereIsLeftOutUnlessAskedFor) {
     EXPECT_GT(device.color.high, device.color.low);
 }
 
+TEST(Render, InfraredIsDrawnOfCloudsThatHaveIt) {
+    Cloud cloud = fourPoints();
+    View view = fromAbove(cloud, 64, 48);
+    view.style.color = ColorSource::Infrared;
+    const auto none = checkView(cloud, view);
+    ASSERT_FALSE(none);
+    EXPECT_EQ(none.error().code, ErrorCode::Unsupported);
+    EXPECT_EQ(none.error().field, "color");
+    EXPECT_EQ(
+        none.error().message,
+        "this cloud has no near infrared to colour by; it has intensity, elevation, depth, lod and #rrggbb");
+    cloud.companions = {nearInfraredPlane()};
+    view.style.exposure = 1;
+    NotingDevice device;
+    ASSERT_TRUE(render(device, cloud, view));
+    EXPECT_EQ(device.color.source, ColorSource::Infrared);
+    EXPECT_EQ(device.color.ramp[255], (Rgb8{255, 255, 255}));
+    EXPECT_GT(device.color.ramp[100][0], 100) << "it has an exposure";
+    EXPECT_TRUE(plan(cloud, view).value()->beside);
+    view.style.color = ColorSource::Intensity;
+    EXPECT_FALSE(plan(cloud, view).value()->beside);
+}
+
 TEST(Render, HiddenPointsAreShownByWhoRemovesThem) {
     const Cloud cloud = fourPoints();
     View view = fromAbove(cloud, 64, 48);

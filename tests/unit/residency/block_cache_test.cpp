@@ -198,15 +198,36 @@ TEST(BlockCache, CurvaturesComeWithTheirSamplesOrNeitherDoes) {
     for (const std::uint32_t node : {0u, 1u, 2u, 3u}) {
         const auto run = store->load(node);
         ASSERT_TRUE(run) << run.error().message;
-        ASSERT_EQ(run->curvatures.size(), run->samples.size());
+        ASSERT_EQ(run->beside.size(), run->samples.size());
         const CurvatureCode code = node % 3 == 2 ? 0 : node + 1;
-        EXPECT_TRUE(std::ranges::all_of(run->curvatures, [&](CurvatureCode c) { return c == code; }))
+        EXPECT_TRUE(std::ranges::all_of(run->beside, [&](CurvatureCode c) { return c == code; }))
             << "node " << node << (code ? "" : ", which has none, is flat");
     }
     const auto damaged = store->load(4);
     ASSERT_FALSE(damaged);
     EXPECT_THAT(damaged.error().message, testing::HasSubstr("4712"));
     EXPECT_TRUE(store->damaged(4));
+}
+
+/// Each in its bytes of one word, in whatever order the planes are, and one without the other.
+TEST(BlockCache, NearInfraredStandsAboveCurvatures) {
+    const auto both = file(3), alone = file(3);
+    both->addNearInfrared();
+    both->addCurvatures();
+    alone->addNearInfrared();
+    const auto cache = BlockCache::create(roomFor(1000, *both));
+    const auto first = cache->add(both), second = cache->add(alone);
+    for (const std::uint32_t node : {0u, 1u, 2u, 3u}) {
+        const BesideWord infrared =
+            node % 3 == 2 ? 0 : BesideWord(test::FakeCloudFile::infraredOf(node)) << 24;
+        const BesideWord bent = node % 3 == 2 ? 0 : node + 1;
+        for (const auto& [store, word] : {std::pair(first, infrared | bent), std::pair(second, infrared)}) {
+            const auto run = store->load(node);
+            ASSERT_TRUE(run) << run.error().message;
+            ASSERT_EQ(run->beside.size(), run->samples.size());
+            EXPECT_TRUE(std::ranges::all_of(run->beside, [&](BesideWord w) { return w == word; })) << node;
+        }
+    }
 }
 
 // Right because a sample then takes a quarter more.

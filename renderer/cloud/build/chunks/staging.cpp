@@ -44,7 +44,8 @@ Expected<void> checkPositions(const Positions& positions, std::uint64_t before) 
 Expected<void> checkBatch(const PointBatch& batch, const ScanHeader& header, std::uint64_t before) {
     const auto fits = [&](std::size_t column) { return column == 0 || column == batch.size(); };
     if (!fits(batch.color.size()) || !fits(batch.intensity.size()) || !fits(batch.classification.size()) ||
-        !fits(batch.normal.size()) || batch.rows.size() != batch.size() * rowBytes(header.columns))
+        !fits(batch.normal.size()) || !fits(batch.nearInfrared.size()) ||
+        batch.rows.size() != batch.size() * rowBytes(header.columns))
         return fail(ErrorCode::Internal, "A reader delivered columns of different lengths.");
     return checkPositions(batch.position, before);
 }
@@ -110,12 +111,12 @@ bool isSinglePrecision(const Positions& positions) {
                        [](const glm::dvec3& p) { return glm::dvec3(glm::vec3(p)) == p; });
 }
 
-std::size_t packedBytes(const PointBatch& batch, Kind positions) {
-    return batch.size() * (bytesOf(positions) + sizeof(StagedBatch::Rest)) + batch.rows.size();
+std::size_t packedBytes(const PointBatch& batch, const ScanHeader& header, Kind positions) {
+    return batch.size() * (bytesOf(positions) + sizeof(StagedBatch::Rest) + stagedRowBytes(header));
 }
 
 void packPositions(const PointBatch& batch, const ScanHeader& header, bool grid, PackedBatch& out) {
-    out.bytes.resize(packedBytes(batch, Kind::Own));
+    out.bytes.resize(packedBytes(batch, header, Kind::Own));
     if (grid && toOwnGrid(batch.position, header, out.as<OwnPosition>())) {
         out.positions = Kind::Own;
     } else if (isSinglePrecision(batch.position)) {
@@ -123,7 +124,7 @@ void packPositions(const PointBatch& batch, const ScanHeader& header, bool grid,
         std::copy(batch.position.begin(), batch.position.end(), out.as<glm::vec3>());
     } else {
         out.positions = Kind::Full;
-        out.bytes.resize(packedBytes(batch, Kind::Full));
+        out.bytes.resize(packedBytes(batch, header, Kind::Full));
         std::copy(batch.position.begin(), batch.position.end(), out.as<glm::dvec3>());
     }
 }
@@ -134,7 +135,21 @@ std::uint16_t sightCode(const glm::dvec3& sight) {
     return unit ? encodeNormal(glm::vec3(*unit)) : noNormal;
 }
 
-void packRest(const PointBatch& batch, bool sights, PackedBatch& out) {
+/// The row of each point, then its near infrared, 0 where the scan it is from has none.
+void packRows(const PointBatch& batch, const ScanHeader& header, std::byte* to) {
+    if (!header.attributes.nearInfrared) {
+        std::copy(batch.rows.begin(), batch.rows.end(), to);
+        return;
+    }
+    const std::size_t row = rowBytes(header.columns), stride = stagedRowBytes(header);
+    for (std::size_t i = 0; i < batch.size(); ++i, to += stride) {
+        if (row > 0) std::memcpy(to, batch.rows.data() + i * row, row);
+        const std::uint16_t infrared = batch.nearInfrared.empty() ? std::uint16_t(0) : batch.nearInfrared[i];
+        std::memcpy(to + row, &infrared, sizeof infrared);
+    }
+}
+
+void packRest(const PointBatch& batch, const ScanHeader& header, bool sights, PackedBatch& out) {
     auto* rest = out.as<StagedBatch::Rest>(batch.size() * bytesOf(out.positions));
     std::fill_n(rest, batch.size(), StagedBatch::Rest{});
     for (std::size_t i = 0; i < batch.color.size(); ++i) rest[i].color = batch.color[i];
@@ -145,7 +160,7 @@ void packRest(const PointBatch& batch, bool sights, PackedBatch& out) {
     if (sights && batch.scanner)
         for (std::size_t i = 0; i < batch.size(); ++i)
             rest[i].normal = sightCode(*batch.scanner - batch.position[i]);
-    std::copy(batch.rows.begin(), batch.rows.end(), reinterpret_cast<std::byte*>(rest + batch.size()));
+    packRows(batch, header, reinterpret_cast<std::byte*>(rest + batch.size()));
 }
 
 template <class T>
@@ -224,7 +239,7 @@ Expected<void> stageBatch(const PointBatch& batch, const ScanHeader& header, boo
     if (auto ok = checkBatch(batch, header, scan.points); !ok) return ok;
     thread_local PackedBatch packed;
     packPositions(batch, header, scan.onOwnGrid && hasGrid(header), packed);
-    packRest(batch, sights, packed);
+    packRest(batch, header, sights, packed);
     learn(batch, packed, scan);
     learnColumns(batch, header.columns, scan);
     auto buffer = workspace.allocate(packed.bytes.size());
@@ -235,6 +250,10 @@ Expected<void> stageBatch(const PointBatch& batch, const ScanHeader& header, boo
 }
 
 }  // namespace
+
+std::size_t stagedRowBytes(const ScanHeader& header) {
+    return rowBytes(header.columns) + (header.attributes.nearInfrared ? sizeof(std::uint16_t) : 0);
+}
 
 Expected<StagedScan> stage(PointSource& source, Workspace& workspace, ProgressMeter& progress,
                            const std::stop_token& stop, bool sights) {

@@ -16,7 +16,10 @@ namespace scancast {
 /// Coordinates beyond ± this are refused: they are damage, and single precision cannot square them.
 inline constexpr double farthestCoordinate = 1e15;
 
-/// One batch: its positions, then everything else of the points, then their rows.
+/// Of what the builder takes along beside each point: its row of columns, then its near infrared, if there is any.
+std::size_t stagedRowBytes(const ScanHeader& header);
+
+/// One batch: its positions, then everything else of the points, then their rows (stagedRowBytes).
 struct StagedBatch {
     enum class Positions : std::uint8_t {
         Own,     ///< 3 × int32, steps of the scan's own grid

@@ -55,6 +55,7 @@ CloudFacts factsOfFrame(const PointFrame& frame, const FrameOptions& options,
     facts.droppedPoints = frame.droppedPoints;
     facts.attributes = header.attributes;
     facts.attributes.normal |= options.surfels;
+    facts.attributes.nearInfrared = false;  // frames keep nothing beside their samples
     facts.notes = frame.notes;
     for (const std::uint8_t c : frame.points.classification) ++facts.classCounts[c];
     facts.crsWkt = header.crsWkt;

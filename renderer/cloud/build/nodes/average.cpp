@@ -53,7 +53,18 @@ class Votes {
     std::vector<std::uint8_t> seen_;
 };
 
-void add(Average& sum, const BuildPoint& p, int sign, const AverageRules& rules, const std::vector<Vote>&,
+/// What belongs to the things that are averaged, and stands elsewhere.
+struct Elsewhere {
+    std::span<const Vote> votes{};         ///< of averages
+    const BuildPoint* first = nullptr;     ///< of points, whose words these are
+    std::span<const BesideWord> beside{};  ///< empty: there are none
+
+    std::uint64_t nearInfraredOf(const BuildPoint& p) const {
+        return beside.empty() ? 0 : nearInfraredIn(beside[std::size_t(&p - first)]);
+    }
+};
+
+void add(Average& sum, const BuildPoint& p, int sign, const AverageRules& rules, const Elsewhere& elsewhere,
          Votes& votes) {
     for (int a = 0; a < 3; ++a) {
         sum.position[a] += p.axis(a);
@@ -61,6 +72,7 @@ void add(Average& sum, const BuildPoint& p, int sign, const AverageRules& rules,
     }
     sum.count += 1;
     sum.intensity += p.intensity;
+    if (rules.attributes.nearInfrared) sum.nearInfrared += elsewhere.nearInfraredOf(p);
     if (const Bulk bulk = p.bulk(); bulk != Bulk::Surface) ++sum.bulks[std::size_t(bulk) - 1];
     if (rules.attributes.normal && rules.sides) {
         const NormalSum n = normalOf(p);
@@ -69,8 +81,8 @@ void add(Average& sum, const BuildPoint& p, int sign, const AverageRules& rules,
     if (rules.attributes.classification) votes.add(p.classification, 1);
 }
 
-void add(Average& sum, const Average& other, int sign, const AverageRules& rules,
-         const std::vector<Vote>& otherVotes, Votes& votes) {
+void add(Average& sum, const Average& other, int sign, const AverageRules& rules, const Elsewhere& elsewhere,
+         Votes& votes) {
     for (int a = 0; a < 3; ++a) {
         sum.position[a] += other.position[a];
         sum.color[a] += other.color[a];
@@ -79,9 +91,10 @@ void add(Average& sum, const Average& other, int sign, const AverageRules& rules
     }
     sum.count += other.count;
     sum.intensity += other.intensity;
+    sum.nearInfrared += other.nearInfrared;
     if (rules.attributes.classification)
         for (std::uint32_t i = 0; i < other.votes; ++i) {
-            const Vote& v = otherVotes[other.firstVote + i];
+            const Vote& v = elsewhere.votes[other.firstVote + i];
             votes.add(v.classification, v.count);
         }
 }
@@ -145,8 +158,8 @@ const Average& at(const Average* a) {
 
 /// One run of things in one cell → one sample or two.
 template <class Things>
-void averageRun(Things run, const GridPosition& cell, const AverageRules& rules,
-                const std::vector<Vote>& theirVotes, AverageList& out) {
+void averageRun(Things run, const GridPosition& cell, const AverageRules& rules, const Elsewhere& elsewhere,
+                AverageList& out) {
     thread_local std::array<Votes, 2> votes;
     std::array<Average, 2> sides;
     sides[0].cell = sides[1].cell = cell;
@@ -162,7 +175,7 @@ void averageRun(Things run, const GridPosition& cell, const AverageRules& rules,
     for (const auto& thing : run) {
         const std::size_t side = sideOf(thing);
         const int sign = looks && !rules.oriented && axis.behind(normalOf(at(thing))) ? -1 : 1;
-        add(sides[side], at(thing), sign, rules, theirVotes, votes[side]);
+        add(sides[side], at(thing), sign, rules, elsewhere, votes[side]);
     }
     if (rules.reach) {
         const GridPosition from{cell[0] << out.cellLevel, cell[1] << out.cellLevel, cell[2] << out.cellLevel};
@@ -184,25 +197,26 @@ void averageRun(Things run, const GridPosition& cell, const AverageRules& rules,
 }
 
 template <class Things>
-void averageRuns(Things things, int ownCellLevel, const AverageRules& rules,
-                 const std::vector<Vote>& theirVotes, AverageList& out) {
+void averageRuns(Things things, int ownCellLevel, const AverageRules& rules, const Elsewhere& elsewhere,
+                 AverageList& out) {
     for (std::size_t first = 0; first < things.size();) {
         const GridPosition cell = cellOf(at(things[first]), ownCellLevel, out.cellLevel);
         std::size_t last = first + 1;
         while (last < things.size() && cellOf(at(things[last]), ownCellLevel, out.cellLevel) == cell) ++last;
-        averageRun(things.subspan(first, last - first), cell, rules, theirVotes, out);
+        averageRun(things.subspan(first, last - first), cell, rules, elsewhere, out);
         first = last;
     }
 }
 
 }  // namespace
 
-void appendCells(std::span<const BuildPoint> points, const AverageRules& rules, AverageList& list) {
-    averageRuns(points, 0, rules, {}, list);
+void appendCells(std::span<const BuildPoint> points, std::span<const BesideWord> beside,
+                 const AverageRules& rules, AverageList& list) {
+    averageRuns(points, 0, rules, {.first = points.data(), .beside = beside}, list);
 }
 
 void appendCells(const AverageList& finer, const AverageRules& rules, AverageList& list) {
-    averageRuns(std::span(finer.averages), finer.cellLevel, rules, finer.votes, list);
+    averageRuns(std::span(finer.averages), finer.cellLevel, rules, {.votes = finer.votes}, list);
 }
 
 AverageList merge(const AverageList& runs, std::span<const std::size_t> starts, const AverageRules& rules) {
@@ -218,7 +232,7 @@ AverageList merge(const AverageList& runs, std::span<const std::size_t> starts, 
 
     AverageList merged{.cellLevel = runs.cellLevel, .averages = {}, .votes = {}};
     merged.averages.reserve(order.size());
-    averageRuns(std::span(std::as_const(order)), runs.cellLevel, rules, runs.votes, merged);
+    averageRuns(std::span(std::as_const(order)), runs.cellLevel, rules, {.votes = runs.votes}, merged);
     return merged;
 }
 
@@ -235,13 +249,24 @@ Bulk bulkOf(const Average& average) {
     return Bulk(std::max_element(counts.begin(), counts.end()) - counts.begin());
 }
 
+namespace {
+
+std::uint64_t mean(std::uint64_t sum, std::uint64_t count) {
+    return (2 * sum + count) / (2 * count);
+}
+
+}  // namespace
+
+std::uint8_t meanNearInfrared(const Average& average) {
+    return std::uint8_t(mean(average.nearInfrared, average.count));
+}
+
 Sample meanAttributes(const Average& average, const AverageList& list) {
-    const auto mean = [&](std::uint64_t sum) { return (2 * sum + average.count) / (2 * average.count); };
     Sample s{};
-    s.r = std::uint8_t(mean(average.color[0]));
-    s.g = std::uint8_t(mean(average.color[1]));
-    s.b = std::uint8_t(mean(average.color[2]));
-    s.intensity = std::uint16_t(mean(average.intensity));
+    s.r = std::uint8_t(mean(average.color[0], average.count));
+    s.g = std::uint8_t(mean(average.color[1], average.count));
+    s.b = std::uint8_t(mean(average.color[2], average.count));
+    s.intensity = std::uint16_t(mean(average.intensity, average.count));
     std::uint64_t most = 0;
     for (std::uint32_t i = 0; i < average.votes; ++i) {
         const Vote& v = list.votes[average.firstVote + i];

@@ -9,6 +9,7 @@
 
 #include <span>
 
+#include "renderer/cloud/beside.hpp"
 #include "renderer/cloud/build/grid.hpp"
 #include "renderer/cloud/sample.hpp"
 
@@ -26,7 +27,7 @@ struct Average {
     std::array<WideSum, 3> position{};
     std::uint64_t count = 0;  ///< scan points
     std::array<std::uint64_t, 3> color{};
-    std::uint64_t intensity = 0;
+    std::uint64_t intensity = 0, nearInfrared = 0;
     std::array<std::int64_t, 3> normal{};  ///< sum of unit normals, 12 bits each
     std::array<std::uint64_t, 3> bulks{};  ///< scan points that are wires, foliage, strays
     float reach = 0;  ///< cloud units to the farthest position averaged, strays left out; on request
@@ -49,8 +50,10 @@ struct AverageList {
     std::vector<Vote> votes;  ///< empty when the scan is not classified
 };
 
-/// Adds the averages of points in Morton order; `list.cellLevel` must not be below the order's resolution.
-void appendCells(std::span<const BuildPoint> points, const AverageRules& rules, AverageList& list);
+/// Adds the averages of points in Morton order, with the words that stand beside them, where there are any; `list.cellLevel` must not
+/// be below the order's resolution.
+void appendCells(std::span<const BuildPoint> points, std::span<const BesideWord> beside,
+                 const AverageRules& rules, AverageList& list);
 /// Adds a list of a finer or equal cell level.
 void appendCells(const AverageList& finer, const AverageRules& rules, AverageList& list);
 /// Merges runs that appendCells added one after the other (`starts` are their first indices) into one list.
@@ -63,5 +66,6 @@ glm::dvec3 meanPosition(const Average& average, const GridPosition& from);
 /// Everything of the sample but its position, rounded to nearest; the classification is the majority's, the
 /// smallest among equals.
 Sample meanAttributes(const Average& average, const AverageList& list);
+std::uint8_t meanNearInfrared(const Average& average);
 
 }  // namespace scancast

@@ -23,6 +23,11 @@ inline bool mostlySure(std::uint64_t sure, std::uint64_t points) {
     return 2 * sure > points;
 }
 
+/// Planes of one node; of nothing where all of it is 0.
+struct BesidePlaces {
+    BlockPlace curvature, nearInfrared;
+};
+
 struct BuildNode {
     std::span<BuildPoint> points;        ///< everything below, while its chunk is in memory
     std::vector<BuildPoint> keptPoints;  ///< a leaf's, until its parent in another chunk has averaged them
@@ -32,11 +37,11 @@ struct BuildNode {
     NodeContent content;
     AverageList averages;  ///< of an inner node, until its parent has used it
     Workspace::Buffer
-        setAside;       ///< an inner node's samples, reaches and densities, between averaging and finishing
-    StoredNode stored;  ///< its place in the file, and sampleCount: samples may be away
+        setAside;  ///< an inner node's samples and all that goes with them, between averaging and finishing
+    StoredNode stored;                  ///< its place in the file, and sampleCount: samples may be away
     std::vector<BlockPlace> columns;    ///< a leaf's kept columns in the file
     std::vector<BlockPlace> positions;  ///< a leaf's on the scan's grid, where its samples round them
-    BlockPlace curvature;               ///< of its samples, in the file; of nothing where all are flat
+    BesidePlaces beside;                ///< what stands beside its samples, in the file
     std::uint64_t sampleHash = 0;
     std::uint8_t confidence = 0;   ///< as in Node
     std::uint64_t surePoints = 0;  ///< below, whose side is sure

@@ -43,7 +43,7 @@ AverageList averageChildren(BuildNode& node, int cellLevel, const AverageRules& 
         AverageRules rules = all;
         rules.sides = !all.oriented || child->confidence >= sureSide;
         if (child->isLeaf())
-            appendCells(std::span<const BuildPoint>(child->points), rules, runs);
+            appendCells(child->points, child->content.beside, rules, runs);
         else
             appendCells(child->averages, rules, runs);
         child->averages = {};
@@ -93,6 +93,7 @@ void fillSamples(BuildNode& node, const InnerLattice& lattice, const OctreeInput
             isUnsure(average))
             s.ellipse = twoSidedCircle;
         node.content.samples.push_back(s);
+        if (input.nearInfrared) node.content.beside.push_back(withNearInfrared(0, meanNearInfrared(average)));
         if (!input.shape.surfels) continue;
         node.content.reaches.push_back(average.reach);
         node.content.densities.push_back(densityOf(bulkOf(average)));

@@ -69,7 +69,7 @@ void resize(Surfel& surfel, Density below, float reach, double spacing) {
 
 Expected<void> addInnerSurfels(const BuildNode& node, const AveragedFacts& facts, const BuildNode& root,
                                const OctreeInput& input, const SamplesOf& samplesOf,
-                               std::span<Sample> samples, std::span<CurvatureCode> curvatures) {
+                               std::span<Sample> samples, std::span<BesideWord> beside) {
     const NodeContent& content = node.content;
     std::vector<glm::vec3> offsets;
     for (const Sample& s : samples) offsets.emplace_back(positionOf(s, content) - content.bounds.low);
@@ -101,9 +101,9 @@ Expected<void> addInnerSurfels(const BuildNode& node, const AveragedFacts& facts
         const bool twoSided = samples[i].ellipse == twoSidedCircle;
         encodeSurfel(surfel, unit, samples[i]);
         if (twoSided) makeTwoSided(samples[i]);
-        if (curvatures.empty()) continue;
+        if (!input.shape.curvatures()) continue;
         surfel.normal = surfels[i].normal;
-        curvatures[i] = curvatureCodeOf(surfel, samples[i], unit);
+        beside[i] = withCurvature(beside[i], curvatureCodeOf(surfel, samples[i], unit));
     }
     return {};
 }

@@ -19,12 +19,12 @@ struct AveragedFacts {
     std::vector<Density> densities;  ///< what most of the points are
 };
 
-/// Sets radius and ellipse of an inner node's samples, the normal of those that have none, and curvatures, unless
-/// there is no room for any. Neighbours are
+/// Sets radius and ellipse of an inner node's samples, the normal of those that have none, and, with curvatures,
+/// the curvature in the words beside them. Neighbours are
 /// the nodes of its level - where the tree is not as deep, the leaves - near its box. Thread-safe. Errors:
 /// samplesOf's.
 Expected<void> addInnerSurfels(const BuildNode& node, const AveragedFacts& facts, const BuildNode& root,
                                const OctreeInput& input, const SamplesOf& samplesOf,
-                               std::span<Sample> samples, std::span<CurvatureCode> curvatures);
+                               std::span<Sample> samples, std::span<BesideWord> beside);
 
 }  // namespace scancast

@@ -6,9 +6,9 @@
 #include <optional>
 #include <vector>
 
+#include "renderer/cloud/beside.hpp"
 #include "renderer/cloud/build/morton.hpp"
 #include "renderer/cloud/build/nodes/lattice.hpp"
-#include "renderer/cloud/curvature.hpp"
 #include "renderer/cloud/density.hpp"
 
 namespace scancast {
@@ -25,8 +25,8 @@ struct NodeContent {
     std::vector<float> reaches;  ///< of an inner node's samples, with surfels: Average::reach
     std::vector<Density>
         densities;  ///< of its samples, with surfels; Surface, Wire, Foliage or Stray of averages
-    std::vector<CurvatureCode> curvatures;  ///< of its samples, with curvatures
-    NormalCone cone;                        ///< of the node's own samples
+    std::vector<BesideWord> beside;  ///< of its samples, where anything stands beside them
+    NormalCone cone;                 ///< of the node's own samples
 };
 
 /// What a node's radii count from (Node::radiusUnit).

@@ -62,7 +62,7 @@ Bulk bulkOf(Density density) {
 void intoLeaf(BuildNode& leaf, std::span<const Surfel> surfels, const OctreeInput& input) {
     const float unit = radiusUnit(leaf.content.spacing);
     leaf.content.densities.resize(leaf.points.size());
-    if (input.shape.curvatures()) leaf.content.curvatures.resize(leaf.points.size());
+    if (input.hasBeside()) leaf.content.beside.resize(leaf.points.size());
     for (std::size_t i = 0; i < leaf.points.size(); ++i) {
         BuildPoint& p = leaf.points[i];
         Surfel surfel = surfels[i];
@@ -74,7 +74,8 @@ void intoLeaf(BuildNode& leaf, std::span<const Surfel> surfels, const OctreeInpu
         encodeSurfel(surfel, unit, leaf.content.samples[i]);
         p.normal = leaf.content.samples[i].normal;
         if (input.shape.curvatures())
-            leaf.content.curvatures[i] = curvatureCodeOf(surfels[i], leaf.content.samples[i], unit);
+            leaf.content.beside[i] = withCurvature(
+                leaf.content.beside[i], curvatureCodeOf(surfels[i], leaf.content.samples[i], unit));
     }
 }
 

@@ -13,7 +13,7 @@ namespace {
 struct HeldSurfel {
     std::uint16_t patch = noPatch;
     std::uint8_t logRadius = 0, ellipse = 0;
-    CurvatureCode curvature = 0;
+    BesideWord beside = 0;
 };
 
 struct LeafPlace {
@@ -57,17 +57,17 @@ Expected<ChunkSides> holdSides(BuildNode& root, const SidePatches& patches, cons
     std::vector<std::vector<Facet>> facets(leaves.size());
     tbb::parallel_for(std::size_t(0), leaves.size(), [&](std::size_t i) {
         const auto [leaf, first] = leaves[i];
-        const auto& curvatures = leaf->content.curvatures;
+        const auto& beside = leaf->content.beside;
         for (std::size_t s = 0; s < leaf->content.samples.size(); ++s) {
             const Sample& sample = leaf->content.samples[s];
             surfels[first + s] = {patches.of[first + s], sample.logRadius, sample.ellipse,
-                                  curvatures.empty() ? 0 : curvatures[s]};
+                                  beside.empty() ? 0 : beside[s]};
         }
         facets[i] = facetsOf(*leaf, std::span(patches.of).subspan(first, leaf->points.size()), input.grid,
                              input.origin);
         giveBack(leaf->content.samples);
         giveBack(leaf->content.densities);
-        giveBack(leaf->content.curvatures);
+        giveBack(leaf->content.beside);
     });
     for (const auto& some : facets) held.facets.insert(held.facets.end(), some.begin(), some.end());
     auto room = workspace.allocate(surfels.size() * sizeof(HeldSurfel));
@@ -89,18 +89,19 @@ Expected<void> takeSides(BuildNode& root, const ChunkSides& held, const Sides& s
         leaf->points = root.points.subspan(first, leaf->stored.node.sampleCount);
         auto& samples = leaf->content.samples;
         samples = leafSamples(leaf->points, leafLattice(leaf->box, input.grid, input.origin));
-        auto& curvatures = leaf->content.curvatures;
-        if (input.shape.curvatures()) curvatures.resize(samples.size());
+        auto& beside = leaf->content.beside;
+        if (input.hasBeside()) beside.resize(samples.size());
         for (std::size_t s = 0; s < samples.size(); ++s) {
             const HeldSurfel& from = surfels[first + s];
-            if (!curvatures.empty()) curvatures[s] = from.curvature;
+            if (!beside.empty()) beside[s] = from.beside;
             samples[s].logRadius = from.logRadius;
             samples[s].ellipse = from.ellipse;
             if (from.patch == noPatch || !sides.turn[firstPatch + from.patch - 1u]) continue;
             const glm::vec3 before = decodeNormal(samples[s].normal);
             turnOver(samples[s]);
-            if (!curvatures.empty())
-                curvatures[s] = turnedOver(from.curvature, before, decodeNormal(samples[s].normal));
+            if (!beside.empty())
+                beside[s] = withCurvature(from.beside, turnedOver(curvatureIn(from.beside), before,
+                                                                  decodeNormal(samples[s].normal)));
             leaf->points[s].normal = samples[s].normal;
         }
         const auto sureness = [&](std::size_t s) {

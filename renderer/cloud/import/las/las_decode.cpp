@@ -62,6 +62,7 @@ void decodeLasRecords(std::span<const std::byte> records, const LasHeader& heade
     batch.intensity.resize(count);
     batch.classification.resize(count);
     batch.color.resize(layout.color >= 0 ? count : 0);
+    batch.nearInfrared.resize(layout.infrared >= 0 ? count : 0);
     batch.normal.clear();
     batch.rows.clear();
     for (std::size_t first = 0; first < count; first += blockRecords) {
@@ -76,6 +77,9 @@ void decodeLasRecords(std::span<const std::byte> records, const LasHeader& heade
                 static_cast<std::uint8_t>(loadLe<std::uint8_t>(classes + i * stride) & layout.classMask);
         if (layout.color >= 0)
             decodeColors(record + layout.color, stride, n, depth, batch.color.data() + first);
+        if (layout.infrared < 0) continue;
+        for (std::size_t i = 0; i < n; ++i)
+            batch.nearInfrared[first + i] = loadLe<std::uint16_t>(record + i * stride + layout.infrared);
     }
 }
 
@@ -111,6 +115,7 @@ std::uint64_t dropNonFinite(PointBatch& batch) {
     keep(batch.intensity, good);
     keep(batch.classification, good);
     keep(batch.normal, good);
+    keep(batch.nearInfrared, good);
     keepRows(batch.rows, good);
     return good.size() - kept;
 }

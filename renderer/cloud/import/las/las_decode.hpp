@@ -21,7 +21,7 @@ enum class LasColorDepth : std::uint8_t {
 
 /// `records` holds whole records only (size = count × header.recordBytes). Fills every column of the point
 /// format, positions as steps of the header's grid. 16-bit colours keep their high byte, which undoes both usual ways of making 16 bits of 8 (× 256
-/// and × 257). Class flags and withheld points are kept as points; bits that are not part of the class are
+/// and × 257). Near infrared stays as it is: of how many bits it is, the builder sees. Class flags and withheld points are kept as points; bits that are not part of the class are
 /// dropped.
 void decodeLasRecords(std::span<const std::byte> records, const LasHeader& header, LasColorDepth depth,
                       PointBatch& batch);

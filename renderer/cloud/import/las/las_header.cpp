@@ -104,12 +104,12 @@ std::string lasPlace(const std::string& name, std::size_t at) {
 }
 
 const LasRecordLayout& lasRecordLayout(int pointFormat) {
-    // Bytes, classification, mask, colour, waveform: ASPRS LAS 1.4 R15, tables 7-17.
+    // Bytes, classification, mask, colour, infrared, waveform: ASPRS LAS 1.4 R15, tables 7-17.
     static constexpr LasRecordLayout layouts[] = {
-        {20, 15, 0x1f, -1, false}, {28, 15, 0x1f, -1, false}, {26, 15, 0x1f, 20, false},
-        {34, 15, 0x1f, 28, false}, {57, 15, 0x1f, -1, true},  {63, 15, 0x1f, 28, true},
-        {30, 16, 0xff, -1, false}, {36, 16, 0xff, 30, false}, {38, 16, 0xff, 30, false},
-        {59, 16, 0xff, -1, true},  {67, 16, 0xff, 30, true},
+        {20, 15, 0x1f, -1, -1, false}, {28, 15, 0x1f, -1, -1, false}, {26, 15, 0x1f, 20, -1, false},
+        {34, 15, 0x1f, 28, -1, false}, {57, 15, 0x1f, -1, -1, true},  {63, 15, 0x1f, 28, -1, true},
+        {30, 16, 0xff, -1, -1, false}, {36, 16, 0xff, 30, -1, false}, {38, 16, 0xff, 30, 36, false},
+        {59, 16, 0xff, -1, -1, true},  {67, 16, 0xff, 30, 36, true},
     };
     return layouts[pointFormat];
 }
@@ -170,6 +170,7 @@ ScanHeader scanHeader(const LasHeader& header) {
     scan.format = fmt::format("LAS 1.{}, point format {}", header.minorVersion, header.pointFormat);
     scan.points = header.points;
     scan.attributes.color = lasRecordLayout(header.pointFormat).color >= 0;
+    scan.attributes.nearInfrared = lasRecordLayout(header.pointFormat).infrared >= 0;
     scan.attributes.intensity = true;
     scan.attributes.classification = true;
     scan.gridStep = header.scale;

@@ -46,6 +46,7 @@ struct LasRecordLayout {
     int classification;
     std::uint8_t classMask;  ///< the rest of that byte are flags (synthetic, withheld …)
     int color;               ///< red, green, blue: three 16-bit numbers
+    int infrared;            ///< near infrared, one 16-bit number
     bool waveform;           ///< its last 29 bytes say where the waveform is
 };
 

@@ -151,6 +151,7 @@ Expected<void> PointStreamReader::readColumns(PointBatch& batch) {
     if (auto ok = readColumn(batch.classification, has.classification, n); !ok) return ok;
     if (auto ok = readColumn(batch.normal, has.normal, n); !ok) return ok;
     if (auto ok = readColumn(batch.rows, rowBytes_ > 0, n * rowBytes_); !ok) return ok;
+    batch.nearInfrared.clear();
     return checkChunk(batch);
 }
 

@@ -13,6 +13,9 @@ struct alignas(64) BendCodes {
     float k1[wideLanes], k2[wideLanes];        ///< times what the run has per cloud unit
 };
 
+/// Of what stands beside a sample (renderer/cloud/beside.hpp).
+constexpr std::uint32_t curvatureBits = 0x00ffffff;
+
 inline float bendsPerUnit(const SplatRun& run) {
     return 1.0f / (run.ratioUnit * run.plainRadius);
 }

@@ -39,9 +39,9 @@ inline constexpr std::uint32_t limitsStep = 64;
 
 /// One run of samples, made ready on the host in double.
 struct SplatRun : RunNumbers {
-    const SampleWords* samples = nullptr;       ///< the first one's ordinal is firstOrdinal
-    const BlockLimits* limits = nullptr;        ///< of the samples, or null; samples[0] begins one
-    const std::uint32_t* curvatures = nullptr;  ///< of the samples (renderer/cloud/curvature.hpp), or null
+    const SampleWords* samples = nullptr;   ///< the first one's ordinal is firstOrdinal
+    const BlockLimits* limits = nullptr;    ///< of the samples, or null; samples[0] begins one
+    const std::uint32_t* beside = nullptr;  ///< of the samples (renderer/cloud/beside.hpp), or null
     std::uint32_t count = 0;
     /// p = clamp(sizeFactor · ratio (/ d in perspective), minPx, maxPx).
     float sizeFactor = 0;

@@ -163,6 +163,16 @@ inline std::uint32_t toned(const std::uint32_t* ramp, std::uint32_t rgb) {
            (ramp[(rgb >> 16) & 255] & 0xff0000);
 }
 
+/// Near infrared, red and green in the places of red, green and blue; `word`: the sample's third.
+inline std::uint32_t infraredRgb(std::uint32_t word, std::uint32_t beside) {
+    return beside >> 24 | (word & 0xffff) << 8;
+}
+
+/// What stands beside a sample of the run; 0 where nothing does.
+inline std::uint32_t besideAt(const SplatRun& run, std::uint32_t sample) {
+    return run.beside != nullptr ? run.beside[sample] : 0;
+}
+
 /// The colour times the factor of the sample's intensity; `word`: the sample's second.
 inline std::uint32_t brightened(const SplatPass& pass, std::uint32_t color, std::uint32_t word) {
     const float intensity = static_cast<float>(static_cast<std::int32_t>(word >> 16));
@@ -219,11 +229,16 @@ inline void colorize(const SplatPass& pass, const SplatRun& run, std::uint32_t f
             for (int i = 0; i < b.padded; ++i) b.color[i] = toned(pass.ramp, words[2][i]);
             return;
         case Coloring::Curvature:
-            for (int i = 0; i < b.count; ++i) {
-                const std::uint32_t code =
-                    run.curvatures != nullptr ? run.curvatures[first + static_cast<std::uint32_t>(i)] : 0;
-                b.color[i] = tableEntry(pass.ramp, curvatureIndex(pass, run, code));
-            }
+            for (int i = 0; i < b.count; ++i)
+                b.color[i] = tableEntry(
+                    pass.ramp,
+                    curvatureIndex(pass, run, besideAt(run, first + static_cast<std::uint32_t>(i))));
+            return;
+        case Coloring::Infrared:
+            for (int i = 0; i < b.count; ++i)
+                b.color[i] =
+                    toned(pass.ramp,
+                          infraredRgb(words[2][i], besideAt(run, first + static_cast<std::uint32_t>(i))));
             return;
     }
 }

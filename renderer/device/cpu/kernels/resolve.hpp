@@ -18,7 +18,7 @@ inline const SplatRun& runOf(const SampleTable& table, std::uint32_t ordinal) {
 
 /// As colorize() does for a block, but for the depth, which is the pixel's.
 inline std::uint32_t sourceColor(const SplatPass& pass, const SplatRun& run, const SampleWords& words,
-                                 std::uint32_t curvature, float depth) {
+                                 std::uint32_t beside, float depth) {
     switch (pass.coloring) {
         case Coloring::Rgb:
             return words[2] & 0xffffff;
@@ -41,14 +41,16 @@ inline std::uint32_t sourceColor(const SplatPass& pass, const SplatRun& run, con
         case Coloring::Toned:
             return toned(pass.ramp, words[2]);
         case Coloring::Curvature:
-            return tableEntry(pass.ramp, curvatureIndex(pass, run, curvature));
+            return tableEntry(pass.ramp, curvatureIndex(pass, run, beside));
+        case Coloring::Infrared:
+            return toned(pass.ramp, infraredRgb(words[2], beside));
     }
     return 0;
 }
 
 inline std::uint32_t sampleColor(const SplatPass& pass, const SplatRun& run, const SampleWords& words,
-                                 std::uint32_t curvature, float depth) {
-    const std::uint32_t color = sourceColor(pass, run, words, curvature, depth);
+                                 std::uint32_t beside, float depth) {
+    const std::uint32_t color = sourceColor(pass, run, words, beside, depth);
     return pass.byIntensity ? brightened(pass, color, words[1]) : color;
 }
 
@@ -172,7 +174,7 @@ inline void findSamples(const SplatPass& pass, const SampleTable& table, const K
         const SplatRun& run = runOf(table, ordinal);
         const std::uint32_t at = ordinal - run.firstOrdinal;
         __builtin_prefetch(run.samples + at);
-        if (pass.curved && run.curvatures != nullptr) __builtin_prefetch(run.curvatures + at);
+        if (pass.curved && run.beside != nullptr) __builtin_prefetch(run.beside + at);
         out.runs[i] = &run;
         out.at[i] = at;
     }
@@ -189,8 +191,8 @@ inline void lookUp(const SplatPass& pass, const SamplePlaces& places, const Key*
         __builtin_memcpy(&out.depth[i], &depthBits, 4);
         const SplatRun& run = *places.runs[i];
         const SampleWords& words = run.samples[places.at[i]];
-        const std::uint32_t curvature = run.curvatures != nullptr ? run.curvatures[places.at[i]] : 0;
-        out.rgba[i] = sampleColor(pass, run, words, curvature, out.depth[i]) | 0xff000000u;
+        const std::uint32_t beside = besideAt(run, places.at[i]);
+        out.rgba[i] = sampleColor(pass, run, words, beside, out.depth[i]) | 0xff000000u;
         out.normals[i] = words[3] & 0xffff;
         if (!pass.curved && !owners) continue;
         out.xy[i] = words[0];
@@ -198,8 +200,8 @@ inline void lookUp(const SplatPass& pass, const SamplePlaces& places, const Key*
         out.firstOrdinals[i] = run.firstOrdinal;
         if (owners && pass.radii != nullptr) out.radii[i] = pass.radii[(words[3] >> 16) & 255];
         if (!pass.curved) continue;
-        out.curvatures[i] = curvature;
-        out.bent |= curvature != 0;
+        out.curvatures[i] = beside & curvatureBits;
+        out.bent |= out.curvatures[i] != 0;
     }
 }
 

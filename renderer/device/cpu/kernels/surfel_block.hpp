@@ -300,7 +300,7 @@ inline void storeBends(const SplatPass& pass, const SplatRun& run, const Block& 
     std::uint32_t any = 0;
     for (int l = 0; l < wideLanes; ++l) {
         const std::uint32_t code =
-            i + l < b.count ? run.curvatures[firstCode + static_cast<std::uint32_t>(i + l)] : 0;
+            i + l < b.count ? run.beside[firstCode + static_cast<std::uint32_t>(i + l)] & curvatureBits : 0;
         decodeBend(pass, code, l, codes);
         any |= code;
     }
@@ -331,7 +331,7 @@ void setUpEllipses(const SplatPass& pass, const SplatRun& run, std::uint32_t fir
                    Surfels& s) {
     AxisCodes codes;
     decodeAxes(pass, b, codes);
-    s.bends = pass.curved && pass.sumNormals && run.curvatures != nullptr;
+    s.bends = pass.curved && pass.sumNormals && run.beside != nullptr;
     const float blur2 = 6.0f * pass.lowPassPx * pass.lowPassPx;
     const float pixel = 1.0f / pass.pixelsPerUnit;
     for (int i = 0; i < b.padded; i += wideLanes) {

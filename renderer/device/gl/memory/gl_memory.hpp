@@ -17,9 +17,8 @@ class GlMemory final : public DeviceMemory {
     std::uint64_t capacity() const override { return capacity_; }
     std::uint64_t frameBudget() const override { return uploadBudget_ / sizeof(Sample); }
     std::uint64_t bytes() const override { return cache_.bytes(); }
-    bool has(std::uint64_t source, std::uint32_t node, std::uint32_t samples,
-             bool curvatures) const override {
-        return cache_.has(source, node, samples, curvatures);
+    bool has(std::uint64_t source, std::uint32_t node, std::uint32_t samples, bool beside) const override {
+        return cache_.has(source, node, samples, beside);
     }
     Expected<void> bring(std::uint64_t source, std::span<const CutRun> runs,
                          const std::stop_token& stop) override {

@@ -16,33 +16,32 @@ std::uint64_t mostPageBytes(const GlFunctions& gl) {
     return std::min(largestPageBytes, std::uint64_t{mostTexels(gl)} * sizeof(Sample));
 }
 
-constexpr std::uint32_t curvaturesPerTexel = sizeof(Sample) / sizeof(CurvatureCode);
-/// Of a grain's texels, where curvatures stand behind them.
-constexpr std::uint32_t curvedPerGrain = PageTable::grain * curvaturesPerTexel / (curvaturesPerTexel + 1);
+constexpr std::uint32_t besidePerTexel = sizeof(Sample) / sizeof(BesideWord);
+/// Of a grain's texels, where words stand beside them.
+constexpr std::uint32_t withBesidePerGrain = PageTable::grain * besidePerTexel / (besidePerTexel + 1);
 
-std::uint32_t curvatureTexels(std::uint32_t samples) {
-    return (samples + curvaturesPerTexel - 1) / curvaturesPerTexel;
+std::uint32_t besideTexels(std::uint32_t samples) {
+    return (samples + besidePerTexel - 1) / besidePerTexel;
 }
 
 /// That so many samples take; how ever they are dealt out to places, whole grains are filled alike.
-std::uint32_t texelsOf(std::uint32_t samples, bool curvatures) {
-    if (!curvatures) return samples;
-    const std::uint32_t rest = samples % curvedPerGrain;
-    return samples / curvedPerGrain * PageTable::grain + rest + curvatureTexels(rest);
+std::uint32_t texelsOf(std::uint32_t samples, bool beside) {
+    if (!beside) return samples;
+    const std::uint32_t rest = samples % withBesidePerGrain;
+    return samples / withBesidePerGrain * PageTable::grain + rest + besideTexels(rest);
 }
 
 /// What a place of these holds of them.
-std::uint32_t samplesIn(const Place& place, bool curvatures) {
-    if (!curvatures) return place.count;
+std::uint32_t samplesIn(const Place& place, bool beside) {
+    if (!beside) return place.count;
     const std::uint32_t rest = place.count % PageTable::grain;
-    return place.count / PageTable::grain * curvedPerGrain +
-           rest * curvaturesPerTexel / (curvaturesPerTexel + 1);
+    return place.count / PageTable::grain * withBesidePerGrain + rest * besidePerTexel / (besidePerTexel + 1);
 }
 
-/// Of a small memory, no node takes more than a part: pages are then never full of one node alone. With its
-/// curvatures a part fits, too.
+/// Of a small memory, no node takes more than a part: pages are then never full of one node alone. With the
+/// words beside them a part fits, too.
 std::uint32_t mostInPart(std::uint64_t capacity) {
-    if (capacity < 2 * PageTable::grain) return curvedPerGrain;
+    if (capacity < 2 * PageTable::grain) return withBesidePerGrain;
     const std::uint64_t grains = std::clamp<std::uint64_t>(capacity / 4 / PageTable::grain, 1, 1 << 20);
     return static_cast<std::uint32_t>(grains) * PageTable::grain;
 }
@@ -68,11 +67,10 @@ SampleCache::SampleCache(const GlFunctions& gl, const SampleCacheOptions& option
       pages_(table_.pages()),
       staging_(gl, std::clamp<std::uint64_t>(options.memoryLimit / 4, 64 << 10, stagingBytes)) {}
 
-bool SampleCache::has(std::uint64_t source, std::uint32_t node, std::uint32_t samples,
-                      bool curvatures) const {
+bool SampleCache::has(std::uint64_t source, std::uint32_t node, std::uint32_t samples, bool beside) const {
     for (std::uint32_t first = 0; first < samples; first += mostInPart_) {
         const std::uint32_t inPart = std::min(mostInPart_, samples - first);
-        if (table_.texels({source, node, first}) < texelsOf(inPart, curvatures)) return false;
+        if (table_.texels({source, node, first}) < texelsOf(inPart, beside)) return false;
     }
     return true;
 }
@@ -85,7 +83,7 @@ void SampleCache::addParts(const SampleKey& key, std::uint32_t run, const CutRun
                   run,
                   from.samples.subspan(first, count),
                   {}};
-        if (!from.curvatures.empty()) part.curvatures = from.curvatures.subspan(first, count);
+        if (!from.beside.empty()) part.beside = from.beside.subspan(first, count);
         parts.push_back(part);
     }
 }
@@ -113,9 +111,9 @@ Expected<void> SampleCache::bring(std::uint64_t source, std::span<const CutRun> 
 
 Expected<std::span<const Place>> SampleCache::load(const Part& part) {
     const auto samples = static_cast<std::uint32_t>(part.samples.size());
-    const std::uint32_t texels = texelsOf(samples, !part.curvatures.empty());
+    const std::uint32_t texels = texelsOf(samples, !part.beside.empty());
     auto places = table_.need(part.key);
-    // One with curvatures holds more texels than samples, and serves both.
+    // One with words beside them holds more texels than samples, and serves both.
     if (const std::uint64_t there = texelsIn(places); there == texels || there == texelsOf(samples, true))
         return places;
     while (true) {
@@ -159,13 +157,13 @@ Expected<void> SampleCache::copy(std::span<const T> values, std::uint32_t page, 
 }
 
 Expected<void> SampleCache::upload(std::span<const Place> places, const Part& part) {
-    const bool curvatures = !part.curvatures.empty();
+    const bool beside = !part.beside.empty();
     std::size_t first = 0;
     for (const Place& place : places) {
-        const std::uint32_t count = samplesIn(place, curvatures);
+        const std::uint32_t count = samplesIn(place, beside);
         if (auto ok = copy(part.samples.subspan(first, count), place.page, place.at); !ok) return ok;
-        if (curvatures)
-            if (auto ok = copy(part.curvatures.subspan(first, count), place.page, place.at + count); !ok)
+        if (beside)
+            if (auto ok = copy(part.beside.subspan(first, count), place.page, place.at + count); !ok)
                 return ok;
         first += count;
     }
@@ -230,12 +228,12 @@ Expected<std::size_t> CutSamples::loadBatch(std::size_t from, const std::stop_to
         const auto places = cache_.load(part);
         if (!places) return passOn(places);
         if (places->empty()) break;
-        const bool curvatures = texelsIn(*places) > part.samples.size();
+        const bool beside = texelsIn(*places) > part.samples.size();
         std::uint32_t first = part.key.first;
         for (const Place& place : *places) {
-            const std::uint32_t count = samplesIn(place, curvatures);
+            const std::uint32_t count = samplesIn(place, beside);
             extents_[place.page].push_back(
-                {part.run, first, count, place.at, curvatures ? (place.at + count) * curvaturesPerTexel : 0});
+                {part.run, first, count, place.at, beside ? (place.at + count) * besidePerTexel : 0});
             first += count;
         }
     }

@@ -1,5 +1,5 @@
 // Samples on the GPU: nodes' runs in pages of buffers that are read as texels, within a memory limit, least
-// recently used out. Where somebody asks for their curvatures, these stand behind the samples of each place, four
+// recently used out. Where somebody asks for what stands beside them (cloud/beside.hpp), these words stand behind the samples of each place, four
 // a texel; who does not ask is served by either kind. Layers ask for the runs of their cut and get them page by page; where a cut does not
 // fit, batch by batch, with uploads in between. Place: host blocks → provide() → **sample cache** → layer.
 //
@@ -23,7 +23,7 @@
 namespace scancast::gl {
 
 struct SampleCacheOptions {
-    std::uint64_t memoryLimit = 0;  ///< bytes of samples and curvatures at most
+    std::uint64_t memoryLimit = 0;  ///< bytes of samples and what stands beside them at most
     /// Bytes of the first page; each next one is twice as large, up to what the driver reads as texels, or
     /// 128 MiB.
     std::uint64_t firstPage = 0;
@@ -33,14 +33,14 @@ class SampleCache {
   public:
     SampleCache(const GlFunctions& gl, const SampleCacheOptions& options);
 
-    /// Samples that fit at once, without curvatures.
+    /// Samples that fit at once, without that.
     std::uint64_t capacity() const { return table_.capacity(); }
     /// Of the pages that there are.
     std::uint64_t bytes() const { return bytes_; }
     /// Since the beginning.
     std::uint64_t bytesUploaded() const { return bytesUploaded_; }
-    /// Whether all samples of an octree's node are here, and if need be their curvatures.
-    bool has(std::uint64_t source, std::uint32_t node, std::uint32_t samples, bool curvatures) const;
+    /// Whether all samples of an octree's node are here, and if need be what stands beside them.
+    bool has(std::uint64_t source, std::uint32_t node, std::uint32_t samples, bool beside) const;
     /// Uploads what is not here of these runs of one octree, as many as fit, and counts all as used: for
     /// pictures to come. Errors: Cancelled; ResourceLimit, DeviceLost: the driver's.
     Expected<void> bring(std::uint64_t source, std::span<const CutRun> runs, const std::stop_token& stop);
@@ -53,7 +53,7 @@ class SampleCache {
         SampleKey key;
         std::uint32_t run = 0;  ///< index in the cut
         std::span<const Sample> samples;
-        std::span<const CurvatureCode> curvatures;  ///< of the samples, or empty
+        std::span<const BesideWord> beside;  ///< of the samples, or empty
     };
     void addParts(const SampleKey& key, std::uint32_t run, const CutRun& from,
                   std::vector<Part>& parts) const;
@@ -86,8 +86,8 @@ struct Extent {
     std::uint32_t first = 0;  ///< index in the run of the first
     std::uint32_t count = 0;
     std::uint32_t at = 0;  ///< the first's place in the page, texels
-    std::uint32_t curvatures =
-        0;  ///< its curvature's, words of four bytes, the others' behind it; 0: not there
+    std::uint32_t beside =
+        0;  ///< its word beside it, counted in fours of bytes, the others' behind it; 0: not there
 };
 
 /// What is drawn without moving samples: one page bound after the other.

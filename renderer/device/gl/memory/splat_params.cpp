@@ -91,7 +91,7 @@ std::uint32_t SplatTables::add(const RunNumbers& run, std::span<const DroppedReg
     }
     out.factors = {run.indexStep, run.indexBase, run.ratioUnit, run.plainRadius};
     out.color = {run.color, run.lastTurn, run.firstOrdinal,
-                 (run.oriented ? 1u : 0u) | (run.knowsCurvatures ? 2u : 0u)};
+                 (run.oriented ? 1u : 0u) | (run.hasBeside ? 2u : 0u)};
     filters = filters || run.clipped || !dropped.empty();
     runs.push_back(out);
     return static_cast<std::uint32_t>(runs.size() - 1);

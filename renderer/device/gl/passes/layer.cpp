@@ -130,10 +130,10 @@ Expected<void> Layer::begin(const SampleBatch& batch) {
             const std::uint32_t run = runOfCut_[e.run];
             if (passes_.bySample())
                 extents.push_back({uvec4(tables_.runs[run].color.z + e.first, e.count, run, e.at),
-                                   uvec4(e.curvatures, 0, 0, 0)});
+                                   uvec4(e.beside, 0, 0, 0)});
             for (std::uint32_t i = 0; i < e.count; i += chunkSamples_)
                 chunks.push_back({uvec4(e.at + i, std::min(chunkSamples_, e.count - i), run, e.first + i),
-                                  uvec4(e.curvatures + i, 0, 0, 0)});
+                                  uvec4(e.beside + i, 0, 0, 0)});
         }
         std::sort(extents.begin() + work.firstExtent, extents.end(),
                   [](const SplatExtent& a, const SplatExtent& b) { return a.range.x < b.range.x; });

@@ -44,6 +44,7 @@ static_assert(COLOR_ELEVATION == int(SplatColoring::Elevation));
 static_assert(COLOR_CLASSIFICATION == int(SplatColoring::Classification));
 static_assert(COLOR_NORMAL == int(SplatColoring::Normal) && COLOR_DEPTH == int(SplatColoring::Depth));
 static_assert(COLOR_TONED == int(SplatColoring::Toned) && COLOR_CURVATURE == int(SplatColoring::Curvature));
+static_assert(COLOR_INFRARED == int(SplatColoring::Infrared));
 static_assert(REDUCTION_NEAREST == int(Reduction::Nearest) && REDUCTION_CELL == int(Reduction::Cell));
 static_assert(REDUCTION_SUM == int(Reduction::Sum));
 static_assert(PAYLOAD_COLOR == int(SplatPayload::Color) && PAYLOAD_SAMPLE == int(SplatPayload::Sample));

@@ -1,8 +1,8 @@
 // A sample's colour, as the cpu device finds it (kernels/project.hpp, resolve.hpp). Needs `pass.ramp`, RunParams and
 // splat_tables.glsl. Variants: COLORING, BY_INTENSITY.
 
-#if COLORING == COLOR_CURVATURE
-#include "curvatures.glsl"
+#if COLORING == COLOR_CURVATURE || COLORING == COLOR_INFRARED
+#include "beside.glsl"
 #endif
 
 // The nearest of 256 entries from word `first` on.
@@ -11,7 +11,13 @@ uint tableEntry(uint first, float index) {
     return tables[first + uint(nearest)];
 }
 
-// r | g << 8 | b << 16; `beside`: the word of its page that holds the sample's curvature.
+// Each channel by itself.
+uint toned(uint color) {
+    uvec3 rgb = rampWords + ((uvec3(color) >> uvec3(0, 8, 16)) & 0xffu);
+    return (tables[rgb.x] & 0xffu) | (tables[rgb.y] & 0xff00u) | (tables[rgb.z] & 0xff0000u);
+}
+
+// r | g << 8 | b << 16; `beside`: the word of its page that stands beside the sample.
 uint sourceColor(RunParams run, uvec4 words, uint beside, float depth) {
 #if COLORING == COLOR_RGB
     return words.z & 0xffffffu;
@@ -28,14 +34,15 @@ uint sourceColor(RunParams run, uvec4 words, uint beside, float depth) {
 #elif COLORING == COLOR_NORMAL
     return tables[normalWords + (words.w & 0xffffu)];
 #elif COLORING == COLOR_CURVATURE
-    uint code = curvatureAt(run, beside);
+    uint code = besideAt(run, beside);
     precise float sum = uintBitsToFloat(tables[curvatureWords + (code & 255u)]) +
                         uintBitsToFloat(tables[curvatureWords + ((code >> 8) & 255u)]);
     precise float index = sum * run.factors.x + run.factors.y;
     return tableEntry(rampWords, index);
 #elif COLORING == COLOR_TONED
-    uvec3 rgb = rampWords + ((uvec3(words.z) >> uvec3(0, 8, 16)) & 0xffu);
-    return (tables[rgb.x] & 0xffu) | (tables[rgb.y] & 0xff00u) | (tables[rgb.z] & 0xff0000u);
+    return toned(words.z);
+#elif COLORING == COLOR_INFRARED
+    return toned(besideAt(run, beside) >> 24 | (words.z & 0xffffu) << 8);
 #else
     precise float index = (depth - pass.ramp.x) * pass.ramp.y;
     return tableEntry(rampWords, index);

@@ -26,7 +26,10 @@ TEST(FactsJson, ReadsBackExactly) {
     CloudFacts bent;
     bent.companions = {curvaturePlane()};
     bent.usual.emplace().curvature = {-1.0 / 3, 1e9 + 0.1};
-    for (const CloudFacts& facts : {test::fullFacts(*cloud, true), richlyLookedAt, bent,
+    CloudFacts infrared;
+    infrared.companions = {curvaturePlane(), nearInfraredPlane()};
+    infrared.attributes.nearInfrared = true;
+    for (const CloudFacts& facts : {test::fullFacts(*cloud, true), richlyLookedAt, bent, infrared,
                                     static_cast<const CloudFacts&>(*cloud), CloudFacts{}}) {
         const auto places = std::span(photoPlaces).first(facts.photos.size());
         const auto back = parseFacts(printFacts(facts, "me 1.0", places).value());

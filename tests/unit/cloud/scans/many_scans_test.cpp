@@ -72,6 +72,30 @@ TEST(ManyScans, AreOneCloud) {
     test::checkStructure(*cloud, 512);
 }
 
+TEST(ManyScans, OfThoseWithoutNearInfraredItIsZero) {
+    const auto withInfrared = [](std::uint64_t i, std::uint64_t) {
+        return ScanPoint{.position = {double(i), 0, 0}, .nearInfrared = std::uint16_t(100 + i % 100)};
+    };
+    auto all = together(
+        scan(2000, {}),
+        std::make_unique<SyntheticSource>(1000, withInfrared, Attributes{.nearInfrared = true}, 0.001),
+        scan(4000, {}));
+    ASSERT_TRUE(all);
+    EXPECT_TRUE((*all)->header().attributes.nearInfrared);
+    const auto cloud = test::build(**all);
+    ASSERT_TRUE(cloud);
+    EXPECT_TRUE(hasNearInfrared(*cloud));
+    for (std::uint32_t i = 0; i < cloud->octree.nodes().size(); ++i) {
+        const Node& node = cloud->octree.node(i);
+        if (!node.isLeaf()) continue;
+        const auto run = cloud->octree.run(i).value();
+        for (std::size_t s = 0; s < run.samples.size(); ++s) {
+            const double x = std::round(position(node, run.samples[s]).x + cloud->origin.x);
+            EXPECT_EQ(nearInfraredIn(run.beside[s]), x < 1000 ? 100 + int(x) % 100 : 0) << x;
+        }
+    }
+}
+
 TEST(ManyScans, EachStoodWhereItStood) {
     const auto stoodAt = [](double x) {
         return [x](ScanHeader& h) { h.scannerOrigin = glm::dvec3(x, 2, 3); };

@@ -95,7 +95,7 @@ TEST(Describe, EveryMethodWithEveryParameter) {
     }
     EXPECT_EQ(json["colors"],
               nlohmann::json({"auto", "rgb*intensity", "elevation*intensity", "classification*intensity",
-                              "rgb", "intensity", "elevation", "classification", "normal", "curvature",
+                              "rgb", "cir", "intensity", "elevation", "classification", "normal", "curvature",
                               "depth", "lod", "visibility"}));
     EXPECT_FALSE(json["colormaps"].empty());
 }

@@ -1,4 +1,4 @@
-// How normals turn across a sample, as kernels/bends.hpp has it. Needs `pass.rotation`, exact.glsl, curvatures.glsl,
+// How normals turn across a sample, as kernels/bends.hpp has it. Needs `pass.rotation`, exact.glsl, beside.glsl,
 // axes.glsl, sample_normals.glsl and RunParams.
 
 // Principal directions in view space, and the curvatures along them, 1 / cloud units.

@@ -24,19 +24,19 @@ struct RunParams {
     vec4 sizeFactors;   // by pass: size of sprites = this * ratio (over depth in perspective)
     vec4 factors;       // colour index = value * .x + .y; z: unit of the samples' radii over the run's; w: that
     uvec4 color;        // x: of every sample where the source is one per run; y: last turn (fade.hpp); z: ordinal of
-                        // the first sample; w: 1 = oriented, 2 = curvatures are known
+                        // the first sample; w: 1 = oriented, 2 = something stands beside its samples
 };
 
 // Up to CHUNK_SAMPLES samples of one run: the work of one work group.
 struct SplatChunk {
     uvec4 range;   // first sample in its page, samples, run, the first one's index in the run
-    uvec4 beside;  // the first one's curvature in the page, words of four bytes; unused
+    uvec4 beside;  // the first one's word beside it in the page, counted in words; unused
 };
 
 // Samples of one run side by side in a page: where ordinals lead to. Those of a page are sorted by ordinal.
 struct SplatExtent {
     uvec4 range;   // ordinal of the first sample, samples, run, the first one's place in the page
-    uvec4 beside;  // the first one's curvature in the page, words of four bytes; unused
+    uvec4 beside;  // the first one's word beside it in the page, counted in words; unused
 };
 
 // What splat passes left of an area -> planes of pixels.

@@ -26,8 +26,8 @@ layout(std430, binding = 4) writeonly buffer Halves { float halves[]; };
 #include "sample_normals.glsl"
 #include "normal_plane.glsl"
 #if CURVED
-#if COLORING != COLOR_CURVATURE
-#include "curvatures.glsl"
+#if COLORING != COLOR_CURVATURE && COLORING != COLOR_INFRARED
+#include "beside.glsl"
 #endif
 #include "axes.glsl"
 #include "bends.glsl"
@@ -86,7 +86,7 @@ void main() {
 #endif
 #if NORMALS
 #if CURVED
-    uint code = curvatureAt(runs[extent.range.z], beside);
+    uint code = besideAt(runs[extent.range.z], beside) & curvatureBits;
     if (code != 0u && (words.w & 0xffffu) != 0u) {
         normals[place] = packNormal(bentNormal(runs[extent.range.z], words, code, at + pass.area.xy, there));
         return;

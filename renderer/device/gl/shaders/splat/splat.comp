@@ -35,8 +35,8 @@ layout(location = 0) uniform uint firstChunk;
 #include "keys.glsl"
 #endif
 #if CURVED
-#if COLORING != COLOR_CURVATURE
-#include "curvatures.glsl"
+#if COLORING != COLOR_CURVATURE && COLORING != COLOR_INFRARED
+#include "beside.glsl"
 #endif
 #include "bends.glsl"
 uint bendCode = 0u;  // of the sample that is being set up
@@ -50,8 +50,8 @@ uint bendCode = 0u;  // of the sample that is being set up
 #include "sprites.glsl"
 #endif
 
-// What a key carries, or a sum adds, of a sample with this index in its run, and with its curvature in this word of its
-// page; of a surface its pose tells (surfaces.glsl).
+// What a key carries, or a sum adds, of a sample with this index in its run, and with this word of its page beside it;
+// of a surface its pose tells (surfaces.glsl).
 uint carriedBy(RunParams run, uvec4 words, uint index, uint beside, float depth) {
 #if REDUCTION != REDUCTION_SUM && (PAYLOAD == PAYLOAD_NONE || PAYLOAD == PAYLOAD_SURFACE)
     return 0u;
@@ -71,7 +71,7 @@ bool footprintOf(RunParams run, SplatChunk chunk, uint i, out Footprint f) {
     Placed placed;
     if (!placeSample(run, words, placed)) return false;
 #if CURVED
-    bendCode = curvatureAt(run, beside);
+    bendCode = besideAt(run, beside) & curvatureBits;
 #endif
     if (!setUp(run, words, placed, carriedBy(run, words, index, beside, placed.depth), f)) return false;
     f.box = ivec4(max(f.box.xy, pass.area.xy), min(f.box.zw, pass.area.xy + pass.area.zw - 1));

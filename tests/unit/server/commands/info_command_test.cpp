@@ -337,12 +337,5 @@ TEST(InfoPage, DescribesEveryFieldOfTheObject) {
     described(json(infoJson(info)), ownPage, described);
 }
 
-TEST(InfoPage, Grouping) {
-    EXPECT_EQ(grouped(0), "0");
-    EXPECT_EQ(grouped(999), "999");
-    EXPECT_EQ(grouped(1000), "1,000");
-    EXPECT_EQ(grouped(12345678), "12,345,678");
-}
-
 }  // namespace
 }  // namespace scancast

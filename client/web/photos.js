@@ -10,6 +10,8 @@ const find = (id) => document.getElementById(id);
 const largestOfFit = 2; // small ones are shown this much larger than they are
 const forgetMs = 60_000; // a tab that was opened with it has it by then
 const keyStep = 80; // px
+const busyMs = 1200; // a server that has too much to do says so; what was left a moment ago may be all that it is
+const mostTries = 3;
 
 /** "1 photo", "12 photos". Pure. */
 export const photosText = (count) => `${count.toLocaleString('en')} ${count === 1 ? 'photo' : 'photos'}`;
@@ -150,8 +152,7 @@ export class Photos {
     const mine = (this.#loading = new AbortController());
     this.#say(`Loading ${sizeText(photo.bytes)}…`);
     try {
-      const response = await fetch(photo.href, { signal: mine.signal, cache: 'no-cache', headers: authorization() });
-      if (!response.ok) throw await problemOf(response);
+      const response = await this.#fetch(photo.href, mine.signal);
       const url = URL.createObjectURL(await response.blob());
       if (mine.signal.aborted) return URL.revokeObjectURL(url);
       this.#url = url;
@@ -171,6 +172,15 @@ export class Photos {
       if (!mine.signal.aborted) this.#fail(error);
     }
     return undefined;
+  }
+
+  async #fetch(href, signal) {
+    for (let tries = 1; ; ++tries) {
+      const response = await fetch(href, { signal, cache: 'no-cache', headers: authorization() });
+      if (response.ok) return response;
+      if (tries === mostTries || ![429, 503].includes(response.status)) throw await problemOf(response);
+      await new Promise((done) => { setTimeout(done, busyMs); });
+    }
   }
 
   /** What is shown or on its way is not any more. */

@@ -18,7 +18,7 @@ namespace scancast::import_e57 {
 namespace {
 
 constexpr std::size_t mostKeptColumns = 500;
-constexpr std::size_t mostLossesTold = 3;  ///< one by one; a stream has 16 notes at most
+constexpr std::size_t mostLossesTold = 3;  ///< one by one; a stream has 32 notes at most
 constexpr Role axes[] = {Role::X, Role::Y, Role::Z};
 constexpr std::array channels{Role::Red, Role::Green, Role::Blue};
 

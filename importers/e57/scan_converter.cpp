@@ -5,7 +5,6 @@
 #include <limits>
 
 #include "files/bytes.hpp"
-#include "renderer/cloud/import/stream/stream_columns.hpp"
 
 namespace scancast::import_e57 {
 
@@ -15,7 +14,7 @@ ScanConverter::ScanConverter(const ScanDescription& scan, const ImportPlan& plan
       plan_(plan),
       number_(number),
       counts_(counts),
-      rowBytes_(point_stream::packedBytes(plan.header.columns)),
+      rowBytes_(rowBytes(plan.header.columns)),
       positions_(RecordReader::blockRecords) {
     if (scan.fieldOf.has(Role::Intensity)) intensity_ = intensityScale(scan).value_or(plan.measuredIntensity);
     if (scan.fieldOf.color())
@@ -159,7 +158,7 @@ void ScanConverter::appendRows(const RecordReader& reader, PointBatch& batch) co
                 storeLe(to, value);
             to += rowBytes_;
         }
-        at += kept.column.type == ColumnType::Int32 ? 4 : 8;
+        at += bytesOf(kept.column.type);
     }
 }
 

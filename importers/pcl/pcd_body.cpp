@@ -20,26 +20,26 @@ namespace {
 constexpr std::uint64_t sliceBytes = std::uint64_t(8) << 20;
 constexpr int pcdVersion = 7;
 
-std::uint8_t pclType(ScalarType type) {
+std::uint8_t pclType(ColumnType type) {
     using F = pcl::PCLPointField;
     switch (type) {
-        case ScalarType::Int8:
+        case ColumnType::Int8:
             return F::INT8;
-        case ScalarType::UInt8:
+        case ColumnType::Uint8:
             return F::UINT8;
-        case ScalarType::Int16:
+        case ColumnType::Int16:
             return F::INT16;
-        case ScalarType::UInt16:
+        case ColumnType::Uint16:
             return F::UINT16;
-        case ScalarType::Int32:
+        case ColumnType::Int32:
             return F::INT32;
-        case ScalarType::UInt32:
+        case ColumnType::Uint32:
             return F::UINT32;
-        case ScalarType::Int64:
+        case ColumnType::Int64:
             return F::INT64;
-        case ScalarType::UInt64:
+        case ColumnType::Uint64:
             return F::UINT64;
-        case ScalarType::Float32:
+        case ColumnType::Float32:
             return F::FLOAT32;
         default:
             return F::FLOAT64;
@@ -189,8 +189,8 @@ Expected<void> readText(std::ifstream& stream, const PcdHeader& declared, const 
     header.pointBytes = 0;
     for (auto& field : header.fields) {
         const auto meaning = meaningOf(field.name);
-        if (meaning && *meaning <= Meaning::Z && field.count == 1 && field.type == ScalarType::Float32)
-            field.type = ScalarType::Float64;
+        if (meaning && *meaning <= Meaning::Z && field.count == 1 && field.type == ColumnType::Float32)
+            field.type = ColumnType::Float64;
         field.offset = header.pointBytes;
         header.pointBytes += field.bytes();
     }

@@ -64,15 +64,15 @@ Expected<Lines> readLines(std::string_view start, std::uint64_t fileBytes, std::
     return lines;
 }
 
-std::optional<ScalarType> typeOf(std::string_view letter, std::string_view size) {
-    if (size == "4" && letter == "F") return ScalarType::Float32;
-    if (size == "8" && letter == "F") return ScalarType::Float64;
+std::optional<ColumnType> typeOf(std::string_view letter, std::string_view size) {
+    if (size == "4" && letter == "F") return ColumnType::Float32;
+    if (size == "8" && letter == "F") return ColumnType::Float64;
     if (letter != "I" && letter != "U") return std::nullopt;
     const bool isSigned = letter == "I";
-    if (size == "1") return isSigned ? ScalarType::Int8 : ScalarType::UInt8;
-    if (size == "2") return isSigned ? ScalarType::Int16 : ScalarType::UInt16;
-    if (size == "4") return isSigned ? ScalarType::Int32 : ScalarType::UInt32;
-    if (size == "8") return isSigned ? ScalarType::Int64 : ScalarType::UInt64;
+    if (size == "1") return isSigned ? ColumnType::Int8 : ColumnType::Uint8;
+    if (size == "2") return isSigned ? ColumnType::Int16 : ColumnType::Uint16;
+    if (size == "4") return isSigned ? ColumnType::Int32 : ColumnType::Uint32;
+    if (size == "8") return isSigned ? ColumnType::Int64 : ColumnType::Uint64;
     return std::nullopt;
 }
 

@@ -18,7 +18,7 @@ enum class PcdData : std::uint8_t { Ascii, Binary, BinaryCompressed };
 
 struct PcdField {
     std::string name;
-    ScalarType type = ScalarType::Float32;
+    ColumnType type = ColumnType::Float32;
     std::uint32_t count = 1;
     std::uint32_t offset = 0;  ///< within a point, in bytes
     std::uint32_t bytes() const { return static_cast<std::uint32_t>(bytesOf(type)) * count; }

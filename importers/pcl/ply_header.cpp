@@ -18,18 +18,18 @@ constexpr std::size_t mostProperties = 1000;
 
 struct TypeName {
     std::string_view name;
-    ScalarType type;
+    ColumnType type;
 };
 constexpr TypeName typeNames[] = {
-    {"char", ScalarType::Int8},       {"int8", ScalarType::Int8},       {"uchar", ScalarType::UInt8},
-    {"uint8", ScalarType::UInt8},     {"short", ScalarType::Int16},     {"int16", ScalarType::Int16},
-    {"ushort", ScalarType::UInt16},   {"uint16", ScalarType::UInt16},   {"int", ScalarType::Int32},
-    {"int32", ScalarType::Int32},     {"uint", ScalarType::UInt32},     {"uint32", ScalarType::UInt32},
-    {"float", ScalarType::Float32},   {"float32", ScalarType::Float32}, {"double", ScalarType::Float64},
-    {"float64", ScalarType::Float64},
+    {"char", ColumnType::Int8},       {"int8", ColumnType::Int8},       {"uchar", ColumnType::Uint8},
+    {"uint8", ColumnType::Uint8},     {"short", ColumnType::Int16},     {"int16", ColumnType::Int16},
+    {"ushort", ColumnType::Uint16},   {"uint16", ColumnType::Uint16},   {"int", ColumnType::Int32},
+    {"int32", ColumnType::Int32},     {"uint", ColumnType::Uint32},     {"uint32", ColumnType::Uint32},
+    {"float", ColumnType::Float32},   {"float32", ColumnType::Float32}, {"double", ColumnType::Float64},
+    {"float64", ColumnType::Float64},
 };
 
-std::optional<ScalarType> typeOf(std::string_view name) {
+std::optional<ColumnType> typeOf(std::string_view name) {
     for (const auto& known : typeNames)
         if (known.name == name) return known.type;
     return std::nullopt;

@@ -18,8 +18,8 @@ enum class PlyFormat : std::uint8_t { Ascii, BinaryLittleEndian, BinaryBigEndian
 
 struct PlyProperty {
     std::string name;
-    ScalarType type = ScalarType::Float32;
-    std::optional<ScalarType> listSize;  ///< set for lists: the type of the number of items
+    ColumnType type = ColumnType::Float32;
+    std::optional<ColumnType> listSize;  ///< set for lists: the type of the number of items
 };
 
 struct PlyElement {

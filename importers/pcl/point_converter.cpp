@@ -33,7 +33,7 @@ void ValueRanges::take(const RawPoint& point, const PointFields& fields) {
 
 bool needsRanges(const PointFields& fields) {
     const auto& intensity = fields[Meaning::Intensity];
-    if (intensity && *intensity != ScalarType::UInt8 && *intensity != ScalarType::UInt16) return true;
+    if (intensity && *intensity != ColumnType::Uint8 && *intensity != ColumnType::Uint16) return true;
     if (!fields.attributes().color || fields.has(Meaning::PackedColor)) return false;
     return std::any_of(std::begin(colors), std::end(colors), [&](Meaning m) { return !isByte(*fields[m]); });
 }
@@ -44,9 +44,9 @@ PointConverter::PointConverter(const PointFields& fields, const ValueRanges& ran
     if (const auto& type = fields[Meaning::Intensity]) {
         const auto least = ranges.leastIntensity;
         const auto greatest = ranges.greatestIntensity;
-        if (*type == ScalarType::UInt8) {
+        if (*type == ColumnType::Uint8) {
             intensityFactor_ = 257;
-        } else if (*type != ScalarType::UInt16 && (least < 0 || greatest > 65535)) {
+        } else if (*type != ColumnType::Uint16 && (least < 0 || greatest > 65535)) {
             intensityShift_ = least;
             // Halved before subtracting: the difference of two doubles can be infinite.
             const auto half = greatest / 2 - least / 2;
@@ -102,7 +102,7 @@ void PointConverter::addColor(const RawPoint& point) {
     for (std::size_t i = 0; i < 3; ++i) {
         auto value = at(point, colors[i]);
         // Some programs declare a colour byte as signed ("char"); its bits are meant.
-        if (*fields_[colors[i]] == ScalarType::Int8 && value < 0) value += 256;
+        if (*fields_[colors[i]] == ColumnType::Int8 && value < 0) value += 256;
         // The high byte is cut out, not rounded, as in LAS; floats are rounded.
         const bool cut = colorFactor_ < 1;
         color[i] = static_cast<std::uint8_t>(

@@ -52,23 +52,6 @@ const Name* find(std::string_view name) {
 
 }  // namespace
 
-std::size_t bytesOf(ScalarType type) {
-    switch (type) {
-        case ScalarType::Int8:
-        case ScalarType::UInt8:
-            return 1;
-        case ScalarType::Int16:
-        case ScalarType::UInt16:
-            return 2;
-        case ScalarType::Int32:
-        case ScalarType::UInt32:
-        case ScalarType::Float32:
-            return 4;
-        default:
-            return 8;
-    }
-}
-
 std::optional<Meaning> meaningOf(std::string_view name) {
     const auto* found = find(name);
     if (found == std::end(names)) return std::nullopt;

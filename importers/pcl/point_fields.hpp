@@ -10,26 +10,11 @@
 
 namespace scancast::import_pcl {
 
-enum class ScalarType : std::uint8_t {
-    Int8,
-    UInt8,
-    Int16,
-    UInt16,
-    Int32,
-    UInt32,
-    Int64,
-    UInt64,
-    Float32,
-    Float64
-};
-
-/// Bytes of one value.
-std::size_t bytesOf(ScalarType type);
-inline bool isFloat(ScalarType type) {
-    return type == ScalarType::Float32 || type == ScalarType::Float64;
+inline bool isFloat(ColumnType type) {
+    return type == ColumnType::Float32 || type == ColumnType::Float64;
 }
-inline bool isByte(ScalarType type) {
-    return type == ScalarType::Int8 || type == ScalarType::UInt8;
+inline bool isByte(ColumnType type) {
+    return type == ColumnType::Int8 || type == ColumnType::Uint8;
 }
 
 enum class Meaning : std::uint8_t {
@@ -56,10 +41,10 @@ bool isPlainer(std::string_view name, std::string_view other);
 
 /// Which meanings a scan's points have, and in which number type.
 struct PointFields {
-    std::array<std::optional<ScalarType>, meanings> type;
+    std::array<std::optional<ColumnType>, meanings> type;
 
-    std::optional<ScalarType>& operator[](Meaning m) { return type[static_cast<std::size_t>(m)]; }
-    const std::optional<ScalarType>& operator[](Meaning m) const { return type[static_cast<std::size_t>(m)]; }
+    std::optional<ColumnType>& operator[](Meaning m) { return type[static_cast<std::size_t>(m)]; }
+    const std::optional<ColumnType>& operator[](Meaning m) const { return type[static_cast<std::size_t>(m)]; }
     bool has(Meaning m) const { return (*this)[m].has_value(); }
     Attributes attributes() const;
 };

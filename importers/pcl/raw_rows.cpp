@@ -25,27 +25,27 @@ double number(const std::byte* at, bool bigEndian) {
     return static_cast<double>(value);
 }
 
-double number(const std::byte* at, ScalarType type, bool bigEndian) {
+double number(const std::byte* at, ColumnType type, bool bigEndian) {
     switch (type) {
-        case ScalarType::Int8:
+        case ColumnType::Int8:
             return number<std::int8_t>(at, false);
-        case ScalarType::UInt8:
+        case ColumnType::Uint8:
             return number<std::uint8_t>(at, false);
-        case ScalarType::Int16:
+        case ColumnType::Int16:
             return number<std::int16_t>(at, bigEndian);
-        case ScalarType::UInt16:
+        case ColumnType::Uint16:
             return number<std::uint16_t>(at, bigEndian);
-        case ScalarType::Int32:
+        case ColumnType::Int32:
             return number<std::int32_t>(at, bigEndian);
-        case ScalarType::UInt32:
+        case ColumnType::Uint32:
             return number<std::uint32_t>(at, bigEndian);
-        case ScalarType::Int64:
+        case ColumnType::Int64:
             return number<std::int64_t>(at, bigEndian);
-        case ScalarType::UInt64:
+        case ColumnType::Uint64:
             return number<std::uint64_t>(at, bigEndian);
-        case ScalarType::Float32:
+        case ColumnType::Float32:
             return number<float>(at, bigEndian);
-        case ScalarType::Float64:
+        case ColumnType::Float64:
             break;
     }
     return number<double>(at, bigEndian);
@@ -56,7 +56,7 @@ double number(const std::byte* at, ScalarType type, bool bigEndian) {
 void readRow(const std::byte* row, const RowLayout& layout, RawPoint& into) {
     for (const RowField& field : layout.fields) {
         // Four bytes, as both headers' checks make sure.
-        const auto type = field.meaning == Meaning::PackedColor ? ScalarType::UInt32 : field.type;
+        const auto type = field.meaning == Meaning::PackedColor ? ColumnType::Uint32 : field.type;
         into[static_cast<std::size_t>(field.meaning)] = number(row + field.offset, type, layout.bigEndian);
     }
 }

@@ -17,7 +17,7 @@ using RawPointSink = std::function<Expected<void>(const RawPoint&)>;
 /// A number of a row that is read; numbers that mean nothing here are passed over.
 struct RowField {
     std::uint32_t offset = 0;  ///< bytes, from the row's beginning
-    ScalarType type = ScalarType::Float32;
+    ColumnType type = ColumnType::Float32;
     Meaning meaning = Meaning::X;
 };
 

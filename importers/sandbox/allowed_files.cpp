@@ -80,7 +80,6 @@ void addExecutable(AllowedFiles& files, const std::string& name, int depth) {
             addExecutable(files, next, depth + 1);
         if (depth > 0 || real.empty()) return;
         files.readable.push_back(real.parent_path().string());
-        files.readable.push_back((real.parent_path() / "node_modules").string());  // which may be a link
     } else if (const std::string loader = loaderOf(file); !loader.empty()) {
         files.executable.push_back(loader);
     }

@@ -34,7 +34,6 @@ constexpr const char* usage =
     "  --parent PID                ends with that process's thread that started it\n"
     "  --seconds N                 limit of processor time\n"
     "  --addresses KIB             limit of memory, as addresses\n"
-    "  --data KIB                  limit of memory, as what is written to\n"
     "  --without LIST              as on a machine without landlock, namespaces, seccomp (with commas "
     "between)\n";
 
@@ -75,7 +74,6 @@ bool parseOption(std::string_view name, std::string_view value, Options& options
     if (name == "--parent") return parseNumber(value, options.parent.emplace());
     if (name == "--seconds") return parseNumber(value, options.limits.processorSeconds);
     if (name == "--addresses") return parseNumber(value, options.limits.addressKib);
-    if (name == "--data") return parseNumber(value, options.limits.dataKib);
     return name == "--without" && parseWithout(value, options.without);
 }
 

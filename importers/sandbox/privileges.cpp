@@ -83,7 +83,6 @@ void setLimits(const Limits& limits) {
         limitTo(RLIMIT_NOFILE, mostDescriptors);
     }
     if (limits.addressKib > 0) limitTo(RLIMIT_AS, limits.addressKib * 1024);
-    if (limits.dataKib > 0) limitTo(RLIMIT_DATA, limits.dataKib * 1024);
 }
 
 }  // namespace scancast::sandbox

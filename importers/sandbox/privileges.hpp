@@ -25,7 +25,7 @@ Expected<void> becomeNobody();
 
 struct Limits {
     std::uint64_t processorSeconds = 0;  ///< 0 = none, as for all
-    std::uint64_t addressKib = 0, dataKib = 0;
+    std::uint64_t addressKib = 0;
     bool writesNothing = false;  ///< no file grows
 };
 /// No core dumps, and these. A limit that cannot be set is one that is tighter already.

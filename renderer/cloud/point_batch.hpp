@@ -43,9 +43,51 @@ enum class ColumnType : std::uint8_t {
     Float64
 };
 /// 1, 2, 4 or 8.
-std::size_t bytesOf(ColumnType type);
+constexpr std::size_t bytesOf(ColumnType type) {
+    switch (type) {
+        case ColumnType::Int8:
+        case ColumnType::Uint8:
+            return 1;
+        case ColumnType::Int16:
+        case ColumnType::Uint16:
+            return 2;
+        case ColumnType::Int32:
+        case ColumnType::Uint32:
+        case ColumnType::Float32:
+            return 4;
+        case ColumnType::Int64:
+        case ColumnType::Uint64:
+        case ColumnType::Float64:
+            return 8;
+    }
+    return 0;
+}
 /// "int8" … "float64".
-std::string_view name(ColumnType type);
+constexpr std::string_view name(ColumnType type) {
+    switch (type) {
+        case ColumnType::Int8:
+            return "int8";
+        case ColumnType::Uint8:
+            return "uint8";
+        case ColumnType::Int16:
+            return "int16";
+        case ColumnType::Uint16:
+            return "uint16";
+        case ColumnType::Int32:
+            return "int32";
+        case ColumnType::Uint32:
+            return "uint32";
+        case ColumnType::Int64:
+            return "int64";
+        case ColumnType::Uint64:
+            return "uint64";
+        case ColumnType::Float32:
+            return "float32";
+        case ColumnType::Float64:
+            return "float64";
+    }
+    return "unknown";
+}
 
 /// What a scan knows of its points beyond the sample: GPS time, returns, a file's extra bytes. Kept beside
 /// the samples on request, never drawn. Value = offset + scale · stored number.
@@ -57,7 +99,11 @@ struct Column {
     bool operator==(const Column&) const = default;
 };
 /// Of one row: the columns packed one behind the other, little-endian, in the order given.
-std::size_t rowBytes(std::span<const Column> columns);
+inline std::size_t rowBytes(std::span<const Column> columns) {
+    std::size_t bytes = 0;
+    for (const Column& column : columns) bytes += bytesOf(column.type);
+    return bytes;
+}
 
 /// What is known of a scan before its first point is read.
 struct ScanHeader {

@@ -3,7 +3,7 @@
 // within, so that who asks for much takes it from himself.
 //
 //     a half      frames of stills and snapshots in hand, with what they are encoded into (scheduler/turns.hpp waits)
-//     a quarter   pictures that HTTP clients have asked for and not read (price/admission.hpp refuses)
+//     a quarter   pictures and photos that HTTP clients have not read (price/admission.hpp refuses)
 //     a quarter   frames that streams have not read (net/: who does not read is closed first)
 //
 // The limit is a fixed share of --memory-limit, taken at the start: what residency has - and ETags name - never varies

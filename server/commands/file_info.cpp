@@ -33,7 +33,7 @@ std::vector<DamagedBlock> checkBlocks(const CloudFile& file, const ProgressSink&
     constexpr std::uint32_t nodesPerReport = 64;
     for (std::uint32_t i = 0; i < nodes.size(); ++i) {
         if (const auto samples = file.samples(i); !samples)
-            damaged.push_back({i, nodes[i].samples.offset, samples.error().message});
+            damaged.push_back({i, {}, nodes[i].samples.offset, samples.error().message});
         std::uint64_t last = 0;
         for (std::size_t p = 0; p < file.planes().size(); ++p) {
             // Columns of a version 1 file are one block.
@@ -41,10 +41,16 @@ std::vector<DamagedBlock> checkBlocks(const CloudFile& file, const ProgressSink&
                 std::exchange(last, offset) == offset)
                 continue;
             if (const auto plane = file.plane(i, p); !plane)
-                damaged.push_back({i, last, plane.error().message});
+                damaged.push_back({i, {}, last, plane.error().message});
         }
         if (progress && (i % nodesPerReport == 0 || i + 1 == nodes.size()))
             progress({"checking", i + std::uint64_t(1), nodes.size(), "nodes"});
+    }
+    const std::vector<Photo>& photos = file.facts().photos;
+    for (std::uint32_t i = 0; i < photos.size(); ++i) {
+        if (const auto bytes = photos[i].data->read(); !bytes)
+            damaged.push_back({{}, i, file.photoPlaces()[i].offset, bytes.error().message});
+        if (progress) progress({"checking", i + std::uint64_t(1), photos.size(), "photos"});
     }
     return damaged;
 }
@@ -86,6 +92,7 @@ class Counted {
         info.facts.notes = source.notes();
         for (std::string& note : values_.notes()) info.facts.notes.push_back(std::move(note));
         info.facts.stations = source.stations();
+        info.facts.photos = source.photos();
         info.facts.bounds = {low_, high_};
         info.boundsKnown = points_ > 0;
         values_.settle(info.facts);
@@ -134,6 +141,7 @@ Expected<FileInfo> scanInfo(const ScanInput& input, bool check, const ProgressSi
     info.facts.crsEpsg = header.crsEpsg;
     info.facts.notes = (*source)->notes();
     info.facts.stations = (*source)->stations();
+    info.facts.photos = (*source)->photos();
     for (const Column& column : header.columns) info.facts.columns.push_back({column, {0, 0}});
     info.boundsKnown = header.bounds.has_value();
     if (header.bounds) info.facts.bounds = *header.bounds;

@@ -20,7 +20,8 @@ struct OctreeInfo {
 
 /// A block that cannot be read, as its error says.
 struct DamagedBlock {
-    std::uint32_t node = 0;
+    std::optional<std::uint32_t> node{};   ///< whose samples or values it holds
+    std::optional<std::uint32_t> photo{};  ///< or which photo it is
     std::uint64_t offset = 0;
     std::string message;
 };

@@ -7,6 +7,7 @@
 #include "server/commands/file_info.hpp"
 #include "server/commands/info_print.hpp"
 #include "server/commands/scans/found_scans.hpp"
+#include "server/commands/scans/scan_arguments.hpp"
 #include "server/terminal/progress_bar.hpp"
 #include "server/terminal/terminal.hpp"
 
@@ -74,7 +75,7 @@ void addInfo(CLI::App& app, int& exitCode) {
     command->add_flag("--check", arguments->check,
                       "Verify every block of a cloud file; read a scan through to its end");
     command->add_flag("-q,--quiet", arguments->quiet, "No progress on standard error");
-    command->add_flag("--verbose", arguments->verbose, "Name each file of a folder that is no scan");
+    addVerbose(*command, arguments->verbose);
     command->callback([arguments, &exitCode] { exitCode = runInfo(*arguments) ? 0 : 1; });
 }
 

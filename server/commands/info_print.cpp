@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "protocol/classification.hpp"
+#include "protocol/text/grouped.hpp"
 #include "renderer/cloud/import/crs_text.hpp"
 #include "server/base/byte_size.hpp"
 
@@ -342,21 +343,14 @@ Json checkJson(const FileInfo& info) {
     if (!info.checked) return {};
     Json damaged = Json::array();
     for (const DamagedBlock& block : info.damaged)
-        damaged.push_back({{"node", block.node}, {"offset", block.offset}, {"message", block.message}});
+        damaged.push_back({{"node", block.node ? Json(*block.node) : Json()},
+                           {"photo", block.photo ? Json(*block.photo) : Json()},
+                           {"offset", block.offset},
+                           {"message", block.message}});
     return {{"sound", info.damaged.empty()}, {"damaged", damaged}};
 }
 
 }  // namespace
-
-std::string grouped(std::uint64_t number) {
-    const std::string digits = std::to_string(number);
-    std::string text;
-    for (std::size_t i = 0; i < digits.size(); ++i) {
-        if (i > 0 && (digits.size() - i) % 3 == 0) text += ',';
-        text += digits[i];
-    }
-    return text;
-}
 
 std::string infoText(const FileInfo& info) {
     Lines lines;

@@ -13,7 +13,4 @@ std::string infoText(const FileInfo& info);
 /// One member of "files".
 nlohmann::ordered_json infoJson(const FileInfo& info);
 
-/// 12,345,678
-std::string grouped(std::uint64_t number);
-
 }  // namespace scancast

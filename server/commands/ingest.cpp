@@ -18,6 +18,7 @@
 #include "server/commands/look_file.hpp"
 #include "server/commands/scans/found_scans.hpp"
 #include "server/commands/scans/open_in_turn.hpp"
+#include "server/commands/scans/scan_arguments.hpp"
 #include "server/terminal/interruption.hpp"
 #include "server/terminal/progress_bar.hpp"
 #include "server/terminal/terminal.hpp"
@@ -103,8 +104,8 @@ Expected<std::vector<std::unique_ptr<PointSource>>> openAll(const std::vector<st
         const auto mirrors = input->mirrors();
         if (!mirrors) return passOn(mirrors);
         options.mirrors.insert(options.mirrors.end(), mirrors->begin(), mirrors->end());
-        const bool alone = files.size() == 1;
-        if (auto ok = add(alone ? openScan(*input, import) : openInTurn(*input, import)); !ok)
+        const bool isNext = sources.empty();  // its turn is now
+        if (auto ok = add(isNext ? openScan(*input, import) : openInTurn(*input, import)); !ok)
             return passOn(ok);
     }
     return sources;
@@ -280,7 +281,7 @@ void addIngest(CLI::App& app, int& exitCode) {
         ->capture_default_str()
         ->type_name("N");
     command->add_flag("-q,--quiet", arguments->quiet, "No progress on standard error");
-    command->add_flag("--verbose", arguments->verbose, "Name each file of a folder that is no scan");
+    addVerbose(*command, arguments->verbose);
     command->footer(ingestExamples);
     command->callback([arguments, &exitCode] {
         const auto done = runIngest(*arguments);

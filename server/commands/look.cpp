@@ -10,6 +10,7 @@
 #include "server/commands/importer_flags.hpp"
 #include "server/commands/look_file.hpp"
 #include "server/commands/open_any.hpp"
+#include "server/commands/scans/scan_arguments.hpp"
 #include "server/terminal/terminal.hpp"
 
 namespace scancast {
@@ -53,12 +54,7 @@ void addLook(CLI::App& app, int& exitCode) {
         "  scancast look town.scan > town.json       # then change town.json: a camera, a colour, a method\n"
         "  scancast look town.scan --set town.json   # the file is changed in place, no block is rewritten\n"
         "  scancast look town.scan --decide          # forget that, and look at it again");
-    command
-        ->add_option("file", arguments->files,
-                     "The cloud file or the scan; a folder of scans, or several, as one")
-        ->required()
-        ->type_name("FILE");
-    command->add_flag("--verbose", arguments->verbose, "Name each file of a folder that is no scan");
+    addFilesAsOne(*command, arguments->files, arguments->verbose);
     auto* set =
         command->add_option("--set", arguments->set,
                             "Keep this look in the cloud file: JSON, with what is to change or all of it");

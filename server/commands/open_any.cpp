@@ -43,7 +43,7 @@ std::string titleOf(const std::vector<std::string>& arguments) {
     return (first.has_filename() ? first : first.parent_path()).filename().string();
 }
 
-/// Several are opened when their turn comes. Their mirrors are all added.
+/// Of several, the first stays open, the others are opened when their turn comes. Their mirrors are all added.
 Expected<std::unique_ptr<PointSource>> openScans(const std::vector<std::string>& files,
                                                  const ImportOptions& import, std::vector<Mirror>& mirrors) {
     std::vector<std::unique_ptr<PointSource>> sources;
@@ -54,7 +54,7 @@ Expected<std::unique_ptr<PointSource>> openScans(const std::vector<std::string>&
             return fail(
                 ErrorCode::InvalidArgument,
                 file + " is a cloud file, and one of several: only scans are put together; name it alone");
-        auto source = files.size() == 1 ? openScan(*input, import) : openInTurn(*input, import);
+        auto source = sources.empty() ? openScan(*input, import) : openInTurn(*input, import);
         if (!source) return source;
         sources.push_back(std::move(*source));
         const auto theirs = input->mirrors();

@@ -20,6 +20,7 @@
 #include "server/commands/look_file.hpp"
 #include "server/commands/open_any.hpp"
 #include "server/commands/program_folder.hpp"
+#include "server/commands/scans/scan_arguments.hpp"
 #include "server/terminal/terminal.hpp"
 
 namespace scancast {
@@ -206,12 +207,7 @@ void addRender(CLI::App& app, int& exitCode) {
         "  scancast render church.las --repeat 50 --stats json --samples 1 --method point");
     auto arguments = std::make_shared<RenderArguments>();
     arguments->render.depth = false;  // of what it writes, no format shows it
-    command
-        ->add_option("file", arguments->files,
-                     "The cloud file or the scan; a folder of scans, or several, as one")
-        ->required()
-        ->type_name("FILE");
-    command->add_flag("--verbose", arguments->verbose, "Name each file of a folder that is no scan");
+    addFilesAsOne(*command, arguments->files, arguments->verbose);
     command->add_option("-o,--output", arguments->output, "The picture to write: .png, .jpg or .jpeg");
     command->add_option("--backend", arguments->device.backend, "auto, cpu, egl or osmesa")
         ->capture_default_str();

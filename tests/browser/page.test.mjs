@@ -11,7 +11,7 @@ import { after, before, describe, it } from 'node:test';
 
 import { differing, drag, openPage, pixels, seriousComplaints, startBrowser, waitUntilSharp } from './support/browser.mjs';
 import { RealServer } from './support/real_server.mjs';
-import { ptxOfTwoScanners, writeScans } from './support/scans.mjs';
+import { e57WithPhotos, ptxOfTwoScanners, writeScans } from './support/scans.mjs';
 
 const program = process.env.SCANCAST_PROGRAM;
 if (!program) throw new Error('Set SCANCAST_PROGRAM, such as SCANCAST_PROGRAM=build/release/bin/scancast');
@@ -108,6 +108,47 @@ describe('the page', { timeout: 240_000 }, () => {
         assert.ok(differing(first, await pixels(page)) <= sameAtMost, 'the same place looks another way');
         await page.selectOption('#cloud', 'corner');
         await page.waitForSelector('#station', { state: 'hidden' });
+      }, {}, address);
+    } finally {
+      await other.stop();
+    }
+  });
+
+  it('shows the photos that a scan brought along, and the points from where they were taken', async () => {
+    const file = join(scans.folder, 'hall.e57');
+    const { bytes, jpegs } = e57WithPhotos(9000);
+    writeFileSync(file, bytes);
+    const other = new RealServer(program, [file]);
+    try {
+      const address = await other.start();
+      await withPage(async (page) => {
+        await page.waitForSelector('#station', { state: 'visible' }); // of the whole cloud
+        const list = (await (await fetch(`${address}api/v1/clouds/hall/photos`)).json()).photos;
+        assert.deepEqual(list.map(({ name, projection, station }) => [name, projection, station?.name]), [['All round', 'spherical', 'Hall'], ['North wall', 'pinhole', 'Hall']]);
+        for (const [i, jpeg] of jpegs.entries()) {
+          const sent = Buffer.from(await (await fetch(new URL(list[i].href, address))).arrayBuffer());
+          assert.ok(sent.equals(jpeg), 'another photo than the file has');
+        }
+        const shows = (name) => page.waitForFunction((title) => document.getElementById('photo-title').textContent === title
+          && document.getElementById('photo').naturalWidth > 0, name, { timeout: 5000 });
+        await changeBy(page, () => page.selectOption('#station', { label: 'Hall (9,000 points, 2 photos)' }));
+        await page.click('#station-photos');
+        await shows('All round');
+        assert.match(await page.textContent('#photo-facts'), /^Panorama, 640 × 320, .*, taken at Hall$/);
+        await page.click('#photo-next');
+        await shows('North wall');
+        // Half its height is as long as its camera: 90° show all of it, for the window is wider.
+        const asked = await page.getAttribute('#picture', 'data-asked');
+        await page.click('#photo-go');
+        await page.waitForFunction((before) => document.getElementById('picture').dataset.asked !== before, asked);
+        await page.waitForTimeout(400); // the flight
+        await waitUntilSharp(page);
+        await page.click('#copy-link');
+        const words = new URLSearchParams(new URL(page.url()).hash.slice(1));
+        const [eye, target] = ['eye', 'target'].map((word) => words.get(word).split(',').map(Number));
+        [11, 20, 1.5].forEach((value, axis) => assert.ok(Math.abs(eye[axis] - value) < 1e-6, eye.join()));
+        assert.ok(Math.abs(target[0] - 11) < 1e-6 && target[1] > 21 && Math.abs(target[2] - 1.5) < 1e-6, target.join());
+        assert.ok(Math.abs(Number(words.get('fov')) - 90) < 1e-6, words.get('fov'));
       }, {}, address);
     } finally {
       await other.stop();

@@ -228,6 +228,19 @@ describe('the viewer of photos', { timeout: 120_000 }, () => {
     await server.start(server.port);
   });
 
+  it('asks a busy server again, but not for ever', async () => {
+    server.busyFor = 2;
+    await open();
+    await page.click('#show-photos');
+    await shows('North');
+    server.busyFor = 9;
+    await page.click('#photo-next');
+    await says('Ask again later.');
+    assert.equal(server.busyFor, 6);
+    server.busyFor = 0;
+    page.complaints = page.complaints.filter((text) => !text.includes('429'));
+  });
+
   it('brings the token along, and keeps it out of addresses', async () => {
     server.token = 'a+token/with=signs?';
     page = await openPage(browser, url);

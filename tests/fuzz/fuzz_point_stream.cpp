@@ -4,7 +4,6 @@
 #include <memory>
 
 #include "renderer/cloud/import/stream/point_stream_reader.hpp"
-#include "renderer/cloud/import/stream/stream_columns.hpp"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
     using namespace scancast;
@@ -28,7 +27,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
             batch.normal.size() != (has.normal ? n : 0) ||
             batch.classification.size() != (has.classification ? n : 0))
             std::abort();
-        if (batch.rows.size() != n * point_stream::packedBytes((*reader)->header().columns)) std::abort();
+        if (batch.rows.size() != n * rowBytes((*reader)->header().columns)) std::abort();
         for (const auto& p : batch.position)
             if (!std::isfinite(p.x) || !std::isfinite(p.y) || !std::isfinite(p.z)) std::abort();
     }

@@ -22,14 +22,4 @@ Expected<void> readAll(const RandomAccess& bytes, std::uint64_t offset, std::spa
                 "it ends at byte " + grouped(offset + *got) + ", within " + std::string(what));
 }
 
-std::string grouped(std::uint64_t number) {
-    const std::string digits = std::to_string(number);
-    std::string text;
-    for (std::size_t i = 0; i < digits.size(); ++i) {
-        if (i > 0 && (digits.size() - i) % 3 == 0) text += ',';
-        text += digits[i];
-    }
-    return text;
-}
-
 }  // namespace scancast::laz

@@ -7,6 +7,7 @@
 #include <span>
 
 #include "files/input_file.hpp"
+#include "protocol/text/grouped.hpp"
 
 namespace scancast::laz {
 
@@ -47,8 +48,5 @@ class MemoryAccess final : public RandomAccess {
 /// WHAT". Errors: Truncated, Io.
 Expected<void> readAll(const RandomAccess& bytes, std::uint64_t offset, std::span<std::byte> into,
                        const char* what);
-
-/// "1,234,567" for messages.
-std::string grouped(std::uint64_t number);
 
 }  // namespace scancast::laz

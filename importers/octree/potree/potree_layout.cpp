@@ -155,8 +155,8 @@ double numberAt(const json* list, std::size_t i, double otherwise) {
 void addFurther(const Told& told, PointLayout& layout) {
     if (told.name.starts_with("FILLER")) return layout.skip(told.bytes);
     const auto type = told.type.value_or(ColumnType::Uint8);
-    const auto numbers = told.bytes / numberBytes(type);
-    const bool fits = told.bytes % numberBytes(type) == 0 && (told.type || told.bytes <= mostUntypedBytes);
+    const auto numbers = told.bytes / bytesOf(type);
+    const bool fits = told.bytes % bytesOf(type) == 0 && (told.type || told.bytes <= mostUntypedBytes);
     if (!fits) return layout.skip(told.bytes);
     for (std::uint32_t i = 0; i < numbers; ++i)
         layout.add(Role::Further, type, numbers == 1 ? told.name : told.name + "_" + std::to_string(i),
@@ -180,7 +180,7 @@ PotreeCode addShape(Shape shape, const Told& told, bool floats, PointLayout& lay
         case Shape::Color16: {
             const auto type = plainBytes ? ColumnType::Uint8 : ColumnType::Uint16;
             addThree(layout, Role::Red, type, {"red", "green", "blue"});
-            layout.skip(told.bytes - 3 * numberBytes(type));
+            layout.skip(told.bytes - 3 * static_cast<std::uint32_t>(bytesOf(type)));
             return plainBytes ? PotreeCode::Plain : PotreeCode::Color;
         }
         case Shape::Normal:

@@ -35,27 +35,10 @@ bool isWhole(const Field& field) {
 
 }  // namespace
 
-std::uint32_t numberBytes(ColumnType type) {
-    switch (type) {
-        case ColumnType::Int8:
-        case ColumnType::Uint8:
-            return 1;
-        case ColumnType::Int16:
-        case ColumnType::Uint16:
-            return 2;
-        case ColumnType::Int32:
-        case ColumnType::Uint32:
-        case ColumnType::Float32:
-            return 4;
-        default:
-            return 8;
-    }
-}
-
 void PointLayout::add(Role role, ColumnType type, std::string_view name, double scale, double offset) {
     if (role < Role::Further && find(role)) role = Role::Further;
     fields_.push_back({role, type, bytes_, scale, offset, columnName(name)});
-    bytes_ += numberBytes(type);
+    bytes_ += static_cast<std::uint32_t>(bytesOf(type));
 }
 
 Expected<void> PointLayout::finish() {

@@ -32,9 +32,6 @@ enum class Role : std::uint8_t {
 };
 inline constexpr std::size_t roles = 13;  ///< those that a sample has room for
 
-/// Of one number. (The same as bytesOf(), without the library of octrees.)
-std::uint32_t numberBytes(ColumnType type);
-
 struct Field {
     Role role = Role::Further;
     ColumnType type = ColumnType::Uint8;

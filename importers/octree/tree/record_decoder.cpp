@@ -226,11 +226,11 @@ void FieldDecoder::decodeRows(const std::byte* records, std::size_t count, std::
     const auto kept = layout_.kept();
     const auto rowBytes =
         std::accumulate(kept.begin(), kept.end(), std::size_t(0),
-                        [](std::size_t sum, const Field* f) { return sum + numberBytes(f->type); });
+                        [](std::size_t sum, const Field* f) { return sum + bytesOf(f->type); });
     to.resize(count * rowBytes);
     std::size_t place = 0;
     for (const auto* field : kept) {
-        const auto bytes = numberBytes(field->type);
+        const auto bytes = bytesOf(field->type);
         const auto* from = records + field->at;
         auto* row = to.data() + place;
         for (std::size_t i = 0; i < count; ++i, from += recordBytes(), row += rowBytes)

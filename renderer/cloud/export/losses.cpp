@@ -76,6 +76,10 @@ std::vector<std::string> lossesOf(const CloudFile& file, const ExportOptions& op
         losses.push_back(fmt::format(
             "the places of the {} stations of the scanner are not in the file, which has none for them",
             facts.stations.size()));
+    if (!facts.photos.empty())
+        losses.push_back(
+            fmt::format("the photos of the scan ({}) are not in the file, which has no place for them",
+                        facts.photos.size()));
     for (std::string& loss : lossesOfFormat(facts.format)) losses.push_back(std::move(loss));
     return losses;
 }

@@ -5,6 +5,8 @@
 #include <string>
 #include <string_view>
 
+#include "protocol/text/grouped.hpp"
+
 namespace scancast {
 
 /// Printable ASCII and line breaks as they are, everything else as '?'; cut at `longest` bytes and at the
@@ -13,8 +15,5 @@ std::string printableText(std::string_view text, std::size_t longest);
 
 /// A word of the file in quotation marks, for messages: printable, at most 40 bytes of it.
 std::string quotedText(std::string_view text);
-
-/// "1,234,567" for messages.
-std::string grouped(unsigned long long number);
 
 }  // namespace scancast

@@ -202,6 +202,7 @@ export class FakeServer {
   clouds = clouds;
   photos = []; // of every cloud that says that it has some: { name, file, … } as the API has them, and what is sent for each
   stations = [];
+  busyFor = 0; // so many photos are refused for now
   pending = [];
   frameDelay = 12;
   damaged = false; // blocks of its clouds cannot be read
@@ -275,6 +276,7 @@ export class FakeServer {
     }
     if (photo) {
       const { file } = this.photos[photo[2]] ?? {};
+      if (this.busyFor-- > 0) return reply(429, 'application/problem+json', JSON.stringify(problem(429, 'Too Many Requests', 'Ask again later.')));
       this.received.push({ type: 'photo', index: Number(photo[2]) });
       if (!file) return reply(500, 'application/problem+json', JSON.stringify(problem(500, 'Internal Server Error', 'This photo cannot be read.')));
       return reply(200, 'image/jpeg', file);

@@ -5,7 +5,9 @@ import { mkdtempSync, rmSync, writeFileSync } from 'node:fs';
 import { tmpdir } from 'node:os';
 import { join } from 'node:path';
 
+import { blockJpeg } from './block_jpeg.mjs';
 import { random } from './cameras.mjs';
+import { e57Bytes } from './e57.mjs';
 
 const headerLength = 227;
 const recordLength = 26;
@@ -78,6 +80,27 @@ export function ptxOfTwoScanners(count) {
     });
     return [count, 1, '0 0 0', '1 0 0', '0 1 0', '0 0 1', '0 1 0 0', '-1 0 0 0', '0 0 1 0', `${x} 4 1.5 1`, ...turned, ''].join('\n');
   }).join('');
+}
+
+/**
+ * A room in E57, seen by a scanner in its middle, 1.5 above the floor, with two photos of one colour each: an orange panorama, and a
+ * violet one that looks north along y, taken 1 east of the scanner.
+ */
+export function e57WithPhotos(count) {
+  const next = random(14);
+  const points = Array.from({ length: count }, (_, i) => {
+    const point = [next() * 8 - 4, next() * 8 - 4, next() * 3 - 1.5];
+    point[i % 3] = i % 3 === 2 ? -1.5 : 4 * Math.sign(next() - 0.5);
+    return [...point, 90 + 40 * (i % 3), 150, 200 - 50 * (i % 3)];
+  });
+  const half = Math.SQRT1_2; // of a quarter turn
+  const place = { rotation: [half, 0, 0, half], translation: [10, 20, 1.5] }; // it faces north
+  const photos = [
+    { name: 'All round', scan: 0, jpeg: blockJpeg(640, 320, () => [230, 130, 20]), width: 640, height: 320, angle: Math.PI / 320, pose: place },
+    { name: 'North wall', scan: 0, jpeg: blockJpeg(320, 240, () => [120, 40, 200]), width: 320, height: 240, focal: 0.012, pixel: 0.0001,
+      pose: { rotation: [half, half, 0, 0], translation: [11, 20, 1.5] } }, // a camera looks along its -z: that is north now
+  ];
+  return { bytes: e57Bytes([{ name: 'Hall', points, pose: place }], photos), jpegs: photos.map(({ jpeg }) => jpeg) };
 }
 
 export function writeScans() {

@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 
 #include <cstring>
+#include <set>
 
 #include "importers/e57/file_description.hpp"
 #include "renderer/cloud/import/lost_points.hpp"
@@ -160,7 +161,7 @@ class Damageable {
         lost += told;
     }
 
-    void expectWithout(const std::vector<std::size_t>& damaged, bool keepAttributes = false) {
+    void expectWithout(const std::set<std::size_t>& damaged, bool keepAttributes = false) {
         auto given = file;
         std::vector<bool> sound(pages(), true);
         for (const auto page : damaged) {
@@ -187,14 +188,15 @@ TEST(E57Recover, ThePagesOfAPacketInEveryCombination) {
     Damageable made({scanFrom(0, 300)});
     ASSERT_EQ(made.firstPageOfXml, 5U);
     for (unsigned mask = 0; mask < 32; ++mask) {
-        std::vector<std::size_t> damaged;
+        std::set<std::size_t> damaged;
         for (std::size_t page = 0; page < 5; ++page)
-            if ((mask >> page & 1U) != 0) damaged.push_back(page);
+            if ((mask >> page & 1U) != 0) damaged.insert(page);
         SCOPED_TRACE(mask);
         made.expectWithout(damaged);
         made.expectWithout(damaged, true);
     }
-    EXPECT_EQ(made.lost, 14U + 15U);  // the fifth page has row numbers alone; the first has the scan's head
+    // Something is left where neither the scan's head nor all of y is damaged (pages 0, 1), and with row numbers not page 3 beside page 4.
+    EXPECT_EQ(made.lost, 7U + 5U);
     auto file = made.file;
     file[2 * 1024 + 5] ^= 1;
     const auto got = imported(file, recover);

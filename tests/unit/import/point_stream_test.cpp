@@ -271,10 +271,10 @@ TEST(PointStream, NotesThatLieAreErrors) {
         }
         return stream;
     };
-    EXPECT_TRUE(readStream(withNotes(1024, 16)));
+    EXPECT_TRUE(readStream(withNotes(1024, 32)));
     expectImporterError(withNotes(1025, 1), "a note of 1,025 bytes");
     expectImporterError(withNotes(0, 1), "a note of 0 bytes");
-    expectImporterError(withNotes(3, 17), "more than 16 notes");
+    expectImporterError(withNotes(3, 33), "more than 32 notes");
 }
 
 /// A sound stream with `parts` to look at first, each of two points.

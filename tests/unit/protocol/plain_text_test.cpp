@@ -7,6 +7,7 @@
 #include "protocol/json_text.hpp"
 #include "protocol/nearest_name.hpp"
 #include "protocol/problem.hpp"
+#include "protocol/text/grouped.hpp"
 
 namespace scancast {
 namespace {
@@ -67,6 +68,14 @@ TEST(PlainText, QuotesAndProblemsAreLines) {
     EXPECT_EQ(errorOf(problem).message, "?[2J");
     problem.requestId = "a\n\x1b[2Jb";
     EXPECT_EQ(errorOf(problem).message, "?[2J (request a ?[2Jb)");
+}
+
+TEST(Grouped, InThrees) {
+    EXPECT_EQ(grouped(0), "0");
+    EXPECT_EQ(grouped(999), "999");
+    EXPECT_EQ(grouped(1000), "1,000");
+    EXPECT_EQ(grouped(12345678), "12,345,678");
+    EXPECT_EQ(grouped(~0ULL), "18,446,744,073,709,551,615");
 }
 
 }  // namespace

@@ -11,6 +11,7 @@
 #include <limits>
 
 #include "renderer/cloud/sample.hpp"
+#include "renderer/cloud/stations/station.hpp"
 
 namespace scancast {
 
@@ -128,10 +129,10 @@ void packPositions(const PointBatch& batch, const ScanHeader& header, bool grid,
     }
 }
 
-/// The direction of a vector of any length but 0, which has none.
+/// The direction of a vector, if it has one.
 std::uint16_t sightCode(const glm::dvec3& sight) {
-    const double length = glm::length(sight);
-    return length > 0 && std::isfinite(length) ? encodeNormal(glm::vec3(sight / length)) : noNormal;
+    const auto unit = unitVector(sight);
+    return unit ? encodeNormal(glm::vec3(*unit)) : noNormal;
 }
 
 /// The row of each point, then its near infrared, 0 where the scan it is from has none.

@@ -207,8 +207,7 @@ Expected<std::vector<std::string>> importerCommand(const ImporterProgram& import
     };
     limit("--seconds", options.importerProcessorSeconds);
     if (limitsMemory && options.importerMemoryLimit > 0)
-        limit(importer.memory == ImporterProgram::Memory::Data ? "--data" : "--addresses",
-              std::max<std::uint64_t>(1, options.importerMemoryLimit / 1024));
+        limit("--addresses", std::max<std::uint64_t>(1, options.importerMemoryLimit / 1024));
     command.push_back(program->string());
     if (options.keepAttributes && importer.knowsKeepAttributes) command.emplace_back("--keep-attributes");
     if (options.recover && importer.knowsRecover) command.emplace_back("--recover");

@@ -23,12 +23,7 @@ namespace scancast {
 
 /// A program that reads scans, and how it is limited.
 struct ImporterProgram {
-    /// What importerMemoryLimit bounds. Node.js reserves tens of gigabytes of addresses that it never
-    /// touches: there it can only be what is really written to.
-    enum class Memory : std::uint8_t { AddressSpace, Data };
-
-    std::string name;  ///< such as "scancast-import-pcl"
-    Memory memory = Memory::AddressSpace;
+    std::string name;                  ///< such as "scancast-import-pcl"
     bool knowsKeepAttributes = false;  ///< takes --keep-attributes before the file
     bool knowsRecover = false;         ///< takes --recover before the file
 };

@@ -62,7 +62,7 @@ Expected<void> PointStreamReader::readHeader() {
     auto columns = stream::decodeColumns(list);
     if (!columns) return passOn(columns);
     header_.columns = std::move(*columns);
-    rowBytes_ = stream::packedBytes(header_.columns);
+    rowBytes_ = scancast::rowBytes(header_.columns);
     return {};
 }
 

@@ -15,24 +15,9 @@ namespace {
 
 using nlohmann::json;
 
-struct Type {
-    std::string_view name;
-    ColumnType type;
-    std::size_t bytes;
-};
-constexpr Type types[] = {
-    {"int8", ColumnType::Int8, 1},       {"uint8", ColumnType::Uint8, 1},
-    {"int16", ColumnType::Int16, 2},     {"uint16", ColumnType::Uint16, 2},
-    {"int32", ColumnType::Int32, 4},     {"uint32", ColumnType::Uint32, 4},
-    {"int64", ColumnType::Int64, 8},     {"uint64", ColumnType::Uint64, 8},
-    {"float32", ColumnType::Float32, 4}, {"float64", ColumnType::Float64, 8},
-};
-
-const Type& typeOf(const Column& column) {
-    const auto* found =
-        std::find_if(std::begin(types), std::end(types), [&](auto& t) { return t.type == column.type; });
-    return found == std::end(types) ? types[0] : *found;
-}
+constexpr ColumnType types[] = {
+    ColumnType::Int8,   ColumnType::Uint8, ColumnType::Int16,  ColumnType::Uint16,  ColumnType::Int32,
+    ColumnType::Uint32, ColumnType::Int64, ColumnType::Uint64, ColumnType::Float32, ColumnType::Float64};
 
 tl::unexpected<Error> wrongColumn(std::size_t index, const std::string& reason) {
     return fail(ErrorCode::Importer, fmt::format("its point stream's column {} is wrong: {}", index, reason));
@@ -60,9 +45,9 @@ Expected<Column> decodeColumn(const json& object, std::size_t index) {
     if (column.name.empty()) return wrongColumn(index, "it has no name");
     const auto typeName = textOf(object, "type", 16);
     const auto* type =
-        std::find_if(std::begin(types), std::end(types), [&](auto& t) { return t.name == typeName; });
+        std::find_if(std::begin(types), std::end(types), [&](ColumnType t) { return name(t) == typeName; });
     if (type == std::end(types)) return wrongColumn(index, "its type \"" + typeName + "\" is not known");
-    column.type = type->type;
+    column.type = *type;
     column.scale = numberOf(object, "scale", 1);
     column.offset = numberOf(object, "offset", 0);
     if (!std::isfinite(column.scale) || column.scale == 0 || !std::isfinite(column.offset))
@@ -72,18 +57,12 @@ Expected<Column> decodeColumn(const json& object, std::size_t index) {
 
 }  // namespace
 
-std::size_t packedBytes(std::span<const Column> columns) {
-    std::size_t bytes = 0;
-    for (const auto& column : columns) bytes += typeOf(column).bytes;
-    return bytes;
-}
-
 std::string encodeColumns(std::span<const Column> columns) {
     if (columns.empty()) return {};
     auto list = json::array();
     for (const auto& column : columns)
         list.push_back({{"name", printableText(column.name, longestColumnName)},
-                        {"type", typeOf(column).name},
+                        {"type", name(column.type)},
                         {"scale", column.scale},
                         {"offset", column.offset},
                         {"description", printableText(column.description, longestColumnText)}});

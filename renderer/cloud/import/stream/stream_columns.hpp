@@ -18,9 +18,6 @@ inline constexpr std::size_t mostColumns = 512;
 inline constexpr std::size_t longestColumnName = 64;
 inline constexpr std::size_t longestColumnText = 256;
 
-/// Bytes of one row. (The same as rowBytes(), without the library of octrees.)
-std::size_t packedBytes(std::span<const Column> columns);
-
 /// Empty for no columns.
 std::string encodeColumns(std::span<const Column> columns);
 

@@ -7,6 +7,7 @@
 
 #include "server/commands/command.hpp"
 #include "server/commands/info_print.hpp"
+#include "tests/support/clouds/photos_in_memory.hpp"
 #include "tests/support/clouds/version_one.hpp"
 #include "tests/support/test_data.hpp"
 #include "tests/unit/cloud/file/sample_cloud.hpp"
@@ -188,6 +189,27 @@ TEST(InfoOfPhotos, TellsThemToPeopleAndToPrograms) {
     EXPECT_EQ(json(infoJson(told)).at("photos").size(), 45U);
 }
 
+TEST_F(Info, PhotosOfACloudFileAreToldAndCheckedToo) {
+    facts_.photos = test::withPhotos(*cloud_)->photos;
+    ASSERT_TRUE(test::writeCloudFile(file(), cloud_->octree, facts_));
+    EXPECT_THAT(info({file()}).output,
+                HasSubstr("All round: spherical jpeg, 400 x 200 pixels, 500 bytes, at Turm, Straße"));
+    EXPECT_THAT(info({"--check", file()}).output, HasSubstr("every block is sound"));
+    const std::uint64_t offset = CloudFile::open(file()).value()->photoPlaces()[1].offset;
+    damage(offset + 100);
+    EXPECT_EQ(info({file()}).exitCode, 0) << "it is there, and nobody has looked at it";
+    const auto told = info({"--check", file()});
+    EXPECT_EQ(told.exitCode, 1);
+    EXPECT_THAT(told.output, HasSubstr("1 damaged block;"));
+    EXPECT_THAT(told.output, HasSubstr("photo 1"));
+    const auto all = json::parse(info({"--check", "--json", file()}).output);
+    const json& damaged = all["files"][0].at("check").at("damaged");
+    ASSERT_EQ(damaged.size(), 1U);
+    EXPECT_EQ(damaged[0].at("photo"), 1);
+    EXPECT_TRUE(damaged[0].at("node").is_null());
+    EXPECT_EQ(damaged[0].at("offset"), offset);
+}
+
 TEST_F(Info, CheckFindsADamagedBlockAndNamesIt) {
     EXPECT_THAT(info({"--check", file()}).output, HasSubstr("every block is sound"));
     const auto place = CloudFile::open(file()).value()->nodes()[3].samples;
@@ -313,13 +335,6 @@ TEST(InfoPage, DescribesEveryFieldOfTheObject) {
         }
     };
     described(json(infoJson(info)), ownPage, described);
-}
-
-TEST(InfoPage, Grouping) {
-    EXPECT_EQ(grouped(0), "0");
-    EXPECT_EQ(grouped(999), "999");
-    EXPECT_EQ(grouped(1000), "1,000");
-    EXPECT_EQ(grouped(12345678), "12,345,678");
 }
 
 }  // namespace

@@ -13,7 +13,7 @@ struct RealScan {
     const char* format;
     std::uint64_t points;          ///< declared
     std::uint64_t dropped;         ///< NaN, and in PTX no echo
-    const char* columns;           ///< c colour, i intensity, k classification, n normal
+    const char* columns;           ///< c colour, i intensity, k classification, n normal, r near infrared
     const char* box;               ///< "size x y z; min x y z", rounded as printed
     std::array<int, 2> intensity;  ///< {-1, -1} = scaled, not compared
     const char* classes;
@@ -99,11 +99,11 @@ inline const RealScan realScans[] = {
      "0.023 x 0.011 x 39.038; min -94.683 31.037 39.081", {65535, 65535}, "", -1},
     {"las/lots_of_vlr.las", "LAS 1.1, point format 1", 1, 0, "ik",
      "0.000 x 0.000 x 0.000; min 715001.35 839349.17 17.275", {105, 105}, "", -1},
-    {"las/pdrf10-1.4.las", "LAS 1.4, point format 10", 1024, 0, "cik",
+    {"las/pdrf10-1.4.las", "LAS 1.4, point format 10", 1024, 0, "cikr",
      "4.29e+09 x 4.29e+09 x 4.29e+09; min -2.14e+09 -2.15e+09 -2.15e+09", {27, 65529}, "0,2,3,4,5,6,7,8,9,11,12,13,14,15", 65528},
     {"las/pdrf5-1.3.las", "LAS 1.3, point format 5", 1024, 0, "cik",
      "173.91 x 112.53 x 22.080; min -70.000 -22.530 -10.000", {0, 37851}, "0,1,2,3,4,5,6,7,8,9,10,11,12,13", 65495},
-    {"las/pdrf8-1.4.las", "LAS 1.4, point format 8", 1024, 0, "cik",
+    {"las/pdrf8-1.4.las", "LAS 1.4, point format 8", 1024, 0, "cikr",
      "4.29e+09 x 4.29e+09 x 4.29e+09; min -2.14e+09 -2.15e+09 -2.15e+09", {27, 65529}, "0,2,3,4,5,6,7,8,9,11,12,13,14,15", 65528},
     {"las/pdrf9-1.4.las", "LAS 1.4, point format 9", 1024, 0, "ik",
      "4.27e+09 x 4.29e+09 x 4.29e+09; min -2.14e+09 -2.15e+09 -2.15e+09", {27, 65524}, "0,1,2,3,4,5,6,7,8,9,11,12,13,14", -1},
@@ -139,9 +139,9 @@ inline const RealScan realScans[] = {
      "3425.94 x 4655.51 x 209.12; min 635577.79 848882.15 406.14", {-1, -1}, "", 255},
     {"laz/autzen_trim.laz", "LAZ 1.2, point format 3", 110000, 0, "cik",
      "1177.46 x 562.70 x 114.25; min 636001.76 848935.20 406.26", {0, 254}, "1,2", 236},
-    {"laz/ign-lidarhd-fields.laz", "LAZ 1.4, point format 8", 697721, 0, "cik",
+    {"laz/ign-lidarhd-fields.laz", "LAZ 1.4, point format 8", 697721, 0, "cikr",
      "350.63 x 370.26 x 20.770; min 484649.36 6632629.73 99.650", {311, 3004}, "1,2,3,4,5,6,65", 65024},
-    {"laz/fullwave-pdrf10.laz", "LAZ 1.4, point format 10", 10750, 0, "cik",
+    {"laz/fullwave-pdrf10.laz", "LAZ 1.4, point format 10", 10750, 0, "cikr",
      "50.876 x 41.326 x 13.760; min 194267.42 8249096.01 989.94", {-1, -1}, "", -1},
     {"laz/pdrf0-compressor1-pointwise.laz", "LAZ 1.0, point format 0", 11781, 0, "ik",
      "440.24 x 412.73 x 100.90; min 2483569.14 366203.87 1480.88", {0, 194}, "1,2,8,9,12,15", -1},
@@ -159,7 +159,7 @@ inline const RealScan realScans[] = {
      "4.27e+09 x 4.29e+09 x 4.29e+09; min -2.14e+09 -2.15e+09 -2.15e+09", {27, 65524}, "0,1,2,3,4,5,6,7,8,9,11,12,13,14", -1},
     {"laz/pdrf7-v4-1.4.laz", "LAZ 1.4, point format 7", 1024, 0, "cik",
      "1998.10 x 1498.94 x 799.42; min -1500.01 250.00 -350.04", {0, 65457}, "0,1,2,3,4,5,6,7,8,9,10,11,12,13", 65520},
-    {"laz/pdrf8-1.4.laz", "LAZ 1.4, point format 8", 1024, 0, "cik",
+    {"laz/pdrf8-1.4.laz", "LAZ 1.4, point format 8", 1024, 0, "cikr",
      "4.29e+09 x 4.29e+09 x 4.29e+09; min -2.14e+09 -2.15e+09 -2.15e+09", {27, 65529}, "0,2,3,4,5,6,7,8,9,11,12,13,14,15", 65528},
     {"laz/strand-statue-1m.laz", "LAZ 1.2, point format 2", 1065717, 0, "cik",
      "79.714 x 80.135 x 56.182; min -43.325 -37.677 -34.278", {0, 65535}, "", 65280},

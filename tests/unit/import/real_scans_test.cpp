@@ -90,7 +90,7 @@ TEST_P(RealScans, GiveWhatIsInThem) {
     EXPECT_EQ(header.points, counted ? std::nullopt : std::optional(expected.points));
     const std::string columns = expected.columns;
     const auto has = [&](char c) { return columns.find(c) != std::string::npos; };
-    EXPECT_EQ(header.attributes, (Attributes{has('c'), has('i'), has('k'), has('n')}));
+    EXPECT_EQ(header.attributes, (Attributes{has('c'), has('i'), has('k'), has('n'), has('r')}));
 
     const auto summary = summarize(**source);
     ASSERT_TRUE(summary) << summary.error().message;

@@ -25,10 +25,14 @@ class KeptRows {
         return std::span(rows_).subspan(index * rowBytes_, rowBytes_);
     }
 
+    std::size_t bucketOf(const BuildPoint& point) const;
+
     std::vector<BuildPoint> points_;
     std::vector<std::byte> rows_;
     std::size_t rowBytes_;
-    std::vector<std::uint32_t> order_;  ///< by point, then by row
+    int bucketBits_ = 0;
+    std::vector<std::uint32_t> first_;  ///< of each bucket in order_, and the end
+    std::vector<std::uint32_t> order_;  ///< by bucket, in it by point, then by row
 };
 
 }  // namespace scancast

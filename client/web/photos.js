@@ -120,20 +120,30 @@ export class Photos {
     if (!this.#dialog.open) this.#dialog.showModal();
     this.#say('Loading…');
     this.#index = index;
-    const { id } = this.#cloud;
+    if (!this.#list) this.#blank();
+    const cloud = this.#cloud;
     try {
-      this.#list ??= await fetchPhotos(id, size);
+      const list = this.#list ?? await fetchPhotos(cloud.id, size);
+      if (this.#cloud !== cloud) return; // another one's since
+      this.#list = list;
     } catch (error) {
-      this.#fail(error);
+      if (this.#cloud === cloud && this.#dialog.open) this.#fail(error);
       return;
     }
-    if (this.#dialog.open && this.#cloud?.id === id) this.#turnTo(index);
+    if (this.#dialog.open) this.#turnTo(index);
+  }
+
+  /** Nothing of the photo before stands over what is being waited for. */
+  #blank() {
+    for (const id of ['photo-title', 'photo-facts', 'photo-count']) find(id).textContent = '';
+    for (const id of ['photo-previous', 'photo-next', 'photo-count', 'photo-go']) find(id).hidden = true;
   }
 
   #turnTo(index) {
     if (!this.#list) return; // it is on its way
     const count = this.#list.length;
     if (count === 0) {
+      this.#blank();
       this.#say('The server has no photos of this cloud any more.');
       return;
     }
@@ -217,7 +227,9 @@ export class Photos {
   }
 
   #lookFromHere() {
-    const view = this.#viewOf(this.#list[this.#index]);
+    const photo = this.#list?.[this.#index];
+    if (!photo) return;
+    const view = this.#viewOf(photo);
     this.#dialog.close();
     if (view) this.#go(view.camera);
   }

@@ -103,7 +103,8 @@ Expected<void> importE57(std::unique_ptr<ByteSource> bytes, const Choices& choic
     const auto plan = planImport(*file, *description, choices.keepAttributes);
     if (!plan) return passOn(plan);
     const Stations stations(*description);
-    Photos photos(*file, description->photos, [&](const std::string& guid) { return stations.of(guid); });
+    Photos photos(*file, description->photos, description->morePhotos,
+                  [&](const std::string& guid) { return stations.of(guid); });
     const auto begun = plan->asSteps ? writer.writeHeaderOfSteps(plan->header)
                                      : writer.writeHeader(plan->header, !stations.empty() || !photos.empty());
     if (!begun) return begun;

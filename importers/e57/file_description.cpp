@@ -55,8 +55,7 @@ Expected<FileDescription> describeFile(PagedFile& file) {
             else if (result.photos.size() < mostScans)
                 result.photos.push_back(std::move(*photo));
             else
-                return fail(ErrorCode::ResourceLimit,
-                            fmt::format("it has more than {} photos", grouped(mostScans)));
+                ++result.morePhotos;
         } else if (list == "data3D") {
             if (result.scans.size() == mostScans)
                 return fail(ErrorCode::ResourceLimit,

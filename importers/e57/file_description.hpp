@@ -17,6 +17,7 @@ struct FileDescription {
     std::vector<ScanDescription> scans;
     std::vector<PhotoDescription> photos;
     std::uint64_t emptyPhotos = 0;  ///< entries for photos without one
+    std::uint64_t morePhotos = 0;   ///< that are not described
     std::string coordinates;        ///< coordinateMetadata, WKT as a rule; may be empty
 
     std::uint64_t points() const;

@@ -12,6 +12,7 @@
 #include "files/bytes.hpp"
 #include "importers/e57/scan_description.hpp"
 #include "renderer/cloud/import/printable_text.hpp"
+#include "renderer/cloud/stations/station.hpp"
 
 namespace scancast::import_e57 {
 
@@ -90,22 +91,20 @@ std::array<double, 2> anglesOf(const Photo& photo, const Optics& optics) {
 }
 
 /// What the middle of the photo shows, in the axes of its camera: a flat one looks along -z, y up; the others along x, z up
-/// (ASTM E2807, 8.4.8 and following).
-Photo::Pose poseOf(const Pose& pose, const Photo& photo, const Optics& optics) {
-    glm::dvec3 forwards(1, 0, 0), up(0, 0, 1);
-    if (photo.projection == Photo::Projection::Pinhole) {
-        forwards = {0, 0, -1};
-        up = {0, 1, 0};
-        if (optics.distance > 0 && optics.width > 0 && optics.height > 0)
-            forwards = glm::normalize(glm::dvec3((photo.width / 2.0 - optics.aheadX) * optics.width,
-                                                 (optics.aheadY - photo.height / 2.0) * optics.height,
-                                                 -optics.distance));
-        up = glm::normalize(up - glm::dot(up, forwards) * forwards);
-    }
-    forwards = glm::normalize(pose.rotation * forwards);
-    up = pose.rotation * up;
-    up = glm::normalize(up - glm::dot(up, forwards) * forwards);
-    return {pose.translation, forwards, up};
+/// (ASTM E2807, 8.4.8 and following). nullopt: numbers that no camera has.
+std::optional<Photo::Pose> poseOf(const Pose& pose, const Photo& photo, const Optics& optics) {
+    const bool flat = photo.projection == Photo::Projection::Pinhole;
+    glm::dvec3 ahead = flat ? glm::dvec3(0, 0, -1) : glm::dvec3(1, 0, 0);
+    if (flat && optics.distance > 0 && optics.width > 0 && optics.height > 0)
+        ahead = {(photo.width / 2.0 - optics.aheadX) * optics.width,
+                 (optics.aheadY - photo.height / 2.0) * optics.height, -optics.distance};
+    const auto forwards = unitVector(pose.rotation * ahead);
+    if (!forwards) return std::nullopt;
+    const glm::dvec3 above = pose.rotation * (flat ? glm::dvec3(0, 1, 0) : glm::dvec3(0, 0, 1));
+    const glm::dvec3 sideways = above - glm::dot(above, *forwards) * *forwards;
+    const auto up = unitVector(sideways);
+    if (!up || glm::length(sideways) < 1e-6 || std::abs(glm::dot(*up, *forwards)) > 1e-7) return std::nullopt;
+    return Photo::Pose{pose.translation, *forwards, *up};
 }
 
 const XmlElement* blobOf(const XmlElement& representation) {
@@ -142,17 +141,20 @@ std::optional<PhotoDescription> describePhoto(const XmlElement& picture) {
     return std::nullopt;
 }
 
-Photos::Photos(PagedFile& file, const std::vector<PhotoDescription>& described,
+Photos::Photos(PagedFile& file, const std::vector<PhotoDescription>& described, std::uint64_t more,
                const std::function<std::optional<std::uint32_t>(const std::string& guid)>& stationOf)
     : file_(file) {
+    constexpr const char* tooMany = "more than are kept";
+    if (more > 0) leftOut_[tooMany] = more;
     for (const PhotoDescription& one : described) {
         Found found{.photo = one.photo};
-        const char* reason = found_.size() == mostPhotos ? "more than are kept" : find(one, found);
+        const char* reason = found_.size() == mostPhotos ? tooMany : find(one, found);
         if (reason != nullptr) {
             ++leftOut_[reason];
             continue;
         }
         found.photo.station = stationOf(one.scan);
+        bytes_ += found.photo.bytes;
         found_.push_back(std::move(found));
     }
 }
@@ -165,6 +167,8 @@ const char* Photos::find(const PhotoDescription& described, Found& found) {
     if (!at) return noPlace;
     const auto room = file_.logicalBytes() - *at;
     if (room < blobHeadBytes || described.bytes > room - blobHeadBytes) return noPlace;
+    if (described.bytes > file_.logicalBytes() - std::min(bytes_, file_.logicalBytes()))
+        return "together they have more bytes than the file";
     std::array<std::byte, blobHeadBytes + 8> start{};
     const auto looked = std::min<std::uint64_t>(start.size(), blobHeadBytes + described.bytes);
     if (!file_.read(*at, std::span(start).first(looked))) return "damaged";

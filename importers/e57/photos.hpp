@@ -31,8 +31,8 @@ std::optional<PhotoDescription> describePhoto(const XmlElement& picture);
 
 class Photos {
   public:
-    /// Looks at the first bytes of each. `stationOf`: of a scan's guid.
-    Photos(PagedFile& file, const std::vector<PhotoDescription>& described,
+    /// Looks at the first bytes of each. `more`: how many there are besides. `stationOf`: of a scan's guid.
+    Photos(PagedFile& file, const std::vector<PhotoDescription>& described, std::uint64_t more,
            const std::function<std::optional<std::uint32_t>(const std::string& guid)>& stationOf);
 
     bool empty() const { return found_.empty(); }
@@ -51,6 +51,7 @@ class Photos {
 
     PagedFile& file_;
     std::vector<Found> found_;
+    std::uint64_t bytes_ = 0;                       ///< of all of these
     std::map<std::string, std::uint64_t> leftOut_;  ///< how many, by the reason
 };
 

@@ -90,7 +90,7 @@ class Counted {
         info.points = info.facts.points = points_;
         info.facts.droppedPoints = source.droppedPoints();
         info.facts.notes = source.notes();
-        for (std::string& note : values_.notes()) info.facts.notes.push_back(std::move(note));
+        for (std::string& note : values_.notes(points_)) info.facts.notes.push_back(std::move(note));
         info.facts.stations = source.stations();
         info.facts.photos = source.photos();
         info.facts.bounds = {low_, high_};

@@ -59,6 +59,7 @@ Expected<IngestOptions> ingestOptions(const IngestArguments& arguments,
     options.scratch = arguments.scratch;
     options.title = arguments.title;
     options.threads = arguments.threads;
+    options.photos = !arguments.noPhotos;
     options.shape.surfels = !arguments.noSurfels;
     options.shape.curvature = !arguments.noCurvature;
     options.shape.exact = arguments.exact;

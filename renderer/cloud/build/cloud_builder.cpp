@@ -80,7 +80,7 @@ std::vector<std::string> firstNotes(std::vector<std::string> notes) {
 
 std::vector<std::string> notesOf(const StagedScan& scan) {
     auto notes = scan.notes;
-    for (std::string& note : scan.values.notes()) notes.push_back(std::move(note));
+    for (std::string& note : scan.values.notes(scan.points)) notes.push_back(std::move(note));
     if (scan.stations.size() > mostStations)
         notes.insert(notes.begin(),
                      fmt::format("the scanner stood at {} places, of which the first {} are listed",

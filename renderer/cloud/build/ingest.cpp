@@ -107,7 +107,8 @@ Expected<IngestReport> build(std::vector<std::unique_ptr<PointSource>> sources, 
     const int threads = options.threads > 0 ? options.threads : machineCores();
     const MemoryShares memory = shareMemory(*limit, threads, options.shape);
     if (auto needs = diskNeeds((*source)->header(), options)) {
-        const std::uint64_t photos = bytesOf((*source)->photos());  // they wait until the points are read
+        // They wait until the points are read.
+        const std::uint64_t photos = options.photos ? bytesOf((*source)->photos()) : 0;
         needs->file += photos;
         needs->scratch += photos;
         if (auto ok = checkDisk(*needs, outputFolder, scratch); !ok) return passOn(ok);
@@ -126,7 +127,7 @@ Expected<IngestReport> build(std::vector<std::unique_ptr<PointSource>> sources, 
     report.facts.title = options.title.empty() ? options.output.stem().string() : options.title;
     report.facts.mirrors = options.mirrors;
     report.facts.revision = revisionOf(report.facts, built->octree);
-    if (auto ok = (*file)->finish(report.facts, built->octree.nodes, built->octree.planes); !ok)
+    if (auto ok = (*file)->finish(report.facts, built->octree.nodes, built->octree.planes, stop); !ok)
         return passOn(ok);
 
     const Node& last = built->octree.nodes.back().node;

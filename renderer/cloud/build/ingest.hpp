@@ -32,6 +32,7 @@ struct IngestOptions {
     std::uint64_t memoryLimit = 0;       ///< bytes; 0 = half of the machine's memory
     OctreeShape shape{};
     std::vector<Mirror> mirrors{};
+    bool photos = true;                ///< there is to be room for those of the sources
     std::vector<std::string> names{};  ///< of the sources, in their order, for messages
 };
 

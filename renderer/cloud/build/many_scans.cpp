@@ -65,6 +65,8 @@ class ManyScans final : public PointSource {
             if (!more) return more;
             if (sources_.size() == 1) header_.scannerOrigin = sources_.front()->header().scannerOrigin;
             if (!*more) continue;
+            for (const std::uint16_t value : batch.nearInfrared)
+                highestInfrared_[at_] = std::max(highestInfrared_[at_], value);
             arrangeRows(batch);
             if (!seen_.empty()) see(batch);
             if (!batch.scanner) batch.scanner = sources_[at_]->header().scannerOrigin;
@@ -85,6 +87,12 @@ class ManyScans final : public PointSource {
         std::vector<std::string> all = merged_.notes;
         for (const auto& source : sources_)
             for (std::string& note : source->notes()) all.push_back(std::move(note));
+        const auto dark = std::ranges::count_if(highestInfrared_, [](int v) { return v > 0 && v < 256; });
+        if (dark > 0 && std::ranges::any_of(highestInfrared_, [](int v) { return v > 255; }))
+            all.push_back(
+                fmt::format("near infrared has 8 bits in {} of the scans and 16 in others: that of 8 is "
+                            "black beside these",
+                            dark));
         if (columnsLeftOut_ > 0)
             all.push_back(fmt::format("the scans have {} columns more than the {} that are kept",
                                       columnsLeftOut_, mostMergedColumns));
@@ -212,6 +220,7 @@ class ManyScans final : public PointSource {
         seen_;  ///< least and greatest of what was read of each; empty: of no matter
     std::vector<std::vector<ColumnCopy>> copies_;
     ScanHeader header_;
+    std::vector<std::uint16_t> highestInfrared_ = std::vector<std::uint16_t>(sources_.size());  ///< of each
     std::size_t columnsLeftOut_ = 0;
     std::size_t at_ = 0;
 };

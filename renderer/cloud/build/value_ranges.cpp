@@ -49,9 +49,9 @@ void ValueRanges::add(const PointBatch& batch) {
     }
 }
 
-std::vector<std::string> ValueRanges::notes() const {
+std::vector<std::string> ValueRanges::notes(std::uint64_t points) const {
     const auto infrared = constantNearInfrared();
-    if (!infrared) return {};
+    if (!infrared || (points == 1 && *infrared != 0)) return {};
     return {fmt::format("all points have the same near infrared, {}: that is taken for none", *infrared)};
 }
 

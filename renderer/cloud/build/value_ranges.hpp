@@ -19,8 +19,10 @@ class ValueRanges {
     void settle(CloudFacts& facts) const;
     /// Near infrared of 16 bits keeps its high byte, as colours do; what is never above 255 is of 8.
     int nearInfraredShift() const { return nearInfrared_[1] > 255 ? 8 : 0; }
+    /// Points of a scan without near infrared, beside others with it: theirs is 0.
+    void addWithoutNearInfrared() { nearInfrared_[0] = 0; }
     /// What was found to be constant and has no place in the facts, one sentence each without an end.
-    std::vector<std::string> notes() const;
+    std::vector<std::string> notes(std::uint64_t points) const;
 
   private:
     /// The one value of all points that have any; nullopt: they differ, or there are none.

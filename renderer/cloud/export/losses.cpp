@@ -71,6 +71,9 @@ std::vector<std::string> lossesOf(const CloudFile& file, const ExportOptions& op
         losses.emplace_back(
             "returns, GPS time, scan angles, flags and extra bytes were not kept; ingest --keep-attributes "
             "keeps them");
+    if (hasNearInfrared(facts) &&
+        std::ranges::none_of(columns, [](const Column& c) { return c.name == "nir"; }))
+        losses.emplace_back("near infrared is not in the file; ingest --keep-attributes keeps it");
     addNormals(facts, columns, options, losses);
     if (!facts.stations.empty())
         losses.push_back(fmt::format(

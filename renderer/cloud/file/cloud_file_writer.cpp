@@ -59,9 +59,9 @@ class Writer final : public CloudFileWriter {
     std::uint64_t bytesWritten() const override { return written_; }
 
     Expected<void> finish(const CloudFacts& facts, std::span<const StoredNode> nodes,
-                          std::span<const BlockPlace> planes) override {
+                          std::span<const BlockPlace> planes, const std::stop_token& stop) override {
         if (auto sound = check(facts, nodes, planes); !sound) return sound;
-        const auto photos = writePhotos(facts);
+        const auto photos = writePhotos(facts, stop);
         if (!photos) return passOn(photos);
         const auto json = printFacts(facts, programName(), *photos);
         if (!json)
@@ -96,9 +96,10 @@ class Writer final : public CloudFileWriter {
     }
 
     /// From wherever they wait, one after the other.
-    Expected<std::vector<BlockPlace>> writePhotos(const CloudFacts& facts) {
+    Expected<std::vector<BlockPlace>> writePhotos(const CloudFacts& facts, const std::stop_token& stop) {
         std::vector<BlockPlace> places;
         for (const Photo& photo : facts.photos) {
+            if (stop.stop_requested()) return fail(ErrorCode::Cancelled, "Building the cloud was abandoned.");
             if (!photo.data) return fail(ErrorCode::Internal, path_.string() + ": a photo without its bytes");
             const auto bytes = photo.data->read();
             if (!bytes) return passOn(bytes);

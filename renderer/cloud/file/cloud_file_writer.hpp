@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <memory>
 #include <span>
+#include <stop_token>
 #include <vector>
 
 #include "files/unfinished_file.hpp"
@@ -32,8 +33,9 @@ class CloudFileWriter {
     /// The bytes of facts.photos, indices, facts, header; synced; renamed over `path`. Nodes in breadth-first order, root at 0. `planes`: where
     /// the values beside the samples are, for each node all of planesOf(facts), encoded by encodeRows(); a place
     /// of nothing where a node has none - inner nodes of columns, and of companions any node.
+    /// Cancelled where `stop` is requested between two photos.
     virtual Expected<void> finish(const CloudFacts& facts, std::span<const StoredNode> nodes,
-                                  std::span<const BlockPlace> planes) = 0;
+                                  std::span<const BlockPlace> planes, const std::stop_token& stop = {}) = 0;
 };
 
 }  // namespace scancast

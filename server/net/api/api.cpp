@@ -186,6 +186,13 @@ struct Api::Answers {
     void photo(Respond respond) const {
         auto cloud = clouds_.cloud(routed.id);
         if (!cloud) return respond(refusal(std::move(cloud.error()), routed));
+        if ((*cloud)->photos.empty())  // a coarse one to look at has none yet
+            if (const auto entry = clouds_.find(routed.id); entry && entry->state == CloudState::Loading)
+                return respond(refusal(
+                    problemOf(
+                        503,
+                        "This cloud is still being read, and its photos with it; ask again in a moment."),
+                    routed));
         api.photos_.answer(request, routed, *cloud, std::move(respond), gone);
     }
 

@@ -17,7 +17,9 @@ inline PointBatch scenePoints(const SceneOptions& options) {
 }
 
 inline void appendPoint(PointBatch& to, const PointBatch& from, std::size_t i) {
-    forColumns(to, from, [i](auto& column, const auto& values) { column.push_back(values[i]); });
+    forColumns(to, from, [i](auto& column, const auto& values) {
+        if (!values.empty()) column.push_back(values[i]);
+    });
 }
 
 /// What stands before the mirror: without the points that the scanner saw in it. Noise may put points of the

@@ -152,6 +152,37 @@ TEST(E57Photos, OfWhichStraightAheadIsNotTheMiddleLookWhereTheirMiddleIs) {
     EXPECT_NEAR(result->photos[0].angles[0], std::atan(2.0), 1e-12);
 }
 
+TEST(E57Photos, OfImpossibleCamerasHaveNoPose) {
+    FileWithPhotos made;
+    const auto blob = e57Blob("pngImage", made.blob(pngBytes), pngBytes.size());
+    const auto pose = e57Pose(1, 0, 0, 0, 0, 0, 0);
+    for (const char* focal : {"1e-200", "1e-8"})
+        made.add(e57Photo("pinholeRepresentation", blob,
+                          sized(200, 200, 1e-3, 1e-3) + "<focalLength>" + focal + "</focalLength>" +
+                              number("principalPointX", 100) +
+                              number("principalPointY", focal[3] == '2' ? 100 : 0),
+                          pose));
+    const auto result = imported(made.file());
+    ASSERT_TRUE(result) << result.error().message;
+    ASSERT_EQ(result->photos.size(), 2U);
+    for (const Photo& photo : result->photos) {
+        EXPECT_TRUE(photo.data);
+        EXPECT_FALSE(photo.pose);
+    }
+}
+
+// A file of entries that all name the same bytes would fill any disk.
+TEST(E57Photos, AreNotMoreThanTheirFile) {
+    FileWithPhotos made;
+    const std::string jpeg = jpegBytes(100'000);
+    const auto blob = e57Blob("jpegImage", made.blob(jpeg), jpeg.size());
+    for (int i = 0; i < 5; ++i) made.add(e57Photo("visualReferenceRepresentation", blob, ""));
+    const auto result = imported(made.file());
+    ASSERT_TRUE(result) << result.error().message;
+    EXPECT_EQ(result->photos.size(), 1U);
+    EXPECT_THAT(result->notes, ElementsAre("4 photos left out: together they have more bytes than the file"));
+}
+
 TEST(E57Photos, ThatCannotBeReadAreCountedAndCostNoPoint) {
     FileWithPhotos made;
     const std::string jpeg = jpegBytes(20'000);

@@ -95,10 +95,20 @@ TEST(PointStreamPhotos, ThatAreLostCostNoPointAndAreCounted) {
     const auto reader = stream.open({.photos = "/nowhere/at/all"});
     ASSERT_TRUE(reader);
     EXPECT_EQ(pointsOf(**reader), 2U);
-    EXPECT_THAT(
-        (*reader)->notes(),
-        ElementsAre(HasSubstr("2 photos left out: A temporary file in /nowhere/at/all cannot be made"),
-                    "1 photo left out: unreadable"));
+    EXPECT_THAT((*reader)->notes(), ElementsAre("2 photos left out: nothing can be written to the folder for "
+                                                "temporary files (--scratch, or TMPDIR)",
+                                                "1 photo left out: unreadable"));
+}
+
+// Photos that share their bytes in the file would fill any disk.
+TEST(PointStreamPhotos, AreNotMoreThanTheirFile) {
+    PhotoStream stream;
+    for (int i = 0; i < 2; ++i) ASSERT_TRUE(stream.writer.writePhoto({.bytes = 50}));
+    stream.chunk(1);
+    EXPECT_TRUE(stream.open({.mostPhotoBytes = 100}));
+    const auto less = stream.open({.mostPhotoBytes = 99});
+    ASSERT_FALSE(less);
+    EXPECT_THAT(less.error().message, HasSubstr("photos of more bytes than its file has"));
 }
 
 TEST(PointStreamPhotos, WhatIsWrongWithThemIsSaid) {

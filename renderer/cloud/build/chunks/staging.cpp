@@ -267,7 +267,10 @@ Expected<StagedScan> stage(PointSource& source, Workspace& workspace, ProgressMe
     ValueRanges values;
     const auto readNext = [&] {
         auto batch = source.read(next);
-        if (batch && *batch) values.add(next);
+        if (batch && *batch) {
+            values.add(next);
+            if (header.attributes.nearInfrared && next.nearInfrared.empty()) values.addWithoutNearInfrared();
+        }
         return batch;
     };
     Expected<bool> more = readNext();

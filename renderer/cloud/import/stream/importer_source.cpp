@@ -42,6 +42,7 @@ Expected<std::unique_ptr<ImporterSource>> ImporterSource::create(const ImporterP
                                             {.mostPoints = mostPoints,
                                              .keepAttributes = options.keepAttributes,
                                              .fullColors = options.exact,
+                                             .mostPhotoBytes = fileBytes,
                                              .photos = options.photos});
     if (!reader) return tl::unexpected(source->explain(reader.error(), 0));
     source->wrap(std::move(*reader));

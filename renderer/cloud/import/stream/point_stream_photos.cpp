@@ -20,6 +20,9 @@ Expected<void> PointStreamReader::readPhoto() {
     if (photo->station && *photo->station >= stations_.size())
         return wrong("a photo from station " + grouped(*photo->station) + ", of " +
                      grouped(stations_.size()));
+    if (photo->bytes > options_.mostPhotoBytes - photoBytes_)
+        return wrong("photos of more bytes than its file has");
+    photoBytes_ += photo->bytes;
     photos_.push_back(std::move(*photo));
     photosCame_.push_back(false);
     return {};
@@ -47,9 +50,8 @@ Expected<void> PointStreamReader::readPhotoBytes() {
 }
 
 void PointStreamReader::noteLostPhotos(std::vector<std::string>& notes) const {
-    const auto note = [&](std::uint64_t count, std::string reason) {
+    const auto note = [&](std::uint64_t count, const char* reason) {
         if (count == 0) return;
-        while (reason.ends_with('.')) reason.pop_back();
         notes.push_back(grouped(count) + (count == 1 ? " photo" : " photos") + " left out: " + reason);
     };
     note(spool_.lost(), spool_.reason());

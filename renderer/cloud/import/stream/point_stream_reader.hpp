@@ -29,6 +29,8 @@ struct StreamOptions {
     bool keepAttributes = false;
     /// Colours of 16 bits among them.
     bool fullColors = false;
+    /// Of all photos together: the same.
+    std::uint64_t mostPhotoBytes = std::numeric_limits<std::uint64_t>::max();
     /// Folder of the temporary file in which photos' bytes wait; nullopt: they are passed over.
     std::optional<std::filesystem::path> photos{};
 };
@@ -104,6 +106,7 @@ class PointStreamReader final : public PointSource {
     std::vector<std::string> notes_;
     std::vector<Station> stations_;
     std::vector<Photo> photos_;
+    std::uint64_t photoBytes_ = 0;  ///< of all that were described
     std::vector<bool> photosCame_;  ///< by photo: whether its bytes did
     PhotoSpool spool_;
     std::uint32_t from_ =

@@ -34,7 +34,7 @@ class SpooledPhoto final : public PhotoBytes {
 }  // namespace
 
 void PhotoSpool::begin(std::uint64_t bytes) {
-    keeping_ = folder_ && reason_.empty();
+    keeping_ = folder_ && reason_ == nullptr;
     lost_ += folder_ && !keeping_;
     bytes_ = bytes;
     taken_ = 0;
@@ -61,7 +61,9 @@ std::shared_ptr<const PhotoBytes> PhotoSpool::end() {
 void PhotoSpool::giveUp(const Error& error) {
     keeping_ = false;
     ++lost_;
-    reason_ = error.message;
+    reason_ = error.code == ErrorCode::ResourceLimit
+                  ? "there is no more room in the folder for temporary files (--scratch, or TMPDIR)"
+                  : "nothing can be written to the folder for temporary files (--scratch, or TMPDIR)";
 }
 
 namespace point_stream {

@@ -31,8 +31,9 @@ class PhotoSpool {
     /// The photo that was begun; null where none are wanted, or there was no room: lost() says why.
     std::shared_ptr<const PhotoBytes> end();
 
-    std::uint64_t lost() const { return lost_; }           ///< photos, for want of room
-    const std::string& reason() const { return reason_; }  ///< of that, a sentence
+    std::uint64_t lost() const { return lost_; }  ///< photos, for want of room
+    /// Of that, for a note: which everybody reads, so it does not say where the folder is. nullptr: nothing was lost.
+    const char* reason() const { return reason_; }
 
   private:
     void giveUp(const Error& error);
@@ -42,7 +43,7 @@ class PhotoSpool {
     std::uint64_t at_ = 0, bytes_ = 0, taken_ = 0;  ///< of the photo that was begun
     bool keeping_ = false;
     std::uint64_t lost_ = 0;
-    std::string reason_;
+    const char* reason_ = nullptr;
 };
 
 namespace point_stream {

@@ -96,6 +96,28 @@ TEST(ManyScans, OfThoseWithoutNearInfraredItIsZero) {
     }
 }
 
+TEST(ManyScans, NearInfraredThatIsTheSameInOneAndMissingInAnotherVaries) {
+    const auto same = [](std::uint16_t value) {
+        return std::make_unique<SyntheticSource>(
+            1000,
+            [value](std::uint64_t i, std::uint64_t) {
+                return ScanPoint{.position = {double(i), 0, 0}, .nearInfrared = value};
+            },
+            Attributes{.nearInfrared = true}, 0.001);
+    };
+    auto beside = together(same(200), scan(2000, {}));
+    const auto cloud = test::build(**beside);
+    EXPECT_TRUE(hasNearInfrared(*cloud));
+    EXPECT_EQ(cloud->notes, (std::vector<std::string>{"strange"}));
+    auto alone = together(same(200));
+    EXPECT_FALSE(hasNearInfrared(*test::build(**alone)));
+    auto mixed = together(same(200), same(40'000));
+    EXPECT_EQ(
+        test::build(**mixed)->notes,
+        (std::vector<std::string>{"near infrared has 8 bits in 1 of the scans and 16 in others: that of 8 is "
+                                  "black beside these"}));
+}
+
 TEST(ManyScans, EachStoodWhereItStood) {
     const auto stoodAt = [](double x) {
         return [x](ScanHeader& h) { h.scannerOrigin = glm::dvec3(x, 2, 3); };

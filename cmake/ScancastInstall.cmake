@@ -8,8 +8,10 @@ if(TARGET scancast-import-pcl)
 endif()
 # The page is inside the program; this copy is for whoever serves it from elsewhere (--allowed-origin).
 include("${PROJECT_SOURCE_DIR}/client/web/files.cmake")
-list(TRANSFORM SCANCAST_WEB_FILES PREPEND "${PROJECT_SOURCE_DIR}/client/web/" OUTPUT_VARIABLE page)
-install(FILES ${page} DESTINATION "${CMAKE_INSTALL_DATADIR}/scancast/web" COMPONENT server)
+foreach(file IN LISTS SCANCAST_WEB_FILES)
+  get_filename_component(folder "${file}" DIRECTORY)
+  install(FILES "client/web/${file}" DESTINATION "${CMAKE_INSTALL_DATADIR}/scancast/web/${folder}" COMPONENT server)
+endforeach()
 install(FILES README.md CHANGELOG.md LICENSE protocol/PROTOCOL.md DESTINATION "${CMAKE_INSTALL_DOCDIR}" COMPONENT server)
 install(DIRECTORY docs/ DESTINATION "${CMAKE_INSTALL_DOCDIR}/docs" COMPONENT doc
   FILES_MATCHING PATTERN *.md PATTERN *.jpg PATTERN *.png)

@@ -1,28 +1,29 @@
 # The files of the page, in client/web/, that the server carries inside its binary. The first one answers `/`.
 set(SCANCAST_WEB_FILES
     index.html
-    style.css
-    panel.css
-    photos.css
     favicon.svg
     main.js
-    access.js
-    camera.js
-    camera_input.js
-    catalog.js
-    connection.js
-    controls.js
-    frame_header.js
-    guest.js
-    hud.js
-    overlays.js
-    parameter_fields.js
-    photos.js
-    picture.js
-    session.js
-    share.js
-    stations.js
-    vectors.js
-    view_hash.js
-    view_state.js
-    view_words.js)
+    connection/access.js
+    connection/catalog.js
+    connection/connection.js
+    connection/guest.js
+    connection/session.js
+    page/controls.js
+    page/hud.js
+    page/overlays.js
+    page/parameter_fields.js
+    page/photos.js
+    page/share.js
+    page/stations.js
+    page/view_hash.js
+    protocol/frame_header.js
+    protocol/view_words.js
+    styles/panel.css
+    styles/photos.css
+    styles/style.css
+    view/camera.js
+    view/camera_input.js
+    view/picture.js
+    view/vectors.js
+    view/view_state.js
+    view/viewer.js)

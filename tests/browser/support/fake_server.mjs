@@ -8,7 +8,7 @@ import { readFileSync } from 'node:fs';
 import { extname, join, normalize } from 'node:path';
 import { fileURLToPath } from 'node:url';
 
-import { fromProtocol, project } from '../../../client/web/camera.js';
+import { fromProtocol, project } from '../../../client/web/view/camera.js';
 import { blockJpeg } from './block_jpeg.mjs';
 import { TestSocket } from './web_socket.mjs';
 

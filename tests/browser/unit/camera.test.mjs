@@ -4,8 +4,8 @@
 import assert from 'node:assert/strict';
 import { describe, it } from 'node:test';
 
-import * as cam from '../../../client/web/camera.js';
-import { dot, length, subtract } from '../../../client/web/vectors.js';
+import * as cam from '../../../client/web/view/camera.js';
+import { dot, length, subtract } from '../../../client/web/view/vectors.js';
 import { manyCameras, random } from '../support/cameras.mjs';
 
 const size = { width: 1200, height: 800 };

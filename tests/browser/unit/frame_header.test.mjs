@@ -3,7 +3,7 @@
 import assert from 'node:assert/strict';
 import { describe, it } from 'node:test';
 
-import { FrameError, parseFrame } from '../../../client/web/frame_header.js';
+import { FrameError, parseFrame } from '../../../client/web/protocol/frame_header.js';
 import { random } from '../support/cameras.mjs';
 
 const goodBytes = [

@@ -3,16 +3,16 @@
 import assert from 'node:assert/strict';
 import { describe, it } from 'node:test';
 
-import { base64url } from '../../../client/web/access.js';
-import { wheelPixels } from '../../../client/web/camera_input.js';
-import { closeWords } from '../../../client/web/connection.js';
-import { guestOf, renewIn } from '../../../client/web/guest.js';
-import { amount, FrameClock } from '../../../client/web/hud.js';
-import { labelOf, sliderScale } from '../../../client/web/parameter_fields.js';
-import { altOf, factsOf, fittedScale, mostZoom, photosText, sizeText } from '../../../client/web/photos.js';
-import { pictureSize } from '../../../client/web/picture.js';
-import { backOff } from '../../../client/web/session.js';
-import { labelOfStation } from '../../../client/web/stations.js';
+import { base64url } from '../../../client/web/connection/access.js';
+import { wheelPixels } from '../../../client/web/view/camera_input.js';
+import { closeWords } from '../../../client/web/connection/connection.js';
+import { guestOf, renewIn } from '../../../client/web/connection/guest.js';
+import { amount, FrameClock } from '../../../client/web/page/hud.js';
+import { labelOf, sliderScale } from '../../../client/web/page/parameter_fields.js';
+import { altOf, factsOf, fittedScale, mostZoom, photosText, sizeText } from '../../../client/web/page/photos.js';
+import { pictureSize } from '../../../client/web/view/picture.js';
+import { backOff } from '../../../client/web/connection/session.js';
+import { labelOfStation } from '../../../client/web/page/stations.js';
 
 describe('base64url', () => {
   it('is what Node makes of it, whatever the length', () => {

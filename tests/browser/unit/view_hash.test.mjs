@@ -1,9 +1,9 @@
 import assert from 'node:assert/strict';
 import { describe, it } from 'node:test';
 
-import { pointUnderCursor, project, toProtocol } from '../../../client/web/camera.js';
-import { parseHash, printHash } from '../../../client/web/view_hash.js';
-import { printQuery, snapshotUrl, wordsOf } from '../../../client/web/view_words.js';
+import { pointUnderCursor, project, toProtocol } from '../../../client/web/view/camera.js';
+import { parseHash, printHash } from '../../../client/web/page/view_hash.js';
+import { printQuery, snapshotUrl, wordsOf } from '../../../client/web/protocol/view_words.js';
 import { manyCameras, random } from '../support/cameras.mjs';
 
 const style = {

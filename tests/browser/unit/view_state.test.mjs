@@ -1,7 +1,7 @@
 import assert from 'node:assert/strict';
 import { describe, it } from 'node:test';
 
-import { difference, ViewState } from '../../../client/web/view_state.js';
+import { difference, ViewState } from '../../../client/web/view/view_state.js';
 
 const start = { cloud: 'town', camera: { eye: [1, 1, 1] }, method: 'cone', param: { gain: 1 }, color: 'rgb' };
 

@@ -2,7 +2,7 @@
 // close; session.js makes a new one when it is lost.
 
 import { subprotocols } from './access.js';
-import { FrameError, parseFrame } from './frame_header.js';
+import { FrameError, parseFrame } from '../protocol/frame_header.js';
 
 const welcomePatienceMs = 10_000;
 const pingEveryMs = 15_000;

@@ -1,6 +1,6 @@
 // Where the scanner stood: a list in the panel, for clouds whose scan says it; choosing one goes there.
 
-import { fetchStations } from './catalog.js';
+import { fetchStations } from '../connection/catalog.js';
 import { photosText } from './photos.js';
 
 const find = (id) => document.getElementById(id);

@@ -3,9 +3,9 @@
 // Pure. Reading is strict about every value and lenient about the rest: a hash may come from anywhere, so what is not
 // understood is left out, never passed on. What is left in has the right type; the server checks the rest.
 
-import { fromProtocol } from './camera.js';
-import { areNumbers } from './vectors.js';
-import { printQuery, wordsOf } from './view_words.js';
+import { fromProtocol } from '../view/camera.js';
+import { areNumbers } from '../view/vectors.js';
+import { printQuery, wordsOf } from '../protocol/view_words.js';
 
 const longestHash = 4096;
 const name = /^[A-Za-z0-9._-]{1,64}$/;

@@ -3,8 +3,8 @@
 //
 // A photo is fetched, with the token that <img> could not send, and shown by an address of this page's own (blob:).
 
-import { authorization } from './access.js';
-import { fetchPhotos, problemOf, ServerProblem } from './catalog.js';
+import { authorization } from '../connection/access.js';
+import { fetchPhotos, problemOf, ServerProblem } from '../connection/catalog.js';
 
 const find = (id) => document.getElementById(id);
 const largestOfFit = 2; // small ones are shown this much larger than they are

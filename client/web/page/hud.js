@@ -75,6 +75,18 @@ export class Hud {
     this.#render();
   }
 
+  /** A connection has opened: what was asked of another one is not answered by this one. */
+  begin() {
+    this.clock.reset();
+    this.setDamaged(false);
+  }
+
+  /** A view has been asked for. */
+  asked(seq) {
+    this.clock.asked(seq, performance.now());
+    this.setState('moving');
+  }
+
   frame(frame) {
     this.#frame = frame;
     this.clock.drawn(frame.seq, performance.now());

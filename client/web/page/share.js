@@ -1,9 +1,9 @@
 // Taking a view along: as a link, and as a picture file.
 
-import { authorization } from './access.js';
-import { problemOf } from './catalog.js';
+import { authorization } from '../connection/access.js';
+import { problemOf } from '../connection/catalog.js';
 import { printHash } from './view_hash.js';
-import { snapshotUrl } from './view_words.js';
+import { snapshotUrl } from '../protocol/view_words.js';
 
 /** Puts the view behind the # of the address, and the address into the clipboard. */
 export async function copyLink(cloud, view, upAxis, overlays) {

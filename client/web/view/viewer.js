@@ -1,0 +1,362 @@
+// A cloud on a canvas: what is wanted of it (camera and style) goes out as `view` messages, at most one for each frame
+// of the display; the pictures that come back go onto the canvas. It knows no other element of the page: what happens is
+// told by events, and what others may do with it are its methods.
+//
+// Events, each a CustomEvent whose `detail` is:
+//
+//   connection  { kind, … } as session.js reports it
+//   catalog     what the server offers: { clouds, pending, methods, colors, colormaps, shadings }
+//   clouds      the same, when only the list of clouds is another one
+//   cloud       what the server says of the cloud that is shown from now on, or of the same one as it is now
+//   missing     { cloud }: the id of one that was asked for and that this server does not have
+//   view        { by }: another view is wanted; by 'hand', 'style', 'program' (a flight, a restored view) or 'server'
+//   camera      the same, of the camera alone, with every step of it: { by }
+//   asked       { seq }: the server has been told
+//   frame       the frame that has just been drawn, `current`: whether it shows what was asked for last
+//   unreadable  nothing: a picture could not be decoded
+//   stats, problem  as the protocol has them
+
+import { Session } from '../connection/session.js';
+import { between, fit, fittedInto, fromProtocol, radiusOf, standardView, toProtocol } from './camera.js';
+import { CameraInput } from './camera_input.js';
+import { Picture } from './picture.js';
+import { ViewState } from './view_state.js';
+
+const styleKeys = ['method', 'param', 'color', 'colormap', 'range', 'shading', 'mirrors', 'behindMirrors', 'background', 'detail'];
+/** What stays when somebody goes to another cloud, if he chose it: a way of drawing; nothing that only one of them may have. */
+const lastingKeys = ['method', 'param', 'shading', 'mirrors', 'behindMirrors', 'background', 'detail', 'colormap'];
+const flightMs = 260;
+const loadingPollMs = 2000;
+const unitBox = { min: [-1, -1, -1], max: [1, 1, 1] };
+
+const pick = (view, keys) => Object.fromEntries(keys.map((key) => [key, view?.[key] ?? null]));
+
+/** The style in which the server would show the cloud by itself. */
+const usualStyle = (of) => pick(of?.view, styleKeys);
+
+/** The axis that the server takes for up, which it tells by its default view. */
+function usualUpAxis(of) {
+  const y = of.look?.up?.[1] ?? of.view?.camera?.up?.[1] ?? 0;
+  return y > 0.5 ? 'y' : y < -0.5 ? '-y' : 'z';
+}
+
+export class Viewer extends EventTarget {
+  #canvas;
+  #freeSize;
+  #state = new ViewState();
+  #picture;
+  #session;
+  #input;
+  #calm = matchMedia('(prefers-reduced-motion: reduce)');
+
+  #catalog = { clouds: [], pending: [] };
+  #cloud; // what the server says of the cloud on screen
+  #camera; // undefined until there is something to look at
+  #flight; // { from, to, start } while the camera flies by itself
+  #restore; // { cloud, camera, style }: a view to begin with, once connected
+  #moved = false; // by somebody; else the camera is the one that the server chose
+  #styled = false; // the same of the style
+  #firstWanted = 0; // frames of earlier views are not what the user asked for
+  #scheduled = false;
+  #lastTick = 0;
+
+  /** Whether dragging turns the head instead of the cloud. */
+  looksAround = false;
+
+  /** `freeSize(cssSize)`: the part of the canvas, in its middle, that nothing lies over; a fitted cloud fills that. */
+  constructor(canvas, { freeSize = (size) => size } = {}) {
+    super();
+    this.#canvas = canvas;
+    this.#freeSize = () => freeSize(this.#picture.cssSize);
+    this.#picture = new Picture(canvas, ({ width, height }) => {
+      this.#state.change({ width, height });
+      this.#wake();
+    });
+    this.#session = new Session({
+      state: (now) => this.#tell('connection', now),
+      catalog: (fresh) => this.#catalogCame(fresh),
+      clouds: (fresh) => this.#cloudsCame(fresh),
+      hello: () => {
+        const { width, height, ratio } = this.#picture.size;
+        return { width, height, pixelRatio: Math.min(8, Math.max(0.25, ratio)) };
+      },
+      welcome: (message) => this.#welcome(message),
+      frame: (frame) => this.#showFrame(frame),
+      problem: (message) => this.#refused(message),
+      stats: (stats) => this.#tell('stats', stats),
+    });
+    const viewer = this;
+    this.#input = new CameraInput(canvas, {
+      get camera() { return viewer.#session.connection ? viewer.#camera : undefined; },
+      get size() { return viewer.#picture.cssSize; },
+      get closest() { return Math.max((viewer.#cloud?.spacing ?? 0) * 20, radiusOf(viewer.bounds) * 1e-4); },
+      get looksAround() { return viewer.looksAround; },
+      changeCamera: (next) => this.changeCamera(next),
+      goTo: (next) => this.goTo(next, 'hand'),
+      wake: () => this.#wake(),
+    });
+  }
+
+  // ---- what there is
+
+  get catalog() { return this.#catalog; }
+  get cloud() { return this.#cloud; }
+  get camera() { return this.#camera; }
+  /** All that is asked for, as the protocol has it. */
+  get view() { return this.#state.wanted; }
+  get bounds() { return this.#cloud?.bounds ?? unitBox; }
+  /** Pixels of the picture. */
+  get pictureSize() { return this.#picture.size; }
+  /** Nothing has been drawn yet. */
+  get isBlank() { return this.#picture.isBlank; }
+
+  /** From where the server would look at the cloud; unless that is inside, fitted to this canvas. */
+  usualCamera(of = this.#cloud, upAxis = usualUpAxis(of)) {
+    const theirs = fromProtocol(of.view?.camera, usualUpAxis(of)) ?? fromProtocol({ eye: [1, -2, 1], target: [0, 0, 0] });
+    const first = of.look?.views?.[0];
+    const { cssSize } = this.#picture;
+    if (!first || upAxis !== usualUpAxis(of)) return fit({ ...theirs, upAxis }, of.bounds, cssSize, this.#freeSize());
+    return first.inside ? theirs : fittedInto(theirs, cssSize, this.#freeSize());
+  }
+
+  // ---- what one may do
+
+  /** Connects. `restore`, { cloud, camera, style }, each of which may be missing: what to show first. */
+  start(restore) {
+    this.#restore = restore;
+    this.#session.start(restore?.cloud);
+  }
+
+  retryNow() {
+    this.#session.retryNow();
+  }
+
+  /** The server asked for an access token: here it is. */
+  unlock(token) {
+    this.#session.unlock(token);
+  }
+
+  /** Shows another cloud of the list, as the server would show it. False where there is none of that id. */
+  open(id) {
+    const next = this.#catalog.clouds.find((one) => one.id === id);
+    if (!next) return false;
+    if (next === this.#cloud) return true;
+    this.#flight = undefined;
+    this.#moved = false;
+    this.#cloud = next;
+    this.#session.remember(id);
+    this.#camera = this.usualCamera();
+    this.#begin({ ...usualStyle(next), ...(this.#styled ? pick(this.view, lastingKeys) : {}) });
+    return true;
+  }
+
+  /** A view from elsewhere, { cloud, camera, style }: a link, the browser's history. What it leaves out stays. */
+  restore({ cloud, camera, style = {} }) {
+    if (!this.#cloud) return;
+    if (cloud && cloud !== this.#cloud.id && !this.open(cloud)) {
+      this.#tell('missing', { cloud });
+      return;
+    }
+    if (camera) this.goTo(camera);
+    this.changeStyle(style, 'program');
+  }
+
+  /** `changes`: members of a view that are no camera; null leaves one to the server. */
+  changeStyle(changes, by = 'style') {
+    if (!this.#cloud) return;
+    this.#styled = true;
+    this.#state.change(changes);
+    this.#tell('view', { by });
+    this.#wake();
+  }
+
+  resetStyle() {
+    this.changeStyle(usualStyle(this.#cloud));
+  }
+
+  changeCamera(next, by = 'hand') {
+    if (!this.#camera || next === this.#camera) return;
+    this.#moved = true;
+    this.#flight = undefined;
+    this.#camera = next;
+    this.#state.change({ camera: toProtocol(next, this.bounds) });
+    this.#tell('camera', { by });
+    this.#tell('view', { by });
+    this.#wake();
+  }
+
+  /** A jump, shown as a short flight so that one sees where it leads. */
+  goTo(next, by = 'program') {
+    if (this.#calm.matches) {
+      this.changeCamera(next, by);
+      return;
+    }
+    this.#flight = { from: this.#camera, to: next, start: performance.now(), by };
+    this.#wake();
+  }
+
+  /** As the protocol has it: where a scanner stood, where a photo was taken. */
+  goToPlace(place) {
+    const next = fromProtocol(place, this.#camera?.upAxis ?? 'z');
+    if (next && this.#camera) this.goTo(next);
+  }
+
+  /** 'fit', 'top', 'front' or 'side': all of the cloud. */
+  showStandardView(name) {
+    if (!this.#camera || !this.#cloud) return;
+    const room = [this.bounds, this.#picture.cssSize, this.#freeSize()];
+    this.goTo(name === 'fit' ? this.#everything(room) : standardView(this.#camera, name, ...room));
+  }
+
+  /** 'z', 'y' or '-y': from where the server would look, if that axis were up. */
+  turnUp(axis) {
+    if (this.#cloud) this.changeCamera(this.usualCamera(this.#cloud, axis));
+  }
+
+  toggleProjection() {
+    if (!this.#camera) return;
+    const projection = this.#camera.projection === 'orthographic' ? 'perspective' : 'orthographic';
+    this.changeCamera({ ...this.#camera, projection });
+  }
+
+  // ---- inside
+
+  #tell(name, detail) {
+    this.dispatchEvent(new CustomEvent(name, { detail }));
+  }
+
+  /** All of the cloud from the direction that the camera has: as at first, where that is the first one. */
+  #everything(room) {
+    const first = this.usualCamera(this.#cloud, this.#camera.upAxis);
+    const isFirst = ['azimuth', 'elevation', 'fov', 'projection'].every((key) => first[key] === this.#camera[key]);
+    return isFirst ? first : fit(this.#camera, ...room);
+  }
+
+  #catalogCame(fresh) {
+    this.#catalog = fresh;
+    this.#tell('catalog', fresh);
+    this.#askAgainWhileLoading();
+  }
+
+  #cloudsCame(fresh) {
+    this.#catalog = { ...this.#catalog, ...fresh };
+    this.#tell('clouds', this.#catalog);
+    this.#renew();
+    this.#askAgainWhileLoading();
+  }
+
+  #askAgainWhileLoading() {
+    const { clouds, pending } = this.#catalog;
+    if ([...clouds, ...pending].some((entry) => entry.state === 'loading'))
+      setTimeout(() => this.#session.refreshCatalog(), loadingPollMs);
+  }
+
+  #welcome(message) {
+    const known = this.#cloud?.id === message.cloud;
+    this.#cloud = this.#catalog.clouds.find((one) => one.id === message.cloud) ?? { id: message.cloud, bounds: unitBox, view: message.view };
+    this.#picture.newStream();
+    this.#picture.setLimit(message.limits?.maxPixels ?? 0);
+    const link = this.#restore;
+    this.#restore = undefined;
+    const restored = link && (!link.cloud || link.cloud === this.#cloud.id) ? link : undefined;
+    if (link?.cloud && !restored) this.#tell('missing', { cloud: link.cloud });
+    if (restored || !known || !this.#camera) {
+      this.#moved = this.#styled = Boolean(restored);
+      this.#camera = restored?.camera ?? this.usualCamera();
+    }
+    const style = known && !restored ? pick(this.view, styleKeys) : usualStyle(this.#cloud);
+    this.#begin({ ...style, ...restored?.style });
+  }
+
+  /** The cloud as it is now, of which a first part was shown; who has not moved yet sees it as the server would show it. */
+  #renew() {
+    const fresh = this.#catalog.clouds.find((one) => one.id === this.#cloud?.id);
+    if (!fresh || fresh.revision === this.#cloud.revision) return;
+    this.#cloud = fresh;
+    if (this.#moved || this.#styled) {
+      this.#tell('cloud', fresh);
+      return;
+    }
+    this.#camera = this.usualCamera();
+    this.#begin(usualStyle(fresh));
+  }
+
+  /** From here on the server shows this cloud, with that style, from where the camera is. */
+  #begin(style) {
+    const { width, height } = this.#picture.size;
+    this.#state.begin({ cloud: this.#cloud.id, camera: toProtocol(this.#camera, this.bounds), width, height, ...style });
+    this.#firstWanted = this.#session.connection?.nextSeq ?? 0;
+    this.#tell('cloud', this.#cloud);
+    this.#tell('view', { by: 'server' });
+    this.#wake();
+  }
+
+  // One tick for each frame of the display.
+
+  #wake() {
+    if (this.#scheduled) return;
+    this.#scheduled = true;
+    requestAnimationFrame((now) => this.#tick(now));
+  }
+
+  #tick(now) {
+    this.#scheduled = false;
+    const seconds = Math.min(0.1, Math.max(0, (now - this.#lastTick) / 1000));
+    this.#lastTick = now;
+    if (this.#flight) this.#fly();
+    else if (this.#input.keysAreHeld && this.#camera) this.changeCamera(this.#input.advance(this.#camera, seconds));
+    this.#send();
+    if (this.#flight || this.#input.keysAreHeld || (this.#session.connection && this.#state.hasNews())) this.#wake();
+  }
+
+  #fly() {
+    const { from, to, start, by } = this.#flight;
+    const t = Math.min(1, (performance.now() - start) / flightMs);
+    const smooth = t * t * (3 - 2 * t);
+    const going = t < 1 ? this.#flight : undefined;
+    this.changeCamera(t < 1 ? between(from, to, smooth) : to, by);
+    this.#flight = going;
+  }
+
+  #send() {
+    const { connection } = this.#session;
+    // While the line is full, requests overwrite each other here: the next tick sends the newest.
+    if (!connection || !this.#camera || connection.congested) return;
+    const changes = this.#state.take(connection.nextSeq);
+    if (!changes) return;
+    const seq = connection.sendView(changes);
+    this.#canvas.dataset.asked = String(seq);
+    this.#tell('asked', { seq });
+  }
+
+  // What comes back.
+
+  async #showFrame(frame) {
+    const { connection } = this.#session;
+    try {
+      if (frame.seq >= this.#firstWanted && (await this.#picture.show(frame))) {
+        this.#state.shown(frame.seq);
+        this.#canvas.dataset.shown = String(frame.seq);
+        this.#canvas.dataset.frame = String(frame.frameId);
+        this.#tell('frame', { ...frame, current: frame.seq === connection?.nextSeq - 1 });
+      }
+    } catch {
+      this.#tell('unreadable');
+    }
+    // Only now, so that a slow machine is not sent more than it can decode.
+    connection?.acknowledge(frame.frameId);
+  }
+
+  #refused(message) {
+    this.#tell('problem', message.problem);
+    const { seq } = message;
+    if (seq === undefined || !this.#cloud) return;
+    const sound = { ...this.view, ...usualStyle(this.#cloud), camera: toProtocol(this.usualCamera(), this.bounds) };
+    if (!this.#state.refused(seq, sound)) return;
+    this.#cloud = this.#catalog.clouds.find((one) => one.id === this.view.cloud) ?? this.#cloud;
+    this.#camera = fromProtocol(this.view.camera, this.#camera.upAxis) ?? this.#camera;
+    this.#tell('cloud', this.#cloud);
+    this.#tell('view', { by: 'server' });
+    this.#wake();
+  }
+}

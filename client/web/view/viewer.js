@@ -53,6 +53,8 @@ export class Viewer extends EventTarget {
   #cloud; // what the server says of the cloud on screen
   #camera; // undefined until there is something to look at
   #flight; // { from, to, start } while the camera flies by itself
+  #asked = new Map(); // seq → camera, of views whose pictures may still come
+  #onScreen; // { camera, seq }: from where the picture on the canvas was drawn
   #restore; // { cloud, camera, style }: a view to begin with, once connected
   #moved = false; // by somebody; else the camera is the one that the server chose
   #styled = false; // the same of the style
@@ -286,6 +288,7 @@ export class Viewer extends EventTarget {
     const { width, height } = this.#picture.size;
     this.#state.begin({ cloud: this.#cloud.id, camera: toProtocol(this.#camera, this.bounds), width, height, ...style });
     this.#firstWanted = this.#session.connection?.nextSeq ?? 0;
+    this.#asked.clear();
     this.#tell('cloud', this.#cloud);
     this.#tell('view', { by: 'server' });
     this.#wake();
@@ -325,6 +328,7 @@ export class Viewer extends EventTarget {
     const changes = this.#state.take(connection.nextSeq);
     if (!changes) return;
     const seq = connection.sendView(changes);
+    this.#asked.set(seq, this.#camera);
     this.#canvas.dataset.asked = String(seq);
     this.#tell('asked', { seq });
   }
@@ -336,6 +340,10 @@ export class Viewer extends EventTarget {
     try {
       if (frame.seq >= this.#firstWanted && (await this.#picture.show(frame))) {
         this.#state.shown(frame.seq);
+        this.#onScreen = { camera: this.#asked.get(frame.seq) ?? this.#onScreen?.camera, seq: frame.seq };
+        for (const seq of this.#asked.keys()) {
+          if (seq < frame.seq) this.#asked.delete(seq);
+        }
         this.#canvas.dataset.shown = String(frame.seq);
         this.#canvas.dataset.frame = String(frame.frameId);
         this.#tell('frame', { ...frame, current: frame.seq === connection?.nextSeq - 1 });

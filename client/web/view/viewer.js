@@ -17,9 +17,12 @@
 //   stats, problem  as the protocol has them
 
 import { Session } from '../connection/session.js';
+import { unpackDepth } from '../protocol/frame_depth.js';
 import { between, fit, fittedInto, fromProtocol, radiusOf, standardView, toProtocol } from './camera.js';
+import { leastDistanceTo, mostDistanceTo } from './anchor.js';
 import { CameraInput } from './camera_input.js';
 import { Picture } from './picture.js';
+import { remembering, seenFrom } from './seen.js';
 import { ViewState } from './view_state.js';
 
 const styleKeys = ['method', 'param', 'color', 'colormap', 'range', 'shading', 'mirrors', 'behindMirrors', 'background', 'detail'];
@@ -54,7 +57,8 @@ export class Viewer extends EventTarget {
   #camera; // undefined until there is something to look at
   #flight; // { from, to, start } while the camera flies by itself
   #asked = new Map(); // seq → camera, of views whose pictures may still come
-  #onScreen; // { camera, seq }: from where the picture on the canvas was drawn
+  #onScreen; // { camera, seq, depth }: from where the picture on the canvas was drawn; depth once it is unpacked
+  #pictures = []; // what the latest pictures have seen of the surface (seen.js), the newest first
   #restore; // { cloud, camera, style }: a view to begin with, once connected
   #moved = false; // by somebody; else the camera is the one that the server chose
   #styled = false; // the same of the style
@@ -64,6 +68,9 @@ export class Viewer extends EventTarget {
 
   /** Whether dragging turns the head instead of the cloud. */
   looksAround = false;
+
+  /** Whether surfaces stop who moves; else he passes through them. */
+  collides = true;
 
   /** `freeSize(cssSize)`: the part of the canvas, in its middle, that nothing lies over; a fitted cloud fills that. */
   constructor(canvas, { freeSize = (size) => size } = {}) {
@@ -80,7 +87,7 @@ export class Viewer extends EventTarget {
       clouds: (fresh) => this.#cloudsCame(fresh),
       hello: () => {
         const { width, height, ratio } = this.#picture.size;
-        return { width, height, pixelRatio: Math.min(8, Math.max(0.25, ratio)) };
+        return { width, height, pixelRatio: Math.min(8, Math.max(0.25, ratio)), depth: true };
       },
       welcome: (message) => this.#welcome(message),
       frame: (frame) => this.#showFrame(frame),
@@ -91,7 +98,14 @@ export class Viewer extends EventTarget {
     this.#input = new CameraInput(canvas, {
       get camera() { return viewer.#session.connection ? viewer.#camera : undefined; },
       get size() { return viewer.#picture.cssSize; },
-      get closest() { return Math.max((viewer.#cloud?.spacing ?? 0) * 20, radiusOf(viewer.bounds) * 1e-4); },
+      get pictures() { return viewer.#pictures; },
+      get limits() {
+        const { bounds } = viewer;
+        const size = { bounds, spacing: viewer.#cloud?.spacing };
+        return { bounds, least: leastDistanceTo(size), most: mostDistanceTo(size) };
+      },
+      get collides() { return viewer.collides; },
+      get calm() { return viewer.#calm.matches; },
       get looksAround() { return viewer.looksAround; },
       changeCamera: (next) => this.changeCamera(next),
       goTo: (next) => this.goTo(next, 'hand'),
@@ -189,6 +203,8 @@ export class Viewer extends EventTarget {
 
   /** A jump, shown as a short flight so that one sees where it leads. */
   goTo(next, by = 'program') {
+    if (!this.#camera) return;
+    this.#input.rest();
     if (this.#calm.matches) {
       this.changeCamera(next, by);
       return;
@@ -203,11 +219,17 @@ export class Viewer extends EventTarget {
     if (next && this.#camera) this.goTo(next);
   }
 
-  /** 'fit', 'top', 'front' or 'side': all of the cloud. */
+  /** 'fit', 'first' (as the server would show it) or a name that standardView() knows: all of the cloud. */
   showStandardView(name) {
     if (!this.#camera || !this.#cloud) return;
     const room = [this.bounds, this.#picture.cssSize, this.#freeSize()];
-    this.goTo(name === 'fit' ? this.#everything(room) : standardView(this.#camera, name, ...room));
+    if (name === 'first') this.goTo(this.usualCamera(this.#cloud, this.#camera.upAxis));
+    else this.goTo(name === 'fit' ? this.#everything(room) : standardView(this.#camera, name, ...room));
+  }
+
+  /** Towards what is in the middle of the picture, or away from it. */
+  goToMiddle(away = false) {
+    this.#input.goToMiddle(away);
   }
 
   /** 'z', 'y' or '-y': from where the server would look, if that axis were up. */
@@ -289,6 +311,8 @@ export class Viewer extends EventTarget {
     this.#state.begin({ cloud: this.#cloud.id, camera: toProtocol(this.#camera, this.bounds), width, height, ...style });
     this.#firstWanted = this.#session.connection?.nextSeq ?? 0;
     this.#asked.clear();
+    this.#pictures = [];
+    this.#input.rest();
     this.#tell('cloud', this.#cloud);
     this.#tell('view', { by: 'server' });
     this.#wake();
@@ -307,9 +331,9 @@ export class Viewer extends EventTarget {
     const seconds = Math.min(0.1, Math.max(0, (now - this.#lastTick) / 1000));
     this.#lastTick = now;
     if (this.#flight) this.#fly();
-    else if (this.#input.keysAreHeld && this.#camera) this.changeCamera(this.#input.advance(this.#camera, seconds));
+    else if (this.#input.isMoving && this.#camera) this.changeCamera(this.#input.advance(this.#camera, seconds, now));
     this.#send();
-    if (this.#flight || this.#input.keysAreHeld || (this.#session.connection && this.#state.hasNews())) this.#wake();
+    if (this.#flight || this.#input.isMoving || (this.#session.connection && this.#state.hasNews())) this.#wake();
   }
 
   #fly() {
@@ -338,9 +362,12 @@ export class Viewer extends EventTarget {
   async #showFrame(frame) {
     const { connection } = this.#session;
     try {
+      const depth = frame.packedDepth && unpackDepth(frame.packedDepth); // beside the picture's decoding
+      depth?.catch(() => {}); // looked at below
       if (frame.seq >= this.#firstWanted && (await this.#picture.show(frame))) {
         this.#state.shown(frame.seq);
-        this.#onScreen = { camera: this.#asked.get(frame.seq) ?? this.#onScreen?.camera, seq: frame.seq };
+        this.#onScreen = { camera: this.#asked.get(frame.seq) ?? this.#onScreen?.camera, seq: frame.seq, depth: undefined };
+        this.#see(this.#onScreen, depth, frame);
         for (const seq of this.#asked.keys()) {
           if (seq < frame.seq) this.#asked.delete(seq);
         }
@@ -353,6 +380,20 @@ export class Viewer extends EventTarget {
     }
     // Only now, so that a slow machine is not sent more than it can decode.
     connection?.acknowledge(frame.frameId);
+  }
+
+  /** The depth of the picture that has just been drawn; nothing waits for it. */
+  async #see(picture, coming, { width, height }) {
+    const { bounds } = this;
+    let depth;
+    try {
+      depth = await coming;
+    } catch {
+      return; // without one, the hand takes hold of a plane
+    }
+    if (!depth || picture !== this.#onScreen) return;
+    picture.depth = depth;
+    if (picture.camera) this.#pictures = remembering(this.#pictures, seenFrom(picture.camera, depth, width / height, bounds));
   }
 
   #refused(message) {

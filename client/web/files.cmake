@@ -18,6 +18,7 @@ set(SCANCAST_WEB_FILES
     page/share.js
     page/stations.js
     page/view_hash.js
+    protocol/frame_depth.js
     protocol/frame_header.js
     protocol/view_words.js
     styles/panel.css

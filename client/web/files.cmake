@@ -8,7 +8,9 @@ set(SCANCAST_WEB_FILES
     connection/connection.js
     connection/guest.js
     connection/session.js
+    connection/stores.js
     page/controls.js
+    page/history.js
     page/hud.js
     page/overlays.js
     page/parameter_fields.js
@@ -24,6 +26,7 @@ set(SCANCAST_WEB_FILES
     styles/style.css
     view/camera.js
     view/camera_input.js
+    view/camera_words.js
     view/picture.js
     view/vectors.js
     view/view_state.js

@@ -7,6 +7,7 @@
 
 const invisible = 0.015; // of the scene's nearness: edges that move apart by less are none
 const gentle = 0.03; // of the nearness itself
+const mirrorable = 1.1; // of the farther nearness: what is nearer is of something else
 const reach = 10; // cells that are filled behind an edge
 const beyond = 0.5; // of half the picture, by which its border cells go on outside
 
@@ -36,27 +37,23 @@ function nearnessOf({ inverse }, orthographic) {
 
 /** The nearness that most of the scene stays below; a few points right before the eye say nothing about it. */
 function usualNearness(values) {
-  const some = [];
-  for (let i = 0; i < values.length; i += 7) {
-    if (values[i] > 0) some.push(values[i]);
-  }
-  some.sort((a, b) => a - b);
+  const some = values.filter((value, i) => i % 7 === 0 && value > 0).sort();
   return some[Math.floor(some.length * 0.95)] ?? 0;
 }
 
 /** Which neighbours are of one surface: `across[i]` tells it of cells i and i + 1, `down[i]` of i and the one below. */
 function surfaces(values, width, height) {
   const tolerance = invisible * usualNearness(values);
+  // Steep; then the surface comes or goes on like that, which an edge does not.
+  const goesOn = (rise, slope) => Math.abs(rise - slope) <= 0.6 * Math.abs(rise);
   const joined = (i, step, before, after) => {
-    const [a, b] = [values[i], values[i + step]];
+    const a = values[i], b = values[i + step];
     if (!(a > 0) || !(b > 0)) return a === b;
     const rise = b - a;
     const size = Math.abs(rise);
     if (size <= tolerance || size <= gentle * Math.min(a, b)) return true;
-    // Steep; then the surface comes or goes on like that, which an edge does not.
-    const goesOn = (there, slope) => there && Math.abs(rise - slope) <= 0.6 * size;
-    const [first, last] = [values[before ? i - step : i], values[after ? i + 2 * step : i]];
-    return goesOn(before && first > 0, a - first) || goesOn(after && last > 0, last - b);
+    const first = before ? values[i - step] : 0, last = after ? values[i + 2 * step] : 0;
+    return (first > 0 && goesOn(rise, a - first)) || (last > 0 && goesOn(rise, last - b));
   };
   const across = new Uint8Array(width * height);
   const down = new Uint8Array(width * height);
@@ -78,25 +75,21 @@ function corners(values, width, height, { across, down }) {
     const lower = Math.min(y, height - 1) * width;
     for (let x = 0; x <= columns - 2; ++x) {
       const left = Math.min(Math.max(x - 1, 0), width - 1), right = Math.min(x, width - 1);
-      const [a, b, c, d] = [values[upper + left], values[upper + right], values[lower + left], values[lower + right]];
-      const top = left === right || across[upper + left], bottom = left === right || across[lower + left];
-      const before = upper === lower || down[upper + left], after = upper === lower || down[upper + right];
-      let [na, nb, nc, nd] = [a, b, c, d];
-      const count = top + bottom + before + after;
-      if (count >= 3) {
-        na = nb = nc = nd = (a + b + c + d) / 4;
-      } else {
-        // At most two of the four edges hold: three cells around one of them, or pairs.
-        if (top && before) na = nb = nc = (a + b + c) / 3;
-        else if (top && after) na = nb = nd = (a + b + d) / 3;
-        else if (bottom && before) na = nc = nd = (a + c + d) / 3;
-        else if (bottom && after) nb = nc = nd = (b + c + d) / 3;
-        else {
-          if (top) na = nb = (a + b) / 2;
-          if (bottom) nc = nd = (c + d) / 2;
-          if (before) na = nc = (a + c) / 2;
-          if (after) nb = nd = (b + d) / 2;
-        }
+      const a = values[upper + left], b = values[upper + right], c = values[lower + left], d = values[lower + right];
+      const top = left === right ? 1 : across[upper + left], bottom = left === right ? 1 : across[lower + left];
+      const before = upper === lower ? 1 : down[upper + left], after = upper === lower ? 1 : down[upper + right];
+      let na = a, nb = b, nc = c, nd = d;
+      if (top + bottom + before + after >= 3) na = nb = nc = nd = (a + b + c + d) / 4;
+      // Else at most two of the four edges hold: three squares around one of them, or pairs.
+      else if (top && before) na = nb = nc = (a + b + c) / 3;
+      else if (top && after) na = nb = nd = (a + b + d) / 3;
+      else if (bottom && before) na = nc = nd = (a + c + d) / 3;
+      else if (bottom && after) nb = nc = nd = (b + c + d) / 3;
+      else {
+        if (top) na = nb = (a + b) / 2;
+        if (bottom) nc = nd = (c + d) / 2;
+        if (before) na = nc = (a + c) / 2;
+        if (after) nb = nd = (b + d) / 2;
       }
       // This corner is the last of the square above left, and the first of the one below right.
       const square = 4 * (y * columns + x);
@@ -158,27 +151,60 @@ function behindEdges(values, width, height, { across, down }) {
   return source;
 }
 
+/** The cell that `own` falls on when it is mirrored at the border at which `other` faces it. */
+const mirrorOf = (own, other) => (own < other ? 2 * other - own - 1 : own > other ? 2 * other - own + 1 : own);
+
 /** Squares for them. What is there nobody knows: what lies beside the edge, mirrored, looks most like it. */
-function fillings(values, width, height, source) {
-  const squares = [];
-  const mirrored = (own, other, most) => {
-    // The border between both is that of the farther cell which faces the nearer one.
-    if (own === other) return (at) => at;
-    const border = own < other ? other : other + 1;
-    const last = own < other ? 2 * border - own : 2 * border - own - 1;
-    return last >= 0 && last <= most ? (at) => 2 * border - at : (at) => other + Math.abs(at - own);
-  };
+function fillings(squares, at, values, width, height, source) {
   for (let i = 0; i < source.length; ++i) {
-    if (source[i] < 0) continue;
+    if (source[i] < 0 || !(values[source[i]] > 0)) continue; // the backdrop is behind everything by itself
     const column = i % width, row = (i - column) / width;
     const otherColumn = source[i] % width, otherRow = (source[i] - otherColumn) / width;
-    const u = mirrored(column, otherColumn, width), v = mirrored(row, otherRow, height);
-    for (let corner = 0; corner < 4; ++corner) {
-      const x = column + (corner & 1), y = row + (corner >> 1);
-      squares.push((2 * x) / width - 1, 1 - (2 * y) / height, values[source[i]], u(x) / width, v(y) / height);
+    const far = values[source[i]];
+    let u = mirrorOf(column, otherColumn), v = mirrorOf(row, otherRow);
+    const there = u >= 0 && u < width && v >= 0 && v < height ? values[v * width + u] : 0;
+    if (!(there > 0 && there <= far * mirrorable)) {
+      u = otherColumn;
+      v = otherRow;
+    }
+    for (let corner = 0; corner < 4; ++corner, at += 5) {
+      const right = corner & 1, lower = corner >> 1;
+      squares[at] = (2 * (column + right)) / width - 1;
+      squares[at + 1] = 1 - (2 * (row + lower)) / height;
+      squares[at + 2] = far;
+      squares[at + 3] = (u + (column === otherColumn ? right : 1 - right)) / width;
+      squares[at + 4] = (v + (row === otherRow ? lower : 1 - lower)) / height;
     }
   }
-  return new Float32Array(squares);
+  return at;
+}
+
+/** What lies behind everything: of each row the colour that it has where nothing else is, from one side to the other. */
+function backdrops(squares, at, values, width, height) {
+  for (let row = 0; row < height; ++row) {
+    const column = values.subarray(row * width, (row + 1) * width).indexOf(0);
+    if (column < 0) continue;
+    for (let corner = 0; corner < 4; ++corner, at += 5) {
+      const y = row + (corner >> 1);
+      const isEnd = y === 0 || y === height; // there it goes on outside
+      squares[at] = (corner & 1 ? 1 : -1) * (1 + beyond);
+      squares[at + 1] = (1 - (2 * y) / height) * (isEnd ? 1 + beyond : 1);
+      squares[at + 2] = 0;
+      squares[at + 3] = (column + 0.5) / width;
+      squares[at + 4] = Math.min(Math.max(y, 0.5), height - 0.5) / height;
+    }
+  }
+  return at;
+}
+
+/** All of both: twenty numbers for each square. */
+function fillingOf(values, width, height, joints) {
+  const source = behindEdges(values, width, height, joints);
+  let count = height;
+  for (const far of source) count += far < 0 ? 0 : 1;
+  const squares = new Float32Array(20 * count);
+  const filled = fillings(squares, 0, values, width, height, source);
+  return squares.subarray(0, backdrops(squares, filled, values, width, height));
 }
 
 /**
@@ -195,7 +221,7 @@ export function depthMesh(depth, orthographic) {
     columns: width + 2,
     rows: height + 2,
     nearness: corners(values, width, height, joints),
-    filling: fillings(values, width, height, behindEdges(values, width, height, joints)),
+    filling: fillingOf(values, width, height, joints),
     deepest,
     depths,
   };

@@ -8,7 +8,9 @@ set(SCANCAST_WEB_FILES
     connection/connection.js
     connection/guest.js
     connection/session.js
+    connection/stores.js
     page/controls.js
+    page/history.js
     page/hud.js
     page/overlays.js
     page/parameter_fields.js
@@ -25,6 +27,7 @@ set(SCANCAST_WEB_FILES
     view/anchor.js
     view/camera.js
     view/camera_input.js
+    view/camera_words.js
     view/fingers.js
     view/grip.js
     view/ground.js

@@ -27,7 +27,11 @@ set(SCANCAST_WEB_FILES
     view/camera.js
     view/camera_input.js
     view/camera_words.js
+    view/depth_mesh.js
     view/picture.js
+    view/pose.js
+    view/reprojection.js
+    view/reprojection_program.js
     view/vectors.js
     view/view_state.js
     view/viewer.js)

@@ -62,7 +62,7 @@ export class Viewer extends EventTarget {
   #flight; // { from, to, start } while the camera flies by itself
   #nextList; // timer of the next question for the list, while one is loading
   #asked = new Map(); // seq → camera, of views whose pictures may still come
-  #onScreen; // { camera, seq }: from where the picture on the canvas was drawn
+  #onScreen; // { camera, seq, depth }: from where the picture on the canvas was drawn, and its depth if it has any
   #restore; // { cloud, camera, upAxis, style }: a view to begin with, once connected
   #moved = false; // by somebody; else the camera is the one that the server chose
   #styled = false; // the same of the style
@@ -83,7 +83,10 @@ export class Viewer extends EventTarget {
       this.#wake();
     });
     this.#session = new Session({
-      state: (now) => this.#tell('connection', now),
+      state: (now) => {
+        this.#reproject(); // nothing newer is on its way where there is no connection
+        this.#tell('connection', now);
+      },
       catalog: (fresh) => this.#catalogCame(fresh),
       clouds: (fresh) => this.#cloudsCame(fresh),
       hello: () => {
@@ -355,6 +358,7 @@ export class Viewer extends EventTarget {
     this.#state.begin({ cloud: this.#cloud.id, camera: wireOf(this.#camera, this.bounds), width, height, ...style });
     this.#firstWanted = this.#session.connection?.nextSeq ?? 0;
     this.#asked.clear();
+    this.#picture.showItself(true);
     this.#tell('cloud', this.#cloud);
     this.#tell('view', { by: 'server' });
     this.#wake();
@@ -375,7 +379,14 @@ export class Viewer extends EventTarget {
     if (this.#flight) this.#fly();
     else if (this.#input.keysAreHeld && this.#camera) this.changeCamera(this.#input.advance(this.#camera, seconds));
     this.#send();
+    this.#reproject();
     if (this.#flight || this.#input.keysAreHeld || (this.#session.connection && this.#state.hasNews())) this.#wake();
+  }
+
+  /** While the picture from here is on its way, the last one as it would look from here. */
+  #reproject() {
+    if (this.#camera && this.#session.connection && !this.#calm.matches) this.#picture.lookFrom(this.#camera, this.bounds);
+    else this.#picture.showItself();
   }
 
   #fly() {
@@ -404,9 +415,12 @@ export class Viewer extends EventTarget {
   async #showFrame(frame) {
     const { connection } = this.#session;
     try {
-      if (frame.seq >= this.#firstWanted && (await this.#picture.show(frame))) {
+      const camera = this.#asked.get(frame.seq) ?? this.#onScreen?.camera;
+      const from = camera && { camera, bounds: this.bounds };
+      if (frame.seq >= this.#firstWanted && (await this.#picture.show(frame, from))) {
+        this.#reproject();
         this.#state.shown(frame.seq);
-        this.#onScreen = { camera: this.#asked.get(frame.seq) ?? this.#onScreen?.camera, seq: frame.seq };
+        this.#onScreen = { camera, seq: frame.seq, depth: this.#picture.depth };
         for (const seq of this.#asked.keys()) {
           if (seq < frame.seq) this.#asked.delete(seq);
         }

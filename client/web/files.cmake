@@ -28,6 +28,7 @@ set(SCANCAST_WEB_FILES
     view/camera.js
     view/camera_input.js
     view/camera_words.js
+    view/depth_mesh.js
     view/fingers.js
     view/grip.js
     view/ground.js
@@ -36,6 +37,9 @@ set(SCANCAST_WEB_FILES
     view/keys.js
     view/moves.js
     view/picture.js
+    view/pose.js
+    view/reprojection.js
+    view/reprojection_program.js
     view/seen.js
     view/vectors.js
     view/view_state.js

@@ -4,7 +4,6 @@
 // A picture knows the surface's front only. What lies behind that is unknown, and counts as nothing.
 
 import { inverseDepthAt } from '../protocol/frame_depth.js';
-import { axes, drawnFrom } from './camera.js';
 import { add, dot, length, scale, subtract } from './vectors.js';
 
 const stepsPerCell = 1.5;
@@ -13,19 +12,12 @@ const halvings = 10;
 const sameSurface = 0.04; // relative difference in depth, of a ray that has just gone through the surface
 
 /**
- * @typedef {object} Seen
- * @property {object} camera from which the picture was drawn
- * @property {import('../protocol/frame_depth.js').FrameDepth} depth
+ * What a picture of `camera` has seen.
+ * @param {import('../protocol/frame_depth.js').FrameDepth} depth
+ * @param {import('./pose.js').Pose} pose from where it was drawn, and how much it shows
  */
-
-/** `aspect`: width to height of the picture; `bounds`: of the cloud, as they were when it was asked for. */
-export function seenFrom(camera, depth, aspect, bounds) {
-  const { right, up, back } = axes(camera);
-  const half = Math.tan((camera.fov * Math.PI) / 360);
-  const perspective = camera.projection !== 'orthographic';
-  const top = perspective ? half : half * camera.distance; // of the picture, at depth 1 where there is perspective
-  const eye = add(camera.target, scale(back, drawnFrom(camera, bounds)));
-  return { camera, depth, right, up, back, eye, top, side: top * aspect, perspective };
+export function seenFrom(camera, depth, { eye, axes, orthographic, halfHeight, aspect }) {
+  return { camera, depth, eye, ...axes, top: halfHeight, side: halfHeight * aspect, perspective: !orthographic };
 }
 
 /** { x, y } from -1 to 1 within the picture, times w; { z } the depth. */

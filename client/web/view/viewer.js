@@ -18,7 +18,6 @@
 //   stats, problem  as the protocol has them
 
 import { Session } from '../connection/session.js';
-import { unpackDepth } from '../protocol/frame_depth.js';
 import { styleKeys } from '../protocol/view_words.js';
 import { leastDistanceTo, mostDistanceTo } from './anchor.js';
 import { between, fit, fittedInto, fromProtocol, radiusOf, standardView } from './camera.js';
@@ -65,7 +64,7 @@ export class Viewer extends EventTarget {
   #flight; // { from, to, start } while the camera flies by itself
   #nextList; // timer of the next question for the list, while one is loading
   #asked = new Map(); // seq → camera, of views whose pictures may still come
-  #onScreen; // { camera, seq, depth }: from where the picture on the canvas was drawn; depth once it is unpacked
+  #onScreen; // { camera, seq, depth }: from where the picture on the canvas was drawn, and its depth if it has any
   #pictures = []; // what the latest pictures have seen of the surface (seen.js), the newest first
   #restore; // { cloud, camera, upAxis, style }: a view to begin with, once connected
   #moved = false; // by somebody; else the camera is the one that the server chose
@@ -90,7 +89,10 @@ export class Viewer extends EventTarget {
       this.#wake();
     });
     this.#session = new Session({
-      state: (now) => this.#tell('connection', now),
+      state: (now) => {
+        this.#reproject(); // nothing newer is on its way where there is no connection
+        this.#tell('connection', now);
+      },
       catalog: (fresh) => this.#catalogCame(fresh),
       clouds: (fresh) => this.#cloudsCame(fresh),
       hello: () => {
@@ -379,6 +381,7 @@ export class Viewer extends EventTarget {
     this.#asked.clear();
     this.#pictures = [];
     this.#input.rest();
+    this.#picture.showItself(true);
     this.#tell('cloud', this.#cloud);
     this.#tell('view', { by: 'server' });
     this.#wake();
@@ -399,7 +402,14 @@ export class Viewer extends EventTarget {
     if (this.#flight) this.#fly();
     else if (this.#input.isMoving && this.#camera) this.changeCamera(this.#input.advance(this.#camera, seconds, now));
     this.#send();
+    this.#reproject();
     if (this.#flight || this.#input.isMoving || (this.#session.connection && this.#state.hasNews())) this.#wake();
+  }
+
+  /** While the picture from here is on its way, the last one as it would look from here. */
+  #reproject() {
+    if (this.#camera && this.#session.connection && !this.#calm.matches) this.#picture.lookFrom(this.#camera, this.bounds);
+    else this.#picture.showItself();
   }
 
   #fly() {
@@ -428,12 +438,13 @@ export class Viewer extends EventTarget {
   async #showFrame(frame) {
     const { connection } = this.#session;
     try {
-      const depth = frame.packedDepth && unpackDepth(frame.packedDepth); // beside the picture's decoding
-      depth?.catch(() => {}); // looked at below
-      if (frame.seq >= this.#firstWanted && (await this.#picture.show(frame))) {
+      const camera = this.#asked.get(frame.seq) ?? this.#onScreen?.camera;
+      const from = camera && { camera, bounds: this.bounds };
+      if (frame.seq >= this.#firstWanted && (await this.#picture.show(frame, from))) {
+        this.#reproject();
         this.#state.shown(frame.seq);
-        this.#onScreen = { camera: this.#asked.get(frame.seq) ?? this.#onScreen?.camera, seq: frame.seq, depth: undefined };
-        this.#see(this.#onScreen, depth, frame);
+        this.#onScreen = { camera, seq: frame.seq, depth: this.#picture.depth };
+        this.#see(camera);
         for (const seq of this.#asked.keys()) {
           if (seq < frame.seq) this.#asked.delete(seq);
         }
@@ -448,18 +459,10 @@ export class Viewer extends EventTarget {
     connection?.acknowledge(frame.frameId);
   }
 
-  /** The depth of the picture that has just been drawn; nothing waits for it. */
-  async #see(picture, coming, { width, height }) {
-    const { bounds } = this;
-    let depth;
-    try {
-      depth = await coming;
-    } catch {
-      return; // without one, the hand takes hold of a plane
-    }
-    if (!depth || picture !== this.#onScreen) return;
-    picture.depth = depth;
-    if (picture.camera) this.#pictures = remembering(this.#pictures, seenFrom(picture.camera, depth, width / height, bounds));
+  /** What the picture that has just been drawn says of the surface, for the hand. */
+  #see(camera) {
+    const { depth, pose } = this.#picture;
+    if (depth && pose) this.#pictures = remembering(this.#pictures, seenFrom(camera, depth, pose));
   }
 
   #refused(message) {

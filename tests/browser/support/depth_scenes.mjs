@@ -2,6 +2,7 @@
 // each octave of 1 / depth in 512 steps.
 
 import { axes, drawnFrom } from '../../../client/web/view/camera.js';
+import { poseOf } from '../../../client/web/view/pose.js';
 import { seenFrom } from '../../../client/web/view/seen.js';
 import { add, dot, scale, subtract } from '../../../client/web/view/vectors.js';
 
@@ -49,7 +50,7 @@ export function seenOf(surface, camera, aspect, bounds, width = 160, height = 90
       inverse[i] = depth < Infinity ? 2 ** (Math.round(Math.log2(1 / depth) * 512) / 512) : 0;
     }
   }
-  return seenFrom(camera, { width, height, inverse }, aspect, bounds);
+  return seenFrom(camera, { width, height, inverse }, poseOf(camera, bounds, aspect));
 }
 
 /** The true point under the cursor, undefined for the sky. */

@@ -2,6 +2,7 @@
 #include "server/net/api/api.hpp"
 #include "server/net/api/page.hpp"
 #include "server/net/api/picture_request.hpp"
+#include "server/net/page/error_page.hpp"
 
 namespace scancast {
 namespace {
@@ -107,7 +108,7 @@ HttpResponse Api::loginFailed(const HttpRequest& request, LoginFailure why, Http
 }
 
 void Api::complete(const HttpRequest& request, std::string_view routePattern, HttpResponse& response,
-                    Entrance entrance) const {
+                   Entrance entrance) const {
     response.identify(request.ids)
         .set("X-Content-Type-Options", "nosniff")
         .set("Server", "scancast/" + options_.version);
@@ -125,6 +126,7 @@ void Api::complete(const HttpRequest& request, std::string_view routePattern, Ht
         for (auto& [name, value] : response.headers)
             if (name == "Cache-Control" && value == "no-cache") value = "private, no-cache";
     }
+    presentProblem(request, response, "'none'");
     metrics_.httpRequest(routePattern, response.status);
 }
 

@@ -2,9 +2,11 @@
 
 #include <xxhash.h>
 
+#include <algorithm>
 #include <charconv>
 
 #include "protocol/json_text.hpp"
+#include "protocol/problem.hpp"
 #include "protocol/view/view_json.hpp"
 
 namespace scancast {
@@ -51,7 +53,7 @@ double weight(std::string_view parameters) {
             continue;
         double q = 1;
         std::from_chars(parameter.data() + 2, parameter.data() + parameter.size(), q);
-        return q;
+        return q >= 0 && q <= 1 ? q : 1;  // "nan" is a number to from_chars
     }
     return 1;
 }
@@ -125,6 +127,12 @@ double preference(std::string_view accept, std::string_view mediaType) {
         liking = weight(item);
     }
     return liking;
+}
+
+bool prefersPage(std::string_view accept) {
+    const double json =
+        std::max(preference(accept, problemMediaType), preference(accept, "application/json"));
+    return preference(accept, "text/html") > json;
 }
 
 }  // namespace scancast

@@ -24,5 +24,8 @@ bool matchesAny(std::string_view ifNoneMatch, std::string_view tag);
 bool accepts(std::string_view accept, std::string_view mediaType);
 /// How much it is liked, 0-1: the quality of the range that decides.
 double preference(std::string_view accept, std::string_view mediaType);
+/// Whether a problem is for a person in a browser: HTML is liked better than JSON, as in what browsers send when somebody
+/// follows a link. Nobody prefers anything by `*/*`, or by saying nothing.
+bool prefersPage(std::string_view accept);
 
 }  // namespace scancast

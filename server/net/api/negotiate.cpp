@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <charconv>
+#include <optional>
 
 #include "protocol/json_text.hpp"
 #include "protocol/problem.hpp"
@@ -133,6 +134,31 @@ bool prefersPage(std::string_view accept) {
     const double json =
         std::max(preference(accept, problemMediaType), preference(accept, "application/json"));
     return preference(accept, "text/html") > json;
+}
+
+ContentCoding preferredCoding(std::string_view acceptEncoding) {
+    std::optional<double> any, plain, gzip, brotli;
+    while (!acceptEncoding.empty()) {
+        std::string_view item = takeUntil(acceptEncoding, ',');
+        const std::string_view coding = takeUntil(item, ';');
+        const double liking = weight(item);
+        if (coding == "*") any = liking;
+        if (equalIgnoringCase(coding, "identity")) plain = liking;
+        if (equalIgnoringCase(coding, "gzip") || equalIgnoringCase(coding, "x-gzip")) gzip = liking;
+        if (equalIgnoringCase(coding, "br")) brotli = liking;
+    }
+    // What is not named is liked as `*` is; without that, only the bytes as they are may come, the last choice.
+    constexpr double leastLiked = 1e-4;
+    double best = plain.value_or(any.value_or(leastLiked));
+    ContentCoding chosen = ContentCoding::Identity;
+    const auto consider = [&](ContentCoding coding, double liking) {
+        if (liking <= 0 || liking < best) return;
+        best = liking;
+        chosen = coding;
+    };
+    consider(ContentCoding::Gzip, gzip.value_or(any.value_or(0)));
+    consider(ContentCoding::Brotli, brotli.value_or(any.value_or(0)));
+    return chosen;
 }
 
 }  // namespace scancast

@@ -8,7 +8,9 @@ set(SCANCAST_WEB_FILES
     connection/connection.js
     connection/guest.js
     connection/session.js
+    connection/stores.js
     page/controls.js
+    page/history.js
     page/hud.js
     page/overlays.js
     page/parameter_fields.js
@@ -16,6 +18,7 @@ set(SCANCAST_WEB_FILES
     page/share.js
     page/stations.js
     page/view_hash.js
+    protocol/frame_depth.js
     protocol/frame_header.js
     protocol/view_words.js
     styles/panel.css
@@ -23,7 +26,12 @@ set(SCANCAST_WEB_FILES
     styles/style.css
     view/camera.js
     view/camera_input.js
+    view/camera_words.js
+    view/depth_mesh.js
     view/picture.js
+    view/pose.js
+    view/reprojection.js
+    view/reprojection_program.js
     view/vectors.js
     view/view_state.js
     view/viewer.js)

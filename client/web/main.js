@@ -2,12 +2,13 @@
 
 import { takeGuestToken } from './connection/guest.js';
 import { Controls } from './page/controls.js';
+import { Address, Undo } from './page/history.js';
 import { amount, Hud } from './page/hud.js';
 import { Overlays } from './page/overlays.js';
 import { Photos } from './page/photos.js';
 import { copyLink, savePicture } from './page/share.js';
 import { Stations } from './page/stations.js';
-import { parseHash } from './page/view_hash.js';
+import { parseHash, printHash } from './page/view_hash.js';
 import { Viewer } from './view/viewer.js';
 
 const find = (id) => document.getElementById(id);
@@ -51,8 +52,14 @@ on('connection', (now) => {
 });
 on('catalog', (catalog) => controls.setCatalog(catalog));
 on('clouds', (catalog) => controls.setClouds(catalog));
-on('missing', ({ cloud }) => overlays.toast('Another cloud', `This server has no cloud named ${cloud}.`));
+on('jump', () => address.jump());
+on('sought', ({ cloud }) => {
+  sought = cloud;
+  address.changed();
+  address.flush();
+});
 on('cloud', (cloud) => {
+  sought = undefined;
   showTitle(cloud);
   showCamera();
   controls.show(viewer.view, cloud);
@@ -60,7 +67,9 @@ on('cloud', (cloud) => {
   photos.show(cloud);
 });
 on('view', ({ by }) => {
-  if (by === 'style' || by === 'program') controls.show(viewer.view, viewer.cloud);
+  if (by !== 'hand') controls.show(viewer.view, viewer.cloud);
+  address.changed();
+  undo.changed(by === 'server');
 });
 on('camera', () => {
   find('hint').classList.add('learned');
@@ -75,6 +84,66 @@ on('frame', (frame) => {
 on('unreadable', () => overlays.toast('A picture was unreadable', 'The next one will replace it.'));
 on('stats', (stats) => hud.stats(stats));
 on('problem', (problem) => overlays.toast(problem?.title || 'The server refused', problem?.detail ?? ''));
+
+// ---- the address, and undo
+
+let sought; // the cloud that somebody asked for, until one is shown
+let known = location.hash; // what the address is known to say
+
+/** The view that is wanted, as the address says it. */
+function hashNow() {
+  const { place, cloud } = viewer;
+  if (sought) return `#cloud=${sought}`;
+  return place && printHash(place.cloud, { ...place.style, camera: place.camera }, place.upAxis, cloud.view);
+}
+
+const address = new Address(hashNow, (hash, pushes) => {
+  const says = [{ untouched: viewer.isUntouched }, '', hash];
+  try {
+    if (pushes && hash !== known) history.pushState(...says);
+    else history.replaceState(...says);
+    known = location.hash;
+  } catch {
+    address.changed(); // too often, for this browser: in a moment, then
+  }
+});
+
+const undo = new Undo(
+  () => viewer.place && { ...viewer.place, key: hashNow() },
+  (step) => viewer.restore(step),
+  ({ canUndo, canRedo }) => {
+    find('undo').disabled = !canUndo;
+    find('redo').disabled = !canRedo;
+  },
+);
+
+function addressChanged() {
+  if (takeGuestToken()) {
+    location.reload(); // another guest's link, put into the address of this page
+    return;
+  }
+  if (location.hash === known) return;
+  known = location.hash;
+  address.arrived();
+  const link = parseHash(known);
+  if (link) viewer.restore(link);
+}
+
+for (const name of ['popstate', 'hashchange']) addEventListener(name, addressChanged);
+addEventListener('pagehide', () => address.flush());
+document.addEventListener('visibilitychange', () => document.hidden && address.flush());
+
+find('undo').addEventListener('click', () => undo.undo());
+find('redo').addEventListener('click', () => undo.redo());
+addEventListener('keydown', (event) => {
+  const typing = event.target instanceof Element && event.target.closest('input:not([type=checkbox], [type=range], [type=color]), textarea');
+  if (!(event.ctrlKey || event.metaKey) || event.altKey || typing || document.querySelector('dialog[open]')) return;
+  const key = event.key.toLowerCase();
+  if (key !== 'z' && key !== 'y') return;
+  event.preventDefault();
+  if (key === 'y' || event.shiftKey) undo.redo();
+  else undo.undo();
+});
 
 // ---- title, buttons, keys
 
@@ -130,7 +199,10 @@ find('look-around').addEventListener('click', toggleLooking);
 find('orthographic').addEventListener('click', () => viewer.toggleProjection());
 find('toggle-panel').addEventListener('click', togglePanel);
 find('copy-link').addEventListener('click', () => {
-  if (viewer.cloud) copyLink(viewer.cloud.id, viewer.view, viewer.camera.upAxis, overlays);
+  if (!viewer.cloud) return;
+  address.changed();
+  address.flush();
+  copyLink(overlays);
 });
 find('save-picture').addEventListener('click', async ({ currentTarget: button }) => {
   if (!viewer.cloud) return;
@@ -138,14 +210,9 @@ find('save-picture').addEventListener('click', async ({ currentTarget: button })
   await savePicture(viewer.cloud.id, viewer.view, viewer.pictureSize, overlays);
   button.disabled = false;
 });
-addEventListener('hashchange', () => {
-  if (takeGuestToken()) {
-    location.reload(); // another guest's link, put into the address of this page
-    return;
-  }
-  const next = parseHash(location.hash);
-  if (next) viewer.restore(next);
-});
-
 showPanel(!narrow.matches);
-viewer.start(parseHash(location.hash));
+narrow.addEventListener('change', () => showPanel(!narrow.matches));
+
+const link = parseHash(location.hash);
+// Who has touched nothing before he reloads sees the cloud as the server would show it now, in a window of another size, too.
+viewer.start(history.state?.untouched ? { cloud: link?.cloud } : link);

@@ -2,12 +2,10 @@
 
 import { authorization } from '../connection/access.js';
 import { problemOf } from '../connection/catalog.js';
-import { printHash } from './view_hash.js';
 import { snapshotUrl } from '../protocol/view_words.js';
 
-/** Puts the view behind the # of the address, and the address into the clipboard. */
-export async function copyLink(cloud, view, upAxis, overlays) {
-  history.replaceState(null, '', printHash(cloud, view, upAxis));
+/** Puts the address, which holds the view, into the clipboard. */
+export async function copyLink(overlays) {
   try {
     await navigator.clipboard.writeText(location.href);
     overlays.toast('Link copied', 'It shows this very view.', 'done');

@@ -1,14 +1,45 @@
-// The binary header in front of every picture (PROTOCOL.md, "Frames"): 48 bytes, little-endian. Pure.
+// The binary header in front of every picture (PROTOCOL.md, "Frames"): 48 bytes, little-endian, and behind them the
+// frame's depth where `hello` asked for it (frame_depth.js unpacks that). Pure.
 
 const magic = 0x52464353; // "SCFR"
 const leastHeaderLength = 48;
 const jpeg = 1;
 const largestSide = 16384;
+const depthStart = 64;
+const largestDepthSide = 160;
 
 /** Thrown for bytes that are no frame; its message says what is wrong with them. */
 export class FrameError extends Error {}
 
-/** One received message, taken apart: the header's fields and `picture`, a view of the JPEG's bytes. */
+/**
+ * A frame's depth as it came: cells in each direction, the least and greatest depth among them (cloud units; 0 where all is
+ * background), and the packed bytes, inside the message.
+ * @typedef {{ width: number, height: number, near: number, far: number, bytes: Uint8Array }} PackedDepth
+ */
+
+/** @returns {PackedDepth | undefined} */
+function packedDepthOf(data, headerLength) {
+  if (headerLength < depthStart) return undefined;
+  const length = data.getUint32(52, true);
+  if (length === 0) return undefined;
+  if (length > headerLength - depthStart) {
+    throw new FrameError(`a header of ${headerLength} bytes has no room for ${length} bytes of depth`);
+  }
+  const [width, height] = [data.getUint16(48, true), data.getUint16(50, true)];
+  if (!(width >= 1 && width <= largestDepthSide && height >= 1 && height <= largestDepthSide)) {
+    throw new FrameError(`a frame's depth has no ${width} × ${height} cells; at most ${largestDepthSide} in each direction`);
+  }
+  const [near, far] = [data.getFloat32(56, true), data.getFloat32(60, true)];
+  if (!((near > 0 && near <= far && far < Infinity) || (near === 0 && far === 0))) {
+    throw new FrameError(`a frame's depth does not reach from ${near} to ${far}`);
+  }
+  return { width, height, near, far, bytes: new Uint8Array(data.buffer, depthStart, length) };
+}
+
+/**
+ * One received message, taken apart: the header's fields, `picture`, a view of the JPEG's bytes, and `packedDepth`, where
+ * the frame has it.
+ */
 export function parseFrame(buffer) {
   if (buffer.byteLength < leastHeaderLength) {
     throw new FrameError(`a frame has at least ${leastHeaderLength} bytes, this one has ${buffer.byteLength}`);
@@ -43,6 +74,7 @@ export function parseFrame(buffer) {
     height,
     renderMicroseconds: data.getUint32(40, true),
     encodeMicroseconds: data.getUint32(44, true),
+    packedDepth: packedDepthOf(data, headerLength),
     picture: new Uint8Array(buffer, headerLength, pictureLength),
   };
 }

@@ -75,7 +75,8 @@ export async function drag(page, from, to, button = 'left') {
 const serverAway = /ERR_CONNECTION|ERR_EMPTY_RESPONSE|ERR_SOCKET|WebSocket connection to .* failed/;
 const tokenAsked = /status of 401/; // by the browser; the page asks for the token
 const ownReading = /willReadFrequently/; // pixels() reads the canvas; the page never does
+const browsersReading = /GPU stall due to ReadPixels/; // a browser without a graphics processor reads what WebGL draws
 
 /** What the console said that is not the browser's own complaint about a server that is away. */
 export const seriousComplaints = (page) =>
-  page.complaints.filter((text) => ![serverAway, tokenAsked, ownReading].some((known) => known.test(text)));
+  page.complaints.filter((text) => ![serverAway, tokenAsked, ownReading, browsersReading].some((known) => known.test(text)));

@@ -29,7 +29,7 @@ describe('parseFrame', () => {
     const { picture, ...fields } = parseFrame(frameOf(goodBytes));
     assert.deepEqual(fields, {
       moving: false, still: true, final: true, damaged: false, frameId: 258, seq: 2 ** 32, width: 1280, height: 720,
-      renderMicroseconds: 10000, encodeMicroseconds: 100,
+      renderMicroseconds: 10000, encodeMicroseconds: 100, packedDepth: undefined,
     });
     assert.deepEqual([...picture], [0xff, 0xd8, 0xff]);
   });
@@ -43,6 +43,25 @@ describe('parseFrame', () => {
     const bytes = [...goodBytes.slice(0, 48), 9, 9, 9, 9, ...goodBytes.slice(48)];
     bytes[6] = 52;
     assert.deepEqual([...parseFrame(frameOf(bytes)).picture], [0xff, 0xd8, 0xff]);
+  });
+
+  it('finds the depth behind the fields, and skips what follows it', () => {
+    const depth = [160, 0, 90, 0, 3, 0, 0, 0, 0, 0, 0, 0x40, 0, 0, 0x80, 0x40, 7, 8, 9]; // 2 to 4
+    const bytes = [...goodBytes.slice(0, 48), ...depth, 1, 1, ...goodBytes.slice(48)];
+    bytes[6] = 48 + depth.length + 2;
+    const { picture, packedDepth } = parseFrame(frameOf(bytes));
+    assert.deepEqual([...picture], [0xff, 0xd8, 0xff]);
+    assert.deepEqual({ ...packedDepth, bytes: [...packedDepth.bytes] }, { width: 160, height: 90, near: 2, far: 4, bytes: [7, 8, 9] });
+
+    const wrong = { 'no width': [48, 0], 'too high': [50, 161], 'beyond the header': [52, 6], 'near behind far': [63, 0x30],
+      'a negative near': [59, 0xc0], 'a far that is none': [62, 0xc0, 0x7f] };
+    for (const [what, [offset, ...values]] of Object.entries(wrong)) {
+      const changedBytes = [...bytes];
+      values.forEach((value, i) => { changedBytes[offset + i] = value; });
+      assert.throws(() => parseFrame(frameOf(changedBytes)), FrameError, what);
+    }
+    bytes[52] = 0;
+    assert.equal(parseFrame(frameOf(bytes)).packedDepth, undefined);
   });
 
   it('ignores unknown flags', () => {

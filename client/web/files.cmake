@@ -24,14 +24,23 @@ set(SCANCAST_WEB_FILES
     styles/panel.css
     styles/photos.css
     styles/style.css
+    view/anchor.js
     view/camera.js
     view/camera_input.js
     view/camera_words.js
     view/depth_mesh.js
+    view/fingers.js
+    view/grip.js
+    view/ground.js
+    view/held_keys.js
+    view/inertia.js
+    view/keys.js
+    view/moves.js
     view/picture.js
     view/pose.js
     view/reprojection.js
     view/reprojection_program.js
+    view/seen.js
     view/vectors.js
     view/view_state.js
     view/viewer.js)

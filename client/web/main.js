@@ -9,6 +9,7 @@ import { Photos } from './page/photos.js';
 import { copyLink, savePicture } from './page/share.js';
 import { Stations } from './page/stations.js';
 import { parseHash, printHash } from './page/view_hash.js';
+import { isForView } from './view/keys.js';
 import { Viewer } from './view/viewer.js';
 
 const find = (id) => document.getElementById(id);
@@ -176,20 +177,29 @@ function showPanel(open) {
 }
 const togglePanel = () => showPanel(document.body.classList.contains('panel-closed'));
 
+function toggleColliding() {
+  viewer.collides = !viewer.collides;
+  const [title, detail] = viewer.collides
+    ? ['Surfaces stop you', 'You cannot walk or fall through them.']
+    : ['You pass through surfaces', 'Press C again to stop at them.'];
+  overlays.toast(title, detail, 'done');
+}
+
 const shortcuts = {
-  f: () => viewer.showStandardView('fit'), Home: () => viewer.showStandardView('fit'),
+  f: () => viewer.showStandardView('fit'), Home: () => viewer.showStandardView('first'),
   1: () => viewer.showStandardView('top'), 2: () => viewer.showStandardView('front'), 3: () => viewer.showStandardView('side'),
-  l: toggleLooking, o: () => viewer.toggleProjection(), p: togglePanel, '?': () => overlays.toggleHelp(),
+  4: () => viewer.showStandardView('back'), 5: () => viewer.showStandardView('left'), 6: () => viewer.showStandardView('bottom'),
+  Enter: (event) => viewer.goToMiddle(event.shiftKey),
+  c: toggleColliding, l: toggleLooking, o: () => viewer.toggleProjection(), p: togglePanel, '?': () => overlays.toggleHelp(),
 };
 
 addEventListener('keydown', (event) => {
-  if (event.ctrlKey || event.altKey || event.metaKey || event.repeat) return;
-  const inDialog = find('help').open;
-  if (event.target instanceof Element && event.target.closest('input, select, textarea')) return;
+  if (event.repeat) return;
   const key = event.key.length === 1 ? event.key.toLowerCase() : event.key;
-  if (!Object.hasOwn(shortcuts, key) || (inDialog && key !== '?')) return;
-  event.preventDefault();
-  shortcuts[key]();
+  const closesHelp = key === '?' && find('help').open;
+  if (!Object.hasOwn(shortcuts, key) || !(isForView(event) || closesHelp)) return;
+  event.preventDefault(); // a menu that has the focus would go to its next entry of that letter
+  shortcuts[key](event);
 });
 
 for (const button of document.querySelectorAll('[data-view]')) {

@@ -189,6 +189,7 @@ describe('the page, when things go wrong', { timeout: 120_000 }, () => {
         send('pointermove', 100 + i);
         if (i % 30 === 0) await new Promise((done) => { setTimeout(done, 20); });
       }
+      await new Promise((done) => { setTimeout(done, 80); }); // at rest, nothing glides on
       send('pointerup', 400);
       return count;
     });

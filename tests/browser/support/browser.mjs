@@ -65,10 +65,12 @@ export function differing(a, b, tolerance = 24) {
   return count / (a.length / 3);
 }
 
+/** Ends at rest, so that nothing glides on. */
 export async function drag(page, from, to, button = 'left') {
   await page.mouse.move(...from);
   await page.mouse.down({ button });
   await page.mouse.move(...to, { steps: 8 });
+  await page.waitForTimeout(80);
   await page.mouse.up({ button });
 }
 

@@ -2,6 +2,7 @@
 
 import { authorization } from '../connection/access.js';
 import { problemOf } from '../connection/catalog.js';
+import { strings } from './strings.js';
 import { printHash } from './view_hash.js';
 import { snapshotUrl } from '../protocol/view_words.js';
 
@@ -10,10 +11,10 @@ export async function copyLink(cloud, view, upAxis, overlays) {
   history.replaceState(null, '', printHash(cloud, view, upAxis));
   try {
     await navigator.clipboard.writeText(location.href);
-    overlays.toast('Link copied', 'It shows this very view.', 'done');
+    overlays.toast(strings.messages.linkCopied, strings.messages.linkCopiedDetail, 'done');
   } catch {
     // Without https, or without permission, the clipboard is out of reach; the address bar is not.
-    overlays.toast('The link is in the address bar', 'Copy it from there: it shows this very view.', 'done');
+    overlays.toast(strings.messages.linkInAddress, strings.messages.linkInAddressDetail, 'done');
   }
 }
 
@@ -25,9 +26,9 @@ export async function savePicture(cloud, view, { width, height }, overlays) {
     const url = URL.createObjectURL(await response.blob());
     Object.assign(document.createElement('a'), { href: url, download: `${cloud}.png` }).click();
     setTimeout(() => URL.revokeObjectURL(url), 10_000);
-    overlays.toast('Picture saved', `${cloud}.png, ${width} × ${height}`, 'done');
+    overlays.toast(strings.messages.pictureSaved, strings.messages.pictureSavedDetail(`${cloud}.png`, width, height), 'done');
   } catch (error) {
     const known = error.title !== undefined;
-    overlays.toast(known ? error.title : 'The picture could not be saved', known ? error.message : 'The server does not answer.');
+    overlays.toast(known ? error.title : strings.messages.pictureFailed, known ? error.message : strings.messages.noAnswer);
   }
 }

@@ -29,6 +29,7 @@ int main(int argc, char** argv) {
     scancast::addExport(app, exitCode);
     scancast::addInfo(app, exitCode);
     scancast::addLook(app, exitCode);
+    scancast::addLabel(app, exitCode);
     scancast::addGenerate(app, exitCode);
     scancast::addToken(app, exitCode);
     scancast::addDoctor(app, exitCode);

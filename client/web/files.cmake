@@ -8,10 +8,12 @@ set(SCANCAST_WEB_FILES
     connection/connection.js
     connection/guest.js
     connection/session.js
+    connection/stores.js
     page/choices.js
     page/colour_choice.js
     page/controls.js
     page/galleries.js
+    page/history.js
     page/hud.js
     page/icons.js
     page/layout.js
@@ -39,6 +41,7 @@ set(SCANCAST_WEB_FILES
     styles/theme.css
     view/camera.js
     view/camera_input.js
+    view/camera_words.js
     view/picture.js
     view/vectors.js
     view/view_state.js

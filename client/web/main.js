@@ -4,6 +4,7 @@ import { takeGuestToken } from './connection/guest.js';
 import { Choices } from './page/choices.js';
 import { Controls } from './page/controls.js';
 import { Galleries } from './page/galleries.js';
+import { Address, Undo } from './page/history.js';
 import { Hud } from './page/hud.js';
 import { Layout } from './page/layout.js';
 import { Overlays } from './page/overlays.js';
@@ -15,7 +16,7 @@ import { Stations } from './page/stations.js';
 import { amount, fillStrings, strings } from './page/strings.js';
 import { chooseTheme, chosenTheme, themes } from './page/themes.js';
 import { ToolRail } from './page/tools.js';
-import { parseHash } from './page/view_hash.js';
+import { parseHash, printHash } from './page/view_hash.js';
 import { Viewer } from './view/viewer.js';
 
 const find = (id) => document.getElementById(id);
@@ -32,7 +33,7 @@ function freeSize({ width, height }) {
   return { width: Math.max(width - sides, 0.8 * width), height: Math.max(height - (offsetWidth > 0 ? 170 : 80), 0.7 * height) };
 }
 
-const presentation = new Presentation();
+const presentation = new Presentation(() => address.changed());
 const layout = new Layout();
 const rail = new ToolRail(find('rail'));
 const viewer = new Viewer(canvas, { freeSize });
@@ -65,8 +66,14 @@ on('connection', (now) => {
 });
 on('catalog', (catalog) => controls.setCatalog(catalog));
 on('clouds', (catalog) => controls.setClouds(catalog));
-on('missing', ({ cloud }) => overlays.toast(strings.messages.unknownCloud, strings.messages.unknownCloudDetail(cloud)));
+on('jump', () => address.jump());
+on('sought', ({ cloud }) => {
+  sought = cloud;
+  address.changed();
+  address.flush();
+});
 on('cloud', (cloud) => {
+  sought = undefined;
   showScan(cloud);
   showCamera();
   controls.show(viewer.view, cloud);
@@ -74,7 +81,9 @@ on('cloud', (cloud) => {
   photos.show(cloud);
 });
 on('view', ({ by }) => {
-  if (by === 'style' || by === 'program') controls.show(viewer.view, viewer.cloud);
+  if (by !== 'hand') controls.show(viewer.view, viewer.cloud);
+  address.changed();
+  undo.changed(by === 'server');
 });
 on('camera', () => {
   find('hint').classList.add('learned');
@@ -89,6 +98,71 @@ on('frame', (frame) => {
 on('unreadable', () => overlays.toast(strings.messages.unreadable, strings.messages.unreadableDetail));
 on('stats', (stats) => hud.stats(stats));
 on('problem', (problem) => overlays.toast(problem?.title || strings.messages.refused, problem?.detail ?? ''));
+
+// ---- the address, and undo
+
+let sought; // the cloud that somebody asked for, until one is shown
+let known = location.hash; // what the address is known to say
+
+/** The view that is wanted, as the address says it; `present` is the page's own word. */
+function hashNow() {
+  const hash = viewHash();
+  return hash && presentation.isOn ? `${hash}&present` : hash;
+}
+
+function viewHash() {
+  const { place, cloud } = viewer;
+  if (sought) return `#cloud=${sought}`;
+  return place && printHash(place.cloud, { ...place.style, camera: place.camera }, place.upAxis, cloud.view);
+}
+
+const address = new Address(hashNow, (hash, pushes) => {
+  const says = [{ untouched: viewer.isUntouched }, '', hash];
+  try {
+    if (pushes && hash !== known) history.pushState(...says);
+    else history.replaceState(...says);
+    known = location.hash;
+  } catch {
+    address.changed(); // too often, for this browser: in a moment, then
+  }
+});
+
+const undo = new Undo(
+  () => viewer.place && { ...viewer.place, key: viewHash() },
+  (step) => viewer.restore(step),
+  ({ canUndo, canRedo }) => {
+    find('undo').disabled = !canUndo;
+    find('redo').disabled = !canRedo;
+  },
+);
+
+function addressChanged() {
+  if (takeGuestToken()) {
+    location.reload(); // another guest's link, put into the address of this page
+    return;
+  }
+  if (location.hash === known) return;
+  known = location.hash;
+  address.arrived();
+  const link = parseHash(known);
+  if (link) viewer.restore(link);
+}
+
+for (const name of ['popstate', 'hashchange']) addEventListener(name, addressChanged);
+addEventListener('pagehide', () => address.flush());
+document.addEventListener('visibilitychange', () => document.hidden && address.flush());
+
+find('undo').addEventListener('click', () => undo.undo());
+find('redo').addEventListener('click', () => undo.redo());
+addEventListener('keydown', (event) => {
+  const typing = event.target instanceof Element && event.target.closest('input:not([type=checkbox], [type=range], [type=color]), textarea');
+  if (!(event.ctrlKey || event.metaKey) || event.altKey || typing || document.querySelector('dialog[open]')) return;
+  const key = event.key.toLowerCase();
+  if (key !== 'z' && key !== 'y') return;
+  event.preventDefault();
+  if (key === 'y' || event.shiftKey) undo.redo();
+  else undo.undo();
+});
 
 // ---- tools, buttons, keys
 
@@ -158,16 +232,12 @@ for (const button of document.querySelectorAll('[data-view]')) {
 }
 find('orthographic').addEventListener('click', () => viewer.toggleProjection());
 find('copy-link').addEventListener('click', () => {
-  if (viewer.cloud) copyLink(viewer.cloud.id, viewer.view, viewer.camera.upAxis, overlays);
+  if (!viewer.cloud) return;
+  address.changed();
+  address.flush();
+  copyLink(overlays);
 });
-addEventListener('hashchange', () => {
-  if (takeGuestToken()) {
-    location.reload(); // another guest's link, put into the address of this page
-    return;
-  }
-  const next = parseHash(location.hash);
-  if (next) viewer.restore(next);
-});
-
+const link = parseHash(location.hash);
 if (asksToPresent(location.hash)) presentation.enter({ fullScreen: false });
-viewer.start(parseHash(location.hash));
+// Who has touched nothing before he reloads sees the cloud as the server would show it now, in a window of another size, too.
+viewer.start(history.state?.untouched ? { cloud: link?.cloud } : link);

@@ -3,6 +3,7 @@
 // access token (access.js) and renewed before it ends.
 
 import { keepToken } from './access.js';
+import { tabStore } from './stores.js';
 import { problemOf } from './catalog.js';
 
 const key = 'scancast-guest';
@@ -25,32 +26,33 @@ export const renewIn = (seconds) => Math.max(5000, Math.min(seconds * 800, 2 ** 
 export function takeGuestToken() {
   const guest = guestOf(location.hash);
   if (!guest) return false;
-  sessionStorage.setItem(key, guest.token);
+  tabStore.set(key, guest.token);
   history.replaceState(null, '', location.pathname + location.search + guest.rest);
   return true;
 }
 
-export const isGuest = () => sessionStorage.getItem(key) !== null;
+export const isGuest = () => tabStore.get(key) !== undefined;
 
 /** The link is over, or was none: from here on this tab is nobody's. */
 export function forgetGuest() {
-  sessionStorage.removeItem(key);
+  tabStore.remove(key);
 }
 
 let timer;
 
-/** Gets a pass for the link of this tab, and goes on renewing it; throws what the server refuses with. */
+/** Gets a pass for the link of this tab, and goes on renewing it; resolves to its cloud's id, throws what the server refuses with. */
 export async function enterAsGuest() {
   clearTimeout(timer);
   const response = await fetch('/api/v1/guest-session', {
     method: 'POST',
     signal: AbortSignal.timeout(patienceMs),
     headers: { 'Content-Type': 'application/json' },
-    body: JSON.stringify({ token: sessionStorage.getItem(key) }),
+    body: JSON.stringify({ token: tabStore.get(key) }),
   });
   if (!response.ok) throw await problemOf(response);
   const pass = await response.json();
   keepToken(pass.token);
   // A renewal that fails is tried again by whatever needs the pass next: session.js comes here before it connects.
   timer = setTimeout(() => isGuest() && enterAsGuest().catch(() => {}), renewIn(pass.expiresInSeconds));
+  return pass.cloud;
 }

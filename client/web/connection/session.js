@@ -1,5 +1,6 @@
 // Keeps the page connected: asks for the clouds, waits while they load, opens the stream, and starts over, more and
-// more patiently, whenever something breaks.
+// more patiently, whenever something breaks. Who asked for a certain cloud is never shown another one: while it cannot be
+// shown he is told why, and it comes by itself as soon as it can.
 
 import { forgetToken, hasToken, keepToken } from './access.js';
 import { fetchClouds, fetchMethods, ServerProblem } from './catalog.js';
@@ -26,9 +27,15 @@ export class Session {
   #round = 0; // of two cycles that overlap, only the later one counts
 
   /**
-   * Handlers: state({ kind, … }) with kind connecting | loading | empty | failed | locked |
-   * lost | open; catalog(catalog);
-   * hello() → the first message; welcome(message); frame, problem and stats as in Connection.
+   * Handlers: state(now), where `now.kind` is
+   *   connecting, open
+   *   loading  `entries`, of the list, that are being read; `clouds`: those that could be looked at meanwhile
+   *   failed   `entries` that could not be read, each with its `error`; `clouds` as above; `asked`: it is the one asked for
+   *   gone     `cloud`: the id that was asked for, and that the server does not have; `clouds`, `pending`: what it has
+   *   empty    the server has no cloud at all
+   *   locked   it wants a token: `refused`, another one than it was given; `guest`: a link that is not good any more
+   *   lost     `detail`: why, in words; `at`, `delay`: when it is tried again
+   * catalog(catalog) and clouds(list); hello() → the first message; welcome(message); frame, problem and stats as in Connection.
    */
   constructor(handlers) {
     this.#handlers = handlers;
@@ -42,8 +49,9 @@ export class Session {
     return this.#connection;
   }
 
-  /** `cloud`: the id to open, if the server has it. */
+  /** `cloud`: the id to open; undefined leaves it to the server. Ends what was open before. */
   start(cloud) {
+    this.#leave();
     this.#cloud = cloud;
     this.#handlers.state({ kind: 'connecting' });
     this.#cycle();
@@ -60,11 +68,31 @@ export class Session {
     this.#cycle();
   }
 
-  /** The server asked for a token: here it is. */
-  unlock(token) {
-    keepToken(token);
+  /** The server asked for a token: here it is. `remember`: on this device, and not for this tab only. */
+  unlock(token, remember) {
+    keepToken(token, remember);
     this.#handlers.state({ kind: 'connecting' });
     this.#cycle();
+  }
+
+  /** Forgets the token, here and on this device, and asks for one. */
+  lock() {
+    this.#leave();
+    forgetToken();
+    forgetGuest();
+    this.start(this.#cloud);
+  }
+
+  /** The session that is open goes on with nobody, and nothing that is on its way counts any more. */
+  #leave() {
+    clearTimeout(this.#timer);
+    this.#timer = undefined;
+    this.#round += 1;
+    this.#attempt = 0;
+    if (this.#connection) this.#nextSeq = this.#connection.nextSeq;
+    this.#connection?.abandon();
+    this.#connection = undefined;
+    this.#resume = '';
   }
 
   #later(delay) {
@@ -77,22 +105,22 @@ export class Session {
     this.#round += 1;
     const round = this.#round;
     try {
-      if (isGuest()) await enterAsGuest();
-      const { clouds, pending } = await fetchClouds();
-      if (round !== this.#round) return;
-      if (clouds.length === 0) {
-        this.#wait(pending);
-        return;
+      if (isGuest()) {
+        const theirs = await enterAsGuest();
+        if (round !== this.#round) return;
+        this.#cloud ??= theirs;
       }
-      const wanted = pending.find((entry) => entry.id === this.#cloud && entry.state === 'loading');
-      if (wanted) {
-        this.#wait([wanted]);
+      const list = await fetchClouds();
+      if (round !== this.#round) return;
+      const cloud = list.clouds.find((one) => one.id === (this.#cloud ?? list.clouds[0]?.id));
+      if (!cloud) {
+        this.#wait(list);
         return;
       }
       const methods = await fetchMethods();
       if (round !== this.#round) return;
-      this.#handlers.catalog({ clouds, pending, ...methods });
-      this.#open(clouds);
+      this.#handlers.catalog({ ...list, ...methods });
+      this.#open(cloud);
     } catch (error) {
       if (round !== this.#round) return;
       if (error.status === 401) this.#locked();
@@ -100,18 +128,20 @@ export class Session {
     }
   }
 
-  /** Nothing to look at yet: say why, and ask again. */
-  #wait(pending) {
+  /** Nothing to look at yet, or not what was asked for: say why, and ask again. */
+  #wait({ clouds, pending }) {
     this.#attempt = 0;
-    const loading = pending.filter((entry) => entry.state === 'loading');
-    if (loading.length > 0) this.#handlers.state({ kind: 'loading', entries: loading });
-    else if (pending.length > 0) this.#handlers.state({ kind: 'failed', entries: pending });
+    const asked = this.#cloud !== undefined;
+    const entries = asked ? pending.filter((entry) => entry.id === this.#cloud) : pending;
+    const loading = entries.filter((entry) => entry.state === 'loading');
+    if (loading.length > 0) this.#handlers.state({ kind: 'loading', entries: loading, clouds });
+    else if (entries.length > 0) this.#handlers.state({ kind: 'failed', entries, clouds, asked });
+    else if (asked) this.#handlers.state({ kind: 'gone', cloud: this.#cloud, clouds, pending });
     else this.#handlers.state({ kind: 'empty' });
     this.#later(loading.length > 0 ? pollMs : idlePollMs);
   }
 
-  #open(clouds) {
-    const cloud = clouds.find((one) => one.id === this.#cloud) ?? clouds[0];
+  #open(cloud) {
     const url = new URL('/api/v1/stream', location.href);
     url.protocol = location.protocol === 'https:' ? 'wss:' : 'ws:';
     this.#connection = new Connection(url, this.#hello(cloud), this.#nextSeq, {
@@ -142,8 +172,12 @@ export class Session {
   #locked() {
     this.#attempt = 0;
     const [refused, guest] = [hasToken(), isGuest()];
-    forgetToken();
+    forgetToken({ onDevice: !guest }); // it was the guest's pass that was refused
     forgetGuest();
+    if (guest && hasToken()) {
+      this.#cycle();
+      return;
+    }
     this.#handlers.state({ kind: 'locked', refused, guest });
   }
 

@@ -16,16 +16,16 @@ export function extentText({ min, max }, unit) {
   return [extent, words.units[unit]].filter(Boolean).join(' ');
 }
 
-/** "12 May 2024" of "2024-05-12"; a year or a month alone stay what they are. Pure. */
+/** "13 May 2024" of "2024-05-13", "May 2024" of "2024-05", "2024" of itself. Pure. */
 export function dateText(date) {
-  const said = textOf(date);
-  if (!/^\d{4}-\d{2}-\d{2}/.test(said)) return said;
-  const day = new Date(`${said.slice(0, 10)}T00:00:00Z`);
-  return Number.isNaN(day.getTime()) ? '' : day.toLocaleDateString('en-GB', { day: 'numeric', month: 'long', year: 'numeric', timeZone: 'UTC' });
+  const [, year, month, day] = /^(\d{4})(?:-(\d{2})(?:-(\d{2}))?)?$/.exec(textOf(date)) ?? [];
+  if (!month) return year ?? '';
+  const at = new Date(Date.UTC(Number(year), Number(month) - 1, Number(day ?? 1)));
+  return at.toLocaleDateString('en-GB', { ...(day ? { day: 'numeric' } : {}), month: 'long', year: 'numeric', timeZone: 'UTC' });
 }
 
-/** Whose the scan is: "Geoffrey Marchal · CC BY 4.0". Pure. */
-export const creditOf = (cloud) => [textOf(cloud.attribution), textOf(cloud.licence ?? cloud.license)].filter(Boolean).join(' · ');
+/** Whose the scan is, as the cloud file says it: "City of Graz, CC BY 4.0". Pure. */
+export const creditOf = (cloud) => textOf(cloud.attribution);
 
 /** [term, text] pairs, of what is known. Pure. */
 export function factsOfScan(cloud) {
@@ -38,9 +38,8 @@ export function factsOfScan(cloud) {
     [words.attributes, (cloud.attributes ?? []).map(({ name }) => names[name] ?? name).join(', ')],
     [words.format, cloud.format],
     [words.crs, cloud.crsName],
-    [words.captured, dateText(cloud.captured)],
-    [words.attribution, textOf(cloud.attribution)],
-    [words.licence, textOf(cloud.licence ?? cloud.license)],
+    [words.recorded, dateText(cloud.recorded)],
+    [words.attribution, creditOf(cloud)],
     [words.dropped, cloud.droppedPoints > 0 ? cloud.droppedPoints.toLocaleString('en') : ''],
     [words.notes, (cloud.notes ?? []).join(' ')],
   ].filter(([, text]) => text);
@@ -51,7 +50,7 @@ export function showScan(cloud) {
   document.title = strings.app.titled(title);
   find('cloud-title').textContent = title;
   find('picture').setAttribute('aria-label', strings.app.pointCloudNamed(title));
-  const date = dateText(cloud.captured);
+  const date = dateText(cloud.recorded);
   const facts = [counted(cloud.points, 'point'), cloud.bounds && extentText(cloud.bounds, cloud.crsUnit), date || cloud.format?.split(',')[0]];
   find('cloud-facts').textContent = facts.filter(Boolean).join(' · ');
   const credit = creditOf(cloud);

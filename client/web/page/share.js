@@ -2,13 +2,11 @@
 
 import { authorization } from '../connection/access.js';
 import { problemOf } from '../connection/catalog.js';
-import { strings } from './strings.js';
-import { printHash } from './view_hash.js';
 import { snapshotUrl } from '../protocol/view_words.js';
+import { strings } from './strings.js';
 
-/** Puts the view behind the # of the address, and the address into the clipboard. */
-export async function copyLink(cloud, view, upAxis, overlays) {
-  history.replaceState(null, '', printHash(cloud, view, upAxis));
+/** Puts the address, which holds the view, into the clipboard. */
+export async function copyLink(overlays) {
   try {
     await navigator.clipboard.writeText(location.href);
     overlays.toast(strings.messages.linkCopied, strings.messages.linkCopiedDetail, 'done');

@@ -27,6 +27,10 @@ export const strings = {
 
   actions: {
     label: 'Share and settings',
+    undo: 'Undo: previous view',
+    undoTip: 'Previous view (Ctrl+Z)',
+    redo: 'Redo: next view',
+    redoTip: 'Next view (Ctrl+Shift+Z)',
     copyLink: 'Copy link',
     copyLinkTip: 'Copy a link to this view',
     help: 'Help',
@@ -163,9 +167,8 @@ export const strings = {
     format: 'Format',
     crs: 'Coordinate system',
     attributes: 'Attributes',
-    captured: 'Captured',
+    recorded: 'Recorded',
     attribution: 'Attribution',
-    licence: 'Licence',
     dropped: 'Unreadable points',
     notes: 'Notes',
     units: { metre: 'm', meter: 'm', foot: 'ft', 'us survey foot': 'ft (US)' },

@@ -8,7 +8,7 @@ import { snapshotUrl } from '../protocol/view_words.js';
 const size = { width: 216, height: 144 };
 const mostKept = 64;
 const restMs = 500; // after the last movement
-const quality = '75';
+const quality = 75;
 const leastPart = 0.14; // of the height; less would show nothing that one knows again
 
 /**
@@ -23,7 +23,7 @@ export function middleOf(camera, height) {
 }
 
 /** The address of a small picture of this view. Pure. */
-export const thumbnailUrl = (cloud, view) => `${snapshotUrl(cloud, view, size.width, size.height, 'jpg')}&quality=${quality}`;
+export const thumbnailUrl = (cloud, view) => snapshotUrl(cloud, { ...view, quality, detail: null }, size.width, size.height, 'jpg');
 
 export class Thumbnails {
   #kept = new Map(); // key → blob: address, the one that was used last at the end

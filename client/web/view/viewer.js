@@ -8,7 +8,8 @@
 //   catalog     what the server offers: { clouds, pending, methods, colors, colormaps, shadings }
 //   clouds      the same, when only the list of clouds is another one
 //   cloud       what the server says of the cloud that is shown from now on, or of the same one as it is now
-//   missing     { cloud }: the id of one that was asked for and that this server does not have
+//   jump        another place is about to be shown, at once or by a short flight
+//   sought      { cloud }: one is asked for that cannot be shown yet, or not at all; `connection` tells more
 //   view        { by }: another view is wanted; by 'hand', 'style', 'program' (a flight, a restored view) or 'server'
 //   camera      the same, of the camera alone, with every step of it: { by }
 //   asked       { seq }: the server has been told
@@ -17,14 +18,16 @@
 //   stats, problem  as the protocol has them
 
 import { Session } from '../connection/session.js';
-import { between, fit, fittedInto, fromProtocol, radiusOf, standardView, toProtocol } from './camera.js';
+import { styleKeys } from '../protocol/view_words.js';
+import { between, fit, fittedInto, fromProtocol, radiusOf, standardView } from './camera.js';
 import { CameraInput } from './camera_input.js';
+import { cameraOf, wireOf } from './camera_words.js';
 import { Picture } from './picture.js';
 import { ViewState } from './view_state.js';
 
-const styleKeys = ['method', 'param', 'color', 'colormap', 'range', 'shading', 'mirrors', 'behindMirrors', 'background', 'detail'];
 /** What stays when somebody goes to another cloud, if he chose it: a way of drawing; nothing that only one of them may have. */
-const lastingKeys = ['method', 'param', 'shading', 'mirrors', 'behindMirrors', 'background', 'detail', 'colormap'];
+const lastingKeys = ['method', 'param', 'shading', 'mirrors', 'behindMirrors', 'background', 'detail', 'colormap', 'budget', 'samples',
+  'quality', 'subsampling'];
 const flightMs = 260;
 const loadingPollMs = 2000;
 const unitBox = { min: [-1, -1, -1], max: [1, 1, 1] };
@@ -33,6 +36,10 @@ const pick = (view, keys) => Object.fromEntries(keys.map((key) => [key, view?.[k
 
 /** The style in which the server would show the cloud by itself. */
 const usualStyle = (of) => pick(of?.view, styleKeys);
+
+/** `style` with some members changed; of the light, a change may say a part. */
+const restyled = (style, changes = {}) =>
+  ({ ...style, ...changes, ...(changes.light ? { light: { ...style.light, ...changes.light } } : {}) });
 
 /** The axis that the server takes for up, which it tells by its default view. */
 function usualUpAxis(of) {
@@ -53,9 +60,10 @@ export class Viewer extends EventTarget {
   #cloud; // what the server says of the cloud on screen
   #camera; // undefined until there is something to look at
   #flight; // { from, to, start } while the camera flies by itself
+  #nextList; // timer of the next question for the list, while one is loading
   #asked = new Map(); // seq → camera, of views whose pictures may still come
   #onScreen; // { camera, seq }: from where the picture on the canvas was drawn
-  #restore; // { cloud, camera, style }: a view to begin with, once connected
+  #restore; // { cloud, camera, upAxis, style }: a view to begin with, once connected
   #moved = false; // by somebody; else the camera is the one that the server chose
   #styled = false; // the same of the style
   #firstWanted = 0; // frames of earlier views are not what the user asked for
@@ -107,6 +115,14 @@ export class Viewer extends EventTarget {
   /** All that is asked for, as the protocol has it. */
   get view() { return this.#state.wanted; }
   get bounds() { return this.#cloud?.bounds ?? unitBox; }
+  /** What is asked for, as restore() takes it - in flight, where that leads to; undefined where nothing is shown. */
+  get place() {
+    if (!this.#camera || !this.#cloud) return undefined;
+    const camera = this.#flight?.to ?? this.#camera;
+    return { cloud: this.#cloud.id, camera: wireOf(camera, this.bounds), upAxis: camera.upAxis, style: pick(this.view, styleKeys) };
+  }
+  /** Nobody has moved the camera or chosen a style: this is how the server shows the cloud. */
+  get isUntouched() { return !this.#moved && !this.#styled; }
   /** Pixels of the picture. */
   get pictureSize() { return this.#picture.size; }
   /** Nothing has been drawn yet. */
@@ -123,9 +139,13 @@ export class Viewer extends EventTarget {
 
   // ---- what one may do
 
-  /** Connects. `restore`, { cloud, camera, style }, each of which may be missing: what to show first. */
+  /**
+   * Connects, anew where it is connected. `restore`, { cloud, camera, upAxis, style }, each of which may be missing: what to
+   * show first, the camera in the protocol's words, or some of them.
+   */
   start(restore) {
     this.#restore = restore;
+    this.#flight = undefined;
     this.#session.start(restore?.cloud);
   }
 
@@ -133,34 +153,71 @@ export class Viewer extends EventTarget {
     this.#session.retryNow();
   }
 
-  /** The server asked for an access token: here it is. */
-  unlock(token) {
-    this.#session.unlock(token);
+  /** Asks once more for the list of clouds: `clouds` tells it. */
+  refreshClouds() {
+    return this.#session.refreshCatalog();
   }
 
-  /** Shows another cloud of the list, as the server would show it. False where there is none of that id. */
+  /** Goes out: as if nobody had ever given a token. */
+  forgetToken() {
+    this.#session.lock();
+  }
+
+  /** The server asked for an access token: here it is; `remember` keeps it on this device. */
+  unlock(token, remember = false) {
+    this.#session.unlock(token, remember);
+  }
+
+  /** Shows another cloud, as the server would show it; where it cannot be shown, `connection` tells why. */
   open(id) {
-    const next = this.#catalog.clouds.find((one) => one.id === id);
-    if (!next) return false;
-    if (next === this.#cloud) return true;
-    this.#flight = undefined;
-    this.#moved = false;
-    this.#cloud = next;
-    this.#session.remember(id);
-    this.#camera = this.usualCamera();
-    this.#begin({ ...usualStyle(next), ...(this.#styled ? pick(this.view, lastingKeys) : {}) });
-    return true;
+    if (this.#isShown(id)) return;
+    this.#tell('jump');
+    const style = this.#styled && this.#cloud ? pick(this.view, lastingKeys) : {};
+    if (this.#canShow(id)) this.#show({ cloud: id, style });
+    else {
+      this.#tell('sought', { cloud: id });
+      this.start({ cloud: id, style });
+    }
   }
 
-  /** A view from elsewhere, { cloud, camera, style }: a link, the browser's history. What it leaves out stays. */
-  restore({ cloud, camera, style = {} }) {
-    if (!this.#cloud) return;
-    if (cloud && cloud !== this.#cloud.id && !this.open(cloud)) {
-      this.#tell('missing', { cloud });
+  /**
+   * A view from elsewhere, { cloud, camera, upAxis, style }: a link, the browser's history. Of the style, what it leaves out
+   * is as the server has it; a camera that it leaves out stays.
+   */
+  restore(link) {
+    const id = link.cloud ?? this.#cloud?.id;
+    if (!this.#isShown(id)) {
+      if (this.#canShow(id)) this.#show({ ...link, cloud: id });
+      else this.start({ ...link, cloud: id });
       return;
     }
-    if (camera) this.goTo(camera);
-    this.changeStyle(style, 'program');
+    const camera = link.camera && this.#cameraOf(link);
+    if (camera) this.#flyTo(camera, 'program');
+    this.changeStyle(restyled(usualStyle(this.#cloud), link.style), 'program');
+  }
+
+  #isShown(id) {
+    return this.#session.connection !== undefined && this.#cloud !== undefined && id === this.#cloud.id;
+  }
+
+  #canShow(id) {
+    return this.#session.connection !== undefined && this.#camera !== undefined && this.#catalog.clouds.some((one) => one.id === id);
+  }
+
+  #show(link) {
+    this.#flight = undefined;
+    this.#cloud = this.#catalog.clouds.find((one) => one.id === link.cloud);
+    this.#session.remember(link.cloud);
+    const camera = link.camera && this.#cameraOf(link);
+    this.#moved = Boolean(camera);
+    this.#styled = Object.keys(link.style ?? {}).length > 0;
+    this.#camera = camera ?? this.usualCamera();
+    this.#begin(restyled(usualStyle(this.#cloud), link.style));
+  }
+
+  /** The camera that a link says, with the usual one for what it leaves out. */
+  #cameraOf({ camera, upAxis }) {
+    return cameraOf(camera, wireOf(this.usualCamera(), this.bounds), upAxis);
   }
 
   /** `changes`: members of a view that are no camera; null leaves one to the server. */
@@ -181,7 +238,7 @@ export class Viewer extends EventTarget {
     this.#moved = true;
     this.#flight = undefined;
     this.#camera = next;
-    this.#state.change({ camera: toProtocol(next, this.bounds) });
+    this.#state.change({ camera: wireOf(next, this.bounds) });
     this.#tell('camera', { by });
     this.#tell('view', { by });
     this.#wake();
@@ -189,6 +246,11 @@ export class Viewer extends EventTarget {
 
   /** A jump, shown as a short flight so that one sees where it leads. */
   goTo(next, by = 'program') {
+    this.#tell('jump');
+    this.#flyTo(next, by);
+  }
+
+  #flyTo(next, by) {
     if (this.#calm.matches) {
       this.changeCamera(next, by);
       return;
@@ -219,7 +281,9 @@ export class Viewer extends EventTarget {
 
   /** 'z', 'y' or '-y': from where the server would look, if that axis were up. */
   turnUp(axis) {
-    if (this.#cloud) this.changeCamera(this.usualCamera(this.#cloud, axis));
+    if (!this.#cloud) return;
+    this.#tell('jump');
+    this.changeCamera(this.usualCamera(this.#cloud, axis));
   }
 
   toggleProjection() {
@@ -256,8 +320,9 @@ export class Viewer extends EventTarget {
 
   #askAgainWhileLoading() {
     const { clouds, pending } = this.#catalog;
+    clearTimeout(this.#nextList);
     if ([...clouds, ...pending].some((entry) => entry.state === 'loading'))
-      setTimeout(() => this.#session.refreshCatalog(), loadingPollMs);
+      this.#nextList = setTimeout(() => this.refreshClouds(), loadingPollMs);
   }
 
   #welcome(message) {
@@ -268,13 +333,14 @@ export class Viewer extends EventTarget {
     const link = this.#restore;
     this.#restore = undefined;
     const restored = link && (!link.cloud || link.cloud === this.#cloud.id) ? link : undefined;
-    if (link?.cloud && !restored) this.#tell('missing', { cloud: link.cloud });
     if (restored || !known || !this.#camera) {
-      this.#moved = this.#styled = Boolean(restored);
-      this.#camera = restored?.camera ?? this.usualCamera();
+      const camera = restored?.camera && this.#cameraOf(restored);
+      this.#moved = Boolean(camera);
+      this.#styled = Object.keys(restored?.style ?? {}).length > 0;
+      this.#camera = camera ?? this.usualCamera();
     }
     const style = known && !restored ? pick(this.view, styleKeys) : usualStyle(this.#cloud);
-    this.#begin({ ...style, ...restored?.style });
+    this.#begin(restyled(style, restored?.style));
   }
 
   /** The cloud as it is now, of which a first part was shown; who has not moved yet sees it as the server would show it. */
@@ -293,7 +359,7 @@ export class Viewer extends EventTarget {
   /** From here on the server shows this cloud, with that style, from where the camera is. */
   #begin(style) {
     const { width, height } = this.#picture.size;
-    this.#state.begin({ cloud: this.#cloud.id, camera: toProtocol(this.#camera, this.bounds), width, height, ...style });
+    this.#state.begin({ cloud: this.#cloud.id, camera: wireOf(this.#camera, this.bounds), width, height, ...style });
     this.#firstWanted = this.#session.connection?.nextSeq ?? 0;
     this.#asked.clear();
     this.#tell('cloud', this.#cloud);
@@ -366,10 +432,10 @@ export class Viewer extends EventTarget {
     this.#tell('problem', message.problem);
     const { seq } = message;
     if (seq === undefined || !this.#cloud) return;
-    const sound = { ...this.view, ...usualStyle(this.#cloud), camera: toProtocol(this.usualCamera(), this.bounds) };
+    const sound = { ...this.view, ...usualStyle(this.#cloud), camera: wireOf(this.usualCamera(), this.bounds) };
     if (!this.#state.refused(seq, sound)) return;
     this.#cloud = this.#catalog.clouds.find((one) => one.id === this.view.cloud) ?? this.#cloud;
-    this.#camera = fromProtocol(this.view.camera, this.#camera.upAxis) ?? this.#camera;
+    this.#camera = cameraOf(this.view.camera, undefined, this.#camera.upAxis) ?? this.#camera;
     this.#tell('cloud', this.#cloud);
     this.#tell('view', { by: 'server' });
     this.#wake();

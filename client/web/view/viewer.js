@@ -283,6 +283,13 @@ export class Viewer extends EventTarget {
     if (next && this.#camera) this.goTo(next);
   }
 
+  /** One of the views that the cloud's look names, { camera, inside }: fitted to this canvas, unless it stands inside. */
+  showView({ camera, inside }) {
+    const next = fromProtocol(camera, this.#camera?.upAxis ?? 'z');
+    if (!next || !this.#camera) return;
+    this.goTo(inside ? next : fittedInto(next, this.#picture.cssSize, this.#freeSize()));
+  }
+
   /** 'fit', 'first' (as the server would show it) or a name that standardView() knows: all of the cloud. */
   showStandardView(name) {
     if (!this.#camera || !this.#cloud) return;

@@ -27,7 +27,9 @@ set(SCANCAST_WEB_FILES
     view/camera.js
     view/camera_input.js
     view/camera_words.js
+    view/depth_filling.js
     view/depth_mesh.js
+    view/mesh_triangles.js
     view/picture.js
     view/pose.js
     view/reprojection.js

@@ -1,7 +1,7 @@
 // What lies over the picture now and then: the cover while there is nothing to see, the line about a lost connection,
 // a message about something refused, and the help.
 
-import { keyTable } from '../view/camera_input.js';
+import { keyTable } from '../view/keys.js';
 import { element } from './parameter_fields.js';
 
 const find = (id) => document.getElementById(id);

@@ -38,6 +38,9 @@ export class Picture {
   /** Of the newest frame, in cells (frame_depth.js); undefined where it has none. It covers the frame's margin, too. */
   depth;
 
+  /** From where it was drawn (pose.js), its margin included; undefined where nobody knows. */
+  pose;
+
   /** `onResize` is called when another size of picture is wanted, once the window has come to rest. */
   constructor(canvas, onResize) {
     this.#canvas = canvas;
@@ -93,8 +96,9 @@ export class Picture {
     this.#bitmap = bitmap;
     this.#stretch = from?.stretch ?? whole;
     const aspect = (bitmap.width / this.#stretch.x) / (bitmap.height / this.#stretch.y);
-    this.#reprojection.setFrame({ bitmap, depth, pose: from && poseOf(from.camera, from.bounds, aspect, this.#stretch) });
     this.depth = depth;
+    this.pose = from && poseOf(from.camera, from.bounds, aspect, this.#stretch);
+    this.#reprojection.setFrame({ bitmap, depth, pose: this.pose });
     this.#draw();
     return true;
   }

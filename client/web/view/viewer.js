@@ -19,10 +19,12 @@
 
 import { Session } from '../connection/session.js';
 import { styleKeys } from '../protocol/view_words.js';
+import { leastDistanceTo, mostDistanceTo } from './anchor.js';
 import { between, fit, fittedInto, fromProtocol, radiusOf, standardView } from './camera.js';
 import { CameraInput } from './camera_input.js';
 import { cameraOf, wireOf } from './camera_words.js';
 import { Picture } from './picture.js';
+import { remembering, seenFrom } from './seen.js';
 import { ViewState } from './view_state.js';
 
 /** What stays when somebody goes to another cloud, if he chose it: a way of drawing; nothing that only one of them may have. */
@@ -63,6 +65,7 @@ export class Viewer extends EventTarget {
   #nextList; // timer of the next question for the list, while one is loading
   #asked = new Map(); // seq → camera, of views whose pictures may still come
   #onScreen; // { camera, seq, depth }: from where the picture on the canvas was drawn, and its depth if it has any
+  #pictures = []; // what the latest pictures have seen of the surface (seen.js), the newest first
   #restore; // { cloud, camera, upAxis, style }: a view to begin with, once connected
   #moved = false; // by somebody; else the camera is the one that the server chose
   #styled = false; // the same of the style
@@ -72,6 +75,9 @@ export class Viewer extends EventTarget {
 
   /** Whether dragging turns the head instead of the cloud. */
   looksAround = false;
+
+  /** Whether surfaces stop who moves; else he passes through them. */
+  collides = true;
 
   /** `freeSize(cssSize)`: the part of the canvas, in its middle, that nothing lies over; a fitted cloud fills that. */
   constructor(canvas, { freeSize = (size) => size } = {}) {
@@ -91,7 +97,7 @@ export class Viewer extends EventTarget {
       clouds: (fresh) => this.#cloudsCame(fresh),
       hello: () => {
         const { width, height, ratio } = this.#picture.size;
-        return { width, height, pixelRatio: Math.min(8, Math.max(0.25, ratio)) };
+        return { width, height, pixelRatio: Math.min(8, Math.max(0.25, ratio)), depth: true };
       },
       welcome: (message) => this.#welcome(message),
       frame: (frame) => this.#showFrame(frame),
@@ -102,7 +108,14 @@ export class Viewer extends EventTarget {
     this.#input = new CameraInput(canvas, {
       get camera() { return viewer.#session.connection ? viewer.#camera : undefined; },
       get size() { return viewer.#picture.cssSize; },
-      get closest() { return Math.max((viewer.#cloud?.spacing ?? 0) * 20, radiusOf(viewer.bounds) * 1e-4); },
+      get pictures() { return viewer.#pictures; },
+      get limits() {
+        const { bounds } = viewer;
+        const size = { bounds, spacing: viewer.#cloud?.spacing };
+        return { bounds, least: leastDistanceTo(size), most: mostDistanceTo(size) };
+      },
+      get collides() { return viewer.collides; },
+      get calm() { return viewer.#calm.matches; },
       get looksAround() { return viewer.looksAround; },
       changeCamera: (next) => this.changeCamera(next),
       goTo: (next) => this.goTo(next, 'hand'),
@@ -249,11 +262,13 @@ export class Viewer extends EventTarget {
 
   /** A jump, shown as a short flight so that one sees where it leads. */
   goTo(next, by = 'program') {
+    if (!this.#camera) return;
     this.#tell('jump');
     this.#flyTo(next, by);
   }
 
   #flyTo(next, by) {
+    this.#input.rest();
     if (this.#calm.matches) {
       this.changeCamera(next, by);
       return;
@@ -268,11 +283,24 @@ export class Viewer extends EventTarget {
     if (next && this.#camera) this.goTo(next);
   }
 
-  /** 'fit', 'top', 'front' or 'side': all of the cloud. */
+  /** One of the views that the cloud's look names, { camera, inside }: fitted to this canvas, unless it stands inside. */
+  showView({ camera, inside }) {
+    const next = fromProtocol(camera, this.#camera?.upAxis ?? 'z');
+    if (!next || !this.#camera) return;
+    this.goTo(inside ? next : fittedInto(next, this.#picture.cssSize, this.#freeSize()));
+  }
+
+  /** 'fit', 'first' (as the server would show it) or a name that standardView() knows: all of the cloud. */
   showStandardView(name) {
     if (!this.#camera || !this.#cloud) return;
     const room = [this.bounds, this.#picture.cssSize, this.#freeSize()];
-    this.goTo(name === 'fit' ? this.#everything(room) : standardView(this.#camera, name, ...room));
+    if (name === 'first') this.goTo(this.usualCamera(this.#cloud, this.#camera.upAxis));
+    else this.goTo(name === 'fit' ? this.#everything(room) : standardView(this.#camera, name, ...room));
+  }
+
+  /** Towards what is in the middle of the picture, or away from it. */
+  goToMiddle(away = false) {
+    this.#input.goToMiddle(away);
   }
 
   /** 'z', 'y' or '-y': from where the server would look, if that axis were up. */
@@ -358,6 +386,8 @@ export class Viewer extends EventTarget {
     this.#state.begin({ cloud: this.#cloud.id, camera: wireOf(this.#camera, this.bounds), width, height, ...style });
     this.#firstWanted = this.#session.connection?.nextSeq ?? 0;
     this.#asked.clear();
+    this.#pictures = [];
+    this.#input.rest();
     this.#picture.showItself(true);
     this.#tell('cloud', this.#cloud);
     this.#tell('view', { by: 'server' });
@@ -377,10 +407,10 @@ export class Viewer extends EventTarget {
     const seconds = Math.min(0.1, Math.max(0, (now - this.#lastTick) / 1000));
     this.#lastTick = now;
     if (this.#flight) this.#fly();
-    else if (this.#input.keysAreHeld && this.#camera) this.changeCamera(this.#input.advance(this.#camera, seconds));
+    else if (this.#input.isMoving && this.#camera) this.changeCamera(this.#input.advance(this.#camera, seconds, now));
     this.#send();
     this.#reproject();
-    if (this.#flight || this.#input.keysAreHeld || (this.#session.connection && this.#state.hasNews())) this.#wake();
+    if (this.#flight || this.#input.isMoving || (this.#session.connection && this.#state.hasNews())) this.#wake();
   }
 
   /** While the picture from here is on its way, the last one as it would look from here. */
@@ -421,6 +451,7 @@ export class Viewer extends EventTarget {
         this.#reproject();
         this.#state.shown(frame.seq);
         this.#onScreen = { camera, seq: frame.seq, depth: this.#picture.depth };
+        this.#see(camera);
         for (const seq of this.#asked.keys()) {
           if (seq < frame.seq) this.#asked.delete(seq);
         }
@@ -433,6 +464,12 @@ export class Viewer extends EventTarget {
     }
     // Only now, so that a slow machine is not sent more than it can decode.
     connection?.acknowledge(frame.frameId);
+  }
+
+  /** What the picture that has just been drawn says of the surface, for the hand. */
+  #see(camera) {
+    const { depth, pose } = this.#picture;
+    if (depth && pose) this.#pictures = remembering(this.#pictures, seenFrom(camera, depth, pose));
   }
 
   #refused(message) {

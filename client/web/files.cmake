@@ -51,6 +51,7 @@ set(SCANCAST_WEB_FILES
     view/held_keys.js
     view/inertia.js
     view/keys.js
+    view/margin.js
     view/mesh_triangles.js
     view/moves.js
     view/picture.js

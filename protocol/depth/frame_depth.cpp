@@ -91,7 +91,7 @@ std::vector<std::uint8_t> symbolsOf(const DepthCells& cells, float near) {
 Expected<void> deflateTo(std::vector<std::uint8_t>& packed, std::vector<std::uint8_t> bytes) {
     constexpr int level = 6, windowBits = 15, memoryLevel = 8;
     z_stream stream{};
-    if (deflateInit2(&stream, level, Z_DEFLATED, windowBits, memoryLevel, Z_FILTERED) != Z_OK)
+    if (deflateInit2(&stream, level, Z_DEFLATED, windowBits, memoryLevel, Z_RLE) != Z_OK)
         return fail(ErrorCode::ResourceLimit, "there is no memory to pack a frame's depth");
     const std::size_t start = packed.size();
     packed.resize(start + deflateBound(&stream, uLong(bytes.size())));

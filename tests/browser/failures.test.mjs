@@ -4,7 +4,7 @@
 import assert from 'node:assert/strict';
 import { after, afterEach, before, beforeEach, describe, it } from 'node:test';
 
-import { differing, drag, openPage, pixels, seriousComplaints, startBrowser, waitUntilSharp } from './support/browser.mjs';
+import { choose, chosen, differing, drag, openPage, pixels, seriousComplaints, startBrowser, waitUntilSharp } from './support/browser.mjs';
 import { blockJpeg } from './support/block_jpeg.mjs';
 import { clouds, FakeServer } from './support/fake_server.mjs';
 
@@ -241,22 +241,28 @@ describe('the page, when things go wrong', { timeout: 120_000 }, () => {
   it('a hostile link does nothing but show the usual view', async () => {
     await open('#cloud=%22%3E%3Cimg%20src=x%20onerror=alert(1)%3E&method=%3Cb%3E&eye=NaN,1,2&param.x=<script>');
     await waitUntilSharp(page);
-    assert.equal(await page.inputValue('#method'), 'paraboloid');
+    assert.equal(await chosen(page, '#method'), 'paraboloid');
     assert.equal(await page.textContent('h1'), 'A ring of stones');
   });
 
   it('greys out what a cloud cannot be shown with, and says why', async () => {
     await open();
     await waitUntilSharp(page);
-    const option = (selector) => page.$eval(selector, (node) => [node.disabled, node.textContent]);
-    assert.deepEqual(await option('#method option[value=surfel]'), [true, 'Surfels (needs normal)']);
-    assert.deepEqual(await option('#color option[value=intensity]'), [true, 'Intensity (not in this cloud)']);
-    assert.deepEqual(await option('#color option[value=visibility]'), [true, 'Hidden points (reconstructed surface only)']);
-    const colors = () => page.$$eval('#color option', (nodes) => nodes.map((node) => node.textContent));
+    assert.equal(await page.isDisabled('#method input[value=surfel]'), true);
+    assert.match(await page.textContent('#method .choice:has([value=surfel])'), /needs normals/);
+    const colors = () => page.$$eval('#color .name', (nodes) => nodes.map((node) => node.textContent));
     assert.equal((await colors())[0], 'Automatic');
-    assert.ok(!(await colors()).some((label) => label.includes('×')), 'no products without intensity');
+    assert.ok(!(await colors()).includes('Intensity'));
+    assert.match(await page.textContent('#color-note'), /Intensity: not in this scan/);
+    assert.match(await page.textContent('#color-note'), /Hidden points: only with the method “Reconstructed surface”/);
+    await choose(page, '#color', 'elevation');
+    assert.ok(!(await page.isVisible('#by-intensity')), 'no shading by an intensity that is not there');
     await page.selectOption('#cloud', 'helix');
-    assert.equal((await colors())[1], 'Height × Intensity');
+    assert.ok((await colors()).includes('Intensity'));
+    await choose(page, '#color', 'elevation');
+    await page.check('#by-intensity');
+    await waitUntilSharp(page);
+    assert.equal(server.received.filter((message) => message.color).at(-1).color, 'elevation*intensity');
   });
 
   it('opens well-named controls: every one of them has a label', async () => {
@@ -264,7 +270,7 @@ describe('the page, when things go wrong', { timeout: 120_000 }, () => {
     await waitUntilSharp(page);
     const nameless = await page.evaluate(() =>
       [...document.querySelectorAll('button, input, select, summary, canvas')]
-        .filter((node) => !(node.labels?.length || node.getAttribute('aria-label') || node.textContent.trim() || node.title))
+        .filter((node) => !node.closest('[hidden]') && !(node.labels?.length || node.getAttribute('aria-label') || node.textContent.trim() || node.title))
         .map((node) => node.outerHTML));
     assert.deepEqual(nameless, []);
   });

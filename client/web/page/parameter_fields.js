@@ -1,6 +1,8 @@
 // The fields for one method's parameters, made from what the server says of them: a slider with a number for numbers, a
 // box for yes or no, a menu for choices.
 
+import { strings } from './strings.js';
+
 /** Sliders are even in what the eye sees as even: in the logarithm for factors, finer near the start for long ranges. */
 export function sliderScale({ min, max }) {
   const span = max - min;
@@ -23,13 +25,12 @@ export function sliderScale({ min, max }) {
 /** Three significant digits are what a hand on a slider means. */
 export const rounded = (value) => Number(Number(value).toPrecision(value >= 100 ? 3 : 2));
 
-/** "sizePx" → "Size px" is no English; "size" is. */
+/** What a parameter is called: by the page's own word for it, or by its name taken apart: "edgeWidthPx" in px is "Edge width". Pure. */
 export function labelOf({ name, unit }) {
+  if (Object.hasOwn(strings.parameters, name)) return strings.parameters[name];
   const words = name.replace(/([a-z0-9])([A-Z])/g, '$1 $2').toLowerCase();
   const bare = unit && words.endsWith(` ${unit.toLowerCase()}`) ? words.slice(0, -unit.length - 1) : words;
-  const known = { min: 'smallest', max: 'largest', 'min px': 'smallest', 'max px': 'largest' };
-  const label = known[bare] ?? bare;
-  return label.charAt(0).toUpperCase() + label.slice(1);
+  return bare.charAt(0).toUpperCase() + bare.slice(1);
 }
 
 export function element(tag, properties = {}, ...children) {

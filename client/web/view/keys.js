@@ -28,6 +28,9 @@ export const keyTable = [
   ['4 5 6', 'from the back, the left, below'],
   ['L', 'drag to look around, or to orbit'],
   ['O', 'perspective or orthographic'],
+  ['V', 'suggested views'],
+  ['H', 'presentation: the picture and nothing else'],
+  ['Ctrl Z', 'previous view (with Shift: the next)'],
   ['P', 'settings'],
   ['?', 'this help'],
 ];

@@ -7,11 +7,12 @@ import { base64url } from '../../../client/web/connection/access.js';
 import { wheelPixels } from '../../../client/web/view/camera_input.js';
 import { closeWords } from '../../../client/web/connection/connection.js';
 import { guestOf, renewIn } from '../../../client/web/connection/guest.js';
-import { amount, FrameClock } from '../../../client/web/page/hud.js';
+import { FrameClock } from '../../../client/web/page/hud.js';
 import { labelOf, sliderScale } from '../../../client/web/page/parameter_fields.js';
 import { altOf, factsOf, fittedScale, mostZoom, photosText, sizeText } from '../../../client/web/page/photos.js';
 import { pictureSize } from '../../../client/web/view/picture.js';
 import { backOff } from '../../../client/web/connection/session.js';
+import { amount } from '../../../client/web/page/strings.js';
 import { labelOfStation } from '../../../client/web/page/stations.js';
 
 describe('base64url', () => {
@@ -70,9 +71,10 @@ describe('sliderScale', () => {
 
 describe('words for people', () => {
   it('name parameters', () => {
-    assert.equal(labelOf({ name: 'sizePx', unit: 'px' }), 'Size');
-    assert.equal(labelOf({ name: 'minPx', unit: 'px' }), 'Smallest');
+    assert.equal(labelOf({ name: 'sizePx', unit: 'px' }), 'Point size');
+    assert.equal(labelOf({ name: 'minPx', unit: 'px' }), 'Minimum size');
     assert.equal(labelOf({ name: 'edgeSharpness' }), 'Edge sharpness');
+    assert.equal(labelOf({ name: 'edgeWidthPx', unit: 'px' }), 'Edge width');
   });
 
   it('say amounts', () => {

@@ -31,6 +31,8 @@ import { ViewState } from './view_state.js';
 /** What stays when somebody goes to another cloud, if he chose it: a way of drawing; nothing that only one of them may have. */
 const lastingKeys = ['method', 'param', 'shading', 'mirrors', 'behindMirrors', 'background', 'detail', 'colormap', 'budget', 'samples',
   'quality', 'subsampling'];
+/** Kinds of scenes below which there is nothing to be seen; one may walk around a thing below, too. */
+const groundKinds = ['airborne', 'street'];
 const flightMs = 260;
 const restMs = { free: 80, held: 300 }; // after its last step the camera is at rest; the hand may still be on it
 const loadingPollMs = 2000;
@@ -116,7 +118,8 @@ export class Viewer extends EventTarget {
       get limits() {
         const { bounds } = viewer;
         const size = { bounds, spacing: viewer.#cloud?.spacing };
-        return { bounds, least: leastDistanceTo(size), most: mostDistanceTo(size) };
+        const hasGround = groundKinds.includes(viewer.#cloud?.look?.kind);
+        return { bounds, hasGround, least: leastDistanceTo(size), most: mostDistanceTo(size) };
       },
       get collides() { return viewer.collides; },
       get calm() { return viewer.#calm.matches; },

@@ -5,6 +5,7 @@ import { Choices } from './choices.js';
 import { element } from './parameter_fields.js';
 import { strings } from './strings.js';
 
+/** @type {(id: string) => any} */
 const find = (id) => document.getElementById(id);
 const words = strings.colour;
 const withRamp = ['intensity', 'elevation', 'depth', 'lod'];

@@ -6,6 +6,7 @@ import { Choices } from './choices.js';
 import { element, parameterFields } from './parameter_fields.js';
 import { strings } from './strings.js';
 
+/** @type {(id: string) => any} */
 const find = (id) => document.getElementById(id);
 const words = strings.appearance;
 

@@ -1,6 +1,7 @@
 // Presentation mode: the picture and nothing else but the scan's title and whose it is. H or a button enters, H or Escape
 // leaves; `#present` in the address begins with it. In full screen where the browser lets us.
 
+/** @type {(id: string) => any} */
 const find = (id) => document.getElementById(id);
 const stirMs = 2500;
 const word = 'present';

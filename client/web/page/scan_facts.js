@@ -4,6 +4,7 @@
 import { element } from './parameter_fields.js';
 import { counted, strings } from './strings.js';
 
+/** @type {(id: string) => any} */
 const find = (id) => document.getElementById(id);
 const words = strings.facts;
 const longest = 500;

@@ -156,6 +156,8 @@ export const strings = {
     touch: (looks) => [['One finger', looks ? 'to look around' : 'to orbit'], ['two', 'to pan, zoom and turn'], ['double-tap', 'to go there']],
   },
 
+  hud: { tip: 'State of the picture' },
+
   presentation: {
     leave: 'Leave presentation mode',
   },
@@ -188,6 +190,8 @@ export const strings = {
     pictureSavedDetail: (name, width, height) => `${name}, ${width} × ${height} pixels`,
     pictureFailed: 'The picture could not be saved',
     noAnswer: 'The server is not responding.',
+    stops: ['Collision on', 'You cannot walk or fall through surfaces.'],
+    passes: ['Collision off', 'You pass through surfaces. Press C to switch collision back on.'],
   },
 
   /** What the methods' parameters are called; those that are not here are called what the server calls them. */

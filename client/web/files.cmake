@@ -43,6 +43,7 @@ set(SCANCAST_WEB_FILES
     view/camera.js
     view/camera_input.js
     view/camera_words.js
+    view/depth_filling.js
     view/depth_mesh.js
     view/fingers.js
     view/grip.js
@@ -50,6 +51,8 @@ set(SCANCAST_WEB_FILES
     view/held_keys.js
     view/inertia.js
     view/keys.js
+    view/margin.js
+    view/mesh_triangles.js
     view/moves.js
     view/picture.js
     view/pose.js

@@ -35,7 +35,7 @@ export class CameraInput {
 
   /**
    * `view` has: camera (undefined while there is nothing to steer), size in CSS pixels, pictures (what they have seen of the
-   * surface, the newest first), limits ({ least, most, bounds }: how near to a surface, how far from it), looksAround, collides,
+   * surface, the newest first), limits (as for Grip), looksAround, collides,
    * calm (whoever wants no motion); changeCamera(camera), goTo(camera) for a jump worth animating, and wake() when something
    * begins to move by itself.
    */
@@ -82,7 +82,7 @@ export class CameraInput {
 
   #world() {
     const { size, pictures, limits, collides } = this.#view;
-    return { size, limits, pictures: collides ? pictures : [] };
+    return collides ? { size, limits, pictures } : { size, limits: { ...limits, hasGround: false }, pictures: [] };
   }
 
   #anchorAt(cursor) {

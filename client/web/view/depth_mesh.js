@@ -1,22 +1,24 @@
 // The depth of a frame as a mesh on which the frame is drawn anew from elsewhere: cells, each a square of its own, whose
-// corners meet where the surface goes on and part where it ends; and behind each such edge cells of what lies
-// farther back, so that nothing tears when the nearer side moves away. Pure: cells in, arrays for WebGL out.
+// corners meet where the surface goes on and part where it ends. What is seen between them then is in depth_filling.js, which
+// squares are drawn as one in mesh_triangles.js. Pure: cells in, arrays for WebGL out.
 //
 // `nearness` is what a plane's picture is linear in: 1 / depth in perspective, `deepest` - depth where it is orthographic;
 // 0 = background.
 
+import { fillingOf } from './depth_filling.js';
+import { trianglesOf } from './mesh_triangles.js';
+
 const invisible = 0.015; // of the scene's nearness: edges that move apart by less are none
 const gentle = 0.03; // of the nearness itself
-const mirrorable = 1.1; // of the farther nearness: what is nearer is of something else
-const reach = 10; // cells that are filled behind an edge
-const beyond = 0.5; // of half the picture, by which its border cells go on outside
+const flat = 0.004; // of the scene's nearness: by so much larger triangles may leave a surface
 
 /**
  * @typedef {object} DepthMesh
  * @property {number} columns of squares, those outside included
  * @property {number} rows
  * @property {Float32Array} nearness of the squares' corners: above left, above right, below left, below right
- * @property {Float32Array} filling squares behind edges, corners in that order: x, y, nearness, and x, y of what is seen there
+ * @property {Uint32Array} triangles three of these corners each
+ * @property {Float32Array} filling what lies behind edges and behind everything
  * @property {number} deepest 0 in perspective
  * @property {{ least: number, greatest: number }} depths
  */
@@ -42,8 +44,7 @@ function usualNearness(values) {
 }
 
 /** Which neighbours are of one surface: `across[i]` tells it of cells i and i + 1, `down[i]` of i and the one below. */
-function surfaces(values, width, height) {
-  const tolerance = invisible * usualNearness(values);
+function surfaces(values, width, height, tolerance) {
   // Steep; then the surface comes or goes on like that, which an edge does not.
   const goesOn = (rise, slope) => Math.abs(rise - slope) <= 0.6 * Math.abs(rise);
   const joined = (i, step, before, after) => {
@@ -117,96 +118,6 @@ function corners(values, width, height, { across, down }) {
   return nearness;
 }
 
-/** For each cell near an edge on the nearer side, the cell on the farther side whose surface goes on behind it; else -1. */
-function behindEdges(values, width, height, { across, down }) {
-  const source = new Int32Array(width * height).fill(-1);
-  let front = [];
-  const offer = (near, far) => {
-    if (source[near] < 0) front.push(near);
-    if (source[near] < 0 || values[far] < values[source[near]]) source[near] = far;
-  };
-  const compare = (i, j) => (values[i] > values[j] ? offer(i, j) : offer(j, i));
-  for (let row = 0, i = 0; row < height; ++row) {
-    for (let column = 0; column < width; ++column, ++i) {
-      if (column + 1 < width && !across[i]) compare(i, i + 1);
-      if (row + 1 < height && !down[i]) compare(i, i + width);
-    }
-  }
-  for (let step = 1; step < reach; ++step) {
-    const next = [];
-    for (const i of front) {
-      const column = i % width, row = (i - column) / width, far = values[source[i]];
-      const go = (j) => {
-        if (source[j] >= 0 || !(values[j] > far)) return;
-        source[j] = source[i];
-        next.push(j);
-      };
-      if (column > 0) go(i - 1);
-      if (column + 1 < width) go(i + 1);
-      if (row > 0) go(i - width);
-      if (row + 1 < height) go(i + width);
-    }
-    front = next;
-  }
-  return source;
-}
-
-/** The cell that `own` falls on when it is mirrored at the border at which `other` faces it. */
-const mirrorOf = (own, other) => (own < other ? 2 * other - own - 1 : own > other ? 2 * other - own + 1 : own);
-
-/** Squares for them. What is there nobody knows: what lies beside the edge, mirrored, looks most like it. */
-function fillings(squares, at, values, width, height, source) {
-  for (let i = 0; i < source.length; ++i) {
-    if (source[i] < 0 || !(values[source[i]] > 0)) continue; // the backdrop is behind everything by itself
-    const column = i % width, row = (i - column) / width;
-    const otherColumn = source[i] % width, otherRow = (source[i] - otherColumn) / width;
-    const far = values[source[i]];
-    let u = mirrorOf(column, otherColumn), v = mirrorOf(row, otherRow);
-    const there = u >= 0 && u < width && v >= 0 && v < height ? values[v * width + u] : 0;
-    if (!(there > 0 && there <= far * mirrorable)) {
-      u = otherColumn;
-      v = otherRow;
-    }
-    for (let corner = 0; corner < 4; ++corner, at += 5) {
-      const right = corner & 1, lower = corner >> 1;
-      squares[at] = (2 * (column + right)) / width - 1;
-      squares[at + 1] = 1 - (2 * (row + lower)) / height;
-      squares[at + 2] = far;
-      squares[at + 3] = (u + (column === otherColumn ? right : 1 - right)) / width;
-      squares[at + 4] = (v + (row === otherRow ? lower : 1 - lower)) / height;
-    }
-  }
-  return at;
-}
-
-/** What lies behind everything: of each row the colour that it has where nothing else is, from one side to the other. */
-function backdrops(squares, at, values, width, height) {
-  for (let row = 0; row < height; ++row) {
-    const column = values.subarray(row * width, (row + 1) * width).indexOf(0);
-    if (column < 0) continue;
-    for (let corner = 0; corner < 4; ++corner, at += 5) {
-      const y = row + (corner >> 1);
-      const isEnd = y === 0 || y === height; // there it goes on outside
-      squares[at] = (corner & 1 ? 1 : -1) * (1 + beyond);
-      squares[at + 1] = (1 - (2 * y) / height) * (isEnd ? 1 + beyond : 1);
-      squares[at + 2] = 0;
-      squares[at + 3] = (column + 0.5) / width;
-      squares[at + 4] = Math.min(Math.max(y, 0.5), height - 0.5) / height;
-    }
-  }
-  return at;
-}
-
-/** All of both: twenty numbers for each square. */
-function fillingOf(values, width, height, joints) {
-  const source = behindEdges(values, width, height, joints);
-  let count = height;
-  for (const far of source) count += far < 0 ? 0 : 1;
-  const squares = new Float32Array(20 * count);
-  const filled = fillings(squares, 0, values, width, height, source);
-  return squares.subarray(0, backdrops(squares, filled, values, width, height));
-}
-
 /**
  * The mesh of a frame's depth.
  * @param {{ width: number, height: number, inverse: Float32Array }} depth
@@ -216,38 +127,18 @@ function fillingOf(values, width, height, joints) {
 export function depthMesh(depth, orthographic) {
   const { width, height } = depth;
   const { values, deepest, depths } = nearnessOf(depth, orthographic);
-  const joints = surfaces(values, width, height);
+  const usual = usualNearness(values);
+  const joints = surfaces(values, width, height, invisible * usual);
+  const nearness = corners(values, width, height, joints);
+  const [columns, rows] = [width + 2, height + 2];
   return {
-    columns: width + 2,
-    rows: height + 2,
-    nearness: corners(values, width, height, joints),
+    columns,
+    rows,
+    nearness,
+    triangles: trianglesOf(nearness, columns, rows, flat * usual),
     filling: fillingOf(values, width, height, joints),
     deepest,
     depths,
   };
 }
 
-/** Where the corners of all squares lie, in -1 … 1: x, y, and x, y in the picture (0 … 1 from its top left, mirrored outside). */
-export function gridOf(columns, rows) {
-  const along = (count) => (i) => (i === 0 ? -1 - beyond : i === count ? 1 + beyond : (2 * (i - 1)) / (count - 2) - 1);
-  const [placeX, placeY] = [along(columns), along(rows)];
-  const grid = new Float32Array(16 * columns * rows);
-  let at = 0;
-  for (let row = 0; row < rows; ++row) {
-    for (let column = 0; column < columns; ++column) {
-      for (let corner = 0; corner < 4; ++corner) {
-        const x = placeX(column + (corner & 1)), y = -placeY(row + (corner >> 1));
-        grid.set([x, y, (1 + x) / 2, (1 - y) / 2], at);
-        at += 4;
-      }
-    }
-  }
-  return grid;
-}
-
-/** Two triangles for each of `count` squares. */
-export function squareIndices(count) {
-  const indices = new Uint32Array(6 * count);
-  for (let i = 0; i < count; ++i) indices.set([0, 2, 1, 1, 2, 3].map((corner) => 4 * i + corner), 6 * i);
-  return indices;
-}

@@ -9,7 +9,8 @@ import { dragTo, focusOn, orbitAbout, turnAbout, zoomTo } from './moves.js';
  * @typedef {object} World what moves have to know of where they are
  * @property {{ width: number, height: number }} size of the picture, CSS pixels
  * @property {object[]} pictures what has been seen, the newest first; empty where nobody is to be stopped
- * @property {{ least: number, most: number, bounds: object }} limits distances from a surface
+ * @property {{ least: number, most: number, bounds: object, hasGround: boolean }} limits how near to a surface one comes and how
+ *   far from it; the cloud's bounds, and whether below them is nowhere to be: it stands on a ground
  */
 
 export class Grip {

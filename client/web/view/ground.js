@@ -9,8 +9,8 @@ import { coveredShare, hitAlong, placeOf } from './seen.js';
 import { add, dot, length, scale, subtract } from './vectors.js';
 
 const flattest = 4; // sideways to downwards, of the ray to ground that one still takes for what is below one's feet
-const emptyFrom = 0.16; // share of a picture that is covered: from here on walking ahead becomes slower
-const emptyTo = 0.04; // and here it ends
+const emptyFrom = 0.22; // share of a picture that is covered: from here on walking ahead becomes slower
+const emptyTo = 0.08; // and here it ends
 
 /** The first surface that a ray of unit length meets within `range`, as far as any picture knows. */
 export function firstHit(pictures, origin, direction, range) {
@@ -72,24 +72,25 @@ function groundBelow(pictures, point, up, range) {
   return sideways <= flattest * Math.abs(dot(newest.eye, up) - floor) ? floor : undefined;
 }
 
-/**
- * By how much the eye has to be lifted, on its way from one camera to another, to stay `least` above the ground. `deepest`
- * is a height that it does not pass even where nobody knows of ground.
- */
-export function liftOf(pictures, before, after, { least }, deepest = -Infinity) {
+/** The height below which there surely is nothing, of a cloud that stands on a ground. */
+const deepestOf = ({ bounds, hasGround }, up) => (hasGround ? Math.min(...corners(bounds).map((corner) => dot(corner, up))) : -Infinity);
+
+/** By how much the eye has to be lifted, on its way from one camera to another, to stay `least` above the ground. */
+export function liftOf(pictures, before, after, limits) {
+  const { least } = limits;
   const up = upwards(after);
   const [from, to] = [dot(eyeOf(before), up), dot(eyeOf(after), up)];
   const drop = from - to;
   if (!(drop > 0) || after.projection === 'orthographic') return 0;
   const above = add(eyeOf(after), scale(up, drop));
-  const ground = groundBelow(pictures, above, up, drop + least) ?? deepest;
+  const ground = groundBelow(pictures, above, up, drop + least) ?? deepestOf(limits, up);
   // Who is nearer to the ground already stays where he is; nobody is thrown up.
   return ground <= from ? Math.max(0, Math.min(ground + least, from) - to) : 0;
 }
 
 /** The camera after a move that must not lead through the ground: lifted by as much as it takes. */
-export function lifted(pictures, before, after, limits, deepest) {
-  const lift = liftOf(pictures, before, after, limits, deepest);
+export function lifted(pictures, before, after, limits) {
+  const lift = liftOf(pictures, before, after, limits);
   return lift > 0 ? move(after, { up: lift }) : after;
 }
 
@@ -123,14 +124,13 @@ export function walk(pictures, camera, steps, limits) {
   const wanted = move(camera, { ...steps, ahead });
   const free = stopped(pictures, camera, wanted, limits);
   const up = upwards(camera);
-  const deepest = Math.min(...corners(limits.bounds).map((corner) => dot(corner, up)));
-  const next = lifted(pictures, camera, free, limits, deepest);
+  const next = lifted(pictures, camera, free, limits);
   // Where the ground is in the way, one goes on along it.
   const shift = subtract(wanted.target, camera.target);
   const rise = dot(shift, up);
   if (rise >= 0 || length(subtract(next.target, camera.target)) > 0.2 * length(shift)) return next;
   const level = move(wanted, { up: -rise });
-  return lifted(pictures, camera, stopped(pictures, camera, level, limits), limits, deepest);
+  return lifted(pictures, camera, stopped(pictures, camera, level, limits), limits);
 }
 
 /** Of the way between two cameras the part that ends before the surface, each step half of what is left. */

@@ -61,6 +61,11 @@ export class Picture {
     return pictureSize(width, height, devicePixelRatio, this.#limit);
   }
 
+  /** That a picture may have, whatever the canvas. */
+  get mostPixels() {
+    return this.#limit > 0 ? Math.min(this.#limit, mostPixels) : mostPixels;
+  }
+
   setLimit(maxPixels) {
     this.#limit = maxPixels;
     this.#resized();

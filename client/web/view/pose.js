@@ -1,8 +1,8 @@
 // From where a picture is drawn, as mathematics has it, and how a place in one picture becomes a place in another: a
 // matrix, composed in double precision and relative to the eye, so that coordinates of a survey do not jitter. Pure.
 
-import { axes, eyeOf, toProtocol } from './camera.js';
-import { dot, length, subtract } from './vectors.js';
+import { wireOf } from './camera_words.js';
+import { dot, length, scale, subtract } from './vectors.js';
 
 /**
  * From where a picture is drawn and how much of the world it shows.
@@ -16,6 +16,21 @@ import { dot, length, subtract } from './vectors.js';
  * @property {number} stretch how much higher the picture is than what is to be seen of it: 1 without a margin
  */
 
+const cross = (a, b) => [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
+const unit = (v) => scale(v, 1 / length(v));
+
+/** Eye and axes of a camera in the protocol's words. */
+function placeOf({ eye, target, up, viewMatrix: m }) {
+  if (!m) {
+    const back = unit(subtract(eye, target));
+    const right = unit(cross(up, back));
+    return { eye, axes: { right, up: cross(back, right), back } };
+  }
+  const [right, upwards, back] = [0, 1, 2].map((row) => [m[row], m[4 + row], m[8 + row]]);
+  const shift = [m[12], m[13], m[14]];
+  return { eye: [0, 1, 2].map((i) => -dot([right[i], upwards[i], back[i]], shift)), axes: { right, up: upwards, back } };
+}
+
 /**
  * The pose of a picture that the server draws of `camera` (camera.js) in a cloud with those bounds.
  * @param {number} aspect width / height of what is to be seen
@@ -23,16 +38,15 @@ import { dot, length, subtract } from './vectors.js';
  * @returns {Pose}
  */
 export function poseOf(camera, bounds, aspect, stretch = { x: 1, y: 1 }) {
-  const orthographic = camera.projection === 'orthographic';
-  const halfTangent = Math.tan((camera.fov * Math.PI) / 360);
-  const { eye } = orthographic ? toProtocol(camera, bounds) : { eye: eyeOf(camera) };
+  const words = wireOf(camera, bounds);
+  const orthographic = words.type === 'orthographic';
+  const place = placeOf(words);
   return {
-    eye,
-    axes: axes(camera),
+    ...place,
     orthographic,
-    halfHeight: (orthographic ? camera.distance * halfTangent : halfTangent) * stretch.y,
+    halfHeight: (orthographic ? words.viewHeight / 2 : Math.tan((words.fov * Math.PI) / 360)) * stretch.y,
     aspect: (aspect * stretch.x) / stretch.y,
-    distance: length(subtract(eye, camera.target)),
+    distance: length(subtract(place.eye, camera.target)),
     stretch: stretch.y,
   };
 }

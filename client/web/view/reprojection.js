@@ -7,9 +7,10 @@
 import { ReprojectionProgram } from './reprojection_program.js';
 import { backdropScale, placeToClip, seesTheSame, similarityOf } from './pose.js';
 
-const slowMs = 25;
 const patience = 10; // slow ones in a row
-const coarser = [1, 0.5]; // share of the picture's pixels in each direction; after the last one it is given up
+/** Share of the picture's pixels in each direction, and what more milliseconds than these are for it: too slow. */
+const levels = [{ share: 1, slowMs: 25 }, { share: 0.5, slowMs: 50 }];
+const pauseMs = 10_000; // after which it is tried again where even the last one was too slow
 
 /** Put into the document by `canvas`, whose place and size it takes. */
 function canvasOver(canvas) {
@@ -33,7 +34,8 @@ export class Reprojection {
   #frame; // { bitmap, depth, pose }
   #isLoaded = false; // whether the program has this frame
   #slow = 0;
-  #level = 0; // of `coarser`
+  #level = 0;
+  #pausedUntil = -Infinity;
   #pending; // { fence, start } of one that the graphics processor has not finished
 
   /** What the newest one took, in milliseconds, from its first command to its last pixel; undefined before any has been measured. */
@@ -80,7 +82,7 @@ export class Reprojection {
   /** The frame as it would look from there; nothing where it is from there. */
   show(wanted) {
     const frame = this.#frame;
-    if (!frame?.pose || this.#level >= coarser.length || seesTheSame(frame.pose, wanted)) {
+    if (!frame?.pose || performance.now() < this.#pausedUntil || seesTheSame(frame.pose, wanted)) {
       this.hide();
       return;
     }
@@ -90,8 +92,9 @@ export class Reprojection {
   }
 
   #adoptSize() {
-    const width = Math.ceil(this.#canvas.width * coarser[this.#level]);
-    const height = Math.ceil(this.#canvas.height * coarser[this.#level]);
+    const { share } = levels[this.#level];
+    const width = Math.ceil(this.#canvas.width * share);
+    const height = Math.ceil(this.#canvas.height * share);
     if (this.#over.width === width && this.#over.height === height) return;
     this.#over.width = width;
     this.#over.height = height;
@@ -112,7 +115,7 @@ export class Reprojection {
     return true;
   }
 
-  /** Takes note of how long the last one took, once it is finished; who is too slow draws coarser ones, then none. */
+  /** Takes note of how long the last one took, once it is finished; who is too slow draws coarser ones, then none for a while. */
   #measure() {
     const { fence, start } = this.#pending ?? {};
     if (!fence) return;
@@ -124,11 +127,15 @@ export class Reprojection {
     gl.deleteSync(fence);
     this.#pending = undefined;
     this.milliseconds = performance.now() - start;
-    this.#slow = this.milliseconds > slowMs ? this.#slow + 1 : 0;
+    this.#slow = this.milliseconds > levels[this.#level].slowMs ? this.#slow + 1 : 0;
     if (this.#slow < patience) return;
     this.#slow = 0;
-    this.#level += 1;
-    if (this.#level >= coarser.length) this.hide();
+    if (this.#level + 1 < levels.length) {
+      this.#level += 1;
+    } else {
+      this.#pausedUntil = performance.now() + pauseMs;
+      this.hide();
+    }
   }
 
   /** The picture stays below, so that what moves away leaves no hole. */

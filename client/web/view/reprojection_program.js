@@ -1,7 +1,8 @@
 // What WebGL 2 holds for reprojection.js: the frame as a texture and its depth as a mesh, and the program that draws the one
 // on the other. Everything is made once and filled anew with each frame.
 
-import { depthMesh, gridOf, squareIndices } from './depth_mesh.js';
+import { depthMesh } from './depth_mesh.js';
+import { gridOf, squareIndices } from './mesh_triangles.js';
 
 const vertexShader = `#version 300 es
 in vec2 place;
@@ -54,10 +55,9 @@ function linked(gl) {
 export class ReprojectionProgram {
   #gl;
   #uniforms;
-  #mesh; // { array, grid, nearness, count }: the frame's own squares
-  #filling; // { array, vertices, count }
-  #indices;
-  #indexed = 0; // squares that the indices are good for
+  #mesh; // { array, grid, nearness, indices, count }: what the frame shows; `count` of indices
+  #filling; // { array, vertices, indices, count }: what is made up where it shows nothing
+  #indexed = 0; // squares that the filling's indices are good for
   #shape = ''; // of the grid
   #textureSize = '';
   #deepest = 0;
@@ -81,22 +81,22 @@ export class ReprojectionProgram {
       [gl.TEXTURE_MIN_FILTER, gl.LINEAR], [gl.TEXTURE_MAG_FILTER, gl.LINEAR],
       [gl.TEXTURE_WRAP_S, gl.MIRRORED_REPEAT], [gl.TEXTURE_WRAP_T, gl.MIRRORED_REPEAT],
     ]) gl.texParameteri(gl.TEXTURE_2D, name, value);
-    this.#indices = gl.createBuffer();
-    this.#mesh = { array: gl.createVertexArray(), grid: gl.createBuffer(), nearness: gl.createBuffer(), count: 0 };
-    this.#filling = { array: gl.createVertexArray(), vertices: gl.createBuffer(), count: 0 };
+    const made = () => ({ array: gl.createVertexArray(), indices: gl.createBuffer(), count: 0 });
+    this.#mesh = { ...made(), grid: gl.createBuffer(), nearness: gl.createBuffer() };
+    this.#filling = { ...made(), vertices: gl.createBuffer() };
     const attribute = (index, size, stride, offset) => {
       gl.enableVertexAttribArray(index);
       gl.vertexAttribPointer(index, size, gl.FLOAT, false, stride * float, offset * float);
     };
     gl.bindVertexArray(this.#mesh.array);
-    gl.bindBuffer(gl.ELEMENT_ARRAY_BUFFER, this.#indices);
+    gl.bindBuffer(gl.ELEMENT_ARRAY_BUFFER, this.#mesh.indices);
     gl.bindBuffer(gl.ARRAY_BUFFER, this.#mesh.grid);
     attribute(0, 2, 4, 0);
     attribute(2, 2, 4, 2);
     gl.bindBuffer(gl.ARRAY_BUFFER, this.#mesh.nearness);
     attribute(1, 1, 1, 0);
     gl.bindVertexArray(this.#filling.array);
-    gl.bindBuffer(gl.ELEMENT_ARRAY_BUFFER, this.#indices);
+    gl.bindBuffer(gl.ELEMENT_ARRAY_BUFFER, this.#filling.indices);
     gl.bindBuffer(gl.ARRAY_BUFFER, this.#filling.vertices);
     attribute(0, 2, 5, 0);
     attribute(1, 1, 5, 2);
@@ -109,26 +109,26 @@ export class ReprojectionProgram {
     const mesh = depthMesh(depth ?? plane(pose.distance), pose.orthographic);
     this.depths = mesh.depths;
     this.#deepest = mesh.deepest;
-    const squares = mesh.columns * mesh.rows;
-    const fillings = mesh.filling.length / 20;
     const shape = `${mesh.columns} ${mesh.rows}`;
     if (shape !== this.#shape) {
       gl.bindBuffer(gl.ARRAY_BUFFER, this.#mesh.grid);
       gl.bufferData(gl.ARRAY_BUFFER, gridOf(mesh.columns, mesh.rows), gl.STATIC_DRAW);
       this.#shape = shape;
     }
-    const most = Math.max(squares, fillings);
-    if (most > this.#indexed) {
-      gl.bindVertexArray(this.#mesh.array); // whose element buffer it is
-      gl.bufferData(gl.ELEMENT_ARRAY_BUFFER, squareIndices(most), gl.STATIC_DRAW);
-      this.#indexed = most;
-    }
+    gl.bindVertexArray(this.#mesh.array); // to which the element buffer belongs
+    gl.bufferData(gl.ELEMENT_ARRAY_BUFFER, mesh.triangles, gl.DYNAMIC_DRAW);
     gl.bindBuffer(gl.ARRAY_BUFFER, this.#mesh.nearness);
     gl.bufferData(gl.ARRAY_BUFFER, mesh.nearness, gl.DYNAMIC_DRAW);
+    this.#mesh.count = mesh.triangles.length;
+    const squares = mesh.filling.length / 20;
+    if (squares > this.#indexed) {
+      gl.bindVertexArray(this.#filling.array);
+      gl.bufferData(gl.ELEMENT_ARRAY_BUFFER, squareIndices(squares), gl.STATIC_DRAW);
+      this.#indexed = squares;
+    }
     gl.bindBuffer(gl.ARRAY_BUFFER, this.#filling.vertices);
     gl.bufferData(gl.ARRAY_BUFFER, mesh.filling, gl.DYNAMIC_DRAW);
-    this.#mesh.count = squares;
-    this.#filling.count = fillings;
+    this.#filling.count = 6 * squares;
     const size = `${bitmap.width} ${bitmap.height}`;
     if (size === this.#textureSize) gl.texSubImage2D(gl.TEXTURE_2D, 0, 0, 0, gl.RGBA, gl.UNSIGNED_BYTE, bitmap);
     else gl.texImage2D(gl.TEXTURE_2D, 0, gl.RGBA, gl.RGBA, gl.UNSIGNED_BYTE, bitmap);
@@ -147,7 +147,7 @@ export class ReprojectionProgram {
     for (const { array, count } of [this.#mesh, this.#filling]) {
       if (count === 0) continue;
       gl.bindVertexArray(array);
-      gl.drawElements(gl.TRIANGLES, 6 * count, gl.UNSIGNED_INT, 0);
+      gl.drawElements(gl.TRIANGLES, count, gl.UNSIGNED_INT, 0);
     }
   }
 }

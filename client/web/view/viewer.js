@@ -23,6 +23,7 @@ import { leastDistanceTo, mostDistanceTo } from './anchor.js';
 import { between, fit, fittedInto, fromProtocol, radiusOf, standardView } from './camera.js';
 import { CameraInput } from './camera_input.js';
 import { cameraOf, wireOf } from './camera_words.js';
+import { withMargin } from './margin.js';
 import { Picture } from './picture.js';
 import { remembering, seenFrom } from './seen.js';
 import { ViewState } from './view_state.js';
@@ -30,7 +31,10 @@ import { ViewState } from './view_state.js';
 /** What stays when somebody goes to another cloud, if he chose it: a way of drawing; nothing that only one of them may have. */
 const lastingKeys = ['method', 'param', 'shading', 'mirrors', 'behindMirrors', 'background', 'detail', 'colormap', 'budget', 'samples',
   'quality', 'subsampling'];
+/** Kinds of scenes below which there is nothing to be seen; one may walk around a thing below, too. */
+const groundKinds = ['airborne', 'street'];
 const flightMs = 260;
+const restMs = { free: 80, held: 300 }; // after its last step the camera is at rest; the hand may still be on it
 const loadingPollMs = 2000;
 const unitBox = { min: [-1, -1, -1], max: [1, 1, 1] };
 
@@ -63,8 +67,8 @@ export class Viewer extends EventTarget {
   #camera; // undefined until there is something to look at
   #flight; // { from, to, start } while the camera flies by itself
   #nextList; // timer of the next question for the list, while one is loading
-  #asked = new Map(); // seq → camera, of views whose pictures may still come
-  #onScreen; // { camera, seq, depth }: from where the picture on the canvas was drawn, and its depth if it has any
+  #asked = new Map(); // seq → { camera, stretch }, of views whose pictures may still come; stretch where they have a margin
+  #onScreen; // { camera, stretch, seq, depth }: from where the picture on the canvas was drawn, and its depth if it has any
   #pictures = []; // what the latest pictures have seen of the surface (seen.js), the newest first
   #restore; // { cloud, camera, upAxis, style }: a view to begin with, once connected
   #moved = false; // by somebody; else the camera is the one that the server chose
@@ -72,6 +76,8 @@ export class Viewer extends EventTarget {
   #firstWanted = 0; // frames of earlier views are not what the user asked for
   #scheduled = false;
   #lastTick = 0;
+  #steered = -Infinity; // when the camera made its last step
+  #hasMargins = true; // as long as the server draws them
 
   /** Whether dragging turns the head instead of the cloud. */
   looksAround = false;
@@ -112,7 +118,8 @@ export class Viewer extends EventTarget {
       get limits() {
         const { bounds } = viewer;
         const size = { bounds, spacing: viewer.#cloud?.spacing };
-        return { bounds, least: leastDistanceTo(size), most: mostDistanceTo(size) };
+        const hasGround = groundKinds.includes(viewer.#cloud?.look?.kind);
+        return { bounds, hasGround, least: leastDistanceTo(size), most: mostDistanceTo(size) };
       },
       get collides() { return viewer.collides; },
       get calm() { return viewer.#calm.matches; },
@@ -254,6 +261,7 @@ export class Viewer extends EventTarget {
     this.#moved = true;
     this.#flight = undefined;
     this.#camera = next;
+    this.#steered = performance.now();
     this.#state.change({ camera: wireOf(next, this.bounds) });
     this.#tell('camera', { by });
     this.#tell('view', { by });
@@ -410,7 +418,18 @@ export class Viewer extends EventTarget {
     else if (this.#input.isMoving && this.#camera) this.changeCamera(this.#input.advance(this.#camera, seconds, now));
     this.#send();
     this.#reproject();
-    if (this.#flight || this.#input.isMoving || (this.#session.connection && this.#state.hasNews())) this.#wake();
+    const isOwed = this.#session.connection && (this.#isSteered || this.#state.hasNews());
+    if (this.#flight || this.#input.isMoving || isOwed) this.#wake();
+  }
+
+  get #isSteered() {
+    return performance.now() - this.#steered < (this.#input.isDragging ? restMs.held : restMs.free);
+  }
+
+  /** What to ask for: what is wanted, and around it, while the camera moves, what may come into view next. */
+  #wantedNow() {
+    const isMoving = this.#isSteered && this.#hasMargins && !this.#calm.matches;
+    return (isMoving && withMargin(this.view, this.#picture.mostPixels)) || { view: this.view };
   }
 
   /** While the picture from here is on its way, the last one as it would look from here. */
@@ -432,10 +451,11 @@ export class Viewer extends EventTarget {
     const { connection } = this.#session;
     // While the line is full, requests overwrite each other here: the next tick sends the newest.
     if (!connection || !this.#camera || connection.congested) return;
-    const changes = this.#state.take(connection.nextSeq);
+    const { view, stretch } = this.#wantedNow();
+    const changes = this.#state.take(connection.nextSeq, view);
     if (!changes) return;
     const seq = connection.sendView(changes);
-    this.#asked.set(seq, this.#camera);
+    this.#asked.set(seq, { camera: this.#camera, stretch });
     this.#canvas.dataset.asked = String(seq);
     this.#tell('asked', { seq });
   }
@@ -445,19 +465,19 @@ export class Viewer extends EventTarget {
   async #showFrame(frame) {
     const { connection } = this.#session;
     try {
-      const camera = this.#asked.get(frame.seq) ?? this.#onScreen?.camera;
-      const from = camera && { camera, bounds: this.bounds };
+      const { camera, stretch } = this.#asked.get(frame.seq) ?? this.#onScreen ?? {};
+      const from = camera && { camera, bounds: this.bounds, stretch };
       if (frame.seq >= this.#firstWanted && (await this.#picture.show(frame, from))) {
         this.#reproject();
         this.#state.shown(frame.seq);
-        this.#onScreen = { camera, seq: frame.seq, depth: this.#picture.depth };
+        this.#onScreen = { camera, stretch, seq: frame.seq, depth: this.#picture.depth };
         this.#see(camera);
         for (const seq of this.#asked.keys()) {
           if (seq < frame.seq) this.#asked.delete(seq);
         }
         this.#canvas.dataset.shown = String(frame.seq);
         this.#canvas.dataset.frame = String(frame.frameId);
-        this.#tell('frame', { ...frame, current: frame.seq === connection?.nextSeq - 1 });
+        this.#tell('frame', { ...frame, current: frame.seq === connection?.nextSeq - 1 && !stretch });
       }
     } catch {
       this.#tell('unreadable');
@@ -473,8 +493,15 @@ export class Viewer extends EventTarget {
   }
 
   #refused(message) {
-    this.#tell('problem', message.problem);
     const { seq } = message;
+    if (this.#asked.get(seq)?.stretch) {
+      // It may be the margin that is too much, and nobody but this page asked for that.
+      this.#hasMargins = false;
+      this.#state.resend();
+      this.#wake();
+      return;
+    }
+    this.#tell('problem', message.problem);
     if (seq === undefined || !this.#cloud) return;
     const sound = { ...this.view, ...usualStyle(this.#cloud), camera: wireOf(this.usualCamera(), this.bounds) };
     if (!this.#state.refused(seq, sound)) return;

@@ -3,11 +3,11 @@
 // whenever it is measured.
 //
 //   scancast serve town.scan autzen.scan &
-//   node tests/browser/measure/reprojection.mjs http://127.0.0.1:8080/ [--out FOLDER] [--size 960x540] [CLOUD…]
+//   node tests/browser/measure/reprojection.mjs http://127.0.0.1:8080/ [--out FOLDER] [--size 960x540] [--closer 0.4] [CLOUD…]
 //
 // prints, as a mean over the orbit, PSNR to the true picture in dB of the frame as it was, of the frame as the page shows
-// it, and of that with a margin drawn around the frame; the share of pixels of which the frame has shown nothing; and
-// milliseconds for each in this browser. With --out, the pictures themselves.
+// it, and of that with a margin drawn around the frame; the share of pixels with something in them that the frame has not
+// shown; and milliseconds for each in this browser, its loading included. With --out, the pictures themselves.
 
 import { mkdirSync, writeFileSync } from 'node:fs';
 import { join } from 'node:path';
@@ -27,6 +27,7 @@ const option = (name, usual) => {
 };
 const out = option('out', '');
 const [width, height] = option('size', '960x540').split('x').map(Number);
+const closer = Number(option('closer', '1')); // share of the distance
 const [server = 'http://127.0.0.1:8080/', ...only] = words;
 if (out) mkdirSync(out, { recursive: true });
 
@@ -42,14 +43,15 @@ await page.route(`${url}blank`, (route) => route.fulfill({
 await page.goto(`${url}blank`);
 
 /** In the browser: everything that is measured of one cloud at one place of the orbit. */
-async function measure({ url, cloud, turn, lag, margins, width, height, degreesPerSecond, wantsPictures }) {
+async function measure({ url, cloud, turn, lag, margins, width, height, degreesPerSecond, wantsPictures, closer }) {
   const at = (path) => import(new URL(path, url));
   const [{ fromProtocol, toProtocol }, { poseOf }, { Reprojection }] = await Promise.all(
     ['view/camera.js', 'view/pose.js', 'view/reprojection.js'].map(at),
   );
   const canvas = document.querySelector('canvas');
   const context = canvas.getContext('2d', { willReadFrequently: true });
-  const first = fromProtocol(cloud.view.camera);
+  const usual = fromProtocol(cloud.view.camera);
+  const first = { ...usual, distance: usual.distance * closer };
   const turned = (degrees) => ({ ...first, azimuth: first.azimuth + (degrees * Math.PI) / 180 });
   const [before, now] = [turned(turn), turned(turn + degreesPerSecond * lag)];
 
@@ -100,6 +102,7 @@ async function measure({ url, cloud, turn, lag, margins, width, height, degreesP
   const size = { width, height };
   context.drawImage(await bitmapOf(await snapshot(now, 0, 'image/png', size)), 0, 0);
   const truth = pixels();
+  const trueDepth = new Float32Array(await (await snapshot(now, 0, 'application/octet-stream', size)).answer.arrayBuffer());
   keep('true');
   const result = { warped: {}, uncovered: {}, milliseconds: [] };
   for (const margin of margins) {
@@ -155,7 +158,7 @@ async function measure({ url, cloud, turn, lag, margins, width, height, degreesP
     const bare = show();
     HTMLCanvasElement.prototype.getContext = getContext;
     let holes = 0;
-    for (let i = 3; i < bare.data.length; i += 4) holes += bare.data[i] < 128 ? 1 : 0;
+    for (let i = 0; i < trueDepth.length; ++i) holes += trueDepth[i] < Infinity && bare.data[4 * i + 3] < 128 ? 1 : 0;
     result.uncovered[margin] = holes / (width * height);
     keep(`uncovered-${margin}`);
     bare.over.getContext('webgl2').getExtension('WEBGL_lose_context').loseContext();
@@ -174,7 +177,7 @@ try {
     for (const cloud of clouds.filter(({ id }) => only.length === 0 || only.includes(id))) {
       const results = [];
       for (const turn of turns) {
-        const result = await page.evaluate(`(${measure})(${JSON.stringify({ url, cloud: { id: cloud.id, view: cloud.view, bounds: cloud.bounds }, turn, lag, margins, width, height, degreesPerSecond, wantsPictures: out !== '' })})`);
+        const result = await page.evaluate(`(${measure})(${JSON.stringify({ url, cloud: { id: cloud.id, view: cloud.view, bounds: cloud.bounds }, turn, lag, margins, width, height, degreesPerSecond, wantsPictures: out !== '', closer })})`);
         for (const [name, data] of Object.entries(result.pictures)) {
           writeFileSync(join(out, `${cloud.id}-${turn}-${1000 * lag}ms-${name}.png`), Buffer.from(data.split(',')[1], 'base64'));
         }

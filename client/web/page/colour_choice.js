@@ -117,7 +117,11 @@ export class ColourChoice {
     this.#offered = offered;
     const { options, missing } = colourOptions(this.#colors, this.#cloud, method);
     this.#choice.fill(options);
-    find('color-note').textContent = missing.map(({ label, reason }) => `${label}: ${reason}.`).join(' ');
+    const lacking = missing.filter(({ value }) => value !== 'visibility').map(({ label }) => label);
+    find('color-note').textContent = [
+      lacking.length > 0 ? words.notInScanAre(lacking.join(', ')) : '',
+      missing.length > lacking.length ? words.hiddenPoints : '',
+    ].filter(Boolean).join(' ');
   }
 
   #chosen(source) {

@@ -103,7 +103,7 @@ export class MethodChoice {
   /** What the choice means; and of the words that cannot be chosen, why. */
   #note(word, method) {
     const means = word && method?.name !== 'paraboloid' ? words[`${word}Note`] : method?.summary;
-    const missing = this.#quick.filter(({ reason }) => reason !== undefined).map(({ word: other, reason }) => `${words[other]}: ${reason}`);
+    const missing = this.#quick.filter(({ reason }) => reason !== undefined).map(({ word: other, reason }) => `${words[other]}: ${reason}.`);
     return [means, ...missing].filter(Boolean).join(' ');
   }
 

@@ -11,10 +11,11 @@ export const asksToPresent = (hash) => hash.replace(/^#/, '').split('&').some((p
 
 export class Presentation {
   #stirred;
+  /** @type {(on: boolean) => void} */
   #change;
 
   /** `change(on)` hears of it. */
-  constructor(change = () => {}) {
+  constructor(change) {
     this.#change = change;
     find('leave-presentation').addEventListener('click', () => this.leave());
     // Escape leaves full screen without telling the page about the key.

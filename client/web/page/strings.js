@@ -7,7 +7,7 @@
 /** 1234567 → "1.2 million". Pure. */
 export function amount(value) {
   if (!Number.isFinite(value)) return '–';
-  for (const [size, word] of [[1e9, 'billion'], [1e6, 'million']]) {
+  for (const { size, word } of [{ size: 1e9, word: 'billion' }, { size: 1e6, word: 'million' }]) {
     if (value >= size) return `${(value / size).toPrecision(value >= 100 * size ? 3 : 2)} ${word}`;
   }
   return Math.round(value).toLocaleString('en');
@@ -108,7 +108,7 @@ export const strings = {
     allMethods: 'All methods',
     tuning: 'Fine-tuning',
     needs: (what) => `needs ${what}`,
-    notOffered: 'This server has no such method.',
+    notOffered: 'not offered by this server',
     sharpNote: 'Crisp textures and edges; the best method for this scan is chosen for you.',
     smoothNote: 'Continuous surfaces: neighbouring points are blended.',
     rawNote: 'Every point as it was measured, one pixel each.',
@@ -134,7 +134,9 @@ export const strings = {
     legend: 'Classes in this scan',
     classNumber: (number) => `Class ${number}`,
     notInScan: 'not in this scan',
+    notInScanAre: (names) => `Not in this scan: ${names}.`,
     onlyReconstructed: 'only with the method “Reconstructed surface”',
+    hiddenPoints: 'Hidden points are shown by the method “Reconstructed surface” only.',
     byIntensity: 'Shade by intensity',
   },
 
@@ -206,6 +208,7 @@ export const strings = {
 /** 'panel.title' → what is said there; undefined where there is nothing. Pure. */
 export const stringAt = (path) => path.split('.').reduce((at, key) => (at && Object.hasOwn(at, key) ? at[key] : undefined), strings);
 
+/** @type {[string, (node: any, words: string) => void][]} */
 const places = [
   ['text', (node, words) => { node.textContent = words; }],
   ['label', (node, words) => node.setAttribute('aria-label', words)],

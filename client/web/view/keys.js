@@ -31,8 +31,6 @@ export const keyTable = [
   ['V', 'suggested views'],
   ['H', 'presentation: the picture and nothing else'],
   ['Ctrl Z', 'previous view (with Shift: the next)'],
-  ['V', 'suggested views'],
-  ['H', 'presentation mode'],
   ['P', 'settings'],
   ['?', 'this help'],
 ];

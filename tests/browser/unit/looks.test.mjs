@@ -27,7 +27,7 @@ describe('Sharp, Smooth and Raw', () => {
   });
   it('say why where there is none', () => {
     assert.match(meanings(bare, [method('ewa', ['surfels'])]).smooth, /needs surface normals/);
-    assert.match(meanings(bare, [method('ewa', ['surfels'])]).raw, /no such method/);
+    assert.match(meanings(bare, [method('ewa', ['surfels'])]).raw, /not offered/);
   });
   it('are told from a method, and from none of them', () => {
     const quick = quickChoices(methods, { ...bare, surfels: true });

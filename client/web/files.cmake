@@ -9,12 +9,17 @@ set(SCANCAST_WEB_FILES
     connection/guest.js
     connection/session.js
     connection/stores.js
+    page/chosen_method.js
     page/controls.js
+    page/cover.js
     page/history.js
     page/hud.js
+    page/loading_note.js
+    page/number_field.js
     page/overlays.js
     page/parameter_fields.js
     page/photos.js
+    page/progress.js
     page/share.js
     page/stations.js
     page/view_hash.js
@@ -23,6 +28,7 @@ set(SCANCAST_WEB_FILES
     protocol/view_words.js
     styles/panel.css
     styles/photos.css
+    styles/state.css
     styles/style.css
     view/camera.js
     view/camera_input.js

@@ -1,9 +1,13 @@
 // Puts the page together: the viewer, and around it panel, title, buttons and keys.
 
-import { takeGuestToken } from './connection/guest.js';
+import { hasToken } from './connection/access.js';
+import { isGuest, takeGuestToken } from './connection/guest.js';
 import { Controls } from './page/controls.js';
+import { ChosenMethod } from './page/chosen_method.js';
+import { Cover } from './page/cover.js';
 import { Address, Undo } from './page/history.js';
 import { amount, Hud } from './page/hud.js';
+import { LoadingNote } from './page/loading_note.js';
 import { Overlays } from './page/overlays.js';
 import { Photos } from './page/photos.js';
 import { copyLink, savePicture } from './page/share.js';
@@ -26,9 +30,17 @@ function freeSize({ width, height }) {
 
 const viewer = new Viewer(canvas, { freeSize });
 const hud = new Hud();
-const overlays = new Overlays(() => viewer.retryNow(), (token) => viewer.unlock(token));
+const overlays = new Overlays();
+const cover = new Cover({
+  retry: () => viewer.retryNow(),
+  token: (token, remember) => viewer.unlock(token, remember),
+  cloud: (id) => viewer.open(id),
+});
+const loading = new LoadingNote();
+const chosen = new ChosenMethod();
 const controls = new Controls({
   style: (changes) => viewer.changeStyle(changes),
+  list: () => viewer.refreshClouds(),
   cloud: (id) => viewer.open(id),
   upAxis: (axis) => viewer.turnUp(axis),
   reset: () => viewer.resetStyle(),
@@ -47,11 +59,20 @@ on('connection', (now) => {
   if (now.kind === 'lost') hud.setState('lost');
   else if (now.kind !== 'open') hud.setState('connecting');
   else hud.begin();
-  overlays.connection(now, !viewer.isBlank);
+  cover.show(now, viewer.isBlank ? undefined : viewer.cloud);
+  if (now.kind === 'gone' || now.kind === 'failed') overlays.dismiss(); // the cover says it better
+  if (now.kind !== 'open' && now.kind !== 'lost') loading.show(undefined);
+  find('forget-token').hidden = !hasToken() || isGuest();
   document.body.classList.toggle('ready', now.kind === 'open' || !viewer.isBlank);
 });
-on('catalog', (catalog) => controls.setCatalog(catalog));
-on('clouds', (catalog) => controls.setClouds(catalog));
+on('catalog', (catalog) => {
+  controls.setCatalog(catalog);
+  chosen.setMethods(catalog.methods);
+});
+on('clouds', (catalog) => {
+  controls.setClouds(catalog);
+  showLoading();
+});
 on('jump', () => address.jump());
 on('sought', ({ cloud }) => {
   sought = cloud;
@@ -63,11 +84,16 @@ on('cloud', (cloud) => {
   showTitle(cloud);
   showCamera();
   controls.show(viewer.view, cloud);
+  showLoading();
+  showMethod();
   stations.show(cloud);
   photos.show(cloud);
 });
 on('view', ({ by }) => {
-  if (by !== 'hand') controls.show(viewer.view, viewer.cloud);
+  if (by !== 'hand') {
+    controls.show(viewer.view, viewer.cloud);
+    showMethod();
+  }
   address.changed();
   undo.changed(by === 'server');
 });
@@ -82,7 +108,11 @@ on('frame', (frame) => {
   hud.frame(frame.current ? frame : { ...frame, final: false, still: false });
 });
 on('unreadable', () => overlays.toast('A picture was unreadable', 'The next one will replace it.'));
-on('stats', (stats) => hud.stats(stats));
+on('stats', (stats) => {
+  chosen.told(stats, viewer.cloud);
+  showMethod();
+  hud.stats(stats);
+});
 on('problem', (problem) => overlays.toast(problem?.title || 'The server refused', problem?.detail ?? ''));
 
 // ---- the address, and undo
@@ -133,6 +163,7 @@ for (const name of ['popstate', 'hashchange']) addEventListener(name, addressCha
 addEventListener('pagehide', () => address.flush());
 document.addEventListener('visibilitychange', () => document.hidden && address.flush());
 
+find('forget-token').addEventListener('click', () => viewer.forgetToken());
 find('undo').addEventListener('click', () => undo.undo());
 find('redo').addEventListener('click', () => undo.redo());
 addEventListener('keydown', (event) => {
@@ -146,6 +177,15 @@ addEventListener('keydown', (event) => {
 });
 
 // ---- title, buttons, keys
+
+function showLoading() {
+  loading.show(viewer.catalog.clouds.find((one) => one.id === viewer.cloud?.id));
+}
+
+function showMethod() {
+  chosen.show(viewer.view, viewer.cloud);
+  hud.setMethod(chosen.words(viewer.view, viewer.cloud));
+}
 
 function showTitle(cloud) {
   const title = cloud.title || cloud.id;

@@ -1,7 +1,8 @@
 // The settings panel: what is shown and how. Shows a view, and says what of it the user changed; it keeps no view of
 // its own, and everything it offers comes from the server's lists.
 
-import { parameterFields } from './parameter_fields.js';
+import { NumberField, rangeRefusal } from './number_field.js';
+import { element, parameterFields } from './parameter_fields.js';
 
 const find = (id) => document.getElementById(id);
 
@@ -23,6 +24,9 @@ const named = (names, key) => names[key] ?? key.charAt(0).toUpperCase() + key.sl
 const factorsOf = (color) => (color ?? '').split('*');
 
 function fill(select, options) {
+  const same = [...select.options].map(({ value, label, disabled }) => ({ value, label, disabled: disabled || undefined }));
+  const wanted = options.map(({ value, label, disabled }) => ({ value, label, disabled: disabled || undefined }));
+  if (JSON.stringify(same) === JSON.stringify(wanted)) return; // not while somebody has it open
   select.replaceChildren(
     ...options.map(({ value, label, disabled = false }) => Object.assign(new Option(label, value), { disabled })),
   );
@@ -32,21 +36,27 @@ export class Controls {
   #catalog;
   #view = {};
   #cloud;
+  #ends; // fields of the range
   #fields;
   #fieldsOf;
   #on;
 
-  /** `on` has style(changes), cloud(id), upAxis('z', 'y' or '-y') and reset(). */
+  /** `on` has style(changes), list() - somebody is about to choose a cloud -, cloud(id), upAxis('z', 'y' or '-y') and reset(). */
   constructor(on) {
     this.#on = on;
     find('controls').addEventListener('submit', (event) => event.preventDefault());
+    find('cloud').addEventListener('focus', () => on.list());
     find('cloud').addEventListener('change', (event) => on.cloud(event.target.value));
     find('up-axis').addEventListener('change', (event) => on.upAxis(event.target.value));
     find('method').addEventListener('change', (event) => this.#methodChosen(event.target.value));
     find('color').addEventListener('change', () => this.#colorChosen());
     find('flat-color').addEventListener('input', () => on.style({ color: this.#flatColor() }));
     find('colormap').addEventListener('change', (event) => on.style({ colormap: event.target.value }));
-    for (const id of ['range-low', 'range-high']) find(id).addEventListener('change', () => this.#rangeChosen());
+    const note = element('p', { className: 'refusal', id: 'range-refusal' });
+    const group = find('range-high').parentElement;
+    group.after(note);
+    this.#ends = ['range-low', 'range-high'].map(
+      (id) => new NumberField(find(id), () => rangeRefusal(this.#typedRange()), () => this.#rangeChosen(), { note, group }));
     find('shading').addEventListener('change', (event) => on.style({ shading: event.target.value || null }));
     find('mirrors').addEventListener('change', (event) => on.style({ mirrors: event.target.checked }));
     find('behind-mirrors').addEventListener('change', (event) => on.style({ behindMirrors: event.target.checked }));
@@ -82,7 +92,6 @@ export class Controls {
       ...pending.map((cloud) => ({
         value: cloud.id,
         label: `${cloud.title || cloud.id} (${cloud.state === 'failed' ? 'could not be loaded' : 'loading…'})`,
-        disabled: true,
       })),
     ]);
     if (chosen) select.value = chosen;
@@ -174,7 +183,7 @@ export class Controls {
     ['range-low', 'range-high'].forEach((id, i) => {
       const input = find(id);
       input.placeholder = usual ? String(Number(usual[i].toPrecision(6))) : ['lowest', 'highest'][i];
-      if (document.activeElement !== input) input.value = view.range ? view.range[i] : '';
+      this.#ends[i].show(view.range ? view.range[i] : '');
     });
   }
 
@@ -207,11 +216,15 @@ export class Controls {
     this.#on.style({ color: value === 'flat' ? this.#flatColor() : value, range: null });
   }
 
-  #rangeChosen() {
+  /** With the usual value for an end that is left open; NaN where that is not known. */
+  #typedRange() {
     const usual = this.#usualRange(this.#view.color) ?? [NaN, NaN];
-    const typed = ['range-low', 'range-high'].map((id) => find(id).valueAsNumber);
-    const range = typed.map((value, i) => (Number.isNaN(value) ? usual[i] : value));
-    if (typed.every(Number.isNaN)) this.#on.style({ range: null });
+    return ['range-low', 'range-high'].map((id, i) => (find(id).value === '' ? usual[i] : find(id).valueAsNumber));
+  }
+
+  #rangeChosen() {
+    const range = this.#typedRange();
+    if (['range-low', 'range-high'].every((id) => find(id).value === '')) this.#on.style({ range: null });
     else if (!range.some(Number.isNaN)) this.#on.style({ range }); // else the other end is still to come
   }
 

@@ -125,7 +125,8 @@ export class Cover {
     set('cover-detail', words.detail);
     set('cover-advice', words.advice);
     set('cover-code', words.code);
-    set('cover-retry', words.retry);
+    find('cover-retry').hidden = !words.retry;
+    if (words.retry) set('cover-retry', words.retry);
     find('cover-reasons').hidden = !words.reasons;
     find('cover-reasons').replaceChildren(
       ...(words.reasons ?? []).flatMap(({ name, error }) => [element('dt', { textContent: name }), element('dd', { textContent: error })]),

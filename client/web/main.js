@@ -128,10 +128,10 @@ function hashNow() {
 }
 
 const address = new Address(hashNow, (hash, pushes) => {
-  const says = [{ untouched: viewer.isUntouched }, '', hash];
+  const state = { untouched: viewer.isUntouched };
   try {
-    if (pushes && hash !== known) history.pushState(...says);
-    else history.replaceState(...says);
+    if (pushes && hash !== known) history.pushState(state, '', hash);
+    else history.replaceState(state, '', hash);
     known = location.hash;
   } catch {
     address.changed(); // too often, for this browser: in a moment, then

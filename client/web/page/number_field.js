@@ -13,7 +13,8 @@ export function outside(value, { min, max, unit = '' }) {
 }
 
 /** What is wrong with the ends of a range, [low, high], of which NaN is left open; '' for nothing. Pure. */
-export function rangeRefusal([low, high]) {
+export function rangeRefusal(ends) {
+  const [low, high] = ends;
   return low >= high ? 'The low end must be below the high end.' : '';
 }
 

@@ -194,7 +194,7 @@ function showTitle(cloud) {
   canvas.setAttribute('aria-label', `The point cloud ${title}`);
   const { min, max } = viewer.bounds;
   const extent = [0, 1, 2].map((i) => Number((max[i] - min[i]).toPrecision(3)).toLocaleString('en')).join(' × ');
-  const facts = [`${amount(cloud.points)} points`, extent, cloud.format?.split(',')[0]].filter(Boolean);
+  const facts = [`${amount(cloud.points)} points${cloud.state === 'loading' ? ' so far' : ''}`, extent, cloud.format?.split(',')[0]].filter(Boolean);
   find('cloud-facts').textContent = facts.join(' · ');
 }
 

@@ -290,12 +290,12 @@ describe('the page, when things go wrong', { timeout: 280_000 }, () => {
 
   it('marks a picture of a part as coarse, and renews everything when the cloud is complete', async () => {
     const { attributes, ...rest } = clouds[0];
-    server.clouds = [{ ...rest, attributes: [], points: 1000, revision: 'part', state: 'loading', stage: 'building', progress: 0.25 }];
+    server.clouds = [{ ...rest, attributes: [], points: 1000, revision: 'part', state: 'loading', stage: 'building', progress: 0.5 }];
     await open();
     await waitUntilSharp(page);
-    assert.equal(await page.textContent('#loading-title'), 'Coarse: still loading, 25 %');
+    assert.equal(await page.textContent('#loading-title'), 'Coarse: still loading, 60 %');
     assert.match(await page.textContent('#loading-detail'), /^Building the levels of detail/);
-    assert.match(await page.textContent('#cloud-facts'), /1,000 points/);
+    assert.match(await page.textContent('#cloud-facts'), /1,000 points so far/);
     const rgb = () => page.$eval('#color option[value=rgb]', (node) => node.disabled);
     assert.ok(await rgb());
     server.clouds = [{ ...clouds[0], attributes }];

@@ -67,11 +67,11 @@ function coverWords(state, pace) {
   }
   if (state.kind === 'loading') {
     const [first] = state.entries;
-    const { step, percent, left } = progressWords(first, pace);
+    const { step, share, percent, left } = progressWords(first, pace);
     return {
       title: `Loading ${namesOf(state.entries)}`,
       detail: [step, percent, left].filter(Boolean).join(' · '),
-      progress: first.progress ?? null,
+      progress: share ?? null,
       others: state.clouds,
     };
   }

@@ -12,11 +12,11 @@ export class LoadingNote {
     const loading = entry?.state === 'loading';
     find('loading').hidden = !loading;
     if (!loading) return;
-    const { step, percent, left } = progressWords(entry, this.#pace);
+    const { step, share, percent, left } = progressWords(entry, this.#pace);
     find('loading-title').textContent = `Coarse: still loading${percent && `, ${percent}`}`;
     find('loading-detail').textContent = [step, left].filter(Boolean).join(' · ');
     const bar = find('loading-progress');
-    if (typeof entry.progress === 'number') bar.value = entry.progress;
+    if (share !== undefined) bar.value = share;
     else bar.removeAttribute('value');
   }
 }

@@ -40,6 +40,7 @@ Expected<ClientMessage> readHello(FieldReader& fields) {
     if (fields.number("fps", hello.fps)) checkRange(fields, "fps", hello.fps, 1, 240);
     if (fields.findValue("resume")) fields.text("resume", hello.resume);
     if (fields.findValue("follow")) fields.text("follow", hello.follow);
+    fields.flag("depth", hello.depth);
     if (!hello.follow.empty() && !hello.cloud.empty())
         fields.error("follow", "shows its own cloud; leave cloud out");
     return finish(fields, hello);
@@ -102,6 +103,7 @@ json print(const Hello& hello) {
     if (hello.height) object["height"] = *hello.height;
     if (!hello.resume.empty()) object["resume"] = hello.resume;
     if (!hello.follow.empty()) object["follow"] = hello.follow;
+    if (hello.depth) object["depth"] = true;
     return object;
 }
 

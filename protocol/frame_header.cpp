@@ -15,6 +15,8 @@ constexpr unsigned movingBit = 1, stillBit = 2, finalBit = 4, damagedBit = 8;
 constexpr FrameHeaderField field(std::string_view name) {
     for (const auto& candidate : frameHeaderFields)
         if (candidate.name == name) return candidate;
+    for (const auto& candidate : frameDepthFields)
+        if (candidate.name == name) return candidate;
     return {};
 }
 
@@ -24,7 +26,12 @@ consteval bool fieldsFollowEachOther() {
         if (entry.offset != end || entry.size == 0) return false;
         end += entry.size;
     }
-    return end == frameHeaderLength;
+    if (end != frameHeaderLength) return false;
+    for (const auto& entry : frameDepthFields) {
+        if (entry.offset != end || entry.size == 0) return false;
+        end += entry.size;
+    }
+    return end == frameHeaderLength + frameDepthLength;
 }
 static_assert(fieldsFollowEachOther());
 
@@ -86,13 +93,27 @@ Expected<void> checkFields(const FrameHeader& header) {
     return {};
 }
 
+/// Of a message whose header is whole; empty where it has none.
+Expected<std::span<const std::uint8_t>> packedDepthIn(std::span<const std::uint8_t> header) {
+    constexpr std::size_t start = frameHeaderLength + frameDepthLength;
+    if (header.size() < start) return std::span<const std::uint8_t>{};
+    const auto length = get<std::size_t>(header, "depthLength");
+    if (length == 0) return std::span<const std::uint8_t>{};
+    if (length > header.size() - start)
+        return fail(ErrorCode::Malformed,
+                    "the frame's depth ends beyond its header: " + bytesOf(header.size() - start, length),
+                    "depthLength");
+    return header.subspan(frameHeaderLength, frameDepthLength + length);
+}
+
 }  // namespace
 
-std::array<std::uint8_t, frameHeaderLength> printFrameHeader(const FrameHeader& header) {
+std::array<std::uint8_t, frameHeaderLength> printFrameHeader(const FrameHeader& header, std::size_t appended) {
+    assert(frameHeaderLength + appended <= 65535);
     std::array<std::uint8_t, frameHeaderLength> bytes{};
     for (std::size_t i = 0; i < magic.size(); ++i) bytes[i] = magic[i];
     put(bytes, "version", frameHeaderVersion);
-    put(bytes, "headerLength", frameHeaderLength);
+    put(bytes, "headerLength", frameHeaderLength + appended);
     put(bytes, "codec", static_cast<std::uint64_t>(header.codec));
     put(bytes, "flags",
         (header.moving ? movingBit : 0) | (header.still ? stillBit : 0) | (header.final ? finalBit : 0) |
@@ -125,7 +146,10 @@ Expected<ParsedFrame> parseFrame(std::span<const std::uint8_t> message) {
     header.encodeMicroseconds = get<std::uint32_t>(message, "encodeMicroseconds");
     if (auto ok = checkFields(header); !ok) return passOn(ok);
 
-    const auto picture = message.subspan(get<std::size_t>(message, "headerLength"));
+    const auto headerLength = get<std::size_t>(message, "headerLength");
+    const auto depth = packedDepthIn(message.first(headerLength));
+    if (!depth) return passOn(depth);
+    const auto picture = message.subspan(headerLength);
     if (picture.size() < header.pictureLength)
         return fail(ErrorCode::Truncated,
                     "the frame ends inside its picture: " + bytesOf(picture.size(), header.pictureLength),
@@ -135,7 +159,7 @@ Expected<ParsedFrame> parseFrame(std::span<const std::uint8_t> message) {
                     "the frame has " + std::to_string(picture.size() - header.pictureLength) +
                         " bytes behind its picture",
                     "pictureLength");
-    return ParsedFrame{header, picture};
+    return ParsedFrame{header, picture, *depth};
 }
 
 }  // namespace scancast

@@ -40,7 +40,7 @@ struct FrameHeaderField {
 inline constexpr std::array<FrameHeaderField, 13> frameHeaderFields{{
     {"magic", 0, 4},           // "SCFR"
     {"version", 4, 2},         // 1
-    {"headerLength", 6, 2},    // 48; larger when fields are appended
+    {"headerLength", 6, 2},    // 48; larger when fields are appended, as frameDepthFields are
     {"codec", 8, 1},           // 1 = JPEG
     {"flags", 9, 1},           // bit 0 moving, 1 still, 2 final, 3 damaged; other bits 0, ignored by readers
     {"reserved", 10, 2},       // 0, ignored by readers
@@ -53,19 +53,31 @@ inline constexpr std::array<FrameHeaderField, 13> frameHeaderFields{{
     {"encodeMicroseconds", 44, 4},
 }};
 inline constexpr std::size_t frameHeaderLength = 48;
+/// What follows where `hello` asked for depth: these, then `depthLength` bytes (protocol/depth/frame_depth.hpp).
+inline constexpr std::array<FrameHeaderField, 5> frameDepthFields{{
+    {"depthWidth", 48, 2},
+    {"depthHeight", 50, 2},
+    {"depthLength", 52, 4},  // bytes at 64; 0 = the frame has no depth
+    {"depthNear", 56, 4},    // float32
+    {"depthFar", 60, 4},
+}};
+inline constexpr std::size_t frameDepthLength = 16;
 inline constexpr std::uint16_t frameHeaderVersion = 1;
 
-/// The 48 bytes that go in front of the picture.
-std::array<std::uint8_t, frameHeaderLength> printFrameHeader(const FrameHeader& header);
+/// The 48 bytes that go in front of the picture, and of `appended` bytes before it: at most 65487.
+std::array<std::uint8_t, frameHeaderLength> printFrameHeader(const FrameHeader& header,
+                                                             std::size_t appended = 0);
 
 /// One received message, taken apart.
 struct ParsedFrame {
     FrameHeader header;
     std::span<const std::uint8_t> picture;  ///< inside the message that was parsed
+    /// Where it has it, else empty: the fields and all that is packed, as unpackDepth() takes it; inside the message.
+    std::span<const std::uint8_t> packedDepth{};
 };
 
 /// Truncated when bytes are missing; Malformed for another magic, sides outside 1–16384, a header length
-/// below 48, or bytes behind the picture; Unsupported for an unknown version or codec.
+/// below 48, depth beyond the header, or bytes behind the picture; Unsupported for an unknown version or codec.
 Expected<ParsedFrame> parseFrame(std::span<const std::uint8_t> message);
 
 }  // namespace scancast

@@ -49,6 +49,7 @@ struct Hello {
     double fps = 30;        ///< wanted while moving, 1–240
     std::string resume;     ///< token of an earlier welcome, whose session goes on if it still can
     std::string follow;     ///< id of a session whose view is shown; empty = a view of one's own
+    bool depth = false;     ///< each frame brings a small picture of its depth (protocol/depth/frame_depth.hpp)
     bool operator==(const Hello&) const = default;
 };
 

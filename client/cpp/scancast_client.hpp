@@ -28,4 +28,5 @@
 #include "client/cpp/server_url.hpp"
 #include "client/cpp/stream.hpp"
 #include "client/cpp/timeouts.hpp"
+#include "protocol/depth/frame_depth.hpp"
 #include "protocol/text/plain_text.hpp"

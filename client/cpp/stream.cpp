@@ -39,7 +39,9 @@ Expected<std::optional<StreamEvent>> eventOf(std::span<const std::uint8_t> bytes
     if (!text) {
         const auto frame = parseFrame(bytes);
         if (!frame) return passOn(frame);
-        return ReceivedFrame{frame->header, {frame->picture.begin(), frame->picture.end()}};
+        return ReceivedFrame{frame->header,
+                             {frame->picture.begin(), frame->picture.end()},
+                             {frame->packedDepth.begin(), frame->packedDepth.end()}};
     }
     if (bytes.size() > longestText)
         return fail(ErrorCode::ResourceLimit, "the server sent a text of " + std::to_string(bytes.size()) +

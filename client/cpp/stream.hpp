@@ -25,6 +25,7 @@ namespace scancast::client {
 struct ReceivedFrame {
     FrameHeader header;
     std::vector<std::uint8_t> jpeg;
+    std::vector<std::uint8_t> packedDepth{};  ///< where hello asked for depth: unpackDepth() takes it
 };
 
 /// Whatever may come next from a server.

@@ -36,7 +36,7 @@ double secondsSince(Clock::time_point start) {
 
 struct IngestArguments {
     std::vector<std::string> inputs;
-    std::string output, memoryLimit, scratch, title, look, orient = "auto";
+    std::string output, memoryLimit, scratch, title, attribution, recorded, look, orient = "auto";
     ImporterFlags importer;
     int threads = 0, neighbours = 10;
     bool recover = false;
@@ -58,6 +58,10 @@ Expected<IngestOptions> ingestOptions(const IngestArguments& arguments,
     options.output = arguments.output;
     options.scratch = arguments.scratch;
     options.title = arguments.title;
+    options.attribution = arguments.attribution;
+    options.recorded = arguments.recorded;
+    if (auto sound = checkAttribution(options.attribution); !sound) return passOn(sound);
+    if (auto sound = checkRecorded(options.recorded); !sound) return passOn(sound);
     options.threads = arguments.threads;
     options.photos = !arguments.noPhotos;
     options.shape.surfels = !arguments.noSurfels;
@@ -229,6 +233,12 @@ void addIngest(CLI::App& app, int& exitCode) {
         ->type_name("DIR");
     command->add_option("--title", arguments->title, "What people see; by default the cloud file's name")
         ->type_name("TEXT");
+    command
+        ->add_option("--attribution", arguments->attribution,
+                     "Whom to name beside its pictures, and the licence: 'City of Graz, CC BY 4.0'")
+        ->type_name("TEXT");
+    command->add_option("--recorded", arguments->recorded, "When it was scanned: 2024, 2024-05 or 2024-05-13")
+        ->type_name("DATE");
     command->add_flag(
         "--no-surfels", arguments->noSurfels,
         "Do not estimate normals and radii from neighbours: much faster, but without the methods that "

@@ -26,6 +26,9 @@ Expected<void> runLook(const LookArguments& arguments) {
     const bool keeps = arguments.decide || !arguments.set.empty();
     if (keeps && arguments.files.size() > 1)
         return fail(ErrorCode::InvalidArgument, "a look is kept in one cloud file; name one.");
+    // What is wrong with it is said before a scan is read.
+    if (!arguments.set.empty())
+        if (const auto changes = readLookFile(arguments.set); !changes) return passOn(changes);
     const auto cloud =
         openAny(arguments.files, {.assumeCrs = arguments.assumeCrs, .verbose = arguments.verbose});
     if (!cloud) return passOn(cloud);

@@ -8,11 +8,13 @@
 #include <nlohmann/json.hpp>
 
 #include "files/output_file.hpp"
+#include "protocol/flags/exit_codes.hpp"
 #include "protocol/flags/view_flags.hpp"
 #include "protocol/text/plain_text.hpp"
 #include "protocol/view/view_words.hpp"
 #include "renderer/image/encode.hpp"
 #include "renderer/look/decide_look.hpp"
+#include "renderer/plan.hpp"
 #include "renderer/render.hpp"
 #include "server/base/byte_size.hpp"
 #include "server/commands/command.hpp"
@@ -93,8 +95,15 @@ void orbitBy(Camera& camera, double degrees) {
     camera.eye = camera.target + glm::dvec3(turn * glm::dvec4(camera.eye - camera.target, 0));
 }
 
+std::string endingOf(const fs::path& file) {
+    std::string ending = file.extension().string();
+    for (char& c : ending)
+        if (c >= 'A' && c <= 'Z') c = char(c - 'A' + 'a');
+    return ending;
+}
+
 bool isJpeg(const fs::path& file) {
-    return file.extension() == ".jpg" || file.extension() == ".jpeg";
+    return endingOf(file) == ".jpg" || endingOf(file) == ".jpeg";
 }
 
 Expected<Bytes> encode(const Frame& frame, const View& view, const fs::path& file) {
@@ -102,9 +111,10 @@ Expected<Bytes> encode(const Frame& frame, const View& view, const fs::path& fil
     return encodePng(frame, view.style.background.kind == Background::Kind::Transparent);
 }
 
-Expected<void> checkArguments(const RenderArguments& arguments) {
+/// All that can be wrong with the command line by itself: reading a scan takes minutes. The words of the view that it has.
+Expected<WordValues> checkArguments(const RenderArguments& arguments) {
     const fs::path output(arguments.output);
-    if (!arguments.output.empty() && !isJpeg(output) && output.extension() != ".png") {
+    if (!arguments.output.empty() && !isJpeg(output) && endingOf(output) != ".png") {
         return fail(ErrorCode::InvalidArgument,
                     "the picture's name must end in .png, .jpg or .jpeg, not '" + arguments.output + "'");
     }
@@ -112,7 +122,17 @@ Expected<void> checkArguments(const RenderArguments& arguments) {
         return fail(ErrorCode::InvalidArgument,
                     "nothing to do: name a picture (-o FILE.png) or ask for --stats json");
     }
-    return {};
+    auto words = arguments.view.words();
+    if (!words) return words;
+    View view;
+    for (const auto& [word, value] : *words)
+        if (word == "method" || word.starts_with("param."))
+            if (auto ok = applyWord(view, word, value); !ok) return passOn(ok);
+    if (auto ok = checkMethod(view.style); !ok) return passOn(ok);
+    if (!arguments.look.empty())
+        if (const auto look = readLookFile(arguments.look); !look) return passOn(look);
+    if (const auto limit = parseGpuMemoryLimit(arguments.gpuMemoryLimit); !limit) return passOn(limit);
+    return words;
 }
 
 /// Errors: those of changedLook(); InvalidArgument for a cloud that has none to change.
@@ -141,10 +161,7 @@ Expected<Frame> renderOrReplace(std::unique_ptr<Device>& device, const Cloud& cl
     return render(*device, cloud, view, arguments.render);
 }
 
-Expected<void> runRender(const RenderArguments& arguments) {
-    if (auto ok = checkArguments(arguments); !ok) return ok;
-    const auto words = arguments.view.words();
-    if (!words) return passOn(words);
+Expected<void> runRender(const RenderArguments& arguments, const WordValues& words) {
     DeviceOptions options = arguments.device;
     options.programFolder = programFolder();
     const auto gpuMemoryLimit = parseGpuMemoryLimit(arguments.gpuMemoryLimit);
@@ -163,7 +180,7 @@ Expected<void> runRender(const RenderArguments& arguments) {
         cloud = withChangedLook(std::move(*cloud), arguments.look);
         if (!cloud) return passOn(cloud);
     }
-    auto view = applyWords(defaultView(**cloud), *words);
+    auto view = applyWords(defaultView(**cloud), words);
     if (!view) return passOn(view);
 
     Timings timings;
@@ -243,9 +260,15 @@ void addRender(CLI::App& app, int& exitCode) {
         ->type_name("FILE");
     arguments->view.addTo(*command);
     command->callback([arguments, &exitCode] {
-        if (auto done = runRender(*arguments); !done) {
+        const auto words = checkArguments(*arguments);
+        if (!words) {
+            tell("scancast render: {}\n", words.error().message);
+            exitCode = exitUsage;
+            return;
+        }
+        if (auto done = runRender(*arguments, *words); !done) {
             tell("scancast render: {}\n", done.error().message);
-            exitCode = 1;
+            exitCode = exitFailed;
         }
     });
 }

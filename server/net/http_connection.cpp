@@ -313,7 +313,9 @@ class HttpConnection final : public Connection, public std::enable_shared_from_t
 
     void refuse(HttpResponse response) {
         RequestIds ids = std::move(request_.ids);
+        std::string accept = request_.header("accept");  // whether a person or a program reads the refusal
         request_ = {};
+        if (!accept.empty()) request_.headers.emplace_back("accept", std::move(accept));
         request_.ids = ids.request.empty() ? RequestIds::of({}, {}) : std::move(ids);
         if (!inHand_) beginRecord();
         keepAlive_ = false;

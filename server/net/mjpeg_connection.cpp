@@ -67,7 +67,9 @@ class MjpegConnection final : public SessionHost {
         if (const auto* report = std::get_if<messages::ProblemReport>(&*message)) refused_ = report->problem;
     }
 
-    void sendFrame(const FrameHeader& header, std::shared_ptr<const Bytes> picture) override {
+    // Its hello never asks for depth.
+    void sendFrame(const FrameHeader& header, std::shared_ptr<const Bytes> picture,
+                   std::shared_ptr<const Bytes>) override {
         if (!listening()) return;
         if (writing_ && context_.memory.streamsAreFull()) return endSlowReader();
         next_ = Part{partHead(header), std::move(picture), header.frameId};

@@ -151,6 +151,17 @@ Expected<void> checkOrigin(const std::vector<std::string>& originHeaders, std::s
     return {};
 }
 
+std::string frameAncestors(const OriginRules& rules) {
+    std::string list = "'self'";
+    for (const std::string& allowed : rules.allowedOrigins) {
+        const auto origin = parseOrigin(allowed);
+        if (!origin || origin->authority.host.find(':') != std::string::npos) continue;
+        list += " " + origin->scheme + "://" + origin->authority.host;
+        if (!origin->authority.port.empty()) list += ":" + origin->authority.port;
+    }
+    return list;
+}
+
 Expected<void> checkAllowedOrigin(std::string_view origin) {
     if (parseOrigin(origin)) return {};
     return fail(ErrorCode::InvalidArgument,

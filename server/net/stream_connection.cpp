@@ -96,11 +96,13 @@ class StreamConnection final : public SessionHost {
         enqueue(std::move(message));
     }
 
-    void sendFrame(const FrameHeader& header, std::shared_ptr<const Bytes> picture) override {
+    void sendFrame(const FrameHeader& header, std::shared_ptr<const Bytes> picture,
+                   std::shared_ptr<const Bytes> depth) override {
         if (closing_) return;
         if (writing_ && context_.memory.streamsAreFull()) return giveUpSlowReader();
         Outgoing message;
-        message.header = printFrameHeader(header);
+        message.header = printFrameHeader(header, depth ? depth->size() : 0);
+        message.depth = std::move(depth);
         message.picture = std::move(picture);
         enqueue(std::move(message));
     }
@@ -140,7 +142,12 @@ class StreamConnection final : public SessionHost {
     struct Outgoing {
         std::string text;  ///< unless there is a picture
         std::array<std::uint8_t, frameHeaderLength> header{};
+        std::shared_ptr<const Bytes> depth;  ///< between header and picture; may be null
         std::shared_ptr<const Bytes> picture;
+
+        std::size_t size() const {
+            return picture ? header.size() + (depth ? depth->size() : 0) + picture->size() : text.size();
+        }
     };
 
     void onAccept(error_code ec, bool known) {
@@ -219,7 +226,8 @@ class StreamConnection final : public SessionHost {
             handler([](StreamConnection& self, error_code ec, std::size_t) { self.onWritten(ec); });
         if (message.picture) {
             ws_.binary(true);
-            ws_.async_write(std::array<asio::const_buffer, 2>{asio::buffer(message.header),
+            const auto depth = message.depth ? asio::buffer(*message.depth) : asio::const_buffer();
+            ws_.async_write(std::array<asio::const_buffer, 3>{asio::buffer(message.header), depth,
                                                               asio::buffer(*message.picture)},
                             std::move(onWritten));
         } else {
@@ -232,10 +240,7 @@ class StreamConnection final : public SessionHost {
         writing_ = false;
         watch_.end();
         const Outgoing& message = queue_.front();
-        if (!ec) {
-            const bool isFrame = message.picture != nullptr;
-            count(isFrame ? message.header.size() + message.picture->size() : message.text.size(), isFrame);
-        }
+        if (!ec) count(message.size(), message.picture != nullptr);
         unread_ -= message.text.size();
         queue_.pop_front();
         texts_.resize(unread_);

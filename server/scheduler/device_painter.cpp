@@ -32,7 +32,7 @@ Expected<PreparedPicture> preparePicture(const PictureOrder& order, bool wait, s
     if (!planned) return passOn(std::move(planned));
     RenderOptions options{.wait = wait, .requester = order.requester, .ahead = order.ahead};
     if (!order.complete) options.mostSamples = most;
-    options.depth = order.format == PictureFormat::Depth;
+    options.depth = order.withDepth || order.format == PictureFormat::Depth;
     auto prepared = prepare(*order.cloud, *planned, options, std::move(stop));
     if (!prepared) return passOn(std::move(prepared));
     const bool complete = samplesMissing(**prepared) == 0;

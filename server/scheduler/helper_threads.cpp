@@ -73,14 +73,16 @@ Expected<EncodedPicture> Scheduler::encoded(Turns::Request& request, const std::
     DrawnPicture& drawn = *request.drawn;
     const auto start = Clock::now();
     auto bytes = encodePicture(drawn.frame, request.order.view, request.order.format, token);
-    const double encodeMs = millisecondsSince(start);
     if (!bytes) return passOn(std::move(bytes));
+    auto depth = request.order.withDepth ? encodeDepth(drawn.frame) : Bytes{};
+    if (!depth) return passOn(std::move(depth));
+    const double encodeMs = millisecondsSince(start);
     if (Clock::now() > request.deadline) return tl::unexpected(tooLate());
-    metrics_.frameEncoded(encodeMs / 1000, bytes->size());
+    metrics_.frameEncoded(encodeMs / 1000, bytes->size() + depth->size());
     EncodedPicture picture;
-    picture.bytes = options_.memory.shared(
-        request.kind == Turns::Kind::Snapshot ? MemoryUse::Answers : MemoryUse::Streams, std::move(*bytes),
-        std::move(request.order.kept));
+    const MemoryUse use = request.kind == Turns::Kind::Snapshot ? MemoryUse::Answers : MemoryUse::Streams;
+    picture.bytes = options_.memory.shared(use, std::move(*bytes), std::move(request.order.kept));
+    if (request.order.withDepth) picture.depth = options_.memory.shared(use, std::move(*depth));
     picture.width = drawn.frame.width;
     picture.height = drawn.frame.height;
     picture.stats = std::move(drawn.frame.stats);

@@ -31,6 +31,12 @@ std::uint64_t bytesToDraw(const View& view, PictureFormat format) {
     return std::uint64_t(double(view.width) * view.height * (double(rgba + (isDepth ? depth : 0)) + encoded));
 }
 
+std::uint64_t bytesToDraw(const PictureOrder& order) {
+    const bool drawsDepth = order.withDepth && order.format != PictureFormat::Depth;
+    return bytesToDraw(order.view, order.format) +
+           (drawsDepth ? std::uint64_t(order.view.width) * std::uint64_t(order.view.height) * depth : 0);
+}
+
 std::uint64_t bytesToKeep(const View& view, PictureFormat format) {
     return std::uint64_t(double(view.width) * view.height * perPixel(view, format).encoded);
 }

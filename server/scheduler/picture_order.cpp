@@ -3,6 +3,8 @@
 #include <bit>
 #include <cstring>
 
+#include "renderer/image/depth_cells.hpp"
+
 namespace scancast {
 
 static_assert(std::endian::native == std::endian::little, "depth goes out as it lies in memory");
@@ -18,6 +20,12 @@ Expected<Bytes> encodePicture(const Frame& frame, const View& view, PictureForma
         return bytes;
     }
     return encodeJpeg(frame, view.quality.jpegQuality, view.quality.subsampling);
+}
+
+Expected<Bytes> encodeDepth(const Frame& frame) {
+    if (frame.depth.size() != std::size_t(frame.width) * std::size_t(frame.height))
+        return fail(ErrorCode::Internal, "the picture was to be drawn with its depth, and has none");
+    return packDepth(depthCells(frame));
 }
 
 }  // namespace scancast

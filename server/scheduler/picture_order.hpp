@@ -28,6 +28,7 @@ struct PictureOrder {
     std::shared_ptr<const Cloud> cloud;
     View view;  ///< complete: what it says is drawn
     PictureFormat format = PictureFormat::Jpeg;
+    bool withDepth = false;  ///< of a JPEG: its depth in cells comes with it
     /// A newer request of the same session stops it while it renders: for stills. A moving frame is finished,
     /// because a hand that never rests would otherwise never see one.
     bool interruptible = false;
@@ -50,6 +51,7 @@ struct PictureOrder {
 
 struct EncodedPicture {
     std::shared_ptr<const Bytes> bytes;
+    std::shared_ptr<const Bytes> depth{};  ///< as packDepth() makes it, where the order is with depth
     int width = 0, height = 0;
     FrameStats stats;  ///< with "encode" as the last stage
     double renderMs = 0, encodeMs = 0;
@@ -90,6 +92,9 @@ struct Painter {
 /// The frame's bytes as the view and the format ask. A pure function, unless it is stopped: Cancelled.
 Expected<Bytes> encodePicture(const Frame& frame, const View& view, PictureFormat format,
                               const std::stop_token& stop = {});
+
+/// The frame's depth in cells, packed. A pure function.
+Expected<Bytes> encodeDepth(const Frame& frame);
 
 using OpenDevice = std::function<Expected<std::unique_ptr<Device>>()>;
 

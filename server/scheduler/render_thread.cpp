@@ -196,7 +196,7 @@ std::optional<Scheduler::Begun> Scheduler::tryBegin(Taken request) {
 Expected<void> Scheduler::checkMemory(const PictureOrder& order) const {
     const View& view = order.view;
     if (std::int64_t{view.width} * view.height <= smallPicturePixels) return {};
-    return checkRoom(view, bytesToDraw(view, order.format), options_.room());
+    return checkRoom(view, bytesToDraw(order), options_.room());
 }
 
 Expected<std::unique_ptr<PendingFrame>> Scheduler::begin(Turns::Request& request,
@@ -247,7 +247,7 @@ void Scheduler::complete(Begun& begun) {
     if (!frame) return endWithout(begun.request, std::move(frame.error()), why);
     DrawnPicture drawn{std::move(*frame), std::move(begun.device), begun.renderMs + millisecondsSince(start)};
     const PictureOrder& order = begun.request->order;
-    drawn.held = options_.memory.hold(MemoryUse::Frames, bytesToDraw(order.view, order.format));
+    drawn.held = options_.memory.hold(MemoryUse::Frames, bytesToDraw(order));
     metrics_.frameRendered(begun.request->order.view.style.method, drawn.renderMs / 1000,
                            drawn.frame.stats.samplesMissing == 0);
     metrics_.setDeviceMemory(drawn.frame.stats.deviceBytes);

@@ -173,7 +173,7 @@ std::size_t Turns::picturesInHand() const {
 
 std::uint64_t Turns::frameBytes() const {
     std::uint64_t bytes = 0;
-    forEachInHand([&](const PictureOrder& order) { bytes += bytesToDraw(order.view, order.format); });
+    forEachInHand([&](const PictureOrder& order) { bytes += bytesToDraw(order); });
     return bytes;
 }
 
@@ -181,7 +181,7 @@ bool Turns::hasMemory(const Request& request) const {
     if (request.kind == Kind::Moving) return true;
     const std::uint64_t inHand = frameBytes();
     return inHand == 0 ||
-           inHand + bytesToDraw(request.order.view, request.order.format) <= options_.maxFrameBytes;
+           inHand + bytesToDraw(request.order) <= options_.maxFrameBytes;
 }
 
 bool Turns::hasTurn(const Participant& participant, Line line) const {

@@ -100,6 +100,7 @@ void StreamSession::handle(const messages::Hello& hello, Time now) {
                std::nullopt);
         return;
     }
+    withDepth_ = hello.depth;
     if (auto resumed = resume(hello.resume, now)) return begin(std::move(*resumed), true, now);
     auto scene = scenes_.opened(hello);
     if (!scene) return refuse(std::move(scene.error()), std::nullopt);
@@ -340,6 +341,7 @@ PictureOrder StreamSession::pictureOf(const Order& order) const {
     picture.cloud = scene_.cloud;
     picture.view = order.view;
     picture.planned = scene_.planned;
+    picture.withDepth = withDepth_;
     picture.complete = order.still == StillSchedule::Still::Final;
     picture.onlyWhole = order.still == StillSchedule::Still::Trial;
     picture.interruptible = order.still.has_value();
@@ -421,10 +423,11 @@ void StreamSession::deliver(const Order& order, EncodedPicture picture, Time now
     if (!order.still) {
         quality_.drawn(order.quality, {picture.renderMs, picture.encodeMs, picture.rivals}, own, limits_);
     }
-    quality_.sent(header.frameId, order.view, picture.bytes->size(), now);
+    const std::size_t depthBytes = picture.depth ? picture.depth->size() : 0;
+    quality_.sent(header.frameId, order.view, picture.bytes->size() + depthBytes, now);
     if (options_.registration != nullptr) options_.registration->frameSent();
     remember();  // first: who gets the frame may come back at once, by another connection
-    port_.sendFrame(header, picture.bytes);
+    port_.sendFrame(header, picture.bytes, picture.depth);
 
     metrics_.frameSent(secondsBetween(order.viewTime, now));
     sentTimes_.push_back(now);

@@ -38,8 +38,9 @@ class StreamPort {
   public:
     virtual ~StreamPort() = default;
     virtual void sendText(std::string text) = 0;
-    /// One binary message: the header, then the picture.
-    virtual void sendFrame(const FrameHeader& header, std::shared_ptr<const Bytes> picture) = 0;
+    /// One binary message: the header, `depth` where it is not null, then the picture.
+    virtual void sendFrame(const FrameHeader& header, std::shared_ptr<const Bytes> picture,
+                           std::shared_ptr<const Bytes> depth) = 0;
     /// Into the scheduler's mailbox; the result comes back through pictureDone() with this order's number.
     virtual void order(std::uint64_t number, PictureOrder order) = 0;
     /// Overwrites the request that waits in the mailbox, if one does.
@@ -157,6 +158,7 @@ class StreamSession {
     const SceneResolver scenes_;
     std::string id_;
     std::optional<ResumeStore::Key> ticket_;
+    bool withDepth_ = false;  // what this connection's hello asked for
 
     bool fresh_ = false;            // a view came for which nothing has been ordered
     bool quiet_ = false;            // ... because a frame is to have the link to itself

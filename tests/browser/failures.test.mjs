@@ -4,7 +4,7 @@
 import assert from 'node:assert/strict';
 import { after, afterEach, before, beforeEach, describe, it } from 'node:test';
 
-import { differing, drag, openPage, pixels, seriousComplaints, startBrowser, waitUntilSharp } from './support/browser.mjs';
+import { choose, chosen, differing, drag, openPage, pixels, seriousComplaints, startBrowser, waitUntilSharp } from './support/browser.mjs';
 import { blockJpeg } from './support/block_jpeg.mjs';
 import { clouds, FakeServer } from './support/fake_server.mjs';
 
@@ -115,7 +115,7 @@ describe('the page, when things go wrong', { timeout: 280_000 }, () => {
   it('asks for a token, says when it is wrong, and takes it along everywhere but in addresses', async () => {
     server.token = 'a+token/with=signs?';
     await open();
-    await coverSays('Whoever runs it can give you one');
+    await coverSays('You need an access token');
     assert.equal(await page.textContent('#cover-title'), `127.0.0.1:${server.port}`, 'whose entrance it is');
     await page.fill('#token', 'a wrong one');
     await page.keyboard.press('Enter');
@@ -136,17 +136,17 @@ describe('the page, when things go wrong', { timeout: 280_000 }, () => {
     page.complaints = page.complaints.filter((text) => !text.includes('503'));
     // Forgotten, and remembered on the device: another tab is let in, too.
     await page.click('#forget-token');
-    await coverSays('Whoever runs it can give you one');
+    await coverSays('You need an access token');
     await page.fill('#token', server.token);
     await page.check('#token-remember');
-    await page.click('#cover-token button:not([type])');
+    await page.click('#token-open');
     await waitUntilSharp(page);
     const tab = await page.context().newPage();
     await tab.goto(page.url());
     await waitUntilSharp(tab);
     await tab.close();
     await page.click('#forget-token');
-    await coverSays('Whoever runs it can give you one');
+    await coverSays('You need an access token');
     assert.equal(await page.evaluate(() => localStorage.length + sessionStorage.length), 0);
   });
 
@@ -185,12 +185,12 @@ describe('the page, when things go wrong', { timeout: 280_000 }, () => {
     await addressSays('#cloud=ring&eye=');
     const same = async (picture, what) => assert.equal(differing(picture, await pixels(page), 0), 0, what);
     const dragged = await afterwards(() => drag(page, [300, 300], [420, 380]));
-    const elevated = await afterwards(() => page.selectOption('#color', 'elevation'));
+    const elevated = await afterwards(() => choose(page, '#color', 'elevation'));
     await addressSays('color=elevation');
     await page.reload();
     await waitUntilSharp(page);
     await same(elevated, 'after a reload');
-    assert.equal(await page.inputValue('#color'), 'elevation');
+    assert.equal(await chosen(page, '#color'), 'elevation');
     const top = await afterwards(() => page.click('[data-view=top]'));
     await addressSays('up=0,1,0');
     const helix = await afterwards(() => page.selectOption('#cloud', 'helix'));
@@ -209,14 +209,14 @@ describe('the page, when things go wrong', { timeout: 280_000 }, () => {
     await same(helix, 'forward');
     // Undo knows every view that was looked at for a moment, jump or not.
     await waitFor(() => !document.getElementById('undo').disabled);
-    await afterwards(() => page.selectOption('#method', 'point'));
+    await afterwards(() => choose(page, '#appearance', 'raw'));
     await addressSays('method=point');
-    await page.keyboard.press('Control+z'); // a menu has the focus
-    await waitFor(() => document.getElementById('method').value === 'paraboloid');
+    await page.keyboard.press('Control+z'); // a choice has the focus
+    await waitFor(() => document.querySelector('#method input:checked').value === 'paraboloid');
     await waitUntilSharp(page);
     await same(helix, 'undone');
     await afterwards(() => page.click('#redo'));
-    assert.equal(await page.inputValue('#method'), 'point');
+    assert.equal(await chosen(page, '#method'), 'point');
     await waitFor(() => document.getElementById('redo').disabled);
     assert.ok(dragged.length > 0);
   });
@@ -278,14 +278,14 @@ describe('the page, when things go wrong', { timeout: 280_000 }, () => {
 
   it('a link to a cloud that is not there says so', async () => {
     await open('#cloud=statue');
-    await coverSays('There is no cloud named statue');
+    await coverSays('There is no point cloud named “statue”');
     assert.equal(server.sessions.size, 0);
     assert.equal(new URL(page.url()).hash, '#cloud=statue');
     await page.click('#cover-list [data-cloud=helix]');
     await waitUntilSharp(page);
     await addressSays('#cloud=helix&eye=');
     await page.evaluate(() => { location.hash = '#cloud=statue'; });
-    await coverSays('There is no cloud named statue');
+    await coverSays('There is no point cloud named “statue”');
   });
 
   it('marks a picture of a part as coarse, and renews everything when the cloud is complete', async () => {
@@ -296,12 +296,12 @@ describe('the page, when things go wrong', { timeout: 280_000 }, () => {
     assert.equal(await page.textContent('#loading-title'), 'Coarse: still loading, 60 %');
     assert.match(await page.textContent('#loading-detail'), /^Building the levels of detail/);
     assert.match(await page.textContent('#cloud-facts'), /1,000 points so far/);
-    const rgb = () => page.$eval('#color option[value=rgb]', (node) => node.disabled);
-    assert.ok(await rgb());
+    const rgb = () => page.$$eval('#color input[value=rgb]', (nodes) => nodes.length);
+    assert.equal(await rgb(), 0);
     server.clouds = [{ ...clouds[0], attributes }];
     await waitFor(() => document.getElementById('loading').hidden);
     assert.match(await page.textContent('#cloud-facts'), /1.2 million points/);
-    assert.ok(!(await rgb()));
+    assert.equal(await rgb(), 1);
     await waitUntilSharp(page);
   });
 
@@ -327,11 +327,12 @@ describe('the page, when things go wrong', { timeout: 280_000 }, () => {
     await open('#method=auto');
     await waitUntilSharp(page);
     await waitFor(() => document.getElementById('method-chosen').textContent !== '');
-    assert.equal(await page.textContent('#method-chosen'), 'Chosen for this cloud: Paraboloids. Coloured points: they close the gaps.');
-    assert.equal(await page.textContent('#method option[value=auto]'), 'Automatic (Paraboloids)');
-    await page.selectOption('#method', 'point');
+    assert.equal(await page.textContent('#method-chosen'), 'Chosen for this scan: Paraboloids. Coloured points: they close the gaps.');
+    assert.equal(await page.textContent('#method-name'), 'Automatic (Paraboloids)');
+    await choose(page, '#appearance', 'raw');
     await waitFor(() => document.getElementById('method-chosen').textContent === '');
-    assert.equal(await page.textContent('#method option[value=auto]'), 'Automatic');
+    assert.equal(await page.textContent('#method-name'), 'Points');
+    assert.equal(await page.textContent('#method .choice:has([value=auto]) .name'), 'Automatic');
   });
 
   it('fields say why they refuse a value, and go back to the one that holds', async () => {
@@ -347,7 +348,7 @@ describe('the page, when things go wrong', { timeout: 280_000 }, () => {
     await page.press('#parameter-sizePx', 'Escape');
     assert.deepEqual([await page.inputValue('#parameter-sizePx'), ...(await refusal('#parameter-sizePx'))], ['0', null, '']);
     await page.fill('#range-low', '5');
-    assert.deepEqual(await refusal('#range-low'), ['true', 'The low end must be below the high end.']);
+    assert.deepEqual(await refusal('#range-low'), ['true', 'The minimum must be less than the maximum.']);
     await page.press('#range-low', 'Tab'); // to the high end, which is to be changed, too
     assert.equal(await page.inputValue('#range-low'), '5');
     assert.ok(!server.received.some(({ type }) => type === 'view'), 'nothing of this was asked for');
@@ -356,14 +357,14 @@ describe('the page, when things go wrong', { timeout: 280_000 }, () => {
     await addressSays('range=5,9');
     assert.deepEqual(await refusal('#range-low'), [null, '']);
     await page.fill('#range-high', '1');
-    await page.focus('#method');
+    await page.focus('#cloud');
     assert.equal(await page.inputValue('#range-high'), '9');
     // What only the server can refuse.
     await page.fill('#parameter-scale', '66');
     await page.press('#parameter-scale', 'Enter');
     await toastSays('not today');
     assert.deepEqual(await refusal('#parameter-scale'), ['true', 'The server did not accept this value.']);
-    await page.focus('#method');
+    await page.focus('#cloud');
     assert.equal(await page.inputValue('#parameter-scale'), '1');
   });
 
@@ -372,7 +373,7 @@ describe('the page, when things go wrong', { timeout: 280_000 }, () => {
     await waitUntilSharp(page);
     await page.setViewportSize({ width: 480, height: 700 });
     await waitFor(() => document.body.classList.contains('panel-closed'));
-    await page.setViewportSize({ width: 960, height: 600 });
+    await page.setViewportSize({ width: 1280, height: 600 });
     await waitFor(() => !document.body.classList.contains('panel-closed'));
   });
 
@@ -400,7 +401,7 @@ describe('the page, when things go wrong', { timeout: 280_000 }, () => {
     await drag(page, [300, 300], [420, 380]);
     await waitUntilSharp(page);
     const views = server.received.filter((message) => message.type === 'view');
-    assert.ok(views.length >= 1 && views.length <= 12, `${views.length} views for 8 steps of the mouse`);
+    assert.ok(views.length >= 1 && views.length <= 16, `${views.length} views for 8 steps of the mouse`);
     assert.ok(views.every((view, i) => i === 0 || view.seq === views[i - 1].seq + 1));
     assert.equal(await page.getAttribute('#picture', 'data-shown'), String(views.at(-1).seq));
     const lastAck = server.received.filter((message) => message.type === 'ack').at(-1);
@@ -424,6 +425,7 @@ describe('the page, when things go wrong', { timeout: 280_000 }, () => {
         send('pointermove', 100 + i);
         if (i % 30 === 0) await new Promise((done) => { setTimeout(done, 20); });
       }
+      await new Promise((done) => { setTimeout(done, 80); }); // at rest, nothing glides on
       send('pointerup', 400);
       return count;
     });
@@ -475,22 +477,28 @@ describe('the page, when things go wrong', { timeout: 280_000 }, () => {
   it('a hostile link does nothing but show the usual view', async () => {
     await open('#cloud=%22%3E%3Cimg%20src=x%20onerror=alert(1)%3E&method=%3Cb%3E&eye=NaN,1,2&param.x=<script>');
     await waitUntilSharp(page);
-    assert.equal(await page.inputValue('#method'), 'paraboloid');
+    assert.equal(await chosen(page, '#method'), 'paraboloid');
     assert.equal(await page.textContent('h1'), 'A ring of stones');
   });
 
   it('greys out what a cloud cannot be shown with, and says why', async () => {
     await open();
     await waitUntilSharp(page);
-    const option = (selector) => page.$eval(selector, (node) => [node.disabled, node.textContent]);
-    assert.deepEqual(await option('#method option[value=surfel]'), [true, 'Surfels (needs normal)']);
-    assert.deepEqual(await option('#color option[value=intensity]'), [true, 'Intensity (not in this cloud)']);
-    assert.deepEqual(await option('#color option[value=visibility]'), [true, 'Hidden points (reconstructed surface only)']);
-    const colors = () => page.$$eval('#color option', (nodes) => nodes.map((node) => node.textContent));
+    assert.equal(await page.isDisabled('#method input[value=surfel]'), true);
+    assert.match(await page.textContent('#method .choice:has([value=surfel])'), /needs normals/);
+    const colors = () => page.$$eval('#color .name', (nodes) => nodes.map((node) => node.textContent));
     assert.equal((await colors())[0], 'Automatic');
-    assert.ok(!(await colors()).some((label) => label.includes('×')), 'no products without intensity');
+    assert.ok(!(await colors()).includes('Intensity'));
+    assert.match(await page.textContent('#color-note'), /Intensity: not in this scan/);
+    assert.match(await page.textContent('#color-note'), /Hidden points: only with the method “Reconstructed surface”/);
+    await choose(page, '#color', 'elevation');
+    assert.ok(!(await page.isVisible('#by-intensity')), 'no shading by an intensity that is not there');
     await page.selectOption('#cloud', 'helix');
-    assert.equal((await colors())[1], 'Height × Intensity');
+    assert.ok((await colors()).includes('Intensity'));
+    await choose(page, '#color', 'elevation');
+    await page.check('#by-intensity');
+    await waitUntilSharp(page);
+    assert.equal(server.received.filter((message) => message.color).at(-1).color, 'elevation*intensity');
   });
 
   it('opens well-named controls: every one of them has a label', async () => {
@@ -498,7 +506,7 @@ describe('the page, when things go wrong', { timeout: 280_000 }, () => {
     await waitUntilSharp(page);
     const nameless = await page.evaluate(() =>
       [...document.querySelectorAll('button, input, select, summary, canvas')]
-        .filter((node) => !(node.labels?.length || node.getAttribute('aria-label') || node.textContent.trim() || node.title))
+        .filter((node) => !node.closest('[hidden], [aria-hidden=true]') && !(node.labels?.length || node.getAttribute('aria-label') || node.textContent.trim() || node.title))
         .map((node) => node.outerHTML));
     assert.deepEqual(nameless, []);
   });

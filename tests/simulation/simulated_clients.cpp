@@ -128,7 +128,8 @@ void SimulatedViewer::close(CloseCode, std::string reason) {
 }
 
 // Frames stand in line for the link, and come late where the client does not read.
-void SimulatedViewer::sendFrame(const FrameHeader& header, std::shared_ptr<const Bytes> picture) {
+void SimulatedViewer::sendFrame(const FrameHeader& header, std::shared_ptr<const Bytes> picture,
+                                std::shared_ptr<const Bytes>) {
     if (link_.pausesPerMinute > 0 && !calm_ && chance_.happens(link_.pausesPerMinute / 60 / 20))
         readsFrom_ = time_.now() + milliseconds(chance_.between(100, 1500));
     linkFree_ = std::max({linkFree_, time_.now(), readsFrom_}) +

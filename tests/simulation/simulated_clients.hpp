@@ -43,7 +43,8 @@ class SimulatedViewer final : public StreamPort {
     std::uint64_t frames() const { return frames_; }
 
     void sendText(std::string text) override;
-    void sendFrame(const FrameHeader& header, std::shared_ptr<const Bytes> picture) override;
+    void sendFrame(const FrameHeader& header, std::shared_ptr<const Bytes> picture,
+                   std::shared_ptr<const Bytes> depth) override;
     void order(std::uint64_t number, PictureOrder order) override;
     bool replaceWaiting(std::uint64_t number, PictureOrder order) override;
     void pick(std::uint64_t, std::shared_ptr<const Cloud>, std::shared_ptr<const PlannedView>, double,

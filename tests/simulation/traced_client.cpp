@@ -118,7 +118,8 @@ void TracedClient::sendText(std::string text) {
     token_ = welcome->resume;
 }
 
-void TracedClient::sendFrame(const FrameHeader& header, std::shared_ptr<const Bytes> picture) {
+void TracedClient::sendFrame(const FrameHeader& header, std::shared_ptr<const Bytes> picture,
+                             std::shared_ptr<const Bytes>) {
     mayStillBeTold("a client was sent a frame");
     if (id_.empty()) shared_.server.violate("a frame came before the welcome");
     if (header.pictureLength != picture->size() || picture->empty())

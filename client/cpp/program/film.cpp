@@ -72,6 +72,10 @@ void FilmFlags::addTo(CLI::App& command) {
             "-o,--output", output,
             "A folder for frame-001.jpg, frame-002.jpg …, or, with ffmpeg, a video: .mp4, .mkv, .webm")
         ->type_name("FOLDER|VIDEO")
+        ->check([](const std::string& name) {
+            const auto ok = checkFilmName(name);
+            return ok ? std::string() : ok.error().message;
+        })
         ->required();
     command.add_option("--fps", framesPerSecond, "Frames a second of the video")
         ->type_name("N")

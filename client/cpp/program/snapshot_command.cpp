@@ -23,7 +23,7 @@ Expected<PictureFormat> formatOf(const std::string& path) {
 }
 
 Expected<void> run(const SnapshotFlags& flags) {
-    const auto format = formatOf(flags.output);
+    const auto format = formatOf(flags.output);  // sound: the flag's check has said so
     if (!format) return passOn(format);
     const auto words = flags.view.words();
     if (!words) return passOn(words);
@@ -61,6 +61,10 @@ void addSnapshot(CLI::App& app, int& exitCode) {
     flags->server.addTo(command);
     command.add_option("-o,--output", flags->output, "The picture to write; its ending chooses JPEG or PNG")
         ->type_name("FILE.jpg|FILE.png")
+        ->check([](const std::string& name) {
+            const auto format = formatOf(name);
+            return format ? std::string() : format.error().message;
+        })
         ->required();
     command.add_option("--cloud", flags->cloud, "Id of the cloud; the server's first one when not given")
         ->type_name("ID");

@@ -20,6 +20,7 @@ struct WindowFlags {
 Expected<void> run(const WindowFlags& flags) {
     const auto words = flags.view.words();
     if (!words) return passOn(words);
+    if (auto ok = checkDisplay(); !ok) return ok;
     const auto server = flags.server.server();
     if (!server) return passOn(server);
     const auto cloud =

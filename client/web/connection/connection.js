@@ -113,15 +113,20 @@ export class Connection {
     }
   }
 
-  /** The size may be more than this server draws, and only its welcome says how much that is: ask for less, once. */
+  /**
+   * The size may be more than this server draws, and only its welcome says how much that is: ask for less, once. And older
+   * servers refuse words that they do not know.
+   */
   #refusedAtTheDoor(problem) {
-    if (problem?.status !== 413 || this.#hello.width === undefined) {
+    const { width, height, depth, ...rest } = this.#hello;
+    const knowsNoDepth = depth !== undefined && problem?.errors?.some(({ parameter }) => parameter === 'depth');
+    if (knowsNoDepth) this.#hello = { ...rest, width, height };
+    else if (problem?.status === 413 && width !== undefined) this.#hello = { ...rest, depth };
+    else {
       this.#end(problem?.detail || 'The server refused the connection.');
       return;
     }
-    const { width, height, ...rest } = this.#hello;
-    this.#hello = rest;
-    this.#send({ type: 'hello', ...rest });
+    this.#send({ type: 'hello', ...this.#hello });
   }
 
   /** A cable that was pulled closes nothing: ask, and give up when two questions stay unanswered. */

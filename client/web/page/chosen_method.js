@@ -1,5 +1,8 @@
 // Which method "Automatic" took, and why: the server tells it with a picture, and it holds for the cloud as it is.
 
+import { strings } from './strings.js';
+
+const words = strings.appearance;
 const find = (id) => document.getElementById(id);
 
 export class ChosenMethod {
@@ -27,19 +30,21 @@ export class ChosenMethod {
   /** "Paraboloids (automatic)", or the name of the method that the view asks for. */
   words(view, cloud) {
     const title = (name) => this.#titles.get(name) ?? name;
-    return this.#isKnown(view, cloud) ? `${title(this.#method)} (automatic)` : (title(view.method) ?? '');
+    return this.#isKnown(view, cloud) ? words.automatic(title(this.#method)) : (title(view.method) ?? '');
   }
 
   /** Says it in the panel. */
   show(view, cloud) {
     const known = this.#isKnown(view, cloud);
     const title = this.#titles.get(this.#method) ?? this.#method;
-    const option = find('method').querySelector('option[value=auto]');
-    const automatic = this.#titles.get('auto') ?? 'Automatic';
-    const label = known ? `${automatic} (${title})` : automatic;
-    if (option && option.textContent !== label) option.textContent = label;
+    const say = (node, text) => {
+      if (node && node.textContent !== text) node.textContent = text;
+    };
+    const automatic = this.#titles.get('auto') ?? 'auto';
+    const named = known ? words.automaticIs(automatic, title) : automatic;
+    say(find('method').querySelector('.choice:has([value=auto]) .name'), named);
+    if (view.method === 'auto') say(find('method-name'), named);
     const reason = this.#reason.charAt(0).toUpperCase() + this.#reason.slice(1);
-    const words = known ? `Chosen for this cloud: ${title}. ${reason}.` : '';
-    if (find('method-chosen').textContent !== words) find('method-chosen').textContent = words;
+    say(find('method-chosen'), known ? words.chosen(title, reason) : '');
   }
 }

@@ -1,19 +1,10 @@
 // The line in the corner: whether the picture moves or is sharp, how fast, and, opened, the figures behind it.
 
 import { element } from './parameter_fields.js';
+import { amount } from './strings.js';
 
 const find = (id) => document.getElementById(id);
 const windowMs = 1000;
-
-/** 1234567 → "1.2 million". */
-export function amount(value) {
-  if (!Number.isFinite(value)) return '–';
-  const steps = [[1e9, 'billion'], [1e6, 'million']];
-  for (const [size, word] of steps) {
-    if (value >= size) return `${(value / size).toPrecision(value >= 100 * size ? 3 : 2)} ${word}`;
-  }
-  return Math.round(value).toLocaleString('en');
-}
 
 const milliseconds = (value) => (Number.isFinite(value) ? `${value < 10 ? value.toFixed(1) : Math.round(value)} ms` : '–');
 
@@ -143,18 +134,18 @@ export class Hud {
   #figures() {
     const frame = this.#frame;
     const stats = this.#statsOfThis;
-    const rows = [['Frames a second', this.clock.framesPerSecond(performance.now())]];
-    rows.push(['From view to picture', milliseconds(this.clock.latency)]);
+    const rows = [['Frame rate', `${this.clock.framesPerSecond(performance.now())} fps`]];
+    rows.push(['Latency', milliseconds(this.clock.latency)]);
     if (frame) {
-      rows.push(['Picture', `${frame.width} × ${frame.height}`]);
+      rows.push(['Resolution', `${frame.width} × ${frame.height}`]);
       rows.push(['Rendering', milliseconds(frame.renderMicroseconds / 1000)]);
       rows.push(['Encoding', milliseconds(frame.encodeMicroseconds / 1000)]);
-      rows.push(['Size', `${Math.round(frame.picture.length / 1024)} KiB`]);
+      rows.push(['Image size', `${Math.round(frame.picture.length / 1024)} KiB`]);
     }
     if (this.#method) rows.push(['Method', this.#method]);
     if (stats) {
       rows.push(['Samples drawn', amount(stats.samples)]);
-      rows.push(['… for scan points', amount(stats.points)]);
+      rows.push(['Scan points shown', amount(stats.points)]);
       if (stats.detail > 0) rows.push(['Detail', `${stats.detail.toPrecision(2)} px`]);
       if (stats.jpegQuality > 0) rows.push(['JPEG quality', stats.jpegQuality]);
       if (stats.bandwidth > 0) rows.push(['Network', `${amount(Math.round(stats.bandwidth / 1000))} kB/s`]);

@@ -1,6 +1,7 @@
 // The note over a picture that shows a part only: its cloud is still being read, and how far that is.
 
 import { Pace, progressWords } from './progress.js';
+import { strings } from './strings.js';
 
 const find = (id) => document.getElementById(id);
 
@@ -13,7 +14,7 @@ export class LoadingNote {
     find('loading').hidden = !loading;
     if (!loading) return;
     const { step, share, percent, left } = progressWords(entry, this.#pace);
-    find('loading-title').textContent = `Coarse: still loading${percent && `, ${percent}`}`;
+    find('loading-title').textContent = strings.progress.coarse(percent);
     find('loading-detail').textContent = [step, left].filter(Boolean).join(' · ');
     const bar = find('loading-progress');
     if (share !== undefined) bar.value = share;

@@ -1,21 +1,24 @@
 // A field for a number that says why it does not take one, and then goes back to the one that holds: a value that nobody
 // uses is not left standing there as if it were used.
 
+import { strings } from './strings.js';
+
+const words = strings.refusals;
 const shown = (value) => String(Number(Number(value).toPrecision(6)));
 
 /** Why a value between two ends is none; '' where it is one. Pure. */
 export function outside(value, { min, max, unit = '' }) {
   const of = unit ? ` ${unit}` : '';
-  if (!Number.isFinite(value)) return 'Enter a number.';
-  if (value < min) return `At least ${shown(min)}${of}.`;
-  if (value > max) return `At most ${shown(max)}${of}.`;
+  if (!Number.isFinite(value)) return words.noNumber;
+  if (value < min) return words.least(shown(min) + of);
+  if (value > max) return words.most(shown(max) + of);
   return '';
 }
 
 /** What is wrong with the ends of a range, [low, high], of which NaN is left open; '' for nothing. Pure. */
 export function rangeRefusal(ends) {
   const [low, high] = ends;
-  return low >= high ? 'The low end must be below the high end.' : '';
+  return low >= high ? words.range : '';
 }
 
 function ownNote(input) {
@@ -40,7 +43,7 @@ export class NumberField {
     this.#input = input;
     this.#note = note;
     note.setAttribute('role', 'status');
-    const refusal = () => (input.validity.badInput ? 'Enter a number.' : judge(input.valueAsNumber));
+    const refusal = () => (input.validity.badInput ? words.noNumber : judge(input.valueAsNumber));
     input.addEventListener('input', () => this.refuse(refusal()));
     input.addEventListener('change', () => {
       const why = refusal();
@@ -65,7 +68,7 @@ export class NumberField {
   show(value) {
     this.#holding = String(value);
     if (document.activeElement !== this.#input) this.#back();
-    else if (Number(value) !== this.#taken && this.#input.valueAsNumber === this.#taken) this.refuse('The server did not accept this value.');
+    else if (Number(value) !== this.#taken && this.#input.valueAsNumber === this.#taken) this.refuse(words.server);
   }
 
   /** Says why what stands there is not taken; '' takes that back. */

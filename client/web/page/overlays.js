@@ -1,6 +1,6 @@
 // What lies over the picture now and then: a message about something refused, and the help. The cover is in cover.js.
 
-import { keyTable } from '../view/camera_input.js';
+import { keyTable } from '../view/keys.js';
 import { element } from './parameter_fields.js';
 
 const find = (id) => document.getElementById(id);

@@ -2,6 +2,7 @@
 // box for yes or no, a menu for choices.
 
 import { NumberField, outside } from './number_field.js';
+import { strings } from './strings.js';
 
 /** Sliders are even in what the eye sees as even: in the logarithm for factors, finer near the start for long ranges. */
 export function sliderScale({ min, max }) {
@@ -25,13 +26,12 @@ export function sliderScale({ min, max }) {
 /** Three significant digits are what a hand on a slider means. */
 export const rounded = (value) => Number(Number(value).toPrecision(value >= 100 ? 3 : 2));
 
-/** "sizePx" → "Size px" is no English; "size" is. */
+/** What a parameter is called: by the page's own word for it, or by its name taken apart: "edgeWidthPx" in px is "Edge width". Pure. */
 export function labelOf({ name, unit }) {
+  if (Object.hasOwn(strings.parameters, name)) return strings.parameters[name];
   const words = name.replace(/([a-z0-9])([A-Z])/g, '$1 $2').toLowerCase();
   const bare = unit && words.endsWith(` ${unit.toLowerCase()}`) ? words.slice(0, -unit.length - 1) : words;
-  const known = { min: 'smallest', max: 'largest', 'min px': 'smallest', 'max px': 'largest' };
-  const label = known[bare] ?? bare;
-  return label.charAt(0).toUpperCase() + label.slice(1);
+  return bare.charAt(0).toUpperCase() + bare.slice(1);
 }
 
 export function element(tag, properties = {}, ...children) {
@@ -64,7 +64,7 @@ function numberField(parameter, id, change) {
     if (document.activeElement !== slider) slider.value = scale.toSlider(value);
   };
   const unit = element('span', { className: 'unit', textContent: parameter.unit ?? '' });
-  return { node: element('div', { className: 'row number' }, slider, input, unit), note: field.note, show };
+  return { node: element('div', { className: 'row number' }, slider, input, unit), refusal: field.note, show };
 }
 
 function choiceField(parameter, id, change) {
@@ -94,7 +94,7 @@ export function parameterFields(parameters, change) {
     const meaning = parameter.meaning ?? '';
     const label = element('label', { htmlFor: id, textContent: labelOf(parameter) });
     const note = element('p', { className: 'note', textContent: meaning });
-    const parts = [label, field.node, field.note, note].filter(Boolean);
+    const parts = [label, field.node, field.refusal, note].filter(Boolean);
     nodes.push(element('div', { className: `parameter ${parameter.type}`, title: meaning }, ...parts));
     shows.push((values) => field.show(values[parameter.name] ?? parameter.default));
   }

@@ -1,26 +1,26 @@
 // How far a cloud is that the server reads, in words: what is being done, how much of it, and how long it may take.
 
+import { strings } from './strings.js';
+
+const words = strings.progress;
 const leastSeconds = 3;
 const leastShare = 0.02;
 
 /** What the server does with a scan, in order, and about how much of all that each takes. */
 const stages = [
-  { name: 'reading', words: 'Reading the scan', weight: 0.15 },
-  { name: 'sorting', words: 'Sorting the points', weight: 0.1 },
-  { name: 'building', words: 'Building the levels of detail', weight: 0.7 },
-  { name: 'finishing', words: 'Finishing', weight: 0.05 },
+  { name: 'reading', weight: 0.15 }, { name: 'sorting', weight: 0.1 }, { name: 'building', weight: 0.7 }, { name: 'finishing', weight: 0.05 },
 ];
 
 export const percent = (share) => `${Math.floor(Math.min(1, Math.max(0, share)) * 100)} %`;
 
 /** 8 → "a few seconds", 130 → "about 2 minutes". */
 export function timeText(seconds) {
-  if (seconds < 10) return 'a few seconds';
-  if (seconds < 55) return `about ${Math.round(seconds / 10) * 10 || 10} seconds`;
+  if (seconds < 10) return words.fewSeconds;
+  if (seconds < 55) return words.seconds(Math.round(seconds / 10) * 10);
   const minutes = Math.round(seconds / 60);
-  if (minutes < 2) return 'about a minute';
-  if (minutes < 60) return `about ${minutes} minutes`;
-  return minutes < 90 ? 'about an hour' : `about ${Math.round(minutes / 60)} hours`;
+  if (minutes < 2) return words.minute;
+  if (minutes < 60) return words.minutes(minutes);
+  return minutes < 90 ? words.hour : words.hours(Math.round(minutes / 60));
 }
 
 /**
@@ -56,9 +56,8 @@ export class Pace {
 /** { step, share, percent, left } of an entry of the list: texts, empty where they are not known, and the share, 0 to 1. */
 export function progressWords(entry, pace, now = performance.now()) {
   const { id, stage } = entry;
-  const named = stages.find(({ name }) => name === stage)?.words;
-  const step = stage ? (named ?? stage.charAt(0).toUpperCase() + stage.slice(1)) : 'Waiting for its turn';
+  const step = stage ? (words.stages[stage] ?? stage.charAt(0).toUpperCase() + stage.slice(1)) : words.waiting;
   const share = shareOf(entry);
   const seconds = pace.left(id, share, now);
-  return { step, share, percent: share === undefined ? '' : percent(share), left: seconds === undefined ? '' : `${timeText(seconds)} left` };
+  return { step, share, percent: share === undefined ? '' : percent(share), left: seconds === undefined ? '' : words.left(timeText(seconds)) };
 }

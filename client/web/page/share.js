@@ -3,15 +3,16 @@
 import { authorization } from '../connection/access.js';
 import { problemOf } from '../connection/catalog.js';
 import { snapshotUrl } from '../protocol/view_words.js';
+import { strings } from './strings.js';
 
 /** Puts the address, which holds the view, into the clipboard. */
 export async function copyLink(overlays) {
   try {
     await navigator.clipboard.writeText(location.href);
-    overlays.toast('Link copied', 'It shows this very view.', 'done');
+    overlays.toast(strings.messages.linkCopied, strings.messages.linkCopiedDetail, 'done');
   } catch {
     // Without https, or without permission, the clipboard is out of reach; the address bar is not.
-    overlays.toast('The link is in the address bar', 'Copy it from there: it shows this very view.', 'done');
+    overlays.toast(strings.messages.linkInAddress, strings.messages.linkInAddressDetail, 'done');
   }
 }
 
@@ -23,9 +24,9 @@ export async function savePicture(cloud, view, { width, height }, overlays) {
     const url = URL.createObjectURL(await response.blob());
     Object.assign(document.createElement('a'), { href: url, download: `${cloud}.png` }).click();
     setTimeout(() => URL.revokeObjectURL(url), 10_000);
-    overlays.toast('Picture saved', `${cloud}.png, ${width} × ${height}`, 'done');
+    overlays.toast(strings.messages.pictureSaved, strings.messages.pictureSavedDetail(`${cloud}.png`, width, height), 'done');
   } catch (error) {
     const known = error.title !== undefined;
-    overlays.toast(known ? error.title : 'The picture could not be saved', known ? error.message : 'The server does not answer.');
+    overlays.toast(known ? error.title : strings.messages.pictureFailed, known ? error.message : strings.messages.noAnswer);
   }
 }

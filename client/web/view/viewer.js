@@ -19,16 +19,22 @@
 
 import { Session } from '../connection/session.js';
 import { styleKeys } from '../protocol/view_words.js';
+import { leastDistanceTo, mostDistanceTo } from './anchor.js';
 import { between, fit, fittedInto, fromProtocol, radiusOf, standardView } from './camera.js';
 import { CameraInput } from './camera_input.js';
 import { cameraOf, wireOf } from './camera_words.js';
+import { withMargin } from './margin.js';
 import { Picture } from './picture.js';
+import { remembering, seenFrom } from './seen.js';
 import { ViewState } from './view_state.js';
 
 /** What stays when somebody goes to another cloud, if he chose it: a way of drawing; nothing that only one of them may have. */
 const lastingKeys = ['method', 'param', 'shading', 'mirrors', 'behindMirrors', 'background', 'detail', 'colormap', 'budget', 'samples',
   'quality', 'subsampling'];
+/** Kinds of scenes below which there is nothing to be seen; one may walk around a thing below, too. */
+const groundKinds = ['airborne', 'street'];
 const flightMs = 260;
+const restMs = { free: 80, held: 300 }; // after its last step the camera is at rest; the hand may still be on it
 const loadingPollMs = 2000;
 const unitBox = { min: [-1, -1, -1], max: [1, 1, 1] };
 
@@ -61,17 +67,23 @@ export class Viewer extends EventTarget {
   #camera; // undefined until there is something to look at
   #flight; // { from, to, start } while the camera flies by itself
   #nextList; // timer of the next question for the list, while one is loading
-  #asked = new Map(); // seq → camera, of views whose pictures may still come
-  #onScreen; // { camera, seq }: from where the picture on the canvas was drawn
+  #asked = new Map(); // seq → { camera, stretch }, of views whose pictures may still come; stretch where they have a margin
+  #onScreen; // { camera, stretch, seq, depth }: from where the picture on the canvas was drawn, and its depth if it has any
+  #pictures = []; // what the latest pictures have seen of the surface (seen.js), the newest first
   #restore; // { cloud, camera, upAxis, style }: a view to begin with, once connected
   #moved = false; // by somebody; else the camera is the one that the server chose
   #styled = false; // the same of the style
   #firstWanted = 0; // frames of earlier views are not what the user asked for
   #scheduled = false;
   #lastTick = 0;
+  #steered = -Infinity; // when the camera made its last step
+  #hasMargins = true; // as long as the server draws them
 
   /** Whether dragging turns the head instead of the cloud. */
   looksAround = false;
+
+  /** Whether surfaces stop who moves; else he passes through them. */
+  collides = true;
 
   /** `freeSize(cssSize)`: the part of the canvas, in its middle, that nothing lies over; a fitted cloud fills that. */
   constructor(canvas, { freeSize = (size) => size } = {}) {
@@ -83,12 +95,15 @@ export class Viewer extends EventTarget {
       this.#wake();
     });
     this.#session = new Session({
-      state: (now) => this.#tell('connection', now),
+      state: (now) => {
+        this.#reproject(); // nothing newer is on its way where there is no connection
+        this.#tell('connection', now);
+      },
       catalog: (fresh) => this.#catalogCame(fresh),
       clouds: (fresh) => this.#cloudsCame(fresh),
       hello: () => {
         const { width, height, ratio } = this.#picture.size;
-        return { width, height, pixelRatio: Math.min(8, Math.max(0.25, ratio)) };
+        return { width, height, pixelRatio: Math.min(8, Math.max(0.25, ratio)), depth: true };
       },
       welcome: (message) => this.#welcome(message),
       frame: (frame) => this.#showFrame(frame),
@@ -100,7 +115,15 @@ export class Viewer extends EventTarget {
     this.#input = new CameraInput(canvas, {
       get camera() { return viewer.#session.connection ? viewer.#camera : undefined; },
       get size() { return viewer.#picture.cssSize; },
-      get closest() { return Math.max((viewer.#cloud?.spacing ?? 0) * 20, radiusOf(viewer.bounds) * 1e-4); },
+      get pictures() { return viewer.#pictures; },
+      get limits() {
+        const { bounds } = viewer;
+        const size = { bounds, spacing: viewer.#cloud?.spacing };
+        const hasGround = groundKinds.includes(viewer.#cloud?.look?.kind);
+        return { bounds, hasGround, least: leastDistanceTo(size), most: mostDistanceTo(size) };
+      },
+      get collides() { return viewer.collides; },
+      get calm() { return viewer.#calm.matches; },
       get looksAround() { return viewer.looksAround; },
       changeCamera: (next) => this.changeCamera(next),
       goTo: (next) => this.goTo(next, 'hand'),
@@ -239,6 +262,7 @@ export class Viewer extends EventTarget {
     this.#moved = true;
     this.#flight = undefined;
     this.#camera = next;
+    this.#steered = performance.now();
     this.#state.change({ camera: wireOf(next, this.bounds) });
     this.#tell('camera', { by });
     this.#tell('view', { by });
@@ -247,11 +271,13 @@ export class Viewer extends EventTarget {
 
   /** A jump, shown as a short flight so that one sees where it leads. */
   goTo(next, by = 'program') {
+    if (!this.#camera) return;
     this.#tell('jump');
     this.#flyTo(next, by);
   }
 
   #flyTo(next, by) {
+    this.#input.rest();
     if (this.#calm.matches) {
       this.changeCamera(next, by);
       return;
@@ -266,11 +292,24 @@ export class Viewer extends EventTarget {
     if (next && this.#camera) this.goTo(next);
   }
 
-  /** 'fit', 'top', 'front' or 'side': all of the cloud. */
+  /** One of the views that the cloud's look names, { camera, inside }: fitted to this canvas, unless it stands inside. */
+  showView({ camera, inside }) {
+    const next = fromProtocol(camera, this.#camera?.upAxis ?? 'z');
+    if (!next || !this.#camera) return;
+    this.goTo(inside ? next : fittedInto(next, this.#picture.cssSize, this.#freeSize()));
+  }
+
+  /** 'fit', 'first' (as the server would show it) or a name that standardView() knows: all of the cloud. */
   showStandardView(name) {
     if (!this.#camera || !this.#cloud) return;
     const room = [this.bounds, this.#picture.cssSize, this.#freeSize()];
-    this.goTo(name === 'fit' ? this.#everything(room) : standardView(this.#camera, name, ...room));
+    if (name === 'first') this.goTo(this.usualCamera(this.#cloud, this.#camera.upAxis));
+    else this.goTo(name === 'fit' ? this.#everything(room) : standardView(this.#camera, name, ...room));
+  }
+
+  /** Towards what is in the middle of the picture, or away from it. */
+  goToMiddle(away = false) {
+    this.#input.goToMiddle(away);
   }
 
   /** 'z', 'y' or '-y': from where the server would look, if that axis were up. */
@@ -356,6 +395,9 @@ export class Viewer extends EventTarget {
     this.#state.begin({ cloud: this.#cloud.id, camera: wireOf(this.#camera, this.bounds), width, height, ...style });
     this.#firstWanted = this.#session.connection?.nextSeq ?? 0;
     this.#asked.clear();
+    this.#pictures = [];
+    this.#input.rest();
+    this.#picture.showItself(true);
     this.#tell('cloud', this.#cloud);
     this.#tell('view', { by: 'server' });
     this.#wake();
@@ -374,9 +416,27 @@ export class Viewer extends EventTarget {
     const seconds = Math.min(0.1, Math.max(0, (now - this.#lastTick) / 1000));
     this.#lastTick = now;
     if (this.#flight) this.#fly();
-    else if (this.#input.keysAreHeld && this.#camera) this.changeCamera(this.#input.advance(this.#camera, seconds));
+    else if (this.#input.isMoving && this.#camera) this.changeCamera(this.#input.advance(this.#camera, seconds, now));
     this.#send();
-    if (this.#flight || this.#input.keysAreHeld || (this.#session.connection && this.#state.hasNews())) this.#wake();
+    this.#reproject();
+    const isOwed = this.#session.connection && (this.#isSteered || this.#state.hasNews());
+    if (this.#flight || this.#input.isMoving || isOwed) this.#wake();
+  }
+
+  get #isSteered() {
+    return performance.now() - this.#steered < (this.#input.isDragging ? restMs.held : restMs.free);
+  }
+
+  /** What to ask for: what is wanted, and around it, while the camera moves, what may come into view next. */
+  #wantedNow() {
+    const isMoving = this.#isSteered && this.#hasMargins && !this.#calm.matches;
+    return (isMoving && withMargin(this.view, this.#picture.mostPixels)) || { view: this.view };
+  }
+
+  /** While the picture from here is on its way, the last one as it would look from here. */
+  #reproject() {
+    if (this.#camera && this.#session.connection && !this.#calm.matches) this.#picture.lookFrom(this.#camera, this.bounds);
+    else this.#picture.showItself();
   }
 
   #fly() {
@@ -392,10 +452,11 @@ export class Viewer extends EventTarget {
     const { connection } = this.#session;
     // While the line is full, requests overwrite each other here: the next tick sends the newest.
     if (!connection || !this.#camera || connection.congested) return;
-    const changes = this.#state.take(connection.nextSeq);
+    const { view, stretch } = this.#wantedNow();
+    const changes = this.#state.take(connection.nextSeq, view);
     if (!changes) return;
     const seq = connection.sendView(changes);
-    this.#asked.set(seq, this.#camera);
+    this.#asked.set(seq, { camera: this.#camera, stretch });
     this.#canvas.dataset.asked = String(seq);
     this.#tell('asked', { seq });
   }
@@ -405,15 +466,19 @@ export class Viewer extends EventTarget {
   async #showFrame(frame) {
     const { connection } = this.#session;
     try {
-      if (frame.seq >= this.#firstWanted && (await this.#picture.show(frame))) {
+      const { camera, stretch } = this.#asked.get(frame.seq) ?? this.#onScreen ?? {};
+      const from = camera && { camera, bounds: this.bounds, stretch };
+      if (frame.seq >= this.#firstWanted && (await this.#picture.show(frame, from))) {
+        this.#reproject();
         this.#state.shown(frame.seq);
-        this.#onScreen = { camera: this.#asked.get(frame.seq) ?? this.#onScreen?.camera, seq: frame.seq };
+        this.#onScreen = { camera, stretch, seq: frame.seq, depth: this.#picture.depth };
+        this.#see(camera);
         for (const seq of this.#asked.keys()) {
           if (seq < frame.seq) this.#asked.delete(seq);
         }
         this.#canvas.dataset.shown = String(frame.seq);
         this.#canvas.dataset.frame = String(frame.frameId);
-        this.#tell('frame', { ...frame, current: frame.seq === connection?.nextSeq - 1 });
+        this.#tell('frame', { ...frame, current: frame.seq === connection?.nextSeq - 1 && !stretch });
       }
     } catch {
       this.#tell('unreadable');
@@ -422,9 +487,22 @@ export class Viewer extends EventTarget {
     connection?.acknowledge(frame.frameId);
   }
 
+  /** What the picture that has just been drawn says of the surface, for the hand. */
+  #see(camera) {
+    const { depth, pose } = this.#picture;
+    if (depth && pose) this.#pictures = remembering(this.#pictures, seenFrom(camera, depth, pose));
+  }
+
   #refused(message) {
-    this.#tell('problem', message.problem);
     const { seq } = message;
+    if (this.#asked.get(seq)?.stretch) {
+      // It may be the margin that is too much, and nobody but this page asked for that.
+      this.#hasMargins = false;
+      this.#state.resend();
+      this.#wake();
+      return;
+    }
+    this.#tell('problem', message.problem);
     if (seq === undefined || !this.#cloud) return;
     const sound = { ...this.view, ...usualStyle(this.#cloud), camera: wireOf(this.usualCamera(), this.bounds) };
     if (!this.#state.refused(seq, sound)) return;

@@ -15,8 +15,8 @@
 #include "server/catalog/describe.hpp"
 #include "server/net/api/mjpeg_request.hpp"
 #include "server/net/api/negotiate.hpp"
-#include "server/net/api/page.hpp"
 #include "server/net/api/picture_request.hpp"
+#include "server/net/page/file_answer.hpp"
 #include "server/scheduler/picture_bytes.hpp"
 
 namespace scancast {
@@ -78,19 +78,6 @@ HttpResponse refusal(Problem problem, const Routed& routed) {
     return problemResponse(problem);
 }
 
-HttpResponse fileResponse(const HttpRequest& request, const Asset& file) {
-    const std::string tag = contentTag(file.bytes);
-    HttpResponse response;
-    response.set("ETag", tag).set("Cache-Control", "no-cache");
-    if (matchesAny(request.header("if-none-match"), tag)) {
-        response.status = 304;
-        return response;
-    }
-    response.set("Content-Type", std::string(contentTypeOf(file.path)));
-    response.text = std::string(file.bytes);
-    return response;
-}
-
 /// The body of a POST that drives a session: a `view` message, whose `type` and `seq` may be left out.
 Expected<messages::ViewChange> parseViewChange(const std::string& body, std::uint64_t seq) {
     auto object = parseJson(body);
@@ -111,6 +98,7 @@ Api::Api(ApiOptions options, const Catalog& catalog, CloudAdmin& admin, const Se
          Scheduler& scheduler, Metrics& metrics)
     : options_(std::move(options)),
       probeRules_{options_.probesHost, {}, options_.origins.allowedHosts},
+      frameAncestors_(frameAncestors(options_.origins)),
       access_(options_.tokens),
       failedLogins_([](const std::string& line) { spdlog::warn("{}", line); }),
       catalog_(catalog),
@@ -133,13 +121,18 @@ struct Api::Answers {
     const VisibleClouds clouds_ = visibleTo(routed.grant.identity, api.catalog_);
 
     HttpResponse asset() const {
-        HttpResponse response = fileResponse(request, *findAsset(routed.path));
-        response.set("Content-Security-Policy", std::string(contentSecurityPolicy))
+        HttpResponse response = fileAnswer(request, *findAsset(routed.path));
+        // Whoever may show the page in a frame may load its parts: a module, a style sheet.
+        response.set("Content-Security-Policy", pagePolicy(api.frameAncestors_))
+            .set("Cross-Origin-Resource-Policy",
+                 api.options_.origins.allowedOrigins.empty() ? "same-origin" : "cross-origin")
             .set("Referrer-Policy", "no-referrer");
         return response;
     }
 
-    HttpResponse apiDescription() const { return fileResponse(request, scancast::apiDescription().front()); }
+    HttpResponse apiDescription() const {
+        return fileAnswer(request, {&scancast::apiDescription().files.front(), false});
+    }
 
     // What a GET would begin; its words are looked at, but no session is opened.
     HttpResponse mjpegHead() const {

@@ -7,13 +7,14 @@ import { base64url } from '../../../client/web/connection/access.js';
 import { wheelPixels } from '../../../client/web/view/camera_input.js';
 import { closeWords } from '../../../client/web/connection/connection.js';
 import { guestOf, renewIn } from '../../../client/web/connection/guest.js';
-import { amount, FrameClock } from '../../../client/web/page/hud.js';
+import { FrameClock } from '../../../client/web/page/hud.js';
 import { labelOf, sliderScale } from '../../../client/web/page/parameter_fields.js';
 import { altOf, factsOf, fittedScale, mostZoom, photosText, sizeText } from '../../../client/web/page/photos.js';
 import { outside, rangeRefusal } from '../../../client/web/page/number_field.js';
 import { Pace, progressWords, shareOf, timeText } from '../../../client/web/page/progress.js';
 import { pictureSize } from '../../../client/web/view/picture.js';
 import { backOff } from '../../../client/web/connection/session.js';
+import { amount } from '../../../client/web/page/strings.js';
 import { labelOfStation } from '../../../client/web/page/stations.js';
 
 describe('base64url', () => {
@@ -72,9 +73,10 @@ describe('sliderScale', () => {
 
 describe('words for people', () => {
   it('name parameters', () => {
-    assert.equal(labelOf({ name: 'sizePx', unit: 'px' }), 'Size');
-    assert.equal(labelOf({ name: 'minPx', unit: 'px' }), 'Smallest');
+    assert.equal(labelOf({ name: 'sizePx', unit: 'px' }), 'Point size');
+    assert.equal(labelOf({ name: 'minPx', unit: 'px' }), 'Minimum size');
     assert.equal(labelOf({ name: 'edgeSharpness' }), 'Edge sharpness');
+    assert.equal(labelOf({ name: 'edgeWidthPx', unit: 'px' }), 'Edge width');
   });
 
   it('say amounts', () => {
@@ -138,7 +140,7 @@ describe('a field for a number', () => {
   it('says why it refuses', () => {
     const parameter = { min: 0.01, max: 100, unit: 'px' };
     assert.deepEqual([0, 101, NaN, 5].map((value) => outside(value, parameter)), ['At least 0.01 px.', 'At most 100 px.', 'Enter a number.', '']);
-    assert.equal(rangeRefusal([2, 2]), 'The low end must be below the high end.');
+    assert.equal(rangeRefusal([2, 2]), 'The minimum must be less than the maximum.');
     for (const ends of [[1, 2], [NaN, 2], [1, NaN]]) assert.equal(rangeRefusal(ends), '');
   });
 });

@@ -23,7 +23,8 @@ class RecordingPort final : public StreamPort {
     };
 
     void sendText(std::string text) override { texts.push_back(json::parse(text)); }
-    void sendFrame(const FrameHeader& header, std::shared_ptr<const Bytes>) override {
+    void sendFrame(const FrameHeader& header, std::shared_ptr<const Bytes>,
+                   std::shared_ptr<const Bytes>) override {
         frames.push_back(header);
         if (onFrame) onFrame(header);
     }

@@ -10,6 +10,8 @@ import { guestOf, renewIn } from '../../../client/web/connection/guest.js';
 import { FrameClock } from '../../../client/web/page/hud.js';
 import { labelOf, sliderScale } from '../../../client/web/page/parameter_fields.js';
 import { altOf, factsOf, fittedScale, mostZoom, photosText, sizeText } from '../../../client/web/page/photos.js';
+import { outside, rangeRefusal } from '../../../client/web/page/number_field.js';
+import { Pace, progressWords, shareOf, timeText } from '../../../client/web/page/progress.js';
 import { pictureSize } from '../../../client/web/view/picture.js';
 import { backOff } from '../../../client/web/connection/session.js';
 import { amount } from '../../../client/web/page/strings.js';
@@ -107,6 +109,39 @@ describe('FrameClock', () => {
     for (let seq = 1; seq <= 5000; ++seq) clock.asked(seq, seq);
     clock.drawn(1, 6000); // long forgotten
     assert.ok(Number.isNaN(clock.latency));
+  });
+});
+
+describe('progress', () => {
+  it('is of everything that is to be done, not of the step', () => {
+    const said = [['reading', 0], ['reading', 1], ['sorting', 0.5], ['building', 0], ['building', 1], ['finishing', 1]]
+      .map(([stage, progress]) => shareOf({ stage, progress }));
+    assert.ok(said.every((share, i) => i === 0 || share >= said[i - 1]), 'it never goes back');
+    assert.equal(said[0], 0);
+    assert.ok(Math.abs(said.at(-1) - 1) < 1e-9);
+    assert.equal(shareOf({ stage: 'thinking', progress: 0.3 }), 0.3);
+    assert.equal(shareOf({}), undefined);
+  });
+
+  it('tells how long it takes once that can be known, by how it went', () => {
+    const pace = new Pace();
+    const at = (progress, seconds, id = 'a') => progressWords({ id, stage: 'thinking', progress }, pace, seconds * 1000);
+    assert.deepEqual(at(0.2, 0), { step: 'Thinking', share: 0.2, percent: '20 %', left: '' });
+    assert.equal(at(0.21, 10).left, '', 'too little to judge by');
+    assert.equal(at(0.4, 20).left, 'about a minute left'); // 0.01 a second, 0.6 to go
+    assert.equal(at(0.4, 21, 'b').left, '', 'of another cloud nothing is known');
+    assert.deepEqual(progressWords({ id: 'c' }, pace, 0), { step: 'Waiting for its turn', share: undefined, percent: '', left: '' });
+    assert.deepEqual([3, 34, 90, 60 * 44, 60 * 70, 3600 * 5].map(timeText),
+      ['a few seconds', 'about 30 seconds', 'about 2 minutes', 'about 44 minutes', 'about an hour', 'about 5 hours']);
+  });
+});
+
+describe('a field for a number', () => {
+  it('says why it refuses', () => {
+    const parameter = { min: 0.01, max: 100, unit: 'px' };
+    assert.deepEqual([0, 101, NaN, 5].map((value) => outside(value, parameter)), ['At least 0.01 px.', 'At most 100 px.', 'Enter a number.', '']);
+    assert.equal(rangeRefusal([2, 2]), 'The minimum must be less than the maximum.');
+    for (const ends of [[1, 2], [NaN, 2], [1, NaN]]) assert.equal(rangeRefusal(ends), '');
   });
 });
 

@@ -212,9 +212,7 @@ theme.show(chosenTheme());
 
 function toggleColliding() {
   viewer.collides = !viewer.collides;
-  const [title, detail] = viewer.collides
-    ? ['Surfaces stop you', 'You cannot walk or fall through them.']
-    : ['You pass through surfaces', 'Press C again to stop at them.'];
+  const [title, detail] = viewer.collides ? strings.messages.stops : strings.messages.passes;
   overlays.toast(title, detail, 'done');
 }
 

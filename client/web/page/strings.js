@@ -7,7 +7,7 @@
 /** 1234567 → "1.2 million". Pure. */
 export function amount(value) {
   if (!Number.isFinite(value)) return '–';
-  for (const [size, word] of [[1e9, 'billion'], [1e6, 'million']]) {
+  for (const { size, word } of [{ size: 1e9, word: 'billion' }, { size: 1e6, word: 'million' }]) {
     if (value >= size) return `${(value / size).toPrecision(value >= 100 * size ? 3 : 2)} ${word}`;
   }
   return Math.round(value).toLocaleString('en');
@@ -108,7 +108,7 @@ export const strings = {
     allMethods: 'All methods',
     tuning: 'Fine-tuning',
     needs: (what) => `needs ${what}`,
-    notOffered: 'This server has no such method.',
+    notOffered: 'not offered by this server',
     sharpNote: 'Crisp textures and edges; the best method for this scan is chosen for you.',
     smoothNote: 'Continuous surfaces: neighbouring points are blended.',
     rawNote: 'Every point as it was measured, one pixel each.',
@@ -134,7 +134,9 @@ export const strings = {
     legend: 'Classes in this scan',
     classNumber: (number) => `Class ${number}`,
     notInScan: 'not in this scan',
+    notInScanAre: (names) => `Not in this scan: ${names}.`,
     onlyReconstructed: 'only with the method “Reconstructed surface”',
+    hiddenPoints: 'Hidden points are shown by the method “Reconstructed surface” only.',
     byIntensity: 'Shade by intensity',
   },
 
@@ -155,6 +157,8 @@ export const strings = {
     mouse: (looks) => [['Drag', looks ? 'to look around' : 'to orbit'], ['right-drag', 'to pan'], ['scroll', 'to zoom'], ['double-click', 'to go there'], ['?', 'for help']],
     touch: (looks) => [['One finger', looks ? 'to look around' : 'to orbit'], ['two', 'to pan, zoom and turn'], ['double-tap', 'to go there']],
   },
+
+  hud: { tip: 'State of the picture' },
 
   presentation: {
     leave: 'Leave presentation mode',
@@ -188,6 +192,8 @@ export const strings = {
     pictureSavedDetail: (name, width, height) => `${name}, ${width} × ${height} pixels`,
     pictureFailed: 'The picture could not be saved',
     noAnswer: 'The server is not responding.',
+    stops: ['Collision on', 'You cannot walk or fall through surfaces.'],
+    passes: ['Collision off', 'You pass through surfaces. Press C to switch collision back on.'],
   },
 
   /** What the methods' parameters are called; those that are not here are called what the server calls them. */
@@ -202,6 +208,7 @@ export const strings = {
 /** 'panel.title' → what is said there; undefined where there is nothing. Pure. */
 export const stringAt = (path) => path.split('.').reduce((at, key) => (at && Object.hasOwn(at, key) ? at[key] : undefined), strings);
 
+/** @type {[string, (node: any, words: string) => void][]} */
 const places = [
   ['text', (node, words) => { node.textContent = words; }],
   ['label', (node, words) => node.setAttribute('aria-label', words)],

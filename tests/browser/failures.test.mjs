@@ -270,7 +270,7 @@ describe('the page, when things go wrong', { timeout: 120_000 }, () => {
     await waitUntilSharp(page);
     const nameless = await page.evaluate(() =>
       [...document.querySelectorAll('button, input, select, summary, canvas')]
-        .filter((node) => !node.closest('[hidden]') && !(node.labels?.length || node.getAttribute('aria-label') || node.textContent.trim() || node.title))
+        .filter((node) => !node.closest('[hidden], [aria-hidden="true"]') && !(node.labels?.length || node.getAttribute('aria-label') || node.textContent.trim() || node.title))
         .map((node) => node.outerHTML));
     assert.deepEqual(nameless, []);
   });

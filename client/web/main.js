@@ -17,7 +17,7 @@ import { asksToPresent, Presentation } from './page/presentation.js';
 import { showScan } from './page/scan_facts.js';
 import { copyLink, savePicture } from './page/share.js';
 import { Stations } from './page/stations.js';
-import { amount, fillStrings, strings } from './page/strings.js';
+import { fillStrings, strings } from './page/strings.js';
 import { chooseTheme, chosenTheme, themes } from './page/themes.js';
 import { ToolRail } from './page/tools.js';
 import { parseHash, printHash } from './page/view_hash.js';
@@ -64,7 +64,7 @@ const photos = new Photos((place) => viewer.goToPlace(place), () => viewer.pictu
 const stations = new Stations((station) => {
   viewer.goToPlace(station.view.camera);
   photos.at(station);
-}, amount);
+});
 
 // ---- what the viewer tells
 

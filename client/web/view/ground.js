@@ -75,22 +75,24 @@ function groundBelow(pictures, point, up, range) {
 /** The height below which there surely is nothing, of a cloud that stands on a ground. */
 const deepestOf = ({ bounds, hasGround }, up) => (hasGround ? Math.min(...corners(bounds).map((corner) => dot(corner, up))) : -Infinity);
 
-/** By how much the eye has to be lifted, on its way from one camera to another, to stay `least` above the ground. */
-export function liftOf(pictures, before, after, limits) {
-  const { least } = limits;
+/** Who does not walk may come nearer to the ground than a walker's eye is: a part of the least distance to a surface. */
+const lowest = 0.25;
+
+/** By how much the eye has to be lifted, on its way from one camera to another, to stay so much above the ground. */
+export function liftOf(pictures, before, after, limits, clearance = lowest * limits.least) {
   const up = upwards(after);
   const [from, to] = [dot(eyeOf(before), up), dot(eyeOf(after), up)];
   const drop = from - to;
   if (!(drop > 0) || after.projection === 'orthographic') return 0;
   const above = add(eyeOf(after), scale(up, drop));
-  const ground = groundBelow(pictures, above, up, drop + least) ?? deepestOf(limits, up);
+  const ground = groundBelow(pictures, above, up, drop + clearance) ?? deepestOf(limits, up);
   // Who is nearer to the ground already stays where he is; nobody is thrown up.
-  return ground <= from ? Math.max(0, Math.min(ground + least, from) - to) : 0;
+  return ground <= from ? Math.max(0, Math.min(ground + clearance, from) - to) : 0;
 }
 
 /** The camera after a move that must not lead through the ground: lifted by as much as it takes. */
-export function lifted(pictures, before, after, limits) {
-  const lift = liftOf(pictures, before, after, limits);
+export function lifted(pictures, before, after, limits, clearance = undefined) {
+  const lift = liftOf(pictures, before, after, limits, clearance);
   return lift > 0 ? move(after, { up: lift }) : after;
 }
 
@@ -124,13 +126,13 @@ export function walk(pictures, camera, steps, limits) {
   const wanted = move(camera, { ...steps, ahead });
   const free = stopped(pictures, camera, wanted, limits);
   const up = upwards(camera);
-  const next = lifted(pictures, camera, free, limits);
+  const next = lifted(pictures, camera, free, limits, limits.least);
   // Where the ground is in the way, one goes on along it.
   const shift = subtract(wanted.target, camera.target);
   const rise = dot(shift, up);
   if (rise >= 0 || length(subtract(next.target, camera.target)) > 0.2 * length(shift)) return next;
   const level = move(wanted, { up: -rise });
-  return lifted(pictures, camera, stopped(pictures, camera, level, limits), limits);
+  return lifted(pictures, camera, stopped(pictures, camera, level, limits), limits, limits.least);
 }
 
 /** Of the way between two cameras the part that ends before the surface, each step half of what is left. */

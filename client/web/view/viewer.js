@@ -424,7 +424,7 @@ export class Viewer extends EventTarget {
   }
 
   get #isSteered() {
-    return performance.now() - this.#steered < (this.#input.isDragging ? restMs.held : restMs.free);
+    return performance.now() - this.#steered < (this.#input.isHeld ? restMs.held : restMs.free);
   }
 
   /** What to ask for: what is wanted, and around it, while the camera moves, what may come into view next. */

@@ -11,10 +11,10 @@ export class HandPage {
   #url;
 
   /** `server` answers picks, `url` is the page's address: the same, or a proxy's before it. */
-  static async open(browser, url, server = url, hash = '') {
+  static async open(browser, url, server = url, hash = '', options = {}) {
     const one = new HandPage();
     one.#url = server;
-    one.page = await openPage(browser, 'about:blank', { viewport: size });
+    one.page = await openPage(browser, 'about:blank', { viewport: size, ...options });
     one.wire = new Wire(one.page);
     await one.page.goto(url + hash);
     await waitUntilSharp(one.page, 60_000);

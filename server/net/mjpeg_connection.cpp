@@ -131,7 +131,7 @@ class MjpegConnection final : public SessionHost {
         setUpSocket();
         keepTime();
         read();
-        writeHead();
+        writeHead(*asked);
     }
 
     void setUpSocket() {
@@ -148,12 +148,13 @@ class MjpegConnection final : public SessionHost {
         set(IPPROTO_TCP, TCP_KEEPCNT, 2);
     }
 
-    void writeHead() {
+    void writeHead(const MjpegRequest& asked) {
         HttpResponse response;
         response.set("Content-Type", std::string(mjpegMediaType))
             .set("Cache-Control", "no-store")
             .set("Scancast-Session", sessionId())
             .set("X-Accel-Buffering", "no");
+        sayMethod(response, asked);
         context_.api.complete(request_, pattern(routed_.route), response);
         text_ = headText(response) + "\r\n--scancast\r\n";
         write(asio::buffer(text_), std::nullopt);

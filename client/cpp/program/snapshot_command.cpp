@@ -22,6 +22,13 @@ Expected<PictureFormat> formatOf(const std::string& path) {
                 "the name " + path + " does not end in .jpg or .png, so its format is not known");
 }
 
+/// ", drawn as disc (it has normals)"; empty where the server does not say.
+std::string drawnAs(const Snapshot& picture) {
+    if (picture.method.empty()) return {};
+    const std::string why = picture.methodReason.empty() ? "" : " (" + picture.methodReason + ")";
+    return ", drawn as " + picture.method + why;
+}
+
 Expected<void> run(const SnapshotFlags& flags) {
     const auto format = formatOf(flags.output);  // sound: the flag's check has said so
     if (!format) return passOn(format);
@@ -48,8 +55,8 @@ Expected<void> run(const SnapshotFlags& flags) {
               cloud->c_str());
         return {};
     }
-    sayOn(stdout, "%s: %zu bytes of %s, ETag %s\n", flags.output.c_str(), picture->bytes.size(),
-          cloud->c_str(), picture->etag.c_str());
+    sayOn(stdout, "%s: %zu bytes of %s%s, ETag %s\n", flags.output.c_str(), picture->bytes.size(),
+          cloud->c_str(), drawnAs(*picture).c_str(), picture->etag.c_str());
     return {};
 }
 

@@ -33,8 +33,12 @@ std::string headText(const HttpResponse& response) {
 
 std::string partHead(const FrameHeader& header) {
     return fmt::format(
-        "Content-Type: image/jpeg\r\nContent-Length: {}\r\nScancast-Frame: {}\r\nScancast-Seq: {}\r\n"
-        "Scancast-Kind: {}\r\n{}\r\n",
+        "Content-Type: image/jpeg\r\n"
+        "Content-Length: {}\r\n"
+        "Scancast-Frame: {}\r\n"
+        "Scancast-Seq: {}\r\n"
+        "Scancast-Kind: {}\r\n"
+        "{}\r\n",
         header.pictureLength, header.frameId, header.seq,
         header.final   ? "final"
         : header.still ? "still"
@@ -117,7 +121,7 @@ class MjpegConnection final : public SessionHost {
         options.window = 1;
         options.endsWithLeader = true;
         if (context_.scheduler.draining())
-            return refuse(problemOf(503, "The server is shutting down; try another one, or later."));
+            return refuse(problemOf(503, "The server is shutting down; try again later."));
         if (!openSession(ClientKind::Mjpeg, std::move(options)))
             return refuse(problemOf(503, "All sessions are taken; try again later."));
         if (session()->closed()) return;  // its token was withdrawn at this very moment

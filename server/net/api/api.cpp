@@ -407,7 +407,7 @@ void Api::answer(const HttpRequest& request, const Routed& routed, Respond respo
                  const std::stop_token& gone) const {
     if (infoOf(routed.route).json && !accepts(request.header("accept"), "application/json")) {
         return respond(refusal(
-            problemOf(406, "This address answers with JSON, which the Accept header rules out."), routed));
+            problemOf(406, "This address answers in JSON, which the Accept header rules out."), routed));
     }
     const Answers answers{*this, request, routed, gone};
     switch (routed.route) {

@@ -7,7 +7,7 @@
 /** 1234567 → "1.2 million". Pure. */
 export function amount(value) {
   if (!Number.isFinite(value)) return '–';
-  for (const [size, word] of [[1e9, 'billion'], [1e6, 'million']]) {
+  for (const { size, word } of [{ size: 1e9, word: 'billion' }, { size: 1e6, word: 'million' }]) {
     if (value >= size) return `${(value / size).toPrecision(value >= 100 * size ? 3 : 2)} ${word}`;
   }
   return Math.round(value).toLocaleString('en');
@@ -23,6 +23,7 @@ export const strings = {
     pointCloudNamed: (title) => `Point cloud: ${title}`,
     titled: (title) => `${title} · Scancast`,
     points: (count) => counted(count, 'point'),
+    pointsSoFar: (count) => `${counted(count, 'point')} so far`,
   },
 
   actions: {
@@ -107,8 +108,11 @@ export const strings = {
     raw: 'Raw',
     allMethods: 'All methods',
     tuning: 'Fine-tuning',
+    chosen: (method, reason) => `Chosen for this scan: ${method}. ${reason}.`,
+    automatic: (method) => `${method} (automatic)`,
+    automaticIs: (automatic, method) => `${automatic} (${method})`,
     needs: (what) => `needs ${what}`,
-    notOffered: 'This server has no such method.',
+    notOffered: 'not offered by this server',
     sharpNote: 'Crisp textures and edges; the best method for this scan is chosen for you.',
     smoothNote: 'Continuous surfaces: neighbouring points are blended.',
     rawNote: 'Every point as it was measured, one pixel each.',
@@ -134,7 +138,9 @@ export const strings = {
     legend: 'Classes in this scan',
     classNumber: (number) => `Class ${number}`,
     notInScan: 'not in this scan',
+    notInScanAre: (names) => `Not in this scan: ${names}.`,
     onlyReconstructed: 'only with the method “Reconstructed surface”',
+    hiddenPoints: 'Hidden points are shown by the method “Reconstructed surface” only.',
     byIntensity: 'Shade by intensity',
   },
 
@@ -156,8 +162,45 @@ export const strings = {
     touch: (looks) => [['One finger', looks ? 'to look around' : 'to orbit'], ['two', 'to pan, zoom and turn'], ['double-tap', 'to go there']],
   },
 
+  hud: { tip: 'State of the picture' },
+
   presentation: {
     leave: 'Leave presentation mode',
+  },
+
+  photos: {
+    many: (count) => `${count.toLocaleString('en')} ${count === 1 ? 'photo' : 'photos'}`,
+    button: (count) => `Photos (${count.toLocaleString('en')})`,
+    count: (number, all) => `${number.toLocaleString('en')} of ${all.toLocaleString('en')}`,
+    takenHere: (count, station) => `Show ${strings.photos.many(count)} taken at ${station}`,
+    takenAt: (station) => `taken at ${station}`,
+    alt: (kind, name) => `The ${kind} ${name}`,
+    kinds: { spherical: 'panorama', cylindrical: 'panorama', pinhole: 'photo', visual: 'picture' },
+    title: 'Photos',
+    close: 'Close the photos',
+    closeTip: 'Close (Esc)',
+    loading: 'Loading…',
+    loadingSize: (size) => `Loading ${size}…`,
+    gone: 'The server no longer has photos of this point cloud.',
+    unreadable: 'This photo cannot be shown',
+    unreadableDetail: 'The browser cannot read the picture that came with the scan.',
+    noAnswer: 'The photo could not be loaded: the server is not responding.',
+    retry: 'Try again',
+    previous: 'Previous photo',
+    previousTip: 'Previous (←)',
+    next: 'Next photo',
+    nextTip: 'Next (→)',
+    smaller: 'Zoom out',
+    smallerTip: 'Zoom out (−)',
+    larger: 'Zoom in',
+    largerTip: 'Zoom in (+)',
+    open: 'Open in a new tab',
+    go: 'Look from here',
+    goTip: 'Look at the point cloud from where this photo was taken',
+  },
+
+  stations: {
+    choose: 'Go to a scan position…',
   },
 
   facts: {
@@ -174,9 +217,69 @@ export const strings = {
     units: { metre: 'm', meter: 'm', foot: 'ft', 'us survey foot': 'ft (US)' },
   },
 
+  /** What stands in place of the picture. */
+  cover: {
+    connecting: 'Connecting…',
+    progress: 'Loading',
+    loading: (names) => `Loading ${names}`,
+    andMore: (name, count, other) => `${name} and ${count === 1 ? other : `${count} more`}`,
+    empty: 'No point cloud yet',
+    emptyDetail: 'The server is running, but has no scan to show. Start it with one:',
+    failed: (name) => `${name} could not be loaded`,
+    failedAll: 'Nothing could be loaded',
+    failedUnknown: 'The server’s log says why.',
+    failedAdvice: 'Once the file has been replaced and the server has read it again, the point cloud will appear here.',
+    gone: (name) => `${name} is no longer here`,
+    goneDetail: 'The server has removed it, or can no longer read it. If it comes back, it will appear here.',
+    unknown: (id) => `There is no point cloud named “${id}”`,
+    unknownDetail: 'This server does not have it: it may have been removed or renamed, or not have been added yet. Once it is there, it will appear here.',
+    lost: 'Connection lost',
+    againIn: (seconds) => `Trying again in ${seconds} seconds.`,
+    again: 'Trying again…',
+    retry: 'Try again',
+    retryNow: 'Try now',
+    others: 'Other point clouds on this server',
+  },
+
+  token: {
+    detail: 'You need an access token to see the scans on this server. Ask whoever runs it for one.',
+    refused: 'That token was not accepted. Ask whoever runs this server.',
+    guest: 'This link is no longer valid',
+    guestDetail: 'Ask whoever sent it to you for a new one. If you have an access token, you can use that instead.',
+    label: 'Access token',
+    show: 'Show',
+    showLabel: 'Show the token',
+    hide: 'Hide',
+    hideLabel: 'Hide the token',
+    remember: 'Remember on this device',
+    open: 'Open',
+    forget: 'Forget access token',
+    forgetTip: 'Removes the access token from this browser',
+  },
+
+  progress: {
+    coarse: (percent) => `Coarse: still loading${percent && `, ${percent}`}`,
+    waiting: 'Waiting for its turn',
+    stages: { reading: 'Reading the scan', sorting: 'Sorting the points', building: 'Building the levels of detail', finishing: 'Finishing' },
+    left: (time) => `${time} left`,
+    fewSeconds: 'a few seconds',
+    seconds: (count) => `about ${count} seconds`,
+    minute: 'about a minute',
+    minutes: (count) => `about ${count} minutes`,
+    hour: 'about an hour',
+    hours: (count) => `about ${count} hours`,
+  },
+
+  /** Why a field does not take what was typed. */
+  refusals: {
+    noNumber: 'Enter a number.',
+    least: (value) => `At least ${value}.`,
+    most: (value) => `At most ${value}.`,
+    range: 'The minimum must be less than the maximum.',
+    server: 'The server did not accept this value.',
+  },
+
   messages: {
-    unknownCloud: 'Point cloud not found',
-    unknownCloudDetail: (id) => `This server has no point cloud named “${id}”, so another one is shown.`,
     refused: 'The server refused the request',
     unreadable: 'A picture could not be read',
     unreadableDetail: 'The next one will replace it.',
@@ -188,6 +291,8 @@ export const strings = {
     pictureSavedDetail: (name, width, height) => `${name}, ${width} × ${height} pixels`,
     pictureFailed: 'The picture could not be saved',
     noAnswer: 'The server is not responding.',
+    stops: ['Collision on', 'You cannot walk or fall through surfaces.'],
+    passes: ['Collision off', 'You pass through surfaces. Press C to switch collision back on.'],
   },
 
   /** What the methods' parameters are called; those that are not here are called what the server calls them. */
@@ -202,6 +307,7 @@ export const strings = {
 /** 'panel.title' → what is said there; undefined where there is nothing. Pure. */
 export const stringAt = (path) => path.split('.').reduce((at, key) => (at && Object.hasOwn(at, key) ? at[key] : undefined), strings);
 
+/** @type {[string, (node: any, words: string) => void][]} */
 const places = [
   ['text', (node, words) => { node.textContent = words; }],
   ['label', (node, words) => node.setAttribute('aria-label', words)],

@@ -59,6 +59,11 @@ export class CameraInput {
     addEventListener('blur', () => this.#keys.clear());
   }
 
+  /** Whether a hand is on it. */
+  get isHeld() {
+    return this.#fingers.count > 0;
+  }
+
   /** Whether advance() has something to do. */
   get isMoving() {
     return this.#keys.areHeld || this.#glide !== undefined || Math.abs(this.#wheel?.left ?? 0) > 0;

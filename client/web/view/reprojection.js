@@ -10,6 +10,7 @@ import { backdropScale, placeToClip, seesTheSame, similarityOf } from './pose.js
 const patience = 10; // slow ones in a row
 /** Share of the picture's pixels in each direction, and what more milliseconds than these are for it: too slow. */
 const levels = [{ share: 1, slowMs: 25 }, { share: 0.5, slowMs: 50 }];
+const fastMs = 8;
 const pauseMs = 10_000; // after which it is tried again where even the last one was too slow
 
 /** Put into the document by `canvas`, whose place and size it takes. */
@@ -36,7 +37,9 @@ export class Reprojection {
   #slow = 0;
   #level = 0;
   #pausedUntil = -Infinity;
+  #fast = 0; // the same of fast ones
   #pending; // { fence, start } of one that the graphics processor has not finished
+  #owed; // from where to show it as soon as that is finished
 
   /** What the newest one took, in milliseconds, from its first command to its last pixel; undefined before any has been measured. */
   milliseconds;
@@ -72,6 +75,7 @@ export class Reprojection {
   }
 
   hide() {
+    this.#owed = undefined;
     this.#over.style.visibility = 'hidden';
   }
 
@@ -84,6 +88,11 @@ export class Reprojection {
     const frame = this.#frame;
     if (!frame?.pose || performance.now() < this.#pausedUntil || seesTheSame(frame.pose, wanted)) {
       this.hide();
+      return;
+    }
+    this.#owed = undefined;
+    if (this.#program && !this.#isFinished()) {
+      this.#owed = wanted; // no queue of old pictures
       return;
     }
     const drawn = this.#context ? this.#scale(frame, wanted) : this.#warp(frame, wanted);
@@ -102,8 +111,6 @@ export class Reprojection {
 
   #warp(frame, wanted) {
     if (!this.#program) return false;
-    this.#measure();
-    if (this.#pending) return this.isVisible; // the one before is not finished: no queue of old pictures
     const start = performance.now();
     this.#adoptSize();
     if (!this.#isLoaded) this.#program.load(frame);
@@ -111,23 +118,36 @@ export class Reprojection {
     this.#program.draw(placeToClip(frame.pose, wanted, this.#program.depths), backdropScale(frame.pose, wanted));
     this.#pending = { start, fence: this.#gl.fenceSync(this.#gl.SYNC_GPU_COMMANDS_COMPLETE, 0) };
     this.#gl.flush();
-    setTimeout(() => this.#measure());
+    setTimeout(() => this.#await());
     return true;
   }
 
-  /** Takes note of how long the last one took, once it is finished; who is too slow draws coarser ones, then none for a while. */
-  #measure() {
-    const { fence, start } = this.#pending ?? {};
-    if (!fence) return;
+  /** Whether the graphics processor has nothing left to do; takes note of how long the last one took. */
+  #isFinished() {
     const gl = this.#gl;
-    if (gl.getSyncParameter(fence, gl.SYNC_STATUS) !== gl.SIGNALED) {
-      setTimeout(() => this.#measure(), 2);
-      return;
-    }
+    const { fence, start } = this.#pending ?? {};
+    if (!fence) return true;
+    if (gl.getSyncParameter(fence, gl.SYNC_STATUS) !== gl.SIGNALED) return false;
     gl.deleteSync(fence);
     this.#pending = undefined;
     this.milliseconds = performance.now() - start;
+    this.#judge();
+    return true;
+  }
+
+  #await() {
+    if (!this.#isFinished()) setTimeout(() => this.#await(), 2);
+    else if (this.#owed) this.show(this.#owed);
+  }
+
+  /** Who is too slow draws coarser ones, then none for a while; who has been fast for long, finer ones. */
+  #judge() {
     this.#slow = this.milliseconds > levels[this.#level].slowMs ? this.#slow + 1 : 0;
+    this.#fast = this.milliseconds < fastMs ? this.#fast + 1 : 0;
+    if (this.#fast > 10 * patience) {
+      this.#fast = 0;
+      this.#level = Math.max(0, this.#level - 1);
+    }
     if (this.#slow < patience) return;
     this.#slow = 0;
     if (this.#level + 1 < levels.length) {

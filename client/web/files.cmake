@@ -10,18 +10,23 @@ set(SCANCAST_WEB_FILES
     connection/session.js
     connection/stores.js
     page/choices.js
+    page/chosen_method.js
     page/colour_choice.js
     page/controls.js
+    page/cover.js
     page/galleries.js
     page/history.js
     page/hud.js
     page/icons.js
     page/layout.js
+    page/loading_note.js
     page/method_choice.js
+    page/number_field.js
     page/overlays.js
     page/parameter_fields.js
     page/photos.js
     page/presentation.js
+    page/progress.js
     page/scan_facts.js
     page/share.js
     page/stations.js
@@ -37,6 +42,7 @@ set(SCANCAST_WEB_FILES
     styles/panel.css
     styles/photos.css
     styles/rail.css
+    styles/state.css
     styles/style.css
     styles/theme.css
     view/anchor.js

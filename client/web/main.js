@@ -1,19 +1,23 @@
 // Puts the page together: the viewer, and around it panel, title, buttons and keys.
 
-import { takeGuestToken } from './connection/guest.js';
+import { hasToken } from './connection/access.js';
+import { isGuest, takeGuestToken } from './connection/guest.js';
 import { Choices } from './page/choices.js';
+import { ChosenMethod } from './page/chosen_method.js';
 import { Controls } from './page/controls.js';
+import { Cover } from './page/cover.js';
 import { Galleries } from './page/galleries.js';
 import { Address, Undo } from './page/history.js';
 import { Hud } from './page/hud.js';
 import { Layout } from './page/layout.js';
+import { LoadingNote } from './page/loading_note.js';
 import { Overlays } from './page/overlays.js';
 import { Photos } from './page/photos.js';
 import { asksToPresent, Presentation } from './page/presentation.js';
 import { showScan } from './page/scan_facts.js';
 import { copyLink, savePicture } from './page/share.js';
 import { Stations } from './page/stations.js';
-import { amount, fillStrings, strings } from './page/strings.js';
+import { fillStrings, strings } from './page/strings.js';
 import { chooseTheme, chosenTheme, themes } from './page/themes.js';
 import { ToolRail } from './page/tools.js';
 import { parseHash, printHash } from './page/view_hash.js';
@@ -39,9 +43,17 @@ const layout = new Layout();
 const rail = new ToolRail(find('rail'));
 const viewer = new Viewer(canvas, { freeSize });
 const hud = new Hud();
-const overlays = new Overlays(() => viewer.retryNow(), (token) => viewer.unlock(token));
+const overlays = new Overlays();
+const cover = new Cover({
+  retry: () => viewer.retryNow(),
+  token: (token, remember) => viewer.unlock(token, remember),
+  cloud: (id) => viewer.open(id),
+});
+const loading = new LoadingNote();
+const chosen = new ChosenMethod();
 const controls = new Controls({
   style: (changes) => viewer.changeStyle(changes),
+  list: () => viewer.refreshClouds(),
   cloud: (id) => viewer.open(id),
   upAxis: (axis) => viewer.turnUp(axis),
   reset: () => viewer.resetStyle(),
@@ -52,7 +64,7 @@ const photos = new Photos((place) => viewer.goToPlace(place), () => viewer.pictu
 const stations = new Stations((station) => {
   viewer.goToPlace(station.view.camera);
   photos.at(station);
-}, amount);
+});
 
 // ---- what the viewer tells
 
@@ -62,11 +74,20 @@ on('connection', (now) => {
   if (now.kind === 'lost') hud.setState('lost');
   else if (now.kind !== 'open') hud.setState('connecting');
   else hud.begin();
-  overlays.connection(now, !viewer.isBlank);
+  cover.show(now, viewer.isBlank ? undefined : viewer.cloud);
+  if (now.kind === 'gone' || now.kind === 'failed') overlays.dismiss(); // the cover says it better
+  if (now.kind !== 'open' && now.kind !== 'lost') loading.show(undefined);
+  find('forget-token').hidden = !hasToken() || isGuest();
   document.body.classList.toggle('ready', now.kind === 'open' || !viewer.isBlank);
 });
-on('catalog', (catalog) => controls.setCatalog(catalog));
-on('clouds', (catalog) => controls.setClouds(catalog));
+on('catalog', (catalog) => {
+  controls.setCatalog(catalog);
+  chosen.setMethods(catalog.methods);
+});
+on('clouds', (catalog) => {
+  controls.setClouds(catalog);
+  showLoading();
+});
 on('jump', () => address.jump());
 on('sought', ({ cloud }) => {
   sought = cloud;
@@ -78,11 +99,16 @@ on('cloud', (cloud) => {
   showScan(cloud);
   showCamera();
   controls.show(viewer.view, cloud);
+  showLoading();
+  showMethod();
   stations.show(cloud);
   photos.show(cloud);
 });
 on('view', ({ by }) => {
-  if (by !== 'hand') controls.show(viewer.view, viewer.cloud);
+  if (by !== 'hand') {
+    controls.show(viewer.view, viewer.cloud);
+    showMethod();
+  }
   address.changed();
   undo.changed(by === 'server');
 });
@@ -97,8 +123,21 @@ on('frame', (frame) => {
   hud.frame(frame.current ? frame : { ...frame, final: false, still: false });
 });
 on('unreadable', () => overlays.toast(strings.messages.unreadable, strings.messages.unreadableDetail));
-on('stats', (stats) => hud.stats(stats));
+on('stats', (stats) => {
+  chosen.told(stats, viewer.cloud);
+  showMethod();
+  hud.stats(stats);
+});
 on('problem', (problem) => overlays.toast(problem?.title || strings.messages.refused, problem?.detail ?? ''));
+
+function showLoading() {
+  loading.show(viewer.catalog.clouds.find((one) => one.id === viewer.cloud?.id));
+}
+
+function showMethod() {
+  chosen.show(viewer.view, viewer.cloud);
+  hud.setMethod(chosen.words(viewer.view, viewer.cloud));
+}
 
 // ---- the address, and undo
 
@@ -118,10 +157,10 @@ function viewHash() {
 }
 
 const address = new Address(hashNow, (hash, pushes) => {
-  const says = [{ untouched: viewer.isUntouched }, '', hash];
+  const state = { untouched: viewer.isUntouched };
   try {
-    if (pushes && hash !== known) history.pushState(...says);
-    else history.replaceState(...says);
+    if (pushes && hash !== known) history.pushState(state, '', hash);
+    else history.replaceState(state, '', hash);
     known = location.hash;
   } catch {
     address.changed(); // too often, for this browser: in a moment, then
@@ -153,10 +192,11 @@ for (const name of ['popstate', 'hashchange']) addEventListener(name, addressCha
 addEventListener('pagehide', () => address.flush());
 document.addEventListener('visibilitychange', () => document.hidden && address.flush());
 
+find('forget-token').addEventListener('click', () => viewer.forgetToken());
 find('undo').addEventListener('click', () => undo.undo());
 find('redo').addEventListener('click', () => undo.redo());
 addEventListener('keydown', (event) => {
-  const typing = event.target instanceof Element && event.target.closest('input:not([type=checkbox], [type=range], [type=color]), textarea');
+  const typing = event.target instanceof Element && event.target.closest('input:not([type=checkbox], [type=radio], [type=range], [type=color]), textarea');
   if (!(event.ctrlKey || event.metaKey) || event.altKey || typing || document.querySelector('dialog[open]')) return;
   const key = event.key.toLowerCase();
   if (key !== 'z' && key !== 'y') return;

@@ -2,6 +2,7 @@
 // have one, and a legend for classes.
 
 import { Choices } from './choices.js';
+import { NumberField, rangeRefusal } from './number_field.js';
 import { element } from './parameter_fields.js';
 import { strings } from './strings.js';
 
@@ -56,6 +57,7 @@ export class ColourChoice {
   #style;
   #choice;
   #ramps;
+  #ends; // fields of the range
   #offered = ''; // what is offered now: filled in anew only when that is something else
 
   /** `style(changes)` hears of what was chosen. */
@@ -65,7 +67,11 @@ export class ColourChoice {
     this.#ramps = new Choices(find('colormap'), (colormap) => style({ colormap }));
     find('flat-color').addEventListener('input', () => this.#chosen(find('flat-color').value));
     find('by-intensity').addEventListener('change', () => this.#chosen(factorsOf(this.#view.color)[0]));
-    for (const id of ['range-low', 'range-high']) find(id).addEventListener('change', () => this.#rangeChosen());
+    const note = element('p', { className: 'refusal', id: 'range-refusal' });
+    const group = find('range-high').parentElement;
+    group.after(note);
+    this.#ends = ['range-low', 'range-high'].map(
+      (id) => new NumberField(find(id), () => rangeRefusal(this.#typedRange()), () => this.#rangeChosen(), { note, group }));
   }
 
   setCatalog({ colors, colormaps }) {
@@ -96,7 +102,7 @@ export class ColourChoice {
     ['range-low', 'range-high'].forEach((id, i) => {
       const input = find(id);
       input.placeholder = usual ? String(Number(usual[i].toPrecision(6))) : [words.lowHint, words.highHint][i];
-      if (document.activeElement !== input) input.value = view.range ? view.range[i] : '';
+      this.#ends[i].show(view.range ? view.range[i] : '');
     });
   }
 
@@ -140,11 +146,15 @@ export class ColourChoice {
     return (this.#cloud?.attributes ?? []).find((one) => one.name === source)?.range;
   }
 
-  #rangeChosen() {
+  /** With the usual value for an end that is left open; NaN where that is not known. */
+  #typedRange() {
     const usual = this.#usualRange(this.#view.color) ?? [NaN, NaN];
-    const typed = ['range-low', 'range-high'].map((id) => find(id).valueAsNumber);
-    const range = typed.map((value, i) => (Number.isNaN(value) ? usual[i] : value));
-    if (typed.every(Number.isNaN)) this.#style({ range: null });
+    return ['range-low', 'range-high'].map((id, i) => (find(id).value === '' ? usual[i] : find(id).valueAsNumber));
+  }
+
+  #rangeChosen() {
+    const range = this.#typedRange();
+    if (['range-low', 'range-high'].every((id) => find(id).value === '')) this.#style({ range: null });
     else if (!range.some(Number.isNaN)) this.#style({ range }); // else the other end is still to come
   }
 }

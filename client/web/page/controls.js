@@ -23,6 +23,8 @@ export function backgroundNamed(background) {
 const named = (names, key) => names[key] ?? key.charAt(0).toUpperCase() + key.slice(1);
 
 function fill(select, options) {
+  const told = (list) => JSON.stringify([...list].map(({ value, label, disabled = false }) => [value, label, disabled]));
+  if (told(select.options) === told(options)) return; // not while somebody has it open
   select.replaceChildren(
     ...options.map(({ value, label, disabled = false }) => Object.assign(new Option(label, value), { disabled })),
   );
@@ -37,7 +39,7 @@ export class Controls {
   #colour;
   #background;
 
-  /** `on` has style(changes), cloud(id), upAxis('z', 'y' or '-y'), reset() and gallery(open), for pictures of the methods. */
+  /** `on` has style(changes), list() - somebody is about to choose a cloud -, cloud(id), upAxis('z', 'y' or '-y'), reset() and gallery(open), for pictures of the methods. */
   constructor(on) {
     this.#on = on;
     this.#method = new MethodChoice({
@@ -52,6 +54,7 @@ export class Controls {
     this.#background.fill([...Object.keys(backgrounds), 'custom'].map((name) => (
       { value: name, label: strings.background[name], tip: strings.background[name], swatch: `swatch-${name}` })));
     find('controls').addEventListener('submit', (event) => event.preventDefault());
+    find('cloud').addEventListener('focus', () => on.list());
     find('cloud').addEventListener('change', (event) => on.cloud(event.target.value));
     find('up-axis').addEventListener('change', (event) => on.upAxis(event.target.value));
     find('shading').addEventListener('change', (event) => on.style({ shading: event.target.value || null }));
@@ -83,7 +86,7 @@ export class Controls {
     fill(select, [
       // A cloud that is still being read can be looked at coarsely meanwhile.
       ...clouds.map(({ id, title, state }) => ({ value: id, label: state === 'loading' ? loading(title || id) : title || id })),
-      ...pending.map(({ id, title, state }) => ({ value: id, label: (state === 'failed' ? failed : loading)(title || id), disabled: true })),
+      ...pending.map(({ id, title, state }) => ({ value: id, label: (state === 'failed' ? failed : loading)(title || id) })),
     ]);
     if (chosen) select.value = chosen;
   }

@@ -3,79 +3,59 @@
 
 import { element } from './parameter_fields.js';
 import { Pace, progressWords } from './progress.js';
+import { strings } from './strings.js';
 
 const find = (id) => document.getElementById(id);
+const words = strings.cover;
 const nameOf = (entry) => entry.title || entry.id;
 
 /** "A", "A and B", "A and 3 more". */
 const namesOf = ([first, ...others]) =>
-  others.length === 0 ? nameOf(first) : `${nameOf(first)} and ${others.length === 1 ? nameOf(others[0]) : `${others.length} more`}`;
+  (others.length === 0 ? nameOf(first) : words.andMore(nameOf(first), others.length, nameOf(others[0])));
 
 /** A sentence ends with a full stop. */
 const sentence = (text) => (/[.!?]$/.test(text) ? text : `${text}.`);
 
-function lockedWords({ refused, guest }) {
-  if (guest) {
-    return {
-      title: 'This link is no longer valid',
-      detail: 'Ask whoever sent it to you for a new one. If you have an access token, you can use that instead.',
-      token: true,
-    };
-  }
-  return {
-    title: location.host,
-    detail: refused ? 'That token was not accepted. Ask whoever runs this server.' : 'This server shows its scans to those who have an access token. Whoever runs it can give you one.',
-    token: true,
-  };
+function lockedCover({ refused, guest }) {
+  const { token } = strings;
+  if (guest) return { title: token.guest, detail: token.guestDetail, token: true };
+  return { title: location.host, detail: refused ? token.refused : token.detail, token: true };
 }
 
-function failedWords({ entries, clouds, asked }) {
-  const why = entries.map((entry) => ({ name: nameOf(entry), error: entry.error ? sentence(entry.error) : 'The server’s log says why.' }));
-  const [first] = why;
-  if (entries.length > 1) return { title: 'Nothing could be loaded', reasons: why, retry: 'Try again' };
-  return {
-    title: `${first.name} could not be loaded`,
-    detail: first.error,
-    advice: 'Once the file has been replaced and the server has read it again, the cloud appears here by itself.',
-    retry: 'Try again',
-    others: asked ? clouds : [],
-  };
+function failedCover({ entries, clouds, asked }) {
+  const reasons = entries.map((entry) => ({ name: nameOf(entry), error: entry.error ? sentence(entry.error) : words.failedUnknown }));
+  const [first] = reasons;
+  if (entries.length > 1) return { title: words.failedAll, reasons, retry: words.retry };
+  return { title: words.failed(first.name), detail: first.error, advice: words.failedAdvice, retry: words.retry, others: asked ? clouds : [] };
 }
 
-function goneWords({ cloud, clouds, pending, shown }) {
+function goneCover({ cloud, clouds, pending, shown }) {
   return {
-    title: shown ? `${nameOf(shown)} is no longer here` : `There is no cloud named ${cloud}`,
-    detail: shown
-      ? 'The server has removed it, or can no longer read it. If it comes back, it appears here by itself.'
-      : 'The server that this link leads to does not have it. It may have been removed, renamed, or not been added yet; when it is there, it appears by itself.',
-    retry: 'Try again',
+    title: shown ? words.gone(nameOf(shown)) : words.unknown(cloud),
+    detail: shown ? words.goneDetail : words.unknownDetail,
+    retry: words.retry,
     others: [...clouds, ...pending],
   };
 }
 
-function coverWords(state, pace) {
-  if (state.kind === 'connecting') return { title: 'Connecting…' };
-  if (state.kind === 'locked') return lockedWords(state);
-  if (state.kind === 'failed') return failedWords(state);
-  if (state.kind === 'gone') return goneWords(state);
-  if (state.kind === 'empty') {
-    return {
-      title: 'No cloud yet',
-      detail: 'The server is running, but it has no scan to show. Start it with one:',
-      code: 'scancast serve town.las',
-    };
+function loadingCover({ entries, clouds }, pace) {
+  const { step, share, percent, left } = progressWords(entries[0], pace);
+  return {
+    title: words.loading(namesOf(entries)), detail: [step, percent, left].filter(Boolean).join(' · '), progress: share ?? null, others: clouds,
+  };
+}
+
+/** What a state of session.js looks like; undefined where the picture is to be seen. */
+function coverOf(state, pace) {
+  switch (state.kind) {
+    case 'connecting': return { title: words.connecting };
+    case 'locked': return lockedCover(state);
+    case 'failed': return failedCover(state);
+    case 'gone': return goneCover(state);
+    case 'empty': return { title: words.empty, detail: words.emptyDetail, code: 'scancast serve town.las' };
+    case 'loading': return loadingCover(state, pace);
+    default: return undefined;
   }
-  if (state.kind === 'loading') {
-    const [first] = state.entries;
-    const { step, percent, left } = progressWords(first, pace);
-    return {
-      title: `Loading ${namesOf(state.entries)}`,
-      detail: [step, percent, left].filter(Boolean).join(' · '),
-      progress: first.progress ?? null,
-      others: state.clouds,
-    };
-  }
-  return undefined;
 }
 
 export class Cover {
@@ -109,32 +89,33 @@ export class Cover {
     cover.classList.toggle('over-picture', shown !== undefined && lost);
     find('picture').classList.toggle('stale', lost);
     if (lost) this.#lost(state);
-    else this.#fill(coverWords(state.kind === 'gone' && shown?.id === state.cloud ? { ...state, shown } : state, this.#pace));
+    else this.#fill(coverOf(state.kind === 'gone' && shown?.id === state.cloud ? { ...state, shown } : state, this.#pace));
   }
 
-  #fill(words) {
-    find('cover').hidden = words === undefined;
-    if (!words) return;
+  #fill(cover) {
+    find('cover').hidden = cover === undefined;
+    if (!cover) return;
     const set = (id, text) => {
       const node = find(id);
       // Screen readers hear every change of a status: only real ones.
       if (node.textContent !== (text ?? '')) node.textContent = text ?? '';
       node.hidden = !text;
     };
-    set('cover-title', words.title);
-    set('cover-detail', words.detail);
-    set('cover-advice', words.advice);
-    set('cover-code', words.code);
-    set('cover-retry', words.retry);
-    find('cover-reasons').hidden = !words.reasons;
+    set('cover-title', cover.title);
+    set('cover-detail', cover.detail);
+    set('cover-advice', cover.advice);
+    set('cover-code', cover.code);
+    find('cover-retry').hidden = !cover.retry;
+    if (cover.retry) set('cover-retry', cover.retry);
+    find('cover-reasons').hidden = !cover.reasons;
     find('cover-reasons').replaceChildren(
-      ...(words.reasons ?? []).flatMap(({ name, error }) => [element('dt', { textContent: name }), element('dd', { textContent: error })]),
+      ...(cover.reasons ?? []).flatMap(({ name, error }) => [element('dt', { textContent: name }), element('dd', { textContent: error })]),
     );
-    this.#offer(words.others ?? []);
-    this.#askForToken(words.token === true);
+    this.#offer(cover.others ?? []);
+    this.#askForToken(cover.token === true);
     const progress = find('cover-progress');
-    progress.hidden = words.progress === undefined;
-    if (typeof words.progress === 'number') progress.value = words.progress;
+    progress.hidden = cover.progress === undefined;
+    if (typeof cover.progress === 'number') progress.value = cover.progress;
     else progress.removeAttribute('value'); // busy, but nobody knows how long
   }
 
@@ -144,9 +125,10 @@ export class Cover {
     const text = JSON.stringify(entries.map(({ id, title, state }) => [id, title, state]));
     if (text === this.#listed) return; // not under the hands of somebody who is choosing
     this.#listed = text;
-    const notes = { loading: ' (loading…)', failed: ' (could not be loaded)' };
+    const { loading, failed } = strings.panel;
+    const label = { loading, failed };
     find('cover-list').replaceChildren(...entries.map((entry) => {
-      const button = element('button', { type: 'button', textContent: nameOf(entry) + (notes[entry.state] ?? '') });
+      const button = element('button', { type: 'button', textContent: label[entry.state]?.(nameOf(entry)) ?? nameOf(entry) });
       button.dataset.cloud = entry.id;
       button.addEventListener('click', () => this.#on.cloud(entry.id));
       return element('li', {}, button);
@@ -162,15 +144,15 @@ export class Cover {
 
   #reveal(shows) {
     find('token').type = shows ? 'text' : 'password';
-    find('token-reveal').textContent = shows ? 'Hide' : 'Show';
-    find('token-reveal').setAttribute('aria-label', `${shows ? 'Hide' : 'Show'} the token`);
+    find('token-reveal').textContent = shows ? strings.token.hide : strings.token.show;
+    find('token-reveal').setAttribute('aria-label', shows ? strings.token.hideLabel : strings.token.showLabel);
   }
 
   #lost(state) {
     const show = () => {
       const seconds = Math.max(0, Math.ceil((state.at - performance.now()) / 1000));
-      const again = seconds > 1 ? `Trying again in ${seconds} seconds.` : 'Trying again…';
-      this.#fill({ title: 'Connection lost', detail: [state.detail, again].filter(Boolean).join(' '), retry: 'Try now' });
+      const again = seconds > 1 ? words.againIn(seconds) : words.again;
+      this.#fill({ title: words.lost, detail: [state.detail, again].filter(Boolean).join(' '), retry: words.retryNow });
     };
     show();
     this.#countdown = setInterval(show, 500);

@@ -117,9 +117,12 @@ export class Undo {
 
   /** The view is another one, `byServer`: without anybody having done something. */
   changed(byServer = false) {
-    this.#byServer = byServer && (this.#timer === undefined || this.#byServer);
+    const alone = this.#timer === undefined;
+    this.#byServer = byServer && (alone || this.#byServer);
     clearTimeout(this.#timer);
     this.#timer = setTimeout(() => this.#settle(), settledMs);
+    // What a cloud is first seen as is a view to come back to, however soon a hand is there.
+    if (byServer && alone) this.#settle();
   }
 
   undo() {

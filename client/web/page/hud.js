@@ -54,6 +54,7 @@ export class Hud {
   clock = new FrameClock();
   #frame;
   #stats;
+  #method = '';
   #state = 'connecting';
 
   constructor() {
@@ -69,6 +70,7 @@ export class Hud {
   /** A connection has opened: what was asked of another one is not answered by this one. */
   begin() {
     this.clock.reset();
+    this.#stats = undefined; // frames count from 1 again
     this.setDamaged(false);
   }
 
@@ -94,9 +96,20 @@ export class Hud {
     if (note.textContent !== words) note.textContent = words;
   }
 
+  /** Figures of one frame: they are shown as long as that one is on screen, and stands still. */
   stats(stats) {
     this.#stats = stats;
     this.#render();
+  }
+
+  /** How the view is drawn, in words. */
+  setMethod(words) {
+    this.#method = words;
+  }
+
+  get #statsOfThis() {
+    const fits = this.#frame && this.#stats?.frame === this.#frame.frameId && this.#stats.seq === this.#frame.seq;
+    return fits && (this.#state === 'sharp' || this.#state === 'refining') ? this.#stats : undefined;
   }
 
   #render() {
@@ -114,12 +127,13 @@ export class Hud {
     if (this.#state === 'moving') {
       return `${this.clock.framesPerSecond(performance.now())} frames/s · ${milliseconds(this.clock.latency)}`;
     }
-    return this.#stats ? `${amount(this.#stats.samples)} samples` : '';
+    const stats = this.#statsOfThis;
+    return stats ? `${amount(stats.samples)} samples` : `${this.#frame.width} × ${this.#frame.height}`;
   }
 
   #figures() {
     const frame = this.#frame;
-    const stats = this.#stats;
+    const stats = this.#statsOfThis;
     const rows = [['Frame rate', `${this.clock.framesPerSecond(performance.now())} fps`]];
     rows.push(['Latency', milliseconds(this.clock.latency)]);
     if (frame) {
@@ -128,8 +142,8 @@ export class Hud {
       rows.push(['Encoding', milliseconds(frame.encodeMicroseconds / 1000)]);
       rows.push(['Image size', `${Math.round(frame.picture.length / 1024)} KiB`]);
     }
+    if (this.#method) rows.push(['Method', this.#method]);
     if (stats) {
-      if (stats.method) rows.push(['Method', stats.methodReason ? `${stats.method}: ${stats.methodReason}` : stats.method]);
       rows.push(['Samples drawn', amount(stats.samples)]);
       rows.push(['Scan points shown', amount(stats.points)]);
       if (stats.detail > 0) rows.push(['Detail', `${stats.detail.toPrecision(2)} px`]);

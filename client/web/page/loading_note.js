@@ -1,6 +1,7 @@
 // The note over a picture that shows a part only: its cloud is still being read, and how far that is.
 
 import { Pace, progressWords } from './progress.js';
+import { strings } from './strings.js';
 
 const find = (id) => document.getElementById(id);
 
@@ -12,11 +13,11 @@ export class LoadingNote {
     const loading = entry?.state === 'loading';
     find('loading').hidden = !loading;
     if (!loading) return;
-    const { step, percent, left } = progressWords(entry, this.#pace);
-    find('loading-title').textContent = `Coarse: still loading${percent && `, ${percent}`}`;
+    const { step, share, percent, left } = progressWords(entry, this.#pace);
+    find('loading-title').textContent = strings.progress.coarse(percent);
     find('loading-detail').textContent = [step, left].filter(Boolean).join(' · ');
     const bar = find('loading-progress');
-    if (typeof entry.progress === 'number') bar.value = entry.progress;
+    if (share !== undefined) bar.value = share;
     else bar.removeAttribute('value');
   }
 }

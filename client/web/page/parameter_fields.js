@@ -1,6 +1,7 @@
 // The fields for one method's parameters, made from what the server says of them: a slider with a number for numbers, a
 // box for yes or no, a menu for choices.
 
+import { NumberField, outside } from './number_field.js';
 import { strings } from './strings.js';
 
 /** Sliders are even in what the eye sees as even: in the logarithm for factors, finer near the start for long ranges. */
@@ -49,18 +50,21 @@ function numberField(parameter, id, change) {
     input.value = rounded(scale.toValue(slider.valueAsNumber));
     change(input.valueAsNumber);
   });
-  input.addEventListener('change', () => {
-    if (!Number.isFinite(input.valueAsNumber)) input.value = parameter.default;
-    slider.value = scale.toSlider(input.valueAsNumber);
-    change(input.valueAsNumber);
+  // An empty field is the method's own value.
+  const judge = (value) => (Number.isNaN(value) ? '' : outside(value, parameter));
+  const field = new NumberField(input, judge, (typed) => {
+    const value = Number.isNaN(typed) ? parameter.default : typed;
+    input.value = value;
+    slider.value = scale.toSlider(value);
+    change(value);
   });
   const show = (value) => {
+    field.show(value);
     // Not under the hands of somebody who is using it.
-    if (document.activeElement !== input) input.value = value;
     if (document.activeElement !== slider) slider.value = scale.toSlider(value);
   };
   const unit = element('span', { className: 'unit', textContent: parameter.unit ?? '' });
-  return { node: element('div', { className: 'row number' }, slider, input, unit), show };
+  return { node: element('div', { className: 'row number' }, slider, input, unit), refusal: field.note, show };
 }
 
 function choiceField(parameter, id, change) {
@@ -90,7 +94,8 @@ export function parameterFields(parameters, change) {
     const meaning = parameter.meaning ?? '';
     const label = element('label', { htmlFor: id, textContent: labelOf(parameter) });
     const note = element('p', { className: 'note', textContent: meaning });
-    nodes.push(element('div', { className: `parameter ${parameter.type}`, title: meaning }, label, field.node, note));
+    const parts = [label, field.node, field.refusal, note].filter(Boolean);
+    nodes.push(element('div', { className: `parameter ${parameter.type}`, title: meaning }, ...parts));
     shows.push((values) => field.show(values[parameter.name] ?? parameter.default));
   }
   return { nodes, show: (values) => shows.forEach((show) => show(values ?? {})) };

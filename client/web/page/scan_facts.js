@@ -2,7 +2,7 @@
 // everything else in the panel.
 
 import { element } from './parameter_fields.js';
-import { counted, strings } from './strings.js';
+import { strings } from './strings.js';
 
 /** @type {(id: string) => any} */
 const find = (id) => document.getElementById(id);
@@ -52,7 +52,8 @@ export function showScan(cloud) {
   find('cloud-title').textContent = title;
   find('picture').setAttribute('aria-label', strings.app.pointCloudNamed(title));
   const date = dateText(cloud.recorded);
-  const facts = [counted(cloud.points, 'point'), cloud.bounds && extentText(cloud.bounds, cloud.crsUnit), date || cloud.format?.split(',')[0]];
+  const points = (cloud.state === 'loading' ? strings.app.pointsSoFar : strings.app.points)(cloud.points);
+  const facts = [points, cloud.bounds && extentText(cloud.bounds, cloud.crsUnit), date || cloud.format?.split(',')[0]];
   find('cloud-facts').textContent = facts.filter(Boolean).join(' · ');
   const credit = creditOf(cloud);
   find('credit-title').textContent = title; // seen where the title is not: in presentations

@@ -42,7 +42,7 @@ const whole = (low, high) => ({
   },
   print: number,
 });
-const tuple = (count, isGood = () => true) => ({
+const tuple = (count, isGood = (_values) => true) => ({
   read(text) {
     const values = readNumbers(text, count);
     return values?.every((value) => Math.abs(value) <= farthest) && isGood(values) ? values : undefined;

@@ -22,6 +22,7 @@ function rounded(values, decimals) {
 export function wireOf(camera, bounds) {
   const known = spoken.get(camera);
   if (known) return known;
+  /** @type {any} */
   const { eye, target, up, viewHeight, fov, type } = toProtocol(camera, bounds);
   const decimals = Math.min(15, Math.max(0, digits - Math.floor(Math.log10(camera.distance))));
   return {
@@ -68,6 +69,7 @@ export function cameraOf(words, usual = {}, upAxis = undefined) {
   if (!read) return undefined;
   const { near, far } = base;
   const camera = { ...read, ...(near > 0 ? { near } : {}), ...(far > 0 ? { far } : {}) };
+  /** @type {any} */
   const exact = { type: camera.projection, ...(viewMatrix ? { viewMatrix } : { eye: base.eye, target: base.target, up: base.up ?? [0, 0, 1] }) };
   if (exact.type === 'orthographic') exact.viewHeight = base.viewHeight > 0 ? base.viewHeight : heightAtTarget(camera);
   else exact.fov = base.fov > 0 && base.fov < 180 ? base.fov : camera.fov;

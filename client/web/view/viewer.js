@@ -108,7 +108,8 @@ export class Viewer extends EventTarget {
       welcome: (message) => this.#welcome(message),
       frame: (frame) => this.#showFrame(frame),
       problem: (message) => this.#refused(message),
-      stats: (stats) => this.#tell('stats', stats),
+      // Those of a picture of another cloud say nothing about this one.
+      stats: (stats) => stats.seq >= this.#firstWanted && this.#tell('stats', stats),
     });
     const viewer = this;
     this.#input = new CameraInput(canvas, {

@@ -147,6 +147,16 @@ describe('Undo', () => {
     assert.ok(!can.canRedo);
   });
 
+  it('knows what a cloud is first seen as, however soon a hand is there', () => {
+    look('of another cloud', 'statue');
+    undo.changed(true);
+    look('moved at once', 'statue');
+    undo.changed();
+    pass(700);
+    undo.undo();
+    assert.equal(view.key, 'of another cloud');
+  });
+
   it('what the server chose is no step, but another cloud is', () => {
     look('complete now');
     undo.changed(true);

@@ -1,4 +1,5 @@
 import assert from 'node:assert/strict';
+import { readFileSync } from 'node:fs';
 import { describe, it } from 'node:test';
 
 import { pointUnderCursor, project } from '../../../client/web/view/camera.js';
@@ -63,6 +64,18 @@ describe('the hash', () => {
     assert.equal(printHash('a', { ...read, exposure: null, range: null, background: null }, 'z', usual),
       '#cloud=a&method=cone&color=rgb&range=auto&background=3a424e,16191e&exposure=auto');
     assert.deepEqual(parseHash('#range=auto&light.sun=auto&classes=none&near=auto').style, { range: null, light: { sun: null }, classes: [] });
+  });
+
+  it('knows each word that the protocol has, by its own example', () => {
+    const protocol = readFileSync(new URL('../../../protocol/PROTOCOL.md', import.meta.url), 'utf8');
+    const table = protocol.slice(protocol.indexOf('| word | flag | value |'), protocol.indexOf('- `auto` puts a word back'));
+    const examples = [...table.matchAll(/^\| `[^`]+` .*\| `([^`]+)` \|$/gm)].map(([, example]) => example);
+    assert.ok(examples.length >= 35, String(examples.length));
+    for (const example of examples) {
+      if (/^(width|height)=/.test(example)) continue; // the window says that
+      const { camera, style: read } = parseHash(`#${example}`);
+      assert.ok(camera || Object.keys(read).length > 0, example);
+    }
   });
 
   it('keeps cameras that no hand can steer, until they are moved', () => {

@@ -17,7 +17,7 @@ import { asksToPresent, Presentation } from './page/presentation.js';
 import { showScan } from './page/scan_facts.js';
 import { copyLink, savePicture } from './page/share.js';
 import { Stations } from './page/stations.js';
-import { amount, fillStrings, strings } from './page/strings.js';
+import { fillStrings, strings } from './page/strings.js';
 import { chooseTheme, chosenTheme, themes } from './page/themes.js';
 import { ToolRail } from './page/tools.js';
 import { parseHash, printHash } from './page/view_hash.js';
@@ -64,7 +64,7 @@ const photos = new Photos((place) => viewer.goToPlace(place), () => viewer.pictu
 const stations = new Stations((station) => {
   viewer.goToPlace(station.view.camera);
   photos.at(station);
-}, amount);
+});
 
 // ---- what the viewer tells
 
@@ -252,9 +252,7 @@ theme.show(chosenTheme());
 
 function toggleColliding() {
   viewer.collides = !viewer.collides;
-  const [title, detail] = viewer.collides
-    ? ['Surfaces stop you', 'You cannot walk or fall through them.']
-    : ['You pass through surfaces', 'Press C again to stop at them.'];
+  const [title, detail] = viewer.collides ? strings.messages.stops : strings.messages.passes;
   overlays.toast(title, detail, 'done');
 }
 

@@ -4,7 +4,7 @@
 // Inverse, because that is linear in the picture of a plane. A code is a floating-point number of nine bits - within an
 // octave it is linear, too - so that the error is at most 1/1024 of any depth: what a point's picture moves, when the eye
 // moves, is off by that share, be it near or far. Even steps from 1/near to 1/far would have to be as small as the
-// farthest point's, and would code the noise of all nearer ones (docs/decisions/021-depth-in-nine-bits.md).
+// farthest point's, and would code the noise of all nearer ones (docs/decisions/022-depth-in-nine-bits.md).
 #pragma once
 
 #include <algorithm>
@@ -13,8 +13,8 @@
 
 namespace scancast::depth_codes {
 
-inline constexpr int mantissa = 9;   ///< bits that each octave has
-inline constexpr int unitBits = 24;  ///< 1/near is 2^24 units
+inline constexpr int mantissa = 9;    ///< bits that each octave has
+inline constexpr int unitBits = 24;   ///< 1/near is 2^24 units
 inline constexpr int nearest = 8192;  ///< the code of 1/near; the least one is 1
 
 /// Of near/depth, in (0, 1]. The relative error is 2^-10 down to 2^-15, and grows beyond.

@@ -1,8 +1,9 @@
 // The stream as protocol/PROTOCOL.md tells it, with libraries that share nothing with ours: npm's ws for the WebSocket,
-// jpeg-js for the pictures. The frame's offsets are written out here once more, from that page.
+// jpeg-js for the pictures, Node's own zlib for depth. The frame's offsets are written out here once more, from that page.
 
 import assert from 'node:assert/strict';
 import { after, before, test } from 'node:test';
+import { inflateSync } from 'node:zlib';
 
 import jpeg from 'jpeg-js';
 import WebSocket from 'ws';
@@ -96,7 +97,30 @@ function readFrame(data) {
     still: (flags & 2) !== 0,
     final: (flags & 4) !== 0,
     picture,
+    header: data.subarray(0, data.readUInt16LE(6)),
   };
+}
+
+/** Cells of inverse depth, as PROTOCOL.md tells it: `{ width, height, inverse }` in rows, 0 = background. */
+function readDepth(header) {
+  const [width, height, length] = [header.readUInt16LE(48), header.readUInt16LE(50), header.readUInt32LE(52)];
+  const near = header.readFloatLE(56);
+  const count = width * height;
+  const bytes = inflateSync(header.subarray(64, 64 + length));
+  assert.equal(bytes.length, 2 * count);
+  const codes = [];
+  const inverse = [];
+  for (let i = 0; i < count; ++i) {
+    const [left, above] = [i % width > 0 ? codes[i - 1] : undefined, codes[i - width]];
+    const plane = left + above - codes[i - width - 1];
+    const expected = left === undefined ? above ?? 0 : above === undefined ? left
+      : Math.max(Math.min(left, above), Math.min(plane, Math.max(left, above)));
+    const symbol = bytes[i] + 256 * bytes[count + i];
+    codes.push(symbol === 0 ? expected : expected + (symbol % 2 === 1 ? (symbol - 1) / 2 : -symbol / 2));
+    const octave = Math.max(0, Math.floor(codes[i] / 512) - 1);
+    inverse.push(symbol === 0 ? 0 : (codes[i] - 512 * octave) * 2 ** octave / 2 ** 24 / near);
+  }
+  return { width, height, inverse, near, far: header.readFloatLE(60) };
 }
 
 /** Decoded, of the size that its header says, and not of one colour. */
@@ -140,6 +164,65 @@ test('hello, frames, acknowledgements, final still', async () => {
   assert.ok(last.picture.equals(Buffer.from(await snapshot.arrayBuffer())));
   stream.socket.close(1000);
   assert.equal((await stream.next('closed')).code, 1000);
+});
+
+test('depth with every frame, for those who ask for it', async () => {
+  const [width, height] = [330, 190];
+  const [plain, deep] = [new Stream(url), new Stream(url)];
+  const finals = [];
+  for (const stream of [plain, deep]) {
+    await stream.open();
+    stream.send({ type: 'hello', cloud: 'ring', width, height, ...(stream === deep && { depth: true }) });
+    const { eye } = (await stream.next('welcome')).view.camera;
+    await stream.final(0);
+    const camera = { eye: [eye[0] * 0.7, eye[1] * 0.7, eye[2]] };
+    stream.send({ type: 'view', seq: 1, camera, samples: 1 });
+    finals.push({ frames: await stream.final(1), camera });
+    stream.socket.terminate();
+  }
+  const [without, { frames, camera }] = finals;
+  for (const { header, moving, final } of frames) {
+    assert.ok(header.length > 64 && moving !== final);
+    assert.ok(readDepth(header).inverse.some((value) => value > 0));
+  }
+  const last = frames.at(-1);
+  assert.equal(without.frames.at(-1).header.length, 48);
+  assert.ok(last.picture.equals(without.frames.at(-1).picture), 'whoever skips the header sees the same picture');
+
+  // Against the depth of every pixel, which a snapshot has: each cell asks all pixels.
+  const snapshot = await fetch(new URL('/api/v1/clouds/ring/snapshot', url), {
+    method: 'POST', headers: { 'Content-Type': 'application/json', Accept: 'application/octet-stream' },
+    body: JSON.stringify({ width, height, camera, samples: 1 }),
+  });
+  assert.equal(snapshot.status, 200);
+  const pixels = Buffer.from(await snapshot.arrayBuffer());
+  const cells = readDepth(last.header);
+  assert.deepEqual([cells.width, cells.height], [160, 92]);
+  const near = new Map();
+  for (let y = 0; y < height; ++y) {
+    for (let x = 0; x < width; ++x) {
+      const depth = pixels.readFloatLE(4 * (y * width + x));
+      if (depth === Infinity) continue;
+      const middle = (place, among, cell) => Math.floor(cell * place / among) + Math.floor((cell + 1) * place / among);
+      const cellOf = (pixel, size, among) => {
+        let cell = Math.floor(pixel * among / size);
+        while (Math.floor((cell + 1) * size / among) <= pixel) ++cell;
+        return cell;
+      };
+      const [i, j] = [cellOf(x, width, cells.width), cellOf(y, height, cells.height)];
+      const distance = Math.hypot(2 * x + 1 - middle(width, cells.width, i), 2 * y + 1 - middle(height, cells.height, j));
+      const cell = j * cells.width + i;
+      if (!near.has(cell) || distance < near.get(cell).distance) near.set(cell, { distance, depth });
+    }
+  }
+  assert.ok(near.size > 1000 && near.size < cells.inverse.length, 'there is a ring, and nothing around it');
+  const depths = [...near.values()].map(({ depth }) => depth);
+  assert.deepEqual([cells.near, cells.far], [Math.min(...depths), Math.max(...depths)]);
+  cells.inverse.forEach((value, cell) => {
+    const expected = near.get(cell)?.depth;
+    if (expected === undefined) assert.equal(value, 0, `cell ${cell}`);
+    else assert.ok(Math.abs(value * expected - 1) <= 1 / 1023, `cell ${cell}: ${1 / value} instead of ${expected}`);
+  });
 });
 
 test('without acknowledgements there are two frames and no more; one acknowledgement is enough for both', async () => {

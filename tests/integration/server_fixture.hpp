@@ -52,6 +52,7 @@ class StreamClient {
     struct Frame {
         FrameHeader header;
         Bytes picture;
+        Bytes packedDepth{};
     };
     /// The next frame, acknowledged; nullopt when none comes in time.
     std::optional<Frame> frame(std::chrono::milliseconds patience = netPatience) {
@@ -61,7 +62,8 @@ class StreamClient {
         const auto parsed = parseFrame({bytes, message.payload.size()});
         if (!parsed) return std::nullopt;
         ack(parsed->header);
-        return Frame{parsed->header, Bytes(parsed->picture.begin(), parsed->picture.end())};
+        return Frame{parsed->header, Bytes(parsed->picture.begin(), parsed->picture.end()),
+                     Bytes(parsed->packedDepth.begin(), parsed->packedDepth.end())};
     }
     /// The final still of that view.
     std::optional<Frame> finalFrame(std::uint64_t seq) {

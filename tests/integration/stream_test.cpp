@@ -1,6 +1,8 @@
 // The WebSocket dialogue over a real socket.
+#include <algorithm>
 #include <thread>
 
+#include "protocol/depth/frame_depth.hpp"
 #include "tests/integration/server_fixture.hpp"
 
 namespace scancast::test {
@@ -112,6 +114,36 @@ TEST_F(StreamTest, TheFinalStillIsTheSnapshotByteForByte) {
         request(port(), "/api/v1/clouds/one/snapshot.jpg?width=48&height=32&eye=77,-50,30&target=5,5,0");
     ASSERT_EQ(snapshot.status, 200);
     EXPECT_EQ(std::string(still->picture.begin(), still->picture.end()), snapshot.body);
+}
+
+TEST_F(StreamTest, DepthComesWithEachFrameOfWhoAsksAndThePictureIsTheSame) {
+    start();
+    StreamClient plain(port()), deep(port());
+    plain.greet();
+    deep.greet({{"depth", true}});
+    for (std::uint64_t seq = 1; seq <= 3; ++seq) {
+        plain.view(seq, double(seq));
+        deep.view(seq, double(seq));
+        while (true) {
+            const auto frame = deep.frame();
+            ASSERT_TRUE(frame);
+            const auto depth = unpackDepth(frame->packedDepth);
+            ASSERT_TRUE(depth) << depth.error().message;
+            EXPECT_EQ(std::size_t(depth->width) * std::size_t(depth->height), depth->inverse.size());
+            EXPECT_TRUE(std::ranges::all_of(depth->inverse, [](float inverse) { return inverse == 1; }))
+                << "as the painter's pixels are";
+            if (!frame->header.final || frame->header.seq != seq) continue;
+            EXPECT_EQ(depth->width, 64);
+            EXPECT_EQ(depth->height, 48);
+            const auto same = plain.finalFrame(seq);
+            ASSERT_TRUE(same);
+            EXPECT_TRUE(same->packedDepth.empty());
+            EXPECT_EQ(same->picture, frame->picture);
+            break;
+        }
+    }
+    EXPECT_TRUE(eventually([&] { return options.scheduler.memory.bytes(MemoryUse::Streams) == 0; }))
+        << "what was sent is not counted any more";
 }
 
 TEST_F(StreamTest, TheLatestViewWins) {

@@ -28,7 +28,9 @@ export class Choices {
    * reason stands behind its name for screen readers, and in its tip.
    */
   fill(options) {
-    const focused = this.#root.contains(document.activeElement) ? document.activeElement.value : undefined;
+    /** @type {any} */
+    const active = document.activeElement;
+    const focused = this.#root.contains(active) ? active.value : undefined;
     this.#root.replaceChildren(...options.map((option) => this.#option(option)));
     this.show(this.#value);
     if (focused !== undefined) this.#input(focused)?.focus({ preventScroll: true });

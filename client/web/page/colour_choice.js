@@ -6,6 +6,7 @@ import { NumberField, rangeRefusal } from './number_field.js';
 import { element } from './parameter_fields.js';
 import { strings } from './strings.js';
 
+/** @type {(id: string) => any} */
 const find = (id) => document.getElementById(id);
 const words = strings.colour;
 const withRamp = ['intensity', 'elevation', 'depth', 'lod'];
@@ -122,7 +123,11 @@ export class ColourChoice {
     this.#offered = offered;
     const { options, missing } = colourOptions(this.#colors, this.#cloud, method);
     this.#choice.fill(options);
-    find('color-note').textContent = missing.map(({ label, reason }) => `${label}: ${reason}.`).join(' ');
+    const lacking = missing.filter(({ value }) => value !== 'visibility').map(({ label }) => label);
+    find('color-note').textContent = [
+      lacking.length > 0 ? words.notInScanAre(lacking.join(', ')) : '',
+      missing.length > lacking.length ? words.hiddenPoints : '',
+    ].filter(Boolean).join(' ');
   }
 
   #chosen(source) {

@@ -6,6 +6,7 @@ import { ColourChoice, findsHidden } from './colour_choice.js';
 import { MethodChoice } from './method_choice.js';
 import { strings } from './strings.js';
 
+/** @type {(id: string) => any} */
 const find = (id) => document.getElementById(id);
 
 /** What is offered behind the picture; `null` is the server's own. */

@@ -5,6 +5,7 @@ import { element } from './parameter_fields.js';
 import { strings } from './strings.js';
 import { middleOf, Thumbnails, thumbnailUrl } from './thumbnails.js';
 
+/** @type {(id: string) => any} */
 const find = (id) => document.getElementById(id);
 const capital = (text) => text.charAt(0).toUpperCase() + text.slice(1);
 

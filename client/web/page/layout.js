@@ -1,11 +1,12 @@
 // Where the panel is: a column of its own beside the picture, or, in a small window that stands upright, a sheet of three heights
 // under it. The picture ends where either begins; styles/panel.css does that, this keeps what is open and how high.
 
+/** @type {(id: string) => any} */
 const find = (id) => document.getElementById(id);
 /** There is no room for a column beside a picture of some size: it opens only when it is asked for. */
-const small = matchMedia('(max-width: 999px), (max-height: 480px)');
+const small = '(max-width: 999px), (max-height: 480px)';
 /** The same as in styles/panel.css. */
-const asSheet = matchMedia('(max-width: 760px) and (orientation: portrait), (max-width: 480px)');
+const asSheet = '(max-width: 760px) and (orientation: portrait), (max-width: 480px)';
 
 /** Heights of the sheet, the lowest first, as parts of the window: the choice of cloud and appearance; half; nearly all. */
 export const sheetHeights = { peek: 0.27, half: 0.5, full: 0.92 };
@@ -18,6 +19,8 @@ export function nearestHeight(part) {
 }
 
 export class Layout {
+  #small = matchMedia(small);
+  #asSheet = matchMedia(asSheet);
   #openWhenLarge = true;
 
   constructor() {
@@ -27,8 +30,8 @@ export class Layout {
       find('toggle-panel').focus();
     });
     // What was open beside the picture would be all of a smaller window.
-    small.addEventListener('change', () => this.#place(!small.matches && this.#openWhenLarge));
-    this.#place(!small.matches);
+    this.#small.addEventListener('change', () => this.#place(!this.#small.matches && this.#openWhenLarge));
+    this.#place(!this.#small.matches);
     this.#sheet('half');
     this.#dragHandle();
   }
@@ -42,7 +45,7 @@ export class Layout {
   }
 
   show(open) {
-    if (!small.matches) this.#openWhenLarge = open;
+    if (!this.#small.matches) this.#openWhenLarge = open;
     this.#place(open);
   }
 
@@ -64,7 +67,7 @@ export class Layout {
     };
     let from; // where the finger came down, and whether it has moved since
     handle.addEventListener('pointerdown', (event) => {
-      if (!asSheet.matches) return;
+      if (!this.#asSheet.matches) return;
       handle.setPointerCapture(event.pointerId);
       from = { y: event.clientY, height: find('panel').offsetHeight, moved: false };
     });

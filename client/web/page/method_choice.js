@@ -6,6 +6,7 @@ import { Choices } from './choices.js';
 import { element, parameterFields } from './parameter_fields.js';
 import { strings } from './strings.js';
 
+/** @type {(id: string) => any} */
 const find = (id) => document.getElementById(id);
 const words = strings.appearance;
 
@@ -102,7 +103,7 @@ export class MethodChoice {
   /** What the choice means; and of the words that cannot be chosen, why. */
   #note(word, method) {
     const means = word && method?.name !== 'paraboloid' ? words[`${word}Note`] : method?.summary;
-    const missing = this.#quick.filter(({ reason }) => reason !== undefined).map(({ word: other, reason }) => `${words[other]}: ${reason}`);
+    const missing = this.#quick.filter(({ reason }) => reason !== undefined).map(({ word: other, reason }) => `${words[other]}: ${reason}.`);
     return [means, ...missing].filter(Boolean).join(' ');
   }
 

@@ -1,6 +1,7 @@
 // Presentation mode: the picture and nothing else but the scan's title and whose it is. H or a button enters, H or Escape
 // leaves; `#present` in the address begins with it. In full screen where the browser lets us.
 
+/** @type {(id: string) => any} */
 const find = (id) => document.getElementById(id);
 const stirMs = 2500;
 const word = 'present';
@@ -10,10 +11,11 @@ export const asksToPresent = (hash) => hash.replace(/^#/, '').split('&').some((p
 
 export class Presentation {
   #stirred;
+  /** @type {(on: boolean) => void} */
   #change;
 
   /** `change(on)` hears of it. */
-  constructor(change = () => {}) {
+  constructor(change) {
     this.#change = change;
     find('leave-presentation').addEventListener('click', () => this.leave());
     // Escape leaves full screen without telling the page about the key.

@@ -4,6 +4,7 @@
 import { element } from './parameter_fields.js';
 import { strings } from './strings.js';
 
+/** @type {(id: string) => any} */
 const find = (id) => document.getElementById(id);
 const words = strings.facts;
 const longest = 500;
@@ -56,7 +57,8 @@ export function showScan(cloud) {
   find('cloud-facts').textContent = facts.filter(Boolean).join(' · ');
   const credit = creditOf(cloud);
   find('credit-title').textContent = title; // seen where the title is not: in presentations
-  find('credit-text').textContent = [date, credit].filter(Boolean).join(' · ');
+  find('credit-date').textContent = date;
+  find('credit-text').textContent = credit;
   find('credit').classList.toggle('empty', credit === '');
   find('about').hidden = false;
   find('scan-facts').replaceChildren(...factsOfScan(cloud).flatMap(([term, text]) => [

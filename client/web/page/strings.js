@@ -7,7 +7,7 @@
 /** 1234567 → "1.2 million". Pure. */
 export function amount(value) {
   if (!Number.isFinite(value)) return '–';
-  for (const [size, word] of [[1e9, 'billion'], [1e6, 'million']]) {
+  for (const { size, word } of [{ size: 1e9, word: 'billion' }, { size: 1e6, word: 'million' }]) {
     if (value >= size) return `${(value / size).toPrecision(value >= 100 * size ? 3 : 2)} ${word}`;
   }
   return Math.round(value).toLocaleString('en');
@@ -112,7 +112,7 @@ export const strings = {
     automatic: (method) => `${method} (automatic)`,
     automaticIs: (automatic, method) => `${automatic} (${method})`,
     needs: (what) => `needs ${what}`,
-    notOffered: 'This server has no such method.',
+    notOffered: 'not offered by this server',
     sharpNote: 'Crisp textures and edges; the best method for this scan is chosen for you.',
     smoothNote: 'Continuous surfaces: neighbouring points are blended.',
     rawNote: 'Every point as it was measured, one pixel each.',
@@ -138,7 +138,9 @@ export const strings = {
     legend: 'Classes in this scan',
     classNumber: (number) => `Class ${number}`,
     notInScan: 'not in this scan',
+    notInScanAre: (names) => `Not in this scan: ${names}.`,
     onlyReconstructed: 'only with the method “Reconstructed surface”',
+    hiddenPoints: 'Hidden points are shown by the method “Reconstructed surface” only.',
     byIntensity: 'Shade by intensity',
   },
 
@@ -160,8 +162,45 @@ export const strings = {
     touch: (looks) => [['One finger', looks ? 'to look around' : 'to orbit'], ['two', 'to pan, zoom and turn'], ['double-tap', 'to go there']],
   },
 
+  hud: { tip: 'State of the picture' },
+
   presentation: {
     leave: 'Leave presentation mode',
+  },
+
+  photos: {
+    many: (count) => `${count.toLocaleString('en')} ${count === 1 ? 'photo' : 'photos'}`,
+    button: (count) => `Photos (${count.toLocaleString('en')})`,
+    count: (number, all) => `${number.toLocaleString('en')} of ${all.toLocaleString('en')}`,
+    takenHere: (count, station) => `Show ${strings.photos.many(count)} taken at ${station}`,
+    takenAt: (station) => `taken at ${station}`,
+    alt: (kind, name) => `The ${kind} ${name}`,
+    kinds: { spherical: 'panorama', cylindrical: 'panorama', pinhole: 'photo', visual: 'picture' },
+    title: 'Photos',
+    close: 'Close the photos',
+    closeTip: 'Close (Esc)',
+    loading: 'Loading…',
+    loadingSize: (size) => `Loading ${size}…`,
+    gone: 'The server no longer has photos of this point cloud.',
+    unreadable: 'This photo cannot be shown',
+    unreadableDetail: 'The browser cannot read the picture that came with the scan.',
+    noAnswer: 'The photo could not be loaded: the server is not responding.',
+    retry: 'Try again',
+    previous: 'Previous photo',
+    previousTip: 'Previous (←)',
+    next: 'Next photo',
+    nextTip: 'Next (→)',
+    smaller: 'Zoom out',
+    smallerTip: 'Zoom out (−)',
+    larger: 'Zoom in',
+    largerTip: 'Zoom in (+)',
+    open: 'Open in a new tab',
+    go: 'Look from here',
+    goTip: 'Look at the point cloud from where this photo was taken',
+  },
+
+  stations: {
+    choose: 'Go to a scan position…',
   },
 
   facts: {
@@ -252,6 +291,8 @@ export const strings = {
     pictureSavedDetail: (name, width, height) => `${name}, ${width} × ${height} pixels`,
     pictureFailed: 'The picture could not be saved',
     noAnswer: 'The server is not responding.',
+    stops: ['Collision on', 'You cannot walk or fall through surfaces.'],
+    passes: ['Collision off', 'You pass through surfaces. Press C to switch collision back on.'],
   },
 
   /** What the methods' parameters are called; those that are not here are called what the server calls them. */
@@ -266,6 +307,7 @@ export const strings = {
 /** 'panel.title' → what is said there; undefined where there is nothing. Pure. */
 export const stringAt = (path) => path.split('.').reduce((at, key) => (at && Object.hasOwn(at, key) ? at[key] : undefined), strings);
 
+/** @type {[string, (node: any, words: string) => void][]} */
 const places = [
   ['text', (node, words) => { node.textContent = words; }],
   ['label', (node, words) => node.setAttribute('aria-label', words)],

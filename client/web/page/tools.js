@@ -53,7 +53,7 @@ export class ToolRail {
     button.append(icon(tool.icon), words);
     button.addEventListener('click', () => this.activate(tool.id));
     const [group, place] = placeOf(tool.id);
-    const after = [...this.#groups[group].children].find((other) => Number(other.dataset.place) > place);
+    const after = [...this.#groups[group].children].find((/** @type {any} */ other) => Number(other.dataset.place) > place);
     button.dataset.place = String(place);
     this.#groups[group].insertBefore(button, after ?? null);
     this.#groups[group].hidden = false;

@@ -3,16 +3,22 @@
 
 import { beyond } from './mesh_triangles.js';
 
-const reach = 10; // cells that are filled behind an edge
+const reach = { least: 1.5, most: 10, share: 16 }; // cells that are filled behind an edge: the more, the farther apart both sides are
 const mirrorable = 1.1; // of the farther nearness: what is nearer is of something else
 
-/** For each cell near an edge on the nearer side, the cell on the farther side whose surface goes on behind it; else -1. */
-function behindEdges(values, width, height, { across, down }) {
+/**
+ * For each cell near an edge on the nearer side, the cell on the farther side whose surface goes on behind it; else -1.
+ * @param {number} usual nearness of the scene
+ */
+function behindEdges(values, width, height, { across, down }, usual) {
   const source = new Int32Array(width * height).fill(-1);
+  const left = new Float32Array(width * height); // cells that it still goes on from there
   let front = [];
   const offer = (near, far) => {
     if (source[near] < 0) front.push(near);
-    if (source[near] < 0 || values[far] < values[source[near]]) source[near] = far;
+    if (source[near] >= 0 && !(values[far] < values[source[near]])) return;
+    source[near] = far;
+    left[near] = Math.min(reach.most, reach.least + (reach.share * (values[near] - values[far])) / usual);
   };
   const compare = (i, j) => (values[i] > values[j] ? offer(i, j) : offer(j, i));
   for (let row = 0, i = 0; row < height; ++row) {
@@ -21,13 +27,15 @@ function behindEdges(values, width, height, { across, down }) {
       if (row + 1 < height && !down[i]) compare(i, i + width);
     }
   }
-  for (let step = 1; step < reach; ++step) {
+  while (front.length > 0) {
     const next = [];
     for (const i of front) {
+      if (left[i] < 2) continue;
       const column = i % width, row = (i - column) / width, far = values[source[i]];
       const go = (j) => {
         if (source[j] >= 0 || !(values[j] > far)) return;
         source[j] = source[i];
+        left[j] = left[i] - 1;
         next.push(j);
       };
       if (column > 0) go(i - 1);
@@ -90,8 +98,8 @@ function backdrops(squares, at, values, width, height) {
  * Squares behind edges and behind everything, twenty numbers each: of the corners above left, above right, below left and below
  * right their place in -1 … 1, their nearness (depth_mesh.js), and the place in the picture (0 … 1 from its top left) of what is seen there.
  */
-export function fillingOf(values, width, height, joints) {
-  const source = behindEdges(values, width, height, joints);
+export function fillingOf(values, width, height, joints, usual) {
+  const source = behindEdges(values, width, height, joints, usual);
   let count = height;
   for (const far of source) count += far < 0 ? 0 : 1;
   const squares = new Float32Array(20 * count);

@@ -10,7 +10,7 @@ import { trianglesOf } from './mesh_triangles.js';
 
 const invisible = 0.015; // of the scene's nearness: edges that move apart by less are none
 const gentle = 0.03; // of the nearness itself
-const flat = 0.004; // of the scene's nearness: by so much larger triangles may leave a surface
+const flat = 0.01; // of the scene's nearness: by so much larger triangles may leave a surface
 
 /**
  * @typedef {object} DepthMesh
@@ -136,7 +136,7 @@ export function depthMesh(depth, orthographic) {
     rows,
     nearness,
     triangles: trianglesOf(nearness, columns, rows, flat * usual),
-    filling: fillingOf(values, width, height, joints),
+    filling: fillingOf(values, width, height, joints, usual),
     deepest,
     depths,
   };

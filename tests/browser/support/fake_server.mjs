@@ -233,6 +233,10 @@ export class FakeServer {
   pending = [];
   statsOf = 'every frame'; // or 'no frame'
   frameDelay = 12;
+  snapshotMs; // how long a small picture (JPEG) takes; undefined: it is refused
+  mostSnapshots = 0; // that were on their way at once
+  snapshotsGivenUp = 0;
+  #snapshots = 0;
   damaged = false; // blocks of its clouds cannot be read
   token = ''; // asked for, when there is one
   guestLink = ''; // what stands in the link of a guest, whose pass is the token
@@ -269,6 +273,20 @@ export class FakeServer {
     if (JSON.parse(body).token === this.guestLink)
       return json({ token: this.token, cloud: this.clouds[0].id, expiresInSeconds: this.passSeconds });
     return reply(401, 'application/problem+json', JSON.stringify(problem(401, 'Unauthorized', "The guest's time is over.")));
+  }
+
+  /** After a while, unless nobody waits for it any more. */
+  #snapshot(words, response, reply) {
+    this.#snapshots += 1;
+    this.mostSnapshots = Math.max(this.mostSnapshots, this.#snapshots);
+    const [width, height] = ['width', 'height'].map((word) => Number(words.get(word)));
+    const timer = setTimeout(() => reply(200, 'image/jpeg', blockJpeg(width, height, (column, row) => [16 * column % 256, 16 * row % 256, 90])), this.snapshotMs);
+    response.on('close', () => {
+      this.#snapshots -= 1;
+      if (response.writableFinished) return;
+      clearTimeout(timer);
+      this.snapshotsGivenUp += 1;
+    });
   }
 
   #upgrade(request, socket) {
@@ -315,8 +333,9 @@ export class FakeServer {
       if (!file) return reply(500, 'application/problem+json', JSON.stringify(problem(500, 'Internal Server Error', 'This photo cannot be read.')));
       return reply(200, 'image/jpeg', file);
     }
-    if (pathname.endsWith('/snapshot.png')) {
+    if (/\/snapshot\.(png|jpg)$/.test(pathname)) {
       this.received.push({ type: 'snapshot', words: Object.fromEntries(searchParams) });
+      if (pathname.endsWith('.jpg') && this.snapshotMs !== undefined) return this.#snapshot(searchParams, response, reply);
       return reply(503, 'application/problem+json', JSON.stringify(problem(503, 'Not now', 'This test server draws no snapshots.')));
     }
     const file = normalize(pathname === '/' ? '/index.html' : pathname);

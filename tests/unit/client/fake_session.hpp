@@ -41,12 +41,14 @@ inline FakeServer::Script fakeLists() {
     return script;
 }
 
-inline Bytes frameBytes(const FrameHeader& header, const std::string& picture) {
+inline Bytes frameBytes(const FrameHeader& header, const std::string& picture,
+                        const Bytes& packedDepth = {}) {
     auto complete = header;
     complete.pictureLength = static_cast<std::uint32_t>(picture.size());
-    const auto head = printFrameHeader(complete);
-    Bytes bytes(head.size() + picture.size());
-    std::copy(picture.begin(), picture.end(), std::copy(head.begin(), head.end(), bytes.begin()));
+    const auto head = printFrameHeader(complete, packedDepth.size());
+    Bytes bytes(head.begin(), head.end());
+    bytes.insert(bytes.end(), packedDepth.begin(), packedDepth.end());
+    bytes.insert(bytes.end(), picture.begin(), picture.end());
     return bytes;
 }
 

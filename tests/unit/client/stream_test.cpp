@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 #include <thread>
 
+#include "protocol/depth/frame_depth.hpp"
 #include "protocol/view/view_json.hpp"
 #include "tests/unit/client/fake_session.hpp"
 
@@ -57,6 +58,31 @@ TEST(Stream, ViewsGoOutAndFramesComeBack) {
         }
     }
     EXPECT_TRUE(stream->close());
+}
+
+TEST(Stream, DepthIsAskedForAndUnpacked) {
+    const auto packed = packDepth({2, 1, {3, 6}});
+    ASSERT_TRUE(packed) << packed.error().message;
+    messages::Hello said;
+    const FakeServer fake(scriptOf([&](FakePeer& peer) {
+        FrameHeader header;
+        header.frameId = header.width = header.height = 1;
+        std::string text;
+        if (test::welcome(peer, "s1", {}, &said) &&
+            peer.sendBinary(test::frameBytes(header, "jpeg", *packed)))
+            peer.readText(text);
+    }));
+    messages::Hello hello;
+    hello.depth = true;
+    auto stream = Stream::open(fake.url(), hello, patient);
+    ASSERT_TRUE(stream) << stream.error().message;
+    EXPECT_TRUE(said.depth);
+    const auto frame = stream->receiveFrame();
+    ASSERT_TRUE(frame) << frame.error().message;
+    EXPECT_EQ(std::string(frame->jpeg.begin(), frame->jpeg.end()), "jpeg");
+    const auto depth = unpackDepth(frame->packedDepth);
+    ASSERT_TRUE(depth) << depth.error().message;
+    EXPECT_EQ(depth->inverse, (std::vector<float>{1.0F / 3, 1.0F / 6}));
 }
 
 TEST(Stream, ARefusedViewIsAnErrorAndTheSessionGoesOn) {

@@ -90,6 +90,40 @@ TEST(FrameHeader, LongerHeadersOfLaterServersAreSkipped) {
     EXPECT_EQ(frame->picture.front(), 1);
 }
 
+/// `appended` stands between header and picture.
+Bytes longerMessage(const Bytes& appended) {
+    const auto head = printFrameHeader(sample(), appended.size());
+    Bytes bytes(head.begin(), head.end());
+    bytes.insert(bytes.end(), appended.begin(), appended.end());
+    bytes.insert(bytes.end(), {1, 2, 3, 4, 5});
+    return bytes;
+}
+
+TEST(FrameHeader, DepthStandsBehindTheFieldsAndWhatFollowsItIsSkipped) {
+    const Bytes depth{2, 0, 2, 0, 3, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 7, 8, 9};
+    for (const std::size_t behind : {0U, 5U}) {
+        Bytes appended = depth;
+        appended.resize(depth.size() + behind);
+        const auto bytes = longerMessage(appended);
+        EXPECT_EQ(bytes[6], 48 + appended.size());
+        const auto frame = parseFrame(bytes);
+        ASSERT_TRUE(frame) << frame.error().message;
+        EXPECT_EQ(frame->header, sample()) << "as without it";
+        EXPECT_EQ(Bytes(frame->picture.begin(), frame->picture.end()), (Bytes{1, 2, 3, 4, 5}));
+        EXPECT_EQ(Bytes(frame->packedDepth.begin(), frame->packedDepth.end()), depth);
+    }
+    EXPECT_TRUE(parseFrame(message(sample()))->packedDepth.empty());
+    EXPECT_TRUE(parseFrame(longerMessage(Bytes(16)))->packedDepth.empty()) << "a length of 0 is none";
+    EXPECT_TRUE(parseFrame(longerMessage(Bytes(15, 255)))->packedDepth.empty())
+        << "the fields are not all there";
+    Bytes beyond = depth;
+    beyond[4] = 4;
+    EXPECT_EQ(refused(longerMessage(beyond)).code, ErrorCode::Malformed);
+    EXPECT_EQ(refused(longerMessage(beyond)).field, "depthLength");
+    beyond[7] = 255;
+    EXPECT_EQ(refused(longerMessage(beyond)).field, "depthLength");
+}
+
 TEST(FrameHeader, EachWrongFieldIsNamed) {
     struct Case {
         std::size_t at;

@@ -25,6 +25,7 @@ TEST(ClientMessages, RoundTrip) {
     hello.pixelRatio = 1.5;
     hello.fps = 60;
     hello.resume = "token";
+    hello.depth = true;
     Hello follower;
     follower.follow = "s1";
     ViewChange view{18446744073709551615u, "other", {{"width", 5}, {"camera", {{"fov", 50}}}}};
@@ -46,6 +47,11 @@ TEST(ClientMessages, RoundTrip) {
         ASSERT_TRUE(back) << text << ": " << back.error().message;
         EXPECT_EQ(*back, message) << text;
     }
+}
+
+TEST(ClientMessages, AHelloWithoutDepthIsAsOlderServersKnowIt) {
+    EXPECT_EQ(printMessage(ClientMessage(Hello{})).find("depth"), std::string::npos);
+    EXPECT_EQ(refused(R"({"type": "hello", "depth": 1})").field, "depth");
 }
 
 TEST(ClientMessages, AViewCarriesOnlyWhatIsOfTheView) {

@@ -69,6 +69,11 @@ TEST(ProtocolPage, HasEveryFieldOfTheFrameHeaderWithItsOffset) {
                                  " | `", field.name, "` | "});
         EXPECT_NE(page.find(row), std::string::npos) << row;
     }
+    for (const auto& field : frameDepthFields) {
+        const auto row = joined({"| ", std::to_string(field.offset), " | ", std::to_string(field.size),
+                                 " | `", field.name, "` | "});
+        EXPECT_NE(page.find(row), std::string::npos) << row;
+    }
 }
 
 TEST(ProtocolPage, ItsCanonicalViewIsTheDefault) {

@@ -1,8 +1,10 @@
 // The scheduler on devices of the renderer's, one of which is lost while it draws.
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <future>
 
+#include "protocol/depth/frame_depth.hpp"
 #include "renderer/render.hpp"
 #include "server/scheduler/scheduler.hpp"
 #include "tests/support/serving/fake_painter.hpp"
@@ -144,6 +146,54 @@ TEST(DevicePainter, OnlyPicturesOfDepthAskForIt) {
         EXPECT_EQ(bytes->size() == 40 * 24 * 4, format == PictureFormat::Depth);
     }
     EXPECT_EQ(asked, (std::vector<bool>{false, false, true}));
+}
+
+/// Oracle: the snapshot of depth, which here has as many pixels as there are cells.
+TEST(DevicePainter, APictureWithDepthIsTheSamePictureAndItsDepthThatOfTheSnapshot) {
+    const auto cloud = test::tinyCloud();
+    std::vector<bool> asked;
+    const auto painter = painterWith(
+        [&]() -> Expected<std::unique_ptr<Device>> { return std::make_unique<NotingDevice>(asked); })();
+    ASSERT_TRUE(painter) << painter.error().message;
+    const auto drawn = [&](PictureFormat format, bool withDepth) {
+        PictureOrder order;
+        order.cloud = cloud;
+        order.view = defaultView(*cloud, 40, 24);
+        order.view.quality.samples = 1;
+        order.format = format;
+        order.withDepth = withDepth;
+        const auto prepared = painter->prepare(order, true, {});
+        EXPECT_TRUE(prepared);
+        auto begun = painter->begin(order, *prepared, {}, {});
+        EXPECT_TRUE(begun);
+        auto frame = (*begun)->finish();
+        EXPECT_TRUE(frame);
+        return std::pair(std::move(*frame), order.view);
+    };
+    const auto [with, view] = drawn(PictureFormat::Jpeg, true);
+    const Frame without = drawn(PictureFormat::Jpeg, false).first;
+    const Frame deep = drawn(PictureFormat::Depth, false).first;
+    EXPECT_EQ(asked, (std::vector<bool>{true, false, true}));
+    EXPECT_EQ(*encodePicture(with, view, PictureFormat::Jpeg),
+              *encodePicture(without, view, PictureFormat::Jpeg));
+    const auto packed = encodeDepth(with);
+    ASSERT_TRUE(packed) << packed.error().message;
+    const auto depth = unpackDepth(*packed);
+    ASSERT_TRUE(depth) << depth.error().message;
+    ASSERT_EQ(depth->inverse.size(), deep.depth.size());
+    int covered = 0;
+    for (std::size_t i = 0; i < deep.depth.size(); ++i) {
+        if (std::isinf(deep.depth[i])) {
+            EXPECT_EQ(depth->inverse[i], 0);
+            continue;
+        }
+        ++covered;
+        EXPECT_NEAR(double(depth->inverse[i]) * double(deep.depth[i]), 1, 1.0 / 1000);
+    }
+    EXPECT_GT(covered, 0);
+    const auto missing = encodeDepth(without);
+    ASSERT_FALSE(missing);
+    EXPECT_EQ(missing.error().code, ErrorCode::Internal);
 }
 
 /// A plan that the order brings is the one that is drawn; one of another quality lends what it knows; and

@@ -481,6 +481,16 @@ class TightTurnsTest : public TurnsTest {
     }
 };
 
+TEST_F(TightTurnsTest, DepthThatComesWithAPictureTakesMemoryToo) {
+    PictureOrder order = picture(1000, "a");
+    const std::uint64_t without = bytesToDraw(order),
+                        pixels = std::uint64_t(1000) * std::uint64_t(order.view.height);
+    order.withDepth = true;
+    EXPECT_EQ(bytesToDraw(order), without + pixels * sizeof(float));
+    order.format = PictureFormat::Depth;
+    EXPECT_EQ(bytesToDraw(order), bytesToDraw(order.view, PictureFormat::Depth)) << "there is one depth";
+}
+
 TEST_F(TightTurnsTest, StillsAndSnapshotsWaitForMemoryAndMovingFramesDoNot) {
     turns.setPauses(true);
     snapshot(picture(1000, "a"));

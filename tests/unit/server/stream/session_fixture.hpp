@@ -24,8 +24,9 @@ class RecordingPort final : public StreamPort {
 
     void sendText(std::string text) override { texts.push_back(json::parse(text)); }
     void sendFrame(const FrameHeader& header, std::shared_ptr<const Bytes>,
-                   std::shared_ptr<const Bytes>) override {
+                   std::shared_ptr<const Bytes> depth) override {
         frames.push_back(header);
+        depths.push_back(std::move(depth));
         if (onFrame) onFrame(header);
     }
     void order(std::uint64_t number, PictureOrder order) override {
@@ -49,6 +50,7 @@ class RecordingPort final : public StreamPort {
 
     std::vector<json> texts;
     std::vector<FrameHeader> frames;
+    std::vector<std::shared_ptr<const Bytes>> depths;  // of the frames; null where one has none
     std::function<void(const FrameHeader&)> onFrame;
     std::vector<Placed> orders;
     std::vector<std::tuple<std::uint64_t, double, double>> picks;
@@ -104,6 +106,7 @@ class SessionTest : public ::testing::Test {
     void finish(std::size_t n, double renderMs = 1) {
         EncodedPicture picture;
         picture.bytes = std::make_shared<const Bytes>(Bytes{1, 2, 3});
+        if (order(n).withDepth) picture.depth = std::make_shared<const Bytes>(Bytes{4, 5});
         picture.width = port.orders.at(n).order.view.width;
         picture.height = port.orders.at(n).order.view.height;
         picture.renderMs = renderMs;
@@ -118,6 +121,7 @@ class SessionTest : public ::testing::Test {
         ack(1);
         port.orders.clear();
         port.frames.clear();
+        port.depths.clear();
         port.texts.clear();
     }
 

@@ -68,6 +68,23 @@ TEST_F(ResumedSession, GoesOnWithItsIdCloudViewLimitsAndNumbers) {
     EXPECT_GT(*order(2).view.quality.detail, 2) << "and so does maxDetail 8";
 }
 
+TEST_F(ResumedSession, DepthIsTheConnectionsAndSaidAgain) {
+    for (const bool again : {true, false}) {
+        say({{"type", "hello"}, {"depth", true}});
+        const std::string token = port.texts.at(0)["resume"];
+        session->connectionLost(false, now);
+        connect();
+        json hello = {{"type", "hello"}, {"resume", token}};
+        if (again) hello["depth"] = true;
+        say(hello);
+        EXPECT_EQ(port.texts.at(0)["resumed"], true);
+        pass(150);
+        EXPECT_EQ(order(0).withDepth, again);
+        session->connectionLost(true, now);
+        connect();
+    }
+}
+
 TEST_F(ResumedSession, WhoeverHasAFrameAndComesBackAtOnceIsNotSentItsNumberAgain) {
     hello();
     const std::string token = port.texts.at(0)["resume"];

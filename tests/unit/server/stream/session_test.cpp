@@ -53,6 +53,31 @@ TEST_F(SessionTest, AViewIsShownMovingAndAfterAPauseAsFinalStill) {
     EXPECT_EQ(port.frames[1].seq, 7U);
 }
 
+TEST_F(SessionTest, EveryFrameHasDepthWhereHelloAsksForItAndNoneElsewhere) {
+    say({{"type", "hello"}, {"width", 640}, {"height", 480}, {"depth", true}});
+    view(1, 5);
+    finish(0);
+    ack(1);
+    pass(150);
+    finish(1);
+    ASSERT_EQ(port.frames.size(), 2U);
+    EXPECT_TRUE(port.frames[0].moving);
+    EXPECT_TRUE(port.frames[1].final);
+    for (const auto& depth : port.depths) {
+        ASSERT_TRUE(depth);
+        EXPECT_EQ(*depth, (Bytes{4, 5}));
+    }
+    EXPECT_EQ(port.frames[0].pictureLength, 3U) << "depth is not of the picture";
+}
+
+TEST_F(SessionTest, WithoutHellosWordNoOrderIsWithDepth) {
+    greet();
+    view(1, 5);
+    EXPECT_FALSE(order(0).withDepth);
+    finish(0);
+    EXPECT_EQ(port.depths.at(0), nullptr);
+}
+
 TEST_F(SessionTest, AfterFinalNothingIsSentUntilSomethingChanges) {
     greet();
     view(1, 20);

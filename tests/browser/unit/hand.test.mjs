@@ -318,6 +318,12 @@ describe('held keys', () => {
     assert.ok(way(1e9) <= 16.1 * way(0), 'bounded');
   });
 
+  it('without perspective, W makes larger what is in the middle', () => {
+    const flat = { ...start, projection: 'orthographic' };
+    const next = pressed('KeyW').advance(flat, 0.1, { ...world, known: [pictureOf(flat)] });
+    assert.ok(next.distance < 0.95 * flat.distance);
+  });
+
   it('are let go', () => {
     const keys = pressed('KeyW');
     keys.up({ code: 'KeyW', key: 'w', shiftKey: false });

@@ -168,17 +168,6 @@ describe('a grip', () => {
     assert.ok(eyeOf(camera)[2] < 0, 'who wants to look from below may');
   });
 
-  it('is corrected without a jump', () => {
-    const grip = new Grip('pan', { point: [0, 0, 0], of: 'plane' }, { x: 600, y: 400 });
-    let camera = grip.move(start, { ...noStep(), x: 30 }, world);
-    const better = [3, 4, 5];
-    const before = at(camera, better);
-    grip.correct(better, camera, size);
-    camera = grip.move(camera, { ...noStep(), x: 10, y: -4 }, world);
-    near(at(camera, better).x - before.x, 10, 0.01, 'x');
-    near(at(camera, better).y - before.y, -4, 0.01, 'y');
-  });
-
   it('going backwards does not sink into the ground', () => {
     let camera = from([0, -40, 2], [0, 20, 12]);
     const known = [pictureOf(camera)];

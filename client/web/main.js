@@ -250,8 +250,14 @@ const theme = new Choices(find('theme'), chooseTheme);
 theme.fill(themes.map((value) => ({ value, label: strings.theme[value] })));
 theme.show(chosenTheme());
 
+function setColliding(collides) {
+  viewer.collides = collides;
+  find('collides').checked = collides;
+}
+find('collides').addEventListener('change', (event) => setColliding(/** @type {any} */ (event.target).checked));
+
 function toggleColliding() {
-  viewer.collides = !viewer.collides;
+  setColliding(!viewer.collides);
   const [title, detail] = viewer.collides ? strings.messages.stops : strings.messages.passes;
   overlays.toast(title, detail, 'done');
 }

@@ -22,7 +22,7 @@ int main(int argc, char** argv) {
                std::string(scancast::exitCodesText));
     bool backends = false;
     app.add_flag("--list-backends", backends,
-                 "Say what could draw on this machine, best first, and what shuts importers in");
+                 "List what this machine can render with, best first, and what importers are sandboxed by");
     app.require_subcommand(0, 1);
     int exitCode = 0;
     scancast::addServe(app, exitCode);

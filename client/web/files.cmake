@@ -56,6 +56,7 @@ set(SCANCAST_WEB_FILES
     view/ground.js
     view/held_keys.js
     view/inertia.js
+    view/first_views.js
     view/keys.js
     view/margin.js
     view/mesh_triangles.js

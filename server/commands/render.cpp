@@ -211,15 +211,14 @@ Expected<void> runRender(const RenderArguments& arguments, const WordValues& wor
 }  // namespace
 
 void addRender(CLI::App& app, int& exitCode) {
-    auto* command = app.add_subcommand("render", "Draw one picture of a scan, without a server");
+    auto* command = app.add_subcommand("render", "Render one picture of a scan, without a server");
     command->footer(
         "Examples:\n"
         "  scancast render church.las -o church.png\n"
         "  scancast render church.las -o top.jpg --projection orthographic --eye 0,0,100 --target 0,0,0 --up "
         "0,1,0\n"
         "  scancast render church.las -o evening.png --shading phong --light sun=250,20 --light shadow=0.8 "
-        "--light "
-        "occlusion=0.5\n"
+        "--light occlusion=0.5\n"
         "  scancast render 'flight/*.laz' -o flight.jpg\n"
         "  scancast render church.las --repeat 50 --stats json --samples 1 --method point");
     auto arguments = std::make_shared<RenderArguments>();
@@ -229,34 +228,35 @@ void addRender(CLI::App& app, int& exitCode) {
     command->add_option("--backend", arguments->device.backend, "auto, cpu, egl or osmesa")
         ->capture_default_str();
     command->add_option("--egl-device", arguments->device.eglDevice,
-                        "Which GPU, as scancast --list-backends numbers them");
-    command->add_option("--threads", arguments->device.threads, "CPU threads; 0 = all. Changes no pixel")
+                        "Which GPU, as numbered by scancast --list-backends");
+    command
+        ->add_option("--threads", arguments->device.threads,
+                     "CPU threads; 0 = all. Does not change the picture")
         ->check(CLI::Range(0, 1024));
     command->add_flag("--brute-force", arguments->render.bruteForce,
                       "Draw every point of the scan: no level of detail, no culling");
-    command->add_option("--repeat", arguments->repeat, "Draw it N times, reusing nothing, and report medians")
+    command->add_option("--repeat", arguments->repeat, "Render N times, reusing nothing, and report medians")
         ->check(CLI::Range(1, 1000000));
     command->add_option("--orbit", arguments->orbit,
-                        "Turn by this many degrees about the target between repetitions");
+                        "Turn about the target by this many degrees between repetitions");
     command
         ->add_option("--memory-limit", arguments->memoryLimit,
-                     "Memory for a cloud file, like 2G; half of the machine's without it")
+                     "Memory for a cloud file, such as 2G. Default: half of the machine's")
         ->type_name("SIZE");
     command
         ->add_option("--gpu-memory-limit", arguments->gpuMemoryLimit,
-                     "Memory of the GPU for points, like 8G; three quarters of what is free there without it")
+                     "GPU memory for points, such as 8G. Default: three quarters of what is free")
         ->type_name("SIZE");
     command->add_flag("--no-surfels", arguments->noSurfels,
-                      "Read a scan faster: do not estimate normals and radii, which disc, ewa, voronoi and "
-                      "shading=phong need. Cloud files stay as they are");
+                      "Read a scan faster by not estimating the normals and radii that disc, ewa, voronoi "
+                      "and shading=phong need. Cloud files stay as they are");
     addAssumeCrs(*command, arguments->assumeCrs);
-    command->add_option("--stats", arguments->stats, "Print times, as json, on standard output")
+    command->add_option("--stats", arguments->stats, "Print timings on standard output, as JSON")
         ->check(CLI::IsMember({"json"}));
     command
-        ->add_option(
-            "--look", arguments->look,
-            "Show it by this look instead of its own: JSON as scancast look prints it, or what is to "
-            "differ. Flags of the view win")
+        ->add_option("--look", arguments->look,
+                     "Use this look instead of the cloud's own: JSON as scancast look prints it, or only "
+                     "what should differ. View flags take precedence")
         ->type_name("FILE");
     arguments->view.addTo(*command);
     command->callback([arguments, &exitCode] {

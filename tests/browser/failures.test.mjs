@@ -489,8 +489,8 @@ describe('the page, when things go wrong', { timeout: 280_000 }, () => {
     const colors = () => page.$$eval('#color .name', (nodes) => nodes.map((node) => node.textContent));
     assert.equal((await colors())[0], 'Automatic');
     assert.ok(!(await colors()).includes('Intensity'));
-    assert.match(await page.textContent('#color-note'), /Intensity: not in this scan/);
-    assert.match(await page.textContent('#color-note'), /Hidden points: only with the method “Reconstructed surface”/);
+    assert.match(await page.textContent('#color-note'), /Not in this scan: .*Intensity/);
+    assert.match(await page.textContent('#color-note'), /Hidden points are shown by the method “Reconstructed surface” only/);
     await choose(page, '#color', 'elevation');
     assert.ok(!(await page.isVisible('#by-intensity')), 'no shading by an intensity that is not there');
     await page.selectOption('#cloud', 'helix');

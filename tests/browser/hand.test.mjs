@@ -47,20 +47,18 @@ describe('the hand', { timeout: 240_000 }, () => {
 
   it('what is dragged is 3 px off at most: on the ground, the wall and the tree', async () => {
     await hand.look(overview);
-    const places = { ground: { x: 420, y: 450 }, wall: { x: 560, y: 250 }, tree: { x: 300, y: 270 } };
+    const places = { ground: { x: 420, y: 450 }, wall: { x: 560, y: 250 }, tree: { x: 255, y: 245 } };
     for (const [kind, cursor] of Object.entries(places)) {
       await hand.look(overview);
       const point = await hand.truth(cursor);
       assert.ok(point && kinds[kind](point), `${kind} is not at ${cursor.x}, ${cursor.y}, but ${point}`);
       const errors = await hand.errors(cursor);
-      // Leaves are rough: half a metre before and behind each other, within a cell of the depth.
-      const most = (act) => (kind === 'tree' && act === 'orbit' ? 9 : 3);
-      for (const [act, error] of Object.entries(errors)) assert.ok(error <= most(act), `${act} on the ${kind}: ${error} px`);
+      for (const [act, error] of Object.entries(errors)) assert.ok(error <= 3, `${act} on the ${kind}: ${error} px`);
     }
   });
 
   it('fourteen notches end before the ground, the wall and the tree', async () => {
-    for (const cursor of [{ x: 420, y: 450 }, { x: 560, y: 250 }, { x: 300, y: 270 }]) {
+    for (const cursor of [{ x: 420, y: 450 }, { x: 560, y: 250 }, { x: 255, y: 245 }]) {
       await hand.look(overview);
       const point = await hand.truth(cursor);
       const far = length(subtract(eyeOf(hand.camera), point));
@@ -80,7 +78,7 @@ describe('the hand', { timeout: 240_000 }, () => {
       const [, y, z] = eyeOf(hand.camera);
       assert.ok(z > 0.2, `under the ground: ${z}`);
       assert.ok(y < 10, 'behind the wall');
-      assert.ok(await hand.wire.covered() > 0.05, `${await hand.wire.covered()} covered`);
+      assert.ok(await hand.wire.covered() > 0.03, `${await hand.wire.covered()} covered`);
     }
   });
 
@@ -96,12 +94,12 @@ describe('the hand', { timeout: 240_000 }, () => {
 
   it('a double-click centres the point and comes nearer, with Shift it goes away; Enter does so for the middle', async () => {
     await hand.look(overview);
-    const cursor = { x: 300, y: 270 };
+    const cursor = { x: 400, y: 450 };
     const point = await hand.truth(cursor);
     const start = length(subtract(eyeOf(hand.camera), point));
     await hand.page.mouse.dblclick(cursor.x, cursor.y);
     await hand.settle();
-    assert.ok(hand.offBy(point, middle) <= 6, `${hand.offBy(point, middle)} px from the middle`);
+    assert.ok(hand.offBy(point, middle) <= 3, `${hand.offBy(point, middle)} px from the middle`);
     const near = length(subtract(eyeOf(hand.camera), point));
     assert.ok(near < 0.5 * start && near > 1, `${near} of ${start}`);
     await hand.page.keyboard.down('Shift');
@@ -117,17 +115,22 @@ describe('the hand', { timeout: 240_000 }, () => {
 
   it('what is thrown glides on, until somebody takes hold of it; not for who wants no motion', async () => {
     await hand.look(overview);
-    const { mouse } = hand.page;
-    const fling = async () => {
-      await mouse.move(300, 420);
-      await mouse.down({ button: 'right' });
-      for (let i = 1; i <= 8; ++i) await mouse.move(300 + 40 * i, 420);
-      await mouse.up({ button: 'right' });
-    };
+    // In the page: how fast a real hand's events come here depends on what else the machine does.
+    const fling = () => hand.page.evaluate(async () => {
+      const canvas = document.getElementById('picture');
+      canvas.setPointerCapture = () => {}; // only real pointers can be captured
+      const send = (type, clientX) => canvas.dispatchEvent(new PointerEvent(type, { pointerId: 9, clientX, clientY: 420, bubbles: true, button: 2, buttons: 2 }));
+      send('pointerdown', 300);
+      for (let i = 1; i <= 8; ++i) {
+        send('pointermove', 300 + 40 * i);
+        for (const until = performance.now() + 6; performance.now() < until;);
+      }
+      send('pointerup', 620);
+    });
     const point = await hand.truth({ x: 300, y: 420 });
     await fling();
     await hand.settle();
-    assert.ok(hand.offBy(point, { x: 620, y: 420 }) > 8, 'it stood at once');
+    assert.ok(hand.offBy(point, { x: 620, y: 420 }) > 30, 'it stood at once');
     await hand.page.emulateMedia({ reducedMotion: 'reduce' });
     await hand.look(overview);
     await fling();
@@ -143,8 +146,10 @@ describe('the hand', { timeout: 240_000 }, () => {
       await hand.hold(key, 200);
       return moved(before, hand.camera) > 0.05;
     };
-    for (const selector of ['#cloud', '#shading', '#toggle-panel', '#orthographic']) {
+    if (await hand.page.getAttribute('#toggle-panel', 'aria-expanded') !== 'true') await hand.page.click('#toggle-panel');
+    for (const selector of ['#cloud', '#shading', '#color input:checked', '#orthographic']) {
       await hand.page.focus(selector);
+      assert.ok(await hand.page.evaluate((at) => document.activeElement === document.querySelector(at), selector), `no focus: ${selector}`);
       const value = await hand.page.evaluate((at) => document.querySelector(at).value, selector);
       assert.ok(await walked('s'), selector);
       assert.equal(await hand.page.evaluate((at) => document.querySelector(at).value, selector), value, selector);
@@ -154,16 +159,16 @@ describe('the hand', { timeout: 240_000 }, () => {
     await hand.settle();
     assert.ok(hand.camera.elevation > 1.5, 'not from the top');
     await hand.look(overview);
-    await hand.page.selectOption('#color', 'elevation');
-    await hand.page.fill('#range-low', '1');
-    await hand.page.focus('#range-low');
+    await hand.page.evaluate(() => document.querySelector('#color input[value=elevation]').click());
+    await hand.page.waitForSelector('#range-low', { state: 'attached' });
+    await hand.page.evaluate(() => document.getElementById('range-low').focus());
+    assert.equal(await hand.page.evaluate(() => document.activeElement.id), 'range-low');
     assert.ok(!(await walked('w')) && !(await walked('ArrowUp')), 'a text field keeps its keys');
-    await hand.page.selectOption('#color', 'auto');
-    await hand.page.focus('#background');
-    const background = await hand.page.inputValue('#background');
+    await hand.page.focus('#detail');
+    const detail = await hand.page.inputValue('#detail');
     const before = hand.camera;
     await hand.page.keyboard.press('ArrowDown');
-    assert.notEqual(await hand.page.inputValue('#background'), background, 'a menu keeps its arrows');
+    assert.notEqual(await hand.page.inputValue('#detail'), detail, 'a menu keeps its arrows');
     assert.ok(moved(before, hand.camera) < 1e-3);
   });
 

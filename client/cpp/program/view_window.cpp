@@ -7,6 +7,7 @@
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
+#include <filesystem>
 #include <memory>
 #include <mutex>
 #include <string_view>
@@ -58,12 +59,22 @@ Error noDisplay(const std::string& reason) {
             {}};
 }
 
+/// Whether anything could show a window: a desktop's display, a screen of the console's, or a driver that somebody asks for.
+bool mayShowWindows() {
+    for (const char* name : {"DISPLAY", "WAYLAND_DISPLAY", "SDL_VIDEODRIVER"})
+        if (const char* value = std::getenv(name); value != nullptr && *value != '\0') return true;
+    std::error_code error;
+    return std::filesystem::exists("/dev/dri", error);
+}
+
 Expected<void> startVideo() {
+    const char* const none = ": there is no display (DISPLAY and WAYLAND_DISPLAY name none)";
+    if (!mayShowWindows()) return tl::unexpected(noDisplay(none));
     if (SDL_InitSubSystem(SDL_INIT_VIDEO) != 0)
         return tl::unexpected(noDisplay(std::string(" (") + SDL_GetError() + ")"));
     if (!drawsForNobody()) return {};
     SDL_QuitSubSystem(SDL_INIT_VIDEO);
-    return tl::unexpected(noDisplay(": there is no display (DISPLAY and WAYLAND_DISPLAY name none)"));
+    return tl::unexpected(noDisplay(none));
 }
 
 struct Shown {

@@ -42,6 +42,12 @@ export async function fetchClouds() {
   return { clouds: listOf(body.clouds), pending: listOf(body.pending) };
 }
 
+/** Views that show most of the cloud, the best first, complete and fitted to a picture of this size: [{ name, inside, view }]. */
+export async function fetchViews(cloud, { width, height }) {
+  const body = await getJson(`/api/v1/clouds/${encodeURIComponent(cloud)}/views?width=${width}&height=${height}`);
+  return listOf(body.views);
+}
+
 /** Where the scanner stood, each with the view from there. */
 export async function fetchStations(cloud) {
   const body = await getJson(`/api/v1/clouds/${encodeURIComponent(cloud)}/stations`);

@@ -35,7 +35,7 @@ export class Session {
    *   empty    the server has no cloud at all
    *   locked   it wants a token: `refused`, another one than it was given; `guest`: a link that is not good any more
    *   lost     `detail`: why, in words; `at`, `delay`: when it is tried again
-   * catalog(catalog) and clouds(list); hello() → the first message; welcome(message); frame, problem and stats as in Connection.
+   * catalog(catalog) and clouds(list); expect(cloud), which is shown as soon as that resolves; hello() → the first message; welcome(message); frame, problem and stats as in Connection.
    */
   constructor(handlers) {
     this.#handlers = handlers;
@@ -117,7 +117,7 @@ export class Session {
         this.#wait(list);
         return;
       }
-      const methods = await fetchMethods();
+      const [methods] = await Promise.all([fetchMethods(), this.#handlers.expect(cloud)]);
       if (round !== this.#round) return;
       this.#handlers.catalog({ ...list, ...methods });
       this.#open(cloud);

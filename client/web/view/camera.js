@@ -152,6 +152,9 @@ export function fit(camera, bounds, size, free = size, margin = 1.06) {
   return changed(camera, { target, distance });
 }
 
+/** The same direction and target from `times` as far. */
+export const farther = (camera, times) => changed(camera, { distance: camera.distance * times });
+
 /** A camera fitted to a picture of 16:9, from so much farther away that all of it is seen in the part `free` of `size`. */
 export function fittedInto(camera, size, free) {
   const share = Math.min(free.height, (free.width * 9) / 16) / size.height;

@@ -4,7 +4,7 @@
 // What no picture has seen stops nobody, but for two guesses: the ground goes on below one's feet as it is seen a little
 // farther ahead, and there is none below the cloud.
 
-import { corners, depthOf, centerOf, eyeOf, move, radiusOf, upwards } from './camera.js';
+import { axes, corners, depthOf, centerOf, eyeOf, move, radiusOf, upwards } from './camera.js';
 import { coveredShare, hitAlong, placeOf } from './seen.js';
 import { add, dot, length, scale, subtract } from './vectors.js';
 
@@ -107,14 +107,50 @@ export function reachAhead(pictures, camera, { least, bounds }) {
   return Math.min(Math.max(reach, 2 * least), 2 * radius);
 }
 
+/** From 1 at `full` to 0 at `none`. */
+const fading = (value, full, none) => Math.min(1, Math.max(0, (value - none) / (full - none)));
+
 /** How much of a way ahead leads on into a picture with something in it: 1 all of it, 0 none. */
-function worthWalking(pictures, camera, bounds) {
+function worthWalking(pictures, camera, limits) {
+  const { bounds } = limits;
   const [newest] = pictures;
   if (!newest) return depthOf(camera, centerOf(bounds)) > -0.5 * radiusOf(bounds) ? 1 : 0;
-  const { covered } = summaryOf(newest);
   // From far away the cloud is small, and that is where one is going.
   if (placeOf(newest, centerOf(bounds)) && length(subtract(eyeOf(camera), centerOf(bounds))) > radiusOf(bounds)) return 1;
-  return Math.min(1, Math.max(0, (covered - emptyTo) / (emptyFrom - emptyTo)));
+  return fading(coveredFrom(newest, camera), emptyFrom, emptyTo);
+}
+
+/**
+ * Which share of the picture from `camera` will be covered by what an earlier one shows: the next one may be long in coming.
+ * Every fourth cell of it is looked at, as large as it will be.
+ */
+export function coveredFrom(seen, camera) {
+  const { inverse, width, height } = seen.depth;
+  const now = axes(camera);
+  const shift = subtract(seen.eye, eyeOf(camera));
+  // Pictures may have a margin, of which nothing is to be seen.
+  const margin = seen.top / (Math.tan((camera.fov * Math.PI) / 360) * (seen.perspective ? 1 : camera.distance));
+  const turned = ['right', 'up', 'back'].map((axis) => ['right', 'up', 'back'].map((other) => dot(now[axis], seen[other])));
+  const [x0, y0, z0] = [dot(now.right, shift), dot(now.up, shift), -dot(now.back, shift)];
+  let covered = 0, all = 0;
+  for (let row = 2; row < height; row += 4) {
+    for (let column = 2; column < width; column += 4) {
+      ++all;
+      const value = inverse[row * width + column];
+      if (!(value > 0)) continue;
+      const depth = 1 / value;
+      const spread = seen.perspective ? depth : 1;
+      const x = (((column + 0.5) / width) * 2 - 1) * seen.side * spread;
+      const y = (1 - ((row + 0.5) / height) * 2) * seen.top * spread;
+      const at = turned.map(([right, up, back]) => right * x + up * y - back * depth);
+      const ahead = z0 - at[2];
+      const w = seen.perspective ? ahead : 1;
+      if (ahead > 0 && margin * Math.abs(x0 + at[0]) <= seen.side * w && margin * Math.abs(y0 + at[1]) <= seen.top * w) {
+        covered += (margin * (seen.perspective ? depth / ahead : 1)) ** 2;
+      }
+    }
+  }
+  return Math.min(1, covered / all);
 }
 
 /**
@@ -122,7 +158,7 @@ function worthWalking(pictures, camera, bounds) {
  * the cloud for nothing.
  */
 export function walk(pictures, camera, steps, limits) {
-  const ahead = steps.ahead > 0 ? steps.ahead * worthWalking(pictures, camera, limits.bounds) : (steps.ahead ?? 0);
+  const ahead = steps.ahead > 0 ? steps.ahead * worthWalking(pictures, camera, limits) : (steps.ahead ?? 0);
   const wanted = move(camera, { ...steps, ahead });
   const free = stopped(pictures, camera, wanted, limits);
   const up = upwards(camera);

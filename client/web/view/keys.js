@@ -45,7 +45,8 @@ const isTextField = (element) =>
 
 /** Keys that work a menu, a slider or a group of buttons themselves. */
 const worksFields = ['ArrowLeft', 'ArrowRight', 'ArrowUp', 'ArrowDown', 'Home', 'End', 'PageUp', 'PageDown', 'Enter', ' '];
-const hasKeys = 'select, input, button, a, summary, [role="slider"], [role="radio"], [role="tab"], [role="menuitem"], [role="option"]';
+const fields = 'select, input, [role="slider"], [role="radio"], [role="tab"], [role="menuitem"], [role="option"]';
+const buttons = 'button, a, summary';
 const worksButtons = ['Enter', ' '];
 
 /** A menu that is open has all keys. Browsers that cannot tell say no. */
@@ -57,12 +58,12 @@ function isOpenMenu(element) {
   }
 }
 
-/** Whether this key, pressed while `event.target` has the focus, is the view's. */
+/** Whether this key, pressed while `event.target` has the focus, is the view's: nobody else has made use of it, or would. */
 export function isForView(event) {
-  if (event.ctrlKey || event.altKey || event.metaKey || event.isComposing) return false;
+  if (event.ctrlKey || event.altKey || event.metaKey || event.isComposing || event.defaultPrevented) return false;
   const { target, key } = event;
   if (typeof target?.closest !== 'function') return true;
   if (target.closest('dialog') || isTextField(target) || isOpenMenu(target)) return false;
-  if (!target.closest(hasKeys)) return true;
-  return !(target.closest('button, a, summary') ? worksButtons : worksFields).includes(key);
+  if (target.closest(fields)) return !worksFields.includes(key);
+  return !target.closest(buttons) || !worksButtons.includes(key);
 }

@@ -79,6 +79,7 @@ export function placeToClip(frame, wanted, { least, greatest }) {
   const { right, up, back } = wanted.axes;
   // What each column means in the frame's world, whose origin is the frame's eye: a direction, or a point (w = 1).
   const wide = frame.halfHeight * frame.aspect;
+  /** @type {[number[], number][]} */
   const columns = [
     [frame.axes.right.map((value) => value * wide), 0],
     [frame.axes.up.map((value) => value * frame.halfHeight), 0],

@@ -29,7 +29,8 @@ function canvasOver(canvas) {
 export class Reprojection {
   #canvas;
   #over;
-  #gl; // undefined where there is none, or while it is lost
+  /** @type {WebGL2RenderingContext | undefined} where there is one and it is not lost */
+  #gl;
   #program;
   #context; // 2d, where there is no WebGL
   #frame; // { bitmap, depth, pose }
@@ -49,7 +50,7 @@ export class Reprojection {
     this.#canvas = canvas;
     this.#over = canvasOver(canvas);
     const options = { alpha: true, antialias: false, depth: true, stencil: false, powerPreference: 'high-performance' };
-    this.#gl = this.#over.getContext('webgl2', options) ?? undefined;
+    this.#gl = /** @type {WebGL2RenderingContext} */ (this.#over.getContext('webgl2', options)) ?? undefined;
     if (!this.#gl) {
       this.#context = this.#over.getContext('2d');
       return;

@@ -20,6 +20,7 @@
 import { Session } from '../connection/session.js';
 import { styleKeys } from '../protocol/view_words.js';
 import { leastDistanceTo, mostDistanceTo } from './anchor.js';
+import { FirstViews } from './first_views.js';
 import { between, fit, fittedInto, fromProtocol, radiusOf, standardView } from './camera.js';
 import { CameraInput } from './camera_input.js';
 import { cameraOf, wireOf } from './camera_words.js';
@@ -35,6 +36,7 @@ const lastingKeys = ['method', 'param', 'shading', 'mirrors', 'behindMirrors', '
 const groundKinds = ['airborne', 'street'];
 const flightMs = 260;
 const restMs = { free: 80, held: 300 }; // after its last step the camera is at rest; the hand may still be on it
+const firstViewPatienceMs = 500;
 const loadingPollMs = 2000;
 const unitBox = { min: [-1, -1, -1], max: [1, 1, 1] };
 
@@ -70,6 +72,8 @@ export class Viewer extends EventTarget {
   #asked = new Map(); // seq → { camera, stretch }, of views whose pictures may still come; stretch where they have a margin
   #onScreen; // { camera, stretch, seq, depth }: from where the picture on the canvas was drawn, and its depth if it has any
   #pictures = []; // what the latest pictures have seen of the surface (seen.js), the newest first
+  #firstViews = new FirstViews();
+  #next; // of the calls of #showSoon(), the last one's
   #restore; // { cloud, camera, upAxis, style }: a view to begin with, once connected
   #moved = false; // by somebody; else the camera is the one that the server chose
   #styled = false; // the same of the style
@@ -99,6 +103,7 @@ export class Viewer extends EventTarget {
         this.#reproject(); // nothing newer is on its way where there is no connection
         this.#tell('connection', now);
       },
+      expect: (cloud) => this.#firstViews.load(cloud, this.#freeSize()),
       catalog: (fresh) => this.#catalogCame(fresh),
       clouds: (fresh) => this.#cloudsCame(fresh),
       hello: () => {
@@ -158,7 +163,9 @@ export class Viewer extends EventTarget {
     const first = of.look?.views?.[0];
     const { cssSize } = this.#picture;
     if (!first || upAxis !== usualUpAxis(of)) return fit({ ...theirs, upAxis }, of.bounds, cssSize, this.#freeSize());
-    return first.inside ? theirs : fittedInto(theirs, cssSize, this.#freeSize());
+    if (first.inside) return theirs;
+    const free = this.#freeSize();
+    return this.#firstViews.first(of, cssSize, free, upAxis) ?? fittedInto(theirs, cssSize, free);
   }
 
   // ---- what one may do
@@ -197,7 +204,7 @@ export class Viewer extends EventTarget {
     if (this.#isShown(id)) return;
     this.#tell('jump');
     const style = this.#styled && this.#cloud ? pick(this.view, lastingKeys) : {};
-    if (this.#canShow(id)) this.#show({ cloud: id, style });
+    if (this.#canShow(id)) this.#showSoon({ cloud: id, style });
     else {
       this.#tell('sought', { cloud: id });
       this.start({ cloud: id, style });
@@ -211,7 +218,7 @@ export class Viewer extends EventTarget {
   restore(link) {
     const id = link.cloud ?? this.#cloud?.id;
     if (!this.#isShown(id)) {
-      if (this.#canShow(id)) this.#show({ ...link, cloud: id });
+      if (this.#canShow(id)) this.#showSoon({ ...link, cloud: id });
       else this.start({ ...link, cloud: id });
       return;
     }
@@ -228,9 +235,21 @@ export class Viewer extends EventTarget {
     return this.#session.connection !== undefined && this.#camera !== undefined && this.#catalog.clouds.some((one) => one.id === id);
   }
 
-  #show(link) {
+  /** As soon as it is known how that cloud fills this canvas; of two that are asked for at once, the last one. */
+  async #showSoon(link) {
+    this.#next = link;
+    const find = () => this.#catalog.clouds.find((one) => one.id === link.cloud);
+    const patience = new Promise((done) => { setTimeout(done, firstViewPatienceMs); });
+    await Promise.race([this.#firstViews.load(find(), this.#freeSize()), patience]);
+    if (this.#next !== link) return;
+    this.#next = undefined;
+    if (this.#canShow(link.cloud)) this.#show(link, find());
+    else this.start(link);
+  }
+
+  #show(link, cloud) {
     this.#flight = undefined;
-    this.#cloud = this.#catalog.clouds.find((one) => one.id === link.cloud);
+    this.#cloud = cloud;
     this.#session.remember(link.cloud);
     const camera = link.camera && this.#cameraOf(link);
     this.#moved = Boolean(camera);
@@ -377,9 +396,12 @@ export class Viewer extends EventTarget {
   }
 
   /** The cloud as it is now, of which a first part was shown; who has not moved yet sees it as the server would show it. */
-  #renew() {
-    const fresh = this.#catalog.clouds.find((one) => one.id === this.#cloud?.id);
-    if (!fresh || fresh.revision === this.#cloud.revision) return;
+  async #renew() {
+    const find = () => this.#catalog.clouds.find((one) => one.id === this.#cloud?.id);
+    if (!find() || find().revision === this.#cloud.revision) return;
+    if (this.isUntouched) await this.#firstViews.load(find(), this.#freeSize());
+    const fresh = find();
+    if (!fresh || fresh.revision === this.#cloud.revision) return; // it went on meanwhile
     this.#cloud = fresh;
     if (this.#moved || this.#styled) {
       this.#tell('cloud', fresh);

@@ -190,8 +190,8 @@ Expected<void> checkSomethingIsThere(const ServeOptions& options) {
     }
     if (!first) return {};
     if (options.files.size() > 1)
-        first->message += fmt::format(" None of the {} files can be opened; there is nothing to serve.",
-                                      options.files.size());
+        first->message = fmt::format("None of the {} files can be opened; the first one: {}",
+                                     options.files.size(), first->message);
     return tl::unexpected(std::move(*first));
 }
 
@@ -273,7 +273,7 @@ void addServe(CLI::App& app, int& exitCode) {
     auto options = std::make_shared<ServeOptions>();
     CLI::App* command = app.add_subcommand("serve", "Serve clouds to browsers and programs");
     command->footer(
-        "Every option can come from the environment too: --max-pixels is SCANCAST_MAX_PIXELS.\n"
+        "Every option can also be set in the environment: --max-pixels is SCANCAST_MAX_PIXELS.\n"
         "Example: scancast serve town.las room.ply --port 9000\n"
         "         scancast serve scans/                # every scan and cloud file in the folder\n"
         "         scancast serve city.scan --memory-limit 2G\n"

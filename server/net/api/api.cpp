@@ -44,7 +44,6 @@ HttpResponse pictureResponse(PictureFormat format, const PlannedView& planned, c
     if (format == PictureFormat::Depth) {
         response.set("Scancast-Width", std::to_string(planned.view.width))
             .set("Scancast-Height", std::to_string(planned.view.height));
-        return response;
     }
     response.set("Scancast-Method", planned.method);
     if (!planned.reason.empty()) response.set("Scancast-Method-Reason", planned.reason);
@@ -136,10 +135,11 @@ struct Api::Answers {
 
     // What a GET would begin; its words are looked at, but no session is opened.
     HttpResponse mjpegHead() const {
-        if (const auto asked = mjpegRequest(request, routed, clouds_, api.options_.maxPixels); !asked)
-            return refusal(asked.error(), routed);
+        const auto asked = mjpegRequest(request, routed, clouds_, api.options_.maxPixels);
+        if (!asked) return refusal(asked.error(), routed);
         HttpResponse response;
         response.set("Content-Type", std::string(mjpegMediaType)).set("Cache-Control", "no-store");
+        sayMethod(response, *asked);
         response.bodyUnknown = true;
         return response;
     }
@@ -407,7 +407,7 @@ void Api::answer(const HttpRequest& request, const Routed& routed, Respond respo
                  const std::stop_token& gone) const {
     if (infoOf(routed.route).json && !accepts(request.header("accept"), "application/json")) {
         return respond(refusal(
-            problemOf(406, "This address answers with JSON, which the Accept header rules out."), routed));
+            problemOf(406, "This address answers in JSON, which the Accept header rules out."), routed));
     }
     const Answers answers{*this, request, routed, gone};
     switch (routed.route) {

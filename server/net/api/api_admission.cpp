@@ -26,8 +26,9 @@ Expected<void> checkFetchSite(const HttpRequest& request, bool toFileOfPage, con
         return {};
     if (toFileOfPage && (request.method == "GET" || request.method == "HEAD")) return {};
     if (isAllowedOrigin(request.header("origin"), rules)) return {};
-    return fail(ErrorCode::Unsupported,
-                "Pages of another site may not use this server; --allowed-origin would let them.");
+    return fail(
+        ErrorCode::Unsupported,
+        "Pages of another website may not use this server, unless it is started with --allowed-origin.");
 }
 
 bool isProbe(Route route) {
@@ -90,8 +91,8 @@ tl::expected<Routed, HttpResponse> Api::admit(const HttpRequest& request, Entran
     routed->grant = std::move(*grant);
     const std::string allowed(infoOf(routed->route).methods);
     if ((", " + allowed + ",").find(" " + request.method + ",") == std::string::npos) {
-        HttpResponse response =
-            problemResponse(problemOf(405, "Understood here: " + allowed + ".", routed->path));
+        HttpResponse response = problemResponse(
+            problemOf(405, "Methods that this address understands: " + allowed + ".", routed->path));
         response.set("Allow", allowed);
         return tl::unexpected(std::move(response));
     }
@@ -105,8 +106,10 @@ HttpResponse Api::loginFailed(const HttpRequest& request, LoginFailure why, Http
     metrics_.loginFailed(why);
     const auto wait = failedLogins_.failed(request.client, why, std::chrono::steady_clock::now());
     if (!wait) return answer;
-    HttpResponse response = problemResponse(problemOf(
-        429, "Too many wrong tokens have come from this address; a right one is let in all the same."));
+    HttpResponse response =
+        problemResponse(problemOf(429,
+                                  "Too many wrong tokens have come from this address. Wait before you try "
+                                  "again; a correct one is accepted at any time."));
     response.set("Retry-After", std::to_string(wait->count()));
     return response;
 }

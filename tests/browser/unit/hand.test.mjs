@@ -8,7 +8,7 @@ import { anchorUnder, leastDistanceTo, mostDistanceTo } from '../../../client/we
 import { eyeOf, fromProtocol, move, project } from '../../../client/web/view/camera.js';
 import { Fingers } from '../../../client/web/view/fingers.js';
 import { Grip, zoomed } from '../../../client/web/view/grip.js';
-import { liftOf, reachAhead, summaryOf } from '../../../client/web/view/ground.js';
+import { coveredFrom, liftOf, reachAhead, summaryOf } from '../../../client/web/view/ground.js';
 import { HeldKeys } from '../../../client/web/view/held_keys.js';
 import { glide, glideEnds, Momentum, noStep } from '../../../client/web/view/inertia.js';
 import { heldKeys, isForView, keyTable } from '../../../client/web/view/keys.js';
@@ -93,6 +93,17 @@ describe('walking', () => {
     assert.equal(summaryOf(pictureOf(from([0, 0, 50], [0, 1, 90]))).near, undefined, 'the sky');
     const sky = from([0, 0, 50], [0, 1, 90]);
     assert.ok(Number.isFinite(reachAhead([pictureOf(sky)], sky, limits)) && Number.isFinite(reachAhead([], sky, limits)));
+  });
+
+  it('foresees what a picture from elsewhere will show', () => {
+    const start = from([-50, -50, 3], [0, -48, 3]);
+    const seen = pictureOf(start);
+    near(coveredFrom(seen, start), coveredShare(seen), 0.03, 'from the same place');
+    for (const steps of [{ ahead: 20 }, { right: 1 }, { ahead: 2 }]) {
+      const later = move(start, steps);
+      near(coveredFrom(seen, later), coveredShare(pictureOf(later)), 0.15, JSON.stringify(steps));
+    }
+    assert.equal(coveredFrom(seen, from([-50, -50, 3], [-90, -50, 3])), 0, 'behind');
   });
 
   it('the ground lifts only who sinks', () => {
@@ -249,6 +260,9 @@ describe('whose a key is', () => {
       for (const key of ['w', '1', 'f', '+', '?']) assert.ok(asks(target, key), `${key} on ${target.localName}`);
     }
     assert.ok(!asks(element('select'), 'ArrowDown') && !asks(element('input', 'range'), 'ArrowLeft') && !asks(element('select'), 'Home'));
+    const radio = element('button', 'button', '[role="radio"]');
+    assert.ok(!asks(radio, 'ArrowLeft') && asks(radio, 'w'));
+    assert.ok(!asks(element('canvas'), 'w', { defaultPrevented: true }), 'somebody else has used it');
     assert.ok(asks(element('button', 'submit'), 'ArrowLeft') && !asks(element('button', 'submit'), 'Enter'));
     assert.ok(asks(element('canvas'), 'ArrowLeft') && asks(element('body'), 'Enter') && asks(undefined, 'w'));
     assert.ok(!asks(element('div', '', 'dialog'), 'w'), 'a dialog');

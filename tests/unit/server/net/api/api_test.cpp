@@ -82,6 +82,46 @@ TEST_F(ApiTest, APictureSaysByWhichMethodAndWhy) {
     EXPECT_EQ(named.find("Scancast-Method-Reason"), nullptr) << "nobody left it open";
 }
 
+// However a picture is asked for: drawn, not drawn again, or its headers alone; as a picture, as depth, as a stream.
+TEST_F(ApiTest, EveryWayToAPictureSaysTheMethod) {
+    const auto posted = [&](const std::string& body, const std::string& accept, const std::string& tag) {
+        HttpRequest request{"POST",
+                            "/api/v1/clouds/tiny/snapshot",
+                            {{"host", "localhost"},
+                             {"content-type", "application/json"},
+                             {"accept", accept},
+                             {"if-none-match", tag}},
+                            body};
+        const auto routed = api.admit(request);
+        std::promise<HttpResponse> answer;
+        api.answer(request, routed.value(),
+                   [&](HttpResponse response) { answer.set_value(std::move(response)); });
+        return answer.get_future().get();
+    };
+    const std::string open = std::string(picture) + "&method=auto",
+                      stream = "/api/v1/clouds/tiny/stream.mjpg";
+    const std::string body = R"({"width": 32, "height": 16, "method": "auto"})";
+    const HttpResponse first = posted(body, "image/png", {});
+    const HttpResponse answers[] = {ask(open),
+                                    ask(open, {}, "HEAD"),
+                                    ask(open, {{"if-none-match", *ask(open).find("ETag")}}),
+                                    first,
+                                    posted(body, "image/png", *first.find("ETag")),
+                                    posted(body, "application/octet-stream", {}),
+                                    ask(stream + "?method=auto", {}, "HEAD")};
+    EXPECT_EQ(answers[2].status, 304);
+    EXPECT_EQ(answers[4].status, 304);
+    for (const HttpResponse& answer : answers) {
+        ASSERT_NE(answer.find("Scancast-Method"), nullptr) << &answer - answers;
+        EXPECT_EQ(*answer.find("Scancast-Method"), *answers[0].find("Scancast-Method"));
+        ASSERT_NE(answer.find("Scancast-Method-Reason"), nullptr) << &answer - answers;
+        EXPECT_EQ(*answer.find("Scancast-Method-Reason"), *answers[0].find("Scancast-Method-Reason"));
+    }
+    EXPECT_EQ(*ask(stream + "?method=cone", {}, "HEAD").find("Scancast-Method"), "cone");
+    EXPECT_EQ(ask(stream + "?session=s1", {}, "HEAD").find("Scancast-Method"), nullptr)
+        << "another's view decides";
+}
+
 TEST_F(ApiTest, ARevalidationRendersNothing) {
     const HttpResponse first = ask(picture);
     const std::size_t rendered = painter.begun().size();

@@ -24,6 +24,7 @@ import { parseHash, printHash } from './page/view_hash.js';
 import { isForView } from './view/keys.js';
 import { Viewer } from './view/viewer.js';
 
+/** @type {(id: string) => any} */
 const find = (id) => document.getElementById(id);
 
 takeGuestToken(); // before anything reads the address
@@ -68,7 +69,7 @@ const stations = new Stations((station) => {
 
 // ---- what the viewer tells
 
-const on = (name, act) => viewer.addEventListener(name, ({ detail }) => act(detail));
+const on = (name, act) => viewer.addEventListener(name, (/** @type {any} */ { detail }) => act(detail));
 
 on('connection', (now) => {
   if (now.kind === 'lost') hud.setState('lost');
@@ -281,7 +282,7 @@ addEventListener('keydown', (event) => {
   else shortcuts[key](event);
 });
 
-for (const button of document.querySelectorAll('[data-view]')) {
+for (const button of /** @type {NodeListOf<HTMLElement>} */ (document.querySelectorAll('[data-view]'))) {
   button.addEventListener('click', () => viewer.showStandardView(button.dataset.view));
 }
 find('orthographic').addEventListener('click', () => viewer.toggleProjection());

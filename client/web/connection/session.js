@@ -121,7 +121,7 @@ export class Session {
       if (round !== this.#round) return;
       this.#handlers.catalog({ ...list, ...methods });
       this.#open(cloud);
-    } catch (error) {
+    } catch (/** @type {any} */ error) {
       if (round !== this.#round) return;
       if (error.status === 401) this.#locked();
       else this.#lost(error);

@@ -3,6 +3,7 @@
 import { element } from './parameter_fields.js';
 import { amount, counted, strings } from './strings.js';
 
+/** @type {(id: string) => any} */
 const find = (id) => document.getElementById(id);
 const windowMs = 1000;
 const words = strings.hud;

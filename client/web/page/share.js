@@ -25,7 +25,7 @@ export async function savePicture(cloud, view, { width, height }, overlays) {
     Object.assign(document.createElement('a'), { href: url, download: `${cloud}.png` }).click();
     setTimeout(() => URL.revokeObjectURL(url), 10_000);
     overlays.toast(strings.messages.pictureSaved, strings.messages.pictureSavedDetail(`${cloud}.png`, width, height), 'done');
-  } catch (error) {
+  } catch (/** @type {any} */ error) {
     const known = error.title !== undefined;
     overlays.toast(known ? error.title : strings.messages.pictureFailed, known ? error.message : strings.messages.noAnswer);
   }

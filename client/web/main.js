@@ -24,6 +24,7 @@ import { parseHash, printHash } from './view/view_hash.js';
 import { isForView } from './view/keys.js';
 import './scancast-view.js';
 
+/** @type {(id: string) => any} */
 const find = (id) => document.getElementById(id);
 
 const access = new Access(location.origin);
@@ -70,7 +71,7 @@ const stations = new Stations(viewer.server, (station) => {
 
 // ---- what the viewer tells
 
-const on = (name, act) => viewer.addEventListener(name, ({ detail }) => act(detail));
+const on = (name, act) => viewer.addEventListener(name, (/** @type {any} */ { detail }) => act(detail));
 
 on('connection', (now) => {
   if (now.kind === 'lost') hud.setState('lost');
@@ -252,8 +253,14 @@ const theme = new Choices(find('theme'), chooseTheme);
 theme.fill(themes.map((value) => ({ value, label: strings.theme[value] })));
 theme.show(chosenTheme());
 
+function setColliding(collides) {
+  viewer.collides = collides;
+  find('collides').checked = collides;
+}
+find('collides').addEventListener('change', (event) => setColliding(/** @type {any} */ (event.target).checked));
+
 function toggleColliding() {
-  viewer.collides = !viewer.collides;
+  setColliding(!viewer.collides);
   const [title, detail] = viewer.collides ? strings.messages.stops : strings.messages.passes;
   overlays.toast(title, detail, 'done');
 }
@@ -277,7 +284,7 @@ addEventListener('keydown', (event) => {
   else shortcuts[key](event);
 });
 
-for (const button of document.querySelectorAll('[data-view]')) {
+for (const button of /** @type {NodeListOf<HTMLElement>} */ (document.querySelectorAll('[data-view]'))) {
   button.addEventListener('click', () => viewer.showStandardView(button.dataset.view));
 }
 find('orthographic').addEventListener('click', () => viewer.toggleProjection());

@@ -11,11 +11,11 @@ const congestedBytes = 16 * 1024;
 export function closeWords(code, reason) {
   const words = {
     1001: 'The server is shutting down.',
-    1002: 'The server speaks another version; reload the page.',
+    1002: 'The server has been updated. Reload this page.',
     1008: 'The server does not allow this connection.',
-    1013: 'All places on the server are taken.',
+    1013: 'The server is full: all its connections are taken.',
   };
-  return reason || words[code] || 'The server does not answer.';
+  return reason || words[code] || 'The server is not responding.';
 }
 
 export class Connection {
@@ -42,7 +42,7 @@ export class Connection {
     this.#socket.onopen = () => this.#send({ type: 'hello', ...hello });
     this.#socket.onmessage = (event) => this.#received(event.data);
     this.#socket.onclose = (event) => this.#end(closeWords(event.code, event.reason || this.#bye));
-    this.#timers.push(setTimeout(() => this.#end('The server does not answer.'), welcomePatienceMs));
+    this.#timers.push(setTimeout(() => this.#end('The server is not responding.'), welcomePatienceMs));
   }
 
   get nextSeq() {
@@ -85,7 +85,7 @@ export class Connection {
       this.#handlers?.frame(parseFrame(data));
     } catch (error) {
       if (!(error instanceof FrameError)) throw error;
-      this.#end(`The server sent something strange: ${error.message}.`);
+      this.#end(`The server sent something that this page cannot read: ${error.message}.`);
     }
   }
 
@@ -94,7 +94,7 @@ export class Connection {
     try {
       message = JSON.parse(data);
     } catch {
-      this.#end('The server sent something that is no message.');
+      this.#end('The server sent something that this page cannot read.');
       return;
     }
     if (message.type === 'welcome') {
@@ -130,7 +130,7 @@ export class Connection {
 
   /** A cable that was pulled closes nothing: ask, and give up when two questions stay unanswered. */
   #checkPulse() {
-    if (performance.now() - this.#heard > 2.5 * pingEveryMs) this.#end('The server does not answer any more.');
+    if (performance.now() - this.#heard > 2.5 * pingEveryMs) this.#end('The server has stopped responding.');
     else this.#send({ type: 'ping', id: Math.round(performance.now()) });
   }
 

@@ -121,7 +121,7 @@ export class Session {
       if (round !== this.#round) return;
       this.#handlers.catalog({ ...list, ...methods });
       this.#open(cloud);
-    } catch (error) {
+    } catch (/** @type {any} */ error) {
       if (round !== this.#round) return;
       if (error.status === 401) this.#locked();
       else this.#lost(error);
@@ -184,7 +184,7 @@ export class Session {
     this.#attempt += 1;
     const words = error instanceof ServerProblem || this.#attempt === 1 ? error.message : '';
     // fetch() says "Failed to fetch" or the like, which helps nobody.
-    const detail = error instanceof TypeError || error.name === 'TimeoutError' ? 'The server does not answer.' : words;
+    const detail = error instanceof TypeError || error.name === 'TimeoutError' ? 'The server is not responding.' : words;
     this.#handlers.state({ kind: 'lost', detail, delay, at: performance.now() + delay });
     this.#later(delay);
   }

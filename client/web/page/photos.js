@@ -20,7 +20,7 @@ export const photosText = words.many;
 
 /** 5300000 → "5.3 MB". Pure. */
 export function sizeText(bytes) {
-  for (const [size, unit] of [[1e6, 'MB'], [1e3, 'kB']]) {
+  for (const { size, unit } of [{ size: 1e6, unit: 'MB' }, { size: 1e3, unit: 'kB' }]) {
     if (bytes >= size) return `${Number((bytes / size).toPrecision(bytes >= 100 * size ? 3 : 2)).toLocaleString('en')} ${unit}`;
   }
   return `${bytes} bytes`;

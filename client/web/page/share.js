@@ -20,7 +20,7 @@ export async function savePicture(server, cloud, view, size, overlays) {
     Object.assign(document.createElement('a'), { href: url, download: `${cloud}.png` }).click();
     setTimeout(() => URL.revokeObjectURL(url), 10_000);
     overlays.toast(strings.messages.pictureSaved, strings.messages.pictureSavedDetail(`${cloud}.png`, size.width, size.height), 'done');
-  } catch (error) {
+  } catch (/** @type {any} */ error) {
     const known = error.title !== undefined;
     overlays.toast(known ? error.title : strings.messages.pictureFailed, known ? error.message : strings.messages.noAnswer);
   }

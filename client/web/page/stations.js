@@ -3,6 +3,7 @@
 import { photosText } from './photos.js';
 import { counted, strings } from './strings.js';
 
+/** @type {(id: string) => any} */
 const find = (id) => document.getElementById(id);
 const mostListed = 500; // a longer menu helps nobody; the API has them all
 

@@ -94,7 +94,11 @@ export class Viewer extends EventTarget {
   /** What may be moved by hand: nothing where this is false. */
   steerable = true;
 
-  /** `server`: whose clouds are shown; `keys`: whose key events steer the view, the window's or those of one element. */
+  /**
+   * @param {HTMLCanvasElement} canvas
+   * @param {import('../connection/server.js').Server} server whose clouds are shown
+   * @param {EventTarget} keys whose key events steer the view: the window's, or one element's
+   */
   constructor(canvas, server, keys = globalThis) {
     super();
     this.server = server;
@@ -460,7 +464,7 @@ export class Viewer extends EventTarget {
   /** What to ask for: what is wanted, and around it, while the camera moves, what may come into view next. */
   #wantedNow() {
     const isMoving = this.#isSteered && this.#hasMargins && !this.#calm.matches;
-    return (isMoving && withMargin(this.view, this.#picture.mostPixels)) || { view: this.view };
+    return (isMoving && withMargin(this.view, this.#picture.mostPixels)) || { view: this.view, stretch: undefined };
   }
 
   /** While the picture from here is on its way, the last one as it would look from here. */

@@ -96,6 +96,7 @@ export class Viewer extends EventTarget {
     this.#freeSize = () => freeSize(this.#picture.cssSize);
     this.#picture = new Picture(canvas, ({ width, height }) => {
       this.#state.change({ width, height });
+      if (!this.#moved) this.#refit();
       this.#wake();
     });
     this.#session = new Session({
@@ -286,6 +287,15 @@ export class Viewer extends EventTarget {
     this.#tell('camera', { by });
     this.#tell('view', { by });
     this.#wake();
+  }
+
+  /** Nobody has moved, and the canvas is of another size: as the server would show the cloud in that. */
+  #refit() {
+    if (!this.#camera || !this.#cloud || this.#flight) return;
+    this.#camera = this.usualCamera();
+    this.#state.change({ camera: wireOf(this.#camera, this.bounds) });
+    this.#tell('camera', { by: 'server' });
+    this.#tell('view', { by: 'server' });
   }
 
   /** A jump, shown as a short flight so that one sees where it leads. */

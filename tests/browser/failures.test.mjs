@@ -393,6 +393,20 @@ describe('the page, when things go wrong', { timeout: 280_000 }, () => {
     assert.ok(differing(before, await pixels(page)) > 0.9);
   });
 
+  it('a server that knows nothing of depth is asked without it, and the hand takes hold of a plane', async () => {
+    server.knowsDepth = false;
+    await open();
+    await waitUntilSharp(page);
+    const hellos = server.received.filter((message) => message.type === 'hello');
+    assert.deepEqual(hellos.map(({ depth }) => depth), [true, undefined]);
+    assert.equal(hellos[1].width, hellos[0].width);
+    server.received.length = 0;
+    await drag(page, [300, 300], [420, 380], 'right');
+    await page.mouse.wheel(0, -300);
+    await waitUntilSharp(page);
+    assert.ok(server.received.some(({ camera }) => camera), 'nothing moves');
+  });
+
   it('a slow server gets the latest request, and the page acknowledges what it has drawn', async () => {
     server.frameDelay = 250;
     await open();

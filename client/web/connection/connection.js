@@ -1,7 +1,6 @@
 // One WebSocket to the stream, subprotocol scancast.v1: messages out, messages and frames in. It lives from open to
 // close; session.js makes a new one when it is lost.
 
-import { subprotocols } from './access.js';
 import { FrameError, parseFrame } from '../protocol/frame_header.js';
 
 const welcomePatienceMs = 10_000;
@@ -34,11 +33,11 @@ export class Connection {
    * `hello` is the first message; `firstSeq` the number that the first view gets. Handlers: welcome(message),
    * frame(frame), problem(message), stats(message), closed(words), the last one exactly once.
    */
-  constructor(url, hello, firstSeq, handlers) {
+  constructor(server, hello, firstSeq, handlers) {
     this.#handlers = handlers;
     this.#hello = hello;
     this.#lastSeq = firstSeq - 1;
-    this.#socket = new WebSocket(url, subprotocols());
+    this.#socket = new WebSocket(server.streamUrl, server.access.subprotocols);
     this.#socket.binaryType = 'arraybuffer';
     this.#socket.onopen = () => this.#send({ type: 'hello', ...hello });
     this.#socket.onmessage = (event) => this.#received(event.data);

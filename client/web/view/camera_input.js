@@ -35,11 +35,11 @@ export class CameraInput {
 
   /**
    * `view` has: camera (undefined while there is nothing to steer), size in CSS pixels, pictures (what they have seen of the
-   * surface, the newest first), limits (as for Grip), looksAround, collides,
-   * calm (whoever wants no motion); changeCamera(camera), goTo(camera) for a jump worth animating, and wake() when something
-   * begins to move by itself.
+   * surface, the newest first), limits (as for Grip), looksAround, collides, calm (whoever wants no motion);
+   * changeCamera(camera), goTo(camera) for a jump worth animating, and wake() when something begins to move by itself.
+   * `keys`: whose key events count.
    */
-  constructor(element, view) {
+  constructor(element, view, keys = globalThis) {
     this.#element = element;
     this.#view = view;
     const on = (name, handle, options) => element.addEventListener(name, handle.bind(this), options);
@@ -49,13 +49,13 @@ export class CameraInput {
     on('wheel', this.#wheeled, { passive: false });
     on('dblclick', this.#doubleClick);
     on('contextmenu', (event) => event.preventDefault());
-    addEventListener('keydown', (event) => {
+    keys.addEventListener('keydown', (event) => {
       if (!this.#view.camera || !this.#keys.down(event)) return;
       event.preventDefault(); // a menu would go to its next entry of that letter
       this.#wheel = this.#glide = undefined;
       this.#view.wake();
     });
-    addEventListener('keyup', (event) => this.#keys.up(event));
+    keys.addEventListener('keyup', (event) => this.#keys.up(event));
     addEventListener('blur', () => this.#keys.clear());
   }
 
@@ -74,7 +74,8 @@ export class CameraInput {
     let next = camera;
     if (this.#wheel && Math.abs(this.#wheel.left) > 0) next = this.#wheelOn(next, seconds * 1000);
     if (this.#glide) next = this.#glideOn(next, now);
-    if (this.#keys.areHeld) next = this.#keys.advance(next, seconds, { ...this.#world(), known: this.#view.pictures, stops: this.#view.collides, looksAround: this.#view.looksAround });
+    const { pictures, collides, looksAround } = this.#view;
+    if (this.#keys.areHeld) next = this.#keys.advance(next, seconds, { ...this.#world(), known: pictures, stops: collides, looksAround });
     return next;
   }
 
@@ -215,6 +216,7 @@ export class CameraInput {
   #jump(cursor, away) {
     const { camera, pictures, limits } = this.#view;
     const anchor = this.#anchorAt(cursor);
+    if (anchor.of === 'plane' && pictures[0] && !away) return; // there is nothing to go to
     const held = focusOn(camera, anchor.point);
     this.rest();
     if (away) {

@@ -1,7 +1,7 @@
 // What one hand has taken hold of, and what its steps do to the camera: turn it about the held point, take that along,
 // come nearer to it. Lives from the moment something is taken until nothing moves any more. No document.
 
-import { look, project } from './camera.js';
+import { look } from './camera.js';
 import { lifted, liftOf } from './ground.js';
 import { dragTo, focusOn, orbitAbout, turnAbout, zoomTo } from './moves.js';
 
@@ -28,15 +28,6 @@ export class Grip {
 
   get point() {
     return this.#anchor.point;
-  }
-
-  /** The same place of the picture, but somebody knows better how far away it is. */
-  correct(point, camera, size) {
-    const at = project(camera, point, size);
-    if (!at) return;
-    this.#anchor = { ...this.#anchor, point };
-    this.#at = { x: at.x, y: at.y }; // nothing jumps: it is held from where it is
-    this.#begun = false;
   }
 
   /** The camera after one step of the hand. */

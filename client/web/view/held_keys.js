@@ -87,6 +87,11 @@ export class HeldKeys {
   }
 
   #walk(camera, wanted, time, world) {
+    // Without perspective, nearer is larger.
+    if (camera.projection === 'orthographic' && wanted.ahead) {
+      const { point } = this.#middle(camera, world);
+      return zoomed(camera, point, Math.exp(-wanted.ahead * moveRate * this.#pace * time * (this.#shift ? hurry : 1)), world);
+    }
     this.let(); // something else comes to the middle
     const step = reachAhead(world.known, camera, world.limits) * moveRate * this.#pace * time * (this.#shift ? hurry : 1);
     const steps = { ahead: wanted.ahead * step, right: wanted.right * step, up: wanted.up * step };

@@ -126,6 +126,11 @@ class FakeSession {
 
   received(message) {
     this.server.received.push(message);
+    if (message.type === 'hello' && message.depth !== undefined && !this.server.knowsDepth) {
+      const unknown = { ...problem(400, 'A parameter is malformed or out of range', 'depth: unknown'), errors: [{ parameter: 'depth', detail: 'depth: unknown' }] };
+      this.socket.sendText(JSON.stringify({ type: 'problem', problem: unknown }));
+      return;
+    }
     if (message.type === 'hello') this.greet(message);
     if (message.type === 'view') this.change(message);
     if (message.type === 'ack') {
@@ -238,6 +243,7 @@ export class FakeServer {
   snapshotsGivenUp = 0;
   #snapshots = 0;
   damaged = false; // blocks of its clouds cannot be read
+  knowsDepth = true; // else it refuses that word, as older servers do
   token = ''; // asked for, when there is one
   guestLink = ''; // what stands in the link of a guest, whose pass is the token
   passSeconds = 3600;

@@ -168,17 +168,6 @@ describe('a grip', () => {
     assert.ok(eyeOf(camera)[2] < 0, 'who wants to look from below may');
   });
 
-  it('is corrected without a jump', () => {
-    const grip = new Grip('pan', { point: [0, 0, 0], of: 'plane' }, { x: 600, y: 400 });
-    let camera = grip.move(start, { ...noStep(), x: 30 }, world);
-    const better = [3, 4, 5];
-    const before = at(camera, better);
-    grip.correct(better, camera, size);
-    camera = grip.move(camera, { ...noStep(), x: 10, y: -4 }, world);
-    near(at(camera, better).x - before.x, 10, 0.01, 'x');
-    near(at(camera, better).y - before.y, -4, 0.01, 'y');
-  });
-
   it('going backwards does not sink into the ground', () => {
     let camera = from([0, -40, 2], [0, 20, 12]);
     const known = [pictureOf(camera)];
@@ -316,6 +305,12 @@ describe('held keys', () => {
     assert.ok(way(400) > 2 * way(0) && way(-400) < 0.5 * way(0));
     assert.ok(!pressed('ArrowLeft').changePace(100) && !new HeldKeys().changePace(100));
     assert.ok(way(1e9) <= 16.1 * way(0), 'bounded');
+  });
+
+  it('without perspective, W makes larger what is in the middle', () => {
+    const flat = { ...start, projection: 'orthographic' };
+    const next = pressed('KeyW').advance(flat, 0.1, { ...world, known: [pictureOf(flat)] });
+    assert.ok(next.distance < 0.95 * flat.distance);
   });
 
   it('are let go', () => {

@@ -105,6 +105,7 @@ export class Viewer extends EventTarget {
     this.#canvas = canvas;
     this.#picture = new Picture(canvas, ({ width, height }) => {
       this.#state.change({ width, height });
+      if (!this.#moved) this.#refit();
       this.#wake();
     });
     this.#firstViews = new FirstViews(server);
@@ -298,6 +299,15 @@ export class Viewer extends EventTarget {
     this.#tell('camera', { by });
     this.#tell('view', { by });
     this.#wake();
+  }
+
+  /** Nobody has moved, and the canvas is of another size: as the server would show the cloud in that. */
+  #refit() {
+    if (!this.#camera || !this.#cloud || this.#flight) return;
+    this.#camera = this.usualCamera();
+    this.#state.change({ camera: wireOf(this.#camera, this.bounds) });
+    this.#tell('camera', { by: 'server' });
+    this.#tell('view', { by: 'server' });
   }
 
   /** A jump, shown as a short flight so that one sees where it leads. */

@@ -100,6 +100,8 @@ void readLook(FieldReader& fields, std::optional<Look>& look) {
 void readCloud(FieldReader& fields, CloudInfo& info) {
     if (fields.require("id")) fields.text("id", info.id);
     fields.text("title", info.title, longestText);
+    fields.text("attribution", info.attribution, longestText);
+    fields.text("recorded", info.recorded, longestText);
     fields.text("format", info.format, longestText);
     fields.text("revision", info.revision);
     if (fields.require("points")) fields.integer("points", info.points, 0, UINT64_MAX);
@@ -214,6 +216,8 @@ json toJson(const CloudInfo& info) {
         object["look"] = toJson(*info.look);
         object["look"].erase("outline");  // as long as all the rest; /views fits cameras to it
     }
+    if (!info.attribution.empty()) object["attribution"] = info.attribution;
+    if (!info.recorded.empty()) object["recorded"] = info.recorded;
     if (!info.crsWkt.empty()) object["crsWkt"] = info.crsWkt;
     if (info.crsEpsg) object["crsEpsg"] = *info.crsEpsg;
     return object;

@@ -32,6 +32,8 @@ struct MirrorInfo {
 struct CloudInfo {
     std::string id;  ///< names the cloud in URLs and messages
     std::string title;
+    std::string attribution;  ///< whom to name beside its pictures; empty = nobody said
+    std::string recorded;     ///< when it was scanned: "2024-05-13", or less of it; empty = nobody said
     std::string format;    ///< "LAS 1.2, point format 3"
     std::string revision;  ///< changes whenever a picture of it could
     std::uint64_t points = 0;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "protocol/nearest_name.hpp"
 #include "renderer/cloud/surfel_codec.hpp"
 #include "renderer/device/host/screens.hpp"
 #include "renderer/method/automatic.hpp"
@@ -146,15 +147,36 @@ Expected<ParameterValues> parametersOfChosen(const Method& chosen, const Paramet
     return resolveParameters(chosen, own);
 }
 
+Expected<const Method*> namedMethod(const std::string& name) {
+    if (const Method* const named = findMethod(name)) return named;
+    std::string names;
+    for (const auto& m : methods()) names += (names.empty() ? "" : ", ") + m.name;
+    return fail(ErrorCode::InvalidArgument, "there is no method '" + name + "'; there are " + names,
+                "method");
+}
+
+/// Whether there is a method that takes it.
+Expected<void> checkForSomeMethod(const std::string& name, const ParameterValue& value) {
+    std::vector<std::string_view> names;
+    std::optional<Error> wrong;
+    for (const Method& method : methods()) {
+        for (const Parameter& parameter : method.parameters) names.push_back(parameter.name);
+        if (std::ranges::find(method.parameters, name, &Parameter::name) == method.parameters.end()) continue;
+        const auto resolved = resolveParameters(method, {{name, value}});
+        if (resolved) return {};
+        wrong = resolved.error();
+    }
+    if (wrong) return tl::unexpected(*wrong);
+    std::ranges::sort(names);
+    names.erase(std::ranges::unique(names).begin(), names.end());
+    return fail(ErrorCode::InvalidArgument, unknownName("param." + name.substr(0, 64), name, names), "param");
+}
+
 /// Where the method is left open the look says how it is lit; a method that is named brings its own light.
 Expected<ChosenMethod> choose(const Cloud& cloud, const Style& style) {
-    const Method* const named = findMethod(style.method);
-    if (!named) {
-        std::string names;
-        for (const auto& m : methods()) names += (names.empty() ? "" : ", ") + m.name;
-        return fail(ErrorCode::InvalidArgument,
-                    "there is no method '" + style.method + "'; there are " + names, "method");
-    }
+    const auto found = namedMethod(style.method);
+    if (!found) return passOn(found);
+    const Method* const named = *found;
     const bool isOpen = named->name == automaticName;
     const AutomaticChoice choice =
         isOpen ? chooseMethod(traits(cloud)) : AutomaticChoice{named, named->defaultShading, {}};
@@ -270,6 +292,19 @@ Expected<std::shared_ptr<const PlannedView>> plan(const Cloud& cloud, const View
     planned->margin = screenMargin(planned->passes);
     planned->tilesAreExact = looksNoFartherThanTheMargin(planned->passes);
     return planned;
+}
+
+Expected<void> checkMethod(const Style& style) {
+    const auto named = namedMethod(style.method);
+    if (!named) return passOn(named);
+    if ((*named)->name != automaticName) {
+        const auto resolved = resolveParameters(**named, style.parameters);
+        return resolved ? Expected<void>() : passOn(resolved);
+    }
+    // Which one it will be nobody knows yet: each parameter must be sound for some method.
+    for (const auto& [name, value] : style.parameters)
+        if (auto ok = checkForSomeMethod(name, value); !ok) return ok;
+    return {};
 }
 
 Expected<void> checkView(const Cloud& cloud, const View& view) {

@@ -42,6 +42,10 @@ struct PlannedView {
 /// Unsupported when the cloud lacks what the style needs.
 Expected<std::shared_ptr<const PlannedView>> plan(const Cloud& cloud, const View& view);
 
+/// What can be judged of it before there is a cloud, which may take minutes to read: the method, and its parameters. Errors:
+/// plan()'s.
+Expected<void> checkMethod(const Style& style);
+
 /// Whether a view can be planned, for who needs nothing but the answer. Errors: those of plan().
 Expected<void> checkView(const Cloud& cloud, const View& view);
 

@@ -3,6 +3,7 @@
 #include <sstream>
 
 #include "files/program_start.hpp"
+#include "protocol/flags/exit_codes.hpp"
 #include "renderer/device/device.hpp"
 #include "server/commands/access/access_commands.hpp"
 #include "server/commands/backends.hpp"
@@ -17,10 +18,11 @@ int main(int argc, char** argv) {
     scancast::startProgram();
     CLI::App app{"Scancast holds huge scanned point clouds in memory and shows any view of them."};
     app.set_version_flag("--version", "scancast " + std::string(scancast::scancastVersion()));
-    app.footer("Example: scancast serve town.las   (then open http://127.0.0.1:8080/)");
+    app.footer("Example: scancast serve town.las   (then open http://127.0.0.1:8080/)\n" +
+               std::string(scancast::exitCodesText));
     bool backends = false;
     app.add_flag("--list-backends", backends,
-                 "Say what could draw on this machine, best first, and what shuts importers in");
+                 "List what this machine can render with, best first, and what importers are sandboxed by");
     app.require_subcommand(0, 1);
     int exitCode = 0;
     scancast::addServe(app, exitCode);
@@ -29,11 +31,11 @@ int main(int argc, char** argv) {
     scancast::addExport(app, exitCode);
     scancast::addInfo(app, exitCode);
     scancast::addLook(app, exitCode);
+    scancast::addLabel(app, exitCode);
     scancast::addGenerate(app, exitCode);
     scancast::addToken(app, exitCode);
     scancast::addDoctor(app, exitCode);
     scancast::addGuestLink(app, exitCode);
-    constexpr int usage = 2;
     try {
         app.parse(argc, argv);
     } catch (const CLI::ParseError& error) {
@@ -41,7 +43,7 @@ int main(int argc, char** argv) {
         std::ostringstream asked, complaint;
         const bool wasAsked = app.exit(error, asked, complaint) == 0;
         scancast::tellText(complaint.str());
-        return !scancast::print(asked.str()) ? 1 : wasAsked ? 0 : usage;
+        return !scancast::print(asked.str()) ? 1 : wasAsked ? 0 : scancast::exitUsage;
     }
     if (backends) {
         exitCode = scancast::print(scancast::backendsText(scancast::listDevices()) +
@@ -50,7 +52,7 @@ int main(int argc, char** argv) {
                        : 1;
     } else if (app.get_subcommands().empty()) {
         scancast::tellText(app.help());
-        exitCode = 1;
+        exitCode = scancast::exitUsage;
     }
     return exitCode;
 }

@@ -37,7 +37,9 @@ Expected<HttpAnswer> answerOf(http::response<Body> response, const ServerUrl& ur
                       field(http::field::etag),
                       field("Server-Timing"),
                       field("Scancast-Damaged"),
-                      std::move(response.body())};
+                      std::move(response.body()),
+                      field("Scancast-Method"),
+                      field("Scancast-Method-Reason")};
     if (answer.status < 400) return answer;
     const std::string_view text(reinterpret_cast<const char*>(answer.body.data()), answer.body.size());
     return tl::unexpected(refusal(url, answer.status, answer.contentType, text));

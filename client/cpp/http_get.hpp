@@ -17,6 +17,7 @@ struct HttpAnswer {
     int status = 0;
     std::string contentType, etag, serverTiming, damaged;
     std::vector<std::uint8_t> body;
+    std::string method{}, methodReason{};
 };
 
 /// `target` is the path with its query; `accept` may be empty, and so may `ifNoneMatch` (an ETag with its

@@ -85,7 +85,7 @@ Expected<Snapshot> Server::snapshot(const std::string& cloud, const WordValues& 
     if (!words.empty()) target.append("?").append(printQuery(words));
     auto answer = httpGet(url_, target, longestPicture(words), etag, credentials_, timeouts_);
     if (!answer) return passOn(answer);
-    if (answer->status == 304) return Snapshot{{}, etag, {}, true};
+    if (answer->status == 304) return Snapshot{{}, etag, {}, true, 0, answer->method, answer->methodReason};
     const bool picture = jpeg ? startsWith(answer->body, {0xFF, 0xD8, 0xFF})
                               : startsWith(answer->body, {0x89, 'P', 'N', 'G', '\r', '\n', 0x1A, '\n'});
     if (answer->status != 200 || !picture)
@@ -97,7 +97,8 @@ Expected<Snapshot> Server::snapshot(const std::string& cloud, const WordValues& 
         !said.empty() && (read.ec != std::errc() || read.ptr != said.data() + said.size()))
         return fail(ErrorCode::Malformed,
                     url_.authority() + " answered with a Scancast-Damaged that is no number");
-    return Snapshot{std::move(answer->body), answer->etag, answer->serverTiming, false, damaged};
+    return Snapshot{std::move(answer->body), answer->etag,        answer->serverTiming, false, damaged,
+                    answer->method,          answer->methodReason};
 }
 
 }  // namespace scancast::client

@@ -20,11 +20,13 @@ enum class PictureFormat : std::uint8_t { Jpeg, Png };
 
 struct Snapshot {
     std::vector<std::uint8_t> bytes;  ///< the JPEG or PNG; empty when notModified
-    std::string etag;           ///< names exactly these bytes; hand it back to ask whether they changed.
-                                ///< Empty for a picture that is damaged
-    std::string serverTiming;   ///< selection, render and encode, as the server tells them
-    bool notModified = false;   ///< the picture is still that of the given ETag
-    std::uint64_t damaged = 0;  ///< blocks of the cloud that it lacks, because they cannot be read
+    std::string etag;            ///< names exactly these bytes; hand it back to ask whether they changed.
+                                 ///< Empty for a picture that is damaged
+    std::string serverTiming;    ///< selection, render and encode, as the server tells them
+    bool notModified = false;    ///< the picture is still that of the given ETag
+    std::uint64_t damaged = 0;   ///< blocks of the cloud that it lacks, because they cannot be read
+    std::string method{};        ///< that drew it; empty of a server that does not say
+    std::string methodReason{};  ///< why this one, where the view left it to auto; else empty
 };
 
 class Server {

@@ -3,28 +3,70 @@ set(SCANCAST_WEB_FILES
     index.html
     favicon.svg
     main.js
+    scancast-view.js
     connection/access.js
-    connection/catalog.js
     connection/connection.js
     connection/guest.js
+    connection/server.js
     connection/session.js
+    connection/stores.js
+    page/choices.js
+    page/chosen_method.js
+    page/colour_choice.js
     page/controls.js
+    page/cover.js
+    page/galleries.js
+    page/history.js
     page/hud.js
+    page/icons.js
+    page/layout.js
+    page/loading_note.js
+    page/method_choice.js
+    page/number_field.js
     page/overlays.js
     page/parameter_fields.js
     page/photos.js
+    page/presentation.js
+    page/progress.js
+    page/scan_facts.js
     page/share.js
     page/stations.js
-    page/view_hash.js
+    page/strings.js
+    page/themes.js
+    page/thumbnails.js
+    page/tools.js
     protocol/frame_depth.js
     protocol/frame_header.js
     protocol/view_words.js
+    styles/fields.css
     styles/panel.css
     styles/photos.css
+    styles/rail.css
+    styles/state.css
     styles/style.css
+    styles/theme.css
+    view/anchor.js
     view/camera.js
     view/camera_input.js
+    view/camera_words.js
+    view/depth_filling.js
+    view/depth_mesh.js
+    view/fingers.js
+    view/grip.js
+    view/ground.js
+    view/held_keys.js
+    view/inertia.js
+    view/first_views.js
+    view/keys.js
+    view/margin.js
+    view/mesh_triangles.js
+    view/moves.js
     view/picture.js
+    view/pose.js
+    view/reprojection.js
+    view/reprojection_program.js
+    view/seen.js
     view/vectors.js
+    view/view_hash.js
     view/view_state.js
     view/viewer.js)

@@ -1,69 +1,122 @@
 // Puts the page together: the viewer, and around it panel, title, buttons and keys.
 
+import { Access } from './connection/access.js';
 import { takeGuestToken } from './connection/guest.js';
+import { Choices } from './page/choices.js';
+import { ChosenMethod } from './page/chosen_method.js';
 import { Controls } from './page/controls.js';
-import { amount, Hud } from './page/hud.js';
+import { Cover } from './page/cover.js';
+import { Galleries } from './page/galleries.js';
+import { Address, Undo } from './page/history.js';
+import { Hud } from './page/hud.js';
+import { Layout } from './page/layout.js';
+import { LoadingNote } from './page/loading_note.js';
 import { Overlays } from './page/overlays.js';
 import { Photos } from './page/photos.js';
+import { asksToPresent, Presentation } from './page/presentation.js';
+import { showScan } from './page/scan_facts.js';
 import { copyLink, savePicture } from './page/share.js';
 import { Stations } from './page/stations.js';
-import { parseHash } from './page/view_hash.js';
-import { Viewer } from './view/viewer.js';
+import { fillStrings, strings } from './page/strings.js';
+import { chooseTheme, chosenTheme, themes } from './page/themes.js';
+import { ToolRail } from './page/tools.js';
+import { parseHash, printHash } from './view/view_hash.js';
+import { isForView } from './view/keys.js';
+import './scancast-view.js';
 
+/** @type {(id: string) => any} */
 const find = (id) => document.getElementById(id);
-const narrow = matchMedia('(max-width: 700px)');
 
-takeGuestToken(); // before anything reads the address
+const access = new Access(location.origin);
+takeGuestToken(access); // before anything reads the address
+fillStrings(document);
 
 const canvas = find('picture');
 
-/** The part of the window that a fitted cloud should fill: free of panel and buttons, but for little windows. */
+/** The part of the canvas that a fitted cloud should fill: free of rail, title and buttons, but for little windows. */
 function freeSize({ width, height }) {
-  const panel = narrow.matches ? 0 : find('panel').offsetWidth + 20;
-  return { width: Math.max(width - 2 * panel, 0.7 * width), height: Math.max(height - 160, 0.7 * height) };
+  const { offsetWidth, offsetHeight } = find('rail'); // at the side, or along the lower edge; nothing in presentations
+  const sides = offsetHeight > offsetWidth ? 2 * offsetWidth + 60 : 24;
+  return { width: Math.max(width - sides, 0.8 * width), height: Math.max(height - (offsetWidth > 0 ? 170 : 80), 0.7 * height) };
 }
 
-const viewer = new Viewer(canvas, { freeSize });
+const presentation = new Presentation(() => address.changed());
+const layout = new Layout();
+const rail = new ToolRail(find('rail'));
+const { viewer } = find('view');
+viewer.freeSize = freeSize;
 const hud = new Hud();
-const overlays = new Overlays(() => viewer.retryNow(), (token) => viewer.unlock(token));
+const overlays = new Overlays();
+const cover = new Cover({
+  retry: () => viewer.retryNow(),
+  token: (token, remember) => viewer.unlock(token, remember),
+  cloud: (id) => viewer.open(id),
+});
+const loading = new LoadingNote();
+const chosen = new ChosenMethod();
 const controls = new Controls({
   style: (changes) => viewer.changeStyle(changes),
+  list: () => viewer.refreshClouds(),
   cloud: (id) => viewer.open(id),
   upAxis: (axis) => viewer.turnUp(axis),
   reset: () => viewer.resetStyle(),
+  gallery: (open) => galleries.show('methods', open),
 });
-const photos = new Photos((place) => viewer.goToPlace(place), () => viewer.pictureSize);
-const stations = new Stations((station) => {
+const galleries = new Galleries(viewer, () => controls);
+const photos = new Photos(viewer.server, (place) => viewer.goToPlace(place), () => viewer.pictureSize);
+const stations = new Stations(viewer.server, (station) => {
   viewer.goToPlace(station.view.camera);
   photos.at(station);
-}, amount);
+});
 
 // ---- what the viewer tells
 
-const on = (name, act) => viewer.addEventListener(name, ({ detail }) => act(detail));
+const on = (name, act) => viewer.addEventListener(name, (/** @type {any} */ { detail }) => act(detail));
 
 on('connection', (now) => {
   if (now.kind === 'lost') hud.setState('lost');
   else if (now.kind !== 'open') hud.setState('connecting');
   else hud.begin();
-  overlays.connection(now, !viewer.isBlank);
+  cover.show(now, viewer.isBlank ? undefined : viewer.cloud);
+  if (now.kind === 'gone' || now.kind === 'failed') overlays.dismiss(); // the cover says it better
+  if (now.kind !== 'open' && now.kind !== 'lost') loading.show(undefined);
+  find('forget-token').hidden = !access.hasToken || access.isGuest;
   document.body.classList.toggle('ready', now.kind === 'open' || !viewer.isBlank);
 });
-on('catalog', (catalog) => controls.setCatalog(catalog));
-on('clouds', (catalog) => controls.setClouds(catalog));
-on('missing', ({ cloud }) => overlays.toast('Another cloud', `This server has no cloud named ${cloud}.`));
+on('catalog', (catalog) => {
+  controls.setCatalog(catalog);
+  chosen.setMethods(catalog.methods);
+});
+on('clouds', (catalog) => {
+  controls.setClouds(catalog);
+  showLoading();
+});
+on('jump', () => address.jump());
+on('sought', ({ cloud }) => {
+  sought = cloud;
+  address.changed();
+  address.flush();
+});
 on('cloud', (cloud) => {
-  showTitle(cloud);
+  sought = undefined;
+  showScan(cloud);
   showCamera();
   controls.show(viewer.view, cloud);
+  showLoading();
+  showMethod();
   stations.show(cloud);
   photos.show(cloud);
 });
 on('view', ({ by }) => {
-  if (by === 'style' || by === 'program') controls.show(viewer.view, viewer.cloud);
+  if (by !== 'hand') {
+    controls.show(viewer.view, viewer.cloud);
+    showMethod();
+  }
+  address.changed();
+  undo.changed(by === 'server');
 });
-on('camera', () => {
-  find('hint').classList.add('learned');
+on('camera', ({ by }) => {
+  if (by !== 'server') find('hint').classList.add('learned');
   showCamera();
 });
 on('asked', ({ seq }) => hud.asked(seq));
@@ -72,22 +125,90 @@ on('frame', (frame) => {
   // A still of a view that has been left again says nothing about the one that is wanted now.
   hud.frame(frame.current ? frame : { ...frame, final: false, still: false });
 });
-on('unreadable', () => overlays.toast('A picture was unreadable', 'The next one will replace it.'));
-on('stats', (stats) => hud.stats(stats));
-on('problem', (problem) => overlays.toast(problem?.title || 'The server refused', problem?.detail ?? ''));
+on('unreadable', () => overlays.toast(strings.messages.unreadable, strings.messages.unreadableDetail));
+on('stats', (stats) => {
+  chosen.told(stats, viewer.cloud);
+  showMethod();
+  hud.stats(stats);
+});
+on('problem', (problem) => overlays.toast(problem?.title || strings.messages.refused, problem?.detail ?? ''));
 
-// ---- title, buttons, keys
-
-function showTitle(cloud) {
-  const title = cloud.title || cloud.id;
-  document.title = `${title} · Scancast`;
-  find('cloud-title').textContent = title;
-  canvas.setAttribute('aria-label', `The point cloud ${title}`);
-  const { min, max } = viewer.bounds;
-  const extent = [0, 1, 2].map((i) => Number((max[i] - min[i]).toPrecision(3)).toLocaleString('en')).join(' × ');
-  const facts = [`${amount(cloud.points)} points`, extent, cloud.format?.split(',')[0]].filter(Boolean);
-  find('cloud-facts').textContent = facts.join(' · ');
+function showLoading() {
+  loading.show(viewer.catalog.clouds.find((one) => one.id === viewer.cloud?.id));
 }
+
+function showMethod() {
+  chosen.show(viewer.view, viewer.cloud);
+  hud.setMethod(chosen.words(viewer.view, viewer.cloud));
+}
+
+// ---- the address, and undo
+
+let sought; // the cloud that somebody asked for, until one is shown
+let known = location.hash; // what the address is known to say
+
+/** The view that is wanted, as the address says it; `present` is the page's own word. */
+function hashNow() {
+  const hash = viewHash();
+  return hash && presentation.isOn ? `${hash}&present` : hash;
+}
+
+function viewHash() {
+  const { place, cloud } = viewer;
+  if (sought) return `#cloud=${sought}`;
+  return place && printHash(place.cloud, { ...place.style, camera: place.camera }, place.upAxis, cloud.view);
+}
+
+const address = new Address(hashNow, (hash, pushes) => {
+  const state = { untouched: viewer.isUntouched };
+  try {
+    if (pushes && hash !== known) history.pushState(state, '', hash);
+    else history.replaceState(state, '', hash);
+    known = location.hash;
+  } catch {
+    address.changed(); // too often, for this browser: in a moment, then
+  }
+});
+
+const undo = new Undo(
+  () => viewer.place && { ...viewer.place, key: viewHash() },
+  (step) => viewer.restore(step),
+  ({ canUndo, canRedo }) => {
+    find('undo').disabled = !canUndo;
+    find('redo').disabled = !canRedo;
+  },
+);
+
+function addressChanged() {
+  if (takeGuestToken(access)) {
+    location.reload(); // another guest's link, put into the address of this page
+    return;
+  }
+  if (location.hash === known) return;
+  known = location.hash;
+  address.arrived();
+  const link = parseHash(known);
+  if (link) viewer.restore(link);
+}
+
+for (const name of ['popstate', 'hashchange']) addEventListener(name, addressChanged);
+addEventListener('pagehide', () => address.flush());
+document.addEventListener('visibilitychange', () => document.hidden && address.flush());
+
+find('forget-token').addEventListener('click', () => viewer.forgetToken());
+find('undo').addEventListener('click', () => undo.undo());
+find('redo').addEventListener('click', () => undo.redo());
+addEventListener('keydown', (event) => {
+  const typing = event.target instanceof Element && event.target.closest('input:not([type=checkbox], [type=radio], [type=range], [type=color]), textarea');
+  if (!(event.ctrlKey || event.metaKey) || event.altKey || typing || document.querySelector('dialog[open]')) return;
+  const key = event.key.toLowerCase();
+  if (key !== 'z' && key !== 'y') return;
+  event.preventDefault();
+  if (key === 'y' || event.shiftKey) undo.redo();
+  else undo.undo();
+});
+
+// ---- tools, buttons, keys
 
 /** What of the camera buttons and menus tell. */
 function showCamera() {
@@ -95,57 +216,85 @@ function showCamera() {
   find('up-axis').value = viewer.camera?.upAxis ?? 'z';
 }
 
-function toggleLooking() {
-  viewer.looksAround = !viewer.looksAround;
-  find('look-around').setAttribute('aria-pressed', String(viewer.looksAround));
-  for (const verb of document.querySelectorAll('.drag-verb')) verb.textContent = viewer.looksAround ? 'look around' : 'orbit';
+function setLooking(looks) {
+  viewer.looksAround = looks;
+  rail.setMode(looks ? 'look' : 'orbit');
+  showHint(looks);
 }
 
-function showPanel(open) {
-  document.body.classList.toggle('panel-closed', !open);
-  find('toggle-panel').setAttribute('aria-expanded', String(open));
+/** What a newcomer is told: [what to do, what it does]. */
+function showHint(looks) {
+  for (const [kind, pairs] of Object.entries(strings.hint)) {
+    const parts = pairs(looks).flatMap(([act, effect], i) => [i > 0 ? ' · ' : '', Object.assign(document.createElement('b'), { textContent: act }), ` ${effect}`]);
+    document.querySelector(`#hint .for-${kind}`).replaceChildren(...parts);
+  }
 }
-const togglePanel = () => showPanel(document.body.classList.contains('panel-closed'));
+
+async function saveThisPicture(button) {
+  if (!viewer.cloud) return;
+  button.disabled = true;
+  await savePicture(viewer.server, viewer.cloud.id, viewer.view, viewer.pictureSize, overlays);
+  button.disabled = false;
+}
+
+const { tools } = strings;
+rail.register({ id: 'orbit', mode: 'navigate', label: tools.orbit, tip: tools.orbitTip, icon: 'orbit', activate: () => setLooking(false) });
+rail.register({
+  id: 'look', mode: 'navigate', label: tools.look, tip: tools.lookTip, icon: 'look', elementId: 'look-around', activate: () => setLooking(true),
+});
+rail.register({
+  id: 'views', label: tools.views, tip: tools.viewsTip, icon: 'views', key: 'v', activate: () => find('views-gallery').togglePopover(),
+});
+rail.register({ id: 'picture', label: tools.picture, tip: tools.pictureTip, icon: 'picture', elementId: 'save-picture', activate: saveThisPicture });
+rail.register({ id: 'present', label: tools.present, tip: tools.presentTip, icon: 'present', key: 'h', activate: () => presentation.toggle() });
+setLooking(false);
+
+const theme = new Choices(find('theme'), chooseTheme);
+theme.fill(themes.map((value) => ({ value, label: strings.theme[value] })));
+theme.show(chosenTheme());
+
+function setColliding(collides) {
+  viewer.collides = collides;
+  find('collides').checked = collides;
+}
+find('collides').addEventListener('change', (event) => setColliding(/** @type {any} */ (event.target).checked));
+
+function toggleColliding() {
+  setColliding(!viewer.collides);
+  const [title, detail] = viewer.collides ? strings.messages.stops : strings.messages.passes;
+  overlays.toast(title, detail, 'done');
+}
 
 const shortcuts = {
-  f: () => viewer.showStandardView('fit'), Home: () => viewer.showStandardView('fit'),
+  f: () => viewer.showStandardView('fit'), Home: () => viewer.showStandardView('first'),
   1: () => viewer.showStandardView('top'), 2: () => viewer.showStandardView('front'), 3: () => viewer.showStandardView('side'),
-  l: toggleLooking, o: () => viewer.toggleProjection(), p: togglePanel, '?': () => overlays.toggleHelp(),
+  4: () => viewer.showStandardView('back'), 5: () => viewer.showStandardView('left'), 6: () => viewer.showStandardView('bottom'),
+  Enter: (event) => viewer.goToMiddle(event.shiftKey),
+  c: toggleColliding, l: () => setLooking(!viewer.looksAround), o: () => viewer.toggleProjection(), p: () => layout.toggle(), '?': () => overlays.toggleHelp(),
 };
 
 addEventListener('keydown', (event) => {
-  if (event.ctrlKey || event.altKey || event.metaKey || event.repeat) return;
-  const inDialog = find('help').open;
-  if (event.target instanceof Element && event.target.closest('input, select, textarea')) return;
+  if (event.repeat) return;
   const key = event.key.length === 1 ? event.key.toLowerCase() : event.key;
-  if (!Object.hasOwn(shortcuts, key) || (inDialog && key !== '?')) return;
-  event.preventDefault();
-  shortcuts[key]();
+  const closesHelp = key === '?' && find('help').open;
+  const tool = rail.withKey(key);
+  if ((!Object.hasOwn(shortcuts, key) && !tool) || !(isForView(event) || closesHelp)) return;
+  event.preventDefault(); // a menu that has the focus would go to its next entry of that letter
+  if (tool) rail.activate(tool);
+  else shortcuts[key](event);
 });
 
-for (const button of document.querySelectorAll('[data-view]')) {
+for (const button of /** @type {NodeListOf<HTMLElement>} */ (document.querySelectorAll('[data-view]'))) {
   button.addEventListener('click', () => viewer.showStandardView(button.dataset.view));
 }
-find('look-around').addEventListener('click', toggleLooking);
 find('orthographic').addEventListener('click', () => viewer.toggleProjection());
-find('toggle-panel').addEventListener('click', togglePanel);
 find('copy-link').addEventListener('click', () => {
-  if (viewer.cloud) copyLink(viewer.cloud.id, viewer.view, viewer.camera.upAxis, overlays);
-});
-find('save-picture').addEventListener('click', async ({ currentTarget: button }) => {
   if (!viewer.cloud) return;
-  button.disabled = true;
-  await savePicture(viewer.cloud.id, viewer.view, viewer.pictureSize, overlays);
-  button.disabled = false;
+  address.changed();
+  address.flush();
+  copyLink(overlays);
 });
-addEventListener('hashchange', () => {
-  if (takeGuestToken()) {
-    location.reload(); // another guest's link, put into the address of this page
-    return;
-  }
-  const next = parseHash(location.hash);
-  if (next) viewer.restore(next);
-});
-
-showPanel(!narrow.matches);
-viewer.start(parseHash(location.hash));
+const link = parseHash(location.hash);
+if (asksToPresent(location.hash)) presentation.enter({ fullScreen: false });
+// Who has touched nothing before he reloads sees the cloud as the server would show it now, in a window of another size, too.
+viewer.start(history.state?.untouched ? { cloud: link?.cloud } : link);

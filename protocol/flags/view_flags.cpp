@@ -32,6 +32,26 @@ GroupHelp helpOf(std::string_view group) {
     return help;
 }
 
+/// One flag for several words: "sun=250,20" of --light is the word light.sun.
+Expected<WordValues::value_type> wordOf(std::string_view group, const std::string& member) {
+    const auto equals = member.find('=');
+    if (equals == std::string::npos || equals == 0)
+        return fail(ErrorCode::InvalidArgument,
+                    "--" + std::string(group) + " takes NAME=VALUE, such as " + helpOf(group).example +
+                        ", not " + quoteText(member),
+                    std::string(group));
+    return WordValues::value_type(std::string(group) + "." + member.substr(0, equals),
+                                  member.substr(equals + 1));
+}
+
+/// For CLI11: empty when it is sound.
+std::string complaintAbout(std::string_view group, const std::string& member) {
+    const auto word = wordOf(group, member);
+    if (!word) return word.error().message;
+    const auto ok = checkWord(word->first, word->second);
+    return ok ? std::string() : ok.error().message;
+}
+
 }  // namespace
 
 void ViewFlags::addTo(CLI::App& app) {
@@ -42,7 +62,10 @@ void ViewFlags::addTo(CLI::App& app) {
             const auto help = word.description() + " Example: " + flag + " " + std::string(word.example);
             option = app.add_option_function<std::string>(
                 flag,
-                [this, name = word.word](const std::string& value) { given_.emplace_back(name, value); },
+                [this, name = word.word](const std::string& value) {
+                    if (auto ok = checkWord(name, value); !ok) throw CLI::ValidationError(ok.error().message);
+                    given_.emplace_back(name, value);
+                },
                 help);
             option->type_name(std::string(word.shape));
         } else {
@@ -50,6 +73,9 @@ void ViewFlags::addTo(CLI::App& app) {
             if (!isFirst) continue;
             const GroupHelp help = helpOf(word.group());
             option = app.add_option(flag, members->second, help.meaning + "\nExample: " + help.example)
+                         ->check([group = word.group()](const std::string& member) {
+                             return complaintAbout(group, member);
+                         })
                          ->expected(1)
                          ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll)
                          ->allow_extra_args(false)
@@ -63,14 +89,9 @@ Expected<WordValues> ViewFlags::words() const {
     WordValues words = given_;
     for (const auto& [group, members] : members_) {
         for (const auto& member : members) {
-            const auto equals = member.find('=');
-            if (equals == std::string::npos || equals == 0)
-                return fail(ErrorCode::InvalidArgument,
-                            "--" + std::string(group) + " takes NAME=VALUE, such as " +
-                                helpOf(group).example + ", not " + quoteText(member),
-                            std::string(group));
-            words.emplace_back(std::string(group) + "." + member.substr(0, equals),
-                               member.substr(equals + 1));
+            auto word = wordOf(group, member);
+            if (!word) return passOn(std::move(word));
+            words.push_back(std::move(*word));
         }
     }
     return words;

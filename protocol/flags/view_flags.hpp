@@ -20,7 +20,8 @@ class ViewFlags {
     ViewFlags(const ViewFlags&) = delete;
     ViewFlags& operator=(const ViewFlags&) = delete;
 
-    /// Registers a flag for every word, with its meaning and an example in the help, in a group of its own.
+    /// Registers a flag for every word, with its meaning and an example in the help, in a group of its own. A value that its
+    /// word does not take ends the parsing (CLI::ValidationError), before anything is done.
     void addTo(CLI::App& app);
     /// Those that were given, as words; applyWords() checks them. InvalidArgument for a --param, or another
     /// group's flag, that is not NAME=VALUE.

@@ -11,4 +11,10 @@ std::string grouped(unsigned long long number) {
     return digits;
 }
 
+std::string counted(unsigned long long number, std::string_view noun) {
+    std::string text = std::to_string(number) + ' ';
+    text += noun;
+    return number == 1 ? text : text + 's';
+}
+
 }  // namespace scancast

@@ -63,6 +63,13 @@ Expected<void> applyWord(View& view, std::string_view word, std::string_view val
     return fail(ErrorCode::InvalidArgument, unknownName(at, word, names), std::string(at));
 }
 
+Expected<void> checkWord(std::string_view word, std::string_view value) {
+    View view;
+    if (auto ok = applyWord(view, word, value); !ok) return ok;
+    const auto known = std::ranges::find_if(viewWords(), [&](const auto& w) { return isCalled(w, word); });
+    return known->value.check(view, known->word);
+}
+
 Expected<View> applyWords(const View& base, const WordValues& given) {
     if (auto ok = checkTogether(given); !ok) return passOn(ok);
     View view = base;

@@ -65,6 +65,10 @@ std::span<const ViewWord> viewWords();
 /// Errors: InvalidArgument with the word as field; unknown words name the nearest known one.
 Expected<void> applyWord(View& view, std::string_view word, std::string_view value);
 
+/// What can be judged of one word by itself: whether there is such a word, its value's form and range. Errors: those of
+/// applyWord() and validate().
+Expected<void> checkWord(std::string_view word, std::string_view value);
+
 /// `base` with the given words changed, checked as a whole by validate(). Words that are not given keep the
 /// base's value, so `eye` alone moves the eye and goes on looking at the base's target. The order of words is
 /// of no importance; a word given twice is an error, and so is viewMatrix beside eye, target or up.

@@ -4,12 +4,15 @@
 #include <xxhash.h>
 
 #include <algorithm>
+#include <charconv>
+#include <chrono>
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <nlohmann/json.hpp>
 #include <numbers>
 
 #include "protocol/json_text.hpp"
+#include "protocol/text/plain_text.hpp"
 
 namespace scancast {
 
@@ -23,7 +26,40 @@ bool standsOnXZ(const std::array<glm::dvec3, 2>& bounds) {
     return standsOn(1) && !standsOn(2) && straddles(0) && straddles(2);
 }
 
+/// "2024-05-13" → 2024, 5, 13; what is left out is 1. nullopt for anything else.
+std::optional<std::chrono::year_month_day> dateOf(std::string_view text) {
+    constexpr std::size_t yearOnly = 4, toMonth = 7, toDay = 10;
+    if (text.size() != yearOnly && text.size() != toMonth && text.size() != toDay) return std::nullopt;
+    unsigned parts[3] = {0, 1, 1};
+    for (std::size_t i = 0, from = 0; from < text.size(); ++i) {
+        const std::size_t to = i == 0 ? yearOnly : from + 2;
+        if (to < text.size() && text[to] != '-') return std::nullopt;
+        const auto [end, failed] = std::from_chars(text.data() + from, text.data() + to, parts[i]);
+        if (failed != std::errc() || end != text.data() + to) return std::nullopt;
+        from = to + 1;
+    }
+    return std::chrono::year_month_day(std::chrono::year(int(parts[0])), std::chrono::month(parts[1]),
+                                       std::chrono::day(parts[2]));
+}
+
 }  // namespace
+
+Expected<void> checkAttribution(std::string_view attribution) {
+    if (attribution.size() > longestAttribution)
+        return fail(ErrorCode::InvalidArgument,
+                    fmt::format("the attribution has {} bytes; it may have {}", attribution.size(),
+                                longestAttribution),
+                    "attribution");
+    return {};
+}
+
+Expected<void> checkRecorded(std::string_view date) {
+    if (const auto parsed = dateOf(date); date.empty() || (parsed && parsed->ok())) return {};
+    return fail(
+        ErrorCode::InvalidArgument,
+        fmt::format("\"{}\" is no date; write 2024, 2024-05 or 2024-05-13", plainText(date.substr(0, 40))),
+        "recorded");
+}
 
 ValuePlane curvaturePlane() {
     return {std::string(curvaturePlaneName), ColumnType::Uint32, ValuePlane::Of::Samples};

@@ -89,11 +89,20 @@ struct KnownSides {
 /// Hundreds of scans can have something strange each; a cloud tells of so many.
 inline constexpr std::size_t mostCloudNotes = 100;
 
+/// Bytes that an attribution may have: a line under a picture.
+inline constexpr std::size_t longestAttribution = 512;
+/// InvalidArgument, with what would be right: an attribution that is longer, or a date that is none.
+Expected<void> checkAttribution(std::string_view attribution);
+Expected<void> checkRecorded(std::string_view date);
+
 /// Everything about a cloud but its octree: what `info` tells and what the cloud file keeps beside its
 /// blocks.
 struct CloudFacts {
-    std::string title;   ///< for people; the file's name by default
-    std::string format;  ///< where it came from: "LAS 1.2, point format 3"
+    std::string title;  ///< for people; the file's name by default
+    std::string
+        attribution;       ///< whom to name beside its pictures, and the licence: "City of Graz, CC BY 4.0"
+    std::string recorded;  ///< when it was scanned: "2024", "2024-05" or "2024-05-13"; empty = not known
+    std::string format;    ///< where it came from: "LAS 1.2, point format 3"
     glm::dvec3 origin{0};
     std::array<glm::dvec3, 2> bounds{};  ///< min, max in file coordinates, of the points really read
     std::uint64_t points = 0;            ///< points of the scan that are in the octree

@@ -35,10 +35,9 @@ Error unknownParameter(const Method& method, const std::string& name) {
     std::vector<std::string_view> known;
     for (const Parameter& p : method.parameters) known.push_back(p.name);
     const std::string field = "param." + printable(name);
-    const std::string where = "method '" + method.name + "', parameter";
+    const std::string where = "method '" + method.name + "', parameter " + quoteText(name);
     if (known.empty()) {
-        return Error{ErrorCode::InvalidArgument, where + " " + quoteText(name) + ": it takes no parameters",
-                     field};
+        return Error{ErrorCode::InvalidArgument, where + ": it takes no parameters", field};
     }
     return Error{ErrorCode::InvalidArgument, unknownName(where, name, known), field};
 }

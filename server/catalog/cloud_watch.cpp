@@ -6,6 +6,7 @@
 #include <tuple>
 #include <utility>
 
+#include "protocol/text/grouped.hpp"
 #include "renderer/cloud/file/facts_json.hpp"
 #include "renderer/look/decide_look.hpp"
 #include "renderer/residency/open_cloud.hpp"
@@ -274,10 +275,10 @@ void CloudWatch::serveAgain(Watched& one, const FileIdentity& identity,
     }
     one.served.identity = identity;
     one.described = std::move(file);
-    note(fmt::format("{}: {} {} from now on: {} points in {} nodes.", one.served.id, one.name(),
+    note(fmt::format("{}: {} {} from now on: {} in {}.", one.served.id, one.name(),
                      sameBlocks ? "has another description, which is shown"
                                 : "has been replaced, and the new one is served",
-                     cloud->points, cloud->octree.nodes().size()));
+                     counted(cloud->points, "point"), counted(cloud->octree.nodes().size(), "node")));
     if (options_.onChanged) options_.onChanged();
 }
 

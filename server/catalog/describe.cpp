@@ -100,6 +100,8 @@ CloudInfo describe(const std::string& id, const Cloud& cloud) {
     CloudInfo info;
     info.id = id;
     info.title = cloud.title;
+    info.attribution = cloud.attribution;
+    info.recorded = cloud.recorded;
     info.format = cloud.format;
     info.revision = pictureRevision(cloud);
     info.points = cloud.points;

@@ -12,6 +12,7 @@ void addRender(CLI::App& app, int& exitCode);
 void addIngest(CLI::App& app, int& exitCode);
 void addInfo(CLI::App& app, int& exitCode);
 void addLook(CLI::App& app, int& exitCode);
+void addLabel(CLI::App& app, int& exitCode);
 void addGenerate(CLI::App& app, int& exitCode);
 
 }  // namespace scancast

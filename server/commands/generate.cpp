@@ -8,6 +8,7 @@
 #include <cstdio>
 #include <memory>
 
+#include "protocol/text/grouped.hpp"
 #include "renderer/cloud/import/mirror_file.hpp"
 #include "server/commands/command.hpp"
 #include "server/commands/generate_frames.hpp"
@@ -126,7 +127,7 @@ Expected<void> generateFrames(const GenerateArguments& arguments) {
     series.frames = *arguments.frames;
     const auto written = writeFrames(**source, arguments.output, series, [] { return interrupted.load(); });
     if (!written) return passOn(written);
-    if (!arguments.quiet) tell("{} frames of {} points\n", *written, options->points);
+    if (!arguments.quiet) tell("{} of {}\n", counted(*written, "frame"), counted(options->points, "point"));
     return {};
 }
 
@@ -156,9 +157,8 @@ Expected<void> generate(const GenerateArguments& arguments) {
     bar.clear();
     if (!arguments.quiet) {
         const std::chrono::duration<double> took = std::chrono::steady_clock::now() - start;
-        tell("{}: {} points, {:.1f} MB, {:.1f} s\n",
-             arguments.output == "-" ? "standard output" : arguments.output, *points,
-             double((*writer)->bytesWritten()) / 1e6, took.count());
+        tell("{}: {}, {:.1f} MB, {:.1f} s\n", arguments.output == "-" ? "standard output" : arguments.output,
+             counted(*points, "point"), double((*writer)->bytesWritten()) / 1e6, took.count());
     }
     return {};
 }
@@ -177,53 +177,55 @@ constexpr const char* generateExamples =
 void addGenerate(CLI::App& app, int& exitCode) {
     const auto arguments = std::make_shared<GenerateArguments>();
     CLI::App* command = app.add_subcommand(
-        "generate", "Make a simulated scan of any size, as a PLY or LAS file, or frames of a live one");
+        "generate", "Simulate a scan of any size, as a PLY or LAS file, or the frames of a live one");
     std::string sceneHelp = "What is scanned:";
     for (const SceneInfo& scene : scenes()) sceneHelp += fmt::format("\n  {}: {}", scene.name, scene.summary);
     command->add_option("scene", arguments->scene, sceneHelp)->required()->type_name("SCENE");
-    command->add_option("-n,--points", arguments->points, "How many points: 20M, 500k, 1.5e6, 2_000_000")
+    command->add_option("-n,--points", arguments->points, "Number of points: 20M, 500k, 1.5e6, 2_000_000")
         ->capture_default_str()
         ->type_name("N");
     command->add_option("-o,--output", arguments->output, "File to write; - for standard output")
         ->required()
         ->type_name("FILE");
     command
-        ->add_option(
-            "--format", arguments->format,
-            "ply, las (1.2, point format 2) or las14 (1.4, point format 7); by default what the file's name "
-            "says, on standard output ply")
+        ->add_option("--format", arguments->format,
+                     "ply, las (1.2, point format 2) or las14 (1.4, point format 7). Default: what the "
+                     "file's name says; ply on standard output")
         ->check(CLI::IsMember({"ply", "las", "las14"}))
         ->type_name("FORMAT");
-    command->add_option("--seed", arguments->seed, "Another number, other points of the same scene")
+    command->add_option("--seed", arguments->seed, "Another seed gives other points of the same scene")
         ->capture_default_str();
     command->add_option("--order", arguments->order, "scan: as the scanner turns; random: shuffled")
         ->check(CLI::IsMember({"scan", "random"}))
         ->capture_default_str()
         ->type_name("ORDER");
-    command->add_option("--noise", arguments->noise, "Times the scene's own noise (2 mm); 0 = exact surfaces")
+    command
+        ->add_option("--noise", arguments->noise,
+                     "Multiple of the scene's own noise (2 mm); 0 = exact surfaces")
         ->check(CLI::Range(0.0, 1000.0))
         ->capture_default_str()
         ->type_name("FACTOR");
     command
         ->add_option("--origin", arguments->origin,
-                     "Added to all coordinates; by default 0,0,0, for the town a place in UTM")
+                     "Added to all coordinates. Default: 0,0,0; for the town, a place in UTM")
         ->type_name("X,Y,Z");
     command
-        ->add_option("--threads", arguments->threads, "0 = all cores; the file is the same with any number")
+        ->add_option("--threads", arguments->threads,
+                     "Number of threads; 0 = all cores. The file is the same whatever the number")
         ->check(CLI::Range(0, 4096))
         ->capture_default_str()
         ->type_name("N");
-    CLI::Option* frames = command->add_option("--frames", arguments->frames,
-                                              "As a live source sends it (serve --live): so many point "
-                                              "streams, one behind the other, of the scene turning; 0 "
-                                              "= until nobody reads any more");
+    CLI::Option* frames = command->add_option(
+        "--frames", arguments->frames,
+        "Write this many frames of the turning scene, as a live source would (serve --live): point streams, "
+        "one after another; 0 = for as long as somebody reads them");
     frames->type_name("N");
-    command->add_option("--rate", arguments->series.rate, "Frames a second; 0 = as fast as they are read")
+    command->add_option("--rate", arguments->series.rate, "Frames per second; 0 = as fast as they are read")
         ->check(CLI::Range(0.0, 1000.0))
         ->needs(frames)
         ->capture_default_str()
         ->type_name("FPS");
-    command->add_option("--turn", arguments->series.turn, "Degrees from frame to frame")
+    command->add_option("--turn", arguments->series.turn, "Degrees between frames")
         ->check(CLI::Range(-180.0, 180.0))
         ->needs(frames)
         ->capture_default_str()

@@ -8,9 +8,8 @@ namespace scancast {
 CLI::Option* addAssumeCrs(CLI::App& app, std::string& crs) {
     return app
         .add_option("--assume-crs", crs,
-                    "Take this as the coordinate reference system of every scan, whatever it says itself: "
-                    "EPSG:25832, or a "
-                    "whole WKT. No coordinate changes")
+                    "Coordinate reference system of every scan, whatever the scan itself says: EPSG:25832, "
+                    "or a complete WKT. Coordinates stay as they are")
         ->type_name("CRS");
 }
 
@@ -28,21 +27,20 @@ void addImporterFlags(CLI::App& app, ImporterFlags& flags, bool environment) {
         return environment ? option->envname(variable) : option;
     };
     flag("--importer-sandbox", flags.sandbox, "SCANCAST_IMPORTER_SANDBOX",
-         "LAZ, E57, EPT, Potree, PLY and PCD are read by programs of their own, importers, which are kept from other "
-         "files, the "
-         "network and other processes: auto, by what this machine has for it; require, completely or such "
-         "files are not read; off, not at all")
+         "LAZ, E57, EPT, Potree, PLY and PCD are read by separate programs, importers, which are kept away "
+         "from other files, the network and other processes: auto, as far as this machine can; require, "
+         "completely, or such files are not read; off, not at all")
         ->type_name("MODE")
         ->check(CLI::IsMember({"auto", "require", "off"}));
     flag("--importer-memory", flags.memory, "SCANCAST_IMPORTER_MEMORY",
-         "Memory that each importer may take, like 4G")
+         "The most memory for each importer, such as 4G")
         ->type_name("SIZE");
     flag("--importer-time", flags.time, "SCANCAST_IMPORTER_TIME",
-         "Seconds of processor time that each importer may take")
+         "The most processor time for each importer, in seconds")
         ->type_name("SECONDS")
         ->check(CLI::Range(std::uint64_t(1), std::uint64_t(10'000'000)));
     flag("--importer-silence", flags.silence, "SCANCAST_IMPORTER_SILENCE",
-         "After so many seconds without a byte sent, or read of its file, an importer hangs, and is stopped")
+         "Stop an importer that has neither sent a byte nor read from its file for this many seconds")
         ->type_name("SECONDS")
         ->check(CLI::Range(1, 86400));
     auto* const crs = addAssumeCrs(app, flags.assumeCrs);

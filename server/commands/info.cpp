@@ -68,12 +68,12 @@ void addInfo(CLI::App& app, int& exitCode) {
         "  scancast info --check *.scan          # read every block and verify its checksum\n"
         "  scancast info flight/                 # every scan in the folder, and beneath it\n"
         "  scancast info --json flight.laz       # docs/info.md describes the object");
-    command->add_option("files", arguments->files, "Cloud files and scans, folders of them, patterns")
+    command->add_option("files", arguments->files, "Cloud files, scans, folders of them, or patterns")
         ->type_name("FILE")
         ->required();
-    command->add_flag("--json", arguments->json, "One JSON object on standard output instead of text");
+    command->add_flag("--json", arguments->json, "Print one JSON object instead of text");
     command->add_flag("--check", arguments->check,
-                      "Verify every block of a cloud file; read a scan through to its end");
+                      "Verify every block of a cloud file; read a scan to its end");
     command->add_flag("-q,--quiet", arguments->quiet, "No progress on standard error");
     addVerbose(*command, arguments->verbose);
     command->callback([arguments, &exitCode] { exitCode = runInfo(*arguments) ? 0 : 1; });

@@ -358,6 +358,8 @@ std::string infoText(const FileInfo& info) {
     if (info.octree) {
         lines.add("what", "cloud file by " + info.writtenBy);
         lines.add("title", info.facts.title);
+        if (!info.facts.attribution.empty()) lines.add("attribution", info.facts.attribution);
+        if (!info.facts.recorded.empty()) lines.add("recorded", info.facts.recorded);
         lines.add("made of", info.facts.format);
     } else {
         lines.add("what", "scan, " + info.facts.format);
@@ -379,6 +381,8 @@ Json infoJson(const FileInfo& info) {
     const bool counted = info.octree || info.checked;
     Json json{{"file", info.file.string()}, {"kind", info.octree ? "cloud" : "scan"}, {"bytes", info.bytes}};
     json["title"] = f.title;
+    if (!f.attribution.empty()) json["attribution"] = f.attribution;
+    if (!f.recorded.empty()) json["recorded"] = f.recorded;
     json["format"] = f.format;
     json["points"] = info.points ? Json(*info.points) : Json();
     json["droppedPoints"] = counted ? Json(f.droppedPoints) : Json();

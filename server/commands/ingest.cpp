@@ -8,6 +8,7 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
+#include "protocol/text/grouped.hpp"
 #include "renderer/cloud/build/ingest.hpp"
 #include "renderer/cloud/import/open_scan.hpp"
 #include "renderer/cloud/import/standard_input.hpp"
@@ -36,7 +37,7 @@ double secondsSince(Clock::time_point start) {
 
 struct IngestArguments {
     std::vector<std::string> inputs;
-    std::string output, memoryLimit, scratch, title, look, orient = "auto";
+    std::string output, memoryLimit, scratch, title, attribution, recorded, look, orient = "auto";
     ImporterFlags importer;
     int threads = 0, neighbours = 10;
     bool recover = false;
@@ -58,6 +59,10 @@ Expected<IngestOptions> ingestOptions(const IngestArguments& arguments,
     options.output = arguments.output;
     options.scratch = arguments.scratch;
     options.title = arguments.title;
+    options.attribution = arguments.attribution;
+    options.recorded = arguments.recorded;
+    if (auto sound = checkAttribution(options.attribution); !sound) return passOn(sound);
+    if (auto sound = checkRecorded(options.recorded); !sound) return passOn(sound);
     options.threads = arguments.threads;
     options.photos = !arguments.noPhotos;
     options.shape.surfels = !arguments.noSurfels;
@@ -186,9 +191,10 @@ Expected<void> runIngest(const IngestArguments& arguments) {
     if (auto ok = keepLookOf(arguments, *look); !ok) return ok;
     if (arguments.quiet) return {};
     const double points = double(report->facts.points);
-    tell("{}: {} points in {} nodes, {} ({:.1f} bytes a point), {:.1f} s ({:.2f} M points/s)\n",
-         arguments.output, report->facts.points, report->nodes, byteSizeText(report->fileBytes),
-         double(report->fileBytes) / points, seconds, points / seconds / 1e6);
+    tell("{}: {} in {}, {} ({:.1f} bytes per point), {:.1f} s ({:.2f} M points/s)\n", arguments.output,
+         counted(report->facts.points, "point"), counted(report->nodes, "node"),
+         byteSizeText(report->fileBytes), double(report->fileBytes) / points, seconds,
+         points / seconds / 1e6);
     for (const std::string& remark : remarksOn(report->facts)) tell("{}\n", remark);
     return {};
 }
@@ -206,62 +212,63 @@ constexpr const char* ingestExamples =
 void addIngest(CLI::App& app, int& exitCode) {
     const auto arguments = std::make_shared<IngestArguments>();
     CLI::App* command =
-        app.add_subcommand("ingest", "Turn scans into a cloud file, which opens at once at any size");
+        app.add_subcommand("ingest", "Turn scans into a cloud file, which opens instantly at any size");
     command
         ->add_option("inputs", arguments->inputs,
-                     "Scans, folders of them and patterns such as 'flight/*.laz', all into one cloud; - for "
-                     "LAS on standard "
-                     "input")
+                     "Scans, folders of them, or patterns such as 'flight/*.laz', all merged into one cloud; "
+                     "- reads LAS from standard input")
         ->required()
         ->type_name("INPUT");
     command->add_option("-o,--output", arguments->output, "The cloud file to write")
         ->required()
         ->type_name("FILE");
     command
-        ->add_option(
-            "--memory-limit", arguments->memoryLimit,
-            "Memory to stay within, for example 2G; by default half of the machine's. The file is the same "
-            "with any limit")
+        ->add_option("--memory-limit", arguments->memoryLimit,
+                     "Memory to stay within, such as 2G. Default: half of the machine's. The file is the "
+                     "same whatever the limit")
         ->type_name("SIZE");
     command
         ->add_option("--scratch", arguments->scratch,
-                     "Folder for temporary files; by default that of the cloud file")
+                     "Folder for temporary files. Default: that of the cloud file")
         ->type_name("DIR");
-    command->add_option("--title", arguments->title, "What people see; by default the cloud file's name")
+    command
+        ->add_option("--title", arguments->title, "The title that people see. Default: the cloud file's name")
         ->type_name("TEXT");
+    command
+        ->add_option("--attribution", arguments->attribution,
+                     "Whom to name beside its pictures, and the licence: 'City of Graz, CC BY 4.0'")
+        ->type_name("TEXT");
+    command->add_option("--recorded", arguments->recorded, "When it was scanned: 2024, 2024-05 or 2024-05-13")
+        ->type_name("DATE");
     command->add_flag(
         "--no-surfels", arguments->noSurfels,
         "Do not estimate normals and radii from neighbours: much faster, but without the methods that "
         "need them");
-    command->add_flag(
-        "--no-curvature", arguments->noCurvature,
-        "Do not keep how the surface bends at each sample: a smaller file, without color=curvature");
+    command->add_flag("--no-curvature", arguments->noCurvature,
+                      "Do not store curvature: a smaller file, but no color=curvature");
     command->add_flag(
         "--no-photos", arguments->noPhotos,
-        "Do not keep the photos that scans bring along (E57): a smaller file, without photos to look at "
-        "beside the cloud");
+        "Leave out the photos that come with scans (E57): a smaller file, but no photos to look at");
     command
         ->add_option("--neighbours", arguments->neighbours,
-                     "Neighbours that normals and radii are estimated from")
+                     "Number of neighbours from which normals and radii are estimated")
         ->check(CLI::Range(3, 40))
         ->capture_default_str()
         ->type_name("K");
     command
-        ->add_option(
-            "--orient", arguments->orient,
-            "Which side estimated normals point to. auto: towards the scanner where the scan says where it "
-            "stood - each point to the one that saw it -, else the side that neighbours agree on, where they "
-            "do; scan: the same, else undecided; "
-            "up: upwards, for scans from the air")
+        ->add_option("--orient", arguments->orient,
+                     "Which way estimated normals point. auto: towards the scanner that saw the point, if "
+                     "the scan says where it stood; otherwise to the side that neighbours agree on, if they "
+                     "do. scan: the same, but otherwise undecided. up: upwards, for scans from the air")
         ->check(CLI::IsMember({"auto", "scan", "up"}))
         ->capture_default_str()
         ->type_name("SIDE");
     command->add_flag("--keep-attributes", arguments->keepAttributes,
-                      "Also keep what is not drawn: GPS time, returns, extra bytes");
+                      "Also keep attributes that are not drawn: GPS time, returns, extra bytes");
     command->add_flag(
         "--exact", arguments->exact,
-        "Keep all of it as it was, in a larger file: every attribute, positions to the last step of their "
-        "grid, colours of 16 bits. scancast export then gives LAS with the same records");
+        "Keep everything exactly as it was, in a larger file: every attribute, positions to the last step of "
+        "their grid, 16-bit colours. scancast export then writes LAS with identical records");
     command->add_flag("--recover", arguments->recover,
                       "Of scans that end too early - a copy was cut, a disk was full - read what is whole, "
                       "and tell how much is "
@@ -269,15 +276,15 @@ void addIngest(CLI::App& app, int& exitCode) {
                       "text. E57, whose "
                       "pages have checksums, also where it is damaged");
     command
-        ->add_option(
-            "--look", arguments->look,
-            "How to show it at first: JSON with what is to differ from what would be decided (scancast "
-            "look prints one)")
+        ->add_option("--look", arguments->look,
+                     "How to show the cloud at first: JSON with whatever should differ from the automatic "
+                     "look (scancast look prints one)")
         ->type_name("FILE");
     addImporterFlags(*command, arguments->importer, false);
-    command->add_flag("-f,--force", arguments->force, "Replace the cloud file if it is there");
+    command->add_flag("-f,--force", arguments->force, "Replace the cloud file if it exists");
     command
-        ->add_option("--threads", arguments->threads, "0 = all cores; the file is the same with any number")
+        ->add_option("--threads", arguments->threads,
+                     "Number of threads; 0 = all cores. The file is the same whatever the number")
         ->check(CLI::Range(0, 4096))
         ->capture_default_str()
         ->type_name("N");

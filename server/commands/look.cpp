@@ -26,6 +26,9 @@ Expected<void> runLook(const LookArguments& arguments) {
     const bool keeps = arguments.decide || !arguments.set.empty();
     if (keeps && arguments.files.size() > 1)
         return fail(ErrorCode::InvalidArgument, "a look is kept in one cloud file; name one.");
+    // What is wrong with it is said before a scan is read.
+    if (!arguments.set.empty())
+        if (const auto changes = readLookFile(arguments.set); !changes) return passOn(changes);
     const auto cloud =
         openAny(arguments.files, {.assumeCrs = arguments.assumeCrs, .verbose = arguments.verbose});
     if (!cloud) return passOn(cloud);
@@ -45,11 +48,10 @@ Expected<void> runLook(const LookArguments& arguments) {
 
 void addLook(CLI::App& app, int& exitCode) {
     const auto arguments = std::make_shared<LookArguments>();
-    auto* command = app.add_subcommand("look", "Show or change how a cloud is shown at first");
+    auto* command = app.add_subcommand("look", "Show or change how a cloud looks when it is opened");
     command->footer(
-        "Without --set and --decide it prints the look as JSON, of a scan as it would be decided; "
-        "PROTOCOL.md "
-        "describes it.\n"
+        "Without --set or --decide, prints the look as JSON (of a scan, the one that would be chosen); "
+        "PROTOCOL.md describes it.\n"
         "Examples:\n"
         "  scancast look town.scan > town.json       # then change town.json: a camera, a colour, a method\n"
         "  scancast look town.scan --set town.json   # the file is changed in place, no block is rewritten\n"
@@ -57,8 +59,10 @@ void addLook(CLI::App& app, int& exitCode) {
     addFilesAsOne(*command, arguments->files, arguments->verbose);
     auto* set =
         command->add_option("--set", arguments->set,
-                            "Keep this look in the cloud file: JSON, with what is to change or all of it");
-    command->add_flag("--decide", arguments->decide, "Decide the look anew, and keep it in the cloud file")
+                            "Store this look in the cloud file: JSON, complete or only what should change");
+    command
+        ->add_flag("--decide", arguments->decide,
+                   "Choose the look again automatically, and store it in the cloud file")
         ->excludes(set);
     addAssumeCrs(*command, arguments->assumeCrs);
     command->callback([arguments, &exitCode] {

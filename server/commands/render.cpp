@@ -8,11 +8,13 @@
 #include <nlohmann/json.hpp>
 
 #include "files/output_file.hpp"
+#include "protocol/flags/exit_codes.hpp"
 #include "protocol/flags/view_flags.hpp"
 #include "protocol/text/plain_text.hpp"
 #include "protocol/view/view_words.hpp"
 #include "renderer/image/encode.hpp"
 #include "renderer/look/decide_look.hpp"
+#include "renderer/plan.hpp"
 #include "renderer/render.hpp"
 #include "server/base/byte_size.hpp"
 #include "server/commands/command.hpp"
@@ -93,8 +95,15 @@ void orbitBy(Camera& camera, double degrees) {
     camera.eye = camera.target + glm::dvec3(turn * glm::dvec4(camera.eye - camera.target, 0));
 }
 
+std::string endingOf(const fs::path& file) {
+    std::string ending = file.extension().string();
+    for (char& c : ending)
+        if (c >= 'A' && c <= 'Z') c = char(c - 'A' + 'a');
+    return ending;
+}
+
 bool isJpeg(const fs::path& file) {
-    return file.extension() == ".jpg" || file.extension() == ".jpeg";
+    return endingOf(file) == ".jpg" || endingOf(file) == ".jpeg";
 }
 
 Expected<Bytes> encode(const Frame& frame, const View& view, const fs::path& file) {
@@ -102,9 +111,10 @@ Expected<Bytes> encode(const Frame& frame, const View& view, const fs::path& fil
     return encodePng(frame, view.style.background.kind == Background::Kind::Transparent);
 }
 
-Expected<void> checkArguments(const RenderArguments& arguments) {
+/// All that can be wrong with the command line by itself: reading a scan takes minutes. The words of the view that it has.
+Expected<WordValues> checkArguments(const RenderArguments& arguments) {
     const fs::path output(arguments.output);
-    if (!arguments.output.empty() && !isJpeg(output) && output.extension() != ".png") {
+    if (!arguments.output.empty() && !isJpeg(output) && endingOf(output) != ".png") {
         return fail(ErrorCode::InvalidArgument,
                     "the picture's name must end in .png, .jpg or .jpeg, not '" + arguments.output + "'");
     }
@@ -112,7 +122,17 @@ Expected<void> checkArguments(const RenderArguments& arguments) {
         return fail(ErrorCode::InvalidArgument,
                     "nothing to do: name a picture (-o FILE.png) or ask for --stats json");
     }
-    return {};
+    auto words = arguments.view.words();
+    if (!words) return words;
+    View view;
+    for (const auto& [word, value] : *words)
+        if (word == "method" || word.starts_with("param."))
+            if (auto ok = applyWord(view, word, value); !ok) return passOn(ok);
+    if (auto ok = checkMethod(view.style); !ok) return passOn(ok);
+    if (!arguments.look.empty())
+        if (const auto look = readLookFile(arguments.look); !look) return passOn(look);
+    if (const auto limit = parseGpuMemoryLimit(arguments.gpuMemoryLimit); !limit) return passOn(limit);
+    return words;
 }
 
 /// Errors: those of changedLook(); InvalidArgument for a cloud that has none to change.
@@ -141,10 +161,7 @@ Expected<Frame> renderOrReplace(std::unique_ptr<Device>& device, const Cloud& cl
     return render(*device, cloud, view, arguments.render);
 }
 
-Expected<void> runRender(const RenderArguments& arguments) {
-    if (auto ok = checkArguments(arguments); !ok) return ok;
-    const auto words = arguments.view.words();
-    if (!words) return passOn(words);
+Expected<void> runRender(const RenderArguments& arguments, const WordValues& words) {
     DeviceOptions options = arguments.device;
     options.programFolder = programFolder();
     const auto gpuMemoryLimit = parseGpuMemoryLimit(arguments.gpuMemoryLimit);
@@ -163,7 +180,7 @@ Expected<void> runRender(const RenderArguments& arguments) {
         cloud = withChangedLook(std::move(*cloud), arguments.look);
         if (!cloud) return passOn(cloud);
     }
-    auto view = applyWords(defaultView(**cloud), *words);
+    auto view = applyWords(defaultView(**cloud), words);
     if (!view) return passOn(view);
 
     Timings timings;
@@ -194,15 +211,14 @@ Expected<void> runRender(const RenderArguments& arguments) {
 }  // namespace
 
 void addRender(CLI::App& app, int& exitCode) {
-    auto* command = app.add_subcommand("render", "Draw one picture of a scan, without a server");
+    auto* command = app.add_subcommand("render", "Render one picture of a scan, without a server");
     command->footer(
         "Examples:\n"
         "  scancast render church.las -o church.png\n"
         "  scancast render church.las -o top.jpg --projection orthographic --eye 0,0,100 --target 0,0,0 --up "
         "0,1,0\n"
         "  scancast render church.las -o evening.png --shading phong --light sun=250,20 --light shadow=0.8 "
-        "--light "
-        "occlusion=0.5\n"
+        "--light occlusion=0.5\n"
         "  scancast render 'flight/*.laz' -o flight.jpg\n"
         "  scancast render church.las --repeat 50 --stats json --samples 1 --method point");
     auto arguments = std::make_shared<RenderArguments>();
@@ -212,40 +228,47 @@ void addRender(CLI::App& app, int& exitCode) {
     command->add_option("--backend", arguments->device.backend, "auto, cpu, egl or osmesa")
         ->capture_default_str();
     command->add_option("--egl-device", arguments->device.eglDevice,
-                        "Which GPU, as scancast --list-backends numbers them");
-    command->add_option("--threads", arguments->device.threads, "CPU threads; 0 = all. Changes no pixel")
+                        "Which GPU, as numbered by scancast --list-backends");
+    command
+        ->add_option("--threads", arguments->device.threads,
+                     "CPU threads; 0 = all. Does not change the picture")
         ->check(CLI::Range(0, 1024));
     command->add_flag("--brute-force", arguments->render.bruteForce,
                       "Draw every point of the scan: no level of detail, no culling");
-    command->add_option("--repeat", arguments->repeat, "Draw it N times, reusing nothing, and report medians")
+    command->add_option("--repeat", arguments->repeat, "Render N times, reusing nothing, and report medians")
         ->check(CLI::Range(1, 1000000));
     command->add_option("--orbit", arguments->orbit,
-                        "Turn by this many degrees about the target between repetitions");
+                        "Turn about the target by this many degrees between repetitions");
     command
         ->add_option("--memory-limit", arguments->memoryLimit,
-                     "Memory for a cloud file, like 2G; half of the machine's without it")
+                     "Memory for a cloud file, such as 2G. Default: half of the machine's")
         ->type_name("SIZE");
     command
         ->add_option("--gpu-memory-limit", arguments->gpuMemoryLimit,
-                     "Memory of the GPU for points, like 8G; three quarters of what is free there without it")
+                     "GPU memory for points, such as 8G. Default: three quarters of what is free")
         ->type_name("SIZE");
     command->add_flag("--no-surfels", arguments->noSurfels,
-                      "Read a scan faster: do not estimate normals and radii, which disc, ewa, voronoi and "
-                      "shading=phong need. Cloud files stay as they are");
+                      "Read a scan faster by not estimating the normals and radii that disc, ewa, voronoi "
+                      "and shading=phong need. Cloud files stay as they are");
     addAssumeCrs(*command, arguments->assumeCrs);
-    command->add_option("--stats", arguments->stats, "Print times, as json, on standard output")
+    command->add_option("--stats", arguments->stats, "Print timings on standard output, as JSON")
         ->check(CLI::IsMember({"json"}));
     command
-        ->add_option(
-            "--look", arguments->look,
-            "Show it by this look instead of its own: JSON as scancast look prints it, or what is to "
-            "differ. Flags of the view win")
+        ->add_option("--look", arguments->look,
+                     "Use this look instead of the cloud's own: JSON as scancast look prints it, or only "
+                     "what should differ. View flags take precedence")
         ->type_name("FILE");
     arguments->view.addTo(*command);
     command->callback([arguments, &exitCode] {
-        if (auto done = runRender(*arguments); !done) {
+        const auto words = checkArguments(*arguments);
+        if (!words) {
+            tell("scancast render: {}\n", words.error().message);
+            exitCode = exitUsage;
+            return;
+        }
+        if (auto done = runRender(*arguments, *words); !done) {
             tell("scancast render: {}\n", done.error().message);
-            exitCode = 1;
+            exitCode = exitFailed;
         }
     });
 }

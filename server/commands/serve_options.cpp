@@ -68,14 +68,12 @@ Expected<void> findFiles(ServeOptions& options) {
 
 void addServeFlags(CLI::App& app, ServeOptions& options) {
     app.add_option("FILE", options.files,
-                   "Cloud files (scancast ingest) and scans to serve, folders of them, and patterns such as "
-                   "'flight/*.laz': "
-                   "a cloud for each file")
+                   "What to serve: cloud files (made by scancast ingest), scans, folders of them, or "
+                   "patterns such as 'flight/*.laz'. Each file becomes a cloud")
         ->type_name("");
-    app.add_option(
-           "--live", options.live,
-           "A cloud that changes: frames as point streams, one behind the other, from standard input (-), a "
-           "named pipe or a file; may be repeated")
+    app.add_option("--live", options.live,
+                   "A cloud that changes over time: frames as point streams, one after another, from "
+                   "standard input (-), a named pipe or a file. May be repeated")
         ->type_name("NAME=PATH")
         ->envname("SCANCAST_LIVE")
         ->allow_extra_args(false)
@@ -84,19 +82,20 @@ void addServeFlags(CLI::App& app, ServeOptions& options) {
         return app.add_option(name, value, meaning)->envname(environment)->capture_default_str();
     };
     flag("--host", options.server.host, "SCANCAST_HOST",
-         "Address to listen on; another than this machine's own needs --auth-token-file, or --insecure")
+         "Address to listen on. Anything but a loopback address needs --auth-token-file or --insecure")
         ->type_name("ADDRESS");
-    flag("--port", options.server.port, "SCANCAST_PORT", "Port to listen on; 0 takes a free one")
+    flag("--port", options.server.port, "SCANCAST_PORT", "Port to listen on; 0 picks a free one")
         ->type_name("PORT")
         ->check(CLI::Range(0, 65535));
-    flag("--backend", options.device.backend, "SCANCAST_BACKEND", "What draws: auto, cpu, egl or osmesa")
+    flag("--backend", options.device.backend, "SCANCAST_BACKEND",
+         "What to render with: auto, cpu, egl or osmesa")
         ->type_name("NAME")
         ->check(CLI::IsMember({"auto", "cpu", "egl", "osmesa"}));
     flag("--egl-device", options.device.eglDevice, "SCANCAST_EGL_DEVICE",
-         "Which EGL device, as --list-backends counts; -1 = the best")
+         "Which EGL device, as numbered by scancast --list-backends; -1 = the best")
         ->type_name("N");
     flag("--threads", options.device.threads, "SCANCAST_THREADS",
-         "Threads for drawing and loading; 0 = all cores")
+         "Threads for rendering and loading; 0 = all cores")
         ->type_name("N")
         ->check(CLI::Range(0, 1024));
     flag("--max-pixels", options.server.limits.maxPixels, "SCANCAST_MAX_PIXELS", "Largest picture, in pixels")
@@ -106,66 +105,68 @@ void addServeFlags(CLI::App& app, ServeOptions& options) {
         flag(name, value, environment, meaning)->type_name("MS")->check(CLI::Range(0.0, 1e9));
     };
     cost("--max-picture-cost", options.server.costs.picture, "SCANCAST_MAX_PICTURE_COST",
-         "What one picture may cost, in ms of a core");
+         "The most that one picture may cost, in milliseconds of one core");
     cost("--max-client-cost", options.server.costs.client, "SCANCAST_MAX_CLIENT_COST",
-         "What all pictures may cost that one address waits for; 0 = half of --max-total-cost");
+         "The most that all pictures one address is waiting for may cost together; 0 = half of "
+         "--max-total-cost");
     cost("--max-total-cost", options.server.costs.total, "SCANCAST_MAX_TOTAL_COST",
-         "What all pictures may cost that are waited for; 0 = what this machine's cores do in 25 s");
+         "The most that all pictures being waited for may cost together; 0 = what this machine's cores can "
+         "do in 25 s");
     flag("--rates", options.rates, "SCANCAST_RATES",
-         "JSON file with what methods, passes and encoders cost, in place of the shipped table")
+         "JSON file with the costs of methods, passes and encoders, used instead of the built-in table")
         ->type_name("FILE");
     flag("--max-sessions", options.server.limits.maxSessions, "SCANCAST_MAX_SESSIONS",
-         "Streams at the same time")
+         "The most streams at the same time")
         ->type_name("N")
         ->check(CLI::Range(1, 100000));
     flag("--max-connections", options.maxConnections, "SCANCAST_MAX_CONNECTIONS",
-         "Connections at the same time, those of streams included. When all are taken, the one that has been "
-         "idle longest goes; when none is idle, who comes is answered 503. 0 = --max-sessions and 448 more")
+         "The most connections at the same time, including those of streams. When all are in use, the one "
+         "that has been idle longest is closed; when none is idle, newcomers get a 503. 0 = --max-sessions "
+         "plus 448")
         ->type_name("N")
         ->check(CLI::Range(0, 1000000));
     flag("--max-connections-per-address", options.server.limits.maxConnectionsPerAddress,
          "SCANCAST_MAX_CONNECTIONS_PER_ADDRESS",
-         "Of these, from one address (of IPv6: one network of 64 bits); beyond, 429. 0 = a quarter of all, "
-         "and "
-         "as many as they like from this machine itself")
+         "The most of these from one address (for IPv6, one /64 network); further ones get a 429. 0 = a "
+         "quarter of all, and no limit for this machine itself")
         ->type_name("N")
         ->check(CLI::Range(0, 1000000));
     flag("--memory-limit", options.memoryLimit, "SCANCAST_MEMORY_LIMIT",
-         "Memory for clouds, pictures and clients together, like 2G or 512M; without it half of what the "
-         "machine, or "
-         "this process' control group, has")
+         "Memory for clouds, pictures and clients together, such as 2G or 512M. Default: half of what the "
+         "machine, or this process's control group, has")
         ->type_name("SIZE");
     flag("--transient-limit", options.transientLimit, "SCANCAST_TRANSIENT_LIMIT",
-         "The part of --memory-limit that pictures, and what clients have not read, may take, like 256M; "
-         "without it "
-         "three eighths, and 2G at most. Clouds have the rest")
+         "The part of --memory-limit for pictures and for data that clients have not read yet, such as 256M. "
+         "Default: three eighths of it, at most 2G. Clouds get the rest")
         ->type_name("SIZE");
     flag("--gpu-memory-limit", options.gpuMemoryLimit, "SCANCAST_GPU_MEMORY_LIMIT",
-         "Memory of the GPU for points, like 8G; three quarters of what is free there without it")
+         "GPU memory for points, such as 8G. Default: three quarters of what is free")
         ->type_name("SIZE");
     flag("--cache-dir", options.cacheDir, "SCANCAST_CACHE_DIR",
-         "Folder that keeps scans as cloud files, and compiled GPU programs, so that the next start has "
-         "them at once")
+         "Folder in which to keep scans as cloud files, and compiled GPU programs, so that the next start "
+         "need not wait for them")
         ->type_name("FOLDER");
     flag("--cache-size", options.cacheSize, "SCANCAST_CACHE_SIZE",
-         "What --cache-dir may take, like 20G: cloud files that have not been used for longest make room for "
-         "others; without it a tenth of the disk")
+         "The most space that --cache-dir may take, such as 20G; the least recently used cloud files make "
+         "room for new ones. Default: a tenth of the disk")
         ->type_name("SIZE");
     flag("--max-clouds", options.server.maxClouds, "SCANCAST_MAX_CLOUDS",
-         "Clouds at the same time, live ones included: those of the command line, and those that the "
+         "The most clouds at the same time, live ones included: those on the command line and those that the "
          "administrator adds")
         ->type_name("N")
         ->check(CLI::Range(1, 100000));
     flag("--data-root", options.server.dataRoot, "SCANCAST_DATA_ROOT",
          "Folder whose scans the administrator may add while the server runs (POST /api/v1/clouds)")
         ->type_name("FOLDER");
-    flag("--importers", options.importers, "SCANCAST_IMPORTERS",
-         "How many files are read by importers at the same time; others never wait for these")
+    flag(
+        "--importers", options.importers, "SCANCAST_IMPORTERS",
+        "How many files importers may read at the same time; files that need no importer never wait for them")
         ->type_name("N")
         ->check(CLI::Range(1, 64));
     addImporterFlags(app, options.importer, true);
     app.add_option("--allowed-origin", options.server.allowedOrigins,
-                   "Another website whose pages may use this server; may be repeated")
+                   "Another website whose pages may use this server and show its page in a frame, such as "
+                   "https://viewer.example.org. May be repeated")
         ->type_name("ORIGIN")
         ->envname("SCANCAST_ALLOWED_ORIGIN")
         ->allow_extra_args(false)
@@ -179,39 +180,35 @@ void addServeFlags(CLI::App& app, ServeOptions& options) {
             ->take_all();
     };
     list("--allowed-host", options.server.allowedHosts, "SCANCAST_ALLOWED_HOST",
-         "A further name of this server, as people type it into a browser: scans.example.org. Requests for "
-         "names "
-         "that it does not know are refused. May be repeated, or a list with commas")
+         "Another name of this server, as people type it into a browser: scans.example.org. Requests for any "
+         "other name are refused. May be repeated, or a comma-separated list")
         ->type_name("NAME");
     list("--trusted-proxy", options.trustedProxies, "SCANCAST_TRUSTED_PROXY",
-         "Address of a proxy before this server, or a range like 10.0.0.0/8: of requests from there, "
-         "Forwarded or "
-         "X-Forwarded-For says whom they are counted for. May be repeated, or a list with commas")
+         "Address of a proxy in front of this server, or a range such as 10.0.0.0/8: for requests from "
+         "there, Forwarded or X-Forwarded-For names the client that they count for. May be repeated, or a "
+         "comma-separated list")
         ->type_name("CIDR");
     flag("--admin-listen", options.adminListen, "SCANCAST_ADMIN_LISTEN",
-         "A second address, like 127.0.0.1:9090 or [::1]:9090, for /healthz, /readyz and /metrics alone, in "
-         "the "
-         "clear: whoever watches the server is answered there even when all connections are taken")
+         "A second address, such as 127.0.0.1:9090 or [::1]:9090, for /healthz, /readyz and /metrics only, "
+         "without TLS: monitoring gets an answer there even when all connections are in use")
         ->type_name("HOST:PORT");
     app.add_flag("--no-surfels", options.noSurfels,
-                 "Read scans faster: do not estimate normals and radii, which disc, ewa, voronoi and "
+                 "Read scans faster by not estimating the normals and radii that disc, ewa, voronoi and "
                  "shading=phong need. Cloud files stay as they are")
         ->envname("SCANCAST_NO_SURFELS");
     app.add_flag("--insecure", options.insecure,
-                 "Let everybody who can reach the address in, without a token")
+                 "Let in everybody who can reach the address, without a token")
         ->envname("SCANCAST_INSECURE");
     flag("--auth-token-file", options.authTokenFile, "SCANCAST_AUTH_TOKEN_FILE",
-         "File with the tokens that clients must bring: a line NAME TOKEN for each, as scancast token prints "
-         "it. "
-         "Only its owner may read it (chmod 600)")
+         "File with the tokens that clients must present, one line NAME TOKEN each, as scancast token prints "
+         "it. Nobody but its owner may be able to read it (chmod 600)")
         ->type_name("FILE");
     flag("--admin-token-file", options.adminTokenFile, "SCANCAST_ADMIN_TOKEN_FILE",
-         "File with other tokens, which may do everything that clients may, and administer")
+         "File with the tokens of administrators, who may do everything")
         ->type_name("FILE");
     flag("--guest-key-file", options.guestKeyFile, "SCANCAST_GUEST_KEY_FILE",
-         "File with the keys that sign links for guests (scancast guest-link), as scancast token prints "
-         "them: the first "
-         "signs, all are known. Needs --auth-token-file")
+         "File with the keys that sign guest links (scancast guest-link), as scancast token prints them. The "
+         "first one signs, all are accepted. Needs --auth-token-file")
         ->type_name("FILE");
     flag("--tls-cert", options.server.tls.certificate, "SCANCAST_TLS_CERT",
          "Certificate chain in PEM format, to serve https and wss")
@@ -220,21 +217,21 @@ void addServeFlags(CLI::App& app, ServeOptions& options) {
          "The certificate's private key in PEM format")
         ->type_name("FILE");
     flag("--hsts-seconds", options.server.hstsSeconds, "SCANCAST_HSTS_SECONDS",
-         "With --tls-cert: for how long browsers that were here come back by https alone "
-         "(Strict-Transport-Security); 0 = say nothing of that")
+         "With --tls-cert: how long browsers that have been here insist on https "
+         "(Strict-Transport-Security); 0 = do not send that header")
         ->type_name("S")
         ->check(CLI::Range(0, 10 * 31'536'000));
     flag("--config", options.config, "SCANCAST_CONFIG",
-         "JSON file with names of flags as keys; flags and the environment go before it")
+         "JSON file with flag names as keys. Flags and environment variables take precedence")
         ->type_name("FILE");
     app.add_flag("--check-config", options.checkConfig,
-                 "Check everything that was given, print what holds, and exit");
+                 "Check all settings, print those in effect, and exit");
     flag("--log-level", options.logLevel, "SCANCAST_LOG_LEVEL", "debug, info, warn, error or off")
         ->type_name("LEVEL");
     flag("--request-log", options.requestLog, "SCANCAST_REQUEST_LOG",
-         "A line in the log for each request: on, off, or all, which leaves out nothing that repeats")
+         "Log a line for each request: on, off, or all, which also writes repeated ones in full")
         ->type_name("WHICH");
-    flag("--log-format", options.logFormat, "SCANCAST_LOG_FORMAT", "text, or json for one object a line")
+    flag("--log-format", options.logFormat, "SCANCAST_LOG_FORMAT", "text, or json: one object per line")
         ->type_name("FORMAT");
 }
 

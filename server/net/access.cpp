@@ -40,17 +40,18 @@ Credentials credentialsOf(const HttpRequest& request, Route route) {
 HttpResponse notEnough(Need need, IdentityKind kind, bool adminsExist) {
     const char* why = "This needs the administrator's token.";
     if (kind == IdentityKind::Guest)
-        why = "A guest may look at one cloud, and nothing else.";
+        why = "A guest may look at one cloud and at nothing else.";
     else if (need == Need::Admin && !adminsExist)
-        why = "Nobody administers this server: it was started without --admin-token-file.";
+        why = "This server cannot be administered: it was started without --admin-token-file.";
     return problemResponse(problemOf(403, why));
 }
 
 const char* detailOf(std::optional<LoginFailure> failure) {
-    if (!failure) return "This server asks for an access token: send it as \"Authorization: Bearer TOKEN\".";
+    if (!failure) return "This server needs an access token: send it as \"Authorization: Bearer TOKEN\".";
     if (*failure == LoginFailure::Expired)
-        return "The guest's time is over: that of the link, or that of the pass, which the link renews.";
-    return "The access token is not one of this server's.";
+        return "This guest link has expired, or the pass that it gave; as long as the link is valid, opening "
+               "it again renews the pass.";
+    return "This server does not accept that access token.";
 }
 
 HttpResponse unauthorized(std::optional<LoginFailure> failure) {

@@ -165,7 +165,7 @@ class HttpConnection final : public Connection, public std::enable_shared_from_t
         if (ec == http::error::end_of_stream) return closeGently();
         request_ = {};
         if (ec == http::error::header_limit || ec == http::error::buffer_overflow) {
-            return refuse(431, "The head of the request is longer than this server reads.");
+            return refuse(431, "The headers of the request are longer than this server accepts.");
         }
         if (ec) return dropOrRefuse(ec);
         const auto& head = parser_->get();
@@ -259,7 +259,8 @@ class HttpConnection final : public Connection, public std::enable_shared_from_t
     }
 
     void refuseBody() {
-        refuse(413, fmt::format("The body of a request may have {} bytes.", context_.limits.maxBodyBytes));
+        refuse(413,
+               fmt::format("The body of a request may have at most {} bytes.", context_.limits.maxBodyBytes));
     }
 
     // The answer may come from the scheduler's threads; it is written on the strand. Where asking fails
@@ -313,7 +314,9 @@ class HttpConnection final : public Connection, public std::enable_shared_from_t
 
     void refuse(HttpResponse response) {
         RequestIds ids = std::move(request_.ids);
+        std::string accept = request_.header("accept");  // whether a person or a program reads the refusal
         request_ = {};
+        if (!accept.empty()) request_.headers.emplace_back("accept", std::move(accept));
         request_.ids = ids.request.empty() ? RequestIds::of({}, {}) : std::move(ids);
         if (!inHand_) beginRecord();
         keepAlive_ = false;

@@ -33,8 +33,12 @@ std::string headText(const HttpResponse& response) {
 
 std::string partHead(const FrameHeader& header) {
     return fmt::format(
-        "Content-Type: image/jpeg\r\nContent-Length: {}\r\nScancast-Frame: {}\r\nScancast-Seq: {}\r\n"
-        "Scancast-Kind: {}\r\n{}\r\n",
+        "Content-Type: image/jpeg\r\n"
+        "Content-Length: {}\r\n"
+        "Scancast-Frame: {}\r\n"
+        "Scancast-Seq: {}\r\n"
+        "Scancast-Kind: {}\r\n"
+        "{}\r\n",
         header.pictureLength, header.frameId, header.seq,
         header.final   ? "final"
         : header.still ? "still"
@@ -117,7 +121,7 @@ class MjpegConnection final : public SessionHost {
         options.window = 1;
         options.endsWithLeader = true;
         if (context_.scheduler.draining())
-            return refuse(problemOf(503, "The server is shutting down; try another one, or later."));
+            return refuse(problemOf(503, "The server is shutting down; try again later."));
         if (!openSession(ClientKind::Mjpeg, std::move(options)))
             return refuse(problemOf(503, "All sessions are taken; try again later."));
         if (session()->closed()) return;  // its token was withdrawn at this very moment
@@ -131,7 +135,7 @@ class MjpegConnection final : public SessionHost {
         setUpSocket();
         keepTime();
         read();
-        writeHead();
+        writeHead(*asked);
     }
 
     void setUpSocket() {
@@ -148,12 +152,13 @@ class MjpegConnection final : public SessionHost {
         set(IPPROTO_TCP, TCP_KEEPCNT, 2);
     }
 
-    void writeHead() {
+    void writeHead(const MjpegRequest& asked) {
         HttpResponse response;
         response.set("Content-Type", std::string(mjpegMediaType))
             .set("Cache-Control", "no-store")
             .set("Scancast-Session", sessionId())
             .set("X-Accel-Buffering", "no");
+        sayMethod(response, asked);
         context_.api.complete(request_, pattern(routed_.route), response);
         text_ = headText(response) + "\r\n--scancast\r\n";
         write(asio::buffer(text_), std::nullopt);

@@ -121,8 +121,9 @@ Expected<void> checkHost(const std::vector<std::string>& hostHeaders, const Orig
         const auto origin = parseOrigin(allowed);
         if (origin && origin->authority.host == host->host) return {};
     }
-    return fail(ErrorCode::Unsupported, "This server does not answer to the name " + quoteText(host->host) +
-                                            "; --allowed-host NAME would make it.");
+    return fail(ErrorCode::Unsupported,
+                "This server does not answer to the name " + quoteText(host->host) +
+                    ". To allow that name, start the server with --allowed-host NAME.");
 }
 
 bool isAllowedOrigin(std::string_view origin, const OriginRules& rules) {
@@ -137,9 +138,9 @@ bool isAllowedOrigin(std::string_view origin, const OriginRules& rules) {
 Expected<void> checkOrigin(const std::vector<std::string>& originHeaders, std::string_view host,
                            const OriginRules& rules) {
     if (originHeaders.empty()) return {};
-    const auto refused =
-        fail(ErrorCode::Unsupported, "Pages of " + quoteText(originHeaders.front()) +
-                                         " may not use this server; --allowed-origin would let them.");
+    const auto refused = fail(ErrorCode::Unsupported,
+                              "Pages of " + quoteText(originHeaders.front()) +
+                                  " may not use this server, unless it is started with --allowed-origin.");
     if (originHeaders.size() != 1) return refused;
     if (isAllowedOrigin(originHeaders.front(), rules)) return {};
     const auto origin = parseOrigin(originHeaders.front());
@@ -149,6 +150,17 @@ Expected<void> checkOrigin(const std::vector<std::string>& originHeaders, std::s
     const std::string ownPort = own->port.empty() ? (origin->scheme == "https" ? "443" : "80") : own->port;
     if (origin->effectivePort() != ownPort) return refused;
     return {};
+}
+
+std::string frameAncestors(const OriginRules& rules) {
+    std::string list = "'self'";
+    for (const std::string& allowed : rules.allowedOrigins) {
+        const auto origin = parseOrigin(allowed);
+        if (!origin || origin->authority.host.find(':') != std::string::npos) continue;
+        list += " " + origin->scheme + "://" + origin->authority.host;
+        if (!origin->authority.port.empty()) list += ":" + origin->authority.port;
+    }
+    return list;
 }
 
 Expected<void> checkAllowedOrigin(std::string_view origin) {

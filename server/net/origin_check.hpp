@@ -33,6 +33,10 @@ Expected<void> checkOrigin(const std::vector<std::string>& originHeaders, std::s
 /// Whether `origin` is one of the allowed ones, so that the answer may say so (Access-Control-Allow-Origin).
 bool isAllowedOrigin(std::string_view origin, const OriginRules& rules);
 
+/// Who may show the page in a frame, as `frame-ancestors` of a Content-Security-Policy lists them: pages of the server
+/// itself and of allowed origins. Those whose host is an address of version 6 are left out: a policy cannot name them.
+std::string frameAncestors(const OriginRules& rules);
+
 /// For the command line: InvalidArgument unless it is SCHEME://HOST[:PORT] with http or https.
 Expected<void> checkAllowedOrigin(std::string_view origin);
 /// The same of a name of this server: one name or address, without scheme or port; no pattern.

@@ -68,7 +68,7 @@ std::string refusalText(const HttpResponse& response) {
 }  // namespace
 
 HttpResponse refusalResponse(ConnectionRefusal why, const ConnectionLimits& limits) {
-    Problem problem = problemOf(503, "The server is shutting down; try another one, or later.");
+    Problem problem = problemOf(503, "The server is shutting down; try again later.");
     if (why == ConnectionRefusal::Full) {
         problem = problemOf(503, fmt::format("All {} connections of this server are in use. Try again in a "
                                              "moment; --max-connections allows more.",

@@ -4,11 +4,11 @@
 import assert from 'node:assert/strict';
 import { after, afterEach, before, beforeEach, describe, it } from 'node:test';
 
-import { differing, drag, openPage, pixels, seriousComplaints, startBrowser, waitUntilSharp } from './support/browser.mjs';
+import { choose, chosen, differing, drag, openPage, pixels, seriousComplaints, startBrowser, waitUntilSharp } from './support/browser.mjs';
 import { blockJpeg } from './support/block_jpeg.mjs';
 import { clouds, FakeServer } from './support/fake_server.mjs';
 
-describe('the page, when things go wrong', { timeout: 120_000 }, () => {
+describe('the page, when things go wrong', { timeout: 280_000 }, () => {
   let browser, server, page;
 
   before(async () => { browser = await startBrowser(); });
@@ -32,6 +32,18 @@ describe('the page, when things go wrong', { timeout: 120_000 }, () => {
       return !cover.hidden && cover.textContent.includes(wanted);
     }, text, { timeout: 8000 });
   const session = () => [...server.sessions][0];
+  const waitFor = (condition, what) => page.waitForFunction(condition, what, { timeout: 8000 });
+  /** The address says the view there is: it is written once that has been still for a moment. */
+  const addressSays = (text) => waitFor((wanted) => decodeURIComponent(location.hash).includes(wanted), text);
+  /** Does it, and resolves to the picture that is there once it is sharp. */
+  const afterwards = async (act) => {
+    const asked = await page.getAttribute('#picture', 'data-asked');
+    await act();
+    await waitFor((before) => document.getElementById('picture').dataset.asked !== before, asked);
+    await waitUntilSharp(page);
+    return pixels(page);
+  };
+  const toastSays = (text) => waitFor((wanted) => !document.getElementById('toast').hidden && document.getElementById('toast').textContent.includes(wanted), text);
   const shownFrame = () => page.getAttribute('#picture', 'data-frame').then(Number);
 
   it('shows progress while a cloud loads, and the cloud when it is there', async () => {
@@ -39,7 +51,7 @@ describe('the page, when things go wrong', { timeout: 120_000 }, () => {
     server.pending = [{ id: 'ring', title: 'ring.las', state: 'loading', stage: 'sorting points', progress: 0.4 }];
     await open();
     await coverSays('Loading ring.las');
-    assert.match(await page.textContent('#cover-detail'), /Sorting points/);
+    assert.equal(await page.textContent('#cover-detail'), 'Sorting points · 40 %');
     assert.equal(await page.evaluate(() => document.getElementById('cover-progress').value), 0.4);
     server.clouds = clouds;
     server.pending = [];
@@ -51,7 +63,7 @@ describe('the page, when things go wrong', { timeout: 120_000 }, () => {
     server.damaged = true;
     await open();
     await waitUntilSharp(page);
-    assert.equal(await page.textContent('#damage'), 'Parts of this cloud cannot be read; coarser points are shown in their place.');
+    assert.equal(await page.textContent('#damage'), 'Parts of this point cloud cannot be read; coarser points are shown in their place.');
     assert.ok(await page.isVisible('#damage'));
     server.damaged = false;
     await drag(page, [300, 300], [420, 380]);
@@ -63,11 +75,11 @@ describe('the page, when things go wrong', { timeout: 120_000 }, () => {
   it("takes a guest's link out of the address, looks by it, and says when it is over", async () => {
     server.token = 'the.pass';
     server.guestLink = 'scg1.the.link';
-    await open('#guest=scg1.the.link&method=ewa');
+    await open('#guest=scg1.the.link&method=point');
     await waitUntilSharp(page);
-    assert.equal(new URL(page.url()).hash, '#method=ewa');
+    assert.match(new URL(page.url()).hash, /^#(cloud=ring&.*)?method=point/);
     assert.ok(!(await page.evaluate(() => JSON.stringify(history.state) + document.documentElement.outerHTML)).includes('scg1'));
-    assert.ok(server.received.some((message) => message.type === 'view' && message.method === 'ewa'), 'the rest is a view');
+    assert.ok(server.received.some((message) => message.type === 'view' && message.method === 'point'), 'the rest is a view');
     await page.reload();
     await waitUntilSharp(page);
     const exchanges = () => server.received.filter((message) => message.type === 'guest-session').length;
@@ -80,7 +92,7 @@ describe('the page, when things go wrong', { timeout: 120_000 }, () => {
     assert.equal(exchanges(), 3);
     server.guestLink = 'none';
     session().socket.destroy();
-    await coverSays('This link is not good any more');
+    await coverSays('This link is no longer valid');
     await page.fill('#token', server.token);
     await page.keyboard.press('Enter');
     await waitUntilSharp(page);
@@ -103,13 +115,18 @@ describe('the page, when things go wrong', { timeout: 120_000 }, () => {
   it('asks for a token, says when it is wrong, and takes it along everywhere but in addresses', async () => {
     server.token = 'a+token/with=signs?';
     await open();
-    await coverSays('Whoever runs this server has it');
+    await coverSays('You need an access token');
+    assert.equal(await page.textContent('#cover-title'), `127.0.0.1:${server.port}`, 'whose entrance it is');
     await page.fill('#token', 'a wrong one');
     await page.keyboard.press('Enter');
-    await coverSays('That was not it');
+    await coverSays('That token was not accepted. Ask whoever runs this server.');
+    await page.click('#token-reveal');
+    assert.equal(await page.getAttribute('#token', 'type'), 'text');
     await page.fill('#token', server.token);
     await page.keyboard.press('Enter');
     await waitUntilSharp(page);
+    assert.equal(await page.getAttribute('#token', 'type'), 'password');
+    assert.equal(await page.evaluate(() => localStorage.length), 0, 'for this tab only');
     assert.ok(!(await page.isVisible('#cover')));
     assert.ok(!page.url().includes('token'));
     await page.reload();
@@ -117,6 +134,20 @@ describe('the page, when things go wrong', { timeout: 120_000 }, () => {
     await page.click('#save-picture');
     await page.waitForFunction(() => document.getElementById('toast').textContent.includes('draws no snapshots'));
     page.complaints = page.complaints.filter((text) => !text.includes('503'));
+    // Forgotten, and remembered on the device: another tab is let in, too.
+    await page.click('#forget-token');
+    await coverSays('You need an access token');
+    await page.fill('#token', server.token);
+    await page.check('#token-remember');
+    await page.click('#token-open');
+    await waitUntilSharp(page);
+    const tab = await page.context().newPage();
+    await tab.goto(page.url());
+    await waitUntilSharp(tab);
+    await tab.close();
+    await page.click('#forget-token');
+    await coverSays('You need an access token');
+    assert.equal(await page.evaluate(() => localStorage.length + sessionStorage.length), 0);
   });
 
   it('offers a cloud that finishes later, without a reload', async () => {
@@ -124,21 +155,226 @@ describe('the page, when things go wrong', { timeout: 120_000 }, () => {
     server.pending = [{ id: 'helix', title: 'Helix', state: 'loading' }];
     await open();
     await waitUntilSharp(page);
-    assert.ok(await page.evaluate(() => document.querySelector('#cloud option[value=helix]').disabled));
+    assert.equal(await page.textContent('#cloud option[value=helix]'), 'Helix (loading…)');
+    await page.selectOption('#cloud', 'helix'); // who cannot wait is told how far it is, and what else there is
+    await coverSays('Loading Helix');
+    assert.deepEqual(await page.$$eval('#cover-list button', (nodes) => nodes.map((node) => node.textContent)), ['A ring of stones']);
+    await addressSays('#cloud=helix');
     server.clouds = clouds;
     server.pending = [];
-    await page.waitForFunction(() => !document.querySelector('#cloud option[value=helix]').disabled, undefined, { timeout: 8000 });
-    await page.selectOption('#cloud', 'helix');
+    await waitFor(() => document.querySelector('h1').textContent === 'Helix');
     await waitUntilSharp(page);
-    assert.equal(await page.textContent('h1'), 'Helix');
+    await addressSays('#cloud=helix&eye=');
   });
 
   it('says what to do when there is no cloud, and which file was no cloud', async () => {
     server.clouds = [];
     await open();
     await coverSays('scancast serve');
-    server.pending = [{ id: 'x', title: 'broken.las', state: 'failed' }];
-    await coverSays('broken.las');
+    server.pending = [{ id: 'x', title: 'broken.las', state: 'failed', error: 'It ends in the middle of point 7' }];
+    await coverSays('broken.las could not be loaded');
+    assert.equal(await page.textContent('#cover-detail'), 'It ends in the middle of point 7.');
+    server.pending.push({ id: 'y', title: 'empty.las', state: 'failed', error: 'It has no points.' });
+    await coverSays('Nothing could be loaded');
+    assert.equal(await page.textContent('#cover-reasons'), 'broken.lasIt ends in the middle of point 7.empty.lasIt has no points.');
+  });
+
+  it('keeps the view in the address: reload, back, forward and undo show it again, to the pixel', async () => {
+    await open();
+    await waitUntilSharp(page);
+    await addressSays('#cloud=ring&eye=');
+    const same = async (picture, what) => assert.equal(differing(picture, await pixels(page), 0), 0, what);
+    const dragged = await afterwards(() => drag(page, [300, 300], [420, 380]));
+    const elevated = await afterwards(() => choose(page, '#color', 'elevation'));
+    await addressSays('color=elevation');
+    await page.reload();
+    await waitUntilSharp(page);
+    await same(elevated, 'after a reload');
+    assert.equal(await chosen(page, '#color'), 'elevation');
+    const top = await afterwards(() => page.click('[data-view=top]'));
+    await addressSays('up=0,1,0');
+    const helix = await afterwards(() => page.selectOption('#cloud', 'helix'));
+    await addressSays('#cloud=helix');
+    await afterwards(() => page.goBack());
+    await same(top, 'back to the other cloud');
+    assert.equal(await page.textContent('h1'), 'A ring of stones');
+    await afterwards(() => page.goBack());
+    await waitUntilSharp(page);
+    await addressSays('#cloud=ring&eye=');
+    await waitUntilSharp(page);
+    await same(elevated, 'back before the jump');
+    await page.evaluate(() => history.go(2));
+    await waitFor(() => document.querySelector('h1').textContent === 'Helix');
+    await waitUntilSharp(page);
+    await same(helix, 'forward');
+    // Undo knows every view that was looked at for a moment, jump or not.
+    await waitFor(() => !document.getElementById('undo').disabled);
+    await afterwards(() => choose(page, '#appearance', 'raw'));
+    await addressSays('method=point');
+    await page.keyboard.press('Control+z'); // a choice has the focus
+    await waitFor(() => document.querySelector('#method input:checked').value === 'paraboloid');
+    await waitUntilSharp(page);
+    await same(helix, 'undone');
+    await afterwards(() => page.click('#redo'));
+    assert.equal(await chosen(page, '#method'), 'point');
+    await waitFor(() => document.getElementById('redo').disabled);
+    assert.ok(dragged.length > 0);
+  });
+
+  it('understands every word of a link, and keeps it', async () => {
+    await open('#cloud=ring&exposure=0.5&clip=-5,-5,-5,5,5,5&classes=2&light.sun=135,40&samples=2&up=0.3,0,1&eye=9,-14,8&target=0,0,0&near=1');
+    await waitUntilSharp(page);
+    const sent = server.received.find((message) => message.type === 'view');
+    assert.deepEqual([sent.exposure, sent.classes, sent.samples, sent.light.sun, sent.camera.up, sent.camera.near, sent.clip],
+      [0.5, [2], 2, [135, 40], [0.3, 0, 1], 1, { min: [-5, -5, -5], max: [5, 5, 5] }]);
+    await addressSays('exposure=0.5');
+    const { hash } = new URL(page.url());
+    for (const word of ['clip=-5,-5,-5,5,5,5', 'classes=2', 'light.sun=135,40', 'samples=2', 'up=0.3,0,1', 'eye=9,-14,8', 'near=1'])
+      assert.ok(hash.includes(word), `${word} is not in ${hash}`);
+    await afterwards(() => drag(page, [300, 300], [330, 310]));
+    await waitFor((before) => location.hash !== before, hash);
+    assert.match(new URL(page.url()).hash, /clip=-5,-5,-5,5,5,5.*samples=2/, 'the hand changes the camera only');
+  });
+
+  it('a cloud that could not be loaded says why, can be tried again, and is no dead end', async () => {
+    server.clouds = [clouds[1]];
+    server.pending = [{ id: 'ring', title: 'ring.laz', state: 'failed', error: 'The file is cut off' }];
+    await open('#cloud=ring&method=point');
+    await coverSays('ring.laz could not be loaded');
+    await coverSays('The file is cut off.');
+    assert.equal(server.sessions.size, 0, 'no other cloud is shown');
+    await page.click('#cover-list [data-cloud=helix]');
+    await waitUntilSharp(page);
+    assert.equal(await page.textContent('h1'), 'Helix');
+    await page.selectOption('#cloud', 'ring');
+    await coverSays('The file is cut off.');
+    await page.goBack();
+    await waitFor(() => document.getElementById('cover').hidden);
+    await waitUntilSharp(page);
+    assert.equal(await page.inputValue('#cloud'), 'helix');
+    await page.goForward();
+    await coverSays('ring.laz could not be loaded');
+    server.clouds = clouds;
+    server.pending = [];
+    await page.click('#cover-retry');
+    await waitFor(() => document.querySelector('h1').textContent === 'A ring of stones');
+    await waitUntilSharp(page);
+  });
+
+  it('a cloud that vanishes is missed: no other takes its place, and it comes back by itself', async () => {
+    await open();
+    await waitUntilSharp(page);
+    const dragged = await afterwards(() => drag(page, [300, 300], [420, 380]));
+    server.remove('ring');
+    await coverSays('A ring of stones is no longer here');
+    assert.deepEqual(await page.$$eval('#cover-list button', (nodes) => nodes.map((node) => node.textContent)), ['Helix']);
+    assert.ok(!(await page.isVisible('#toast')), 'said once');
+    server.clouds = clouds;
+    await page.click('#cover-retry');
+    await waitFor(() => document.getElementById('cover').hidden);
+    await waitUntilSharp(page);
+    assert.equal(differing(dragged, await pixels(page), 0), 0, 'the view there was');
+  });
+
+  it('a link to a cloud that is not there says so', async () => {
+    await open('#cloud=statue');
+    await coverSays('There is no point cloud named “statue”');
+    assert.equal(server.sessions.size, 0);
+    assert.equal(new URL(page.url()).hash, '#cloud=statue');
+    await page.click('#cover-list [data-cloud=helix]');
+    await waitUntilSharp(page);
+    await addressSays('#cloud=helix&eye=');
+    await page.evaluate(() => { location.hash = '#cloud=statue'; });
+    await coverSays('There is no point cloud named “statue”');
+  });
+
+  it('marks a picture of a part as coarse, and renews everything when the cloud is complete', async () => {
+    const { attributes, ...rest } = clouds[0];
+    server.clouds = [{ ...rest, attributes: [], points: 1000, revision: 'part', state: 'loading', stage: 'building', progress: 0.5 }];
+    await open();
+    await waitUntilSharp(page);
+    assert.equal(await page.textContent('#loading-title'), 'Coarse: still loading, 60 %');
+    assert.match(await page.textContent('#loading-detail'), /^Building the levels of detail/);
+    assert.match(await page.textContent('#cloud-facts'), /1,000 points so far/);
+    const rgb = () => page.$$eval('#color input[value=rgb]', (nodes) => nodes.length);
+    assert.equal(await rgb(), 0);
+    server.clouds = [{ ...clouds[0], attributes }];
+    await waitFor(() => document.getElementById('loading').hidden);
+    assert.match(await page.textContent('#cloud-facts'), /1.2 million points/);
+    assert.equal(await rgb(), 1);
+    await waitUntilSharp(page);
+  });
+
+  it('shows the figures of the frame on screen, or none', async () => {
+    await open();
+    await waitUntilSharp(page);
+    const brief = (text) => waitFor((wanted) => document.getElementById('hud-brief').textContent === wanted, text);
+    await brief('812,345 samples');
+    server.statsOf = 'no frame';
+    await afterwards(() => drag(page, [300, 300], [420, 380]));
+    await brief('960 × 600');
+    session().sendStats(session().frameId - 1);
+    session().sendStats(session().frameId + 7);
+    await page.click('#hud summary');
+    await waitFor(() => document.getElementById('hud-figures').textContent.includes('960 × 600'));
+    assert.ok(!(await page.textContent('#hud-figures')).includes('Samples'), 'of another frame');
+    session().sendStats(session().frameId);
+    await brief('812,345 samples');
+    await waitFor(() => document.getElementById('hud-figures').textContent.includes('Samples'));
+  });
+
+  it('says which method the automatic one is, and why', async () => {
+    await open('#method=auto');
+    await waitUntilSharp(page);
+    await waitFor(() => document.getElementById('method-chosen').textContent !== '');
+    assert.equal(await page.textContent('#method-chosen'), 'Chosen for this scan: Paraboloids. Coloured points: they close the gaps.');
+    assert.equal(await page.textContent('#method-name'), 'Automatic (Paraboloids)');
+    await choose(page, '#appearance', 'raw');
+    await waitFor(() => document.getElementById('method-chosen').textContent === '');
+    assert.equal(await page.textContent('#method-name'), 'Points');
+    assert.equal(await page.textContent('#method .choice:has([value=auto]) .name'), 'Automatic');
+  });
+
+  it('fields say why they refuse a value, and go back to the one that holds', async () => {
+    await open('#method=paraboloid&color=elevation');
+    await waitUntilSharp(page);
+    await page.click('#tuning summary');
+    const refusal = (selector) => page.$eval(selector, (input) =>
+      [input.getAttribute('aria-invalid'), document.getElementById(input.getAttribute('aria-describedby'))?.textContent ?? '']);
+    server.received.length = 0;
+    await page.fill('#parameter-sizePx', '999');
+    await page.press('#parameter-sizePx', 'Enter');
+    assert.deepEqual(await refusal('#parameter-sizePx'), ['true', 'At most 256 px.']);
+    await page.press('#parameter-sizePx', 'Escape');
+    assert.deepEqual([await page.inputValue('#parameter-sizePx'), ...(await refusal('#parameter-sizePx'))], ['0', null, '']);
+    await page.fill('#range-low', '5');
+    assert.deepEqual(await refusal('#range-low'), ['true', 'The minimum must be less than the maximum.']);
+    await page.press('#range-low', 'Tab'); // to the high end, which is to be changed, too
+    assert.equal(await page.inputValue('#range-low'), '5');
+    assert.ok(!server.received.some(({ type }) => type === 'view'), 'nothing of this was asked for');
+    await page.fill('#range-high', '9');
+    await page.press('#range-high', 'Enter');
+    await addressSays('range=5,9');
+    assert.deepEqual(await refusal('#range-low'), [null, '']);
+    await page.fill('#range-high', '1');
+    await page.focus('#cloud');
+    assert.equal(await page.inputValue('#range-high'), '9');
+    // What only the server can refuse.
+    await page.fill('#parameter-scale', '66');
+    await page.press('#parameter-scale', 'Enter');
+    await toastSays('not today');
+    assert.deepEqual(await refusal('#parameter-scale'), ['true', 'The server did not accept this value.']);
+    await page.focus('#cloud');
+    assert.equal(await page.inputValue('#parameter-scale'), '1');
+  });
+
+  it('closes the panel when the window becomes small, and opens it again', async () => {
+    await open();
+    await waitUntilSharp(page);
+    await page.setViewportSize({ width: 480, height: 700 });
+    await waitFor(() => document.body.classList.contains('panel-closed'));
+    await page.setViewportSize({ width: 1280, height: 600 });
+    await waitFor(() => !document.body.classList.contains('panel-closed'));
   });
 
   it('never draws a frame that is older than the one on screen', async () => {
@@ -157,6 +393,20 @@ describe('the page, when things go wrong', { timeout: 120_000 }, () => {
     assert.ok(differing(before, await pixels(page)) > 0.9);
   });
 
+  it('a server that knows nothing of depth is asked without it, and the hand takes hold of a plane', async () => {
+    server.knowsDepth = false;
+    await open();
+    await waitUntilSharp(page);
+    const hellos = server.received.filter((message) => message.type === 'hello');
+    assert.deepEqual(hellos.map(({ depth }) => depth), [true, undefined]);
+    assert.equal(hellos[1].width, hellos[0].width);
+    server.received.length = 0;
+    await drag(page, [300, 300], [420, 380], 'right');
+    await page.mouse.wheel(0, -300);
+    await waitUntilSharp(page);
+    assert.ok(server.received.some(({ camera }) => camera), 'nothing moves');
+  });
+
   it('a slow server gets the latest request, and the page acknowledges what it has drawn', async () => {
     server.frameDelay = 250;
     await open();
@@ -165,7 +415,7 @@ describe('the page, when things go wrong', { timeout: 120_000 }, () => {
     await drag(page, [300, 300], [420, 380]);
     await waitUntilSharp(page);
     const views = server.received.filter((message) => message.type === 'view');
-    assert.ok(views.length >= 1 && views.length <= 12, `${views.length} views for 8 steps of the mouse`);
+    assert.ok(views.length >= 1 && views.length <= 16, `${views.length} views for 8 steps of the mouse`);
     assert.ok(views.every((view, i) => i === 0 || view.seq === views[i - 1].seq + 1));
     assert.equal(await page.getAttribute('#picture', 'data-shown'), String(views.at(-1).seq));
     const lastAck = server.received.filter((message) => message.type === 'ack').at(-1);
@@ -189,6 +439,7 @@ describe('the page, when things go wrong', { timeout: 120_000 }, () => {
         send('pointermove', 100 + i);
         if (i % 30 === 0) await new Promise((done) => { setTimeout(done, 20); });
       }
+      await new Promise((done) => { setTimeout(done, 80); }); // at rest, nothing glides on
       send('pointerup', 400);
       return count;
     });
@@ -240,22 +491,28 @@ describe('the page, when things go wrong', { timeout: 120_000 }, () => {
   it('a hostile link does nothing but show the usual view', async () => {
     await open('#cloud=%22%3E%3Cimg%20src=x%20onerror=alert(1)%3E&method=%3Cb%3E&eye=NaN,1,2&param.x=<script>');
     await waitUntilSharp(page);
-    assert.equal(await page.inputValue('#method'), 'paraboloid');
+    assert.equal(await chosen(page, '#method'), 'paraboloid');
     assert.equal(await page.textContent('h1'), 'A ring of stones');
   });
 
   it('greys out what a cloud cannot be shown with, and says why', async () => {
     await open();
     await waitUntilSharp(page);
-    const option = (selector) => page.$eval(selector, (node) => [node.disabled, node.textContent]);
-    assert.deepEqual(await option('#method option[value=surfel]'), [true, 'Surfels (needs normal)']);
-    assert.deepEqual(await option('#color option[value=intensity]'), [true, 'Intensity (not in this cloud)']);
-    assert.deepEqual(await option('#color option[value=visibility]'), [true, 'Hidden points (reconstructed surface only)']);
-    const colors = () => page.$$eval('#color option', (nodes) => nodes.map((node) => node.textContent));
+    assert.equal(await page.isDisabled('#method input[value=surfel]'), true);
+    assert.match(await page.textContent('#method .choice:has([value=surfel])'), /needs normals/);
+    const colors = () => page.$$eval('#color .name', (nodes) => nodes.map((node) => node.textContent));
     assert.equal((await colors())[0], 'Automatic');
-    assert.ok(!(await colors()).some((label) => label.includes('×')), 'no products without intensity');
+    assert.ok(!(await colors()).includes('Intensity'));
+    assert.match(await page.textContent('#color-note'), /Not in this scan: .*Intensity/);
+    assert.match(await page.textContent('#color-note'), /Hidden points are shown by the method “Reconstructed surface” only/);
+    await choose(page, '#color', 'elevation');
+    assert.ok(!(await page.isVisible('#by-intensity')), 'no shading by an intensity that is not there');
     await page.selectOption('#cloud', 'helix');
-    assert.equal((await colors())[1], 'Height × Intensity');
+    assert.ok((await colors()).includes('Intensity'));
+    await choose(page, '#color', 'elevation');
+    await page.check('#by-intensity');
+    await waitUntilSharp(page);
+    assert.equal(server.received.filter((message) => message.color).at(-1).color, 'elevation*intensity');
   });
 
   it('opens well-named controls: every one of them has a label', async () => {
@@ -263,7 +520,7 @@ describe('the page, when things go wrong', { timeout: 120_000 }, () => {
     await waitUntilSharp(page);
     const nameless = await page.evaluate(() =>
       [...document.querySelectorAll('button, input, select, summary, canvas')]
-        .filter((node) => !(node.labels?.length || node.getAttribute('aria-label') || node.textContent.trim() || node.title))
+        .filter((node) => !node.closest('[hidden], [aria-hidden=true]') && !(node.labels?.length || node.getAttribute('aria-label') || node.textContent.trim() || node.title))
         .map((node) => node.outerHTML));
     assert.deepEqual(nameless, []);
   });

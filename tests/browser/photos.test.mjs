@@ -217,14 +217,14 @@ describe('the viewer of photos', { timeout: 120_000 }, () => {
     await shows('North');
     assert.ok(!(await page.isVisible('#photo-retry')));
     await page.keyboard.press('ArrowLeft');
-    await says('The browser does not understand');
+    await says('The browser cannot read');
     await page.keyboard.press('ArrowRight');
     await shows('North');
     await page.keyboard.press('Escape');
     page.complaints = page.complaints.filter((text) => !text.includes('500'));
     await server.stop();
     await page.evaluate(() => document.getElementById('show-photos').click());
-    await says('the server does not answer');
+    await says('the server is not responding');
     await server.start(server.port);
   });
 

@@ -11,6 +11,8 @@
 #include "server/net/log/request_ids.hpp"
 #include "server/net/log/shown_target.hpp"
 #include "server/net/origin_check.hpp"
+#include "server/net/page/error_page.hpp"
+#include "server/net/page/page.hpp"
 
 namespace {
 
@@ -84,6 +86,13 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     require(!matchesAny(text, "\"0123456789abcdef\"") || text.find("0123456789abcdef") != std::string::npos ||
             text.find('*') != std::string::npos);
     accepts(text, "image/jpeg");
+    // Who names no HTML reads JSON; and nothing that anybody writes is markup in the page that he gets.
+    require(!prefersPage(text) || lower(text).find("text/") != std::string::npos);
+    require(htmlText(text).find_first_of("<>\"'") == std::string::npos);
+    if (preferredCoding(text) != ContentCoding::Identity)
+        require(lower(text).find("gzip") != std::string::npos ||
+                lower(text).find("br") != std::string::npos || text.find('*') != std::string::npos);
+    if (const auto file = findAsset(text)) require(file->file != nullptr && text.front() == '/');
     // Ids and what is shown of a target go into a line of the log, and ids into a header, too: none begins another
     // line, and no session's key and no word that nobody knows gets there.
     const RequestIds ids = RequestIds::of(text, text);

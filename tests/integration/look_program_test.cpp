@@ -56,6 +56,29 @@ TEST_F(LookProgram, IsTheSameOfTheScanAndOfItsCloudFile) {
     EXPECT_EQ(parseJson(info).value()["files"][0]["look"], toJson(ofFile));
 }
 
+TEST_F(LookProgram, TitleAttributionAndDateAreKeptAndChangedInPlace) {
+    ingest({"--title", "A ball", "--attribution", "Balls Ltd, CC BY 4.0", "--recorded", "2024-05"});
+    const std::string before = rendered("ball.scan");
+    std::string out;
+    ASSERT_EQ(run({"scancast", "label", file("ball.scan")}, &out), 0) << lastError;
+    EXPECT_EQ(out, "title        A ball\nattribution  Balls Ltd, CC BY 4.0\nrecorded     2024-05\n");
+    ASSERT_EQ(run({"scancast", "label", file("ball.scan"), "--title", "B", "--recorded", ""}, &out), 0) << lastError;
+    EXPECT_EQ(out, "title        B\nattribution  Balls Ltd, CC BY 4.0\nrecorded     (not known)\n");
+    ASSERT_EQ(run({"scancast", "info", "--json", file("ball.scan")}, &out), 0) << lastError;
+    const json info = parseJson(out).value()["files"][0];
+    EXPECT_EQ(info["attribution"], "Balls Ltd, CC BY 4.0");
+    EXPECT_FALSE(info.contains("recorded"));
+    EXPECT_EQ(rendered("ball.scan"), before);
+
+    EXPECT_EQ(run({"scancast", "label", file("ball.scan"), "--recorded", "2023-02-29"}), 1);
+    EXPECT_THAT(lastError, HasSubstr("\"2023-02-29\" is no date; write 2024, 2024-05 or 2024-05-13"));
+    EXPECT_EQ(run({"scancast", "label", file("ball.scan"), "--attribution", std::string(513, 'x')}), 1);
+    EXPECT_THAT(lastError, HasSubstr("the attribution has 513 bytes; it may have 512"));
+    EXPECT_EQ(run({"scancast", "ingest", file("ball.ply"), "-o", file("other.scan"), "--recorded", "May"}), 1);
+    EXPECT_THAT(lastError, HasSubstr("\"May\" is no date"));
+    EXPECT_EQ(run({"scancast", "label", file("ball.ply"), "--title", "C"}), 1);  // a scan is nobody's to change
+}
+
 TEST_F(LookProgram, IsChangedAndForgotten) {
     ingest();
     const Look decided = lookOf("ball.scan");

@@ -92,6 +92,10 @@ TEST_F(MjpegTest, PlainHttpGetsTheFinalStillAndThenSilence) {
     EXPECT_EQ(client.head.status, 200);
     EXPECT_EQ(client.head.header("content-type"), "multipart/x-mixed-replace; boundary=scancast");
     EXPECT_EQ(client.head.header("cache-control"), "no-store");
+    EXPECT_EQ(client.head.header("scancast-method"), request(port(), onePicture).header("scancast-method"));
+    EXPECT_EQ(client.head.header("scancast-method-reason"),
+              request(port(), onePicture).header("scancast-method-reason"));
+    EXPECT_NE(client.head.header("scancast-method-reason"), "");
     const auto still = client.finalPart(0);
     EXPECT_EQ(still.picture,
               request(port(), "/api/v1/clouds/one/snapshot.jpg?width=48&height=32&eye=77,-50,30&target=5,5,0")

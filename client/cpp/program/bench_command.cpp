@@ -104,10 +104,11 @@ void addSessions(CLI::App& command, BenchFlags& flags) {
             ->check(CLI::Range(0, 10000))
             ->group("Sessions");
     };
-    count("--moving", Behaviour::Moving, "So many walk around the cloud and acknowledge every frame");
-    count("--idle", Behaviour::Idle, "So many look at one view and wait");
-    count("--slow", Behaviour::Slow, "So many move, and read --slow-bytes a second");
-    count("--never-ack", Behaviour::NeverAck, "So many move, and acknowledge nothing");
+    count("--moving", Behaviour::Moving,
+          "Number of sessions that circle the cloud and acknowledge every frame");
+    count("--idle", Behaviour::Idle, "Number of sessions that look at one view and wait");
+    count("--slow", Behaviour::Slow, "Number of sessions that move, but read only --slow-bytes per second");
+    count("--never-ack", Behaviour::NeverAck, "Number of sessions that move, but acknowledge nothing");
 }
 
 void addNumbers(CLI::App& command, BenchOptions& options) {
@@ -116,15 +117,16 @@ void addNumbers(CLI::App& command, BenchOptions& options) {
         command.add_option(flag, value, meaning)->type_name(type)->check(CLI::Range(least, most));
     };
     number("--seconds", options.seconds, "SECONDS", 0.1, 86400, "How long to measure (10)");
-    number("--warm-up", options.warmUp, "SECONDS", 0, 3600, "Moving before that, not measured (1)");
+    number("--warm-up", options.warmUp, "SECONDS", 0, 3600, "Seconds of moving beforehand, not measured (1)");
     number("--views", options.viewsPerSecond, "N", 0.1, 1000,
-           "Views that a moving session sends a second (60)");
-    number("--fps", options.fps, "N", 1, 240, "Frames a second that sessions ask the server for (30)");
-    number("--degrees", options.degreesPerSecond, "N", 0, 360, "Of the walk, a second (30)");
+           "Views per second that a moving session sends (60)");
+    number("--fps", options.fps, "N", 1, 240, "Frames per second that sessions ask the server for (30)");
+    number("--degrees", options.degreesPerSecond, "N", 0, 360,
+           "Degrees per second that moving sessions travel around the cloud (30)");
     number("--slow-bytes", options.slowBytesPerSecond, "N", 1000, 1e9,
-           "What --slow sessions read a second (50000)");
+           "Bytes per second that --slow sessions read (50000)");
     number("--wake", options.wake, "SECONDS", 0, 86400,
-           "Idle sessions send one view so long after the start");
+           "Seconds after the start at which idle sessions send one view");
 }
 
 }  // namespace
@@ -135,18 +137,19 @@ void addBench(CLI::App& app, int& exitCode) {
     flags->server.addTo(command);
     addSessions(command, *flags);
     addNumbers(command, flags->options);
-    command
-        .add_option("--cloud", flags->options.cloud, "Id of the cloud; the server's first one when not given")
+    command.add_option("--cloud", flags->options.cloud, "ID of the cloud. Default: the server's first one")
         ->type_name("ID");
     command
-        .add_option("--final", flags->final,
-                    "Write a moving session's final still there, and the view that it shows to FILE.json")
+        .add_option(
+            "--final", flags->final,
+            "Write a moving session's final still to this file, and the view that it shows to FILE.json")
         ->type_name("FILE.jpg");
-    command.add_flag("--json", flags->json, "As one JSON object");
+    command.add_flag("--json", flags->json, "Print one JSON object");
     flags->view.addTo(command);
     command.footer(
         "All sessions first see their view's final still; then the clock starts. The time of a frame is that "
-        "since\nthe view which it shows was sent. Example:\n"
+        "since\n"
+        "the view which it shows was sent. Example:\n"
         "  scancast-client bench http://127.0.0.1:8080/ --moving 8 --slow 1 --seconds 10");
     command.callback([flags, &exitCode] { exitCode = report(run(*flags)); });
 }

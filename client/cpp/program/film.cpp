@@ -72,16 +72,18 @@ void FilmFlags::addTo(CLI::App& command) {
             "-o,--output", output,
             "A folder for frame-001.jpg, frame-002.jpg …, or, with ffmpeg, a video: .mp4, .mkv, .webm")
         ->type_name("FOLDER|VIDEO")
+        ->check([](const std::string& name) {
+            const auto ok = checkFilmName(name);
+            return ok ? std::string() : ok.error().message;
+        })
         ->required();
-    command.add_option("--fps", framesPerSecond, "Frames a second of the video")
+    command.add_option("--fps", framesPerSecond, "Frames per second of the video")
         ->type_name("N")
         ->check(CLI::Range(0.1, 240.0))
         ->capture_default_str();
-    command.add_option("--cloud", cloud, "Id of the cloud; the server's first one when not given")
-        ->type_name("ID");
-    command.add_flag(
-        "--moving", moving,
-        "Take the first frame of each step, as a viewer does while moving, instead of the final still");
+    command.add_option("--cloud", cloud, "ID of the cloud. Default: the server's first one")->type_name("ID");
+    command.add_flag("--moving", moving,
+                     "Take the first frame of each step, as seen while moving, instead of the final still");
     command.add_flag("--quiet", quiet, "No progress on standard error");
 }
 

@@ -12,6 +12,8 @@
 #include <cerrno>
 #include <cstring>
 #include <filesystem>
+#include <span>
+#include <string_view>
 #include <utility>
 
 #include "client/cpp/program/command.hpp"
@@ -23,6 +25,24 @@ namespace scancast::client {
 namespace {
 
 namespace fs = std::filesystem;
+
+constexpr std::array<std::string_view, 5> videoEndings{".mp4", ".mkv", ".webm", ".mov", ".avi"};
+/// Of pictures and videos that somebody might hope for.
+constexpr std::array<std::string_view, 22> otherEndings{
+    ".gif",  ".apng", ".png", ".jpg", ".jpeg", ".webp", ".avif", ".jxl", ".heic", ".bmp", ".tif",
+    ".tiff", ".svg",  ".pdf", ".exr", ".mpg",  ".mpeg", ".m4v",  ".ogv", ".flv",  ".wmv", ".ts"};
+
+bool isOneOf(std::span<const std::string_view> endings, std::string_view ending) {
+    return std::ranges::find(endings, ending) != endings.end();
+}
+
+/// In lower case, with its dot; empty of a name that ends in a slash.
+std::string endingOf(const std::string& path) {
+    std::string ending = fs::path(path).extension().string();
+    for (char& c : ending)
+        if (c >= 'A' && c <= 'Z') c = char(c - 'A' + 'a');
+    return ending;
+}
 
 std::string numbered(const std::string& folder, int number, int digits) {
     auto text = std::to_string(number);
@@ -55,9 +75,18 @@ pid_t startProgram(std::vector<std::string> words, int input) {
 }  // namespace
 
 bool isVideo(const std::string& path) {
-    const auto ending = fs::path(path).extension().string();
-    constexpr std::array endings{".mp4", ".mkv", ".webm", ".mov", ".avi"};
-    return std::find(endings.begin(), endings.end(), ending) != endings.end();
+    return isOneOf(videoEndings, endingOf(path));
+}
+
+Expected<void> checkFilmName(const std::string& path) {
+    std::error_code error;
+    const std::string ending = endingOf(path);
+    if (!isOneOf(otherEndings, ending) || fs::is_directory(path, error)) return {};
+    return fail(ErrorCode::InvalidArgument,
+                path + ": " + ending +
+                    " cannot be written. Name a folder for numbered JPEGs, such as frames/, or a video that "
+                    "ends in .mp4, .mkv, .webm, .mov or .avi",
+                "output");
 }
 
 Expected<FilmWriter> FilmWriter::create(const std::string& path, int total, double framesPerSecond) {

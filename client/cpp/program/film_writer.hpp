@@ -18,6 +18,10 @@ namespace scancast::client {
 /// Whether this name asks for a video: .mp4, .mkv, .webm, .mov or .avi.
 bool isVideo(const std::string& path);
 
+/// InvalidArgument for a name that asks for what is not written: a picture or a video of another kind. Any other name is a
+/// folder's, and so is one that ends in a slash, or that a folder has already.
+Expected<void> checkFilmName(const std::string& path);
+
 class FilmWriter {
   public:
     /// `total` decides how many digits the numbers of files have. Errors: Io; NotFound when a video is asked

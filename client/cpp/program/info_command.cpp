@@ -73,7 +73,7 @@ void addInfo(CLI::App& app, int& exitCode) {
     const auto flags = std::make_shared<InfoFlags>();
     auto& command = *app.add_subcommand("info", "List the server's clouds and rendering methods");
     flags->server.addTo(command);
-    command.add_flag("--json", flags->json, "As one JSON object with `clouds` and `methods`");
+    command.add_flag("--json", flags->json, "Print one JSON object with `clouds` and `methods`");
     command.footer("Example:\n  scancast-client info http://127.0.0.1:8080/");
     command.callback([flags, &exitCode] { exitCode = report(run(*flags)); });
 }

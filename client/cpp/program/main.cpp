@@ -1,20 +1,24 @@
 // `scancast-client`: pictures and facts from a Scancast server, without a browser.
 #include <sstream>
+#include <string>
 
 #include "client/cpp/program/command.hpp"
 #include "client/cpp/program/say.hpp"
 #include "files/program_start.hpp"
+#include "protocol/flags/exit_codes.hpp"
 
 int main(int argc, char** argv) {
     scancast::startProgram();
     CLI::App app{"Pictures and facts from a Scancast server"};
+    app.set_version_flag("--version", "scancast-client " SCANCAST_VERSION);
     app.footer(
         "Examples:\n"
         "  scancast-client info http://127.0.0.1:8080/\n"
         "  scancast-client snapshot http://127.0.0.1:8080/ --method cone -o town.jpg\n"
         "  scancast-client orbit http://127.0.0.1:8080/ --frames 36 -o frames/\n"
         "  scancast-client view http://127.0.0.1:8080/\n"
-        "Each subcommand has a --help of its own.");
+        "Each subcommand has a --help of its own.\n" +
+        std::string(scancast::exitCodesText));
     app.require_subcommand(1);
     int exitCode = 0;
     scancast::client::addSnapshot(app, exitCode);
@@ -27,7 +31,7 @@ int main(int argc, char** argv) {
         app.parse(argc, argv);
     } catch (const CLI::ParseError& error) {
         std::ostringstream asked, complaint;
-        exitCode = app.exit(error, asked, complaint);
+        exitCode = app.exit(error, asked, complaint) == 0 ? 0 : scancast::exitUsage;
         scancast::client::sayOn(stdout, "%s", asked.str().c_str());
         scancast::client::sayOn(stderr, "%s", complaint.str().c_str());
     }

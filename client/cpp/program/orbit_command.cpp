@@ -29,18 +29,18 @@ Expected<void> run(const OrbitFlags& flags) {
 
 void addOrbit(CLI::App& app, int& exitCode) {
     const auto flags = std::make_shared<OrbitFlags>();
-    auto& command = *app.add_subcommand("orbit", "Walk once around a cloud: numbered JPEGs, or a video");
+    auto& command = *app.add_subcommand("orbit", "Circle a cloud once: numbered JPEGs, or a video");
     flags->server.addTo(command);
-    command.add_option("--frames", flags->frames, "Steps of one turn")
+    command.add_option("--frames", flags->frames, "Number of frames in one turn")
         ->type_name("N")
         ->check(CLI::Range(1, 100000))
         ->capture_default_str();
     flags->film.addTo(command);
     flags->view.addTo(command);
     command.footer(
-        "The way leads around the vertical line through the middle of the cloud, or through --target when it "
-        "is\n"
-        "given, at the distance and height of --eye. Example:\n"
+        "The camera circles the vertical axis through the middle of the cloud, or through --target if "
+        "given,\n"
+        "at the distance and height of --eye. Example:\n"
         "  scancast-client orbit http://127.0.0.1:8080/ --frames 36 --method paraboloid -o frames/");
     command.callback([flags, &exitCode] { exitCode = report(run(*flags)); });
 }

@@ -65,11 +65,11 @@ void addPath(CLI::App& app, int& exitCode) {
     flags->film.addTo(command);
     flags->view.addTo(command);
     command.footer(
-        "FILE has a camera for some moments, in seconds; the way between them is smooth:\n"
+        "FILE gives the camera at certain times, in seconds; it moves smoothly between them:\n"
         "  {\"view\": {\"method\": \"disc\"},\n"
         "   \"keys\": [{\"time\": 0, \"camera\": {\"eye\": [0, -50, 20], \"target\": [0, 0, 0]}},\n"
         "            {\"time\": 4, \"camera\": {\"eye\": [50, 0, 20]}}]}\n"
-        "What a camera does not say is as in the key before. Example:\n"
+        "Whatever a camera leaves out stays as in the key before it. Example:\n"
         "  scancast-client path http://127.0.0.1:8080/ flight.json -o flight.mp4");
     command.callback([flags, &exitCode] { exitCode = report(run(*flags)); });
 }

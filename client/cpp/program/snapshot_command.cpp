@@ -22,8 +22,15 @@ Expected<PictureFormat> formatOf(const std::string& path) {
                 "the name " + path + " does not end in .jpg or .png, so its format is not known");
 }
 
+/// ", drawn as disc (it has normals)"; empty where the server does not say.
+std::string drawnAs(const Snapshot& picture) {
+    if (picture.method.empty()) return {};
+    const std::string why = picture.methodReason.empty() ? "" : " (" + picture.methodReason + ")";
+    return ", drawn as " + picture.method + why;
+}
+
 Expected<void> run(const SnapshotFlags& flags) {
-    const auto format = formatOf(flags.output);
+    const auto format = formatOf(flags.output);  // sound: the flag's check has said so
     if (!format) return passOn(format);
     const auto words = flags.view.words();
     if (!words) return passOn(words);
@@ -48,8 +55,8 @@ Expected<void> run(const SnapshotFlags& flags) {
               cloud->c_str());
         return {};
     }
-    sayOn(stdout, "%s: %zu bytes of %s, ETag %s\n", flags.output.c_str(), picture->bytes.size(),
-          cloud->c_str(), picture->etag.c_str());
+    sayOn(stdout, "%s: %zu bytes of %s%s, ETag %s\n", flags.output.c_str(), picture->bytes.size(),
+          cloud->c_str(), drawnAs(*picture).c_str(), picture->etag.c_str());
     return {};
 }
 
@@ -57,18 +64,24 @@ Expected<void> run(const SnapshotFlags& flags) {
 
 void addSnapshot(CLI::App& app, int& exitCode) {
     const auto flags = std::make_shared<SnapshotFlags>();
-    auto& command = *app.add_subcommand("snapshot", "Fetch one picture of full quality");
+    auto& command = *app.add_subcommand("snapshot", "Fetch one picture in full quality");
     flags->server.addTo(command);
-    command.add_option("-o,--output", flags->output, "The picture to write; its ending chooses JPEG or PNG")
+    command
+        .add_option("-o,--output", flags->output,
+                    "The picture to write: JPEG or PNG, by the ending of its name")
         ->type_name("FILE.jpg|FILE.png")
+        ->check([](const std::string& name) {
+            const auto format = formatOf(name);
+            return format ? std::string() : format.error().message;
+        })
         ->required();
-    command.add_option("--cloud", flags->cloud, "Id of the cloud; the server's first one when not given")
+    command.add_option("--cloud", flags->cloud, "ID of the cloud. Default: the server's first one")
         ->type_name("ID");
-    command.add_option("--if-none-match", flags->etag, "Write nothing when the picture still has this ETag")
+    command.add_option("--if-none-match", flags->etag, "Write nothing if the picture still has this ETag")
         ->type_name("ETAG");
     flags->view.addTo(command);
     command.footer(
-        "What is not given is the cloud's default view. Example:\n"
+        "Whatever is not given is taken from the cloud's default view. Example:\n"
         "  scancast-client snapshot http://127.0.0.1:8080/ --cloud town --eye 10,0,2 --color elevation "
         "--width 1920 --height 1080 -o town.jpg");
     command.callback([flags, &exitCode] { exitCode = report(run(*flags)); });

@@ -20,6 +20,7 @@ struct WindowFlags {
 Expected<void> run(const WindowFlags& flags) {
     const auto words = flags.view.words();
     if (!words) return passOn(words);
+    if (auto ok = checkDisplay(); !ok) return ok;
     const auto server = flags.server.server();
     if (!server) return passOn(server);
     const auto cloud =
@@ -41,18 +42,19 @@ Expected<void> run(const WindowFlags& flags) {
 
 void addView(CLI::App& app, int& exitCode) {
     const auto flags = std::make_shared<WindowFlags>();
-    auto& command = *app.add_subcommand("view", "Look at a cloud in a window");
+    auto& command = *app.add_subcommand("view", "View a cloud in a window");
     flags->server.addTo(command);
-    command.add_option("--cloud", flags->cloud, "Id of the cloud; the server's first one when not given")
+    command.add_option("--cloud", flags->cloud, "ID of the cloud. Default: the server's first one")
         ->type_name("ID");
-    command.add_flag("--trace", flags->trace, "Say on standard output what happens");
-    command.add_option("--finals", flags->finals, "Close after so many final stills")->type_name("N");
+    command.add_flag("--trace", flags->trace, "Print what happens on standard output");
+    command.add_option("--finals", flags->finals, "Close after this many final stills")->type_name("N");
     flags->view.addTo(command);
     command.footer(
-        "Drag: turn; right drag, or shift: move; wheel: nearer, farther; W A S D Q E: fly; M and N: method;\n"
-        "1 2 3: quality while moving (sharp, even, fast); C: colours; R: first view; F: full screen; H: "
+        "Drag: orbit; right drag, or Shift and drag: pan; wheel: zoom; W A S D Q E: fly; M, N: next, "
+        "previous method;\n"
+        "1 2 3: quality while moving (sharp, balanced, fast); C: colours; R: first view; F: full screen; H: "
         "help;\n"
-        "Escape: end. Example:\n"
+        "Escape: quit. Example:\n"
         "  scancast-client view http://127.0.0.1:8080/ --method disc");
     command.callback([flags, &exitCode] { exitCode = report(run(*flags)); });
 }

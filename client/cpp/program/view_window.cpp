@@ -6,8 +6,11 @@
 #include <array>
 #include <cmath>
 #include <cstdio>
+#include <cstdlib>
+#include <filesystem>
 #include <memory>
 #include <mutex>
+#include <string_view>
 
 #include "client/cpp/decode.hpp"
 #include "client/cpp/live_stream.hpp"
@@ -40,6 +43,40 @@ struct Sdl {
     ~Sdl() { SDL_Quit(); }
 };
 
+/// Without a display SDL opens windows that nobody sees, unless somebody asks for another driver by name.
+bool drawsForNobody() {
+    const char* const driver = SDL_GetCurrentVideoDriver();
+    if (driver == nullptr || std::getenv("SDL_VIDEODRIVER") != nullptr) return false;
+    constexpr std::array<std::string_view, 3> unseen{"offscreen", "dummy", "evdev"};
+    return std::ranges::find(unseen, driver) != unseen.end();
+}
+
+Error noDisplay(const std::string& reason) {
+    return {ErrorCode::DeviceUnavailable,
+            "no window can be opened here" + reason +
+                ". Run this on a desktop or over ssh -X, open the server's address in a browser, or fetch "
+                "pictures with scancast-client snapshot",
+            {}};
+}
+
+/// Whether anything could show a window: a desktop's display, a screen of the console's, or a driver that somebody asks for.
+bool mayShowWindows() {
+    for (const char* name : {"DISPLAY", "WAYLAND_DISPLAY", "SDL_VIDEODRIVER"})
+        if (const char* value = std::getenv(name); value != nullptr && *value != '\0') return true;
+    std::error_code error;
+    return std::filesystem::exists("/dev/dri", error);
+}
+
+Expected<void> startVideo() {
+    const char* const none = ": there is no display (DISPLAY and WAYLAND_DISPLAY name none)";
+    if (!mayShowWindows()) return tl::unexpected(noDisplay(none));
+    if (SDL_InitSubSystem(SDL_INIT_VIDEO) != 0)
+        return tl::unexpected(noDisplay(std::string(" (") + SDL_GetError() + ")"));
+    if (!drawsForNobody()) return {};
+    SDL_QuitSubSystem(SDL_INIT_VIDEO);
+    return tl::unexpected(noDisplay(none));
+}
+
 struct Shown {
     FrameHeader header;
     Pixels pixels;
@@ -67,9 +104,8 @@ class Window {
         : server_(server), options_(std::move(options)), view_(options_.view) {}
 
     Expected<void> open() {
-        if (SDL_Init(SDL_INIT_VIDEO) != 0)
-            return tl::unexpected(sdlError("no window can be opened here (is there a display?)"));
         sdl_.emplace();
+        if (auto ok = startVideo(); !ok) return ok;
         window_.reset(SDL_CreateWindow("Scancast", SDL_WINDOWPOS_CENTERED, SDL_WINDOWPOS_CENTERED,
                                        view_.width, view_.height, SDL_WINDOW_RESIZABLE));
         if (!window_) return tl::unexpected(sdlError("the window cannot be opened"));
@@ -363,6 +399,11 @@ class Window {
 };
 
 }  // namespace
+
+Expected<void> checkDisplay() {
+    const Sdl sdl;
+    return startVideo();
+}
 
 Expected<void> runWindow(const Server& server, WindowOptions options) {
     Window window(server, std::move(options));

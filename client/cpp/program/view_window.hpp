@@ -21,6 +21,10 @@ struct WindowOptions {
     std::optional<int> finals;
 };
 
+/// Whether there is a display to open a window on, for who would rather ask before anything else. Errors:
+/// DeviceUnavailable with the way out; Unsupported in a program that was built without windows.
+Expected<void> checkDisplay();
+
 /// Returns when the window is closed, or with the error that ended the stream.
 Expected<void> runWindow(const Server& server, WindowOptions options);
 

@@ -3,9 +3,13 @@
 
 namespace scancast::client {
 
-Expected<void> runWindow(const Server&, WindowOptions) {
+Expected<void> checkDisplay() {
     return fail(ErrorCode::Unsupported,
                 "this scancast-client was built without windows: install libsdl2-dev and build it again");
+}
+
+Expected<void> runWindow(const Server&, WindowOptions) {
+    return checkDisplay();
 }
 
 }  // namespace scancast::client

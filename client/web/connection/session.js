@@ -1,10 +1,9 @@
 // Keeps the page connected: asks for the clouds, waits while they load, opens the stream, and starts over, more and
-// more patiently, whenever something breaks.
+// more patiently, whenever something breaks. Who asked for a certain cloud is never shown another one: while it cannot be
+// shown he is told why, and it comes by itself as soon as it can.
 
-import { forgetToken, hasToken, keepToken } from './access.js';
-import { fetchClouds, fetchMethods, ServerProblem } from './catalog.js';
+import { ServerProblem } from './server.js';
 import { Connection } from './connection.js';
-import { enterAsGuest, forgetGuest, isGuest } from './guest.js';
 
 const pollMs = 700;
 const idlePollMs = 3000;
@@ -16,6 +15,7 @@ export function backOff(attempt, random = Math.random()) {
 }
 
 export class Session {
+  #server;
   #handlers;
   #connection;
   #timer;
@@ -26,11 +26,18 @@ export class Session {
   #round = 0; // of two cycles that overlap, only the later one counts
 
   /**
-   * Handlers: state({ kind, … }) with kind connecting | loading | empty | failed | locked |
-   * lost | open; catalog(catalog);
-   * hello() → the first message; welcome(message); frame, problem and stats as in Connection.
+   * Handlers: state(now), where `now.kind` is
+   *   connecting, open
+   *   loading  `entries`, of the list, that are being read; `clouds`: those that could be looked at meanwhile
+   *   failed   `entries` that could not be read, each with its `error`; `clouds` as above; `asked`: it is the one asked for
+   *   gone     `cloud`: the id that was asked for, and that the server does not have; `clouds`, `pending`: what it has
+   *   empty    the server has no cloud at all
+   *   locked   it wants a token: `refused`, another one than it was given; `guest`: a link that is not good any more
+   *   lost     `detail`: why, in words; `at`, `delay`: when it is tried again
+   * catalog(catalog) and clouds(list); expect(cloud), which is shown as soon as that resolves; hello() → the first message; welcome(message); frame, problem and stats as in Connection.
    */
-  constructor(handlers) {
+  constructor(server, handlers) {
+    this.#server = server;
     this.#handlers = handlers;
     addEventListener('online', () => this.retryNow());
     document.addEventListener('visibilitychange', () => {
@@ -42,8 +49,9 @@ export class Session {
     return this.#connection;
   }
 
-  /** `cloud`: the id to open, if the server has it. */
+  /** `cloud`: the id to open; undefined leaves it to the server. Ends what was open before. */
   start(cloud) {
+    this.#leave();
     this.#cloud = cloud;
     this.#handlers.state({ kind: 'connecting' });
     this.#cycle();
@@ -60,11 +68,31 @@ export class Session {
     this.#cycle();
   }
 
-  /** The server asked for a token: here it is. */
-  unlock(token) {
-    keepToken(token);
+  /** The server asked for a token: here it is. `remember`: on this device, and not for this tab only. */
+  unlock(token, remember) {
+    this.#server.access.keepToken(token, remember);
     this.#handlers.state({ kind: 'connecting' });
     this.#cycle();
+  }
+
+  /** Forgets the token, here and on this device, and asks for one. */
+  lock() {
+    this.#leave();
+    this.#server.access.forgetToken();
+    this.#server.access.forgetGuest();
+    this.start(this.#cloud);
+  }
+
+  /** The session that is open goes on with nobody, and nothing that is on its way counts any more. */
+  #leave() {
+    clearTimeout(this.#timer);
+    this.#timer = undefined;
+    this.#round += 1;
+    this.#attempt = 0;
+    if (this.#connection) this.#nextSeq = this.#connection.nextSeq;
+    this.#connection?.abandon();
+    this.#connection = undefined;
+    this.#resume = '';
   }
 
   #later(delay) {
@@ -77,44 +105,44 @@ export class Session {
     this.#round += 1;
     const round = this.#round;
     try {
-      if (isGuest()) await enterAsGuest();
-      const { clouds, pending } = await fetchClouds();
+      if (this.#server.access.isGuest) {
+        const theirs = await this.#server.enterAsGuest();
+        if (round !== this.#round) return;
+        this.#cloud ??= theirs;
+      }
+      const list = await this.#server.clouds();
       if (round !== this.#round) return;
-      if (clouds.length === 0) {
-        this.#wait(pending);
+      const cloud = list.clouds.find((one) => one.id === (this.#cloud ?? list.clouds[0]?.id));
+      if (!cloud) {
+        this.#wait(list);
         return;
       }
-      const wanted = pending.find((entry) => entry.id === this.#cloud && entry.state === 'loading');
-      if (wanted) {
-        this.#wait([wanted]);
-        return;
-      }
-      const methods = await fetchMethods();
+      const [methods] = await Promise.all([this.#server.methods(), this.#handlers.expect(cloud)]);
       if (round !== this.#round) return;
-      this.#handlers.catalog({ clouds, pending, ...methods });
-      this.#open(clouds);
-    } catch (error) {
+      this.#handlers.catalog({ ...list, ...methods });
+      this.#open(cloud);
+    } catch (/** @type {any} */ error) {
       if (round !== this.#round) return;
       if (error.status === 401) this.#locked();
       else this.#lost(error);
     }
   }
 
-  /** Nothing to look at yet: say why, and ask again. */
-  #wait(pending) {
+  /** Nothing to look at yet, or not what was asked for: say why, and ask again. */
+  #wait({ clouds, pending }) {
     this.#attempt = 0;
-    const loading = pending.filter((entry) => entry.state === 'loading');
-    if (loading.length > 0) this.#handlers.state({ kind: 'loading', entries: loading });
-    else if (pending.length > 0) this.#handlers.state({ kind: 'failed', entries: pending });
+    const asked = this.#cloud !== undefined;
+    const entries = asked ? pending.filter((entry) => entry.id === this.#cloud) : pending;
+    const loading = entries.filter((entry) => entry.state === 'loading');
+    if (loading.length > 0) this.#handlers.state({ kind: 'loading', entries: loading, clouds });
+    else if (entries.length > 0) this.#handlers.state({ kind: 'failed', entries, clouds, asked });
+    else if (asked) this.#handlers.state({ kind: 'gone', cloud: this.#cloud, clouds, pending });
     else this.#handlers.state({ kind: 'empty' });
     this.#later(loading.length > 0 ? pollMs : idlePollMs);
   }
 
-  #open(clouds) {
-    const cloud = clouds.find((one) => one.id === this.#cloud) ?? clouds[0];
-    const url = new URL('/api/v1/stream', location.href);
-    url.protocol = location.protocol === 'https:' ? 'wss:' : 'ws:';
-    this.#connection = new Connection(url, this.#hello(cloud), this.#nextSeq, {
+  #open(cloud) {
+    this.#connection = new Connection(this.#server, this.#hello(cloud), this.#nextSeq, {
       welcome: (message) => {
         this.#attempt = 0;
         this.#resume = message.resume ?? '';
@@ -141,9 +169,13 @@ export class Session {
   /** Nothing is asked again before a token is given: trying wrong ones would help nobody. */
   #locked() {
     this.#attempt = 0;
-    const [refused, guest] = [hasToken(), isGuest()];
-    forgetToken();
-    forgetGuest();
+    const [refused, guest] = [this.#server.access.hasToken, this.#server.access.isGuest];
+    this.#server.access.forgetToken({ onDevice: !guest }); // it was the guest's pass that was refused
+    this.#server.access.forgetGuest();
+    if (guest && this.#server.access.hasToken) {
+      this.#cycle();
+      return;
+    }
     this.#handlers.state({ kind: 'locked', refused, guest });
   }
 
@@ -152,7 +184,7 @@ export class Session {
     this.#attempt += 1;
     const words = error instanceof ServerProblem || this.#attempt === 1 ? error.message : '';
     // fetch() says "Failed to fetch" or the like, which helps nobody.
-    const detail = error instanceof TypeError || error.name === 'TimeoutError' ? 'The server does not answer.' : words;
+    const detail = error instanceof TypeError || error.name === 'TimeoutError' ? 'The server is not responding.' : words;
     this.#handlers.state({ kind: 'lost', detail, delay, at: performance.now() + delay });
     this.#later(delay);
   }
@@ -160,7 +192,7 @@ export class Session {
   /** Asks once more for the list, for clouds that finished loading meanwhile. Failures show elsewhere. */
   async refreshCatalog() {
     try {
-      this.#handlers.clouds(await fetchClouds());
+      this.#handlers.clouds(await this.#server.clouds());
     } catch {
       // The stream notices a lost server by itself.
     }

@@ -1,19 +1,12 @@
 // The line in the corner: whether the picture moves or is sharp, how fast, and, opened, the figures behind it.
 
 import { element } from './parameter_fields.js';
+import { amount, counted, strings } from './strings.js';
 
+/** @type {(id: string) => any} */
 const find = (id) => document.getElementById(id);
 const windowMs = 1000;
-
-/** 1234567 → "1.2 million". */
-export function amount(value) {
-  if (!Number.isFinite(value)) return '–';
-  const steps = [[1e9, 'billion'], [1e6, 'million']];
-  for (const [size, word] of steps) {
-    if (value >= size) return `${(value / size).toPrecision(value >= 100 * size ? 3 : 2)} ${word}`;
-  }
-  return Math.round(value).toLocaleString('en');
-}
+const words = strings.hud;
 
 const milliseconds = (value) => (Number.isFinite(value) ? `${value < 10 ? value.toFixed(1) : Math.round(value)} ms` : '–');
 
@@ -55,14 +48,11 @@ export class FrameClock {
   }
 }
 
-const stateWords = { connecting: 'Connecting…', moving: 'Moving', refining: 'Refining', sharp: 'Sharp', waiting: 'Waiting', lost: 'Connection lost' };
-
-const damageWords = 'Parts of this cloud cannot be read; coarser points are shown in their place.';
-
 export class Hud {
   clock = new FrameClock();
   #frame;
   #stats;
+  #method = '';
   #state = 'connecting';
 
   constructor() {
@@ -78,6 +68,7 @@ export class Hud {
   /** A connection has opened: what was asked of another one is not answered by this one. */
   begin() {
     this.clock.reset();
+    this.#stats = undefined; // frames count from 1 again
     this.setDamaged(false);
   }
 
@@ -98,22 +89,33 @@ export class Hud {
   /** Whether the sentence is shown that tells of damage. */
   setDamaged(damaged) {
     const note = find('damage');
-    const words = damaged ? damageWords : '';
+    const said = damaged ? words.damage : '';
     note.hidden = !damaged;
-    if (note.textContent !== words) note.textContent = words;
+    if (note.textContent !== said) note.textContent = said;
   }
 
+  /** Figures of one frame: they are shown as long as that one is on screen, and stands still. */
   stats(stats) {
     this.#stats = stats;
     this.#render();
   }
 
+  /** How the view is drawn, in words. */
+  setMethod(words) {
+    this.#method = words;
+  }
+
+  get #statsOfThis() {
+    const fits = this.#frame && this.#stats?.frame === this.#frame.frameId && this.#stats.seq === this.#frame.seq;
+    return fits && (this.#state === 'sharp' || this.#state === 'refining') ? this.#stats : undefined;
+  }
+
   #render() {
     const hud = find('hud');
     hud.dataset.state = this.#state;
-    const words = stateWords[this.#state] ?? this.#state;
+    const said = words.states[this.#state] ?? this.#state;
     // Screen readers hear every change of a status: only real ones, and not each burst of frames.
-    if (find('hud-state').textContent !== words) find('hud-state').textContent = words;
+    if (find('hud-state').textContent !== said) find('hud-state').textContent = said;
     find('hud-brief').textContent = this.#brief();
     if (hud.open) find('hud-figures').replaceChildren(...this.#figures());
   }
@@ -121,29 +123,30 @@ export class Hud {
   #brief() {
     if (!this.#frame || this.#state === 'lost' || this.#state === 'connecting') return '';
     if (this.#state === 'moving') {
-      return `${this.clock.framesPerSecond(performance.now())} frames/s · ${milliseconds(this.clock.latency)}`;
+      return `${words.fps(this.clock.framesPerSecond(performance.now()))} · ${milliseconds(this.clock.latency)}`;
     }
-    return this.#stats ? `${amount(this.#stats.samples)} samples` : '';
+    const stats = this.#statsOfThis;
+    return stats ? counted(stats.samples, words.sample, words.samples) : `${this.#frame.width} × ${this.#frame.height}`;
   }
 
   #figures() {
     const frame = this.#frame;
-    const stats = this.#stats;
-    const rows = [['Frames a second', this.clock.framesPerSecond(performance.now())]];
-    rows.push(['From view to picture', milliseconds(this.clock.latency)]);
+    const stats = this.#statsOfThis;
+    const rows = [[words.frameRate, words.fps(this.clock.framesPerSecond(performance.now()))]];
+    rows.push([words.latency, milliseconds(this.clock.latency)]);
     if (frame) {
-      rows.push(['Picture', `${frame.width} × ${frame.height}`]);
-      rows.push(['Rendering', milliseconds(frame.renderMicroseconds / 1000)]);
-      rows.push(['Encoding', milliseconds(frame.encodeMicroseconds / 1000)]);
-      rows.push(['Size', `${Math.round(frame.picture.length / 1024)} KiB`]);
+      rows.push([words.resolution, `${frame.width} × ${frame.height}`]);
+      rows.push([words.rendering, milliseconds(frame.renderMicroseconds / 1000)]);
+      rows.push([words.encoding, milliseconds(frame.encodeMicroseconds / 1000)]);
+      rows.push([words.frameSize, `${amount(Math.round(frame.picture.length / 1000))} kB`]);
     }
+    if (this.#method) rows.push([words.method, this.#method]);
     if (stats) {
-      if (stats.method) rows.push(['Method', stats.methodReason ? `${stats.method}: ${stats.methodReason}` : stats.method]);
-      rows.push(['Samples drawn', amount(stats.samples)]);
-      rows.push(['… for scan points', amount(stats.points)]);
-      if (stats.detail > 0) rows.push(['Detail', `${stats.detail.toPrecision(2)} px`]);
-      if (stats.jpegQuality > 0) rows.push(['JPEG quality', stats.jpegQuality]);
-      if (stats.bandwidth > 0) rows.push(['Network', `${amount(Math.round(stats.bandwidth / 1000))} kB/s`]);
+      rows.push([words.samplesDrawn, amount(stats.samples)]);
+      rows.push([words.pointsShown, amount(stats.points)]);
+      if (stats.detail > 0) rows.push([words.detail, `${stats.detail.toPrecision(2)} px`]);
+      if (stats.jpegQuality > 0) rows.push([words.quality, stats.jpegQuality]);
+      if (stats.bandwidth > 0) rows.push([words.network, `${amount(Math.round(stats.bandwidth / 1000))} kB/s`]);
       for (const stage of (stats.stages ?? []).slice(0, 12)) rows.push([`· ${stage.name}`, milliseconds(stage.milliseconds)]);
     }
     return rows.flatMap(([term, value]) => [element('dt', { textContent: term }), element('dd', { textContent: value })]);

@@ -1,6 +1,9 @@
 // The fields for one method's parameters, made from what the server says of them: a slider with a number for numbers, a
 // box for yes or no, a menu for choices.
 
+import { NumberField, outside } from './number_field.js';
+import { strings } from './strings.js';
+
 /** Sliders are even in what the eye sees as even: in the logarithm for factors, finer near the start for long ranges. */
 export function sliderScale({ min, max }) {
   const span = max - min;
@@ -23,13 +26,12 @@ export function sliderScale({ min, max }) {
 /** Three significant digits are what a hand on a slider means. */
 export const rounded = (value) => Number(Number(value).toPrecision(value >= 100 ? 3 : 2));
 
-/** "sizePx" → "Size px" is no English; "size" is. */
+/** What a parameter is called: by the page's own word for it, or by its name taken apart: "edgeWidthPx" in px is "Edge width". Pure. */
 export function labelOf({ name, unit }) {
+  if (Object.hasOwn(strings.parameters, name)) return strings.parameters[name];
   const words = name.replace(/([a-z0-9])([A-Z])/g, '$1 $2').toLowerCase();
   const bare = unit && words.endsWith(` ${unit.toLowerCase()}`) ? words.slice(0, -unit.length - 1) : words;
-  const known = { min: 'smallest', max: 'largest', 'min px': 'smallest', 'max px': 'largest' };
-  const label = known[bare] ?? bare;
-  return label.charAt(0).toUpperCase() + label.slice(1);
+  return bare.charAt(0).toUpperCase() + bare.slice(1);
 }
 
 export function element(tag, properties = {}, ...children) {
@@ -48,18 +50,21 @@ function numberField(parameter, id, change) {
     input.value = rounded(scale.toValue(slider.valueAsNumber));
     change(input.valueAsNumber);
   });
-  input.addEventListener('change', () => {
-    if (!Number.isFinite(input.valueAsNumber)) input.value = parameter.default;
-    slider.value = scale.toSlider(input.valueAsNumber);
-    change(input.valueAsNumber);
+  // An empty field is the method's own value.
+  const judge = (value) => (Number.isNaN(value) ? '' : outside(value, parameter));
+  const field = new NumberField(input, judge, (typed) => {
+    const value = Number.isNaN(typed) ? parameter.default : typed;
+    input.value = value;
+    slider.value = scale.toSlider(value);
+    change(value);
   });
   const show = (value) => {
+    field.show(value);
     // Not under the hands of somebody who is using it.
-    if (document.activeElement !== input) input.value = value;
     if (document.activeElement !== slider) slider.value = scale.toSlider(value);
   };
   const unit = element('span', { className: 'unit', textContent: parameter.unit ?? '' });
-  return { node: element('div', { className: 'row number' }, slider, input, unit), show };
+  return { node: element('div', { className: 'row number' }, slider, input, unit), refusal: field.note, show };
 }
 
 function choiceField(parameter, id, change) {
@@ -89,7 +94,8 @@ export function parameterFields(parameters, change) {
     const meaning = parameter.meaning ?? '';
     const label = element('label', { htmlFor: id, textContent: labelOf(parameter) });
     const note = element('p', { className: 'note', textContent: meaning });
-    nodes.push(element('div', { className: `parameter ${parameter.type}`, title: meaning }, label, field.node, note));
+    const parts = [label, field.node, field.refusal, note].filter(Boolean);
+    nodes.push(element('div', { className: `parameter ${parameter.type}`, title: meaning }, ...parts));
     shows.push((values) => field.show(values[parameter.name] ?? parameter.default));
   }
   return { nodes, show: (values) => shows.forEach((show) => show(values ?? {})) };

@@ -3,10 +3,12 @@
 //
 // A photo is fetched, with the token that <img> could not send, and shown by an address of this page's own (blob:).
 
-import { authorization } from '../connection/access.js';
-import { fetchPhotos, problemOf, ServerProblem } from '../connection/catalog.js';
+import { problemOf, ServerProblem } from '../connection/server.js';
+import { strings } from './strings.js';
 
+/** @type {(id: string) => any} */
 const find = (id) => document.getElementById(id);
+const words = strings.photos;
 const largestOfFit = 2; // small ones are shown this much larger than they are
 const forgetMs = 60_000; // a tab that was opened with it has it by then
 const keyStep = 80; // px
@@ -14,32 +16,32 @@ const busyMs = 1200; // a server that has too much to do says so; what was left 
 const mostTries = 3;
 
 /** "1 photo", "12 photos". Pure. */
-export const photosText = (count) => `${count.toLocaleString('en')} ${count === 1 ? 'photo' : 'photos'}`;
+export const photosText = words.many;
 
 /** 5300000 → "5.3 MB". Pure. */
 export function sizeText(bytes) {
-  for (const [size, unit] of [[1e6, 'MB'], [1e3, 'kB']]) {
+  for (const { size, unit } of [{ size: 1e6, unit: 'MB' }, { size: 1e3, unit: 'kB' }]) {
     if (bytes >= size) return `${Number((bytes / size).toPrecision(bytes >= 100 * size ? 3 : 2)).toLocaleString('en')} ${unit}`;
   }
   return `${bytes} bytes`;
 }
 
-const kinds = { spherical: 'panorama', cylindrical: 'panorama', pinhole: 'photo', visual: 'picture' };
+const kindOf = ({ projection }) => words.kinds[projection] ?? words.kinds.pinhole;
 
 /** "Panorama, 8,192 × 4,096, 5.3 MB, taken at Tower". Pure. */
 export function factsOf(photo) {
-  const kind = kinds[photo.projection] ?? 'photo';
+  const kind = kindOf(photo);
   const parts = [kind.charAt(0).toUpperCase() + kind.slice(1)];
   if (photo.width && photo.height) parts.push(`${photo.width.toLocaleString('en')} × ${photo.height.toLocaleString('en')}`);
   parts.push(sizeText(photo.bytes));
-  if (photo.station) parts.push(`taken at ${photo.station.name}`);
+  if (photo.station) parts.push(words.takenAt(photo.station.name));
   return parts.join(', ');
 }
 
 /** What who cannot see it is told. Pure. */
 export function altOf(photo) {
-  const kind = kinds[photo.projection] ?? 'photo';
-  return photo.station ? `The ${kind} ${photo.name}, taken at ${photo.station.name}` : `The ${kind} ${photo.name}`;
+  const named = words.alt(kindOf(photo), photo.name);
+  return photo.station ? `${named}, ${words.takenAt(photo.station.name)}` : named;
 }
 
 /** Screen pixels for each of the photo's, so that all of it is to be seen. Pure. */
@@ -60,13 +62,15 @@ export class Photos {
   #zoom = 1; // 1 = fitted
   #loading; // AbortController of what is on its way
   #url = '';
+  #server;
   #go;
   #dialog = find('photos');
   #stage = find('photo-stage');
   #image = find('photo');
 
   /** `go(camera)` gets a camera as the protocol has it; `size()` is the picture's, { width, height }. */
-  constructor(go, size) {
+  constructor(server, go, size) {
+    this.#server = server;
     this.#go = go;
     find('show-photos').addEventListener('click', () => this.#open(0, size()));
     find('station-photos').addEventListener('click', () => this.#open(this.#here[0], size()));
@@ -104,7 +108,7 @@ export class Photos {
     this.#list = undefined;
     this.#dialog.close();
     find('show-photos').hidden = count === 0;
-    find('show-photos').textContent = `Photos (${count.toLocaleString('en')})`;
+    find('show-photos').textContent = words.button(count);
     this.at(undefined);
   }
 
@@ -113,17 +117,17 @@ export class Photos {
     this.#here = this.#cloud ? (station?.photos ?? []) : [];
     this.#place = station?.view;
     find('station-photos').hidden = this.#here.length === 0;
-    if (this.#here.length > 0) find('station-photos').textContent = `Show ${photosText(this.#here.length)} taken at ${station.name}`;
+    if (this.#here.length > 0) find('station-photos').textContent = words.takenHere(this.#here.length, station.name);
   }
 
   async #open(index, size) {
     if (!this.#dialog.open) this.#dialog.showModal();
-    this.#say('Loading…');
+    this.#say(words.loading);
     this.#index = index;
     if (!this.#list) this.#blank();
     const cloud = this.#cloud;
     try {
-      const list = this.#list ?? await fetchPhotos(cloud.id, size);
+      const list = this.#list ?? await this.#server.photos(cloud.id, size);
       if (this.#cloud !== cloud) return; // another one's since
       this.#list = list;
     } catch (error) {
@@ -144,14 +148,14 @@ export class Photos {
     const count = this.#list.length;
     if (count === 0) {
       this.#blank();
-      this.#say('The server has no photos of this cloud any more.');
+      this.#say(words.gone);
       return;
     }
     this.#index = (index + count) % count;
     const photo = this.#list[this.#index];
     find('photo-title').textContent = photo.name;
     find('photo-facts').textContent = factsOf(photo);
-    find('photo-count').textContent = `${(this.#index + 1).toLocaleString('en')} of ${count.toLocaleString('en')}`;
+    find('photo-count').textContent = words.count(this.#index + 1, count);
     for (const id of ['photo-previous', 'photo-next', 'photo-count']) find(id).hidden = count === 1;
     find('photo-go').hidden = !this.#viewOf(photo);
     this.#load(photo);
@@ -160,7 +164,7 @@ export class Photos {
   async #load(photo) {
     this.#forget();
     const mine = (this.#loading = new AbortController());
-    this.#say(`Loading ${sizeText(photo.bytes)}…`);
+    this.#say(words.loadingSize(sizeText(photo.bytes)));
     try {
       const response = await this.#fetch(photo.href, mine.signal);
       const url = URL.createObjectURL(await response.blob());
@@ -168,7 +172,7 @@ export class Photos {
       this.#url = url;
       this.#image.src = url;
       await this.#image.decode().catch(() => {
-        throw new ServerProblem({ title: 'This photo cannot be shown', detail: 'The browser does not understand what the scan has here.' });
+        throw new ServerProblem({ title: words.unreadable, detail: words.unreadableDetail });
       });
       if (mine.signal.aborted) return undefined;
       this.#image.alt = altOf(photo);
@@ -186,7 +190,7 @@ export class Photos {
 
   async #fetch(href, signal) {
     for (let tries = 1; ; ++tries) {
-      const response = await fetch(href, { signal, cache: 'no-cache', headers: authorization() });
+      const response = await this.#server.fetch(href, { signal });
       if (response.ok) return response;
       if (tries === mostTries || ![429, 503].includes(response.status)) throw await problemOf(response);
       await new Promise((done) => { setTimeout(done, busyMs); });
@@ -218,7 +222,7 @@ export class Photos {
 
   #fail(error) {
     const known = error instanceof ServerProblem;
-    this.#say(known ? `${error.title}. ${error.message}` : 'The photo could not be loaded: the server does not answer.', true);
+    this.#say(known ? `${error.title}. ${error.message}` : words.noAnswer, true);
   }
 
   /** A photo without a pose was still taken somewhere. */

@@ -1,33 +1,27 @@
 // Taking a view along: as a link, and as a picture file.
 
-import { authorization } from '../connection/access.js';
-import { problemOf } from '../connection/catalog.js';
-import { printHash } from './view_hash.js';
-import { snapshotUrl } from '../protocol/view_words.js';
+import { strings } from './strings.js';
 
-/** Puts the view behind the # of the address, and the address into the clipboard. */
-export async function copyLink(cloud, view, upAxis, overlays) {
-  history.replaceState(null, '', printHash(cloud, view, upAxis));
+/** Puts the address, which holds the view, into the clipboard. */
+export async function copyLink(overlays) {
   try {
     await navigator.clipboard.writeText(location.href);
-    overlays.toast('Link copied', 'It shows this very view.', 'done');
+    overlays.toast(strings.messages.linkCopied, strings.messages.linkCopiedDetail, 'done');
   } catch {
     // Without https, or without permission, the clipboard is out of reach; the address bar is not.
-    overlays.toast('The link is in the address bar', 'Copy it from there: it shows this very view.', 'done');
+    overlays.toast(strings.messages.linkInAddress, strings.messages.linkInAddressDetail, 'done');
   }
 }
 
 /** Asks the server for the view in full quality and hands it to the browser as a download. */
-export async function savePicture(cloud, view, { width, height }, overlays) {
+export async function savePicture(server, cloud, view, size, overlays) {
   try {
-    const response = await fetch(snapshotUrl(cloud, view, width, height), { headers: authorization() });
-    if (!response.ok) throw await problemOf(response);
-    const url = URL.createObjectURL(await response.blob());
+    const url = URL.createObjectURL(await server.snapshot(cloud, view, size));
     Object.assign(document.createElement('a'), { href: url, download: `${cloud}.png` }).click();
     setTimeout(() => URL.revokeObjectURL(url), 10_000);
-    overlays.toast('Picture saved', `${cloud}.png, ${width} × ${height}`, 'done');
-  } catch (error) {
+    overlays.toast(strings.messages.pictureSaved, strings.messages.pictureSavedDetail(`${cloud}.png`, size.width, size.height), 'done');
+  } catch (/** @type {any} */ error) {
     const known = error.title !== undefined;
-    overlays.toast(known ? error.title : 'The picture could not be saved', known ? error.message : 'The server does not answer.');
+    overlays.toast(known ? error.title : strings.messages.pictureFailed, known ? error.message : strings.messages.noAnswer);
   }
 }

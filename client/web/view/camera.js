@@ -9,7 +9,7 @@
 // full vertical field of view in degrees. An orthographic camera sees the same height at its target as a perspective
 // one, so that switching between the two keeps the size of what is looked at.
 //
-// Cursor positions are CSS pixels from the picture's top left corner; `size` is the picture's { width, height } in them.
+// What keeps hold of a point while it moves stands in moves.js. Cursor positions are CSS pixels from the picture's top left corner; `size` is the picture's { width, height } in them.
 
 import { add, areNumbers, dot, length, mix, scale, subtract } from './vectors.js';
 
@@ -33,7 +33,7 @@ const isSound = (camera) =>
   [camera.azimuth, camera.elevation, camera.distance, camera.fov].every(Number.isFinite);
 
 /** `camera` with some values changed, kept within its limits; `camera` itself when the change makes no sense. */
-function changed(camera, changes) {
+export function changed(camera, changes) {
   const next = { ...camera, ...changes };
   if (!isSound(next)) return camera;
   next.azimuth = Math.atan2(Math.sin(next.azimuth), Math.cos(next.azimuth));
@@ -53,22 +53,33 @@ export function axes(camera) {
   };
 }
 
+/** `camera` turned about its target until its eye lies in that direction, of any length. */
+export function facing(camera, direction) {
+  const [x, y, z] = toUpright(direction, camera.upAxis);
+  const flat = Math.hypot(x, y);
+  // Straight up or down says nothing about the azimuth.
+  const azimuth = flat > poleZone * Math.abs(z) ? Math.atan2(y, x) : camera.azimuth;
+  return changed(camera, { azimuth, elevation: Math.atan2(z, flat) });
+}
+
 export const eyeOf = (camera) => add(camera.target, scale(axes(camera).back, camera.distance));
 
 /** Height of what is seen at the target, in cloud units. */
 export const heightAtTarget = (camera) => 2 * camera.distance * halfTangent(camera);
 
-/** The point under the cursor, on the plane through the target that faces the viewer. */
-export function pointUnderCursor(camera, cursor, size) {
-  const unitsPerPixel = heightAtTarget(camera) / size.height;
-  const { right, up } = axes(camera);
-  return add(
-    camera.target,
-    add(
-      scale(right, (cursor.x - size.width / 2) * unitsPerPixel),
-      scale(up, (size.height / 2 - cursor.y) * unitsPerPixel),
-    ),
+/** How far a point lies ahead of the eye, along the view direction; negative behind it. */
+export const depthOf = (camera, point) => camera.distance - dot(subtract(point, camera.target), axes(camera).back);
+
+/** The point under the cursor at that depth; without one, on the plane through the target that faces the viewer. */
+export function pointUnderCursor(camera, cursor, size, depth = camera.distance) {
+  const { right, up, back } = axes(camera);
+  const height = camera.projection === 'orthographic' ? heightAtTarget(camera) : 2 * depth * halfTangent(camera);
+  const unitsPerPixel = height / size.height;
+  const sideways = add(
+    scale(right, (cursor.x - size.width / 2) * unitsPerPixel),
+    scale(up, (size.height / 2 - cursor.y) * unitsPerPixel),
   );
+  return add(camera.target, add(sideways, scale(back, camera.distance - depth)));
 }
 
 /** Where a point appears: CSS pixels and depth; undefined for points behind the eye. */
@@ -93,6 +104,9 @@ export function orbit(camera, dx, dy, size) {
   return changed(camera, { azimuth: camera.azimuth - dx * turn, elevation: camera.elevation + dy * turn });
 }
 
+/** A unit vector against gravity. */
+export const upwards = (camera) => toCloud([0, 0, 1], camera.upAxis);
+
 /** Turns around the eye: what is under the cursor follows it. */
 export function look(camera, dx, dy, size) {
   const turn = radians(camera.fov) / size.height;
@@ -101,37 +115,14 @@ export function look(camera, dx, dy, size) {
   return changed(turned, { target: subtract(eye, scale(axes(turned).back, turned.distance)) });
 }
 
-/** Moves sideways so that what was under the cursor, at the target's depth, stays under it. */
-export function pan(camera, from, to, size) {
-  const shift = subtract(pointUnderCursor(camera, from, size), pointUnderCursor(camera, to, size));
-  return changed(camera, { target: add(camera.target, shift) });
-}
-
-/**
- * Comes nearer by `factor` (0.5 = half the distance) while the point under the cursor stays under it. Never nearer to
- * the target than `closest`: from there on the target moves ahead, so that one never gets stuck.
- */
-export function zoom(camera, factor, cursor, size, closest = leastDistance) {
-  if (!(factor > 0) || !Number.isFinite(factor)) return camera;
-  const anchor = pointUnderCursor(camera, cursor, size);
-  const perspective = camera.projection !== 'orthographic';
-  const wanted = clamp(camera.distance * factor, leastDistance, greatestDistance);
-  const used = wanted / camera.distance;
-  const distance = perspective ? Math.max(wanted, Math.min(closest, camera.distance)) : wanted;
-  // The eye runs along its ray to the anchor, so the anchor's place in the picture cannot change.
-  const eye = add(anchor, scale(subtract(eyeOf(camera), anchor), used));
-  return changed(camera, { distance, target: subtract(eye, scale(axes(camera).back, distance)) });
-}
-
 /** Moves eye and target together: `steps` to the right, up (against gravity) and ahead, in cloud units. */
 export function move(camera, steps) {
   const { right, back } = axes(camera);
-  const upwards = toCloud([0, 0, steps.up ?? 0], camera.upAxis);
-  const shift = add(add(scale(right, steps.right ?? 0), upwards), scale(back, -(steps.ahead ?? 0)));
+  const shift = add(add(scale(right, steps.right ?? 0), scale(upwards(camera), steps.up ?? 0)), scale(back, -(steps.ahead ?? 0)));
   return changed(camera, { target: add(camera.target, shift) });
 }
 
-const corners = (bounds) =>
+export const corners = (bounds) =>
   [0, 1, 2, 3, 4, 5, 6, 7].map((i) => [
     bounds[i & 1 ? 'max' : 'min'][0],
     bounds[i & 2 ? 'max' : 'min'][1],
@@ -161,6 +152,9 @@ export function fit(camera, bounds, size, free = size, margin = 1.06) {
   return changed(camera, { target, distance });
 }
 
+/** The same direction and target from `times` as far. */
+export const farther = (camera, times) => changed(camera, { distance: camera.distance * times });
+
 /** A camera fitted to a picture of 16:9, from so much farther away that all of it is seen in the part `free` of `size`. */
 export function fittedInto(camera, size, free) {
   const share = Math.min(free.height, (free.width * 9) / 16) / size.height;
@@ -169,11 +163,17 @@ export function fittedInto(camera, size, free) {
 
 const directions = {
   top: { azimuth: -quarterTurn, elevation: quarterTurn },
+  bottom: { azimuth: -quarterTurn, elevation: -quarterTurn },
   front: { azimuth: -quarterTurn, elevation: 0 },
+  back: { azimuth: quarterTurn, elevation: 0 },
   side: { azimuth: 0, elevation: 0 },
+  left: { azimuth: Math.PI, elevation: 0 },
 };
 
-/** The whole cloud from "top" (north is up), "front" (from the south) or "side" (from the east). */
+/**
+ * The whole cloud from "top" or "bottom" (north is up), "front" (from the south), "back", "side" (from the east) or "left"
+ * (from the west).
+ */
 export const standardView = (camera, name, bounds, size, free = size) =>
   fit(changed(camera, directions[name] ?? {}), bounds, size, free);
 
@@ -189,12 +189,17 @@ export function between(from, to, t) {
   });
 }
 
-/** The camera as the protocol spells it. `bounds` keep an orthographic eye outside the cloud, so nothing is cut off. */
+/** How far from the target pictures are drawn: an orthographic eye stands outside `bounds`, so that nothing is cut off. */
+export function drawnFrom(camera, bounds) {
+  if (camera.projection !== 'orthographic' || !bounds) return camera.distance;
+  return Math.max(camera.distance, length(subtract(camera.target, centerOf(bounds))) + 1.1 * radiusOf(bounds));
+}
+
+/** The camera as the protocol spells it, its eye where drawnFrom() says. */
 export function toProtocol(camera, bounds) {
   const { up, back } = axes(camera);
   const orthographic = camera.projection === 'orthographic';
-  const outside = bounds ? length(subtract(camera.target, centerOf(bounds))) + 1.1 * radiusOf(bounds) : 0;
-  const distance = orthographic ? Math.max(camera.distance, outside) : camera.distance;
+  const distance = drawnFrom(camera, bounds);
   const atPole = quarterTurn - Math.abs(camera.elevation) < poleZone;
   const common = {
     eye: add(camera.target, scale(back, distance)),

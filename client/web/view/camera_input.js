@@ -1,87 +1,99 @@
-// Mouse, touch and keyboard to camera. Holds no camera of its own: it asks for the one there is and hands over the
-// next. What the keys do is in `keyTable`, which the help shows too.
+// Mouse, pen, touch and keyboard to camera. Holds no camera of its own: it asks for the one there is and hands over the
+// next. What is held while it moves is grip.js's, keys that are held are held_keys.js's.
 
-import { look, move, orbit, pan, zoom } from './camera.js';
+import { anchorUnder } from './anchor.js';
+import { eyeOf } from './camera.js';
+import { Fingers } from './fingers.js';
+import { Grip, zoomed } from './grip.js';
+import { HeldKeys } from './held_keys.js';
+import { glide, glideEnds, Momentum, noStep } from './inertia.js';
+import { centerAhead, centerOn, focusOn } from './moves.js';
+import { isSeenFree } from './seen.js';
 
-const wheelRate = 0.0015; // natural logarithm of the factor, per pixel of wheel
-const keyZoomRate = 1.6; // per second, natural logarithm
-const keyTurnRate = 0.55; // picture heights a second
-const keyMoveRate = 0.8; // target distances a second
-const hurry = 4;
-
-/** Keys that act while they are held, by their place on the keyboard, whatever letter stands there - but for + and -. */
-const heldKeys = {
-  KeyW: { ahead: 1 }, KeyS: { ahead: -1 },
-  KeyA: { right: -1 }, KeyD: { right: 1 },
-  KeyE: { up: 1 }, KeyQ: { up: -1 },
-  PageUp: { up: 1 }, PageDown: { up: -1 },
-  ArrowLeft: { turn: -1 }, ArrowRight: { turn: 1 },
-  ArrowUp: { tilt: 1 }, ArrowDown: { tilt: -1 },
-  Plus: { zoom: 1 }, Minus: { zoom: -1 },
-};
-
-/** For the help. */
-export const keyTable = [
-  ['W A S D', 'walk'],
-  ['Q E', 'down and up'],
-  ['← → ↑ ↓', 'turn'],
-  ['+ −', 'zoom'],
-  ['Shift', 'faster'],
-  ['F', 'fit everything'],
-  ['1 2 3', 'from top, front, side'],
-  ['L', 'drag to look around, or to orbit'],
-  ['O', 'with or without perspective'],
-  ['P', 'settings'],
-  ['?', 'this help'],
-];
-
-const signs = { '+': 'Plus', '=': 'Plus', '-': 'Minus', '−': 'Minus' };
-const placeOf = (event) => signs[event.key] ?? event.code;
-
-const isTyping = (target) => target instanceof Element && target.closest('input, select, textarea, dialog') !== null;
+const wheelRate = 0.002; // natural logarithm of the factor, per pixel of wheel
+const wheelFadeMs = 45; // in which two thirds of a notch are done
+const wheelRestMs = 500; // as long as this one comes nearer to the same point
+const wheelSlack = 6; // px that the cursor may move meanwhile
 
 /** Wheels count in pixels, lines or pages; a notch is about 100 pixels everywhere. */
-export function wheelPixels(event, pageHeight) {
+export function wheelPixels(event, pageHeight, delta = event.deltaY) {
   const unit = event.deltaMode === 1 ? 33 : event.deltaMode === 2 ? pageHeight : 1;
-  const pixels = event.deltaY * unit * (event.ctrlKey ? 6 : 1); // pinching a touch pad sends ctrl and small numbers
+  const pixels = delta * unit * (event.ctrlKey ? 6 : 1); // pinching a touch pad sends ctrl and small numbers
   return Math.min(400, Math.max(-400, pixels));
 }
 
 export class CameraInput {
   #element;
   #view;
-  #pointers = new Map();
-  #held = new Set();
-  #hurried = false;
+  #fingers = new Fingers();
+  #grip; // what they hold, until nothing moves any more
+  #resting = false; // fingers that are left of more, and wait for the last one to be lifted
+  #momentum;
+  #glide; // { speed, start, done } when they have let go
+  #wheel; // { anchor, cursor, time, left }: the point that notches lead to, and what of them is still to be done
+  #keys = new HeldKeys();
 
   /**
-   * `view` has: camera (undefined while there is nothing to steer), size in CSS pixels, closest (distance below which
-   * zooming moves on instead), looksAround; changeCamera(camera), goTo(camera) for a jump worth animating, and wake()
-   * when a key starts to be held.
+   * `view` has: camera (undefined while there is nothing to steer), size in CSS pixels, pictures (what they have seen of the
+   * surface, the newest first), limits (as for Grip), looksAround, collides, calm (whoever wants no motion);
+   * changeCamera(camera), goTo(camera) for a jump worth animating, and wake() when something begins to move by itself.
+   * `keys`: whose key events count.
    */
-  constructor(element, view) {
+  constructor(element, view, /** @type {EventTarget} */ keys = globalThis) {
     this.#element = element;
     this.#view = view;
     const on = (name, handle, options) => element.addEventListener(name, handle.bind(this), options);
     on('pointerdown', this.#down);
     on('pointermove', this.#moved);
-    on('pointerup', this.#up);
-    on('pointercancel', this.#up);
-    on('lostpointercapture', this.#up);
-    on('wheel', this.#wheel, { passive: false });
+    for (const name of ['pointerup', 'pointercancel', 'lostpointercapture']) on(name, this.#up);
+    on('wheel', this.#wheeled, { passive: false });
     on('dblclick', this.#doubleClick);
     on('contextmenu', (event) => event.preventDefault());
-    addEventListener('keydown', (event) => this.#key(event, true));
-    addEventListener('keyup', (event) => this.#key(event, false));
-    addEventListener('blur', () => this.#held.clear());
+    keys.addEventListener('keydown', (event) => {
+      if (!this.#view.camera || !this.#keys.down(event)) return;
+      event.preventDefault(); // a menu would go to its next entry of that letter
+      this.#wheel = this.#glide = undefined;
+      this.#view.wake();
+    });
+    keys.addEventListener('keyup', (event) => this.#keys.up(event));
+    addEventListener('blur', () => this.#keys.clear());
   }
 
-  get keysAreHeld() {
-    return this.#held.size > 0;
+  /** Whether a hand is on it. */
+  get isHeld() {
+    return this.#fingers.count > 0;
   }
 
-  get isDragging() {
-    return this.#pointers.size > 0;
+  /** Whether advance() has something to do. */
+  get isMoving() {
+    return this.#keys.areHeld || this.#glide !== undefined || Math.abs(this.#wheel?.left ?? 0) > 0;
+  }
+
+  /** The camera after `seconds` more of what is going on by itself: keys that are held, and what hand and wheel left behind. */
+  advance(camera, seconds, now = performance.now()) {
+    let next = camera;
+    if (this.#wheel && Math.abs(this.#wheel.left) > 0) next = this.#wheelOn(next, seconds * 1000);
+    if (this.#glide) next = this.#glideOn(next, now);
+    const { pictures, collides, looksAround } = this.#view;
+    if (this.#keys.areHeld) next = this.#keys.advance(next, seconds, { ...this.#world(), known: pictures, stops: collides, looksAround });
+    return next;
+  }
+
+  /** Somebody else moves the camera now. */
+  rest() {
+    this.#glide = this.#wheel = undefined;
+    this.#keys.let();
+    if (this.#fingers.count === 0) this.#grip = undefined;
+  }
+
+  #world() {
+    const { size, pictures, limits, collides } = this.#view;
+    return collides ? { size, limits, pictures } : { size, limits: { ...limits, hasGround: false }, pictures: [] };
+  }
+
+  #anchorAt(cursor) {
+    const { camera, size, pictures, limits } = this.#view;
+    return anchorUnder(pictures[0], camera, cursor, size, limits.bounds);
   }
 
   #cursor(event) {
@@ -89,95 +101,138 @@ export class CameraInput {
     return { x: event.clientX - box.left, y: event.clientY - box.top };
   }
 
+  // ---- mouse, pen and fingers
+
   #down(event) {
-    if (!this.#view.camera || this.#pointers.size >= 2) return;
+    if (!this.#view.camera) return;
     event.preventDefault(); // no text selection, no auto-scroll with the middle button
+    this.rest();
+    if (!this.#fingers.down(event.pointerId, this.#cursor(event))) return;
     this.#element.focus({ preventScroll: true, focusVisible: false });
     this.#element.setPointerCapture(event.pointerId);
-    const sideways = event.button === 2 || event.button === 1 || event.shiftKey;
-    this.#pointers.set(event.pointerId, { ...this.#cursor(event), sideways });
     this.#element.classList.add('grabbed');
+    this.#resting = false;
+    const sideways = event.button === 1 || event.button === 2 || (event.buttons & 2) !== 0 || event.shiftKey;
+    this.#take(sideways);
   }
 
-  #up(event) {
-    this.#pointers.delete(event.pointerId);
-    if (this.#pointers.size === 0) this.#element.classList.remove('grabbed');
+  #take(sideways) {
+    const { count, middle } = this.#fingers;
+    const kind = count === 3 ? 'look' : count === 2 ? 'pinch' : sideways ? 'pan' : this.#view.looksAround ? 'look' : 'orbit';
+    const anchor = this.#anchorAt(middle);
+    // Who drags the background means what is in the middle.
+    if (kind === 'orbit' && anchor.of === 'plane') anchor.point = this.#view.camera.target;
+    this.#grip = new Grip(kind, anchor, middle);
+    this.#momentum = new Momentum();
   }
 
   #moved(event) {
-    const before = this.#pointers.get(event.pointerId);
-    const { camera, size } = this.#view;
-    if (!before || !camera) return;
-    const now = { ...before, ...this.#cursor(event) };
-    if (this.#pointers.size === 2) {
-      this.#pinch(event.pointerId, before, now);
-    } else {
-      const dx = now.x - before.x;
-      const dy = now.y - before.y;
-      if (before.sideways) this.#view.changeCamera(pan(camera, before, now, size));
-      else if (this.#view.looksAround) this.#view.changeCamera(look(camera, dx, dy, size));
-      else this.#view.changeCamera(orbit(camera, dx, dy, size));
+    const { camera } = this.#view;
+    const step = this.#fingers.move(event.pointerId, this.#cursor(event));
+    if (!step || !camera || !this.#grip || this.#resting) return;
+    this.#momentum.add(step, event.timeStamp);
+    this.#view.changeCamera(this.#grip.move(camera, step, this.#world()));
+  }
+
+  #up(event) {
+    if (!this.#fingers.up(event.pointerId)) return;
+    const speed = this.#resting ? undefined : this.#momentum?.speed(event.timeStamp);
+    this.#resting = this.#fingers.count > 0; // one finger of two is not somebody who wants to orbit
+    if (speed && !this.#view.calm && event.type === 'pointerup') {
+      this.#glide = { speed, start: performance.now(), done: 0 };
+      this.#view.wake();
     }
-    this.#pointers.set(event.pointerId, now);
+    if (this.#fingers.count === 0) this.#element.classList.remove('grabbed');
   }
 
-  /** Two fingers: the point between them moves along, and their distance is the size. */
-  #pinch(id, before, now) {
-    const [other] = [...this.#pointers].filter(([key]) => key !== id).map(([, pointer]) => pointer);
-    const between = (a) => ({ x: (a.x + other.x) / 2, y: (a.y + other.y) / 2 });
-    const apart = (a) => Math.max(10, Math.hypot(a.x - other.x, a.y - other.y));
-    const { camera, size, closest } = this.#view;
-    const moved = pan(camera, between(before), between(now), size);
-    this.#view.changeCamera(zoom(moved, apart(before) / apart(now), between(now), size, closest));
+  #glideOn(camera, now) {
+    const { speed, start, done } = this.#glide;
+    const since = Math.max(0, now - start);
+    this.#glide = glideEnds(since) ? undefined : { speed, start, done: since };
+    return this.#grip ? this.#grip.move(camera, glide(speed, done, since), this.#world()) : camera;
   }
 
-  #wheel(event) {
+  // ---- wheel and touch pad
+
+  #wheeled(event) {
     event.preventDefault(); // the page itself neither scrolls nor zooms
-    const { camera, size, closest } = this.#view;
+    const { camera, size, calm } = this.#view;
     if (!camera) return;
-    const factor = Math.exp(wheelPixels(event, size.height) * wheelRate);
-    this.#view.changeCamera(zoom(camera, factor, this.#cursor(event), size, closest));
-  }
-
-  #doubleClick(event) {
-    const { camera, size, closest } = this.#view;
-    if (camera) this.#view.goTo(zoom(camera, event.shiftKey ? 2.5 : 0.4, this.#cursor(event), size, closest));
-  }
-
-  #key(event, pressed) {
-    this.#hurried = event.shiftKey;
-    const place = placeOf(event);
-    if (!pressed) {
-      this.#held.delete(place);
+    const pixels = wheelPixels(event, size.height);
+    const sideways = wheelPixels(event, size.width, event.deltaX);
+    if (this.#keys.changePace(-pixels)) return;
+    this.#glide = undefined;
+    if (!event.ctrlKey && (event.shiftKey || Math.abs(sideways) > Math.abs(pixels))) {
+      this.#scroll(sideways, pixels, event);
       return;
     }
-    if (!Object.hasOwn(heldKeys, place) || isTyping(event.target)) return;
-    if (event.ctrlKey || event.altKey || event.metaKey) return;
-    event.preventDefault();
-    this.#held.add(place);
+    const series = this.#wheelSeries(event);
+    series.left += pixels * wheelRate;
+    if (calm) this.#view.changeCamera(this.#wheelOn(camera, Infinity));
     this.#view.wake();
   }
 
-  /** The camera after `seconds` more of the keys that are held. */
-  advance(camera, seconds) {
-    const wanted = { ahead: 0, right: 0, up: 0, turn: 0, tilt: 0, zoom: 0 };
-    for (const code of this.#held) {
-      for (const [way, amount] of Object.entries(heldKeys[code])) wanted[way] += amount;
+  /** The point that this notch leads to: that of the last one, unless the cursor has gone on or a pause was made. */
+  #wheelSeries(event) {
+    const cursor = this.#cursor(event);
+    const series = this.#wheel;
+    const goesOn = series && !series.scrolls && event.timeStamp - series.time < wheelRestMs &&
+      Math.hypot(series.cursor.x - cursor.x, series.cursor.y - cursor.y) <= wheelSlack;
+    if (goesOn) series.time = event.timeStamp;
+    else this.#wheel = { anchor: this.#anchorAt(cursor), cursor, time: event.timeStamp, left: 0 };
+    return this.#wheel;
+  }
+
+  /** Two fingers on a touch pad, to the side, or a wheel with Shift: moves the picture. */
+  #scroll(sideways, pixels, event) {
+    const { camera } = this.#view;
+    const cursor = this.#cursor(event);
+    if (!this.#wheel?.scrolls || event.timeStamp - this.#wheel.time > wheelRestMs) {
+      this.#wheel = { scrolls: new Grip('pan', this.#anchorAt(cursor), cursor), time: 0, left: 0 };
     }
-    const { size, closest, looksAround } = this.#view;
-    const pace = Math.min(seconds, 0.1) * (this.#hurried ? hurry : 1);
-    const step = Math.max(camera.distance, closest) * keyMoveRate * pace;
-    const turn = size.height * keyTurnRate * pace;
-    let next = move(camera, { ahead: wanted.ahead * step, right: wanted.right * step, up: wanted.up * step });
-    if (wanted.turn || wanted.tilt) {
-      next = looksAround
-        ? look(next, -wanted.turn * 2 * turn, wanted.tilt * 2 * turn, size)
-        : orbit(next, -wanted.turn * turn, wanted.tilt * turn, size);
+    this.#wheel.time = event.timeStamp;
+    const step = { ...noStep(), x: -sideways, y: event.shiftKey && sideways !== 0 ? 0 : -pixels };
+    this.#view.changeCamera(this.#wheel.scrolls.move(camera, step, this.#world()));
+  }
+
+  #wheelOn(camera, milliseconds) {
+    const series = this.#wheel;
+    const { limits } = this.#view;
+    const share = Math.abs(series.left) < 2e-3 ? 1 : 1 - Math.exp(-milliseconds / wheelFadeMs);
+    const step = series.left * share;
+    series.left -= step;
+    const world = this.#world();
+    if (series.anchor.of === 'plane') world.limits = { ...limits, least: Math.max(limits.least, 0.1 * series.anchor.depth) };
+    return zoomed(camera, series.anchor.point, Math.exp(step), world);
+  }
+
+  // ---- jumps
+
+  #doubleClick(event) {
+    if (this.#view.camera) this.#jump(this.#cursor(event), event.shiftKey);
+  }
+
+  /** To the point there, stopping before it, or away from it. */
+  #jump(cursor, away) {
+    const { camera, pictures, limits } = this.#view;
+    const anchor = this.#anchorAt(cursor);
+    if (anchor.of === 'plane' && pictures[0] && !away) return; // there is nothing to go to
+    const held = focusOn(camera, anchor.point);
+    this.rest();
+    if (away) {
+      this.#view.goTo(zoomed(camera, anchor.point, 2.5, this.#world()));
+      return;
     }
-    if (wanted.zoom) {
-      const middle = { x: size.width / 2, y: size.height / 2 };
-      next = zoom(next, Math.exp(-wanted.zoom * keyZoomRate * pace), middle, size, closest);
-    }
-    return next;
+    const distance = Math.min(held.distance, Math.max(limits.least, held.distance * 0.4));
+    const next = centerOn(held, anchor.point, distance);
+    const orthographic = camera.projection === 'orthographic';
+    const free = orthographic || !pictures[0] || isSeenFree(pictures[0], anchor.point, eyeOf(next));
+    this.#view.goTo(free ? next : centerAhead(held, anchor.point, distance));
+  }
+
+  /** As a double-click in the middle. */
+  goToMiddle(away = false) {
+    const { camera, size } = this.#view;
+    if (camera) this.#jump({ x: size.width / 2, y: size.height / 2 }, away);
   }
 }

@@ -1,9 +1,15 @@
 // The canvas: sizes it, and draws frames on it in their order. A frame that is older than the one on screen is never
-// drawn, whatever order decoding finishes in.
+// drawn, whatever order decoding finishes in. While the viewer is elsewhere already, the newest frame is shown as it would
+// look from there (reprojection.js), on a canvas over this one.
+
+import { unpackDepth } from '../protocol/frame_depth.js';
+import { poseOf } from './pose.js';
+import { Reprojection } from './reprojection.js';
 
 const mostPixels = 3840 * 2160;
 const highestRatio = 2;
 const settleMs = 140;
+const whole = { x: 1, y: 1 };
 
 /** Pixels of the picture for an element of that many CSS pixels: sharp, but within reason. Pure. */
 export function pictureSize(width, height, ratio, limit = mostPixels) {
@@ -23,15 +29,24 @@ export class Picture {
   #limit = 0;
   #drawnFrame = 0;
   #bitmap;
+  #stretch = whole;
+  #reprojection;
   #generation = 0; // of the connection: frame ids start over with each
   #onResize;
   #settle;
+
+  /** Of the newest frame, in cells (frame_depth.js); undefined where it has none. It covers the frame's margin, too. */
+  depth;
+
+  /** From where it was drawn (pose.js), its margin included; undefined where nobody knows. */
+  pose;
 
   /** `onResize` is called when another size of picture is wanted, once the window has come to rest. */
   constructor(canvas, onResize) {
     this.#canvas = canvas;
     this.#context = canvas.getContext('2d', { alpha: true });
     this.#onResize = onResize;
+    this.#reprojection = new Reprojection(canvas);
     this.#adopt();
     new ResizeObserver(() => this.#resized()).observe(canvas);
   }
@@ -44,6 +59,11 @@ export class Picture {
   get size() {
     const { width, height } = this.cssSize;
     return pictureSize(width, height, devicePixelRatio, this.#limit);
+  }
+
+  /** That a picture may have, whatever the canvas. */
+  get mostPixels() {
+    return this.#limit > 0 ? Math.min(this.#limit, mostPixels) : mostPixels;
   }
 
   setLimit(maxPixels) {
@@ -61,10 +81,17 @@ export class Picture {
     return this.#bitmap === undefined;
   }
 
-  /** Decodes and draws; resolves to whether it was drawn. Rejects when the picture cannot be decoded. */
-  async show(frame) {
+  /**
+   * Decodes and draws; resolves to whether it was drawn. Rejects when the picture cannot be decoded.
+   * @param {{ camera, bounds, stretch?: { x: number, y: number } }} [from] whence it was drawn, if that is known, and by how much
+   *   it is wider and higher than what is to be seen of it
+   */
+  async show(frame, from) {
     const generation = this.#generation;
+    // A frame whose depth is not to be had is a picture all the same.
+    const unpacking = frame.packedDepth ? unpackDepth(frame.packedDepth).catch(() => undefined) : undefined;
     const bitmap = await createImageBitmap(new Blob([frame.picture], { type: 'image/jpeg' }));
+    const depth = await unpacking;
     if (generation !== this.#generation || frame.frameId <= this.#drawnFrame) {
       bitmap.close();
       return false;
@@ -72,19 +99,37 @@ export class Picture {
     this.#drawnFrame = frame.frameId;
     this.#bitmap?.close();
     this.#bitmap = bitmap;
+    this.#stretch = from?.stretch ?? whole;
+    const aspect = (bitmap.width / this.#stretch.x) / (bitmap.height / this.#stretch.y);
+    this.depth = depth;
+    this.pose = from && poseOf(from.camera, from.bounds, aspect, this.#stretch);
+    this.#reprojection.setFrame({ bitmap, depth, pose: this.pose });
     this.#draw();
     return true;
   }
 
-  /** Fills the canvas; a picture of another shape keeps its height, because the field of view is vertical. */
+  /** Shows the newest frame as it would look from there; itself, where it is from there. */
+  lookFrom(camera, bounds) {
+    this.#reprojection.show(poseOf(camera, bounds, this.#canvas.width / this.#canvas.height));
+  }
+
+  /** Shows the newest frame itself; until the next one it looks like that from nowhere else, where it `isOfAnother` cloud. */
+  showItself(isOfAnother = false) {
+    if (isOfAnother) this.#reprojection.setFrame(undefined);
+    this.#reprojection.hide();
+  }
+
+  /** Fills the canvas with the middle of the frame; one of another shape keeps its height, because the field of view is vertical. */
   #draw() {
     const { width, height } = this.#canvas;
     if (!this.#bitmap) return;
-    const scaled = (this.#bitmap.width * height) / this.#bitmap.height;
-    const drawn = Math.abs(scaled - width) <= 2 ? width : scaled;
+    const seen = { width: this.#bitmap.width / this.#stretch.x, height: this.#bitmap.height / this.#stretch.y };
+    const scaled = (seen.width * height) / seen.height;
+    const drawn = (Math.abs(scaled - width) <= 2 ? width : scaled) * this.#stretch.x;
+    const drawnHeight = height * this.#stretch.y;
     this.#context.imageSmoothingQuality = 'high';
     this.#context.clearRect(0, 0, width, height);
-    this.#context.drawImage(this.#bitmap, (width - drawn) / 2, 0, drawn, height);
+    this.#context.drawImage(this.#bitmap, (width - drawn) / 2, (height - drawnHeight) / 2, drawn, drawnHeight);
   }
 
   #adopt() {

@@ -43,17 +43,20 @@ export class ViewState {
     this.wanted = { ...this.wanted, ...changes };
   }
 
-  /** What to send now, or undefined when the server knows it all; `seq` is the number of the message it goes into. */
-  take(seq) {
-    const changes = difference(this.#sent, this.wanted);
+  /**
+   * What to send now, or undefined when the server knows it all; `seq` is the number of the message it goes into. `asked`: what
+   * stands for what is wanted, such as the same with a margin.
+   */
+  take(seq, asked = this.wanted) {
+    const changes = difference(this.#sent, asked);
     if (Object.keys(changes).length === 0) return undefined;
-    this.#sent = this.wanted;
+    this.#sent = asked;
     this.#waiting.set(seq, this.wanted);
     return changes;
   }
 
-  hasNews() {
-    return Object.keys(difference(this.#sent, this.wanted)).length > 0;
+  hasNews(asked = this.wanted) {
+    return Object.keys(difference(this.#sent, asked)).length > 0;
   }
 
   /** A frame of that view came: it and everything before it has been accepted. */

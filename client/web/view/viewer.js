@@ -8,7 +8,8 @@
 //   catalog     what the server offers: { clouds, pending, methods, colors, colormaps, shadings }
 //   clouds      the same, when only the list of clouds is another one
 //   cloud       what the server says of the cloud that is shown from now on, or of the same one as it is now
-//   missing     { cloud }: the id of one that was asked for and that this server does not have
+//   jump        another place is about to be shown, at once or by a short flight
+//   sought      { cloud }: one is asked for that cannot be shown yet, or not at all; `connection` tells more
 //   view        { by }: another view is wanted; by 'hand', 'style', 'program' (a flight, a restored view) or 'server'
 //   camera      the same, of the camera alone, with every step of it: { by }
 //   asked       { seq }: the server has been told
@@ -17,15 +18,25 @@
 //   stats, problem  as the protocol has them
 
 import { Session } from '../connection/session.js';
-import { between, fit, fittedInto, fromProtocol, radiusOf, standardView, toProtocol } from './camera.js';
+import { styleKeys } from '../protocol/view_words.js';
+import { leastDistanceTo, mostDistanceTo } from './anchor.js';
+import { FirstViews } from './first_views.js';
+import { between, fit, fittedInto, fromProtocol, radiusOf, standardView } from './camera.js';
 import { CameraInput } from './camera_input.js';
+import { cameraOf, wireOf } from './camera_words.js';
+import { withMargin } from './margin.js';
 import { Picture } from './picture.js';
+import { remembering, seenFrom } from './seen.js';
 import { ViewState } from './view_state.js';
 
-const styleKeys = ['method', 'param', 'color', 'colormap', 'range', 'shading', 'mirrors', 'behindMirrors', 'background', 'detail'];
 /** What stays when somebody goes to another cloud, if he chose it: a way of drawing; nothing that only one of them may have. */
-const lastingKeys = ['method', 'param', 'shading', 'mirrors', 'behindMirrors', 'background', 'detail', 'colormap'];
+const lastingKeys = ['method', 'param', 'shading', 'mirrors', 'behindMirrors', 'background', 'detail', 'colormap', 'budget', 'samples',
+  'quality', 'subsampling'];
+/** Kinds of scenes below which there is nothing to be seen; one may walk around a thing below, too. */
+const groundKinds = ['airborne', 'street'];
 const flightMs = 260;
+const restMs = { free: 80, held: 300 }; // after its last step the camera is at rest; the hand may still be on it
+const firstViewPatienceMs = 500;
 const loadingPollMs = 2000;
 const unitBox = { min: [-1, -1, -1], max: [1, 1, 1] };
 
@@ -33,6 +44,10 @@ const pick = (view, keys) => Object.fromEntries(keys.map((key) => [key, view?.[k
 
 /** The style in which the server would show the cloud by itself. */
 const usualStyle = (of) => pick(of?.view, styleKeys);
+
+/** `style` with some members changed; of the light, a change may say a part. */
+const restyled = (style, changes = {}) =>
+  ({ ...style, ...changes, ...(changes.light ? { light: { ...style.light, ...changes.light } } : {}) });
 
 /** The axis that the server takes for up, which it tells by its default view. */
 function usualUpAxis(of) {
@@ -42,7 +57,6 @@ function usualUpAxis(of) {
 
 export class Viewer extends EventTarget {
   #canvas;
-  #freeSize;
   #state = new ViewState();
   #picture;
   #session;
@@ -53,50 +67,84 @@ export class Viewer extends EventTarget {
   #cloud; // what the server says of the cloud on screen
   #camera; // undefined until there is something to look at
   #flight; // { from, to, start } while the camera flies by itself
-  #asked = new Map(); // seq → camera, of views whose pictures may still come
-  #onScreen; // { camera, seq }: from where the picture on the canvas was drawn
-  #restore; // { cloud, camera, style }: a view to begin with, once connected
+  #nextList; // timer of the next question for the list, while one is loading
+  #asked = new Map(); // seq → { camera, stretch }, of views whose pictures may still come; stretch where they have a margin
+  #onScreen; // { camera, stretch, seq, depth }: from where the picture on the canvas was drawn, and its depth if it has any
+  #pictures = []; // what the latest pictures have seen of the surface (seen.js), the newest first
+  #firstViews;
+  #next; // of the calls of #showSoon(), the last one's
+  #restore; // { cloud, camera, upAxis, style }: a view to begin with, once connected
   #moved = false; // by somebody; else the camera is the one that the server chose
   #styled = false; // the same of the style
   #firstWanted = 0; // frames of earlier views are not what the user asked for
   #scheduled = false;
   #lastTick = 0;
+  #steered = -Infinity; // when the camera made its last step
+  #hasMargins = true; // as long as the server draws them
 
   /** Whether dragging turns the head instead of the cloud. */
   looksAround = false;
 
-  /** `freeSize(cssSize)`: the part of the canvas, in its middle, that nothing lies over; a fitted cloud fills that. */
-  constructor(canvas, { freeSize = (size) => size } = {}) {
+  /** Whether surfaces stop who moves; else he passes through them. */
+  collides = true;
+
+  /** freeSize(cssSize): the part of the canvas, in its middle, that nothing lies over; a fitted cloud fills that. */
+  freeSize = (cssSize) => cssSize;
+
+  /** What may be moved by hand: nothing where this is false. */
+  steerable = true;
+
+  /**
+   * @param {HTMLCanvasElement} canvas
+   * @param {import('../connection/server.js').Server} server whose clouds are shown
+   * @param {EventTarget} keys whose key events steer the view: the window's, or one element's
+   */
+  constructor(canvas, server, keys = globalThis) {
     super();
+    this.server = server;
     this.#canvas = canvas;
-    this.#freeSize = () => freeSize(this.#picture.cssSize);
     this.#picture = new Picture(canvas, ({ width, height }) => {
       this.#state.change({ width, height });
+      if (!this.#moved) this.#refit();
       this.#wake();
     });
-    this.#session = new Session({
-      state: (now) => this.#tell('connection', now),
+    this.#firstViews = new FirstViews(server);
+    this.#session = new Session(server, {
+      state: (now) => {
+        this.#reproject(); // nothing newer is on its way where there is no connection
+        this.#tell('connection', now);
+      },
+      expect: (cloud) => this.#firstViews.load(cloud, this.#free),
       catalog: (fresh) => this.#catalogCame(fresh),
       clouds: (fresh) => this.#cloudsCame(fresh),
       hello: () => {
         const { width, height, ratio } = this.#picture.size;
-        return { width, height, pixelRatio: Math.min(8, Math.max(0.25, ratio)) };
+        return { width, height, pixelRatio: Math.min(8, Math.max(0.25, ratio)), depth: true };
       },
       welcome: (message) => this.#welcome(message),
       frame: (frame) => this.#showFrame(frame),
       problem: (message) => this.#refused(message),
-      stats: (stats) => this.#tell('stats', stats),
+      // Those of a picture of another cloud say nothing about this one.
+      stats: (stats) => stats.seq >= this.#firstWanted && this.#tell('stats', stats),
     });
     const viewer = this;
     this.#input = new CameraInput(canvas, {
-      get camera() { return viewer.#session.connection ? viewer.#camera : undefined; },
+      get camera() { return viewer.steerable && viewer.#session.connection ? viewer.#camera : undefined; },
       get size() { return viewer.#picture.cssSize; },
-      get closest() { return Math.max((viewer.#cloud?.spacing ?? 0) * 20, radiusOf(viewer.bounds) * 1e-4); },
+      get pictures() { return viewer.#pictures; },
+      get limits() {
+        const { bounds } = viewer;
+        const size = { bounds, spacing: viewer.#cloud?.spacing };
+        const hasGround = groundKinds.includes(viewer.#cloud?.look?.kind);
+        return { bounds, hasGround, least: leastDistanceTo(size), most: mostDistanceTo(size) };
+      },
+      get collides() { return viewer.collides; },
+      get calm() { return viewer.#calm.matches; },
       get looksAround() { return viewer.looksAround; },
       changeCamera: (next) => this.changeCamera(next),
       goTo: (next) => this.goTo(next, 'hand'),
       wake: () => this.#wake(),
-    });
+    }, keys);
   }
 
   // ---- what there is
@@ -106,7 +154,17 @@ export class Viewer extends EventTarget {
   get camera() { return this.#camera; }
   /** All that is asked for, as the protocol has it. */
   get view() { return this.#state.wanted; }
+  /** The part of the canvas that nothing lies over. */
+  get #free() { return this.freeSize(this.#picture.cssSize); }
   get bounds() { return this.#cloud?.bounds ?? unitBox; }
+  /** What is asked for, as restore() takes it - in flight, where that leads to; undefined where nothing is shown. */
+  get place() {
+    if (!this.#camera || !this.#cloud) return undefined;
+    const camera = this.#flight?.to ?? this.#camera;
+    return { cloud: this.#cloud.id, camera: wireOf(camera, this.bounds), upAxis: camera.upAxis, style: pick(this.view, styleKeys) };
+  }
+  /** Nobody has moved the camera or chosen a style: this is how the server shows the cloud. */
+  get isUntouched() { return !this.#moved && !this.#styled; }
   /** Pixels of the picture. */
   get pictureSize() { return this.#picture.size; }
   /** Nothing has been drawn yet. */
@@ -117,15 +175,21 @@ export class Viewer extends EventTarget {
     const theirs = fromProtocol(of.view?.camera, usualUpAxis(of)) ?? fromProtocol({ eye: [1, -2, 1], target: [0, 0, 0] });
     const first = of.look?.views?.[0];
     const { cssSize } = this.#picture;
-    if (!first || upAxis !== usualUpAxis(of)) return fit({ ...theirs, upAxis }, of.bounds, cssSize, this.#freeSize());
-    return first.inside ? theirs : fittedInto(theirs, cssSize, this.#freeSize());
+    if (!first || upAxis !== usualUpAxis(of)) return fit({ ...theirs, upAxis }, of.bounds, cssSize, this.#free);
+    if (first.inside) return theirs;
+    const free = this.#free;
+    return this.#firstViews.first(of, cssSize, free, upAxis) ?? fittedInto(theirs, cssSize, free);
   }
 
   // ---- what one may do
 
-  /** Connects. `restore`, { cloud, camera, style }, each of which may be missing: what to show first. */
+  /**
+   * Connects, anew where it is connected. `restore`, { cloud, camera, upAxis, style }, each of which may be missing: what to
+   * show first, the camera in the protocol's words, or some of them.
+   */
   start(restore) {
     this.#restore = restore;
+    this.#flight = undefined;
     this.#session.start(restore?.cloud);
   }
 
@@ -133,34 +197,83 @@ export class Viewer extends EventTarget {
     this.#session.retryNow();
   }
 
-  /** The server asked for an access token: here it is. */
-  unlock(token) {
-    this.#session.unlock(token);
+  /** Asks once more for the list of clouds: `clouds` tells it. */
+  refreshClouds() {
+    return this.#session.refreshCatalog();
   }
 
-  /** Shows another cloud of the list, as the server would show it. False where there is none of that id. */
+  /** Goes out: as if nobody had ever given a token. */
+  forgetToken() {
+    this.#session.lock();
+  }
+
+  /** The server asked for an access token: here it is; `remember` keeps it on this device. */
+  unlock(token, remember = false) {
+    this.#session.unlock(token, remember);
+  }
+
+  /** Shows another cloud, as the server would show it; where it cannot be shown, `connection` tells why. */
   open(id) {
-    const next = this.#catalog.clouds.find((one) => one.id === id);
-    if (!next) return false;
-    if (next === this.#cloud) return true;
-    this.#flight = undefined;
-    this.#moved = false;
-    this.#cloud = next;
-    this.#session.remember(id);
-    this.#camera = this.usualCamera();
-    this.#begin({ ...usualStyle(next), ...(this.#styled ? pick(this.view, lastingKeys) : {}) });
-    return true;
+    if (this.#isShown(id)) return;
+    this.#tell('jump');
+    const style = this.#styled && this.#cloud ? pick(this.view, lastingKeys) : {};
+    if (this.#canShow(id)) this.#showSoon({ cloud: id, style });
+    else {
+      this.#tell('sought', { cloud: id });
+      this.start({ cloud: id, style });
+    }
   }
 
-  /** A view from elsewhere, { cloud, camera, style }: a link, the browser's history. What it leaves out stays. */
-  restore({ cloud, camera, style = {} }) {
-    if (!this.#cloud) return;
-    if (cloud && cloud !== this.#cloud.id && !this.open(cloud)) {
-      this.#tell('missing', { cloud });
+  /**
+   * A view from elsewhere, { cloud, camera, upAxis, style }: a link, the browser's history. Of the style, what it leaves out
+   * is as the server has it; a camera that it leaves out stays.
+   */
+  restore(link) {
+    const id = link.cloud ?? this.#cloud?.id;
+    if (!this.#isShown(id)) {
+      if (this.#canShow(id)) this.#showSoon({ ...link, cloud: id });
+      else this.start({ ...link, cloud: id });
       return;
     }
-    if (camera) this.goTo(camera);
-    this.changeStyle(style, 'program');
+    const camera = link.camera && this.#cameraOf(link);
+    if (camera) this.#flyTo(camera, 'program');
+    this.changeStyle(restyled(usualStyle(this.#cloud), link.style), 'program');
+  }
+
+  #isShown(id) {
+    return this.#session.connection !== undefined && this.#cloud !== undefined && id === this.#cloud.id;
+  }
+
+  #canShow(id) {
+    return this.#session.connection !== undefined && this.#camera !== undefined && this.#catalog.clouds.some((one) => one.id === id);
+  }
+
+  /** As soon as it is known how that cloud fills this canvas; of two that are asked for at once, the last one. */
+  async #showSoon(link) {
+    this.#next = link;
+    const find = () => this.#catalog.clouds.find((one) => one.id === link.cloud);
+    const patience = new Promise((done) => { setTimeout(done, firstViewPatienceMs); });
+    await Promise.race([this.#firstViews.load(find(), this.#free), patience]);
+    if (this.#next !== link) return;
+    this.#next = undefined;
+    if (this.#canShow(link.cloud)) this.#show(link, find());
+    else this.start(link);
+  }
+
+  #show(link, cloud) {
+    this.#flight = undefined;
+    this.#cloud = cloud;
+    this.#session.remember(link.cloud);
+    const camera = link.camera && this.#cameraOf(link);
+    this.#moved = Boolean(camera);
+    this.#styled = Object.keys(link.style ?? {}).length > 0;
+    this.#camera = camera ?? this.usualCamera();
+    this.#begin(restyled(usualStyle(this.#cloud), link.style));
+  }
+
+  /** The camera that a link says, with the usual one for what it leaves out. */
+  #cameraOf({ camera, upAxis }) {
+    return cameraOf(camera, wireOf(this.usualCamera(), this.bounds), upAxis);
   }
 
   /** `changes`: members of a view that are no camera; null leaves one to the server. */
@@ -181,14 +294,31 @@ export class Viewer extends EventTarget {
     this.#moved = true;
     this.#flight = undefined;
     this.#camera = next;
-    this.#state.change({ camera: toProtocol(next, this.bounds) });
+    this.#steered = performance.now();
+    this.#state.change({ camera: wireOf(next, this.bounds) });
     this.#tell('camera', { by });
     this.#tell('view', { by });
     this.#wake();
   }
 
+  /** Nobody has moved, and the canvas is of another size: as the server would show the cloud in that. */
+  #refit() {
+    if (!this.#camera || !this.#cloud || this.#flight) return;
+    this.#camera = this.usualCamera();
+    this.#state.change({ camera: wireOf(this.#camera, this.bounds) });
+    this.#tell('camera', { by: 'server' });
+    this.#tell('view', { by: 'server' });
+  }
+
   /** A jump, shown as a short flight so that one sees where it leads. */
   goTo(next, by = 'program') {
+    if (!this.#camera) return;
+    this.#tell('jump');
+    this.#flyTo(next, by);
+  }
+
+  #flyTo(next, by) {
+    this.#input.rest();
     if (this.#calm.matches) {
       this.changeCamera(next, by);
       return;
@@ -203,16 +333,31 @@ export class Viewer extends EventTarget {
     if (next && this.#camera) this.goTo(next);
   }
 
-  /** 'fit', 'top', 'front' or 'side': all of the cloud. */
+  /** One of the views that the cloud's look names, { camera, inside }: fitted to this canvas, unless it stands inside. */
+  showView({ camera, inside }) {
+    const next = fromProtocol(camera, this.#camera?.upAxis ?? 'z');
+    if (!next || !this.#camera) return;
+    this.goTo(inside ? next : fittedInto(next, this.#picture.cssSize, this.#free));
+  }
+
+  /** 'fit', 'first' (as the server would show it) or a name that standardView() knows: all of the cloud. */
   showStandardView(name) {
     if (!this.#camera || !this.#cloud) return;
-    const room = [this.bounds, this.#picture.cssSize, this.#freeSize()];
-    this.goTo(name === 'fit' ? this.#everything(room) : standardView(this.#camera, name, ...room));
+    const room = [this.bounds, this.#picture.cssSize, this.#free];
+    if (name === 'first') this.goTo(this.usualCamera(this.#cloud, this.#camera.upAxis));
+    else this.goTo(name === 'fit' ? this.#everything(room) : standardView(this.#camera, name, ...room));
+  }
+
+  /** Towards what is in the middle of the picture, or away from it. */
+  goToMiddle(away = false) {
+    this.#input.goToMiddle(away);
   }
 
   /** 'z', 'y' or '-y': from where the server would look, if that axis were up. */
   turnUp(axis) {
-    if (this.#cloud) this.changeCamera(this.usualCamera(this.#cloud, axis));
+    if (!this.#cloud) return;
+    this.#tell('jump');
+    this.changeCamera(this.usualCamera(this.#cloud, axis));
   }
 
   toggleProjection() {
@@ -249,8 +394,9 @@ export class Viewer extends EventTarget {
 
   #askAgainWhileLoading() {
     const { clouds, pending } = this.#catalog;
+    clearTimeout(this.#nextList);
     if ([...clouds, ...pending].some((entry) => entry.state === 'loading'))
-      setTimeout(() => this.#session.refreshCatalog(), loadingPollMs);
+      this.#nextList = setTimeout(() => this.refreshClouds(), loadingPollMs);
   }
 
   #welcome(message) {
@@ -261,19 +407,23 @@ export class Viewer extends EventTarget {
     const link = this.#restore;
     this.#restore = undefined;
     const restored = link && (!link.cloud || link.cloud === this.#cloud.id) ? link : undefined;
-    if (link?.cloud && !restored) this.#tell('missing', { cloud: link.cloud });
     if (restored || !known || !this.#camera) {
-      this.#moved = this.#styled = Boolean(restored);
-      this.#camera = restored?.camera ?? this.usualCamera();
+      const camera = restored?.camera && this.#cameraOf(restored);
+      this.#moved = Boolean(camera);
+      this.#styled = Object.keys(restored?.style ?? {}).length > 0;
+      this.#camera = camera ?? this.usualCamera();
     }
     const style = known && !restored ? pick(this.view, styleKeys) : usualStyle(this.#cloud);
-    this.#begin({ ...style, ...restored?.style });
+    this.#begin(restyled(style, restored?.style));
   }
 
   /** The cloud as it is now, of which a first part was shown; who has not moved yet sees it as the server would show it. */
-  #renew() {
-    const fresh = this.#catalog.clouds.find((one) => one.id === this.#cloud?.id);
-    if (!fresh || fresh.revision === this.#cloud.revision) return;
+  async #renew() {
+    const find = () => this.#catalog.clouds.find((one) => one.id === this.#cloud?.id);
+    if (!find() || find().revision === this.#cloud.revision) return;
+    if (this.isUntouched) await this.#firstViews.load(find(), this.#free);
+    const fresh = find();
+    if (!fresh || fresh.revision === this.#cloud.revision) return; // it went on meanwhile
     this.#cloud = fresh;
     if (this.#moved || this.#styled) {
       this.#tell('cloud', fresh);
@@ -286,9 +436,12 @@ export class Viewer extends EventTarget {
   /** From here on the server shows this cloud, with that style, from where the camera is. */
   #begin(style) {
     const { width, height } = this.#picture.size;
-    this.#state.begin({ cloud: this.#cloud.id, camera: toProtocol(this.#camera, this.bounds), width, height, ...style });
+    this.#state.begin({ cloud: this.#cloud.id, camera: wireOf(this.#camera, this.bounds), width, height, ...style });
     this.#firstWanted = this.#session.connection?.nextSeq ?? 0;
     this.#asked.clear();
+    this.#pictures = [];
+    this.#input.rest();
+    this.#picture.showItself(true);
     this.#tell('cloud', this.#cloud);
     this.#tell('view', { by: 'server' });
     this.#wake();
@@ -307,9 +460,27 @@ export class Viewer extends EventTarget {
     const seconds = Math.min(0.1, Math.max(0, (now - this.#lastTick) / 1000));
     this.#lastTick = now;
     if (this.#flight) this.#fly();
-    else if (this.#input.keysAreHeld && this.#camera) this.changeCamera(this.#input.advance(this.#camera, seconds));
+    else if (this.#input.isMoving && this.#camera) this.changeCamera(this.#input.advance(this.#camera, seconds, now));
     this.#send();
-    if (this.#flight || this.#input.keysAreHeld || (this.#session.connection && this.#state.hasNews())) this.#wake();
+    this.#reproject();
+    const isOwed = this.#session.connection && (this.#isSteered || this.#state.hasNews());
+    if (this.#flight || this.#input.isMoving || isOwed) this.#wake();
+  }
+
+  get #isSteered() {
+    return performance.now() - this.#steered < (this.#input.isHeld ? restMs.held : restMs.free);
+  }
+
+  /** What to ask for: what is wanted, and around it, while the camera moves, what may come into view next. */
+  #wantedNow() {
+    const isMoving = this.#isSteered && this.#hasMargins && !this.#calm.matches;
+    return (isMoving && withMargin(this.view, this.#picture.mostPixels)) || { view: this.view, stretch: undefined };
+  }
+
+  /** While the picture from here is on its way, the last one as it would look from here. */
+  #reproject() {
+    if (this.#camera && this.#session.connection && !this.#calm.matches) this.#picture.lookFrom(this.#camera, this.bounds);
+    else this.#picture.showItself();
   }
 
   #fly() {
@@ -325,10 +496,11 @@ export class Viewer extends EventTarget {
     const { connection } = this.#session;
     // While the line is full, requests overwrite each other here: the next tick sends the newest.
     if (!connection || !this.#camera || connection.congested) return;
-    const changes = this.#state.take(connection.nextSeq);
+    const { view, stretch } = this.#wantedNow();
+    const changes = this.#state.take(connection.nextSeq, view);
     if (!changes) return;
     const seq = connection.sendView(changes);
-    this.#asked.set(seq, this.#camera);
+    this.#asked.set(seq, { camera: this.#camera, stretch });
     this.#canvas.dataset.asked = String(seq);
     this.#tell('asked', { seq });
   }
@@ -338,15 +510,19 @@ export class Viewer extends EventTarget {
   async #showFrame(frame) {
     const { connection } = this.#session;
     try {
-      if (frame.seq >= this.#firstWanted && (await this.#picture.show(frame))) {
+      const { camera, stretch } = this.#asked.get(frame.seq) ?? this.#onScreen ?? {};
+      const from = camera && { camera, bounds: this.bounds, stretch };
+      if (frame.seq >= this.#firstWanted && (await this.#picture.show(frame, from))) {
+        this.#reproject();
         this.#state.shown(frame.seq);
-        this.#onScreen = { camera: this.#asked.get(frame.seq) ?? this.#onScreen?.camera, seq: frame.seq };
+        this.#onScreen = { camera, stretch, seq: frame.seq, depth: this.#picture.depth };
+        this.#see(camera);
         for (const seq of this.#asked.keys()) {
           if (seq < frame.seq) this.#asked.delete(seq);
         }
         this.#canvas.dataset.shown = String(frame.seq);
         this.#canvas.dataset.frame = String(frame.frameId);
-        this.#tell('frame', { ...frame, current: frame.seq === connection?.nextSeq - 1 });
+        this.#tell('frame', { ...frame, current: frame.seq === connection?.nextSeq - 1 && !stretch });
       }
     } catch {
       this.#tell('unreadable');
@@ -355,14 +531,27 @@ export class Viewer extends EventTarget {
     connection?.acknowledge(frame.frameId);
   }
 
+  /** What the picture that has just been drawn says of the surface, for the hand. */
+  #see(camera) {
+    const { depth, pose } = this.#picture;
+    if (depth && pose) this.#pictures = remembering(this.#pictures, seenFrom(camera, depth, pose));
+  }
+
   #refused(message) {
-    this.#tell('problem', message.problem);
     const { seq } = message;
+    if (this.#asked.get(seq)?.stretch) {
+      // It may be the margin that is too much, and nobody but this page asked for that.
+      this.#hasMargins = false;
+      this.#state.resend();
+      this.#wake();
+      return;
+    }
+    this.#tell('problem', message.problem);
     if (seq === undefined || !this.#cloud) return;
-    const sound = { ...this.view, ...usualStyle(this.#cloud), camera: toProtocol(this.usualCamera(), this.bounds) };
+    const sound = { ...this.view, ...usualStyle(this.#cloud), camera: wireOf(this.usualCamera(), this.bounds) };
     if (!this.#state.refused(seq, sound)) return;
     this.#cloud = this.#catalog.clouds.find((one) => one.id === this.view.cloud) ?? this.#cloud;
-    this.#camera = fromProtocol(this.view.camera, this.#camera.upAxis) ?? this.#camera;
+    this.#camera = cameraOf(this.view.camera, undefined, this.#camera.upAxis) ?? this.#camera;
     this.#tell('cloud', this.#cloud);
     this.#tell('view', { by: 'server' });
     this.#wake();

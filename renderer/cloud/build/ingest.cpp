@@ -125,6 +125,8 @@ Expected<IngestReport> build(std::vector<std::unique_ptr<PointSource>> sources, 
     IngestReport report;
     report.facts = std::move(built->facts);
     report.facts.title = options.title.empty() ? options.output.stem().string() : options.title;
+    report.facts.attribution = options.attribution;
+    report.facts.recorded = options.recorded;
     report.facts.mirrors = options.mirrors;
     report.facts.revision = revisionOf(report.facts, built->octree);
     if (auto ok = (*file)->finish(report.facts, built->octree.nodes, built->octree.planes, stop); !ok)

@@ -26,10 +26,11 @@ struct IngestOptions {
     std::filesystem::path output{};
     /// Folder for temporary files; empty = the output's.
     std::filesystem::path scratch{};
-    Readers readers = Readers::AsUsual;  ///< of the output
-    std::string title{};                 ///< empty = the output's stem
-    int threads = 0;                     ///< 0 = all cores
-    std::uint64_t memoryLimit = 0;       ///< bytes; 0 = half of the machine's memory
+    Readers readers = Readers::AsUsual;     ///< of the output
+    std::string title{};                    ///< empty = the output's stem
+    std::string attribution{}, recorded{};  ///< as CloudFacts has them
+    int threads = 0;                        ///< 0 = all cores
+    std::uint64_t memoryLimit = 0;          ///< bytes; 0 = half of the machine's memory
     OctreeShape shape{};
     std::vector<Mirror> mirrors{};
     bool photos = true;                ///< there is to be room for those of the sources

@@ -81,6 +81,8 @@ void addRare(const CloudFacts& f, Json& json) {
     if (f.scanner) json["scanner"] = vectorJson(*f.scanner);
     if (f.sides) json["sides"] = {{"by", std::string(nameOf(f.sides->by))}, {"sure", f.sides->sure}};
     if (f.look) json["look"] = toJson(*f.look);
+    if (!f.attribution.empty()) json["attribution"] = f.attribution;
+    if (!f.recorded.empty()) json["recorded"] = f.recorded;
     for (const ValuePlane& plane : planesOf(f)) json["planes"].push_back(planeJson(plane));
 }
 
@@ -234,6 +236,9 @@ void takeRare(FactsFields& fields, CloudFacts& facts) {
     if (fields.has("constant"))
         takeConstant({*fields.find("constant"), fields.member("constant"), fields.fault()}, facts.constant);
     if (fields.has("notes")) takeNotes(fields, facts.notes);
+    if (fields.has("attribution")) fields.text("attribution", facts.attribution, longestAttribution);
+    if (fields.has("recorded")) fields.text("recorded", facts.recorded);
+    if (const auto date = checkRecorded(facts.recorded); !date) fields.blame("recorded", "is no date");
     if (fields.has("usual"))
         takeUsual({*fields.find("usual"), fields.member("usual"), fields.fault()}, facts.usual.emplace());
     if (fields.has("scanner")) fields.vector("scanner", facts.scanner.emplace());

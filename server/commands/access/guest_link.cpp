@@ -51,24 +51,22 @@ Expected<void> runGuestLink(const LinkArguments& arguments) {
 void addGuestLink(CLI::App& app, int& exitCode) {
     const auto arguments = std::make_shared<LinkArguments>();
     auto* command =
-        app.add_subcommand("guest-link", "Make a link by which a guest sees one cloud for a while");
+        app.add_subcommand("guest-link", "Make a link that shows one cloud to a guest for a while");
     command->footer(
-        "The server has to know the key: serve --guest-key-file. What lets a guest in stands behind the # of "
-        "the link, "
-        "which browsers send nowhere. Take the key away, and all links that it signed are void.\n"
+        "The server must know the key: serve --guest-key-file. What lets a guest in stands after the # of "
+        "the link, which browsers never send anywhere. Remove the key, and all links that it signed are "
+        "void.\n"
         "Example: (umask 077; scancast token guests-2026 > guest-keys)\n"
         "         scancast serve town.scan --auth-token-file tokens --guest-key-file guest-keys\n"
         "         scancast guest-link --key-file guest-keys --cloud town --expires 7d --url "
         "https://scans.example.org/");
-    command->add_option("--key-file", arguments->keyFile, "File with the key, the first of which signs")
+    command->add_option("--key-file", arguments->keyFile, "File with the keys; the first one signs")
         ->required()
         ->type_name("FILE");
-    command->add_option("--cloud", arguments->cloud, "Id of the cloud that the guest sees")
+    command->add_option("--cloud", arguments->cloud, "ID of the cloud that the guest sees")
         ->required()
         ->type_name("ID");
-    command
-        ->add_option("--expires", arguments->expires,
-                     "From when on nobody looks by it any more: 90m, 12h, 7d")
+    command->add_option("--expires", arguments->expires, "How long the link works: 90m, 12h, 7d")
         ->type_name("TIME")
         ->capture_default_str();
     command->add_option("--url", arguments->url, "The server, as the guest's browser reaches it")

@@ -19,14 +19,14 @@ Expected<void> runToken(const std::string& name) {
 
 void addToken(CLI::App& app, int& exitCode) {
     const auto name = std::make_shared<std::string>();
-    auto* command = app.add_subcommand("token", "Make an access token that nobody guesses");
+    auto* command = app.add_subcommand("token", "Make an access token that nobody can guess");
     command->footer(
-        "Prints NAME and 256 random bits, as --auth-token-file and --admin-token-file have them. Whose "
-        "request "
-        "it was stands under that name in the log; take the line away, and that one is let in no more.\n"
+        "Prints NAME and 256 random bits, as --auth-token-file and --admin-token-file expect them. The log "
+        "names requests by NAME. Remove the line, and that token is no longer accepted.\n"
         "Example: (umask 077; scancast token alice >> tokens)\n"
         "         scancast serve town.scan --auth-token-file tokens");
-    command->add_option("NAME", *name, "Whose it is, or what for: letters, digits, '.', '_' and '-'")
+    command
+        ->add_option("NAME", *name, "Whose token it is, or what it is for: letters, digits, '.', '_' and '-'")
         ->required()
         ->type_name("");
     command->callback([name, &exitCode] {

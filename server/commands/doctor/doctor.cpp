@@ -44,7 +44,7 @@ int run(CLI::App& command, DoctorArguments& arguments) {
 void addDoctor(CLI::App& app, int& exitCode) {
     const auto arguments = std::make_shared<DoctorArguments>();
     CLI::App* command = app.add_subcommand(
-        "doctor", "Look whether this machine has what serve needs, with the mend for each problem");
+        "doctor", "Check whether this machine has what serve needs, and say how to fix each problem");
     command->footer(
         "Takes what serve takes, and serves nothing. A line for each thing: ok; warning, with which it "
         "serves all\n"
@@ -54,7 +54,7 @@ void addDoctor(CLI::App& app, int& exitCode) {
         "  scancast doctor --config /etc/scancast.json\n"
         "  scancast doctor town.scan --host 0.0.0.0 --auth-token-file token --json");
     addServeFlags(*command, arguments->serve);
-    command->add_flag("--json", arguments->json, "One JSON object on standard output instead of text");
+    command->add_flag("--json", arguments->json, "Print one JSON object instead of text");
     command->callback([command, arguments, &exitCode] { exitCode = run(*command, *arguments); });
 }
 

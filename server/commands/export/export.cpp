@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <memory>
 
+#include "protocol/text/grouped.hpp"
 #include "protocol/view/view_words.hpp"
 #include "renderer/cloud/export/export_points.hpp"
 #include "renderer/cloud/import/open_scan.hpp"
@@ -113,8 +114,8 @@ Expected<void> runExport(const ExportArguments& arguments) {
         return fail(ErrorCode::Cancelled, "Interrupted; nothing was left behind.");
     if (!report) return passOn(report);
     if (arguments.quiet) return {};
-    tell("{}: {} points, {}, {:.1f} s ({:.2f} M points/s)\n",
-         arguments.output == "-" ? "standard output" : arguments.output, report->points,
+    tell("{}: {}, {}, {:.1f} s ({:.2f} M points/s)\n",
+         arguments.output == "-" ? "standard output" : arguments.output, counted(report->points, "point"),
          byteSizeText(report->bytes), report->seconds,
          double(report->points) / std::max(report->seconds, 1e-9) / 1e6);
     for (const std::string& loss : report->losses) tell("Not as the scan was: {}.\n", loss);
@@ -122,14 +123,12 @@ Expected<void> runExport(const ExportArguments& arguments) {
 }
 
 constexpr const char* exportFooter =
-    "Every point of the scan is written once, with all that its cloud file keeps: position, colour, "
-    "intensity, class, "
-    "its own normals, and the columns of ingest --keep-attributes, in LAS as its fields and as extra bytes. "
-    "What a cloud "
-    "file has not kept is told at the end: 16 bits of a colour (8 are), positions in leaves that are wider "
-    "than 16 bits of "
-    "the scan's grid (rounded), columns. ingest --exact keeps all of it.\n"
-    "LAZ, COPC and E57 are not written: pdal translate out.las out.laz makes LAZ of LAS.\n"
+    "Every point of the scan is written once, with everything that its cloud file keeps: position, colour, "
+    "intensity, class, the scan's own normals, and the columns of ingest --keep-attributes (in LAS, as "
+    "fields and extra bytes). Whatever the cloud file has not kept is listed at the end: 16-bit colours (8 "
+    "bits are kept), positions in leaves wider than 16 bits of the scan's grid (rounded), columns. ingest "
+    "--exact keeps all of it.\n"
+    "LAZ, COPC and E57 cannot be written. To turn LAS into LAZ: pdal translate out.las out.laz\n"
     "Examples:\n"
     "  scancast export town.scan -o town.las\n"
     "  scancast export town.scan -o roofs.ply --clip 389400,5819700,40,389500,5819800,90 --classes 6\n"
@@ -148,30 +147,28 @@ void addExport(CLI::App& app, int& exitCode) {
         ->type_name("CLOUD");
     command
         ->add_option("-o,--output", arguments->output,
-                     "File to write, by its name LAS (.las), PLY (.ply), CSV (.csv) or text with blanks "
-                     "(.txt, .xyz); - for "
-                     "standard output")
+                     "File to write: LAS (.las), PLY (.ply), CSV (.csv) or space-separated text (.txt, "
+                     ".xyz); - for standard output")
         ->required()
         ->type_name("FILE");
     command
         ->add_option("--format", arguments->format,
-                     "las (1.4, the point format that what is known needs), ply (binary, doubles), csv, txt; "
-                     "by default "
-                     "what the name says")
+                     "las (1.4, in the point format that the attributes need), ply (binary, doubles), csv or "
+                     "txt. Default: what the file's name says")
         ->check(CLI::IsMember({"las", "ply", "csv", "txt"}))
         ->type_name("FORMAT");
     command
         ->add_option("--clip,--box", arguments->clip,
-                     "Only what lies inside this box, in the coordinates of the file, its faces included")
+                     "Only points inside this box, its faces included, in the file's coordinates")
         ->type_name("X0,Y0,Z0,X1,Y1,Z1");
     command->add_option("--classes", arguments->classes, "Only these classifications: 2,6")
         ->type_name("N,N,...");
     command->add_flag("--normals", arguments->normals,
-                      "Also the normals that ingest estimated; a scan's own are always written");
+                      "Also write the normals that ingest estimated; a scan's own are always written");
     addImporterFlags(*command, arguments->importer, false);
-    command->add_flag("-f,--force", arguments->force, "Replace the file if it is there");
+    command->add_flag("-f,--force", arguments->force, "Replace the file if it exists");
     command->add_flag("-q,--quiet", arguments->quiet,
-                      "No progress on standard error, and nothing of what is not as it was");
+                      "No progress and no list of differences on standard error");
     command->footer(exportFooter);
     command->callback([arguments, &exitCode] {
         const auto done = runExport(*arguments);

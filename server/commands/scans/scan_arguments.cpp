@@ -3,11 +3,12 @@
 namespace scancast {
 
 void addVerbose(CLI::App& app, bool& verbose) {
-    app.add_flag("--verbose", verbose, "Name each file of a folder that is no scan");
+    app.add_flag("--verbose", verbose, "List each file in a folder that is not a scan");
 }
 
 void addFilesAsOne(CLI::App& app, std::vector<std::string>& files, bool& verbose) {
-    app.add_option("file", files, "The cloud file or the scan; a folder of scans, or several, as one")
+    app.add_option("file", files,
+                   "A cloud file or a scan; several scans, or a folder of them, are taken as one")
         ->required()
         ->type_name("FILE");
     addVerbose(app, verbose);

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "protocol/text/grouped.hpp"
 #include "server/base/faults.hpp"
 #include "server/server.hpp"
 
@@ -36,8 +37,8 @@ LoaderOptions loaderOptions(const ServeOptions& options, std::shared_ptr<DamageR
     loading.onProgress = [&bar](const std::string&, const Progress& progress) { bar.report(progress); };
     loading.onLoaded = [&bar](const LoadedCloud& loaded) {
         bar.clear();
-        spdlog::info("{}: {} points in {} nodes, ready after {:.1f} s", loaded.id, loaded.cloud.points,
-                     loaded.cloud.octree.nodes().size(), loaded.seconds);
+        spdlog::info("{}: {} in {}, ready after {:.1f} s", loaded.id, counted(loaded.cloud.points, "point"),
+                     counted(loaded.cloud.octree.nodes().size(), "node"), loaded.seconds);
         for (const std::string& remark : remarksOn(loaded.cloud)) spdlog::info("{}: {}", loaded.id, remark);
     };
     loading.onFailed = [&bar](const Error& error) {

@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "protocol/text/plain_text.hpp"
+#include "renderer/cloud/import/scan_input.hpp"
 #include "server/base/byte_size.hpp"
 #include "server/base/faults.hpp"
 #include "server/base/log.hpp"
@@ -178,12 +179,29 @@ void tellOfImporters(const ServeOptions& options) {
     spdlog::log(line.sound ? spdlog::level::info : spdlog::level::warn, "{}", line.text);
 }
 
+/// Nobody is told an address where there will be nothing: files that are not there, or are none, are found out at once.
+Expected<void> checkSomethingIsThere(const ServeOptions& options) {
+    if (!options.live.empty() || !options.server.dataRoot.empty()) return {};
+    std::optional<Error> first;
+    for (const auto& file : options.files) {
+        const auto input = ScanInput::open(file);
+        if (input) return {};
+        if (!first) first = input.error();
+    }
+    if (!first) return {};
+    if (options.files.size() > 1)
+        first->message = fmt::format("None of the {} files can be opened; the first one: {}",
+                                     options.files.size(), first->message);
+    return tl::unexpected(std::move(*first));
+}
+
 int serve(ServeOptions options, GivenFlags given, nlohmann::json effective) {
     auto manager = ServiceManager::fromEnvironment();
     if (!manager) return failure(manager.error());
     if (auto log = setUpLog(options.logLevel, options.logFormat); !log) return failure(log.error());
     if (auto found = findFiles(options); !found) return failure(found.error());
     if (auto sound = check(options); !sound) return failure(sound.error());
+    if (auto there = checkSomethingIsThere(options); !there) return failure(there.error());
     auto tokens = accessTokens(options);
     if (!tokens) return failure(tokens.error());
     options.server.tokens = std::move(*tokens);
@@ -255,7 +273,7 @@ void addServe(CLI::App& app, int& exitCode) {
     auto options = std::make_shared<ServeOptions>();
     CLI::App* command = app.add_subcommand("serve", "Serve clouds to browsers and programs");
     command->footer(
-        "Every option can come from the environment too: --max-pixels is SCANCAST_MAX_PIXELS.\n"
+        "Every option can also be set in the environment: --max-pixels is SCANCAST_MAX_PIXELS.\n"
         "Example: scancast serve town.las room.ply --port 9000\n"
         "         scancast serve scans/                # every scan and cloud file in the folder\n"
         "         scancast serve city.scan --memory-limit 2G\n"

@@ -15,8 +15,8 @@
 #include "server/catalog/describe.hpp"
 #include "server/net/api/mjpeg_request.hpp"
 #include "server/net/api/negotiate.hpp"
-#include "server/net/api/page.hpp"
 #include "server/net/api/picture_request.hpp"
+#include "server/net/page/file_answer.hpp"
 #include "server/scheduler/picture_bytes.hpp"
 
 namespace scancast {
@@ -44,7 +44,6 @@ HttpResponse pictureResponse(PictureFormat format, const PlannedView& planned, c
     if (format == PictureFormat::Depth) {
         response.set("Scancast-Width", std::to_string(planned.view.width))
             .set("Scancast-Height", std::to_string(planned.view.height));
-        return response;
     }
     response.set("Scancast-Method", planned.method);
     if (!planned.reason.empty()) response.set("Scancast-Method-Reason", planned.reason);
@@ -78,19 +77,6 @@ HttpResponse refusal(Problem problem, const Routed& routed) {
     return problemResponse(problem);
 }
 
-HttpResponse fileResponse(const HttpRequest& request, const Asset& file) {
-    const std::string tag = contentTag(file.bytes);
-    HttpResponse response;
-    response.set("ETag", tag).set("Cache-Control", "no-cache");
-    if (matchesAny(request.header("if-none-match"), tag)) {
-        response.status = 304;
-        return response;
-    }
-    response.set("Content-Type", std::string(contentTypeOf(file.path)));
-    response.text = std::string(file.bytes);
-    return response;
-}
-
 /// The body of a POST that drives a session: a `view` message, whose `type` and `seq` may be left out.
 Expected<messages::ViewChange> parseViewChange(const std::string& body, std::uint64_t seq) {
     auto object = parseJson(body);
@@ -111,6 +97,7 @@ Api::Api(ApiOptions options, const Catalog& catalog, CloudAdmin& admin, const Se
          Scheduler& scheduler, Metrics& metrics)
     : options_(std::move(options)),
       probeRules_{options_.probesHost, {}, options_.origins.allowedHosts},
+      frameAncestors_(frameAncestors(options_.origins)),
       access_(options_.tokens),
       failedLogins_([](const std::string& line) { spdlog::warn("{}", line); }),
       catalog_(catalog),
@@ -133,20 +120,26 @@ struct Api::Answers {
     const VisibleClouds clouds_ = visibleTo(routed.grant.identity, api.catalog_);
 
     HttpResponse asset() const {
-        HttpResponse response = fileResponse(request, *findAsset(routed.path));
-        response.set("Content-Security-Policy", std::string(contentSecurityPolicy))
+        HttpResponse response = fileAnswer(request, *findAsset(routed.path));
+        // Whoever may show the page in a frame may load its parts: a module, a style sheet.
+        response.set("Content-Security-Policy", pagePolicy(api.frameAncestors_))
+            .set("Cross-Origin-Resource-Policy",
+                 api.options_.origins.allowedOrigins.empty() ? "same-origin" : "cross-origin")
             .set("Referrer-Policy", "no-referrer");
         return response;
     }
 
-    HttpResponse apiDescription() const { return fileResponse(request, scancast::apiDescription().front()); }
+    HttpResponse apiDescription() const {
+        return fileAnswer(request, {&scancast::apiDescription().files.front(), false});
+    }
 
     // What a GET would begin; its words are looked at, but no session is opened.
     HttpResponse mjpegHead() const {
-        if (const auto asked = mjpegRequest(request, routed, clouds_, api.options_.maxPixels); !asked)
-            return refusal(asked.error(), routed);
+        const auto asked = mjpegRequest(request, routed, clouds_, api.options_.maxPixels);
+        if (!asked) return refusal(asked.error(), routed);
         HttpResponse response;
         response.set("Content-Type", std::string(mjpegMediaType)).set("Cache-Control", "no-store");
+        sayMethod(response, *asked);
         response.bodyUnknown = true;
         return response;
     }
@@ -414,7 +407,7 @@ void Api::answer(const HttpRequest& request, const Routed& routed, Respond respo
                  const std::stop_token& gone) const {
     if (infoOf(routed.route).json && !accepts(request.header("accept"), "application/json")) {
         return respond(refusal(
-            problemOf(406, "This address answers with JSON, which the Accept header rules out."), routed));
+            problemOf(406, "This address answers in JSON, which the Accept header rules out."), routed));
     }
     const Answers answers{*this, request, routed, gone};
     switch (routed.route) {

@@ -87,6 +87,7 @@ class Api {
 
     const ApiOptions options_;
     const OriginRules probeRules_;
+    const std::string frameAncestors_;  ///< as a policy names them
     Access access_;
     mutable FailedLogins failedLogins_;
     const Catalog& catalog_;

@@ -1,7 +1,8 @@
 // What the API refuses before anything is done, and what all answers carry.
 #include "server/net/api/api.hpp"
-#include "server/net/api/page.hpp"
 #include "server/net/api/picture_request.hpp"
+#include "server/net/page/error_page.hpp"
+#include "server/net/page/page.hpp"
 
 namespace scancast {
 namespace {
@@ -15,15 +16,19 @@ std::vector<std::string> values(const HttpRequest& request, std::string_view nam
 }
 
 // Browsers say where a request comes from even where they send no Origin: <img> and <script> of another site
-// could otherwise make this server work. Following a link to the page is fine.
-Expected<void> checkFetchSite(const HttpRequest& request, const OriginRules& rules) {
+// could otherwise make this server work. Following a link to the page is fine, and so is having a file of the page: it holds
+// no data, and who may use it is said beside it (frame-ancestors, Cross-Origin-Resource-Policy). What the page does then,
+// in a frame of whomever, it does as our own page.
+Expected<void> checkFetchSite(const HttpRequest& request, bool toFileOfPage, const OriginRules& rules) {
     const std::string site = request.header("sec-fetch-site");
     if (site.empty() || site == "same-origin" || site == "none") return {};
     if (request.header("sec-fetch-mode") == "navigate" && request.header("sec-fetch-dest") == "document")
         return {};
+    if (toFileOfPage && (request.method == "GET" || request.method == "HEAD")) return {};
     if (isAllowedOrigin(request.header("origin"), rules)) return {};
-    return fail(ErrorCode::Unsupported,
-                "Pages of another site may not use this server; --allowed-origin would let them.");
+    return fail(
+        ErrorCode::Unsupported,
+        "Pages of another website may not use this server, unless it is started with --allowed-origin.");
 }
 
 bool isProbe(Route route) {
@@ -57,9 +62,10 @@ tl::expected<Routed, HttpResponse> Api::admit(const HttpRequest& request, Entran
     if (auto origin = checkOrigin(values(request, "origin"), request.header("host"), rules); !origin) {
         return refuse(problemOf(403, origin.error().message));
     }
-    if (auto site = checkFetchSite(request, rules); !site)
-        return refuse(problemOf(403, site.error().message));
     auto routed = route(request.target);
+    const bool toAsset = isPublic && routed && routed->route == Route::Asset;
+    if (auto site = checkFetchSite(request, toAsset, rules); !site)
+        return refuse(problemOf(403, site.error().message));
     if (!routed) return refuse(routed.error());
     if (!isPublic && !isProbe(routed->route)) {
         return refuse(
@@ -68,7 +74,7 @@ tl::expected<Routed, HttpResponse> Api::admit(const HttpRequest& request, Entran
                       "page and the clouds are where --host and --port say.",
                       routed->path));
     }
-    if (routed->route == Route::Asset && findAsset(routed->path) == nullptr) {
+    if (routed->route == Route::Asset && !findAsset(routed->path)) {
         return refuse(problemOf(
             404, "Nothing is served at this address; the page is at /, the API at /api/v1/clouds."));
     }
@@ -85,8 +91,8 @@ tl::expected<Routed, HttpResponse> Api::admit(const HttpRequest& request, Entran
     routed->grant = std::move(*grant);
     const std::string allowed(infoOf(routed->route).methods);
     if ((", " + allowed + ",").find(" " + request.method + ",") == std::string::npos) {
-        HttpResponse response =
-            problemResponse(problemOf(405, "Understood here: " + allowed + ".", routed->path));
+        HttpResponse response = problemResponse(
+            problemOf(405, "Methods that this address understands: " + allowed + ".", routed->path));
         response.set("Allow", allowed);
         return tl::unexpected(std::move(response));
     }
@@ -100,22 +106,26 @@ HttpResponse Api::loginFailed(const HttpRequest& request, LoginFailure why, Http
     metrics_.loginFailed(why);
     const auto wait = failedLogins_.failed(request.client, why, std::chrono::steady_clock::now());
     if (!wait) return answer;
-    HttpResponse response = problemResponse(problemOf(
-        429, "Too many wrong tokens have come from this address; a right one is let in all the same."));
+    HttpResponse response =
+        problemResponse(problemOf(429,
+                                  "Too many wrong tokens have come from this address. Wait before you try "
+                                  "again; a correct one is accepted at any time."));
     response.set("Retry-After", std::to_string(wait->count()));
     return response;
 }
 
 void Api::complete(const HttpRequest& request, std::string_view routePattern, HttpResponse& response,
-                    Entrance entrance) const {
+                   Entrance entrance) const {
     response.identify(request.ids)
         .set("X-Content-Type-Options", "nosniff")
         .set("Server", "scancast/" + options_.version);
     if (entrance == Entrance::Public && !options_.strictTransport.empty())
         response.set("Strict-Transport-Security", options_.strictTransport);
     const std::string origin = request.header("origin");
+    // A cache that has an answer from before the origin asked for it must not give it that one.
+    if (!options_.origins.allowedOrigins.empty()) response.set("Vary", "Origin");
     if (isAllowedOrigin(origin, options_.origins)) {
-        response.set("Access-Control-Allow-Origin", origin).set("Vary", "Origin");
+        response.set("Access-Control-Allow-Origin", origin);
         response.set("Access-Control-Expose-Headers",
                      "ETag, Location, Retry-After, Server-Timing, Scancast-Session, Scancast-Width, "
                      "Scancast-Height, Scancast-Method, Scancast-Method-Reason, Scancast-Price, "
@@ -125,6 +135,7 @@ void Api::complete(const HttpRequest& request, std::string_view routePattern, Ht
         for (auto& [name, value] : response.headers)
             if (name == "Cache-Control" && value == "no-cache") value = "private, no-cache";
     }
+    presentProblem(request, response, frameAncestors_);
     metrics_.httpRequest(routePattern, response.status);
 }
 

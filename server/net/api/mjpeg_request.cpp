@@ -50,6 +50,11 @@ Expected<WordValues> takeStreamWords(std::string_view query, messages::Hello& he
 
 }  // namespace
 
+void sayMethod(HttpResponse& response, const MjpegRequest& asked) {
+    if (!asked.method.empty()) response.set("Scancast-Method", asked.method);
+    if (!asked.reason.empty()) response.set("Scancast-Method-Reason", asked.reason);
+}
+
 tl::expected<MjpegRequest, Problem> mjpegRequest(const HttpRequest& request, const Routed& routed,
                                                  const VisibleClouds& clouds, std::uint64_t maxPixels) {
     const auto refuse = [](const Error& error) { return tl::unexpected(problemOf(error)); };
@@ -75,6 +80,8 @@ tl::expected<MjpegRequest, Problem> mjpegRequest(const HttpRequest& request, con
     if (follows) return asked;
     asked.hello.cloud = routed.id;
     asked.view = messages::ViewChange{0, std::nullopt, toJson(view)};
+    asked.method = (*planned)->method;
+    asked.reason = (*planned)->reason;
     return asked;
 }
 

@@ -17,7 +17,11 @@ inline constexpr std::string_view mjpegMediaType = "multipart/x-mixed-replace; b
 struct MjpegRequest {
     messages::Hello hello;
     std::optional<messages::ViewChange> view;  ///< empty for one that follows a session
+    std::string method, reason;  ///< that draws it at first, and why; empty for one that follows
 };
+
+/// Says by which method the stream begins, where that is known.
+void sayMethod(HttpResponse& response, const MjpegRequest& asked);
 
 /// Problems: 406; 404 and 503 of the catalog; those of viewOfWords(); 400 for words beside `session` but
 /// width, height and fps.

@@ -2,9 +2,12 @@
 
 #include <xxhash.h>
 
+#include <algorithm>
 #include <charconv>
+#include <optional>
 
 #include "protocol/json_text.hpp"
+#include "protocol/problem.hpp"
 #include "protocol/view/view_json.hpp"
 
 namespace scancast {
@@ -51,7 +54,7 @@ double weight(std::string_view parameters) {
             continue;
         double q = 1;
         std::from_chars(parameter.data() + 2, parameter.data() + parameter.size(), q);
-        return q;
+        return q >= 0 && q <= 1 ? q : 1;  // "nan" is a number to from_chars
     }
     return 1;
 }
@@ -125,6 +128,37 @@ double preference(std::string_view accept, std::string_view mediaType) {
         liking = weight(item);
     }
     return liking;
+}
+
+bool prefersPage(std::string_view accept) {
+    const double json =
+        std::max(preference(accept, problemMediaType), preference(accept, "application/json"));
+    return preference(accept, "text/html") > json;
+}
+
+ContentCoding preferredCoding(std::string_view acceptEncoding) {
+    std::optional<double> any, plain, gzip, brotli;
+    while (!acceptEncoding.empty()) {
+        std::string_view item = takeUntil(acceptEncoding, ',');
+        const std::string_view coding = takeUntil(item, ';');
+        const double liking = weight(item);
+        if (coding == "*") any = liking;
+        if (equalIgnoringCase(coding, "identity")) plain = liking;
+        if (equalIgnoringCase(coding, "gzip") || equalIgnoringCase(coding, "x-gzip")) gzip = liking;
+        if (equalIgnoringCase(coding, "br")) brotli = liking;
+    }
+    // What is not named is liked as `*` is; without that, only the bytes as they are may come, the last choice.
+    constexpr double leastLiked = 1e-4;
+    double best = plain.value_or(any.value_or(leastLiked));
+    ContentCoding chosen = ContentCoding::Identity;
+    const auto consider = [&](ContentCoding coding, double liking) {
+        if (liking <= 0 || liking < best) return;
+        best = liking;
+        chosen = coding;
+    };
+    consider(ContentCoding::Gzip, gzip.value_or(any.value_or(0)));
+    consider(ContentCoding::Brotli, brotli.value_or(any.value_or(0)));
+    return chosen;
 }
 
 }  // namespace scancast

@@ -1,6 +1,7 @@
-// Conditional requests and content negotiation: ETag, If-None-Match, Accept. Pure functions; any thread.
+// Conditional requests and content negotiation: ETag, If-None-Match, Accept, Accept-Encoding. Pure functions; any thread.
 #pragma once
 
+#include <cstdint>
 #include <string>
 #include <string_view>
 
@@ -24,5 +25,14 @@ bool matchesAny(std::string_view ifNoneMatch, std::string_view tag);
 bool accepts(std::string_view accept, std::string_view mediaType);
 /// How much it is liked, 0-1: the quality of the range that decides.
 double preference(std::string_view accept, std::string_view mediaType);
+/// Whether a problem is for a person in a browser: HTML is liked better than JSON, as in what browsers send when somebody
+/// follows a link. Nobody prefers anything by `*/*`, or by saying nothing.
+bool prefersPage(std::string_view accept);
+
+enum class ContentCoding : std::uint8_t { Identity, Gzip, Brotli };
+
+/// RFC 9110, 12.5.3: the coding that the Accept-Encoding header likes best; of equally liked ones the one that packs best. As
+/// it is where there is no header, it is empty, or nothing that we have is acceptable.
+ContentCoding preferredCoding(std::string_view acceptEncoding);
 
 }  // namespace scancast

@@ -59,7 +59,7 @@ tl::expected<Routed, Problem> route(std::string_view target) {
             problemOf(414, fmt::format("The address is longer than {} bytes.", maxTargetLength)));
     }
     if (target.empty() || target.front() != '/') {
-        return tl::unexpected(problemOf(400, "The address must be a path that starts with a slash."));
+        return tl::unexpected(problemOf(400, "The address must be a path that begins with a slash."));
     }
     Routed routed;
     const auto question = target.find('?');

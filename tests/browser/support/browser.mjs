@@ -22,9 +22,9 @@ export async function startBrowser() {
   return (await playwright()).launch({ executablePath, headless: true, args: flags });
 }
 
-/** A page that remembers everything the console complained of. `options` as for newContext. */
+/** A page that remembers everything the console complained of. The panel leaves 960 × 600 to the picture. `options` as for newContext. */
 export async function openPage(browser, url, options = {}) {
-  const context = await browser.newContext({ viewport: { width: 960, height: 600 }, ...options });
+  const context = await browser.newContext({ viewport: { width: 1280, height: 600 }, ...options });
   const page = await context.newPage();
   page.complaints = [];
   page.on('console', (message) => {
@@ -42,6 +42,18 @@ export async function waitUntilSharp(page, timeout = 20_000) {
     return document.getElementById('hud').dataset.state === 'sharp' && asked !== undefined && asked === shown;
   }, undefined, { timeout, polling: 50 });
 }
+
+/** Chooses one of a group of radio buttons (client/web/page/choices.js): `#color`, `#method`, …; what it stands in is opened first. */
+export async function choose(page, group, value) {
+  await page.evaluate((selector) => {
+    const details = document.querySelector(selector).closest('details');
+    if (details) details.open = true;
+  }, group);
+  await page.check(`${group} input[value="${value}"]`);
+}
+
+/** The value that is chosen of such a group; undefined where none is. */
+export const chosen = (page, group) => page.evaluate((selector) => document.querySelector(`${selector} input:checked`)?.value, group);
 
 /** The canvas's pixels, thinned out, as bytes r, g, b, r, …. */
 export async function pixels(page) {
@@ -65,17 +77,20 @@ export function differing(a, b, tolerance = 24) {
   return count / (a.length / 3);
 }
 
+/** Ends at rest, so that nothing glides on. */
 export async function drag(page, from, to, button = 'left') {
   await page.mouse.move(...from);
   await page.mouse.down({ button });
   await page.mouse.move(...to, { steps: 8 });
+  await page.waitForTimeout(80);
   await page.mouse.up({ button });
 }
 
 const serverAway = /ERR_CONNECTION|ERR_EMPTY_RESPONSE|ERR_SOCKET|WebSocket connection to .* failed/;
 const tokenAsked = /status of 401/; // by the browser; the page asks for the token
 const ownReading = /willReadFrequently/; // pixels() reads the canvas; the page never does
+const browsersReading = /GPU stall due to ReadPixels/; // a browser without a graphics processor reads what WebGL draws
 
 /** What the console said that is not the browser's own complaint about a server that is away. */
 export const seriousComplaints = (page) =>
-  page.complaints.filter((text) => ![serverAway, tokenAsked, ownReading].some((known) => known.test(text)));
+  page.complaints.filter((text) => ![serverAway, tokenAsked, ownReading, browsersReading].some((known) => known.test(text)));

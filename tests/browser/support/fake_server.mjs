@@ -29,6 +29,7 @@ export const methods = [
       { name: 'smooth', type: 'boolean', default: false, meaning: 'Only here to show what a yes or no looks like.' },
     ],
   },
+  { name: 'auto', title: 'Automatic', summary: 'Chooses among the others.', source: 'test', needs: [], defaultDetail: 1, defaultShading: 'unlit', parameters: [] },
   { name: 'point', title: 'Points', summary: 'One pixel each.', source: 'test', needs: [], defaultDetail: 1, defaultShading: 'unlit', parameters: [] },
   { name: 'surfel', title: 'Surfels', summary: 'Discs along the surface.', source: 'test', needs: ['normal'], defaultDetail: 1, defaultShading: 'phong', parameters: [] },
 ];
@@ -125,6 +126,11 @@ class FakeSession {
 
   received(message) {
     this.server.received.push(message);
+    if (message.type === 'hello' && message.depth !== undefined && !this.server.knowsDepth) {
+      const unknown = { ...problem(400, 'A parameter is malformed or out of range', 'depth: unknown'), errors: [{ parameter: 'depth', detail: 'depth: unknown' }] };
+      this.socket.sendText(JSON.stringify({ type: 'problem', problem: unknown }));
+      return;
+    }
     if (message.type === 'hello') this.greet(message);
     if (message.type === 'view') this.change(message);
     if (message.type === 'ack') {
@@ -135,7 +141,11 @@ class FakeSession {
   }
 
   greet({ cloud, width = 1280, height = 720 }) {
-    this.cloud = this.server.clouds.find((one) => one.id === cloud) ?? this.server.clouds[0];
+    this.cloud = this.server.clouds.find((one) => one.id === cloud);
+    if (!this.cloud) {
+      this.socket.sendText(JSON.stringify({ type: 'problem', problem: problem(404, 'Not Found', `There is no cloud named "${cloud}" here.`) }));
+      return;
+    }
     this.view = { ...this.cloud.view, width, height };
     this.seq = 0;
     this.socket.sendText(JSON.stringify({
@@ -145,11 +155,27 @@ class FakeSession {
     this.want(false);
   }
 
+  /** As the server ends who looks at a cloud that is gone. */
+  dismiss() {
+    const reason = 'The cloud that this session showed has been removed, or cannot be read any more.';
+    this.socket.sendText(JSON.stringify({ type: 'problem', problem: problem(404, 'Not Found', `There is no cloud named "${this.cloud.id}" here.`) }));
+    this.socket.sendText(JSON.stringify({ type: 'bye', code: 1001, reason }));
+    this.socket.close(1001, reason);
+  }
+
   change({ type, seq, cloud, ...changes }) {
     const next = cloud && cloud !== this.cloud.id ? this.server.clouds.find((one) => one.id === cloud) : this.cloud;
+    if (!next) {
+      this.socket.sendText(JSON.stringify({ type: 'problem', seq, problem: problem(404, 'Not Found', `There is no cloud named "${cloud}" here.`) }));
+      return;
+    }
     if (changes.method && !methods.some((method) => method.name === changes.method)) {
       const detail = `method: there is no method "${changes.method}"; did you mean paraboloid?`;
       this.socket.sendText(JSON.stringify({ type: 'problem', seq, problem: problem(404, 'Not found', detail) }));
+      return;
+    }
+    if (changes.param?.scale === 66) {
+      this.socket.sendText(JSON.stringify({ type: 'problem', seq, problem: problem(400, 'Bad Request', 'param.scale: not today') }));
       return;
     }
     const { width, height } = this.view;
@@ -186,8 +212,14 @@ class FakeSession {
     const width = Math.round(this.view.width * scale), height = Math.round(this.view.height * scale);
     const picture = draw(this.cloud, this.view, width, height);
     this.sendFrame(final, picture, width, height);
+    if (this.server.statsOf === 'no frame') return;
+    this.sendStats(this.frameId);
+  }
+
+  sendStats(frame) {
+    const auto = this.view.method === 'auto' ? { methodReason: 'coloured points: they close the gaps' } : {};
     this.socket.sendText(JSON.stringify({
-      type: 'stats', frame: this.frameId, seq: this.seq, fps: 30, detail: 1, samples: 812_345, points: 1_100_000, dropped: 0,
+      type: 'stats', frame, seq: this.seq, fps: 30, method: auto.methodReason ? 'paraboloid' : this.view.method, ...auto, detail: 1, samples: 812_345, points: 1_100_000, dropped: 0,
       stages: [{ name: 'select', milliseconds: 0.4 }, { name: 'nearest', milliseconds: 2.1 }, { name: 'encode', milliseconds: 1.1 }],
     }));
   }
@@ -204,8 +236,14 @@ export class FakeServer {
   stations = [];
   busyFor = 0; // so many photos are refused for now
   pending = [];
+  statsOf = 'every frame'; // or 'no frame'
   frameDelay = 12;
+  snapshotMs; // how long a small picture (JPEG) takes; undefined: it is refused
+  mostSnapshots = 0; // that were on their way at once
+  snapshotsGivenUp = 0;
+  #snapshots = 0;
   damaged = false; // blocks of its clouds cannot be read
+  knowsDepth = true; // else it refuses that word, as older servers do
   token = ''; // asked for, when there is one
   guestLink = ''; // what stands in the link of a guest, whose pass is the token
   passSeconds = 3600;
@@ -222,6 +260,12 @@ export class FakeServer {
     return `http://127.0.0.1:${this.port}/`;
   }
 
+  /** Takes a cloud out of the list; who looks at it is sent away. */
+  remove(id) {
+    this.clouds = this.clouds.filter((cloud) => cloud.id !== id);
+    for (const session of this.sessions) if (session.cloud?.id === id) session.dismiss();
+  }
+
   async stop() {
     for (const session of this.sessions) session.socket.destroy();
     this.#http.closeAllConnections();
@@ -235,6 +279,20 @@ export class FakeServer {
     if (JSON.parse(body).token === this.guestLink)
       return json({ token: this.token, cloud: this.clouds[0].id, expiresInSeconds: this.passSeconds });
     return reply(401, 'application/problem+json', JSON.stringify(problem(401, 'Unauthorized', "The guest's time is over.")));
+  }
+
+  /** After a while, unless nobody waits for it any more. */
+  #snapshot(words, response, reply) {
+    this.#snapshots += 1;
+    this.mostSnapshots = Math.max(this.mostSnapshots, this.#snapshots);
+    const [width, height] = ['width', 'height'].map((word) => Number(words.get(word)));
+    const timer = setTimeout(() => reply(200, 'image/jpeg', blockJpeg(width, height, (column, row) => [16 * column % 256, 16 * row % 256, 90])), this.snapshotMs);
+    response.on('close', () => {
+      this.#snapshots -= 1;
+      if (response.writableFinished) return;
+      clearTimeout(timer);
+      this.snapshotsGivenUp += 1;
+    });
   }
 
   #upgrade(request, socket) {
@@ -281,8 +339,9 @@ export class FakeServer {
       if (!file) return reply(500, 'application/problem+json', JSON.stringify(problem(500, 'Internal Server Error', 'This photo cannot be read.')));
       return reply(200, 'image/jpeg', file);
     }
-    if (pathname.endsWith('/snapshot.png')) {
+    if (/\/snapshot\.(png|jpg)$/.test(pathname)) {
       this.received.push({ type: 'snapshot', words: Object.fromEntries(searchParams) });
+      if (pathname.endsWith('.jpg') && this.snapshotMs !== undefined) return this.#snapshot(searchParams, response, reply);
       return reply(503, 'application/problem+json', JSON.stringify(problem(503, 'Not now', 'This test server draws no snapshots.')));
     }
     const file = normalize(pathname === '/' ? '/index.html' : pathname);

@@ -60,6 +60,11 @@ export class PageProxy {
     });
   }
 
+  /** Nobody need stop it: it ends with the process. */
+  unref() {
+    this.#server.unref();
+  }
+
   async stop() {
     for (const socket of this.#sockets) socket.destroy();
     await new Promise((resolve) => { this.#server.close(resolve); });

@@ -1,6 +1,9 @@
-// `scancast serve` as a child process, to be stopped and started again at the same address.
+// `scancast serve` as a child process, to be stopped and started again at the same address. With SCANCAST_PAGE=tree in the
+// environment the page is that of the working tree (page_proxy.mjs), not the one inside the program: nothing needs to be built.
 
 import { spawn } from 'node:child_process';
+
+import { PageProxy } from './page_proxy.mjs';
 
 const startMs = 20_000;
 const stopMs = 10_000;
@@ -11,6 +14,8 @@ export class RealServer {
   #flags;
   #child;
   #log = '';
+  #proxy;
+  #address;
   port = 0;
 
   constructor(program, files, flags = []) {
@@ -40,7 +45,13 @@ export class RealServer {
       });
     });
     this.port = Number(new URL(url).port);
-    return url;
+    if (process.env.SCANCAST_PAGE !== 'tree') return url;
+    if (!this.#proxy) {
+      this.#proxy = new PageProxy(url);
+      this.#address = await this.#proxy.start();
+      this.#proxy.unref();
+    }
+    return this.#address;
   }
 
   /** Politely; `signal` SIGKILL makes it vanish. Resolves to the exit code, null after a signal. */

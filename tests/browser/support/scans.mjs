@@ -64,6 +64,28 @@ function corner(count) {
   });
 }
 
+/** A yard of 40 × 40: grass, a wall of 20 × 8 along y = 10, and a tree whose crown of radius 3 is round (-9, 0, 5). */
+function yard(count) {
+  const next = random(15);
+  return Array.from({ length: count }, (_, i) => {
+    const shade = 0.7 + 0.3 * next();
+    const painted = (...color) => color.map((value) => Math.round(value * shade));
+    if (i % 6 === 0) return [next() * 20 - 10, 10, next() * 8, ...painted(210, 190, 170)];
+    if (i % 6 > 1) return [next() * 40 - 20, next() * 40 - 20, 0, ...painted(110, 150, 80)];
+    const [a, z] = [next() * 2 * Math.PI, next() * 2 - 1];
+    const aside = Math.sqrt(1 - z * z);
+    return [-9 + 3 * aside * Math.cos(a), 3 * aside * Math.sin(a), 5 + 3 * z, ...painted(60, 120, 50)];
+  });
+}
+
+/** The yard in a folder of its own. */
+export function writeYard() {
+  const folder = mkdtempSync(join(tmpdir(), 'scancast-yard-'));
+  const file = join(folder, 'yard.las');
+  writeFileSync(file, lasBytes(yard(150_000)));
+  return { file, remove: () => rmSync(folder, { recursive: true, force: true }) };
+}
+
 /** A room in PTX, seen by two scanners: red by the one in the west, who faces north, blue by the other. */
 export function ptxOfTwoScanners(count) {
   const next = random(13);

@@ -7,11 +7,14 @@ import { base64url } from '../../../client/web/connection/access.js';
 import { wheelPixels } from '../../../client/web/view/camera_input.js';
 import { closeWords } from '../../../client/web/connection/connection.js';
 import { guestOf, renewIn } from '../../../client/web/connection/guest.js';
-import { amount, FrameClock } from '../../../client/web/page/hud.js';
+import { FrameClock } from '../../../client/web/page/hud.js';
 import { labelOf, sliderScale } from '../../../client/web/page/parameter_fields.js';
 import { altOf, factsOf, fittedScale, mostZoom, photosText, sizeText } from '../../../client/web/page/photos.js';
+import { outside, rangeRefusal } from '../../../client/web/page/number_field.js';
+import { Pace, progressWords, shareOf, timeText } from '../../../client/web/page/progress.js';
 import { pictureSize } from '../../../client/web/view/picture.js';
 import { backOff } from '../../../client/web/connection/session.js';
+import { amount } from '../../../client/web/page/strings.js';
 import { labelOfStation } from '../../../client/web/page/stations.js';
 
 describe('base64url', () => {
@@ -70,9 +73,10 @@ describe('sliderScale', () => {
 
 describe('words for people', () => {
   it('name parameters', () => {
-    assert.equal(labelOf({ name: 'sizePx', unit: 'px' }), 'Size');
-    assert.equal(labelOf({ name: 'minPx', unit: 'px' }), 'Smallest');
+    assert.equal(labelOf({ name: 'sizePx', unit: 'px' }), 'Point size');
+    assert.equal(labelOf({ name: 'minPx', unit: 'px' }), 'Minimum size');
     assert.equal(labelOf({ name: 'edgeSharpness' }), 'Edge sharpness');
+    assert.equal(labelOf({ name: 'edgeWidthPx', unit: 'px' }), 'Edge width');
   });
 
   it('say amounts', () => {
@@ -83,7 +87,7 @@ describe('words for people', () => {
   it('say why a connection ended', () => {
     assert.match(closeWords(1013, ''), /taken/);
     assert.equal(closeWords(1008, 'No.'), 'No.');
-    assert.match(closeWords(1006, ''), /does not answer/);
+    assert.match(closeWords(1006, ''), /not responding/);
   });
 });
 
@@ -105,6 +109,39 @@ describe('FrameClock', () => {
     for (let seq = 1; seq <= 5000; ++seq) clock.asked(seq, seq);
     clock.drawn(1, 6000); // long forgotten
     assert.ok(Number.isNaN(clock.latency));
+  });
+});
+
+describe('progress', () => {
+  it('is of everything that is to be done, not of the step', () => {
+    const said = [['reading', 0], ['reading', 1], ['sorting', 0.5], ['building', 0], ['building', 1], ['finishing', 1]]
+      .map(([stage, progress]) => shareOf({ stage, progress }));
+    assert.ok(said.every((share, i) => i === 0 || share >= said[i - 1]), 'it never goes back');
+    assert.equal(said[0], 0);
+    assert.ok(Math.abs(said.at(-1) - 1) < 1e-9);
+    assert.equal(shareOf({ stage: 'thinking', progress: 0.3 }), 0.3);
+    assert.equal(shareOf({}), undefined);
+  });
+
+  it('tells how long it takes once that can be known, by how it went', () => {
+    const pace = new Pace();
+    const at = (progress, seconds, id = 'a') => progressWords({ id, stage: 'thinking', progress }, pace, seconds * 1000);
+    assert.deepEqual(at(0.2, 0), { step: 'Thinking', share: 0.2, percent: '20 %', left: '' });
+    assert.equal(at(0.21, 10).left, '', 'too little to judge by');
+    assert.equal(at(0.4, 20).left, 'about a minute left'); // 0.01 a second, 0.6 to go
+    assert.equal(at(0.4, 21, 'b').left, '', 'of another cloud nothing is known');
+    assert.deepEqual(progressWords({ id: 'c' }, pace, 0), { step: 'Waiting for its turn', share: undefined, percent: '', left: '' });
+    assert.deepEqual([3, 34, 90, 60 * 44, 60 * 70, 3600 * 5].map(timeText),
+      ['a few seconds', 'about 30 seconds', 'about 2 minutes', 'about 44 minutes', 'about an hour', 'about 5 hours']);
+  });
+});
+
+describe('a field for a number', () => {
+  it('says why it refuses', () => {
+    const parameter = { min: 0.01, max: 100, unit: 'px' };
+    assert.deepEqual([0, 101, NaN, 5].map((value) => outside(value, parameter)), ['At least 0.01 px.', 'At most 100 px.', 'Enter a number.', '']);
+    assert.equal(rangeRefusal([2, 2]), 'The minimum must be less than the maximum.');
+    for (const ends of [[1, 2], [NaN, 2], [1, NaN]]) assert.equal(rangeRefusal(ends), '');
   });
 });
 
@@ -138,9 +175,9 @@ describe('what is said of photos', () => {
     assert.equal(sizeText(134_217_728), '134 MB');
     assert.equal(photosText(1), '1 photo');
     assert.equal(photosText(1200), '1,200 photos');
-    assert.equal(labelOfStation({ name: 'Tower', points: 0 }, amount), 'Tower');
-    assert.equal(labelOfStation({ name: 'Tower', points: 0, photos: [3] }, amount), 'Tower (1 photo)');
-    assert.equal(labelOfStation({ name: 'Tower', points: 2e6, photos: [0, 3] }, amount), 'Tower (2.0 million points, 2 photos)');
+    assert.equal(labelOfStation({ name: 'Tower', points: 0 }), 'Tower');
+    assert.equal(labelOfStation({ name: 'Tower', points: 0, photos: [3] }), 'Tower (1 photo)');
+    assert.equal(labelOfStation({ name: 'Tower', points: 2e6, photos: [0, 3] }), 'Tower (2.0 million points, 2 photos)');
   });
   it('fits into the room, and small ones grow a little', () => {
     assert.equal(fittedScale({ width: 2000, height: 1000 }, { width: 500, height: 500 }), 0.25);

@@ -1,8 +1,10 @@
 import assert from 'node:assert/strict';
+import { readFileSync } from 'node:fs';
 import { describe, it } from 'node:test';
 
-import { pointUnderCursor, project, toProtocol } from '../../../client/web/view/camera.js';
-import { parseHash, printHash } from '../../../client/web/page/view_hash.js';
+import { pointUnderCursor, project } from '../../../client/web/view/camera.js';
+import { cameraOf, wireOf } from '../../../client/web/view/camera_words.js';
+import { parseHash, printHash } from '../../../client/web/view/view_hash.js';
 import { printQuery, snapshotUrl, wordsOf } from '../../../client/web/protocol/view_words.js';
 import { manyCameras, random } from '../support/cameras.mjs';
 
@@ -15,14 +17,16 @@ const style = {
 describe('the hash', () => {
   it('round trip: a link shows what its sender saw', () => {
     for (const camera of manyCameras()) {
-      const read = parseHash(printHash('town', { camera: toProtocol(camera), ...style }, camera.upAxis));
+      const read = parseHash(printHash('town', { camera: wireOf(camera), ...style }, camera.upAxis));
       assert.equal(read.cloud, 'town');
       assert.deepEqual(read.style, style);
-      assert.equal(read.camera.upAxis, camera.upAxis);
-      // Twelve digits of each number survive: the same points appear at the same places of the picture.
+      const again = cameraOf(read.camera, undefined, read.upAxis);
+      assert.equal(again.upAxis, camera.upAxis);
+      assert.deepEqual(wireOf(again), wireOf(camera), 'the same words are sent: the same picture to the last bit');
+      // Rounding moves nothing that one could see: the same points appear at the same places of the picture.
       const size = { width: 1000, height: 1000 };
       for (const cursor of [{ x: 500, y: 500 }, { x: 30, y: 900 }]) {
-        const seen = project(read.camera, pointUnderCursor(camera, cursor, size), size);
+        const seen = project(again, pointUnderCursor(camera, cursor, size), size);
         assert.ok(Math.hypot(seen.x - cursor.x, seen.y - cursor.y) < 1e-3);
       }
     }
@@ -44,6 +48,53 @@ describe('the hash', () => {
     for (const text of ['*intensity', 'rgb*depth', 'rgb*<b>*intensity']) assert.equal(parseHash(`#color=${text}`).style.color, undefined, text);
   });
 
+  const everyWord = 'exposure=0.5&classes=2,6&clip=0,0,0,10,10,5&light.ambient=0.3&light.headlight=0.7&light.sunlight=0.8&light.shine=0.2' +
+    '&light.shadow=0.9&light.occlusion=0.6&light.sun=135,40&outliers=show&budget=5000000&samples=4&quality=50&subsampling=4:4:4';
+
+  it('keeps every word of the vocabulary, whoever wrote it', () => {
+    const { style: read } = parseHash(`#method=cone&color=rgb&${everyWord}`);
+    assert.deepEqual(read, {
+      method: 'cone', param: {}, color: 'rgb', exposure: 0.5, classes: [2, 6], clip: { min: [0, 0, 0], max: [10, 10, 5] },
+      light: { ambient: 0.3, headlight: 0.7, sunlight: 0.8, shine: 0.2, shadow: 0.9, occlusion: 0.6, sun: [135, 40] },
+      outliers: 'show', budget: 5e6, samples: 4, quality: 50, subsampling: '4:4:4',
+    });
+    assert.equal(printHash('a', read), `#cloud=a&method=cone&color=rgb&${everyWord}`);
+    // What the cloud has anyway is not repeated, and what is left to the server against that is said.
+    const usual = { ...read, method: 'point', exposure: 1, range: [0, 1], background: '#ffffff' };
+    assert.equal(printHash('a', { ...read, exposure: null, range: null, background: null }, 'z', usual),
+      '#cloud=a&method=cone&color=rgb&range=auto&background=3a424e,16191e&exposure=auto');
+    assert.deepEqual(parseHash('#range=auto&light.sun=auto&classes=none&near=auto').style, { range: null, light: { sun: null }, classes: [] });
+  });
+
+  it('knows each word that the protocol has, by its own example', () => {
+    const protocol = readFileSync(new URL('../../../protocol/PROTOCOL.md', import.meta.url), 'utf8');
+    const table = protocol.slice(protocol.indexOf('| word | flag | value |'), protocol.indexOf('- `auto` puts a word back'));
+    const examples = [...table.matchAll(/^\| `[^`]+` .*\| `([^`]+)` \|$/gm)].map(([, example]) => example);
+    assert.ok(examples.length >= 35, String(examples.length));
+    for (const example of examples) {
+      if (/^(width|height)=/.test(example)) continue; // the window says that
+      const { camera, style: read } = parseHash(`#${example}`);
+      assert.ok(camera || Object.keys(read).length > 0, example);
+    }
+  });
+
+  it('keeps cameras that no hand can steer, until they are moved', () => {
+    const usual = { type: 'perspective', eye: [0, -10, 0], target: [0, 0, 0], up: [0, 0, 1], fov: 45, near: null, far: null };
+    const shown = (hash) => wireOf(cameraOf(parseHash(hash).camera, usual));
+    const rolled = '#eye=1,2,3&target=0,0,0&up=0.5,0,1&projection=perspective&fov=50&near=0.5&far=200';
+    assert.deepEqual(shown(rolled), { type: 'perspective', eye: [1, 2, 3], target: [0, 0, 0], up: [0.5, 0, 1], fov: 50, near: 0.5, far: 200 });
+    assert.equal(printHash('a', { camera: shown(rolled) }), rolled.replace('#', '#cloud=a&'));
+    const moved = { ...cameraOf(parseHash(rolled).camera, usual), fov: 51 };
+    assert.deepEqual([wireOf(moved).up, wireOf(moved).near], [[0, 0, 1], 0.5], 'it stands up when a hand takes it');
+    assert.deepEqual(shown('#eye=5,5,5'), { ...usual, eye: [5, 5, 5] }, 'what is not said is the usual');
+    // World to view by a quarter turn about X: looking along +Y from (0, -10, 0).
+    const matrix = [1, 0, 0, 0, 0, 0, -1, 0, 0, 1, 0, 0, 0, 0, -10, 1];
+    const camera = cameraOf(parseHash(`#viewMatrix=${matrix}`).camera, usual);
+    assert.deepEqual(wireOf(camera), { type: 'perspective', viewMatrix: matrix, fov: 45, near: null, far: null });
+    assert.deepEqual(wireOf({ ...camera }), usual);
+    assert.equal(cameraOf(parseHash('#eye=3,1,-9&target=0,0,0&up=0,-1,0').camera, usual).upAxis, '-y');
+  });
+
   it('is undefined when there is none, or one beyond all measure', () => {
     for (const hash of ['', '#', undefined, null, 7, `#cloud=${'x'.repeat(5000)}`]) assert.equal(parseHash(hash), undefined);
   });
@@ -54,7 +105,9 @@ describe('the hash', () => {
       '#eye=NaN,0,0&target=0,0,0', '#eye=1e999,0,0&target=0,0,0', '#eye=1,2&target=0,0,0', '#eye=0x10,0,0&target=0,0,0',
       '#%E0%A4%A=1&method=%E0%A4%A', '#range=5,1', '#range=1', '#detail=-1', '#detail=1e9', '#background=javascript:alert(1)',
       '#background=red,green,blue', '#method=cone&param.__proto__=1&param.constructor=2&param.sizePx=1e999', '#====&&&=&a', '#color=%23zzzzzz',
-      '#colormap=url(x)', '#shading=a%20b', '#mirrors=yes&behindMirrors=1',
+      '#colormap=url(x)', '#shading=a%20b', '#mirrors=yes&behindMirrors=1', '#exposure=4&classes=1,999&clip=1,1,1,0,0,0&light.sun=0,91',
+      '#light.ambient=2&light.nonsense=1&outliers=maybe&budget=0&samples=1.5&quality=101&subsampling=4:1:1&width=5&height=5',
+      '#near=-1&fov=180', '#viewMatrix=1,2,3', '#viewMatrix=1,0,0,0,0,1,0,0,0,0,1,0,0,0,0,1&eye=1,2,3',
     ];
     for (const hash of hostile) {
       const read = parseHash(hash);
@@ -70,12 +123,13 @@ describe('the hash', () => {
 
   it('survives random damage to a good one', () => {
     const next = random(5);
-    const good = printHash('town', { camera: toProtocol(manyCameras()[0]), ...style });
+    const good = printHash('town', { camera: wireOf(manyCameras()[0]), ...style });
     for (let round = 0; round < 2000; ++round) {
       const characters = [...good];
       for (let i = 0; i < 5; ++i) characters[Math.floor(next() * characters.length)] = String.fromCharCode(Math.floor(next() * 300));
       const read = parseHash(characters.join(''));
-      if (read?.camera) assert.ok([...read.camera.target, read.camera.distance, read.camera.azimuth].every(Number.isFinite));
+      const camera = read?.camera && cameraOf(read.camera, wireOf(manyCameras()[1]), read.upAxis);
+      if (camera) assert.ok([...camera.target, camera.distance, camera.azimuth].every(Number.isFinite));
     }
   });
 });

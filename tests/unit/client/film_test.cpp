@@ -68,8 +68,20 @@ TEST_F(Film, WhatFfmpegCannotMakeIsAnError) {
 TEST_F(Film, AFolderThatCannotBeIsAnError) {
     std::ofstream(file("taken")) << "a file";
     EXPECT_FALSE(FilmWriter::create(file("taken/frames"), 2, 24));
-    EXPECT_TRUE(isVideo("a.mp4") && isVideo("b/c.webm"));
+    EXPECT_TRUE(isVideo("a.mp4") && isVideo("b/c.webm") && isVideo("A.MP4"));
     EXPECT_FALSE(isVideo("mp4") || isVideo("frames/"));
+}
+
+TEST_F(Film, ANameThatAsksForAnotherKindIsNoFolder) {
+    for (const char* name : {"x.gif", "x.GIF", "a.b/x.png", "x.m4v", ".x.jpeg"}) {
+        const auto refused = checkFilmName(file(name));
+        ASSERT_FALSE(refused) << name;
+        EXPECT_NE(refused.error().message.find("frames/"), std::string::npos) << refused.error().message;
+    }
+    for (const char* name : {"frames", "frames/", "x.gif/", "v1.2", "x.mp4", "x.Mov", ".gif"})
+        EXPECT_TRUE(checkFilmName(file(name))) << name;
+    std::filesystem::create_directory(file("old.gif"));
+    EXPECT_TRUE(checkFilmName(file("old.gif"))) << "it is a folder already";
 }
 
 }  // namespace

@@ -74,12 +74,25 @@ TEST_F(Program, ErrorsAreSentencesAndExitCodeOne) {
              {"info https://localhost/ --ca-file /no/such.pem", "/no/such.pem"},
              {"info http://localhost/ --token-file /no/such.token", "/no/such.token"},
              {"info " + nobody + "/#guest=scg1.a --token-file /no/such.token", "give the one or the other"},
-             {"info " + nobody + "/#guest=scg1.a", "start one with `scancast serve FILE`"},
-             {"snapshot " + nobody + " -o picture.bmp", "does not end in .jpg or .png"},
-             {"snapshot " + nobody + " --param size -o a.jpg", "NAME=VALUE"}}) {
+             {"info " + nobody + "/#guest=scg1.a", "start one with `scancast serve FILE`"}}) {
         const auto outcome = run(arguments);
         EXPECT_EQ(outcome.exitCode, 1) << arguments << ": " << outcome.output;
         EXPECT_TRUE(outcome.output.starts_with("scancast-client: ")) << outcome.output;
+        EXPECT_NE(outcome.output.find(sentence), std::string::npos) << outcome.output;
+    }
+}
+
+TEST_F(Program, AWrongCommandLineExitsWithTwo) {
+    const auto nobody = "http://" + test::nobodysUrl().authority();
+    for (const auto& [arguments, sentence] : std::vector<std::pair<std::string, std::string>>{
+             {"", "subcommand"},
+             {"info", "URL"},
+             {"snapshot " + nobody + " -o picture.bmp", "does not end in .jpg or .png"},
+             {"orbit " + nobody + " -o turn.gif", ".gif cannot be written"},
+             {"snapshot " + nobody + " --fov wide -o a.jpg", "fov"},
+             {"snapshot " + nobody + " --param size -o a.jpg", "NAME=VALUE"}}) {
+        const auto outcome = run(arguments);
+        EXPECT_EQ(outcome.exitCode, 2) << arguments << ": " << outcome.output;
         EXPECT_NE(outcome.output.find(sentence), std::string::npos) << outcome.output;
     }
 }

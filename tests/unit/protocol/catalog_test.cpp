@@ -12,6 +12,8 @@ CloudInfo richCloud() {
     CloudInfo cloud;
     cloud.id = "town";
     cloud.title = "Town";
+    cloud.attribution = "Town council, CC BY 4.0";
+    cloud.recorded = "2024-05-13";
     cloud.format = "LAS 1.2, point format 3";
     cloud.revision = "abc123";
     cloud.points = 20'000'000'000;

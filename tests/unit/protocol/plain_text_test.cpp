@@ -71,6 +71,9 @@ TEST(PlainText, QuotesAndProblemsAreLines) {
 }
 
 TEST(Grouped, InThrees) {
+    EXPECT_EQ(counted(0, "point"), "0 points");
+    EXPECT_EQ(counted(1, "point"), "1 point");
+    EXPECT_EQ(counted(20000, "node"), "20000 nodes");
     EXPECT_EQ(grouped(0), "0");
     EXPECT_EQ(grouped(999), "999");
     EXPECT_EQ(grouped(1000), "1,000");

@@ -180,6 +180,8 @@ TEST(FactsJson, ImpossibleValuesAreNamed) {
         {"notes", [](auto& j) { j["notes"] = {7}; }},
         {"notes", [](auto& j) { j["notes"] = {std::string(100000, 'x')}; }},
         {"notes", [](auto& j) { j["notes"] = std::vector<std::string>(mostCloudNotes + 1, "x"); }},
+        {"attribution", [](auto& j) { j["attribution"] = std::string(513, 'x'); }},
+        {"recorded", [](auto& j) { j["recorded"] = "yesterday"; }},
         {"title", [](auto& j) { j["title"] = std::string(100000, 'x'); }},
     };
     for (const auto& [field, change] : changes) {

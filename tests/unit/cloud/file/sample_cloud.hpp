@@ -38,6 +38,8 @@ inline std::shared_ptr<const Cloud> sampleCloud(std::uint64_t points = 3000) {
 inline CloudFacts fullFacts(const CloudFacts& from, bool columns) {
     CloudFacts f = from;
     f.title = "Straße \"\\\n\x01 \U0001F332";
+    f.attribution = "© Łódź, CC BY 4.0";
+    f.recorded = "2024-02-29";
     f.format = "LAS 1.4, point format 7";
     f.origin = {389500.1, -0.0, 1e-300};
     f.bounds = {glm::dvec3(0.1 + 0.2, -1e17 / 3, 5e-324),
@@ -88,6 +90,8 @@ inline CloudFacts fullFacts(const CloudFacts& from, bool columns) {
 
 inline void expectSameFacts(const CloudFacts& a, const CloudFacts& b) {
     EXPECT_EQ(a.title, b.title);
+    EXPECT_EQ(a.attribution, b.attribution);
+    EXPECT_EQ(a.recorded, b.recorded);
     EXPECT_EQ(a.format, b.format);
     EXPECT_EQ(std::memcmp(&a.origin, &b.origin, sizeof a.origin), 0);
     EXPECT_EQ(std::memcmp(&a.bounds, &b.bounds, sizeof a.bounds), 0);

@@ -98,6 +98,15 @@ TEST(OriginCheck, AllowedOnesBySchemeHostAndPort) {
     EXPECT_FALSE(checkOrigin({"https://sub.viewer.example"}, "localhost:8080", allowed));
 }
 
+TEST(OriginCheck, WhoMayShowThePageInAFrame) {
+    EXPECT_EQ(frameAncestors(rules()), "'self'");
+    EXPECT_EQ(frameAncestors(rules("127.0.0.1", {"https://Viewer.Example", "http://localhost:3000"})),
+              "'self' https://viewer.example http://localhost:3000");
+    // Nothing that was let in as an origin is another word of the policy; IPv6 has no spelling there.
+    EXPECT_EQ(frameAncestors(rules("127.0.0.1", {"http://[::1]:3000", "http://a; script-src *", "*"})),
+              "'self'");
+}
+
 TEST(OriginCheck, FlagValues) {
     EXPECT_TRUE(checkAllowedOrigin("https://viewer.example"));
     for (const char* wrong : {"*", "viewer.example", "https://", "https://a/b", "ftp://a"}) {

@@ -9,6 +9,7 @@
 #include "protocol/look.hpp"
 #include "protocol/view/view_json.hpp"
 #include "renderer/render.hpp"
+#include "server/net/page/page.hpp"
 #include "tests/support/serving/fake_painter.hpp"
 
 namespace scancast {
@@ -79,6 +80,46 @@ TEST_F(ApiTest, APictureSaysByWhichMethodAndWhy) {
     const HttpResponse named = ask(std::string(picture) + "&method=cone");
     EXPECT_EQ(*named.find("Scancast-Method"), "cone");
     EXPECT_EQ(named.find("Scancast-Method-Reason"), nullptr) << "nobody left it open";
+}
+
+// However a picture is asked for: drawn, not drawn again, or its headers alone; as a picture, as depth, as a stream.
+TEST_F(ApiTest, EveryWayToAPictureSaysTheMethod) {
+    const auto posted = [&](const std::string& body, const std::string& accept, const std::string& tag) {
+        HttpRequest request{"POST",
+                            "/api/v1/clouds/tiny/snapshot",
+                            {{"host", "localhost"},
+                             {"content-type", "application/json"},
+                             {"accept", accept},
+                             {"if-none-match", tag}},
+                            body};
+        const auto routed = api.admit(request);
+        std::promise<HttpResponse> answer;
+        api.answer(request, routed.value(),
+                   [&](HttpResponse response) { answer.set_value(std::move(response)); });
+        return answer.get_future().get();
+    };
+    const std::string open = std::string(picture) + "&method=auto",
+                      stream = "/api/v1/clouds/tiny/stream.mjpg";
+    const std::string body = R"({"width": 32, "height": 16, "method": "auto"})";
+    const HttpResponse first = posted(body, "image/png", {});
+    const HttpResponse answers[] = {ask(open),
+                                    ask(open, {}, "HEAD"),
+                                    ask(open, {{"if-none-match", *ask(open).find("ETag")}}),
+                                    first,
+                                    posted(body, "image/png", *first.find("ETag")),
+                                    posted(body, "application/octet-stream", {}),
+                                    ask(stream + "?method=auto", {}, "HEAD")};
+    EXPECT_EQ(answers[2].status, 304);
+    EXPECT_EQ(answers[4].status, 304);
+    for (const HttpResponse& answer : answers) {
+        ASSERT_NE(answer.find("Scancast-Method"), nullptr) << &answer - answers;
+        EXPECT_EQ(*answer.find("Scancast-Method"), *answers[0].find("Scancast-Method"));
+        ASSERT_NE(answer.find("Scancast-Method-Reason"), nullptr) << &answer - answers;
+        EXPECT_EQ(*answer.find("Scancast-Method-Reason"), *answers[0].find("Scancast-Method-Reason"));
+    }
+    EXPECT_EQ(*ask(stream + "?method=cone", {}, "HEAD").find("Scancast-Method"), "cone");
+    EXPECT_EQ(ask(stream + "?session=s1", {}, "HEAD").find("Scancast-Method"), nullptr)
+        << "another's view decides";
 }
 
 TEST_F(ApiTest, ARevalidationRendersNothing) {
@@ -174,6 +215,70 @@ TEST_F(ApiTest, BrowsersOfOtherSitesAreRefused) {
                   .status,
               200);
     EXPECT_EQ(ask(picture, {{"sec-fetch-site", "same-origin"}, {"sec-fetch-mode", "no-cors"}}).status, 200);
+}
+
+// As Chromium 156 sends them, of a page beside ours (same-site: another port of the same host) and of another site.
+TEST_F(ApiTest, PagesOfAnAllowedOriginHaveThePageAndWhatTheyAskForByName) {
+    using Headers = std::vector<std::pair<std::string, std::string>>;
+    const std::string viewer = "https://viewer.example", evil = "https://evil.example";
+    const auto sent = [](const char* site, const char* mode, const char* dest,
+                         const std::string& origin = {}) {
+        Headers headers{{"sec-fetch-site", site}, {"sec-fetch-mode", mode}, {"sec-fetch-dest", dest}};
+        if (!origin.empty()) headers.emplace_back("origin", origin);
+        return headers;
+    };
+    const std::string inFolder = "/assets/" + std::string(pageFiles().hash) + "/main.js";
+    for (const char* site : {"same-site", "cross-site"}) {
+        // A frame's navigation has no Origin, whoever it is of; frame-ancestors says who may show the page.
+        const HttpResponse frame = ask("/", sent(site, "navigate", "iframe"));
+        EXPECT_EQ(frame.status, 200) << site;
+        EXPECT_NE(
+            frame.find("Content-Security-Policy")->find("frame-ancestors 'self' https://viewer.example"),
+            std::string::npos);
+        EXPECT_EQ(*frame.find("Cross-Origin-Resource-Policy"), "cross-origin");
+        EXPECT_EQ(ask("/", sent(site, "navigate", "document")).status, 200) << site;
+        EXPECT_EQ(ask(picture, sent(site, "navigate", "document")).status, 200) << "a link to a picture";
+        // Modules are asked for with an Origin, style sheets and classic scripts without.
+        EXPECT_EQ(ask(inFolder, sent(site, "cors", "script", viewer)).status, 200) << site;
+        EXPECT_EQ(ask(inFolder, sent(site, "cors", "script", evil)).status, 403) << site;
+        EXPECT_EQ(ask("/styles/style.css", sent(site, "no-cors", "style")).status, 200) << site;
+        EXPECT_EQ(ask("/main.js", sent(site, "no-cors", "script")).status, 200) << site;
+        // Data: by those who are allowed and say so, and nobody else.
+        for (const char* target : {"/api/v1/clouds", picture, "/metrics", "/openapi.json"}) {
+            EXPECT_EQ(ask(target, sent(site, "cors", "empty", viewer)).status, 200) << site << target;
+            EXPECT_EQ(ask(target, sent(site, "cors", "empty", evil)).status, 403) << site << target;
+            EXPECT_EQ(ask(target, sent(site, "no-cors", "image")).status, 403) << site << target;
+            EXPECT_EQ(ask(target, sent(site, "navigate", "iframe")).status, 403) << site << target;
+        }
+        EXPECT_EQ(ask(picture, sent(site, "cors", "image", viewer)).status, 200) << "<img crossorigin>";
+        EXPECT_EQ(ask("/", sent(site, "no-cors", "script"), "POST").status, 403) << site;
+    }
+    // A WebSocket's upgrade has Origin alone; 426 because this is none.
+    EXPECT_EQ(ask("/api/v1/stream", {{"origin", viewer}}).status, 426);
+    EXPECT_EQ(ask("/api/v1/stream", {{"origin", evil}}).status, 403);
+}
+
+TEST_F(ApiTest, WhereNobodyElseIsAllowedThePageIsForItsOwnOrigin) {
+    Api alone{{"1.2.3", 1000 * 1000, {"127.0.0.1", {}}}, catalog, admin, sessions, scheduler, metrics};
+    HttpRequest request{"GET", "/", {{"host", "localhost:8080"}}};
+    HttpResponse page;
+    alone.answer(request, alone.admit(request).value(),
+                 [&](HttpResponse response) { page = std::move(response); });
+    EXPECT_TRUE(page.find("Content-Security-Policy")->ends_with("frame-ancestors 'self'"));
+    EXPECT_EQ(*page.find("Cross-Origin-Resource-Policy"), "same-origin");
+    alone.complete(request, "/", page);
+    EXPECT_EQ(*page.find("Vary"), "Accept-Encoding");
+}
+
+// A browser that has a style sheet's answer must not take it for a module's, which needs the origin in it.
+TEST_F(ApiTest, WhereOriginsAreAllowedEveryAnswerVariesWithThem) {
+    HttpRequest request{"GET", "/main.js", {{"host", "localhost:8080"}}};
+    HttpResponse response = ask("/main.js");
+    api.complete(request, "/", response);
+    bool varies = false;
+    for (const auto& [name, value] : response.headers) varies |= name == "Vary" && value == "Origin";
+    EXPECT_TRUE(varies);
+    EXPECT_EQ(response.find("Access-Control-Allow-Origin"), nullptr);
 }
 
 TEST_F(ApiTest, ThePageHasAPolicyAndATag) {

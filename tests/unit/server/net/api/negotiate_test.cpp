@@ -78,5 +78,29 @@ TEST(ContentTag, DiffersWithTheBytes) {
     EXPECT_NE(contentTag(""), contentTag(std::string_view("\0", 1)));
 }
 
+TEST(AcceptEncoding, TheBestLikedAndOfThoseTheSmallest) {
+    using enum ContentCoding;
+    const std::pair<const char*, ContentCoding> cases[] = {
+        {"", Identity},
+        {"gzip, deflate, br, zstd", Brotli},  // Chromium, Firefox
+        {"gzip, deflate", Gzip},
+        {"br;q=0.5, gzip", Gzip},
+        {"BR;Q=0.9, x-gzip;q=0.9", Brotli},
+        {"*", Brotli},
+        {"*;q=0.5, gzip", Gzip},
+        {"*, br;q=0", Gzip},
+        {"identity", Identity},
+        {"identity, br;q=0.9", Identity},
+        {"identity;q=0.5, gzip;q=0.5", Gzip},
+        {"identity;q=0, gzip;q=0.001", Gzip},
+        {"gzip;q=0", Identity},
+        {"*;q=0", Identity},  // nothing else is left to send
+        {"deflate, compress, zstd", Identity},
+        {"brotli, gzipped", Identity},
+        {",, ;;, br", Brotli},
+    };
+    for (const auto& [header, coding] : cases) EXPECT_EQ(preferredCoding(header), coding) << header;
+}
+
 }  // namespace
 }  // namespace scancast

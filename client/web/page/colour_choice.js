@@ -1,0 +1,160 @@
+// What colours show: a tile with a swatch for everything that this scan can be coloured by, the ramp and its ends for those that
+// have one, and a legend for classes.
+
+import { Choices } from './choices.js';
+import { NumberField, rangeRefusal } from './number_field.js';
+import { element } from './parameter_fields.js';
+import { strings } from './strings.js';
+
+/** @type {(id: string) => any} */
+const find = (id) => document.getElementById(id);
+const words = strings.colour;
+const withRamp = ['intensity', 'elevation', 'depth', 'lod'];
+const byIntensity = '*intensity';
+/** Who removes hidden points, and so can show them. */
+export const findsHidden = 'pyramid';
+const mayLack = ['rgb', 'cir', 'intensity', 'classification', 'normal', 'curvature'];
+
+const named = (names, key) => names[key] ?? key.charAt(0).toUpperCase() + key.slice(1);
+/** 'rgb*intensity' → ['rgb', 'intensity']: what colours come from, and what makes it brighter. */
+export const factorsOf = (color) => (color ?? '').split('*');
+
+const knownClasses = [
+  'b0b0b0', 'c8c8c8', 'a1794e', 'a4c85a', '5ca846', '267834', 'cb5c4a', 'ff00aa', 'f0dc78', '4287dc',
+  '7864a0', '6c6e76', 'beaad2', 'f5c83c', 'faaa28', '50c8c8', '28aaaa', 'dea082', 'ff3c78',
+];
+
+/** The colour in which the server draws a class. Pure. */
+export const colourOfClass = (number) => (number < knownClasses.length
+  ? `#${knownClasses[number]}`
+  : `rgb(${[53, 101, 197].map((factor) => 90 + ((number * factor) % 150)).join(', ')})`);
+
+/**
+ * What a cloud can be coloured by, and what not: { options, missing: [{ value, label, reason }] }. Intensity as a factor is no
+ * choice of its own but a box beside them. Pure.
+ */
+export function colourOptions(colors, cloud, method) {
+  const has = (attribute) => (cloud?.attributes ?? []).some((one) => one.name === attribute);
+  const reasonFor = (color) => {
+    if (mayLack.includes(color) && !has(color)) return words.notInScan;
+    return color === 'visibility' && method !== findsHidden ? words.onlyReconstructed : '';
+  };
+  const all = [...colors.filter((color) => !color.includes('*')), 'flat']
+    .map((color) => ({ value: color, label: named(words.names, color), swatch: `swatch-${color}`, reason: reasonFor(color) }));
+  return { options: all.filter(({ reason }) => !reason), missing: all.filter(({ reason }) => reason) };
+}
+
+/** Whether what colours come from can be made darker where intensity is low. Pure. */
+export function takesIntensity(source, colors, cloud) {
+  if (!(cloud?.attributes ?? []).some(({ name }) => name === 'intensity')) return false;
+  return source.startsWith('#') ? colors.some((color) => color.endsWith(byIntensity)) : colors.includes(source + byIntensity);
+}
+
+export class ColourChoice {
+  #view = {};
+  #cloud;
+  #colors = [];
+  #style;
+  #choice;
+  #ramps;
+  #ends; // fields of the range
+  #offered = ''; // what is offered now: filled in anew only when that is something else
+
+  /** `style(changes)` hears of what was chosen. */
+  constructor(style) {
+    this.#style = style;
+    this.#choice = new Choices(find('color'), (value) => this.#chosen(value === 'flat' ? find('flat-color').value : value));
+    this.#ramps = new Choices(find('colormap'), (colormap) => style({ colormap }));
+    find('flat-color').addEventListener('input', () => this.#chosen(find('flat-color').value));
+    find('by-intensity').addEventListener('change', () => this.#chosen(factorsOf(this.#view.color)[0]));
+    const note = element('p', { className: 'refusal', id: 'range-refusal' });
+    const group = find('range-high').parentElement;
+    group.after(note);
+    this.#ends = ['range-low', 'range-high'].map(
+      (id) => new NumberField(find(id), () => rangeRefusal(this.#typedRange()), () => this.#rangeChosen(), { note, group }));
+  }
+
+  setCatalog({ colors, colormaps }) {
+    this.#colors = colors;
+    this.#ramps.fill(colormaps.map((map) => ({ value: map, label: named(words.rampNames, map), swatch: `swatch-${map}` })));
+  }
+
+  showCloud(cloud) {
+    this.#cloud = cloud;
+    this.#offered = '';
+    this.#showLegend();
+  }
+
+  show(view) {
+    this.#view = view;
+    const [source, by] = factorsOf(view.color);
+    const flat = source.startsWith('#');
+    this.#offer(view.method);
+    this.#choice.show(flat ? 'flat' : source);
+    find('flat-colour').hidden = !flat;
+    if (flat) find('flat-color').value = source;
+    find('shade-by-intensity').hidden = !takesIntensity(source, this.#colors, this.#cloud);
+    find('by-intensity').checked = by === 'intensity';
+    find('ramp').hidden = !withRamp.includes(source);
+    find('legend').hidden = source !== 'classification' || find('legend').children.length === 0;
+    this.#ramps.show(view.colormap);
+    const usual = this.#usualRange(view.color);
+    ['range-low', 'range-high'].forEach((id, i) => {
+      const input = find(id);
+      input.placeholder = usual ? String(Number(usual[i].toPrecision(6))) : [words.lowHint, words.highHint][i];
+      this.#ends[i].show(view.range ? view.range[i] : '');
+    });
+  }
+
+  #showLegend() {
+    const { classes = [], classNames = {} } = this.#cloud ?? {};
+    find('legend').replaceChildren(...classes.slice(0, 64).map((number) => {
+      const name = classNames[number] ?? words.classNumber(number);
+      const swatch = element('i', { className: 'swatch' });
+      swatch.style.setProperty('background', colourOfClass(number));
+      return element('li', {}, swatch,
+        element('span', { textContent: name.charAt(0).toUpperCase() + name.slice(1) }), element('span', { className: 'unit', textContent: String(number) }));
+    }));
+  }
+
+  #offer(method) {
+    const offered = JSON.stringify([this.#cloud?.id, this.#cloud?.attributes, method === findsHidden]);
+    if (offered === this.#offered) return;
+    this.#offered = offered;
+    const { options, missing } = colourOptions(this.#colors, this.#cloud, method);
+    this.#choice.fill(options);
+    const lacking = missing.filter(({ value }) => value !== 'visibility').map(({ label }) => label);
+    find('color-note').textContent = [
+      lacking.length > 0 ? words.notInScanAre(lacking.join(', ')) : '',
+      missing.length > lacking.length ? words.hiddenPoints : '',
+    ].filter(Boolean).join(' ');
+  }
+
+  #chosen(source) {
+    const darker = find('by-intensity').checked && takesIntensity(source, this.#colors, this.#cloud);
+    const color = source + (darker ? byIntensity : '');
+    // The ends of one attribute's ramp mean nothing to another.
+    const sameEnds = factorsOf(this.#view.color)[0] === source;
+    this.#style(sameEnds ? { color } : { color, range: null });
+  }
+
+  /** The values at the ramp's ends when nobody chose others, where they are known. */
+  #usualRange(color) {
+    const bounds = this.#cloud?.bounds;
+    const [source] = factorsOf(color);
+    if (source === 'elevation' && bounds) return [bounds.min[2], bounds.max[2]];
+    return (this.#cloud?.attributes ?? []).find((one) => one.name === source)?.range;
+  }
+
+  /** With the usual value for an end that is left open; NaN where that is not known. */
+  #typedRange() {
+    const usual = this.#usualRange(this.#view.color) ?? [NaN, NaN];
+    return ['range-low', 'range-high'].map((id, i) => (find(id).value === '' ? usual[i] : find(id).valueAsNumber));
+  }
+
+  #rangeChosen() {
+    const range = this.#typedRange();
+    if (['range-low', 'range-high'].every((id) => find(id).value === '')) this.#style({ range: null });
+    else if (!range.some(Number.isNaN)) this.#style({ range }); // else the other end is still to come
+  }
+}

@@ -1,0 +1,29 @@
+// The page's drawings, as strokes in a square of 24: one weight, round ends, no fill.
+
+const drawings = {
+  orbit: 'M12 8.2a3.8 3.8 0 1 0 0 7.6 3.8 3.8 0 0 0 0-7.6M3.6 15.2C2.4 13.3 2.9 11.4 5 10m15.4-1.2c1.2 1.9.7 3.8-1.4 5.2M5 10c2.6-1.9 8-2.8 12-1.9m2 5.9c-2.6 1.9-8 2.8-12 1.9m0 0 2.3-1.6M7 15.9l1.6 2.2M17 8.1l-2.3 1.6M17 8.1l-1.6-2.2',
+  look: 'M2.5 12S6 5.8 12 5.8 21.5 12 21.5 12 18 18.2 12 18.2 2.5 12 2.5 12M12 9.2a2.8 2.8 0 1 0 0 5.6 2.8 2.8 0 0 0 0-5.6',
+  fly: 'M3.5 11.5 20.5 4l-6 16.5-3.4-6.6z M11.1 13.9 20.5 4',
+  measure: 'M3.5 16.5 16.5 3.5l4 4-13 13zM7 13l2 2m1-5 3 3m1-6 2 2',
+  clip: 'M4 8V4h4m8 0h4v4m0 8v4h-4M8 20H4v-4M4 12h16',
+  profile: 'M3.5 19.5h17M3.5 16c3-1 4-8 7-8s3 5 5 5 3-4 5-4',
+  annotate: 'M5 5h14v10h-7l-4 4v-4H5z',
+  views: 'M3.5 5h7.5v6H3.5zM13 5h7.5v6H13zM3.5 13h7.5v6H3.5zM13 13h7.5v6H13z',
+  picture: 'M4 8h3.2L9 5.5h6L16.8 8H20v11H4zM12 10a3.4 3.4 0 1 0 0 6.8 3.4 3.4 0 0 0 0-6.8',
+  present: 'M3 4.5h18M4.5 4.5v10.5h15V4.5M12 15v2.5m0 0L8.5 21m3.5-3.5 3.5 3.5M10.5 7.5v4.5l3.8-2.2z',
+  undo: 'M8.5 5 4.5 9l4 4M4.5 9H14a5 5 0 0 1 0 10h-3',
+  redo: 'M15.5 5l4 4-4 4M19.5 9H10a5 5 0 0 0 0 10h3',
+};
+
+const namespace = 'http://www.w3.org/2000/svg';
+
+/** One of the drawings above, or a path of one's own, as an element that screen readers pass over. */
+export function icon(name) {
+  const svg = document.createElementNS(namespace, 'svg');
+  svg.setAttribute('viewBox', '0 0 24 24');
+  svg.setAttribute('aria-hidden', 'true');
+  const path = document.createElementNS(namespace, 'path');
+  path.setAttribute('d', drawings[name] ?? name);
+  svg.append(path);
+  return svg;
+}

@@ -115,8 +115,8 @@ on('view', ({ by }) => {
   address.changed();
   undo.changed(by === 'server');
 });
-on('camera', () => {
-  find('hint').classList.add('learned');
+on('camera', ({ by }) => {
+  if (by !== 'server') find('hint').classList.add('learned');
   showCamera();
 });
 on('asked', ({ seq }) => hud.asked(seq));

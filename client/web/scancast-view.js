@@ -70,7 +70,7 @@ export class ScancastView extends HTMLElement {
   }
 
   #begin() {
-    const own = this.querySelector(':scope > canvas');
+    const own = /** @type {HTMLCanvasElement | null} */ (this.querySelector(':scope > canvas'));
     const canvas = own ?? document.createElement('canvas');
     const shadow = this.attachShadow({ mode: 'open' });
     const sheet = new CSSStyleSheet();

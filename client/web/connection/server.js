@@ -9,8 +9,8 @@ const patienceMs = 10_000;
 /** An answer that is an error, in words that a person can read. */
 export class ServerProblem extends Error {
   constructor(problem) {
-    super(problem.detail || problem.title || 'The server could not do that.');
-    this.title = problem.title ?? 'The server refused';
+    super(problem.detail || problem.title || 'The server could not do this.');
+    this.title = problem.title ?? 'The server refused the request';
     this.status = problem.status ?? 0;
   }
 }

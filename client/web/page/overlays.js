@@ -27,7 +27,10 @@ export class Overlays {
   toggleHelp() {
     const help = find('help');
     if (help.open) help.close();
-    else help.showModal();
+    else {
+      help.showModal();
+      help.scrollTop = 0; // the button that has the focus is at its end
+    }
   }
 
   /** A message that goes away by itself. */

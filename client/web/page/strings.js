@@ -114,7 +114,7 @@ export const strings = {
     automaticIs: (automatic, method) => `${automatic} (${method})`,
     needs: (what) => `needs ${what}`,
     notOffered: 'not offered by this server',
-    sharpNote: 'Crisp textures and edges; the best method for this scan is chosen for you.',
+    sharpNote: 'Crisp textures and edges.',
     smoothNote: 'Continuous surfaces: neighbouring points are blended.',
     rawNote: 'Every point as it was measured, one pixel each.',
     attributes: {

@@ -39,7 +39,7 @@ export class CameraInput {
    * changeCamera(camera), goTo(camera) for a jump worth animating, and wake() when something begins to move by itself.
    * `keys`: whose key events count.
    */
-  constructor(element, view, keys = globalThis) {
+  constructor(element, view, /** @type {EventTarget} */ keys = globalThis) {
     this.#element = element;
     this.#view = view;
     const on = (name, handle, options) => element.addEventListener(name, handle.bind(this), options);

@@ -31,9 +31,6 @@ export const keyTable = [
   ['V', 'suggested views'],
   ['H', 'presentation: the picture and nothing else'],
   ['Ctrl Z', 'previous view (with Shift: the next)'],
-  ['V', 'suggested views'],
-  ['Ctrl Z', 'the view before (with Shift: after)'],
-  ['H', 'presentation mode'],
   ['P', 'settings'],
   ['?', 'this help'],
 ];

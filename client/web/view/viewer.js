@@ -94,13 +94,18 @@ export class Viewer extends EventTarget {
   /** What may be moved by hand: nothing where this is false. */
   steerable = true;
 
-  /** `server`: whose clouds are shown; `keys`: whose key events steer the view, the window's or those of one element. */
+  /**
+   * @param {HTMLCanvasElement} canvas
+   * @param {import('../connection/server.js').Server} server whose clouds are shown
+   * @param {EventTarget} keys whose key events steer the view: the window's, or one element's
+   */
   constructor(canvas, server, keys = globalThis) {
     super();
     this.server = server;
     this.#canvas = canvas;
     this.#picture = new Picture(canvas, ({ width, height }) => {
       this.#state.change({ width, height });
+      if (!this.#moved) this.#refit();
       this.#wake();
     });
     this.#firstViews = new FirstViews(server);
@@ -296,6 +301,15 @@ export class Viewer extends EventTarget {
     this.#wake();
   }
 
+  /** Nobody has moved, and the canvas is of another size: as the server would show the cloud in that. */
+  #refit() {
+    if (!this.#camera || !this.#cloud || this.#flight) return;
+    this.#camera = this.usualCamera();
+    this.#state.change({ camera: wireOf(this.#camera, this.bounds) });
+    this.#tell('camera', { by: 'server' });
+    this.#tell('view', { by: 'server' });
+  }
+
   /** A jump, shown as a short flight so that one sees where it leads. */
   goTo(next, by = 'program') {
     if (!this.#camera) return;
@@ -460,7 +474,7 @@ export class Viewer extends EventTarget {
   /** What to ask for: what is wanted, and around it, while the camera moves, what may come into view next. */
   #wantedNow() {
     const isMoving = this.#isSteered && this.#hasMargins && !this.#calm.matches;
-    return (isMoving && withMargin(this.view, this.#picture.mostPixels)) || { view: this.view };
+    return (isMoving && withMargin(this.view, this.#picture.mostPixels)) || { view: this.view, stretch: undefined };
   }
 
   /** While the picture from here is on its way, the last one as it would look from here. */

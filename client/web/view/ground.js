@@ -10,8 +10,8 @@ import { add, dot, length, scale, subtract } from './vectors.js';
 
 const flattest = 4; // sideways to downwards, of the ray to ground that one still takes for what is below one's feet
 const steepest = 0.4; // rise to run, of what may be ground
-const emptyFrom = 0.22; // share of a picture that is covered: from here on walking ahead becomes slower
-const emptyTo = 0.08; // and here it ends
+const emptyFrom = 0.3; // share of a picture that is covered: from here on walking ahead becomes slower
+const emptyTo = 0.15; // and here it ends
 
 /** The first surface that a ray of unit length meets within `range`, as far as any picture knows. */
 export function firstHit(pictures, origin, direction, range) {

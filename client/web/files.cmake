@@ -3,10 +3,11 @@ set(SCANCAST_WEB_FILES
     index.html
     favicon.svg
     main.js
+    scancast-view.js
     connection/access.js
-    connection/catalog.js
     connection/connection.js
     connection/guest.js
+    connection/server.js
     connection/session.js
     connection/stores.js
     page/choices.js
@@ -34,7 +35,6 @@ set(SCANCAST_WEB_FILES
     page/themes.js
     page/thumbnails.js
     page/tools.js
-    page/view_hash.js
     protocol/frame_depth.js
     protocol/frame_header.js
     protocol/view_words.js
@@ -67,5 +67,6 @@ set(SCANCAST_WEB_FILES
     view/reprojection_program.js
     view/seen.js
     view/vectors.js
+    view/view_hash.js
     view/view_state.js
     view/viewer.js)

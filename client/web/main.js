@@ -1,7 +1,7 @@
 // Puts the page together: the viewer, and around it panel, title, buttons and keys.
 
-import { hasToken } from './connection/access.js';
-import { isGuest, takeGuestToken } from './connection/guest.js';
+import { Access } from './connection/access.js';
+import { takeGuestToken } from './connection/guest.js';
 import { Choices } from './page/choices.js';
 import { ChosenMethod } from './page/chosen_method.js';
 import { Controls } from './page/controls.js';
@@ -20,13 +20,15 @@ import { Stations } from './page/stations.js';
 import { fillStrings, strings } from './page/strings.js';
 import { chooseTheme, chosenTheme, themes } from './page/themes.js';
 import { ToolRail } from './page/tools.js';
-import { parseHash, printHash } from './page/view_hash.js';
+import { parseHash, printHash } from './view/view_hash.js';
 import { isForView } from './view/keys.js';
-import { Viewer } from './view/viewer.js';
+import './scancast-view.js';
 
+/** @type {(id: string) => any} */
 const find = (id) => document.getElementById(id);
 
-takeGuestToken(); // before anything reads the address
+const access = new Access(location.origin);
+takeGuestToken(access); // before anything reads the address
 fillStrings(document);
 
 const canvas = find('picture');
@@ -41,7 +43,8 @@ function freeSize({ width, height }) {
 const presentation = new Presentation(() => address.changed());
 const layout = new Layout();
 const rail = new ToolRail(find('rail'));
-const viewer = new Viewer(canvas, { freeSize });
+const { viewer } = find('view');
+viewer.freeSize = freeSize;
 const hud = new Hud();
 const overlays = new Overlays();
 const cover = new Cover({
@@ -60,15 +63,15 @@ const controls = new Controls({
   gallery: (open) => galleries.show('methods', open),
 });
 const galleries = new Galleries(viewer, () => controls);
-const photos = new Photos((place) => viewer.goToPlace(place), () => viewer.pictureSize);
-const stations = new Stations((station) => {
+const photos = new Photos(viewer.server, (place) => viewer.goToPlace(place), () => viewer.pictureSize);
+const stations = new Stations(viewer.server, (station) => {
   viewer.goToPlace(station.view.camera);
   photos.at(station);
 });
 
 // ---- what the viewer tells
 
-const on = (name, act) => viewer.addEventListener(name, ({ detail }) => act(detail));
+const on = (name, act) => viewer.addEventListener(name, (/** @type {any} */ { detail }) => act(detail));
 
 on('connection', (now) => {
   if (now.kind === 'lost') hud.setState('lost');
@@ -77,7 +80,7 @@ on('connection', (now) => {
   cover.show(now, viewer.isBlank ? undefined : viewer.cloud);
   if (now.kind === 'gone' || now.kind === 'failed') overlays.dismiss(); // the cover says it better
   if (now.kind !== 'open' && now.kind !== 'lost') loading.show(undefined);
-  find('forget-token').hidden = !hasToken() || isGuest();
+  find('forget-token').hidden = !access.hasToken || access.isGuest;
   document.body.classList.toggle('ready', now.kind === 'open' || !viewer.isBlank);
 });
 on('catalog', (catalog) => {
@@ -112,8 +115,8 @@ on('view', ({ by }) => {
   address.changed();
   undo.changed(by === 'server');
 });
-on('camera', () => {
-  find('hint').classList.add('learned');
+on('camera', ({ by }) => {
+  if (by !== 'server') find('hint').classList.add('learned');
   showCamera();
 });
 on('asked', ({ seq }) => hud.asked(seq));
@@ -177,7 +180,7 @@ const undo = new Undo(
 );
 
 function addressChanged() {
-  if (takeGuestToken()) {
+  if (takeGuestToken(access)) {
     location.reload(); // another guest's link, put into the address of this page
     return;
   }
@@ -230,7 +233,7 @@ function showHint(looks) {
 async function saveThisPicture(button) {
   if (!viewer.cloud) return;
   button.disabled = true;
-  await savePicture(viewer.cloud.id, viewer.view, viewer.pictureSize, overlays);
+  await savePicture(viewer.server, viewer.cloud.id, viewer.view, viewer.pictureSize, overlays);
   button.disabled = false;
 }
 
@@ -250,8 +253,14 @@ const theme = new Choices(find('theme'), chooseTheme);
 theme.fill(themes.map((value) => ({ value, label: strings.theme[value] })));
 theme.show(chosenTheme());
 
+function setColliding(collides) {
+  viewer.collides = collides;
+  find('collides').checked = collides;
+}
+find('collides').addEventListener('change', (event) => setColliding(/** @type {any} */ (event.target).checked));
+
 function toggleColliding() {
-  viewer.collides = !viewer.collides;
+  setColliding(!viewer.collides);
   const [title, detail] = viewer.collides ? strings.messages.stops : strings.messages.passes;
   overlays.toast(title, detail, 'done');
 }
@@ -275,7 +284,7 @@ addEventListener('keydown', (event) => {
   else shortcuts[key](event);
 });
 
-for (const button of document.querySelectorAll('[data-view]')) {
+for (const button of /** @type {NodeListOf<HTMLElement>} */ (document.querySelectorAll('[data-view]'))) {
   button.addEventListener('click', () => viewer.showStandardView(button.dataset.view));
 }
 find('orthographic').addEventListener('click', () => viewer.toggleProjection());

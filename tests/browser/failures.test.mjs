@@ -63,7 +63,7 @@ describe('the page, when things go wrong', { timeout: 280_000 }, () => {
     server.damaged = true;
     await open();
     await waitUntilSharp(page);
-    assert.equal(await page.textContent('#damage'), 'Parts of this cloud cannot be read; coarser points are shown in their place.');
+    assert.equal(await page.textContent('#damage'), 'Parts of this point cloud cannot be read; coarser points are shown in their place.');
     assert.ok(await page.isVisible('#damage'));
     server.damaged = false;
     await drag(page, [300, 300], [420, 380]);

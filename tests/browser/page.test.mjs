@@ -108,7 +108,7 @@ describe('the page', { timeout: 240_000 }, () => {
         assert.ok(differing(first, await pixels(page)) <= sameAtMost, 'the same place looks another way');
         await page.selectOption('#cloud', 'corner');
         await page.waitForSelector('#station', { state: 'hidden' });
-      }, {}, address);
+      }, {}, `${address}#cloud=ring`);
     } finally {
       await other.stop();
     }

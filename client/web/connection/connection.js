@@ -1,7 +1,6 @@
 // One WebSocket to the stream, subprotocol scancast.v1: messages out, messages and frames in. It lives from open to
 // close; session.js makes a new one when it is lost.
 
-import { subprotocols } from './access.js';
 import { FrameError, parseFrame } from '../protocol/frame_header.js';
 
 const welcomePatienceMs = 10_000;
@@ -12,11 +11,11 @@ const congestedBytes = 16 * 1024;
 export function closeWords(code, reason) {
   const words = {
     1001: 'The server is shutting down.',
-    1002: 'The server speaks another version; reload the page.',
+    1002: 'The server has been updated. Reload this page.',
     1008: 'The server does not allow this connection.',
-    1013: 'All places on the server are taken.',
+    1013: 'The server is full: all its connections are taken.',
   };
-  return reason || words[code] || 'The server does not answer.';
+  return reason || words[code] || 'The server is not responding.';
 }
 
 export class Connection {
@@ -34,16 +33,16 @@ export class Connection {
    * `hello` is the first message; `firstSeq` the number that the first view gets. Handlers: welcome(message),
    * frame(frame), problem(message), stats(message), closed(words), the last one exactly once.
    */
-  constructor(url, hello, firstSeq, handlers) {
+  constructor(server, hello, firstSeq, handlers) {
     this.#handlers = handlers;
     this.#hello = hello;
     this.#lastSeq = firstSeq - 1;
-    this.#socket = new WebSocket(url, subprotocols());
+    this.#socket = new WebSocket(server.streamUrl, server.access.subprotocols);
     this.#socket.binaryType = 'arraybuffer';
     this.#socket.onopen = () => this.#send({ type: 'hello', ...hello });
     this.#socket.onmessage = (event) => this.#received(event.data);
     this.#socket.onclose = (event) => this.#end(closeWords(event.code, event.reason || this.#bye));
-    this.#timers.push(setTimeout(() => this.#end('The server does not answer.'), welcomePatienceMs));
+    this.#timers.push(setTimeout(() => this.#end('The server is not responding.'), welcomePatienceMs));
   }
 
   get nextSeq() {
@@ -86,7 +85,7 @@ export class Connection {
       this.#handlers?.frame(parseFrame(data));
     } catch (error) {
       if (!(error instanceof FrameError)) throw error;
-      this.#end(`The server sent something strange: ${error.message}.`);
+      this.#end(`The server sent something that this page cannot read: ${error.message}.`);
     }
   }
 
@@ -95,7 +94,7 @@ export class Connection {
     try {
       message = JSON.parse(data);
     } catch {
-      this.#end('The server sent something that is no message.');
+      this.#end('The server sent something that this page cannot read.');
       return;
     }
     if (message.type === 'welcome') {
@@ -131,7 +130,7 @@ export class Connection {
 
   /** A cable that was pulled closes nothing: ask, and give up when two questions stay unanswered. */
   #checkPulse() {
-    if (performance.now() - this.#heard > 2.5 * pingEveryMs) this.#end('The server does not answer any more.');
+    if (performance.now() - this.#heard > 2.5 * pingEveryMs) this.#end('The server has stopped responding.');
     else this.#send({ type: 'ping', id: Math.round(performance.now()) });
   }
 

@@ -2,10 +2,8 @@
 // more patiently, whenever something breaks. Who asked for a certain cloud is never shown another one: while it cannot be
 // shown he is told why, and it comes by itself as soon as it can.
 
-import { forgetToken, hasToken, keepToken } from './access.js';
-import { fetchClouds, fetchMethods, ServerProblem } from './catalog.js';
+import { ServerProblem } from './server.js';
 import { Connection } from './connection.js';
-import { enterAsGuest, forgetGuest, isGuest } from './guest.js';
 
 const pollMs = 700;
 const idlePollMs = 3000;
@@ -17,6 +15,7 @@ export function backOff(attempt, random = Math.random()) {
 }
 
 export class Session {
+  #server;
   #handlers;
   #connection;
   #timer;
@@ -37,7 +36,8 @@ export class Session {
    *   lost     `detail`: why, in words; `at`, `delay`: when it is tried again
    * catalog(catalog) and clouds(list); expect(cloud), which is shown as soon as that resolves; hello() → the first message; welcome(message); frame, problem and stats as in Connection.
    */
-  constructor(handlers) {
+  constructor(server, handlers) {
+    this.#server = server;
     this.#handlers = handlers;
     addEventListener('online', () => this.retryNow());
     document.addEventListener('visibilitychange', () => {
@@ -70,7 +70,7 @@ export class Session {
 
   /** The server asked for a token: here it is. `remember`: on this device, and not for this tab only. */
   unlock(token, remember) {
-    keepToken(token, remember);
+    this.#server.access.keepToken(token, remember);
     this.#handlers.state({ kind: 'connecting' });
     this.#cycle();
   }
@@ -78,8 +78,8 @@ export class Session {
   /** Forgets the token, here and on this device, and asks for one. */
   lock() {
     this.#leave();
-    forgetToken();
-    forgetGuest();
+    this.#server.access.forgetToken();
+    this.#server.access.forgetGuest();
     this.start(this.#cloud);
   }
 
@@ -105,23 +105,23 @@ export class Session {
     this.#round += 1;
     const round = this.#round;
     try {
-      if (isGuest()) {
-        const theirs = await enterAsGuest();
+      if (this.#server.access.isGuest) {
+        const theirs = await this.#server.enterAsGuest();
         if (round !== this.#round) return;
         this.#cloud ??= theirs;
       }
-      const list = await fetchClouds();
+      const list = await this.#server.clouds();
       if (round !== this.#round) return;
       const cloud = list.clouds.find((one) => one.id === (this.#cloud ?? list.clouds[0]?.id));
       if (!cloud) {
         this.#wait(list);
         return;
       }
-      const [methods] = await Promise.all([fetchMethods(), this.#handlers.expect(cloud)]);
+      const [methods] = await Promise.all([this.#server.methods(), this.#handlers.expect(cloud)]);
       if (round !== this.#round) return;
       this.#handlers.catalog({ ...list, ...methods });
       this.#open(cloud);
-    } catch (error) {
+    } catch (/** @type {any} */ error) {
       if (round !== this.#round) return;
       if (error.status === 401) this.#locked();
       else this.#lost(error);
@@ -142,9 +142,7 @@ export class Session {
   }
 
   #open(cloud) {
-    const url = new URL('/api/v1/stream', location.href);
-    url.protocol = location.protocol === 'https:' ? 'wss:' : 'ws:';
-    this.#connection = new Connection(url, this.#hello(cloud), this.#nextSeq, {
+    this.#connection = new Connection(this.#server, this.#hello(cloud), this.#nextSeq, {
       welcome: (message) => {
         this.#attempt = 0;
         this.#resume = message.resume ?? '';
@@ -171,10 +169,10 @@ export class Session {
   /** Nothing is asked again before a token is given: trying wrong ones would help nobody. */
   #locked() {
     this.#attempt = 0;
-    const [refused, guest] = [hasToken(), isGuest()];
-    forgetToken({ onDevice: !guest }); // it was the guest's pass that was refused
-    forgetGuest();
-    if (guest && hasToken()) {
+    const [refused, guest] = [this.#server.access.hasToken, this.#server.access.isGuest];
+    this.#server.access.forgetToken({ onDevice: !guest }); // it was the guest's pass that was refused
+    this.#server.access.forgetGuest();
+    if (guest && this.#server.access.hasToken) {
       this.#cycle();
       return;
     }
@@ -186,7 +184,7 @@ export class Session {
     this.#attempt += 1;
     const words = error instanceof ServerProblem || this.#attempt === 1 ? error.message : '';
     // fetch() says "Failed to fetch" or the like, which helps nobody.
-    const detail = error instanceof TypeError || error.name === 'TimeoutError' ? 'The server does not answer.' : words;
+    const detail = error instanceof TypeError || error.name === 'TimeoutError' ? 'The server is not responding.' : words;
     this.#handlers.state({ kind: 'lost', detail, delay, at: performance.now() + delay });
     this.#later(delay);
   }
@@ -194,7 +192,7 @@ export class Session {
   /** Asks once more for the list, for clouds that finished loading meanwhile. Failures show elsewhere. */
   async refreshCatalog() {
     try {
-      this.#handlers.clouds(await fetchClouds());
+      this.#handlers.clouds(await this.#server.clouds());
     } catch {
       // The stream notices a lost server by itself.
     }

@@ -3,6 +3,7 @@
 import { strings } from './strings.js';
 
 const words = strings.appearance;
+/** @type {(id: string) => any} */
 const find = (id) => document.getElementById(id);
 
 export class ChosenMethod {

@@ -5,6 +5,7 @@ import { element } from './parameter_fields.js';
 import { Pace, progressWords } from './progress.js';
 import { strings } from './strings.js';
 
+/** @type {(id: string) => any} */
 const find = (id) => document.getElementById(id);
 const words = strings.cover;
 const nameOf = (entry) => entry.title || entry.id;

@@ -18,12 +18,13 @@ function put(place, address) {
 export class Galleries {
   #viewer;
   #controls;
-  #thumbnails = new Thumbnails();
+  #thumbnails;
   #open = new Set();
 
   /** `controls()` tells the methods and where their pictures go. */
   constructor(viewer, controls) {
     this.#viewer = viewer;
+    this.#thumbnails = new Thumbnails(viewer.server);
     this.#controls = controls;
     const popover = find('views-gallery');
     popover.addEventListener('toggle', ({ newState }) => {

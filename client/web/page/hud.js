@@ -1,10 +1,12 @@
 // The line in the corner: whether the picture moves or is sharp, how fast, and, opened, the figures behind it.
 
 import { element } from './parameter_fields.js';
-import { amount } from './strings.js';
+import { amount, counted, strings } from './strings.js';
 
+/** @type {(id: string) => any} */
 const find = (id) => document.getElementById(id);
 const windowMs = 1000;
+const words = strings.hud;
 
 const milliseconds = (value) => (Number.isFinite(value) ? `${value < 10 ? value.toFixed(1) : Math.round(value)} ms` : '–');
 
@@ -45,10 +47,6 @@ export class FrameClock {
     this.#asked.clear();
   }
 }
-
-const stateWords = { connecting: 'Connecting…', moving: 'Moving', refining: 'Refining', sharp: 'Sharp', waiting: 'Waiting', lost: 'Connection lost' };
-
-const damageWords = 'Parts of this cloud cannot be read; coarser points are shown in their place.';
 
 export class Hud {
   clock = new FrameClock();
@@ -91,9 +89,9 @@ export class Hud {
   /** Whether the sentence is shown that tells of damage. */
   setDamaged(damaged) {
     const note = find('damage');
-    const words = damaged ? damageWords : '';
+    const said = damaged ? words.damage : '';
     note.hidden = !damaged;
-    if (note.textContent !== words) note.textContent = words;
+    if (note.textContent !== said) note.textContent = said;
   }
 
   /** Figures of one frame: they are shown as long as that one is on screen, and stands still. */
@@ -115,9 +113,9 @@ export class Hud {
   #render() {
     const hud = find('hud');
     hud.dataset.state = this.#state;
-    const words = stateWords[this.#state] ?? this.#state;
+    const said = words.states[this.#state] ?? this.#state;
     // Screen readers hear every change of a status: only real ones, and not each burst of frames.
-    if (find('hud-state').textContent !== words) find('hud-state').textContent = words;
+    if (find('hud-state').textContent !== said) find('hud-state').textContent = said;
     find('hud-brief').textContent = this.#brief();
     if (hud.open) find('hud-figures').replaceChildren(...this.#figures());
   }
@@ -125,30 +123,30 @@ export class Hud {
   #brief() {
     if (!this.#frame || this.#state === 'lost' || this.#state === 'connecting') return '';
     if (this.#state === 'moving') {
-      return `${this.clock.framesPerSecond(performance.now())} frames/s · ${milliseconds(this.clock.latency)}`;
+      return `${words.fps(this.clock.framesPerSecond(performance.now()))} · ${milliseconds(this.clock.latency)}`;
     }
     const stats = this.#statsOfThis;
-    return stats ? `${amount(stats.samples)} samples` : `${this.#frame.width} × ${this.#frame.height}`;
+    return stats ? counted(stats.samples, words.sample, words.samples) : `${this.#frame.width} × ${this.#frame.height}`;
   }
 
   #figures() {
     const frame = this.#frame;
     const stats = this.#statsOfThis;
-    const rows = [['Frame rate', `${this.clock.framesPerSecond(performance.now())} fps`]];
-    rows.push(['Latency', milliseconds(this.clock.latency)]);
+    const rows = [[words.frameRate, words.fps(this.clock.framesPerSecond(performance.now()))]];
+    rows.push([words.latency, milliseconds(this.clock.latency)]);
     if (frame) {
-      rows.push(['Resolution', `${frame.width} × ${frame.height}`]);
-      rows.push(['Rendering', milliseconds(frame.renderMicroseconds / 1000)]);
-      rows.push(['Encoding', milliseconds(frame.encodeMicroseconds / 1000)]);
-      rows.push(['Image size', `${Math.round(frame.picture.length / 1024)} KiB`]);
+      rows.push([words.resolution, `${frame.width} × ${frame.height}`]);
+      rows.push([words.rendering, milliseconds(frame.renderMicroseconds / 1000)]);
+      rows.push([words.encoding, milliseconds(frame.encodeMicroseconds / 1000)]);
+      rows.push([words.frameSize, `${amount(Math.round(frame.picture.length / 1000))} kB`]);
     }
-    if (this.#method) rows.push(['Method', this.#method]);
+    if (this.#method) rows.push([words.method, this.#method]);
     if (stats) {
-      rows.push(['Samples drawn', amount(stats.samples)]);
-      rows.push(['Scan points shown', amount(stats.points)]);
-      if (stats.detail > 0) rows.push(['Detail', `${stats.detail.toPrecision(2)} px`]);
-      if (stats.jpegQuality > 0) rows.push(['JPEG quality', stats.jpegQuality]);
-      if (stats.bandwidth > 0) rows.push(['Network', `${amount(Math.round(stats.bandwidth / 1000))} kB/s`]);
+      rows.push([words.samplesDrawn, amount(stats.samples)]);
+      rows.push([words.pointsShown, amount(stats.points)]);
+      if (stats.detail > 0) rows.push([words.detail, `${stats.detail.toPrecision(2)} px`]);
+      if (stats.jpegQuality > 0) rows.push([words.quality, stats.jpegQuality]);
+      if (stats.bandwidth > 0) rows.push([words.network, `${amount(Math.round(stats.bandwidth / 1000))} kB/s`]);
       for (const stage of (stats.stages ?? []).slice(0, 12)) rows.push([`· ${stage.name}`, milliseconds(stage.milliseconds)]);
     }
     return rows.flatMap(([term, value]) => [element('dt', { textContent: term }), element('dd', { textContent: value })]);

@@ -3,6 +3,7 @@
 import { Pace, progressWords } from './progress.js';
 import { strings } from './strings.js';
 
+/** @type {(id: string) => any} */
 const find = (id) => document.getElementById(id);
 
 export class LoadingNote {

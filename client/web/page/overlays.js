@@ -3,6 +3,7 @@
 import { keyTable } from '../view/keys.js';
 import { element } from './parameter_fields.js';
 
+/** @type {(id: string) => any} */
 const find = (id) => document.getElementById(id);
 const toastMs = 9000;
 

@@ -3,8 +3,7 @@
 //
 // A photo is fetched, with the token that <img> could not send, and shown by an address of this page's own (blob:).
 
-import { authorization } from '../connection/access.js';
-import { fetchPhotos, problemOf, ServerProblem } from '../connection/catalog.js';
+import { problemOf, ServerProblem } from '../connection/server.js';
 import { strings } from './strings.js';
 
 /** @type {(id: string) => any} */
@@ -21,7 +20,7 @@ export const photosText = words.many;
 
 /** 5300000 → "5.3 MB". Pure. */
 export function sizeText(bytes) {
-  for (const [size, unit] of [[1e6, 'MB'], [1e3, 'kB']]) {
+  for (const { size, unit } of [{ size: 1e6, unit: 'MB' }, { size: 1e3, unit: 'kB' }]) {
     if (bytes >= size) return `${Number((bytes / size).toPrecision(bytes >= 100 * size ? 3 : 2)).toLocaleString('en')} ${unit}`;
   }
   return `${bytes} bytes`;
@@ -63,13 +62,15 @@ export class Photos {
   #zoom = 1; // 1 = fitted
   #loading; // AbortController of what is on its way
   #url = '';
+  #server;
   #go;
   #dialog = find('photos');
   #stage = find('photo-stage');
   #image = find('photo');
 
   /** `go(camera)` gets a camera as the protocol has it; `size()` is the picture's, { width, height }. */
-  constructor(go, size) {
+  constructor(server, go, size) {
+    this.#server = server;
     this.#go = go;
     find('show-photos').addEventListener('click', () => this.#open(0, size()));
     find('station-photos').addEventListener('click', () => this.#open(this.#here[0], size()));
@@ -126,7 +127,7 @@ export class Photos {
     if (!this.#list) this.#blank();
     const cloud = this.#cloud;
     try {
-      const list = this.#list ?? await fetchPhotos(cloud.id, size);
+      const list = this.#list ?? await this.#server.photos(cloud.id, size);
       if (this.#cloud !== cloud) return; // another one's since
       this.#list = list;
     } catch (error) {
@@ -189,7 +190,7 @@ export class Photos {
 
   async #fetch(href, signal) {
     for (let tries = 1; ; ++tries) {
-      const response = await fetch(href, { signal, cache: 'no-cache', headers: authorization() });
+      const response = await this.#server.fetch(href, { signal });
       if (response.ok) return response;
       if (tries === mostTries || ![429, 503].includes(response.status)) throw await problemOf(response);
       await new Promise((done) => { setTimeout(done, busyMs); });

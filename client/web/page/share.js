@@ -1,8 +1,5 @@
 // Taking a view along: as a link, and as a picture file.
 
-import { authorization } from '../connection/access.js';
-import { problemOf } from '../connection/catalog.js';
-import { snapshotUrl } from '../protocol/view_words.js';
 import { strings } from './strings.js';
 
 /** Puts the address, which holds the view, into the clipboard. */
@@ -17,15 +14,13 @@ export async function copyLink(overlays) {
 }
 
 /** Asks the server for the view in full quality and hands it to the browser as a download. */
-export async function savePicture(cloud, view, { width, height }, overlays) {
+export async function savePicture(server, cloud, view, size, overlays) {
   try {
-    const response = await fetch(snapshotUrl(cloud, view, width, height), { headers: authorization() });
-    if (!response.ok) throw await problemOf(response);
-    const url = URL.createObjectURL(await response.blob());
+    const url = URL.createObjectURL(await server.snapshot(cloud, view, size));
     Object.assign(document.createElement('a'), { href: url, download: `${cloud}.png` }).click();
     setTimeout(() => URL.revokeObjectURL(url), 10_000);
-    overlays.toast(strings.messages.pictureSaved, strings.messages.pictureSavedDetail(`${cloud}.png`, width, height), 'done');
-  } catch (error) {
+    overlays.toast(strings.messages.pictureSaved, strings.messages.pictureSavedDetail(`${cloud}.png`, size.width, size.height), 'done');
+  } catch (/** @type {any} */ error) {
     const known = error.title !== undefined;
     overlays.toast(known ? error.title : strings.messages.pictureFailed, known ? error.message : strings.messages.noAnswer);
   }

@@ -1,9 +1,9 @@
 // Where the scanner stood: a list in the panel, for clouds whose scan says it; choosing one goes there.
 
-import { fetchStations } from '../connection/catalog.js';
 import { photosText } from './photos.js';
 import { counted, strings } from './strings.js';
 
+/** @type {(id: string) => any} */
 const find = (id) => document.getElementById(id);
 const mostListed = 500; // a longer menu helps nobody; the API has them all
 
@@ -16,11 +16,13 @@ export function labelOfStation({ name, points, photos = [] }) {
 }
 
 export class Stations {
+  #server;
   #of; // id and revision of the cloud that the list is of, or is on its way for
   #list = [];
 
   /** `go(station)` gets one of the list, as the API has it. */
-  constructor(go) {
+  constructor(server, go) {
+    this.#server = server;
     find('station').addEventListener('change', (event) => {
       const station = this.#list[Number(event.target.value)];
       // The menu names what one may go to, not where one is: one leaves the place with the next drag.
@@ -37,7 +39,7 @@ export class Stations {
     this.#fill([]);
     if (!of) return;
     try {
-      const list = await fetchStations(cloud.id);
+      const list = await this.#server.stations(cloud.id);
       if (this.#of === of) this.#fill(list);
     } catch {
       if (this.#of === of) this.#of = undefined; // asked for again with the next change

@@ -2,7 +2,6 @@
 // camera moves, so that they never take the device's time from whoever looks around. A server that has too much to do, or that
 // draws none, leaves a gallery with names only.
 
-import { authorization } from '../connection/access.js';
 import { snapshotUrl } from '../protocol/view_words.js';
 
 const size = { width: 216, height: 144 };
@@ -26,11 +25,16 @@ export function middleOf(camera, height) {
 export const thumbnailUrl = (cloud, view) => snapshotUrl(cloud, { ...view, quality, detail: null }, size.width, size.height, 'jpg');
 
 export class Thumbnails {
+  #server;
   #kept = new Map(); // key → blob: address, the one that was used last at the end
   #queue = []; // [{ url, key, show }] that somebody still wants to see
   #loading; // AbortController of the one that is on its way
   #rest;
   #still = true;
+
+  constructor(server) {
+    this.#server = server;
+  }
 
   /**
    * The pictures of a gallery that is open: [{ url, key, show(address) }], first things first; those of before are wanted no more. What has
@@ -78,7 +82,7 @@ export class Thumbnails {
     const loading = new AbortController();
     this.#loading = loading;
     try {
-      const response = await fetch(url, { headers: authorization(), signal: loading.signal });
+      const response = await this.#server.fetch(url, { signal: loading.signal, cache: 'default' });
       // Busy, or refused: the names have to do until the gallery is opened again.
       if (!response.ok) this.#queue = [];
       else {

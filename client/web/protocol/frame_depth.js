@@ -33,7 +33,7 @@ async function inflated(bytes, length) {
       unpacked.set(part.value, filled);
       filled += part.value.length;
     }
-  } catch (error) {
+  } catch (/** @type {any} */ error) {
     throw error instanceof FrameError ? error : new FrameError(`the depth of a frame is no zlib stream: ${error.message}`);
   }
   if (filled !== length) throw new FrameError(`the depth of a frame unpacks to ${filled} bytes instead of ${length}`);

@@ -37,8 +37,9 @@ export class CameraInput {
    * `view` has: camera (undefined while there is nothing to steer), size in CSS pixels, pictures (what they have seen of the
    * surface, the newest first), limits (as for Grip), looksAround, collides, calm (whoever wants no motion);
    * changeCamera(camera), goTo(camera) for a jump worth animating, and wake() when something begins to move by itself.
+   * `keys`: whose key events count.
    */
-  constructor(element, view) {
+  constructor(element, view, /** @type {EventTarget} */ keys = globalThis) {
     this.#element = element;
     this.#view = view;
     const on = (name, handle, options) => element.addEventListener(name, handle.bind(this), options);
@@ -48,13 +49,13 @@ export class CameraInput {
     on('wheel', this.#wheeled, { passive: false });
     on('dblclick', this.#doubleClick);
     on('contextmenu', (event) => event.preventDefault());
-    addEventListener('keydown', (event) => {
+    keys.addEventListener('keydown', (event) => {
       if (!this.#view.camera || !this.#keys.down(event)) return;
       event.preventDefault(); // a menu would go to its next entry of that letter
       this.#wheel = this.#glide = undefined;
       this.#view.wake();
     });
-    addEventListener('keyup', (event) => this.#keys.up(event));
+    keys.addEventListener('keyup', (event) => this.#keys.up(event));
     addEventListener('blur', () => this.#keys.clear());
   }
 

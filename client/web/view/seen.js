@@ -16,7 +16,8 @@ const sameSurface = 0.04; // relative difference in depth, of a ray that has jus
  * @param {import('../protocol/frame_depth.js').FrameDepth} depth
  * @param {import('./pose.js').Pose} pose from where it was drawn, and how much it shows
  */
-export function seenFrom(camera, depth, { eye, axes, orthographic, halfHeight, aspect }) {
+export function seenFrom(camera, depth, pose) {
+  const { eye, axes, orthographic, halfHeight, aspect } = pose;
   return { camera, depth, eye, ...axes, top: halfHeight, side: halfHeight * aspect, perspective: !orthographic };
 }
 

@@ -57,7 +57,6 @@ function usualUpAxis(of) {
 
 export class Viewer extends EventTarget {
   #canvas;
-  #freeSize;
   #state = new ViewState();
   #picture;
   #session;
@@ -72,7 +71,7 @@ export class Viewer extends EventTarget {
   #asked = new Map(); // seq → { camera, stretch }, of views whose pictures may still come; stretch where they have a margin
   #onScreen; // { camera, stretch, seq, depth }: from where the picture on the canvas was drawn, and its depth if it has any
   #pictures = []; // what the latest pictures have seen of the surface (seen.js), the newest first
-  #firstViews = new FirstViews();
+  #firstViews;
   #next; // of the calls of #showSoon(), the last one's
   #restore; // { cloud, camera, upAxis, style }: a view to begin with, once connected
   #moved = false; // by somebody; else the camera is the one that the server chose
@@ -89,21 +88,33 @@ export class Viewer extends EventTarget {
   /** Whether surfaces stop who moves; else he passes through them. */
   collides = true;
 
-  /** `freeSize(cssSize)`: the part of the canvas, in its middle, that nothing lies over; a fitted cloud fills that. */
-  constructor(canvas, { freeSize = (size) => size } = {}) {
+  /** freeSize(cssSize): the part of the canvas, in its middle, that nothing lies over; a fitted cloud fills that. */
+  freeSize = (cssSize) => cssSize;
+
+  /** What may be moved by hand: nothing where this is false. */
+  steerable = true;
+
+  /**
+   * @param {HTMLCanvasElement} canvas
+   * @param {import('../connection/server.js').Server} server whose clouds are shown
+   * @param {EventTarget} keys whose key events steer the view: the window's, or one element's
+   */
+  constructor(canvas, server, keys = globalThis) {
     super();
+    this.server = server;
     this.#canvas = canvas;
-    this.#freeSize = () => freeSize(this.#picture.cssSize);
     this.#picture = new Picture(canvas, ({ width, height }) => {
       this.#state.change({ width, height });
+      if (!this.#moved) this.#refit();
       this.#wake();
     });
-    this.#session = new Session({
+    this.#firstViews = new FirstViews(server);
+    this.#session = new Session(server, {
       state: (now) => {
         this.#reproject(); // nothing newer is on its way where there is no connection
         this.#tell('connection', now);
       },
-      expect: (cloud) => this.#firstViews.load(cloud, this.#freeSize()),
+      expect: (cloud) => this.#firstViews.load(cloud, this.#free),
       catalog: (fresh) => this.#catalogCame(fresh),
       clouds: (fresh) => this.#cloudsCame(fresh),
       hello: () => {
@@ -118,7 +129,7 @@ export class Viewer extends EventTarget {
     });
     const viewer = this;
     this.#input = new CameraInput(canvas, {
-      get camera() { return viewer.#session.connection ? viewer.#camera : undefined; },
+      get camera() { return viewer.steerable && viewer.#session.connection ? viewer.#camera : undefined; },
       get size() { return viewer.#picture.cssSize; },
       get pictures() { return viewer.#pictures; },
       get limits() {
@@ -133,7 +144,7 @@ export class Viewer extends EventTarget {
       changeCamera: (next) => this.changeCamera(next),
       goTo: (next) => this.goTo(next, 'hand'),
       wake: () => this.#wake(),
-    });
+    }, keys);
   }
 
   // ---- what there is
@@ -143,6 +154,8 @@ export class Viewer extends EventTarget {
   get camera() { return this.#camera; }
   /** All that is asked for, as the protocol has it. */
   get view() { return this.#state.wanted; }
+  /** The part of the canvas that nothing lies over. */
+  get #free() { return this.freeSize(this.#picture.cssSize); }
   get bounds() { return this.#cloud?.bounds ?? unitBox; }
   /** What is asked for, as restore() takes it - in flight, where that leads to; undefined where nothing is shown. */
   get place() {
@@ -162,9 +175,9 @@ export class Viewer extends EventTarget {
     const theirs = fromProtocol(of.view?.camera, usualUpAxis(of)) ?? fromProtocol({ eye: [1, -2, 1], target: [0, 0, 0] });
     const first = of.look?.views?.[0];
     const { cssSize } = this.#picture;
-    if (!first || upAxis !== usualUpAxis(of)) return fit({ ...theirs, upAxis }, of.bounds, cssSize, this.#freeSize());
+    if (!first || upAxis !== usualUpAxis(of)) return fit({ ...theirs, upAxis }, of.bounds, cssSize, this.#free);
     if (first.inside) return theirs;
-    const free = this.#freeSize();
+    const free = this.#free;
     return this.#firstViews.first(of, cssSize, free, upAxis) ?? fittedInto(theirs, cssSize, free);
   }
 
@@ -240,7 +253,7 @@ export class Viewer extends EventTarget {
     this.#next = link;
     const find = () => this.#catalog.clouds.find((one) => one.id === link.cloud);
     const patience = new Promise((done) => { setTimeout(done, firstViewPatienceMs); });
-    await Promise.race([this.#firstViews.load(find(), this.#freeSize()), patience]);
+    await Promise.race([this.#firstViews.load(find(), this.#free), patience]);
     if (this.#next !== link) return;
     this.#next = undefined;
     if (this.#canShow(link.cloud)) this.#show(link, find());
@@ -288,6 +301,15 @@ export class Viewer extends EventTarget {
     this.#wake();
   }
 
+  /** Nobody has moved, and the canvas is of another size: as the server would show the cloud in that. */
+  #refit() {
+    if (!this.#camera || !this.#cloud || this.#flight) return;
+    this.#camera = this.usualCamera();
+    this.#state.change({ camera: wireOf(this.#camera, this.bounds) });
+    this.#tell('camera', { by: 'server' });
+    this.#tell('view', { by: 'server' });
+  }
+
   /** A jump, shown as a short flight so that one sees where it leads. */
   goTo(next, by = 'program') {
     if (!this.#camera) return;
@@ -315,13 +337,13 @@ export class Viewer extends EventTarget {
   showView({ camera, inside }) {
     const next = fromProtocol(camera, this.#camera?.upAxis ?? 'z');
     if (!next || !this.#camera) return;
-    this.goTo(inside ? next : fittedInto(next, this.#picture.cssSize, this.#freeSize()));
+    this.goTo(inside ? next : fittedInto(next, this.#picture.cssSize, this.#free));
   }
 
   /** 'fit', 'first' (as the server would show it) or a name that standardView() knows: all of the cloud. */
   showStandardView(name) {
     if (!this.#camera || !this.#cloud) return;
-    const room = [this.bounds, this.#picture.cssSize, this.#freeSize()];
+    const room = [this.bounds, this.#picture.cssSize, this.#free];
     if (name === 'first') this.goTo(this.usualCamera(this.#cloud, this.#camera.upAxis));
     else this.goTo(name === 'fit' ? this.#everything(room) : standardView(this.#camera, name, ...room));
   }
@@ -399,7 +421,7 @@ export class Viewer extends EventTarget {
   async #renew() {
     const find = () => this.#catalog.clouds.find((one) => one.id === this.#cloud?.id);
     if (!find() || find().revision === this.#cloud.revision) return;
-    if (this.isUntouched) await this.#firstViews.load(find(), this.#freeSize());
+    if (this.isUntouched) await this.#firstViews.load(find(), this.#free);
     const fresh = find();
     if (!fresh || fresh.revision === this.#cloud.revision) return; // it went on meanwhile
     this.#cloud = fresh;
@@ -452,7 +474,7 @@ export class Viewer extends EventTarget {
   /** What to ask for: what is wanted, and around it, while the camera moves, what may come into view next. */
   #wantedNow() {
     const isMoving = this.#isSteered && this.#hasMargins && !this.#calm.matches;
-    return (isMoving && withMargin(this.view, this.#picture.mostPixels)) || { view: this.view };
+    return (isMoving && withMargin(this.view, this.#picture.mostPixels)) || { view: this.view, stretch: undefined };
   }
 
   /** While the picture from here is on its way, the last one as it would look from here. */

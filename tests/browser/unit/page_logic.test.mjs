@@ -87,7 +87,7 @@ describe('words for people', () => {
   it('say why a connection ended', () => {
     assert.match(closeWords(1013, ''), /taken/);
     assert.equal(closeWords(1008, 'No.'), 'No.');
-    assert.match(closeWords(1006, ''), /does not answer/);
+    assert.match(closeWords(1006, ''), /not responding/);
   });
 });
 

@@ -4,7 +4,7 @@ import { describe, it } from 'node:test';
 
 import { pointUnderCursor, project } from '../../../client/web/view/camera.js';
 import { cameraOf, wireOf } from '../../../client/web/view/camera_words.js';
-import { parseHash, printHash } from '../../../client/web/page/view_hash.js';
+import { parseHash, printHash } from '../../../client/web/view/view_hash.js';
 import { printQuery, snapshotUrl, wordsOf } from '../../../client/web/protocol/view_words.js';
 import { manyCameras, random } from '../support/cameras.mjs';
 

@@ -9,8 +9,9 @@ import { coveredShare, hitAlong, placeOf } from './seen.js';
 import { add, dot, length, scale, subtract } from './vectors.js';
 
 const flattest = 4; // sideways to downwards, of the ray to ground that one still takes for what is below one's feet
-const emptyFrom = 0.22; // share of a picture that is covered: from here on walking ahead becomes slower
-const emptyTo = 0.08; // and here it ends
+const steepest = 0.4; // rise to run, of what may be ground
+const emptyFrom = 0.3; // share of a picture that is covered: from here on walking ahead becomes slower
+const emptyTo = 0.15; // and here it ends
 
 /** The first surface that a ray of unit length meets within `range`, as far as any picture knows. */
 export function firstHit(pictures, origin, direction, range) {
@@ -33,8 +34,7 @@ export function summaryOf(seen) {
 /** Every other cell will do. */
 function summed(seen) {
   const { inverse, width, height } = seen.depth;
-  const up = upwards(seen.camera);
-  const [right, upright, ahead] = [dot(seen.right, up) * seen.side, dot(seen.up, up) * seen.top, -dot(seen.back, up)];
+  const dropTo = fallOf(seen);
   const values = [];
   const floors = [];
   for (let row = 0; row < height; row += 2) {
@@ -42,11 +42,11 @@ function summed(seen) {
       const value = inverse[row * width + column];
       if (!(value > 0)) continue;
       values.push(value);
-      const [x, y] = [((column + 0.5) / width) * 2 - 1, 1 - ((row + 0.5) / height) * 2];
-      const spread = seen.perspective ? 1 : value; // sideways, of what lies one ahead
-      const drop = -(ahead + (x * right + y * upright) * spread);
-      const slant = Math.hypot(1, x * seen.side * spread, y * seen.top * spread);
-      if (drop * Math.hypot(1, flattest) >= slant) floors.push(drop / value);
+      const { drop, aside } = dropTo(column, row, value);
+      if (!(drop > 0) || aside > flattest * drop || row + 2 >= height) continue;
+      // Level is what hardly rises from one cell to the next, as a wall close by does.
+      const next = dropTo(column, row + 2, inverse[(row + 2) * width + column]);
+      if (Math.abs(next.drop - drop) <= steepest * Math.abs(next.aside - aside)) floors.push(drop);
     }
   }
   values.sort((a, b) => b - a);
@@ -55,7 +55,21 @@ function summed(seen) {
     covered: coveredShare(seen),
     near: values.length > 0 ? 1 / values[Math.floor(values.length / 10)] : undefined, // a tenth of what is there is nearer
     // Height of the ground below this eye, of which a few of many stones may stick out.
-    floor: floors.length > 8 ? dot(seen.eye, up) - floors[Math.floor(floors.length / 4)] : undefined,
+    floor: floors.length > 8 ? dot(seen.eye, upwards(seen.camera)) - floors[Math.floor(floors.length / 4)] : undefined,
+  };
+}
+
+/** How far below the eye, and how far from the vertical through it, what a cell shows lies. */
+function fallOf(seen) {
+  const { width, height } = seen.depth;
+  const up = upwards(seen.camera);
+  const [right, upright, ahead] = [dot(seen.right, up) * seen.side, dot(seen.up, up) * seen.top, -dot(seen.back, up)];
+  return (column, row, value) => {
+    const [x, y] = [((column + 0.5) / width) * 2 - 1, 1 - ((row + 0.5) / height) * 2];
+    const spread = seen.perspective ? 1 : value; // sideways, of what lies one ahead
+    const down = -(ahead + (x * right + y * upright) * spread);
+    const slant = Math.hypot(1, x * seen.side * spread, y * seen.top * spread);
+    return { drop: down / value, aside: Math.sqrt(Math.max(0, slant * slant - down * down)) / value };
   };
 }
 

@@ -95,6 +95,15 @@ describe('walking', () => {
     assert.ok(Number.isFinite(reachAhead([pictureOf(sky)], sky, limits)) && Number.isFinite(reachAhead([], sky, limits)));
   });
 
+  it('does not take a wall close by for the ground', () => {
+    // As high as the eye, a step aside, and only the wall is steeply below.
+    const beside = from([0, 19, 5], [10, 19.3, 5]);
+    const { floor } = summaryOf(pictureOf(beside, town.wall));
+    assert.equal(floor, undefined);
+    const { lowest } = fly(beside, ['KeyQ']);
+    assert.ok(lowest < 2 && lowest > 0.5 * limits.least, `${lowest}`);
+  });
+
   it('foresees what a picture from elsewhere will show', () => {
     const start = from([-50, -50, 3], [0, -48, 3]);
     const seen = pictureOf(start);

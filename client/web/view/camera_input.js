@@ -197,13 +197,10 @@ export class CameraInput {
 
   #wheelOn(camera, milliseconds) {
     const series = this.#wheel;
-    const { limits } = this.#view;
     const share = Math.abs(series.left) < 2e-3 ? 1 : 1 - Math.exp(-milliseconds / wheelFadeMs);
     const step = series.left * share;
     series.left -= step;
-    const world = this.#world();
-    if (series.anchor.of === 'plane') world.limits = { ...limits, least: Math.max(limits.least, 0.1 * series.anchor.depth) };
-    return zoomed(camera, series.anchor.point, Math.exp(step), world);
+    return zoomed(camera, series.anchor, Math.exp(step), this.#world());
   }
 
   // ---- jumps
@@ -220,7 +217,7 @@ export class CameraInput {
     const held = focusOn(camera, anchor.point);
     this.rest();
     if (away) {
-      this.#view.goTo(zoomed(camera, anchor.point, 2.5, this.#world()));
+      this.#view.goTo(zoomed(camera, anchor, 2.5, this.#world()));
       return;
     }
     const distance = Math.min(held.distance, Math.max(limits.least, held.distance * 0.4));

@@ -2,7 +2,7 @@
 // come nearer to it. Lives from the moment something is taken until nothing moves any more. No document.
 
 import { look } from './camera.js';
-import { lifted, liftOf } from './ground.js';
+import { lifted, liftOf, worthWalking } from './ground.js';
 import { dragTo, focusOn, orbitAbout, turnAbout, zoomTo } from './moves.js';
 
 /**
@@ -43,7 +43,7 @@ export class Grip {
     if (this.#kind === 'pinch') {
       // Seen from below, what turns clockwise in the picture turns the other way about the vertical.
       if (step.twist) next = turnAbout(next, this.point, camera.elevation >= 0 ? step.twist : -step.twist);
-      if (step.zoom) next = zoomTo(next, this.point, Math.exp(-step.zoom), limits);
+      if (step.zoom) next = nearer(next, this.#anchor, Math.exp(-step.zoom), world);
     }
     return lifted(pictures, camera, dragTo(next, this.point, this.#at, size), limits);
   }
@@ -57,7 +57,17 @@ function orbited(camera, point, { x, y }, { size, pictures, limits }) {
   return liftOf(pictures, camera, level, limits) > 0 ? camera : level;
 }
 
-/** Comes nearer or goes away by a factor, holding the point; who goes backwards does not sink into the ground. */
-export function zoomed(camera, point, factor, { pictures, limits }) {
-  return lifted(pictures, camera, zoomTo(focusOn(camera, point), point, factor, limits), limits);
+/**
+ * Comes nearer to an anchor by a factor, or goes away. Where that is no surface, one does not come so near, and no farther
+ * than there is something to see.
+ */
+function nearer(camera, { point, of }, factor, { pictures, limits }) {
+  if (of === 'surface' || of === undefined || factor >= 1) return zoomTo(camera, point, factor, limits);
+  const least = Math.max(limits.least, 0.02 * limits.most);
+  return zoomTo(camera, point, factor ** worthWalking(pictures, camera, limits), { ...limits, least });
+}
+
+/** The same, holding the point; who goes backwards does not sink into the ground. */
+export function zoomed(camera, anchor, factor, world) {
+  return lifted(world.pictures, camera, nearer(focusOn(camera, anchor.point), anchor, factor, world), world.limits);
 }

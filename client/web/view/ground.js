@@ -5,7 +5,7 @@
 // farther ahead, and there is none below the cloud.
 
 import { axes, corners, depthOf, centerOf, eyeOf, move, radiusOf, upwards } from './camera.js';
-import { coveredShare, hitAlong, placeOf } from './seen.js';
+import { coveredShare, hitAlong } from './seen.js';
 import { add, dot, length, scale, subtract } from './vectors.js';
 
 const flattest = 4; // sideways to downwards, of the ray to ground that one still takes for what is below one's feet
@@ -125,12 +125,17 @@ export function reachAhead(pictures, camera, { least, bounds }) {
 const fading = (value, full, none) => Math.min(1, Math.max(0, (value - none) / (full - none)));
 
 /** How much of a way ahead leads on into a picture with something in it: 1 all of it, 0 none. */
-function worthWalking(pictures, camera, limits) {
+export function worthWalking(pictures, camera, limits) {
   const { bounds } = limits;
   const [newest] = pictures;
   if (!newest) return depthOf(camera, centerOf(bounds)) > -0.5 * radiusOf(bounds) ? 1 : 0;
   // From far away the cloud is small, and that is where one is going.
-  if (placeOf(newest, centerOf(bounds)) && length(subtract(eyeOf(camera), centerOf(bounds))) > radiusOf(bounds)) return 1;
+  const center = subtract(centerOf(bounds), eyeOf(camera));
+  const { right, up, back } = axes(camera);
+  const depth = -dot(center, back);
+  const spread = newest.perspective ? depth : 1;
+  const isInSight = depth > 0 && Math.abs(dot(center, right)) <= newest.side * spread && Math.abs(dot(center, up)) <= newest.top * spread;
+  if (isInSight && length(center) > radiusOf(bounds)) return 1;
   return fading(coveredFrom(newest, camera), emptyFrom, emptyTo);
 }
 

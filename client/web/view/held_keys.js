@@ -80,8 +80,7 @@ export class HeldKeys {
     if (wanted.ahead || wanted.right || wanted.up) next = this.#walk(next, wanted, time, world);
     if (wanted.turn || wanted.tilt) next = this.#turn(next, wanted, time, world);
     if (wanted.zoom) {
-      const { point } = this.#middle(next, world);
-      next = zoomed(next, point, Math.exp(-wanted.zoom * zoomRate * time * (this.#shift ? hurry : 1)), world);
+      next = zoomed(next, this.#middle(next, world), Math.exp(-wanted.zoom * zoomRate * time * (this.#shift ? hurry : 1)), world);
     }
     return next;
   }
@@ -89,8 +88,7 @@ export class HeldKeys {
   #walk(camera, wanted, time, world) {
     // Without perspective, nearer is larger.
     if (camera.projection === 'orthographic' && wanted.ahead) {
-      const { point } = this.#middle(camera, world);
-      return zoomed(camera, point, Math.exp(-wanted.ahead * moveRate * this.#pace * time * (this.#shift ? hurry : 1)), world);
+      return zoomed(camera, this.#middle(camera, world), Math.exp(-wanted.ahead * moveRate * this.#pace * time * (this.#shift ? hurry : 1)), world);
     }
     this.let(); // something else comes to the middle
     const step = reachAhead(world.known, camera, world.limits) * moveRate * this.#pace * time * (this.#shift ? hurry : 1);

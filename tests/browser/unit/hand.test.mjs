@@ -180,9 +180,28 @@ describe('a grip', () => {
   it('going backwards does not sink into the ground', () => {
     let camera = from([0, -40, 2], [0, 20, 12]);
     const known = [pictureOf(camera)];
-    for (let i = 0; i < 20; ++i) camera = zoomed(camera, [0, 20, 12], 1.2, { ...world, pictures: known });
+    for (let i = 0; i < 20; ++i) camera = zoomed(camera, { point: [0, 20, 12], of: 'surface' }, 1.2, { ...world, pictures: known });
     assert.ok(eyeOf(camera)[2] > 0, `${eyeOf(camera)}`);
     assert.ok(length(subtract(eyeOf(camera), [0, 20, 12])) <= limits.most * 1.01);
+  });
+});
+
+describe('zooming towards nothing', () => {
+  it('ends before the void, and comes to a cloud that is far away', () => {
+    for (const [eye, target, cursor] of [[[0, -40, 1.7], [0, 20, 15], { x: 900, y: 60 }], [[-60, 0, 8], [-15, 0, 8], { x: 300, y: 60 }],
+      [[0, -900, 500], [0, 0, 0], { x: 60, y: 60 }]]) {
+      let camera = from(eye, target);
+      let known = [pictureOf(camera)];
+      const before = coveredShare(known[0]);
+      const anchor = anchorUnder(known[0], camera, cursor, size, bounds);
+      assert.equal(anchor.of, 'plane');
+      for (let notch = 0; notch < 14; ++notch) {
+        camera = zoomed(camera, anchor, 0.82, { size, limits, pictures: known });
+        if (notch % 3 === 2) known = remembering(known, pictureOf(camera));
+      }
+      const covered = coveredShare(pictureOf(camera));
+      assert.ok(covered >= Math.min(before, 0.1) / 2, `${covered} covered, ${before} before`);
+    }
   });
 });
 

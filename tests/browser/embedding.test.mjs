@@ -7,7 +7,7 @@ import assert from 'node:assert/strict';
 import { createServer } from 'node:http';
 import { after, before, describe, it } from 'node:test';
 
-import { bundle } from '../../client/view/pack.mjs';
+import { bundle } from '../../client/embed/pack.mjs';
 import { startBrowser } from './support/browser.mjs';
 import { RealServer } from './support/real_server.mjs';
 import { writeScans } from './support/scans.mjs';

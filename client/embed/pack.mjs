@@ -1,6 +1,6 @@
 // Makes dist/ for npm of the page's modules: scancast-view.js with all that it needs in one file, and its types.
 //
-//   node client/view/pack.mjs [FOLDER]     # by default client/view/dist; `npm pack` and `npm publish` call it
+//   node client/embed/pack.mjs [FOLDER]     # by default client/embed/dist; `npm pack` and `npm publish` call it
 //
 // The modules import by name and export by name, and no two of them each other: then one file is each module as a function
 // that gives what it exports, in the order in which they need each other. Types are TypeScript's, made of the comments; where
@@ -56,7 +56,7 @@ export function bundle() {
     ? source
     : `const ${nameOf(file)} = (() => {\n${source}\nreturn { ${names.join(', ')} };\n})();\n`));
   const { names } = done.get(entry);
-  return `// @scancast/view: made by client/view/pack.mjs of client/web/.\n${parts.join('')}\nexport { ${names.join(', ')} };\n`;
+  return `// @scancast/view: made by client/embed/pack.mjs of client/web/.\n${parts.join('')}\nexport { ${names.join(', ')} };\n`;
 }
 
 function packTypes(folder) {

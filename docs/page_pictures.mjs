@@ -1,0 +1,66 @@
+// The pictures of the page in docs/images/page: what a visitor sees, made by using it.
+//
+//   scancast generate town --points 5M -o town.las && scancast ingest town.las -o town.scan
+//   node docs/page_pictures.mjs build/release/bin/scancast town.scan
+//
+// The first cloud is shown wide, by night and by day, the last one on a phone. They need tests/browser/node_modules and Chromium.
+
+import { mkdirSync } from 'node:fs';
+import { fileURLToPath } from 'node:url';
+
+import { startBrowser, waitUntilSharp } from '../tests/browser/support/browser.mjs';
+import { PageProxy } from '../tests/browser/support/page_proxy.mjs';
+import { RealServer } from '../tests/browser/support/real_server.mjs';
+
+const [, , program, ...clouds] = process.argv;
+if (!program || clouds.length === 0) {
+  console.error('Usage: node docs/page_pictures.mjs SCANCAST CLOUD…   (an example is at the top of this file)');
+  process.exit(2);
+}
+const folder = fileURLToPath(new URL('images/page/', import.meta.url));
+mkdirSync(folder, { recursive: true });
+
+const server = new RealServer(program, clouds);
+const proxy = new PageProxy(await server.start());
+const url = await proxy.start();
+const browser = await startBrowser();
+const { clouds: list } = await (await fetch(new URL('/api/v1/clouds', url))).json();
+const [first, last] = [list[0].id, list.at(-1).id];
+
+const wide = { viewport: { width: 1440, height: 900 } };
+const tablet = { viewport: { width: 1024, height: 768 }, hasTouch: true };
+const phone = { viewport: { width: 390, height: 844 }, hasTouch: true, isMobile: true, deviceScaleFactor: 2 };
+
+/** One picture: `use(page)` brings the page to what is to be seen. */
+async function take(name, options, hash, use = async () => {}) {
+  const context = await browser.newContext({ colorScheme: 'dark', ...options });
+  const page = await context.newPage();
+  await page.goto(`${url}#${hash}`);
+  await waitUntilSharp(page, 60_000);
+  await use(page);
+  await waitUntilSharp(page, 60_000);
+  await page.waitForTimeout(600); // messages and flights
+  await page.screenshot({ path: `${folder}${name}.jpg`, type: 'jpeg', quality: 82 });
+  console.log(`docs/images/page/${name}.jpg`);
+  await context.close();
+}
+
+await take('page', wide, `cloud=${first}`);
+await take('light', { ...wide, colorScheme: 'light' }, `cloud=${first}`, async (page) => {
+  await page.keyboard.press('v');
+  await page.waitForFunction(() => document.querySelectorAll('#views-list img').length >= 4, undefined, { timeout: 30_000 });
+});
+await take('presentation', wide, `cloud=${first}`, async (page) => {
+  await page.mouse.move(700, 450);
+  for (let notch = 0; notch < 4; ++notch) {
+    await page.mouse.wheel(0, -200);
+    await page.waitForTimeout(250);
+  }
+  await page.keyboard.press('h');
+});
+await take('tablet', { ...tablet, colorScheme: 'light' }, `cloud=${last}`);
+await take('phone', phone, `cloud=${last}`);
+
+await browser.close();
+await proxy.stop();
+await server.stop();

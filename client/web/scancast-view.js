@@ -41,7 +41,11 @@ const look = `
   p[hidden] { display: none; }
 `;
 
-/** What is said over the picture while it is not what was asked for. Pure. */
+/**
+ * What is said over the picture while it is not what was asked for. Pure.
+ * @param {{ kind: string, [more: string]: any }} now
+ * @returns {string}
+ */
 export function wordsFor(now) {
   const nameOf = ({ title, id }) => title || id;
   switch (now.kind) {
@@ -63,7 +67,10 @@ export class ScancastView extends HTMLElement {
   #says;
   #started = false;
 
-  /** Made when it is first asked for: by then `src` has been read. */
+  /**
+   * Made when it is first asked for: by then `src` has been read.
+   * @returns {Viewer}
+   */
   get viewer() {
     if (!this.#viewer) this.#begin();
     return this.#viewer;
@@ -122,6 +129,7 @@ export class ScancastView extends HTMLElement {
     if (this.#says.textContent !== words) this.#says.textContent = words;
   }
 
+  /** @type {string} */
   get cloud() {
     return this.#viewer?.cloud?.id ?? this.getAttribute('cloud') ?? '';
   }
@@ -130,6 +138,7 @@ export class ScancastView extends HTMLElement {
     this.setAttribute('cloud', id);
   }
 
+  /** @type {string} */
   get controls() {
     return this.getAttribute('controls') ?? 'orbit';
   }
@@ -149,6 +158,7 @@ export class ScancastView extends HTMLElement {
     if (link) this.viewer.restore(link);
   }
 
+  /** @param {string} token */
   set token(token) {
     this.viewer.unlock(token);
   }
@@ -157,16 +167,27 @@ export class ScancastView extends HTMLElement {
     this.viewer.showStandardView('fit');
   }
 
+  /** @param {'fit' | 'first' | 'top' | 'front' | 'side' | 'back' | 'left' | 'bottom'} name */
   showStandardView(name) {
     this.viewer.showStandardView(name);
   }
 
-  /** Rejects with what the server refuses with, which has a `title` and a `message`. */
+  /**
+   * A picture of the view that is shown, in full quality. Rejects with what the server refuses with, which has a `title`, a
+   * `status` and a `message`.
+   * @param {{ width?: number, height?: number, format?: 'png' | 'jpg' }} [wanted] pixels; without them, those of the element
+   * @returns {Promise<Blob>}
+   */
   snapshot({ width = this.viewer.pictureSize.width, height = this.viewer.pictureSize.height, format = 'png' } = {}) {
     return this.viewer.server.snapshot(this.cloud, this.viewer.view, { width, height }, { format });
   }
 
-  /** `x`, `y`: CSS pixels from the element's top left corner. */
+  /**
+   * The point of the scan that is seen there, as the protocol has it ("A picked point"); null where there is none.
+   * @param {number} x CSS pixels from the element's left edge
+   * @param {number} y and from its upper one
+   * @returns {Promise<{ position: [number, number, number], depth: number, distance: number, [more: string]: any } | null>}
+   */
   async pick(x, y) {
     const { view, pictureSize, server } = this.viewer;
     const scale = pictureSize.width / Math.max(1, this.clientWidth);

@@ -7,6 +7,7 @@ import assert from 'node:assert/strict';
 import { createServer } from 'node:http';
 import { after, before, describe, it } from 'node:test';
 
+import { bundle } from '../../client/view/pack.mjs';
 import { startBrowser } from './support/browser.mjs';
 import { RealServer } from './support/real_server.mjs';
 import { writeScans } from './support/scans.mjs';
@@ -16,11 +17,12 @@ if (!program) throw new Error('Set SCANCAST_PROGRAM, such as SCANCAST_PROGRAM=bu
 
 /** A website with one page, which tries everything and notes what worked in `window.tried`. */
 class Website {
-  #server = createServer((_, answer) => {
-    answer.writeHead(200, { 'Content-Type': 'text/html' });
-    answer.end(this.page);
+  #server = createServer(({ url }, answer) => {
+    const [type, text] = this.files[url] ?? ['text/html', this.page];
+    answer.writeHead(200, { 'Content-Type': type }).end(text);
   });
   page = '';
+  files = {}; // path → [type, text], beside the page
 
   async start() {
     await new Promise((listening) => { this.#server.listen(0, listening); });
@@ -52,6 +54,19 @@ const tries = (scancast) => `<!doctype html><title>Another website</title>
   };
 </script>`;
 
+/** A page with the element in it; `module`: where that comes from. Notes what the element tells, in `window.told`. */
+const embedding = (module, attributes) => `<!doctype html><title>Another website</title>
+<style>scancast-view { width: 480px; height: 300px }</style>
+<h1>Our building</h1>
+<scancast-view id="view" ${attributes}></scancast-view>
+<script type="module" src="${module}"></script>
+<script>
+  window.told = [];
+  const view = document.getElementById('view');
+  for (const name of ['connection', 'cloudchange', 'viewchange', 'frame', 'problem'])
+    view.addEventListener(name, ({ detail }) => window.told.push(name === 'frame' ? { name, final: detail.final } : { name }));
+</script>`;
+
 describe('on other websites', { timeout: 120_000 }, () => {
   const allowed = new Website();
   const stranger = new Website();
@@ -67,6 +82,13 @@ describe('on other websites', { timeout: 120_000 }, () => {
     const list = await (await fetch(`${url}api/v1/clouds`)).json();
     const cloud = list.clouds[0].id;
     allowed.page = stranger.page = tries(url).replace('CLOUD', cloud);
+    const eye = 'view="eye=0,-9,4&amp;target=0,0,0&amp;background=ffffff"';
+    allowed.files = {
+      '/element': ['text/html', embedding(`${url}scancast-view.js`, `cloud="${cloud}" ${eye}`)],
+      '/packed': ['text/html', embedding('/scancast-view.js', `src="${url}" cloud="${cloud}" controls="none" ${eye}`)],
+      '/missing': ['text/html', embedding(`${url}scancast-view.js`, 'cloud="nothing"')],
+      '/scancast-view.js': ['text/javascript', bundle()],
+    };
     browser = await startBrowser();
   });
   after(async () => {
@@ -98,6 +120,77 @@ describe('on other websites', { timeout: 120_000 }, () => {
       await inside.waitForFunction(() => document.getElementById('hud')?.dataset.state === 'sharp', undefined, { timeout: 20_000 });
     }));
   }
+
+  const isSharp = () => window.told.some(({ name, final }) => name === 'frame' && final);
+
+  /** Uses the element in a page of the allowed website; nothing but what it does itself stands in the console. */
+  async function withElement(path, use) {
+    const context = await browser.newContext();
+    try {
+      const page = await context.newPage();
+      const complaints = [];
+      page.on('console', (message) => { if (message.type() === 'error') complaints.push(message.text()); });
+      page.on('pageerror', (error) => complaints.push(String(error)));
+      await page.goto(addresses.crossSite + path);
+      await use(page);
+      assert.deepEqual(complaints, []);
+    } finally {
+      await context.close();
+    }
+  }
+
+  it('the element shows the view that it was given, and tells and does what its page asks', () => withElement('/element', async (page) => {
+    await page.waitForFunction(isSharp, undefined, { timeout: 20_000 });
+    const words = new URLSearchParams(await page.evaluate(() => document.getElementById('view').view));
+    assert.deepEqual([words.get('eye'), words.get('target'), words.get('background')], ['0,-9,4', '0,0,0', 'ffffff']);
+    const told = await page.evaluate(() => window.told.map(({ name }) => name));
+    for (const name of ['connection', 'cloudchange', 'viewchange', 'frame']) assert.ok(told.includes(name), name);
+    assert.ok(!told.includes('problem'));
+    const size = await page.evaluate(async () => {
+      const bitmap = await createImageBitmap(await document.getElementById('view').snapshot({ width: 64, height: 32 }));
+      return [bitmap.width, bitmap.height];
+    });
+    assert.deepEqual(size, [64, 32]);
+    // Somewhere on the ring: the server's own point, near to the plane that it lies on.
+    const point = await page.evaluate(async () => {
+      const view = document.getElementById('view');
+      for (let y = 40; y < 300; y += 20) for (let x = 40; x < 480; x += 40) {
+        const found = await view.pick(x, y);
+        if (found) return found.position;
+      }
+      return null;
+    });
+    assert.ok(point !== null && point.every(Number.isFinite), 'nothing is under any pixel');
+    // Keys steer it only while it has the focus; dragging does.
+    const before = await page.evaluate(() => document.getElementById('view').view);
+    await page.keyboard.press('ArrowLeft');
+    assert.equal(await page.evaluate(() => document.getElementById('view').view), before);
+    const box = await page.locator('#view').boundingBox();
+    await page.mouse.move(box.x + 240, box.y + 150);
+    await page.mouse.down();
+    await page.mouse.move(box.x + 330, box.y + 150, { steps: 4 });
+    await page.mouse.up();
+    await page.waitForFunction((old) => document.getElementById('view').view !== old, before);
+    // Another view, by its attribute.
+    await page.evaluate(() => document.getElementById('view').setAttribute('view', 'eye=9,0,4&target=0,0,0'));
+    await page.waitForFunction(() => /eye=9,0,4/.test(document.getElementById('view').view), undefined, { timeout: 5000 });
+  }));
+
+  it('in one file, and where nothing can be moved', () => withElement('/packed', async (page) => {
+    await page.waitForFunction(isSharp, undefined, { timeout: 20_000 });
+    const before = await page.evaluate(() => document.getElementById('view').view);
+    const box = await page.locator('#view').boundingBox();
+    await page.mouse.move(box.x + 240, box.y + 150);
+    await page.mouse.down();
+    await page.mouse.move(box.x + 330, box.y + 150, { steps: 4 });
+    await page.mouse.up();
+    assert.equal(await page.evaluate(() => document.getElementById('view').view), before);
+  }));
+
+  it('says what it cannot show', () => withElement('/missing', async (page) => {
+    const says = page.locator('#view').locator('p');
+    await says.filter({ hasText: 'This server has no scan named nothing.' }).waitFor({ timeout: 10_000 });
+  }));
 
   it('another one does neither', () => withWebsite(addresses.stranger, async (page, tried) => {
     assert.deepEqual(tried, { fetch: false, stream: false, module: false, picture: false, pictureWithoutOrigin: false });

@@ -248,7 +248,7 @@ TEST_F(ProgramTest, AStreamsStatsSayTheMethodAndWhyWhereNobodyNamedIt) {
         RawWebSocket stream(port);
         stream.text(R"({"type":"hello","width":48,"height":32})");
         stream.text(R"({"type":"view","seq":7,"method":")" + method + "\"}");
-        nlohmann::json stats;
+        nlohmann::json stats = nlohmann::json::object();
         while (stats.value("seq", 0) != 7) {
             const WsMessage message = stream.receive();
             ASSERT_NE(message.kind, WsMessage::Kind::Gone);

@@ -94,15 +94,55 @@ function backdrops(squares, at, values, width, height) {
   return at;
 }
 
+/** From each edge's nearer side to its farther one, in the colours of the latter: for gaps that are wider than what is filled. */
+function bridges(squares, at, mesh, values, width, height, { across, down }) {
+  const { nearness, columns } = mesh;
+  const corner = (row, column, which) => nearness[4 * ((row + 1) * columns + column + 1) + which];
+  const vertex = (x, y, near, u, v) => {
+    squares[at] = (2 * x) / width - 1;
+    squares[at + 1] = 1 - (2 * y) / height;
+    squares[at + 2] = near;
+    squares[at + 3] = u / width;
+    squares[at + 4] = v / height;
+    at += 5;
+  };
+  for (let row = 0, i = 0; row < height; ++row) {
+    for (let column = 0; column < width; ++column, ++i) {
+      if (column + 1 < width && !across[i] && values[i] > 0 && values[i + 1] > 0) {
+        const x = column + 1, u = values[i] < values[i + 1] ? column + 0.5 : column + 1.5;
+        for (let y = row; y <= row + 1; ++y) {
+          vertex(x, y, corner(row, column, y === row ? 1 : 3), u, y);
+          vertex(x, y, corner(row, column + 1, y === row ? 0 : 2), u, y);
+        }
+      }
+      if (row + 1 < height && !down[i] && values[i] > 0 && values[i + width] > 0) {
+        const y = row + 1, v = values[i] < values[i + width] ? row + 0.5 : row + 1.5;
+        for (let x = column; x <= column + 1; ++x) {
+          vertex(x, y, corner(row, column, x === column ? 2 : 3), x, v);
+          vertex(x, y, corner(row + 1, column, x === column ? 0 : 1), x, v);
+        }
+      }
+    }
+  }
+  return at;
+}
+
 /**
- * Squares behind edges and behind everything, twenty numbers each: of the corners above left, above right, below left and below
- * right their place in -1 … 1, their nearness (depth_mesh.js), and the place in the picture (0 … 1 from its top left) of what is seen there.
+ * Squares behind edges, bridges across them, and what is behind everything, each drawn where nothing is that comes before it. Twenty
+ * numbers a square: of the corners above left, above right, below left and below right their place in -1 … 1, their nearness
+ * (depth_mesh.js), and the place in the picture (0 … 1 from its top left) of what is seen there.
+ * @returns {{ squares: Float32Array, behind: number, across: number, backdrop: number }} how many there are of each
  */
-export function fillingOf(values, width, height, joints, usual) {
+export function fillingOf(values, width, height, joints, usual, mesh) {
   const source = behindEdges(values, width, height, joints, usual);
-  let count = height;
-  for (const far of source) count += far < 0 ? 0 : 1;
-  const squares = new Float32Array(20 * count);
-  const filled = fillings(squares, 0, values, width, height, source);
-  return squares.subarray(0, backdrops(squares, filled, values, width, height));
+  let most = height;
+  for (let i = 0; i < source.length; ++i) {
+    most += source[i] < 0 ? 0 : 1;
+    most += (joints.across[i] ? 0 : 1) + (joints.down[i] ? 0 : 1);
+  }
+  const squares = new Float32Array(20 * most);
+  const first = fillings(squares, 0, values, width, height, source);
+  const second = bridges(squares, first, mesh, values, width, height, joints);
+  const third = backdrops(squares, second, values, width, height);
+  return { squares: squares.subarray(0, third), behind: first / 20, across: (second - first) / 20, backdrop: (third - second) / 20 };
 }

@@ -18,7 +18,7 @@ const flat = 0.01; // of the scene's nearness: by so much larger triangles may l
  * @property {number} rows
  * @property {Float32Array} nearness of the squares' corners: above left, above right, below left, below right
  * @property {Uint32Array} triangles three of these corners each
- * @property {Float32Array} filling what lies behind edges and behind everything
+ * @property {ReturnType<typeof fillingOf>} filling what is seen where edges have parted
  * @property {number} deepest 0 in perspective
  * @property {{ least: number, greatest: number }} depths
  */
@@ -136,7 +136,7 @@ export function depthMesh(depth, orthographic) {
     rows,
     nearness,
     triangles: trianglesOf(nearness, columns, rows, flat * usual),
-    filling: fillingOf(values, width, height, joints, usual),
+    filling: fillingOf(values, width, height, joints, usual, { nearness, columns }),
     deepest,
     depths,
   };

@@ -29,6 +29,8 @@ void main() {
 }`;
 
 const float = 4; // bytes
+const indexBytes = 4;
+const layers = [0, 0.95, 0.97]; // depth of what is behind edges (its own), of bridges, of the backdrop
 
 /** Where nothing is known of depth: a plane. */
 const plane = (distance) => ({ width: 2, height: 2, inverse: new Float32Array(4).fill(1 / distance) });
@@ -56,7 +58,7 @@ export class ReprojectionProgram {
   #gl;
   #uniforms;
   #mesh; // { array, grid, nearness, indices, count }: what the frame shows; `count` of indices
-  #filling; // { array, vertices, indices, count }: what is made up where it shows nothing
+  #filling; // { array, vertices, indices, counts }: what is made up where it shows nothing
   #indexed = 0; // squares that the filling's indices are good for
   #shape = ''; // of the grid
   #textureSize = '';
@@ -81,9 +83,9 @@ export class ReprojectionProgram {
       [gl.TEXTURE_MIN_FILTER, gl.LINEAR], [gl.TEXTURE_MAG_FILTER, gl.LINEAR],
       [gl.TEXTURE_WRAP_S, gl.MIRRORED_REPEAT], [gl.TEXTURE_WRAP_T, gl.MIRRORED_REPEAT],
     ]) gl.texParameteri(gl.TEXTURE_2D, name, value);
-    const made = () => ({ array: gl.createVertexArray(), indices: gl.createBuffer(), count: 0 });
-    this.#mesh = { ...made(), grid: gl.createBuffer(), nearness: gl.createBuffer() };
-    this.#filling = { ...made(), vertices: gl.createBuffer() };
+    const made = () => ({ array: gl.createVertexArray(), indices: gl.createBuffer() });
+    this.#mesh = { ...made(), count: 0, grid: gl.createBuffer(), nearness: gl.createBuffer() };
+    this.#filling = { ...made(), counts: [], vertices: gl.createBuffer() };
     const attribute = (index, size, stride, offset) => {
       gl.enableVertexAttribArray(index);
       gl.vertexAttribPointer(index, size, gl.FLOAT, false, stride * float, offset * float);
@@ -120,15 +122,16 @@ export class ReprojectionProgram {
     gl.bindBuffer(gl.ARRAY_BUFFER, this.#mesh.nearness);
     gl.bufferData(gl.ARRAY_BUFFER, mesh.nearness, gl.DYNAMIC_DRAW);
     this.#mesh.count = mesh.triangles.length;
-    const squares = mesh.filling.length / 20;
+    const { squares: vertices, behind, across, backdrop } = mesh.filling;
+    const squares = behind + across + backdrop;
     if (squares > this.#indexed) {
       gl.bindVertexArray(this.#filling.array);
       gl.bufferData(gl.ELEMENT_ARRAY_BUFFER, squareIndices(squares), gl.STATIC_DRAW);
       this.#indexed = squares;
     }
     gl.bindBuffer(gl.ARRAY_BUFFER, this.#filling.vertices);
-    gl.bufferData(gl.ARRAY_BUFFER, mesh.filling, gl.DYNAMIC_DRAW);
-    this.#filling.count = 6 * squares;
+    gl.bufferData(gl.ARRAY_BUFFER, vertices, gl.DYNAMIC_DRAW);
+    this.#filling.counts = [behind, across, backdrop].map((count) => 6 * count);
     const size = `${bitmap.width} ${bitmap.height}`;
     if (size === this.#textureSize) gl.texSubImage2D(gl.TEXTURE_2D, 0, 0, 0, gl.RGBA, gl.UNSIGNED_BYTE, bitmap);
     else gl.texImage2D(gl.TEXTURE_2D, 0, gl.RGBA, gl.RGBA, gl.UNSIGNED_BYTE, bitmap);
@@ -144,10 +147,16 @@ export class ReprojectionProgram {
     gl.uniformMatrix4fv(this.#uniforms.toClip, false, toClip);
     gl.uniform2fv(this.#uniforms.backdrop, backdrop);
     gl.uniform1f(this.#uniforms.deepest, this.#deepest);
-    for (const { array, count } of [this.#mesh, this.#filling]) {
-      if (count === 0) continue;
-      gl.bindVertexArray(array);
-      gl.drawElements(gl.TRIANGLES, count, gl.UNSIGNED_INT, 0);
-    }
+    gl.bindVertexArray(this.#mesh.array);
+    gl.depthRange(0, 0.9);
+    if (this.#mesh.count > 0) gl.drawElements(gl.TRIANGLES, this.#mesh.count, gl.UNSIGNED_INT, 0);
+    // Each of these only where nothing is yet, but that what is behind edges takes part in the mesh's own order.
+    gl.bindVertexArray(this.#filling.array);
+    let first = 0;
+    this.#filling.counts.forEach((count, i) => {
+      if (i > 0) gl.depthRange(layers[i], layers[i]);
+      if (count > 0) gl.drawElements(gl.TRIANGLES, count, gl.UNSIGNED_INT, first * indexBytes);
+      first += count;
+    });
   }
 }

@@ -302,12 +302,16 @@ export class Viewer extends EventTarget {
   }
 
   /** Nobody has moved, and the canvas is of another size: as the server would show the cloud in that. */
-  #refit() {
-    if (!this.#camera || !this.#cloud || this.#flight) return;
+  async #refit() {
+    const cloud = this.#cloud;
+    if (!this.#camera || !cloud) return;
+    await this.#firstViews.load(cloud, this.#free);
+    if (this.#moved || this.#flight || cloud !== this.#cloud) return;
     this.#camera = this.usualCamera();
     this.#state.change({ camera: wireOf(this.#camera, this.bounds) });
     this.#tell('camera', { by: 'server' });
     this.#tell('view', { by: 'server' });
+    this.#wake();
   }
 
   /** A jump, shown as a short flight so that one sees where it leads. */

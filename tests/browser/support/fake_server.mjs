@@ -326,6 +326,10 @@ export class FakeServer {
         colormaps: ['viridis', 'turbo', 'grey'], shadings: ['unlit', 'phong', 'eyedome'],
       });
     }
+    if (pathname.endsWith('/views')) {
+      const cloud = this.clouds.find(({ id }) => pathname.endsWith(`/clouds/${id}/views`));
+      return json({ views: (cloud?.look?.views ?? []).map(({ name, inside, camera }) => ({ name, inside, view: { ...cloud.view, camera } })) });
+    }
     if (pathname.endsWith('/stations')) return json({ stations: this.stations });
     const photo = /^(.*\/photos)(?:\/(\d+))?$/.exec(pathname);
     if (photo && photo[2] === undefined) {

@@ -157,7 +157,7 @@ describe('the mesh of a depth', () => {
     // And a quarter of the picture more at each side.
     assert.ok(Math.abs(area - width * 1.5 * height * 1.5) < 0.01, `${area}`);
     assert.ok(triangles.length < width * height, `${triangles.length} triangles`);
-    assert.equal(mesh.filling.length, 0);
+    assert.equal(mesh.filling.squares.length, 0);
   });
 
   it('has no cracks where small triangles meet large ones', () => {
@@ -174,7 +174,7 @@ describe('the mesh of a depth', () => {
     assert.deepEqual(open, []);
   });
 
-  it('parts at edges; behind them the farther side goes on, as far as it is known', () => {
+  it('parts at edges; behind them the farther side goes on, and bridges lead there', () => {
     // A post before a wall, both seen flat: 1 / 10 and 1 / 100.
     const post = (x) => (x > 12 && x < 15 ? 0.1 : 0.01);
     const mesh = depthMesh(cells(post), false);
@@ -182,13 +182,20 @@ describe('the mesh of a depth', () => {
       assert.ok(new Set(triangle.map(({ nearness }) => nearness.toFixed(4))).size === 1, 'a triangle from post to wall');
     }
     const behind = new Set();
-    for (let i = 0; i < mesh.filling.length; i += 20) {
-      assert.ok(Math.abs(mesh.filling[i + 2] - 0.01) < 1e-6, 'not of the wall');
-      behind.add(Math.round(((mesh.filling[i] + 1) / 2) * width));
+    const { squares, ...counts } = mesh.filling;
+    assert.deepEqual(counts, { behind: 3 * height, across: 2 * height, backdrop: 0 });
+    for (let i = 0; i < squares.length; i += 20) {
       for (let corner = 0; corner < 4; ++corner) {
-        const u = mesh.filling[i + 5 * corner + 3] * width;
+        const u = squares[i + 5 * corner + 3] * width;
         assert.ok(u <= 12.001 || u >= 14.999, 'the post is seen behind the post');
       }
+      if (i >= 20 * counts.behind) {
+        const nearness = [0, 1, 2, 3].map((corner) => squares[i + 5 * corner + 2]);
+        assert.ok(Math.abs(Math.max(...nearness) - 0.1) < 1e-6 && Math.abs(Math.min(...nearness) - 0.01) < 1e-6, 'no bridge');
+        continue;
+      }
+      assert.ok(Math.abs(squares[i + 2] - 0.01) < 1e-6, 'not of the wall');
+      behind.add(Math.round(((squares[i] + 1) / 2) * width));
     }
     assert.deepEqual([...behind].sort((a, b) => a - b), [12, 13, 14]);
   });
@@ -196,10 +203,11 @@ describe('the mesh of a depth', () => {
   it('leaves the backdrop where it is: rows of it, from side to side', () => {
     const house = (x, y) => (x > 10 && x < 30 && y > 8 ? 0.02 : 0);
     const mesh = depthMesh(cells(house), false);
-    assert.equal(mesh.filling.length, 20 * height);
+    const { squares, backdrop, across } = mesh.filling;
+    assert.deepEqual([squares.length, backdrop, across], [20 * height, height, 0]);
     for (let row = 0; row < height; ++row) {
-      assert.deepEqual([mesh.filling[20 * row + 2], mesh.filling[20 * row]], [0, -1.5]);
-      assert.ok(mesh.filling[20 * row + 3] * width < 10, 'the house is no backdrop');
+      assert.deepEqual([squares[20 * row + 2], squares[20 * row]], [0, -1.5]);
+      assert.ok(squares[20 * row + 3] * width < 10, 'the house is no backdrop');
     }
     const area = trianglesOf(mesh).reduce((sum, one) => sum + areaOf(one), 0);
     assert.ok(area >= 20 * 16 && area < 20 * 16 * 1.5, `${area}`);
@@ -218,6 +226,6 @@ describe('the mesh of a depth', () => {
   it('of nothing at all is nothing', () => {
     const mesh = depthMesh(cells(() => 0), false);
     assert.equal(mesh.triangles.length, 0);
-    assert.equal(mesh.filling.length, 20 * height);
+    assert.equal(mesh.filling.squares.length, 20 * height);
   });
 });

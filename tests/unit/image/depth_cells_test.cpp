@@ -29,15 +29,19 @@ std::vector<float> byAskingPixels(const Frame& frame, int width, int height) {
     std::vector<double> distances(cells.size(), std::numeric_limits<double>::infinity());
     // The first column of pixels that is at or behind i·W/w.
     const auto border = [](int i, int pixels, int among) { return std::floor(double(i) * pixels / among); };
-    const auto cellOf = [&](int pixel, int pixels, int among) {
-        int cell = 0;
-        while (border(cell + 1, pixels, among) <= pixel) ++cell;
-        return cell;
+    const auto cellsOf = [&](int pixels, int among) {
+        std::vector<int> ofPixel;
+        for (int pixel = 0, cell = 0; pixel < pixels; ++pixel) {
+            while (border(cell + 1, pixels, among) <= pixel) ++cell;
+            ofPixel.push_back(cell);
+        }
+        return ofPixel;
     };
+    const std::vector<int> columns = cellsOf(frame.width, width), rows = cellsOf(frame.height, height);
     for (int y = 0; y < frame.height; ++y) {
         for (int x = 0; x < frame.width; ++x) {
             const float depth = frame.depth[std::size_t(y) * std::size_t(frame.width) + std::size_t(x)];
-            const int i = cellOf(x, frame.width, width), j = cellOf(y, frame.height, height);
+            const int i = columns[std::size_t(x)], j = rows[std::size_t(y)];
             const double dx =
                 x + 0.5 - (border(i, frame.width, width) + border(i + 1, frame.width, width)) / 2;
             const double dy =

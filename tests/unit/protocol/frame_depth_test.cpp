@@ -62,7 +62,7 @@ TEST(FrameDepth, PlanesAreExactEnoughAndSmall) {
     const auto ground = [](int, int y) { return y < 30 ? background : 1 / (0.002F * (float(y) - 29.5F)); };
     EXPECT_LT(expectUnpacks(cellsOf(160, 90, ground)), 600U);
     const auto wall = [](int x, int y) { return 1 / (0.01 + 0.0004 * x - 0.00005 * y); };
-    EXPECT_LT(expectUnpacks(cellsOf(160, 90, wall)), 3000U);
+    EXPECT_LT(expectUnpacks(cellsOf(160, 90, wall)), 4000U);
     EXPECT_LT(expectUnpacks(cellsOf(160, 160, [](int, int) { return 7; })), 200U);
 }
 

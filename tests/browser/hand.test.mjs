@@ -170,21 +170,24 @@ describe('the hand', { timeout: 240_000 }, () => {
     await hand.page.keyboard.press('ArrowDown');
     assert.notEqual(await hand.page.inputValue('#detail'), detail, 'a menu keeps its arrows');
     assert.ok(moved(before, hand.camera) < 1e-3);
+    await hand.page.click('#toggle-panel'); // beside it the picture is narrower
+    await hand.settle();
   });
 
   it('arrows orbit, with Shift they pan; + and - zoom; Home is the first view', async () => {
     await hand.page.focus('#picture');
     await hand.look(overview);
     const point = await hand.truth(middle);
+    const before = hand.camera;
     await hand.hold('ArrowLeft', 400);
-    assert.ok(hand.offBy(point, middle) <= 3 && Math.abs(hand.camera.azimuth - -1.463) > 0.1);
+    assert.ok(hand.offBy(point, middle) <= 3, `${hand.offBy(point, middle)} px`);
+    assert.ok(Math.abs(hand.camera.azimuth - before.azimuth) > 0.1, `turned by ${hand.camera.azimuth - before.azimuth}`);
     await hand.look(overview);
     await hand.page.keyboard.down('Shift');
     await hand.hold('ArrowLeft', 300);
     await hand.page.keyboard.up('Shift');
     assert.ok(hand.offBy(point, middle) > 30);
     await hand.look(overview);
-    const before = hand.camera;
     await hand.hold('+', 300);
     assert.ok(hand.offBy(point, middle) <= 3);
     assert.ok(length(subtract(eyeOf(hand.camera), point)) < 0.9 * length(subtract(eyeOf(before), point)));

@@ -63,8 +63,9 @@ function orbited(camera, point, { x, y }, { size, pictures, limits }) {
  */
 function nearer(camera, { point, of }, factor, { pictures, limits }) {
   if (of === 'surface' || of === undefined || factor >= 1) return zoomTo(camera, point, factor, limits);
-  const least = Math.max(limits.least, 0.02 * limits.most);
-  return zoomTo(camera, point, factor ** worthWalking(pictures, camera, limits), { ...limits, least });
+  const least = Math.max(limits.least, of === 'plane' ? 0.002 * limits.most : 0);
+  const to = (part) => zoomTo(camera, point, factor ** part, { ...limits, least });
+  return to(Math.min(worthWalking(pictures, camera, limits), worthWalking(pictures, to(1), limits)));
 }
 
 /** The same, holding the point; who goes backwards does not sink into the ground. */

@@ -177,7 +177,8 @@ export function coveredFrom(seen, camera) {
  * the cloud for nothing.
  */
 export function walk(pictures, camera, steps, limits) {
-  const ahead = steps.ahead > 0 ? steps.ahead * worthWalking(pictures, camera, limits) : (steps.ahead ?? 0);
+  const worth = (from) => worthWalking(pictures, from, limits);
+  const ahead = steps.ahead > 0 ? steps.ahead * Math.min(worth(camera), worth(move(camera, steps))) : (steps.ahead ?? 0);
   const wanted = move(camera, { ...steps, ahead });
   const free = stopped(pictures, camera, wanted, limits);
   const up = upwards(camera);

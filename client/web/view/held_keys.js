@@ -17,6 +17,8 @@ const pace = { least: 1 / 16, most: 16, perPixel: 0.0025 };
 
 export class HeldKeys {
   #held = new Set();
+  #fresh = new Set(); // those that have done nothing yet
+  #leaving = new Set(); // let go before they had
   #shift = false;
   #pace = 1;
   #anchor; // what is in the middle of the picture, since keys are held
@@ -37,20 +39,28 @@ export class HeldKeys {
     const place = placeOf(event);
     if (!Object.hasOwn(heldKeys, place) || !isForView(event)) return false;
     if (!this.areHeld) this.let();
+    if (!this.#held.has(place)) this.#fresh.add(place);
+    this.#leaving.delete(place);
     this.#held.add(place);
     return true;
   }
 
   up(event) {
     this.#shift = event.shiftKey;
-    this.#held.delete(placeOf(event));
+    this.#letGo(placeOf(event));
     // Shift may have come or gone while + was held.
-    if (event.code === 'Equal' || event.code === 'BracketRight') this.#held.delete('Plus');
-    if (event.code === 'Minus' || event.code === 'Slash') this.#held.delete('Minus');
+    if (event.code === 'Equal' || event.code === 'BracketRight') this.#letGo('Plus');
+    if (event.code === 'Minus' || event.code === 'Slash') this.#letGo('Minus');
+  }
+
+  /** A short press moves something, too, however long a frame of the display takes. */
+  #letGo(place) {
+    if (this.#fresh.has(place)) this.#leaving.add(place);
+    else this.#held.delete(place);
   }
 
   clear() {
-    this.#held.clear();
+    for (const places of [this.#held, this.#fresh, this.#leaving]) places.clear();
     this.let();
   }
 
@@ -75,6 +85,9 @@ export class HeldKeys {
     for (const place of this.#held) {
       for (const [way, amount] of Object.entries(heldKeys[place])) wanted[way] += amount;
     }
+    this.#fresh.clear();
+    for (const place of this.#leaving) this.#held.delete(place);
+    this.#leaving.clear();
     const time = Math.min(seconds, 0.1);
     let next = camera;
     if (wanted.ahead || wanted.right || wanted.up) next = this.#walk(next, wanted, time, world);

@@ -201,6 +201,7 @@ describe('the wheel', () => {
     assert.equal(hand.view.camera, overview);
     assert.ok(hand.input.isMoving, 'the key is held');
     windowHandlers.keyup({ key: 'w', code: 'KeyW', shiftKey: false });
+    hand.run(16);
     assert.ok(!hand.input.isMoving);
   });
 });

@@ -344,6 +344,12 @@ describe('held keys', () => {
   it('are let go', () => {
     const keys = pressed('KeyW');
     keys.up({ code: 'KeyW', key: 'w', shiftKey: false });
+    assert.ok(keys.areHeld, 'however short, it moves something');
+    assert.notDeepEqual(keys.advance(start, 0.02, world).target, start.target);
+    assert.ok(!keys.areHeld);
+    keys.down({ code: 'KeyW', key: 'w', shiftKey: false });
+    keys.advance(start, 0.02, world);
+    keys.up({ code: 'KeyW', key: 'w', shiftKey: false });
     assert.ok(!keys.areHeld);
     assert.ok(!keys.down({ code: 'KeyX', key: 'x', shiftKey: false }));
     assert.ok(!keys.down({ code: 'KeyW', key: 'w', shiftKey: false, ctrlKey: true }));

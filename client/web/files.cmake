@@ -56,6 +56,7 @@ set(SCANCAST_WEB_FILES
     view/ground.js
     view/held_keys.js
     view/inertia.js
+    view/exchange.js
     view/first_views.js
     view/keys.js
     view/margin.js
@@ -66,6 +67,7 @@ set(SCANCAST_WEB_FILES
     view/reprojection.js
     view/reprojection_program.js
     view/seen.js
+    view/usual.js
     view/vectors.js
     view/view_hash.js
     view/view_state.js

@@ -1,5 +1,5 @@
 # Runs Node's test runner on FILES, after saying, command included, what is missing for it.
-# cmake -DNODE=… "-DFILES=a.test.mjs;b.test.mjs" -DNEEDS_BROWSER=0|1 -P run_node.cmake
+# cmake -DNODE=… -DFILES=a.test.mjs,b.test.mjs -DNEEDS_BROWSER=0|1 -P run_node.cmake
 if(NOT NODE OR NODE MATCHES "NOTFOUND")
   message(FATAL_ERROR "Node.js is missing. Run this, and configure the build again:\n  apt-get install nodejs npm\n")
 endif()
@@ -11,6 +11,7 @@ if(NEEDS_BROWSER)
     message(FATAL_ERROR "Chromium is missing. Run this, and configure the build again:\n  apt-get install chromium\n")
   endif()
 endif()
+string(REPLACE "," ";" FILES "${FILES}")
 execute_process(COMMAND "${NODE}" --test ${FILES} WORKING_DIRECTORY "${CMAKE_CURRENT_LIST_DIR}" RESULT_VARIABLE result)
 if(NOT result EQUAL 0)
   message(FATAL_ERROR "node --test failed: ${result}")

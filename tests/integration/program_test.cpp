@@ -28,10 +28,13 @@ TEST_F(ProgramTest, ServeSnapshotInfoAndOrbit) {
     ASSERT_EQ(run({"scancast-client", "info", url}, &info), 0) << lastError;
     EXPECT_THAT(info, HasSubstr("ball"));
 
+    std::string said;
     ASSERT_EQ(
-        run({"scancast-client", "snapshot", url, "--width", "200", "--height", "100", "-o", file("a.jpg")}),
+        run({"scancast-client", "snapshot", url, "--width", "200", "--height", "100", "-o", file("a.jpg")},
+            &said),
         0)
         << lastError;
+    EXPECT_THAT(said, HasSubstr(", drawn as "));
     // Oracle: two clients that share no code get the same bytes.
     const HttpReply same = request(port, "/api/v1/clouds/ball/snapshot.jpg?width=200&height=100");
     EXPECT_EQ(contentOf(folder / "a.jpg"), same.body);
@@ -236,34 +239,6 @@ TEST_F(ProgramTest, VersionBackendsAndHelp) {
     EXPECT_THAT(out, HasSubstr("scancast serve town.las"));
     EXPECT_EQ(run({"scancast-client", "--version"}, &out), 0);
     EXPECT_THAT(out, HasSubstr("scancast-client 0."));
-}
-
-// Right because two ways to the same picture, which share neither code nor connection, name the same method.
-TEST_F(ProgramTest, AStreamsStatsSayTheMethodAndWhyWhereNobodyNamedIt) {
-    generate("ball.las");
-    const auto server = serve({file("ball.las")});
-    const std::string picture = "/api/v1/clouds/ball/snapshot.jpg?width=48&height=32";
-    for (const std::string method : {"auto", "cone"}) {
-        const HttpReply snapshot = request(port, picture + "&method=" + method, {}, "HEAD");
-        RawWebSocket stream(port);
-        stream.text(R"({"type":"hello","width":48,"height":32})");
-        stream.text(R"({"type":"view","seq":7,"method":")" + method + "\"}");
-        nlohmann::json stats = nlohmann::json::object();
-        while (stats.value("seq", 0) != 7) {
-            const WsMessage message = stream.receive();
-            ASSERT_NE(message.kind, WsMessage::Kind::Gone);
-            ASSERT_NE(message.kind, WsMessage::Kind::Close);
-            if (message.kind != WsMessage::Kind::Text) continue;
-            stats = nlohmann::json::parse(message.payload);
-            if (stats["type"] != "stats") stats = nlohmann::json::object();
-        }
-        EXPECT_EQ(stats["method"], snapshot.header("scancast-method"));
-        EXPECT_EQ(stats["methodReason"], snapshot.header("scancast-method-reason"));
-        EXPECT_EQ(stats["methodReason"] == "", method == "cone");
-    }
-    std::string said;
-    EXPECT_EQ(run({"scancast-client", "snapshot", url, "-o", file("a.jpg")}, &said), 0) << lastError;
-    EXPECT_THAT(said, HasSubstr(", drawn as "));
 }
 
 // Large pictures where there is no memory for them, whatever the limits say: each is answered, with a picture or with what is missing,

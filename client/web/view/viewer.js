@@ -20,14 +20,13 @@
 import { Session } from '../connection/session.js';
 import { styleKeys } from '../protocol/view_words.js';
 import { leastDistanceTo, mostDistanceTo } from './anchor.js';
+import { Exchange } from './exchange.js';
 import { FirstViews } from './first_views.js';
 import { between, fit, fittedInto, fromProtocol, radiusOf, standardView } from './camera.js';
 import { CameraInput } from './camera_input.js';
 import { cameraOf, wireOf } from './camera_words.js';
-import { withMargin } from './margin.js';
 import { Picture } from './picture.js';
-import { remembering, seenFrom } from './seen.js';
-import { ViewState } from './view_state.js';
+import { pick, restyled, usualStyle, usualUpAxis } from './usual.js';
 
 /** What stays when somebody goes to another cloud, if he chose it: a way of drawing; nothing that only one of them may have. */
 const lastingKeys = ['method', 'param', 'shading', 'mirrors', 'behindMirrors', 'background', 'detail', 'colormap', 'budget', 'samples',
@@ -40,24 +39,8 @@ const firstViewPatienceMs = 500;
 const loadingPollMs = 2000;
 const unitBox = { min: [-1, -1, -1], max: [1, 1, 1] };
 
-const pick = (view, keys) => Object.fromEntries(keys.map((key) => [key, view?.[key] ?? null]));
-
-/** The style in which the server would show the cloud by itself. */
-const usualStyle = (of) => pick(of?.view, styleKeys);
-
-/** `style` with some members changed; of the light, a change may say a part. */
-const restyled = (style, changes = {}) =>
-  ({ ...style, ...changes, ...(changes.light ? { light: { ...style.light, ...changes.light } } : {}) });
-
-/** The axis that the server takes for up, which it tells by its default view. */
-function usualUpAxis(of) {
-  const y = of.look?.up?.[1] ?? of.view?.camera?.up?.[1] ?? 0;
-  return y > 0.5 ? 'y' : y < -0.5 ? '-y' : 'z';
-}
-
 export class Viewer extends EventTarget {
-  #canvas;
-  #state = new ViewState();
+  #exchange;
   #picture;
   #session;
   #input;
@@ -68,19 +51,14 @@ export class Viewer extends EventTarget {
   #camera; // undefined until there is something to look at
   #flight; // { from, to, start } while the camera flies by itself
   #nextList; // timer of the next question for the list, while one is loading
-  #asked = new Map(); // seq → { camera, stretch }, of views whose pictures may still come; stretch where they have a margin
-  #onScreen; // { camera, stretch, seq, depth }: from where the picture on the canvas was drawn, and its depth if it has any
-  #pictures = []; // what the latest pictures have seen of the surface (seen.js), the newest first
   #firstViews;
   #next; // of the calls of #showSoon(), the last one's
   #restore; // { cloud, camera, upAxis, style }: a view to begin with, once connected
   #moved = false; // by somebody; else the camera is the one that the server chose
   #styled = false; // the same of the style
-  #firstWanted = 0; // frames of earlier views are not what the user asked for
   #scheduled = false;
   #lastTick = 0;
   #steered = -Infinity; // when the camera made its last step
-  #hasMargins = true; // as long as the server draws them
 
   /** Whether dragging turns the head instead of the cloud. */
   looksAround = false;
@@ -102,12 +80,12 @@ export class Viewer extends EventTarget {
   constructor(canvas, server, keys = globalThis) {
     super();
     this.server = server;
-    this.#canvas = canvas;
     this.#picture = new Picture(canvas, ({ width, height }) => {
-      this.#state.change({ width, height });
+      this.#exchange.change({ width, height });
       if (!this.#moved) this.#refit();
       this.#wake();
     });
+    this.#exchange = new Exchange(canvas, this.#picture);
     this.#firstViews = new FirstViews(server);
     this.#session = new Session(server, {
       state: (now) => {
@@ -125,13 +103,13 @@ export class Viewer extends EventTarget {
       frame: (frame) => this.#showFrame(frame),
       problem: (message) => this.#refused(message),
       // Those of a picture of another cloud say nothing about this one.
-      stats: (stats) => stats.seq >= this.#firstWanted && this.#tell('stats', stats),
+      stats: (stats) => this.#exchange.isOfThis(stats.seq) && this.#tell('stats', stats),
     });
     const viewer = this;
     this.#input = new CameraInput(canvas, {
       get camera() { return viewer.steerable && viewer.#session.connection ? viewer.#camera : undefined; },
       get size() { return viewer.#picture.cssSize; },
-      get pictures() { return viewer.#pictures; },
+      get pictures() { return viewer.#exchange.seen; },
       get limits() {
         const { bounds } = viewer;
         const size = { bounds, spacing: viewer.#cloud?.spacing };
@@ -153,7 +131,7 @@ export class Viewer extends EventTarget {
   get cloud() { return this.#cloud; }
   get camera() { return this.#camera; }
   /** All that is asked for, as the protocol has it. */
-  get view() { return this.#state.wanted; }
+  get view() { return this.#exchange.wanted; }
   /** The part of the canvas that nothing lies over. */
   get #free() { return this.freeSize(this.#picture.cssSize); }
   get bounds() { return this.#cloud?.bounds ?? unitBox; }
@@ -280,7 +258,7 @@ export class Viewer extends EventTarget {
   changeStyle(changes, by = 'style') {
     if (!this.#cloud) return;
     this.#styled = true;
-    this.#state.change(changes);
+    this.#exchange.change(changes);
     this.#tell('view', { by });
     this.#wake();
   }
@@ -295,7 +273,7 @@ export class Viewer extends EventTarget {
     this.#flight = undefined;
     this.#camera = next;
     this.#steered = performance.now();
-    this.#state.change({ camera: wireOf(next, this.bounds) });
+    this.#exchange.change({ camera: wireOf(next, this.bounds) });
     this.#tell('camera', { by });
     this.#tell('view', { by });
     this.#wake();
@@ -308,7 +286,7 @@ export class Viewer extends EventTarget {
     await this.#firstViews.load(cloud, this.#free);
     if (this.#moved || this.#flight || cloud !== this.#cloud) return;
     this.#camera = this.usualCamera();
-    this.#state.change({ camera: wireOf(this.#camera, this.bounds) });
+    this.#exchange.change({ camera: wireOf(this.#camera, this.bounds) });
     this.#tell('camera', { by: 'server' });
     this.#tell('view', { by: 'server' });
     this.#wake();
@@ -440,12 +418,9 @@ export class Viewer extends EventTarget {
   /** From here on the server shows this cloud, with that style, from where the camera is. */
   #begin(style) {
     const { width, height } = this.#picture.size;
-    this.#state.begin({ cloud: this.#cloud.id, camera: wireOf(this.#camera, this.bounds), width, height, ...style });
-    this.#firstWanted = this.#session.connection?.nextSeq ?? 0;
-    this.#asked.clear();
-    this.#pictures = [];
+    const view = { cloud: this.#cloud.id, camera: wireOf(this.#camera, this.bounds), width, height, ...style };
+    this.#exchange.begin(view, this.#session.connection?.nextSeq ?? 0);
     this.#input.rest();
-    this.#picture.showItself(true);
     this.#tell('cloud', this.#cloud);
     this.#tell('view', { by: 'server' });
     this.#wake();
@@ -467,18 +442,12 @@ export class Viewer extends EventTarget {
     else if (this.#input.isMoving && this.#camera) this.changeCamera(this.#input.advance(this.#camera, seconds, now));
     this.#send();
     this.#reproject();
-    const isOwed = this.#session.connection && (this.#isSteered || this.#state.hasNews());
+    const isOwed = this.#session.connection && (this.#isSteered || this.#exchange.hasNews);
     if (this.#flight || this.#input.isMoving || isOwed) this.#wake();
   }
 
   get #isSteered() {
     return performance.now() - this.#steered < (this.#input.isHeld ? restMs.held : restMs.free);
-  }
-
-  /** What to ask for: what is wanted, and around it, while the camera moves, what may come into view next. */
-  #wantedNow() {
-    const isMoving = this.#isSteered && this.#hasMargins && !this.#calm.matches;
-    return (isMoving && withMargin(this.view, this.#picture.mostPixels)) || { view: this.view, stretch: undefined };
   }
 
   /** While the picture from here is on its way, the last one as it would look from here. */
@@ -498,15 +467,9 @@ export class Viewer extends EventTarget {
 
   #send() {
     const { connection } = this.#session;
-    // While the line is full, requests overwrite each other here: the next tick sends the newest.
-    if (!connection || !this.#camera || connection.congested) return;
-    const { view, stretch } = this.#wantedNow();
-    const changes = this.#state.take(connection.nextSeq, view);
-    if (!changes) return;
-    const seq = connection.sendView(changes);
-    this.#asked.set(seq, { camera: this.#camera, stretch });
-    this.#canvas.dataset.asked = String(seq);
-    this.#tell('asked', { seq });
+    if (!connection || !this.#camera) return;
+    const seq = this.#exchange.send(connection, this.#camera, this.#isSteered && !this.#calm.matches);
+    if (seq !== undefined) this.#tell('asked', { seq });
   }
 
   // What comes back.
@@ -514,19 +477,10 @@ export class Viewer extends EventTarget {
   async #showFrame(frame) {
     const { connection } = this.#session;
     try {
-      const { camera, stretch } = this.#asked.get(frame.seq) ?? this.#onScreen ?? {};
-      const from = camera && { camera, bounds: this.bounds, stretch };
-      if (frame.seq >= this.#firstWanted && (await this.#picture.show(frame, from))) {
+      const shown = await this.#exchange.show(frame, this.bounds);
+      if (shown) {
         this.#reproject();
-        this.#state.shown(frame.seq);
-        this.#onScreen = { camera, stretch, seq: frame.seq, depth: this.#picture.depth };
-        this.#see(camera);
-        for (const seq of this.#asked.keys()) {
-          if (seq < frame.seq) this.#asked.delete(seq);
-        }
-        this.#canvas.dataset.shown = String(frame.seq);
-        this.#canvas.dataset.frame = String(frame.frameId);
-        this.#tell('frame', { ...frame, current: frame.seq === connection?.nextSeq - 1 && !stretch });
+        this.#tell('frame', { ...frame, current: frame.seq === connection?.nextSeq - 1 && shown.exact });
       }
     } catch {
       this.#tell('unreadable');
@@ -535,25 +489,16 @@ export class Viewer extends EventTarget {
     connection?.acknowledge(frame.frameId);
   }
 
-  /** What the picture that has just been drawn says of the surface, for the hand. */
-  #see(camera) {
-    const { depth, pose } = this.#picture;
-    if (depth && pose) this.#pictures = remembering(this.#pictures, seenFrom(camera, depth, pose));
-  }
-
   #refused(message) {
     const { seq } = message;
-    if (this.#asked.get(seq)?.stretch) {
-      // It may be the margin that is too much, and nobody but this page asked for that.
-      this.#hasMargins = false;
-      this.#state.resend();
+    if (this.#exchange.refusedMargin(seq)) {
       this.#wake();
       return;
     }
     this.#tell('problem', message.problem);
     if (seq === undefined || !this.#cloud) return;
     const sound = { ...this.view, ...usualStyle(this.#cloud), camera: wireOf(this.usualCamera(), this.bounds) };
-    if (!this.#state.refused(seq, sound)) return;
+    if (!this.#exchange.refused(seq, sound)) return;
     this.#cloud = this.#catalog.clouds.find((one) => one.id === this.view.cloud) ?? this.#cloud;
     this.#camera = cameraOf(this.view.camera, undefined, this.#camera.upAxis) ?? this.#camera;
     this.#tell('cloud', this.#cloud);

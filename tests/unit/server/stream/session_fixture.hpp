@@ -103,13 +103,14 @@ class SessionTest : public ::testing::Test {
         session->tick(now);
     }
     /// The scheduler finishes the order that was placed as the n-th.
-    void finish(std::size_t n, double renderMs = 1) {
+    void finish(std::size_t n, double renderMs = 1, FrameStats stats = {}) {
         EncodedPicture picture;
         picture.bytes = std::make_shared<const Bytes>(Bytes{1, 2, 3});
         if (order(n).withDepth) picture.depth = std::make_shared<const Bytes>(Bytes{4, 5});
         picture.width = port.orders.at(n).order.view.width;
         picture.height = port.orders.at(n).order.view.height;
         picture.renderMs = renderMs;
+        picture.stats = std::move(stats);
         session->pictureDone(port.orders.at(n).number, std::move(picture), now);
     }
     const PictureOrder& order(std::size_t n) const { return port.orders.at(n).order; }

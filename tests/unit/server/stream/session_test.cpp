@@ -390,6 +390,32 @@ TEST_F(SessionTest, PingIsAnsweredAndStatsComeAtMostOnceASecond) {
     EXPECT_LE(stats, 4);
 }
 
+// What the renderer says of its frame (render_test.cpp: a reason exactly where the view leaves the method open) is told as it is.
+TEST_F(SessionTest, StatsSayTheMethodAndWhyWhereNobodyNamedIt) {
+    greet();
+    std::uint64_t frame = 1;
+    const auto statsOf = [&](std::uint64_t seq, FrameStats of) {
+        port.texts.clear();
+        pass(1100);
+        view(seq, double(seq));
+        finish(port.orders.size() - 1, 1, std::move(of));
+        ack(++frame);
+        for (const json& text : port.texts)
+            if (text["type"] == "stats") return text;
+        return json::object();
+    };
+    FrameStats chosen, named;
+    chosen.method = "disc";
+    chosen.methodReason = "it has normals";
+    named.method = "cone";
+    const json open = statsOf(1, chosen);
+    EXPECT_EQ(open.value("method", ""), "disc");
+    EXPECT_EQ(open.value("methodReason", ""), "it has normals");
+    const json fixed = statsOf(2, named);
+    EXPECT_EQ(fixed.value("method", ""), "cone");
+    EXPECT_EQ(fixed.value("methodReason", "?"), "") << "nobody left it open";
+}
+
 TEST_F(SessionTest, QualityMessageMovesTheLimits) {
     greet();
     say({{"type", "quality"}, {"minResolution", 1.0}, {"maxDetail", 8}});

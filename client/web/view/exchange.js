@@ -1,0 +1,95 @@
+// What goes out and what comes back: the view that is wanted, said once and as a whole, and the pictures of it, with what they
+// show of the surface. Knows from where each picture was drawn. Who moves the camera, and why, is the viewer's (viewer.js).
+
+import { withMargin } from './margin.js';
+import { remembering, seenFrom } from './seen.js';
+import { ViewState } from './view_state.js';
+
+export class Exchange {
+  #canvas;
+  #picture;
+  #state = new ViewState();
+  #asked = new Map(); // seq → { camera, stretch }, of views whose pictures may still come; stretch where they have a margin
+  #onScreen; // { camera, stretch } of the picture on the canvas
+  #firstWanted = 0; // frames of earlier views are not what the user asked for
+  #hasMargins = true; // as long as the server draws them
+
+  /** What the latest pictures have seen of the surface (seen.js), the newest first. */
+  seen = [];
+
+  /** `canvas.dataset` tells which view was asked for last (`asked`) and which is shown (`shown`, `frame`). */
+  constructor(canvas, picture) {
+    this.#canvas = canvas;
+    this.#picture = picture;
+  }
+
+  /** All that is asked for, as the protocol has it. */
+  get wanted() { return this.#state.wanted; }
+
+  get hasNews() { return this.#state.hasNews(); }
+
+  /** Whether the picture of view number `seq` is one of what is shown now, and not of an earlier cloud. */
+  isOfThis(seq) { return seq >= this.#firstWanted; }
+
+  change(changes) {
+    this.#state.change(changes);
+  }
+
+  /** Another cloud, or another connection: all is said anew, from view number `nextSeq` on. */
+  begin(view, nextSeq) {
+    this.#state.begin(view);
+    this.#firstWanted = nextSeq;
+    this.#asked.clear();
+    this.seen = [];
+    this.#picture.showItself(true);
+  }
+
+  /**
+   * Says what is wanted, where the server does not know it yet; around it, while the camera moves, what may come into view next.
+   * Returns the number of the view, or undefined where there was nothing to say.
+   */
+  send(connection, camera, isMoving) {
+    // While the line is full, requests overwrite each other here: the next tick sends the newest.
+    if (connection.congested) return undefined;
+    const larger = isMoving && this.#hasMargins ? withMargin(this.wanted, this.#picture.mostPixels) : undefined;
+    const changes = this.#state.take(connection.nextSeq, larger?.view ?? this.wanted);
+    if (!changes) return undefined;
+    const seq = connection.sendView(changes);
+    this.#asked.set(seq, { camera, stretch: larger?.stretch });
+    this.#canvas.dataset.asked = String(seq);
+    return seq;
+  }
+
+  /**
+   * Draws a frame that has come. Resolves to undefined where it is not to be seen (any more), else to { exact }: whether it shows the
+   * view itself, and no more around it. Rejects where it cannot be decoded.
+   */
+  async show(frame, bounds) {
+    const { camera, stretch } = this.#asked.get(frame.seq) ?? this.#onScreen ?? {};
+    const from = camera && { camera, bounds, stretch };
+    if (!this.isOfThis(frame.seq) || !(await this.#picture.show(frame, from))) return undefined;
+    this.#state.shown(frame.seq);
+    this.#onScreen = { camera, stretch };
+    const { depth, pose } = this.#picture;
+    if (depth && pose) this.seen = remembering(this.seen, seenFrom(camera, depth, pose));
+    for (const seq of this.#asked.keys()) {
+      if (seq < frame.seq) this.#asked.delete(seq);
+    }
+    this.#canvas.dataset.shown = String(frame.seq);
+    this.#canvas.dataset.frame = String(frame.frameId);
+    return { exact: !stretch };
+  }
+
+  /** View number `seq` was refused; it may be the margin that is too much, and nobody but this page asked for that. */
+  refusedMargin(seq) {
+    if (!this.#asked.get(seq)?.stretch) return false;
+    this.#hasMargins = false;
+    this.#state.resend();
+    return true;
+  }
+
+  /** Takes back what was refused; true where another view is wanted now. `sound` is what surely works. */
+  refused(seq, sound) {
+    return this.#state.refused(seq, sound);
+  }
+}

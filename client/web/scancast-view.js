@@ -52,7 +52,7 @@ export function wordsFor(now) {
     case 'open': return '';
     case 'connecting': return 'Connecting…';
     case 'loading': return `Loading ${now.entries.map(nameOf).join(', ')}…`;
-    case 'failed': return now.entries.map((entry) => `${nameOf(entry)} could not be loaded: ${entry.error ?? 'its server’s log says why.'}`).join(' ');
+    case 'failed': return now.entries.map((entry) => `${nameOf(entry)} could not be loaded. ${entry.error ?? 'The server’s log says why.'}`).join(' ');
     case 'gone': return `This server has no scan named ${now.cloud}.`;
     case 'empty': return 'This server has no scan to show.';
     case 'locked': return now.refused ? 'The access token was not accepted.' : 'This scan needs an access token.';
@@ -66,6 +66,7 @@ export class ScancastView extends HTMLElement {
   #viewer;
   #says;
   #started = false;
+  #again; // the view that was shown when it was taken out of the document
 
   /**
    * Made when it is first asked for: by then `src` has been read.
@@ -77,6 +78,7 @@ export class ScancastView extends HTMLElement {
   }
 
   #begin() {
+    const server = new Server(new URL(this.getAttribute('src') || ownServer, document.baseURI).href);
     const own = /** @type {HTMLCanvasElement | null} */ (this.querySelector(':scope > canvas'));
     const canvas = own ?? document.createElement('canvas');
     const shadow = this.attachShadow({ mode: 'open' });
@@ -95,7 +97,7 @@ export class ScancastView extends HTMLElement {
       shadow.append(canvas, this.#says);
     }
     // Keys of a page that has more on it are the view's only while it has the focus.
-    this.#viewer = new Viewer(canvas, new Server(this.getAttribute('src') ?? ownServer), own ? globalThis : canvas);
+    this.#viewer = new Viewer(canvas, server, own ? globalThis : canvas);
     this.#obeyControls();
     const tell = (from, to) => this.#viewer.addEventListener(from, ({ detail }) => this.dispatchEvent(new CustomEvent(to, { detail })));
     for (const name of ['connection', 'frame', 'problem']) tell(name, name);
@@ -109,7 +111,19 @@ export class ScancastView extends HTMLElement {
     if (this.hasAttribute('manual') || this.#started) return;
     this.#started = true;
     const { viewer } = this;
-    viewer.start({ ...(parseHash(`#${this.getAttribute('view') ?? ''}`) ?? {}), cloud: this.getAttribute('cloud') ?? undefined });
+    const words = this.#again ?? this.getAttribute('view') ?? '';
+    const link = parseHash(`#${words}`);
+    viewer.start({ ...link, cloud: link?.cloud ?? this.getAttribute('cloud') ?? undefined });
+  }
+
+  /** Gone from the document, and not just moved within it: the connection ends, and where it was is kept for when it comes back. */
+  disconnectedCallback() {
+    queueMicrotask(() => {
+      if (this.isConnected || !this.#started) return;
+      this.#started = false;
+      this.#again = this.view;
+      this.#viewer.stop();
+    });
   }
 
   attributeChangedCallback(name, _, value) {

@@ -13,20 +13,28 @@ struct Area {
     int left, right, top, bottom;
 };
 
+/// Whether a pixel shows a surface; what lies at or behind the eye is none.
+bool isCovered(float depth) {
+    return std::isfinite(depth) && depth > 0;
+}
+
 float nearestToMiddle(const Frame& frame, const Area& area) {
     const float* const depth = frame.depth.data();
-    const auto at = [&](int x, int y) { return depth[std::size_t(y) * std::size_t(frame.width) + std::size_t(x)]; };
+    const auto at = [&](int x, int y) {
+        return depth[std::size_t(y) * std::size_t(frame.width) + std::size_t(x)];
+    };
     // Twice the middle, so that it is a whole number; the first of the pixels around it is the usual answer.
     const int middleX = area.left + area.right - 1, middleY = area.top + area.bottom - 1;
     float found = at(middleX / 2, middleY / 2);
-    if (std::isfinite(found)) return found;
+    if (isCovered(found)) return found;
+    found = std::numeric_limits<float>::infinity();
     int least = std::numeric_limits<int>::max();
     for (int y = area.top; y < area.bottom; ++y) {
         const int dy = 2 * y - middleY;
         for (int x = area.left; x < area.right; ++x) {
             const int dx = 2 * x - middleX;
             const float there = at(x, y);
-            if (!std::isfinite(there) || dx * dx + dy * dy >= least) continue;
+            if (!isCovered(there) || dx * dx + dy * dy >= least) continue;
             least = dx * dx + dy * dy;
             found = there;
         }

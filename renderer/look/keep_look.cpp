@@ -3,7 +3,6 @@
 #include <nlohmann/json.hpp>
 
 #include "renderer/cloud/file/change_facts.hpp"
-#include "renderer/cloud/file/cloud_file.hpp"
 #include "renderer/look/decide_look.hpp"
 #include "renderer/residency/open_cloud.hpp"
 
@@ -17,11 +16,10 @@ constexpr std::uint64_t memoryToLook = std::uint64_t(256) << 20;
 }  // namespace
 
 Expected<void> keepLook(const std::filesystem::path& file, const Look& look) {
-    const auto opened = CloudFile::open(file);
-    if (!opened) return passOn(opened);
-    CloudFacts facts = (*opened)->facts();
-    facts.look = look;
-    return rewriteFacts(file, facts);
+    return changeFacts(file, [&](CloudFacts& facts) {
+        facts.look = look;
+        return Expected<void>();
+    });
 }
 
 Expected<Look> decideAndKeepLook(const std::filesystem::path& file, const nlohmann::json& changes) {

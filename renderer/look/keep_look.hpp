@@ -7,7 +7,7 @@
 
 namespace scancast {
 
-/// Changes the file in place (rewriteFacts()). Errors: that one's, and CloudFile::open()'s: a scan has no place
+/// Changes the file in place (changeFacts()). Errors: that one's, and CloudFile::open()'s: a scan has no place
 /// where a look could be kept.
 Expected<void> keepLook(const std::filesystem::path& file, const Look& look);
 

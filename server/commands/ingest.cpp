@@ -61,8 +61,6 @@ Expected<IngestOptions> ingestOptions(const IngestArguments& arguments,
     options.title = arguments.title;
     options.attribution = arguments.attribution;
     options.recorded = arguments.recorded;
-    if (auto sound = checkAttribution(options.attribution); !sound) return passOn(sound);
-    if (auto sound = checkRecorded(options.recorded); !sound) return passOn(sound);
     options.threads = arguments.threads;
     options.photos = !arguments.noPhotos;
     options.shape.surfels = !arguments.noSurfels;
@@ -237,9 +235,11 @@ void addIngest(CLI::App& app, int& exitCode) {
     command
         ->add_option("--attribution", arguments->attribution,
                      "Whom to name beside its pictures, and the licence: 'City of Graz, CC BY 4.0'")
-        ->type_name("TEXT");
+        ->type_name("TEXT")
+        ->check(saidBy(checkAttribution));
     command->add_option("--recorded", arguments->recorded, "When it was scanned: 2024, 2024-05 or 2024-05-13")
-        ->type_name("DATE");
+        ->type_name("DATE")
+        ->check(saidBy(checkRecorded));
     command->add_flag(
         "--no-surfels", arguments->noSurfels,
         "Do not estimate normals and radii from neighbours: much faster, but without the methods that "

@@ -26,17 +26,17 @@ std::string labelText(const CloudFacts& facts) {
 }
 
 Expected<void> runLabel(const LabelArguments& arguments) {
+    if (arguments.changes()) {
+        auto changed = changeFacts(arguments.file, [&](CloudFacts& facts) -> Expected<void> {
+            if (arguments.title) facts.title = *arguments.title;
+            if (arguments.attribution) facts.attribution = *arguments.attribution;
+            if (arguments.recorded) facts.recorded = *arguments.recorded;
+            return {};
+        });
+        if (!changed) return changed;
+    }
     const auto opened = CloudFile::open(arguments.file);
-    if (!opened) return passOn(opened);
-    CloudFacts facts = (*opened)->facts();
-    if (!arguments.changes()) return print(labelText(facts));
-    if (arguments.title) facts.title = *arguments.title;
-    if (arguments.attribution) facts.attribution = *arguments.attribution;
-    if (arguments.recorded) facts.recorded = *arguments.recorded;
-    if (auto sound = checkAttribution(facts.attribution); !sound) return sound;
-    if (auto sound = checkRecorded(facts.recorded); !sound) return sound;
-    if (auto written = rewriteFacts(arguments.file, facts); !written) return written;
-    return print(labelText(facts));
+    return opened ? print(labelText((*opened)->facts())) : Expected<void>(passOn(opened));
 }
 
 }  // namespace
@@ -57,9 +57,11 @@ void addLabel(CLI::App& app, int& exitCode) {
     command
         ->add_option("--attribution", arguments->attribution,
                      "Whom to name beside its pictures, and the licence: at most 512 bytes")
-        ->type_name("TEXT");
+        ->type_name("TEXT")
+        ->check(saidBy(checkAttribution));
     command->add_option("--recorded", arguments->recorded, "When it was scanned: 2024, 2024-05 or 2024-05-13")
-        ->type_name("DATE");
+        ->type_name("DATE")
+        ->check(saidBy(checkRecorded));
     command->callback([arguments, &exitCode] {
         if (auto done = runLabel(*arguments); !done) {
             tell("scancast label: {}\n", done.error().message);

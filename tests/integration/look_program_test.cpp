@@ -62,7 +62,8 @@ TEST_F(LookProgram, TitleAttributionAndDateAreKeptAndChangedInPlace) {
     std::string out;
     ASSERT_EQ(run({"scancast", "label", file("ball.scan")}, &out), 0) << lastError;
     EXPECT_EQ(out, "title        A ball\nattribution  Balls Ltd, CC BY 4.0\nrecorded     2024-05\n");
-    ASSERT_EQ(run({"scancast", "label", file("ball.scan"), "--title", "B", "--recorded", ""}, &out), 0) << lastError;
+    ASSERT_EQ(run({"scancast", "label", file("ball.scan"), "--title", "B", "--recorded", ""}, &out), 0)
+        << lastError;
     EXPECT_EQ(out, "title        B\nattribution  Balls Ltd, CC BY 4.0\nrecorded     (not known)\n");
     ASSERT_EQ(run({"scancast", "info", "--json", file("ball.scan")}, &out), 0) << lastError;
     const json info = parseJson(out).value()["files"][0];
@@ -70,13 +71,15 @@ TEST_F(LookProgram, TitleAttributionAndDateAreKeptAndChangedInPlace) {
     EXPECT_FALSE(info.contains("recorded"));
     EXPECT_EQ(rendered("ball.scan"), before);
 
-    EXPECT_EQ(run({"scancast", "label", file("ball.scan"), "--recorded", "2023-02-29"}), 1);
+    EXPECT_EQ(run({"scancast", "label", file("ball.scan"), "--recorded", "2023-02-29"}), 2);
     EXPECT_THAT(lastError, HasSubstr("\"2023-02-29\" is no date; write 2024, 2024-05 or 2024-05-13"));
-    EXPECT_EQ(run({"scancast", "label", file("ball.scan"), "--attribution", std::string(513, 'x')}), 1);
+    EXPECT_EQ(run({"scancast", "label", file("ball.scan"), "--attribution", std::string(513, 'x')}), 2);
     EXPECT_THAT(lastError, HasSubstr("the attribution has 513 bytes; it may have 512"));
-    EXPECT_EQ(run({"scancast", "ingest", file("ball.ply"), "-o", file("other.scan"), "--recorded", "May"}), 1);
+    EXPECT_EQ(run({"scancast", "ingest", file("ball.ply"), "-o", file("other.scan"), "--recorded", "May"}),
+              2);
     EXPECT_THAT(lastError, HasSubstr("\"May\" is no date"));
-    EXPECT_EQ(run({"scancast", "label", file("ball.ply"), "--title", "C"}), 1);  // a scan is nobody's to change
+    EXPECT_EQ(run({"scancast", "label", file("ball.ply"), "--title", "C"}),
+              1);  // a scan is nobody's to change
 }
 
 TEST_F(LookProgram, IsChangedAndForgotten) {

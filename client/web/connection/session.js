@@ -7,6 +7,8 @@ import { Connection } from './connection.js';
 
 const pollMs = 700;
 const idlePollMs = 3000;
+const visibleAscii = /^[\x21-\x7e]+$/; // what a token is made of
+const tooLong = 431; // a header, with the token in it
 
 /** Milliseconds to wait before attempt number `attempt` (from 0); `random` in 0–1 keeps many pages from coming at once. */
 export function backOff(attempt, random = Math.random()) {
@@ -70,9 +72,17 @@ export class Session {
 
   /** The server asked for a token: here it is. `remember`: on this device, and not for this tab only. */
   unlock(token, remember) {
+    if (!visibleAscii.test(token.trim())) {
+      this.#handlers.state({ kind: 'locked', refused: true, guest: false }); // no header could hold it
+      return;
+    }
     this.#server.access.keepToken(token, remember);
-    this.#handlers.state({ kind: 'connecting' });
-    this.#cycle();
+    this.start(this.#cloud);
+  }
+
+  /** Ends what is open, and asks for nothing any more. */
+  stop() {
+    this.#leave();
   }
 
   /** Forgets the token, here and on this device, and asks for one. */
@@ -123,7 +133,7 @@ export class Session {
       this.#open(cloud);
     } catch (/** @type {any} */ error) {
       if (round !== this.#round) return;
-      if (error.status === 401) this.#locked();
+      if (error.status === 401 || error.status === tooLong) this.#locked();
       else this.#lost(error);
     }
   }

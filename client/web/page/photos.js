@@ -222,7 +222,7 @@ export class Photos {
 
   #fail(error) {
     const known = error instanceof ServerProblem;
-    this.#say(known ? `${error.title}. ${error.message}` : words.noAnswer, true);
+    this.#say(known ? [...new Set([error.title, error.message])].join('. ') : words.noAnswer, true);
   }
 
   /** A photo without a pose was still taken somewhere. */

@@ -40,16 +40,20 @@ export class Presentation {
   /** `fullScreen`: only a click or a key may ask for that. */
   enter({ fullScreen = true } = {}) {
     document.body.classList.add('presenting');
+    find('views-gallery').hidePopover();
     find('leave-presentation').hidden = false;
     find('picture').focus({ preventScroll: true, focusVisible: false });
     this.#change(true);
     // Refused on some phones, and where an embedding page does not allow it: the window has to do then.
-    if (fullScreen) document.documentElement.requestFullscreen?.().catch(() => {});
+    if (fullScreen) document.documentElement.requestFullscreen?.().then(() => {
+      if (!this.isOn) document.exitFullscreen(); // left again meanwhile
+    }).catch(() => {});
   }
 
   leave() {
     document.body.classList.remove('presenting', 'stirred');
     find('leave-presentation').hidden = true;
+    find('picture').focus({ preventScroll: true, focusVisible: false });
     this.#change(false);
     if (document.fullscreenElement) document.exitFullscreen().catch(() => {});
   }

@@ -22,6 +22,6 @@ export async function savePicture(server, cloud, view, size, overlays) {
     overlays.toast(strings.messages.pictureSaved, strings.messages.pictureSavedDetail(`${cloud}.png`, size.width, size.height), 'done');
   } catch (/** @type {any} */ error) {
     const known = error.title !== undefined;
-    overlays.toast(known ? error.title : strings.messages.pictureFailed, known ? error.message : strings.messages.noAnswer);
+    overlays.toast(known ? error.title : strings.messages.pictureFailed, known ? (error.message === error.title ? '' : error.message) : strings.messages.noAnswer);
   }
 }

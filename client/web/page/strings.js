@@ -277,7 +277,7 @@ export const strings = {
     gone: (name) => `${name} is no longer here`,
     goneDetail: 'The server has removed it, or can no longer read it. If it comes back, it will appear here.',
     unknown: (id) => `There is no point cloud named “${id}”`,
-    unknownDetail: 'This server does not have it: it may have been removed or renamed, or not have been added yet. Once it is there, it will appear here.',
+    unknownDetail: 'This server does not have it. It may have been removed or renamed, or not added yet. If it becomes available, it will appear here.',
     lost: 'Connection lost',
     againIn: (seconds) => `Trying again in ${seconds} seconds.`,
     again: 'Trying again…',
@@ -318,8 +318,8 @@ export const strings = {
   /** Why a field does not take what was typed. */
   refusals: {
     noNumber: 'Enter a number.',
-    least: (value) => `At least ${value}.`,
-    most: (value) => `At most ${value}.`,
+    least: (value) => `Must be at least ${value}.`,
+    most: (value) => `Must be at most ${value}.`,
     range: 'The minimum must be less than the maximum.',
     server: 'The server did not accept this value.',
   },

@@ -48,7 +48,7 @@ export class CameraInput {
     for (const name of ['pointerup', 'pointercancel', 'lostpointercapture']) on(name, this.#up);
     on('wheel', this.#wheeled, { passive: false });
     on('dblclick', this.#doubleClick);
-    on('contextmenu', (event) => event.preventDefault());
+    on('contextmenu', (event) => this.#view.camera && event.preventDefault());
     keys.addEventListener('keydown', (event) => {
       if (!this.#view.camera || !this.#keys.down(event)) return;
       event.preventDefault(); // a menu would go to its next entry of that letter
@@ -56,7 +56,7 @@ export class CameraInput {
       this.#view.wake();
     });
     keys.addEventListener('keyup', (event) => this.#keys.up(event));
-    addEventListener('blur', () => this.#keys.clear());
+    for (const one of new Set([keys, globalThis])) one.addEventListener('blur', () => this.#keys.clear());
   }
 
   /** Whether a hand is on it. */
@@ -155,9 +155,9 @@ export class CameraInput {
   // ---- wheel and touch pad
 
   #wheeled(event) {
-    event.preventDefault(); // the page itself neither scrolls nor zooms
     const { camera, size, calm } = this.#view;
     if (!camera) return;
+    event.preventDefault(); // the page itself neither scrolls nor zooms
     const pixels = wheelPixels(event, size.height);
     const sideways = wheelPixels(event, size.width, event.deltaX);
     if (this.#keys.changePace(-pixels)) return;

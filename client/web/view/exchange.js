@@ -40,6 +40,8 @@ export class Exchange {
     this.#state.begin(view);
     this.#firstWanted = nextSeq;
     this.#asked.clear();
+    this.#onScreen = undefined;
+    this.#hasMargins = true;
     this.seen = [];
     this.#picture.showItself(true);
   }

@@ -47,6 +47,7 @@ export class HeldKeys {
 
   up(event) {
     this.#shift = event.shiftKey;
+    if (event.key === 'Meta') this.clear(); // on a Mac, keys that were let go while it was held are never told of
     this.#letGo(placeOf(event));
     // Shift may have come or gone while + was held.
     if (event.code === 'Equal' || event.code === 'BracketRight') this.#letGo('Plus');

@@ -18,10 +18,7 @@ function canvasOver(canvas) {
   const over = document.createElement('canvas');
   over.setAttribute('aria-hidden', 'true');
   over.className = 'reprojection';
-  Object.assign(over.style, {
-    position: getComputedStyle(canvas).position === 'fixed' ? 'fixed' : 'absolute',
-    inset: '0', width: '100%', height: '100%', pointerEvents: 'none', visibility: 'hidden',
-  });
+  Object.assign(over.style, { position: 'absolute', pointerEvents: 'none', visibility: 'hidden' });
   canvas.after(over);
   return over;
 }
@@ -97,8 +94,22 @@ export class Reprojection {
       return;
     }
     const drawn = this.#context ? this.#scale(frame, wanted) : this.#warp(frame, wanted);
-    if (drawn) this.#over.style.visibility = 'visible';
-    else this.hide();
+    if (!drawn) {
+      this.hide();
+      return;
+    }
+    this.#align();
+    this.#over.style.visibility = 'visible';
+  }
+
+  /** On the very rectangle of the picture: panels come and go beside it. */
+  #align() {
+    const isFixed = getComputedStyle(this.#canvas).position === 'fixed';
+    const { offsetLeft, offsetTop, clientWidth, clientHeight } = this.#canvas;
+    const place = { position: isFixed ? 'fixed' : 'absolute', left: `${offsetLeft}px`, top: `${offsetTop}px`, width: `${clientWidth}px`, height: `${clientHeight}px` };
+    for (const [key, value] of Object.entries(place)) {
+      if (this.#over.style[key] !== value) this.#over.style[key] = value;
+    }
   }
 
   #adoptSize() {

@@ -35,7 +35,7 @@ const lastingKeys = ['method', 'param', 'shading', 'mirrors', 'behindMirrors', '
 const groundKinds = ['airborne', 'street'];
 const flightMs = 260;
 const restMs = { free: 80, held: 300 }; // after its last step the camera is at rest; the hand may still be on it
-const firstViewPatienceMs = 500;
+const firstViewPatienceMs = 700;
 const loadingPollMs = 2000;
 const unitBox = { min: [-1, -1, -1], max: [1, 1, 1] };
 
@@ -92,7 +92,7 @@ export class Viewer extends EventTarget {
         this.#reproject(); // nothing newer is on its way where there is no connection
         this.#tell('connection', now);
       },
-      expect: (cloud) => this.#firstViews.load(cloud, this.#free),
+      expect: (cloud) => (this.#moved || this.#restore?.camera ? undefined : this.#expected(cloud)),
       catalog: (fresh) => this.#catalogCame(fresh),
       clouds: (fresh) => this.#cloudsCame(fresh),
       hello: () => {
@@ -153,7 +153,7 @@ export class Viewer extends EventTarget {
     const theirs = fromProtocol(of.view?.camera, usualUpAxis(of)) ?? fromProtocol({ eye: [1, -2, 1], target: [0, 0, 0] });
     const first = of.look?.views?.[0];
     const { cssSize } = this.#picture;
-    if (!first || upAxis !== usualUpAxis(of)) return fit({ ...theirs, upAxis }, of.bounds, cssSize, this.#free);
+    if (!first || upAxis !== usualUpAxis(of)) return fit({ ...theirs, upAxis }, of.bounds ?? unitBox, cssSize, this.#free);
     if (first.inside) return theirs;
     const free = this.#free;
     return this.#firstViews.first(of, cssSize, free, upAxis) ?? fittedInto(theirs, cssSize, free);
@@ -166,9 +166,17 @@ export class Viewer extends EventTarget {
    * show first, the camera in the protocol's words, or some of them.
    */
   start(restore) {
+    this.#next = undefined;
     this.#restore = restore;
     this.#flight = undefined;
     this.#session.start(restore?.cloud);
+  }
+
+  /** Ends the connection; start() makes another one. */
+  stop() {
+    clearTimeout(this.#nextList);
+    this.#next = this.#flight = undefined;
+    this.#session.stop();
   }
 
   retryNow() {
@@ -192,6 +200,7 @@ export class Viewer extends EventTarget {
 
   /** Shows another cloud, as the server would show it; where it cannot be shown, `connection` tells why. */
   open(id) {
+    this.#next = undefined;
     if (this.#isShown(id)) return;
     this.#tell('jump');
     const style = this.#styled && this.#cloud ? pick(this.view, lastingKeys) : {};
@@ -207,7 +216,8 @@ export class Viewer extends EventTarget {
    * is as the server has it; a camera that it leaves out stays.
    */
   restore(link) {
-    const id = link.cloud ?? this.#cloud?.id;
+    const id = link.cloud ?? this.#next?.cloud ?? this.#restore?.cloud ?? this.#cloud?.id;
+    this.#next = undefined;
     if (!this.#isShown(id)) {
       if (this.#canShow(id)) this.#showSoon({ ...link, cloud: id });
       else this.start({ ...link, cloud: id });
@@ -226,12 +236,17 @@ export class Viewer extends EventTarget {
     return this.#session.connection !== undefined && this.#camera !== undefined && this.#catalog.clouds.some((one) => one.id === id);
   }
 
+  /** Resolves when it is known how that cloud fills this canvas, or when that takes too long. */
+  #expected(cloud) {
+    const patience = new Promise((done) => { setTimeout(done, firstViewPatienceMs); });
+    return Promise.race([this.#firstViews.load(cloud, this.#free), patience]);
+  }
+
   /** As soon as it is known how that cloud fills this canvas; of two that are asked for at once, the last one. */
   async #showSoon(link) {
     this.#next = link;
     const find = () => this.#catalog.clouds.find((one) => one.id === link.cloud);
-    const patience = new Promise((done) => { setTimeout(done, firstViewPatienceMs); });
-    await Promise.race([this.#firstViews.load(find(), this.#free), patience]);
+    await this.#expected(find());
     if (this.#next !== link) return;
     this.#next = undefined;
     if (this.#canShow(link.cloud)) this.#show(link, find());
@@ -378,7 +393,10 @@ export class Viewer extends EventTarget {
     const { clouds, pending } = this.#catalog;
     clearTimeout(this.#nextList);
     if ([...clouds, ...pending].some((entry) => entry.state === 'loading'))
-      this.#nextList = setTimeout(() => this.refreshClouds(), loadingPollMs);
+      this.#nextList = setTimeout(async () => {
+        await this.refreshClouds();
+        this.#askAgainWhileLoading(); // also where that failed
+      }, loadingPollMs);
   }
 
   #welcome(message) {

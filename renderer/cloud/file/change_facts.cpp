@@ -108,12 +108,21 @@ int writeFacts(int fd, std::span<const std::byte> text, const CloudFileHeader& h
 }  // namespace
 
 Expected<void> rewriteFacts(const fs::path& path, const CloudFacts& facts) {
+    return changeFacts(path, [&](CloudFacts& changed) {
+        changed = facts;
+        return Expected<void>();
+    });
+}
+
+Expected<void> changeFacts(const fs::path& path, const std::function<Expected<void>(CloudFacts&)>& change) {
     auto locked = openAndLock(path);
     if (!locked) return passOn(locked);
     auto shared = locked->file.share();
     if (!shared) return passOn(shared);
     const auto old = CloudFile::open(std::move(*shared));
     if (!old) return passOn(old);
+    CloudFacts facts = (*old)->facts();
+    if (auto changed = change(facts); !changed) return changed;
     const auto json = newFacts(**old, facts);
     if (!json) return passOn(json);
 

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 
 #include "renderer/cloud/cloud.hpp"
 
@@ -14,5 +15,10 @@ namespace scancast {
 /// InvalidArgument where somebody else is changing it; Io; ResourceLimit for a full disk. The file has its old
 /// facts after each, but for a disk that fails at the very last: then those or the new ones.
 Expected<void> rewriteFacts(const std::filesystem::path& file, const CloudFacts& facts);
+
+/// The same for a part of them: `change` gets the facts as they are while nobody else can change them, so that two who change
+/// different things at once both succeed or are told; where it fails, so does this, and nothing is written.
+Expected<void> changeFacts(const std::filesystem::path& file,
+                           const std::function<Expected<void>(CloudFacts&)>& change);
 
 }  // namespace scancast

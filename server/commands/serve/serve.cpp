@@ -249,6 +249,7 @@ int serve(ServeOptions options, GivenFlags given, nlohmann::json effective) {
 int checkConfig(const CLI::App& command, ServeOptions options) {
     if (auto found = findFiles(options); !found) return failure(found.error());
     if (auto sound = check(options); !sound) return failure(sound.error());
+    if (auto there = checkSomethingIsThere(options); !there) return failure(there.error());
     if (auto tokens = accessTokens(options); !tokens) return failure(tokens.error());
     if (options.server.tls.given()) {
         if (auto tls = openTls(options.server.tls); !tls) return failure(tls.error());

@@ -121,10 +121,10 @@ struct Api::Answers {
 
     HttpResponse asset() const {
         HttpResponse response = fileAnswer(request, *findAsset(routed.path));
-        // Whoever may show the page in a frame may load its parts: a module, a style sheet.
+        // Frames are the page's; its parts are loaded by who asks with an Origin (modules do), to whom this means nothing.
+        const bool mayBeFramed = routed.path == "/" && !api.options_.origins.allowedOrigins.empty();
         response.set("Content-Security-Policy", pagePolicy(api.frameAncestors_))
-            .set("Cross-Origin-Resource-Policy",
-                 api.options_.origins.allowedOrigins.empty() ? "same-origin" : "cross-origin")
+            .set("Cross-Origin-Resource-Policy", mayBeFramed ? "cross-origin" : "same-origin")
             .set("Referrer-Policy", "no-referrer");
         return response;
     }

@@ -135,7 +135,7 @@ void Api::complete(const HttpRequest& request, std::string_view routePattern, Ht
         for (auto& [name, value] : response.headers)
             if (name == "Cache-Control" && value == "no-cache") value = "private, no-cache";
     }
-    presentProblem(request, response, frameAncestors_);
+    if (entrance == Entrance::Public) presentProblem(request, response, frameAncestors_);
     metrics_.httpRequest(routePattern, response.status);
 }
 

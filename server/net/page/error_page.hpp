@@ -19,7 +19,7 @@ std::string htmlText(std::string_view text);
 std::string errorPage(const Problem& problem);
 
 /// Lets in the page's own style sheet, by its hash, and nothing else. `frameAncestors` is a list of sources
-/// (page_policy.hpp).
+/// (frameAncestors(), origin_check.hpp).
 std::string errorPagePolicy(std::string_view frameAncestors);
 
 /// Makes the answer a page when it is a problem and the request's Accept likes HTML better than JSON; says in any case that

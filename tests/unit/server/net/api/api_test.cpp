@@ -242,7 +242,10 @@ TEST_F(ApiTest, PagesOfAnAllowedOriginHaveThePageAndWhatTheyAskForByName) {
         EXPECT_EQ(ask(inFolder, sent(site, "cors", "script", viewer)).status, 200) << site;
         EXPECT_EQ(ask(inFolder, sent(site, "cors", "script", evil)).status, 403) << site;
         EXPECT_EQ(ask("/styles/style.css", sent(site, "no-cors", "style")).status, 200) << site;
-        EXPECT_EQ(ask("/main.js", sent(site, "no-cors", "script")).status, 200) << site;
+        const HttpResponse part = ask("/main.js", sent(site, "no-cors", "script"));
+        EXPECT_EQ(part.status, 200) << site;
+        EXPECT_EQ(*part.find("Cross-Origin-Resource-Policy"), "same-origin")
+            << "so the browser keeps it to itself";
         // Data: by those who are allowed and say so, and nobody else.
         for (const char* target : {"/api/v1/clouds", picture, "/metrics", "/openapi.json"}) {
             EXPECT_EQ(ask(target, sent(site, "cors", "empty", viewer)).status, 200) << site << target;

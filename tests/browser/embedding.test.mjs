@@ -70,14 +70,14 @@ const embedding = (module, attributes) => `<!doctype html><title>Another website
 describe('on other websites', { timeout: 120_000 }, () => {
   const allowed = new Website();
   const stranger = new Website();
-  let scans, server, browser, addresses;
+  let scans, server, browser, addresses, own;
 
   before(async () => {
     scans = writeScans();
     const [mine, other] = [await allowed.start(), await stranger.start()];
     addresses = { sameSite: `http://127.0.0.1:${mine}`, crossSite: `http://localhost:${mine}`, stranger: `http://127.0.0.1:${other}` };
     server = new RealServer(program, scans.files, ['--allowed-origin', addresses.sameSite, '--allowed-origin', addresses.crossSite]);
-    const url = await server.start();
+    const url = own = await server.start();
     while (!(await fetch(`${url}readyz`)).ok) await new Promise((later) => { setTimeout(later, 50); });
     const list = await (await fetch(`${url}api/v1/clouds`)).json();
     const cloud = list.clouds[0].id;
@@ -174,6 +174,22 @@ describe('on other websites', { timeout: 120_000 }, () => {
     // Another view, by its attribute.
     await page.evaluate(() => document.getElementById('view').setAttribute('view', 'eye=9,0,4&target=0,0,0'));
     await page.waitForFunction(() => /eye=9,0,4/.test(document.getElementById('view').view), undefined, { timeout: 5000 });
+  }));
+
+  it('the element ends its connection with its place in a document, and takes it up again', () => withElement('/element', async (page) => {
+    await page.waitForFunction(isSharp, undefined, { timeout: 20_000 });
+    const sessions = async () => Number(/^scancast_sessions (\d+)$/m.exec(await (await fetch(`${own}metrics`)).text())[1]);
+    const until = async (count) => {
+      for (let tries = 0; tries < 100 && (await sessions()) !== count; ++tries) await new Promise((later) => { setTimeout(later, 50); });
+      assert.equal(await sessions(), count);
+    };
+    await until(1);
+    await page.evaluate(() => { window.kept = document.getElementById('view'); window.kept.remove(); });
+    await until(0);
+    await page.evaluate(() => { window.told.length = 0; document.body.append(window.kept); });
+    await page.waitForFunction(isSharp, undefined, { timeout: 20_000 });
+    assert.match(await page.evaluate(() => window.kept.view), /eye=0,-9,4/);
+    await until(1);
   }));
 
   it('in one file, and where nothing can be moved', () => withElement('/packed', async (page) => {

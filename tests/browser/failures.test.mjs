@@ -344,7 +344,7 @@ describe('the page, when things go wrong', { timeout: 280_000 }, () => {
     server.received.length = 0;
     await page.fill('#parameter-sizePx', '999');
     await page.press('#parameter-sizePx', 'Enter');
-    assert.deepEqual(await refusal('#parameter-sizePx'), ['true', 'At most 256 px.']);
+    assert.deepEqual(await refusal('#parameter-sizePx'), ['true', 'Must be at most 256 px.']);
     await page.press('#parameter-sizePx', 'Escape');
     assert.deepEqual([await page.inputValue('#parameter-sizePx'), ...(await refusal('#parameter-sizePx'))], ['0', null, '']);
     await page.fill('#range-low', '5');

@@ -102,6 +102,28 @@ describe('reprojection', { timeout: 150_000 }, () => {
     await waitUntilSharp(page, 40_000);
   }
 
+  it('lies on the very rectangle of the picture, whatever is beside it', () => withPage(async (page) => {
+    const rectangles = () => page.evaluate(() => ['#picture', 'canvas.reprojection'].map((name) => {
+      const { left, top, width, height } = document.querySelector(name).getBoundingClientRect();
+      return [left, top, width, height];
+    }));
+    const isOver = () => document.querySelector('canvas.reprojection').style.visibility === 'visible';
+    for (const viewport of [{ width: 1280, height: 600 }, { width: 420, height: 800 }]) {
+      await page.setViewportSize(viewport);
+      if (await page.evaluate(() => document.body.classList.contains('panel-closed'))) await page.keyboard.press('p');
+      await waitUntilSharp(page);
+      const [x, y] = [viewport.width / 4, viewport.height / 4];
+      await page.mouse.move(x, y);
+      await page.mouse.down();
+      await page.mouse.move(x + 60, y + 20, { steps: 3 });
+      await page.waitForFunction(isOver, undefined, { polling: 'raf', timeout: 10_000 });
+      const [picture, over] = await rectangles();
+      await page.mouse.up();
+      assert.deepEqual(over, picture, `in a window of ${viewport.width} px`);
+      assert.ok(picture[2] < viewport.width || picture[3] < viewport.height, 'the panel has no place of its own');
+    }
+  }));
+
   it('answers within two frames of the display, with a margin around what comes next, and leaves the picture at rest alone', () =>
     withPage(async (page) => {
       const { frames, isOfLast } = await firstAnswer(page);

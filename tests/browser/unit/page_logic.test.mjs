@@ -139,7 +139,7 @@ describe('progress', () => {
 describe('a field for a number', () => {
   it('says why it refuses', () => {
     const parameter = { min: 0.01, max: 100, unit: 'px' };
-    assert.deepEqual([0, 101, NaN, 5].map((value) => outside(value, parameter)), ['At least 0.01 px.', 'At most 100 px.', 'Enter a number.', '']);
+    assert.deepEqual([0, 101, NaN, 5].map((value) => outside(value, parameter)), ['Must be at least 0.01 px.', 'Must be at most 100 px.', 'Enter a number.', '']);
     assert.equal(rangeRefusal([2, 2]), 'The minimum must be less than the maximum.');
     for (const ends of [[1, 2], [NaN, 2], [1, NaN]]) assert.equal(rangeRefusal(ends), '');
   });

@@ -114,7 +114,7 @@ struct Welcome {
     bool operator==(const Welcome&) const = default;
 };
 
-/// What the last frames cost; sent now and then, at most once a second.
+/// What the last frames cost; sent with each final still, and else at most once a second.
 struct Stats {
     struct Stage {
         std::string name;  ///< "select", "nearest", "resolve", …, "encode"

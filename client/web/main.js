@@ -119,6 +119,7 @@ on('camera', ({ by }) => {
   if (by !== 'server') find('hint').classList.add('learned');
   showCamera();
 });
+on('begin', () => hud.setState('moving'));
 on('asked', ({ seq }) => hud.asked(seq));
 on('frame', (frame) => {
   document.body.classList.add('ready');

@@ -432,7 +432,8 @@ void StreamSession::deliver(const Order& order, EncodedPicture picture, Time now
     metrics_.frameSent(secondsBetween(order.viewTime, now));
     sentTimes_.push_back(now);
     while (now - sentTimes_.front() > std::chrono::seconds(1)) sentTimes_.pop_front();
-    if (now >= nextStats_) sendStats(order, picture, now);
+    // Who looks at a picture that stays may read what it is; of those that come and go, now and then is enough.
+    if (header.final || now >= nextStats_) sendStats(order, picture, now);
 }
 
 void StreamSession::sendStats(const Order& order, const EncodedPicture& picture, Time now) {

@@ -41,6 +41,7 @@ export class Exchange {
     this.#firstWanted = nextSeq;
     this.#asked.clear();
     this.#onScreen = undefined;
+    delete this.#canvas.dataset.shown; // what is on the canvas is nothing of this
     this.#hasMargins = true;
     this.seen = [];
     this.#picture.showItself(true);

@@ -10,6 +10,7 @@
 //   cloud       what the server says of the cloud that is shown from now on, or of the same one as it is now
 //   jump        another place is about to be shown, at once or by a short flight
 //   sought      { cloud }: one is asked for that cannot be shown yet, or not at all; `connection` tells more
+//   begin       nothing: another cloud, or another connection; the picture on the canvas is not of it
 //   view        { by }: another view is wanted; by 'hand', 'style', 'program' (a flight, a restored view) or 'server'
 //   camera      the same, of the camera alone, with every step of it: { by }
 //   asked       { seq }: the server has been told
@@ -439,6 +440,7 @@ export class Viewer extends EventTarget {
     const view = { cloud: this.#cloud.id, camera: wireOf(this.#camera, this.bounds), width, height, ...style };
     this.#exchange.begin(view, this.#session.connection?.nextSeq ?? 0);
     this.#input.rest();
+    this.#tell('begin');
     this.#tell('cloud', this.#cloud);
     this.#tell('view', { by: 'server' });
     this.#wake();

@@ -390,6 +390,24 @@ TEST_F(SessionTest, PingIsAnsweredAndStatsComeAtMostOnceASecond) {
     EXPECT_LE(stats, 4);
 }
 
+TEST_F(SessionTest, EachFinalStillHasItsStats) {
+    greet();
+    for (std::uint64_t seq = 1; seq <= 3; ++seq) {
+        view(seq, double(seq));
+        finish(port.orders.size() - 1);
+        ack(port.frames.back().frameId);
+        pass(200);  // quiet
+        port.texts.clear();
+        finish(port.orders.size() - 1);
+        ASSERT_TRUE(port.frames.back().final);
+        ASSERT_EQ(port.texts.size(), 1U);
+        EXPECT_EQ(port.texts[0]["type"], "stats");
+        EXPECT_EQ(port.texts[0]["seq"], seq);
+        EXPECT_EQ(port.texts[0]["frame"], port.frames.back().frameId);
+        ack(port.frames.back().frameId);
+    }
+}
+
 // What the renderer says of its frame (render_test.cpp: a reason exactly where the view leaves the method open) is told as it is.
 TEST_F(SessionTest, StatsSayTheMethodAndWhyWhereNobodyNamedIt) {
     greet();

@@ -110,7 +110,11 @@ describe('reprojection', { timeout: 150_000 }, () => {
     const isOver = () => document.querySelector('canvas.reprojection').style.visibility === 'visible';
     for (const viewport of [{ width: 1280, height: 600 }, { width: 420, height: 800 }]) {
       await page.setViewportSize(viewport);
+      // The layout opens or closes the panel by itself when the window's kind changes.
+      await page.waitForFunction((wide) => innerWidth === wide, viewport.width);
+      await page.evaluate(() => new Promise((done) => { requestAnimationFrame(() => requestAnimationFrame(done)); }));
       if (await page.evaluate(() => document.body.classList.contains('panel-closed'))) await page.keyboard.press('p');
+      await page.waitForFunction(() => !document.body.classList.contains('panel-closed'));
       await waitUntilSharp(page);
       const [x, y] = [viewport.width / 4, viewport.height / 4];
       await page.mouse.move(x, y);

@@ -1,6 +1,5 @@
 // Puts the page together: the viewer, and around it panel, title, buttons and keys.
 
-import { Access } from './connection/access.js';
 import { takeGuestToken } from './connection/guest.js';
 import { Choices } from './page/choices.js';
 import { ChosenMethod } from './page/chosen_method.js';
@@ -27,7 +26,8 @@ import './scancast-view.js';
 /** @type {(id: string) => any} */
 const find = (id) => document.getElementById(id);
 
-const access = new Access(location.origin);
+const { viewer } = find('view');
+const { access } = viewer.server;
 takeGuestToken(access); // before anything reads the address
 fillStrings(document);
 
@@ -43,7 +43,6 @@ function freeSize({ width, height }) {
 const presentation = new Presentation(() => address.changed());
 const layout = new Layout();
 const rail = new ToolRail(find('rail'));
-const { viewer } = find('view');
 viewer.freeSize = freeSize;
 const hud = new Hud();
 const overlays = new Overlays();

@@ -3,24 +3,10 @@
 
 #include <CLI/CLI.hpp>
 
-#include <string>
-#include <string_view>
-
-#include "protocol/error.hpp"
-
 namespace scancast {
 
 /// Each adds its subcommand to `app`; when it is the one called, its callback runs it and sets `exitCode`
 /// (0 = done, 1 = failed with an error on standard error).
-
-/// What a check of a value says of it, as CLI11 wants that: nothing where it is sound.
-inline auto saidBy(Expected<void> (*check)(std::string_view)) {
-    return [check](const std::string& value) {
-        const auto sound = check(value);
-        return sound ? std::string() : sound.error().message;
-    };
-}
-
 void addServe(CLI::App& app, int& exitCode);
 void addRender(CLI::App& app, int& exitCode);
 void addIngest(CLI::App& app, int& exitCode);

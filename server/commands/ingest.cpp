@@ -16,6 +16,7 @@
 #include "server/base/byte_size.hpp"
 #include "server/commands/command.hpp"
 #include "server/commands/importer_flags.hpp"
+#include "server/commands/label_flags.hpp"
 #include "server/commands/look_file.hpp"
 #include "server/commands/scans/found_scans.hpp"
 #include "server/commands/scans/open_in_turn.hpp"
@@ -232,14 +233,7 @@ void addIngest(CLI::App& app, int& exitCode) {
     command
         ->add_option("--title", arguments->title, "The title that people see. Default: the cloud file's name")
         ->type_name("TEXT");
-    command
-        ->add_option("--attribution", arguments->attribution,
-                     "Whom to name beside its pictures, and the licence: 'City of Graz, CC BY 4.0'")
-        ->type_name("TEXT")
-        ->check(saidBy(checkAttribution));
-    command->add_option("--recorded", arguments->recorded, "When it was scanned: 2024, 2024-05 or 2024-05-13")
-        ->type_name("DATE")
-        ->check(saidBy(checkRecorded));
+    addLabelFlags(*command, arguments->attribution, arguments->recorded);
     command->add_flag(
         "--no-surfels", arguments->noSurfels,
         "Do not estimate normals and radii from neighbours: much faster, but without the methods that "

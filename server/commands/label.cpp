@@ -8,6 +8,7 @@
 #include "renderer/cloud/file/change_facts.hpp"
 #include "renderer/cloud/file/cloud_file.hpp"
 #include "server/commands/command.hpp"
+#include "server/commands/label_flags.hpp"
 #include "server/terminal/terminal.hpp"
 
 namespace scancast {
@@ -54,14 +55,7 @@ void addLabel(CLI::App& app, int& exitCode) {
     command->add_option("file", arguments->file, "The cloud file")->type_name("FILE")->required();
     command->add_option("--title", arguments->title, "What people see in lists and above the picture")
         ->type_name("TEXT");
-    command
-        ->add_option("--attribution", arguments->attribution,
-                     "Whom to name beside its pictures, and the licence: at most 512 bytes")
-        ->type_name("TEXT")
-        ->check(saidBy(checkAttribution));
-    command->add_option("--recorded", arguments->recorded, "When it was scanned: 2024, 2024-05 or 2024-05-13")
-        ->type_name("DATE")
-        ->check(saidBy(checkRecorded));
+    addLabelFlags(*command, arguments->attribution, arguments->recorded);
     command->callback([arguments, &exitCode] {
         if (auto done = runLabel(*arguments); !done) {
             tell("scancast label: {}\n", done.error().message);

@@ -4,7 +4,7 @@
 import assert from 'node:assert/strict';
 import { after, afterEach, before, beforeEach, describe, it } from 'node:test';
 
-import { choose, chosen, differing, drag, openPage, pixels, seriousComplaints, startBrowser, waitUntilSharp } from './support/browser.mjs';
+import { choose, chosen, closePage, differing, drag, openPage, pixels, startBrowser, waitUntilSharp } from './support/browser.mjs';
 import { blockJpeg } from './support/block_jpeg.mjs';
 import { clouds, FakeServer } from './support/fake_server.mjs';
 
@@ -15,8 +15,7 @@ describe('the page, when things go wrong', { timeout: 280_000 }, () => {
   after(() => browser?.close());
   beforeEach(() => { server = new FakeServer(); });
   afterEach(async () => {
-    const complaints = page ? seriousComplaints(page) : [];
-    await page?.context().close();
+    const complaints = await closePage(page);
     page = undefined;
     await server.stop();
     assert.deepEqual(complaints, []);

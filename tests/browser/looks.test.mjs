@@ -6,7 +6,7 @@ import { readFileSync } from 'node:fs';
 import { createRequire } from 'node:module';
 import { after, afterEach, before, beforeEach, describe, it } from 'node:test';
 
-import { choose, chosen, drag, openPage, seriousComplaints, startBrowser, waitUntilSharp } from './support/browser.mjs';
+import { choose, chosen, closePage, drag, openPage, startBrowser, waitUntilSharp } from './support/browser.mjs';
 import { clouds, FakeServer } from './support/fake_server.mjs';
 
 const axe = readFileSync(createRequire(import.meta.url).resolve('axe-core/axe.min.js'), 'utf8');
@@ -31,8 +31,7 @@ describe('the looks of the page', { timeout: 170_000 }, () => {
     server.snapshotMs = 5;
   });
   afterEach(async () => {
-    const complaints = page ? seriousComplaints(page) : [];
-    await page?.context().close();
+    const complaints = await closePage(page);
     page = undefined;
     await server.stop();
     assert.deepEqual(complaints, []);

@@ -17,7 +17,7 @@ const mayLack = ['rgb', 'cir', 'intensity', 'classification', 'normal', 'curvatu
 
 const named = (names, key) => names[key] ?? key.charAt(0).toUpperCase() + key.slice(1);
 /** 'rgb*intensity' → ['rgb', 'intensity']: what colours come from, and what makes it brighter. */
-export const factorsOf = (color) => (color ?? '').split('*');
+const factorsOf = (color) => (color ?? '').split('*');
 
 const knownClasses = [
   'b0b0b0', 'c8c8c8', 'a1794e', 'a4c85a', '5ca846', '267834', 'cb5c4a', 'ff00aa', 'f0dc78', '4287dc',

@@ -51,7 +51,7 @@ export function anchorUnder(seen, camera, cursor, size, bounds, planeDepth = cam
 }
 
 /** A depth that is not past the cloud: while it lies ahead, no farther than its middle or, close by, its far end. */
-export function withinCloud(camera, depth, bounds) {
+function withinCloud(camera, depth, bounds) {
   const farthest = farthestDepth(camera, bounds);
   if (!(farthest > 0)) return depth;
   const middle = depthOf(camera, centerOf(bounds));

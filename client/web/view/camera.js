@@ -17,7 +17,7 @@ const quarterTurn = Math.PI / 2;
 const leastDistance = 1e-6;
 const greatestDistance = 1e11;
 const poleZone = 1e-3; // radians; nearer to the pole than this, Z is no usable up direction
-export const defaultFov = 60;
+const defaultFov = 60;
 
 const clamp = (value, low, high) => Math.min(high, Math.max(low, value));
 const radians = (degrees) => (degrees * Math.PI) / 180;

@@ -14,7 +14,7 @@ const emptyFrom = 0.3; // share of a picture that is covered: from here on walki
 const emptyTo = 0.15; // and here it ends
 
 /** The first surface that a ray of unit length meets within `range`, as far as any picture knows. */
-export function firstHit(pictures, origin, direction, range) {
+function firstHit(pictures, origin, direction, range) {
   let first;
   for (const seen of pictures) {
     const hit = hitAlong(seen, origin, direction, Math.min(range, first ?? range));

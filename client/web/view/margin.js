@@ -2,7 +2,7 @@
 // drawn already. The page shows the middle, in which every pixel is what it would be without a margin. Pure.
 
 /** Of width and height, on each side. */
-export const marginShare = 0.04;
+const marginShare = 0.04;
 const widest = 150; // degrees: a field of view that is not widened any more
 
 /**

@@ -91,6 +91,13 @@ const tokenAsked = /status of 401/; // by the browser; the page asks for the tok
 const ownReading = /willReadFrequently/; // pixels() reads the canvas; the page never does
 const browsersReading = /GPU stall due to ReadPixels/; // a browser without a graphics processor reads what WebGL draws
 
+/** Closes a test's page, if there is one, and returns what its console said that is serious. */
+export async function closePage(page) {
+  const complaints = page ? seriousComplaints(page) : [];
+  await page?.context().close();
+  return complaints;
+}
+
 /** What the console said that is not the browser's own complaint about a server that is away. */
 export const seriousComplaints = (page) =>
   page.complaints.filter((text) => ![serverAway, tokenAsked, ownReading, browsersReading].some((known) => known.test(text)));

@@ -12,8 +12,8 @@ import { fromProtocol, project } from '../../../client/web/view/camera.js';
 import { blockJpeg } from './block_jpeg.mjs';
 import { TestSocket } from './web_socket.mjs';
 
-const webRoot = fileURLToPath(new URL('../../../client/web/', import.meta.url));
-const types = { '.html': 'text/html; charset=utf-8', '.js': 'text/javascript', '.css': 'text/css', '.svg': 'image/svg+xml' };
+export const webRoot = fileURLToPath(new URL('../../../client/web/', import.meta.url));
+export const types = { '.html': 'text/html; charset=utf-8', '.js': 'text/javascript', '.css': 'text/css', '.svg': 'image/svg+xml' };
 export const policy =
   "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' blob: data:; connect-src 'self'; worker-src 'self'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'";
 

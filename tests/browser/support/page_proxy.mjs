@@ -13,10 +13,8 @@ import { extname, join, normalize } from 'node:path';
 import { Transform } from 'node:stream';
 import { fileURLToPath } from 'node:url';
 
-import { policy } from './fake_server.mjs';
+import { policy, types, webRoot } from './fake_server.mjs';
 
-const webRoot = fileURLToPath(new URL('../../../client/web/', import.meta.url));
-const types = { '.html': 'text/html; charset=utf-8', '.js': 'text/javascript', '.css': 'text/css', '.svg': 'image/svg+xml' };
 
 /** A pipe that hands on everything `delay` milliseconds later, in order. */
 function delayed(delay) {
@@ -39,8 +37,6 @@ export class PageProxy {
   #sockets = new Set();
   /** Milliseconds in each direction; of connections that are made from now on. */
   delay;
-  /** Bytes that came down the WebSockets. */
-  received = 0;
 
   constructor(target, delay = 0) {
     this.#target = new URL(target);
@@ -116,7 +112,6 @@ export class PageProxy {
       onward.write(`${incoming.method} ${incoming.url} HTTP/1.1\r\n${lines}\r\n`);
       if (head.length > 0) onward.write(head);
     });
-    onward.on('data', (chunk) => { this.received += chunk.length; });
     socket.pipe(delayed(delay)).pipe(onward);
     onward.pipe(delayed(delay)).pipe(socket);
   }

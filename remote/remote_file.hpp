@@ -30,9 +30,10 @@ namespace scancast {
 /// What all remote files of a process have in common.
 struct RemoteCommons {
     std::shared_ptr<Transfers> transfers;
-    std::unique_ptr<PieceFolder> folder{};  ///< empty = nothing is kept on disk
-    std::uint64_t memory = 0;               ///< bytes of pieces, of all files together
-    std::size_t requestsAtOnce = 12;        ///< of one file
+    std::unique_ptr<PieceFolder> folder{};   ///< empty = nothing is kept on disk
+    std::uint64_t memory = 0;                ///< bytes of pieces, of all files together
+    std::shared_ptr<const void> reserved{};  ///< for that
+    std::size_t requestsAtOnce = 12;         ///< of one file
     int tries = 3;
     std::chrono::milliseconds firstProbe{500},
         lastProbe{10000};  ///< between questions whether a server is back

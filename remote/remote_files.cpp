@@ -42,7 +42,7 @@ RemoteFiles::RemoteFiles(RemoteOptions options)
     : options_(std::move(options)), changes_(std::make_shared<Changes>()) {}
 
 RemoteFiles::~RemoteFiles() {
-    stop();
+    if (options_.stopsWithOwner) stop();
 }
 
 Expected<std::shared_ptr<RemoteCommons>> RemoteFiles::commons() {
@@ -59,6 +59,7 @@ Expected<std::shared_ptr<RemoteCommons>> RemoteFiles::commons() {
         made->folder = std::move(*folder);
     }
     made->memory = options_.memory;
+    if (options_.reserve) made->reserved = options_.reserve(options_.memory);
     made->requestsAtOnce = options_.requestsAtOnce;
     made->tries = options_.tries;
     made->firstProbe = options_.firstProbe;

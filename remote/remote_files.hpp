@@ -25,6 +25,9 @@ struct RemoteOptions {
     TransfersOptions transfers{};
     std::chrono::milliseconds firstProbe{500}, lastProbe{10000};
     std::function<void(const std::string& note)> onNote{};
+    /// Counts the memory for pieces, for as long as the result lives.
+    std::function<std::shared_ptr<const void>(std::uint64_t bytes)> reserve{};
+    bool stopsWithOwner = true;  ///< else files that are open go on
 };
 
 struct RemoteStats {

@@ -12,8 +12,8 @@ namespace scancast {
 /// AWS_ACCESS_KEY_ID, AWS_SECRET_ACCESS_KEY, AWS_SESSION_TOKEN, AWS_REGION or AWS_DEFAULT_REGION, AWS_ENDPOINT_URL_S3 or
 /// AWS_ENDPOINT_URL; SSL_CERT_FILE, and for s3:// AWS_CA_BUNDLE before it.
 struct RemoteEnvironment {
-    std::string keyId, secret, sessionToken, region, endpoint;
-    std::string certificates, s3Certificates;  ///< files of authorities to trust; empty = the system's
+    std::string keyId{}, secret{}, sessionToken{}, region{}, endpoint{};
+    std::string certificates{}, s3Certificates{};  ///< files of authorities to trust; empty = the system's
 
     static RemoteEnvironment ofProcess();
 };

@@ -78,19 +78,16 @@ class CurlTransfers {
 
     void step() {
         const auto now = Clock::now();
-        auto next = now + longestNap;
         for (auto at = waiting_.begin(); at != waiting_.end();) {
             const auto one = at++;
-            if ((*one)->due <= now)
-                begin(one);
-            else
-                next = std::min(next, (*one)->due);
+            if ((*one)->due <= now) begin(one);
         }
         int running = 0;
         curl_multi_perform(multi_.get(), &running);
         takeEnded();
-        const bool isDue = std::ranges::any_of(waiting_, [&](const One& one) { return one->due <= now; });
-        const auto nap = isDue ? milliseconds(0) : std::chrono::ceil<milliseconds>(next - now);
+        auto next = Clock::now() + longestNap;
+        for (const One& one : waiting_) next = std::min(next, one->due);
+        const auto nap = std::chrono::ceil<milliseconds>(next - Clock::now());
         curl_multi_poll(multi_.get(), nullptr, 0, int(std::clamp(nap, milliseconds(0), longestNap).count()),
                         nullptr);
     }

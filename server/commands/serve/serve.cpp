@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
+#include "protocol/text/grouped.hpp"
 #include "protocol/text/plain_text.hpp"
 #include "renderer/cloud/import/scan_input.hpp"
 #include "server/base/byte_size.hpp"
@@ -115,12 +116,12 @@ void moveClients(ScancastServer& server, std::chrono::seconds patience, Shutdown
     if (patience.count() == 0) return;
     const int before = signals.wait(std::chrono::milliseconds(0));
     const auto end = Clock::now() + patience;
-    spdlog::info("{} streams are to go to another server within {} s", server.sessions(), patience.count());
+    spdlog::info("to another server within {} s: {}", patience.count(), counted(server.sessions(), "stream"));
     server.moveClients(patience);
     while (server.sessions() > 0 && Clock::now() < end &&
            signals.wait(std::chrono::milliseconds(50)) == before)
         service.report(server, true);
-    if (server.sessions() > 0) spdlog::warn("{} streams have not gone", server.sessions());
+    if (server.sessions() > 0) spdlog::warn("not gone in time: {}", counted(server.sessions(), "stream"));
 }
 
 // Streams are told, and what was promised is finished; then everybody is told and given time. A second

@@ -132,7 +132,7 @@ TEST_F(ReplicasProgramTest, ASecondSignalEndsTheWaiting) {
     EXPECT_EQ(next(stream, "bye")["code"], 1001);
     stream.socket().abort();
     EXPECT_EQ(leaving.process->wait(std::chrono::seconds(30)), 0);
-    EXPECT_THAT(leaving.process->err(), HasSubstr("not gone in time: 1 stream"));
+    EXPECT_THAT(leaving.process->err(), HasSubstr("streams that have not gone in time: 1"));
 }
 
 TEST_F(ReplicasProgramTest, CloudsAppearAndVanish) {

@@ -1,5 +1,6 @@
 #include "client/cpp/live_stream.hpp"
 
+#include <algorithm>
 #include <random>
 #include <utility>
 

@@ -10,6 +10,7 @@
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 #include <tuple>
+#include <utility>
 
 #include "protocol/nearest_name.hpp"
 #include "protocol/view/view_json.hpp"

@@ -169,6 +169,7 @@ class StreamConnection final : public SessionHost {
         options.resumable = &context_.resumable;
         if (!openSession(ClientKind::WebSocket, std::move(options))) return false;
         if (context_.scheduler.draining()) session()->goAway();  // came in with the last goodbyes
+        if (const auto left = context_.leavesIn()) session()->moveOn({0, std::uint64_t(left->count())});
         return true;
     }
 

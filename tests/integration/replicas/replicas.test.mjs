@@ -30,6 +30,7 @@ before(async () => {
   await cluster.start(program, [scan], { flags: ['--backend', 'cpu', '--threads', '1', '--memory-limit', '256M'], drainSeconds: 3 });
   viewers = await startViewers(cluster.url, people);
   viewers.forEach((viewer) => viewer.move(10));
+  while (viewers.some((viewer) => viewer.seq < 3)) await sleep(20);
 });
 
 after(async () => {

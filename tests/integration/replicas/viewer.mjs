@@ -15,6 +15,7 @@ export class Viewer {
   #size;
   #socket;
   #leaving = false;
+  #connecting = false;
   #timer;
   #angle;
   #first;
@@ -95,12 +96,15 @@ export class Viewer {
     socket.send(JSON.stringify(message));
   }
 
-  /** Until it succeeds: a connection that is welcome takes the place of the one that was. */
+  /** Until it succeeds: a connection that is welcome takes the place of the one that was. One at a time, whatever asks for it. */
   async #connect() {
+    if (this.#connecting) return;
+    this.#connecting = true;
     while (!this.#leaving && !await this.#try()) {
       ++this.refused;
       await sleep(againMs);
     }
+    this.#connecting = false;
   }
 
   #try() {
@@ -135,7 +139,7 @@ export class Viewer {
   /** What `hello` says of the session that was, once there was one. */
   #memory() {
     if (!this.token) return {};
-    return { cloud: this.cloud, resume: this.token, frame: this.frame, ...(this.camera ? { view: { camera: this.camera }, seq: this.seq } : {}) };
+    return { cloud: this.cloud, resume: this.token, frame: this.frame, view: { camera: this.camera }, seq: this.seq };
   }
 
   #welcome(socket, message) {
@@ -147,13 +151,14 @@ export class Viewer {
       if (message.session !== this.session) this.faults.push(`session ${this.session} became ${message.session}`);
       if (message.cloud !== this.cloud) this.faults.push(`cloud ${this.cloud} became ${message.cloud}`);
       // It shows a view that was sent; if not the last one, that follows at once.
-      if (this.camera && message.seq > this.seq) this.faults.push(`view ${message.seq} was never sent`);
+      if (message.seq > this.seq) this.faults.push(`view ${message.seq} was never sent`);
     }
     this.#first ??= message.view.camera;
+    this.camera ??= message.view.camera;
     this.token = message.resume;
     this.session = message.session;
     this.cloud = message.cloud;
-    if (this.camera && message.seq < this.seq) this.#send(socket, { type: 'view', seq: this.seq, camera: this.camera });
+    if (message.seq < this.seq) this.#send(socket, { type: 'view', seq: this.seq, camera: this.camera });
     before?.close(1000);
   }
 

@@ -118,9 +118,9 @@ export class Cluster {
     site = replaced(site, '# include /etc/nginx/scancast-replicas-server.conf;', `include ${join(root, 'deploy/nginx/replicas-server.conf')};`);
     // All clients of a test come from one address, and many come at once.
     site = site.replace(/limit_(req|conn) .*\n/g, '');
-    let upstream = text('replicas.conf').replace(/^ {4}server 10.*\n/gm, '');
-    upstream = replaced(upstream, '    keepalive 48;', this.replicas.slice(0, count).map((replica) =>
-      `    server 127.0.0.1:${replica.port} max_fails=1 fail_timeout=2s;\n`).join('') + '    keepalive 48;');
+    let number = 0;
+    const upstream = text('replicas.conf').replace(/^( {4}server )10\.0\.0\.\d+:8080/gm, (_, before) => `${before}127.0.0.1:${this.replicas[number++]?.port}`);
+    if (number !== count) throw new Error(`replicas.conf has ${number} replicas, not ${count}`);
     const temporary = ['client_body', 'proxy', 'fastcgi', 'uwsgi', 'scgi'].map((kind) => `${kind}_temp_path ${this.#folder}/${kind};`).join('\n');
     const file = join(this.#folder, 'nginx.conf');
     writeFileSync(file, `daemon off;\nmaster_process off;\npid ${this.#folder}/pid;\nerror_log ${this.#folder}/nginx.log;\n`

@@ -67,6 +67,11 @@ def agreement(size, ranks, rate, latency):
     return 2 * (ranks - 1) / ranks * size / rate + 2 * math.ceil(math.log2(ranks)) * latency
 
 
+def elements(a_pixel, number):
+    """In how many planes the bytes of a pixel lie: keys have 8, what comes after them 4 each; the second of three are keys, too."""
+    return a_pixel // (8 if number == 0 or a_pixel == 8 else 4)
+
+
 def picture(passes, ranks, rate, latency, copy_rate=6e9, weak=False, slower=1.0, slower_alone=1.0):
     """Milliseconds by what they are spent on. `passes` is one method's entry of the measured file. What all ranks do at the same time takes
     `slower` times as long as it says, where they share cores, and what one does alone `slower_alone` times."""
@@ -80,12 +85,18 @@ def picture(passes, ranks, rate, latency, copy_rate=6e9, weak=False, slower=1.0,
         agreed = AGREED.get(passes["method"], [8])
         for number, a_pixel in enumerate(agreed):
             wide = WIDE.get(passes["method"], a_pixel) if number == len(agreed) - 1 else a_pixel
-            elements = max(1, a_pixel // 8 if number == 0 else a_pixel // 4)  # each with bits of its own
             # Gathered and packed, and the other way round by who gets it.
             found["copy"] += 1000 * 2 * (pixels * wide + occupied * a_pixel) / copy_rate * slower
-            found["agree"] += 1000 * (agreement(pixels / 16 / 8 * elements, ranks, rate, latency) +
+            found["agree"] += 1000 * (agreement(pixels / 16 / 8 * elements(a_pixel, number), ranks, rate, latency) +
                                       agreement(occupied * a_pixel, ranks, rate, latency))
     return found
+
+
+def given(passes):
+    """Bytes that one of several ranks gives to reductions of a picture: bits of what is empty, and the rest."""
+    pixels = passes["width"] * passes["height"]
+    agreed = AGREED.get(passes["method"], [8])
+    return sum(pixels / 128 * elements(a_pixel, number) + pixels * passes["filled"] * a_pixel for number, a_pixel in enumerate(agreed))
 
 
 def total(*arguments, **more):
@@ -153,7 +164,7 @@ def crowded(arguments, passes, threads, count):
 
 
 def check(data, arguments):
-    print("| | ranks | model, ms | measured, ms | model over measured |\n|---|---|---|---|---|")
+    print("| | ranks | model, ms | measured, ms | model over measured | model, MB | measured, MB |\n|---|---|---|---|---|---|---|")
     off = {}
     for passes in data["methods"]:
         if passes["method"] not in arguments.methods:
@@ -173,7 +184,8 @@ def check(data, arguments):
                 rounds.append((model / (stats["medianMs"] + encode * alone), model, stats["medianMs"] + encode * alone))
             ratio, model, real = sorted(rounds)[len(rounds) // 2]
             off.setdefault(ranks, []).append(ratio)
-            print(f"| `{passes['method']}` | {ranks} | {model:.0f} | {real:.0f} | {ratio:.2f} |", flush=True)
+            print(f"| `{passes['method']}` | {ranks} | {model:.0f} | {real:.0f} | {ratio:.2f} | {given(passes) / 1e6 if ranks > 1 else 0:.2f} | "
+                  f"{stats['bytesReducedPerFrame'] / 1e6:.2f} |", flush=True)
     for ranks, ratios in off.items():
         ratios.sort()
         print(f"\n{ranks} ranks: model over measured: median {ratios[len(ratios) // 2]:.2f}, from {ratios[0]:.2f} to {ratios[-1]:.2f}")

@@ -72,8 +72,12 @@ export class Exchange {
 
   /** Another server goes on, of which that hello was asked; what has changed since is said to it, too. */
   moved({ view, seq, cloud }) {
-    if (view) this.#state.said(seq, { cloud, ...view });
-    else this.#state.resend();
+    if (view) {
+      this.#state.said(seq, { cloud, ...view });
+      this.#canvas.dataset.asked = String(seq);
+    } else {
+      this.#state.resend();
+    }
   }
 
   /**

@@ -115,12 +115,13 @@ void moveClients(ScancastServer& server, std::chrono::seconds patience, Shutdown
     if (patience.count() == 0) return;
     const int before = signals.wait(std::chrono::milliseconds(0));
     const auto end = Clock::now() + patience;
-    spdlog::info("{} streams are to go to another server within {} s", server.sessions(), patience.count());
+    spdlog::info("streams that are to go to another server within {} s: {}", patience.count(),
+                 server.sessions());
     server.moveClients(patience);
     while (server.sessions() > 0 && Clock::now() < end &&
            signals.wait(std::chrono::milliseconds(50)) == before)
         service.report(server, true);
-    if (server.sessions() > 0) spdlog::warn("{} streams have not gone", server.sessions());
+    if (server.sessions() > 0) spdlog::warn("streams that have not gone in time: {}", server.sessions());
 }
 
 // Streams are told, and what was promised is finished; then everybody is told and given time. A second

@@ -148,32 +148,30 @@ TEST(LiveStream, ComesBackWithItsTokenAndAsksAgain) {
 TEST(LiveStream, MovesToAnotherServerBeforeTheFirstOneIsGone) {
     Diary diary;
     std::atomic<bool> taken = false;
-    const FakeServer fake(inTurn(
+    FakeServer::Script script = inTurn(
         {[&](FakePeer& peer) {
-        std::string text;
-        if (!test::welcome(peer, "s1", "t1") || !peer.readText(text)) return;
-        sendFrame(peer, 1, 1);
-        peer.sendText(printMessage(messages::Drain{1, 60'000}));
-        while (!taken && peer.readText(text)) {
-        }
-        diary.note("first is over");
+             std::string text;
+             if (!test::welcome(peer, "s1", "t1") || !peer.readText(text)) return;
+             sendFrame(peer, 1, 1);
+             peer.sendText(printMessage(messages::Drain{1, 60'000}));
+             while (!taken && peer.readText(text)) {
+             }
+             diary.note("first is over");
          },
          [&](FakePeer& peer) {
-        messages::Hello hello;
-        std::string text;
-        if (!peer.readText(text)) return;
-        diary.note(text);
-        // It refuses at first: the client stays where it is, and tries again.
-        peer.sendText(printMessage(messages::ProblemReport{{}, problemOf(503, "not yet")}));
+             std::string text;
+             if (!peer.readText(text)) return;
+             // It refuses at first: the client stays where it is, and tries again.
+             peer.sendText(printMessage(messages::ProblemReport{{}, problemOf(503, "not yet")}));
          },
          [&](FakePeer& peer) {
-        messages::Hello hello;
-        if (!test::welcome(peer, "s1", "t2", &hello)) return;
-        diary.note("hello " + hello.resume + " of " + hello.cloud + " seq " + std::to_string(hello.seq) +
-                   " frame " + std::to_string(hello.frame) + " width " + hello.view["width"].dump());
-        taken = true;
-        sendFrame(peer, 2, 1);
-        listen(peer, diary);
+             messages::Hello hello;
+             if (!test::welcome(peer, "s1", "t2", &hello)) return;
+             diary.note("hello " + hello.resume + " of " + hello.cloud + " seq " + std::to_string(hello.seq) +
+                        " frame " + std::to_string(hello.frame) + " width " + hello.view["width"].dump());
+             taken = true;
+             sendFrame(peer, 2, 1);
+             listen(peer, diary);
          }});
     script.atOnce = true;
     const FakeServer fake(script);
@@ -216,10 +214,9 @@ TEST(LiveStream, AnOlderServerIsToldTheViewAfterwards) {
 
 TEST(LiveStream, AnotherSessionIsNoResumedOne) {
     Diary diary;
-    FakeServer::Script script = inTurn({[](FakePeer& peer) {
-        test::welcome(peer, "s1"); },
+    const FakeServer fake(inTurn({[](FakePeer& peer) { test::welcome(peer, "s1"); },
                                   [&](FakePeer& peer) {
-        if (test::welcome(peer, "s2")) listen(peer, diary);
+                                      if (test::welcome(peer, "s2")) listen(peer, diary);
                                   }}));
     LiveStream stream(fake.url(), {}, listenerOf(diary), quick());
     EXPECT_TRUE(diary.saw("connected s1")) << diary.all();

@@ -21,7 +21,7 @@ class ResumeStoreTest : public ::testing::Test {
 
     /// What is remembered of it.
     std::optional<SavedSession> saved(const std::string& token, ResumeStore::Time at) {
-        auto resumed = saved(token, "anna", at);
+        auto resumed = store.resume(token, "anna", at);
         return resumed ? std::move(resumed->saved) : std::nullopt;
     }
     ResumeOptions optionsOfTests() {

@@ -264,6 +264,7 @@ TEST_F(SessionTest, AHelloMaySayWhatIsSeenFirst) {
     EXPECT_EQ(port.texts.at(0)["view"]["method"], "cone");
     EXPECT_EQ(port.texts.at(0)["view"]["width"], 64);
     EXPECT_EQ(port.texts.at(0)["seq"], 3);
+    pass(150);
     finish(0);
     EXPECT_EQ(port.frames.at(0).seq, 3U);
 }

@@ -87,7 +87,8 @@ async function startS3() {
     AWS_ACCESS_KEY_ID: 'S3RVER', AWS_SECRET_ACCESS_KEY: 'S3RVER', AWS_SESSION_TOKEN: '', AWS_REGION: 'us-east-1', AWS_ENDPOINT_URL: `http://127.0.0.1:${port}`,
   };
   // curl signs by itself what ours asks curl's library to sign.
-  const put = await run(['-sS', '--fail', '--aws-sigv4', 'aws:amz:us-east-1:s3', '--user', 'S3RVER:S3RVER', '-T', join(folder, 'web/town.scan'),
+  const put = await run(['-sS', '--fail', '--aws-sigv4', 'aws:amz:us-east-1:s3', '--user', 'S3RVER:S3RVER',
+    '-H', 'x-amz-content-sha256: UNSIGNED-PAYLOAD', '-T', join(folder, 'web/town.scan'),
     `http://127.0.0.1:${port}/scans/area/town.scan`], {}, 'curl');
   assert.equal(put.code, 0, put.said);
   return { server, environment };

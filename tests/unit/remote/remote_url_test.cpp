@@ -84,7 +84,7 @@ TEST(RemoteAccessTest, signsForS3AloneAndOnlyWithCredentials) {
     const auto access = accessTo(town, environment);
     EXPECT_EQ(access->signing, "aws:amz:us-east-1:s3");
     EXPECT_FALSE(access->mayRedirect);
-    EXPECT_THAT(access->headers, ::testing::ElementsAre("x-amz-security-token: token"));
+    EXPECT_THAT(access->headers, ::testing::Contains("x-amz-security-token: token"));
     const auto plain = accessTo(*RemoteUrl::parse("https://host/town.scan"), environment);
     EXPECT_TRUE(plain->signing.empty() && plain->headers.empty() && plain->user.empty());
     for (RemoteEnvironment half : {RemoteEnvironment{.keyId = "AKID"},

@@ -1,16 +1,16 @@
 // How long a cloud in object storage keeps people waiting, and what is fetched for it, through a line with latency: from the start of
 // `scancast serve URL` to a stream's first frame and to its final one.
 //
-//   node tests/bench/remote_first_picture.mjs PROGRAM CLOUD.scan [ROUND_TRIP_MS [FLAGS OF SERVE...]]      (tests/foreign: npm ci)
+//   node tests/bench/remote/first_picture.mjs PROGRAM CLOUD.scan [ROUND_TRIP_MS [FLAGS OF SERVE...]]      (tests/foreign: npm ci)
 
 import { createReadStream, statSync } from 'node:fs';
 import { createServer } from 'node:http';
 import { createRequire } from 'node:module';
 
-import { RealServer } from '../browser/support/real_server.mjs';
-import { Line } from '../support/line.mjs';
+import { RealServer } from '../../browser/support/real_server.mjs';
+import { Line } from '../../support/line.mjs';
 
-const WebSocket = createRequire(new URL('../foreign/package.json', import.meta.url))('ws');
+const WebSocket = createRequire(new URL('../../foreign/package.json', import.meta.url))('ws');
 const [program, cloud, roundTrip = '50', ...flags] = process.argv.slice(2);
 const { size, mtimeMs } = statSync(cloud);
 let requests = 0;

@@ -77,7 +77,7 @@ bool isRemoteUrl(std::string_view text) {
     return std::ranges::any_of(schemes, [&](const auto& scheme) { return startsWith(text, scheme.first); });
 }
 
-std::string shownWord(std::string_view word) {
+std::string shownArgument(std::string_view word) {
     return isRemoteUrl(word) ? shownOf(word) : std::string(word);
 }
 

@@ -45,8 +45,8 @@ class RemoteUrl {
     std::string whole_, shown_, name_, bucket_, key_, identity_;
 };
 
-/// What a command line's word is called in messages: a URL without its query, anything else as it is.
-std::string shownWord(std::string_view word);
+/// What an argument of a command line is called in messages: a URL without its query, anything else as it is.
+std::string shownArgument(std::string_view word);
 
 /// Every byte but letters, digits and -._~ as %XX; slashes stay.
 std::string percentEncoded(std::string_view path);

@@ -69,7 +69,7 @@ struct CloudWatch::Watched {
 
     std::string name() const {
         if (served.kept) return served.kept->filename().string();
-        return fs::path(shownWord(served.place.name.native())).filename().string();
+        return fs::path(shownArgument(served.place.name.native())).filename().string();
     }
 };
 

@@ -369,7 +369,7 @@ void Loader::settleRebuilt(const Job& job, Result cloud) {
 }
 
 void Loader::settleFailed(const Job& job, Error error) {
-    const fs::path file = shownWord(job.file().native());
+    const fs::path file = shownArgument(job.file().native());
     // Everybody may read the catalog: it names files, not where they are.
     std::string reason = error.message;
     for (auto at = reason.find(file.string()); file.has_parent_path() && at != std::string::npos;
@@ -391,7 +391,8 @@ Loader::Result Loader::shownCloudOf(const ScanInput& input, Job& job) {
 
 Loader::Result Loader::openRemote(Job& job) {
     if (!options_.remote)
-        return fail(ErrorCode::Unsupported, shownWord(job.file().native()) + ": URLs are not opened here");
+        return fail(ErrorCode::Unsupported,
+                    shownArgument(job.file().native()) + ": URLs are not opened here");
     auto opened = openRemoteCloud(*options_.remote, job.file().native());
     if (!opened) return passOn(std::move(opened));
     WatchedFile watched{.id = job.id, .place = job.place, .file = opened->file, .remote = opened->object};

@@ -150,7 +150,7 @@ json effectiveConfig(const CLI::App& app) {
             value = valueOf(texts.front());
             continue;
         }
-        for (const std::string& text : texts) value.push_back(valueOf(shownWord(text)));
+        for (const std::string& text : texts) value.push_back(valueOf(shownArgument(text)));
     }
     return config;
 }

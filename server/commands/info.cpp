@@ -31,7 +31,7 @@ bool runInfo(const InfoArguments& arguments) {
         sound = false;
         tell("scancast info: {}\n", error.message);
         if (arguments.json)
-            all["files"].push_back(Json{{"file", shownWord(file)},
+            all["files"].push_back(Json{{"file", shownArgument(file)},
                                         {"error", {{"code", name(error.code)}, {"message", error.message}}}});
     };
     const auto describe = [&](const std::string& file) {

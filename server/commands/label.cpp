@@ -30,7 +30,7 @@ std::string labelText(const CloudFacts& facts) {
 Expected<void> runLabel(const LabelArguments& arguments) {
     if (isRemoteUrl(arguments.file))
         return fail(ErrorCode::InvalidArgument,
-                    shownWord(arguments.file) + ": this reads and changes files; download a copy of it.");
+                    shownArgument(arguments.file) + ": this reads and changes files; download a copy of it.");
     if (arguments.changes()) {
         auto changed = changeFacts(arguments.file, [&](CloudFacts& facts) -> Expected<void> {
             if (arguments.title) facts.title = *arguments.title;

@@ -27,7 +27,7 @@ Expected<void> runLook(const LookArguments& arguments) {
     const bool keeps = arguments.decide || !arguments.set.empty();
     if (keeps && isRemoteUrl(arguments.files.front()))
         return fail(ErrorCode::InvalidArgument,
-                    shownWord(arguments.files.front()) +
+                    shownArgument(arguments.files.front()) +
                         ": a look is kept in the file itself; change a copy of it, and upload that.");
     if (keeps && arguments.files.size() > 1)
         return fail(ErrorCode::InvalidArgument, "a look is kept in one cloud file; name one.");

@@ -66,8 +66,9 @@ Expected<std::unique_ptr<PointSource>> openScans(const std::vector<std::string>&
     std::vector<std::unique_ptr<PointSource>> sources;
     for (const std::string& file : files) {
         if (isRemoteUrl(file))
-            return fail(ErrorCode::InvalidArgument,
-                        shownWord(file) + " is one of several: only scans are put together; name it alone");
+            return fail(
+                ErrorCode::InvalidArgument,
+                shownArgument(file) + " is one of several: only scans are put together; name it alone");
         const auto input = ScanInput::open(file);
         if (!input) return passOn(input);
         if (files.size() > 1 && isCloudFile(input->file()))

@@ -1,10 +1,12 @@
-// Clouds in object storage, served by programs that are not ours: nginx for https:// and http://, s3rver for s3:// with signatures
-// that it checks, and a line with latency that can be cut in front of them. What is right is what the same file gives on disk.
+// Clouds in object storage, served by programs that are not ours: nginx for https:// and http://, s3rver for s3://, behind a check of
+// signatures, and a line with latency that can be cut in front of them. What is right is what the same file gives on disk.
 
 import assert from 'node:assert/strict';
 import { execFileSync, spawn, spawnSync } from 'node:child_process';
+import { createHash, createHmac } from 'node:crypto';
 import { chmodSync, copyFileSync, mkdirSync, mkdtempSync, readFileSync, renameSync, rmSync, writeFileSync } from 'node:fs';
 import { once } from 'node:events';
+import { createServer as createHttpServer, request as httpRequest } from 'node:http';
 import { createServer } from 'node:net';
 import { tmpdir } from 'node:os';
 import { join } from 'node:path';
@@ -78,11 +80,47 @@ async function startNginx() {
   return { child, plain: `http://127.0.0.1:${plain}`, secure: `https://localhost:${secure}`, port: plain };
 }
 
+/**
+ * What signs a request, by Amazon's own description ("Create a signed AWS API request"): s3rver looks whether there is such an account,
+ * and does not reckon this.
+ */
+function signatureOf(request, { scope, signed }, secret) {
+  const hash = (text) => createHash('sha256').update(text).digest('hex');
+  const mac = (key, text) => createHmac('sha256', key).update(text).digest();
+  const { pathname, search } = new URL(request.url, 'http://x');
+  const headers = signed.split(';').map((name) => `${name}:${request.headers[name].trim()}\n`).join('');
+  const canonical = [request.method, pathname, search.slice(1), headers, signed, request.headers['x-amz-content-sha256']].join('\n');
+  const toSign = ['AWS4-HMAC-SHA256', request.headers['x-amz-date'], scope, hash(canonical)].join('\n');
+  const key = scope.split('/').reduce(mac, `AWS4${secret}`);
+  return mac(key, toSign).toString('hex');
+}
+
+/** Lets signed requests through to `port`, and no others. */
+async function startSignatureCheck(port) {
+  const server = createHttpServer((request, response) => {
+    const [, scope, signed, signature] =
+      /^AWS4-HMAC-SHA256 Credential=[^/]+\/([^,]+), *SignedHeaders=([^,]+), *Signature=([0-9a-f]+)$/.exec(request.headers.authorization ?? '') ?? [];
+    if (!signature || !signed.split(';').includes('host') || signatureOf(request, { scope, signed }, 'S3RVER') !== signature) {
+      response.writeHead(403).end('<Error><Code>SignatureDoesNotMatch</Code></Error>');
+      return;
+    }
+    const onward = httpRequest({ port, host: '127.0.0.1', method: request.method, path: request.url, headers: request.headers }, (answer) => {
+      response.writeHead(answer.statusCode, answer.headers);
+      answer.pipe(response);
+    });
+    request.pipe(onward);
+  });
+  await new Promise((done) => server.listen(0, '127.0.0.1', done));
+  server.unref();
+  return server;
+}
+
 async function startS3() {
   const directory = join(folder, 's3');
   mkdirSync(directory);
   const server = new S3rver({ port: 0, address: '127.0.0.1', silent: true, directory, configureBuckets: [{ name: 'scans', configs: [] }] });
-  const { port } = await server.run();
+  const check = await startSignatureCheck((await server.run()).port);
+  const { port } = check.address();
   const environment = {
     AWS_ACCESS_KEY_ID: 'S3RVER', AWS_SECRET_ACCESS_KEY: 'S3RVER', AWS_SESSION_TOKEN: '', AWS_REGION: 'us-east-1', AWS_ENDPOINT_URL: `http://127.0.0.1:${port}`,
   };
@@ -91,7 +129,7 @@ async function startS3() {
     '-H', 'x-amz-content-sha256: UNSIGNED-PAYLOAD', '-T', join(folder, 'web/town.scan'),
     `http://127.0.0.1:${port}/scans/area/town.scan`], {}, 'curl');
   assert.equal(put.code, 0, put.said);
-  return { server, environment };
+  return { server, check, environment };
 }
 
 before(async () => {
@@ -114,6 +152,9 @@ before(async () => {
 after(async () => {
   line?.stop();
   nginx?.child.kill();
+  s3?.check.closeAllConnections?.();
+  s3?.check.close();
+  s3?.server.httpServer.closeAllConnections?.();
   await s3?.server.close();
   rmSync(folder, { recursive: true, force: true });
 });
@@ -216,7 +257,7 @@ class Stream {
   }
 }
 
-const closeBy = { camera: { projection: 'perspective', eye: [389_480, 5_819_780, 55], target: [389_500, 5_819_800, 36], up: [0, 0, 1], fov: 40 } };
+const closeBy = { camera: { type: 'perspective', eye: [389_480, 5_819_780, 55], target: [389_500, 5_819_800, 36], up: [0, 0, 1], fov: 40 } };
 const serveFlags = ['--backend', 'cpu', '--memory-limit', '64M'];
 const queryOf = ({ camera }) => `width=320&height=200&samples=1&eye=${camera.eye}&target=${camera.target}&up=${camera.up}&fov=${camera.fov}`;
 
@@ -233,9 +274,10 @@ function metric(text, name) {
 test('a cut line shows coarser pictures and no error; the final one comes when it is mended', { skip }, async () => {
   const far = await served([`http://127.0.0.1:${line.port}/town.scan?X-Amz-Signature=topsecret`]);
   const near = await served([join(folder, 'town.scan')]);
-  const stream = new Stream(far.url, { cloud: 'town' });
+  let stream;
   try {
     await comesTrue(() => fetch(new URL('readyz', far.url)).then((got) => got.ok), 'the server is ready');
+    stream = new Stream(far.url, { cloud: 'town' });
     await stream.final(0);
     line.cut();
     stream.send({ type: 'view', seq: 1, ...closeBy });
@@ -259,7 +301,7 @@ test('a cut line shows coarser pictures and no error; the final one comes when i
     assert.ok(there[1].equals(here[1]), 'the same bytes as from the file');
     assert.doesNotMatch(there[2], /topsecret|127\.0\.0\.1/);
   } finally {
-    stream.close();
+    stream?.close();
     line.mend();
     await Promise.all([far.server.stop(), near.server.stop()]);
   }
@@ -283,8 +325,8 @@ test('what was fetched is on disk; another object in its place is served instead
   mkdirSync(cache);
   const first = async () => {
     const { server, url, metrics } = await served([`${nginx.plain}/town.scan`], ['--cache-dir', cache, '--cache-size', '100M']);
-    const stream = new Stream(url, { cloud: 'town' });
     await comesTrue(() => fetch(new URL('readyz', url)).then((got) => got.ok), 'the server is ready');
+    const stream = new Stream(url, { cloud: 'town' });
     await stream.final(0);
     return { server, url, metrics, stream };
   };

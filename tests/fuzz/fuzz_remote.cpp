@@ -19,7 +19,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     using namespace scancast;
     const std::string text(reinterpret_cast<const char*>(data), size);
 
-    (void)shownWord(text);
+    (void)shownArgument(text);
     if (const auto url = RemoteUrl::parse(text)) {
         require(isRemoteUrl(text) && !url->name().empty() && url->name().find('/') == std::string::npos);
         if (url->scheme() != RemoteUrl::Scheme::S3)

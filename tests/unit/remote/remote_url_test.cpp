@@ -20,8 +20,8 @@ TEST(RemoteUrlTest, whatIsShownHasNoQuery) {
     EXPECT_EQ(url->name(), "Old town.scan");
     EXPECT_NE(RemoteUrl::parse("https://a/b?id=1")->identity(),
               RemoteUrl::parse("https://a/b?id=2")->identity());
-    EXPECT_EQ(shownWord("https://user:pass@host/x.scan?key=secret#y"), "https://host/x.scan");
-    EXPECT_EQ(shownWord("what?.las"), "what?.las");
+    EXPECT_EQ(shownArgument("https://user:pass@host/x.scan?key=secret#y"), "https://host/x.scan");
+    EXPECT_EQ(shownArgument("what?.las"), "what?.las");
 }
 
 TEST(RemoteUrlTest, refusesWithoutTellingSecrets) {

@@ -20,6 +20,8 @@ using CachedCloud = BlockTable::CloudBlocks;
 // Of one cloud; a screenful of samples, so that a picture is never coarser than that.
 constexpr std::uint64_t mostPinned = 16u << 20;
 constexpr std::uint64_t pinsRequester = ~0ull;
+// Of a cloud behind a network, that are fetched before anybody asks: they would be in the way of the first picture.
+constexpr std::uint64_t mostFetchedAhead = 4u << 20;
 
 BlockTable::Time now() {
     using namespace std::chrono;
@@ -162,8 +164,12 @@ std::shared_ptr<SampleStore> Cache::add(std::shared_ptr<const CloudFile> file) {
         if (cloud->isRemote) startRemoteThreads();
     }
     std::vector<BlockRequest> pins;
-    for (std::uint32_t node = 0; node < cloud->slots.size() && cloud->slots[node].pinned; ++node)
+    std::uint64_t ahead = 0;
+    for (std::uint32_t node = 0; node < cloud->slots.size() && cloud->slots[node].pinned; ++node) {
+        ahead += BlockTable::bytesOf(*cloud, node);
+        if (cloud->isRemote && ahead > mostFetchedAhead) break;
         pins.push_back({node, -double(node)});
+    }
     auto store = std::make_shared<ResidentStore>(shared_from_this(), cloud);
     store->request(pinsRequester, std::move(pins));
     return store;

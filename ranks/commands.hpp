@@ -1,0 +1,12 @@
+// The subcommands of `scancast-ranks`. Each folder beside this file adds one, with its help and its example.
+#pragma once
+
+#include <CLI/CLI.hpp>
+
+namespace scancast {
+
+/// All of them. Each adds its subcommand to `app`; when it is the one called, its callback runs it and sets `exitCode`
+/// (0 = done, 1 = failed with an error on standard error, told by one rank).
+inline void addRanksCommands(CLI::App&, int&) {}
+
+}  // namespace scancast

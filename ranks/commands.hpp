@@ -5,8 +5,13 @@
 
 namespace scancast {
 
-/// All of them. Each adds its subcommand to `app`; when it is the one called, its callback runs it and sets `exitCode`
+/// Each adds its subcommand to `app`; when it is the one called, its callback runs it and sets `exitCode`
 /// (0 = done, 1 = failed with an error on standard error, told by one rank).
-inline void addRanksCommands(CLI::App&, int&) {}
+void addRanksIngest(CLI::App& app, int& exitCode);
+
+/// All of them.
+inline void addRanksCommands(CLI::App& app, int& exitCode) {
+    addRanksIngest(app, exitCode);
+}
 
 }  // namespace scancast

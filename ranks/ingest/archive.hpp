@@ -28,10 +28,10 @@ class BytesOut {
     }
     void operator()(const std::string& text) { (*this)(std::vector<char>(text.begin(), text.end())); }
 
-    Bytes take() { return std::move(bytes_); }
+    RankMessage take() { return std::move(bytes_); }
 
   private:
-    Bytes bytes_;
+    RankMessage bytes_;
 };
 
 class BytesIn {

@@ -6,7 +6,7 @@ namespace scancast {
 
 namespace {
 
-Bytes pack(StagedScan& scan) {
+RankMessage pack(StagedScan& scan) {
     BytesOut out;
     scan.forLearnt([&](const auto& value) { out(value); });
     return out.take();
@@ -18,7 +18,7 @@ Expected<void> unpack(std::span<const std::byte> bytes, StagedScan& scan) {
     return in.finish();
 }
 
-Bytes pack(const CountingGrid& grid) {
+RankMessage pack(const CountingGrid& grid) {
     BytesOut out;
     out(grid.frame().cellLevel);
     out(grid.cells());
@@ -36,7 +36,7 @@ Expected<void> joinStaged(StagedScan& scan, const Communicator& ranks) {
         return {};
     };
     if (auto ok = ranks.join([&] { return pack(scan); }, join); !ok) return ok;
-    Bytes all = ranks.isFirst() ? pack(scan) : Bytes();
+    RankMessage all = ranks.isFirst() ? pack(scan) : RankMessage();
     if (auto ok = ranks.broadcast(all); !ok) return ok;
     return ranks.agree(unpack(all, scan));
 }
@@ -56,7 +56,7 @@ Expected<JoinedCells> joinCounts(CountingGrid mine, const GridBox& box, const Co
     BytesOut out;
     out(joined.frame);
     out(joined.cells);
-    Bytes all = ranks.isFirst() ? out.take() : Bytes();
+    RankMessage all = ranks.isFirst() ? out.take() : RankMessage();
     if (auto ok = ranks.broadcast(all); !ok) return passOn(ok);
     BytesIn in(all);
     in(joined.frame);

@@ -32,13 +32,13 @@ Expected<void> add(std::span<const std::byte> bytes, AllPatches& all) {
     return in.finish();
 }
 
-Expected<Bytes> decide(std::vector<Bytes> gathered, bool upIsZ) {
+Expected<RankMessage> decide(std::vector<RankMessage> gathered, bool upIsZ) {
     AllPatches all;
     std::vector<std::uint64_t> firsts;
-    for (Bytes& one : gathered) {
+    for (RankMessage& one : gathered) {
         firsts.push_back(all.patches.size());
         if (auto ok = add(one, all); !ok) return passOn(ok);
-        Bytes().swap(one);
+        RankMessage().swap(one);
     }
     const Sides sides = decideSides(all.facets, all.patches, all.borders, upIsZ);
     BytesOut out;
@@ -62,7 +62,7 @@ Expected<Sides> decideTogether(const Expected<void>& grown, std::vector<Facet>& 
     giveBack(facets);
     auto gathered = ranks.gather(out.take());
     if (!gathered) return passOn(gathered);
-    Expected<Bytes> decided = Bytes();
+    Expected<RankMessage> decided = RankMessage();
     if (ranks.isFirst()) decided = decide(std::move(*gathered), upIsZ);
     decided = ranks.agree(std::move(decided));
     if (!decided) return passOn(decided);

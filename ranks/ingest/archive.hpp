@@ -28,10 +28,10 @@ class BytesOut {
     }
     void operator()(const std::string& text) { (*this)(std::vector<char>(text.begin(), text.end())); }
 
-    RankMessage take() { return std::move(bytes_); }
+    RankBytes take() { return std::move(bytes_); }
 
   private:
-    RankMessage bytes_;
+    RankBytes bytes_;
 };
 
 class BytesIn {

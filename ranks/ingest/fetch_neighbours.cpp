@@ -10,7 +10,7 @@ namespace scancast {
 
 namespace {
 
-/// RankMessage that all ranks together may send one in a round, but for the last node of each.
+/// RankBytes that all ranks together may send one in a round, but for the last node of each.
 constexpr std::uint64_t bytesOfSampleRound = std::uint64_t(64) << 20;
 
 /// Numbers of others' nodes near this rank's, by who owns them, each once.
@@ -47,7 +47,7 @@ Expected<void> takeSamples(std::span<const std::byte> bytes, NumberedTree& tree,
 
 Expected<void> fetchNeighbours(NumberedTree& tree, std::span<BuildNode* const> own, const BlockSink& shelf,
                                Workspace& workspace, const Communicator& ranks) {
-    std::vector<RankMessage> asking;
+    std::vector<RankBytes> asking;
     for (const auto& numbers : wantedFrom(tree, own, ranks)) {
         BytesOut out;
         out(numbers);
@@ -65,7 +65,7 @@ Expected<void> fetchNeighbours(NumberedTree& tree, std::span<BuildNode* const> o
     const std::uint64_t mostForOne = bytesOfSampleRound / unsigned(ranks.size());
     std::vector<std::size_t> next(wanted.size());
     for (;;) {
-        std::vector<RankMessage> out(wanted.size());
+        std::vector<RankBytes> out(wanted.size());
         bool goesOn = false;
         for (std::size_t r = 0; r < wanted.size() && done; ++r) {
             BytesOut parcel;
@@ -92,7 +92,7 @@ Expected<void> fetchNeighbours(NumberedTree& tree, std::span<BuildNode* const> o
         if (flags[0] == 0 || flags[1] != 0) return ranks.agree(done);
         const auto got = ranks.exchange(out);
         if (!got) return passOn(got);
-        for (const RankMessage& parcel : *got)
+        for (const RankBytes& parcel : *got)
             if (done) done = takeSamples(parcel, tree, workspace);
     }
 }

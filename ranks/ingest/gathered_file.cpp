@@ -59,7 +59,7 @@ class ShelfStream {
     const std::uint64_t bytes_;
     const BlockShelf& own_;
     const Communicator& ranks_;
-    RankMessage piece_;
+    RankBytes piece_;
     std::size_t at_ = 0;
     std::uint64_t fetched_ = 0;
 };
@@ -108,7 +108,7 @@ class Gathering {
 
   private:
     Expected<void> copy(ShelfStream& from, std::uint64_t bytes) {
-        RankMessage piece;
+        RankBytes piece;
         for (std::uint64_t done = 0; done < bytes; done += piece.size()) {
             piece.resize(std::min(pieceBytes, bytes - done));
             if (auto ok = from.read(piece); !ok) return ok;
@@ -134,7 +134,7 @@ class Gathering {
     CloudFileWriter& file_;
     std::vector<ShelfStream>& streams_;
     const std::vector<Sizes> sizes_;
-    RankMessage block_;
+    RankBytes block_;
 };
 
 Expected<void> gather(NumberedTree& tree, std::span<BuildNode* const> inner, const BlockShelf& shelf,
@@ -149,7 +149,7 @@ Expected<void> gather(NumberedTree& tree, std::span<BuildNode* const> inner, con
 
 Expected<void> sendShelf(const BlockShelf& shelf, const Communicator& ranks) {
     Expected<void> done;
-    RankMessage piece;
+    RankBytes piece;
     for (std::uint64_t at = 0; at < shelf.bytes(); at += piece.size()) {
         piece.assign(std::min(pieceBytes, shelf.bytes() - at), std::byte(0));
         if (done) done = shelf.read(at, piece);  // what cannot be read is not waited for in vain
@@ -173,7 +173,7 @@ Expected<void> gatherFile(NumberedTree& tree, std::span<BuildNode* const> inner,
     Expected<void> done;
     if (ranks.isFirst()) {
         std::vector<BytesIn> in;
-        for (const RankMessage& one : *gathered) in.emplace_back(one);
+        for (const RankBytes& one : *gathered) in.emplace_back(one);
         for (BytesIn& one : in) sizes.push_back(one.get<Sizes>());
         for (BuildNode* node : inner)
             forFinished(*node,

@@ -6,7 +6,7 @@ namespace scancast {
 
 namespace {
 
-RankMessage pack(StagedScan& scan) {
+RankBytes pack(StagedScan& scan) {
     BytesOut out;
     scan.forLearnt([&](const auto& value) { out(value); });
     return out.take();
@@ -18,7 +18,7 @@ Expected<void> unpack(std::span<const std::byte> bytes, StagedScan& scan) {
     return in.finish();
 }
 
-RankMessage pack(const CountingGrid& grid) {
+RankBytes pack(const CountingGrid& grid) {
     BytesOut out;
     out(grid.frame().cellLevel);
     out(grid.cells());
@@ -36,7 +36,7 @@ Expected<void> joinStaged(StagedScan& scan, const Communicator& ranks) {
         return {};
     };
     if (auto ok = ranks.join([&] { return pack(scan); }, join); !ok) return ok;
-    RankMessage all = ranks.isFirst() ? pack(scan) : RankMessage();
+    RankBytes all = ranks.isFirst() ? pack(scan) : RankBytes();
     if (auto ok = ranks.broadcast(all); !ok) return ok;
     return ranks.agree(unpack(all, scan));
 }
@@ -56,7 +56,7 @@ Expected<JoinedCells> joinCounts(CountingGrid mine, const GridBox& box, const Co
     BytesOut out;
     out(joined.frame);
     out(joined.cells);
-    RankMessage all = ranks.isFirst() ? out.take() : RankMessage();
+    RankBytes all = ranks.isFirst() ? out.take() : RankBytes();
     if (auto ok = ranks.broadcast(all); !ok) return passOn(ok);
     BytesIn in(all);
     in(joined.frame);

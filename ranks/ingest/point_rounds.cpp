@@ -9,7 +9,7 @@ namespace scancast {
 
 namespace {
 
-/// RankMessage that all ranks together may send one in a round, were all of it for that one.
+/// RankBytes that all ranks together may send one in a round, were all of it for that one.
 constexpr std::uint64_t bytesOfRound = std::uint64_t(64) << 20;
 
 /// Before each run.
@@ -29,23 +29,23 @@ class Parcels final : public ChunkTaker {
         if (owner == rank_) return own_.take(run);
         const RunHead head{run.chunk, run.halo, run.points.size()};
         const std::lock_guard lock(locks_[std::size_t(owner)]);
-        RankMessage& to = parcels_[std::size_t(owner)];
+        RankBytes& to = parcels_[std::size_t(owner)];
         for (const std::span<const std::byte> part :
              {std::as_bytes(std::span(&head, 1)), std::as_bytes(run.points), run.rows})
             to.insert(to.end(), part.begin(), part.end());
         return {};
     }
 
-    const std::vector<RankMessage>& parcels() const { return parcels_; }
+    const std::vector<RankBytes>& parcels() const { return parcels_; }
     void clear() {
-        for (RankMessage& parcel : parcels_) parcel.clear();
+        for (RankBytes& parcel : parcels_) parcel.clear();
     }
 
   private:
     ChunkFiller& own_;
     const ChunkOwners& owners_;
     const int rank_;
-    std::vector<RankMessage> parcels_;
+    std::vector<RankBytes> parcels_;
     std::vector<std::mutex> locks_;
 };
 
@@ -97,7 +97,7 @@ Expected<std::vector<Chunk>> pointsToOwners(PointPortions& portions, const Chunk
         const auto got = ranks.exchange(parcels.parcels());
         if (!got) return passOn(got);
         parcels.clear();
-        for (const RankMessage& parcel : *got)
+        for (const RankBytes& parcel : *got)
             if (done) done = unpack(parcel, rowBytes, owners, ranks.rank(), filler);
     }
     if (auto all = ranks.agree(done); !all) return passOn(all);

@@ -59,7 +59,7 @@ constexpr const char* otherFiles =
     "The ranks do not see the same scans: each needs all files, the same ones, under the same names.";
 
 /// Everything that the shares depend on.
-RankMessage signatureOf(const std::vector<std::unique_ptr<PointSource>>& sources) {
+RankBytes signatureOf(const std::vector<std::unique_ptr<PointSource>>& sources) {
     BytesOut out;
     for (const auto& source : sources) {
         const ScanHeader& h = source->header();
@@ -78,8 +78,8 @@ RankMessage signatureOf(const std::vector<std::unique_ptr<PointSource>>& sources
 
 Expected<void> checkSameScans(const std::vector<std::unique_ptr<PointSource>>& sources,
                               const Communicator& ranks) {
-    const RankMessage mine = signatureOf(sources);
-    RankMessage first = mine;
+    const RankBytes mine = signatureOf(sources);
+    RankBytes first = mine;
     if (auto ok = ranks.broadcast(first); !ok) return ok;
     return ranks.agree(first == mine ? Expected<void>() : fail(ErrorCode::InvalidArgument, otherFiles));
 }
@@ -150,8 +150,8 @@ Expected<void> SharedScans::hearOthers(const Communicator& ranks) {
     }
     const auto gathered = ranks.gather(out.take());
     if (!gathered) return passOn(gathered);
-    RankMessage all;
-    for (const RankMessage& one : *gathered) all.insert(all.end(), one.begin(), one.end());
+    RankBytes all;
+    for (const RankBytes& one : *gathered) all.insert(all.end(), one.begin(), one.end());
     if (auto ok = ranks.broadcast(all); !ok) return ok;
 
     std::vector<ToldByScan> told(shares_.size());

@@ -32,13 +32,13 @@ Expected<void> add(std::span<const std::byte> bytes, AllPatches& all) {
     return in.finish();
 }
 
-Expected<RankMessage> decide(std::vector<RankMessage> gathered, bool upIsZ) {
+Expected<RankBytes> decide(std::vector<RankBytes> gathered, bool upIsZ) {
     AllPatches all;
     std::vector<std::uint64_t> firsts;
-    for (RankMessage& one : gathered) {
+    for (RankBytes& one : gathered) {
         firsts.push_back(all.patches.size());
         if (auto ok = add(one, all); !ok) return passOn(ok);
-        RankMessage().swap(one);
+        RankBytes().swap(one);
     }
     const Sides sides = decideSides(all.facets, all.patches, all.borders, upIsZ);
     BytesOut out;
@@ -62,7 +62,7 @@ Expected<Sides> decideTogether(const Expected<void>& grown, std::vector<Facet>& 
     giveBack(facets);
     auto gathered = ranks.gather(out.take());
     if (!gathered) return passOn(gathered);
-    Expected<RankMessage> decided = RankMessage();
+    Expected<RankBytes> decided = RankBytes();
     if (ranks.isFirst()) decided = decide(std::move(*gathered), upIsZ);
     decided = ranks.agree(std::move(decided));
     if (!decided) return passOn(decided);

@@ -58,7 +58,7 @@ tl::unexpected<Error> notUnderstood() {
 }
 
 /// What the parent of a finished node needs of it beside what all know.
-RankMessage packAverages(BuildNode& node) {
+RankBytes packAverages(BuildNode& node) {
     BytesOut out;
     out(node.content.cells);
     out(node.averages.cellLevel);
@@ -95,7 +95,7 @@ Expected<void> fillShared(const DividedTop& top, const OctreeInput& input, Works
         if (auto ok = ranks.receive(std::as_writable_bytes(std::span(&size, 1)), owned.owner, averagesTag);
             !ok)
             return ok;
-        RankMessage bytes(size);
+        RankBytes bytes(size);
         if (auto ok = ranks.receive(bytes, owned.owner, averagesTag); !ok) return ok;
         if (done) done = unpackAverages(bytes, *owned.node);
         if (done) done = averageUpwards(*owned.node, input, workspace, true);
@@ -106,7 +106,7 @@ Expected<void> fillShared(const DividedTop& top, const OctreeInput& input, Works
 Expected<void> sendAverages(const DividedTop& top, const Communicator& ranks) {
     for (const OwnedTop& owned : top.owned) {
         if (owned.owner != ranks.rank()) continue;
-        const RankMessage bytes = packAverages(*owned.node);
+        const RankBytes bytes = packAverages(*owned.node);
         std::uint64_t size = bytes.size();
         if (auto ok = ranks.send(std::as_bytes(std::span(&size, 1)), 0, averagesTag); !ok) return ok;
         if (auto ok = ranks.send(bytes, 0, averagesTag); !ok) return ok;
@@ -123,10 +123,10 @@ Expected<void> shareTree(const DividedTop& top, const OctreeInput& input, Worksp
         if (owned.owner == ranks.rank()) packBelow(*owned.node, mine);
     auto gathered = ranks.gather(mine.take());
     if (!gathered) return passOn(gathered);
-    RankMessage all;
-    for (RankMessage& one : *gathered) {
+    RankBytes all;
+    for (RankBytes& one : *gathered) {
         all.insert(all.end(), one.begin(), one.end());
-        RankMessage().swap(one);
+        RankBytes().swap(one);
     }
     if (auto ok = ranks.broadcast(all); !ok) return ok;
     Expected<void> done;
@@ -144,7 +144,7 @@ Expected<void> shareTree(const DividedTop& top, const OctreeInput& input, Worksp
     BytesOut filled;
     if (ranks.isFirst())
         for (const BuildNode* node : top.shared) forNode(*node, [&](const auto& value) { filled(value); });
-    RankMessage shared = filled.take();
+    RankBytes shared = filled.take();
     if (auto ok = ranks.broadcast(shared); !ok) return ok;
     BytesIn from(shared);
     for (BuildNode* node : top.shared) forNode(*node, [&](auto& value) { from(value); });

@@ -393,7 +393,7 @@ TEST(LasCrs, DamagedRecordsHarmNoPoint) {
 // As several processes read one file. Right because the parts, one behind the other, are the points that were written.
 TEST(LasSource, PartsFollowEachOther) {
     const LasFile file = sample(2, 2, 257);
-    const auto bytes = lasBytes(file);
+    const auto bytes = file.bytes();
     EXPECT_FALSE((*open(bytes, false))->hasParts()) << "a pipe cannot be gone back in";
     PointBatch all;
     for (const auto& [first, count] : {std::pair(0, 37), {37, 0}, {37, 62}, {99, 1}, {100, 5}, {90, 0}}) {

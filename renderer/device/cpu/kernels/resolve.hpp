@@ -173,6 +173,7 @@ inline void findSamples(const SplatPass& pass, const SampleTable& table, const K
         const std::uint32_t ordinal = static_cast<std::uint32_t>(keys[i]);
         const SplatRun& run = runOf(table, ordinal);
         const std::uint32_t at = ordinal - run.firstOrdinal;
+        if (at >= run.count) continue;  // somebody else's sample (pass_reduction.hpp)
         __builtin_prefetch(run.samples + at);
         if (pass.curved && run.beside != nullptr) __builtin_prefetch(run.beside + at);
         out.runs[i] = &run;

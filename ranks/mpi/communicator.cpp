@@ -99,7 +99,7 @@ Expected<void> Communicator::broadcast(std::span<std::byte> bytes, int from) con
     });
 }
 
-Expected<void> Communicator::broadcast(Bytes& bytes, int from) const {
+Expected<void> Communicator::broadcast(RankBytes& bytes, int from) const {
     std::uint64_t size = bytes.size();
     if (auto ok = broadcast(std::as_writable_bytes(std::span(&size, 1)), from); !ok) return ok;
     bytes.resize(size);
@@ -113,11 +113,11 @@ Expected<void> Communicator::reduce(std::span<std::uint64_t> numbers, MPI_Op op)
         request);
 }
 
-Expected<std::vector<Bytes>> Communicator::gather(const Bytes& mine) const {
+Expected<std::vector<RankBytes>> Communicator::gather(const RankBytes& mine) const {
     std::vector<std::uint64_t> sizes(std::size_t(size_), 0);
     sizes[std::size_t(rank_)] = mine.size();
     if (auto ok = sum(sizes); !ok) return passOn(ok);
-    std::vector<Bytes> all;
+    std::vector<RankBytes> all;
     if (!isFirst()) {
         if (auto ok = send(mine, 0, joinTag); !ok) return passOn(ok);
         return all;
@@ -129,7 +129,7 @@ Expected<std::vector<Bytes>> Communicator::gather(const Bytes& mine) const {
     return all;
 }
 
-Expected<std::vector<Bytes>> Communicator::exchange(const std::vector<Bytes>& out) const {
+Expected<std::vector<RankBytes>> Communicator::exchange(const std::vector<RankBytes>& out) const {
     const auto ranks = std::size_t(size_);
     std::vector<std::uint64_t> sending(ranks), coming(ranks);
     for (std::size_t r = 0; r < ranks; ++r) sending[r] = out[r].size();
@@ -154,7 +154,7 @@ Expected<std::vector<Bytes>> Communicator::exchange(const std::vector<Bytes>& ou
     if (auto ok = max(std::span(&most, 1)); !ok) return passOn(ok);
     if (most > INT_MAX)
         return fail(ErrorCode::ResourceLimit, "Ranks have more than 2 GiB to say to each other at once.");
-    Bytes flat(outgoing), got(incoming);
+    RankBytes flat(outgoing), got(incoming);
     for (std::size_t r = 0; r < ranks; ++r)
         std::copy(out[r].begin(), out[r].end(), flat.begin() + outPlaces[r]);
     if (auto ok = done(MPI_Ialltoallv(flat.data(), outCounts.data(), outPlaces.data(), MPI_BYTE, got.data(),
@@ -162,19 +162,19 @@ Expected<std::vector<Bytes>> Communicator::exchange(const std::vector<Bytes>& ou
                        request);
         !ok)
         return passOn(ok);
-    std::vector<Bytes> in;
+    std::vector<RankBytes> in;
     for (std::size_t r = 0; r < ranks; ++r)
         in.emplace_back(got.begin() + inPlaces[r], got.begin() + inPlaces[r] + inCounts[r]);
     return in;
 }
 
 Expected<void> Communicator::join(
-    const std::function<Bytes()>& mine,
+    const std::function<RankBytes()>& mine,
     const std::function<Expected<void>(std::span<const std::byte>)>& join) const {
     Expected<void> result;
     for (int step = 1; step < size_; step *= 2) {
         if (rank_ % (2 * step) != 0) {
-            const Bytes bytes = mine();
+            const RankBytes bytes = mine();
             std::uint64_t size = bytes.size();
             if (auto ok = send(std::as_bytes(std::span(&size, 1)), rank_ - step, joinTag); !ok) return ok;
             if (auto ok = send(bytes, rank_ - step, joinTag); !ok) return ok;
@@ -184,7 +184,7 @@ Expected<void> Communicator::join(
         std::uint64_t size = 0;
         if (auto ok = receive(std::as_writable_bytes(std::span(&size, 1)), rank_ + step, joinTag); !ok)
             return ok;
-        Bytes theirs(size);
+        RankBytes theirs(size);
         if (auto ok = receive(theirs, rank_ + step, joinTag); !ok) return ok;
         if (result) result = join(theirs);
     }
@@ -198,7 +198,7 @@ Expected<void> Communicator::agree(const Expected<void>& mine) const {
     if (auto ok = min(std::span(&first, 1)); !ok) return ok;
     if (first == 2 * ranks) return {};
     const int teller = int(first % ranks);
-    Bytes said;
+    RankBytes said;
     if (teller == rank_) {
         said.push_back(std::byte(mine.error().code));
         for (const char c : mine.error().message) said.push_back(std::byte(c));

@@ -21,7 +21,8 @@
 
 namespace scancast {
 
-using Bytes = std::vector<std::byte>;
+/// (Bytes are a picture's, renderer/image/encode.hpp.)
+using RankBytes = std::vector<std::byte>;
 
 class Communicator {
   public:
@@ -50,19 +51,19 @@ class Communicator {
     // All ranks call these.
     Expected<void> broadcast(std::span<std::byte> bytes, int from = 0) const;
     /// With their length.
-    Expected<void> broadcast(Bytes& bytes, int from = 0) const;
+    Expected<void> broadcast(RankBytes& bytes, int from = 0) const;
     /// Of everybody's numbers, one by one; all ranks have the result.
     Expected<void> sum(std::span<std::uint64_t> numbers) const { return reduce(numbers, MPI_SUM); }
     Expected<void> max(std::span<std::uint64_t> numbers) const { return reduce(numbers, MPI_MAX); }
     Expected<void> min(std::span<std::uint64_t> numbers) const { return reduce(numbers, MPI_MIN); }
     /// At rank 0, everybody's bytes in the order of the ranks; elsewhere nothing.
-    Expected<std::vector<Bytes>> gather(const Bytes& mine) const;
+    Expected<std::vector<RankBytes>> gather(const RankBytes& mine) const;
     /// `out`: what goes to each rank. What came from each, in their order. In all not more than 2 GiB in either direction: who
     /// has more to say does it in rounds. Errors: also ResourceLimit.
-    Expected<std::vector<Bytes>> exchange(const std::vector<Bytes>& out) const;
+    Expected<std::vector<RankBytes>> exchange(const std::vector<RankBytes>& out) const;
     /// `join` is called with others' bytes, along a tree of ranks, in the same order each time; `mine` is asked for after all of
     /// these. At rank 0 everything has been joined then.
-    Expected<void> join(const std::function<Bytes()>& mine,
+    Expected<void> join(const std::function<RankBytes()>& mine,
                         const std::function<Expected<void>(std::span<const std::byte>)>& join) const;
 
     /// All is well everywhere, or the error of the lowest rank that has one - of those that are not just stopped - is everybody's.

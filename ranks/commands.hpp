@@ -3,10 +3,15 @@
 
 #include <CLI/CLI.hpp>
 
+#include "ranks/serve/serve_command.hpp"
+
 namespace scancast {
 
 /// All of them. Each adds its subcommand to `app`; when it is the one called, its callback runs it and sets `exitCode`
 /// (0 = done, 1 = failed with an error on standard error, told by one rank).
-inline void addRanksCommands(CLI::App&, int&) {}
+inline void addRanksCommands(CLI::App& app, int& exitCode) {
+    addRanksServe(app, exitCode);
+    addRanksRender(app, exitCode);
+}
 
 }  // namespace scancast

@@ -12,6 +12,8 @@ namespace scancast {
 namespace {
 
 constexpr std::size_t span = 16;  ///< elements of a bit
+/// Of magnitudes that do not fit, whatever they are.
+constexpr std::uint64_t wideBits = std::uint64_t{1} << 40;
 constexpr std::size_t stops = 0, magnitudes = 1, firstBits = 2;
 /// Others are at the same pass, and mostly done with it soon.
 constexpr auto patience = std::chrono::milliseconds(20);
@@ -75,31 +77,8 @@ bool RankReduction::agreeOnOccupied() {
     return false;
 }
 
-template <class T, class Out>
-void RankReduction::pack(std::span<const T> elements, std::vector<Out>& out) const {
-    std::size_t count = 0;
-    for (std::size_t word = firstBits; word < header_.size(); ++word)
-        count += std::size_t(std::popcount(header_[word]));
-    out.resize(count * span);
-    Out* to = out.data();
-    inOccupied(header_, elements.size(), [&](std::size_t first, std::size_t size) {
-        for (std::size_t i = 0; i < size; ++i) to[i] = static_cast<Out>(elements[first + i]);
-        std::fill(to + size, to + span, Out{});
-        to += span;
-    });
-}
-
-template <class In, class T>
-void RankReduction::unpack(const std::vector<In>& in, std::span<T> elements) const {
-    const In* from = in.data();
-    inOccupied(header_, elements.size(), [&](std::size_t first, std::size_t size) {
-        for (std::size_t i = 0; i < size; ++i) elements[first + i] = static_cast<T>(from[i]);
-        from += span;
-    });
-}
-
 template <class T>
-void RankReduction::reduce(std::vector<T>& packed, MPI_Datatype type, MPI_Op op, cpu::Receivers to) {
+void RankReduction::reduce(std::span<T> packed, MPI_Datatype type, MPI_Op op, cpu::Receivers to) {
     if (packed.empty()) return;
     const int count = int(packed.size());
     int code = MPI_SUCCESS;
@@ -110,43 +89,77 @@ void RankReduction::reduce(std::vector<T>& packed, MPI_Datatype type, MPI_Op op,
     else
         code = MPI_Reduce(packed.data(), nullptr, count, type, op, 0, ranks_.handle());
     if (code != MPI_SUCCESS) giveUp({ErrorCode::Io, "a reduction failed.", {}});
-    traffic_.bytes += packed.size() * sizeof(T);
+    traffic_.bytes += packed.size_bytes();
     ++traffic_.reductions;
 }
 
-template <class Packed, class T>
-void RankReduction::reduceOccupied(std::vector<Packed>& packed, std::span<T> elements, MPI_Datatype type,
-                                   MPI_Op op, cpu::Receivers to) {
-    pack(std::span<const T>(elements), packed);
-    reduce(packed, type, op, to);
-    if (to == cpu::Receivers::Everybody || shows()) unpack(packed, elements);
+template <class T>
+void RankReduction::reduceOccupied(std::vector<T>& packed, std::span<T> elements, std::size_t plane,
+                                   MPI_Datatype type, MPI_Op op, cpu::Receivers to) {
+    std::size_t occupied = 0;
+    for (std::size_t word = firstBits; word < header_.size(); ++word)
+        occupied += std::size_t(std::popcount(header_[word]));
+    // What is nearly full is not worth packing.
+    if (occupied * span >= plane / 8 * 7) return reduce(elements, type, op, to);
+    const std::size_t planes = elements.size() / plane;
+    packed.resize(occupied * span * planes);
+    T* at = packed.data();
+    for (std::size_t p = 0; p < planes; ++p) {
+        inOccupied(header_, plane, [&](std::size_t first, std::size_t size) {
+            std::copy_n(elements.data() + p * plane + first, size, at);
+            std::fill(at + size, at + span, T{});
+            at += span;
+        });
+    }
+    reduce(std::span(packed), type, op, to);
+    if (to == cpu::Receivers::WhoShows && !shows()) return;
+    at = packed.data();
+    for (std::size_t p = 0; p < planes; ++p) {
+        inOccupied(header_, plane, [&](std::size_t first, std::size_t size) {
+            std::copy_n(at, size, elements.data() + p * plane + first);
+            at += span;
+        });
+    }
 }
 
 void RankReduction::least(std::span<cpu::Key> keys, cpu::Receivers to) {
     constexpr cpu::Key nothing = cpu::Key{cpu::infiniteOrder} << 32;
     findOccupied(std::span<const cpu::Key>(keys), [](cpu::Key key) { return key >= nothing; });
     if (!agreeOnOccupied() || ranks_.size() == 1) return;
-    reduceOccupied(keys_, keys, MPI_INT64_T, MPI_MIN, to);
+    reduceOccupied(keys_, keys, keys.size(), MPI_INT64_T, MPI_MIN, to);
 }
 
-void RankReduction::total(std::span<std::int64_t> sums) {
-    findOccupied(std::span<const std::int64_t>(sums), [](std::int64_t sum) { return sum == 0; });
+void RankReduction::total(cpu::SumPlanes& sums) {
+    constexpr auto isNothing = [](auto weight) { return weight == 0; };
     std::uint64_t bits = 0;
-    for (const std::int64_t sum : sums) bits |= std::uint64_t(sum ^ sum >> 63);
-    header_[magnitudes] = bits;
+    if (sums.isWide) {
+        const std::span weights(sums.wide.data(), sums.pixels);
+        findOccupied(std::span<const std::int64_t>(weights), isNothing);
+        for (const std::int64_t weight : weights) bits |= std::uint64_t(weight);
+    } else {
+        const std::span weights(sums.narrow.data(), sums.pixels);
+        findOccupied(std::span<const std::int32_t>(weights), isNothing);
+        std::uint32_t all = 0;
+        for (const std::int32_t weight : weights) all |= std::uint32_t(weight);
+        bits = all;
+    }
+    header_[magnitudes] = sums.isWide ? bits | wideBits : bits;
     if (!agreeOnOccupied() || ranks_.size() == 1) return;
-    // No rank's sum takes more bits than all of theirs together, and all of them no more than so many in addition.
-    const int widest = std::bit_width(header_[magnitudes]) + std::bit_width(unsigned(ranks_.size()));
-    if (widest < 32)
-        reduceOccupied(narrow_, sums, MPI_INT32_T, MPI_SUM, cpu::Receivers::WhoShows);
-    else
-        reduceOccupied(wide_, sums, MPI_INT64_T, MPI_SUM, cpu::Receivers::WhoShows);
+    // No rank's weights take more bits than all of theirs together; nothing else is more than 255 times as much.
+    const int widest = std::bit_width(header_[magnitudes]) + 8 + std::bit_width(unsigned(ranks_.size()));
+    const std::size_t all = sums.count * sums.pixels;
+    if (widest < 32 && !sums.isWide)
+        return reduceOccupied(narrow_, std::span(sums.narrow.data(), all), sums.pixels, MPI_INT32_T, MPI_SUM,
+                              cpu::Receivers::WhoShows);
+    sums.widen();
+    reduceOccupied(wide_, std::span(sums.wide.data(), all), sums.pixels, MPI_INT64_T, MPI_SUM,
+                   cpu::Receivers::WhoShows);
 }
 
 void RankReduction::join(std::span<std::uint32_t> words) {
     findOccupied(std::span<const std::uint32_t>(words), [](std::uint32_t word) { return word == 0; });
     if (!agreeOnOccupied() || ranks_.size() == 1) return;
-    reduceOccupied(words_, words, MPI_UINT32_T, MPI_BOR, cpu::Receivers::WhoShows);
+    reduceOccupied(words_, words, words.size(), MPI_UINT32_T, MPI_BOR, cpu::Receivers::WhoShows);
 }
 
 }  // namespace scancast

@@ -26,29 +26,26 @@ class RankReduction final : public cpu::PassReduction {
     std::stop_token begin(std::stop_token stop) override;
     bool shows() const override { return ranks_.isFirst(); }
     void least(std::span<cpu::Key> keys, cpu::Receivers to) override;
-    void total(std::span<std::int64_t> sums) override;
+    void total(cpu::SumPlanes& sums) override;
     void join(std::span<std::uint32_t> words) override;
 
   private:
     template <class T, class IsEmpty>
     void findOccupied(std::span<const T> elements, const IsEmpty& isEmpty);
     bool agreeOnOccupied();
-    template <class T, class Out>
-    void pack(std::span<const T> elements, std::vector<Out>& out) const;
-    template <class In, class T>
-    void unpack(const std::vector<In>& in, std::span<T> elements) const;
     template <class T>
-    void reduce(std::vector<T>& packed, MPI_Datatype type, MPI_Op op, cpu::Receivers to);
-    template <class Packed, class T>
-    void reduceOccupied(std::vector<Packed>& packed, std::span<T> elements, MPI_Datatype type, MPI_Op op,
-                        cpu::Receivers to);
+    void reduce(std::span<T> packed, MPI_Datatype type, MPI_Op op, cpu::Receivers to);
+    /// Of planes of so many elements each, the occupied ones.
+    template <class T>
+    void reduceOccupied(std::vector<T>& packed, std::span<T> elements, std::size_t plane, MPI_Datatype type,
+                        MPI_Op op, cpu::Receivers to);
     void waitFor(MPI_Request& request) const;
 
     const Communicator& ranks_;
     RankTraffic& traffic_;
     std::stop_token wanted_;
     std::stop_source agreed_;
-    /// Whether anybody stops, all bits of what is summed, then a bit for each span.
+    /// Whether anybody stops, all bits of what is summed, then a bit for each span of a plane.
     std::vector<std::uint64_t> header_;
     std::vector<cpu::Key> keys_;
     std::vector<std::int32_t> narrow_;

@@ -29,10 +29,10 @@ using TileMemories = std::vector<std::unique_ptr<TileMemory>>;
 /// Whom a picture is drawn together with, and planes of a whole layer for it. Lives as long as the device.
 struct Together {
     PassReduction* reduction = nullptr;
-    TileMemories tiles;                ///< a tile each: all of them are needed until the last pass
-    std::vector<Key> keys;             ///< of the layer's pixels
-    std::vector<std::int64_t> sums;    ///< a plane after the other
-    std::vector<std::uint32_t> words;  ///< likewise
+    TileMemories tiles;     ///< a tile each: all of them are needed until the last pass
+    std::vector<Key> keys;  ///< of the layer's pixels
+    SumPlanes sums;
+    std::vector<std::uint32_t> words;  ///< a plane after the other
     std::vector<float> depth;
 };
 

@@ -51,37 +51,49 @@ void Layer::reduceKeys(std::vector<TileDrawing>& drawings, Receivers to) {
     });
 }
 
-/// Afterwards all of a sum is in its 64 bits.
+/// Afterwards a sum is in its 32 bits, or all of it in its 64.
 void Layer::reduceSums(std::vector<TileDrawing>& drawings, const SplatPass& pass) {
-    const std::size_t planes = static_cast<std::size_t>(sumPlanes(pass));
-    std::int64_t* const sums = grown(together_->sums, planes * pixels());
+    SumPlanes& sums = together_->sums;
+    sums.count = static_cast<std::size_t>(sumPlanes(pass));
+    sums.pixels = pixels();
+    sums.isWide =
+        std::ranges::any_of(drawings, [](const TileDrawing& tile) { return !tile.memory->wide.empty(); });
+    sums.grow();
+    // work(tile, place in its planes, place in all planes), for each row of each plane.
     const auto inPlanes = [&](const auto& work) {
         inRows(drawings, [&](const TileDrawing& tile, std::int32_t y, std::ptrdiff_t at) {
-            for (std::size_t p = 0; p < planes; ++p) {
-                const std::int64_t from = static_cast<std::int64_t>(p) * tile.target.planeSize +
-                                          std::int64_t{guard + y} * tile.target.stride + guard;
-                work(tile, p, from, sums + p * pixels() + at);
+            for (std::size_t p = 0; p < sums.count; ++p) {
+                const std::int64_t place = static_cast<std::int64_t>(p) * tile.target.planeSize +
+                                           std::int64_t{guard + y} * tile.target.stride + guard;
+                work(tile, place, static_cast<std::ptrdiff_t>(p * sums.pixels) + at);
             }
         });
     };
-    inPlanes([&](const TileDrawing& tile, std::size_t plane, std::int64_t from, std::int64_t* to) {
+    inPlanes([&](const TileDrawing& tile, std::int64_t from, std::ptrdiff_t to) {
         const std::int32_t* const narrow = tile.memory->sums.data() + from;
-        const std::int64_t* const wide =
-            tile.memory->wide.empty() ? nullptr : tile.memory->wide.data() + from;
-        const bool isSigned = plane >= colorPlanes;
+        if (!sums.isWide) return void(std::copy_n(narrow, tile.target.width, sums.narrow.data() + to));
+        const bool isSigned = from >= colorPlanes * tile.target.planeSize;
+        const auto& wide = tile.memory->wide;
         for (std::int32_t x = 0; x < tile.target.width; ++x) {
-            to[x] = isSigned ? std::int64_t{narrow[x]} : std::int64_t{static_cast<std::uint32_t>(narrow[x])};
-            if (wide != nullptr) to[x] += wide[x];
+            const std::int64_t sum =
+                isSigned ? std::int64_t{narrow[x]} : std::int64_t{static_cast<std::uint32_t>(narrow[x])};
+            sums.wide[static_cast<std::size_t>(to + x)] =
+                sum + (wide.empty() ? 0 : wide[static_cast<std::size_t>(from + x)]);
         }
     });
-    together_->reduction->total({sums, planes * pixels()});
+    together_->reduction->total(sums);
     if (workers_.stopped() || !shows()) return;
     for (TileDrawing& tile : drawings) {
-        tile.memory->wide.resize(planes * static_cast<std::size_t>(tile.target.planeSize));
+        tile.memory->wide.clear();
+        if (!sums.isWide) continue;
+        tile.memory->wide.resize(sums.count * static_cast<std::size_t>(tile.target.planeSize));
         std::ranges::fill(tile.memory->sums, 0);
     }
-    inPlanes([](const TileDrawing& tile, std::size_t, std::int64_t from, const std::int64_t* sum) {
-        std::copy_n(sum, tile.target.width, tile.memory->wide.data() + from);
+    inPlanes([&](const TileDrawing& tile, std::int64_t to, std::ptrdiff_t from) {
+        if (sums.isWide)
+            std::copy_n(sums.wide.data() + from, tile.target.width, tile.memory->wide.data() + to);
+        else
+            std::copy_n(sums.narrow.data() + from, tile.target.width, tile.memory->sums.data() + to);
     });
 }
 

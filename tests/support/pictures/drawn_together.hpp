@@ -27,6 +27,7 @@ class Meeting {
     /// Called by the first device each time that all of them meet.
     std::function<void()> onMeeting = [] {};
     int meetings = 0;
+    bool wide = false;  ///< sums are in 64 bits though they need not be
 
   private:
     struct Brought {
@@ -50,8 +51,21 @@ class Meeting {
         void least(std::span<cpu::Key> keys, cpu::Receivers to) override {
             meet(keys, to, [](cpu::Key a, cpu::Key b) { return std::min(a, b); });
         }
-        void total(std::span<std::int64_t> sums) override {
-            meet(sums, cpu::Receivers::WhoShows, [](std::int64_t a, std::int64_t b) { return a + b; });
+        void total(cpu::SumPlanes& sums) override {
+            std::vector<std::int64_t> all(sums.count * sums.pixels);
+            for (std::size_t i = 0; i < all.size(); ++i) all[i] = sums.at(i);
+            meet(std::span(all), cpu::Receivers::WhoShows,
+                 [](std::int64_t a, std::int64_t b) { return a + b; });
+            if (!shows()) return;
+            const auto fits = [](std::int64_t sum) { return sum >> 31 == 0 || sum >> 31 == -1; };
+            sums.isWide = meeting_.wide || !std::ranges::all_of(all, fits);
+            sums.grow();
+            for (std::size_t i = 0; i < all.size(); ++i) {
+                if (sums.isWide)
+                    sums.wide[i] = all[i];
+                else
+                    sums.narrow[i] = static_cast<std::int32_t>(all[i]);
+            }
         }
         void join(std::span<std::uint32_t> words) override {
             meet(words, cpu::Receivers::WhoShows, [](std::uint32_t a, std::uint32_t b) {

@@ -4,10 +4,15 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <cstdlib>
 
 #include "files/machine.hpp"
 
 namespace scancast {
+
+void yieldWhileWaiting() {
+    ::setenv("OMPI_MCA_mpi_yield_when_idle", "1", 0);
+}
 
 int threadsOfRank(const MpiSession& mpi) {
     cpu_set_t bound;

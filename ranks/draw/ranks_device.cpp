@@ -42,7 +42,7 @@ class RanksDevice final : public Device {
         // What cannot be drawn at all nobody else is asked for.
         if (auto ok = checkDrawing(drawing); !ok) return passOn(ok);
         const auto cloud = clouds_->placeOf(drawing.mainView().cut.source);
-        if (!cloud) return drawAlone(drawing, std::move(stop));
+        if (!cloud || ranks_.size() == 1) return drawAlone(drawing, std::move(stop));
         RankBytes message = packDrawing(*cloud, drawing);
         if (auto ok = ranks_.broadcast(message); !ok) return passOn(ok);
         if (auto ready = ranks_.agree({}); !ready) return passOn(ready);

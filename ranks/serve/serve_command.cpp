@@ -93,6 +93,7 @@ int serveAsOther(const Communicator& ranks, const ServeOptions& options) {
 }
 
 int serveByRanks(ServeOptions& options, const ServeWith& serve) {
+    yieldWhileWaiting();
     auto mpi = MpiSession::start({});
     if (!mpi) return serveFailed(mpi.error());
     if (options.memoryLimit.empty()) options.memoryLimit = std::to_string(memoryOfRank(**mpi));

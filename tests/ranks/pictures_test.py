@@ -46,9 +46,13 @@ class RanksServer(serving.Server):
         """As somebody does who ends rank 0's process: the others are let go, and mpirun ends well."""
         with open(f"/proc/{self.process.pid}/task/{self.process.pid}/children") as children:
             ranks = [int(pid) for pid in children.read().split()]
-        first = next(pid for pid in ranks if b"OMPI_COMM_WORLD_RANK=0\0" in open(f"/proc/{pid}/environ", "rb").read())
-        os.kill(first, signal.SIGTERM)
-        return self.process.wait(PATIENCE)
+        for pid in ranks:
+            with open(f"/proc/{pid}/environ", "rb") as environment:
+                if b"OMPI_COMM_WORLD_RANK=0\0" in environment.read():
+                    os.kill(pid, signal.SIGTERM)
+        code = self.process.wait(PATIENCE)
+        self.process.stdout.close()
+        return code
 
 
 class PicturesByRanks(unittest.TestCase):
@@ -109,7 +113,8 @@ class PicturesByRanks(unittest.TestCase):
                 self.assertEqual(picked[0], 200, picked)
                 self.assertIsNotNone(json.loads(picked[2]), "there is something in the middle of a room")
                 client = os.path.join(PROGRAMS, "scancast-client")
-                bench = subprocess.run([client, "bench", server.url, "--seconds", "1"], capture_output=True, text=True,
+                bench = subprocess.run([client, "bench", server.url, "--moving", "1", "--warm-up", "0", "--seconds", "1", "--width",
+                                        "160", "--height", "90"], capture_output=True, text=True,
                                        timeout=PATIENCE)
                 self.assertEqual(bench.returncode, 0, bench.stderr)
             finally:

@@ -9,7 +9,7 @@ namespace {
 
 // The program cannot know what others have tried; this is what we have.
 constexpr const char* aboutHardware =
-    "hardware: Scancast has not yet run on a GPU, only on software drivers. It is expected to work; if it "
+    "hardware: tried on one GPU so far, an NVIDIA H100 (driver 580). Others are expected to work; if one "
     "does not,\n"
     "    --backend=cpu draws the same pictures (docs/backends.md).\n";
 

@@ -20,13 +20,13 @@ gpu_day.sh [options] PART...     runs these parts
 gpu_day.sh [options] all         runs all parts that are not done yet, in this order
 gpu_day.sh [options] pack        puts everything into a few tar files of at most 15 MB
 
-part           minutes  what it does                                     (estimates for 16 cores; no card was there yet)
-device            0.2   opens the device, tells driver, memory, clocks
-compare             3   every method's picture of six scenes against the cpu device's
-10m                 3   10 million points, all methods, three sizes
-100m-points         5   100 million points without surfels: brute force and the methods that need none
-100m-surfels        4   100 million points with surfels: disc, ewa, voronoi
-796m                7   796 million points without surfels: brute force and a few methods; 57 GB of memory
+part           minutes  what it does                                     (on an H100 with 16 cores)
+device            0.1   opens the device, tells driver, memory, clocks
+compare           0.3   every method's picture of six scenes against the cpu device's
+10m               1.5   10 million points, all methods, three sizes
+100m-points       1.5   100 million points without surfels: brute force and the methods that need none
+100m-surfels      1.5   100 million points with surfels: disc, ewa, voronoi
+796m                3   796 million points without surfels: brute force and a few methods; 57 GB of memory
 
 options
 --out FOLDER       where everything is left; gpu_day/ in this folder by default

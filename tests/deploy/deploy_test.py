@@ -66,6 +66,17 @@ class Echo(http.server.BaseHTTPRequestHandler):
         pass
 
 
+class Replica(Echo):
+    """One of several in Scancast's place: answers with its number; one that leaves refuses new streams."""
+
+    def do_GET(self):
+        body = str(self.number).encode()
+        self.send_response(503 if self.leaves and self.path.endswith("/stream") else 200)
+        self.send_header("Content-Length", str(len(body)))
+        self.end_headers()
+        self.wfile.write(body)
+
+
 class SignedIn(http.server.BaseHTTPRequestHandler):
     """In oauth2-proxy's place: who has the cookie is signed in. Keeps the heads of all that it was asked."""
     heads = []
@@ -89,6 +100,7 @@ class Nginx(unittest.TestCase):
         self.addCleanup(folder.cleanup)
         self.folder = folder.name
         self.include = None
+        self.replicas = []
 
     def serve(self):
         scan, log = os.path.join(self.folder, "ball.las"), open(os.path.join(self.folder, "log"), "w")
@@ -116,6 +128,9 @@ class Nginx(unittest.TestCase):
         self.assertEqual(text.count(line), 1)
         if self.include:
             text = text.replace(line, f"include {self.include};")
+        before = self.with_replicas() if self.replicas else ""
+        if self.replicas:
+            text = self.without_upstream(text)
         site, main = os.path.join(self.folder, "site.conf"), os.path.join(self.folder, "nginx.conf")
         with open(site, "w") as file:
             file.write(text)
@@ -123,9 +138,28 @@ class Nginx(unittest.TestCase):
                             ("client_body", "proxy", "fastcgi", "uwsgi", "scgi"))
         with open(main, "w") as file:
             file.write(f"daemon off;\nmaster_process off;\npid {self.folder}/pid;\nerror_log {self.folder}/errors;\n"
-                       f"events {{}}\nhttp {{\naccess_log off;\n{temporary}include {site};\n}}\n")
+                       f"events {{}}\nhttp {{\naccess_log off;\n{temporary}{before}include {site};\n}}\n")
         self.certificate = certificate
         return main
+
+    def without_upstream(self, text):
+        """scancast.conf as replicas.conf wants it changed."""
+        text, blocks = re.subn(r"upstream scancast \{.*?\n\}\n", "", text, flags=re.S)
+        self.assertEqual(blocks, 1)
+        line = "# include /etc/nginx/scancast-replicas-server.conf;"
+        self.assertEqual(text.count(line), 1)
+        return text.replace(line, f"include {os.path.join(ROOT, 'deploy', 'nginx', 'replicas-server.conf')};")
+
+    def with_replicas(self):
+        """What replicas.conf has for the level above, with these replicas in it."""
+        text, lines = re.subn(r"\n    server 10\.0\.0\.\d+:8080", lambda line: line[0], text_of("deploy", "nginx", "replicas.conf"))
+        self.assertEqual(lines, len(self.replicas))
+        for number, (host, port) in enumerate(self.replicas):
+            text = text.replace(f"server 10.0.0.{11 + number}:8080", f"server {host}:{port}")
+        path = os.path.join(self.folder, "replicas.conf")
+        with open(path, "w") as file:
+            file.write(text)
+        return f"include {path};\n"
 
     def sign_in_by(self, proxy, token):
         """Has the site's file include oauth2-proxy.conf, with the lines changed that it says are to be changed."""
@@ -159,6 +193,45 @@ class Nginx(unittest.TestCase):
             self.assertIsNone(process.poll(), "nginx runs")
             time.sleep(0.1)
         return url, f"http://localhost:{plain}"
+
+    def test_a_browser_stays_with_its_replica_until_that_is_gone(self):
+        servers = []
+        for number in range(3):
+            servers.append(http.server.ThreadingHTTPServer(("127.0.0.1", 0), type("Numbered", (Replica,), {"number": number, "leaves": False})))
+            threading.Thread(target=servers[-1].serve_forever, daemon=True).start()
+            self.addCleanup(servers[-1].server_close)
+            self.addCleanup(servers[-1].shutdown)
+        self.replicas = [server.server_address for server in servers]
+        url, _ = self.start(self.replicas[0])
+
+        def ask(path, cookie=None):
+            """Which replica answered, and the cookie that came with it."""
+            done = run("curl", "-s", "-i", "--http1.1", "--cacert", self.certificate, *(["-b", cookie] if cookie else []), url + path)
+            self.assertRegex(done, r"^HTTP/1\.1 200 ")
+            found = re.search(r"^set-cookie: (scancast_replica=[0-9a-f]{32});([^\r\n]*)", done, re.M | re.I)
+            return int(done.strip()[-1]), found and found[1], found and found[2]
+
+        met = {}
+        for _ in range(24):
+            replica, cookie, how = ask("/")
+            self.assertEqual({part.strip() for part in how.split(";")}, {"Path=/", "HttpOnly", "SameSite=Lax", "Secure"})
+            met.setdefault(replica, cookie)
+        self.assertEqual(set(met), {0, 1, 2}, "by lot, all have somebody")
+        for replica, cookie in met.items():
+            for path in ("/", "/api/v1/stream", "/api/v1/clouds", "/stream"):
+                self.assertEqual(ask(path, cookie), (replica, None, None), "the same one, and no second cookie")
+        replica, cookie, _ = ask("/", "scancast_replica=of-somebody-else")
+        self.assertTrue(cookie, "what is no number of ours is replaced")
+
+        # One that drains refuses streams, which go elsewhere, and answers everything else.
+        servers[0].RequestHandlerClass.leaves = True
+        self.assertIn(ask("/api/v1/stream", met[0])[0], {1, 2})
+        servers[0].RequestHandlerClass.leaves = False
+        # One that is gone is asked for nothing, and nobody else moves.
+        servers[1].shutdown()
+        servers[1].server_close()
+        self.assertIn(ask("/", met[1])[0], {0, 2})
+        self.assertEqual(ask("/", met[2])[0], 2)
 
     def test_what_scancast_hears_of_a_client_is_what_nginx_saw(self):
         upstream = http.server.ThreadingHTTPServer(("127.0.0.1", 0), Echo)

@@ -54,10 +54,18 @@ float depthOf(ivec2 block) {
     return depth;
 }
 
+// Up to which depth points have neighbours in a level. The component is chosen by comparison: where both indices are
+// computed, NVIDIA's compiler (580.159) reads another one.
+float farthestOf(int level) {
+    vec4 four = pyramid.farthest[level >> 2];
+    int component = level & 3;
+    return component == 0 ? four.x : component == 1 ? four.y : component == 2 ? four.z : four.w;
+}
+
 // The coarsest level that a block looks at.
 int reachOf(float depth) {
     int reach = 0;
-    while (reach < pyramid.size.w && depth <= pyramid.farthest[(reach + 1) >> 2][(reach + 1) & 3]) ++reach;
+    while (reach < pyramid.size.w && depth <= farthestOf(reach + 1)) ++reach;
     return reach;
 }
 

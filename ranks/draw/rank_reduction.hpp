@@ -1,10 +1,10 @@
 // What devices of several ranks agree on between passes (renderer/device/cpu/pass_reduction.hpp), by MPI's reductions of integers.
-// What is empty does not travel: ranks first tell each other which 16 elements in a row anybody has something in, a bit each, and
-// then reduce these alone, packed. Rank 0 shows. Owned by the rank's device; on its thread.
+// Rank 0 shows; while it lets others in, all ranks draw what it is asked for. Owned by the rank's device; on its thread.
 #pragma once
 
+#include <chrono>
 #include <cstdint>
-#include <memory>
+#include <functional>
 #include <vector>
 
 #include "ranks/mpi/communicator.hpp"
@@ -20,37 +20,42 @@ struct RankTraffic {
 
 class RankReduction final : public cpu::PassReduction {
   public:
-    /// Both outlive it. What MPI does not like ends all ranks (MpiSession::abortAll): none of them could go on.
-    RankReduction(const Communicator& ranks, RankTraffic& traffic) : ranks_(ranks), traffic_(traffic) {}
+    /// `drawOthers`: what ranks do while rank 0 pauses, and rank 0 at its end, so that they go on. All of it outlives this. What MPI
+    /// does not like ends all ranks (MpiSession::abortAll): none of them could go on.
+    RankReduction(const Communicator& ranks, RankTraffic& traffic, std::function<void()> drawOthers)
+        : ranks_(ranks), traffic_(traffic), drawOthers_(std::move(drawOthers)) {}
 
-    std::stop_token begin(std::stop_token stop) override;
+    std::uint32_t devices() const override { return std::uint32_t(ranks_.size()); }
     bool shows() const override { return ranks_.isFirst(); }
+    std::stop_token begin(std::stop_token stop, const Pause* pause) override;
+    bool agree(std::span<std::uint64_t> words) override;
     void least(std::span<cpu::Key> keys, cpu::Receivers to) override;
-    void total(cpu::SumPlanes& sums) override;
+    void add(std::span<std::int32_t> sums) override;
+    void add(std::span<std::int64_t> sums) override;
     void join(std::span<std::uint32_t> words) override;
+    [[noreturn]] void giveUp(const Error& error) override;
 
   private:
-    template <class T, class IsEmpty>
-    void findOccupied(std::span<const T> elements, const IsEmpty& isEmpty);
-    bool agreeOnOccupied();
+    using Clock = std::chrono::steady_clock;
+
+    /// Of the picture that is being drawn; those within its pauses have their own.
+    struct Drawn {
+        std::stop_token wanted;
+        std::stop_source agreed;
+        const Pause* pause = nullptr;
+        Clock::time_point pausedAt;
+    };
+
+    void letOthersIn();
     template <class T>
-    void reduce(std::span<T> packed, MPI_Datatype type, MPI_Op op, cpu::Receivers to);
-    /// Of planes of so many elements each, the occupied ones.
-    template <class T>
-    void reduceOccupied(std::vector<T>& packed, std::span<T> elements, std::size_t plane, MPI_Datatype type,
-                        MPI_Op op, cpu::Receivers to);
+    void reduce(std::span<T> elements, MPI_Datatype type, MPI_Op op, cpu::Receivers to);
     void waitFor(MPI_Request& request) const;
 
     const Communicator& ranks_;
     RankTraffic& traffic_;
-    std::stop_token wanted_;
-    std::stop_source agreed_;
-    /// Whether anybody stops, all bits of what is summed, then a bit for each span of a plane.
-    std::vector<std::uint64_t> header_;
-    std::vector<cpu::Key> keys_;
-    std::vector<std::int32_t> narrow_;
-    std::vector<std::int64_t> wide_;
-    std::vector<std::uint32_t> words_;
+    const std::function<void()> drawOthers_;
+    Drawn drawn_;
+    std::vector<std::uint64_t> agreed_;
 };
 
 }  // namespace scancast

@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <functional>
+#include <tuple>
 #include <utility>
 
 #include "ranks/mpi/session.hpp"
@@ -11,16 +13,10 @@
 namespace scancast {
 namespace {
 
-std::unique_ptr<cpu::PassReduction> reductionOf(const Communicator& ranks, RankTraffic& traffic) {
-    return std::make_unique<RankReduction>(ranks, traffic);
-}
-
-/// What a rank alone did not draw, the others wait for: then nobody can go on. What all refuse, and what all abandon, is nothing.
-void checkTogether(const Expected<Frame>& frame) {
-    if (frame || frame.error().code == ErrorCode::Cancelled || frame.error().code == ErrorCode::Unsupported ||
-        frame.error().code == ErrorCode::InvalidArgument)
-        return;
-    MpiSession::abortAll("A rank could not draw its share: " + frame.error().message);
+/// The others go on with what they were at.
+void goOn(const Communicator& ranks) {
+    RankBytes nothing;
+    if (auto ok = ranks.broadcast(nothing); !ok) MpiSession::abortAll(ok.error().message);
 }
 
 class RanksDevice final : public Device {
@@ -46,9 +42,7 @@ class RanksDevice final : public Device {
         RankBytes message = packDrawing(*cloud, drawing);
         if (auto ok = ranks_.broadcast(message); !ok) return passOn(ok);
         if (auto ready = ranks_.agree({}); !ready) return passOn(ready);
-        auto frame = together_->draw(drawing, std::move(stop));
-        checkTogether(frame);
-        return frame;
+        return together_->draw(drawing, std::move(stop));
     }
 
   private:
@@ -73,24 +67,33 @@ class RanksDevice final : public Device {
 Expected<std::unique_ptr<Device>> createRanksDevice(const Communicator& ranks,
                                                     std::shared_ptr<const SharedClouds> clouds, int threads,
                                                     RankTraffic& traffic) {
-    auto together = createCpuDevice(threads, reductionOf(ranks, traffic));
+    auto together =
+        createCpuDevice(threads, std::make_unique<RankReduction>(ranks, traffic, [&ranks] { goOn(ranks); }));
     if (!together) return passOn(together);
     return std::make_unique<RanksDevice>(ranks, std::move(clouds), std::move(*together), threads);
 }
 
 Expected<void> drawWithFirst(const Communicator& ranks, OpenedClouds clouds, int threads) {
     RankTraffic traffic;
-    auto device = createCpuDevice(threads, reductionOf(ranks, traffic));
-    if (!device) return passOn(device);
-    for (;;) {
-        RankBytes message;
-        if (auto ok = ranks.broadcast(message); !ok) return ok;
-        if (message.empty()) return {};
-        auto drawing = unpackDrawing(message);
-        auto provided = drawing ? clouds.provide(**drawing) : Expected<void>(passOn(drawing));
-        if (!ranks.agree(provided)) continue;  // rank 0 says so
-        checkTogether((*device)->draw((*drawing)->drawing, {}));
-    }
+    std::unique_ptr<Device> device;
+    std::function<Expected<void>()> drawUntilNothing = [&]() -> Expected<void> {
+        for (;;) {
+            RankBytes message;
+            if (auto ok = ranks.broadcast(message); !ok) return ok;
+            if (message.empty()) return {};
+            auto drawing = unpackDrawing(message);
+            auto provided = drawing ? clouds.provide(**drawing) : Expected<void>(passOn(drawing));
+            if (!ranks.agree(provided)) continue;                 // rank 0 says so
+            std::ignore = device->draw((*drawing)->drawing, {});  // what all refuse, rank 0 says
+        }
+    };
+    auto made = createCpuDevice(threads, std::make_unique<RankReduction>(ranks, traffic, [&] {
+                                    if (auto ok = drawUntilNothing(); !ok)
+                                        MpiSession::abortAll(ok.error().message);
+                                }));
+    if (!made) MpiSession::abortAll(made.error().message);  // rank 0 may be waiting already
+    device = std::move(*made);
+    return drawUntilNothing();
 }
 
 Expected<void> letGo(const Communicator& ranks) {

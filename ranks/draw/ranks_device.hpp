@@ -18,7 +18,7 @@ Expected<std::unique_ptr<Device>> createRanksDevice(const Communicator& ranks,
                                                     std::shared_ptr<const SharedClouds> clouds, int threads,
                                                     RankTraffic& traffic);
 
-/// All ranks but the first: draws what rank 0's device draws, until letGo(). Errors: those of createCpuDevice(), the
+/// All ranks but the first: draws what rank 0's device draws, until letGo(). Errors: the
 /// communicator's.
 Expected<void> drawWithFirst(const Communicator& ranks, OpenedClouds clouds, int threads);
 /// Rank 0: the others' drawWithFirst() returns. After its device is gone.

@@ -49,7 +49,7 @@ class CpuDevice final : public Device {
         info.version = std::string("kernels 1");
         info.identity = info.name;
         info.mirrors = true;
-        info.pauses = reduction_ == nullptr;
+        info.pauses = true;
         return info;
     }
 
@@ -62,9 +62,9 @@ class CpuDevice final : public Device {
                         "Too many pictures are being drawn within the pauses of others.");
         }
         Drawing own = drawing;
-        if (reduction_) {
+        if (reduction_) {  // which makes the pauses, when all are at the same pass
+            stop = reduction_->begin(std::move(stop), drawing.pause);
             own.pause = nullptr;
-            stop = reduction_->begin(std::move(stop));
         }
         try {
             const Within within(*this);
@@ -72,8 +72,11 @@ class CpuDevice final : public Device {
                                 std::move(stop))
                 .draw();
         } catch (const std::bad_alloc&) {
-            return fail(ErrorCode::ResourceLimit,
-                        "There is not enough memory to draw this picture; ask for a smaller one.");
+            Error error{ErrorCode::ResourceLimit,
+                        "There is not enough memory to draw this picture; ask for a smaller one.",
+                        {}};
+            if (reduction_) reduction_->giveUp(error);
+            return tl::unexpected(std::move(error));
         }
     }
 

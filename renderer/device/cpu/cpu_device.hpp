@@ -17,8 +17,8 @@ namespace scancast {
 /// InvalidArgument for a wrong thread count or level name; DeviceUnavailable where the processor lacks the
 /// level.
 /// With a `reduction` its pictures are drawn together with other devices', which are told to draw the same at the same
-/// time, each with the samples of its share alone: other runs of the cut have none, but their ordinals. It makes no pauses
-/// then, and draws one picture at a time; the frames of devices that do not show are empty.
+/// time, each with the samples of its share alone: other runs of the cut have none, but their ordinals. It pauses
+/// between passes then; the frames of devices that do not show are empty.
 Expected<std::unique_ptr<Device>> createCpuDevice(int threads,
                                                   std::unique_ptr<cpu::PassReduction> reduction = nullptr);
 

@@ -8,6 +8,7 @@
 #include <memory>
 #include <vector>
 
+#include "renderer/device/cpu/occupied_spans.hpp"
 #include "renderer/device/cpu/pass_reduction.hpp"
 #include "renderer/device/cpu/prepare.hpp"
 #include "renderer/device/cpu/tiles.hpp"
@@ -29,11 +30,13 @@ using TileMemories = std::vector<std::unique_ptr<TileMemory>>;
 /// Whom a picture is drawn together with, and planes of a whole layer for it. Lives as long as the device.
 struct Together {
     PassReduction* reduction = nullptr;
-    TileMemories tiles;     ///< a tile each: all of them are needed until the last pass
-    std::vector<Key> keys;  ///< of the layer's pixels
-    SumPlanes sums;
-    std::vector<std::uint32_t> words;  ///< a plane after the other
-    std::vector<float> depth;
+    TileMemories tiles;      ///< a tile each: all of them are needed until the last pass
+    OccupiedSpans occupied;  ///< of the layer's pixels; of what is, packed, a plane after the other:
+    std::vector<Key> keys;
+    std::vector<std::int32_t> sums;
+    std::vector<std::int64_t> wideSums;
+    std::vector<std::uint32_t> words;
+    std::vector<float> depth;  ///< of the layer, not packed
 };
 
 /// What a layer needs to smooth the borders of paraboloids, besides what it draws into. Grows to the largest layer and stays.
@@ -99,9 +102,13 @@ class Layer {
     }
     template <class Work>
     void inRows(const std::vector<TileDrawing>& drawings, const Work& work) const;
+    template <class Work>
+    void inOccupied(const std::vector<TileDrawing>& drawings, const Work& work) const;
     void reducePass(std::vector<TileDrawing>& drawings, const SplatPass& pass, bool last);
     void reduceKeys(std::vector<TileDrawing>& drawings, Receivers to);
     void reduceSums(std::vector<TileDrawing>& drawings, const SplatPass& pass);
+    template <class T>
+    void addSums(std::vector<TileDrawing>& drawings, std::size_t planes, std::vector<T>& memory);
     void resolveTogether(std::vector<TileDrawing>& drawings, const FrameDrawing& frame);
     void joinSamples(std::vector<TileDrawing>& drawings, const Planes& planes, const Owners& owners);
     void begin(TileDrawing& at, const Tile& tile);

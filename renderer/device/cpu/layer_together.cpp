@@ -1,8 +1,12 @@
 // A layer drawn together with other devices: every pass over all tiles, then what they agree on (pass_reduction.hpp),
-// then the next. Tiles are each device's own, as they follow its samples; what is agreed on are planes of the whole layer.
+// then the next. Tiles are each device's own, as they follow its samples; what is agreed on are planes of the whole layer,
+// of which only what somebody has something in is packed and reduced (occupied_spans.hpp).
 #include <algorithm>
+#include <atomic>
 #include <bit>
 #include <cmath>
+#include <limits>
+#include <type_traits>
 
 #include "renderer/device/cpu/grown.hpp"
 #include "renderer/device/cpu/layer.hpp"
@@ -10,91 +14,137 @@
 namespace scancast::cpu {
 namespace {
 
-bool isEmpty(Key key) {
-    return static_cast<std::int32_t>(key >> 32) >= infiniteOrder;
+/// From here on a key is none.
+constexpr Key noKey = Key{infiniteOrder} << 32;
+/// A magnitude that does not fit 32 bits, whatever it is.
+constexpr std::uint64_t wideBits = std::uint64_t{1} << 40;
+
+/// Room for packed planes, in which nothing is that nobody puts there.
+template <class T>
+T* packedIn(std::vector<T>& memory, std::size_t size, const OccupiedSpans& occupied) {
+    T* const packed = grown(memory, size);
+    if (occupied.hasRemnants()) std::fill_n(packed, size, T{});
+    return packed;
 }
 
 float depthOf(Key key) {
     return std::bit_cast<float>(static_cast<std::int32_t>(key >> 32));
 }
 
-int sumPlanes(const SplatPass& pass) {
-    return colorPlanes + (pass.sumNormals ? normalPlanes : 0);
-}
-
 }  // namespace
 
-/// work(tile, y, at): each row of each tile, from its place in planes of the layer on.
+/// work(tile, y, x, row): each row of each tile, whose first pixel is (x, row) in the layer's area.
 template <class Work>
 void Layer::inRows(const std::vector<TileDrawing>& drawings, const Work& work) const {
     workers_.inParallel(static_cast<int>(drawings.size()), [&](int i) {
         const TileDrawing& tile = drawings[static_cast<std::size_t>(i)];
         const KeyTile& k = tile.nearest;
-        for (std::int32_t y = 0; y < k.height; ++y) {
-            const std::ptrdiff_t row = k.y - area_.y0 + y;
-            work(tile, y, row * area_.width() + (k.x - area_.x0));
-        }
+        for (std::int32_t y = 0; y < k.height; ++y) work(tile, y, k.x - area_.x0, k.y - area_.y0 + y);
+    });
+}
+
+/// work(tile, place, count, at): in planes of the tile's geometry, from its pixel (0, 0) on, and in a packed plane.
+template <class Work>
+void Layer::inOccupied(const std::vector<TileDrawing>& drawings, const Work& work) const {
+    const OccupiedSpans& occupied = together_->occupied;
+    inRows(drawings, [&](const TileDrawing& tile, std::int32_t y, std::int32_t x0, std::int32_t row) {
+        occupied.inRow(row, x0, x0 + tile.nearest.width,
+                       [&](std::int32_t x, std::int32_t count, std::size_t at) {
+                           work(tile, std::ptrdiff_t{y} * tile.nearest.stride + (x - x0), count, at);
+                       });
     });
 }
 
 void Layer::reduceKeys(std::vector<TileDrawing>& drawings, Receivers to) {
-    Key* const plane = grown(together_->keys, pixels());
-    inRows(drawings, [&](const TileDrawing& tile, std::int32_t y, std::ptrdiff_t at) {
-        const KeyTile& k = tile.target;
-        std::copy_n(k.keys + std::ptrdiff_t{y} * k.stride, k.width, plane + at);
+    OccupiedSpans& occupied = together_->occupied;
+    PassReduction& reduction = *together_->reduction;
+    occupied.begin(area_.width(), area_.height(), 0);
+    inRows(drawings, [&](const TileDrawing& tile, std::int32_t y, std::int32_t x0, std::int32_t row) {
+        const Key* const keys = tile.target.keys + std::ptrdiff_t{y} * tile.target.stride;
+        occupied.mark(row, x0, x0 + tile.target.width, [&](std::int32_t x) { return keys[x - x0] < noKey; });
     });
-    together_->reduction->least({plane, pixels()}, to);
-    if (workers_.stopped() || (to == Receivers::WhoShows && !shows())) return;
-    inRows(drawings, [&](const TileDrawing& tile, std::int32_t y, std::ptrdiff_t at) {
-        const KeyTile& k = tile.target;
-        std::copy_n(plane + at, k.width, k.keys + std::ptrdiff_t{y} * k.stride);
-    });
+    if (!reduction.agree(occupied.words())) return;
+    const std::size_t size = occupied.settle();
+    Key* const packed = packedIn(together_->keys, size, occupied);
+    inOccupied(drawings, [&](const TileDrawing& tile, std::ptrdiff_t place, std::int32_t count,
+                             std::size_t at) { std::copy_n(tile.target.keys + place, count, packed + at); });
+    reduction.least({packed, size}, to);
+    if (to == Receivers::WhoShows && !shows()) return;
+    inOccupied(drawings, [&](const TileDrawing& tile, std::ptrdiff_t place, std::int32_t count,
+                             std::size_t at) { std::copy_n(packed + at, count, tile.target.keys + place); });
 }
 
-/// Afterwards a sum is in its 32 bits, or all of it in its 64.
-void Layer::reduceSums(std::vector<TileDrawing>& drawings, const SplatPass& pass) {
-    SumPlanes& sums = together_->sums;
-    sums.count = static_cast<std::size_t>(sumPlanes(pass));
-    sums.pixels = pixels();
-    sums.isWide =
-        std::ranges::any_of(drawings, [](const TileDrawing& tile) { return !tile.memory->wide.empty(); });
-    sums.grow();
-    // work(tile, place in its planes, place in all planes), for each row of each plane.
+/// Afterwards a sum is in its 32 bits, or all of it in its 64: as T is.
+template <class T>
+void Layer::addSums(std::vector<TileDrawing>& drawings, std::size_t planes, std::vector<T>& memory) {
+    constexpr bool wide = sizeof(T) == 8;
+    const std::size_t size = together_->occupied.settle();
+    T* const packed = packedIn(memory, planes * size, together_->occupied);
+    // work(tile, place in its planes, count, packed, plane).
     const auto inPlanes = [&](const auto& work) {
-        inRows(drawings, [&](const TileDrawing& tile, std::int32_t y, std::ptrdiff_t at) {
-            for (std::size_t p = 0; p < sums.count; ++p) {
-                const std::int64_t place = static_cast<std::int64_t>(p) * tile.target.planeSize +
-                                           std::int64_t{guard + y} * tile.target.stride + guard;
-                work(tile, place, static_cast<std::ptrdiff_t>(p * sums.pixels) + at);
+        inOccupied(drawings, [&](const TileDrawing& tile, std::ptrdiff_t place, std::int32_t count,
+                                 std::size_t at) {
+            auto from = static_cast<std::size_t>(guard * std::int64_t{tile.target.stride} + guard + place);
+            for (std::size_t p = 0; p < planes; ++p) {
+                work(tile, from, count, packed + p * size + at, p);
+                from += static_cast<std::size_t>(tile.target.planeSize);
             }
         });
     };
-    inPlanes([&](const TileDrawing& tile, std::int64_t from, std::ptrdiff_t to) {
+    inPlanes([](const TileDrawing& tile, std::size_t from, std::int32_t count, T* to, std::size_t plane) {
         const std::int32_t* const narrow = tile.memory->sums.data() + from;
-        if (!sums.isWide) return void(std::copy_n(narrow, tile.target.width, sums.narrow.data() + to));
-        const bool isSigned = from >= colorPlanes * tile.target.planeSize;
-        const auto& wide = tile.memory->wide;
-        for (std::int32_t x = 0; x < tile.target.width; ++x) {
-            const std::int64_t sum =
-                isSigned ? std::int64_t{narrow[x]} : std::int64_t{static_cast<std::uint32_t>(narrow[x])};
-            sums.wide[static_cast<std::size_t>(to + x)] =
-                sum + (wide.empty() ? 0 : wide[static_cast<std::size_t>(from + x)]);
+        if constexpr (!wide) {
+            std::copy_n(narrow, count, to);
+        } else {
+            const std::vector<std::int64_t>& emptied = tile.memory->wide;
+            for (std::int32_t i = 0; i < count; ++i) {
+                to[i] = plane < colorPlanes ? std::int64_t{static_cast<std::uint32_t>(narrow[i])}
+                                            : std::int64_t{narrow[i]};
+                if (!emptied.empty()) to[i] += emptied[from + static_cast<std::size_t>(i)];
+            }
         }
     });
-    together_->reduction->total(sums);
-    if (workers_.stopped() || !shows()) return;
-    for (TileDrawing& tile : drawings) {
-        tile.memory->wide.clear();
-        if (!sums.isWide) continue;
-        tile.memory->wide.resize(sums.count * static_cast<std::size_t>(tile.target.planeSize));
-        std::ranges::fill(tile.memory->sums, 0);
+    together_->reduction->add(std::span<T>(packed, planes * size));
+    if (!shows()) return;
+    if constexpr (wide) {
+        for (TileDrawing& tile : drawings) {
+            tile.memory->wide.assign(planes * static_cast<std::size_t>(tile.target.planeSize), 0);
+            std::ranges::fill(tile.memory->sums, 0);
+        }
     }
-    inPlanes([&](const TileDrawing& tile, std::int64_t to, std::ptrdiff_t from) {
-        if (sums.isWide)
-            std::copy_n(sums.wide.data() + from, tile.target.width, tile.memory->wide.data() + to);
+    inPlanes([](const TileDrawing& tile, std::size_t to, std::int32_t count, const T* from, std::size_t) {
+        if constexpr (wide)
+            std::copy_n(from, count, tile.memory->wide.data() + to);
         else
-            std::copy_n(sums.narrow.data() + from, tile.target.width, tile.memory->sums.data() + to);
+            std::copy_n(from, count, tile.memory->sums.data() + to);
     });
+}
+
+void Layer::reduceSums(std::vector<TileDrawing>& drawings, const SplatPass& pass) {
+    OccupiedSpans& occupied = together_->occupied;
+    occupied.begin(area_.width(), area_.height(), 1);
+    std::atomic<std::uint64_t> magnitudes{0};
+    inRows(drawings, [&](const TileDrawing& tile, std::int32_t y, std::int32_t x0, std::int32_t row) {
+        const std::int64_t place = std::int64_t{guard + y} * tile.target.stride + guard;
+        const std::int32_t* const weights = tile.memory->sums.data() + place;
+        const std::int64_t* const emptied =
+            tile.memory->wide.empty() ? nullptr : tile.memory->wide.data() + place;
+        std::uint64_t bits = emptied != nullptr ? wideBits : 0;
+        occupied.mark(row, x0, x0 + tile.target.width, [&](std::int32_t x) {
+            bits |= static_cast<std::uint32_t>(weights[x - x0]);
+            return weights[x - x0] != 0 || (emptied != nullptr && emptied[x - x0] != 0);
+        });
+        magnitudes.fetch_or(bits, std::memory_order_relaxed);
+    });
+    occupied.note(0) = magnitudes;
+    if (!together_->reduction->agree(occupied.words())) return;
+    // No device's weights take more bits than all of theirs together; no other sum is more than 255 times as much.
+    const int widest = std::bit_width(occupied.note(0)) + 8 + std::bit_width(together_->reduction->devices());
+    const std::size_t planes = colorPlanes + (pass.sumNormals ? normalPlanes : 0);
+    if (widest < 32)
+        addSums(drawings, planes, together_->sums);
+    else
+        addSums(drawings, planes, together_->wideSums);
 }
 
 void Layer::reducePass(std::vector<TileDrawing>& drawings, const SplatPass& pass, bool last) {
@@ -105,49 +155,64 @@ void Layer::reducePass(std::vector<TileDrawing>& drawings, const SplatPass& pass
 
 /// Everybody has resolved what samples of his own are seen; where there are others, he has background.
 void Layer::joinSamples(std::vector<TileDrawing>& drawings, const Planes& planes, const Owners& owners) {
+    OccupiedSpans& occupied = together_->occupied;
+    occupied.begin(area_.width(), area_.height(), 0);
+    inRows(drawings, [&](const TileDrawing& tile, std::int32_t, std::int32_t x0, std::int32_t row) {
+        const float* const depth = planes.depth + std::ptrdiff_t{row} * area_.width();
+        occupied.mark(row, x0, x0 + tile.nearest.width,
+                      [&](std::int32_t x) { return depth[x] < std::numeric_limits<float>::infinity(); });
+    });
+    if (!together_->reduction->agree(occupied.words())) return;
+    const std::size_t size = occupied.settle();
     const bool normals = passes_.resolve.normals && planes.normals != nullptr;
     const std::size_t count = 1 + std::size_t{normals} + (owners.places != nullptr ? 2 : 0);
-    std::uint32_t* const words = grown(together_->words, count * pixels());
-    // work(plane of words, plane of pixels), for each of them.
-    const auto inEach = [&](const TileDrawing& tile, std::int32_t y, std::ptrdiff_t at, const auto& work) {
-        std::uint32_t* plane = words + at;
+    std::uint32_t* const words = packedIn(together_->words, count * size, occupied);
+    // work(packed, pixels): of each plane that travels, from a packed place, a pixel and an owner on.
+    const auto inEach = [&](std::size_t at, std::ptrdiff_t pixel, std::ptrdiff_t owner, const auto& work) {
+        std::uint32_t* packed = words + at;
         const auto next = [&](auto* pixels) {
-            work(plane, pixels);
-            plane += this->pixels();
+            work(packed, pixels);
+            packed += size;
         };
-        next(planes.rgba + at);
-        if (normals) next(planes.normals + at);
+        next(planes.rgba + pixel);
+        if (normals) next(planes.normals + pixel);
         if (owners.places == nullptr) return;
-        const std::ptrdiff_t place = std::ptrdiff_t{tile.nearest.y - planes.area.y0 + y} * owners.stride +
-                                     (tile.nearest.x - planes.area.x0);
-        next(owners.places + place);
-        next(owners.halves + place);
+        next(owners.places + owner);
+        next(owners.halves + owner);
     };
-    inRows(drawings, [&](const TileDrawing& tile, std::int32_t y, std::ptrdiff_t at) {
-        const float* const depth = planes.depth + at;
-        inEach(tile, y, at, [&](std::uint32_t* out, const auto* from) {
-            for (std::int32_t x = 0; x < tile.nearest.width; ++x)
-                out[x] = std::isfinite(depth[x]) ? std::bit_cast<std::uint32_t>(from[x]) : 0;
+    // work(keys of the samples seen, keys of the depths, pixel, owner, n, at).
+    const auto inPixels = [&](const auto& work) {
+        inOccupied(drawings,
+                   [&](const TileDrawing& tile, std::ptrdiff_t place, std::int32_t n, std::size_t at) {
+                       const std::ptrdiff_t y = tile.nearest.y - area_.y0 + place / tile.nearest.stride;
+                       const std::ptrdiff_t x = tile.nearest.x - area_.x0 + place % tile.nearest.stride;
+                       work(tile.colors.keys + place, tile.nearest.keys + place, y * area_.width() + x,
+                            y * owners.stride + x, n, at);
+                   });
+    };
+    inPixels([&](const Key*, const Key*, std::ptrdiff_t pixel, std::ptrdiff_t owner, std::int32_t n,
+                 std::size_t at) {
+        const float* const depth = planes.depth + pixel;
+        inEach(at, pixel, owner, [&](std::uint32_t* out, const auto* from) {
+            for (std::int32_t i = 0; i < n; ++i)
+                out[i] = std::isfinite(depth[i]) ? std::bit_cast<std::uint32_t>(from[i]) : 0;
         });
     });
-    together_->reduction->join({words, count * pixels()});
-    if (workers_.stopped() || !shows()) return;
-    inRows(drawings, [&](const TileDrawing& tile, std::int32_t y, std::ptrdiff_t at) {
-        const std::ptrdiff_t row = std::ptrdiff_t{y} * tile.nearest.stride;
-        const Key* const seen = tile.colors.keys + row;
-        inEach(tile, y, at, [&](const std::uint32_t* from, auto* to) {
-            for (std::int32_t x = 0; x < tile.nearest.width; ++x)
-                if (!isEmpty(seen[x])) to[x] = std::bit_cast<std::remove_reference_t<decltype(*to)>>(from[x]);
+    together_->reduction->join({words, count * size});
+    if (!shows()) return;
+    inPixels([&](const Key* seen, const Key* depths, std::ptrdiff_t pixel, std::ptrdiff_t owner,
+                 std::int32_t n, std::size_t at) {
+        inEach(at, pixel, owner, [&](const std::uint32_t* from, auto* to) {
+            for (std::int32_t i = 0; i < n; ++i)
+                if (seen[i] < noKey) to[i] = std::bit_cast<std::remove_reference_t<decltype(*to)>>(from[i]);
         });
-        const std::ptrdiff_t place = std::ptrdiff_t{tile.nearest.y - planes.area.y0 + y} * owners.stride +
-                                     (tile.nearest.x - planes.area.x0);
-        for (std::int32_t x = 0; x < tile.nearest.width; ++x) {
-            if (isEmpty(seen[x])) continue;
-            const float depth = depthOf(tile.nearest.keys[row + x]);
-            planes.depth[at + x] = depth;
+        for (std::int32_t i = 0; i < n; ++i) {
+            if (seen[i] >= noKey) continue;
+            const float depth = depthOf(depths[i]);
+            planes.depth[pixel + i] = depth;
             if (owners.places == nullptr) continue;
-            owners.orders[place + x] = depth;
-            owners.colors[place + x] = planes.rgba[at + x];
+            owners.orders[owner + i] = depth;
+            owners.colors[owner + i] = planes.rgba[pixel + i];
         }
     });
 }

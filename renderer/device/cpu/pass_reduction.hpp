@@ -4,15 +4,16 @@
 //
 // A device draws with one where createCpuDevice() is given it; without, nothing is asked of it and nothing spent. Every
 // function is called on the render thread, by all devices in the same order with as many elements, and waits for the
-// others.
+// others. What is empty everywhere is left out before (layer_together.cpp).
 #pragma once
 
 #include <cstdint>
 #include <span>
 #include <stop_token>
-#include <vector>
 
+#include "protocol/error.hpp"
 #include "renderer/device/cpu/kernels/kernels.hpp"
+#include "renderer/device/pause.hpp"
 
 namespace scancast::cpu {
 
@@ -22,46 +23,26 @@ enum class Receivers : std::uint8_t {
     WhoShows,   ///< it is only shown
 };
 
-/// Planes of sums: Σw, three of colours, and three of normals or none; where the first is 0, so are all. In 32 bits as long as they
-/// fit: colours' without a sign, normals' with one.
-struct SumPlanes {
-    std::size_t count = 0, pixels = 0;
-    bool isWide = false;
-    std::vector<std::int32_t> narrow;  ///< or, where that is so,
-    std::vector<std::int64_t> wide;    ///< one plane after the other; they grow to the largest and stay
-
-    std::int64_t at(std::size_t place) const {
-        if (isWide) return wide[place];
-        const std::int32_t sum = narrow[place];
-        return place < colorPlanes * pixels ? std::int64_t{static_cast<std::uint32_t>(sum)}
-                                            : std::int64_t{sum};
-    }
-    /// Makes room, of what they are in.
-    void grow() {
-        if (isWide && wide.size() < count * pixels) wide.resize(count * pixels);
-        if (!isWide && narrow.size() < count * pixels) narrow.resize(count * pixels);
-    }
-    void widen() {
-        if (isWide) return;
-        if (wide.size() < count * pixels) wide.resize(count * pixels);
-        for (std::size_t i = 0; i < count * pixels; ++i) wide[i] = at(i);
-        isWide = true;
-    }
-};
-
 class PassReduction {
   public:
     virtual ~PassReduction() = default;
-    /// A picture begins, of which everybody has drawn nothing yet. The result takes the place of `stop`: it is stopped
-    /// within one of the functions below, for all devices within the same one, after some device's `stop` was. From
-    /// then on nothing more is asked for that picture.
-    virtual std::stop_token begin(std::stop_token stop) = 0;
+    virtual std::uint32_t devices() const = 0;
     /// Exactly one device's pictures are looked at: it resolves pixels, runs the screen passes and has a frame in the end.
     virtual bool shows() const = 0;
-    /// Each key becomes the smallest of all devices'. Most are emptyKey.
+    /// A picture begins, of which everybody has drawn nothing yet. The result takes the place of `stop`: it is stopped
+    /// within agree(), for all devices within the same call, after some device's `stop` was; from then on nothing more is
+    /// asked for that picture. Within agree(), too, who shows may let others in by `pause` (null: never): then all draw
+    /// other pictures meanwhile.
+    virtual std::stop_token begin(std::stop_token stop, const Pause* pause) = 0;
+    /// Before each of those below: each word becomes all devices', joined by `or`. False: the picture is no longer wanted.
+    virtual bool agree(std::span<std::uint64_t> words) = 0;
+    /// Each key becomes the smallest of all devices'.
     virtual void least(std::span<Key> keys, Receivers to) = 0;
-    /// Each sum becomes that of all devices', for who shows; wide, if it must be.
-    virtual void total(SumPlanes& sums) = 0;
+    /// Each number becomes the sum of all devices', for who shows: they fit.
+    virtual void add(std::span<std::int32_t> sums) = 0;
+    virtual void add(std::span<std::int64_t> sums) = 0;
+    /// After begin(): this device cannot draw its share, and the others are not to wait for it.
+    virtual void giveUp(const Error& error) = 0;
     /// Each word becomes that of the one device where it is not 0, for who shows.
     virtual void join(std::span<std::uint32_t> words) = 0;
 };

@@ -7,6 +7,7 @@
 #include <functional>
 #include <memory>
 #include <optional>
+#include <stdexcept>
 #include <thread>
 #include <vector>
 
@@ -27,7 +28,7 @@ class Meeting {
     /// Called by the first device each time that all of them meet.
     std::function<void()> onMeeting = [] {};
     int meetings = 0;
-    bool wide = false;  ///< sums are in 64 bits though they need not be
+    int narrowSums = 0, wideSums = 0;  ///< reductions of 32 and of 64 bits
 
   private:
     struct Brought {
@@ -41,32 +42,39 @@ class Meeting {
       public:
         Seat(Meeting& meeting, std::size_t number) : meeting_(meeting), number_(number) {}
 
-        std::stop_token begin(std::stop_token stop) override {
+        std::uint32_t devices() const override { return static_cast<std::uint32_t>(meeting_.seats_.size()); }
+        bool shows() const override { return number_ == 0; }
+        std::stop_token begin(std::stop_token stop, const Pause*) override {
             Brought& own = meeting_.seats_[number_];
             own.wanted = std::move(stop);
             own.agreed = {};
             return own.agreed.get_token();
         }
-        bool shows() const override { return number_ == 0; }
+        bool agree(std::span<std::uint64_t> words) override {
+            if (number_ == 0) {
+                ++meeting_.meetings;
+                meeting_.onMeeting();
+            }
+            meet(words, cpu::Receivers::Everybody, [](std::uint64_t a, std::uint64_t b) { return a | b; });
+            // Between meetings nobody's changes.
+            const bool stopped = std::ranges::any_of(
+                meeting_.seats_, [](const Brought& b) { return b.wanted.stop_requested(); });
+            meeting_.barrier_.arrive_and_wait();
+            if (stopped) meeting_.seats_[number_].agreed.request_stop();
+            return !stopped;
+        }
         void least(std::span<cpu::Key> keys, cpu::Receivers to) override {
             meet(keys, to, [](cpu::Key a, cpu::Key b) { return std::min(a, b); });
         }
-        void total(cpu::SumPlanes& sums) override {
-            std::vector<std::int64_t> all(sums.count * sums.pixels);
-            for (std::size_t i = 0; i < all.size(); ++i) all[i] = sums.at(i);
-            meet(std::span(all), cpu::Receivers::WhoShows,
-                 [](std::int64_t a, std::int64_t b) { return a + b; });
-            if (!shows()) return;
-            const auto fits = [](std::int64_t sum) { return sum >> 31 == 0 || sum >> 31 == -1; };
-            sums.isWide = meeting_.wide || !std::ranges::all_of(all, fits);
-            sums.grow();
-            for (std::size_t i = 0; i < all.size(); ++i) {
-                if (sums.isWide)
-                    sums.wide[i] = all[i];
-                else
-                    sums.narrow[i] = static_cast<std::int32_t>(all[i]);
-            }
+        void add(std::span<std::int32_t> sums) override {
+            if (number_ == 0) ++meeting_.narrowSums;
+            meet(sums, cpu::Receivers::WhoShows, [](std::int32_t a, std::int32_t b) { return a + b; });
         }
+        void add(std::span<std::int64_t> sums) override {
+            if (number_ == 0) ++meeting_.wideSums;
+            meet(sums, cpu::Receivers::WhoShows, [](std::int64_t a, std::int64_t b) { return a + b; });
+        }
+        void giveUp(const Error& error) override { throw std::runtime_error(error.message); }
         void join(std::span<std::uint32_t> words) override {
             meet(words, cpu::Receivers::WhoShows, [](std::uint32_t a, std::uint32_t b) {
                 return a == 0 || b == 0 ? a | b : 0xdeadbeef;  // two owners: a picture that is wrong
@@ -79,14 +87,8 @@ class Meeting {
             Brought& seat = meeting_.seats_[number_];
             seat.first = own.data();
             seat.count = own.size();
-            if (number_ == 0) {
-                ++meeting_.meetings;
-                meeting_.onMeeting();
-            }
             meeting_.barrier_.arrive_and_wait();
-            const bool stopped = std::ranges::any_of(
-                meeting_.seats_, [](const Brought& b) { return b.wanted.stop_requested(); });
-            std::vector<T> all;
+            std::vector<T> all(own.size(), T(0x5a5a5a5a));  // unless somebody is to look at it
             if (shows() || to == cpu::Receivers::Everybody) {
                 all.assign(own.begin(), own.end());
                 for (std::size_t i = 0; i < meeting_.seats_.size(); ++i) {
@@ -95,12 +97,9 @@ class Meeting {
                     const T* const from = static_cast<const T*>(other.first);
                     for (std::size_t k = 0; k < all.size(); ++k) all[k] = reduce(all[k], from[k]);
                 }
-            } else {
-                all.assign(own.size(), T(0x5a5a5a5a));  // nobody is to look at it
             }
             meeting_.barrier_.arrive_and_wait();
             std::ranges::copy(all, own.begin());
-            if (stopped) seat.agreed.request_stop();
             meeting_.barrier_.arrive_and_wait();
         }
 

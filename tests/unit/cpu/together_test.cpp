@@ -39,7 +39,6 @@ class Together : public testing::Test {
         const auto alone = draw(*alone_, *whole);
         ASSERT_TRUE(alone) << alone.error().message;
         Meeting meeting(devices);
-        meeting.wide = devices == 3;
         const auto together = drawTogether(meeting, devices, *whole, devices == 2 ? 2 : 1);
         ASSERT_TRUE(together) << together.error().message;
         EXPECT_GT(meeting.meetings, 0);

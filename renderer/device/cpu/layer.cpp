@@ -66,6 +66,22 @@ Owners movedBy(const Owners& first, std::ptrdiff_t right, std::ptrdiff_t down) {
     return o;
 }
 
+/// Between them runs without samples: others' ordinals are looked up, too.
+std::vector<SplatRun> withGaps(const std::vector<SplatRun>& byOrdinal, std::uint64_t end) {
+    std::vector<SplatRun> all;
+    std::uint64_t next = 0;
+    const auto gapUntil = [&](std::uint64_t ordinal) {
+        if (next < ordinal) all.emplace_back().firstOrdinal = static_cast<std::uint32_t>(next);
+    };
+    for (const SplatRun& run : byOrdinal) {
+        gapUntil(run.firstOrdinal);
+        all.push_back(run);
+        next = std::uint64_t{run.firstOrdinal} + run.count;
+    }
+    gapUntil(end);
+    return all;
+}
+
 }  // namespace
 
 Owners OwnerMemory::around(const Rect& area) {
@@ -141,9 +157,9 @@ void Layer::listSamples(const Cut& cut) {
     std::ranges::sort(byOrdinal_, {}, &SplatRun::firstOrdinal);
     std::uint64_t end =
         byOrdinal_.empty() ? 0 : std::uint64_t{byOrdinal_.back().firstOrdinal} + byOrdinal_.back().count;
-    if (together_ != nullptr) {  // others' ordinals are looked up, too, and not found
+    if (together_ != nullptr) {
         end = std::max(end, cut.samples);
-        if (byOrdinal_.empty()) byOrdinal_.emplace_back();
+        byOrdinal_ = withGaps(byOrdinal_, end);
     }
     runAt_.assign((end >> ordinalShift) + 1, 0);
     std::uint32_t run = 0;

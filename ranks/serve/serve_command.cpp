@@ -1,4 +1,4 @@
-#include "ranks/serve/serve_command.hpp"
+#include "ranks/commands.hpp"
 
 #include <spdlog/spdlog.h>
 

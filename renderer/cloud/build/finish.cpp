@@ -141,20 +141,6 @@ class Finisher {
     }
 
   private:
-    Expected<std::vector<Sample>> samplesOf(const BuildNode& node) const {
-        if (!file_) return node.content.samples;
-        std::vector<Sample> samples(node.stored.node.sampleCount);
-        if (node.setAside.bytes() > 0) {
-            if (auto ok = node.setAside.read(0, std::as_writable_bytes(std::span(samples))); !ok)
-                return passOn(ok);
-            return samples;
-        }
-        const auto block = file_->readBack(node.stored.samples);
-        if (!block) return passOn(block);
-        if (auto ok = decodeSamples(*block, samples); !ok) return passOn(ok);
-        return samples;
-    }
-
     Expected<AveragedFacts> factsOf(const BuildNode& node) const {
         if (!file_) return AveragedFacts{node.content.reaches, node.content.densities};
         const std::size_t count = node.stored.node.sampleCount;
@@ -181,7 +167,7 @@ class Finisher {
 
     Expected<void> finish(Inner& work) const {
         BuildNode& node = *work.node;
-        auto samples = samplesOf(node);
+        auto samples = samplesOf(node, file_);
         if (!samples) return passOn(samples);
         work.samples = std::move(*samples);
         auto beside = besideOf(node);
@@ -191,7 +177,7 @@ class Finisher {
         if (input_.shape.surfels) {
             const auto facts = factsOf(node);
             if (!facts) return passOn(facts);
-            const auto find = [this](const BuildNode& n) { return samplesOf(n); };
+            const auto find = [this](const BuildNode& n) { return samplesOf(n, file_); };
             if (auto ok = addInnerSurfels(node, *facts, root_, input_, find, work.samples, work.beside); !ok)
                 return ok;
         }
@@ -283,6 +269,20 @@ Expected<BuiltOctree> finishTree(BuildNode& root, const OctreeInput& input, Bloc
     if (root.isLeaf())
         if (auto ok = addLeafCurvatures(root, input, file, curvatures); !ok) return passOn(ok);
     return numberTree(root, input, file != nullptr, curvatures);
+}
+
+Expected<std::vector<Sample>> samplesOf(const BuildNode& node, const BlockSink* file) {
+    if (!file) return node.content.samples;
+    std::vector<Sample> samples(node.stored.node.sampleCount);
+    if (node.setAside.bytes() > 0) {
+        if (auto ok = node.setAside.read(0, std::as_writable_bytes(std::span(samples))); !ok)
+            return passOn(ok);
+        return samples;
+    }
+    const auto block = file->readBack(node.stored.samples);
+    if (!block) return passOn(block);
+    if (auto ok = decodeSamples(*block, samples); !ok) return passOn(ok);
+    return samples;
 }
 
 std::vector<BuildNode*> innerNodes(BuildNode& root) {

@@ -16,6 +16,10 @@ Expected<BuiltOctree> finishTree(BuildNode& root, const OctreeInput& input, Bloc
 /// Inner nodes from the root down, level after level: the order of their blocks in a file.
 std::vector<BuildNode*> innerNodes(BuildNode& root);
 
+/// Of a node whose subtree is grown, from where they wait: set aside - a node that is kept elsewhere has there what was fetched of it
+/// -, else in the file.
+Expected<std::vector<Sample>> samplesOf(const BuildNode& node, const BlockSink* file);
+
 /// Surfels, cones, hashes and blocks of some inner nodes, in parallel, and, without a file, their samples. Neighbours' samples are read
 /// where they wait: set aside, or in the file. `curvatures` gets what is seen of the whole cloud.
 Expected<void> finishInnerNodes(std::span<BuildNode* const> nodes, const BuildNode& root,

@@ -333,7 +333,7 @@ class TreeBuilder {
         if (root.isLeaf()) root.keptPoints.assign(root.points.begin(), root.points.end());
         root.points = root.keptPoints;
         work.chunk.pointBytes.clear();
-        return averageUpwards(root);
+        return averageUpwards(root, input_, workspace_, file_ != nullptr);
     }
 
     Expected<void> store(LeafBlocks& blocks) {
@@ -368,19 +368,6 @@ class TreeBuilder {
         return {};
     }
 
-    /// Fills the nodes above whose children are all there.
-    Expected<void> averageUpwards(BuildNode& from) {
-        for (BuildNode* node = from.parent; node && ++node->finishedChildren == node->children.size();
-             node = node->parent) {
-            fillInner(*node, input_);
-            if (file_)
-                for (auto& child : node->children) giveBack(child->content.beside);
-            if (!file_) continue;
-            if (auto ok = setAside(*node, workspace_); !ok) return ok;
-        }
-        return {};
-    }
-
     const OctreeInput& input_;
     Workspace& workspace_;
     BlockSink* const file_;
@@ -405,6 +392,17 @@ class TreeBuilder {
 };
 
 }  // namespace
+
+Expected<void> averageUpwards(BuildNode& from, const OctreeInput& input, Workspace& workspace, bool inFile) {
+    for (BuildNode* node = from.parent; node && ++node->finishedChildren == node->children.size();
+         node = node->parent) {
+        fillInner(*node, input);
+        if (!inFile) continue;
+        for (auto& child : node->children) giveBack(child->content.beside);
+        if (auto ok = setAside(*node, workspace); !ok) return ok;
+    }
+    return {};
+}
 
 Expected<SureCount> growTree(std::vector<Chunk> chunks, const OctreeInput& input, int lanes,
                              Workspace& workspace, BlockSink* file, const SidesOfPatches& sides,

@@ -1,3 +1,5 @@
+// `scancast-ranks serve`: the server, whose pictures all ranks draw. Rank 0 is all of it, with a device that the others draw for
+// (ranks/draw/ranks_device.hpp).
 #include "ranks/commands.hpp"
 
 #include <spdlog/spdlog.h>

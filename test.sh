@@ -81,7 +81,7 @@ part "release: tests" run release "${exclude[@]}"
 if [ "$quick" = no ]; then
     say "== asan: unit and network tests"
     part "asan: build" build asan
-    part "asan: tests" run asan -L '^(unit|net)$'
+    part "asan: tests" run asan -L '^(unit|net|replicas)$'
 
     say "== tsan: scheduler and stream"
     part "tsan: build" build tsan --target scancast_tsan_tests

@@ -11,7 +11,7 @@ set(systemd "${PROJECT_SOURCE_DIR}/deploy/systemd")
 install(FILES "${systemd}/scancast.service" DESTINATION lib/systemd/system COMPONENT server EXCLUDE_FROM_ALL)
 install(FILES "${systemd}/sysusers.conf" DESTINATION lib/sysusers.d RENAME scancast.conf COMPONENT server EXCLUDE_FROM_ALL)
 install(FILES "${systemd}/scancast.env" DESTINATION /etc/scancast COMPONENT server EXCLUDE_FROM_ALL)
-install(FILES deploy/nginx/scancast.conf deploy/nginx/oauth2-proxy.conf deploy/README.md DESTINATION "${CMAKE_INSTALL_DATADIR}/doc/scancast/deploy"
+install(FILES deploy/nginx/scancast.conf deploy/nginx/oauth2-proxy.conf deploy/nginx/replicas.conf deploy/nginx/replicas-server.conf deploy/README.md DESTINATION "${CMAKE_INSTALL_DATADIR}/doc/scancast/deploy"
   COMPONENT server EXCLUDE_FROM_ALL)
 
 set(CPACK_GENERATOR DEB)

@@ -40,9 +40,17 @@ Expected<ClientMessage> readHello(FieldReader& fields) {
     if (fields.number("fps", hello.fps)) checkRange(fields, "fps", hello.fps, 1, 240);
     if (fields.findValue("resume")) fields.text("resume", hello.resume);
     if (fields.findValue("follow")) fields.text("follow", hello.follow);
+    if (const auto* view = fields.findValue("view")) {
+        hello.view = *view;
+        if (!view->is_object()) fields.error("view", "expected an object");
+    }
+    fields.integer("seq", hello.seq, 0, UINT64_MAX);
+    fields.integer("frame", hello.frame, 0, maxFrameId);
     fields.flag("depth", hello.depth);
     if (!hello.follow.empty() && !hello.cloud.empty())
         fields.error("follow", "shows its own cloud; leave cloud out");
+    if (!hello.follow.empty() && !hello.view.is_null())
+        fields.error("follow", "shows another session's view; leave view out");
     return finish(fields, hello);
 }
 
@@ -103,6 +111,9 @@ json print(const Hello& hello) {
     if (hello.height) object["height"] = *hello.height;
     if (!hello.resume.empty()) object["resume"] = hello.resume;
     if (!hello.follow.empty()) object["follow"] = hello.follow;
+    if (!hello.view.is_null()) object["view"] = hello.view;
+    if (hello.seq > 0) object["seq"] = hello.seq;
+    if (hello.frame > 0) object["frame"] = hello.frame;
     if (hello.depth) object["depth"] = true;
     return object;
 }

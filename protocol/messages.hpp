@@ -23,6 +23,8 @@ inline constexpr std::string_view webSocketPath = "/api/v1/stream";
 inline constexpr std::string_view webSocketProtocol = "scancast.v1";
 inline constexpr std::size_t maxMessageBytes = 64 * 1024;  ///< of a client's message; the caller's to enforce
 inline constexpr int maxUnacknowledgedFrames = 2;
+/// Numbers that every client can hold, those whose numbers are doubles too.
+inline constexpr std::uint64_t maxFrameId = std::uint64_t(1) << 53;
 
 /// Close codes that the server sends (RFC 6455 and its registry).
 enum class CloseCode : std::uint16_t {
@@ -48,8 +50,13 @@ struct Hello {
     double pixelRatio = 1;  ///< how many of those px make one CSS px, 0.25–8; the server only takes note
     double fps = 30;        ///< wanted while moving, 1–240
     std::string resume;     ///< token of an earlier welcome, whose session goes on if it still can
-    std::string follow;     ///< id of a session whose view is shown; empty = a view of one's own
-    bool depth = false;     ///< each frame brings a small picture of its depth (protocol/depth/frame_depth.hpp)
+    /// What is to be seen first, in place of the cloud's default view: any subset of a view, an object or null. A server that
+    /// remembers the session of `resume` shows what it remembers; another one goes on with this.
+    nlohmann::json view = nullptr;
+    std::uint64_t seq = 0;    ///< of `view`, echoed in frames that show it
+    std::uint64_t frame = 0;  ///< the newest that arrived of the session of `resume`; numbers go on behind it
+    std::string follow;       ///< id of a session whose view is shown; empty = a view of one's own
+    bool depth = false;  ///< each frame brings a small picture of its depth (protocol/depth/frame_depth.hpp)
     bool operator==(const Hello&) const = default;
 };
 
@@ -150,6 +157,14 @@ struct ProblemReport {
     bool operator==(const ProblemReport&) const = default;
 };
 
+/// The server will be gone soon, and there may be others at its address: connect once more, with `resume`, and leave this
+/// connection when that is welcome. Frames go on coming over this one until then.
+struct Drain {
+    std::uint64_t afterMilliseconds = 0;   ///< wait so long first; each client is told another time
+    std::uint64_t withinMilliseconds = 0;  ///< the server is there for so long at most
+    bool operator==(const Drain&) const = default;
+};
+
 /// The last words before the server closes.
 struct Bye {
     CloseCode code = CloseCode::Normal;
@@ -167,7 +182,7 @@ struct Pong {
 using ClientMessage = std::variant<messages::Hello, messages::ViewChange, messages::QualityLimits,
                                    messages::Pick, messages::Ack, messages::Ping>;
 using ServerMessage = std::variant<messages::Welcome, messages::Stats, messages::Picked,
-                                   messages::ProblemReport, messages::Bye, messages::Pong>;
+                                   messages::ProblemReport, messages::Drain, messages::Bye, messages::Pong>;
 
 /// Malformed when the text is no JSON object; InvalidArgument, with the JSON path as field, for everything
 /// else.

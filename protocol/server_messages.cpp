@@ -13,6 +13,7 @@ using namespace messages;
 using nlohmann::json;
 
 constexpr std::size_t longestReason = 4096;
+constexpr std::uint64_t longestDrain = std::uint64_t(24) * 60 * 60 * 1000;  // ms
 
 /// Reads each entry of an array of strings or objects; absent is empty.
 template <class Use>
@@ -106,6 +107,13 @@ Expected<ServerMessage> readProblem(FieldReader& fields) {
     return finish(fields, std::move(report));
 }
 
+Expected<ServerMessage> readDrain(FieldReader& fields) {
+    Drain drain;
+    fields.integer("afterMilliseconds", drain.afterMilliseconds, 0, longestDrain);
+    fields.integer("withinMilliseconds", drain.withinMilliseconds, 0, longestDrain);
+    return finish(fields, drain);
+}
+
 Expected<ServerMessage> readBye(FieldReader& fields) {
     Bye bye;
     std::uint16_t code = 1000;
@@ -166,6 +174,12 @@ json print(const ProblemReport& report) {
     return object;
 }
 
+json print(const Drain& drain) {
+    return {{"type", "drain"},
+            {"afterMilliseconds", drain.afterMilliseconds},
+            {"withinMilliseconds", drain.withinMilliseconds}};
+}
+
 json print(const Bye& bye) {
     return {{"type", "bye"}, {"code", static_cast<int>(bye.code)}, {"reason", bye.reason}};
 }
@@ -189,6 +203,7 @@ Expected<ServerMessage> parseServerMessage(std::string_view text) {
     if (type == "stats") return readStats(fields);
     if (type == "picked") return readPicked(fields);
     if (type == "problem") return readProblem(fields);
+    if (type == "drain") return readDrain(fields);
     if (type == "bye") return readBye(fields);
     if (type == "pong") return readPong(fields);
     return fail(ErrorCode::Unsupported,

@@ -6,6 +6,7 @@
 #include "files/program_start.hpp"
 #include "protocol/flags/exit_codes.hpp"
 #include "ranks/commands.hpp"
+#include "ranks/mpi/session.hpp"
 #include "server/server.hpp"
 #include "server/terminal/terminal.hpp"
 
@@ -25,11 +26,12 @@ int main(int argc, char** argv) {
     } catch (const CLI::ParseError& error) {
         std::ostringstream asked, complaint;
         const bool wasAsked = app.exit(error, asked, complaint) == 0;
+        if (!scancast::isFirstOfMany()) return wasAsked ? 0 : scancast::exitUsage;
         scancast::tellText(complaint.str());
         return !scancast::print(asked.str()) ? 1 : wasAsked ? 0 : scancast::exitUsage;
     }
     if (app.get_subcommands().empty()) {
-        scancast::tellText(app.help());
+        if (scancast::isFirstOfMany()) scancast::tellText(app.help());
         exitCode = scancast::exitUsage;
     }
     return exitCode;

@@ -70,6 +70,7 @@ class RunningServer final : public ScancastServer {
             replaceTls(std::move(*tls));
         }
         context_.proxies = options_.proxies;
+        setSessionKeys(options_.tokens);
         auto listener = Listener::create(io_, {options_.host, options_.port}, context_, Entrance::Public);
         if (!listener) return passOn(std::move(listener));
         listener_ = std::move(*listener);
@@ -94,6 +95,7 @@ class RunningServer final : public ScancastServer {
     void cloudsChanged() override { sessions_.wakeAll(); }
     void replaceTokens(const AccessTokens& tokens) override {
         api_.access().replace(tokens);
+        setSessionKeys(tokens);
         sessions_.wakeAll();
     }
     std::uint16_t port() const override { return listener_->port(); }
@@ -131,7 +133,17 @@ class RunningServer final : public ScancastServer {
                         std::chrono::duration_cast<std::chrono::milliseconds>(now - asked));
     }
 
+    void moveClients(std::chrono::milliseconds within) override {
+        metrics_.setDraining();
+        context_.leavesAt = (std::chrono::steady_clock::now() + within).time_since_epoch();
+        api_.leave();
+        sessions_.moveAll(within);  // who comes in now finds it out himself
+    }
+
+    std::size_t sessions() const override { return context_.sessions; }
+
     void drain() override {
+        metrics_.setDraining();
         scheduler_.drain();
         context_.connections.sayGoodbye();
     }
@@ -158,6 +170,12 @@ class RunningServer final : public ScancastServer {
     }
 
   private:
+    void setSessionKeys(const AccessTokens& tokens) {
+        std::vector<std::string> keys;
+        for (const NamedToken& key : tokens.sessionKeys) keys.push_back(key.token);
+        context_.resumable.setKeys(std::move(keys));
+    }
+
     // What repeats is told of when its time is over, also when nobody asks for anything any more.
     void keepLog() {
         constexpr std::chrono::seconds interval{1};

@@ -78,6 +78,11 @@ class ScancastServer {
     /// wait for work. Asks the network threads for a sign, so the answer is of use when this is called again and
     /// again. Never waits; from one thread.
     virtual std::chrono::milliseconds silence() = 0;
+    /// Before the end, where there are other servers: /readyz says 503, nobody gets a new stream, and the client of each is
+    /// told when to go to another one, by `within` at the latest. Whoever is there is drawn for. Returns at once.
+    virtual void moveClients(std::chrono::milliseconds within) = 0;
+    /// Streams that are open.
+    virtual std::size_t sessions() const = 0;
     /// First step of the end: every stream is told, nobody gets a new one, /readyz says 503; snapshots that
     /// wait are still drawn and answered. Returns at once.
     virtual void drain() = 0;

@@ -1,5 +1,6 @@
 #include "client/cpp/live_stream.hpp"
 
+#include <algorithm>
 #include <random>
 #include <utility>
 
@@ -73,15 +74,30 @@ bool LiveStream::send(const ClientMessage& message) {
     return true;
 }
 
+Expected<Stream> LiveStream::open(const Timeouts& timeouts) {
+    sayWhatIsSeen();
+    auto stream = Stream::open(url_, hello_, timeouts, options_.credentials);
+    if (stream || !isFinal(stream.error()) || hello_.view.is_null()) return stream;
+    // It knows no such field, or cannot show that any more: what is to be seen is said once there is a session.
+    saysView_ = false;
+    hello_.view = nullptr;
+    hello_.seq = hello_.frame = 0;
+    return Stream::open(url_, hello_, timeouts, options_.credentials);
+}
+
 void LiveStream::run(const std::stop_token& stop) {
+    std::optional<Stream> next;  // opened while the one before was still there
     for (int attempt = 0; !stop.stop_requested(); ++attempt) {
         Error lost;
-        if (auto stream = Stream::open(url_, hello_, options_.timeouts, options_.credentials)) {
+        auto stream = next ? Expected<Stream>(std::move(*next)) : open(options_.timeouts);
+        next.reset();
+        if (stream) {
             attempt = 0;
             attach(&*stream);
-            lost = serve(*stream, stop);
+            lost = serve(*stream, stop, next);
             attach(nullptr);
             if (stop.stop_requested()) std::ignore = stream->close();  // nobody is left to be told
+            if (next) continue;
         } else {
             lost = std::move(stream.error());
         }
@@ -104,9 +120,36 @@ bool LiveStream::waitFor(const std::stop_token& stop, std::chrono::milliseconds 
     return !stop.stop_requested();
 }
 
-/// Until the connection is lost, for which it returns the reason, or until it is to stop.
-Error LiveStream::serve(Stream& stream, const std::stop_token& stop) {
-    const auto& welcome = stream.welcome();
+/// What a server that has never heard of the session is to go on with.
+void LiveStream::sayWhatIsSeen() {
+    if (!saysView_ || !wasConnected_ || !hello_.follow.empty()) return;
+    const std::lock_guard lock(mutex_);
+    const messages::ViewChange& seen = view_ ? *view_ : first_;
+    hello_.cloud = viewWaits_ ? seen.cloud.value_or(cloud_) : cloud_;
+    hello_.view = seen.changes;
+    hello_.seq = seen.seq;
+}
+
+/// Whether another server at the address has taken the session on.
+bool LiveStream::moveOn(std::optional<Stream>& next) {
+    // The one that is here draws on, and nobody looks at what it draws meanwhile.
+    constexpr std::chrono::milliseconds patience{2000};
+    if (auto stream = open(
+            {std::min(options_.timeouts.connect, patience), std::min(options_.timeouts.answer, patience)})) {
+        next = std::move(*stream);
+        return true;
+    }
+    moveAt_ = Clock::now() + options_.backoff.delay(moves_++, chance());
+    return false;
+}
+
+/// Until the connection is lost, for which it returns the reason, until it is to stop, or until there is a `next` one.
+Error LiveStream::serve(Stream& stream, const std::stop_token& stop, std::optional<Stream>& next) {
+    const messages::Welcome& welcome = stream.welcome();
+    moveAt_.reset();
+    first_ = {welcome.seq, std::nullopt, welcome.view};
+    cloud_ = welcome.cloud;
+    if (welcome.session != session_) hello_.frame = 0;
     const bool resumed = wasConnected_ && welcome.session == session_;
     wasConnected_ = true;
     session_ = welcome.session;
@@ -121,8 +164,10 @@ Error LiveStream::serve(Stream& stream, const std::stop_token& stop) {
     auto heard = Clock::now();
     for (bool asked = false; !stop.stop_requested();) {
         if (auto sent = sendWaiting(stream); !sent) return sent.error();
+        if (moveAt_ && Clock::now() >= *moveAt_ && moveOn(next)) return {};
         const auto patience = asked ? options_.timeouts.answer : options_.silence;
-        const auto left = std::chrono::ceil<std::chrono::milliseconds>(heard + patience - Clock::now());
+        const auto until = moveAt_ ? std::min(heard + patience, *moveAt_) : heard + patience;
+        const auto left = std::chrono::ceil<std::chrono::milliseconds>(until - Clock::now());
         auto event = stream.receiveFor(std::max(left, std::chrono::milliseconds(0)));
         if (!event) return event.error();
         if (*event) {
@@ -147,7 +192,7 @@ Expected<void> LiveStream::sendWaiting(Stream& stream) {
         for (const auto& message : messages)
             if (const auto* limits = std::get_if<messages::QualityLimits>(&message)) remember(*limits);
         if (viewWaits_) {
-            if (view_->cloud) hello_.cloud = *view_->cloud;
+            if (view_->cloud) hello_.cloud = cloud_ = *view_->cloud;
             messages.push_back(*view_);
         }
         viewWaits_ = false;
@@ -171,11 +216,16 @@ Expected<void> LiveStream::handle(Stream& stream, StreamEvent event) {
         // At once, so that the server sees what the line brings and not how long the callback takes: while
         // that runs nothing is read, so the server's window bounds what waits.
         if (auto ok = stream.ack(frame->header); !ok) return ok;
+        hello_.frame = frame->header.frameId;
         tell(listener_.frame, std::move(*frame));
     }
     if (const auto* stats = std::get_if<messages::Stats>(&event)) tell(listener_.stats, *stats);
     if (const auto* picked = std::get_if<messages::Picked>(&event)) tell(listener_.picked, *picked);
     if (const auto* report = std::get_if<messages::ProblemReport>(&event)) tell(listener_.problem, *report);
+    if (const auto* drain = std::get_if<messages::Drain>(&event)) {
+        moveAt_ = Clock::now() + std::chrono::milliseconds(drain->afterMilliseconds);
+        moves_ = 0;
+    }
     return {};
 }
 

@@ -1,5 +1,6 @@
 // A live session that looks after itself: a thread of its own receives, acknowledges, and connects again when
-// the connection is lost; what arrives is told by callbacks.
+// the connection is lost; what arrives is told by callbacks. A server that says that it will be gone is left for another one
+// at the same address, which goes on with the session, before it goes.
 //
 //     client::LiveStream stream(*url, {.cloud = "town"}, {.frame = [&](client::ReceivedFrame frame) {
 //     show(frame); }}); stream.show(view);   // from any thread; the latest wins
@@ -28,7 +29,8 @@ struct LiveListener {
     std::function<void(const messages::Stats&)> stats;
     std::function<void(const messages::Picked&)> picked;
     std::function<void(const messages::ProblemReport&)> problem;  ///< a message was refused
-    /// Connected, at first and again; `resumed` when it is the session from before.
+    /// Connected, at first and again; `resumed` when it is the session from before. Comes without `lost` where one server hands
+    /// over to another.
     std::function<void(const messages::Welcome&, bool resumed)> connected;
     /// The connection is gone; the next attempt is made after `wait`.
     std::function<void(const Error&, std::chrono::milliseconds wait)> lost;
@@ -60,7 +62,10 @@ class LiveStream {
 
   private:
     void run(const std::stop_token& stop);
-    Error serve(Stream& stream, const std::stop_token& stop);
+    Expected<Stream> open(const Timeouts& timeouts);
+    Error serve(Stream& stream, const std::stop_token& stop, std::optional<Stream>& next);
+    bool moveOn(std::optional<Stream>& next);
+    void sayWhatIsSeen();
     Expected<void> sendWaiting(Stream& stream);
     void remember(const messages::QualityLimits& limits);
     Expected<void> handle(Stream& stream, StreamEvent event);
@@ -73,6 +78,11 @@ class LiveStream {
     messages::Hello hello_;  // the thread's own, as is what follows
     std::string session_;
     bool wasConnected_ = false;
+    bool saysView_ = true;                                         // older servers refuse a hello with a view
+    std::string cloud_;                                            // that is shown
+    messages::ViewChange first_;                                   // what the last welcome said
+    std::optional<std::chrono::steady_clock::time_point> moveAt_;  // the server has said that it will be gone
+    int moves_ = 0;                                                // that were tried since
 
     std::mutex mutex_;
     std::condition_variable_any changed_;

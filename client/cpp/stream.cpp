@@ -54,6 +54,7 @@ Expected<std::optional<StreamEvent>> eventOf(std::span<const std::uint8_t> bytes
     if (auto* stats = std::get_if<messages::Stats>(&*message)) return std::move(*stats);
     if (auto* problem = std::get_if<messages::ProblemReport>(&*message)) return std::move(*problem);
     if (auto* picked = std::get_if<messages::Picked>(&*message)) return std::move(*picked);
+    if (auto* drain = std::get_if<messages::Drain>(&*message)) return *drain;
     if (auto* pong = std::get_if<messages::Pong>(&*message)) return *pong;
     if (const auto* bye = std::get_if<messages::Bye>(&*message))
         return tl::unexpected(goodbye(static_cast<std::uint16_t>(bye->code), bye->reason));

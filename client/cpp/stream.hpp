@@ -29,8 +29,8 @@ struct ReceivedFrame {
 };
 
 /// Whatever may come next from a server.
-using StreamEvent =
-    std::variant<ReceivedFrame, messages::Stats, messages::Picked, messages::ProblemReport, messages::Pong>;
+using StreamEvent = std::variant<ReceivedFrame, messages::Stats, messages::Picked, messages::ProblemReport,
+                                 messages::Drain, messages::Pong>;
 
 class Stream {
   public:

@@ -10,7 +10,7 @@ namespace scancast {
 
 namespace {
 
-/// Bytes that all ranks together may send one in a round, but for the last node of each.
+/// RankBytes that all ranks together may send one in a round, but for the last node of each.
 constexpr std::uint64_t bytesOfSampleRound = std::uint64_t(64) << 20;
 
 /// Numbers of others' nodes near this rank's, by who owns them, each once.

@@ -5,6 +5,7 @@
 #include <new>
 #include <nlohmann/json.hpp>
 
+#include "protocol/flags/exit_codes.hpp"
 #include "ranks/commands.hpp"
 #include "ranks/ingest/rank_ingest.hpp"
 #include "ranks/mpi/session.hpp"
@@ -74,27 +75,39 @@ Expected<IngestReport> ingestByRanks(const IngestArguments& arguments, MpiSessio
                          ".");
 }
 
-Expected<void> runRanksIngest(const IngestArguments& arguments, bool& isTeller) {
+/// As people are told.
+Error readable(Error error, bool recover) {
+    if (error.code == ErrorCode::Cancelled)
+        return {ErrorCode::Cancelled, "Interrupted; no cloud file was left behind.", {}};
+    return withRecovery(std::move(error), recover).value();
+}
+
+int failed(const Error& error) {
+    tell("scancast-ranks ingest: {}\n", error.message);
+    return exitFailed;
+}
+
+/// What the program exits with. One rank says why, while the others are still there: when the first is gone, mpirun ends them all.
+int runRanksIngest(const IngestArguments& arguments) {
     const auto start = IngestClock::now();
     returnMemoryOfChunks();
     const Interruption interruption;  // before MPI has threads
     auto session = MpiSession::start(interruption.token());
-    if (!session) return passOn(session);
-    isTeller = (*session)->world().isFirst();
+    if (!session) return failed(session.error());
+    const bool isTeller = (*session)->world().isFirst();
     ProgressBar bar(stderr,
                     arguments.quiet || !isTeller ? ProgressBar::Style::Quiet : ProgressBar::Style::Automatic);
     nlohmann::json look;
     const auto report = ingestByRanks(arguments, **session, interruption.token(), bar, look);
-    session->reset();  // what is left is rank 0's alone
     bar.clear();
+    if (!report && isTeller) failed(readable(report.error(), arguments.recover));
+    session->reset();  // what is left is rank 0's alone
+    if (!report) return exitFailed;
+    if (!isTeller) return 0;
     const double seconds = std::chrono::duration<double>(IngestClock::now() - start).count();
-    if (!report && report.error().code == ErrorCode::Cancelled)
-        return fail(ErrorCode::Cancelled, "Interrupted; no cloud file was left behind.");
-    if (!report) return withRecovery(report.error(), arguments.recover);
-    if (!isTeller) return {};
-    if (auto ok = keepLookOf(arguments, look); !ok) return ok;
+    if (const auto ok = keepLookOf(arguments, look); !ok) return failed(ok.error());
     if (!arguments.quiet) tellIngested(arguments, *report, seconds);
-    return {};
+    return 0;
 }
 
 constexpr const char* ranksIngestExamples =
@@ -122,12 +135,7 @@ void addRanksIngest(CLI::App& app, int& exitCode) {
                    "there. The file is the "
                    "same whatever the number");
     command->footer(ranksIngestExamples);
-    command->callback([arguments, &exitCode] {
-        bool isTeller = true;
-        const auto done = runRanksIngest(*arguments, isTeller);
-        exitCode = done ? 0 : 1;
-        if (!done && isTeller) tell("scancast-ranks ingest: {}\n", done.error().message);
-    });
+    command->callback([arguments, &exitCode] { exitCode = runRanksIngest(*arguments); });
 }
 
 }  // namespace scancast

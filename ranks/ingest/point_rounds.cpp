@@ -9,7 +9,7 @@ namespace scancast {
 
 namespace {
 
-/// Bytes that all ranks together may send one in a round, were all of it for that one.
+/// RankBytes that all ranks together may send one in a round, were all of it for that one.
 constexpr std::uint64_t bytesOfRound = std::uint64_t(64) << 20;
 
 /// Before each run.

@@ -24,6 +24,14 @@ namespace scancast {
 
 namespace {
 
+/// Rank 0's; elsewhere null. All ranks hear why not.
+Expected<std::unique_ptr<CloudFileWriter>> createFile(const IngestOptions& options,
+                                                      const Communicator& ranks) {
+    Expected<std::unique_ptr<CloudFileWriter>> file;
+    if (ranks.isFirst()) file = CloudFileWriter::create(options.output, options.readers);
+    return ranks.agree(std::move(file));
+}
+
 class RankIngest {
   public:
     RankIngest(const IngestOptions& options, const RankRoom& room, const MemoryShares& memory,
@@ -37,17 +45,17 @@ class RankIngest {
           workspace_(memory.workspace, scratchFolder(options)),
           shelf_(workspace_) {}
 
-    Expected<IngestReport> run(SharedScans scans, CloudFileWriter* file) {
+    Expected<IngestReport> run(SharedScans scans) {
         if (auto ok = read(scans); !ok) return passOn(ok);
         Expected<BuiltOctree> octree;
         tbb::task_arena arena(options_.threads);
-        arena.execute([&] { octree = build(file); });
+        arena.execute([&] { octree = build(); });
         if (!octree) return passOn(octree);
         Expected<IngestReport> report = IngestReport();
-        if (file) {
+        if (file_) {
             BuiltCloud cloud{.facts = std::move(plan_.facts), .octree = std::move(*octree)};
             completeFacts(cloud.facts, plan_.input, cloud.octree);
-            report = finishFile(std::move(cloud), options_, *file, stop_);
+            report = finishFile(std::move(cloud), options_, *file_, stop_);
         }
         report = agreed(std::move(report));
         std::array<std::uint64_t, 1> scratch{workspace_.mostOnDisk()};
@@ -84,7 +92,7 @@ class RankIngest {
     }
 
     /// The octree, at rank 0; elsewhere nothing.
-    Expected<BuiltOctree> build(CloudFileWriter* file) {
+    Expected<BuiltOctree> build() {
         const OctreeInput& input = plan_.input;
         BuildNode root;
         DividedTop top;
@@ -109,8 +117,12 @@ class RankIngest {
         const std::vector<BuildNode*> inner = innerNodes(root);
         ValueSketch curvatures;
         if (auto ok = finishOwn(tree, root, inner, curvatures); !ok) return passOn(ok);
-        if (auto ok = gatherFile(tree, inner, shelf_, parts, file, ranks_); !ok) return passOn(ok);
-        if (!file) return BuiltOctree();
+        // Only now: where a rank is killed before, there is nothing that nobody is left to remove.
+        auto file = createFile(options_, ranks_);
+        if (!file) return passOn(file);
+        file_ = std::move(*file);
+        if (auto ok = gatherFile(tree, inner, shelf_, parts, file_.get(), ranks_); !ok) return passOn(ok);
+        if (!file_) return BuiltOctree();
         BuiltOctree octree = numberTree(root, input, true, curvatures);
         octree.sure = SureCount{sureness[0], sureness[1]}.share();
         return octree;
@@ -175,6 +187,7 @@ class RankIngest {
     const std::stop_token& stop_;
     Workspace workspace_;
     BlockShelf shelf_;
+    std::unique_ptr<CloudFileWriter> file_;  ///< rank 0's, at the end
     ScanHeader header_;
     StagedScan scan_;
     BuildPlan plan_;
@@ -211,12 +224,10 @@ Expected<IngestReport> begin(std::vector<std::unique_ptr<PointSource>> sources, 
     if (!scans) return passOn(scans);
     if (auto ok = ranks.agree(checkRoom(scans->source(), scans->pointsToRead(), options, room)); !ok)
         return passOn(ok);
-    Expected<std::unique_ptr<CloudFileWriter>> file;
-    if (ranks.isFirst()) file = CloudFileWriter::create(options.output, options.readers);
-    file = ranks.agree(std::move(file));
-    if (!file) return passOn(file);
+    // Whether it could be written is told now.
+    if (auto file = createFile(options, ranks); !file) return passOn(file);
     RankIngest ingest(options, room, shareMemory(*limit, options.threads, options.shape), progress, stop);
-    auto report = ingest.run(std::move(*scans), file->get());
+    auto report = ingest.run(std::move(*scans));
     if (report)
         report->seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     return report;

@@ -1,8 +1,7 @@
 #include "ranks/mpi/session.hpp"
 
-#include <fmt/format.h>
-
 #include <cstdio>
+#include <cstdlib>
 
 #include "protocol/text/plain_text.hpp"
 
@@ -42,6 +41,13 @@ void MpiSession::abortAll(std::string_view sentence) {
     std::fflush(stderr);
     MPI_Abort(MPI_COMM_WORLD, 1);
     std::abort();  // it does not return
+}
+
+bool isFirstOfMany() {
+    // What Open MPI, and starters that speak PMI, tell each process.
+    for (const char* const name : {"OMPI_COMM_WORLD_RANK", "PMIX_RANK", "PMI_RANK"})
+        if (const char* const rank = std::getenv(name)) return std::string_view(rank) == "0";
+    return true;
 }
 
 }  // namespace scancast

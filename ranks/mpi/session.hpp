@@ -37,4 +37,7 @@ class MpiSession {
     int onThisMachine_ = 1;
 };
 
+/// Before MPI is started: this process is the one that speaks for all that mpirun started, or it was started alone.
+bool isFirstOfMany();
+
 }  // namespace scancast

@@ -14,6 +14,8 @@
 #include <string>
 #include <string_view>
 
+#include "server/base/signed_text.hpp"
+
 namespace scancast {
 
 struct GuestToken {
@@ -36,12 +38,8 @@ constexpr bool isGuestToken(std::string_view text) {
 std::string signedToken(const GuestToken& token, std::string_view key);
 
 /// As it is written, and not believed yet.
-struct ClaimedGuestToken {
+struct ClaimedGuestToken : SignedText {
     GuestToken token;
-    std::string text;       ///< what is signed
-    std::string signature;  ///< as bytes
-    /// Compares in constant time.
-    bool isSignedWith(std::string_view key) const;
 };
 /// nullopt for everything that signedToken() never writes.
 std::optional<ClaimedGuestToken> parseGuestToken(std::string_view text);

@@ -175,6 +175,18 @@ struct Metrics::Families {
                                       .Help("Open stream sessions")
                                       .Register(registry)
                                       .Add({});
+    prometheus::Gauge& draining =
+        prometheus::BuildGauge()
+            .Name("scancast_draining")
+            .Help("1 when the server takes no new streams, because it is about to end")
+            .Register(registry)
+            .Add({});
+    prometheus::Gauge& saturation =
+        prometheus::BuildGauge()
+            .Name("scancast_render_saturation")
+            .Help("Share of the last 15 seconds in which the render thread was at work, 0 to 1")
+            .Register(registry)
+            .Add({});
     prometheus::Gauge& connections =
         prometheus::BuildGauge()
             .Name("scancast_connections")
@@ -433,6 +445,14 @@ void Metrics::setQueues(const QueueLengths& lengths) {
     set("snapshots", lengths.snapshots);
     set("blocks", lengths.blocks);
     set("encodings", lengths.encodings);
+}
+
+void Metrics::setRenderSaturation(double share) {
+    families_->saturation.Set(share);
+}
+
+void Metrics::setDraining() {
+    families_->draining.Set(1);
 }
 
 void Metrics::pictureRefused(CostRefusal why) {

@@ -79,6 +79,10 @@ class Metrics {
     /// From when it was asked for to its first turn on the device; `kind` is of a static table: "moving".
     void pictureWaited(std::string_view kind, double seconds);
     void setQueues(const QueueLengths& lengths);
+    /// Of the last seconds, the share in which the render thread was at work.
+    void setRenderSaturation(double share);
+    /// The server takes nobody any more.
+    void setDraining();
     /// What draws from now on; an empty name = nothing.
     void setDevice(std::string_view name, std::string_view renderer);
     void deviceLost();

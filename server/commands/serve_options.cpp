@@ -39,6 +39,8 @@ Expected<AccessTokens> accessTokens(const ServeOptions& options) {
         return passOn(ok);
     if (auto ok = read(options.guestKeyFile, "guest-key-file", "guests", tokens.guestKeys); !ok)
         return passOn(ok);
+    if (auto ok = read(options.sessionKeyFile, "session-key-file", "sessions", tokens.sessionKeys); !ok)
+        return passOn(ok);
     for (const NamedToken& admin : tokens.admins) {
         const auto same = std::ranges::find(tokens.users, admin.token, &NamedToken::token);
         if (same == tokens.users.end()) continue;
@@ -158,6 +160,11 @@ void addServeFlags(CLI::App& app, ServeOptions& options) {
     flag("--data-root", options.server.dataRoot, "SCANCAST_DATA_ROOT",
          "Folder whose scans the administrator may add while the server runs (POST /api/v1/clouds)")
         ->type_name("FOLDER");
+    flag("--catalog", options.catalog, "SCANCAST_CATALOG",
+         "Folder whose cloud files are served for as long as they are there: it is looked at every two "
+         "seconds. "
+         "Scans and folders in it are left out")
+        ->type_name("FOLDER");
     flag(
         "--importers", options.importers, "SCANCAST_IMPORTERS",
         "How many files importers may read at the same time; files that need no importer never wait for them")
@@ -210,6 +217,13 @@ void addServeFlags(CLI::App& app, ServeOptions& options) {
          "File with the keys that sign guest links (scancast guest-link), as scancast token prints them. The "
          "first one signs, all are accepted. Needs --auth-token-file")
         ->type_name("FILE");
+    flag("--session-key-file", options.sessionKeyFile, "SCANCAST_SESSION_KEY_FILE",
+         "File with the keys that sign the sessions' tokens, as scancast token prints them. Servers that "
+         "share it "
+         "go on with each other's sessions. The first one signs, all are accepted. Without it every server "
+         "has a "
+         "key of its own")
+        ->type_name("FILE");
     flag("--tls-cert", options.server.tls.certificate, "SCANCAST_TLS_CERT",
          "Certificate chain in PEM format, to serve https and wss")
         ->type_name("FILE");
@@ -221,6 +235,14 @@ void addServeFlags(CLI::App& app, ServeOptions& options) {
          "(Strict-Transport-Security); 0 = do not send that header")
         ->type_name("S")
         ->check(CLI::Range(0, 10 * 31'536'000));
+    flag(
+        "--drain-seconds", options.drainSeconds, "SCANCAST_DRAIN_SECONDS",
+        "Where there are other servers at the same address: after SIGTERM, how long clients have to go to "
+        "one of "
+        "them, one after the other, while this one takes no new ones and still draws. 0 = they are sent away "
+        "at once")
+        ->type_name("S")
+        ->check(CLI::Range(0, 86400));
     flag("--config", options.config, "SCANCAST_CONFIG",
          "JSON file with flag names as keys. Flags and environment variables take precedence")
         ->type_name("FILE");
@@ -276,7 +298,8 @@ Expected<std::size_t> maxConnections(const ServeOptions& options) {
     ConnectionWish wish;
     wish.sessions = options.server.limits.maxSessions;
     if (options.maxConnections > 0) wish.asked = options.maxConnections;
-    wish.clouds = options.files.size() + options.live.size();
+    wish.clouds =
+        options.catalog.empty() ? options.files.size() + options.live.size() : options.server.maxClouds;
     return fittingConnections(wish, raiseFileLimit(wish.files(wish.connections())));
 }
 
@@ -334,7 +357,8 @@ Expected<std::vector<LiveInput>> liveInputs(const ServeOptions& options) {
 }
 
 Expected<void> check(const ServeOptions& options) {
-    if (options.files.empty() && options.live.empty() && options.server.dataRoot.empty()) {
+    if (options.files.empty() && options.live.empty() && options.catalog.empty() &&
+        options.server.dataRoot.empty()) {
         return fail(ErrorCode::InvalidArgument,
                     "Nothing to serve: name at least one scan. Without one at hand, make a town: "
                     "scancast generate town --points 2000000 -o town.las && scancast serve town.las");
@@ -387,7 +411,8 @@ Expected<void> checkFlags(const ServeOptions& options) {
     if (auto ok = parseGpuMemoryLimit(options.gpuMemoryLimit); !ok) return passOn(ok);
     std::error_code error;
     for (const auto& [flag, folder] :
-         {std::pair("cache-dir", &options.cacheDir), std::pair("data-root", &options.server.dataRoot)}) {
+         {std::pair("cache-dir", &options.cacheDir), std::pair("data-root", &options.server.dataRoot),
+          std::pair("catalog", &options.catalog)}) {
         if (folder->empty() || std::filesystem::is_directory(*folder, error)) continue;
         return fail(
             ErrorCode::InvalidArgument,

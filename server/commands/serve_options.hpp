@@ -22,7 +22,10 @@ struct ServeOptions {
     ServerOptions server;
     DeviceOptions device;
     bool insecure = false;
-    std::filesystem::path authTokenFile, adminTokenFile, guestKeyFile;  ///< empty = none
+    std::filesystem::path authTokenFile, adminTokenFile, guestKeyFile, sessionKeyFile;  ///< empty = none
+    std::filesystem::path
+        catalog;           ///< a folder whose cloud files are served as they come and go; empty = none
+    int drainSeconds = 0;  ///< for which clients are given time to go to another server
     std::size_t maxConnections = 0;  ///< 0 = what sessions need, and short requests
     std::string adminListen;         ///< as written: "127.0.0.1:9090"; empty = nowhere
     std::vector<std::string> trustedProxies;
@@ -52,7 +55,7 @@ Expected<void> findFiles(ServeOptions& options);
 /// What no single flag can know. InvalidArgument: an address that needs a token or --insecure, an origin that is none,
 /// connections that do not fit.
 Expected<void> checkFlags(const ServeOptions& options);
-/// The same, and that there is something to serve: a file, a live source or a data root.
+/// The same, and that there is something to serve: a file, a live source, a catalog or a data root.
 Expected<void> check(const ServeOptions& options);
 
 /// What --live names. InvalidArgument for what is not NAME=PATH, and for a path that is named twice.
@@ -82,7 +85,7 @@ Expected<std::size_t> maxConnections(const ServeOptions& options);
 /// --admin-listen; empty when it was not given. InvalidArgument when it is none.
 Expected<std::optional<ListenAddress>> adminListen(const ServeOptions& options);
 
-/// What --auth-token-file, --admin-token-file and --guest-key-file hold; an error names the flag, and never a token.
+/// What --auth-token-file, --admin-token-file, --guest-key-file and --session-key-file hold; an error names the flag, and never a token.
 Expected<AccessTokens> accessTokens(const ServeOptions& options);
 
 /// "localhost", 127.x.x.x, "::1".

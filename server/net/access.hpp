@@ -30,6 +30,8 @@ struct AccessTokens {
     std::vector<NamedToken> admins{};
     /// Of --guest-key-file; without any there are no guests.
     std::vector<NamedToken> guestKeys{};
+    /// Of --session-key-file; without any, sessions go on at this server alone.
+    std::vector<NamedToken> sessionKeys{};
 };
 
 /// The clouds that there are for somebody: of a guest, one.

@@ -205,7 +205,7 @@ class HttpConnection final : public Connection, public std::enable_shared_from_t
         if (!routed) return write(std::move(routed.error()), "refused");
         inHand_.record().token = routed->grant.identity.name;
         const bool upgrade = beast::websocket::is_upgrade(parser_->get());
-        if (routed->route == Route::Stream && upgrade && context_.scheduler.draining())
+        if (routed->route == Route::Stream && upgrade && context_.api.leaving())
             return write(problemResponse(problemOf(503, "The server is shutting down.", routed->path)),
                          pattern(Route::Stream));
         if (routed->route == Route::Stream && upgrade) {

@@ -120,7 +120,7 @@ class MjpegConnection final : public SessionHost {
         SessionOptions options;
         options.window = 1;
         options.endsWithLeader = true;
-        if (context_.scheduler.draining())
+        if (context_.api.leaving())
             return refuse(problemOf(503, "The server is shutting down; try again later."));
         if (!openSession(ClientKind::Mjpeg, std::move(options)))
             return refuse(problemOf(503, "All sessions are taken; try again later."));

@@ -77,6 +77,16 @@ struct NetContext {
     std::atomic<std::size_t> refusedLingering{0};  ///< refused_connection.cpp
     std::atomic<std::size_t> sessions{0};
     ResumeStore resumable{};
+    std::atomic<std::chrono::steady_clock::duration> leavesAt{{}};  ///< 0: it stays
+
+    /// How long the server will be there, when it takes nobody any more.
+    std::optional<std::chrono::milliseconds> leavesIn() const {
+        const std::chrono::steady_clock::duration at = leavesAt;
+        if (at == std::chrono::steady_clock::duration{}) return std::nullopt;
+        const auto left = at - std::chrono::steady_clock::now().time_since_epoch();
+        return std::max(std::chrono::milliseconds(0),
+                        std::chrono::duration_cast<std::chrono::milliseconds>(left));
+    }
 
     ConnectionRegister& registerOf(Entrance entrance) {
         return entrance == Entrance::Public ? connections : probes;

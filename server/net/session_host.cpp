@@ -1,5 +1,7 @@
 #include "server/net/session_host.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <boost/asio/post.hpp>
 #include <nlohmann/json.hpp>
@@ -13,6 +15,15 @@
 namespace scancast {
 
 namespace asio = boost::asio;
+
+namespace {
+
+/// The same on all servers that know the same tokens and keys.
+std::string ownerOf(const Identity& identity) {
+    return fmt::format("{}\n{}\n{}", int(identity.kind), identity.name, identity.cloud);
+}
+
+}  // namespace
 
 SessionHost::SessionHost(const Executor& strand, NetContext& context, Grant grant, RequestRecord record)
     : context_(context),
@@ -76,6 +87,7 @@ bool SessionHost::openSession(ClientKind client, SessionOptions options) {
     registration_ = context_.sessionRegister.enter(client, weak_from_this());
     options.registration = registration_.get();
     options.id = registration_->id();
+    options.owner = ownerOf(grant_.identity);
     options.maxPixels = context_.limits.maxPixels;
     options.mayFollow = grant_.identity.kind != IdentityKind::Guest;
     options.stills.quiet = context_.limits.quiet;
@@ -155,6 +167,12 @@ void SessionHost::lookAround() {
         });
     });
     if (!posted) willLook_ = false;  // or it would never look again
+}
+
+void SessionHost::moveOn(const messages::Drain& drain) {
+    std::ignore = contained("Telling a session", [&] {
+        later(strand_, weak_from_this(), [drain](StreamSession& session) { session.moveOn(drain); });
+    });
 }
 
 void SessionHost::order(std::uint64_t number, PictureOrder order) {

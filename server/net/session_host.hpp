@@ -34,6 +34,7 @@ class SessionHost : public Connection,
     void sayGoodbye() override { shutDown(); }
     void changeView(messages::ViewChange change, Changed done) override;
     void lookAround() override;
+    void moveOn(const messages::Drain& drain) override;
 
     void order(std::uint64_t number, PictureOrder order) override;
     bool replaceWaiting(std::uint64_t number, PictureOrder order) override;

@@ -60,10 +60,15 @@ class StreamConnection final : public SessionHost {
         // tcp_stream's own deadlines belong to HTTP; from here on the WebSocket keeps time.
         ws_.next_layer().tcp().expires_never();
         websocket::stream_base::timeout patience;
-        patience.handshake_timeout = context_.limits.closeTimeout;
+        // Beast's own clock also runs while a client that has answered a close keeps its line open. A read that waits then must
+        // end before that clock does (Boost 1.74 asserts it): closeTimer_ goes first, by far.
+        patience.handshake_timeout = 2 * context_.limits.closeTimeout;
         patience.idle_timeout = context_.limits.idleTimeout;
         patience.keep_alive_pings = true;
         ws_.set_option(patience);
+        ws_.control_callback([this](websocket::frame_type kind, beast::string_view) {
+            if (kind == websocket::frame_type::close && !closing_) cutSoon();
+        });
         ws_.read_message_max(context_.limits.maxHelloBytes);
         ws_.auto_fragment(false);
         const bool known = offersProtocol(request_);
@@ -111,11 +116,7 @@ class StreamConnection final : public SessionHost {
         if (closing_) return;
         endsBecause(fmt::format("closed {}: {}", int(code), reason));
         closing_ = websocket::close_reason(websocket::close_code(code), shortReason(std::move(reason)));
-        closeTimer_.expires_after(context_.limits.closeTimeout);
-        closeTimer_.async_wait([weak = weak_from_this()](error_code ec) {
-            const auto self = std::static_pointer_cast<StreamConnection>(weak.lock());
-            if (self && !ec) self->cut();
-        });
+        cutSoon();
         if (!writing_) sendClose();
     }
 
@@ -126,6 +127,15 @@ class StreamConnection final : public SessionHost {
         queue_.resize(1);  // what is being written
         texts_.resize(unread_ = queue_.front().text.size());
         close(CloseCode::TryAgainLater, "Frames are not read as fast as they come, and memory is short.");
+    }
+
+    /// The line ends with what is said last, or when its time is over, whatever the client does.
+    void cutSoon() {
+        closeTimer_.expires_after(context_.limits.closeTimeout);
+        closeTimer_.async_wait([weak = weak_from_this()](error_code ec) {
+            const auto self = std::static_pointer_cast<StreamConnection>(weak.lock());
+            if (self && !ec) self->cut();
+        });
     }
 
     std::shared_ptr<StreamConnection> self() {
@@ -169,6 +179,7 @@ class StreamConnection final : public SessionHost {
         options.resumable = &context_.resumable;
         if (!openSession(ClientKind::WebSocket, std::move(options))) return false;
         if (context_.scheduler.draining()) session()->goAway();  // came in with the last goodbyes
+        if (const auto left = context_.leavesIn()) session()->moveOn({0, std::uint64_t(left->count())});
         return true;
     }
 

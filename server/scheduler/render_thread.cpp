@@ -106,7 +106,9 @@ bool Scheduler::renderStep() {
     {
         Monitor::Lock lock(monitor_);
         awaySince_ = Clock::duration{};
+        busy_.end(Clock::now());
         monitor_.wait(lock, [this] { return renderIsDue(); });
+        busy_.begin(Clock::now());
         comeBack();
         if (turns_.stopping()) return false;
     }

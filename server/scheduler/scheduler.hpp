@@ -23,6 +23,7 @@
 #include <thread>
 #include <vector>
 
+#include "server/base/busy_share.hpp"
 #include "server/base/metrics.hpp"
 #include "server/base/transient_memory.hpp"
 #include "server/catalog/memory_room.hpp"
@@ -72,6 +73,9 @@ class Scheduler {
     /// How long the render thread has been away: at a picture, since it began or last paused, or at opening a
     /// device. 0 while it waits for work: a thread that is stuck is away for ever. Never waits.
     std::chrono::milliseconds silence() const;
+
+    /// Of the last seconds, the share in which the render thread was at work: 1 when more is asked for than it draws.
+    double saturation() const { return busy_.of(Clock::now()); }
 
     MailboxId openMailbox();
     /// Forgets the waiting request and stops the running one: the client is gone.
@@ -180,6 +184,8 @@ class Scheduler {
     bool rendering_ = true;  // the render thread may still have something encoded
     // Beside the lock, so that whoever asks whether threads are stuck does not wait for one; 0 = not away.
     std::atomic<Clock::duration> awaySince_{Clock::now().time_since_epoch()};
+
+    BusyShare busy_;
 
     // The render thread's own.
     std::optional<Painter> painter_;

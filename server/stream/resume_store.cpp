@@ -1,45 +1,61 @@
 #include "server/stream/resume_store.hpp"
 
-#include <openssl/crypto.h>
 #include <openssl/rand.h>
 
 #include <algorithm>
-#include <array>
 #include <utility>
+
+#include "server/stream/session_token.hpp"
 
 namespace scancast {
 namespace {
 
-std::optional<std::string> randomToken() {
-    std::array<unsigned char, 32> bytes{};
-    if (RAND_bytes(bytes.data(), int(bytes.size())) != 1) return std::nullopt;
-    std::string token;
-    for (const unsigned char byte : bytes) {
-        token.push_back("0123456789abcdef"[byte >> 4]);
-        token.push_back("0123456789abcdef"[byte & 15]);
-    }
-    return token;
+std::optional<std::string> randomBytes(std::size_t size) {
+    std::string bytes(size, '\0');
+    if (RAND_bytes(reinterpret_cast<unsigned char*>(bytes.data()), int(size)) != 1) return std::nullopt;
+    return bytes;
 }
 
-// However much of it is right, a wrong token takes the same time.
-bool same(std::string_view a, std::string_view b) {
-    return a.size() == b.size() && CRYPTO_memcmp(a.data(), b.data(), a.size()) == 0;
+std::vector<std::string> ownKey() {
+    constexpr std::size_t keyBytes = 32;
+    auto key = randomBytes(keyBytes);
+    if (!key) return {};
+    return {std::move(*key)};
 }
 
 }  // namespace
 
-std::optional<ResumeStore::Ticket> ResumeStore::open(std::function<void()> onTaken) {
-    auto token = randomToken();
-    if (!token) return std::nullopt;
+ResumeStore::ResumeStore(ResumeOptions options) : options_(std::move(options)), keys_(ownKey()) {}
+
+void ResumeStore::setKeys(std::vector<std::string> keys) {
+    if (keys.empty()) keys = ownKey();
     const std::lock_guard lock(mutex_);
-    entries_[++lastKey_] = {*token, std::move(onTaken), std::nullopt, std::nullopt};
-    return Ticket{lastKey_, std::move(*token)};
+    keys_ = std::move(keys);
+}
+
+std::int64_t ResumeStore::unixTime() const {
+    if (options_.unixTime) return options_.unixTime();
+    const auto now = std::chrono::system_clock::now().time_since_epoch();
+    return std::chrono::duration_cast<std::chrono::seconds>(now).count();
+}
+
+std::optional<ResumeStore::Ticket> ResumeStore::open(Opening opening) {
+    auto nonce = randomBytes(sessionNonceBytes);
+    if (!nonce) return std::nullopt;
+    SessionToken token{opening.session, std::clamp<std::uint32_t>(opening.turn, 1, lastTurn),
+                       unixTime() + options_.tokenLife.count(), ownerDigest(opening.owner),
+                       std::move(*nonce)};
+    const std::lock_guard lock(mutex_);
+    if (keys_.empty()) return std::nullopt;
+    std::string text = signedToken(token, keys_.front());
+    entries_[++lastKey_] = {std::move(opening.session), text, token.turn, std::move(opening.onTaken), {}, {}};
+    return Ticket{lastKey_, std::move(text)};
 }
 
 void ResumeStore::keep(Key key, SavedSession session) {
     const std::lock_guard lock(mutex_);
     const auto at = entries_.find(key);
-    if (at != entries_.end()) at->second.session = std::move(session);
+    if (at != entries_.end()) at->second.saved = std::move(session);
 }
 
 void ResumeStore::leave(Key key, Time now) {
@@ -47,7 +63,7 @@ void ResumeStore::leave(Key key, Time now) {
     dropLate(now);
     const auto at = entries_.find(key);
     if (at == entries_.end()) return;
-    if (!at->second.session || options_.mostAway == 0) {
+    if (!at->second.saved || options_.mostAway == 0) {
         entries_.erase(at);
         return;
     }
@@ -68,21 +84,34 @@ void ResumeStore::forget(Key key) {
     entries_.erase(key);
 }
 
-std::optional<SavedSession> ResumeStore::resume(std::string_view token, Time now) {
-    Entry taken;
+std::optional<ResumedSession> ResumeStore::resume(std::string_view token, std::string_view owner, Time now) {
+    const auto claimed = parseSessionToken(token);
+    if (!claimed) return std::nullopt;
+    const SessionToken& claim = claimed->token;
+    if (claim.owner != ownerDigest(owner) || unixTime() >= claim.expires) return std::nullopt;
+    ResumedSession resumed{claim.session, claim.turn, {}};
+    std::vector<std::function<void()>> taken;
     {
         const std::lock_guard lock(mutex_);
         dropLate(now);
-        auto found = entries_.end();
-        for (auto at = entries_.begin(); at != entries_.end(); ++at) {
-            if (same(at->second.token, token)) found = at;
+        if (std::ranges::none_of(keys_, [&](const auto& key) { return claimed->isSignedWith(key); }))
+            return std::nullopt;
+        const auto isOfIt = [&](const auto& entry) { return entry.second.session == claim.session; };
+        const auto isLater = [&](const auto& entry) {
+            return isOfIt(entry) && (entry.second.turn > claim.turn ||
+                                     (entry.second.turn == claim.turn && entry.second.token != token));
+        };
+        if (std::ranges::any_of(entries_, isLater)) return std::nullopt;
+        // Those of earlier turns: the session was gone on with elsewhere, and has come back.
+        for (auto& [key, entry] : entries_) {
+            if (entry.session != claim.session) continue;
+            if (entry.turn == claim.turn) resumed.saved = std::move(entry.saved);
+            if (entry.onTaken) taken.push_back(std::move(entry.onTaken));
         }
-        if (found == entries_.end()) return std::nullopt;
-        taken = std::move(found->second);
-        entries_.erase(found);
+        std::erase_if(entries_, isOfIt);
     }
-    if (taken.onTaken) taken.onTaken();
-    return std::move(taken.session);
+    for (const auto& tell : taken) tell();
+    return resumed;
 }
 
 std::size_t ResumeStore::size() const {

@@ -1,9 +1,12 @@
-// What sessions need to go on after their connection broke: each has a token, good once, and for a minute
-// after the connection was lost. A token of a session that is still connected moves it to the new connection:
-// a client often knows before the server that a line is dead.
+// What sessions need to go on after their connection broke. Each has a token, which any server with the same key believes
+// (session_token.hpp); and for a minute after the connection was lost, this server remembers what it showed. A token of a session
+// that is still connected moves it to the new connection: a client often knows before the server that a line is dead.
+//
+// What is remembered is given away once. A token that comes when nothing is remembered says whose session it is and no more: the
+// client has to say what it saw. One that a later token of the same session has been issued for here is a replay, and good for nothing.
 //
 // Owned by the server, which outlives every session. *Thread safety*: every function may be called from any
-// thread; `onTaken` comes from inside resume() and must only post. No clock of its own.
+// thread; `onTaken` comes from inside resume() and must only post. Its only clock is that of tokens' expiry.
 #pragma once
 
 #include <chrono>
@@ -14,6 +17,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "protocol/view/view.hpp"
 #include "server/stream/quality.hpp"
@@ -29,9 +33,18 @@ struct SavedSession {
     std::uint64_t lastFrame = 0;  ///< numbers go on behind it
 };
 
+/// What a token was good for.
+struct ResumedSession {
+    std::string id;          ///< of the session
+    std::uint32_t turn = 0;  ///< of the token: the connection that goes on with it has the next one
+    std::optional<SavedSession> saved{};  ///< empty: another server showed it, or it is too long ago
+};
+
 struct ResumeOptions {
-    std::chrono::seconds lifetime{60};  ///< after the connection was lost
+    std::chrono::seconds lifetime{60};  ///< of what is remembered, after the connection was lost
     std::size_t mostAway = 1024;        ///< kept without a connection; the one that left first makes room
+    std::chrono::seconds tokenLife{12 * 60 * 60};  ///< from when it is issued
+    std::function<std::int64_t()> unixTime{};      ///< s since 1970; empty = the system's clock
 };
 
 class ResumeStore {
@@ -40,34 +53,48 @@ class ResumeStore {
     using Key = std::uint64_t;
     struct Ticket {
         Key key = 0;
-        std::string token;  ///< 256 random bits
+        std::string token;
+    };
+    struct Opening {
+        std::string session;  ///< its id
+        std::string owner;    ///< who it belongs to, in any words: others cannot go on with it
+        std::uint32_t turn = 1;
+        std::function<void()> onTaken{};
     };
 
-    explicit ResumeStore(ResumeOptions options = {}) : options_(options) {}
+    /// Signs with a key of its own.
+    explicit ResumeStore(ResumeOptions options = {});
+
+    /// The first one signs from now on, and what any of them signed is believed; empty = one that nobody else has.
+    void setKeys(std::vector<std::string> keys);
 
     /// A session begins, or goes on under a new token. nullopt when the system has no random numbers to give.
-    std::optional<Ticket> open(std::function<void()> onTaken);
+    std::optional<Ticket> open(Opening opening);
     void keep(Key key, SavedSession session);
     /// Its connection is lost. What was never kept is forgotten.
     void leave(Key key, Time now);
     /// It has ended.
     void forget(Key key);
-    /// The session of that token, which it leaves with; nullopt when there is none, or it is too late.
-    std::optional<SavedSession> resume(std::string_view token, Time now);
+    /// Whose session that token is, with what is remembered of it; nullopt for what no key has signed, for another owner's,
+    /// when it has expired, and for a replay.
+    std::optional<ResumedSession> resume(std::string_view token, std::string_view owner, Time now);
 
     std::size_t size() const;
 
   private:
     struct Entry {
-        std::string token;
+        std::string session, token;
+        std::uint32_t turn = 0;
         std::function<void()> onTaken;
-        std::optional<SavedSession> session;
+        std::optional<SavedSession> saved;
         std::optional<Time> left;
     };
     void dropLate(Time now);
+    std::int64_t unixTime() const;
 
     const ResumeOptions options_;
     mutable std::mutex mutex_;
+    std::vector<std::string> keys_;  ///< empty where there were no random numbers for one
     Key lastKey_ = 0;
     std::map<Key, Entry> entries_;
 };

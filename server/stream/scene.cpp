@@ -18,7 +18,9 @@ tl::expected<Scene, Problem> SceneResolver::opened(const messages::Hello& hello)
     const int width = hello.width.value_or(usual.width);
     const int height = hello.height.value_or(usual.height);
     if (!hello.follow.empty()) return followed(leader(hello.follow), width, height);
-    return ofCloud(hello.cloud.empty() ? world_.defaultCloud() : hello.cloud, width, height);
+    auto scene = ofCloud(hello.cloud.empty() ? world_.defaultCloud() : hello.cloud, width, height);
+    if (!scene || hello.view.is_null()) return scene;
+    return changed(*scene, {.seq = hello.seq, .cloud = std::nullopt, .changes = hello.view});
 }
 
 tl::expected<Scene, Problem> SceneResolver::ofCloud(const std::string& cloudId, int width, int height) const {

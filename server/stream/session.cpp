@@ -73,6 +73,12 @@ void StreamSession::binary() {
     close(CloseCode::UnsupportedData, "Clients send text messages only.");
 }
 
+void StreamSession::moveOn(const messages::Drain& drain) {
+    if (leaving_ || state_ == State::Closed) return;
+    leaving_ = drain;
+    if (state_ == State::Open) port_.sendText(printMessage(drain));
+}
+
 void StreamSession::goAway() {
     close(CloseCode::GoingAway, "The server is shutting down.");
 }
@@ -101,7 +107,7 @@ void StreamSession::handle(const messages::Hello& hello, Time now) {
         return;
     }
     withDepth_ = hello.depth;
-    if (auto resumed = resume(hello.resume, now)) return begin(std::move(*resumed), true, now);
+    if (auto resumed = resume(hello, now)) return begin(std::move(*resumed), true, now);
     auto scene = scenes_.opened(hello);
     if (!scene) return refuse(std::move(scene.error()), std::nullopt);
     if (!hello.follow.empty()) {
@@ -112,18 +118,33 @@ void StreamSession::handle(const messages::Hello& hello, Time now) {
     begin(std::move(*scene), false, now);
 }
 
-// A session that cannot go on as it was - its time is up, its cloud is gone - begins anew.
-std::optional<Scene> StreamSession::resume(const std::string& token, Time now) {
-    if (token.empty() || !options_.resumable) return std::nullopt;
-    auto saved = options_.resumable->resume(token, now);
-    if (!saved) return std::nullopt;
-    auto cloud = world_.cloud(saved->cloudId);
+// A session that cannot go on as it was - its time is up, its cloud is gone - begins anew. What this server does not remember,
+// because another one drew it, the client says.
+std::optional<Scene> StreamSession::resume(const messages::Hello& hello, Time now) {
+    if (hello.resume.empty() || !options_.resumable) return std::nullopt;
+    auto resumed = options_.resumable->resume(hello.resume, options_.owner, now);
+    if (!resumed) return std::nullopt;
+    std::optional<Scene> scene;
+    if (resumed->saved) {
+        scene = remembered(std::move(*resumed->saved));
+    } else if (hello.view.is_object() && hello.follow.empty()) {
+        if (auto said = scenes_.opened(hello)) scene = std::move(*said);
+        if (scene) limits_.fps = hello.fps;
+        if (scene) lastFrame_ = ackedFrame_ = hello.frame;
+    }
+    if (!scene) return std::nullopt;
+    id_ = std::move(resumed->id);
+    turn_ = resumed->turn + 1;
+    return scene;
+}
+
+std::optional<Scene> StreamSession::remembered(SavedSession saved) {
+    auto cloud = world_.cloud(saved.cloudId);
     if (!cloud) return std::nullopt;
-    Scene scene{saved->cloudId, std::move(*cloud), std::move(saved->view), saved->seq};
+    Scene scene{saved.cloudId, std::move(*cloud), std::move(saved.view), saved.seq};
     if (!scenes_.plan(scene)) return std::nullopt;
-    id_ = std::move(saved->id);
-    limits_ = saved->limits;
-    lastFrame_ = ackedFrame_ = saved->lastFrame;  // what was under way then is not waited for
+    limits_ = saved.limits;
+    lastFrame_ = ackedFrame_ = saved.lastFrame;  // what was under way then is not waited for
     return scene;
 }
 
@@ -141,7 +162,7 @@ void StreamSession::begin(Scene scene, bool resumed, Time now) {
     welcome.resumed = resumed;
     welcome.seq = scene_.seq;
     if (options_.resumable) {
-        if (auto ticket = options_.resumable->open(port_.onTaken())) {
+        if (auto ticket = options_.resumable->open({id_, options_.owner, turn_, port_.onTaken()})) {
             ticket_ = ticket->key;
             welcome.resume = std::move(ticket->token);
         }
@@ -152,6 +173,7 @@ void StreamSession::begin(Scene scene, bool resumed, Time now) {
     welcome.limits.maxPixels = options_.maxPixels;
     welcome.view = toJson(scene_.view);
     port_.sendText(printMessage(welcome));
+    if (leaving_) port_.sendText(printMessage(*leaving_));
     followLeader(now);  // it may have moved on meanwhile
     pump(now);
 }

@@ -58,7 +58,8 @@ class StreamPort {
 };
 
 struct SessionOptions {
-    std::string id;  ///< of a new session; one that is resumed keeps its own
+    std::string id;     ///< of a new session; one that is resumed keeps its own
+    std::string owner;  ///< who it belongs to: nobody else goes on with it
     SessionRegistration* registration =
         nullptr;                  ///< its entry in the register; empty = it has none, and follows nobody
     bool mayFollow = true;        ///< others; what they show may be more than its client may see
@@ -93,6 +94,8 @@ class StreamSession {
     /// Call at wakeAt(), or any time.
     void tick(Time now);
     std::optional<Time> wakeAt() const;
+    /// The server will be gone soon: its client is told when to connect elsewhere, once, and after the welcome.
+    void moveOn(const messages::Drain& drain);
     /// The server shuts down.
     void goAway();
     /// Who opened it may look no longer; the reason is a sentence.
@@ -124,7 +127,8 @@ class StreamSession {
     void handle(const messages::Ping& ping, Time now);
 
     void begin(Scene scene, bool resumed, Time now);
-    std::optional<Scene> resume(const std::string& token, Time now);
+    std::optional<Scene> resume(const messages::Hello& hello, Time now);
+    std::optional<Scene> remembered(SavedSession saved);
     void remember();
     void show(Scene scene, Time now);
     bool following() const { return options_.registration != nullptr && options_.registration->following(); }
@@ -158,7 +162,9 @@ class StreamSession {
     const SceneResolver scenes_;
     std::string id_;
     std::optional<ResumeStore::Key> ticket_;
-    bool withDepth_ = false;  // what this connection's hello asked for
+    std::uint32_t turn_ = 1;                  // of its token: connections that it has had
+    std::optional<messages::Drain> leaving_;  // what its client is told, or has been
+    bool withDepth_ = false;                  // what this connection's hello asked for
 
     bool fresh_ = false;            // a view came for which nothing has been ordered
     bool quiet_ = false;            // ... because a frame is to have the link to itself

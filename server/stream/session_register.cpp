@@ -10,6 +10,7 @@
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 #include <tuple>
+#include <utility>
 
 #include "protocol/nearest_name.hpp"
 #include "protocol/view/view_json.hpp"
@@ -48,6 +49,12 @@ nlohmann::json toJson(const SessionFacts& facts) {
 }
 
 }  // namespace
+
+std::chrono::milliseconds departure(std::size_t index, std::size_t count, std::chrono::milliseconds within) {
+    constexpr std::chrono::milliseconds longestStep{100};
+    const auto share = within / 2 * std::int64_t(index) / std::int64_t(std::max<std::size_t>(1, count));
+    return std::min(share, longestStep * std::int64_t(index));
+}
 
 std::string_view name(ClientKind kind) {
     return kind == ClientKind::WebSocket ? "websocket" : "mjpeg";
@@ -110,6 +117,23 @@ void SessionRegister::wakeAll() const {
         for (const auto& [id, entry] : entries_) all.push_back(entry.session);
     }
     wake(all);
+}
+
+void SessionRegister::moveAll(std::chrono::milliseconds within) const {
+    std::vector<const Entry*> order;
+    Sessions all;
+    {
+        const std::lock_guard lock(mutex_);
+        for (const auto& [id, entry] : entries_) order.push_back(&entry);
+        std::ranges::sort(order, {}, [](const Entry* entry) {  // who hears nothing takes nobody's time
+            return std::pair(entry->facts.client != ClientKind::WebSocket, entry->number);
+        });
+        for (const Entry* entry : order) all.push_back(entry->session);
+    }
+    const auto milliseconds = [](std::chrono::milliseconds time) { return std::uint64_t(time.count()); };
+    for (std::size_t i = 0; i < all.size(); ++i)
+        if (const auto session = all[i].lock())
+            session->moveOn({milliseconds(departure(i, all.size(), within)), milliseconds(within)});
 }
 
 void SessionRegister::leave(const SessionRegistration& registration) {

@@ -27,6 +27,10 @@ namespace scancast {
 enum class ClientKind : std::uint8_t { WebSocket, Mjpeg };
 std::string_view name(ClientKind kind);
 
+/// When the client of session `index` of `count` is to leave a server that is there for `within`: no more of them at once than
+/// another server draws first pictures for, and all in the first half of the time, so that who is refused can try again.
+std::chrono::milliseconds departure(std::size_t index, std::size_t count, std::chrono::milliseconds within);
+
 /// What a session shows.
 struct SharedView {
     std::string cloudId;
@@ -45,6 +49,8 @@ class LiveSession {
     /// The followed session shows something else or is gone, or a cloud was removed. Posts; calls that come
     /// before the session has looked count as one.
     virtual void lookAround() = 0;
+    /// Its client is told to connect elsewhere. Posts. Clients that hear nothing stay to the end.
+    virtual void moveOn(const messages::Drain&) {}
 };
 
 struct SessionFacts {
@@ -104,6 +110,8 @@ class SessionRegister {
     std::uint64_t seqOf(std::string_view id) const;
     /// Every session looks around: a cloud was removed.
     void wakeAll() const;
+    /// Every session's client is told to connect elsewhere: one after the other, within half of that time.
+    void moveAll(std::chrono::milliseconds within) const;
 
   private:
     friend class SessionRegistration;

@@ -467,6 +467,86 @@ describe('the page, when things go wrong', { timeout: 280_000 }, () => {
     assert.deepEqual(hellos.map((hello) => hello.resume), [undefined, 'token-1'], 'it asks to go on with its session');
   });
 
+  /** Whether the cover was there, or the canvas empty, since this was called. */
+  const watchForGaps = async () => {
+    await page.evaluate(() => {
+      const [cover, canvas] = [document.getElementById('cover'), /** @type {any} */ (document.getElementById('picture'))];
+      globalThis.gaps = 0;
+      const look = () => {
+        const pixel = canvas.getContext('2d').getImageData(canvas.width / 2, canvas.height / 2, 1, 1).data;
+        if (!cover.hidden || pixel[3] === 0) globalThis.gaps += 1;
+        requestAnimationFrame(look);
+      };
+      look();
+    });
+    return () => page.evaluate(() => globalThis.gaps);
+  };
+  const hellos = () => server.received.filter((message) => message.type === 'hello');
+  const isTrue = async (condition, what) => {
+    for (const end = Date.now() + 10_000; !condition();) {
+      assert.ok(Date.now() < end, what);
+      await new Promise((done) => { setTimeout(done, 10); });
+    }
+  };
+
+  it('a server that leaves is left for another one: one reconnection, the same view, and no gap', async () => {
+    await open();
+    await waitUntilSharp(page);
+    const before = await afterwards(() => drag(page, [300, 300], [420, 380]));
+    const camera = server.received.findLast((message) => message.camera).camera;
+    const gaps = await watchForGaps();
+    const frame = await shownFrame();
+    const first = session();
+    first.drain(50);
+    await isTrue(() => !server.sessions.has(first), 'the page leaves it');
+    await waitFor((shown) => Number(document.getElementById('picture').dataset.frame) > shown, frame);
+    await waitUntilSharp(page);
+    assert.deepEqual(await pixels(page), before);
+    assert.equal(hellos().length, 2);
+    const [, again] = hellos();
+    assert.equal(again.resume, 'token-1');
+    assert.equal(again.cloud, 'ring');
+    assert.equal(again.frame, frame);
+    assert.deepEqual(again.view.camera, camera);
+    assert.notDeepEqual(await afterwards(() => drag(page, [300, 300], [200, 260])), before, 'the hand goes on');
+    assert.equal(await gaps(), 0);
+  });
+
+  it('as long as there is no other server, the one that leaves is not left', async () => {
+    await open();
+    await waitUntilSharp(page);
+    const gaps = await watchForGaps();
+    const first = session();
+    server.refusedStreams = 2;
+    first.drain(0);
+    await isTrue(() => server.refusedStreams < 2, 'it tries');
+    await afterwards(() => drag(page, [300, 300], [420, 380]));
+    await isTrue(() => !server.sessions.has(first), 'and goes in the end');
+    await afterwards(() => drag(page, [300, 300], [420, 380]));
+    assert.equal(hellos().length, 2);
+    assert.equal(await gaps(), 0);
+    page.complaints = page.complaints.filter((text) => !text.includes('503'));
+  });
+
+  it('a hand that drags while servers change is not let go', async () => {
+    await open();
+    await waitUntilSharp(page);
+    const gaps = await watchForGaps();
+    const first = session();
+    await page.mouse.move(300, 300);
+    await page.mouse.down();
+    first.drain(0);
+    for (let step = 1; step <= 40; ++step) await page.mouse.move(300 + 3 * step, 300 + step);
+    await isTrue(() => !server.sessions.has(first), 'the page leaves it');
+    const seen = server.received.length;
+    await page.mouse.move(500, 340, { steps: 5 });
+    await isTrue(() => server.received.slice(seen).some((message) => message.camera), 'the hand still turns the cloud');
+    await page.mouse.up();
+    await waitUntilSharp(page);
+    assert.deepEqual(session().view.camera, server.received.findLast((message) => message.camera).camera);
+    assert.equal(await gaps(), 0);
+  });
+
   it('a refused snapshot is explained', async () => {
     await open();
     await waitUntilSharp(page);

@@ -100,6 +100,7 @@ class Kubernetes(unittest.TestCase):
         for overlay in OVERLAYS:
             for components in ((), COMPONENTS):
                 cls.variants[overlay, components] = built(overlay, components)
+        cls.stored = [built(overlay, (*COMPONENTS, "object-storage")) for overlay in OVERLAYS]
         cls.loader = objects_of(text_of("deploy", "kubernetes", "loader", "pod.yaml"))
 
     def each(self):
@@ -124,7 +125,7 @@ class Kubernetes(unittest.TestCase):
     # What Kubernetes wants.
 
     def test_every_object_is_as_the_schemas_want_it(self):
-        everything = [one for objects in self.variants.values() for one in objects] + self.loader
+        everything = [one for objects in (*self.variants.values(), *self.stored) for one in objects] + self.loader
         self.assertEqual({one["kind"] for one in everything},
                          {"Namespace", "ConfigMap", "Service", "PersistentVolumeClaim", "Deployment", "PodDisruptionBudget", "Ingress",
                           "NetworkPolicy", "ServiceMonitor", "HorizontalPodAutoscaler", "Pod"})
@@ -252,6 +253,17 @@ class Kubernetes(unittest.TestCase):
             self.assertEqual(set(volumes), set(mounts))
             self.assertEqual(volumes["secrets"]["secret"]["defaultMode"], 0o400)
             self.assertEqual(container["image"], self.loader[0]["spec"]["containers"][0]["image"])
+
+    def test_with_object_storage_nothing_of_the_volume_is_left(self):
+        for objects in self.stored:
+            settings, (_, spec, container) = self.settings(objects), self.pod(objects)
+            self.assertNotIn("SCANCAST_CATALOG", settings)
+            self.assertNotIn("PersistentVolumeClaim", {one["kind"] for one in objects})
+            self.assertEqual({one["name"] for one in spec["volumes"]}, {"secrets", "cache", "tmp"})
+            self.assertEqual({one["name"] for one in container["volumeMounts"]}, {"secrets", "cache", "tmp"})
+            self.assertTrue(all(one.startswith("s3://") for one in container["args"]))
+            self.assertEqual(container["envFrom"][1], {"secretRef": {"name": "scancast-bucket", "optional": True}})
+            self.assertEqual({port["port"] for one in self.one(objects, "NetworkPolicy")["spec"]["egress"] for port in one["ports"]}, {53, 443})
 
     def test_the_autoscaler_asks_for_what_the_adapter_makes_of_what_the_server_tells(self):
         rules = text_of("deploy", "kubernetes", "prometheus-adapter.yaml")

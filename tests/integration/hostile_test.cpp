@@ -238,6 +238,24 @@ TEST_F(HostileTest, WhoNeverSaysHelloIsSentAway) {
     EXPECT_EQ(client.closeCode(), 1008);
 }
 
+// Beast asserts, and a server that a client can have abort is none.
+TEST_F(HostileTest, WhoAnswersACloseAndStaysOnTheLineIsCutOff) {
+    options.limits.closeTimeout = std::chrono::milliseconds(100);
+    start();
+    std::vector<std::unique_ptr<StreamClient>> clients;
+    for (int i = 0; i < 20; ++i) {
+        clients.push_back(std::make_unique<StreamClient>(port()));
+        clients.back()->greet();
+        if (i % 2 == 0) {
+            clients.back()->say({{"type", "ack"}, {"frame", 99}});  // never sent
+            EXPECT_EQ(clients.back()->closeCode(), 1008);
+        }
+        clients.back()->socket.frame(0x88, std::string("\x03\xe8", 2));
+    }
+    EXPECT_TRUE(eventually([&] { return server->sessions() == 0 && server->connections() == 0; }));
+    EXPECT_EQ(request(port(), "/healthz").status, 200);
+}
+
 TEST_F(HostileTest, WhoAsksAndNeverReadsIsSentAway) {
     options.limits.closeTimeout = std::chrono::milliseconds(300);
     start();

@@ -18,6 +18,11 @@ export function closeWords(code, reason) {
   return reason || words[code] || 'The server is not responding.';
 }
 
+/** A view in the size that the server likes. */
+function sizeless({ width, height, ...view }) {
+  return view;
+}
+
 export class Connection {
   #socket;
   #handlers;
@@ -31,7 +36,7 @@ export class Connection {
 
   /**
    * `hello` is the first message; `firstSeq` the number that the first view gets. Handlers: welcome(message),
-   * frame(frame), problem(message), stats(message), closed(words), the last one exactly once.
+   * frame(frame), problem(message), stats(message), drain(message), closed(words), the last one exactly once.
    */
   constructor(server, hello, firstSeq, handlers) {
     this.#handlers = handlers;
@@ -47,6 +52,22 @@ export class Connection {
 
   get nextSeq() {
     return this.#lastSeq + 1;
+  }
+
+  /** What it began with, without what the server refused. */
+  get hello() {
+    return this.#hello;
+  }
+
+  /** A number for a view that is said elsewhere. */
+  takeSeq() {
+    this.#lastSeq += 1;
+    return this.#lastSeq;
+  }
+
+  /** It goes on where that one stops. */
+  follow(other) {
+    this.#lastSeq = Math.max(this.#lastSeq, other.nextSeq - 1);
   }
 
   /** What was sent is still on its way out: better wait and send something newer. */
@@ -107,6 +128,8 @@ export class Connection {
       else this.#refusedAtTheDoor(message.problem);
     } else if (message.type === 'stats') {
       this.#handlers?.stats(message);
+    } else if (message.type === 'drain') {
+      this.#handlers?.drain(message);
     } else if (message.type === 'bye') {
       this.#bye = closeWords(message.code, message.reason);
     }
@@ -117,10 +140,13 @@ export class Connection {
    * servers refuse words that they do not know.
    */
   #refusedAtTheDoor(problem) {
+    const refused = problem?.errors?.map(({ parameter }) => parameter) ?? [];
     const { width, height, depth, ...rest } = this.#hello;
-    const knowsNoDepth = depth !== undefined && problem?.errors?.some(({ parameter }) => parameter === 'depth');
-    if (knowsNoDepth) this.#hello = { ...rest, width, height };
-    else if (problem?.status === 413 && width !== undefined) this.#hello = { ...rest, depth };
+    const { view, seq, frame, ...unseen } = this.#hello;
+    // Words of the view are named like "camera.eye": one that cannot be shown any more is not shown at once.
+    if (depth !== undefined && refused.includes('depth')) this.#hello = { ...rest, width, height };
+    else if (problem?.status === 413 && width !== undefined) this.#hello = { ...rest, depth, ...(view && { view: sizeless(view) }) };
+    else if (view !== undefined && problem?.status < 500 && problem?.status !== 404) this.#hello = unseen;
     else {
       this.#end(problem?.detail || 'The server refused the connection.');
       return;

@@ -25,6 +25,10 @@ export class Session {
   #nextSeq = 1;
   #resume = ''; // token of the session that was open last
   #cloud = undefined;
+  #frame = 0; // id of the newest one of that session
+  #next = undefined; // the connection that is to take this one's place
+  #moving = undefined; // timer, until that is tried
+  #moves = 0; // that failed
   #round = 0; // of two cycles that overlap, only the later one counts
 
   /**
@@ -36,7 +40,9 @@ export class Session {
    *   empty    the server has no cloud at all
    *   locked   it wants a token: `refused`, another one than it was given; `guest`: a link that is not good any more
    *   lost     `detail`: why, in words; `at`, `delay`: when it is tried again
-   * catalog(catalog) and clouds(list); expect(cloud), which is shown as soon as that resolves; hello() → the first message; welcome(message); frame, problem and stats as in Connection.
+   * catalog(catalog) and clouds(list); expect(cloud), which is shown as soon as that resolves; hello() → the first message;
+   * seen(cloud, seq) → the view of that cloud that is wanted, from now on known by that number, or undefined; welcome(message); moved(message, hello), in place of it
+   * where another server goes on with what is seen; frame, problem and stats as in Connection.
    */
   constructor(server, handlers) {
     this.#server = server;
@@ -97,6 +103,7 @@ export class Session {
   #leave() {
     clearTimeout(this.#timer);
     this.#timer = undefined;
+    this.#stay();
     this.#round += 1;
     this.#attempt = 0;
     if (this.#connection) this.#nextSeq = this.#connection.nextSeq;
@@ -152,28 +159,94 @@ export class Session {
   }
 
   #open(cloud) {
-    this.#connection = new Connection(this.#server, this.#hello(cloud), this.#nextSeq, {
+    const hello = this.#hello(cloud.id, this.#nextSeq);
+    const connection = this.#connect(hello, this.#nextSeq + (hello.view ? 1 : 0), {
       welcome: (message) => {
         this.#attempt = 0;
-        this.#resume = message.resume ?? '';
+        this.#known(message);
         this.#cloud = message.cloud;
         this.#handlers.welcome(message);
         this.#handlers.state({ kind: 'open' });
       },
-      frame: this.#handlers.frame,
+      closed: (words) => this.#closed(connection, words),
+    });
+    this.#connection = connection;
+  }
+
+  #connect(hello, firstSeq, handlers) {
+    return new Connection(this.#server, hello, firstSeq, {
+      frame: (frame) => {
+        this.#frame = frame.frameId;
+        this.#handlers.frame(frame);
+      },
       problem: this.#handlers.problem,
       stats: this.#handlers.stats,
-      closed: (words) => {
-        this.#nextSeq = this.#connection.nextSeq;
-        this.#connection = undefined;
-        this.#lost(new Error(words));
-      },
+      drain: (message) => this.#leaveIn(message.afterMilliseconds ?? 0),
+      ...handlers,
     });
   }
 
-  #hello(cloud) {
-    const hello = { cloud: cloud.id, ...this.#handlers.hello() };
-    return this.#resume ? { ...hello, resume: this.#resume } : hello;
+  #known({ resume, resumed }) {
+    this.#resume = resume ?? '';
+    if (!resumed) this.#frame = 0;
+  }
+
+  /** With what another server needs, which has never heard of the session. */
+  #hello(cloud, seq) {
+    const hello = { cloud, ...this.#handlers.hello() };
+    if (!this.#resume) return hello;
+    const view = this.#handlers.seen(cloud, seq);
+    return { ...hello, resume: this.#resume, ...(view && { view, seq, frame: this.#frame }) };
+  }
+
+  #closed(connection, words) {
+    if (connection !== this.#connection) return;
+    this.#nextSeq = connection.nextSeq;
+    this.#connection = undefined;
+    if (this.#next) return; // which takes over, or cannot
+    this.#stay();
+    this.#lost(new Error(words));
+  }
+
+  // A server that will be gone: another one at its address takes over, and until it has this one draws.
+
+  #leaveIn(delay) {
+    clearTimeout(this.#moving);
+    this.#moving = setTimeout(() => this.#move(), delay);
+  }
+
+  #stay() {
+    clearTimeout(this.#moving);
+    this.#next?.abandon();
+    this.#next = undefined;
+    this.#moves = 0;
+  }
+
+  #move() {
+    const from = this.#connection;
+    if (!from || this.#next) return;
+    const next = this.#connect(this.#hello(this.#cloud, from.takeSeq()), from.nextSeq, {
+      welcome: (message) => {
+        next.follow(from);
+        this.#next = undefined;
+        this.#stay();
+        from.abandon();
+        this.#connection = next;
+        this.#known(message);
+        this.#handlers.moved(message, next.hello);
+      },
+      closed: (words) => {
+        if (next !== this.#next) {
+          this.#closed(next, words);
+          return;
+        }
+        this.#next = undefined;
+        if (this.#connection) this.#leaveIn(backOff(this.#moves));
+        else this.#lost(new Error(words));
+        this.#moves += 1;
+      },
+    });
+    this.#next = next;
   }
 
   /** Nothing is asked again before a token is given: trying wrong ones would help nobody. */

@@ -63,6 +63,23 @@ export class Exchange {
     return seq;
   }
 
+  /** What is wanted, as a hello says it, which gives it that number. */
+  say(seq, camera) {
+    const { cloud, ...view } = this.wanted;
+    this.#asked.set(seq, { camera });
+    return view;
+  }
+
+  /** Another server goes on, of which that hello was asked; what has changed since is said to it, too. */
+  moved({ view, seq, cloud }) {
+    if (view) {
+      this.#state.said(seq, { cloud, ...view });
+      this.#canvas.dataset.asked = String(seq);
+    } else {
+      this.#state.resend();
+    }
+  }
+
   /**
    * Draws a frame that has come. Resolves to undefined where it is not to be seen (any more), else to { exact }: whether it shows the
    * view itself, and no more around it. Rejects where it cannot be decoded.

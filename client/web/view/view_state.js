@@ -39,6 +39,13 @@ export class ViewState {
     this.#waiting.clear();
   }
 
+  /** The server has been told exactly that, by message number `seq`. */
+  said(seq, view) {
+    this.resend();
+    this.#sent = view;
+    this.#waiting.set(seq, view);
+  }
+
   change(changes) {
     this.wanted = { ...this.wanted, ...changes };
   }

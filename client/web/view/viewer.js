@@ -100,7 +100,14 @@ export class Viewer extends EventTarget {
         const { width, height, ratio } = this.#picture.size;
         return { width, height, pixelRatio: Math.min(8, Math.max(0.25, ratio)), depth: true };
       },
+      seen: (cloud, seq) => (this.#camera && this.view.cloud === cloud ? this.#exchange.say(seq, this.#camera) : undefined),
       welcome: (message) => this.#welcome(message),
+      moved: (message, hello) => {
+        this.#picture.newStream();
+        this.#picture.setLimit(message.limits?.maxPixels ?? 0);
+        this.#exchange.moved(hello);
+        this.#wake();
+      },
       frame: (frame) => this.#showFrame(frame),
       problem: (message) => this.#refused(message),
       // Those of a picture of another cloud say nothing about this one.

@@ -66,15 +66,46 @@ LiveOptions liveOptions(const ServeOptions& options, ScancastServer& server, Pro
     return live;
 }
 
+std::optional<CatalogFolder> catalogFolder(const ServeOptions& options, ProgressBar& bar) {
+    if (options.catalog.empty()) return std::nullopt;
+    CatalogFolder folder(options.catalog, options.server.maxClouds, [&bar](const std::string& note) {
+        bar.clear();
+        spdlog::warn("{}", note);
+    });
+    folder.look(CatalogFolder::Time::clock::now());
+    return folder;
+}
+
+std::vector<std::filesystem::path> bothOf(std::vector<std::filesystem::path> files,
+                                          const std::optional<CatalogFolder>& folder) {
+    if (folder) files.insert(files.end(), folder->files().begin(), folder->files().end());
+    return files;
+}
+
 }  // namespace
 
 CloudSources::CloudSources(const ServeOptions& options, std::shared_ptr<DamageReports> damage,
                            ScancastServer& server, ProgressBar& bar)
-    : loader(options.files, server.catalog(), loaderOptions(options, std::move(damage), server, bar)) {
+    : folder(catalogFolder(options, bar)),
+      loader(bothOf(options.files, folder), server.catalog(),
+             loaderOptions(options, std::move(damage), server, bar)),
+      files_(options.files) {
     const auto inputs = liveInputs(options);  // sound: check() has said so
     for (const LiveInput& input : *inputs)
         live.push_back(
             std::make_unique<LiveSource>(input, server.catalog(), liveOptions(options, server, bar)));
+}
+
+Loader::Changes CloudSources::serve(const std::vector<std::filesystem::path>& files) {
+    files_ = files;
+    return loader.serve(bothOf(files_, folder));
+}
+
+void CloudSources::lookAround(CatalogFolder::Time now) {
+    if (!folder || !folder->look(now)) return;
+    const Loader::Changes changes = loader.serve(bothOf(files_, folder));
+    spdlog::info("{}: {} clouds; {} added, {} removed", folder->path().string(), folder->files().size(),
+                 changes.added, changes.removed);
 }
 
 bool CloudSources::failed() const {

@@ -22,8 +22,9 @@ namespace {
 using nlohmann::json;
 
 // What is taken while the server runs.
-constexpr std::array<std::string_view, 6> reloadable{filesKey,         "auth-token-file", "admin-token-file",
-                                                     "guest-key-file", "tls-cert",        "tls-key"};
+constexpr std::array<std::string_view, 7> reloadable{filesKey,         "auth-token-file",  "admin-token-file",
+                                                     "guest-key-file", "session-key-file", "tls-cert",
+                                                     "tls-key"};
 
 /// The same in options: those that hold, with what can change of those that are asked for.
 ServeOptions withReloadable(ServeOptions running, const ServeOptions& wanted) {
@@ -32,6 +33,7 @@ ServeOptions withReloadable(ServeOptions running, const ServeOptions& wanted) {
     running.authTokenFile = wanted.authTokenFile;
     running.adminTokenFile = wanted.adminTokenFile;
     running.guestKeyFile = wanted.guestKeyFile;
+    running.sessionKeyFile = wanted.sessionKeyFile;
     running.server.tls = wanted.server.tls;
     return running;
 }
@@ -105,15 +107,18 @@ void Reload::takeTokens(const ServeOptions& wanted, Reloaded& reloaded) {
     running_.authTokenFile = wanted.authTokenFile;
     running_.adminTokenFile = wanted.adminTokenFile;
     running_.guestKeyFile = wanted.guestKeyFile;
+    running_.sessionKeyFile = wanted.sessionKeyFile;
     AccessTokens& now = running_.server.tokens;
-    const bool same =
-        tokens->users == now.users && tokens->admins == now.admins && tokens->guestKeys == now.guestKeys;
+    const bool same = tokens->users == now.users && tokens->admins == now.admins &&
+                      tokens->guestKeys == now.guestKeys && tokens->sessionKeys == now.sessionKeys;
     now = std::move(*tokens);
     server_.replaceTokens(now);  // who came by one that is still there does not notice
     if (same) return;
     std::string text =
         fmt::format("tokens ({} of users, {} of administrators", now.users.size(), now.admins.size());
     if (!now.guestKeys.empty()) text += fmt::format(", {} that sign guests' links", now.guestKeys.size());
+    if (!now.sessionKeys.empty())
+        text += fmt::format(", {} that sign sessions' tokens", now.sessionKeys.size());
     reloaded.changed.push_back(text + ")");
 }
 
@@ -138,7 +143,7 @@ void Reload::takeCertificate(const ServeOptions& wanted, Reloaded& reloaded) {
 void Reload::takeClouds(const ServeOptions& wanted, Reloaded& reloaded) {
     running_.files = wanted.files;
     running_.named = wanted.named;
-    const Loader::Changes changes = clouds_.loader.serve(wanted.files);
+    const Loader::Changes changes = clouds_.serve(wanted.files);
     if (changes.added > 0) reloaded.changed.push_back(counted(changes.added, "added"));
     if (changes.removed > 0) reloaded.changed.push_back(counted(changes.removed, "removed"));
     if (changes.tried > 0) reloaded.changed.push_back(counted(changes.tried, "tried again"));

@@ -85,9 +85,9 @@ class SignalsToServe {
 };
 
 // Until a signal comes (0), or there is nothing to serve with or from (1).
-int waitForTheEnd(ScancastServer& server, const CloudSources& sources, const ServeOptions& options,
+int waitForTheEnd(ScancastServer& server, CloudSources& sources, const ServeOptions& options,
                   ShutdownSignals& signals, Service& service, Reload& reload) {
-    const bool mayGrow = !options.server.dataRoot.empty();
+    const bool mayGrow = !options.server.dataRoot.empty() || !options.catalog.empty();
     bool deviceReported = false;
     SignalsToServe news(signals);
     while (signals.wait(std::chrono::milliseconds(100)) == 0) {
@@ -96,6 +96,7 @@ int waitForTheEnd(ScancastServer& server, const CloudSources& sources, const Ser
             service.reportReload(server);
             reload.run();
         }
+        sources.lookAround(std::chrono::steady_clock::now());
         service.report(server, false);
         if (!reportDevice(server, deviceReported)) return 1;
         // Later there is somebody to tell, and another reload.
@@ -105,6 +106,23 @@ int waitForTheEnd(ScancastServer& server, const CloudSources& sources, const Ser
         }
     }
     return 0;
+}
+
+// Where there are other servers: their clients go to those, and are drawn for until they have. A second signal, or the end of
+// the time, ends the waiting.
+void moveClients(ScancastServer& server, std::chrono::seconds patience, ShutdownSignals& signals,
+                 Service& service) {
+    using Clock = std::chrono::steady_clock;
+    if (patience.count() == 0) return;
+    const int before = signals.wait(std::chrono::milliseconds(0));
+    const auto end = Clock::now() + patience;
+    spdlog::info("streams that are to go to another server within {} s: {}", patience.count(),
+                 server.sessions());
+    server.moveClients(patience);
+    while (server.sessions() > 0 && Clock::now() < end &&
+           signals.wait(std::chrono::milliseconds(50)) == before)
+        service.report(server, true);
+    if (server.sessions() > 0) spdlog::warn("streams that have not gone in time: {}", server.sessions());
 }
 
 // Streams are told, and what was promised is finished; then everybody is told and given time. A second
@@ -182,7 +200,7 @@ void tellOfImporters(const ServeOptions& options) {
 
 /// Nobody is told an address where there will be nothing: files that are not there, or are none, are found out at once.
 Expected<void> checkSomethingIsThere(const ServeOptions& options) {
-    if (!options.live.empty() || !options.server.dataRoot.empty()) return {};
+    if (!options.live.empty() || !options.server.dataRoot.empty() || !options.catalog.empty()) return {};
     std::optional<Error> first;
     for (const auto& file : options.files) {
         const auto input = ScanInput::open(file);
@@ -242,8 +260,9 @@ int serve(ServeOptions options, GivenFlags given, nlohmann::json effective, cons
     Reload reload(std::move(given), options, std::move(effective), **server, sources);
     const int exitCode = waitForTheEnd(**server, sources, options, signals, service, reload);
     service.report(**server, true);
-    (*server)->admin().loadWith({});
     bar.clear();
+    moveClients(**server, std::chrono::seconds(options.drainSeconds), signals, service);
+    (*server)->admin().loadWith({});
     leave(**server, sources, *options.server.cache, signals, exitCode);
     return exitCode;
 }

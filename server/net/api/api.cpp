@@ -231,8 +231,7 @@ struct Api::Answers {
     }
 
     HttpResponse ready() const {
-        if (api.scheduler_.draining())
-            return problemResponse(problemOf(503, "The server is shutting down.", "/readyz"));
+        if (api.leaving()) return problemResponse(problemOf(503, "The server is shutting down.", "/readyz"));
         const DeviceStatus device = api.scheduler_.device();
         if (device.state == DeviceStatus::State::Failed) {
             return problemResponse(problemOf(503, "No rendering device: " + device.error.message, "/readyz"));
@@ -279,6 +278,7 @@ struct Api::Answers {
         }
         api.metrics_.setMemory(api.options_.memory);
         api.metrics_.setQueues(api.scheduler_.queues());
+        api.metrics_.setRenderSaturation(api.scheduler_.saturation());
         HttpResponse response = textResponse(200, api.metrics_.text());
         response.headers.front().second = "text/plain; version=0.0.4; charset=utf-8";
         return response;

@@ -4,6 +4,7 @@
 // any thread. Pipeline: http session → router → **api** → catalog, scheduler.
 #pragma once
 
+#include <atomic>
 #include <cstdint>
 #include <stop_token>
 #include <string>
@@ -73,6 +74,10 @@ class Api {
     Access& access() { return access_; }
     /// What pictures may cost; for streams, too.
     const Admission& admission() const { return admission_; }
+    /// From now on /readyz says that nobody should come any more; all else is answered.
+    void leave() { leaving_ = true; }
+    /// The server is about to end: there are no new streams.
+    bool leaving() const { return leaving_ || scheduler_.draining(); }
     /// After the scheduler has ended: nothing is answered any more.
     void stop() {
         picker_.stop();
@@ -97,6 +102,7 @@ class Api {
     Metrics& metrics_;
     const Admission admission_;
     const SharedPictures pictures_;
+    std::atomic<bool> leaving_{false};
     Picker picker_;
     PhotoAnswers photos_;
 };

@@ -140,19 +140,25 @@ class FakeSession {
     if (message.type === 'ping') this.socket.sendText(JSON.stringify({ type: 'pong', id: message.id }));
   }
 
-  greet({ cloud, width = 1280, height = 720 }) {
+  greet({ cloud, width = 1280, height = 720, view, seq, resume, frame }) {
     this.cloud = this.server.clouds.find((one) => one.id === cloud);
     if (!this.cloud) {
       this.socket.sendText(JSON.stringify({ type: 'problem', problem: problem(404, 'Not Found', `There is no cloud named "${cloud}" here.`) }));
       return;
     }
-    this.view = { ...this.cloud.view, width, height };
-    this.seq = 0;
+    this.view = { ...this.cloud.view, width, height, ...view };
+    this.seq = view ? seq : 0;
+    this.frameId = this.acked = this.first = resume && frame ? frame : 0;
     this.socket.sendText(JSON.stringify({
-      type: 'welcome', session: 'test', resume: `token-${this.server.received.filter(({ type }) => type === 'hello').length}`, resumed: false, seq: 0, cloud: this.cloud.id, methods: methods.map((method) => method.name),
+      type: 'welcome', session: 'test', resume: `token-${this.server.received.filter(({ type }) => type === 'hello').length}`, resumed: Boolean(resume && view), seq: this.seq, cloud: this.cloud.id, methods: methods.map((method) => method.name),
       limits: { maxMessageBytes: 65536, maxPixels: 8_300_000, maxUnacknowledged: 2 }, view: this.view,
     }));
     this.want(false);
+  }
+
+  /** As a server does that will be gone: pages are to go to another one, which is this one here. */
+  drain(afterMilliseconds) {
+    this.socket.sendText(JSON.stringify({ type: 'drain', afterMilliseconds, withinMilliseconds: 20_000 }));
   }
 
   /** As the server ends who looks at a cloud that is gone. */
@@ -194,7 +200,7 @@ class FakeSession {
 
   pump() {
     if (this.timer || this.frameId - this.acked >= 2) return;
-    const quiet = Date.now() - this.changedAt > 150 || this.seq === 0;
+    const quiet = Date.now() - this.changedAt > 150 || this.frameId === this.first;
     if (!this.moving && !this.finalWanted) return;
     const delay = this.moving ? this.server.frameDelay : quiet ? this.server.frameDelay : 160;
     this.timer = setTimeout(() => {
@@ -244,6 +250,7 @@ export class FakeServer {
   #snapshots = 0;
   damaged = false; // blocks of its clouds cannot be read
   knowsDepth = true; // else it refuses that word, as older servers do
+  refusedStreams = 0; // so many are answered 503 from now on
   token = ''; // asked for, when there is one
   guestLink = ''; // what stands in the link of a guest, whose pass is the token
   passSeconds = 3600;
@@ -296,6 +303,11 @@ export class FakeServer {
   }
 
   #upgrade(request, socket) {
+    if (this.refusedStreams > 0) {
+      this.refusedStreams -= 1;
+      socket.end('HTTP/1.1 503 Service Unavailable\r\nContent-Length: 0\r\n\r\n');
+      return;
+    }
     const offered = (request.headers['sec-websocket-protocol'] ?? '').split(', ');
     const bearer = `base64url.bearer.authorization.${Buffer.from(this.token).toString('base64url')}`;
     if (this.token && !offered.includes(bearer)) {

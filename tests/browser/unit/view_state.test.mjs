@@ -76,4 +76,18 @@ describe('ViewState', () => {
   it('knows nothing of refusals of messages that it did not send', () => {
     assert.ok(!begun().refused(99, start));
   });
+
+  it('goes on from what another server was told, whatever this one was told since', () => {
+    const state = begun();
+    state.change({ color: 'depth' });
+    const told = { ...state.wanted };
+    state.change({ color: 'lod' });
+    assert.deepEqual(state.take(2), { color: 'lod' });
+    state.said(3, told);
+    assert.deepEqual(state.take(4), { color: 'lod' });
+    state.said(5, { ...state.wanted });
+    assert.equal(state.take(6), undefined);
+    assert.ok(state.refused(5, start), 'and can be refused what it was told first');
+    assert.equal(state.wanted.color, 'rgb');
+  });
 });

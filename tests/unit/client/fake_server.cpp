@@ -98,8 +98,12 @@ class FakeServer::Impl {
             acceptor_.accept(socket, error);
             if (error) continue;
             limitWaiting(socket);
-            serve(std::move(socket));
+            if (script_.atOnce)
+                served_.emplace_back([this, one = std::move(socket)]() mutable { serve(std::move(one)); });
+            else
+                serve(std::move(socket));
         }
+        for (std::thread& one : served_) one.join();
     }
 
     void serve(tcp::socket socket) {
@@ -171,6 +175,7 @@ class FakeServer::Impl {
     mutable std::mutex mutex_;
     std::vector<std::string> requests_;
     std::atomic<bool> stopped_ = false;
+    std::vector<std::thread> served_;  // the thread's own
     std::thread thread_;
 };
 

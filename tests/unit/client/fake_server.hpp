@@ -1,5 +1,5 @@
 // A server that says what a test tells it to say, over real sockets on this machine. Serves one connection at
-// a time on a thread of its own. Boost stays in the .cpp.
+// a time on a thread of its own, unless its script says otherwise. Boost stays in the .cpp.
 #pragma once
 
 #include <cstdint>
@@ -36,6 +36,7 @@ class FakePeer {
 class FakeServer {
   public:
     struct Script {
+        bool atOnce = false;  ///< connections are served beside each other, not one after the other
         /// By path without its query.
         std::map<std::string, FakeAnswer> answers;
         /// What a WebSocket session does; none = upgrades are answered as `answers` says, or 404.

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <atomic>
+
 #include "tests/unit/client/fake_session.hpp"
 
 namespace scancast::client {
@@ -63,7 +65,7 @@ LiveOptions quick() {
 /// Sessions in turn; the last one again and again.
 FakeServer::Script inTurn(std::vector<std::function<void(FakePeer&)>> sessions) {
     FakeServer::Script script;
-    script.session = [sessions, next = std::make_shared<std::size_t>(0)](FakePeer& peer) {
+    script.session = [sessions, next = std::make_shared<std::atomic<std::size_t>>(0)](FakePeer& peer) {
         sessions[std::min((*next)++, sessions.size() - 1)](peer);
     };
     return script;
@@ -140,6 +142,74 @@ TEST(LiveStream, ComesBackWithItsTokenAndAsksAgain) {
     EXPECT_TRUE(diary.saw("connected s1 resumed")) << diary.all();
     EXPECT_TRUE(diary.saw("quality 77")) << diary.all();
     EXPECT_TRUE(diary.saw("view 1 width 200")) << diary.all();
+}
+
+// One server hands over to another: nobody is told of a loss, and until the other one has taken over the first one draws.
+TEST(LiveStream, MovesToAnotherServerBeforeTheFirstOneIsGone) {
+    Diary diary;
+    std::atomic<bool> taken = false;
+    FakeServer::Script script = inTurn(
+        {[&](FakePeer& peer) {
+             std::string text;
+             if (!test::welcome(peer, "s1", "t1") || !peer.readText(text)) return;
+             sendFrame(peer, 1, 1);
+             peer.sendText(printMessage(messages::Drain{1, 60'000}));
+             while (!taken && peer.readText(text)) {
+             }
+             diary.note("first is over");
+         },
+         [&](FakePeer& peer) {
+             std::string text;
+             if (!peer.readText(text)) return;
+             // It refuses at first: the client stays where it is, and tries again.
+             peer.sendText(printMessage(messages::ProblemReport{{}, problemOf(503, "not yet")}));
+         },
+         [&](FakePeer& peer) {
+             messages::Hello hello;
+             if (!test::welcome(peer, "s1", "t2", &hello)) return;
+             diary.note("hello " + hello.resume + " of " + hello.cloud + " seq " + std::to_string(hello.seq) +
+                        " frame " + std::to_string(hello.frame) + " width " + hello.view["width"].dump());
+             taken = true;
+             sendFrame(peer, 2, 1);
+             listen(peer, diary);
+         }});
+    script.atOnce = true;
+    const FakeServer fake(script);
+    LiveStream stream(fake.url(), {}, listenerOf(diary), quick());
+    stream.show(viewOf(100));
+    EXPECT_TRUE(diary.saw("hello t1 of town seq 1 frame 1 width 100")) << diary.all();
+    EXPECT_TRUE(diary.saw("connected s1 resumed")) << diary.all();
+    EXPECT_TRUE(diary.saw("first is over")) << diary.all();
+    stream.show(viewOf(101));
+    EXPECT_TRUE(diary.saw("view 2 width 101")) << diary.all();
+    EXPECT_EQ(diary.all().find("lost"), std::string::npos) << diary.all();
+    EXPECT_EQ(diary.all().find("ended"), std::string::npos) << diary.all();
+}
+
+// It knows no view in a hello, and refuses the whole: then what is to be seen is said afterwards, as ever.
+TEST(LiveStream, AnOlderServerIsToldTheViewAfterwards) {
+    Diary diary;
+    const FakeServer fake(
+        inTurn({[&](FakePeer& peer) {
+                    std::string text;
+                    if (test::welcome(peer, "s1", "t1")) peer.readText(text);
+                },
+                [&](FakePeer& peer) {
+                    std::string text;
+                    if (!peer.readText(text)) return;
+                    Error error{ErrorCode::InvalidArgument, "view: unknown", "view"};
+                    peer.sendText(printMessage(messages::ProblemReport{{}, problemOf(error)}));
+                },
+                [&](FakePeer& peer) {
+                    messages::Hello hello;
+                    if (!test::welcome(peer, "s1", "t2", &hello)) return;
+                    diary.note("hello " + hello.resume + " " + hello.view.dump());
+                    listen(peer, diary);
+                }}));
+    LiveStream stream(fake.url(), {}, listenerOf(diary), quick());
+    stream.show(viewOf(100));
+    EXPECT_TRUE(diary.saw("hello t1 null")) << diary.all();
+    EXPECT_TRUE(diary.saw("view 1 width 100")) << diary.all();
 }
 
 TEST(LiveStream, AnotherSessionIsNoResumedOne) {

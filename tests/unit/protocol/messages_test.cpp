@@ -26,6 +26,9 @@ TEST(ClientMessages, RoundTrip) {
     hello.fps = 60;
     hello.resume = "token";
     hello.depth = true;
+    hello.view = {{"width", 5}, {"camera", {{"fov", 50}}}};
+    hello.seq = 18446744073709551615u;
+    hello.frame = 77;
     Hello follower;
     follower.follow = "s1";
     ViewChange view{18446744073709551615u, "other", {{"width", 5}, {"camera", {{"fov", 50}}}}};
@@ -141,6 +144,7 @@ TEST(ServerMessages, RoundTrip) {
                                          ProblemReport{5, problem},
                                          ProblemReport{{}, problem},
                                          Bye{CloseCode::GoingAway, "the server shuts down"},
+                                         Drain{1200, 30'000},
                                          Picked{3, nullptr},
                                          Picked{4, {{"position", {1, 2, 3}}}},
                                          Pong{9}};

@@ -91,7 +91,8 @@ TEST_F(ResumedSession, WhoeverHasAFrameAndComesBackAtOnceIsNotSentItsNumberAgain
     std::optional<SavedSession> saved;
     port.onFrame = [&](const FrameHeader& sent) {
         EXPECT_EQ(sent.frameId, 1U);
-        saved = store.resume(token, now);  // by another connection, before this one has done anything more
+        saved = store.resume(token, "", now)
+                    ->saved;  // by another connection, before this one has done anything more
     };
     view(7, 1);
     finish(0);
@@ -169,11 +170,128 @@ TEST_F(ResumedSession, ACloudThatIsGoneBeginsANewSession) {
 TEST_F(ResumedSession, TheConnectionThatLostItsSessionIsClosed) {
     hello();
     const std::string token = port.texts.at(0)["resume"];
-    EXPECT_TRUE(store.resume(token, now));
+    EXPECT_TRUE(store.resume(token, "", now));
     EXPECT_EQ(port.takenOver, 1);
     session->taken();
     EXPECT_EQ(port.closed, CloseCode::PolicyViolation);
     EXPECT_EQ(port.texts.back()["type"], "bye");
+}
+
+// On a server that has never heard of the session.
+class SessionFromElsewhere : public ResumedSession {
+  protected:
+    SessionFromElsewhere() {
+        store.setKeys({"shared"});
+        other.setKeys({"shared"});
+    }
+    std::string tokenOf(const std::string& owner, std::uint32_t turn = 1) {
+        return other.open({"s77", owner, turn})->token;
+    }
+    /// What a client says that has lost its server.
+    static json helloWith(const std::string& token) {
+        return {
+            {"type", "hello"},
+            {"resume", token},
+            {"cloud", "second"},
+            {"view", {{"width", 300}, {"height", 200}, {"method", "cone"}, {"camera", {{"eye", {5, 6, 7}}}}}},
+            {"seq", 41},
+            {"frame", 99},
+            {"fps", 25}};
+    }
+
+    ResumeStore other;
+};
+
+TEST_F(SessionFromElsewhere, GoesOnWithWhatTheClientSaw) {
+    say(helloWith(tokenOf("")));
+    const json welcome = port.texts.at(0);
+    EXPECT_EQ(welcome["resumed"], true);
+    EXPECT_EQ(welcome["session"], "s77");
+    EXPECT_EQ(welcome["cloud"], "second");
+    EXPECT_EQ(welcome["seq"], 41);
+    EXPECT_EQ(welcome["view"]["width"], 300);
+    EXPECT_EQ(welcome["view"]["method"], "cone");
+    EXPECT_EQ(welcome["view"]["camera"]["eye"], json({5.0, 6.0, 7.0}));
+    pass(150);
+    ASSERT_EQ(port.orders.size(), 1U) << "a still at once: nothing moves";
+    finish(0);
+    EXPECT_EQ(port.frames.at(0).seq, 41U);
+    EXPECT_EQ(port.frames.at(0).frameId, 100U) << "numbers go on";
+    ack(99);
+    EXPECT_FALSE(port.closed);
+    // And from here on as if it had always been here.
+    const std::string token = welcome["resume"];
+    session->connectionLost(false, now);
+    connect();
+    EXPECT_EQ(helloAgain(token)["session"], "s77");
+    EXPECT_EQ(port.texts.at(0)["cloud"], "second");
+}
+
+TEST_F(SessionFromElsewhere, WhatCannotBeBelievedIsANewSessionWithThatView) {
+    std::string turned = tokenOf("");
+    turned[turned.size() / 2] = turned[turned.size() / 2] == 'x' ? 'y' : 'x';
+    const std::string past = ResumeStore({.tokenLife = std::chrono::seconds(-1)}).open({"s77", ""})->token;
+    for (const std::string& token : {turned, past, tokenOf("another owner"), std::string("nonsense")}) {
+        connect();
+        say(helloWith(token));
+        const json welcome = port.texts.at(0);
+        EXPECT_EQ(welcome["resumed"], false) << token;
+        EXPECT_NE(welcome["session"], "s77") << token;
+        EXPECT_EQ(welcome["cloud"], "second") << "he may look at that without any token";
+        EXPECT_EQ(welcome["view"]["method"], "cone");
+        EXPECT_EQ(welcome["seq"], 41);
+        pass(150);
+        finish(port.orders.size() - 1);
+        EXPECT_EQ(port.frames.at(0).frameId, 1U);
+    }
+}
+
+TEST_F(SessionFromElsewhere, WhoSaysNotWhatHeSawBeginsAnew) {
+    say({{"type", "hello"}, {"resume", tokenOf("")}, {"cloud", "first"}});
+    EXPECT_EQ(port.texts.at(0)["resumed"], false);
+}
+
+TEST_F(SessionFromElsewhere, ACloudThatIsNotThereIsRefused) {
+    world.second = nullptr;
+    say(helloWith(tokenOf("")));
+    EXPECT_EQ(port.texts.at(0)["type"], "problem");
+    EXPECT_EQ(port.texts.at(0)["problem"]["status"], 404);
+    EXPECT_FALSE(session->greeted());
+}
+
+TEST_F(SessionTest, AHelloMaySayWhatIsSeenFirst) {
+    say({{"type", "hello"}, {"width", 64}, {"height", 48}, {"view", {{"method", "cone"}}}, {"seq", 3}});
+    EXPECT_EQ(port.texts.at(0)["view"]["method"], "cone");
+    EXPECT_EQ(port.texts.at(0)["view"]["width"], 64);
+    EXPECT_EQ(port.texts.at(0)["seq"], 3);
+    pass(150);
+    finish(0);
+    EXPECT_EQ(port.frames.at(0).seq, 3U);
+}
+
+TEST_F(SessionTest, AHelloWithAViewThatCannotBeIsRefused) {
+    say({{"type", "hello"}, {"view", {{"camera", {{"fvo", 3}}}}}});
+    EXPECT_EQ(port.texts.at(0)["problem"]["errors"][0]["parameter"], "camera.fvo");
+    EXPECT_FALSE(session->greeted());
+    hello();
+    EXPECT_TRUE(session->greeted()) << "he may say another one";
+}
+
+TEST_F(SessionTest, IsToldOnceThatTheServerGoesAndDrawnForAllTheSame) {
+    session->moveOn({700, 9000});
+    EXPECT_TRUE(port.texts.empty()) << "a welcome comes first";
+    hello();
+    ASSERT_EQ(port.texts.size(), 2U);
+    EXPECT_EQ(port.texts[0]["type"], "welcome");
+    EXPECT_EQ(port.texts[1],
+              json({{"type", "drain"}, {"afterMilliseconds", 700}, {"withinMilliseconds", 9000}}));
+    session->moveOn({800, 9000});
+    EXPECT_EQ(port.texts.size(), 2U);
+    EXPECT_FALSE(port.closed);
+    pass(150);
+    finish(0);
+    view(1, 1);
+    EXPECT_EQ(port.orders.size(), 2U);
 }
 
 TEST_F(SessionTest, WithoutAStoreThereIsNoToken) {

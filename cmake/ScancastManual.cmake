@@ -11,6 +11,9 @@ set(manual_programs scancast scancast-client scancast-import-e57 scancast-import
 if(TARGET scancast-import-pcl)
   list(APPEND manual_programs scancast-import-pcl)
 endif()
+if(TARGET scancast-ranks)
+  list(APPEND manual_programs scancast-ranks)
+endif()
 list(TRANSFORM manual_programs PREPEND "${CMAKE_RUNTIME_OUTPUT_DIRECTORY}/" OUTPUT_VARIABLE manual_paths)
 set(manual_source "${PROJECT_SOURCE_DIR}/deploy/manual")
 add_custom_command(
@@ -23,18 +26,24 @@ add_custom_command(
   VERBATIM)
 add_custom_target(scancast_manual ALL DEPENDS "${SCANCAST_MANUAL}/made")
 
-foreach(part server client import-pcl)
+set(manual_parts server client import-pcl)
+set(completed_parts server client)
+if(TARGET scancast-ranks)
+  list(APPEND manual_parts ranks)
+  list(APPEND completed_parts ranks)
+endif()
+foreach(part IN LISTS manual_parts)
   string(REPLACE "server" "" name "${part}")
   string(REGEX REPLACE "(.+)" "-\\1" name "${name}")
   # The server's are all that are nobody else's.
   set(others "")
   if(part STREQUAL "server")
-    set(others REGEX "/scancast-(client|import-pcl)[^/]*$" EXCLUDE)
+    set(others REGEX "/scancast-(client|import-pcl|ranks)[^/]*$" EXCLUDE)
   endif()
   install(DIRECTORY "${SCANCAST_MANUAL}/man1" DESTINATION "${CMAKE_INSTALL_MANDIR}" COMPONENT ${part}
     FILES_MATCHING PATTERN "scancast${name}*.1" ${others})
 endforeach()
-foreach(part server client)
+foreach(part IN LISTS completed_parts)
   string(REPLACE "server" "" name "${part}")
   string(REGEX REPLACE "(.+)" "-\\1" name "${name}")
   install(FILES "${SCANCAST_MANUAL}/bash/scancast${name}" DESTINATION "${CMAKE_INSTALL_DATADIR}/bash-completion/completions"

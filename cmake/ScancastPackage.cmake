@@ -73,6 +73,14 @@ Cloud Library."
     PACKAGE_SHLIBDEPS ON
     PACKAGE_ENHANCES "scancast")
 endif()
+if(TARGET scancast-ranks)
+  scancast_package(ranks scancast-ranks "point cloud server Scancast by many processes
+A program that mpirun starts several times, on one machine or many, so that they
+turn scans into a cloud file together."
+    PACKAGE_SHLIBDEPS ON
+    PACKAGE_DEPENDS "scancast (= ${PROJECT_VERSION}-1)"
+    PACKAGE_RECOMMENDS "openmpi-bin")
+endif()
 scancast_package(library libscancast-client0.1 "client library of the point cloud server Scancast
 The shared library that C++ programs use which look at scanned point clouds on a
 server."

@@ -15,6 +15,8 @@ class ForwardingSource : public PointSource {
   public:
     const ScanHeader& header() const override { return source_->header(); }
     Expected<PointBatch> glance() override { return source_->glance(); }
+    bool hasParts() const override { return source_->hasParts(); }
+    void readPart(std::uint64_t first, std::uint64_t count) override { source_->readPart(first, count); }
     Expected<bool> read(PointBatch& batch) override { return source_->read(batch); }
     std::uint64_t droppedPoints() const override { return source_->droppedPoints(); }
     std::vector<std::string> notes() const override { return source_->notes(); }
@@ -39,6 +41,7 @@ class ClosedSource final : public PointSource {
   public:
     explicit ClosedSource(const PointSource& source)
         : header_(source.header()),
+          hasParts_(source.hasParts()),
           dropped_(source.droppedPoints()),
           notes_(source.notes()),
           stations_(source.stations()),
@@ -46,6 +49,8 @@ class ClosedSource final : public PointSource {
           bytes_(source.bytesRead()) {}
 
     const ScanHeader& header() const override { return header_; }
+    /// Of what was closed.
+    bool hasParts() const override { return hasParts_; }
     Expected<bool> read(PointBatch& batch) override {
         batch.clear();
         return false;
@@ -58,6 +63,7 @@ class ClosedSource final : public PointSource {
 
   private:
     ScanHeader header_;
+    bool hasParts_ = false;
     std::uint64_t dropped_ = 0;
     std::vector<std::string> notes_;
     std::vector<Station> stations_;

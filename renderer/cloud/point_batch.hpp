@@ -183,6 +183,11 @@ class PointSource {
     /// Before the first read(): some points from all over the scan, to look at while it is read; read() gives them
     /// once more. None where they cost as much as reading would. An error is one that read() will meet, too.
     virtual Expected<PointBatch> glance() { return PointBatch(); }
+    /// Whether readPart() is possible: any point of the header's can be gone to at once.
+    virtual bool hasParts() const { return false; }
+    /// Before the first read(): of the header's points only so many from this one on are to be read, perhaps none. What a part says at
+    /// its end is what the whole says, but for points left out; that it has none at all is no error of its. Only where there are parts.
+    virtual void readPart(std::uint64_t /*first*/, std::uint64_t /*count*/) {}
     /// Replaces the batch with the next points (at most batchPoints). False at the end: then the batch is
     /// empty and the whole scan was sound. A file that is damaged, truncated or empty ends with an error
     /// instead.

@@ -127,7 +127,7 @@ class Packages(unittest.TestCase):
         self.assertIn("points", self.inside("scancast", "info", "/srv/scan.laz"))
 
     def test_5_the_others_can_be_installed(self):
-        for name in ("scancast-import-pcl", "scancast-client", "scancast-doc"):
+        for name in ("scancast-import-pcl", "scancast-client", "scancast-ranks", "scancast-doc"):
             self.assertIn(f"Inst {name} ", self.install(name, simulate=True))
         self.install("libscancast-client0.1", "scancast-dev")
         self.assertIn("libscancast-client.so.0.1", self.inside("ldconfig", "-p"))

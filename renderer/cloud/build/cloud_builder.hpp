@@ -6,14 +6,15 @@
 
 #include "renderer/cloud/build/octree_builder.hpp"
 #include "renderer/cloud/build/octree_shape.hpp"
+#include "renderer/cloud/file/cloud_file_writer.hpp"
 
 namespace scancast {
 
 struct BuildRoom {
     Workspace& workspace;
-    CloudFileWriter* file = nullptr;  ///< where samples go; null = they stay in memory
-    int threads = 0;                  ///< 0 = all cores
-    int lanes = 1;                    ///< chunks in memory at once
+    BlockSink* file = nullptr;  ///< where samples go; null = they stay in memory
+    int threads = 0;            ///< 0 = all cores
+    int lanes = 1;              ///< chunks in memory at once
 };
 
 struct BuiltCloud {

@@ -7,7 +7,6 @@
 #include <limits>
 
 #include "renderer/cloud/build/nodes/inner_surfels.hpp"
-#include "renderer/cloud/build/value_sketch.hpp"
 #include "renderer/cloud/curvature.hpp"
 #include "renderer/cloud/file/blocks/block_codec.hpp"
 #include "renderer/cloud/normal_cone.hpp"
@@ -111,8 +110,8 @@ std::vector<std::byte> encodePart(std::span<const BesideWord> beside, Take take)
 
 class Finisher {
   public:
-    Finisher(BuildNode& root, const OctreeInput& input, CloudFileWriter* file)
-        : root_(root), input_(input), file_(file) {}
+    Finisher(const BuildNode& root, const OctreeInput& input, BlockSink* file, ValueSketch& means)
+        : root_(root), input_(input), file_(file), means_(means) {}
 
     struct Inner {
         BuildNode* node = nullptr;
@@ -123,19 +122,17 @@ class Finisher {
         Expected<void> result;
     };
 
-    /// From the root down; a window of nodes at once, in parallel.
-    Expected<void> finishInner(Numbered& tree, const ProgressSink& sink, const std::stop_token& stop) {
-        std::vector<std::uint32_t> inner;
-        for (std::uint32_t i = 0; i < tree.order.size(); ++i)
-            if (!tree.order[i]->isLeaf()) inner.push_back(i);
+    /// A window of nodes at once, in parallel.
+    Expected<void> finish(std::span<BuildNode* const> inner, const ProgressSink& sink,
+                          const std::stop_token& stop) {
         ProgressMeter progress(sink, "finishing", inner.size(), "nodes");
         for (std::size_t first = 0; first < inner.size(); first += window) {
             std::vector<Inner> work(std::min(window, inner.size() - first));
-            for (std::size_t i = 0; i < work.size(); ++i) work[i].node = tree.order[inner[first + i]];
+            for (std::size_t i = 0; i < work.size(); ++i) work[i].node = inner[first + i];
             tbb::parallel_for(std::size_t(0), work.size(),
                               [&](std::size_t i) { work[i].result = finish(work[i]); });
-            for (std::size_t i = 0; i < work.size(); ++i)
-                if (auto ok = store(work[i], tree.nodes[inner[first + i]]); !ok) return ok;
+            for (Inner& one : work)
+                if (auto ok = store(one); !ok) return ok;
             progress.add(work.size());
             if (stop.stop_requested()) return fail(ErrorCode::Cancelled, "Building the cloud was abandoned.");
         }
@@ -143,41 +140,7 @@ class Finisher {
         return {};
     }
 
-    /// A cloud of one leaf has no others.
-    Expected<void> addLeaf(const BuildNode& leaf) {
-        if (!input_.shape.curvatures()) return {};
-        if (!file_) {
-            addMeans(leaf.content.beside, radiusUnit(leaf.content.spacing), means_);
-            return {};
-        }
-        std::vector<CurvatureCode> codes(leaf.stored.node.sampleCount);
-        if (leaf.beside.curvature.bytes > 0) {
-            const auto block = file_->readBack(leaf.beside.curvature);
-            if (!block) return passOn(block);
-            const auto values = decodeRows(*block, sizeof(CurvatureCode), codes.size());
-            if (!values) return passOn(values);
-            std::ranges::copy(*values, std::as_writable_bytes(std::span(codes)).begin());
-        }
-        addMeans(codes, radiusUnit(leaf.content.spacing), means_);
-        return {};
-    }
-    std::array<double, 2> usualCurvature() const { return {means_.quantile(0.05), means_.quantile(0.95)}; }
-
   private:
-    Expected<std::vector<Sample>> samplesOf(const BuildNode& node) const {
-        if (!file_) return node.content.samples;
-        std::vector<Sample> samples(node.stored.node.sampleCount);
-        if (!node.isLeaf()) {
-            if (auto ok = node.setAside.read(0, std::as_writable_bytes(std::span(samples))); !ok)
-                return passOn(ok);
-            return samples;
-        }
-        const auto block = file_->readBack(node.stored.samples);
-        if (!block) return passOn(block);
-        if (auto ok = decodeSamples(*block, samples); !ok) return passOn(ok);
-        return samples;
-    }
-
     Expected<AveragedFacts> factsOf(const BuildNode& node) const {
         if (!file_) return AveragedFacts{node.content.reaches, node.content.densities};
         const std::size_t count = node.stored.node.sampleCount;
@@ -204,7 +167,7 @@ class Finisher {
 
     Expected<void> finish(Inner& work) const {
         BuildNode& node = *work.node;
-        auto samples = samplesOf(node);
+        auto samples = samplesOf(node, file_);
         if (!samples) return passOn(samples);
         work.samples = std::move(*samples);
         auto beside = besideOf(node);
@@ -214,7 +177,7 @@ class Finisher {
         if (input_.shape.surfels) {
             const auto facts = factsOf(node);
             if (!facts) return passOn(facts);
-            const auto find = [this](const BuildNode& n) { return samplesOf(n); };
+            const auto find = [this](const BuildNode& n) { return samplesOf(n, file_); };
             if (auto ok = addInnerSurfels(node, *facts, root_, input_, find, work.samples, work.beside); !ok)
                 return ok;
         }
@@ -225,7 +188,7 @@ class Finisher {
         return {};
     }
 
-    Expected<void> store(Inner& work, StoredNode& to) {
+    Expected<void> store(Inner& work) {
         if (!work.result) return work.result;
         if (input_.shape.curvatures()) addMeans(work.beside, radiusUnit(work.node->content.spacing), means_);
         if (!file_) {
@@ -235,17 +198,17 @@ class Finisher {
         }
         auto place = file_->append(work.block);
         if (!place) return passOn(place);
-        to.samples = *place;
+        work.node->stored.samples = *place;
         auto beside = appendBlocks(*file_, work.besideBlocks);
         if (!beside) return passOn(beside);
         work.node->beside = *beside;
         return {};
     }
 
-    BuildNode& root_;
+    const BuildNode& root_;
     const OctreeInput& input_;
-    CloudFileWriter* const file_;
-    ValueSketch means_;  ///< of inner nodes: what is seen of the whole cloud
+    BlockSink* const file_;
+    ValueSketch& means_;  ///< of inner nodes: what is seen of the whole cloud
 };
 
 /// Children stand behind their parents: from the end to the start, every cone is joined with finished ones.
@@ -275,7 +238,7 @@ BesideBlocks encodeBeside(std::span<const BesideWord> beside, const OctreeInput&
     return blocks;
 }
 
-Expected<BesidePlaces> appendBlocks(CloudFileWriter& file, const BesideBlocks& blocks) {
+Expected<BesidePlaces> appendBlocks(BlockSink& file, const BesideBlocks& blocks) {
     BesidePlaces places;
     for (const auto& [block, place] : {std::pair(&blocks.curvature, &places.curvature),
                                        std::pair(&blocks.nearInfrared, &places.nearInfrared)}) {
@@ -297,20 +260,74 @@ NormalCone coneOfSamples(std::span<const Sample> samples) {
     return coneOf(normals);
 }
 
-Expected<BuiltOctree> finishTree(BuildNode& root, const OctreeInput& input, CloudFileWriter* file,
+Expected<BuiltOctree> finishTree(BuildNode& root, const OctreeInput& input, BlockSink* file,
                                  const ProgressSink& progress, const std::stop_token& stop) {
-    Numbered tree = number(root, input);
-    Finisher finisher(root, input, file);
-    if (auto ok = finisher.finishInner(tree, progress, stop); !ok) return passOn(ok);
+    ValueSketch curvatures;
+    const std::vector<BuildNode*> inner = innerNodes(root);
+    if (auto ok = finishInnerNodes(inner, root, input, file, curvatures, progress, stop); !ok)
+        return passOn(ok);
     if (root.isLeaf())
-        if (auto ok = finisher.addLeaf(root); !ok) return passOn(ok);
-    joinCones(tree);
+        if (auto ok = addLeafCurvatures(root, input, file, curvatures); !ok) return passOn(ok);
+    return numberTree(root, input, file != nullptr, curvatures);
+}
 
+Expected<std::vector<Sample>> samplesOf(const BuildNode& node, const BlockSink* file) {
+    if (!file) return node.content.samples;
+    std::vector<Sample> samples(node.stored.node.sampleCount);
+    if (node.setAside.bytes() > 0) {
+        if (auto ok = node.setAside.read(0, std::as_writable_bytes(std::span(samples))); !ok)
+            return passOn(ok);
+        return samples;
+    }
+    const auto block = file->readBack(node.stored.samples);
+    if (!block) return passOn(block);
+    if (auto ok = decodeSamples(*block, samples); !ok) return passOn(ok);
+    return samples;
+}
+
+std::vector<BuildNode*> innerNodes(BuildNode& root) {
+    std::vector<BuildNode*> inner;
+    if (!root.isLeaf()) inner.push_back(&root);
+    for (std::size_t i = 0; i < inner.size(); ++i)
+        for (const auto& child : inner[i]->children)
+            if (!child->isLeaf()) inner.push_back(child.get());
+    return inner;
+}
+
+Expected<void> finishInnerNodes(std::span<BuildNode* const> nodes, const BuildNode& root,
+                                const OctreeInput& input, BlockSink* file, ValueSketch& curvatures,
+                                const ProgressSink& progress, const std::stop_token& stop) {
+    return Finisher(root, input, file, curvatures).finish(nodes, progress, stop);
+}
+
+Expected<void> addLeafCurvatures(const BuildNode& leaf, const OctreeInput& input, const BlockSink* file,
+                                 ValueSketch& curvatures) {
+    if (!input.shape.curvatures()) return {};
+    if (!file) {
+        addMeans(leaf.content.beside, radiusUnit(leaf.content.spacing), curvatures);
+        return {};
+    }
+    std::vector<CurvatureCode> codes(leaf.stored.node.sampleCount);
+    if (leaf.beside.curvature.bytes > 0) {
+        const auto block = file->readBack(leaf.beside.curvature);
+        if (!block) return passOn(block);
+        const auto values = decodeRows(*block, sizeof(CurvatureCode), codes.size());
+        if (!values) return passOn(values);
+        std::ranges::copy(*values, std::as_writable_bytes(std::span(codes)).begin());
+    }
+    addMeans(codes, radiusUnit(leaf.content.spacing), curvatures);
+    return {};
+}
+
+BuiltOctree numberTree(BuildNode& root, const OctreeInput& input, bool inFile,
+                       const ValueSketch& curvatures) {
+    Numbered tree = number(root, input);
+    joinCones(tree);
     BuiltOctree built;
-    built.usualCurvature = finisher.usualCurvature();
+    built.usualCurvature = {curvatures.quantile(0.05), curvatures.quantile(0.95)};
     for (const BuildNode* node : tree.order) built.sampleHashes.push_back(node->sampleHash);
     built.nodes = std::move(tree.nodes);
-    if (file) {
+    if (inFile) {
         built.planes = planePlaces(tree.order, input);
         return built;
     }

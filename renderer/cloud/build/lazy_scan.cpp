@@ -1,5 +1,8 @@
 #include "renderer/cloud/build/lazy_scan.hpp"
 
+#include <optional>
+#include <utility>
+
 #include "renderer/cloud/forwarding_source.hpp"
 
 namespace scancast {
@@ -15,6 +18,8 @@ class LazyScan final : public ForwardingSource {
     /// One object all the time, whatever is open; a scanner's place may be forgotten while the scan is read.
     const ScanHeader& header() const override { return header_; }
 
+    void readPart(std::uint64_t first, std::uint64_t count) override { part_ = {first, count}; }
+
     Expected<bool> read(PointBatch& batch) override {
         if (open_) {
             batch.clear();
@@ -22,6 +27,7 @@ class LazyScan final : public ForwardingSource {
             if (!opened) return passOn(opened);
             open_ = nullptr;
             wrap(std::move(*opened));
+            if (part_) source().readPart(part_->first, part_->second);
         }
         const auto more = source().read(batch);
         header_.scannerOrigin = source().header().scannerOrigin;
@@ -32,6 +38,7 @@ class LazyScan final : public ForwardingSource {
   private:
     OpenScan open_;  ///< until it is open
     ScanHeader header_;
+    std::optional<std::pair<std::uint64_t, std::uint64_t>> part_;  ///< first point, and how many
 };
 
 }  // namespace

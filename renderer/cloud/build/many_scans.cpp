@@ -15,8 +15,6 @@ namespace scancast {
 
 namespace {
 
-constexpr double inf = std::numeric_limits<double>::infinity();
-
 /// Where the columns of one scan stand in the rows of all.
 struct ColumnCopy {
     std::size_t from = 0, to = 0, bytes = 0;
@@ -47,12 +45,12 @@ ScanCrs scanCrs(const ScanHeader& header, std::string name) {
     return {std::move(name), header.crsWkt, header.crsEpsg, header.bounds};
 }
 
-class ManyScans final : public PointSource {
+class ScansInTurn final : public ManyScans {
   public:
-    ManyScans(std::vector<std::unique_ptr<PointSource>> sources, std::vector<ScanCrs> crs, MergedCrs merged)
-        : sources_(std::move(sources)), crs_(std::move(crs)), merged_(std::move(merged)) {
+    ScansInTurn(std::vector<std::unique_ptr<PointSource>> sources, std::vector<ScanCrs> crs, MergedCrs merged,
+                bool judges)
+        : sources_(std::move(sources)), crs_(std::move(crs)), merged_(std::move(merged)), judges_(judges) {
         mergeHeaders();
-        if (merged_.boundsMatter) seen_.resize(sources_.size(), {glm::dvec3(inf), glm::dvec3(-inf)});
         const auto wanted = mergeColumns();
         for (const auto& source : sources_) copies_.push_back(matchColumns(source->header().columns, wanted));
     }
@@ -66,15 +64,31 @@ class ManyScans final : public PointSource {
             if (sources_.size() == 1) header_.scannerOrigin = sources_.front()->header().scannerOrigin;
             if (!*more) continue;
             for (const std::uint16_t value : batch.nearInfrared)
-                highestInfrared_[at_] = std::max(highestInfrared_[at_], value);
+                seen_[at_].highestInfrared = std::max(seen_[at_].highestInfrared, value);
             arrangeRows(batch);
-            if (!seen_.empty()) see(batch);
+            if (merged_.boundsMatter) see(batch);
             if (!batch.scanner) batch.scanner = sources_[at_]->header().scannerOrigin;
             return true;
         }
         batch.clear();
-        if (auto ok = judgeWhatWasSeen(); !ok) return passOn(ok);
+        if (!judges_) return false;
+        if (auto ok = judge(); !ok) return passOn(ok);
         return false;
+    }
+
+    std::span<SeenOfScan> seen() override { return seen_; }
+
+    /// Those that did not say where they lie may turn out to lie far from the others.
+    Expected<void> judge() override {
+        if (sources_.size() == 1) header_.scannerOrigin = sources_.front()->header().scannerOrigin;
+        if (!merged_.boundsMatter || isJudged_) return {};
+        for (std::size_t i = 0; i < crs_.size(); ++i)
+            if (!hasPlace(crs_[i])) crs_[i].bounds = seen_[i].box;
+        isJudged_ = true;
+        auto merged = mergeCrs(crs_);
+        if (!merged) return passOn(merged);
+        merged_.notes = std::move(merged->notes);
+        return {};
     }
 
     std::uint64_t droppedPoints() const override {
@@ -87,8 +101,10 @@ class ManyScans final : public PointSource {
         std::vector<std::string> all = merged_.notes;
         for (const auto& source : sources_)
             for (std::string& note : source->notes()) all.push_back(std::move(note));
-        const auto dark = std::ranges::count_if(highestInfrared_, [](int v) { return v > 0 && v < 256; });
-        if (dark > 0 && std::ranges::any_of(highestInfrared_, [](int v) { return v > 255; }))
+        const auto dark = std::ranges::count_if(
+            seen_, [](const SeenOfScan& s) { return s.highestInfrared > 0 && s.highestInfrared < 256; });
+        if (dark > 0 &&
+            std::ranges::any_of(seen_, [](const SeenOfScan& s) { return s.highestInfrared > 255; }))
             all.push_back(
                 fmt::format("near infrared has 8 bits in {} of the scans and 16 in others: that of 8 is "
                             "black beside these",
@@ -185,20 +201,8 @@ class ManyScans final : public PointSource {
     }
 
     void see(const PointBatch& batch) {
-        auto& [low, high] = seen_[at_];
+        auto& [low, high] = seen_[at_].box;
         for (const glm::dvec3& p : batch.position) low = glm::min(low, p), high = glm::max(high, p);
-    }
-
-    /// Those that did not say where they lie may turn out to lie far from the others.
-    Expected<void> judgeWhatWasSeen() {
-        if (seen_.empty()) return {};
-        for (std::size_t i = 0; i < crs_.size(); ++i)
-            if (!hasPlace(crs_[i])) crs_[i].bounds = seen_[i];
-        seen_.clear();
-        auto merged = mergeCrs(crs_);
-        if (!merged) return passOn(merged);
-        merged_.notes = std::move(merged->notes);
-        return {};
     }
 
     void arrangeRows(PointBatch& batch) {
@@ -216,26 +220,36 @@ class ManyScans final : public PointSource {
     std::vector<std::unique_ptr<PointSource>> sources_;
     std::vector<ScanCrs> crs_;
     MergedCrs merged_;
-    std::vector<std::array<glm::dvec3, 2>>
-        seen_;  ///< least and greatest of what was read of each; empty: of no matter
+    std::vector<SeenOfScan> seen_ = std::vector<SeenOfScan>(sources_.size());  ///< boxes where they matter
+    const bool judges_;
+    bool isJudged_ = false;
     std::vector<std::vector<ColumnCopy>> copies_;
     ScanHeader header_;
-    std::vector<std::uint16_t> highestInfrared_ = std::vector<std::uint16_t>(sources_.size());  ///< of each
     std::size_t columnsLeftOut_ = 0;
     std::size_t at_ = 0;
 };
 
-}  // namespace
-
-Expected<std::unique_ptr<PointSource>> manyScans(std::vector<std::unique_ptr<PointSource>> sources,
-                                                 std::span<const std::string> names) {
+Expected<std::unique_ptr<ManyScans>> inTurn(std::vector<std::unique_ptr<PointSource>> sources,
+                                            std::span<const std::string> names, bool judges) {
     std::vector<ScanCrs> crs;
     for (std::size_t i = 0; i < sources.size(); ++i)
         crs.push_back(
             scanCrs(sources[i]->header(), i < names.size() ? names[i] : fmt::format("scan {}", i + 1)));
     auto merged = mergeCrs(crs);
     if (!merged) return passOn(merged);
-    return std::make_unique<ManyScans>(std::move(sources), std::move(crs), std::move(*merged));
+    return std::make_unique<ScansInTurn>(std::move(sources), std::move(crs), std::move(*merged), judges);
+}
+
+}  // namespace
+
+Expected<std::unique_ptr<PointSource>> manyScans(std::vector<std::unique_ptr<PointSource>> sources,
+                                                 std::span<const std::string> names) {
+    return inTurn(std::move(sources), names, true);
+}
+
+Expected<std::unique_ptr<ManyScans>> manyScansInPart(std::vector<std::unique_ptr<PointSource>> sources,
+                                                     std::span<const std::string> names) {
+    return inTurn(std::move(sources), names, false);
 }
 
 }  // namespace scancast

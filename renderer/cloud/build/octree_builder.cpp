@@ -12,6 +12,7 @@
 
 #include "renderer/cloud/build/chunks/kept_rows.hpp"
 #include "renderer/cloud/build/finish.hpp"
+#include "renderer/cloud/build/nodes/set_aside.hpp"
 #include "renderer/cloud/build/nodes/subtree.hpp"
 #include "renderer/cloud/build/sides/chunk_sides.hpp"
 #include "renderer/cloud/file/blocks/block_codec.hpp"
@@ -51,9 +52,14 @@ struct Work {
 /// the order of the tree.
 class TreeBuilder {
   public:
-    TreeBuilder(const OctreeInput& input, Workspace& workspace, CloudFileWriter* file,
+    TreeBuilder(const OctreeInput& input, Workspace& workspace, BlockSink* file, const SidesOfPatches& decide,
                 ProgressMeter& progress, const std::stop_token& stop)
-        : input_(input), workspace_(workspace), file_(file), progress_(progress), stop_(stop) {}
+        : input_(input),
+          workspace_(workspace),
+          file_(file),
+          decide_(decide),
+          progress_(progress),
+          stop_(stop) {}
 
     Expected<void> run(std::vector<Chunk> chunks, int lanes) {
         chunks_ = std::move(chunks);
@@ -65,15 +71,16 @@ class TreeBuilder {
         auto done = forChunks(
             lanes, [this](Work& work) { return growWithoutSides(work); },
             [this](Work& work) { return hold(work); });
-        if (!done) return done;
-        sides_ = decideSides(facets_, patches_, borders_, input_.upIsZ);
+        // It is asked in any case: others may wait for the answer.
+        auto sides = decide_(done, facets_, patches_, borders_);
+        if (!sides) return passOn(sides);
+        sides_ = std::move(*sides);
         giveBack(facets_);
         return forChunks(
             lanes, [this](Work& work) { return turn(work); }, [this](Work& work) { return settle(work); });
     }
 
-    /// Share of the points.
-    double sure() const { return points_ ? double(surePoints_) / double(points_) : 0; }
+    SureCount sure() const { return {points_, surePoints_}; }
 
   private:
     /// One chunk after the other through two stages: first several at once, then in the order of the tree. What a stage
@@ -319,14 +326,14 @@ class TreeBuilder {
                 if (&n != &root) n.points = {};
             } else {
                 n.points = {};
-                if (result) result = setAside(n);
+                if (result && file_) result = setAside(n, workspace_);
             }
         });
         if (!result) return result;
         if (root.isLeaf()) root.keptPoints.assign(root.points.begin(), root.points.end());
         root.points = root.keptPoints;
         work.chunk.pointBytes.clear();
-        return averageUpwards(root);
+        return averageUpwards(root, input_, workspace_, file_ != nullptr);
     }
 
     Expected<void> store(LeafBlocks& blocks) {
@@ -361,46 +368,10 @@ class TreeBuilder {
         return {};
     }
 
-    /// Inner nodes wait, in memory or not, until their neighbours are there.
-    Expected<void> setAside(BuildNode& node) {
-        auto& samples = node.content.samples;
-        auto& reaches = node.content.reaches;
-        auto& densities = node.content.densities;
-        auto& beside = node.content.beside;
-        if (!file_) return {};
-        const std::uint64_t toReaches = samples.size() * sizeof(Sample),
-                            toDensities = toReaches + reaches.size() * sizeof(float),
-                            toBeside = toDensities + densities.size() * sizeof(Density);
-        auto room = workspace_.allocate(toBeside + beside.size() * sizeof(BesideWord));
-        if (!room) return passOn(room);
-        auto done = room->write(0, std::as_bytes(std::span(samples)));
-        if (done) done = room->write(toReaches, std::as_bytes(std::span(reaches)));
-        if (done) done = room->write(toDensities, std::as_bytes(std::span(densities)));
-        if (done) done = room->write(toBeside, std::as_bytes(std::span(beside)));
-        if (!done) return done;
-        node.setAside = std::move(*room);
-        giveBack(samples);
-        giveBack(reaches);
-        giveBack(densities);
-        giveBack(beside);
-        return {};
-    }
-
-    /// Fills the nodes above whose children are all there.
-    Expected<void> averageUpwards(BuildNode& from) {
-        for (BuildNode* node = from.parent; node && ++node->finishedChildren == node->children.size();
-             node = node->parent) {
-            fillInner(*node, input_);
-            if (file_)
-                for (auto& child : node->children) giveBack(child->content.beside);
-            if (auto ok = setAside(*node); !ok) return ok;
-        }
-        return {};
-    }
-
     const OctreeInput& input_;
     Workspace& workspace_;
-    CloudFileWriter* const file_;
+    BlockSink* const file_;
+    const SidesOfPatches& decide_;
     ProgressMeter& progress_;
     const std::stop_token& stop_;
     std::atomic<bool> failed_{false};
@@ -422,17 +393,42 @@ class TreeBuilder {
 
 }  // namespace
 
-Expected<BuiltOctree> buildOctree(BuildNode& root, std::vector<Chunk> chunks, const OctreeInput& input,
-                                  int lanes, Workspace& workspace, CloudFileWriter* file,
-                                  const ProgressSink& progress, const std::stop_token& stop) {
+Expected<void> averageUpwards(BuildNode& from, const OctreeInput& input, Workspace& workspace, bool inFile) {
+    for (BuildNode* node = from.parent; node && ++node->finishedChildren == node->children.size();
+         node = node->parent) {
+        fillInner(*node, input);
+        if (!inFile) continue;
+        for (auto& child : node->children) giveBack(child->content.beside);
+        if (auto ok = setAside(*node, workspace); !ok) return ok;
+    }
+    return {};
+}
+
+Expected<SureCount> growTree(std::vector<Chunk> chunks, const OctreeInput& input, int lanes,
+                             Workspace& workspace, BlockSink* file, const SidesOfPatches& sides,
+                             const ProgressSink& progress, const std::stop_token& stop) {
     std::uint64_t points = 0;
     for (const Chunk& chunk : chunks) points += chunk.points;
     ProgressMeter building(progress, "building", points);
-    TreeBuilder builder(input, workspace, file, building, stop);
+    TreeBuilder builder(input, workspace, file, sides, building, stop);
     if (auto ok = builder.run(std::move(chunks), lanes); !ok) return passOn(ok);
     building.finish();
+    return builder.sure();
+}
+
+Expected<BuiltOctree> buildOctree(BuildNode& root, std::vector<Chunk> chunks, const OctreeInput& input,
+                                  int lanes, Workspace& workspace, BlockSink* file,
+                                  const ProgressSink& progress, const std::stop_token& stop) {
+    const auto sides = [&](const Expected<void>& grown, std::vector<Facet>& facets,
+                           std::span<const PatchCount> patches,
+                           std::span<const Border> borders) -> Expected<Sides> {
+        if (!grown) return passOn(grown);
+        return decideSides(facets, patches, borders, input.upIsZ);
+    };
+    const auto sure = growTree(std::move(chunks), input, lanes, workspace, file, sides, progress, stop);
+    if (!sure) return passOn(sure);
     auto built = finishTree(root, input, file, progress, stop);
-    if (built) built->sure = builder.sure();
+    if (built) built->sure = sure->share();
     return built;
 }
 

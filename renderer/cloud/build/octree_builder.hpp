@@ -9,6 +9,7 @@
 #pragma once
 
 #include <array>
+#include <functional>
 #include <optional>
 #include <stop_token>
 #include <vector>
@@ -16,10 +17,11 @@
 #include "renderer/cloud/build/chunks/chunks.hpp"
 #include "renderer/cloud/build/grid.hpp"
 #include "renderer/cloud/build/octree_shape.hpp"
+#include "renderer/cloud/build/sides/decide_sides.hpp"
 #include "renderer/cloud/cloud.hpp"
 #include "renderer/cloud/file/block_place.hpp"
+#include "renderer/cloud/file/block_sink.hpp"
 #include "renderer/cloud/file/blocks/row_columns.hpp"
-#include "renderer/cloud/file/cloud_file_writer.hpp"
 
 namespace scancast {
 
@@ -68,7 +70,28 @@ struct BuiltOctree {
 /// Reports the stages "building" (points) and "finishing" (nodes). Errors: the workspace's and the file's;
 /// Cancelled.
 Expected<BuiltOctree> buildOctree(BuildNode& root, std::vector<Chunk> chunks, const OctreeInput& input,
-                                  int lanes, Workspace& workspace, CloudFileWriter* file,
+                                  int lanes, Workspace& workspace, BlockSink* file,
                                   const ProgressSink& progress, const std::stop_token& stop);
+
+/// Points in finished leaves, and those of them whose side is sure.
+struct SureCount {
+    std::uint64_t points = 0, sure = 0;
+    double share() const { return points ? double(sure) / double(points) : 0; }
+};
+/// The sides of these patches, whoever else has some: decideSides(), or what several processes agree on; these have to hear of it
+/// where leaves could not be `grown`. Facets are used up.
+using SidesOfPatches =
+    std::function<Expected<Sides>(const Expected<void>& grown, std::vector<Facet>& facets,
+                                  std::span<const PatchCount> patches, std::span<const Border> borders)>;
+
+/// The first of buildOctree()'s two steps - the other is finishTree() -, for some of the cloud's chunks, in the order of the tree: their
+/// subtrees, and the nodes above whose children are all there. `sides` is asked once, where input.findSides.
+Expected<SureCount> growTree(std::vector<Chunk> chunks, const OctreeInput& input, int lanes,
+                             Workspace& workspace, BlockSink* file, const SidesOfPatches& sides,
+                             const ProgressSink& progress, const std::stop_token& stop);
+
+/// A node is finished, but for what its neighbours have to say: fills the nodes above whose children are then all there. `inFile`:
+/// samples wait in the workspace, as growTree() has it with a file. Errors: the workspace's.
+Expected<void> averageUpwards(BuildNode& from, const OctreeInput& input, Workspace& workspace, bool inFile);
 
 }  // namespace scancast

@@ -49,6 +49,21 @@ void ValueRanges::add(const PointBatch& batch) {
     }
 }
 
+void ValueRanges::join(const ValueRanges& other) {
+    for (std::size_t c = 0; c < colorLow_.size(); ++c) {
+        colorLow_[c] = std::min(colorLow_[c], other.colorLow_[c]);
+        colorHigh_[c] = std::max(colorHigh_[c], other.colorHigh_[c]);
+    }
+    const auto widen = [](std::array<std::uint16_t, 2>& range, const std::array<std::uint16_t, 2>& by) {
+        range = {std::min(range[0], by[0]), std::max(range[1], by[1])};
+    };
+    widen(intensity_, other.intensity_);
+    widen(nearInfrared_, other.nearInfrared_);
+    for (std::size_t a = 0; a < position_.size(); ++a) position_[a].join(other.position_[a]);
+    for (std::size_t i = 0; i < intensities_.size(); ++i) intensities_[i] += other.intensities_[i];
+    for (std::size_t i = 0; i < brightness_.size(); ++i) brightness_[i] += other.brightness_[i];
+}
+
 std::vector<std::string> ValueRanges::notes(std::uint64_t points) const {
     const auto infrared = constantNearInfrared();
     if (!infrared || (points == 1 && *infrared != 0)) return {};

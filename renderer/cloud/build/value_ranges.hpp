@@ -24,6 +24,20 @@ class ValueRanges {
     /// What was found to be constant and has no place in the facts, one sentence each without an end.
     std::vector<std::string> notes(std::uint64_t points) const;
 
+    /// Those of other points of the same scan.
+    void join(const ValueRanges& other);
+    /// All that was learnt, to be sent to another process and joined there.
+    template <class Visit>
+    void forFields(Visit visit) {
+        visit(colorLow_);
+        visit(colorHigh_);
+        visit(intensity_);
+        visit(nearInfrared_);
+        for (ValueSketch& sketch : position_) sketch.forFields(visit);
+        visit(intensities_);
+        visit(brightness_);
+    }
+
   private:
     /// The one value of all points that have any; nullopt: they differ, or there are none.
     std::optional<std::uint16_t> constantNearInfrared() const;

@@ -45,11 +45,26 @@ void ValueSketch::add(double value) {
     high_ = std::max(high_, value);
     ++count_;
     const auto key = std::int64_t(std::floor(value * scale_));
+    addCell(key, 1);
+}
+
+void ValueSketch::addCell(std::int64_t key, std::uint64_t count) {
     if (table_[last_].count == 0 || table_[last_].key != key) last_ = find(key);
     Cell& cell = table_[last_];
-    if (cell.count++ == 0) ++used_;
+    if (cell.count == 0) ++used_;
+    cell.count += count;
     cell.key = key;
     while (used_ > mostCells) widen();
+}
+
+void ValueSketch::join(const ValueSketch& other) {
+    while (exponent_ < other.exponent_) widen();
+    low_ = std::min(low_, other.low_);
+    high_ = std::max(high_, other.high_);
+    count_ += other.count_;
+    // While these are added, cells may widen further: keys follow them.
+    for (const Cell& cell : other.table_)
+        if (cell.count > 0) addCell(cell.key >> std::min(exponent_ - other.exponent_, 63), cell.count);
 }
 
 double ValueSketch::quantile(double q) const {

@@ -22,6 +22,20 @@ class ValueSketch {
     /// 1st and 99th percentile.
     std::array<double, 2> usual() const { return {quantile(0.01), quantile(0.99)}; }
 
+    /// As if its values had been added here.
+    void join(const ValueSketch& other);
+    /// All of it, to be sent to another process and joined there.
+    template <class Visit>
+    void forFields(Visit visit) {
+        visit(table_);
+        visit(used_);
+        visit(exponent_);
+        visit(scale_);
+        visit(low_);
+        visit(high_);
+        visit(count_);
+    }
+
   private:
     struct Cell {
         std::int64_t key = 0;
@@ -32,6 +46,8 @@ class ValueSketch {
     /// Place of the cell with this key, or of the free one that it would get.
     std::size_t find(std::int64_t key) const;
     void widen();
+    /// So many values more in the cell with this key, which `last_` leads to then.
+    void addCell(std::int64_t key, std::uint64_t count);
 
     std::vector<Cell> table_ = std::vector<Cell>(places);
     std::size_t used_ = 0;

@@ -12,23 +12,19 @@
 
 #include "files/unfinished_file.hpp"
 #include "renderer/cloud/cloud.hpp"
-#include "renderer/cloud/file/block_place.hpp"
+#include "renderer/cloud/file/block_sink.hpp"
 
 namespace scancast {
 
-class CloudFileWriter {
+class CloudFileWriter : public BlockSink {
   public:
     /// Creates `<path>.partial`. What an earlier run left there is overwritten, unless that run still writes
     /// (it holds a lock): InvalidArgument. Errors: Io, NotFound (no such folder).
     static Expected<std::unique_ptr<CloudFileWriter>> create(const std::filesystem::path& path,
                                                              Readers readers = Readers::AsUsual);
     /// Removes the partial file unless finish() succeeded.
-    virtual ~CloudFileWriter() = default;
+    ~CloudFileWriter() override = default;
 
-    /// Errors: Io; ResourceLimit for a full disk, naming the place and the bytes.
-    virtual Expected<BlockPlace> append(std::span<const std::byte> block) = 0;
-    /// A block appended earlier, checked.
-    virtual Expected<std::vector<std::byte>> readBack(const BlockPlace& place) const = 0;
     virtual std::uint64_t bytesWritten() const = 0;
     /// The bytes of facts.photos, indices, facts, header; synced; renamed over `path`. Nodes in breadth-first order, root at 0. `planes`: where
     /// the values beside the samples are, for each node all of planesOf(facts), encoded by encodeRows(); a place

@@ -21,6 +21,7 @@
 #include "server/commands/program_folder.hpp"
 #include "server/commands/serve/clouds.hpp"
 #include "server/commands/serve/reload.hpp"
+#include "server/commands/serve/serve.hpp"
 #include "server/commands/serve/upkeep.hpp"
 #include "server/commands/serve_options.hpp"
 #include "server/commands/service_reports.hpp"
@@ -199,7 +200,7 @@ Expected<void> checkSomethingIsThere(const ServeOptions& options) {
     return tl::unexpected(std::move(*first));
 }
 
-int serve(ServeOptions options, GivenFlags given, nlohmann::json effective) {
+int serve(ServeOptions options, GivenFlags given, nlohmann::json effective, const ServeParts& parts) {
     auto manager = ServiceManager::fromEnvironment();
     if (!manager) return failure(manager.error());
     if (auto log = setUpLog(options.logLevel, options.logFormat); !log) return failure(log.error());
@@ -219,13 +220,15 @@ int serve(ServeOptions options, GivenFlags given, nlohmann::json effective) {
     const MemoryShares shares = *memoryShares(options);
     const auto damage = std::make_shared<DamageReports>();
     options.server.cache = blockCache(shares.clouds, damage);
+    if (parts.clouds) options.server.cache = parts.clouds(std::move(options.server.cache));
     options.server.scheduler.memory = TransientMemory(shares.transient);
     options.server.scheduler.maxFrameBytes = options.server.scheduler.memory.forFrames();
     options.server.kept = keptClouds(options);
     options.device.programFolder = programFolder(options.cacheDir);
     options.device.gpuMemoryLimit = *parseGpuMemoryLimit(options.gpuMemoryLimit);
     ShutdownSignals signals(ShutdownSignals::Hangup::Reloads);
-    auto server = ScancastServer::create(options.server, devicePainter(options.device));
+    auto server = ScancastServer::create(
+        options.server, parts.painter ? parts.painter(options.device) : devicePainter(options.device));
     if (!server) return failure(server.error());
     std::printf("Open %s\n", (*server)->url().c_str());
     std::fflush(stdout);
@@ -264,21 +267,23 @@ int checkConfig(const CLI::App& command, ServeOptions options) {
     return printed ? 0 : failure(printed.error());
 }
 
-int run(CLI::App& command, ServeOptions& options) {
+int run(CLI::App& command, ServeOptions& options, const ServeAs& as) {
     GivenFlags given = givenFlags(command);
     if (!options.config.empty()) {
         if (auto applied = applyConfigFile(command, options.config); !applied)
             return failure(applied.error());
     }
-    return options.checkConfig ? checkConfig(command, options)
-                               : serve(options, std::move(given), effectiveConfig(command));
+    if (options.checkConfig) return checkConfig(command, options);
+    return as(options, [&](const ServeParts& parts) {
+        return serve(options, std::move(given), effectiveConfig(command), parts);
+    });
 }
 
 }  // namespace
 
 void addServe(CLI::App& app, int& exitCode) {
-    auto options = std::make_shared<ServeOptions>();
-    CLI::App* command = app.add_subcommand("serve", "Serve clouds to browsers and programs");
+    CLI::App* const command = addServeAs(app, exitCode, "Serve clouds to browsers and programs",
+                                         [](ServeOptions&, const ServeWith& serve) { return serve({}); });
     command->footer(
         "Every option can also be set in the environment: --max-pixels is SCANCAST_MAX_PIXELS.\n"
         "Example: scancast serve town.las room.ply --port 9000\n"
@@ -286,8 +291,15 @@ void addServe(CLI::App& app, int& exitCode) {
         "         scancast serve city.scan --memory-limit 2G\n"
         "         scancast generate statue --points 100k --frames 0 -o - | scancast serve --live statue=-\n"
         "         scancast serve --config /etc/scancast.json --check-config");
+}
+
+CLI::App* addServeAs(CLI::App& app, int& exitCode, const std::string& description, ServeAs as) {
+    auto options = std::make_shared<ServeOptions>();
+    CLI::App* const command = app.add_subcommand("serve", description);
     addServeFlags(*command, *options);
-    command->callback([options, command, &exitCode] { exitCode = run(*command, *options); });
+    command->callback(
+        [options, command, as = std::move(as), &exitCode] { exitCode = run(*command, *options, as); });
+    return command;
 }
 
 }  // namespace scancast

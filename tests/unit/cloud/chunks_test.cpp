@@ -56,6 +56,23 @@ TEST(CountingGrid, CountsAsAMapDoes) {
     }
 }
 
+TEST(CountingGrid, IsTheSameMadeOfItsCells) {
+    const auto points = randomPoints(5'000, std::uint64_t(1) << 33);
+    const GridBox box = boxOf(points);
+    CountingGrid own(box), other(box);
+    own.add(std::span(points).first(3'000));
+    other.add(std::span(points).subspan(3'000));
+    CountingGrid sent = CountingGrid::of(box, other.frame().cellLevel, other.cells());
+    own.join(sent);
+    CountingGrid whole(box);
+    whole.add(points);
+    EXPECT_EQ(own.frame().cellLevel, whole.frame().cellLevel);
+    const auto a = own.cells(), b = whole.cells();
+    ASSERT_EQ(a.size(), b.size());
+    for (std::size_t i = 0; i < a.size(); ++i)
+        ASSERT_TRUE(a[i].key == b[i].key && a[i].points == b[i].points);
+}
+
 // A cube full of points has more cells than may be counted: the grid coarsens, to the same cellLevel from any
 // order.
 TEST(CountingGrid, TheRungDependsOnTheSetAlone) {

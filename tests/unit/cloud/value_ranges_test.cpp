@@ -83,6 +83,35 @@ TEST(ValueRanges, OrderAndBatchesChangeNothing) {
     EXPECT_EQ(settled(10006, 10007), first);
 }
 
+// Right because nobody who has seen all of it says anything else.
+TEST(ValueRanges, PartsJoinedAreTheWhole) {
+    constexpr std::uint64_t count = 4000;
+    std::array<ValueRanges, 3> parts;
+    ValueRanges whole;
+    for (std::uint64_t k = 0; k < count; ++k) {
+        const test::ScanPoint p = someStrays(k, count);
+        PointBatch batch;
+        batch.position.push_back(p.position);
+        batch.intensity.push_back(p.intensity);
+        batch.color.push_back(p.color);
+        batch.nearInfrared.push_back(std::uint16_t(k % 300));
+        whole.add(batch);
+        parts[k * 3 / count].add(batch);
+    }
+    ValueRanges joined;  // of somebody without a point
+    for (const ValueRanges& part : parts) joined.join(part);
+    CloudFacts expected, facts;
+    for (CloudFacts* const of : {&expected, &facts}) {
+        of->points = count;
+        of->attributes = {true, true, false, false, true};
+        (of == &facts ? joined : whole).settle(*of);
+    }
+    EXPECT_EQ(*facts.usual, *expected.usual);
+    EXPECT_EQ(facts.intensityRange, expected.intensityRange);
+    EXPECT_EQ(facts.attributes, expected.attributes);
+    EXPECT_EQ(joined.nearInfraredShift(), 8);
+}
+
 TEST(ValueRanges, WithoutColoursAndIntensitiesThereIsNothingUsual) {
     test::SyntheticSource source(500, test::ground, {});
     const auto cloud = buildCloud(source, {});

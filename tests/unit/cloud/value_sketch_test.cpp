@@ -110,6 +110,25 @@ TEST(ValueSketch, OrderChangesNothing) {
     }
 }
 
+// As several processes join what each has seen. Right because one sketch of all values says the same.
+TEST(ValueSketch, PartsJoinedAreTheWhole) {
+    for (auto& [name, all, width] : distributions()) {
+        std::ranges::sort(all);  // parts as unlike as can be
+        const ValueSketch whole = sketchOf(all);
+        const std::array parts{sketchOf({all.begin(), all.begin() + 11}),
+                               sketchOf({all.begin() + 11, all.begin() + 20000}),
+                               sketchOf({all.begin() + 20000, all.end()}), ValueSketch()};
+        for (const std::array<std::size_t, 4> order :
+             {std::array<std::size_t, 4>{0, 1, 2, 3}, {3, 2, 1, 0}, {1, 3, 0, 2}}) {
+            ValueSketch joined;
+            for (const std::size_t part : order) joined.join(parts[part]);
+            EXPECT_EQ(joined.count(), whole.count());
+            for (const double q : shares)
+                EXPECT_EQ(joined.quantile(q), whole.quantile(q)) << name << ' ' << q;
+        }
+    }
+}
+
 TEST(ValueSketch, WhatIsNotFiniteIsPassedOver) {
     ValueSketch sketch;
     EXPECT_EQ(sketch.quantile(0.5), 0);

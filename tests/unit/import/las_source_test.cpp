@@ -390,4 +390,26 @@ TEST(LasCrs, DamagedRecordsHarmNoPoint) {
     EXPECT_TRUE(readLas(bytes));
 }
 
+// As several processes read one file. Right because the parts, one behind the other, are the points that were written.
+TEST(LasSource, PartsFollowEachOther) {
+    const LasFile file = sample(2, 2, 257);
+    const auto bytes = file.bytes();
+    EXPECT_FALSE((*open(bytes, false))->hasParts()) << "a pipe cannot be gone back in";
+    PointBatch all;
+    for (const auto& [first, count] : {std::pair(0, 37), {37, 0}, {37, 62}, {99, 1}, {100, 5}, {90, 0}}) {
+        const auto source = open(bytes);
+        ASSERT_TRUE(source);
+        ASSERT_TRUE((*source)->hasParts());
+        (*source)->readPart(std::uint64_t(first), std::uint64_t(count));
+        PointBatch batch;
+        std::size_t read = 0;
+        for (auto more = (*source)->read(batch); more && *more; more = (*source)->read(batch)) {
+            read += batch.size();
+            append(all, batch);
+        }
+        EXPECT_EQ(read, first < 100 ? std::size_t(count) : 0U) << first;
+    }
+    expectPoints(file, all);
+}
+
 }  // namespace scancast::test

@@ -4,41 +4,12 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <functional>
-#include <memory>
-#include <span>
 #include <stop_token>
 #include <vector>
 
-#include "renderer/cloud/build/chunks/chunk_layout.hpp"
-#include "renderer/cloud/build/nodes/build_node.hpp"
-#include "renderer/cloud/build/progress_meter.hpp"
-#include "renderer/cloud/build/workspace.hpp"
+#include "renderer/cloud/build/chunks/chunk_sorting.hpp"
 
 namespace scancast {
-
-/// Points in portions: what can be counted and divided. Portions may be read from any thread.
-class PointPortions {
-  public:
-    struct Portion {
-        std::vector<BuildPoint> points;
-        std::vector<std::byte> rows;
-    };
-    virtual ~PointPortions() = default;
-    virtual std::size_t size() const = 0;
-    /// Replaces what `into` holds.
-    virtual Expected<void> read(std::size_t index, Portion& into) const = 0;
-    /// No longer needed: its room may be given back.
-    virtual void release(std::size_t index) = 0;
-};
-
-/// One chunk's points, in no particular order, and where in the tree it belongs.
-struct Chunk {
-    BuildNode* root = nullptr;
-    std::uint64_t points = 0, halo = 0;
-    Workspace::Buffer pointBytes, haloBytes;  ///< BuildPoint each
-    Workspace::Buffer rowBytes;               ///< rowBytes each, in the order of the points
-};
 
 struct ChunkOptions {
     std::uint64_t chunkPoints = 1 << 20;
@@ -54,5 +25,18 @@ Expected<std::vector<Chunk>> divide(PointPortions& portions, std::uint64_t point
                                     BuildNode& root, const Grid& grid, const ChunkOptions& options,
                                     Workspace& workspace, ProgressMeter& progress,
                                     const std::stop_token& stop);
+
+// Its steps, for several processes that share them.
+
+/// A chunk has at most so many points, unless they cannot be told apart.
+inline std::uint64_t mostChunkPoints(const GridBox& box, std::uint64_t points, const ChunkOptions& options) {
+    return box.isPoint() ? points : options.chunkPoints;
+}
+/// Grows the top of the tree as it is laid out; the places of the chunks, in their order.
+std::vector<BuildNode*> growTop(const LayoutNode& layout, BuildNode& root);
+/// Divides those again that have more than `most` points; each has its place in the tree already.
+Expected<std::vector<Chunk>> divideCrowds(std::vector<Chunk> chunks, std::uint64_t most, const Grid& grid,
+                                          const ChunkOptions& options, Workspace& workspace,
+                                          ProgressMeter& progress, const std::stop_token& stop);
 
 }  // namespace scancast

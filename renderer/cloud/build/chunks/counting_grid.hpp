@@ -74,6 +74,8 @@ class CountingGrid {
 
     /// For points in this box; starts with at most 1024 cells along the longest axis.
     explicit CountingGrid(const GridBox& box);
+    /// What another one in the same box has counted.
+    static CountingGrid of(const GridBox& box, int cellLevel, std::span<const CountedCell> cells);
     void add(std::span<const BuildPoint> points);
     void join(const CountingGrid& other);
 

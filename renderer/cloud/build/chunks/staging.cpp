@@ -255,8 +255,55 @@ std::size_t stagedRowBytes(const ScanHeader& header) {
     return rowBytes(header.columns) + (header.attributes.nearInfrared ? sizeof(std::uint16_t) : 0);
 }
 
+void StagedScan::join(const StagedScan& other) {
+    bounds = {glm::min(bounds[0], other.bounds[0]), glm::max(bounds[1], other.bounds[1])};
+    values.join(other.values);
+    for (std::size_t c = 0; c < classCounts.size(); ++c) classCounts[c] += other.classCounts[c];
+    for (std::size_t c = 0; c < columnRanges.size(); ++c) {
+        columnRanges[c][0] = std::min(columnRanges[c][0], other.columnRanges[c][0]);
+        columnRanges[c][1] = std::max(columnRanges[c][1], other.columnRanges[c][1]);
+        columnSketches[c].join(other.columnSketches[c]);
+    }
+    sighted += other.sighted;
+    onOwnGrid = onOwnGrid && other.onOwnGrid;
+    for (std::size_t a = 0; a < 3 && other.points > 0; ++a) {
+        ownLow[a] = points == 0 ? other.ownLow[a] : std::min(ownLow[a], other.ownLow[a]);
+        ownHigh[a] = points == 0 ? other.ownHigh[a] : std::max(ownHigh[a], other.ownHigh[a]);
+    }
+    points += other.points;
+}
+
 Expected<StagedScan> stage(PointSource& source, Workspace& workspace, ProgressMeter& progress,
                            const std::stop_token& stop, bool sights) {
+    auto scan = stagePart(source, workspace, progress, stop, sights);
+    if (!scan) return scan;
+    takeTold(source, *scan);
+    if (auto ok = settleStaged(*scan); !ok) return passOn(ok);
+    progress.finish();
+    return scan;
+}
+
+void takeTold(const PointSource& source, StagedScan& scan) {
+    scan.droppedPoints = source.droppedPoints();
+    scan.notes = source.notes();
+    scan.stations = source.stations();
+    scan.photos = source.photos();
+    std::erase_if(scan.photos, [](const Photo& photo) { return !photo.data; });
+}
+
+Expected<void> settleStaged(StagedScan& scan) {
+    if (scan.points == 0)
+        return fail(ErrorCode::Empty,
+                    fmt::format("The scan has no point to show ({} left out because a coordinate "
+                                "is not a number).",
+                                scan.droppedPoints));
+    for (auto& [low, high] : scan.columnRanges)
+        if (!(low <= high)) low = high = 0;
+    return {};
+}
+
+Expected<StagedScan> stagePart(PointSource& source, Workspace& workspace, ProgressMeter& progress,
+                               const std::stop_token& stop, bool sights) {
     StagedScan scan;
     const ScanHeader header = source.header();
     scan.columnRanges.assign(header.columns.size(), {std::numeric_limits<double>::infinity(),
@@ -289,19 +336,6 @@ Expected<StagedScan> stage(PointSource& source, Workspace& workspace, ProgressMe
     }
     if (!more) return passOn(more);
     scan.values = std::move(values);
-    scan.droppedPoints = source.droppedPoints();
-    scan.notes = source.notes();
-    scan.stations = source.stations();
-    scan.photos = source.photos();
-    std::erase_if(scan.photos, [](const Photo& photo) { return !photo.data; });
-    if (scan.points == 0)
-        return fail(ErrorCode::Empty,
-                    fmt::format("The scan has no point to show ({} left out because a coordinate "
-                                "is not a number).",
-                                scan.droppedPoints));
-    for (auto& [low, high] : scan.columnRanges)
-        if (!(low <= high)) low = high = 0;
-    progress.finish();
     return scan;
 }
 

@@ -53,6 +53,23 @@ struct StagedScan {
     std::uint64_t sighted = 0;  ///< points of which it is known where they were recorded from
     bool onOwnGrid = true;
     std::array<std::int64_t, 3> ownLow{}, ownHigh{};
+
+    /// Everything that points tell and that can be joined: not batches, not what the source says.
+    template <class Visit>
+    void forLearnt(Visit visit) {
+        visit(points);
+        visit(bounds);
+        values.forFields(visit);
+        visit(classCounts);
+        visit(columnRanges);
+        for (ValueSketch& sketch : columnSketches) sketch.forFields(visit);
+        visit(sighted);
+        visit(onOwnGrid);
+        visit(ownLow);
+        visit(ownHigh);
+    }
+    /// Another part of the same scan, with the same columns: as if this had staged its points, too. Without batches.
+    void join(const StagedScan& other);
 };
 
 /// Reads the source to its end; the next batch is read in a second thread while this one packs the last. `sights`: normals will be
@@ -61,6 +78,16 @@ struct StagedScan {
 /// Errors: the source's own; Malformed for coordinates that no scan has; Empty; the workspace's; Cancelled.
 Expected<StagedScan> stage(PointSource& source, Workspace& workspace, ProgressMeter& progress,
                            const std::stop_token& stop, bool sights = false);
+
+// Its steps, for several processes that read parts of a scan.
+
+/// stage() without its end: a part may be empty, and is joined with others.
+Expected<StagedScan> stagePart(PointSource& source, Workspace& workspace, ProgressMeter& progress,
+                               const std::stop_token& stop, bool sights = false);
+/// What the source says at its end.
+void takeTold(const PointSource& source, StagedScan& scan);
+/// All parts are joined. Errors: Empty.
+Expected<void> settleStaged(StagedScan& scan);
 
 /// The grid for these points.
 Grid chooseGrid(const StagedScan& scan, const ScanHeader& header);

@@ -40,6 +40,11 @@ void findNeighbours(const BuildNode& from, const BuildNode& node, const Box& box
     for (const auto& child : from.children) findNeighbours(*child, node, box, found);
 }
 
+Box boxAround(const NodeContent& content) {
+    const double around = reachOfNeighbours * content.spacing;
+    return {content.bounds.low - around, content.bounds.high + around};
+}
+
 glm::dvec3 positionOf(const Sample& s, const NodeContent& content) {
     return content.corner + content.step * glm::dvec3(s.x, s.y, s.z);
 }
@@ -68,6 +73,12 @@ void resize(Surfel& surfel, Density below, float reach, double spacing) {
 
 }  // namespace
 
+std::vector<const BuildNode*> neighboursOf(const BuildNode& node, const BuildNode& root) {
+    std::vector<const BuildNode*> neighbours;
+    findNeighbours(root, node, boxAround(node.content), neighbours);
+    return neighbours;
+}
+
 Expected<void> addInnerSurfels(const BuildNode& node, const AveragedFacts& facts, const BuildNode& root,
                                const OctreeInput& input, const SamplesOf& samplesOf,
                                std::span<Sample> samples, std::span<BesideWord> beside) {
@@ -75,11 +86,8 @@ Expected<void> addInnerSurfels(const BuildNode& node, const AveragedFacts& facts
     std::vector<glm::vec3> offsets;
     for (const Sample& s : samples) offsets.emplace_back(positionOf(s, content) - content.bounds.low);
 
-    const double around = reachOfNeighbours * content.spacing;
-    const Box box{content.bounds.low - around, content.bounds.high + around};
-    std::vector<const BuildNode*> neighbours;
-    findNeighbours(root, node, box, neighbours);
-    for (const BuildNode* neighbour : neighbours) {
+    const Box box = boxAround(content);
+    for (const BuildNode* neighbour : neighboursOf(node, root)) {
         const auto theirs = samplesOf(*neighbour);
         if (!theirs) return passOn(theirs);
         for (const Sample& s : *theirs)

@@ -10,6 +10,9 @@
 
 namespace scancast {
 
+/// The nodes of an inner node's level - where the tree is not as deep, the leaves - near its box: whose samples its surfels depend on.
+std::vector<const BuildNode*> neighboursOf(const BuildNode& node, const BuildNode& root);
+
 /// A node's samples, wherever they are.
 using SamplesOf = std::function<Expected<std::vector<Sample>>(const BuildNode&)>;
 
@@ -21,7 +24,7 @@ struct AveragedFacts {
 
 /// Sets radius and ellipse of an inner node's samples, the normal of those that have none, and, with curvatures,
 /// the curvature in the words beside them. Neighbours are
-/// the nodes of its level - where the tree is not as deep, the leaves - near its box. Thread-safe. Errors:
+/// neighboursOf() it. Thread-safe. Errors:
 /// samplesOf's.
 Expected<void> addInnerSurfels(const BuildNode& node, const AveragedFacts& facts, const BuildNode& root,
                                const OctreeInput& input, const SamplesOf& samplesOf,

@@ -188,10 +188,20 @@ Expected<PointBatch> LasSource::glance() {
     return all;
 }
 
+/// One behind the last record that is read.
+std::uint64_t LasSource::endOfPart() const {
+    if (!part_) return las().points;
+    const std::uint64_t first = std::min(part_->first, las().points);
+    return first + std::min(part_->count, las().points - first);
+}
+
 Expected<bool> LasSource::read(PointBatch& batch) {
-    for (std::uint64_t done = 0; (done = reader_.recordsRead()) < las().points;) {
+    const std::uint64_t begin = part_ ? part_->first : 0;
+    for (std::uint64_t done = begin; (done = begin + reader_.recordsRead()) < endOfPart();) {
+        if (part_ && reader_.recordsRead() == 0)
+            if (auto ok = bytes_->seek(placeOf(begin)); !ok) return passOn(ok);
         const auto fits = std::max<std::uint64_t>(1, bufferBytes / las().recordBytes);
-        auto count = std::min({las().points - done, std::uint64_t(batchPoints), fits});
+        auto count = std::min({endOfPart() - done, std::uint64_t(batchPoints), fits});
         const auto wanted = count * las().recordBytes;
         // A pipe has left the first bytes of the points in the buffer when its header was read.
         const auto early = done == 0 ? std::min<std::uint64_t>(buffer_.size(), wanted) : 0;
@@ -212,6 +222,7 @@ Expected<bool> LasSource::read(PointBatch& batch) {
         if (batch.size() > 0) return true;
     }
     batch.clear();
+    if (part_) return false;
     if (auto ok = reader_.checkEnd(); !ok) return passOn(ok);
     return false;
 }

@@ -6,6 +6,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -26,6 +27,9 @@ class LasSource final : public PointSource {
 
     const ScanHeader& header() const override { return reader_.header(); }
     Expected<PointBatch> glance() override;
+    /// Of files.
+    bool hasParts() const override { return bytes_->size().has_value(); }
+    void readPart(std::uint64_t first, std::uint64_t count) override { part_ = {first, count}; }
     Expected<bool> read(PointBatch& batch) override;
     std::uint64_t droppedPoints() const override { return reader_.droppedPoints(); }
     std::vector<std::string> notes() const override;
@@ -44,12 +48,17 @@ class LasSource final : public PointSource {
     std::uint64_t placeOf(std::uint64_t record) const {
         return las().pointOffset + record * las().recordBytes;
     }
+    std::uint64_t endOfPart() const;
     std::uint64_t pointsEnd() const { return placeOf(las().points); }
     Error truncated(std::uint64_t at, std::uint64_t complete) const;
     void loseAllBut(std::uint64_t complete);
 
     std::unique_ptr<ByteSource> bytes_;
     LasReader reader_;
+    struct Part {
+        std::uint64_t first = 0, count = 0;
+    };
+    std::optional<Part> part_;  ///< of the records that alone are read
     bool recover_ = false;
     std::uint64_t lost_ = 0;  ///< points that are promised and not there
     std::vector<std::byte> buffer_;

@@ -25,6 +25,8 @@ class Telling final : public PointSource {
         points.position = std::vector{glm::dvec3(1), glm::dvec3(9)};
         return points;
     }
+    bool hasParts() const override { return true; }
+    void readPart(std::uint64_t first, std::uint64_t count) override { part = {first, count}; }
     Expected<bool> read(PointBatch& batch) override {
         batch.clear();
         if (reads_++ > 0) return false;
@@ -36,6 +38,8 @@ class Telling final : public PointSource {
     std::vector<Station> stations() const override { return {{.name = "a place"}}; }
     std::vector<Photo> photos() const override { return {{.name = "a photo"}}; }
     std::array<std::uint64_t, 2> bytesRead() const override { return {4, 5}; }
+
+    std::array<std::uint64_t, 2> part{};
 
   private:
     ScanHeader header_;
@@ -55,11 +59,16 @@ void expectAllIsTold(const PointSource& source) {
     ASSERT_EQ(source.photos().size(), 1U);
     EXPECT_EQ(source.photos()[0].name, "a photo");
     EXPECT_EQ(source.bytesRead(), (std::array<std::uint64_t, 2>{4, 5}));
+    EXPECT_TRUE(source.hasParts());
 }
 
 TEST(ForwardingSource, AnswersAsWhatItWraps) {
-    Plain source(std::make_unique<Telling>());
+    auto telling = std::make_unique<Telling>();
+    const Telling& wrapped = *telling;
+    Plain source(std::move(telling));
     expectAllIsTold(source);
+    source.readPart(6, 7);
+    EXPECT_EQ(wrapped.part, (std::array<std::uint64_t, 2>{6, 7}));
     EXPECT_EQ(source.glance().value().size(), 2U);
     PointBatch batch;
     EXPECT_TRUE(source.read(batch).value());

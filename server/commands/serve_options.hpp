@@ -64,6 +64,15 @@ Expected<std::vector<LiveInput>> liveInputs(const ServeOptions& options);
 /// --cache-size, bytes; 0 when it was not given. InvalidArgument when it is no size, or there is no --cache-dir.
 Expected<std::uint64_t> cacheSize(const ServeOptions& options);
 
+/// How --cache-size, or a tenth of the disk, is shared: half of it is for pieces of clouds behind URLs, where one is named at the
+/// start.
+struct CacheShares {
+    std::uint64_t scans = 0;   ///< cloud files that scans are kept in; 0 = the usual part of the disk
+    std::uint64_t pieces = 0;  ///< 0 = none are kept
+};
+/// Of options that check() has found sound.
+CacheShares cacheShares(const ServeOptions& options);
+
 /// What --rates holds, or the shipped ones; an error names the file.
 Expected<Rates> rates(const ServeOptions& options);
 

@@ -423,11 +423,14 @@ void StreamSession::pictureDone(std::uint64_t number, Expected<EncodedPicture> r
         deliver(order, std::move(*result), now);
     } else {
         const bool cancelled = result.error().code == ErrorCode::Cancelled;
-        if (order.still == StillSchedule::Still::Trial && cancelled)
+        const bool isAway = order.still && result.error().code == ErrorCode::Unavailable;
+        if (isAway)
+            stills_.away(now);
+        else if (order.still == StillSchedule::Still::Trial && cancelled)
             stills_.lacked(now);
         else if (order.still && order.still != StillSchedule::Still::Final)
             stills_.failed();
-        if (!cancelled) refuse(problemOf(result.error()), order.seq);
+        if (!cancelled && !isAway) refuse(problemOf(result.error()), order.seq);
     }
     pump(now);
 }

@@ -20,6 +20,7 @@ LoaderOptions loaderOptions(const ServeOptions& options, std::shared_ptr<DamageR
     loading.importers = options.importers;
     loading.cache = options.server.cache;
     loading.damage = std::move(damage);
+    loading.remote = options.server.remote;
     loading.onDamaged = [&bar](const CloudFile& file, const Error& error) {
         // Nothing is wrong with the file, and every block may have a part in it.
         if (error.code == ErrorCode::ResourceLimit) return reportFault(error);

@@ -54,9 +54,25 @@ std::shared_ptr<KeptClouds> keptClouds(const ServeOptions& options) {
     if (options.cacheDir.empty()) return nullptr;
     KeptCloudsOptions kept;
     kept.folder = options.cacheDir;
-    kept.limit = *cacheSize(options);  // sound: check() has said so
+    kept.limit = cacheShares(options).scans;
     kept.onNote = [](const std::string& note) { spdlog::info("{}", note); };
     return std::make_shared<KeptClouds>(kept);
+}
+
+std::shared_ptr<RemoteFiles> remoteFiles(const ServeOptions& options) {
+    constexpr std::uint64_t usual = 32 << 20;
+    RemoteOptions remote;
+    remote.memory = std::min(usual, options.server.cache->stats().limit / 8);
+    remote.reserve = [cache = std::weak_ptr(options.server.cache)](std::uint64_t bytes) {
+        const auto there = cache.lock();
+        return there ? there->reserve(bytes) : nullptr;
+    };
+    if (const std::uint64_t share = cacheShares(options).pieces; share > 0) {
+        remote.folder = options.cacheDir / "remote";
+        remote.folderLimit = share;
+    }
+    remote.onNote = [](const std::string& note) { spdlog::warn("{}", note); };
+    return std::make_shared<RemoteFiles>(std::move(remote));
 }
 
 // Tells of the device once, when it is open. False when there is none: then nothing can be served.
@@ -113,8 +129,8 @@ void moveClients(ScancastServer& server, std::chrono::seconds patience, Shutdown
 
 // Streams are told, and what was promised is finished; then everybody is told and given time. A second
 // signal, or the end of patience, ends the process as it is.
-void leave(ScancastServer& server, CloudSources& sources, BlockCache& cache, ShutdownSignals& signals,
-           int exitCode) {
+void leave(ScancastServer& server, CloudSources& sources, BlockCache& cache, RemoteFiles& remote,
+           ShutdownSignals& signals, int exitCode) {
     using Clock = std::chrono::steady_clock;
     const int before = signals.wait(std::chrono::milliseconds(0));
     spdlog::info("shutting down");
@@ -126,6 +142,7 @@ void leave(ScancastServer& server, CloudSources& sources, BlockCache& cache, Shu
     }
     const auto end = Clock::now() + shutdownPatience;
     server.shutDown();
+    remote.stop();
     cache.stop();
     while (!server.waitForClients(std::chrono::milliseconds(0)) || !sources.finished()) {
         if (signals.wait(std::chrono::milliseconds(20)) > before || Clock::now() >= end) {
@@ -189,6 +206,7 @@ Expected<void> checkSomethingIsThere(const ServeOptions& options) {
     if (!options.live.empty() || !options.server.dataRoot.empty() || !options.catalog.empty()) return {};
     std::optional<Error> first;
     for (const auto& file : options.files) {
+        if (isRemoteUrl(file.native())) return {};  // whether it can be reached may change
         const auto input = ScanInput::open(file);
         if (input) return {};
         if (!first) first = input.error();
@@ -224,6 +242,7 @@ int serve(ServeOptions options, GivenFlags given, nlohmann::json effective, cons
     options.server.scheduler.memory = TransientMemory(shares.transient);
     options.server.scheduler.maxFrameBytes = options.server.scheduler.memory.forFrames();
     options.server.kept = keptClouds(options);
+    options.server.remote = remoteFiles(options);
     options.device.programFolder = programFolder(options.cacheDir);
     options.device.gpuMemoryLimit = *parseGpuMemoryLimit(options.gpuMemoryLimit);
     ShutdownSignals signals(ShutdownSignals::Hangup::Reloads);
@@ -250,7 +269,7 @@ int serve(ServeOptions options, GivenFlags given, nlohmann::json effective, cons
     bar.clear();
     moveClients(**server, std::chrono::seconds(options.drainSeconds), signals, service, upkeep);
     (*server)->admin().loadWith({});
-    leave(**server, sources, *options.server.cache, signals, exitCode);
+    leave(**server, sources, *options.server.cache, *options.server.remote, signals, exitCode);
     return exitCode;
 }
 
@@ -289,6 +308,9 @@ void addServe(CLI::App& app, int& exitCode) {
         "Example: scancast serve town.las room.ply --port 9000\n"
         "         scancast serve scans/                # every scan and cloud file in the folder\n"
         "         scancast serve city.scan --memory-limit 2G\n"
+        "         scancast serve s3://scans/city.scan --cache-dir /var/cache/scancast   # credentials: "
+        "AWS_...\n"
+        "         scancast serve https://storage.example.org/city.scan\n"
         "         scancast generate statue --points 100k --frames 0 -o - | scancast serve --live statue=-\n"
         "         scancast serve --config /etc/scancast.json --check-config");
 }

@@ -220,7 +220,7 @@ Expected<IngestReport> begin(std::vector<std::unique_ptr<PointSource>> sources, 
     const Communicator& ranks = room.ranks;
     auto limit = ranks.agree(memoryLimit(options));
     if (!limit) return passOn(limit);
-    auto scans = SharedScans::create(std::move(sources), options.names, options.shape, ranks);
+    auto scans = SharedScans::create(std::move(sources), options, ranks);
     if (!scans) return passOn(scans);
     if (auto ok = ranks.agree(checkRoom(scans->source(), scans->pointsToRead(), options, room)); !ok)
         return passOn(ok);

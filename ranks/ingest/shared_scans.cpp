@@ -106,13 +106,13 @@ Station unpackStation(BytesIn& in) {
 }  // namespace
 
 Expected<SharedScans> SharedScans::create(std::vector<std::unique_ptr<PointSource>> sources,
-                                          const std::vector<std::string>& names, const OctreeShape& shape,
-                                          const Communicator& ranks) {
+                                          const IngestOptions& options, const Communicator& ranks) {
     if (auto ok = checkSameScans(sources, ranks); !ok) return passOn(ok);
     const bool onOneGrid = shareOneGrid(sources);
     std::vector<ReadableScan> readable;
     for (const auto& source : sources)
-        readable.push_back({source->header().points, source->hasParts(), !source->photos().empty()});
+        readable.push_back(
+            {source->header().points, source->hasParts(), options.photos && !source->photos().empty()});
     const auto shares = shareReading(readable, ranks.rank(), ranks.size());
     SharedScans shared;
     for (std::size_t i = 0; i < sources.size(); ++i) {
@@ -121,11 +121,11 @@ Expected<SharedScans> SharedScans::create(std::vector<std::unique_ptr<PointSourc
         shared.shares_.push_back(share.get());
         sources[i] = std::move(share);
     }
-    auto many = manyScansInPart(std::move(sources), names);
+    auto many = manyScansInPart(std::move(sources), options.names);
     if (!many) return passOn(many);
     shared.many_ = many->get();
     shared.source_ = std::move(*many);
-    if (shape.exact) shared.source_ = exactScan(std::move(shared.source_), onOneGrid);
+    if (options.shape.exact) shared.source_ = exactScan(std::move(shared.source_), onOneGrid);
     return shared;
 }
 

@@ -8,8 +8,8 @@
 
 #include "ranks/ingest/reading_shares.hpp"
 #include "ranks/mpi/communicator.hpp"
+#include "renderer/cloud/build/ingest.hpp"
 #include "renderer/cloud/build/many_scans.hpp"
-#include "renderer/cloud/build/octree_shape.hpp"
 
 namespace scancast {
 
@@ -17,11 +17,11 @@ class ShareOfScan;
 
 class SharedScans {
   public:
-    /// All ranks call it, with the same sources, opened for their headers. Photos go with the points: scans that have some are rank 0's.
+    /// All ranks call it, with the same sources, opened for their headers. Photos go with the points: scans that have some
+    /// to be kept are rank 0's.
     /// Errors: manyScans()'s; InvalidArgument for ranks that see other files than others do.
     static Expected<SharedScans> create(std::vector<std::unique_ptr<PointSource>> sources,
-                                        const std::vector<std::string>& names, const OctreeShape& shape,
-                                        const Communicator& ranks);
+                                        const IngestOptions& options, const Communicator& ranks);
 
     /// This rank's points.
     PointSource& source() { return *source_; }

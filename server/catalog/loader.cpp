@@ -143,17 +143,24 @@ bool Loader::load(ScanInput input, std::string id) {
     const Monitor::Lock lock(monitor_);
     if (stop_.stop_requested() || waiting() >= mostAdded) return false;
     ScanPlace place = input.place();
-    for (Named& named : named_)
-        if (named.id == id) named.id.clear();  // its cloud was removed, and this is another's name now
+    disownLocked(id);
     unsorted_.push_back({std::move(place), std::move(id), std::move(input), numbers_});
     ++numbers_;
     return true;
 }
 
+/// It is another's from now on: the cloud of the file that had it was removed.
+void Loader::disownLocked(const std::string& id) {
+    for (Named& named : named_)
+        if (named.id == id) named.id.clear();
+}
+
 void Loader::addLocked(std::vector<fs::path> files) {
     Jobs jobs;
     for (auto& file : files) {
-        named_.push_back({file, catalog_.add(plainName(file).stem().string())});
+        std::string id = catalog_.add(plainName(file).stem().string());
+        disownLocked(id);
+        named_.push_back({file, std::move(id)});
         jobs.push_back({{.name = std::move(file)}, named_.back().id});
     }
     // What opens in milliseconds does not wait for what takes minutes.
@@ -185,7 +192,11 @@ bool Loader::removeLocked(Named& named) {
 bool Loader::tryAgainLocked(Named& named) {
     const auto entry = catalog_.find(named.id);
     if (entry && entry->state != CloudState::Failed) return false;
-    if (!entry) named.id = catalog_.add(plainName(named.file).stem().string());
+    if (!entry) {
+        std::string id = catalog_.add(plainName(named.file).stem().string());
+        disownLocked(id);
+        named.id = std::move(id);
+    }
     unsorted_.push_back({{.name = named.file}, named.id, {}, numbers_++});
     std::ignore = catalog_.tryAgain(named.id);  // a new one is Loading already
     return true;
@@ -198,7 +209,7 @@ bool Loader::leaveLocked(const std::string& id) {
     return left > 0;
 }
 
-Loader::Changes Loader::serve(std::vector<fs::path> files) {
+Loader::Changes Loader::serve(std::vector<fs::path> files, Again again) {
     watch_.hurry();
     Changes changes;
     {
@@ -213,7 +224,7 @@ Loader::Changes Loader::serve(std::vector<fs::path> files) {
             }
             files.erase(at);
             named->leaves = false;
-            changes.tried += tryAgainLocked(*named) ? 1 : 0;
+            changes.tried += again == Again::Try && tryAgainLocked(*named) ? 1 : 0;
             ++named;
         }
         changes.added = files.size();

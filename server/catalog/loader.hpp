@@ -80,10 +80,13 @@ class Loader {
     struct Changes {
         std::size_t added = 0, removed = 0, tried = 0;  ///< tried: again, because they had failed
     };
+    /// What becomes of files that have failed, or were removed by others, and are still named.
+    enum class Again : std::uint8_t { Try, Leave };
     /// From now on these files are served in place of those of the constructor, or of the last call: new ones are added,
     /// those that are not named any more are removed (what is being read first when it has been), what has failed, or was
-    /// removed by others, is tried again; and whether a file has changed is looked at at once. What load() brought stays.
-    Changes serve(std::vector<std::filesystem::path> files);
+    /// removed by others, is tried again, or left as it is; and whether a file has changed is looked at at once. What load()
+    /// brought stays.
+    Changes serve(std::vector<std::filesystem::path> files, Again again = Again::Try);
     void requestStop();
     /// Nothing is being loaded, and nothing waits; after requestStop(): nothing is being loaded.
     bool finished() const;
@@ -119,6 +122,7 @@ class Loader {
     using Clock = std::chrono::steady_clock;
     Jobs& jobsOf(Lane lane) { return lane == Lane::Own ? own_ : forImporters_; }
     Jobs::iterator nextOf(Lane lane);
+    void disownLocked(const std::string& id);
     void addLocked(std::vector<std::filesystem::path> files);
     bool removeLocked(Named& named);
     bool tryAgainLocked(Named& named);

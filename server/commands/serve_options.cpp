@@ -53,6 +53,19 @@ Expected<AccessTokens> accessTokens(const ServeOptions& options) {
                 admin.name, same->name),
             "admin-token-file");
     }
+    // Who knows what signs sessions could sign one for anybody; and a token goes over the line, a key never does.
+    for (const NamedToken& key : tokens.sessionKeys)
+        for (const auto& [flag, others] :
+             {std::pair("auth-token-file", &tokens.users), std::pair("admin-token-file", &tokens.admins),
+              std::pair("guest-key-file", &tokens.guestKeys)}) {
+            const auto same = std::ranges::find(*others, key.token, &NamedToken::token);
+            if (same == others->end()) continue;
+            return fail(ErrorCode::InvalidArgument,
+                        fmt::format("--session-key-file: \"{}\" is the same secret as \"{}\" in --{}; make "
+                                    "another one: scancast token NAME.",
+                                    key.name, same->name, flag),
+                        "session-key-file");
+        }
     return tokens;
 }
 

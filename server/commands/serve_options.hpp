@@ -94,7 +94,8 @@ Expected<std::size_t> maxConnections(const ServeOptions& options);
 /// --admin-listen; empty when it was not given. InvalidArgument when it is none.
 Expected<std::optional<ListenAddress>> adminListen(const ServeOptions& options);
 
-/// What --auth-token-file, --admin-token-file, --guest-key-file and --session-key-file hold; an error names the flag, and never a token.
+/// What --auth-token-file, --admin-token-file, --guest-key-file and --session-key-file hold; an error names the flag, and never a token. InvalidArgument, too,
+/// where one secret is good for two things that it must not be.
 Expected<AccessTokens> accessTokens(const ServeOptions& options);
 
 /// "localhost", 127.x.x.x, "::1".

@@ -22,6 +22,7 @@
 #include "server/commands/serve/clouds.hpp"
 #include "server/commands/serve/reload.hpp"
 #include "server/commands/serve/serve.hpp"
+#include "server/commands/serve/upkeep.hpp"
 #include "server/commands/serve_options.hpp"
 #include "server/commands/service_reports.hpp"
 #include "server/net/clients/open_files.hpp"
@@ -88,31 +89,13 @@ bool reportDevice(ScancastServer& server, bool& reported) {
     return true;
 }
 
-/// What came since it was looked at last.
-class SignalsToServe {
-  public:
-    explicit SignalsToServe(const ShutdownSignals& signals) : signals_(signals) {}
-    bool reload() { return std::exchange(reloads_, signals_.reloads()) != signals_.reloads(); }
-    bool other() { return std::exchange(others_, signals_.others()) != signals_.others(); }
-
-  private:
-    const ShutdownSignals& signals_;
-    int reloads_ = 0, others_ = 0;
-};
-
 // Until a signal comes (0), or there is nothing to serve with or from (1).
-int waitForTheEnd(ScancastServer& server, CloudSources& sources, const ServeOptions& options,
-                  ShutdownSignals& signals, Service& service, Reload& reload) {
+int waitForTheEnd(ScancastServer& server, const CloudSources& sources, const ServeOptions& options,
+                  ShutdownSignals& signals, Service& service, Upkeep& upkeep) {
     const bool mayGrow = !options.server.dataRoot.empty() || !options.catalog.empty();
     bool deviceReported = false;
-    SignalsToServe news(signals);
     while (signals.wait(std::chrono::milliseconds(100)) == 0) {
-        if (news.other()) spdlog::warn("SIGUSR1 and SIGUSR2 mean nothing here; SIGHUP has files read anew.");
-        if (news.reload()) {
-            service.reportReload(server);
-            reload.run();
-        }
-        sources.lookAround(std::chrono::steady_clock::now());
+        upkeep.step([&] { service.reportReload(server); });
         service.report(server, false);
         if (!reportDevice(server, deviceReported)) return 1;
         // Later there is somebody to tell, and another reload.
@@ -127,17 +110,20 @@ int waitForTheEnd(ScancastServer& server, CloudSources& sources, const ServeOpti
 // Where there are other servers: their clients go to those, and are drawn for until they have. A second signal, or the end of
 // the time, ends the waiting.
 void moveClients(ScancastServer& server, std::chrono::seconds patience, ShutdownSignals& signals,
-                 Service& service) {
+                 Service& service, Upkeep& upkeep) {
     using Clock = std::chrono::steady_clock;
     if (patience.count() == 0) return;
-    const int before = signals.wait(std::chrono::milliseconds(0));
+    // One has begun this, but where there is nothing to draw with; another may have come with it.
+    const int before = std::min(1, signals.wait(std::chrono::milliseconds(0)));
     const auto end = Clock::now() + patience;
     spdlog::info("streams that are to go to another server within {} s: {}", patience.count(),
                  server.sessions());
     server.moveClients(patience);
     while (server.sessions() > 0 && Clock::now() < end &&
-           signals.wait(std::chrono::milliseconds(50)) == before)
+           signals.wait(std::chrono::milliseconds(50)) <= before) {
+        upkeep.step();  // a token that is withdrawn meanwhile is withdrawn
         service.report(server, true);
+    }
     if (server.sessions() > 0) spdlog::warn("streams that have not gone in time: {}", server.sessions());
 }
 
@@ -273,14 +259,15 @@ int serve(ServeOptions options, GivenFlags given, nlohmann::json effective, cons
                     options.logFormat == "json" ? ProgressBar::Style::Quiet : ProgressBar::Style::Automatic);
     CloudSources sources(options, damage, **server, bar);
     (*server)->admin().loadWith([&sources](ScanInput input, const std::string& id) {
-        return sources.loader.load(std::move(input), id);
+        return sources.loader().load(std::move(input), id);
     });
     Service service(std::move(*manager));
     Reload reload(std::move(given), options, std::move(effective), **server, sources);
-    const int exitCode = waitForTheEnd(**server, sources, options, signals, service, reload);
+    Upkeep upkeep(sources, reload, signals);
+    const int exitCode = waitForTheEnd(**server, sources, options, signals, service, upkeep);
     service.report(**server, true);
     bar.clear();
-    moveClients(**server, std::chrono::seconds(options.drainSeconds), signals, service);
+    moveClients(**server, std::chrono::seconds(options.drainSeconds), signals, service, upkeep);
     (*server)->admin().loadWith({});
     leave(**server, sources, *options.server.cache, *options.server.remote, signals, exitCode);
     return exitCode;
